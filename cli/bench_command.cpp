@@ -1,13 +1,6 @@
-#include <fmt/core.h>
-
-#include <cmath>
 #include <phynness/evaluation/runtime_speed.hpp>
-#include <phynness/formats/error.hpp>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "output_places.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::bench_command {
 namespace {
@@ -16,7 +9,7 @@ struct Options {
   std::filesystem::path model;
   std::optional<double> budget_us;
   double forces = 1, deformations = 1;
-  std::optional<std::filesystem::path> json_file;
+  OptionalPath json_file;
 };
 
 /// An error of 0 means that it was not estimated (phn_level).
@@ -24,12 +17,6 @@ json estimated(double error) { return error > 0 ? json(error) : json(nullptr); }
 std::string percent(double error) { return error > 0 ? fmt::format("{:.3f}", 100 * error) : "-"; }
 
 void run(const Options& options) {
-  for (const auto& [name, value] :
-       {std::pair{"--budget", options.budget_us.value_or(0)}, std::pair{"--forces", options.forces},
-        std::pair{"--deformations", options.deformations}})
-    if (!std::isfinite(value))
-      throw input_error(fmt::format("{} is not a finite number", name), fmt::format("{}", value),
-                        "give microseconds and numbers of calls, as in --budget 200 --forces 1");
   const LoadedModel model(options.model);
   const auto times = measure_levels(model);
   json levels = json::array();
@@ -42,13 +29,10 @@ void run(const Options& options) {
     print_result("{:<6} {:>13} {:>19} {:>6} {:>10.3f} {:>14.3f} {:>9} {:>15}\n", l, info.force_centers,
                  info.deformation_centers, info.modes, time.force_us, time.deformation_us, percent(info.error_force),
                  percent(info.error_displacement));
-    levels.push_back({{"force_centers", info.force_centers},
-                      {"deformation_centers", info.deformation_centers},
-                      {"modes", info.modes},
-                      {"error_force", estimated(info.error_force)},
-                      {"error_displacement", estimated(info.error_displacement)},
-                      {"force_us", time.force_us},
-                      {"deformation_us", time.deformation_us}});
+    levels.push_back(record("force_centers", info.force_centers, "deformation_centers", info.deformation_centers,
+                            "modes", info.modes, "error_force", estimated(info.error_force), "error_displacement",
+                            estimated(info.error_displacement), "force_us", time.force_us, "deformation_us",
+                            time.deformation_us));
   }
   if (times.size() > 1)
     print_result(
@@ -57,7 +41,7 @@ void run(const Options& options) {
   else
     print_result(
         "errors: not estimated for a model of one level; [training] levels trains more and estimates errors\n");
-  json out{{"levels", levels}};
+  json out = record("levels", levels);
   rt::Status status;
   if (options.budget_us) {
     std::int32_t level = 0;
@@ -81,17 +65,13 @@ void run(const Options& options) {
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("bench", "Measure the time of a force and a deformation at each level of a model");
-  add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
-      ->required();
-  command->add_option("--budget", options->budget_us, "print the level that fits into this time [us]")
-      ->check(finite_range(0, 1e12));
-  command->add_option("--forces", options->forces, "number of forces within the budget")->check(finite_range(0, 1e12));
-  command->add_option("--deformations", options->deformations, "number of deformations within the budget")
-      ->check(finite_range(0, 1e12));
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
-  command->callback([options] { run(*options); });
+  auto [command, options] =
+      add_command(app, "bench", "Measure the time of a force and a deformation at each level of a model", run);
+  add_model(command, options.model);
+  add_number(command, "--budget", options.budget_us, 0, 1e12, "print the level that fits into this time [us]");
+  add_number(command, "--forces", options.forces, 0, 1e12, "number of forces within the budget");
+  add_number(command, "--deformations", options.deformations, 0, 1e12, "number of deformations within the budget");
+  add_json(command, options.json_file);
 }
 
 }  // namespace phynness::cli::bench_command

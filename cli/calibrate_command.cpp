@@ -1,22 +1,14 @@
-#include <fmt/core.h>
-
-#include <phynness/formats/error.hpp>
 #include <phynness/validation/calibrate.hpp>
-#include <phynness/validation/figures.hpp>
 #include <phynness/validation/force_unit.hpp>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "console.hpp"
-#include "output_places.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::calibrate_command {
 namespace {
 
 struct Options {
   std::filesystem::path model, database, output;
-  std::optional<std::filesystem::path> json_file;
+  OptionalPath json_file;
   std::int64_t rays = 1000, seed = 1;
   bool details = false;
 };
@@ -39,12 +31,14 @@ void print(const BoundReport& report, const Options& options) {
 }
 
 json as_json(const BoundReport& report, const Model& model) {
-  json out{{"coverage", model.bounds.at(0).coverage}};
+  json out = record("coverage", model.bounds.at(0).coverage);
   out.update(figures(report));
   return out;
 }
 
-void run(const Options& options) {
+void run(const Options& given) {
+  Options options = given;
+  if (options.output.empty()) check_place("MODEL_DIR", options.output = options.model, PathKind::model);
   install_stop_handler();
   const SolverSession session;
   std::optional<LoadedModel> model;
@@ -60,13 +54,8 @@ void run(const Options& options) {
   BoundSpec spec;
   spec.rays = options.rays;
   spec.seed = static_cast<std::uint64_t>(options.seed);
-  Model bounded;
-  {
-    Progress progress("calibrate", "nodes");
-    bounded = calibrate(
-        session, *database, *model, spec, [&](std::int64_t done, std::int64_t total) { progress.update(done, total); },
-        stop_requested, report);
-  }
+  const Model bounded =
+      calibrate(session, *database, *model, spec, Progress("calibrate", "nodes").counter(), stop_requested, report);
   session.together([&] {
     if (session.rank() != 0) return;
     write_model_dir(options.output, bounded, model->mesh());
@@ -82,30 +71,18 @@ void run(const Options& options) {
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("calibrate", "Add bounds of the force's error to a model: solves random rays");
-  add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
-      ->required();
-  add_path(*command, "DATABASE", options->database, InputKind::whole, "database.h5 on which the model was trained")
-      ->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::model,
+  auto [command, options] =
+      add_command(app, "calibrate", "Add bounds of the force's error to a model: solves random rays", run);
+  add_model(command, options.model);
+  add_database(command, options.database, "database.h5 on which the model was trained");
+  add_path(command, "-o,--output", options.output, PathKind::model,
            "model directory to write (default: MODEL_DIR, whose model.txt is replaced at the end)");
-  command->add_option("--rays", options->rays, "random rays, ten at each of a tenth as many nodes, but at least 20")
-      ->check(CLI::Range(std::int64_t{100}, std::int64_t{1'000'000}))
+  add_count(command, "--rays", options.rays, 100, 1'000'000,
+            "random rays, ten at each of a tenth as many nodes, but at least 20")
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "of the random numbers")
-      ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 53))
-      ->capture_default_str();
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
-  command->add_flag("--details", options->details, "print shares by depth and the width of the bounds");
-  command->callback([options] {
-    if (options->output.empty()) {
-      check_folder_place("MODEL_DIR", options->model);
-      check_file_place("MODEL_DIR", options->model / "model.txt", {});
-      options->output = options->model;
-    }
-    run(*options);
-  });
+  add_count(command, "--seed", options.seed, 0, std::int64_t{1} << 53, "of the random numbers")->capture_default_str();
+  add_json(command, options.json_file);
+  command.add_flag("--details", options.details, "print shares by depth and the width of the bounds");
 }
 
 }  // namespace phynness::cli::calibrate_command

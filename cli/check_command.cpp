@@ -1,18 +1,10 @@
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
-#include <phynness/formats/error.hpp>
 #include <phynness/formats/locking.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/discretization.hpp>
-#include <phynness/validation/figures.hpp>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "console.hpp"
-#include "output_places.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::check_command {
 namespace {
@@ -20,7 +12,7 @@ namespace {
 struct Options {
   std::filesystem::path scene;
   DiscretizationOptions check;
-  std::optional<std::filesystem::path> json_file;
+  OptionalPath json_file;
 };
 
 constexpr Variant references[] = {Variant::taylor_hood, Variant::half_size};
@@ -29,11 +21,6 @@ std::string in_words(const Scene& scene, const DiscretizationReport& report, Var
   if (v == Variant::taylor_hood) return "taylor-hood elements on the same mesh";
   return fmt::format("{} elements of half the size ({} nodes instead of {})", name(scene.solver.element),
                      report.cost(v).n_nodes, report.cost(Variant::scene).n_nodes);
-}
-
-std::string direction_of(const CheckedProbe& probe) {
-  const auto& d = probe.direction;
-  return fmt::format("node {}, direction {:.3g} {:.3g} {:.3g}", probe.node, d[0], d[1], d[2]);
 }
 
 /// The limit that --seconds needs for all probes, rounded up to two digits.
@@ -56,20 +43,20 @@ void print_left_out(const DiscretizationReport& report, Variant v) {
   }
 }
 
-/// Prints the probes that failed before the largest displacement, with the reason.
-std::int64_t print_failed(const DiscretizationReport& report, Variant v) {
-  std::int64_t failed = 0;
+/// Prints the probes that failed before the largest displacement, with the reason. @return whether there are any
+bool print_failed(const DiscretizationReport& report, Variant v) {
+  bool any = false;
   for (const auto& probe : report.probes) {
     const auto& forces = probe.of(v);
-    for (std::size_t i = 0; i < forces.status.size(); ++i) {
-      if (forces.converged(i)) continue;
-      print_result("  {}: failed from |d| = {:.4g} mm on ({})\n", direction_of(probe), 1e3 * report.depth_m[i],
-                   name(forces.status[i]));
-      ++failed;
-      break;
-    }
+    std::size_t i = 0;
+    while (i < forces.status.size() && forces.converged(i)) ++i;
+    if (i == forces.status.size()) continue;
+    const auto& d = probe.direction;
+    print_result("  node {}, direction {:.3g} {:.3g} {:.3g}: failed from |d| = {:.4g} mm on ({})\n", probe.node, d[0],
+                 d[1], d[2], 1e3 * report.depth_m[i], name(forces.status[i]));
+    any = true;
   }
-  return failed;
+  return any;
 }
 
 void print_comparison(const Scene& scene, const DiscretizationReport& report, Variant v) {
@@ -95,7 +82,7 @@ void print(const Scene& scene, const DiscretizationReport& report) {
         "note: the scene displaces single nodes, whose force depends on element and mesh even without locking; "
         "patches of {:.4g} mm are compared instead\n",
         1e3 * report.tool_radius_m);
-  if (print_failed(report, Variant::scene) > 0) print_result("  these are probes of the scene itself\n");
+  if (print_failed(report, Variant::scene)) print_result("  these are probes of the scene itself\n");
   for (const auto v : references) print_comparison(scene, report, v);
   print_result("{}\n", duration(report.seconds));
 }
@@ -104,9 +91,8 @@ json as_json(const Scene& scene, const DiscretizationReport& report) {
   Scene checked = scene;
   checked.probe.kind = ProbeKind::patch;
   const double expected = expected_force_ratio(checked, report.mean_edge_m);
-  json out{{"element", name(scene.solver.element)},
-           {"bulk_to_shear", scene.material.bulk_to_shear()},
-           {"expected_ratio", expected > 1 ? json(expected) : json(nullptr)}};
+  json out = record("element", name(scene.solver.element), "bulk_to_shear", scene.material.bulk_to_shear(),
+                    "expected_ratio", expected > 1 ? json(expected) : json(nullptr));
   out.update(figures(report));
   return out;
 }
@@ -134,13 +120,8 @@ void run(const Options& options) {
   const SolverSession session;
   const auto loaded = load_scene(options.scene);
   install_stop_handler();
-  DiscretizationReport report;
-  {
-    Progress progress("check", "rays");
-    report = check_discretization(
-        loaded.scene, loaded.mesh, loaded.sets, options.check,
-        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
-  }
+  const auto report = check_discretization(loaded.scene, loaded.mesh, loaded.sets, options.check,
+                                           Progress("check", "rays").counter(), stop_requested);
   print(loaded.scene, report);
   write_each({[&] { write_json(options.json_file, as_json(loaded.scene, report)); },
               [&] { refuse_nothing(options, report); }});
@@ -149,19 +130,15 @@ void run(const Options& options) {
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("check", "Compare element and mesh of a scene with better ones at a few probes");
-  add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file")->required();
-  command->add_option("--probes", options->check.probes, "number of probes, each at another node")
-      ->check(CLI::Range(1, 10'000))
+  auto [command, options] =
+      add_command(app, "check", "Compare element and mesh of a scene with better ones at a few probes", run);
+  add_scene(command, options.scene);
+  add_count(command, "--probes", options.check.probes, 1, 10'000, "number of probes, each at another node")
       ->capture_default_str();
-  command
-      ->add_option("--seconds", options->check.seconds,
-                   "time for all; the cheaper comparison comes first and uses at most half of it, each probe its share")
-      ->check(finite_range(1, 1e7))
+  add_number(command, "--seconds", options.check.seconds, 1, 1e7,
+             "time for all; the cheaper comparison comes first and uses at most half of it, each probe its share")
       ->capture_default_str();
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
-  command->callback([options] { run(*options); });
+  add_json(command, options.json_file);
 }
 
 }  // namespace phynness::cli::check_command

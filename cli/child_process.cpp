@@ -8,29 +8,22 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
-#include <phynness/formats/error.hpp>
 #include <thread>
 
 #include "commands.hpp"
-#include "console.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
 
 constexpr int not_started = 127;  // as of a shell
 
-struct ProcessResult {
-  bool started = false;
-  int exit_status = 1;
-};
-
-ProcessResult execute(const std::vector<std::string>& arguments, bool quiet) {
+/// @return the exit status
+int execute(const std::vector<std::string>& arguments, bool quiet) {
   std::vector<char*> argv;
   for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
   const pid_t parent = getpid(), child = fork();
-  if (child < 0) return {};
+  if (child < 0) return not_started;
   if (child == 0) {
     // A stage ends in an orderly way when this process is gone, also after kill -9.
     prctl(PR_SET_PDEATHSIG, SIGTERM);
@@ -46,8 +39,7 @@ ProcessResult execute(const std::vector<std::string>& arguments, bool quiet) {
   // Each signal is passed on. The first makes the child stop in an orderly way, the second kills it.
   while (waitpid(child, &status, 0) < 0 && errno == EINTR)
     if (stop_requested()) kill(child, SIGTERM);
-  const int exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : 1;
-  return {exit_status != not_started, exit_status};
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
 }
 
 }  // namespace
@@ -73,15 +65,15 @@ void run_child(const std::string& title, std::vector<std::string> arguments, int
     if (ranks > static_cast<int>(std::thread::hardware_concurrency())) launcher.push_back("--oversubscribe");
     arguments.insert(arguments.begin(), launcher.begin(), launcher.end());
   }
-  const auto result = execute(arguments, quiet);
-  if (!result.started)
+  const int exit_status = execute(arguments, quiet);
+  if (exit_status == not_started)
     throw failure("the program cannot be started", arguments[0], ranks > 1 ? "install Open MPI, or use --ranks 1" : "");
   if (stop_requested())
     throw failure("interrupted in stage " + title, "solved rays are kept",
                   "run the same command with --resume to continue");
   const std::string remedy = "when its cause is mended, run the same command with --resume";
-  if (result.exit_status == 2) throw input_error("stopped in stage " + title, "see the message above", remedy);
-  if (result.exit_status != 0) throw failure("stopped in stage " + title, "see the message above", remedy);
+  if (exit_status == 2) throw input_error("stopped in stage " + title, "see the message above", remedy);
+  if (exit_status != 0) throw failure("stopped in stage " + title, "see the message above", remedy);
 }
 
 }  // namespace phynness::cli

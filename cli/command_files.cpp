@@ -5,16 +5,14 @@
 
 #include <algorithm>
 #include <climits>
-#include <map>
+#include <fstream>
+#include <optional>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/printable.hpp>
 #include <phynness/schema/text_reader.hpp>
-#include <string_view>
-#include <variant>
-#include <vector>
+#include <tuple>
 
-#include "output_places.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli {
@@ -25,257 +23,207 @@ namespace fs = std::filesystem;
 /// A file or directory that the command reads or writes.
 struct Claim {
   std::string option;
-  fs::path path;      ///< as given by the user
-  fs::path resolved;  ///< canonical
+  fs::path given, path;  ///< as the user gives it, and canonical
   bool written = false;
   bool encloses = true;  ///< no other claim may lie inside; also true for files
 };
 
-/// Canonical path. Symbolic links are followed even if their targets do not exist yet.
-fs::path resolve(const fs::path& path) {
-  constexpr int most_links = 40;
-  std::error_code code;
-  fs::path found = fs::absolute(path, code);
-  for (int links = 0; links < most_links; ++links) {
-    const auto canonical = fs::weakly_canonical(found, code);
-    found = code ? found.lexically_normal() : canonical;
-    if (!found.has_filename()) found = found.parent_path();  // trailing slash
-    fs::path at, rest;
-    bool is_link = false;
-    for (const auto& part : found) {
-      if (is_link) {
-        rest /= part;
-      } else {
-        at /= part;
-        is_link = fs::is_symlink(fs::symlink_status(at, code));
-      }
-    }
-    if (!is_link) break;
-    const auto target = fs::read_symlink(at, code);
-    if (code) break;
-    found = at.parent_path() / target / rest;
-  }
-  return found;
+/// All claims of the command that this process runs.
+std::vector<Claim>& claims() {
+  static std::vector<Claim> all;
+  return all;
 }
 
-bool same(const fs::path& a, const fs::path& b) {
-  std::error_code code;
-  return a == b || fs::equivalent(a, b, code);
+std::vector<std::pair<const CLI::Option*, PathKind>>& declared_options() {
+  static std::vector<std::pair<const CLI::Option*, PathKind>> all;
+  return all;
 }
 
-bool lies_in(const fs::path& inner, const fs::path& outer) {
-  for (auto at = inner; at.has_relative_path();) {
-    at = at.parent_path();
-    if (same(at, outer)) return true;
-  }
-  return false;
-}
-
-/// Pipes, terminals and /dev/null keep no data that could be overwritten.
-bool keeps_nothing(const fs::path& path) {
-  std::error_code code;
-  const auto type = fs::status(path, code).type();
-  return type != fs::file_type::regular && type != fs::file_type::directory && type != fs::file_type::not_found &&
-         type != fs::file_type::none;
-}
-
-/// Names both limits, so that the remedy needs to be followed once.
-/// @throws Error (input) if the file system cannot hold a name or the path, or, of an output, what is made of them
-void check_length(const std::string& option, const fs::path& path, bool written) {
-  // Longer than .shard-2147483646-of-2147483647.log/rank-0000-0000 and than all that is made in a folder.
-  const std::size_t added = written ? 64 : 0;
+fs::path place_of(const fs::path& path) {
   std::error_code code;
   const auto absolute = fs::absolute(path, code);
-  const long of_folder = ::pathconf(existing_part(absolute).c_str(), _PC_NAME_MAX);
-  const std::size_t longest_name = of_folder > 0 ? static_cast<std::size_t>(of_folder) : NAME_MAX;
-  const std::size_t most = longest_name - added;
-  std::size_t bytes = (absolute.has_filename() ? absolute : absolute.parent_path()).filename().native().size();
-  for (const auto& part : absolute)
-    if (part.native().size() > longest_name) bytes = part.native().size();
-  const bool name_fits = bytes <= most;
-  if (name_fits) bytes = absolute.native().size();
-  if (name_fits && bytes + added < PATH_MAX) return;
-  throw input_error(
-      fmt::format("the {} of a file is too long", name_fits ? "path" : "name"),
-      fmt::format("{} {}: {} bytes", option, shortened(path.string(), 60), bytes),
-      fmt::format("give a name of at most {} bytes, in a path of at most {}", most, PATH_MAX - 1 - added));
+  auto found = fs::weakly_canonical(absolute, code);
+  if (code) found = absolute.lexically_normal();
+  return found.has_filename() ? found : found.parent_path();  // without the slash at the end
 }
 
-class Claims {
- public:
-  void add(Claim claim) {
-    if (claim.path.empty() || keeps_nothing(claim.path)) return;
-    claim.resolved = resolve(claim.path);
-    for (const auto& other : _claims) check(claim, other);
-    _claims.push_back(std::move(claim));
-  }
-  /// Adds a directory together with its entries, so that a second name of an entry is found by its inode.
-  void add_tree(const Claim& claim) {
-    add(claim);
-    std::error_code code;
-    for (fs::directory_iterator entry(claim.path, code), end; !code && entry != end; entry.increment(code)) {
-      auto inside = claim;
-      inside.path = entry->path();
-      add(inside);
-    }
-  }
+/// The place itself or one below it.
+bool lies_in(const fs::path& inner, const fs::path& outer) {
+  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+}
 
- private:
-  static void check(const Claim& a, const Claim& b) {
-    if (!(a.written || b.written) || a.option == b.option) return;
-    const auto takes = [](const Claim& whole, const Claim& part) {
-      return whole.encloses && (same(part.resolved, whole.resolved) || lies_in(part.resolved, whole.resolved));
-    };
-    if (!takes(a, b) && !takes(b, a)) return;
-    const auto& output = a.written ? a : b;
-    const auto& other = a.written ? b : a;
+/// Pipes, terminals and /dev/null hold no data that could be overwritten.
+bool keeps_nothing(const fs::path& path) {
+  std::error_code code;
+  return fs::is_other(path, code);
+}
+
+/// The program appends to names of outputs and makes files in its folders: without this a command would fail after all
+/// of its work. @throws Error (input) that names both limits
+void check_length(const std::string& option, const fs::path& path, bool written) {
+  // Longer than .shard-2147483646-of-2147483647.log/rank-0000-0000 and than all that is made in a folder.
+  const std::string added(written ? 64 : 0, 'x');
+  std::error_code code;
+  for (const auto& tried : {path.filename(), path}) {
+    static_cast<void>(fs::exists(tried.string() + added, code));
+    if (code == std::errc::filename_too_long)
+      throw input_error("the name or the path of a file is too long",
+                        fmt::format("{} {}: {} bytes", option, shortened(path.string(), 60), tried.native().size()),
+                        fmt::format("give a name of at most {} bytes, in a path of at most {}", NAME_MAX - added.size(),
+                                    PATH_MAX - 1 - added.size()));
+  }
+}
+
+void add_claim(Claim claim) {
+  if (keeps_nothing(claim.given)) return;
+  claim.path = place_of(claim.given);
+  for (const auto& other : claims()) {
+    if (!(claim.written || other.written) || claim.option == other.option) continue;
+    if (!(other.encloses && lies_in(claim.path, other.path)) && !(claim.encloses && lies_in(other.path, claim.path)))
+      continue;
+    const auto &output = claim.written ? claim : other, &second = claim.written ? other : claim;
     throw input_error(
-        fmt::format("an output would overwrite {}", other.written ? "another output" : "an input"),
-        fmt::format("{} {} and {} {}", output.option, output.path.string(), other.option, other.path.string()),
+        fmt::format("an output would overwrite {}", second.written ? "another output" : "an input"),
+        fmt::format("{} {} and {} {}", output.option, output.given.string(), second.option, second.given.string()),
         fmt::format("give {} another file or directory", output.option));
   }
-
-  std::vector<Claim> _claims;
-};
-
-/// All claims of the command that this process runs.
-Claims& claims() {
-  static Claims all;
-  return all;
+  claims().push_back(std::move(claim));
 }
 
-using Kind = std::variant<InputKind, OutputKind>;
-std::map<const CLI::Option*, Kind>& declared_options() {
-  static std::map<const CLI::Option*, Kind> all;
-  return all;
-}
+/// The texts of a model, with their beginnings.
+constexpr std::pair<const char*, std::string_view> model_texts[] = {{"model.txt", schema::model_magic},
+                                                                    {"mesh.txt", mesh_text_magic}};
 
-fs::path with_suffix(const fs::path& path, const char* suffix) { return path.string() + suffix; }
-
-void claim_input(const std::string& option, const fs::path& path, InputKind kind) {
-  check_length(option, path, false);
-  Claim claim{option, path, {}, false, kind == InputKind::whole};
+void claim_path(const std::string& option, const fs::path& path, PathKind kind) {
+  // What is written to FILE.part first and then renamed may not be there either; so with databases.
+  const bool written = kind != PathKind::input;
+  std::vector<const char*> suffixes{""};
   std::error_code code;
-  if (kind == InputKind::folder) return claims().add(claim);
-  claims().add_tree(claim);
-  claim.path = with_suffix(path, ".log");
-  if (!fs::is_directory(path, code) && fs::is_directory(claim.path, code)) claims().add_tree(claim);
-}
-
-void claim_output(const std::string& option, const fs::path& path, OutputKind kind) {
-  const bool encloses = kind != OutputKind::model && kind != OutputKind::folder;
-  const auto claim = [&](const fs::path& of) { return Claim{option, of, {}, true, encloses}; };
-  // Text files are first written to FILE.part and then renamed, so that FILE.part is also an output.
-  const auto claim_text = [&](const fs::path& file) {
-    claims().add({option, file, {}, true, true});
-    claims().add({option, with_suffix(file, ".part"), {}, true, true});
-  };
+  if (kind == PathKind::file) suffixes.push_back(".part");
+  if (kind == PathKind::database) suffixes.insert(suffixes.end(), {".tmp", ".packing", ".solver.log", ".log"});
+  if (kind == PathKind::input && !fs::is_directory(path, code) && fs::is_directory(path.string() + ".log", code))
+    suffixes.push_back(".log");
   if (keeps_nothing(path)) return;
-  switch (kind) {
-    case OutputKind::file:
-      return claim_text(path);
-    case OutputKind::database:
-      for (const char* suffix : {"", ".tmp", ".packing", ".solver.log"}) claims().add(claim(with_suffix(path, suffix)));
-      return claims().add_tree(claim(with_suffix(path, ".log")));
-    case OutputKind::model:
-      claims().add(claim(path));
-      for (const char* name : {"model.txt", "mesh.txt"}) claim_text(path / name);
-      return;
-    case OutputKind::folder:
-      return claims().add(claim(path));
-    case OutputKind::tree:
-      return claims().add_tree(claim(path));
-  }
+  for (const char* suffix : suffixes)
+    add_claim({option, path.string() + suffix, {}, written, kind != PathKind::model && kind != PathKind::folder});
+  if (kind == PathKind::model)
+    for (const auto& [name, begin] : model_texts) claim_path(option, path / name, PathKind::file);
 }
 
-}  // namespace
-
-void declare(CLI::Option& option, InputKind kind) {
-  option.type_name("INPUT");
-  declared_options()[&option] = kind;
-}
-void declare(CLI::Option& option, OutputKind kind) {
-  option.type_name("OUTPUT");
-  declared_options()[&option] = kind;
+Error cannot_write(const std::string& option, const fs::path& path, const std::string& why, const std::string& remedy) {
+  return input_error("an output cannot be written: " + why, option + " " + path.string(), remedy);
 }
 
-namespace {
+/// @param path    what is to be written, in the folder or the folder itself
+/// @param folder  which must be there, or which the command makes
+void check_folder(const std::string& option, const fs::path& path, const fs::path& folder) {
+  std::error_code code;
+  fs::path there = folder;
+  while (!fs::exists(there, code) && there.has_relative_path()) there = there.parent_path();
+  if (!fs::is_directory(there, code))
+    throw cannot_write(option, path, there.string() + " is a file, not a folder", "give a place in a folder");
+  const auto is_made = [&](const Claim& claim) {
+    return claim.written && !claim.encloses && lies_in(folder, claim.path);
+  };
+  if (there != folder && std::none_of(claims().begin(), claims().end(), is_made))
+    throw cannot_write(option, path, "there is no folder " + folder.string(), "make the folder, or give another file");
+  if (::access(there.c_str(), W_OK | X_OK) != 0)
+    throw cannot_write(option, path, "the folder " + there.string() + " is not writable",
+                       "change its permissions, or give another place");
+}
 
-/// A path that the command line gives to a declared option.
-struct Given {
-  std::string option;
-  fs::path path;
-  Kind kind;
-};
+void check_file(const std::string& option, const fs::path& file) {
+  std::error_code code;
+  if (fs::is_directory(file, code))
+    throw cannot_write(option, file, "this is a folder", "give the name of a file, in this folder or elsewhere");
+  if (fs::exists(file, code) && ::access(file.c_str(), W_OK) != 0)
+    throw cannot_write(option, file, "the file may not be changed", "change its permissions, or give another file");
+  if (!keeps_nothing(file)) check_folder(option, file, place_of(file).parent_path());
+}
 
-void collect(const CLI::App& app, std::vector<Given>& all) {
-  for (const auto* option : app.get_options()) {
-    const auto declared = declared_options().find(option);
-    if (declared == declared_options().end()) continue;
-    for (const auto& path : option->results()) all.push_back({option->get_name(), path, declared->second});
-  }
-  for (const auto* command : app.get_subcommands()) collect(*command, all);
+/// @throws Error (input) if there is a file with another beginning, which would be lost
+void check_own_text(const std::string& option, const fs::path& file, std::string_view begin) {
+  std::error_code code;
+  if (!fs::is_regular_file(file, code)) return;
+  std::string text(begin.size(), '\0');
+  std::ifstream(file, std::ios::binary).read(text.data(), std::ssize(text));
+  if (text != begin)
+    throw cannot_write(option, file, "a file that this program has not written has this name",
+                       "give another folder, or move the file");
 }
 
 /// @return false for --json -, which is no file. @throws Error (input)
-bool is_file(const Given& given) {
-  if (given.path.empty())
-    throw input_error("the name of a file is empty", given.option + " ''",
-                      given.option.starts_with('-') ? "give the name of a file, or omit the option"
-                                                    : "give the name of a file or a folder");
-  if (!std::holds_alternative<OutputKind>(given.kind) || !is_stdout(given.path)) return true;
-  if (given.option != "--json")
-    throw input_error("only --json can be written to stdout", given.option + " -",
+bool is_file(const std::string& option, const fs::path& path, PathKind kind) {
+  if (path.empty())
+    throw input_error("the name of a file is empty", option + " ''",
+                      option.starts_with('-') ? "give the name of a file, or omit the option"
+                                              : "give the name of a file or a folder");
+  if (kind == PathKind::input || !is_stdout(path)) return true;
+  if (option != "--json")
+    throw input_error("only --json can be written to stdout", option + " -",
                       "give ./- for a file of this name, or another name");
   print_results_on_stderr();
   return false;
 }
 
-void check_place(const Given& given, const std::vector<fs::path>& made) {
-  const auto* output = std::get_if<OutputKind>(&given.kind);
-  if (!output) return;
-  switch (*output) {
-    case OutputKind::file:
-      return check_file_place(given.option, given.path, made);
-    case OutputKind::database:
-      return;  // DatabaseWriter and merge_shards() look at the folder first
-    case OutputKind::model:
-      for (const auto& [name, begin] :
-           {std::pair{"model.txt", std::string_view(schema::model_magic)}, std::pair{"mesh.txt", mesh_text_magic}}) {
-        check_file_place(given.option, given.path / name, made);
-        check_own_text(given.option, given.path / name, begin);
-      }
-      [[fallthrough]];
-    case OutputKind::folder:
-    case OutputKind::tree:
-      return check_folder_place(given.option, given.path);
+}  // namespace
+
+void declare(CLI::Option& option, PathKind kind) {
+  option.type_name(kind == PathKind::input ? "INPUT" : "OUTPUT");
+  declared_options().emplace_back(&option, kind);
+}
+
+void check_files() {
+  std::vector<std::tuple<std::string, fs::path, PathKind>> given;
+  for (const auto& [option, kind] : declared_options())
+    for (const auto& path : option->results())
+      if (is_file(option->get_name(), path, kind)) given.emplace_back(option->get_name(), path, kind);
+  for (const auto& [option, path, kind] : given) {
+    check_length(option, path, kind != PathKind::input);
+    claim_path(option, path, kind);
+  }
+  for (const auto& [option, path, kind] : given) check_place(option, path, kind);
+}
+
+void declare_input(const std::string& option, const fs::path& path) { claim_path(option, path, PathKind::input); }
+void declare_output(const std::string& option, const fs::path& path, PathKind kind) { claim_path(option, path, kind); }
+
+void check_place(const std::string& option, const fs::path& path, PathKind kind) {
+  // DatabaseWriter and merge_shards() look at the folder themselves.
+  if (kind == PathKind::input || kind == PathKind::database) return;
+  if (kind == PathKind::file) return check_file(option, path);
+  check_folder(option, path, place_of(path));
+  if (kind != PathKind::model) return;
+  for (const auto& [name, begin] : model_texts) {
+    check_file(option, path / name);
+    check_own_text(option, path / name, begin);
   }
 }
 
-}  // namespace
+bool is_stdout(const fs::path& path) { return path == "-"; }
 
-void check_files(const CLI::App& app) {
-  std::vector<Given> all;
-  collect(app, all);
-  all.erase(std::remove_if(all.begin(), all.end(), [](const Given& given) { return !is_file(given); }), all.end());
-  std::vector<fs::path> made;
-  for (const auto& given : all)
-    if (const auto* input = std::get_if<InputKind>(&given.kind)) {
-      claim_input(given.option, given.path, *input);
-    } else {
-      const auto kind = std::get<OutputKind>(given.kind);
-      check_length(given.option, given.path, true);
-      claim_output(given.option, given.path, kind);
-      if (kind != OutputKind::file && kind != OutputKind::database) made.push_back(given.path);
+void make_folder(const fs::path& folder) {
+  std::error_code code;
+  fs::create_directories(folder, code);
+  if (code)
+    throw input_error("the output folder cannot be made", folder.string() + ": " + code.message(),
+                      "give a folder in a place where you may write");
+}
+
+void write_each(const std::vector<std::function<void()>>& outputs) {
+  std::optional<Error> last;
+  const auto keep = [&](const Error& error) {
+    if (last) message("error: {}\n", last->what());
+    last = error;
+  };
+  for (const auto& write : outputs) try {
+      write();
+    } catch (const Error& error) {
+      keep(error);
+    } catch (const std::exception& error) {
+      keep(failure("an output could not be written", error.what(), "check the free space and the permissions"));
     }
-  for (const auto& given : all) check_place(given, made);
-}
-
-void declare_input(const std::string& option, const std::filesystem::path& path) {
-  claim_input(option, path, InputKind::whole);
-}
-void declare_output(const std::string& option, const std::filesystem::path& path, OutputKind kind) {
-  claim_output(option, path, kind);
+  if (last) throw Error(*last);
 }
 
 }  // namespace phynness::cli

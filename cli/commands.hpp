@@ -1,72 +1,103 @@
 // The subcommands. Each function adds a subcommand, which is executed after the whole command line has been parsed.
 #pragma once
 
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <filesystem>
 #include <functional>
+#include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <phynness/formats/database.hpp>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/figures.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
 #include <phynness/formats/tool.hpp>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
+
+#include "command_files.hpp"
+#include "console.hpp"
+#include "streams.hpp"
+
+namespace phynness {
+class LoadedModel;
+struct Motion;
+struct Validated;
+}  // namespace phynness
 
 namespace phynness::cli {
 
-using json = nlohmann::ordered_json;
+using json = Json;
 
-// One namespace per command, in a file of the same name.
-namespace mesh_command {
-void add(CLI::App& app);
+/// An object of keys and values, as in record("nodes", 4, "error", error); figures() of the values.
+template <class Value, class... More>
+json record(const char* key, const Value& value, const More&... more) {
+  json out = json::object();
+  out[key] = figures(value);
+  if constexpr (sizeof...(more) > 0) out.update(record(more...));
+  return out;
 }
-namespace plan_command {
-void add(CLI::App& app);
+
+// Each command is a file NAME_command.cpp with a namespace of that name, in the order of --help. Those of the second
+// list need dolfinx and are in the program with the solver.
+#define PHYNNESS_COMMANDS(each)                                                                                        \
+  each(mesh) each(check) each(plan) each(precompute) each(merge) each(train) each(calibrate) each(validate) each(tune) \
+      each(eval) each(bench) each(solve) each(export) each(info) each(show) each(view) each(run)
+#define PHYNNESS_SOLVER_COMMANDS(each) \
+  each(plan) each(precompute) each(calibrate) each(validate) each(tune) each(check) each(solve) each(run)
+#define PHYNNESS_DECLARE(name) \
+  namespace name##_command {   \
+    void add(CLI::App& app);   \
+  }
+PHYNNESS_COMMANDS(PHYNNESS_DECLARE)
+
+/// Adds a subcommand. @param run  executed with the options after the whole command line has been parsed
+template <class Options>
+std::pair<CLI::App&, Options&> add_command(CLI::App& app, const char* name, const std::string& about,
+                                           void (*run)(const Options&)) {
+  auto options = std::make_shared<Options>();
+  auto* command = app.add_subcommand(name, about);
+  command->callback([options, run] { run(*options); });
+  return {*command, *options};
 }
-namespace precompute_command {
-void add(CLI::App& app);
+
+// Options that several commands have. Those of SCENE, DATABASE, MODEL_DIR and --output are required.
+using OptionalPath = std::optional<std::filesystem::path>;
+CLI::Validator finite_range(double low, double high);
+void add_scene(CLI::App& command, std::filesystem::path& file, const char* what = "scene file");
+void add_database(CLI::App& command, std::filesystem::path& file, const char* what);
+void add_model(CLI::App& command, std::filesystem::path& folder);
+void add_output(CLI::App& command, std::filesystem::path& place, PathKind kind, const char* what);
+void add_json(CLI::App& command, OptionalPath& file, const char* what = "write the figures as JSON");
+/// An integer from `low` to `high`.
+template <class Value>
+CLI::Option* add_count(CLI::App& command, const char* name, Value& value, std::int64_t low, std::int64_t high,
+                       const std::string& what) {
+  return command.add_option(name, value, what)->check(CLI::Range(low, high));
 }
-namespace merge_command {
-void add(CLI::App& app);
+inline constexpr auto largest_seed = std::numeric_limits<std::int64_t>::max();
+/// A finite number from `low` to `high`; CLI11's own ranges let nan pass.
+template <class Value>
+CLI::Option* add_number(CLI::App& command, const char* name, Value& value, double low, double high,
+                        const std::string& what) {
+  return command.add_option(name, value, what)->check(finite_range(low, high));
 }
-namespace train_command {
-void add(CLI::App& app);
-}
-namespace calibrate_command {
-void add(CLI::App& app);
-}
-namespace validate_command {
-void add(CLI::App& app);
-}
-namespace tune_command {
-void add(CLI::App& app);
-}
-namespace eval_command {
-void add(CLI::App& app);
-}
-namespace bench_command {
-void add(CLI::App& app);
-}
-namespace check_command {
-void add(CLI::App& app);
-}
-namespace solve_command {
-void add(CLI::App& app);
-}
-namespace export_command {
-void add(CLI::App& app);
-}
-namespace info_command {
-void add(CLI::App& app);
-}
-namespace show_command {
-void add(CLI::App& app);
-}
-namespace view_command {
-void add(CLI::App& app);
-}
-namespace run_command {
-void add(CLI::App& app);
+
+/// Values between commas, without surrounding spaces.
+std::vector<std::string_view> fields_of(std::string_view row);
+/// @return false unless the whole field is a number
+template <class Number>
+bool parse_number(std::string_view field, Number& number) {
+  if (field.starts_with('+')) field.remove_prefix(1);
+  const auto [end, code] = std::from_chars(field.data(), field.data() + field.size(), number);
+  return code == std::errc{} && end == field.data() + field.size();
 }
 
 /// Executes the program with the solver instead of this one, if it is another one and has the subcommand argv[1].
@@ -96,11 +127,15 @@ void warn_of_patch(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 /// @throws Error (input) if the hashes differ
 void check_mesh(const Scene& scene, const std::string& mesh_hash, const std::string& where);
 
-/// For options: a finite number from `low` to `high`; CLI11's own ranges let nan pass.
-CLI::Validator finite_range(double low, double high);
+/// Checks that a database was made from the scene. @param work  "train", for messages
+/// @throws Error (input) if not
+void check_database(const Scene& scene, const DatabaseHeader& header, const std::string& file, const std::string& work);
+
+/// Prints what is lost of the logs of a database. @param what  becomes of it
+void warn_of_damage(const std::vector<LogDamage>& all, const char* what = "are ignored");
 
 /// Of an option --json; "-" is stdout.
-void write_json(const std::optional<std::filesystem::path>& file, const json& value);
+void write_json(const OptionalPath& file, const json& value);
 
 /// Much larger than any body that passes the mesh checks without a warning, and much smaller than numbers whose squares
 /// overflow.
@@ -115,7 +150,7 @@ struct ToolOptions {
   std::vector<std::int32_t> nodes;
   std::vector<std::string> points, displacements;
   std::optional<double> max_distance_m;  ///< of a --point from the surface; by default part of the body's size
-  std::optional<std::filesystem::path> deformation_csv, json_file;
+  OptionalPath deformation_csv, json_file;
   void add_to(CLI::App& command);
   /// Displacements [m] of the tools at nodes, then of the tools at points.
   /// @throws Error (input) unless there is at least one tool and one displacement of three finite numbers for each tool
@@ -143,5 +178,20 @@ struct ToolResult {
 void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& places,
                   const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result, json extra,
                   const std::function<void()>& write_more = {});
+
+/// Prints which share of the rays and of the probe volume ends early, why, and at which nodes. Prints nothing if every
+/// ray reaches its full depth. @return the figures
+json tell_ends(const DatabaseHeader& header, const EndSummary& ends);
+
+/// Evaluates every step of a motion with the runtime and prints a summary.
+/// @param name       of the motion, for messages
+/// @param json_file  the motion with the forces, energies and status of this model, in the format of the motion
+/// @throws Error (input) with the step if the model cannot answer it; nothing is written then
+void answer_motion(const LoadedModel& model, const Motion& motion, const std::string& name,
+                   const OptionalPath& json_file);
+
+/// Prints the verdict, one sentence for each line, what was not done, and the figures; print_details() all tables.
+void print_validation(const Validated& validated);
+void print_details(const Validated& validated, int ranks);
 
 }  // namespace phynness::cli

@@ -1,17 +1,9 @@
-#include <fmt/core.h>
-
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/meshes/meshes.hpp>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "console.hpp"
-#include "output_places.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli {
 
@@ -20,19 +12,11 @@ namespace {
 /// @throws Error (input) unless `text` is three finite numbers, separated by commas, of a length of at most
 /// largest_displacement_m
 Vec3 parse_vector(const std::string& text, const std::string& what, const std::string& remedy) {
+  const auto fields = fields_of(text);
   Vec3 v{};
-  const char *at = text.data(), *end = text.data() + text.size();
-  bool good = true;
-  for (int k = 0; k < 3 && good; ++k) {
-    if (k > 0) good = at != end && *at++ == ',';
-    if (!good) break;
-    while (at != end && *at == ' ') ++at;
-    if (at != end && *at == '+') ++at;
-    const auto [next, code] = std::from_chars(at, end, v[static_cast<std::size_t>(k)]);
-    good = code == std::errc{} && std::isfinite(v[static_cast<std::size_t>(k)]);
-    at = next;
-  }
-  if (!good || at != end)
+  bool good = fields.size() == 3;
+  for (std::size_t k = 0; k < 3 && good; ++k) good = parse_number(fields[k], v[k]) && std::isfinite(v[k]);
+  if (!good)
     throw input_error("a " + what + " must be three finite numbers separated by commas", "'" + text + "'", remedy);
   if (std::hypot(v[0], v[1], v[2]) > largest_displacement_m)
     throw input_error(fmt::format("a {} is longer than {:g} m", what, largest_displacement_m), "'" + text + "'",
@@ -65,10 +49,6 @@ void check_sizes(const Scene& scene, const QualityReport& q, bool quiet) {
                       "give radii in metres, and check mesh.scale_to_m");
 }
 
-}  // namespace
-
-namespace {
-
 /// Farthest --point from the surface, as a part of the diagonal of the bounding box.
 constexpr double largest_distance = 0.05;
 
@@ -97,6 +77,19 @@ void check_distance(const std::string& text, const Vec3& wanted, const SurfacePo
 }
 
 }  // namespace
+
+std::vector<std::string_view> fields_of(std::string_view row) {
+  std::vector<std::string_view> fields;
+  for (std::size_t at = 0; at <= row.size();) {
+    const auto end = std::min(row.find(',', at), row.size());
+    auto field = row.substr(at, end - at);
+    field.remove_prefix(std::min(field.find_first_not_of(' '), field.size()));
+    field.remove_suffix(field.size() - (field.find_last_not_of(' ') + 1));
+    fields.push_back(field);
+    at = end + 1;
+  }
+  return fields;
+}
 
 Scene open_scene(const std::filesystem::path& file) {
   auto scene = read_scene(file);
@@ -141,6 +134,21 @@ void check_mesh(const Scene& scene, const std::string& hash, const std::string& 
                       "use the scene and mesh file from which it was made, or precompute again");
 }
 
+void check_database(const Scene& scene, const DatabaseHeader& header, const std::string& file,
+                    const std::string& work) {
+  if (physics_hash(scene) != header.physics_hash)
+    throw input_error(
+        "the database was made from another scene",
+        "physics hash " + header.physics_hash + ", of this scene " + physics_hash(scene),
+        work + " with the scene from which it was made (phynness info prints its name), or precompute again");
+  check_mesh(scene, header.mesh_hash, file);
+}
+
+void warn_of_damage(const std::vector<LogDamage>& all, const char* what) {
+  for (const auto& damage : all)
+    message("warning: {}: {}; {} {}\n", damage.log.string(), damage.reason, bytes(damage.dropped_bytes), what);
+}
+
 CLI::Validator finite_range(double low, double high) {
   const auto check = [low, high](std::string& text) {
     double value = 0;
@@ -151,12 +159,28 @@ CLI::Validator finite_range(double low, double high) {
   return CLI::Validator(check, fmt::format("FLOAT in [{:g} - {:g}]", low, high));
 }
 
-void write_json(const std::optional<std::filesystem::path>& file, const json& value) {
+void write_json(const OptionalPath& file, const json& value) {
   if (!file) return;
   if (is_stdout(*file))
     write_stdout(value.dump(2) + "\n");
   else
     write_text_file(*file, value.dump(2) + "\n");
+}
+
+void add_scene(CLI::App& command, std::filesystem::path& file, const char* what) {
+  add_path(command, "SCENE", file, PathKind::input, what)->required();
+}
+void add_database(CLI::App& command, std::filesystem::path& file, const char* what) {
+  add_path(command, "DATABASE", file, PathKind::input, what)->required();
+}
+void add_model(CLI::App& command, std::filesystem::path& folder) {
+  add_path(command, "MODEL_DIR", folder, PathKind::input, "directory with model.txt and mesh.txt")->required();
+}
+void add_output(CLI::App& command, std::filesystem::path& place, PathKind kind, const char* what) {
+  add_path(command, "-o,--output", place, kind, what)->required();
+}
+void add_json(CLI::App& command, OptionalPath& file, const char* what) {
+  add_path(command, "--json", file, PathKind::file, what);
 }
 
 void ToolOptions::add_to(CLI::App& command) {
@@ -167,17 +191,15 @@ void ToolOptions::add_to(CLI::App& command) {
                   "touched point x,y,z [m] instead of a node; the nearest point of the undeformed surface is used; "
                   "repeat for several tools")
       ->allow_extra_args(false);
-  command
-      .add_option("--max-distance", max_distance_m,
-                  "farthest --point from the surface [m] (default: 5 % of the diagonal of the body's bounding box)")
-      ->check(finite_range(0, largest_displacement_m));
+  add_number(command, "--max-distance", max_distance_m, 0, largest_displacement_m,
+             "farthest --point from the surface [m] (default: 5 % of the diagonal of the body's bounding box)");
   command
       .add_option("--displacement", displacements,
                   "displacement dx,dy,dz [m]; one for each --node, then one for each --point")
       ->allow_extra_args(false);
-  add_path(command, "--deformation", deformation_csv, OutputKind::file,
+  add_path(command, "--deformation", deformation_csv, PathKind::file,
            "write a CSV file with the displacement of the output nodes: node,x,y,z,ux,uy,uz [m] and scalar fields");
-  add_path(command, "--json", json_file, OutputKind::file, "write the result as JSON");
+  add_json(command, json_file, "write the result as JSON");
 }
 
 std::vector<Vec3> ToolOptions::parsed_displacements() const {
@@ -239,49 +261,35 @@ void write_deformation(const ToolOptions& options, const Mesh& mesh, const ToolR
 void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& places,
                   const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result, json extra,
                   const std::function<void()>& write_more) {
-  const double largest = result.displacement_m.rows() > 0 ? result.displacement_m.rowwise().norm().maxCoeff() : 0.0;
+  std::optional<double> largest;
+  if (result.displacement_m.rows() > 0) largest = result.displacement_m.rowwise().norm().maxCoeff();
   json tools = json::array();
   for (std::size_t t = 0; t < places.size(); ++t) {
-    json tool;
-    std::string where;
-    if (t < options.nodes.size()) {
-      tool["node"] = options.nodes[t];
-      where = fmt::format("node {}", options.nodes[t]);
-    } else {
-      const auto& p = places[t].point;
-      tool["node"] = nullptr;
-      tool["point"] = p;
-      tool["distance"] = places[t].distance;
-      tool["nodes"] = places[t].nodes;
-      tool["weights"] = places[t].weights;
-      where = fmt::format("point {:.6g} {:.6g} {:.6g} m", p[0], p[1], p[2]);
-    }
-    tool["displacement"] = displacements[t];
-    tool["force"] = nullptr;
-    if (result.force_N[t]) tool["force"] = *result.force_N[t];
-    tools.push_back(tool);
-    const auto& d = displacements[t];
-    print_result("{}  displacement {:g} {:g} {:g} m", where, d[0], d[1], d[2]);
-    if (result.force_N[t]) {
-      const auto& f = *result.force_N[t];
-      print_result("  force {:.6g} {:.6g} {:.6g} N\n", f[0], f[1], f[2]);
-    } else {
-      print_result("  force: undefined with --tools paper\n");
-    }
+    const auto &d = displacements[t], &p = places[t].point;
+    const auto& f = result.force_N[t];
+    const bool at_node = t < options.nodes.size();
+    tools.push_back(at_node ? record("node", options.nodes[t])
+                            : record("node", nullptr, "point", p, "distance", places[t].distance, "nodes",
+                                     places[t].nodes, "weights", places[t].weights));
+    tools.back().update(record("displacement", d, "force", f));
+    print_result("{}  displacement {:g} {:g} {:g} m",
+                 at_node ? fmt::format("node {}", options.nodes[t])
+                         : fmt::format("point {:.6g} {:.6g} {:.6g} m", p[0], p[1], p[2]),
+                 d[0], d[1], d[2]);
+    print_result("  force{}\n", f ? fmt::format(" {:.6g} {:.6g} {:.6g} N", (*f)[0], (*f)[1], (*f)[2])
+                                  : ": undefined with --tools paper");
   }
-  json out{{"tools", tools}, {"energy", nullptr}, {"max_displacement", nullptr}};
-  if (result.displacement_m.rows() > 0) out["max_displacement"] = largest;
-  if (result.energy_J) out["energy"] = *result.energy_J;
+  json out = record("tools", tools, "energy", result.energy_J, "max_displacement", largest);
   out.update(extra);
   if (result.energy_J) print_result("energy {:.6g} J  ", *result.energy_J);
-  if (result.displacement_m.rows() > 0)
-    print_result("largest displacement {:.6g} m\n", largest);
+  if (largest)
+    print_result("largest displacement {:.6g} m\n", *largest);
   else
     print_result("no deformation: the model has forces only\n");
   for (const auto& field : result.fields) {
     const double most = field.values.size() > 0 ? field.values.maxCoeff() : 0.0;
     print_result("largest {} {:.6g} {}\n", field.name, most, field.unit);
-    out["fields"][field.name] = {{"max", most}, {"unit", field.unit}};
+    out["fields"][field.name] = record("max", most, "unit", field.unit);
   }
 
   write_each({[&] { write_deformation(options, mesh, result); }, [&] { write_json(options.json_file, out); },

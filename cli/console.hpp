@@ -2,7 +2,9 @@
 #pragma once
 
 #include <chrono>
+#include <concepts>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 namespace phynness::cli {
@@ -15,6 +17,10 @@ class Progress {
   explicit Progress(std::string what, std::string unit);
   ~Progress();
   void update(std::int64_t done, std::int64_t total);
+  /// For work that counts its parts; this object outlives it.
+  std::function<void(std::int64_t, std::int64_t)> counter() {
+    return [this](std::int64_t done, std::int64_t total) { update(done, total); };
+  }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -39,5 +45,9 @@ void end_at_signals(const char* words);
 std::string duration(double seconds);
 /// "12.3 MB"
 std::string bytes(double n);
+template <std::integral Count>
+std::string bytes(Count n) {
+  return bytes(static_cast<double>(n));
+}
 
 }  // namespace phynness::cli

@@ -1,13 +1,12 @@
-#include "error_tables.hpp"
-
-#include <fmt/core.h>
-
+// Text output of `phynness validate`.
 #include <algorithm>
 #include <cmath>
+#include <phynness/formats/locking.hpp>
 #include <phynness/validation/force_unit.hpp>
+#include <phynness/validation/trained_share.hpp>
+#include <phynness/validation/verdict.hpp>
 
-#include "console.hpp"
-#include "streams.hpp"
+#include "commands.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -19,12 +18,7 @@ std::string told(const std::optional<double>& correlation) {
   return correlation ? fmt::format("{:.2f}", *correlation) : "too few probes";
 }
 
-}  // namespace
-
-void print_verdict(const Validated& validated) {
-  for (const auto& line : verdict(validated)) print_result("{}: {}.\n", line.title, line.sentence);
-}
-
+/// The first column to the left, the others to the right.
 void print_cells(const TableCells& rows) {
   std::vector<std::size_t> widths(rows.front().size());
   for (const auto& row : rows)
@@ -81,10 +75,6 @@ void print_summary(const ValidationReport& report) {
   if (inside.force.n > 0) print_result("\n");
   print_result("rank correlation of the force error with the distance from the training data: {} inside, {} outside\n",
                told(report.distance_correlation_inside), told(report.distance_correlation_outside));
-}
-
-void print_worse(const std::vector<WorseThanLinear>& all) {
-  for (const auto& worse : all) print_result("warning: {}\n", worse.sentence());
 }
 
 void print_examples(const ValidationReport& report) {
@@ -175,6 +165,51 @@ void print_pairs(const PairReport& report) {
         1e2 * right_alone, in_percent(alone.mean), in_percent(alone.median), in_percent(alone.max));
   print_result("largest distance of a tool from its point in the field: {:.1e} m; {}\n", report.largest_residual_m,
                duration(report.seconds));
+}
+
+void print_conditions(const Scene& scene, const ValidationReport& report) {
+  const double K_mu = scene.material.bulk_to_shear();
+  const Element element = scene.solver.element;
+  std::string nodes;
+  constexpr std::size_t most_named = 20;
+  for (std::size_t i = 0; i < std::min(most_named, report.nodes.size()); ++i)
+    nodes += (nodes.empty() ? "" : " ") + std::to_string(report.nodes[i]);
+  if (report.nodes.size() > most_named) nodes += " ...";
+  print_result("{} ({}), {}, K/mu = {:.4g}{}, {} probes, R = {:.4g} mm\n", scene.title.empty() ? "scene" : scene.title,
+               name(scene.material.law), name(element), K_mu,
+               expected_force_ratio(scene) > warned_force_ratio ? " (locked)" : "", name(scene.probe.kind),
+               1e3 * scene.probe.max_displacement_m);
+  const auto [nearest, farthest] = std::ranges::minmax(report.fixed_distance_m);
+  print_result("{} probes at {} nodes ({}), {:.3g} to {:.3g} mm from the nearest fixed node\n", report.probes,
+               report.nodes.size(), nodes, 1e3 * nearest, 1e3 * farthest);
+}
+
+}  // namespace
+
+void print_validation(const Validated& v) {
+  for (const auto& line : verdict(v)) print_result("{}: {}.\n", line.title, line.sentence);
+  for (const auto& worse : worse_than_linear(v)) print_result("warning: {}\n", worse.sentence());
+  for (const auto& part : v.not_done()) print_result("{}\n", part);
+  print_cells(summary_cells(v));
+}
+
+void print_details(const Validated& v, int ranks) {
+  const auto& report = v.report;
+  const Model& model = v.model.model();
+  print_conditions(v.scene, report);
+  print_table(report);
+  print_to_range(report.to_range);
+  print_result("{}\n", sentence(trained_share(model), model));
+  print_summary(report);
+  print_examples(report);
+  if (v.points.finished > 0) print_points(v.points);
+  if (v.pairs.finished > 0) print_pairs(v.pairs);
+  print_result("runtime on this machine, one core: force {:.2f} us", report.speed.force_us);
+  if (report.of(Predictor::model).inside.displacement.n > 0)
+    print_result(", deformation of {} nodes {:.1f} us", model.output.size(), report.speed.deformation_us);
+  if (!model.fields.empty()) print_result(", a field {:.1f} us", report.speed.field_us);
+  print_result("\n");
+  print_result("{} on {} rank{}\n", duration(report.seconds), ranks, ranks == 1 ? "" : "s");
 }
 
 }  // namespace phynness::cli

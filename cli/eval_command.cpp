@@ -1,16 +1,13 @@
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <phynness/evaluation/loaded_model.hpp>
-#include <phynness/formats/error.hpp>
+#include <phynness/formats/motion.hpp>
+#include <phynness/formats/text_file.hpp>
+#include <phynness/formats/vtk.hpp>
+#include <phynness/phynness_surface.hpp>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "eval_motion.hpp"
-#include "fine_surface.hpp"
 #include "query_table.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::eval_command {
 namespace {
@@ -19,21 +16,64 @@ struct Options {
   std::filesystem::path model;
   std::string tools = "coupled";
   ToolOptions tool;
-  std::optional<std::filesystem::path> surface;
+  OptionalPath surface;
   int levels = 0;  ///< of subdivision
   std::optional<std::int32_t> level;
   QueryOptions queries;
-  std::optional<std::filesystem::path> motion;
+  OptionalPath motion;
 };
 
-void check_surface_options(const Options& options) {
-  if (!options.surface) {
-    if (options.levels > 0)
-      throw input_error("--subdivide needs --surface", fmt::format("--subdivide {}", options.levels),
-                        "add --surface file.vtk");
-    return;
+std::string obj_text(const VtkGrid& grid, const Eigen::MatrixXd& displacement, const std::string& title) {
+  std::string text = "# " + title + "\n";
+  for (Eigen::Index i = 0; i < grid.points.rows(); ++i) {
+    const Eigen::RowVector3d x = grid.points.row(i) + displacement.row(i);
+    text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", x[0], x[1], x[2]);
   }
-  check_surface_name(*options.surface);
+  for (Eigen::Index t = 0; t < grid.cells.rows(); ++t)
+    text += fmt::format("f {} {} {}\n", grid.cells(t, 0) + 1, grid.cells(t, 1) + 1, grid.cells(t, 2) + 1);
+  return text;
+}
+
+/// A VTK file has the undeformed surface with the fields `displacement` [m] and `node` (-1: a vertex between nodes). An
+/// OBJ file has the deformed surface.
+/// @param displacement_m  n_output x 3
+/// @param levels          0 ... 6
+/// @return number of vertices
+/// @throws Error (input) if the model has no surface, or if the surface cannot be subdivided that often
+std::int32_t write_fine_surface(const LoadedModel& model, const Points& displacement_m, int levels,
+                                const std::filesystem::path& file, const std::string& title) {
+  const rt::Surface surface(model.runtime(), levels);
+  if (surface.status() == PHN_ERROR_UNDEFINED)
+    throw input_error(
+        "the model has no surface", file.string(),
+        "its triangles connect output and fixed nodes: select the surface as nodes.output and train again");
+  if (!surface)
+    throw input_error("the surface cannot be subdivided", fmt::format("--subdivide {}", levels),
+                      std::string("use fewer levels (") + surface.status().message() + ")");
+  const auto n = surface.n_vertices();
+  std::vector<float> scratch(surface.n_scratch());
+  using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+  FloatRows fine(n, 3);
+  const rt::Status status =
+      surface.deform(scratch, {displacement_m.data(), static_cast<std::size_t>(displacement_m.size())},
+                     {fine.data(), static_cast<std::size_t>(fine.size())});
+  if (!status.ok())
+    throw failure("the runtime cannot deform the surface", status.message(), "please report this defect");
+
+  VtkGrid grid;
+  grid.points = Eigen::Map<const FloatRows>(surface.points().data(), n, 3).cast<double>();
+  grid.cells = Eigen::Map<const Eigen::Matrix<std::int32_t, Eigen::Dynamic, 3, Eigen::RowMajor>>(
+      surface.triangles().data(), static_cast<Eigen::Index>(surface.triangles().size() / 3), 3);
+  for (const auto part : {model.runtime().output_nodes(), model.runtime().fixed_nodes()})
+    grid.node_numbers.insert(grid.node_numbers.end(), part.begin(), part.end());
+  grid.node_numbers.resize(static_cast<std::size_t>(n), -1);
+  const Eigen::MatrixXd displacement = fine.cast<double>();
+  if (file.extension() == ".obj") {
+    write_text_file(file, obj_text(grid, displacement, title));
+  } else {
+    write_text_file(file, vtu_text(grid, {0, {{"displacement", displacement}}}));
+  }
+  return n;
 }
 
 std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places, const std::vector<Vec3>& displacements) {
@@ -103,50 +143,12 @@ void run_queries(const Options& options) {
   answer_queries(options.queries, answers);
 }
 
-/// @param where  the tool, for messages
-/// @throws Error (input) unless the surface has a triangle with these nodes
-void require_triangle(const Motion::Tool& tool, const std::string& where, const Mesh& mesh) {
-  for (Eigen::Index t = 0; t < mesh.surface.rows(); ++t) {
-    const auto corners = mesh.surface.row(t);
-    if (std::all_of(tool.nodes.begin(), tool.nodes.end(),
-                    [&](auto node) { return node < 0 || (corners.array() == node).any(); }))
-      return;
-  }
-  throw input_error(where + ": the surface has no triangle with these nodes",
-                    fmt::format("{}, {}{}", tool.nodes[0], tool.nodes[1],
-                                tool.nodes[2] < 0 ? "" : fmt::format(", {}", tool.nodes[2])),
-                    "give nodes and weights as eval --point x,y,z --json writes them");
-}
-
-/// @throws Error (input) unless the mesh has the nodes of all tools, and those of each one are of one triangle
-void require_places(const Motion& motion, const std::string& name, const Mesh& mesh) {
-  for (std::size_t t = 0; t < motion.tools.size(); ++t) {
-    const auto& tool = motion.tools[t];
-    for (const auto node : tool.nodes)
-      if (node >= mesh.n_nodes())
-        throw input_error(name + ": the mesh has no such node", std::to_string(node),
-                          "give the model for which the motion was recorded; its nodes are 0 to " +
-                              std::to_string(mesh.n_nodes() - 1));
-    if (tool.nodes[1] >= 0) require_triangle(tool, fmt::format("{}: tools[{}]", name, t), mesh);
-  }
-}
-
 /// --motion replaces the options of a single query, except --json.
 void run_motion(const Options& options) {
-  const auto& tool = options.tool;
-  if (!tool.nodes.empty() || !tool.points.empty() || !tool.displacements.empty())
-    throw input_error("--motion excludes tools on the command line",
-                      "--motion together with --node, --point or --displacement", "omit either --motion or the tools");
-  if (options.queries.file || tool.deformation_csv || options.surface || options.levels > 0 || options.tools == "paper")
-    throw input_error("--motion only writes forces",
-                      "--motion together with --queries, --deformation, --surface, --subdivide or --tools paper",
-                      "use --json for the forces, or these options for one query with --node");
-  const auto name = options.motion->string();
   const auto motion = read_motion(*options.motion);
   LoadedModel model(options.model);
   if (options.level) model.set_level(*options.level);
-  require_places(motion, name, model.mesh());
-  answer_motion(model, motion, name, tool.json_file);
+  answer_motion(model, motion, options.motion->string(), options.tool.json_file);
 }
 
 void print_bound(const LoadedModel& model, const std::optional<double>& bound_N) {
@@ -157,8 +159,10 @@ void print_bound(const LoadedModel& model, const std::optional<double>& bound_N)
     print_result("error of the force: unknown outside of the trained range\n");
 }
 
-void run(const Options& options) {
-  check_surface_options(options);
+void run_single(const Options& options) {
+  if (options.surface && options.surface->extension() != ".vtu" && options.surface->extension() != ".obj")
+    throw input_error("the format of the surface file is unknown", options.surface->string(),
+                      "give --surface a name that ends in .vtu or .obj");
   const auto displacements = options.tool.parsed_displacements();
   if (options.tools == "paper" && !options.tool.points.empty())
     throw input_error("--tools paper is only defined for tools at nodes", "--point " + options.tool.points.front(),
@@ -176,7 +180,8 @@ void run(const Options& options) {
   if (response.status > 0)
     message("warning: {}{}\n", phn_status_message(response.status),
             lengths_outside(model, response.status, places, displacements));
-  json extra{{"status", response.status}, {"family", model.runtime().info().family}, {"level", model.data().level()}};
+  json extra =
+      record("status", response.status, "family", model.runtime().info().family, "level", model.data().level());
   const bool single = !coupled && places.size() == 1, bounded = single && model.has_bounds();
   std::optional<double> bound_N;
   if (single) {
@@ -204,31 +209,38 @@ void run(const Options& options) {
   if (bounded) print_bound(model, bound_N);
 }
 
+void run(const Options& options) {
+  if (options.motion)
+    run_motion(options);
+  else if (options.queries.file)
+    run_queries(options);
+  else
+    run_single(options);
+}
+
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("eval", "Compute force and deformation from a model with the runtime");
-  add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
-      ->required();
-  options->tool.add_to(*command);
-  options->queries.add_to(*command);
-  add_path(*command, "--motion", options->motion, InputKind::whole,
-           "JSON file of a recorded motion of tools (formats/motion.md), instead of --node; --json writes its forces");
+  auto [command, options] =
+      add_command(app, "eval", "Compute force and deformation from a model with the runtime", run);
+  add_model(command, options.model);
+  options.tool.add_to(command);
   command
-      ->add_option("--tools", options->tools,
-                   "method for several tools: coupled (with forces), or paper (weights (15)-(16), without forces)")
+      .add_option("--tools", options.tools,
+                  "method for several tools: coupled (with forces), or paper (weights (15)-(16), without forces)")
       ->check(CLI::IsMember({"coupled", "paper"}));
-  command->add_option("--level", options->level, "level of the model; 0 is the smallest (default: the full one)");
-  add_path(*command, "--surface", options->surface, OutputKind::file,
-           "write the surface: undeformed with its displacement (.vtu) or deformed (.obj)");
-  command->add_option("--subdivide", options->levels, "levels of subdivision of that surface (Loop's scheme)")
-      ->check(CLI::Range(0, 6));
-  command->callback([options] {
-    options->queries.check(options->tool, options->surface || options->levels > 0 ? "--surface or --subdivide" : "");
-    if (options->motion) return run_motion(*options);
-    options->queries.file ? run_queries(*options) : run(*options);
-  });
+  command.add_option("--level", options.level, "level of the model; 0 is the smallest (default: the full one)");
+  auto* surface = add_path(command, "--surface", options.surface, PathKind::file,
+                           "write the surface: undeformed with its displacement (.vtu) or deformed (.obj)");
+  add_count(command, "--subdivide", options.levels, 0, 6, "levels of subdivision of that surface (Loop's scheme)")
+      ->needs(surface);
+  std::vector<std::string> single{"--node", "--point", "--displacement", "--deformation", "--surface", "--tools"};
+  auto* motion = add_path(
+      command, "--motion", options.motion, PathKind::input,
+      "JSON file of a recorded motion of tools (formats/motion.md), instead of --node; --json writes its forces");
+  for (const auto& option : single) motion->excludes(command.get_option(option));
+  single.insert(single.end(), {"--json", "--motion"});
+  options.queries.add_to(command, single);
 }
 
 }  // namespace phynness::cli::eval_command

@@ -1,18 +1,10 @@
-#include <fmt/core.h>
-
 #include <algorithm>
-#include <cctype>
 #include <phynness/embedding/embedding.hpp>
 #include <phynness/evaluation/loaded_model.hpp>
-#include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/training/families.hpp>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "console.hpp"
-#include "output_places.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::export_command {
 namespace {
@@ -25,44 +17,27 @@ struct Options {
   std::string name = "model";
   bool force_only = false, floats = false;
   std::size_t golden = 0;
-  std::optional<std::filesystem::path> json_file;
+  OptionalPath json_file;
 };
 
 void check_name(const std::string& name) {
   constexpr std::size_t longest = 48;
-  bool good = !name.empty() && name.size() <= longest && !std::isdigit(static_cast<unsigned char>(name[0]));
-  for (const char c : name)
-    good = good && (c == '_' || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'));
-  if (!good)
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto fits = [&](char c) { return c == '_' || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c); };
+  if (name.empty() || name.size() > longest || is_digit(name[0]) || !std::ranges::all_of(name, fits))
     throw input_error(
         fmt::format("a name in C must consist of at most {} letters, digits and _, and not start with a digit",
                     longest),
         "--name " + name, "give for example --name liver");
 }
 
-void check_output(const Options& options) {
-  std::error_code code;
-  if (std::filesystem::exists(options.output) && !std::filesystem::is_directory(options.output))
-    throw input_error("the output is not a directory", options.output.string(),
-                      "give a directory; it is made if it does not exist");
-  std::filesystem::create_directories(options.output, code);
-  if (code)
-    throw input_error("the output directory cannot be made", options.output.string() + ": " + code.message(),
-                      "give a directory in a place where you may write");
-}
-
 json golden_json(const GoldenQueries& queries, std::size_t n) {
   json all = json::array();
   for (std::size_t i = 0; i < n; ++i) {
     const auto& q = queries.query[i];
-    all.push_back({{"node", q.node},
-                   {"displacement", q.displacement_m},
-                   {"force", q.force_N},
-                   {"image_force", q.image_force_N},
-                   {"status", q.status},
-                   {"output", q.output},
-                   {"deformation", q.deformation_m},
-                   {"image_deformation", q.image_deformation_m}});
+    all.push_back(record("node", q.node, "displacement", q.displacement_m, "force", q.force_N, "image_force",
+                         q.image_force_N, "status", q.status, "output", q.output, "deformation", q.deformation_m,
+                         "image_deformation", q.image_deformation_m));
   }
   return all;
 }
@@ -76,10 +51,9 @@ void run(const Options& options) {
   const bool deforms = !options.force_only && operations(model.family).has_deformation(model);
   const ModelImage image = model_image(model, {!deforms, options.floats});
   auto queries = golden_queries(loaded, image, std::max(options.golden, least_queries));
-  const double force_deviation = queries.force_deviation, deformation_deviation = queries.deformation_deviation;
   const std::size_t n_measured = queries.query.size();
   queries.query.resize(options.golden);
-  check_output(options);
+  make_folder(options.output);
   std::vector<std::pair<std::filesystem::path, std::string>> files;
   const auto write = [&](const std::string& suffix, const std::string& text) {
     files.emplace_back(options.output / (options.name + suffix), text);
@@ -93,28 +67,24 @@ void run(const Options& options) {
     write("_golden.h", golden.header);
     write("_golden.c", golden.source);
   }
-  const json figures = {{"family", name(model.family)},
-                        {"name", options.name},
-                        {"real_bytes", image.real_bytes()},
-                        {"image_bytes", image.bytes.size()},
-                        {"ram_bytes", image.ram_bytes()},
-                        {"active", image.n_active},
-                        {"output", image.n_output},
-                        {"force_deviation", force_deviation},
-                        {"deformation_deviation", deformation_deviation},
-                        {"golden", golden_json(queries, options.golden)}};
+  const json figures =
+      record("family", name(model.family), "name", options.name, "real_bytes", image.real_bytes(), "image_bytes",
+             image.bytes.size(), "ram_bytes", image.ram_bytes(), "active", image.n_active, "output", image.n_output,
+             "force_deviation", queries.force_deviation, "deformation_deviation", queries.deformation_deviation,
+             "golden", golden_json(queries, options.golden));
   write_each({[&] { write_text_files(files); }, [&] { write_json(options.json_file, figures); }});
   print_result("{}: family {}, {} active nodes, {}, {}\n", (options.output / options.name).string(), name(model.family),
                image.n_active, deforms ? fmt::format("{} output nodes", image.n_output) : std::string("forces only"),
                options.floats ? "float" : "double");
-  print_result("flash {}; RAM {} for a deformation, none for a force\n", bytes(static_cast<double>(image.bytes.size())),
-               bytes(static_cast<double>(image.ram_bytes())));
-  print_result("largest difference from the runtime: {:.2g} of the largest force", force_deviation);
-  if (deforms) print_result(" and {:.2g} of the largest displacement", deformation_deviation);
+  print_result("flash {}; RAM {} for a deformation, none for a force\n", bytes(image.bytes.size()),
+               bytes(image.ram_bytes()));
+  print_result("largest difference from the runtime: {:.2g} of the largest force", queries.force_deviation);
+  if (deforms) print_result(" and {:.2g} of the largest displacement", queries.deformation_deviation);
   print_result(" at {} queries\n", n_measured);
   if (!model.fields.empty())
     message("note: the model's fields are omitted; images contain force and deformation only\n");
-  const double deviation = deforms ? std::max(force_deviation, deformation_deviation) : force_deviation;
+  const double deviation =
+      deforms ? std::max(queries.force_deviation, queries.deformation_deviation) : queries.force_deviation;
   if (deviation > 1e-3)
     message(
         "warning: large terms of this model cancel each other: the image differs by {:.2g} of the largest response\n"
@@ -125,27 +95,21 @@ void run(const Options& options) {
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand(
-      "export",
+  auto [command, options] = add_command(
+      app, "export",
       "Write a model as C source (NAME.h, NAME.c) and as a binary file (NAME.bin). A device evaluates it in flash\n"
-      "memory with the functions of phynness/phynness_image.h; sizes are constants in NAME.h");
-  add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
-      ->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::folder,
-           "directory for the files; it is made if it does not exist")
-      ->required();
-  command->add_option("--name", options->name, "name of the files and the symbols (default: model)");
-  command->add_flag("--force-only", options->force_only, "omit the deformation, which takes most of the flash memory");
-  command->add_flag("--float", options->floats,
-                    "use float numbers: half the flash memory, for processors without double precision");
-  command
-      ->add_option("--golden", options->golden,
-                   "also write NAME_golden.h and .c: this number of queries with results of the runtime in double, "
-                   "to check a device")
-      ->check(CLI::Range(0, 100000));
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write sizes and golden queries as JSON");
-  command->callback([options] { run(*options); });
+      "memory with the functions of phynness/phynness_image.h; sizes are constants in NAME.h",
+      run);
+  add_model(command, options.model);
+  add_output(command, options.output, PathKind::folder, "directory for the files; it is made if it does not exist");
+  command.add_option("--name", options.name, "name of the files and the symbols (default: model)");
+  command.add_flag("--force-only", options.force_only, "omit the deformation, which takes most of the flash memory");
+  command.add_flag("--float", options.floats,
+                   "use float numbers: half the flash memory, for processors without double precision");
+  add_count(command, "--golden", options.golden, 0, 100000,
+            "also write NAME_golden.h and .c: this number of queries with results of the runtime in double, "
+            "to check a device");
+  add_json(command, options.json_file, "write sizes and golden queries as JSON");
 }
 
 }  // namespace phynness::cli::export_command

@@ -1,26 +1,17 @@
-#include <fmt/core.h>
-
-#include <fstream>
 #include <phynness/evaluation/loaded_model.hpp>
-#include <phynness/formats/database.hpp>
-#include <phynness/formats/error.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/training/families.hpp>
 #include <set>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "console.hpp"
-#include "ray_ends.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::info_command {
 namespace {
 
 struct Options {
   std::filesystem::path what;
-  std::optional<std::filesystem::path> json_file;
+  OptionalPath json_file;
   bool failed = false;
 };
 
@@ -43,76 +34,52 @@ void print_mesh(const Mesh& mesh, const NodeSets& sets) {
   print_result("output    {}: {}\n", sets.output.size(), some(sets.output));
 }
 
-/// Prints the smallest and the largest number of each quantity of the converged increments. @return the same
-json tell_ranges(const std::vector<ColumnRange>& ranges) {
-  json told = json::object();
-  if (!ranges.empty()) print_result("of converged states:\n");
-  for (const auto& range : ranges) {
-    print_result("  {:<16} {:.4g} to {:.4g}{}\n", range.name, range.smallest, range.largest,
-                 range.unit == "1" ? "" : " " + range.unit);
-    told[range.name] = {{"unit", range.unit}, {"smallest", range.smallest}, {"largest", range.largest}};
-  }
-  return told;
-}
-
 /// A ray that stopped short of the full depth.
 struct ShortRay {
-  std::size_t active = 0, direction = 0;
+  std::int32_t node = 0;
+  std::size_t direction = 0;
+  Vec3 vector{};
   double reached_m = 0, failed_at_m = 0;
-  Status reason = Status::converged;
+  std::string reason;
+  PHYNNESS_FIGURES(node, direction, vector, reached_m, failed_at_m, reason)
 };
 
 std::vector<ShortRay> short_rays(const Database& database) {
   const auto& h = database.header();
   const auto statuses = database.statuses();
-  const std::size_t n = h.magnitudes_m.size();
+  const std::size_t n = h.magnitudes_m.size(), n_directions = h.directions.size();
   std::vector<ShortRay> rays;
   for (std::size_t ray = 0; ray * n < statuses.size(); ++ray)
     for (std::size_t i = 0; i < n; ++i) {
       const Status status = statuses[ray * n + i];
       if (static_cast<int>(status) >= 0) continue;
-      rays.push_back({ray / h.directions.size(), ray % h.directions.size(), i > 0 ? h.magnitudes_m[i - 1] : 0.0,
-                      h.magnitudes_m[i], status});
+      const auto direction = ray % n_directions;
+      rays.push_back({h.sets.active[ray / n_directions], direction, h.directions[direction],
+                      i > 0 ? h.magnitudes_m[i - 1] : 0.0, h.magnitudes_m[i], name(status)});
       break;
     }
   return rays;
 }
 
-/// Prints how many rays stopped short, and which with `all`. @return the rays
-json tell_short_rays(const Database& database, bool all) {
-  const auto& h = database.header();
-  json told = json::array();
-  const auto rays = short_rays(database);
-  if (rays.empty()) return told;
-  std::set<std::size_t> nodes;
-  for (const auto& ray : rays) nodes.insert(ray.active);
-  print_result("failed    {} rays stop short, at {} of {} active nodes{}\n", rays.size(), nodes.size(),
-               h.sets.active.size(), all ? ":" : "; --failed lists them");
-  if (all)
-    print_result("  {:>8} {:>9}  {:<22} {:>11} {:>13}  {}\n", "node", "direction", "", "reached, mm", "failed at, mm",
-                 "reason");
-  for (const auto& ray : rays) {
-    const auto node = h.sets.active[ray.active];
-    const auto& e = h.directions[ray.direction];
-    if (all)
-      print_result("  {:>8} {:>9}  {:<22} {:>11.4g} {:>13.4g}  {}\n", node, ray.direction,
-                   fmt::format("{:.3f} {:.3f} {:.3f}", e[0], e[1], e[2]), 1e3 * ray.reached_m, 1e3 * ray.failed_at_m,
-                   name(ray.reason));
-    told.push_back({{"node", node},
-                    {"direction", ray.direction},
-                    {"vector", e},
-                    {"reached_m", ray.reached_m},
-                    {"failed_at_m", ray.failed_at_m},
-                    {"reason", name(ray.reason)}});
-  }
-  return told;
+/// Prints how many rays stopped short, and which with `all`.
+void print_short_rays(const std::vector<ShortRay>& rays, std::size_t n_active, bool all) {
+  if (rays.empty()) return;
+  std::set<std::int32_t> nodes;
+  for (const auto& ray : rays) nodes.insert(ray.node);
+  print_result("failed    {} rays stop short, at {} of {} active nodes{}\n", rays.size(), nodes.size(), n_active,
+               all ? ":" : "; --failed lists them");
+  if (!all) return;
+  print_result("  {:>8} {:>9}  {:<22} {:>11} {:>13}  {}\n", "node", "direction", "", "reached, mm", "failed at, mm",
+               "reason");
+  for (const auto& ray : rays)
+    print_result("  {:>8} {:>9}  {:<22} {:>11.4g} {:>13.4g}  {}\n", ray.node, ray.direction,
+                 fmt::format("{:.3f} {:.3f} {:.3f}", ray.vector[0], ray.vector[1], ray.vector[2]), 1e3 * ray.reached_m,
+                 1e3 * ray.failed_at_m, ray.reason);
 }
 
 json about_database(const std::filesystem::path& file, bool failed) {
   const auto progress = database_progress(file);
-  for (const auto& damage : progress.damage)
-    message("warning: {}: {}; {} are ignored\n", damage.log.string(), damage.reason,
-            bytes(static_cast<double>(damage.dropped_bytes)));
+  warn_of_damage(progress.damage);
   if (!progress.complete) {
     if (failed)
       throw input_error("only a finished database lists its failed rays", "--failed with " + file.string(),
@@ -130,16 +97,13 @@ json about_database(const std::filesystem::path& file, bool failed) {
       print_result("unfinished database: {} of {} rays; continue with phynness precompute SCENE -o {} --resume\n",
                    progress.rays_logged, progress.rays_total, file.string());
     }
-    return {{"kind", progress.shard ? "shard" : "database"},
-            {"complete", false},
-            {"rays_logged", progress.rays_logged},
-            {"rays_total", progress.rays_total}};
+    return record("kind", progress.shard ? "shard" : "database", "complete", false, "rays_logged", progress.rays_logged,
+                  "rays_total", progress.rays_total);
   }
   const auto database = Database::open(file);
   const auto& h = database.header();
   const auto summary = summarize(database);
-  print_result("database  {} ({}), {}\n", file.string(), bytes(static_cast<double>(std::filesystem::file_size(file))),
-               h.software_version);
+  print_result("database  {} ({}), {}\n", file.string(), bytes(std::filesystem::file_size(file)), h.software_version);
   print_result("scene     {}, physics {}\n", h.scene_name, h.physics_hash);
   print_mesh(h.mesh, h.sets);
   try {
@@ -165,26 +129,23 @@ json about_database(const std::filesystem::path& file, bool failed) {
     print_result("  {:<16} {:<9} {}\n", name(status), count, meaning(status));
     states[name(status)] = count;
   }
-  const json failed_rays = tell_short_rays(database, failed);
+  const auto failed_rays = short_rays(database);
+  print_short_rays(failed_rays, h.sets.active.size(), failed);
   const json ends = tell_ends(h, summarize_ends(database));
   print_result("unstable  {} converged states with negative pivots; smallest J {:.3g}\n", summary.unstable_states,
                summary.min_jacobian);
   print_result("cost      {} Newton iterations, {} of solving\n", summary.newton_iterations, duration(summary.seconds));
-  const json quantities = tell_ranges(summary.ranges);
-  return {{"kind", "database"},
-          {"complete", true},
-          {"mesh_hash", h.mesh_hash},
-          {"physics_hash", h.physics_hash},
-          {"nodes", h.mesh.n_nodes()},
-          {"active", h.sets.active},
-          {"fields", fields},
-          {"rays_mirrored", n_mirrored},
-          {"states", states},
-          {"failed_rays", failed_rays},
-          {"ends", ends},
-          {"quantities", quantities},
-          {"newton_iterations", summary.newton_iterations},
-          {"unstable_states", summary.unstable_states}};
+  if (!summary.ranges.empty()) print_result("of converged states:\n");
+  json quantities = json::object();
+  for (const auto& range : summary.ranges) {
+    print_result("  {:<16} {:.4g} to {:.4g}{}\n", range.name, range.smallest, range.largest,
+                 range.unit == "1" ? "" : " " + range.unit);
+    quantities[range.name] = record("unit", range.unit, "smallest", range.smallest, "largest", range.largest);
+  }
+  return record("kind", "database", "complete", true, "mesh_hash", h.mesh_hash, "physics_hash", h.physics_hash, "nodes",
+                h.mesh.n_nodes(), "active", h.sets.active, "fields", fields, "rays_mirrored", n_mirrored, "states",
+                states, "failed_rays", failed_rays, "ends", ends, "quantities", quantities, "newton_iterations",
+                summary.newton_iterations, "unstable_states", summary.unstable_states);
 }
 
 json about_model(const std::filesystem::path& dir) {
@@ -213,11 +174,9 @@ json about_model(const std::filesystem::path& dir) {
   for (std::int32_t l = 0; l < model.runtime().n_levels(); ++l) {
     phn_level info;
     model.runtime().level_info(l, info).ignore();
-    levels.push_back({{"force_centers", info.force_centers},
-                      {"deformation_centers", info.deformation_centers},
-                      {"modes", info.modes},
-                      {"error_force", info.error_force},
-                      {"error_displacement", info.error_displacement}});
+    levels.push_back(record("force_centers", info.force_centers, "deformation_centers", info.deformation_centers,
+                            "modes", info.modes, "error_force", info.error_force, "error_displacement",
+                            info.error_displacement));
     if (m.levels.empty()) continue;
     const std::string modes_text = info.modes > 0 ? fmt::format(" of {} modes", info.modes) : "";
     print_result(
@@ -230,26 +189,14 @@ json about_model(const std::filesystem::path& dir) {
   for (const auto& bound : m.bounds) {
     print_result("bounds    of the force's error, for {:g} % of random displacements; from {} rays at {} nodes\n",
                  100 * bound.coverage, bound.n_rays, bound.n_nodes);
-    bounds.push_back({{"coverage", bound.coverage}, {"rays", bound.n_rays}, {"nodes", bound.n_nodes}});
+    bounds.push_back(record("coverage", bound.coverage, "rays", bound.n_rays, "nodes", bound.n_nodes));
   }
-  print_result("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n",
-               bytes(static_cast<double>(model.text_bytes())), bytes(static_cast<double>(model.mesh_text_bytes())),
-               bytes(static_cast<double>(model.memory_bytes())));
-  return {{"kind", "model"},
-          {"family", name(m.family)},
-          {"model_hash", model.hash()},
-          {"mesh_hash", m.mesh_hash},
-          {"physics_hash", m.physics_hash},
-          {"active", active},
-          {"deformation_neurons", neurons},
-          {"force_neurons", force_neurons},
-          {"force_centers", centers},
-          {"modes", modes},
-          {"levels", levels},
-          {"fields", fields},
-          {"bounds", bounds},
-          {"model_text_bytes", model.text_bytes()},
-          {"memory_bytes", model.memory_bytes()}};
+  print_result("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n", bytes(model.text_bytes()),
+               bytes(model.mesh_text_bytes()), bytes(model.memory_bytes()));
+  return record("kind", "model", "family", name(m.family), "model_hash", model.hash(), "mesh_hash", m.mesh_hash,
+                "physics_hash", m.physics_hash, "active", active, "deformation_neurons", neurons, "force_neurons",
+                force_neurons, "force_centers", centers, "modes", modes, "levels", levels, "fields", fields, "bounds",
+                bounds, "model_text_bytes", model.text_bytes(), "memory_bytes", model.memory_bytes());
 }
 
 json about_scene(const std::filesystem::path& file) {
@@ -258,11 +205,8 @@ json about_scene(const std::filesystem::path& file) {
   print_mesh(loaded.mesh, loaded.sets);
   print_result("physics   {}\n{}", physics_hash(loaded.scene), physics_summary(loaded.scene));
   print_result("not in the hash\n{}", other_settings(loaded.scene));
-  return {{"kind", "scene"},
-          {"mesh_hash", mesh_hash(loaded.mesh)},
-          {"physics_hash", physics_hash(loaded.scene)},
-          {"nodes", loaded.mesh.n_nodes()},
-          {"active", loaded.sets.active}};
+  return record("kind", "scene", "mesh_hash", mesh_hash(loaded.mesh), "physics_hash", physics_hash(loaded.scene),
+                "nodes", loaded.mesh.n_nodes(), "active", loaded.sets.active);
 }
 
 /// A mesh file is read as in a scene without selections. An open surface is the midsurface of a shell.
@@ -286,11 +230,8 @@ json about_mesh(const std::filesystem::path& file) {
   print_result("box       {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g} (file units)\n", q.min_m[0], q.min_m[1],
                q.min_m[2], q.max_m[0], q.max_m[1], q.max_m[2]);
   print_result("quality   worst {:.3f}, {} slivers\n", q.min_quality, q.n_slivers);
-  return {{"kind", "mesh"},
-          {"mesh_hash", mesh_hash(made.mesh)},
-          {"nodes", q.n_nodes},
-          {"tetrahedra", shell ? 0 : q.n_cells},
-          {"shell_triangles", shell ? q.n_cells : 0}};
+  return record("kind", "mesh", "mesh_hash", mesh_hash(made.mesh), "nodes", q.n_nodes, "tetrahedra",
+                shell ? 0 : q.n_cells, "shell_triangles", shell ? q.n_cells : 0);
 }
 
 void run(const Options& options) {
@@ -317,14 +258,13 @@ void run(const Options& options) {
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("info", "Print the contents of a scene, mesh, database or model directory");
-  add_path(*command, "FILE_OR_DIR", options->what, InputKind::whole, "scene.toml, mesh file, database.h5 or MODEL_DIR")
+  auto [command, options] =
+      add_command(app, "info", "Print the contents of a scene, mesh, database or model directory", run);
+  add_path(command, "FILE_OR_DIR", options.what, PathKind::input, "scene.toml, mesh file, database.h5 or MODEL_DIR")
       ->required();
-  command->set_version_flag("--keys", scene_key_tables, "print the tables of a scene's keys in Markdown and exit");
-  command->add_flag("--failed", options->failed, "of a database: list every ray that failed, with depth and reason");
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
-  command->callback([options] { run(*options); });
+  command.set_version_flag("--keys", scene_key_tables, "print the tables of a scene's keys in Markdown and exit");
+  command.add_flag("--failed", options.failed, "of a database: list every ray that failed, with depth and reason");
+  add_json(command, options.json_file);
 }
 
 }  // namespace phynness::cli::info_command

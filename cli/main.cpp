@@ -4,51 +4,43 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
-#include <phynness/formats/error.hpp>
 #include <phynness/formats/version.hpp>
 #include <sstream>
 #include <string_view>
 #include <thread>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "streams.hpp"
-#include "usage_error.hpp"
 
 namespace phynness {
 namespace {
 
-bool is_subcommand(const CLI::App& app, const std::string& word) {
-  for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; }))
-    if (command->get_name() == word) return true;
-  return false;
+/// "MODEL_DIR is required", which is what CLI11 says, without the last two words; "" if it says something else.
+std::string missing_name(const CLI::ParseError& error) {
+  constexpr std::string_view end = " is required";
+  const std::string_view text = error.what();
+  if (error.get_exit_code() != static_cast<int>(CLI::ExitCodes::RequiredError) || !text.ends_with(end)) return "";
+  return std::string(text.substr(0, text.size() - end.size()));
 }
 
-void add_commands(CLI::App& app) {
-  cli::mesh_command::add(app);
-  cli::check_command::add(app);
-  cli::plan_command::add(app);
-  cli::precompute_command::add(app);
-  cli::merge_command::add(app);
-  cli::train_command::add(app);
-  cli::calibrate_command::add(app);
-  cli::validate_command::add(app);
-  cli::tune_command::add(app);
-  cli::eval_command::add(app);
-  cli::bench_command::add(app);
-  cli::solve_command::add(app);
-  cli::export_command::add(app);
-  cli::info_command::add(app);
-  cli::show_command::add(app);
-  cli::view_command::add(app);
-  cli::run_command::add(app);
-}
-
-/// Prints help or the version, which CLI11 throws like errors.
-void print_help(const CLI::App& app, const CLI::ParseError& call) {
-  std::ostringstream results, messages;
-  app.exit(call, results, messages);
-  cli::write_stdout(results.str());
+/// An error of the command line in the form of all other errors. @param app  as its parse left it
+Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  const auto commands = app.get_subcommands();
+  const std::string command = commands.empty() ? "phynness" : "phynness " + commands.back()->get_name();
+  const auto extras = app.remaining(true);
+  // A wrong name for a required option is one missing option and two words too many: both are said.
+  const auto extra_words = fmt::format("{}", fmt::join(extras, " "));
+  const auto missing = missing_name(error);
+  if (missing == "A subcommand")
+    return input_error("a subcommand is missing", extras.empty() ? "" : "not known: " + extra_words,
+                       "phynness --help lists the subcommands");
+  if (!missing.empty())
+    return input_error("an argument is missing", missing + (extras.empty() ? "" : " (not known: " + extra_words + ")"),
+                       fmt::format("add {}; {} --help describes it", missing, command));
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError))
+    return input_error(command + " has no such option, or takes fewer arguments", extra_words,
+                       command + " --help lists its arguments and options");
+  return input_error("the command line cannot be used", error.what(),
+                     command + " --help lists the options and the values that they take");
 }
 
 /// The commands whose ranks share the work. Under mpirun each rank of any other would write the same files.
@@ -57,8 +49,7 @@ constexpr std::string_view commands_for_ranks[] = {"precompute", "calibrate", "v
 /// MPI itself is not asked, because most commands do without it. @throws Error (input)
 void refuse_ranks(const CLI::App& app) {
   const auto command = app.get_subcommands().at(0)->get_name();
-  if (std::find(std::begin(commands_for_ranks), std::end(commands_for_ranks), command) != std::end(commands_for_ranks))
-    return;
+  if (std::ranges::find(commands_for_ranks, command) != std::end(commands_for_ranks)) return;
   for (const auto& [size, rank] : {std::pair{"OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"},
                                    {"PMI_SIZE", "PMI_RANK"},
                                    {"SLURM_STEP_NUM_TASKS", "SLURM_PROCID"}}) {
@@ -88,21 +79,25 @@ int run_command_line(int argc, char** argv) {
   app.name("phynness");
   app.set_version_flag("--version", software_version());
   app.require_subcommand(1);
-  add_commands(app);
+#define PHYNNESS_ADD(name) cli::name##_command::add(app);
+  PHYNNESS_COMMANDS(PHYNNESS_ADD)
   // Called after the whole line has been parsed and before the subcommand is executed.
   app.parse_complete_callback([&app] {
     refuse_ranks(app);
-    cli::check_files(app);
+    cli::check_files();
   });
   try {
     cli::leave_to_solver(argv);
-    if (argc > 1 && argv[1][0] != '-' && !is_subcommand(app, argv[1]))
+    const auto names = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
+    if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(names).empty())
       throw input_error("there is no such subcommand", argv[1], "phynness --help lists the subcommands");
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() != 0) return end_with(cli::usage_error(app, error));
-    print_help(app, error);
+    if (error.get_exit_code() != 0) return end_with(usage_error(app, error));
+    std::ostringstream results, messages;  // help or the version, which CLI11 throws like errors
+    app.exit(error, results, messages);
+    cli::write_stdout(results.str());
     return 0;
   } catch (const Error& error) {
     return end_with(error);

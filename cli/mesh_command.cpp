@@ -1,16 +1,13 @@
 #include <phynness/meshes/meshes.hpp>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "output_places.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::mesh_command {
 namespace {
 
 struct Options {
   std::filesystem::path scene, output;
-  std::optional<std::filesystem::path> json_file;
+  OptionalPath json_file;
 };
 
 void run(const Options& options) {
@@ -39,19 +36,12 @@ void run(const Options& options) {
                1e3 * q.min_edge_m, 1e3 * q.max_edge_m, 1e3 * q.mean_edge_m, q.min_quality, q.worst_cell, q.n_slivers,
                sliver_quality);
   print_result("{} fixed nodes, {} active, {} output\n", s.fixed.size(), s.active.size(), s.output.size());
-  const json figures = {{"mesh_hash", mesh_hash(loaded.mesh)},
-                        {"nodes", q.n_nodes},
-                        {"tetrahedra", shell ? 0 : q.n_cells},
-                        {"shell_triangles", shell ? q.n_cells : 0},
-                        {"surface_nodes", q.n_surface_nodes},
-                        {"surface_triangles", q.n_surface_triangles},
-                        {"volume_m3", shell ? q.area_m2 * loaded.scene.mesh.thickness_m : q.volume_m3},
-                        {"min_quality", q.min_quality},
-                        {"slivers", q.n_slivers},
-                        {"mean_edge_m", q.mean_edge_m},
-                        {"fixed", s.fixed.size()},
-                        {"active", s.active.size()},
-                        {"output", s.output.size()}};
+  const json figures =
+      record("mesh_hash", mesh_hash(loaded.mesh), "nodes", q.n_nodes, "tetrahedra", shell ? 0 : q.n_cells,
+             "shell_triangles", shell ? q.n_cells : 0, "surface_nodes", q.n_surface_nodes, "surface_triangles",
+             q.n_surface_triangles, "volume_m3", shell ? q.area_m2 * loaded.scene.mesh.thickness_m : q.volume_m3,
+             "min_quality", q.min_quality, "slivers", q.n_slivers, "mean_edge_m", q.mean_edge_m, "fixed",
+             s.fixed.size(), "active", s.active.size(), "output", s.output.size());
   write_each({[&] {
                 write_msh(loaded.mesh, &loaded.sets, options.output);
                 print_result("mesh {} -> {}\n", mesh_hash(loaded.mesh), options.output.string());
@@ -62,13 +52,11 @@ void run(const Options& options) {
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("mesh", "Generate or import the mesh of a scene, check it, write it as .msh");
-  add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file (formats/scene.md)")->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::file, "mesh file to write (gmsh format 4.1)")
-      ->required();
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
-  command->callback([options] { run(*options); });
+  auto [command, options] =
+      add_command(app, "mesh", "Generate or import the mesh of a scene, check it, write it as .msh", run);
+  add_scene(command, options.scene, "scene file (formats/scene.md)");
+  add_output(command, options.output, PathKind::file, "mesh file to write (gmsh format 4.1)");
+  add_json(command, options.json_file);
 }
 
 }  // namespace phynness::cli::mesh_command

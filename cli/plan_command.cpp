@@ -1,26 +1,17 @@
-#include <fmt/core.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <limits>
 #include <numeric>
-#include <phynness/formats/error.hpp>
 #include <phynness/formats/ray_tasks.hpp>
-#include <phynness/planning/model_size.hpp>
-#include <phynness/planning/ray_sample.hpp>
-#include <phynness/planning/run_time.hpp>
+#include <phynness/planning/planning.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <thread>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "console.hpp"
-#include "ray_ends.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::plan_command {
 namespace {
@@ -32,30 +23,39 @@ constexpr double packing_B_per_s = 30e6;
 
 struct Options {
   std::filesystem::path scene;
-  std::optional<std::filesystem::path> json_file;
+  OptionalPath json_file;
   std::optional<int> ranks;  ///< default: the number of processor cores of this machine
   int rays = 96;
   std::int64_t seed = 1;
 };
 
-struct Plan {
-  RunCosts costs;
-  int ranks = 1;
-  std::int64_t rays_recorded = 0, rays_mirrored = 0, rays_measured = 0, nodes_measured = 0;
-  std::optional<double> relative_error;   ///< RaySample::relative_error() of a sample that is large enough
-  std::map<Status, std::int64_t> states;  ///< measured increments by outcome
-  double wall_s = 0, log_bytes = 0, database_bytes = 0, memory_bytes = 0, machine_memory_bytes = 0;
-  ModelSize model;
-  EndSummary ends;  ///< of the measured rays
-
-  bool is_sample() const { return rays_measured < costs.rays; }
+// Keys of the JSON are the names of the members.
+struct Measured {
+  std::int64_t rays = 0, nodes = 0;
+  double seconds_per_ray = 0, seconds_longest_ray = 0;
+  std::optional<double> relative_standard_error;  ///< of the mean of a sample of enough nodes
+  bool is_guess = false;                          ///< the sample has fewer
+  ByName<std::int64_t> states;                    ///< increments by outcome
+  double start_seconds = 0, node_setup_seconds = 0;
+  PHYNNESS_FIGURES(rays, nodes, seconds_per_ray, seconds_longest_ray, relative_standard_error, is_guess, states,
+                   start_seconds, node_setup_seconds)
 };
 
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
+struct Plan {
+  std::int64_t rays = 0, rays_requested = 0, rays_mirrored = 0;  ///< recorded, solved, and copied
+  std::size_t increments = 0;
+  Measured measured;
+  json ends;  ///< of the measured rays
+  int ranks = 1;
+  double wall_seconds = 0, core_hours = 0, memory_bytes_per_rank = 0, machine_memory_bytes = 0;
+  double database_bytes = 0, log_bytes = 0, model_text_bytes = 0, mesh_text_bytes = 0;
+  int ranks_of_use = 1;
+  PHYNNESS_FIGURES(rays, rays_requested, rays_mirrored, increments, measured, ends, ranks, wall_seconds, core_hours,
+                   memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, model_text_bytes,
+                   mesh_text_bytes, ranks_of_use)
+
+  bool is_sample() const { return measured.rays < rays_requested; }
+};
 
 double peak_memory_bytes() {
   rusage usage{};
@@ -65,83 +65,10 @@ double peak_memory_bytes() {
 
 double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
-std::vector<RayChoice> choose(const DatabaseHeader& header, const std::vector<char>& requested,
-                              const Options& options) {
-  const auto points = [&](const std::vector<std::int32_t>& nodes) {
-    Points x(static_cast<Eigen::Index>(nodes.size()), 3);
-    for (Eigen::Index i = 0; i < x.rows(); ++i) x.row(i) = header.mesh.nodes.row(nodes[static_cast<std::size_t>(i)]);
-    return x;
-  };
-  auto chosen = choose_rays(points(header.sets.active), points(header.sets.fixed), requested, header.directions.size(),
-                            static_cast<std::size_t>(options.rays), static_cast<std::uint64_t>(options.seed));
-  if (chosen.empty())
-    throw input_error("the scene has no rays", options.scene.string(), "check nodes.active and the directions");
-  return chosen;
-}
-
-/// Solves the sample. The first ray is solved twice, so that costs that occur once per process count as start time.
-void measure(const LoadedScene& loaded, const DatabaseHeader& header, const std::vector<RayChoice>& chosen,
-             Plan& plan) {
-  ProbeSolver solver(loaded.scene, loaded.mesh, loaded.sets);
-  std::vector<std::pair<std::int32_t, std::int32_t>> which;
-  for (const auto& ray : chosen) which.emplace_back(ray.active, ray.direction);
-  const auto total = static_cast<std::int64_t>(which.size()) + 1;
-  Progress progress("plan", "rays");
-  const auto cold = solve_rays(solver, header, {which.front()}, {}, stop_requested);
-  progress.update(1, total);
-  const auto solved = solve_rays(
-      solver, header, which, [&](std::int64_t done) { progress.update(done + 1, total); }, stop_requested);
-  if (solved.interrupted || cold.interrupted)
-    throw failure("interrupted", fmt::format("{} of {} rays solved", solved.rays.size(), which.size()),
-                  "run the command again; fewer --rays take less time");
-  const double spent_s = cpu_seconds();
-  RaySample sample{chosen, {}};
-  std::vector<RayEnd> ends(header.sets.active.size() * header.directions.size(), RayEnd{EndReason::not_requested});
-  for (const auto& ray : solved.rays) {
-    sample.seconds.push_back(sum(ray.seconds));
-    for (const auto status : ray.status) ++plan.states[status];
-    ends[static_cast<std::size_t>(ray.active) * header.directions.size() + static_cast<std::size_t>(ray.direction)] =
-        ray.end;
-  }
-  plan.ends = summarize_ends(header, ends);
-  plan.relative_error = sample.relative_error();
-  plan.rays_measured = static_cast<std::int64_t>(chosen.size());
-  plan.nodes_measured = static_cast<std::int64_t>(solved.node_setup_s.size());
-  plan.costs.ray_s = sample.mean_ray_seconds();
-  plan.costs.longest_s = *std::max_element(sample.seconds.begin(), sample.seconds.end());
-  plan.costs.setup_s = sum(solved.node_setup_s) / static_cast<double>(plan.nodes_measured);
-  plan.costs.start_s = std::max(0.0, spent_s - sum(sample.seconds) - sample.seconds.front() - sum(solved.node_setup_s) -
-                                         solved.node_setup_s.front());
-}
-
-Plan make_plan(const Options& options, const LoadedScene& loaded, const DatabaseHeader& header) {
-  const auto requested = requested_rays(loaded.scene, loaded.mesh, header);
-  Plan plan;
-  measure(loaded, header, choose(header, requested, options), plan);
-  const auto n_directions = static_cast<std::ptrdiff_t>(header.directions.size());
-  for (auto node = requested.begin(); node != requested.end(); node += n_directions) {
-    const auto n = std::count(node, node + n_directions, char{1});
-    plan.costs.rays += n;
-    plan.costs.nodes += n > 0;
-  }
-  plan.rays_recorded = static_cast<std::int64_t>(rays_left(header, std::vector<char>(requested.size(), 0)).size());
-  plan.rays_mirrored = static_cast<std::int64_t>(requested.size()) - plan.rays_recorded;
-  plan.log_bytes = static_cast<double>(plan.rays_recorded) * record_bytes(header);
-  plan.database_bytes = static_cast<double>(requested.size()) * record_bytes(header);
-  plan.costs.packing_s = plan.database_bytes / packing_B_per_s;
-  plan.ranks = options.ranks.value_or(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
-  plan.wall_s = wall_seconds(plan.costs, plan.ranks);
-  plan.model = predict_model_size(loaded.scene, header);
-  plan.memory_bytes = peak_memory_bytes();
-  plan.machine_memory_bytes =
-      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
-  return plan;
-}
-
-void warn_of_states(const Plan& plan) {
+void warn_of_states(const std::map<Status, std::int64_t>& states) {
   std::int64_t failed = 0, all = 0;
   std::string reasons;
-  for (const auto& [status, count] : plan.states) {
+  for (const auto& [status, count] : states) {
     all += count;
     if (static_cast<int>(status) >= 0) continue;  // converged, or beyond the end of its ray
     failed += count;
@@ -150,65 +77,103 @@ void warn_of_states(const Plan& plan) {
   if (failed > 0) message("warning: {} of {} increments failed: {}\n", failed, all, reasons);
 }
 
+/// @return the ends of the measured rays
+EndSummary measure(const LoadedScene& loaded, const DatabaseHeader& header, const std::vector<RayChoice>& chosen,
+                   Measured& measured) {
+  ProbeSolver solver(loaded.scene, loaded.mesh, loaded.sets);
+  std::vector<std::pair<std::int32_t, std::int32_t>> which;
+  for (const auto& ray : chosen) which.emplace_back(ray.active, ray.direction);
+  Progress progress("plan", "rays");
+  const auto solved = solve_rays(
+      solver, header, which, [&](std::int64_t done) { progress.update(done, std::ssize(chosen)); }, stop_requested);
+  if (solved.interrupted)
+    throw failure("interrupted", fmt::format("{} of {} rays solved", solved.rays.size(), chosen.size()),
+                  "run the command again; fewer --rays take less time");
+  const double spent_s = static_cast<double>(std::clock()) / CLOCKS_PER_SEC, setup_s = sum(solved.node_setup_s);
+  std::vector<double> seconds;
+  std::vector<RayEnd> ends(header.sets.active.size() * header.directions.size(), RayEnd{EndReason::not_requested});
+  std::map<Status, std::int64_t> states;
+  for (const auto& ray : solved.rays) {
+    seconds.push_back(sum(ray.seconds));
+    for (const auto status : ray.status) ++states[status];
+    ends[static_cast<std::size_t>(ray.active) * header.directions.size() + static_cast<std::size_t>(ray.direction)] =
+        ray.end;
+  }
+  warn_of_states(states);
+  for (const auto& [status, count] : states) measured.states.emplace_back(name(status), count);
+  const auto costs = costs_of(chosen, seconds);
+  measured.rays = std::ssize(chosen);
+  measured.nodes = std::ssize(solved.node_setup_s);
+  measured.seconds_per_ray = costs.mean_s;
+  measured.seconds_longest_ray = costs.longest_s;
+  measured.relative_standard_error = costs.relative_error;
+  measured.node_setup_seconds = setup_s / static_cast<double>(measured.nodes);
+  measured.start_seconds = std::max(0.0, spent_s - sum(seconds) - setup_s);
+  return summarize_ends(header, ends);
+}
+
+/// @param ends  set to those of the measured rays
+Plan make_plan(const Options& options, const LoadedScene& loaded, const DatabaseHeader& header, EndSummary& ends) {
+  const auto requested = requested_rays(loaded.scene, loaded.mesh, header);
+  Plan plan;
+  const auto& nodes = header.mesh.nodes;
+  const auto chosen = choose_rays(nodes(header.sets.active, Eigen::all), nodes(header.sets.fixed, Eigen::all),
+                                  requested, header.directions.size(), static_cast<std::size_t>(options.rays),
+                                  static_cast<std::uint64_t>(options.seed));
+  if (chosen.empty())
+    throw input_error("the scene has no rays", options.scene.string(), "check nodes.active and the directions");
+  ends = measure(loaded, header, chosen, plan.measured);
+  RunCosts costs{.start_s = plan.measured.start_seconds,
+                 .ray_s = plan.measured.seconds_per_ray,
+                 .longest_s = plan.measured.seconds_longest_ray,
+                 .setup_s = plan.measured.node_setup_seconds};
+  const auto n_directions = static_cast<std::ptrdiff_t>(header.directions.size());
+  for (auto node = requested.begin(); node != requested.end(); node += n_directions) {
+    const auto n = std::count(node, node + n_directions, char{1});
+    costs.rays += n;
+    costs.nodes += n > 0;
+  }
+  plan.rays = std::ssize(rays_left(header, std::vector<char>(requested.size(), 0)));
+  plan.rays_requested = costs.rays;
+  plan.rays_mirrored = std::ssize(requested) - plan.rays;
+  plan.increments = header.magnitudes_m.size();
+  plan.measured.is_guess = plan.is_sample() && !plan.measured.relative_standard_error;
+  plan.log_bytes = static_cast<double>(plan.rays) * record_bytes(header);
+  plan.database_bytes = static_cast<double>(requested.size()) * record_bytes(header);
+  costs.packing_s = plan.database_bytes / packing_B_per_s;
+  plan.ranks = options.ranks.value_or(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
+  plan.wall_seconds = wall_seconds(costs, plan.ranks);
+  plan.core_hours = plan.wall_seconds * plan.ranks / 3600;
+  plan.ranks_of_use = ranks_of_use(costs);
+  const auto model = predict_model_size(loaded.scene, header);
+  plan.model_text_bytes = model.model_text_bytes;
+  plan.mesh_text_bytes = model.mesh_text_bytes;
+  plan.memory_bytes_per_rank = peak_memory_bytes();
+  plan.machine_memory_bytes =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  return plan;
+}
+
 /// The accuracy of the mean in words.
 std::string trust(const Plan& plan) {
   if (!plan.is_sample()) return "all rays were solved";
-  if (plan.relative_error) return fmt::format("standard error {:.0f} %", 100 * *plan.relative_error);
-  return "a guess";  // fewer than RaySample::fewest_nodes
+  if (plan.measured.is_guess) return "a guess";  // fewer than RayCosts::fewest_nodes
+  return fmt::format("standard error {:.0f} %", 100 * *plan.measured.relative_standard_error);
 }
 
 void print_plan(const Options& options, const Plan& plan) {
-  print_result("time      {} on {} rank{}{}\n", duration(plan.wall_s), plan.ranks, plan.ranks == 1 ? "" : "s",
+  const auto& m = plan.measured;
+  print_result("time      {} on {} rank{}{}\n", duration(plan.wall_seconds), plan.ranks, plan.ranks == 1 ? "" : "s",
                options.ranks ? "" : ", the processor cores of this machine");
   print_result("rays      {}, {} more by symmetry; {} solved at {} node{}: {:.3g} s each ({}), at most {:.3g} s\n",
-               plan.costs.rays, plan.rays_mirrored, plan.rays_measured, plan.nodes_measured,
-               plan.nodes_measured == 1 ? "" : "s", plan.costs.ray_s, trust(plan), plan.costs.longest_s);
-  print_result("memory    {} per rank, {} in all; this machine has {}\n", bytes(plan.memory_bytes),
-               bytes(plan.ranks * plan.memory_bytes), bytes(plan.machine_memory_bytes));
+               plan.rays_requested, plan.rays_mirrored, m.rays, m.nodes, m.nodes == 1 ? "" : "s", m.seconds_per_ray,
+               trust(plan), m.seconds_longest_ray);
+  print_result("memory    {} per rank, {} in all; this machine has {}\n", bytes(plan.memory_bytes_per_rank),
+               bytes(plan.ranks * plan.memory_bytes_per_rank), bytes(plan.machine_memory_bytes));
   print_result("database  {} before compression, and {} of logs until it is packed\n", bytes(plan.database_bytes),
                bytes(plan.log_bytes));
-  print_result("model     {}, and {} of mesh\n", bytes(plan.model.model_text_bytes), bytes(plan.model.mesh_text_bytes));
-  print_result("useful    up to {} ranks; of more, over half of the time is lost\n", ranks_of_use(plan.costs));
-}
-
-void print_notes(const Plan& plan) {
-  if (plan.ranks * plan.memory_bytes > plan.machine_memory_bytes)
-    message("warning: {} ranks do not fit into the memory of this machine, but {} ranks do\n", plan.ranks,
-            std::floor(plan.machine_memory_bytes / plan.memory_bytes));
-  if (plan.is_sample() && plan.relative_error.value_or(0) > acceptable_error)
-    message("note: the costs of the rays differ much; --rays {} would halve the standard error\n",
-            4 * plan.rays_measured);
-}
-
-json as_json(const Plan& plan, const DatabaseHeader& header, const json& ends) {
-  json states = json::object();
-  for (const auto& [status, count] : plan.states) states[name(status)] = count;
-  const auto& error = plan.relative_error;
-  return {{"rays", plan.rays_recorded},
-          {"rays_requested", plan.costs.rays},
-          {"rays_mirrored", plan.rays_mirrored},
-          {"increments", header.magnitudes_m.size()},
-          {"measured",
-           {{"rays", plan.rays_measured},
-            {"nodes", plan.nodes_measured},
-            {"seconds_per_ray", plan.costs.ray_s},
-            {"seconds_longest_ray", plan.costs.longest_s},
-            {"relative_standard_error", error ? json(*error) : json()},
-            {"is_guess", plan.is_sample() && !error},
-            {"states", states},
-            {"start_seconds", plan.costs.start_s},
-            {"node_setup_seconds", plan.costs.setup_s}}},
-          {"ends", ends},
-          {"ranks", plan.ranks},
-          {"wall_seconds", plan.wall_s},
-          {"core_hours", plan.wall_s * plan.ranks / 3600},
-          {"memory_bytes_per_rank", plan.memory_bytes},
-          {"machine_memory_bytes", plan.machine_memory_bytes},
-          {"database_bytes", plan.database_bytes},
-          {"log_bytes", plan.log_bytes},
-          {"model_text_bytes", plan.model.model_text_bytes},
-          {"mesh_text_bytes", plan.model.mesh_text_bytes},
-          {"ranks_of_use", ranks_of_use(plan.costs)}};
+  print_result("model     {}, and {} of mesh\n", bytes(plan.model_text_bytes), bytes(plan.mesh_text_bytes));
+  print_result("useful    up to {} ranks; of more, over half of the time is lost\n", plan.ranks_of_use);
 }
 
 void run(const Options& options) {
@@ -216,34 +181,33 @@ void run(const Options& options) {
   const auto loaded = load_scene(options.scene);
   install_stop_handler();  // a signal before ends the program: there is nothing to keep
   const auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
-  const Plan plan = make_plan(options, loaded, header);
-  warn_of_states(plan);
+  EndSummary ends;
+  Plan plan = make_plan(options, loaded, header, ends);
   print_plan(options, plan);
-  const json ends = tell_ends(header, plan.ends);
-  print_notes(plan);
-  write_json(options.json_file, as_json(plan, header, ends));
+  plan.ends = tell_ends(header, ends);
+  if (plan.ranks * plan.memory_bytes_per_rank > plan.machine_memory_bytes)
+    message("warning: {} ranks do not fit into the memory of this machine, but {} ranks do\n", plan.ranks,
+            std::floor(plan.machine_memory_bytes / plan.memory_bytes_per_rank));
+  if (plan.is_sample() && plan.measured.relative_standard_error.value_or(0) > acceptable_error)
+    message("note: the costs of the rays differ much; --rays {} would halve the standard error\n",
+            4 * plan.measured.rays);
+  write_json(options.json_file, figures(plan));
 }
 
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("plan",
-                                     "Predict time, memory and sizes of precompute, and the useful number of ranks, "
-                                     "from a sample of solved rays");
-  add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file")->required();
-  command
-      ->add_option("--ranks", options->ranks,
-                   "number of MPI processes of the plan (default: the processor cores of this machine)")
-      ->check(CLI::Range(1, 1000000));
-  command->add_option("--rays", options->rays, "number of rays to solve")
-      ->check(CLI::Range(1, 100000))
+  auto [command, options] = add_command(
+      app, "plan",
+      "Predict time, memory and sizes of precompute, and the useful number of ranks, from a sample of solved rays",
+      run);
+  add_scene(command, options.scene);
+  add_count(command, "--ranks", options.ranks, 1, 1000000,
+            "number of MPI processes of the plan (default: the processor cores of this machine)");
+  add_count(command, "--rays", options.rays, 1, 100000, "number of rays to solve")->capture_default_str();
+  add_count(command, "--seed", options.seed, 0, largest_seed, "seed of the random choice of rays")
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "seed of the random choice of rays")
-      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
-      ->capture_default_str();
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the plan as JSON");
-  command->callback([options] { run(*options); });
+  add_json(command, options.json_file, "write the plan as JSON");
 }
 
 }  // namespace phynness::cli::plan_command

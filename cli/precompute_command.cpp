@@ -1,21 +1,15 @@
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <phynness/formats/database_lock.hpp>
-#include <phynness/formats/error.hpp>
 #include <phynness/precompute/precompute.hpp>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "console.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::precompute_command {
 namespace {
 
 struct Options {
   std::filesystem::path scene, output;
-  std::optional<std::filesystem::path> json_file;
+  OptionalPath json_file;
   std::string shard;
   bool resume = false;
   int ranks_per_solve = 1;
@@ -30,9 +24,7 @@ DatabaseLock begin(const PrecomputeTarget& target, const LoadedScene& loaded) {
     header.shard = target.shard;
     DatabaseWriter::create(target.file, header, true);
     const auto found = database_progress(target.file);
-    for (const auto& damage : found.damage)
-      message("warning: {}: {}; {} are ignored, and their rays will be solved again\n", damage.log.string(),
-              damage.reason, bytes(static_cast<double>(damage.dropped_bytes)));
+    warn_of_damage(found.damage, "are ignored, and their rays will be solved again");
     message("note: resuming; {} of {} rays are already solved\n", found.rays_logged, found.rays_total);
   }
   return lock;
@@ -58,9 +50,7 @@ void print_ranks(const PrecomputeReport& report) {
                    report.ranks[r].idle_seconds, bytes(report.ranks[r].peak_memory_bytes));
     return;
   }
-  const auto [least, most] =
-      std::minmax_element(report.ranks.begin(), report.ranks.end(),
-                          [](const RankFigures& a, const RankFigures& b) { return a.idle_seconds < b.idle_seconds; });
+  const auto [least, most] = std::ranges::minmax_element(report.ranks, {}, &RankFigures::idle_seconds);
   print_result("idle {:.2f} s (rank {}) to {:.2f} s (rank {})\n", least->idle_seconds, least - report.ranks.begin(),
                most->idle_seconds, most - report.ranks.begin());
 }
@@ -68,20 +58,16 @@ void print_ranks(const PrecomputeReport& report) {
 json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const PrecomputeReport& report) {
   json ranks = json::array();
   for (const auto& rank : report.ranks)
-    ranks.push_back({{"rays", rank.rays},
-                     {"tasks", rank.tasks},
-                     {"busy_seconds", rank.busy_seconds},
-                     {"idle_seconds", rank.idle_seconds},
-                     {"core_seconds", rank.core_seconds},
-                     {"peak_memory_bytes", rank.peak_memory_bytes}});
-  json out{{"active_nodes", loaded.sets.active.size()},     {"rays", report.rays + report.rays_resumed},
-           {"rays_resumed", report.rays_resumed},           {"increments", report.increments},
-           {"increments_of_run", report.increments_of_run}, {"failed", report.failed},
-           {"increments_after_end", report.after_end},      {"rays_with_library_errors", report.library_errors},
-           {"newton_iterations", report.iterations},        {"ranks", report.ranks.size()},
-           {"wall_seconds", report.wall_seconds},           {"setup_seconds", report.setup_seconds},
-           {"solve_seconds", report.solve_seconds},         {"pack_seconds", report.pack_seconds},
-           {"core_seconds", report.core_seconds},           {"per_rank", ranks}};
+    ranks.push_back(record("rays", rank.rays, "tasks", rank.tasks, "busy_seconds", rank.busy_seconds, "idle_seconds",
+                           rank.idle_seconds, "core_seconds", rank.core_seconds, "peak_memory_bytes",
+                           rank.peak_memory_bytes));
+  json out = record("active_nodes", loaded.sets.active.size(), "rays", report.rays + report.rays_resumed,
+                    "rays_resumed", report.rays_resumed, "increments", report.increments, "increments_of_run",
+                    report.increments_of_run, "failed", report.failed, "increments_after_end", report.after_end,
+                    "rays_with_library_errors", report.library_errors, "newton_iterations", report.iterations, "ranks",
+                    report.ranks.size(), "wall_seconds", report.wall_seconds, "setup_seconds", report.setup_seconds,
+                    "solve_seconds", report.solve_seconds, "pack_seconds", report.pack_seconds, "core_seconds",
+                    report.core_seconds, "per_rank", ranks);
   out["rays_mirrored"] = report.rays_mirrored;
   if (target.shard)
     out["shard"] = target.shard->str();
@@ -120,7 +106,7 @@ void run(const Options& options) {
   if (!options.shard.empty()) {
     target.shard = parse_shard(options.shard);
     target.file = shard_file(options.output, *target.shard);
-    declare_output("--shard", target.file, OutputKind::database);
+    declare_output("--shard", target.file, PathKind::database);
   }
   const SolverSession session;
   const bool first = session.rank() == 0;
@@ -138,19 +124,14 @@ void run(const Options& options) {
     if (first) lock.emplace(begin(target, loaded));
   });
   install_stop_handler();  // a signal before ends the program: there is nothing to keep yet
-  PrecomputeReport report;
-  {
-    Progress progress(target.shard ? "shard " + target.shard->str() : "precompute", "rays");
-    report = precompute(
-        session, loaded.scene, loaded.mesh, loaded.sets, target,
-        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested,
-        [&](const std::string& text) {
-          // The error at the end repeats it, with its remedy; one rank has reached the end already.
-          if (session.size() > 1)
-            message("warning: {}\n  the other ranks finish their present nodes\n",
-                    text.substr(0, text.find("\n  remedy: ")));
-        });
-  }
+  const auto warn = [&](const std::string& text) {
+    // The error at the end repeats it, with its remedy; one rank has reached the end already.
+    if (session.size() > 1)
+      message("warning: {}\n  the other ranks finish their present nodes\n", text.substr(0, text.find("\n  remedy: ")));
+  };
+  const auto report = precompute(
+      session, loaded.scene, loaded.mesh, loaded.sets, target,
+      Progress(target.shard ? "shard " + target.shard->str() : "precompute", "rays").counter(), stop_requested, warn);
   if (report.interrupted)
     throw failure("interrupted", fmt::format("{} rays are finished and kept", report.rays + report.rays_resumed),
                   "run the command again with --resume to continue");
@@ -173,34 +154,29 @@ void run(const Options& options) {
                      options.output.extension().string(),
                  options.output.string());
   else
-    print_result("database {} -> {}\n", bytes(static_cast<double>(std::filesystem::file_size(target.file))),
-                 target.file.string());
+    print_result("database {} -> {}\n", bytes(std::filesystem::file_size(target.file)), target.file.string());
   write_json(options.json_file, figures(loaded, target, report));
 }
 
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand(
-      "precompute",
-      "Solve every probe of the scene with finite elements -> database.h5\n(in parallel: mpirun -n 8 "
-      "phynness precompute ...)");
-  add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file (formats/scene.md)")->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::database, "database to write (formats/database.md)")
-      ->required();
-  command->add_flag("--resume", options->resume, "continue an unfinished database");
-  command->add_option("--shard", options->shard,
-                      "i/n: solve only part i = 0 ... n-1 of n and write it to a separate file\n"
-                      "(database.h5 -> database.shard-i-of-n.h5); phynness merge joins the files");
-  command
-      ->add_option("--ranks-per-solve", options->ranks_per_solve,
-                   "number of ranks for each solve, for meshes that are too large for the memory of one rank "
-                   "(docs/howto/cluster.md)")
-      ->check(CLI::Range(1, 1 << 20))
+  auto [command, options] =
+      add_command(app, "precompute",
+                  "Solve every probe of the scene with finite elements -> database.h5\n(in parallel: mpirun -n 8 "
+                  "phynness precompute ...)",
+                  run);
+  add_scene(command, options.scene, "scene file (formats/scene.md)");
+  add_output(command, options.output, PathKind::database, "database to write (formats/database.md)");
+  command.add_flag("--resume", options.resume, "continue an unfinished database");
+  command.add_option("--shard", options.shard,
+                     "i/n: solve only part i = 0 ... n-1 of n and write it to a separate file\n"
+                     "(database.h5 -> database.shard-i-of-n.h5); phynness merge joins the files");
+  add_count(command, "--ranks-per-solve", options.ranks_per_solve, 1, 1 << 20,
+            "number of ranks for each solve, for meshes that are too large for the memory of one rank "
+            "(docs/howto/cluster.md)")
       ->default_val(1);
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
-  command->callback([options] { run(*options); });
+  add_json(command, options.json_file);
 }
 
 }  // namespace phynness::cli::precompute_command

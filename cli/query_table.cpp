@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -14,33 +13,11 @@
 #include <string_view>
 #include <vector>
 
-#include "command_files.hpp"
 #include "console.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
-
-/// Values between commas, without surrounding spaces.
-std::vector<std::string_view> fields_of(std::string_view row) {
-  std::vector<std::string_view> fields;
-  for (std::size_t at = 0; at <= row.size();) {
-    const auto end = std::min(row.find(',', at), row.size());
-    auto field = row.substr(at, end - at);
-    field.remove_prefix(std::min(field.find_first_not_of(' '), field.size()));
-    field.remove_suffix(field.size() - (field.find_last_not_of(' ') + 1));
-    fields.push_back(field);
-    at = end + 1;
-  }
-  return fields;
-}
-
-template <class Number>
-bool parse(std::string_view field, Number& number) {
-  if (field.starts_with('+')) field.remove_prefix(1);
-  const auto [end, code] = std::from_chars(field.data(), field.data() + field.size(), number);
-  return code == std::errc{} && end == field.data() + field.size();
-}
 
 /// The rows of a file of queries, one after another, and the place of the present one for messages.
 class QueryReader {
@@ -97,12 +74,12 @@ class QueryReader {
       throw error(fmt::format("a row must have 4 values, not {}", _line.empty() ? 0 : fields.size()),
                   fmt::format("'{}'", _line), fmt::format("write {}, without empty lines", queries_header));
     Query query;
-    if (!parse(fields[0], query.node))
+    if (!parse_number(fields[0], query.node))
       throw error("a node must be an integer", fmt::format("'{}'", fields[0]),
                   "give the number of a node of the mesh, starting with 0");
     auto& d = query.displacement_m;
     for (std::size_t k = 0; k < 3; ++k)
-      if (!parse(fields[k + 1], d[k]) || !std::isfinite(d[k]))
+      if (!parse_number(fields[k + 1], d[k]) || !std::isfinite(d[k]))
         throw error("a displacement must be three finite numbers", fmt::format("'{}'", fields[k + 1]),
                     "write metres with a decimal point: 0.0,0.0,-0.01");
     if (std::hypot(d[0], d[1], d[2]) > largest_displacement_m)
@@ -132,74 +109,48 @@ std::int64_t check_rows(const std::filesystem::path& file, const std::function<v
   return n;
 }
 
-/// The table that is written. A file is filled in OUTPUT.part, which stays there unless the table is complete.
+/// The table that is written. A file is filled in OUTPUT.part, which stays there unless the table is complete. A row
+/// leaves the process at once, so that one that is killed loses none.
 class Table {
  public:
-  Table(const std::optional<std::filesystem::path>& output, const std::string& columns)
-      : _ready(fmt::format("{}{}\n", queries_header, columns)) {
+  Table(const OptionalPath& output, const std::string& columns) {
     if (output) _part = _file.emplace(*output).keep();
+    add(fmt::format("{}{}\n", queries_header, columns));
   }
 
-  /// A row leaves the process at once, so that one that is killed loses none, but fast rows leave together.
-  void add(const std::string& row) {
-    _ready += row;
-    if (std::chrono::steady_clock::now() - _written > std::chrono::milliseconds(1)) write();
+  void add(const std::string& text) {
+    if (_file)
+      _file->append(text);
+    else
+      _lost = !write_stdout(text);
   }
   bool is_lost() const { return _lost; }
-
   void put() {
-    write();
     if (_file) _file->put();
   }
   /// Leaves the table so that nobody takes it for a complete one. @return where the rows are
   std::string leave(const std::string& how_much) {
-    if (!_file) _ready += fmt::format("interrupted: {}\n", how_much);
-    write();
-    return _file ? "in " + _part.string() : "on stdout, whose last line says so";
+    if (_file) return "in " + _part.string();
+    add(fmt::format("interrupted: {}\n", how_much));
+    return "on stdout, whose last line says so";
   }
 
  private:
-  void write() {
-    if (_file)
-      _file->append(_ready);
-    else
-      _lost = !write_stdout(_ready);
-    _ready.clear();
-    _written = std::chrono::steady_clock::now();
-  }
-
   std::optional<GrowingTextFile> _file;
   std::filesystem::path _part;
-  std::string _ready;
   bool _lost = false;
-  std::chrono::steady_clock::time_point _written = std::chrono::steady_clock::now();
 };
 
 }  // namespace
 
-void QueryOptions::add_to(CLI::App& command) {
-  add_path(
-      command, "--queries", file, InputKind::whole,
+void QueryOptions::add_to(CLI::App& command, const std::vector<std::string>& excluded) {
+  auto* queries = add_path(
+      command, "--queries", file, PathKind::input,
       fmt::format("CSV file of many queries, instead of --node; its first line is {}; writes a CSV table of forces",
                   queries_header));
-  add_path(command, "-o,--output", output, OutputKind::file, "file of the table of --queries (default: stdout)");
-}
-
-void QueryOptions::check(const ToolOptions& tool, const std::string& others) const {
-  if (!file) {
-    if (output)
-      throw input_error("--output needs --queries", "--output " + output->string(),
-                        "add --queries, or use --json for a single query");
-    return;
-  }
-  if (!tool.nodes.empty() || !tool.points.empty() || !tool.displacements.empty())
-    throw input_error("--queries excludes tools on the command line",
-                      "--queries together with --node, --point or --displacement",
-                      "omit either --queries or the tools");
-  if (tool.deformation_csv || tool.json_file || !others.empty())
-    throw input_error("--queries only writes a table",
-                      "--queries together with " + (others.empty() ? "--json or --deformation" : others),
-                      "name a file for the table with --output, or use these options for one query with --node");
+  add_path(command, "-o,--output", output, PathKind::file, "file of the table of --queries (default: stdout)")
+      ->needs(queries);
+  for (const auto& option : excluded) queries->excludes(command.get_option(option));
 }
 
 void answer_queries(const QueryOptions& options, const QueryAnswers& answers) {

@@ -2,12 +2,6 @@
 // table of forces is written for each. The memory does not depend on the number of rows.
 #pragma once
 
-#include <filesystem>
-#include <functional>
-#include <optional>
-#include <phynness/formats/selector.hpp>
-#include <string>
-
 #include "commands.hpp"
 
 namespace phynness::cli {
@@ -22,11 +16,9 @@ struct Query {
 
 /// Adds --queries and --output.
 struct QueryOptions {
-  std::optional<std::filesystem::path> file, output;
-  void add_to(CLI::App& command);
-  /// @param others  other options that are given and write or ask something else, for the message; "": none
-  /// @throws Error (input) if tools or such options are given together with --queries, or --output without it
-  void check(const ToolOptions& tool, const std::string& others) const;
+  OptionalPath file, output;
+  /// @param excluded  options that ask or write something else
+  void add_to(CLI::App& command, const std::vector<std::string>& excluded);
 };
 
 /// What answers a file of queries.

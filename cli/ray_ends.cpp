@@ -1,10 +1,6 @@
-#include "ray_ends.hpp"
-
-#include <fmt/core.h>
-
 #include <algorithm>
 
-#include "streams.hpp"
+#include "commands.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -33,7 +29,7 @@ json by_node(const DatabaseHeader& header, const EndSummary& ends, const std::ve
   json listed = json::array();
   for (const auto a : nodes)
     listed.push_back(
-        {{"node", header.sets.active[a]}, {"rays", ends.early[a]}, {"share_of_volume_left", ends.reached[a]}});
+        record("node", header.sets.active[a], "rays", ends.early[a], "share_of_volume_left", ends.reached[a]));
   return listed;
 }
 
@@ -44,7 +40,7 @@ json tell_ends(const DatabaseHeader& header, const EndSummary& ends) {
   std::int64_t n_early = 0;
   for (const auto& [reason, count] : ends.reasons) {
     const auto lost = ends.volume.find(reason);
-    reasons[name(reason)] = {{"rays", count}, {"share_of_volume", lost == ends.volume.end() ? 0.0 : lost->second}};
+    reasons[name(reason)] = record("rays", count, "share_of_volume", lost == ends.volume.end() ? 0.0 : lost->second);
     if (RayEnd{reason}.is_early()) n_early += count;
   }
   const auto nodes = nodes_with_ends(ends);
@@ -60,15 +56,9 @@ json tell_ends(const DatabaseHeader& header, const EndSummary& ends) {
                  ends.largest_loss_J);
   if (!ends.is_recorded)
     print_result("folds     not recorded: a version that does not look for them solved some of these rays\n");
-  return {{"rays", ends.rays},
-          {"rays_early", n_early},
-          {"share_of_rays", ends.share_of_rays()},
-          {"share_of_volume", ends.share_of_volume()},
-          {"reasons", reasons},
-          {"folds", ends.folds},
-          {"largest_energy_lost_J", ends.largest_loss_J},
-          {"recorded", ends.is_recorded},
-          {"nodes", by_node(header, ends, nodes)}};
+  return record("rays", ends.rays, "rays_early", n_early, "share_of_rays", ends.share_of_rays(), "share_of_volume",
+                ends.share_of_volume(), "reasons", reasons, "folds", ends.folds, "largest_energy_lost_J",
+                ends.largest_loss_J, "recorded", ends.is_recorded, "nodes", by_node(header, ends, nodes));
 }
 
 }  // namespace phynness::cli

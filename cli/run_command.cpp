@@ -2,25 +2,18 @@
 // run under mpirun and training uses threads.
 #include <chrono>
 #include <fstream>
-#include <phynness/formats/database.hpp>
-#include <phynness/formats/error.hpp>
 #include <phynness/pages/pages.hpp>
 #include <phynness/precompute/precompute.hpp>
-#include <phynness/schema/text_reader.hpp>
 
 #include "child_process.hpp"
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "console.hpp"
-#include "output_places.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::run_command {
 namespace {
 
 struct Options {
   std::filesystem::path scene, output;
-  std::optional<std::filesystem::path> json_file;
+  OptionalPath json_file;
   int ranks = 1;
   bool resume = false, details = false;
 };
@@ -53,46 +46,31 @@ double size_of(const std::filesystem::path& what) {
   return sum;
 }
 
+/// What a run writes beside the database and the model.
+constexpr const char* texts[] = {"mesh.msh",       "mesh.json",     "precompute.json", "train.json",
+                                 "calibrate.json", "validate.json", "organ.html"};
+
 void declare_files(const Options& options) {
-  for (const char* name : {"mesh.msh", "mesh.json", "precompute.json", "train.json", "calibrate.json", "validate.json"})
-    declare_output("--output", options.output / name);
-  declare_output("--output", options.output / "database.h5", OutputKind::database);
-  declare_output("--output", options.output / "model", OutputKind::model);
-  declare_output("--output", options.output / "organ.html");
+  for (const char* name : texts) declare_output("--output", options.output / name);
+  declare_output("--output", options.output / "database.h5", PathKind::database);
+  declare_output("--output", options.output / "model", PathKind::model);
 }
 
-/// A folder with the database of another scene is refused before its mesh is replaced. @throws Error (input)
-void refuse_other_database(const Options& options) {
-  const auto file = options.output / "database.h5";
-  if (!DatabaseWriter::refuse_begun(file, options.resume)) return;
-  const auto loaded = load_scene(options.scene, true);
-  DatabaseWriter::check(file, database_header(loaded.scene, loaded.mesh, loaded.sets), true);
-}
-
-/// A new run replaces no file at all, a resumed one those that begin as the program writes them. @throws Error (input)
+/// A run replaces files only beside the database of its scene. @throws Error (input) before anything is written
 void refuse_files_of_others(const Options& options) {
-  const std::string page = embedded_page("view.html").value_or("a build without pages makes none");
-  for (const auto& [name, begin] : std::initializer_list<std::pair<const char*, std::string_view>>{
-           {"mesh.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n"},
-           {"mesh.json", "{\n  \"mesh_hash\": "},
-           {"precompute.json", "{\n  \"active_nodes\": "},
-           {"train.json", "{\n  \"family\": "},
-           {"calibrate.json", "{\n  \"coverage\": "},
-           {"validate.json", "{\n  \"probes\": "},
-           {"organ.html", std::string_view(page).substr(0, page.find("<title>"))},
-           {"model/model.txt", schema::model_magic},
-           {"model/mesh.txt", mesh_text_magic}}) {
-    const auto file = options.output / name;
-    if (options.resume)
-      check_own_text("--output", file, begin);
-    else if (std::filesystem::exists(std::filesystem::symlink_status(file)))
-      throw input_error("a run would replace a file", "--output " + file.string(),
-                        "give another folder, or --resume if an earlier run has left it");
+  const auto database = options.output / "database.h5";
+  if (DatabaseWriter::refuse_begun(database, options.resume)) {
+    const auto loaded = load_scene(options.scene, true);
+    return DatabaseWriter::check(database, database_header(loaded.scene, loaded.mesh, loaded.sets), true);
   }
-  const auto model = options.output / "model";
-  if (std::filesystem::exists(std::filesystem::symlink_status(model)) && !std::filesystem::is_directory(model))
-    throw input_error("a run needs a folder in the place of a file", "--output " + model.string(),
-                      "give another folder, or move the file");
+  std::vector<std::string> names(std::begin(texts), std::end(texts));
+  names.insert(names.end(), {"model/model.txt", "model/mesh.txt", "model"});
+  for (const auto& name : names) {
+    const auto file = options.output / name;
+    if (std::filesystem::exists(std::filesystem::symlink_status(file)))
+      throw input_error("a run would replace a file, and there is no database to resume", "--output " + file.string(),
+                        "give another folder, or move the file");
+  }
 }
 
 /// The figures of all stages in one file.
@@ -130,14 +108,9 @@ void calibrate(const Options& options, const std::string& self, std::vector<Stag
 void run(const Options& options) {
   declare_files(options);
   const Family family = open_scene(options.scene).training.family;
-  refuse_other_database(options);
   refuse_files_of_others(options);
   install_stop_handler(false);
-  std::error_code code;
-  std::filesystem::create_directories(options.output, code);
-  if (code)
-    throw input_error("the output folder cannot be made", options.output.string() + ": " + code.message(),
-                      "give a folder in a place where you may write");
+  make_folder(options.output);
   const auto self = this_program();
   const auto in = [&](const char* name) { return (options.output / name).string(); };
   const auto scene = options.scene.string();
@@ -173,18 +146,15 @@ void run(const Options& options) {
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand(
-      "run", "Run the whole pipeline: mesh, precompute, train, calibrate, validate, view -> OUT_DIR");
-  add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file (formats/scene.md)")->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::folder, "folder for all output files")->required();
-  command->add_option("--ranks", options->ranks, "number of processes for the finite element stages (mpirun)")
-      ->check(CLI::Range(1, 4096))
+  auto [command, options] = add_command(
+      app, "run", "Run the whole pipeline: mesh, precompute, train, calibrate, validate, view -> OUT_DIR", run);
+  add_scene(command, options.scene, "scene file (formats/scene.md)");
+  add_output(command, options.output, PathKind::folder, "folder for all output files");
+  add_count(command, "--ranks", options.ranks, 1, 4096, "number of processes for the finite element stages (mpirun)")
       ->capture_default_str();
-  command->add_flag("--resume", options->resume, "continue an unfinished database in OUT_DIR");
-  command->add_flag("--details", options->details, "print what each stage prints, and all tables of validate");
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures of all stages as JSON");
-  command->callback([options] { run(*options); });
+  command.add_flag("--resume", options.resume, "continue an unfinished database in OUT_DIR");
+  command.add_flag("--details", options.details, "print what each stage prints, and all tables of validate");
+  add_json(command, options.json_file, "write the figures of all stages as JSON");
 }
 
 }  // namespace phynness::cli::run_command

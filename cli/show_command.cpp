@@ -1,13 +1,10 @@
-#include <fmt/core.h>
-
+#include <algorithm>
 #include <charconv>
-#include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
+#include <phynness/formats/tool.hpp>
+#include <phynness/formats/vtk.hpp>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "shown_response.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::show_command {
 namespace {
@@ -19,6 +16,144 @@ struct Options {
   std::string increment;
 };
 
+struct ShownResponse {
+  VtkGrid grid;
+  /// One per converged increment. The time is the prescribed displacement [m]. Fields: `displacement` [m], `force` [N]
+  /// (the total force at the touched node, zero elsewhere), `prescribed` (weight of the tool, 0 to 1), and stored
+  /// scalar fields by their column() (0 except at output nodes).
+  std::vector<VtkState> states;
+  std::vector<int> increments;     ///< increment numbers of the states; the first increment is 1
+  std::vector<std::string> notes;  ///< omitted parts, with the reason
+};
+
+std::size_t active_index(const DatabaseHeader& header, std::int32_t node) {
+  const auto& active = header.sets.active;
+  const auto at = std::lower_bound(active.begin(), active.end(), node);
+  if (at != active.end() && *at == node) return static_cast<std::size_t>(at - active.begin());
+  throw input_error("the database has no responses of this node", fmt::format("--node {}", node),
+                    fmt::format("give one of the {} active nodes, {} to {}; phynness info lists them", active.size(),
+                                active.front(), active.back()));
+}
+
+void check_increment(const DatabaseHeader& header, const Ray& ray, std::optional<int> increment) {
+  const auto n = static_cast<int>(header.magnitudes_m.size());
+  if (increment && (*increment < 1 || *increment > n))
+    throw input_error("there is no such increment", fmt::format("--increment {}", *increment),
+                      fmt::format("give a number from 1 to {}", n));
+  const auto wanted = [&](int i) { return !increment || *increment == i + 1; };
+  for (int i = 0; i < n; ++i)
+    if (wanted(i) && ray.status[static_cast<std::size_t>(i)] == Status::converged) return;
+  const auto status = ray.status[static_cast<std::size_t>(increment.value_or(1) - 1)];
+  throw input_error(increment ? "this increment did not converge" : "no increment of this ray converged",
+                    fmt::format("{}: {}", name(status), meaning(status)),
+                    "choose another --increment or --direction; phynness info counts the outcomes");
+}
+
+/// Rows of `all` whose nodes are all known, with node numbers replaced by point numbers.
+template <class Faces>
+Cells between_known(const Faces& all, const std::vector<std::int32_t>& point_of) {
+  Cells cells(all.rows(), all.cols());
+  Eigen::Index n = 0;
+  for (Eigen::Index i = 0; i < all.rows(); ++i) {
+    bool known = true;
+    for (Eigen::Index k = 0; k < all.cols(); ++k) {
+      cells(n, k) = point_of[static_cast<std::size_t>(all(i, k))];
+      known = known && cells(n, k) >= 0;
+    }
+    if (known) ++n;
+  }
+  cells.conservativeResize(n, Eigen::NoChange);
+  return cells;
+}
+
+Cells shown_cells(const Mesh& mesh, const std::vector<std::int32_t>& point_of, std::size_t n_known,
+                  std::vector<std::string>& notes) {
+  const auto n_nodes = static_cast<std::size_t>(mesh.n_nodes());
+  if (n_known == n_nodes) return between_known(mesh.cells, point_of);
+  const auto counted = fmt::format("displacements of {} of {} nodes are known", n_known, n_nodes);
+  Cells triangles = between_known(mesh.surface, point_of);
+  if (triangles.rows() > 0) {
+    notes.push_back(
+        fmt::format("{}: the file has {} of {} surface triangles and no tetrahedra (with nodes.output = "
+                    "\"all\" all displacements are stored)",
+                    counted, triangles.rows(), mesh.surface.rows()));
+    return triangles;
+  }
+  notes.push_back(counted + ", but not the three corners of any surface triangle: the file has points only");
+  return Eigen::VectorX<std::int32_t>::LinSpaced(static_cast<Eigen::Index>(n_known), 0,
+                                                 static_cast<std::int32_t>(n_known) - 1);
+}
+
+/// Displacements are known at output nodes (stored), fixed nodes (zero) and nodes held by the tool (prescribed). The
+/// cells are all tetrahedra if every node is known, else surface triangles between known nodes, else the known nodes.
+/// @param node       mesh node number of an active node
+/// @param direction  index of the direction
+/// @param increment  1 ... n; empty: all converged increments
+/// @throws Error (input) if there is no such ray, or if no requested increment converged
+ShownResponse shown_response(const Database& database, std::int32_t node, int direction, std::optional<int> increment) {
+  const auto& header = database.header();
+  const auto active = active_index(header, node);
+  if (direction < 0 || direction >= static_cast<int>(header.directions.size()))
+    throw input_error("there is no such direction", fmt::format("--direction {}", direction),
+                      fmt::format("give a number from 0 to {}; formats/database.md describes their order",
+                                  header.directions.size() - 1));
+  const auto rays = database.rays(static_cast<std::int32_t>(active));
+  const Ray& ray = rays[static_cast<std::size_t>(direction)];
+  check_increment(header, ray, increment);
+
+  const auto tool =
+      touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node, stored_scene(header).probe);
+  constexpr std::int32_t unknown = -1;
+  std::vector<std::int32_t> point_of(static_cast<std::size_t>(header.mesh.n_nodes()), unknown);
+  for (const auto* set : {&header.sets.output, &header.sets.fixed, &tool.nodes})
+    for (const auto n : *set) point_of[static_cast<std::size_t>(n)] = 0;
+  ShownResponse shown;
+  auto& grid = shown.grid;
+  for (std::int32_t n = 0; n < header.mesh.n_nodes(); ++n) {
+    auto& point = point_of[static_cast<std::size_t>(n)];
+    if (point == unknown) continue;
+    point = static_cast<std::int32_t>(grid.node_numbers.size());
+    grid.node_numbers.push_back(n);
+  }
+  const auto n_points = std::ssize(grid.node_numbers);
+  grid.points = header.mesh.nodes(grid.node_numbers, Eigen::all);
+  grid.cells = shown_cells(header.mesh, point_of, grid.node_numbers.size(), shown.notes);
+
+  Eigen::MatrixXd weight = Eigen::MatrixXd::Zero(n_points, 1);
+  for (std::size_t i = 0; i < tool.nodes.size(); ++i)
+    weight(point_of[static_cast<std::size_t>(tool.nodes[i])], 0) = tool.weights[i];
+  const auto& output = header.sets.output;
+  const Eigen::Map<const Eigen::RowVector3d> unit(header.directions[static_cast<std::size_t>(direction)].data());
+  for (std::size_t i = 0; i < header.magnitudes_m.size(); ++i) {
+    const int number = static_cast<int>(i) + 1;
+    if (increment && *increment != number) continue;
+    if (ray.status[i] != Status::converged) {
+      shown.notes.push_back(
+          fmt::format("increment {} is left out: {}: {}", number, name(ray.status[i]), meaning(ray.status[i])));
+      continue;
+    }
+    const double depth_m = header.magnitudes_m[i];
+    Eigen::MatrixXd u = weight * (depth_m * unit), force = Eigen::MatrixXd::Zero(n_points, 3);
+    for (std::size_t j = 0; j < output.size(); ++j)
+      u.row(point_of[static_cast<std::size_t>(output[j])]) =
+          Eigen::Map<const Eigen::RowVector3d>(&ray.displacement[3 * (i * output.size() + j)]);
+    force.row(point_of[static_cast<std::size_t>(node)]) = Eigen::Map<const Eigen::RowVector3d>(&ray.force[3 * i]);
+    shown.states.push_back(
+        {depth_m, {{"displacement", std::move(u)}, {"force", std::move(force)}, {"prescribed", weight}}});
+    for (std::size_t f = 0; f < header.fields.size(); ++f) {
+      Eigen::MatrixXd values = Eigen::MatrixXd::Zero(n_points, 1);
+      for (std::size_t j = 0; j < output.size(); ++j)
+        values(point_of[static_cast<std::size_t>(output[j])], 0) = ray.fields[f][i * output.size() + j];
+      shown.states.back().fields.push_back({column(header.fields[f]), std::move(values)});
+    }
+    shown.increments.push_back(number);
+  }
+  if (const auto left = grid.node_numbers.size() - output.size(); !header.fields.empty() && left > 0)
+    shown.notes.push_back(
+        fmt::format("fields are stored at output nodes only; the file has 0 at {} other points", left));
+  return shown;
+}
+
 /// Whether the file is a collection of all increments. @throws Error (input) if its extension is unknown
 bool is_collection(const std::filesystem::path& file) {
   const auto extension = file.extension();
@@ -26,17 +161,6 @@ bool is_collection(const std::filesystem::path& file) {
     throw input_error("the format of the output is unknown", file.string(),
                       "give -o a name that ends in .pvd (all increments) or in .vtu (one increment)");
   return extension == ".pvd";
-}
-
-/// Empty: all increments.
-std::optional<int> wanted_increment(const std::string& word) {
-  if (word.empty() || word == "all") return {};
-  int number = 0;
-  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), number);
-  if (code != std::errc{} || end != word.data() + word.size())
-    throw input_error("--increment is neither a number nor 'all'", "'" + word + "'",
-                      "give for example --increment 3, or --increment all");
-  return number;
 }
 
 void write_collection(const ShownResponse& shown, const std::filesystem::path& file) {
@@ -60,8 +184,12 @@ void run(const Options& options) {
   if (!all && options.increment == "all")
     throw input_error("this format can only hold one increment", options.output.string(),
                       "write all increments to a file that ends in .pvd");
+  std::optional<int> increment;  // empty: all
+  if (!options.increment.empty() && options.increment != "all" && !parse_number(options.increment, increment.emplace()))
+    throw input_error("--increment is neither a number nor 'all'", "'" + options.increment + "'",
+                      "give for example --increment 3, or --increment all");
   const auto database = Database::open(options.database);
-  auto shown = shown_response(database, options.node, options.direction, wanted_increment(options.increment));
+  auto shown = shown_response(database, options.node, options.direction, increment);
   if (!all) {
     shown.states.erase(shown.states.begin(), shown.states.end() - 1);
     shown.increments.erase(shown.increments.begin(), shown.increments.end() - 1);
@@ -87,19 +215,16 @@ void run(const Options& options) {
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("show", "Write a stored response for ParaView: PVD or VTU");
-  add_path(*command, "DATABASE", options->database, InputKind::whole, "finished database.h5")->required();
-  command->add_option("--node", options->node, "number of an active node, starting with 0")->required();
-  command->add_option("--direction", options->direction, "number of the direction, starting with 0")->required();
-  command->add_option("--increment", options->increment,
-                      "number of the increment, starting with 1, or all (default: all in .pvd, the last "
-                      "converged one in .vtu)");
-  add_path(
-      *command, "-o,--output", options->output, OutputKind::file,
-      "file to write: .pvd (with .vtu files in the same folder) or .vtu; its time is the prescribed displacement [m]")
-      ->required();
-  command->callback([options] { run(*options); });
+  auto [command, options] = add_command(app, "show", "Write a stored response for ParaView: PVD or VTU", run);
+  add_database(command, options.database, "finished database.h5");
+  command.add_option("--node", options.node, "number of an active node, starting with 0")->required();
+  command.add_option("--direction", options.direction, "number of the direction, starting with 0")->required();
+  command.add_option("--increment", options.increment,
+                     "number of the increment, starting with 1, or all (default: all in .pvd, the last "
+                     "converged one in .vtu)");
+  add_output(
+      command, options.output, PathKind::file,
+      "file to write: .pvd (with .vtu files in the same folder) or .vtu; its time is the prescribed displacement [m]");
 }
 
 }  // namespace phynness::cli::show_command

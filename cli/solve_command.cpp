@@ -1,15 +1,8 @@
-#include <fmt/core.h>
-
 #include <cmath>
-#include <phynness/formats/database.hpp>
-#include <phynness/formats/error.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "console.hpp"
 #include "query_table.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::solve_command {
 namespace {
@@ -111,7 +104,7 @@ void run_queries(const Options& options) {
   rows.say_what_failed();
 }
 
-void run(const Options& options) {
+void run_single(const Options& options) {
   const auto displacements = options.tool.parsed_displacements();
   const SolverSession session;
   const auto loaded = load_source(options.source);
@@ -131,55 +124,36 @@ void run(const Options& options) {
   if (response.negative_pivots > 0)
     message("warning: the state is unstable ({} negative pivots): the result may depend on the path\n",
             response.negative_pivots);
-  ToolResult result;
-  for (const auto& f : response.force_N) result.force_N.emplace_back(f);
-  result.energy_J = response.energy_J;
-  result.nodes = loaded.sets.output;
-  result.displacement_m.resize(static_cast<Eigen::Index>(result.nodes.size()), 3);
-  for (std::size_t i = 0; i < result.nodes.size(); ++i)
-    result.displacement_m.row(static_cast<Eigen::Index>(i)) = response.displacement_m.row(result.nodes[i]);
-  for (std::size_t f = 0; f < loaded.scene.database.fields.size(); ++f) {
-    const auto field = loaded.scene.database.fields[f];
-    Eigen::VectorXd values(static_cast<Eigen::Index>(result.nodes.size()));
-    for (std::size_t i = 0; i < result.nodes.size(); ++i)
-      values[static_cast<Eigen::Index>(i)] = response.fields(result.nodes[i], static_cast<Eigen::Index>(f));
-    result.fields.push_back({name(field), unit(field), column(field), std::move(values)});
-  }
-  json extra{{"newton_iterations", response.iterations},
-             {"cutbacks", response.cutbacks},
-             {"negative_pivots", response.negative_pivots},
-             {"min_jacobian", response.min_jacobian}};
+  const auto& output = loaded.sets.output;
+  ToolResult result{{response.force_N.begin(), response.force_N.end()},
+                    response.energy_J,
+                    response.displacement_m(output, Eigen::all),
+                    output,
+                    {}};
+  for (const auto field : loaded.scene.database.fields)
+    result.fields.push_back(
+        {name(field), unit(field), column(field), response.fields(output, std::ssize(result.fields))});
+  json extra = record("newton_iterations", response.iterations, "cutbacks", response.cutbacks, "negative_pivots",
+                      response.negative_pivots, "min_jacobian", response.min_jacobian);
   if (options.tangent) {
-    json rows = json::array();
-    for (Eigen::Index i = 0; i < response.tangent_N_per_m.rows(); ++i) {
-      json row = json::array();
-      for (Eigen::Index j = 0; j < response.tangent_N_per_m.cols(); ++j) row.push_back(response.tangent_N_per_m(i, j));
-      rows.push_back(row);
-    }
-    extra["tangent_N_per_m"] = rows;
+    for (const auto& row : response.tangent_N_per_m.rowwise())
+      extra["tangent_N_per_m"].push_back(std::vector<double>(row.begin(), row.end()));
   }
   report_tools(options.tool, places, displacements, loaded.mesh, result, extra);
 }
 
+void run(const Options& options) { options.queries.file ? run_queries(options) : run_single(options); }
+
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("solve", "Compute force and deformation by one finite element solve");
-  add_path(*command, "SCENE", options->source, InputKind::whole,
-           "scene file, or database.h5, which contains a scene and a mesh")
-      ->required();
-  options->tool.add_to(*command);
-  options->queries.add_to(*command);
-  command
-      ->add_option("--increments", options->increments,
-                   "number of equal steps to the displacement (default: that of the scene)")
-      ->check(CLI::Range(1, 1000));
-  command->add_flag("--tangent", options->tangent, "add the condensed stiffness dF/dd [N/m] to the JSON output");
-  command->callback([options] {
-    options->queries.check(options->tool, options->tangent ? "--tangent" : "");
-    options->queries.file ? run_queries(*options) : run(*options);
-  });
+  auto [command, options] = add_command(app, "solve", "Compute force and deformation by one finite element solve", run);
+  add_scene(command, options.source, "scene file, or database.h5, which contains a scene and a mesh");
+  options.tool.add_to(command);
+  add_count(command, "--increments", options.increments, 1, 1000,
+            "number of equal steps to the displacement (default: that of the scene)");
+  command.add_flag("--tangent", options.tangent, "add the condensed stiffness dF/dd [N/m] to the JSON output");
+  options.queries.add_to(command, {"--node", "--point", "--displacement", "--deformation", "--json", "--tangent"});
 }
 
 }  // namespace phynness::cli::solve_command

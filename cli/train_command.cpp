@@ -1,25 +1,34 @@
-#include <fmt/core.h>
-
-#include <map>
 #include <phynness/evaluation/database_errors.hpp>
-#include <phynness/formats/error.hpp>
 #include <phynness/training/families.hpp>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "console.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::train_command {
 namespace {
 
+/// An option that replaces a number of [training].
+struct Count {
+  const char* option;
+  int TrainingSpec::*number;
+  int low, high;
+  const char* what;  ///< begins with the family that it is of
+};
+constexpr Count counts[] = {
+    {"--modes", &TrainingSpec::modes, 0, largest_mode_count, "modal: modes of each node; 0: forces only"},
+    {"--shared-modes", &TrainingSpec::shared_modes, 0, largest_mode_count,
+     "modal: shared modes, from which the modes of a node are mixed"},
+    {"--near-nodes", &TrainingSpec::near_nodes, 0, 1'000'000,
+     "modal: nodes near the touched one with modes of their own"},
+    {"--force-centers", &TrainingSpec::force_centers, 1, 100'000, "modal: centers of a force network"},
+    {"--levels", &TrainingSpec::levels, 1, largest_level_count, "number of levels, each half as large as the next"},
+    {"--amplitude-centers", &TrainingSpec::amplitude_centers, 0, 100'000, "modal: centers of the amplitudes"}};
+
 struct Options {
   std::filesystem::path scene, database, output;
-  std::optional<std::filesystem::path> json_file;
+  OptionalPath json_file;
   std::optional<std::string> family;
-  std::optional<int> neurons, force_neurons;
+  std::optional<int> neurons, force_neurons, count[std::size(counts)];
   std::optional<double> spread, force_spread;
-  std::optional<int> modes, shared_modes, near_nodes, force_centers, amplitude_centers, levels;
 };
 
 /// Inputs are scaled to the range [-1, 1]. Far smaller spreads separate all points, far larger ones separate none.
@@ -49,34 +58,28 @@ void print_fields(const Model& model, const TrainingReport& report, const std::v
       model.shared.modes.rows() > 0 ? "a model without modes has forces only" : "only --family modal models fields");
 }
 
-void note_idle_options(const Options& options, Family family) {
-  const bool of_networks = options.neurons || options.force_neurons || options.spread || options.force_spread;
-  const bool of_modes =
-      options.modes || options.shared_modes || options.near_nodes || options.force_centers || options.amplitude_centers;
-  for (const auto& [given, words] :
-       {std::pair{of_networks, "neurons and spreads"}, std::pair{of_modes, "modes and centers"}})
-    if (given && std::string_view(words) != operations(family).option_words)
-      message("note: options of {} have no effect in family {}\n", words, name(family));
-  if (!schema::traits(family).has_levels && options.levels.value_or(1) > 1)
-    message("note: family {} has one level; --levels has no effect\n", name(family));
-}
-
 /// [training] of the scene, overridden by options.
 TrainingSpec chosen_spec(TrainingSpec spec, const Options& options) {
   for (const auto* family : every_family())
     if (options.family == name(family->family)) spec.family = family->family;
-  note_idle_options(options, spec.family);
-  spec.levels = options.levels.value_or(spec.levels);
-  spec.modes = options.modes.value_or(spec.modes);
-  spec.shared_modes = options.shared_modes.value_or(spec.shared_modes);
-  spec.near_nodes = options.near_nodes.value_or(spec.near_nodes);
-  spec.force_centers = options.force_centers.value_or(spec.force_centers);
-  spec.amplitude_centers = options.amplitude_centers.value_or(spec.amplitude_centers);
-  if (options.neurons) spec.deformation_neurons = *options.neurons;
-  if (options.neurons) spec.force_neurons = std::min(spec.force_neurons, *options.neurons);
-  if (options.force_neurons) spec.force_neurons = *options.force_neurons;
-  if (options.spread) spec.deformation_spread = *options.spread;
-  if (options.force_spread) spec.force_spread = *options.force_spread;
+  const bool of_networks = options.neurons || options.force_neurons || options.spread || options.force_spread;
+  bool of_modes = false, of_levels = false;
+  for (std::size_t i = 0; i < std::size(counts); ++i) {
+    if (!options.count[i]) continue;
+    (std::string_view(counts[i].what).starts_with("modal") ? of_modes : of_levels) = true;
+    spec.*counts[i].number = *options.count[i];
+  }
+  for (const auto& [given, words] :
+       {std::pair{of_networks, "neurons and spreads"}, std::pair{of_modes, "modes and centers"}})
+    if (given && std::string_view(words) != operations(spec.family).option_words)
+      message("note: options of {} have no effect in family {}\n", words, name(spec.family));
+  if (!schema::traits(spec.family).has_levels && of_levels && spec.levels > 1)
+    message("note: family {} has one level; --levels has no effect\n", name(spec.family));
+  spec.deformation_neurons = options.neurons.value_or(spec.deformation_neurons);
+  spec.force_neurons =
+      options.force_neurons.value_or(std::min(spec.force_neurons, options.neurons.value_or(spec.force_neurons)));
+  spec.deformation_spread = options.spread.value_or(spec.deformation_spread);
+  spec.force_spread = options.force_spread.value_or(spec.force_spread);
   return spec;
 }
 
@@ -93,12 +96,7 @@ Trained trained(const Options& options) {
   const Scene scene = open_scene(options.scene);
   const auto database = Database::open(options.database);
   const auto& header = database.header();
-  if (physics_hash(scene) != header.physics_hash)
-    throw input_error("the database was made from another scene",
-                      "physics hash " + header.physics_hash + ", of this scene " + physics_hash(scene),
-                      "train with the scene from which it was made (phynness info prints its name), or precompute "
-                      "again");
-  check_mesh(scene, header.mesh_hash, options.database.string());
+  check_database(scene, header, options.database.string(), "train");
   warn_of_patch(scene, header.mesh, header.sets);
   const TrainingSpec spec = chosen_spec(scene.training, options);
   Trained t;
@@ -130,7 +128,7 @@ Trained trained(const Options& options) {
 void warn_of_linear(const DatabaseErrors& errors, Family family) {
   for (const auto& [what, model, linear] :
        {std::tuple{"force", errors.force, errors.force_linear},
-        std::tuple{"displacement", errors.displacement, errors.displacement_linear}})
+        std::tuple{"displacement", errors.displacement.value_or(0), errors.displacement_linear.value_or(0)}})
     if (is_worse_than_linear(model, linear))
       message(
           "warning: the model is worse than the linear predictor: mean error (17) of the {} on the training data "
@@ -145,8 +143,8 @@ void print_thinning(const Trained& t) {
   print_result(
       "{} of {} increments are fitted, spread over the depth of each ray, so that the time of the fits does not grow "
       "with the increments; mean error (17) at all of them, {} nodes: force {:.3f} %",
-      r.n_increments_fitted, r.n_increments_used, t.errors.n_nodes, 100 * t.errors.force);
-  if (t.errors.has_displacement) print_result(", displacement {:.3f} %", 100 * t.errors.displacement);
+      r.n_increments_fitted, r.n_increments_used, t.errors.nodes, 100 * t.errors.force);
+  if (t.errors.displacement) print_result(", displacement {:.3f} %", 100 * *t.errors.displacement);
   print_result("\n");
 }
 
@@ -162,39 +160,26 @@ void print(const Trained& t, const std::filesystem::path& output) {
   warn_of_linear(t.errors, model.family);
   if (report.n_skipped > 0)
     message("warning: {} active nodes have no converged increment and are omitted from the model\n", report.n_skipped);
-  print_result("model.txt {}, mesh.txt {} -> {}\n", bytes(static_cast<double>(t.loaded->text_bytes())),
-               bytes(static_cast<double>(t.loaded->mesh_text_bytes())), output.string());
+  print_result("model.txt {}, mesh.txt {} -> {}\n", bytes(t.loaded->text_bytes()), bytes(t.loaded->mesh_text_bytes()),
+               output.string());
 }
 
 json to_json(const Trained& t) {
   const Model& model = t.loaded->model();
   const TrainingReport& report = t.report;
-  json out{{"family", name(model.family)},
-           {"networks", report.n_networks},
-           {"skipped", report.n_skipped},
-           {"increments", report.n_increments_used},
-           {"increments_fitted", report.n_increments_fitted},
-           {"deformation_neurons", t.neurons},
-           {"force_neurons", t.force_neurons},
-           {"deformation_spread", report.deformation_spread},
-           {"force_spread", report.force_spread},
-           {"mean_deformation_mse", report.mean_deformation_mse},
-           {"mean_force_mse", report.mean_force_mse},
-           {"training_errors",
-            {{"force", t.errors.force},
-             {"force_linear", t.errors.force_linear},
-             {"displacement", t.errors.has_displacement ? json(t.errors.displacement) : json(nullptr)},
-             {"displacement_linear", t.errors.has_displacement ? json(t.errors.displacement_linear) : json(nullptr)},
-             {"nodes", t.errors.n_nodes}}},
-           {"seconds", report.seconds},
-           {"model_bytes", t.loaded->text_bytes()},
-           {"mesh_bytes", t.loaded->mesh_text_bytes()}};
+  json out =
+      record("family", name(model.family), "networks", report.n_networks, "skipped", report.n_skipped, "increments",
+             report.n_increments_used, "increments_fitted", report.n_increments_fitted, "deformation_neurons",
+             t.neurons, "force_neurons", t.force_neurons, "deformation_spread", report.deformation_spread,
+             "force_spread", report.force_spread, "mean_deformation_mse", report.mean_deformation_mse, "mean_force_mse",
+             report.mean_force_mse, "training_errors", t.errors, "seconds", report.seconds, "model_bytes",
+             t.loaded->text_bytes(), "mesh_bytes", t.loaded->mesh_text_bytes());
   for (const auto& [key, value] : operations(model.family).figures(report)) out[name(model.family)][key] = value;
   for (const auto& level : model.levels)
-    out["levels"].push_back({{"error_force", level.error_force}, {"error_displacement", level.error_displacement}});
+    out["levels"].push_back(record("error_force", level.error_force, "error_displacement", level.error_displacement));
   for (std::size_t f = 0; f < model.fields.size(); ++f)
-    out[name(model.family)]["fields"][model.fields[f].name] = {{"truncation_error", report.modal.fields[f].truncation},
-                                                               {"regression_error", report.modal.fields[f].regression}};
+    out[name(model.family)]["fields"][model.fields[f].name] = record(
+        "truncation_error", report.modal.fields[f].truncation, "regression_error", report.modal.fields[f].regression);
   return out;
 }
 
@@ -209,41 +194,28 @@ void run(const Options& options) {
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("train", "Train a model on a database -> MODEL_DIR (model.txt, mesh.txt)");
-  add_path(*command, "SCENE", options->scene, InputKind::whole, "scene from which the database was made")->required();
-  add_path(*command, "DATABASE", options->database, InputKind::whole, "database.h5 of phynness precompute")->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::model, "model directory to write (formats/model.md)")
-      ->required();
+  auto [command, options] =
+      add_command(app, "train", "Train a model on a database -> MODEL_DIR (model.txt, mesh.txt)", run);
+  add_scene(command, options.scene, "scene from which the database was made");
+  add_database(command, options.database, "database.h5 of phynness precompute");
+  add_output(command, options.output, PathKind::model, "model directory to write (formats/model.md)");
   std::string about;
   std::vector<std::string> words;
   for (const auto* family : every_family()) {
     words.emplace_back(name(family->family));
     about += fmt::format("{}{}: {}", about.empty() ? "" : "; ", words.back(), family->about);
   }
-  command->add_option("--family", options->family, about)->check(CLI::IsMember(words));
-  command
-      ->add_option("--neurons", options->neurons,
-                   "rbfn: neurons of a deformation network, and largest number of neurons of a force network")
-      ->check(CLI::Range(1, 100'000));
-  command->add_option("--force-neurons", options->force_neurons, "rbfn: neurons of a force network")
-      ->check(CLI::Range(1, 100'000));
-  command->add_option("--spread", options->spread,
-                      "rbfn: spread of the deformation networks, in scaled inputs; 0: search");
-  command->add_option("--force-spread", options->force_spread,
-                      "rbfn: spread of the force networks, in scaled inputs; 0: search");
-  const auto count = [&](const char* option, std::optional<int>& value, const char* what, int low, int high) {
-    command->add_option(option, value, what)->check(CLI::Range(low, high));
-  };
-  count("--modes", options->modes, "modal: modes of each node; 0: forces only", 0, largest_mode_count);
-  count("--shared-modes", options->shared_modes, "modal: shared modes, from which the modes of a node are mixed", 0,
-        largest_mode_count);
-  count("--near-nodes", options->near_nodes, "modal: nodes near the touched one with modes of their own", 0, 1'000'000);
-  count("--force-centers", options->force_centers, "modal: centers of a force network", 1, 100'000);
-  count("--levels", options->levels, "number of levels, each half as large as the next", 1, largest_level_count);
-  count("--amplitude-centers", options->amplitude_centers, "modal: centers of the amplitudes", 0, 100'000);
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
-  command->callback([options] { run(*options); });
+  command.add_option("--family", options.family, about)->check(CLI::IsMember(words));
+  add_count(command, "--neurons", options.neurons, 1, 100'000,
+            "rbfn: neurons of a deformation network, and largest number of neurons of a force network");
+  add_count(command, "--force-neurons", options.force_neurons, 1, 100'000, "rbfn: neurons of a force network");
+  command.add_option("--spread", options.spread,
+                     "rbfn: spread of the deformation networks, in scaled inputs; 0: search");
+  command.add_option("--force-spread", options.force_spread,
+                     "rbfn: spread of the force networks, in scaled inputs; 0: search");
+  for (std::size_t i = 0; i < std::size(counts); ++i)
+    add_count(command, counts[i].option, options.count[i], counts[i].low, counts[i].high, counts[i].what);
+  add_json(command, options.json_file);
 }
 
 }  // namespace phynness::cli::train_command

@@ -1,35 +1,25 @@
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <charconv>
-#include <limits>
 #include <map>
-#include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/pages/report.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/training/families.hpp>
 #include <phynness/tuning/tuning.hpp>
-#include <phynness/validation/figures.hpp>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "console.hpp"
-#include "output_places.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::tune_command {
 namespace {
 
 struct Options {
   std::filesystem::path scene, database, output;
-  std::optional<std::filesystem::path> json_file, plot_file;
+  OptionalPath json_file, plot_file;
   std::optional<std::string> max_error, max_time, max_size;
   std::string error_by = "mean";
-  std::int64_t probes = 400;
-  std::int64_t seed =
-      2;  // differs from the default of phynness validate, whose probes then test the choice independently
+  /// Another seed than that of phynness validate, whose probes then test the choice independently.
+  std::int64_t probes = 400, seed = 2;
 };
 
 const std::map<ErrorStatistic, std::string> statistic_names{
@@ -98,12 +88,12 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
     return all;
   };
   const auto error = fmt::format("larger {} error of force and displacement, %", statistic_names.at(statistic));
-  const json logarithmic{{"log_x", true}, {"log_y", true}};
+  const json logarithmic = record("log_x", true, "log_y", true);
   const json charts{report::chart("Error against time", "one deformation, us", error,
                                   curves([](const auto& m) { return m.speed.deformation_us; }), logarithmic),
                     report::chart("Error against memory", "memory, MB", error,
                                   curves([](const auto& m) { return m.memory_bytes / 1e6; }), logarithmic)};
-  write_text_file(file, report::page(title, {report::section("", {{{"charts", charts}}})}));
+  write_text_file(file, report::page(title, {report::section("", {record("charts", charts)})}));
   print_result("plot: {}\n", file.string());
 }
 
@@ -155,11 +145,10 @@ void print(const Scene& scene, const TuningReport& report, const TuningChoice& c
 json as_json(const TuningReport& report, const TuningChoice& choice, const TuningLimits& limits) {
   json models = json::array();
   for (const auto& m : report.models) {
-    json entry{{"name", m.candidate.name},           {"family", name(m.trained.family)},
-               {"inside", figures(m.errors.inside)}, {"outside", figures(m.errors.outside)},
-               {"force_us", m.speed.force_us},       {"deformation_us", m.speed.deformation_us},
-               {"memory_bytes", m.memory_bytes},     {"model_text_bytes", m.text_bytes},
-               {"training_s", m.training_s},         {"on_front", m.on_front}};
+    json entry = record("name", m.candidate.name, "family", name(m.trained.family), "inside", figures(m.errors.inside),
+                        "outside", figures(m.errors.outside), "force_us", m.speed.force_us, "deformation_us",
+                        m.speed.deformation_us, "memory_bytes", m.memory_bytes, "model_text_bytes", m.text_bytes,
+                        "training_s", m.training_s, "on_front", m.on_front);
     // Linear models have no sizes.
     if (!operations(m.trained.family).sizes(m.trained).empty()) {
       entry["training"] = sizes(m.trained);
@@ -167,10 +156,9 @@ json as_json(const TuningReport& report, const TuningChoice& choice, const Tunin
     }
     models.push_back(entry);
   }
-  json out{{"models", models},        {"chosen", nullptr},
-           {"missed", choice.missed}, {"error_by", statistic_names.at(limits.statistic)},
-           {"probes", report.probes}, {"failed", report.failed},
-           {"nodes", report.nodes},   {"linear", figures(report.linear)}};
+  json out = record("models", models, "chosen", nullptr, "missed", choice.missed, "error_by",
+                    statistic_names.at(limits.statistic), "probes", report.probes, "failed", report.failed, "nodes",
+                    report.nodes, "linear", figures(report.linear));
   if (choice.chosen) out["chosen"] = report.models[*choice.chosen].candidate.name;
   return out;
 }
@@ -181,13 +169,7 @@ void run(const Options& options) {
   const SolverSession session;
   const Scene scene = open_scene(options.scene);
   const auto database = Database::open(options.database);
-  if (physics_hash(scene) != database.header().physics_hash)
-    throw input_error("the database was made from another scene",
-                      "physics hash " + database.header().physics_hash + ", of this scene " + physics_hash(scene),
-                      "tune with the scene from which it was made (phynness info prints its name), or precompute "
-                      "again");
-  check_mesh(scene, database.header().mesh_hash, options.database.string());
-
+  check_database(scene, database.header(), options.database.string(), "tune");
   end_at_signals("tuning was interrupted\n  remedy: run the same command again; nothing was written\n");
   TuningReport report = tuned(options, session, scene, database);
   install_stop_handler();  // the outputs are written
@@ -215,32 +197,28 @@ void run(const Options& options) {
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand(
-      "tune", "Train families and sizes, measure error, time and memory, write the model that meets the limits");
-  add_path(*command, "SCENE", options->scene, InputKind::whole, "scene from which the database was made")->required();
-  add_path(*command, "DATABASE", options->database, InputKind::whole, "database.h5 of phynness precompute")->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::model, "model directory to write")->required();
-  command->add_option("--max-error", options->max_error,
-                      "largest error (17) of force and displacement inside the trained range, such as 2%");
+  auto [command, options] = add_command(
+      app, "tune", "Train families and sizes, measure error, time and memory, write the model that meets the limits",
+      run);
+  add_scene(command, options.scene, "scene from which the database was made");
+  add_database(command, options.database, "database.h5 of phynness precompute");
+  add_output(command, options.output, PathKind::model, "model directory to write");
+  command.add_option("--max-error", options.max_error,
+                     "largest error (17) of force and displacement inside the trained range, such as 2%");
   command
-      ->add_option("--error-by", options->error_by,
-                   "statistic of the errors; where a body snaps through, a few probes dominate the mean")
+      .add_option("--error-by", options.error_by,
+                  "statistic of the errors; where a body snaps through, a few probes dominate the mean")
       ->check(CLI::IsMember({"mean", "median", "p95"}))
       ->capture_default_str();
-  command->add_option("--max-time", options->max_time,
-                      "longest time of one deformation of all output nodes on this machine, such as 20us");
-  command->add_option("--max-size", options->max_size, "largest memory of the model in the runtime, such as 1MB");
-  command->add_option("--probes", options->probes, "number of new solves by which all models are measured")
-      ->check(CLI::Range(1, 1'000'000))
+  command.add_option("--max-time", options.max_time,
+                     "longest time of one deformation of all output nodes on this machine, such as 20us");
+  command.add_option("--max-size", options.max_size, "largest memory of the model in the runtime, such as 1MB");
+  add_count(command, "--probes", options.probes, 1, 1'000'000, "number of new solves by which all models are measured")
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "seed of the random probes")
-      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
-      ->capture_default_str();
-  add_path(*command, "--plot", options->plot_file, OutputKind::file,
+  add_count(command, "--seed", options.seed, 0, largest_seed, "seed of the random probes")->capture_default_str();
+  add_path(command, "--plot", options.plot_file, PathKind::file,
            "HTML page with charts of error against time and memory");
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
-  command->callback([options] { run(*options); });
+  add_json(command, options.json_file);
 }
 
 }  // namespace phynness::cli::tune_command

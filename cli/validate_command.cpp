@@ -1,9 +1,3 @@
-#include <fmt/core.h>
-
-#include <algorithm>
-#include <limits>
-#include <phynness/formats/error.hpp>
-#include <phynness/formats/locking.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/version.hpp>
 #include <phynness/pages/report.hpp>
@@ -11,14 +5,8 @@
 #include <phynness/validation/report.hpp>
 #include <phynness/validation/surface_points.hpp>
 #include <phynness/validation/tool_pairs.hpp>
-#include <phynness/validation/trained_share.hpp>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "console.hpp"
-#include "error_tables.hpp"
-#include "output_places.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::validate_command {
 namespace {
@@ -34,7 +22,7 @@ struct Options {
   std::int64_t nodes = 0, points = 0, pairs = 0;
   std::optional<double> pair_depth_m;
   std::optional<std::int32_t> level;
-  std::optional<std::filesystem::path> json_file, report_file;
+  OptionalPath json_file, report_file;
   bool details = false;
 };
 
@@ -74,74 +62,21 @@ std::optional<Error> try_part(const Part& part) {
 void measure(const Options& options, const SolverSession& session, Validated& v) {
   const auto& scene = v.scene;
   const auto& model = v.model;
-  {
-    Progress progress("validate", "rays");
-    v.report = validate(
-        session, scene, model, options.probes.value_or(scene.validation.probes), v.seed,
-        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested, options.nodes);
-  }
-  if (options.points > 0 && !v.interrupted()) {
-    Progress progress("validate", "points");
+  v.report = validate(session, scene, model, options.probes.value_or(scene.validation.probes), v.seed,
+                      Progress("validate", "rays").counter(), stop_requested, options.nodes);
+  if (options.points > 0 && !v.interrupted())
     v.no_points = try_part([&] {
       require_deformations(options, model);
-      v.points = validate_points(
-          session, scene, model, options.points, displacements_per_point, v.seed,
-          [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
+      v.points = validate_points(session, scene, model, options.points, displacements_per_point, v.seed,
+                                 Progress("validate", "points").counter(), stop_requested);
     });
-  }
-  if (options.pairs > 0 && !v.interrupted()) {
-    Progress progress("validate", "pairs");
+  if (options.pairs > 0 && !v.interrupted())
     v.no_pairs = try_part([&] {
       require_deformations(options, model);
-      v.pairs = validate_pairs(
-          session, scene, model, options.pairs,
-          options.pair_depth_m.value_or(pair_depth_fraction * scene.probe.max_displacement_m), v.seed,
-          [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
+      v.pairs = validate_pairs(session, scene, model, options.pairs,
+                               options.pair_depth_m.value_or(pair_depth_fraction * scene.probe.max_displacement_m),
+                               v.seed, Progress("validate", "pairs").counter(), stop_requested);
     });
-  }
-}
-
-void print_conditions(const Scene& scene, const ValidationReport& report) {
-  const double K_mu = scene.material.bulk_to_shear();
-  const Element element = scene.solver.element;
-  std::string nodes;
-  constexpr std::size_t most_named = 20;
-  for (std::size_t i = 0; i < std::min(most_named, report.nodes.size()); ++i)
-    nodes += (nodes.empty() ? "" : " ") + std::to_string(report.nodes[i]);
-  if (report.nodes.size() > most_named) nodes += " ...";
-  print_result("{} ({}), {}, K/mu = {:.4g}{}, {} probes, R = {:.4g} mm\n", scene.title.empty() ? "scene" : scene.title,
-               name(scene.material.law), name(element), K_mu,
-               expected_force_ratio(scene) > warned_force_ratio ? " (locked)" : "", name(scene.probe.kind),
-               1e3 * scene.probe.max_displacement_m);
-  const auto [nearest, farthest] = std::ranges::minmax(report.fixed_distance_m);
-  print_result("{} probes at {} nodes ({}), {:.3g} to {:.3g} mm from the nearest fixed node\n", report.probes,
-               report.nodes.size(), nodes, 1e3 * nearest, 1e3 * farthest);
-}
-
-void print(const Validated& v) {
-  print_verdict(v);
-  print_worse(worse_than_linear(v));
-  for (const auto& part : v.not_done()) print_result("{}\n", part);
-  print_cells(summary_cells(v));
-}
-
-void print_details(const Validated& v, int ranks) {
-  const auto& report = v.report;
-  const Model& model = v.model.model();
-  print_conditions(v.scene, report);
-  print_table(report);
-  print_to_range(report.to_range);
-  print_result("{}\n", sentence(trained_share(model), model));
-  print_summary(report);
-  print_examples(report);
-  if (v.points.finished > 0) print_points(v.points);
-  if (v.pairs.finished > 0) print_pairs(v.pairs);
-  print_result("runtime on this machine, one core: force {:.2f} us", report.speed.force_us);
-  if (report.of(Predictor::model).inside.displacement.n > 0)
-    print_result(", deformation of {} nodes {:.1f} us", model.output.size(), report.speed.deformation_us);
-  if (!model.fields.empty()) print_result(", a field {:.1f} us", report.speed.field_us);
-  print_result("\n");
-  print_result("{} on {} rank{}\n", duration(report.seconds), ranks, ranks == 1 ? "" : "s");
 }
 
 /// @throws Error (failure)
@@ -167,7 +102,7 @@ void run(const Options& options) {
   install_stop_handler();
   measure(options, session, v);
   if (session.rank() != 0) return;
-  print(v);
+  print_validation(v);
   if (options.details) print_details(v, session.size());
   write_each({[&] { write_json(options.json_file, validation_figures(v)); }, [&] { write_report(options, v); }});
   if (v.interrupted()) refuse_half(options, v);
@@ -180,38 +115,25 @@ void run(const Options& options) {
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("validate", "Compare a model with fresh finite element solves");
-  add_path(*command, "SCENE", options->scene, InputKind::whole, "scene from which the model was made")->required();
-  add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
-      ->required();
-  command->add_option("--probes", options->probes, "number of probes, inside and outside of the trained range")
-      ->check(CLI::Range(1, 10'000'000));
-  command
-      ->add_option("--nodes", options->nodes,
-                   "number of probed active nodes (default: a twentieth of the probes, at least 10)")
-      ->check(CLI::Range(1, 10'000'000));
-  command
-      ->add_option("--points", options->points,
-                   "also compare tools at this number of random points between nodes, by point-constrained solves")
-      ->check(CLI::Range(1, 1'000'000));
-  command
-      ->add_option("--pairs", options->pairs,
-                   "also compare two tools at this number of random pairs of nodes, by solves with both tools")
-      ->check(CLI::Range(1, 1'000'000));
-  command
-      ->add_option("--pair-depth", options->pair_depth_m,
-                   "displacement of both tools of a pair [m] (default: 3/7 of the scene's max_displacement_m, as in\n"
-                   "the paper, 12 mm of 28 mm)")
-      ->check(finite_range(1e-12, 1e3));
-  command->add_option("--level", options->level, "level of the model; 0 is the smallest (default: the full one)");
-  command->add_option("--seed", options->seed, "seed of random directions, magnitudes and nodes")
-      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
-  add_path(*command, "--report", options->report_file, OutputKind::file,
-           "write an HTML report with curves and pictures");
-  command->add_flag("--details", options->details, "print all tables, groups and conditions");
-  command->callback([options] { run(*options); });
+  auto [command, options] = add_command(app, "validate", "Compare a model with fresh finite element solves", run);
+  add_scene(command, options.scene, "scene from which the model was made");
+  add_model(command, options.model);
+  add_count(command, "--probes", options.probes, 1, 10'000'000,
+            "number of probes, inside and outside of the trained range");
+  add_count(command, "--nodes", options.nodes, 1, 10'000'000,
+            "number of probed active nodes (default: a twentieth of the probes, at least 10)");
+  add_count(command, "--points", options.points, 1, 1'000'000,
+            "also compare tools at this number of random points between nodes, by point-constrained solves");
+  add_count(command, "--pairs", options.pairs, 1, 1'000'000,
+            "also compare two tools at this number of random pairs of nodes, by solves with both tools");
+  add_number(command, "--pair-depth", options.pair_depth_m, 1e-12, 1e3,
+             "displacement of both tools of a pair [m] (default: 3/7 of the scene's max_displacement_m, as in\n"
+             "the paper, 12 mm of 28 mm)");
+  command.add_option("--level", options.level, "level of the model; 0 is the smallest (default: the full one)");
+  add_count(command, "--seed", options.seed, 0, largest_seed, "seed of random directions, magnitudes and nodes");
+  add_json(command, options.json_file);
+  add_path(command, "--report", options.report_file, PathKind::file, "write an HTML report with curves and pictures");
+  command.add_flag("--details", options.details, "print all tables, groups and conditions");
 }
 
 }  // namespace phynness::cli::validate_command

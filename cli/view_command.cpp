@@ -1,56 +1,46 @@
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <phynness/evaluation/loaded_model.hpp>
-#include <phynness/formats/database.hpp>
-#include <phynness/formats/error.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/pages/pages.hpp>
 #include <tuple>
 
-#include "command_files.hpp"
 #include "commands.hpp"
-#include "console.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli::view_command {
 namespace {
 
 struct Options {
   std::filesystem::path model, output;
-  std::optional<std::filesystem::path> database, errors;
+  OptionalPath database, errors;
 };
 
-/// JSON without trailing digits that no picture shows: 6 significant digits are 1e-6 of a force.
-std::string short_number(double x) { return fmt::format("{:.6g}", x); }
-
-/// A stored direction of a node up to its first increment without a result, as an object of web/view/src/page_data.ts.
-std::string ray_json(std::int32_t node, const Vec3& direction, const Ray& ray, const std::vector<double>& depths) {
-  std::string depth, force;
-  for (std::size_t i = 0; i < ray.status.size() && ray.status[i] == Status::converged; ++i) {
-    const char* comma = i > 0 ? "," : "";
-    depth += comma + short_number(depths[i]);
-    force +=
-        fmt::format("{}[{:.6g},{:.6g},{:.6g}]", comma, ray.force[3 * i], ray.force[3 * i + 1], ray.force[3 * i + 2]);
-  }
-  if (depth.empty()) return {};
-  return fmt::format(R"({{"node":{},"direction":[{:.6g},{:.6g},{:.6g}],"depth_m":[{}],"force_N":[{}]}})", node,
-                     direction[0], direction[1], direction[2], depth, force);
+/// Without trailing digits that no picture shows: 6 significant digits are 1e-6 of a force.
+double rounded(double x) {
+  double y = x;
+  parse_number(fmt::format("{:.6g}", x), y);
+  return y;
 }
+Vec3 rounded(const Vec3& v) { return {rounded(v[0]), rounded(v[1]), rounded(v[2])}; }
 
-std::string rays_json(const Database& database) {
+/// Every stored direction of a node up to its first increment without a result, as web/view/src/page_data.ts has it.
+json rays_json(const Database& database) {
   const auto& header = database.header();
-  std::string all;
+  json all = json::array();
   for (std::size_t a = 0; a < header.sets.active.size(); ++a)
     for (const Ray& ray : database.rays(static_cast<std::int32_t>(a))) {
+      std::vector<double> depth_m;
+      std::vector<Vec3> force_N;
+      for (std::size_t i = 0; i < ray.status.size() && ray.status[i] == Status::converged; ++i) {
+        depth_m.push_back(rounded(header.magnitudes_m[i]));
+        force_N.push_back(rounded(Vec3{ray.force[3 * i], ray.force[3 * i + 1], ray.force[3 * i + 2]}));
+      }
       const auto& direction = header.directions[static_cast<std::size_t>(ray.direction)];
-      const auto one = ray_json(header.sets.active[a], direction, ray, header.magnitudes_m);
-      if (one.empty()) continue;
-      if (!all.empty()) all += ",\n";
-      all += one;
+      if (!depth_m.empty())
+        all.push_back(record("node", header.sets.active[a], "direction", rounded(direction), "depth_m", depth_m,
+                             "force_N", force_N));
     }
-  return "[" + all + "]";
+  return all;
 }
 
 Error wrong_errors(const std::filesystem::path& file, const std::string& why) {
@@ -58,21 +48,16 @@ Error wrong_errors(const std::filesystem::path& file, const std::string& why) {
                      "give the file that phynness validate --json wrote for this model");
 }
 
-bool is_active(const Model& model, std::int64_t node) {
-  return std::any_of(model.nodes.begin(), model.nodes.end(), [&](const auto& one) { return one.node == node; });
-}
-
 /// @throws Error (input) unless the file holds the hashes of this model and its mesh, and errors of the whole model
 void require_same_model(const std::filesystem::path& file, const json& whole, const LoadedModel& loaded) {
-  const auto given = [&](const char* key) {
-    const auto found = whole.find(key);
-    return found != whole.end() && found->is_string() ? found->get<std::string>() : std::string("none");
-  };
   for (const auto& [key, name, own] :
-       {std::tuple{"mesh_hash", "mesh", loaded.model().mesh_hash}, {"model_hash", "model", loaded.hash()}})
-    if (given(key) != own)
-      throw wrong_errors(
-          file, fmt::format("it belongs to another {}, {} = {}, of this model {}", name, key, given(key), own));
+       {std::tuple{"mesh_hash", "mesh", loaded.model().mesh_hash}, {"model_hash", "model", loaded.hash()}}) {
+    const auto found = whole.value(key, json());
+    const auto given = found.is_string() ? found.get<std::string>() : "none";
+    if (given != own)
+      throw wrong_errors(file,
+                         fmt::format("it belongs to another {}, {} = {}, of this model {}", name, key, given, own));
+  }
   const auto level = whole.value(json::json_pointer("/conditions/level"), json());
   if (level != loaded.data().level())
     throw wrong_errors(file, fmt::format("its errors are those of level {} of the model, the page shows level {}",
@@ -108,15 +93,10 @@ json errors_json(const std::filesystem::path& file, const LoadedModel& loaded) {
     if (values.size() != nodes.size())
       throw wrong_errors(file,
                          fmt::format("by_node has {} nodes, but {} numbers in {}", nodes.size(), values.size(), key));
-  const auto probed = whole.value(json::json_pointer("/conditions/nodes"), json::array());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (!nodes[i].is_number_integer() || !is_active(loaded.model(), nodes[i].get<std::int64_t>()))
+    const auto is_this = [&](const auto& one) { return one.node == nodes[i]; };
+    if (!nodes[i].is_number_integer() || std::ranges::none_of(loaded.model().nodes, is_this))
       throw wrong_errors(file, "node " + nodes[i].dump() + " is no active node of the model");
-    if (std::find(probed.begin(), probed.end(), nodes[i]) == probed.end())
-      throw wrong_errors(file, "node " + nodes[i].dump() + " is none of those that it says were probed");
-    if (std::find(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(i), nodes[i]) !=
-        nodes.begin() + static_cast<std::ptrdiff_t>(i))
-      throw wrong_errors(file, "node " + nodes[i].dump() + " is given twice");
     if (force[i].is_null() || displacement[i].is_null()) continue;  // nothing was solved there
     check_error(nodes[i], force[i]);
     check_error(nodes[i], displacement[i]);
@@ -128,11 +108,8 @@ json errors_json(const std::filesystem::path& file, const LoadedModel& loaded) {
 }
 
 std::string page_json(const Options& options, const LoadedModel& loaded) {
-  const auto text = [](const std::string& words) {
-    return json(words).dump(-1, ' ', false, json::error_handler_t::replace);
-  };
-  std::string page = R"({"format":"phynness view 1","model":)" + text(loaded.text());
-  if (options.errors) page += ",\n\"validation\":" + errors_json(*options.errors, loaded).dump();
+  json page = record("format", "phynness view 1", "model", loaded.text());
+  if (options.errors) page["validation"] = errors_json(*options.errors, loaded);
   if (options.database) {
     const auto database = Database::open(*options.database);
     const auto& header = database.header();
@@ -141,9 +118,10 @@ std::string page_json(const Options& options, const LoadedModel& loaded) {
           "the database belongs to another mesh than the model",
           options.database->string() + ": hash " + header.mesh_hash + ", model " + loaded.model().mesh_hash,
           "give the database from which the model was trained");
-    page += ",\n\"scene_title\":" + text(header.scene_name) + ",\n\"rays\":" + rays_json(database);
+    page["scene_title"] = header.scene_name;
+    page["rays"] = rays_json(database);
   }
-  return page + "}";
+  return page.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 void run(const Options& options) {
@@ -155,27 +133,25 @@ void run(const Options& options) {
                       "train it again with output nodes, so that model.txt contains triangles");
   const auto whole = page_with_data(*page, page_json(options, loaded));
   write_text_file(options.output, whole);
-  print_result("{}: {}, of which {} are the page and its runtime\n", options.output.string(),
-               bytes(static_cast<double>(whole.size())), bytes(static_cast<double>(page->size())));
+  print_result("{}: {}, of which {} are the page and its runtime\n", options.output.string(), bytes(whole.size()),
+               bytes(page->size()));
   print_result("Open it in a browser. It needs no network and no server.\n");
 }
 
 }  // namespace
 
 void add(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand(
-      "view",
+  auto [command, options] = add_command(
+      app, "view",
       "Write a page on which the model can be touched: one HTML file with the model and the runtime inside, which any\n"
-      "browser opens without a network");
-  add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
-      ->required();
-  add_path(*command, "--database", options->database, InputKind::whole,
+      "browser opens without a network",
+      run);
+  add_model(command, options.model);
+  add_path(command, "--database", options.database, PathKind::input,
            "database.h5 of the model; the page then shows the stored finite element forces beside the model's");
-  add_path(*command, "--errors", options->errors, InputKind::whole,
+  add_path(command, "--errors", options.errors, PathKind::input,
            "file of validate --json; the page then shows the errors on the surface");
-  add_path(*command, "-o,--output", options->output, OutputKind::file, "HTML file to write")->required();
-  command->callback([options] { run(*options); });
+  add_output(command, options.output, PathKind::file, "HTML file to write");
 }
 
 }  // namespace phynness::cli::view_command

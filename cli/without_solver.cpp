@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <phynness/formats/error.hpp>
 
 #include "commands.hpp"
 
@@ -23,18 +22,13 @@ void add_refusal(CLI::App& app, const std::string& name) {
 
 }  // namespace
 
-void plan_command::add(CLI::App& app) { add_refusal(app, "plan"); }
-void precompute_command::add(CLI::App& app) { add_refusal(app, "precompute"); }
-void calibrate_command::add(CLI::App& app) { add_refusal(app, "calibrate"); }
-void validate_command::add(CLI::App& app) { add_refusal(app, "validate"); }
-void tune_command::add(CLI::App& app) { add_refusal(app, "tune"); }
-void check_command::add(CLI::App& app) { add_refusal(app, "check"); }
-void solve_command::add(CLI::App& app) { add_refusal(app, "solve"); }
-void run_command::add(CLI::App& app) { add_refusal(app, "run"); }
+#define PHYNNESS_REFUSE(name) \
+  void name##_command::add(CLI::App& app) { add_refusal(app, #name); }
+PHYNNESS_SOLVER_COMMANDS(PHYNNESS_REFUSE)
 
 void leave_to_solver(char** argv) {
-  constexpr std::string_view commands[] = {"check",    "plan", "precompute", "calibrate",
-                                           "validate", "tune", "solve",      "run"};
+#define PHYNNESS_NAME(name) #name,
+  constexpr std::string_view commands[] = {PHYNNESS_SOLVER_COMMANDS(PHYNNESS_NAME)};
   // Help and the version are texts of all subcommands together.
   if (!PHYNNESS_SOLVER || (argv[1] && argv[1][0] != '-' && std::ranges::find(commands, argv[1]) == std::end(commands)))
     return;

@@ -115,16 +115,18 @@ DatabaseErrors errors_on_database(const LoadedModel& model, const Database& data
     const auto rays = database.rays(static_cast<std::int32_t>(active - header.sets.active.begin()));
     const auto sums = sums_of(model, node, rays, header);
     if (!sums || !(sums->largest_force > 0)) continue;
-    ++errors.n_nodes;
+    ++errors.nodes;
     errors.force += sums->force / (sums->n * sums->largest_force);
     errors.force_linear += sums->force_linear / (sums->n * sums->largest_force);
     if (!(sums->largest_u > 0)) continue;
-    errors.has_displacement = true;
-    errors.displacement += sums->displacement / (sums->n * sums->largest_u);
-    errors.displacement_linear += sums->displacement_linear / (sums->n * sums->largest_u);
+    errors.displacement = errors.displacement.value_or(0) + sums->displacement / (sums->n * sums->largest_u);
+    errors.displacement_linear =
+        errors.displacement_linear.value_or(0) + sums->displacement_linear / (sums->n * sums->largest_u);
   }
-  for (auto* error : {&errors.force, &errors.force_linear, &errors.displacement, &errors.displacement_linear})
-    *error /= std::max<double>(1, static_cast<double>(errors.n_nodes));
+  const auto n_compared = std::max<double>(1, static_cast<double>(errors.nodes));
+  for (auto* error : {&errors.force, &errors.force_linear}) *error /= n_compared;
+  for (auto* error : {&errors.displacement, &errors.displacement_linear})
+    if (*error) **error /= n_compared;
   return errors;
 }
 

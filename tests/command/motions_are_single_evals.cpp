@@ -174,8 +174,9 @@ TEST_F(Motions, ThatTheModelCannotAnswerAreRefused) {
 
 TEST_F(Motions, AreNotMixedWithOtherQueries) {
   write_file(folder / "motion.json", one_tool().dump());
-  for (const std::string more : {"--node 1 --displacement 0,0,0", "--deformation a.csv", "--surface a.vtu",
-                                 "--point 0,0,0", "--tools paper", "--subdivide 1", "--queries motion.json"}) {
+  for (const std::string more :
+       {"--node 1 --displacement 0,0,0", "--deformation a.csv", "--surface a.vtu", "--point 0,0,0", "--tools paper",
+        "--surface a.vtu --subdivide 1", "--queries motion.json"}) {
     const auto refused = phynness("eval modal --motion motion.json " + more);
     EXPECT_EQ(refused.exit_status, 2) << more;
     EXPECT_NE(refused.err.find("--motion"), std::string::npos) << refused.err;

@@ -9,9 +9,9 @@
 namespace phynness::test {
 
 struct OfferedOption {
-  std::string name;  ///< "--json", or "SCENE" of a positional one
-  std::string type;  ///< "INPUT", "OUTPUT", "TEXT", ...; empty: a flag
-  bool required = false;
+  std::string name;                         ///< "--json", or "SCENE" of a positional one
+  std::string type;                         ///< "INPUT", "OUTPUT", "TEXT", ...; empty: a flag
+  bool required = false, excludes = false;  ///< excludes: other options
 };
 
 struct Offered {
@@ -41,7 +41,7 @@ inline Offered offered_options(const std::string& help) {
     } else if (section == "Positionals:") {
       if (std::regex_match(line, word, positional)) found.options.push_back({word[1], word[2], required});
     } else if (std::regex_match(line, word, option)) {
-      found.options.push_back({word[1], word[2], required});
+      found.options.push_back({word[1], word[2], required, line.find(" Excludes: ") != std::string::npos});
     }
   }
   return found;

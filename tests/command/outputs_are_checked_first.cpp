@@ -161,19 +161,6 @@ TEST_F(Outputs, OfAMeshThatIsRefusedAreLeftAsTheyWere) {
   EXPECT_EQ(read_file(folder / "fresh/m.msh"), before);
 }
 
-TEST_F(Outputs, PipesThatNobodyReadsAreRefused) {
-  ASSERT_EQ(shell("mkfifo pipe").exit_status, 0);
-  for (const auto& line : {std::string("mesh scene.toml -o pipe"), eval() + "--json pipe"}) {
-    const auto outcome = shell("timeout 60 \"$PHYNNESS\" " + line);
-    EXPECT_EQ(outcome.exit_status, 2) << line << outcome.err;
-    expect_error(outcome.err, {"nothing reads this pipe", "pipe"});
-  }
-  const auto read = shell("(timeout 60 cat pipe > read.json) & sleep 1; timeout 60 \"$PHYNNESS\" " + eval() +
-                          "--json pipe; status=$?; wait; exit $status");
-  EXPECT_EQ(read.exit_status, 0) << read.err;
-  EXPECT_TRUE(json("read.json").contains("tools"));
-}
-
 TEST_F(Outputs, OfAnExportToParaViewAreAllOrNone) {
   ASSERT_EQ(phynness("show d.h5 --node " + node + " --direction 0 -o fresh/a.pvd").exit_status, 0);
   // In blocks of 512 bytes: less than a .vtu file.

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <map>
 #include <phynness/formats/model.hpp>
-#include <phynness/planning/model_size.hpp>
-#include <phynness/planning/ray_sample.hpp>
+#include <phynness/planning/planning.hpp>
 
 #include "../block_mesh.hpp"
 
@@ -98,30 +97,31 @@ TEST(RaySample, nodes_near_fixed_ones_come_more_often_and_weigh_less) {
 }
 
 TEST(RaySample, its_mean_is_weighted) {
-  RaySample sample;
-  sample.rays = {{0, 0, 1}, {0, 1, 1}, {4, 2, 1}, {4, 3, 1}};
-  sample.seconds = {2, 4, 6, 8};
-  EXPECT_EQ(sample.mean_ray_seconds(), 5);
+  std::vector<RayChoice> rays{{0, 0, 1}, {0, 1, 1}, {4, 2, 1}, {4, 3, 1}};
+  EXPECT_EQ(costs_of(rays, {2, 4, 6, 8}).mean_s, 5);
+  EXPECT_EQ(costs_of(rays, {2, 4, 6, 8}).longest_s, 8);
   // The second node stands for twice as many rays: (2 + 4 + 2 (6 + 8)) / 6.
-  sample.rays[2].weight = sample.rays[3].weight = 2;
-  EXPECT_NEAR(sample.mean_ray_seconds(), 34.0 / 6, 1e-15 * 10);  // rounding
+  rays[2].weight = rays[3].weight = 2;
+  EXPECT_NEAR(costs_of(rays, {2, 4, 6, 8}).mean_s, 34.0 / 6, 1e-15 * 10);  // rounding
 }
 
 TEST(RaySample, a_few_nodes_have_no_standard_error) {
-  RaySample sample;
+  std::vector<RayChoice> rays;
+  std::vector<double> seconds;
   for (int node = 0; node < 16; ++node)
     for (int direction = 0; direction < 2; ++direction) {
-      sample.rays.push_back({node, direction, 1});
-      sample.seconds.push_back(node % 2 == 0 ? 3 : 7);
+      rays.push_back({node, direction, 1});
+      seconds.push_back(node % 2 == 0 ? 3 : 7);
     }
   // Means of 16 nodes, eight times 3 and eight times 7: a standard deviation of 2 sqrt(16 / 15), over
   // sqrt(16) and the mean of 5. The tolerance is the rounding of some sums and a root.
-  ASSERT_TRUE(sample.relative_error().has_value());
-  EXPECT_NEAR(*sample.relative_error(), 2 * std::sqrt(16.0 / 15) / 4 / 5, 1e-15);
+  const auto error = costs_of(rays, seconds).relative_error;
+  ASSERT_TRUE(error.has_value());
+  EXPECT_NEAR(*error, 2 * std::sqrt(16.0 / 15) / 4 / 5, 1e-15);
   for (const std::size_t nodes : {14, 2, 1}) {
-    sample.rays.resize(2 * nodes);
-    sample.seconds.resize(2 * nodes);
-    EXPECT_FALSE(sample.relative_error().has_value()) << nodes;
+    rays.resize(2 * nodes);
+    seconds.resize(2 * nodes);
+    EXPECT_FALSE(costs_of(rays, seconds).relative_error.has_value()) << nodes;
   }
 }
 

@@ -3,16 +3,18 @@
 
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/database.hpp>
+#include <phynness/formats/described.hpp>
 
 namespace phynness {
 
 /// Means of (17) over the converged increments of some nodes, as fractions; displacements over the output nodes that
-/// the tool does not move itself. 0 if there is nothing to compare.
+/// the tool does not move itself. 0 if there is nothing to compare. Linear responses are fitted to the first increments
+/// of a node.
 struct DatabaseErrors {
-  double force = 0, displacement = 0;                ///< of the model
-  double force_linear = 0, displacement_linear = 0;  ///< of linear responses, fitted to the first increments of a node
-  std::int64_t n_nodes = 0;                          ///< compared; none where fewer than three directions converged
-  bool has_displacement = false;
+  double force = 0, force_linear = 0;
+  std::optional<double> displacement, displacement_linear;
+  std::int64_t nodes = 0;  ///< compared; none where fewer than three directions converged
+  PHYNNESS_FIGURES(force, force_linear, displacement, displacement_linear, nodes)
 };
 
 /// @param most_nodes  nodes that are compared, spread evenly over the active ones

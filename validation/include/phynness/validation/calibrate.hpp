@@ -2,8 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <phynness/formats/described.hpp>
 #include <phynness/precompute/probe_solver.hpp>
-#include <phynness/validation/described.hpp>
 #include <phynness/validation/error_bounds.hpp>
 
 namespace phynness {

@@ -8,9 +8,9 @@
 #include <functional>
 #include <optional>
 #include <phynness/formats/database.hpp>
+#include <phynness/formats/described.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
-#include <phynness/validation/described.hpp>
 #include <string>
 #include <vector>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <phynness/validation/described.hpp>
+#include <phynness/formats/described.hpp>
 #include <type_traits>
 #include <vector>
 

@@ -2,7 +2,7 @@
 // distribution of the error on the body, conservation of energy, size and time.
 #pragma once
 
-#include <phynness/validation/figures.hpp>
+#include <phynness/formats/figures.hpp>
 #include <phynness/validation/verdict.hpp>
 
 namespace phynness {

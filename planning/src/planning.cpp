@@ -2,7 +2,8 @@
 #include <cassert>
 #include <cmath>
 #include <map>
-#include <phynness/planning/ray_sample.hpp>
+#include <numeric>
+#include <phynness/planning/planning.hpp>
 #include <random>
 
 namespace phynness {
@@ -10,10 +11,6 @@ namespace {
 
 /// Costs vary more between nodes than between directions, so that short runs at many nodes are better.
 constexpr std::size_t run_length = 2;
-
-/// An integer below n. The distributions of the standard library differ between platforms; the bias of the remainder is
-/// 2^-40 here.
-std::size_t draw(std::mt19937_64& random, std::size_t n) { return static_cast<std::size_t>(random() % n); }
 
 /// Inverse distance to the nearest fixed point; equal for all if there is none.
 std::vector<double> expected_cost(const Points& points, const Points& fixed) {
@@ -43,18 +40,18 @@ std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fi
   }
   const std::size_t n_nodes = order.size();
   if (n_nodes == 0 || wanted == 0) return {};
+  // The distributions of the standard library differ between platforms; the bias of a remainder is 2^-40 here.
   std::mt19937_64 random(seed);
   const std::size_t run = std::min(n_directions, std::max(run_length, (wanted + n_nodes - 1) / n_nodes));
   const std::size_t n_draws = std::min(n_nodes, std::max<std::size_t>(1, wanted / run));
   const auto size = expected_cost(active_points, fixed_points);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
-  double sum = 0;
-  for (const std::size_t a : order) sum += size[a];
+  const double sum = std::accumulate(order.begin(), order.end(), 0.0, [&](double s, auto a) { return s + size[a]; });
   const double step = sum / static_cast<double>(n_draws);
   const double offset = step * std::ldexp(static_cast<double>(random() >> 11), -53);
 
   std::map<std::pair<std::int32_t, std::int32_t>, double> weights;
-  std::size_t next_direction = draw(random, n_directions), place = 0;
+  std::size_t next_direction = random() % n_directions, place = 0;
   double passed = size[order[0]];
   for (std::size_t k = 0; k < n_draws; ++k) {
     while (passed <= offset + static_cast<double>(k) * step && place + 1 < n_nodes) passed += size[order[++place]];
@@ -74,38 +71,35 @@ std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fi
   return chosen;
 }
 
-namespace {
-
-/// Weight and weighted cost of the rays of each node in the sample.
-std::vector<std::pair<double, double>> nodes_of(const RaySample& sample) {
-  std::vector<std::pair<double, double>> nodes;
-  for (std::size_t i = 0; i < sample.rays.size(); ++i) {
-    if (i == 0 || sample.rays[i].active != sample.rays[i - 1].active) nodes.emplace_back(0.0, 0.0);
-    nodes.back().first += sample.rays[i].weight;
-    nodes.back().second += sample.rays[i].weight * sample.seconds[i];
+RayCosts costs_of(const std::vector<RayChoice>& rays, const std::vector<double>& seconds) {
+  RayCosts costs;
+  costs.longest_s = *std::max_element(seconds.begin(), seconds.end());
+  std::vector<std::pair<double, double>> nodes;  // weight and weighted cost of all rays of a node
+  double weight = 0, cost = 0, squares = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (i == 0 || rays[i].active != rays[i - 1].active) nodes.emplace_back(0.0, 0.0);
+    weight += rays[i].weight;
+    cost += rays[i].weight * seconds[i];
+    nodes.back().first += rays[i].weight;
+    nodes.back().second += rays[i].weight * seconds[i];
   }
-  return nodes;
+  const double mean = costs.mean_s = cost / weight, n = static_cast<double>(nodes.size());
+  for (const auto& [w, c] : nodes) squares += (c - w * mean) * (c - w * mean);  // residuals of the ratio sum c / sum w
+  if (nodes.size() >= RayCosts::fewest_nodes && mean > 0)
+    costs.relative_error = std::sqrt(squares * n / (n - 1)) / weight / mean;
+  return costs;
 }
 
-}  // namespace
-
-double RaySample::mean_ray_seconds() const {
-  double weight = 0, cost = 0;
-  for (const auto& [w, c] : nodes_of(*this)) weight += w, cost += c;
-  return weight > 0 ? cost / weight : 0;
+double wall_seconds(const RunCosts& costs, int ranks) {
+  const double solving =
+      static_cast<double>(costs.rays) * costs.ray_s + static_cast<double>(costs.nodes + ranks - 1) * costs.setup_s;
+  return costs.start_s + std::max(solving / ranks, costs.longest_s + costs.setup_s) + costs.packing_s;
 }
 
-std::optional<double> RaySample::relative_error() const {
-  const auto nodes = nodes_of(*this);
-  const auto n = static_cast<double>(nodes.size());
-  const double mean = mean_ray_seconds();
-  if (nodes.size() < fewest_nodes || !(mean > 0)) return {};
-  double weight = 0, squares = 0;
-  for (const auto& [w, c] : nodes) {
-    weight += w;
-    squares += (c - w * mean) * (c - w * mean);  // residual of the ratio estimate sum c / sum w
-  }
-  return std::sqrt(squares * n / (n - 1)) / weight / mean;
+int ranks_of_use(const RunCosts& costs) {
+  int ranks = 1;
+  while (ranks < costs.rays && (ranks + 1) * wall_seconds(costs, ranks + 1) <= 2 * wall_seconds(costs, 1)) ++ranks;
+  return ranks;
 }
 
 }  // namespace phynness

@@ -4,7 +4,7 @@
 #include <concepts>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <phynness/validation/described.hpp>
+#include <phynness/formats/described.hpp>
 #include <ranges>
 
 namespace phynness {
