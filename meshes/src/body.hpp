@@ -14,6 +14,6 @@ namespace phynness::meshes {
 /// kept.
 /// @return mesh with surface and groups, notes and warnings; quality is set
 /// @throws Error naming the defect with its count and the first cells or nodes
-MeshResult checked_body(const RawMesh& raw, double scale_to_m, bool repair, const std::string& source);
+MeshResult checked_body(RawMesh raw, double scale_to_m, bool repair, const std::string& source);
 
 }  // namespace phynness::meshes

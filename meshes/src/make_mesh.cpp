@@ -8,17 +8,15 @@
 #include <sstream>
 
 #include "body.hpp"
-#include "coordinates.hpp"
+#include "file_mesh.hpp"
+#include "flat_cells.hpp"
 #include "generate.hpp"
 #include "liver_surface.hpp"
 #include "mirror.hpp"
-#include "peel.hpp"
 #include "remesh.hpp"
 #include "self_crossing.hpp"
 #include "shell.hpp"
 #include "sizing.hpp"
-#include "split_slivers.hpp"
-#include "topology.hpp"
 
 namespace phynness {
 namespace {
@@ -58,7 +56,7 @@ MeshResult generated_body(RawMesh raw, const std::string& source, bool symmetric
   // A cell and its mirror image cannot both be removed if they meet at the plane.
   const std::int32_t peeled = symmetric ? 0 : peel_slivers(raw), split = symmetric ? 0 : split_slivers(raw);
   try {
-    MeshResult result = checked_body(raw, 1, false, source);
+    MeshResult result = checked_body(std::move(raw), 1, false, source);
     if (peeled > 0)
       result.notes.push_back("removed " + counted(static_cast<std::size_t>(peeled), "flat cell", "flat cells") +
                              " from the surface");
@@ -73,9 +71,9 @@ MeshResult generated_body(RawMesh raw, const std::string& source, bool symmetric
   }
 }
 
-MeshResult generated_shell(const RawMesh& raw, const std::string& source) {
+MeshResult generated_shell(RawMesh raw, const std::string& source) {
   try {
-    return checked_shell(raw, 1, false, source);
+    return checked_shell(std::move(raw), 1, false, source);
   } catch (const Error& error) {
     throw failure("the mesh that gmsh made is defective", error.what(),
                   "try a smaller mesh.target_size_m or more mesh.target_nodes");
@@ -239,11 +237,7 @@ MeshResult from_file(const MeshSpec& spec) {
 
 bool holds_open_surface(const std::filesystem::path& file) {
   const RawMesh raw = read_mesh_file(file);
-  if (!raw.tetrahedra.empty()) return false;
-  Triangles triangles(static_cast<Eigen::Index>(raw.triangles.size()), 3);
-  Eigen::Index t = 0;
-  for (const auto& [a, b, c] : raw.triangles) triangles.row(t++) << a, b, c;
-  return !surface_topology(triangles).open_edges.empty();
+  return raw.tetrahedra.empty() && !surface_topology(to_matrix(raw.triangles)).open_edges.empty();
 }
 
 MeshResult make_shell(const std::filesystem::path& file) {

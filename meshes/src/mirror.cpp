@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <numeric>
 #include <phynness/formats/error.hpp>
 #include <set>
 #include <sstream>
-#include <unordered_map>
 
 #include "topology.hpp"
 
@@ -24,54 +23,17 @@ std::string metres(double value) {
   return text.str();
 }
 
-/// Nodes sorted into the boxes of a regular grid.
-class Grid {
- public:
-  /// @param tolerance  within which a node is found. Boxes are large enough for their indices to fit into integers.
-  Grid(const Points& nodes, double tolerance)
-      : _nodes(nodes), _tolerance(tolerance), _box(std::max(tolerance, least_box * nodes.cwiseAbs().maxCoeff())) {
-    for (std::int32_t i = 0; i < nodes.rows(); ++i) _boxes[key(index(nodes.row(i)))].push_back(i);
-  }
-  /// The node nearest to x, or -1 if no node lies within the tolerance.
-  std::int32_t nearest(const Vector& x) const {
-    std::int32_t best = -1;
-    double distance = _tolerance;
-    const auto at = index(x);
-    for (std::int64_t i = -1; i <= 1; ++i)
-      for (std::int64_t j = -1; j <= 1; ++j)
-        for (std::int64_t k = -1; k <= 1; ++k) {
-          const auto found = _boxes.find(key({at[0] + i, at[1] + j, at[2] + k}));
-          if (found == _boxes.end()) continue;
-          for (const auto node : found->second)
-            if (const double d = (_nodes.row(node) - x).norm(); d <= distance) distance = d, best = node;
-        }
-    return best;
-  }
-
- private:
-  using Index = std::array<std::int64_t, 3>;
-  Index index(const Vector& x) const {
-    Index at{};
-    for (int k = 0; k < 3; ++k)
-      at[static_cast<std::size_t>(k)] =
-          static_cast<std::int64_t>(std::fmax(-far, std::fmin(far, std::floor(x[k] / _box))));
-    return at;
-  }
-  /// Different boxes may have the same key, which only adds comparisons of distances.
-  static std::uint64_t key(const Index& at) {
-    std::uint64_t key = 0;
-    for (const auto i : at) key = (key ^ static_cast<std::uint64_t>(i)) * 0x9E3779B97F4A7C15ULL;
-    return key;
-  }
-
-  /// Smallest box relative to the largest coordinate. Indices of boxes are limited to `far`, beyond which there are no
-  /// nodes.
-  static constexpr double least_box = 1e-15, far = 1e18;
-
-  const Points& _nodes;
-  double _tolerance, _box;
-  std::unordered_map<std::uint64_t, std::vector<std::int32_t>> _boxes;
-};
+/// The node nearest to x, or -1 if no node lies within the tolerance.
+/// @param by_x  the nodes in ascending order of their first coordinate
+std::int32_t nearest(const Points& nodes, const std::vector<std::int32_t>& by_x, const Vector& x, double tolerance) {
+  const auto before = [&nodes](std::int32_t node, double value) { return nodes(node, 0) < value; };
+  std::int32_t best = -1;
+  double distance = tolerance;
+  for (auto i = std::lower_bound(by_x.begin(), by_x.end(), x[0] - tolerance, before);
+       i != by_x.end() && nodes(*i, 0) <= x[0] + tolerance; ++i)
+    if (const double d = (nodes.row(*i) - x).norm(); d <= distance) distance = d, best = *i;
+  return best;
+}
 
 std::vector<std::int32_t> pair_nodes(const Mesh& mesh, const SymmetryPlane& plane, double tolerance) {
   const Vector low = mesh.nodes.colwise().minCoeff(), high = mesh.nodes.colwise().maxCoeff();
@@ -83,10 +45,13 @@ std::vector<std::int32_t> pair_nodes(const Mesh& mesh, const SymmetryPlane& plan
     return x - 2 * (x - point).dot(n) * n;
   };
 
-  const Grid grid(mesh.nodes, tolerance);
+  std::vector<std::int32_t> by_x(static_cast<std::size_t>(mesh.n_nodes()));
+  std::iota(by_x.begin(), by_x.end(), 0);
+  std::sort(by_x.begin(), by_x.end(),
+            [&](std::int32_t p, std::int32_t q) { return mesh.nodes(p, 0) < mesh.nodes(q, 0); });
   std::vector<std::int32_t> image(static_cast<std::size_t>(mesh.n_nodes())), alone;
   for (std::int32_t i = 0; i < mesh.n_nodes(); ++i) {
-    image[i] = grid.nearest(reflected(i));
+    image[i] = nearest(mesh.nodes, by_x, reflected(i), tolerance);
     if (image[i] < 0) alone.push_back(i);
   }
   if (!alone.empty()) {
@@ -182,8 +147,7 @@ RawMesh with_mirror_image(RawMesh half, const Vector& point, const Vector& norma
   for (auto& [name, nodes] : half.groups) {
     const auto count = nodes.size();
     for (std::size_t i = 0; i < count; ++i) nodes.push_back(image[nodes[i]]);
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    sort_unique(nodes);
   }
   return half;
 }

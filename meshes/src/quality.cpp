@@ -20,7 +20,6 @@ QualityReport measure_quality(const Mesh& mesh) {
     report.max_m[k] = mesh.nodes.col(k).maxCoeff();
   }
   report.min_quality = std::numeric_limits<double>::infinity();
-  std::vector<std::array<std::int32_t, 2>> edges;
   const auto corners = static_cast<int>(mesh.cells.cols());
   for (std::int32_t c = 0; c < mesh.n_cells(); ++c) {
     const auto cell = mesh.cells.row(c);
@@ -40,11 +39,8 @@ QualityReport measure_quality(const Mesh& mesh) {
       report.min_quality = quality;
       report.worst_cell = c;
     }
-    for (int i = 0; i < corners; ++i)
-      for (int j = 0; j < i; ++j) edges.push_back({std::min(cell(i), cell(j)), std::max(cell(i), cell(j))});
   }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  const auto edges = mesh_edges(mesh);
   report.min_edge_m = std::numeric_limits<double>::infinity();
   for (const auto& [i, j] : edges) {
     const double length = (mesh.nodes.row(i) - mesh.nodes.row(j)).norm();

@@ -1,13 +1,13 @@
 // The contents of a mesh file before checks and scaling.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <phynness/formats/mesh.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace phynness::meshes {
@@ -22,21 +22,19 @@ struct RawMesh {
   std::vector<Triangle> triangles;
   std::map<std::string, std::vector<std::int32_t>> groups;  ///< physical groups: name -> sorted nodes
   std::vector<std::string> notes;
+  std::vector<std::int32_t> file_number;  ///< position of each node in the file; empty: no node was dropped
+
+  /// Adds the triangles of a polygon of at least three corners.
+  void add_polygon(const std::vector<std::int32_t>& corners) {
+    for (std::size_t k = 2; k < corners.size(); ++k) triangles.push_back({corners[0], corners[k - 1], corners[k]});
+  }
 };
 
-/// Collects physical groups while elements are read, and names them after the whole file was read.
-class GroupBuilder {
- public:
-  void name(int dimension, std::int64_t tag, std::string text) { _names[{dimension, tag}] = std::move(text); }
-  void add(int dimension, std::int64_t tag, const std::vector<std::int32_t>& nodes);
-  /// Groups by name, or by tag number if the file gives no name. A tag without a name that several dimensions use
-  /// becomes one group "7" for all of them and one group for each, "line 7", "surface 7", with a note.
-  void finish(RawMesh& raw) const;
-
- private:
-  std::map<std::pair<int, std::int64_t>, std::string> _names;
-  std::map<std::pair<int, std::int64_t>, std::vector<std::int32_t>> _nodes;
-};
+/// In ascending order without repeats.
+inline void sort_unique(std::vector<std::int32_t>& nodes) {
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+}
 
 /// Readers. Each throws an Error with the file, the place and the defect. `bytes` is the whole file.
 RawMesh read_msh(const std::string& bytes, const std::string& source);

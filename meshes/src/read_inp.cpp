@@ -112,8 +112,7 @@ class InpFile {
   }
 
   void require_no_rest() const {
-    if (!_pending.empty())
-      fail("an element has too few nodes", "element " + std::to_string(_pending.front()), "export the file again");
+    if (!_pending.empty()) fail("an element has too few nodes", "element " + std::to_string(_pending.front()), again);
   }
 
   void begin(const Card& card) {
@@ -171,7 +170,7 @@ class InpFile {
   void read_node() {
     const auto parts = fields(_line);
     if (parts.size() < 2 || parts.size() > 4)
-      fail("a node does not have a number and three coordinates", std::string(_line), "export the file again");
+      fail("a node does not have a number and three coordinates", std::string(_line), again);
     const auto tag = number<std::int64_t>(parts[0], "a node's number");
     if (!_position.emplace(tag, static_cast<std::int32_t>(_raw.nodes.size())).second)
       fail("two nodes have the same number", std::to_string(tag), "write one part with its own numbers");
@@ -185,7 +184,7 @@ class InpFile {
       _pending.push_back(number<std::int64_t>(field, "an element's number or node"));
     const std::size_t size = _kind == Kind::tetrahedron ? 5 : 4;
     if (_pending.size() > size)
-      fail("an element has too many nodes", "element " + std::to_string(_pending.front()), "export the file again");
+      fail("an element has too many nodes", "element " + std::to_string(_pending.front()), again);
     if (_pending.size() < size) return;  // it continues in the next line
     const std::int64_t tag = _pending.front();
     std::vector<std::int32_t> nodes;
@@ -203,8 +202,7 @@ class InpFile {
   std::int32_t position(std::int64_t tag, const std::string& user) const {
     const auto found = _position.find(tag);
     if (found == _position.end())
-      fail(user + " uses a node that is not in the file above it", "node " + std::to_string(tag),
-           "export the file again");
+      fail(user + " uses a node that is not in the file above it", "node " + std::to_string(tag), again);
     return found->second;
   }
 
@@ -213,12 +211,12 @@ class InpFile {
     if (_generate) {
       std::array<std::int64_t, 3> range{0, 0, 1};
       if (parts.size() < 2 || parts.size() > 3)
-        fail("a generated set needs first, last and step", std::string(_line), "export the file again");
+        fail("a generated set needs first, last and step", std::string(_line), again);
       for (std::size_t k = 0; k < parts.size(); ++k) range[k] = number<std::int64_t>(parts[k], "a set's range");
       const std::size_t known = _raw.nodes.size() + _elements.size();
       if (range[2] < 1 || range[0] < 0 || range[1] < range[0] ||
           static_cast<std::uint64_t>((range[1] - range[0]) / range[2]) > known)
-        fail("a generated set has an impossible range", std::string(_line), "export the file again");
+        fail("a generated set has an impossible range", std::string(_line), again);
       for (std::int64_t i = range[0]; i <= range[1]; i += range[2]) _set->numbers.push_back(i);
       return;
     }
@@ -239,8 +237,7 @@ class InpFile {
     while (!open.empty()) {
       const auto found = sets.find(open.back());
       if (found == sets.end())
-        throw input_error(_source + ": a set names another one that is not in the file", open.back(),
-                          "export the file again");
+        throw input_error(_source + ": a set names another one that is not in the file", open.back(), again);
       open.pop_back();
       numbers.insert(found->second.numbers.begin(), found->second.numbers.end());
       for (const auto& other : found->second.sets)
@@ -293,11 +290,7 @@ RawMesh read_inp(const std::string& bytes, const std::string& source) {
   if (!bytes.ends_with('\n') && !bytes.ends_with('\r'))
     throw input_error(source + ": the file ends without a line break, so that its last number may be incomplete", "",
                       "export the file again; if it is complete, end its last line with a line break");
-  RawMesh raw = InpFile(scanner, source).read();
-  if (raw.tetrahedra.empty() && raw.triangles.empty())
-    throw input_error(source + ": the file holds neither tetrahedra (C3D4) nor triangles (S3)",
-                      std::to_string(raw.nodes.size()) + " nodes", "write the mesh with its elements");
-  return raw;
+  return InpFile(scanner, source).read();
 }
 
 }  // namespace phynness::meshes

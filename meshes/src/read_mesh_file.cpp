@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/mesh_files.hpp>
@@ -7,16 +6,6 @@
 
 namespace phynness::meshes {
 namespace {
-
-const char* dimension_name(int dimension) {
-  constexpr const char* names[] = {"point", "line", "surface", "volume"};
-  return names[dimension];
-}
-
-void sort_unique(std::vector<std::int32_t>& nodes) {
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-}
 
 using Reader = RawMesh (*)(const std::string&, const std::string&);
 
@@ -40,37 +29,6 @@ std::string extensions() {
 
 }  // namespace
 
-void GroupBuilder::add(int dimension, std::int64_t tag, const std::vector<std::int32_t>& nodes) {
-  if (tag == 0) return;  // in gmsh's format: belongs to no physical group
-  auto& list = _nodes[{dimension, tag}];
-  list.insert(list.end(), nodes.begin(), nodes.end());
-}
-
-void GroupBuilder::finish(RawMesh& raw) const {
-  std::map<std::int64_t, std::vector<int>> unnamed;
-  const auto join = [&raw](const std::string& name, const std::vector<std::int32_t>& nodes) {
-    auto& list = raw.groups[name];
-    list.insert(list.end(), nodes.begin(), nodes.end());
-  };
-  for (const auto& [key, nodes] : _nodes) {
-    const auto found = _names.find(key);
-    if (found == _names.end()) unnamed[key.second].push_back(key.first);
-    join(found == _names.end() ? std::to_string(key.second) : found->second, nodes);
-  }
-  for (const auto& [tag, dimensions] : unnamed) {
-    if (dimensions.size() < 2) continue;
-    std::string note = "physical tag " + std::to_string(tag) + " is used by several dimensions: group '" +
-                       std::to_string(tag) + "' holds all of them, and there are";
-    for (const int dimension : dimensions) {
-      const std::string name = std::string(dimension_name(dimension)) + ' ' + std::to_string(tag);
-      join(name, _nodes.at({dimension, tag}));
-      note += " '" + name + "'";
-    }
-    raw.notes.push_back(note);
-  }
-  for (auto& [name, nodes] : raw.groups) sort_unique(nodes);
-}
-
 RawMesh read_mesh_file(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
   for (char& c : extension)
@@ -83,8 +41,13 @@ RawMesh read_mesh_file(const std::filesystem::path& file) {
   const bool is_text = extension == ".obj" || extension == ".inp";  // the others may be binary
   const std::string bytes =
       read_input_file(file, {"the mesh file", "name a file that ends in " + extensions(), most_bytes, is_text});
-  if (bytes.empty()) throw input_error("the mesh file is empty", file.string(), "export the file again");
-  return reader(bytes, file.filename().string());
+  if (bytes.empty()) throw input_error("the mesh file is empty", file.string(), again);
+  RawMesh raw = reader(bytes, file.filename().string());
+  if (raw.tetrahedra.empty() && raw.triangles.empty())
+    throw input_error(file.filename().string() + ": the file holds neither tetrahedra nor triangles",
+                      std::to_string(raw.nodes.size()) + " nodes",
+                      "mesh the body with 4-node tetrahedra, or its surface, and save all elements");
+  return raw;
 }
 
 }  // namespace phynness::meshes

@@ -7,8 +7,6 @@
 namespace phynness::meshes {
 namespace {
 
-constexpr const char* off_again = "export the surface again";
-
 /// The next line with contents, without its comment; empty at the end of the file.
 /// @param here  output, the place of this line
 std::string_view filled_line(Scanner& scanner, Scanner& here) {
@@ -34,9 +32,7 @@ class LineNumbers {
     if (word.empty()) fail(std::string("a line is too short for ") + _expected, "");
     return _here.parse<Number>(word, _expected);
   }
-  [[noreturn]] void fail(const std::string& what, const std::string& value) const {
-    _here.fail(what, value, off_again);
-  }
+  [[noreturn]] void fail(const std::string& what, const std::string& value) const { _here.fail(what, value, again); }
 
  private:
   Scanner _here, _words;
@@ -51,7 +47,7 @@ void read_format(Scanner& scanner, const std::string& source) {
   const std::string format(words.word_or_end());
   if (format.empty() || format.find_first_not_of("0123456789") == std::string::npos) return;  // the name may be absent
   if (!format.ends_with("OFF") || format.size() > 7)
-    throw input_error(source + ":1: not an .off file", format.substr(0, 40), off_again);
+    throw input_error(source + ":1: not an .off file", format.substr(0, 40), again);
   if (format.find('4') != std::string::npos || format.find('n') != std::string::npos || words.word_or_end() == "BINARY")
     throw input_error(source + ":1: unsupported kind of .off file", std::string(line.substr(0, 40)),
                       "save it as text with three coordinates");
@@ -84,11 +80,8 @@ RawMesh read_off(const std::string& bytes, const std::string& source) {
         numbers.fail("a face uses a vertex that is not in the file", std::to_string(i));
       corners.push_back(static_cast<std::int32_t>(i));
     }
-    for (std::size_t k = 2; k < corners.size(); ++k) raw.triangles.push_back({corners[0], corners[k - 1], corners[k]});
+    raw.add_polygon(corners);
   }
-  if (raw.triangles.empty())
-    throw input_error(source + ": the file holds no faces", std::to_string(n_nodes) + " vertices",
-                      "export the surface with its faces");
   if (!bytes.ends_with('\n') && !bytes.ends_with('\r'))
     scanner.fail("the file ends without a line break, so that its last face may be incomplete", "",
                  "export the file again; if it is complete, end its last line with a line break");

@@ -8,8 +8,6 @@
 namespace phynness::meshes {
 namespace {
 
-constexpr const char* ply_again = "export the surface again";
-
 struct Property {
   std::string name, type;
   std::string count_type;  ///< of a list; otherwise empty
@@ -41,7 +39,7 @@ class PlyFile {
       std::size_t least = 0;  // bytes of an item
       for (const auto& p : element.properties)
         least += _text ? 2 : bytes_of_type(p.count_type.empty() ? p.type : p.count_type);
-      if (least == 0 && element.count > 0) _scanner.fail("an element has no properties", element.name, ply_again);
+      if (least == 0 && element.count > 0) _scanner.fail("an element has no properties", element.name, again);
       const std::size_t n =
           _scanner.checked_count(element.count, std::max<std::size_t>(least, 1), "items of an element");
       for (std::size_t i = 0; i < n; ++i)
@@ -53,7 +51,7 @@ class PlyFile {
 
  private:
   void read_header() {
-    if (_scanner.line() != "ply") throw input_error(_scanner.source() + ":1: not a .ply file", "", ply_again);
+    if (_scanner.line() != "ply") throw input_error(_scanner.source() + ":1: not a .ply file", "", again);
     bool format_known = false;
     while (true) {
       if (_scanner.at_end()) _scanner.truncated("'end_header'");
@@ -68,13 +66,13 @@ class PlyFile {
         const std::string name(words.word_or_end()), count(words.word_or_end());
         _elements.push_back({name, _scanner.parse<std::int64_t>(count, "the number of items of an element"), {}});
       } else if (word == "property") {
-        if (_elements.empty()) _scanner.fail("a property is before the first element", line.substr(0, 40), ply_again);
+        if (_elements.empty()) _scanner.fail("a property is before the first element", line.substr(0, 40), again);
         _elements.back().properties.push_back(property(words, line));
       } else if (!word.empty() && word != "comment" && word != "obj_info") {
-        _scanner.fail("an unknown word in the header", std::string(word.substr(0, 40)), ply_again);
+        _scanner.fail("an unknown word in the header", std::string(word.substr(0, 40)), again);
       }
     }
-    if (!format_known) _scanner.fail("the header names no format", "", ply_again);
+    if (!format_known) _scanner.fail("the header names no format", "", again);
   }
 
   void read_format(const std::string& format) {
@@ -94,7 +92,7 @@ class PlyFile {
     p.name = words.word_or_end();
     if (p.name.empty() || bytes_of_type(p.type) == 0 ||
         (!p.count_type.empty() && (bytes_of_type(p.count_type) == 0 || is_real(p.count_type))))
-      _scanner.fail("a property of an unknown type", line.substr(0, 40), ply_again);
+      _scanner.fail("a property of an unknown type", line.substr(0, 40), again);
     return p;
   }
 
@@ -138,7 +136,7 @@ class PlyFile {
       for (int k = 0; k < 3; ++k)
         if (p.name == std::string(1, static_cast<char>('x' + k))) x[k] = number, found |= 1 << k;
     }
-    if (found != 7) _scanner.fail("the vertices do not have x, y and z", "", ply_again);
+    if (found != 7) _scanner.fail("the vertices do not have x, y and z", "", again);
   }
 
   void skip_list(const Property& p) {
@@ -158,17 +156,17 @@ class PlyFile {
   }
 
   void read_face(const Property& p) {
-    if (!_vertices_known) _scanner.fail("faces are before the vertices", "", ply_again);
+    if (!_vertices_known) _scanner.fail("faces are before the vertices", "", again);
     const std::size_t n = length(p);
-    if (n < 3) _scanner.fail("a face has fewer than three vertices", std::to_string(n), ply_again);
+    if (n < 3) _scanner.fail("a face has fewer than three vertices", std::to_string(n), again);
     std::vector<std::int32_t> corners(n);
     for (auto& corner : corners) {
       const std::int64_t i = integer(p.type);
       if (i < 0 || static_cast<std::size_t>(i) >= _raw.nodes.size())
-        _scanner.fail("a face uses a vertex that is not in the file", std::to_string(i), ply_again);
+        _scanner.fail("a face uses a vertex that is not in the file", std::to_string(i), again);
       corner = static_cast<std::int32_t>(i);
     }
-    for (std::size_t k = 2; k < n; ++k) _raw.triangles.push_back({corners[0], corners[k - 1], corners[k]});
+    _raw.add_polygon(corners);
   }
 
   Scanner& _scanner;
@@ -181,11 +179,7 @@ class PlyFile {
 
 RawMesh read_ply(const std::string& bytes, const std::string& source) {
   Scanner scanner(bytes, source);
-  RawMesh raw = PlyFile(scanner).read();
-  if (raw.triangles.empty())
-    throw input_error(source + ": the file holds no faces", std::to_string(raw.nodes.size()) + " vertices",
-                      "export the surface with its faces");
-  return raw;
+  return PlyFile(scanner).read();
 }
 
 }  // namespace phynness::meshes

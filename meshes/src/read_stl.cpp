@@ -26,26 +26,12 @@ class Welder {
   using Key = std::array<std::uint64_t, 3>;
   struct Hash {
     std::size_t operator()(const Key& key) const {
-      std::uint64_t h = 0;
-      for (const std::uint64_t part : key) h = (h ^ part ^ (h >> 29)) * 0x9e3779b97f4a7c15ULL;
-      return static_cast<std::size_t>(h ^ (h >> 32));
+      return std::hash<std::string_view>{}({reinterpret_cast<const char*>(key.data()), sizeof key});
     }
   };
   RawMesh& _raw;
   std::unordered_map<Key, std::int32_t, Hash> _nodes;
 };
-
-/// A surface has twice as many triangles as nodes. Far more, as in a file of zeros, are refused before they take
-/// memory.
-void refuse_repeated(const Scanner& scanner, const RawMesh& raw) {
-  constexpr std::size_t looked_at_every = 1 << 20, most_per_node = 16;
-  const std::size_t n = raw.triangles.size();
-  if (n % looked_at_every == 0 && n > most_per_node * raw.nodes.size())
-    scanner.fail(
-        "nearly all triangles have no area or are repeated",
-        std::to_string(raw.nodes.size()) + " different corners of the first " + std::to_string(n) + " triangles",
-        "export the surface again");
-}
 
 void read_binary(Scanner& scanner, RawMesh& raw) {
   Welder welder(raw);
@@ -63,7 +49,6 @@ void read_binary(Scanner& scanner, RawMesh& raw) {
     }
     scanner.skip(2, "a triangle's attribute");
     raw.triangles.push_back(triangle);
-    refuse_repeated(scanner, raw);
   }
   if (scanner.remaining() > 0)
     raw.notes.push_back("ignored " + std::to_string(scanner.remaining()) + " bytes after the last triangle");
@@ -71,7 +56,7 @@ void read_binary(Scanner& scanner, RawMesh& raw) {
 
 void expect(Scanner& scanner, const char* word) {
   if (const std::string_view found = scanner.word(word); found != word)
-    scanner.fail(std::string("expected '") + word + "'", std::string(found.substr(0, 40)), "export the file again");
+    scanner.fail(std::string("expected '") + word + "'", std::string(found.substr(0, 40)), again);
 }
 
 void read_text(Scanner& scanner, RawMesh& raw) {
@@ -85,8 +70,7 @@ void read_text(Scanner& scanner, RawMesh& raw) {
       scanner.line();  // the name of a further solid of the file
       continue;
     }
-    if (word != "facet")
-      scanner.fail("expected 'facet' or 'endsolid'", std::string(word.substr(0, 40)), "export the file again");
+    if (word != "facet") scanner.fail("expected 'facet' or 'endsolid'", std::string(word.substr(0, 40)), again);
     expect(scanner, "normal");
     for (int k = 0; k < 3; ++k) scanner.word("a triangle's normal");
     expect(scanner, "outer");
@@ -101,7 +85,6 @@ void read_text(Scanner& scanner, RawMesh& raw) {
     expect(scanner, "endloop");
     expect(scanner, "endfacet");
     raw.triangles.push_back(triangle);
-    refuse_repeated(scanner, raw);
   }
 }
 
@@ -122,8 +105,6 @@ RawMesh read_stl(const std::string& bytes, const std::string& source) {
     read_text(scanner, raw);
   else
     read_binary(scanner, raw);
-  if (raw.triangles.empty())
-    throw input_error(source + ": the file holds no triangles", "", "export the surface again");
   return raw;
 }
 

@@ -1,3 +1,4 @@
+// VTK's legacy files: unstructured grids and poly data, as text or binary.
 #include <bit>
 
 #include "raw_mesh.hpp"
@@ -7,18 +8,73 @@
 namespace phynness::meshes {
 namespace {
 
-/// Numbers of a legacy VTK file: text, or big-endian binary of the type that the file names.
-class Numbers {
+class VtkFile {
  public:
-  Numbers(Scanner& scanner, bool binary) : _scanner(scanner), _binary(binary) {}
+  explicit VtkFile(Scanner& scanner) : _scanner(scanner) { read_header(); }
 
-  /// Call once before the values of an array; binary data starts on the next line.
+  RawMesh read() {
+    bool points_seen = false, cells_seen = false, types_seen = _poly_data;
+    while (!(points_seen && cells_seen && types_seen)) {
+      const std::string section(_scanner.word("the next section"));
+      if (section == "POINTS") {
+        read_points();
+        points_seen = true;
+      } else if (section == "CELLS" || section == "POLYGONS") {
+        if (!points_seen) _scanner.fail(section + " is before POINTS", "", again);
+        read_cells(_ends, _points);
+        cells_seen = true;
+      } else if (section == "CELL_TYPES") {
+        _types.resize(count("cell types", 4));
+        begin();
+        for (auto& type : _types) type = integer("int", "a cell's type");
+        types_seen = true;
+      } else if (section == "VERTICES" || section == "LINES") {
+        std::vector<std::int64_t> ends, points;
+        read_cells(ends, points);
+      } else if (section == "METADATA") {
+        while (!_scanner.at_end() && !_scanner.line().empty()) {
+        }
+      } else {
+        _scanner.fail("unsupported section before the cells", section.substr(0, 40),
+                      "save the mesh alone, without other data");
+      }
+    }
+    if (!_poly_data && _types.size() != _ends.size())
+      _scanner.fail("the numbers of cells and of cell types differ",
+                    std::to_string(_ends.size()) + " and " + std::to_string(_types.size()), again);
+    add_vtk_cells(_ends, _points, _raw.nodes.size(), 0, _types, _raw,
+                  [this](const auto&... text) { _scanner.fail(text...); });
+    return std::move(_raw);
+  }
+
+ private:
+  void read_header() {
+    const std::string header(_scanner.line().substr(0, 256));  // the largest length in the format
+    const std::string_view magic = "# vtk DataFile Version ";
+    if (!header.starts_with(magic))
+      throw input_error(_scanner.source() + ":1: not a legacy VTK file", header.substr(0, 40),
+                        "give an XML file the name .vtu (or .vtp), or save the mesh as legacy VTK");
+    _with_offsets = header.compare(magic.size(), std::string::npos, "5.1") >= 0;
+    _scanner.line();
+    const std::string encoding(_scanner.word("ASCII or BINARY"));
+    if (encoding != "ASCII" && encoding != "BINARY")
+      _scanner.fail("expected ASCII or BINARY", encoding.substr(0, 40), again);
+    _binary = encoding == "BINARY";
+    expect("DATASET");
+    const std::string dataset(_scanner.closed_word("the kind of the data set"));
+    if (dataset != "UNSTRUCTURED_GRID" && dataset != "POLYDATA")
+      _scanner.fail("unsupported kind of data set", dataset.substr(0, 40),
+                    "save the mesh as UNSTRUCTURED_GRID or POLYDATA");
+    _poly_data = dataset == "POLYDATA";
+  }
+
+  void expect(const char* name) {
+    if (_scanner.word(name) != name) _scanner.fail(std::string("expected ") + name, "", again);
+  }
+
+  /// To be called before the values of an array: binary data start on the next line.
   void begin() {
     if (_binary) _scanner.line();
-  }
-  double real(const std::string& type, const char* what) {
-    if (!_binary) return _scanner.closed_number<double>(what);
-    return type == "double" ? _scanner.raw<double>(what, swap) : _scanner.raw<float>(what, swap);
   }
   std::int64_t integer(const std::string& type, const char* what) {
     if (!_binary) return _scanner.closed_number<std::int64_t>(what);
@@ -27,131 +83,68 @@ class Numbers {
   std::size_t count(const char* what, std::size_t binary_bytes) {
     return _scanner.checked_count(_scanner.number<std::int64_t>(what), _binary ? binary_bytes : 2, what);
   }
-  std::string integer_type(const char* what) {
-    const std::string type(_scanner.word(what));
+
+  void read_points() {
+    const std::size_t n = count("points", 12);
+    const std::string type(_scanner.closed_word("the type of the points"));
+    if (type != "float" && type != "double")
+      _scanner.fail("unsupported type of the points", type, "save them as float or double");
+    begin();
+    _raw.nodes.resize(_scanner.checked_count(static_cast<std::int64_t>(n), 6, "points"));
+    constexpr const char* what = "a point's coordinate";
+    for (auto& x : _raw.nodes)
+      for (double& value : x)
+        value = !_binary           ? _scanner.closed_number<double>(what)
+                : type == "double" ? _scanner.raw<double>(what, swap)
+                                   : _scanner.raw<float>(what, swap);
+  }
+
+  /// An array of version 5.1: its name, its type and its values.
+  std::vector<std::int64_t> array(const char* name, std::size_t n) {
+    expect(name);
+    const std::string type(_scanner.word("the type of an array"));
     if (type != "vtktypeint64" && type != "int" && type != "vtktypeint32")
       _scanner.fail("unsupported integer type", type, "save the mesh as legacy VTK with vtktypeint64");
-    return type;
+    begin();
+    std::vector<std::int64_t> values(n);
+    for (auto& value : values) value = integer(type, "a number of an array");
+    return values;
   }
 
- private:
-  static constexpr bool swap = std::endian::native == std::endian::little;
-  Scanner& _scanner;
-  bool _binary;
-};
-
-/// Cells as lists of point numbers, in both layouts: "n a b c ..." (up to version 4.2), and offsets with connectivity
-/// (5.1).
-std::vector<std::vector<std::int32_t>> read_cells(Scanner& scanner, Numbers& numbers, bool with_offsets,
-                                                  std::size_t n_points) {
-  std::vector<std::vector<std::int32_t>> cells;
-  const auto point = [&](std::int64_t index) {
-    if (index < 0 || static_cast<std::size_t>(index) >= n_points)
-      scanner.fail("a cell uses a point that is not in the file", std::to_string(index), "export the file again");
-    return static_cast<std::int32_t>(index);
-  };
-  const std::size_t n = numbers.count("cells", 4), size = numbers.count("cell entries", 4);
-  if (!with_offsets) {
-    numbers.begin();
-    std::size_t used = 0;
-    for (std::size_t c = 0; c < n; ++c) {
-      auto& cell = cells.emplace_back(
-          scanner.checked_count(numbers.integer("int", "a cell's number of points"), 2, "points of a cell"));
-      for (auto& node : cell) node = point(numbers.integer("int", "a cell's point"));
-      used += cell.size() + 1;
+  /// In both layouts: "n a b c ..." (up to version 4.2), and offsets with connectivity (5.1).
+  void read_cells(std::vector<std::int64_t>& ends, std::vector<std::int64_t>& points) {
+    const std::size_t n = count("cells", 4), size = count("cell entries", 4);
+    if (_with_offsets) {
+      ends = array("OFFSETS", n);
+      points = array("CONNECTIVITY", size);
+      if (n > 0 && ends[0] != 0) _scanner.fail("the first cell offset is not 0", std::to_string(ends[0]), again);
+      if (n > 0) ends.erase(ends.begin());
+      return;
     }
-    if (used != size)
-      scanner.fail("the cells do not hold the declared number of entries",
-                   std::to_string(used) + " instead of " + std::to_string(size), "export the file again");
-    return cells;
+    begin();
+    for (std::size_t c = 0; c < n; ++c) {
+      const std::size_t corners =
+          _scanner.checked_count(integer("int", "a cell's number of points"), 2, "points of a cell");
+      for (std::size_t k = 0; k < corners; ++k) points.push_back(integer("int", "a cell's point"));
+      ends.push_back(static_cast<std::int64_t>(points.size()));
+    }
+    if (points.size() + n != size)
+      _scanner.fail("the cells do not hold the declared number of entries",
+                    std::to_string(points.size() + n) + " instead of " + std::to_string(size), again);
   }
-  if (scanner.word("OFFSETS") != "OFFSETS") scanner.fail("expected OFFSETS", "", "export the file again");
-  std::string type = numbers.integer_type("the type of the offsets");
-  numbers.begin();
-  std::vector<std::int64_t> offsets(n);
-  for (auto& offset : offsets) offset = numbers.integer(type, "a cell's offset");
-  if (scanner.word("CONNECTIVITY") != "CONNECTIVITY")
-    scanner.fail("expected CONNECTIVITY", "", "export the file again");
-  type = numbers.integer_type("the type of the connectivity");
-  numbers.begin();
-  std::vector<std::int32_t> connectivity(size);
-  for (auto& node : connectivity) node = point(numbers.integer(type, "a cell's point"));
-  for (std::size_t c = 0; c + 1 < n; ++c) {
-    if (offsets[c] < 0 || offsets[c] > offsets[c + 1] || static_cast<std::size_t>(offsets[c + 1]) > size)
-      scanner.fail("the cell offsets do not ascend", std::to_string(offsets[c + 1]), "export the file again");
-    cells.emplace_back(connectivity.begin() + offsets[c], connectivity.begin() + offsets[c + 1]);
-  }
-  return cells;
-}
+
+  static constexpr bool swap = std::endian::native == std::endian::little;  // the format is big-endian
+  Scanner& _scanner;
+  bool _binary = false, _with_offsets = false, _poly_data = false;
+  RawMesh _raw;
+  std::vector<std::int64_t> _ends, _points, _types;
+};
 
 }  // namespace
 
 RawMesh read_vtk(const std::string& bytes, const std::string& source) {
   Scanner scanner(bytes, source);
-  const std::string header(scanner.line().substr(0, 256));  // the largest length in the format
-  const std::string_view magic = "# vtk DataFile Version ";
-  if (!header.starts_with(magic))
-    throw input_error(source + ":1: not a legacy VTK file", header.substr(0, 40),
-                      "give an XML file the name .vtu (or .vtp), or save the mesh as legacy VTK");
-  const bool with_offsets = header.compare(magic.size(), std::string::npos, "5.1") >= 0;
-  scanner.line();
-  const std::string encoding(scanner.word("ASCII or BINARY"));
-  if (encoding != "ASCII" && encoding != "BINARY")
-    scanner.fail("expected ASCII or BINARY", encoding.substr(0, 40), "export the file again");
-  Numbers numbers(scanner, encoding == "BINARY");
-  if (scanner.word("DATASET") != "DATASET") scanner.fail("expected DATASET", "", "export the file again");
-  const std::string dataset(scanner.closed_word("the kind of the data set"));
-  if (dataset != "UNSTRUCTURED_GRID" && dataset != "POLYDATA")
-    scanner.fail("unsupported kind of data set", dataset.substr(0, 40),
-                 "save the mesh as UNSTRUCTURED_GRID or POLYDATA");
-
-  RawMesh raw;
-  std::vector<std::vector<std::int32_t>> cells;
-  std::vector<std::int64_t> types;
-  bool points_seen = false, cells_seen = false, types_seen = dataset == "POLYDATA";
-  while (!(points_seen && cells_seen && types_seen)) {
-    const std::string section(scanner.word("the next section"));
-    if (section == "POINTS") {
-      const std::size_t n = numbers.count("points", 12);
-      const std::string type(scanner.closed_word("the type of the points"));
-      if (type != "float" && type != "double")
-        scanner.fail("unsupported type of the points", type, "save them as float or double");
-      numbers.begin();
-      raw.nodes.resize(scanner.checked_count(static_cast<std::int64_t>(n), 6, "points"));
-      for (auto& x : raw.nodes)
-        for (double& value : x) value = numbers.real(type, "a point's coordinate");
-      points_seen = true;
-    } else if (section == "CELLS" || section == "POLYGONS") {
-      if (!points_seen) scanner.fail(section + " is before POINTS", "", "export the file again");
-      cells = read_cells(scanner, numbers, with_offsets, raw.nodes.size());
-      cells_seen = true;
-    } else if (section == "CELL_TYPES") {
-      types.resize(numbers.count("cell types", 4));
-      numbers.begin();
-      for (auto& type : types) type = numbers.integer("int", "a cell's type");
-      types_seen = true;
-    } else if (section == "VERTICES" || section == "LINES") {
-      read_cells(scanner, numbers, with_offsets, raw.nodes.size());
-    } else if (section == "METADATA") {
-      while (!scanner.at_end() && !scanner.line().empty()) {
-      }
-    } else {
-      scanner.fail("unsupported section before the cells", section.substr(0, 40),
-                   "save the mesh alone, without other data");
-    }
-  }
-  if (dataset == "POLYDATA") types.assign(cells.size(), vtk_polygon);
-  if (types.size() != cells.size())
-    scanner.fail("the numbers of cells and of cell types differ",
-                 std::to_string(cells.size()) + " and " + std::to_string(types.size()), "export the file again");
-  const auto fail = [&](const std::string& what, const std::string& value, const std::string& remedy) {
-    scanner.fail(what, value, remedy);
-  };
-  for (std::size_t c = 0; c < cells.size(); ++c) add_vtk_cell(cells[c], c, types[c], raw, fail);
-  if (raw.tetrahedra.empty() && raw.triangles.empty())
-    throw input_error(source + ": the file holds neither tetrahedra nor polygons",
-                      std::to_string(raw.nodes.size()) + " points", "save the mesh with its cells");
-  return raw;
+  return VtkFile(scanner).read();
 }
 
 }  // namespace phynness::meshes

@@ -1,40 +1,289 @@
 // VTK's XML files: unstructured grids (.vtu) and poly data (.vtp), as ParaView, PyVista and `phynness show` write them.
+// Their arrays are text, base64 or appended, with or without zlib compression.
+// https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
+#include <zlib.h>
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <optional>
 #include <phynness/formats/error.hpp>
+#include <pugixml.hpp>
+#include <stdexcept>
 
 #include "raw_mesh.hpp"
+#include "scanner.hpp"
 #include "vtk_cells.hpp"
-#include "vtk_xml.hpp"
 
 namespace phynness::meshes {
 namespace {
 
-constexpr const char* again = "export the file again";
+// Numbers of one array for ten million tetrahedra, a hundred times the number that can be solved.
+constexpr std::uint64_t most_numbers = 40'000'000;
+struct DataEncoding {
+  bool big_endian = false;
+  int header_bytes = 4;  ///< length of each size before the data
+  bool zlib = false;
+};
 
-/// Cells as lists of node numbers from `offsets` and `connectivity`; `first` is added to each.
-std::vector<std::vector<std::int32_t>> cells_of(const VtkXml& file, pugi::xml_node parent, std::size_t n_cells,
-                                                std::size_t n_points, std::int32_t first) {
-  std::vector<std::vector<std::int32_t>> cells;
-  if (n_cells == 0) return cells;
-  const auto offset_array = file.array(parent, "offsets"), point_array = file.array(parent, "connectivity");
-  const auto offsets = file.numbers<std::int64_t>(offset_array, n_cells);
-  std::int64_t before = 0;
-  for (const std::int64_t offset : offsets) {
-    if (offset < before) file.fail(offset_array, "the cell offsets do not ascend", std::to_string(offset), again);
-    before = offset;
-  }
-  const auto points = file.numbers<std::int64_t>(point_array, static_cast<std::size_t>(before));
-  before = 0;
-  for (const std::int64_t offset : offsets) {
-    auto& cell = cells.emplace_back();
-    for (; before < offset; ++before) {
-      const std::int64_t point = points[static_cast<std::size_t>(before)];
-      if (point < 0 || static_cast<std::size_t>(point) >= n_points)
-        file.fail(point_array, "a cell uses a point that is not in the file", std::to_string(point), again);
-      cell.push_back(static_cast<std::int32_t>(first + point));
-    }
-  }
-  return cells;
+int base64_value(char c) {
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  return c == '+' ? 62 : c == '/' ? 63 : -1;
 }
+
+/// The bytes of base64 up to the next tag. Parts that were encoded separately, each with its padding, are one sequence.
+std::string from_base64(std::string_view text) {
+  std::string bytes;
+  unsigned bits = 0;
+  int n_bits = 0;
+  for (const char c : text.substr(0, text.find('<'))) {
+    if (c == ' ' || c == '\t' || c == '\n' || c == '\r') continue;
+    const int value = base64_value(c);
+    if (value < 0 && c != '=') throw std::runtime_error("it holds characters that are not base64");
+    bits = value < 0 ? 0 : bits << 6 | static_cast<unsigned>(value);
+    n_bits = value < 0 ? 0 : n_bits + 6;
+    if (n_bits < 8) continue;
+    n_bits -= 8;
+    bytes += static_cast<char>(bits >> n_bits & 255);
+  }
+  return bytes;
+}
+
+/// The data of an array: sizes, then the bytes, with or without zlib compression. Errors have neither file nor place,
+/// which the caller adds.
+class EncodedData {
+ public:
+  EncodedData(std::string_view bytes, const DataEncoding& encoding) : _bytes(bytes), _encoding(encoding) {}
+
+  /// @param most_bytes  larger data are refused before any allocation
+  std::string decoded(std::uint64_t most_bytes) {
+    if (_encoding.zlib) return decompressed(most_bytes);
+    return std::string(take(at_most(size(), most_bytes)));
+  }
+
+ private:
+  static std::uint64_t at_most(std::uint64_t bytes, std::uint64_t most_bytes) {
+    if (bytes > most_bytes)
+      throw std::runtime_error("it holds " + std::to_string(bytes) + " bytes, more than the " +
+                               std::to_string(most_bytes) + " bytes of the numbers that are declared");
+    return bytes;
+  }
+
+  std::string_view take(std::uint64_t n) {
+    if (n > _bytes.size()) throw std::runtime_error("it ends too early");
+    const std::string_view part = _bytes.substr(0, n);
+    _bytes.remove_prefix(n);
+    return part;
+  }
+
+  std::uint64_t size() {
+    const auto width = static_cast<std::size_t>(_encoding.header_bytes);
+    const std::string_view digits = take(width);
+    std::uint64_t value = 0;
+    for (std::size_t k = 0; k < width; ++k)
+      value = value << 8 | static_cast<unsigned char>(digits[_encoding.big_endian ? k : width - 1 - k]);
+    return value;
+  }
+
+  /// Number of blocks, size of a block, size of the last one, compressed sizes; then the blocks.
+  std::string decompressed(std::uint64_t most_bytes) {
+    const std::uint64_t n_blocks = size(), block_size = size(), last = size();
+    if (n_blocks > _bytes.size() / static_cast<std::size_t>(_encoding.header_bytes))
+      throw std::runtime_error("it declares more blocks than it holds");
+    at_most(block_size, std::max(most_bytes, std::uint64_t{1} << 20));  // small data use a part of a block
+    at_most(last, most_bytes);
+    std::vector<std::uint64_t> compressed(n_blocks);
+    for (auto& bytes : compressed) bytes = size();
+    std::string bytes;
+    for (std::uint64_t b = 0; b < n_blocks; ++b) {
+      const std::uint64_t before = bytes.size(), add = b + 1 == n_blocks && last > 0 ? last : block_size;
+      bytes.resize(at_most(before + add, most_bytes));
+      const std::string_view block = take(compressed[b]);
+      auto length = static_cast<uLongf>(add);
+      const int code = uncompress(reinterpret_cast<Bytef*>(bytes.data() + before), &length,
+                                  reinterpret_cast<const Bytef*>(block.data()), static_cast<uLong>(block.size()));
+      if (code != Z_OK || length != add) throw std::runtime_error("a compressed block of it is damaged");
+    }
+    return bytes;
+  }
+
+  std::string_view _bytes;
+  DataEncoding _encoding;
+};
+
+class VtkXml {
+ public:
+  /// @param kind  "UnstructuredGrid" or "PolyData"
+  VtkXml(const std::string& bytes, const std::string& source, const char* kind) : _bytes(bytes), _source(source) {
+    parse_document(kind);
+  }
+
+  pugi::xml_node grid() const { return _grid; }
+
+  /// A count in an attribute. @throws Error if it is missing or larger than for any useful mesh
+  std::size_t count(pugi::xml_node node, const char* attribute) const {
+    const std::string_view text = node.attribute(attribute).value();
+    std::uint64_t n = 0;
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), n);
+    if (code != std::errc{} || end != text.data() + text.size() || n > most_numbers)
+      fail(node, std::string(attribute) + " must be a number up to " + std::to_string(most_numbers),
+           std::string(text.substr(0, 40)), again);
+    return static_cast<std::size_t>(n);
+  }
+
+  /// The DataArray with this name, or the only one if `name` is empty. @throws Error
+  pugi::xml_node array(pugi::xml_node parent, const std::string& name) const {
+    for (const auto node : parent.children("DataArray"))
+      if (name.empty() || name == node.attribute("Name").value()) return node;
+    fail(parent, "the array " + (name.empty() ? "of coordinates" : "'" + name + "'") + " is missing", parent.name(),
+         again);
+  }
+
+  /// @param size  number of values of the array
+  template <class Number>
+  std::vector<Number> numbers(pugi::xml_node array, std::size_t size) const {
+    if (size > most_numbers)
+      fail(array, "the array is larger than that of any mesh that can be solved", std::to_string(size) + " numbers",
+           "give a coarser mesh");
+    const std::string_view type = array.attribute("type").value(), format = array.attribute("format").value();
+    if (size == 0) return {};
+    if (format == "ascii") return ascii_numbers<Number>(array, size);
+    if (type == "Float64") return binary_numbers<double, Number>(array, size);
+    if (type == "Float32") return binary_numbers<float, Number>(array, size);
+    if constexpr (std::is_integral_v<Number>) {
+      if (type == "Int64" || type == "UInt64") return binary_numbers<std::int64_t, Number>(array, size);
+      if (type == "Int32") return binary_numbers<std::int32_t, Number>(array, size);
+      if (type == "UInt32") return binary_numbers<std::uint32_t, Number>(array, size);
+      if (type == "Int16") return binary_numbers<std::int16_t, Number>(array, size);
+      if (type == "UInt16") return binary_numbers<std::uint16_t, Number>(array, size);
+      if (type == "UInt8") return binary_numbers<std::uint8_t, Number>(array, size);
+      if (type == "Int8") return binary_numbers<std::int8_t, Number>(array, size);
+    }
+    fail(array, "unsupported type of an array", std::string(type.substr(0, 40)), again);
+  }
+
+  /// @throws Error with the line of the node
+  [[noreturn]] void fail(pugi::xml_node node, const std::string& what, const std::string& value,
+                         const std::string& remedy) const {
+    const auto at = std::clamp<std::ptrdiff_t>(node.offset_debug(), 0, static_cast<std::ptrdiff_t>(_bytes.size()));
+    const auto line = 1 + std::count(_bytes.begin(), _bytes.begin() + at, '\n');
+    throw input_error(_source + ":" + std::to_string(line) + ": " + what, value, remedy);
+  }
+
+ private:
+  void parse_document(const char* kind) {
+    const auto last = _bytes.find_last_not_of(" \t\r\n", std::string::npos, 4);
+    constexpr std::string_view end = "</VTKFile>";
+    const bool whole = last != std::string::npos && std::string_view(_bytes).substr(0, last + 1).ends_with(end);
+    const auto begin = _bytes.find("<AppendedData");
+    _text = _bytes.substr(0, begin);
+    if (begin != std::string::npos) {
+      // Appended data may contain any bytes, so that the whole file is not valid XML.
+      const auto tag_end = _bytes.find('>', begin), data = _bytes.find('_', tag_end);
+      if (tag_end == std::string::npos || data == std::string::npos)
+        throw input_error(_source + ": the file is truncated: its appended data are missing", "", again);
+      _text += _bytes.substr(begin, tag_end - begin) + "/>" + std::string(end);
+      _appended = std::string_view(_bytes).substr(data + 1, last - data);
+    }
+    const auto parsed = _document.load_buffer_inplace(_text.data(), _text.size());
+    const auto file = _document.child("VTKFile");
+    if (!file || !parsed || !whole) {
+      const auto at =
+          static_cast<std::ptrdiff_t>(std::min<std::size_t>(std::max<std::ptrdiff_t>(parsed.offset, 0), _bytes.size()));
+      throw input_error(_source + ":" + std::to_string(1 + std::count(_bytes.begin(), _bytes.begin() + at, '\n')) +
+                            (file && parsed ? ": the file is truncated: it does not end with </VTKFile>"
+                                            : ": the file is not an XML file of VTK"),
+                        parsed ? "" : parsed.description(), again);
+    }
+    _grid = file.child(kind);
+    if (!_grid)
+      fail(file, std::string("the file holds no ") + kind, file.attribute("type").value(),
+           "save the mesh as an unstructured grid (.vtu), or its surface as poly data (.vtp)");
+    read_encoding(file);
+  }
+
+  void read_encoding(pugi::xml_node file) {
+    const std::string order = file.attribute("byte_order").value(), header = file.attribute("header_type").value(),
+                      compressor = file.attribute("compressor").value(),
+                      appended = file.child("AppendedData").attribute("encoding").value();
+    if (order != "LittleEndian" && order != "BigEndian") fail(file, "unknown byte_order", order, again);
+    if (!header.empty() && header != "UInt32" && header != "UInt64") fail(file, "unknown header_type", header, again);
+    if (!compressor.empty() && compressor != "vtkZLibDataCompressor")
+      fail(file, "unsupported compressor", compressor, "save the file with zlib or without compression");
+    if (_appended && appended != "raw" && appended != "base64")
+      fail(file.child("AppendedData"), "unknown encoding of the appended data", appended, again);
+    _encoding = {order == "BigEndian", header == "UInt64" ? 8 : 4, !compressor.empty()};
+    _appended_base64 = appended == "base64";
+  }
+
+  std::string_view encoded_text(pugi::xml_node array, bool& base64) const {
+    const std::string_view format = array.attribute("format").value();
+    if (format == "binary") {
+      base64 = true;
+      return array.text().get();
+    }
+    if (format != "appended") fail(array, "unknown format of an array", std::string(format.substr(0, 40)), again);
+    const std::size_t size = _appended ? _appended->size() : 0;
+    const std::string_view text = array.attribute("offset").value();
+    std::uint64_t offset = 0;
+    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), offset);
+    if (code != std::errc{} || end != text.data() + text.size() || offset >= size)
+      fail(array, "the offset of an array is outside of the appended data of " + std::to_string(size) + " bytes",
+           std::string(text.substr(0, 40)), again);
+    base64 = _appended_base64;
+    return _appended->substr(offset);
+  }
+
+  template <class Number>
+  std::vector<Number> ascii_numbers(pugi::xml_node array, std::size_t size) const {
+    std::vector<Number> values;
+    Scanner words(array.text().get(), _source);
+    for (auto word = words.word_or_end(); !word.empty(); word = words.word_or_end())
+      if (!Scanner::is_number(word, values.emplace_back()))
+        fail(array, "expected a number in an array", std::string(word.substr(0, 40)), again);
+    if (values.size() != size)
+      fail(array, "an array holds another number of values than declared",
+           std::to_string(values.size()) + " instead of " + std::to_string(size), again);
+    return values;
+  }
+
+  template <class Stored, class Number>
+  std::vector<Number> binary_numbers(pugi::xml_node array, std::size_t size) const {
+    std::string bytes;
+    bool base64 = false;
+    const std::string_view text = encoded_text(array, base64);
+    try {
+      const std::string decoded = base64 ? from_base64(text) : std::string();
+      bytes = EncodedData(base64 ? decoded : text, _encoding).decoded(size * sizeof(Stored));
+    } catch (const std::runtime_error& error) {
+      fail(array, "the data of an array cannot be read", error.what(), again);
+    }
+    if (bytes.size() != size * sizeof(Stored))
+      fail(array, "an array holds another number of bytes than declared",
+           std::to_string(bytes.size()) + " instead of " + std::to_string(size * sizeof(Stored)), again);
+    const bool swap = _encoding.big_endian != (std::endian::native == std::endian::big);
+    std::vector<Number> values(size);
+    for (std::size_t i = 0; i < size; ++i) {
+      char* first = bytes.data() + i * sizeof(Stored);
+      if (swap) std::reverse(first, first + sizeof(Stored));
+      Stored value;
+      std::memcpy(&value, first, sizeof value);
+      values[i] = static_cast<Number>(value);  // NOLINT(bugprone-signed-char-misuse): Int8 holds numbers
+    }
+    return values;
+  }
+
+  const std::string& _bytes;
+  std::string _source, _text;  ///< the text without appended data; the document refers to it
+  pugi::xml_document _document;
+  pugi::xml_node _grid;
+  DataEncoding _encoding;
+  std::optional<std::string_view> _appended;
+  bool _appended_base64 = false;
+};
 
 std::size_t append_points(const VtkXml& file, pugi::xml_node piece, RawMesh& raw) {
   const std::size_t n = file.count(piece, "NumberOfPoints");
@@ -47,62 +296,45 @@ std::size_t append_points(const VtkXml& file, pugi::xml_node piece, RawMesh& raw
   return n;
 }
 
-template <class AddCells>
-RawMesh read_pieces(const std::string& bytes, const std::string& source, const char* kind, const AddCells& add_cells) {
-  const VtkXml file(bytes, source, kind);
+/// @param cells  the element with the arrays of `n_cells` cells
+void append_cells(const VtkXml& file, pugi::xml_node cells, std::size_t n_cells, std::size_t n_points, bool with_types,
+                  RawMesh& raw) {
+  if (n_cells == 0) return;
+  const auto ends = file.numbers<std::int64_t>(file.array(cells, "offsets"), n_cells);
+  const auto array = file.array(cells, "connectivity");
+  const auto points =
+      file.numbers<std::int64_t>(array, static_cast<std::size_t>(std::max<std::int64_t>(ends.back(), 0)));
+  std::vector<std::int64_t> types;
+  if (with_types) types = file.numbers<std::int64_t>(file.array(cells, "types"), n_cells);
+  add_vtk_cells(ends, points, n_points, static_cast<std::int32_t>(raw.nodes.size() - n_points), types, raw,
+                [&](const auto&... text) { file.fail(array, text...); });
+}
+
+RawMesh read_pieces(const std::string& bytes, const std::string& source, bool poly_data) {
+  const VtkXml file(bytes, source, poly_data ? "PolyData" : "UnstructuredGrid");
   RawMesh raw;
   std::size_t n_pieces = 0;
   for (const auto piece : file.grid().children("Piece")) {
-    const auto first = static_cast<std::int32_t>(raw.nodes.size());
     const std::size_t n = append_points(file, piece, raw);
     constexpr std::size_t most_points = 40'000'000;
     if (raw.nodes.size() > most_points)
       file.fail(piece, "the file holds more points than can be solved", std::to_string(raw.nodes.size()),
                 "give a coarser mesh");
-    add_cells(file, piece, n, first, raw);
+    if (piece.attribute("NumberOfStrips").as_uint(0) > 0)
+      file.fail(piece, "the file holds triangle strips", piece.attribute("NumberOfStrips").value(),
+                "triangulate the surface (in ParaView: filter Triangulate) and save it again");
+    const auto cells = piece.child(poly_data ? "Polys" : "Cells");
+    if (cells || !poly_data)
+      append_cells(file, cells, file.count(piece, poly_data ? "NumberOfPolys" : "NumberOfCells"), n, !poly_data, raw);
     if (n > 0) ++n_pieces;
   }
   if (n_pieces > 1) raw.notes.push_back("the file holds " + std::to_string(n_pieces) + " pieces");
-  if (raw.tetrahedra.empty() && raw.triangles.empty())
-    throw input_error(source + ": the file holds neither tetrahedra nor polygons",
-                      std::to_string(raw.nodes.size()) + " points", "save the mesh with its cells");
   return raw;
-}
-
-/// Reports the cell where `array` is.
-auto failing_at(const VtkXml& file, pugi::xml_node array) {
-  return [&file, array](const std::string& what, const std::string& value, const std::string& remedy) {
-    file.fail(array, what, value, remedy);
-  };
 }
 
 }  // namespace
 
-RawMesh read_vtu(const std::string& bytes, const std::string& source) {
-  return read_pieces(bytes, source, "UnstructuredGrid",
-                     [](const VtkXml& file, pugi::xml_node piece, std::size_t n, std::int32_t first, RawMesh& raw) {
-                       const auto node = piece.child("Cells");
-                       const auto cells = cells_of(file, node, file.count(piece, "NumberOfCells"), n, first);
-                       if (cells.empty()) return;
-                       const auto array = file.array(node, "types");
-                       const auto types = file.numbers<std::int64_t>(array, cells.size());
-                       for (std::size_t c = 0; c < cells.size(); ++c)
-                         add_vtk_cell(cells[c], c, types[c], raw, failing_at(file, array));
-                     });
-}
-
-RawMesh read_vtp(const std::string& bytes, const std::string& source) {
-  return read_pieces(bytes, source, "PolyData",
-                     [](const VtkXml& file, pugi::xml_node piece, std::size_t n, std::int32_t first, RawMesh& raw) {
-                       if (piece.attribute("NumberOfStrips").as_uint(0) > 0)
-                         file.fail(piece, "the file holds triangle strips", piece.attribute("NumberOfStrips").value(),
-                                   "triangulate the surface (in ParaView: filter Triangulate) and save it again");
-                       const auto node = piece.child("Polys");
-                       if (!node) return;
-                       const auto cells = cells_of(file, node, file.count(piece, "NumberOfPolys"), n, first);
-                       for (std::size_t c = 0; c < cells.size(); ++c)
-                         add_vtk_cell(cells[c], c, vtk_polygon, raw, failing_at(file, node));
-                     });
-}
+RawMesh read_vtu(const std::string& bytes, const std::string& source) { return read_pieces(bytes, source, false); }
+RawMesh read_vtp(const std::string& bytes, const std::string& source) { return read_pieces(bytes, source, true); }
 
 }  // namespace phynness::meshes

@@ -54,7 +54,7 @@ std::string_view Scanner::closed_word(const char* expected) {
 }
 
 std::size_t Scanner::checked_count(std::int64_t count, std::size_t bytes_each, const char* what) const {
-  if (count < 0) fail(std::string("negative number of ") + what, std::to_string(count), "export the file again");
+  if (count < 0) fail(std::string("negative number of ") + what, std::to_string(count), again);
   if (static_cast<std::uint64_t>(count) > remaining() / bytes_each)
     fail("the file is truncated: it declares " + std::to_string(count) + " " + what + " but is too short for them",
          std::to_string(remaining()) + " bytes remain", "copy or export the file again");

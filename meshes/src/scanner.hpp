@@ -11,6 +11,9 @@
 
 namespace phynness::meshes {
 
+/// The remedy for a damaged file.
+inline constexpr const char* again = "export the file again";
+
 class Scanner {
  public:
   Scanner(std::string_view bytes, std::string source) : _bytes(bytes), _source(std::move(source)) {}
@@ -43,14 +46,21 @@ class Scanner {
   template <class Number>
   Number parse(std::string_view text, const char* expected) const {
     Number value{};
-    std::string_view digits = text;
-    if (digits.starts_with('+')) digits.remove_prefix(1);
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error == std::errc::result_out_of_range && is_underflow(digits)) return Number{};
-    if (error != std::errc{} || end != digits.data() + digits.size())
+    if (!is_number(text, value))
       fail(std::string("expected a number for ") + expected, std::string(text.substr(0, 40)),
            "export the file again; it is damaged or of another format");
     return value;
+  }
+  /// Whether a text is a number in the range of its type; numbers that are too small are 0.
+  template <class Number>
+  static bool is_number(std::string_view text, Number& value) {
+    if (text.starts_with('+')) text.remove_prefix(1);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc::result_out_of_range && (text.find("e-") != text.npos || text.find("E-") != text.npos)) {
+      value = Number{};
+      return true;
+    }
+    return error == std::errc{} && end == text.data() + text.size();
   }
 
   /// Binary value in the byte order of the file.
@@ -72,9 +82,6 @@ class Scanner {
   void skip(std::size_t bytes, const char* expected);
 
  private:
-  static bool is_underflow(std::string_view digits) {
-    return digits.find("e-") != digits.npos || digits.find("E-") != digits.npos;
-  }
   void skip_white();
 
   std::string_view _bytes;

@@ -13,7 +13,7 @@ namespace phynness::meshes {
 /// components is kept.
 /// @return cells and surface are the same triangles; notes and warnings; quality is set
 /// @throws Error naming the defect with its count
-MeshResult checked_shell(const RawMesh& raw, double scale_to_m, bool repair, const std::string& source);
+MeshResult checked_shell(RawMesh raw, double scale_to_m, bool repair, const std::string& source);
 
 /// Refuses a wall that is thicker than the surface is long or than the diameter of a bend, and warns of a wall that is
 /// thicker than half the radius of a bend.

@@ -6,71 +6,30 @@
 #include <phynness/formats/error.hpp>
 #include <set>
 
-#include "coordinates.hpp"
-#include "topology.hpp"
+#include "file_mesh.hpp"
 
 namespace phynness::meshes {
 namespace {
 
-template <class Keep>
-Triangles filtered(const Triangles& triangles, Keep keep) {
-  Triangles kept(triangles.rows(), 3);
-  Eigen::Index n = 0;
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t)
-    if (keep(t)) kept.row(n++) = triangles.row(t);
-  kept.conservativeResize(n, 3);
-  return kept;
-}
-
-/// Renumbers the used nodes in their order.
-Surface compacted(const Points& nodes, Triangles triangles) {
-  std::vector<std::int32_t> position(static_cast<std::size_t>(nodes.rows()), -1);
-  for (Eigen::Index i = 0; i < triangles.size(); ++i) position[triangles.data()[i]] = 0;
-  Surface surface;
-  surface.nodes.resize(std::count(position.begin(), position.end(), 0), 3);
-  std::int32_t n = 0;
-  for (std::size_t i = 0; i < position.size(); ++i)
-    if (position[i] == 0) {
-      surface.nodes.row(n) = nodes.row(static_cast<Eigen::Index>(i));
-      position[i] = n++;
-    }
-  for (Eigen::Index i = 0; i < triangles.size(); ++i) triangles.data()[i] = position[triangles.data()[i]];
-  surface.triangles = std::move(triangles);
-  return surface;
-}
-
-/// Drops triangles without area: those with two equal corners, and repetitions of a triangle.
-void drop_useless(Triangles& triangles, bool repair, std::vector<std::string>& notes) {
-  const Eigen::Index before = triangles.rows();
-  triangles = filtered(triangles, [&](Eigen::Index t) {
-    const auto row = triangles.row(t);
-    return row(0) != row(1) && row(1) != row(2) && row(0) != row(2);
-  });
-  if (const Eigen::Index n = before - triangles.rows(); n > 0)
-    notes.push_back("dropped " + counted(static_cast<std::size_t>(n), "triangle", "triangles") +
-                    " with two equal corners");
-  if (!repair) return;
+void drop_repeated_triangles(RawMesh& raw, std::vector<std::string>& notes) {
   std::set<Triangle> seen;
-  const Eigen::Index distinct = triangles.rows();
-  triangles = filtered(triangles, [&](Eigen::Index t) {
-    Triangle key{triangles(t, 0), triangles(t, 1), triangles(t, 2)};
+  const auto n = std::erase_if(raw.triangles, [&](Triangle key) {
     std::sort(key.begin(), key.end());
-    return seen.insert(key).second;
+    return !seen.insert(key).second;
   });
-  if (const Eigen::Index n = distinct - triangles.rows(); n > 0)
-    notes.push_back("repair: dropped " +
-                    counted(static_cast<std::size_t>(n), "repeated triangle", "repeated triangles"));
+  if (n > 0) notes.push_back("repair: dropped " + counted(n, "repeated triangle", "repeated triangles"));
 }
 
 std::string list_inward(const Points& nodes, const Triangles& triangles, const SurfaceTopology& topology) {
-  std::size_t inward = 0;
-  for (std::size_t c = 0; c < topology.component_sizes.size(); ++c)
-    inward += enclosed_volume(nodes, filtered(triangles, [&](Eigen::Index t) {
-                                return topology.component[t] == static_cast<std::int32_t>(c);
-                              })) < 0;
+  const std::size_t n = topology.component_sizes.size();
+  std::vector<std::vector<Triangle>> components(n);
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t)
+    components[topology.component[t]].push_back({triangles(t, 0), triangles(t, 1), triangles(t, 2)});
+  const auto inward = std::count_if(components.begin(), components.end(), [&](const auto& component) {
+    return enclosed_volume(nodes, to_matrix(component)) < 0;
+  });
   if (inward == 0) return "";
-  return "; normals point inward on " + std::to_string(inward) + " of " +
-         counted(topology.component_sizes.size(), "component", "components");
+  return "; normals point inward on " + std::to_string(inward) + " of " + counted(n, "component", "components");
 }
 
 }  // namespace
@@ -104,34 +63,35 @@ double mean_edge(const Points& nodes, const Triangles& triangles) {
   return triangles.rows() == 0 ? 0 : sum / static_cast<double>(3 * triangles.rows());
 }
 
-Surface checked_surface(const RawMesh& raw, double scale_to_m, bool repair, const std::string& source,
-                        std::vector<std::string>& notes) {
-  Points nodes(static_cast<Eigen::Index>(raw.nodes.size()), 3);
-  for (std::size_t i = 0; i < raw.nodes.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    for (int k = 0; k < 3; ++k) nodes(row, k) = raw.nodes[i][k] * scale_to_m;
-    require_coordinates(nodes.row(row), source + ": a vertex", row);
-  }
-  Triangles triangles = to_matrix(raw.triangles);
-  drop_useless(triangles, repair, notes);
-  if (triangles.rows() == 0)
-    throw input_error(
-        source + ": the surface has no triangle with three different corners",
-        counted(raw.triangles.size(), "triangle", "triangles") + ", " + counted(raw.nodes.size(), "vertex", "vertices"),
-        "export a closed surface");
-  SurfaceTopology topology = surface_topology(triangles);
+bool orient(Triangles& triangles, const SurfaceTopology& topology, std::vector<std::string>& notes) {
+  const std::int32_t turned = orient_consistently(triangles, topology);
+  if (turned > 0)
+    notes.push_back("turned " + counted(static_cast<std::size_t>(turned), "triangle", "triangles") +
+                    " with orientations opposite to their neighbours");
+  return turned >= 0;
+}
 
+Surface checked_surface(RawMesh raw, double scale_to_m, bool repair, const std::string& source,
+                        std::vector<std::string>& notes) {
+  scale(raw, scale_to_m);
+  for (std::size_t i = 0; i < raw.nodes.size(); ++i)
+    require_coordinates(raw.nodes[i], source + ": a vertex", static_cast<std::int64_t>(i));
+  const std::string counts =
+      counted(raw.triangles.size(), "triangle", "triangles") + ", " + counted(raw.nodes.size(), "vertex", "vertices");
+  drop_useless_triangles(raw, notes);
+  if (repair) drop_repeated_triangles(raw, notes);
+  if (raw.triangles.empty())
+    throw input_error(source + ": the surface has no triangle with three different corners", counts,
+                      "export a closed surface");
+  SurfaceTopology topology = surface_topology(to_matrix(raw.triangles));
   if (repair && topology.component_sizes.size() > 1) {
-    const auto largest = std::max_element(topology.component_sizes.begin(), topology.component_sizes.end());
-    const auto keep = static_cast<std::int32_t>(largest - topology.component_sizes.begin());
-    notes.push_back("repair: kept the largest of " + describe_components(topology.component_sizes, "triangles"));
-    triangles = filtered(triangles, [&](Eigen::Index t) { return topology.component[t] == keep; });
-    topology = surface_topology(triangles);
+    keep_largest(raw.triangles, topology.component, topology.component_sizes, "triangles", notes);
+    topology = surface_topology(to_matrix(raw.triangles));
   }
   if (const std::string defects = describe_defects(topology, true); !defects.empty())
     throw input_error(
         source + ": the surface is not one closed manifold, so it has no inside to fill",
-        defects + list_inward(nodes, triangles, topology),
+        defects + list_inward(to_points(raw.nodes), to_matrix(raw.triangles), topology),
         topology.closed_manifold()
             ? "keep one component, or set mesh.repair = true to keep the largest"
             : std::string("close the holes and separate parts that touch in the program that made the file") +
@@ -139,23 +99,21 @@ Surface checked_surface(const RawMesh& raw, double scale_to_m, bool repair, cons
                        ? ""
                        : "; mesh.repair = true keeps the largest component, if this component has no defects"));
 
-  const std::int32_t turned = orient_consistently(triangles, topology);
-  if (turned < 0)
+  raw.tetrahedra.clear();
+  raw.groups.clear();
+  const std::size_t dropped = drop_unused_nodes(raw).size();
+  Surface surface{to_points(raw.nodes), to_matrix(raw.triangles)};
+  const std::size_t before = notes.size();
+  if (!orient(surface.triangles, topology, notes))
     throw input_error(source + ": the surface is not orientable and has no inside", "",
                       "export a closed, orientable surface");
-  double volume = enclosed_volume(nodes, triangles);
-  if (turned > 0)
-    notes.push_back("turned " + counted(static_cast<std::size_t>(turned), "triangle", "triangles") +
-                    " with orientations opposite to their neighbours");
+  double volume = enclosed_volume(surface.nodes, surface.triangles);
   if (volume < 0) {
-    triangles.col(1).swap(triangles.col(2));
+    surface.triangles.col(1).swap(surface.triangles.col(2));
     volume = -volume;
-    if (turned == 0) notes.push_back("turned all triangles: the normals pointed inward");
+    if (notes.size() == before) notes.push_back("turned all triangles: the normals pointed inward");
   }
-  Surface surface = compacted(nodes, std::move(triangles));
-  if (const Eigen::Index dropped = nodes.rows() - surface.nodes.rows(); dropped > 0)
-    notes.push_back("dropped " + counted(static_cast<std::size_t>(dropped), "vertex", "vertices") +
-                    " that no triangle uses");
+  if (dropped > 0) notes.push_back("dropped " + counted(dropped, "vertex", "vertices") + " that no triangle uses");
   const double reach = (surface.nodes.colwise().maxCoeff() - surface.nodes.colwise().minCoeff()).norm();
   if (!(volume > 1e-12 * reach * reach * reach))
     throw input_error(source + ": the surface encloses no volume", std::to_string(volume) + " m^3",

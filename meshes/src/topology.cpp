@@ -175,7 +175,7 @@ std::int32_t orient_consistently(Triangles& triangles, const SurfaceTopology& to
   return turned;
 }
 
-CellTopology cell_topology(const Cells& cells, Eigen::Index n_nodes) {
+CellTopology cell_topology(const std::vector<std::array<std::int32_t, 4>>& cells, std::size_t n_nodes) {
   constexpr int faces_of[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
   struct Face {
     std::array<std::int32_t, 3> key;
@@ -183,20 +183,21 @@ CellTopology cell_topology(const Cells& cells, Eigen::Index n_nodes) {
     bool even;  // the face's nodes are an even permutation of the sorted ones
   };
   CellTopology topology;
-  Sets sets(static_cast<std::size_t>(n_nodes));
+  Sets sets(n_nodes);
   std::vector<Face> faces;
   std::vector<std::int32_t> first_nodes;
-  for (std::int32_t c = 0; c < cells.rows(); ++c) {
-    first_nodes.push_back(cells(c, 0));
-    for (int k = 1; k < 4; ++k) sets.join(cells(c, 0), cells(c, k));
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto& cell = cells[c];
+    first_nodes.push_back(cell[0]);
+    for (int k = 1; k < 4; ++k) sets.join(cell[0], cell[k]);
     for (const auto& f : faces_of) {
-      std::array<std::int32_t, 3> key{cells(c, f[0]), cells(c, f[1]), cells(c, f[2])};
+      std::array<std::int32_t, 3> key{cell[f[0]], cell[f[1]], cell[f[2]]};
       const bool even = (key[0] < key[1]) ^ (key[1] < key[2]) ^ (key[0] < key[2]);
       std::sort(key.begin(), key.end());
-      faces.push_back({key, c, even});
+      faces.push_back({key, static_cast<std::int32_t>(c), even});
     }
   }
-  number_sets(sets, first_nodes, topology.component, topology.component_sizes, static_cast<std::size_t>(n_nodes));
+  number_sets(sets, first_nodes, topology.component, topology.component_sizes, n_nodes);
   std::sort(faces.begin(), faces.end(),
             [](const Face& p, const Face& q) { return std::tie(p.key, p.cell) < std::tie(q.key, q.cell); });
   for (std::size_t i = 0; i < faces.size();) {

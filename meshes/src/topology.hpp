@@ -35,8 +35,8 @@ struct CellTopology {
   std::vector<std::int32_t> folded_cells;    ///< lie on the same side of a face as their neighbour: they overlap
   std::vector<std::int32_t> crowded_cells;   ///< share a face with more than one other cell
 };
-/// @pre cells have 4 columns and positive orientation
-CellTopology cell_topology(const Cells& cells, Eigen::Index n_nodes);
+/// @pre cells have positive orientation
+CellTopology cell_topology(const std::vector<std::array<std::int32_t, 4>>& cells, std::size_t n_nodes);
 
 /// The defects of the surface in one line, such as "31 open edges (first: 3-17, 17-20), 16 components (...)"; empty if
 /// there are none.

@@ -12,24 +12,35 @@ namespace phynness::meshes {
 inline constexpr int vtk_vertex = 1, vtk_poly_line = 4, vtk_polygon = 7, vtk_triangle = 5, vtk_quad = 9,
                      vtk_tetrahedron = 10;
 
-/// Adds a cell to `raw`: tetrahedra unchanged, polygons as triangles; points and lines are skipped.
-/// @param fail  throws what(message, value, remedy) for a cell that cannot be used
+/// Adds cells to `raw`: tetrahedra unchanged, polygons as triangles; points and lines are skipped.
+/// @param ends    position in `points` behind the last point of each cell
+/// @param points  of all cells, below `n_points`; `first` is added to each
+/// @param types   of each cell; empty: polygons
+/// @param fail    throws what(message, value, remedy) for a cell that cannot be used
 template <class Fail>
-void add_vtk_cell(const std::vector<std::int32_t>& cell, std::size_t number, std::int64_t type, RawMesh& raw,
-                  const Fail& fail) {
-  const auto refuse = [&](const std::string& what) {
-    fail("cell " + std::to_string(number) + what,
-         "VTK cell type " + std::to_string(type) + " with " + std::to_string(cell.size()) + " points",
-         "mesh the body with 4-node tetrahedra (type 10) and export it again");
-  };
-  if (type == vtk_tetrahedron) {
-    if (cell.size() != 4) refuse(" is a tetrahedron without four points");
-    raw.tetrahedra.push_back({cell[0], cell[1], cell[2], cell[3]});
-  } else if (type == vtk_triangle || type == vtk_quad || type == vtk_polygon) {
-    if (cell.size() < 3) refuse(" is a polygon with fewer than three points");
-    for (std::size_t k = 2; k < cell.size(); ++k) raw.triangles.push_back({cell[0], cell[k - 1], cell[k]});
-  } else if (type < vtk_vertex || type > vtk_poly_line) {
-    refuse(" is of a type that is not supported");
+void add_vtk_cells(const std::vector<std::int64_t>& ends, const std::vector<std::int64_t>& points, std::size_t n_points,
+                   std::int32_t first, const std::vector<std::int64_t>& types, RawMesh& raw, const Fail& fail) {
+  std::vector<std::int32_t> cell;
+  std::size_t at = 0;
+  for (std::size_t c = 0; c < ends.size(); ++c) {
+    if (ends[c] < static_cast<std::int64_t>(at) || static_cast<std::uint64_t>(ends[c]) > points.size())
+      fail("the cell offsets do not ascend", std::to_string(ends[c]), again);
+    cell.clear();
+    for (; at < static_cast<std::size_t>(ends[c]); ++at) {
+      if (points[at] < 0 || static_cast<std::size_t>(points[at]) >= n_points)
+        fail("a cell uses a point that is not in the file", std::to_string(points[at]), again);
+      cell.push_back(first + static_cast<std::int32_t>(points[at]));
+    }
+    const std::int64_t type = types.empty() ? vtk_polygon : types[c];
+    const bool polygon = type == vtk_triangle || type == vtk_quad || type == vtk_polygon;
+    if (type == vtk_tetrahedron && cell.size() == 4)
+      raw.tetrahedra.push_back({cell[0], cell[1], cell[2], cell[3]});
+    else if (polygon && cell.size() >= 3)
+      raw.add_polygon(cell);
+    else if (type < vtk_vertex || type > vtk_poly_line)
+      fail("cell " + std::to_string(c) + " is of a type that is not supported, or has too few points",
+           "VTK cell type " + std::to_string(type) + " with " + std::to_string(cell.size()) + " points",
+           "mesh the body with 4-node tetrahedra (type 10) and export it again");
   }
 }
 

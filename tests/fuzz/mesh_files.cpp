@@ -7,8 +7,8 @@
 
 #include "../meshes/small_files.hpp"
 #include "body.hpp"
+#include "flat_cells.hpp"
 #include "mirror.hpp"
-#include "peel.hpp"
 #include "raw_mesh.hpp"
 #include "self_crossing.hpp"
 #include "shell.hpp"

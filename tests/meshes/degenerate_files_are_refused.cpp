@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "body.hpp"
-#include "coincident_nodes.hpp"
+#include "file_mesh.hpp"
 #include "mesh_under_test.hpp"
 #include "self_crossing.hpp"
 #include "shell.hpp"
@@ -147,13 +147,6 @@ TEST(DegenerateFiles, SayWhatIsWrong) {
 }
 
 // What make_mesh never asks, since readers refuse it before.
-TEST(DegenerateFiles, OfMillionsOfRepeatedTrianglesAreRefusedBeforeTheEnd) {
-  std::string zeros(84 + 50 * (std::size_t{1} << 21), '\0');
-  zeros[82] = 1 << 5;  // 2^21 triangles, little-endian at byte 80
-  const auto message = error_of([&] { import_bytes(zeros, ".stl"); });
-  EXPECT_TRUE(contains(message, "1 different corners of the first 1048576 triangles")) << message;
-}
-
 TEST(DegenerateFiles, WithoutAnythingAreRefused) {
   std::vector<std::string> notes;
   const RawMesh nothing;

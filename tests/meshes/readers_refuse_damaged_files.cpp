@@ -81,8 +81,8 @@ TEST(DamagedFiles, MessagesNameTheDefect) {
       {".vtk", "<VTKFile type=\"UnstructuredGrid\">\n", "not a legacy VTK file"},
       {".vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\n", "unsupported kind of data set"},
       {".obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n", "not defined above"},
-      {".obj", "v 0 0 0\n", "no faces"},
-      {".stl", "solid x\nendsolid x\n", "no triangles"},
+      {".obj", "v 0 0 0\n", "neither tetrahedra nor triangles"},
+      {".stl", "solid x\nendsolid x\n", "neither tetrahedra nor triangles"},
       {".3mf", "PK\n", "unknown kind"}};
   for (const Case& c : cases) {
     const std::string message = error_of([&] { import_bytes(c.bytes, c.extension); });

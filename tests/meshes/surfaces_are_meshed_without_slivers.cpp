@@ -3,9 +3,8 @@
 // volume. Surfaces without such shapes are not changed.
 #include <Eigen/LU>
 
+#include "flat_cells.hpp"
 #include "mesh_under_test.hpp"
-#include "peel.hpp"
-#include "split_slivers.hpp"
 
 namespace phynness::test {
 namespace {

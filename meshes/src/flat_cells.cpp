@@ -1,6 +1,5 @@
-#include "split_slivers.hpp"
+#include "flat_cells.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
 #include <phynness/meshes/meshes.hpp>
@@ -13,6 +12,7 @@ namespace phynness::meshes {
 namespace {
 
 using Vector = Eigen::RowVector3d;
+constexpr int most_rounds = 4;
 constexpr int cell_edges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
 Vector node_at(const RawMesh& raw, std::int32_t node) {
@@ -30,23 +30,49 @@ double signed_shape(const RawMesh& raw, const Tetrahedron& cell) {
   return signed_shape({node_at(raw, cell[0]), node_at(raw, cell[1]), node_at(raw, cell[2]), node_at(raw, cell[3])});
 }
 
-Edge edge_of(const Tetrahedron& cell, const int (&ends)[2]) {
-  return {std::min(cell[ends[0]], cell[ends[1]]), std::max(cell[ends[0]], cell[ends[1]])};
+std::vector<std::size_t> flat_cells(const RawMesh& raw) {
+  std::vector<std::size_t> flat;
+  for (std::size_t c = 0; c < raw.tetrahedra.size(); ++c)
+    if (std::abs(signed_shape(raw, raw.tetrahedra[c])) < sliver_quality) flat.push_back(c);
+  return flat;
 }
 
-/// Edges of faces that belong to one cell only.
-std::set<Edge> surface_edges(const RawMesh& raw) {
+Triangle face_of(const Tetrahedron& cell, int opposite) {
+  Triangle face{cell[(opposite + 1) % 4], cell[(opposite + 2) % 4], cell[(opposite + 3) % 4]};
+  std::sort(face.begin(), face.end());
+  return face;
+}
+
+Edge edge_of(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// Faces that belong to one cell only, as sorted nodes, and their edges.
+struct Boundary {
   std::set<Triangle> faces;
-  for (const Tetrahedron& cell : raw.tetrahedra)
-    for (int k = 0; k < 4; ++k) {
-      Triangle face{cell[(k + 1) % 4], cell[(k + 2) % 4], cell[(k + 3) % 4]};
-      std::sort(face.begin(), face.end());
-      if (const auto [found, is_new] = faces.insert(face); !is_new) faces.erase(found);
-    }
   std::set<Edge> edges;
-  for (const Triangle& t : faces)
-    for (const Edge& e : {Edge{t[0], t[1]}, Edge{t[1], t[2]}, Edge{t[0], t[2]}}) edges.insert(e);
-  return edges;
+
+  explicit Boundary(const RawMesh& raw) {
+    for (const Tetrahedron& cell : raw.tetrahedra)
+      for (int k = 0; k < 4; ++k)
+        if (const auto [found, is_new] = faces.insert(face_of(cell, k)); !is_new) faces.erase(found);
+    for (const Triangle& t : faces) edges.insert({{t[0], t[1]}, {t[1], t[2]}, {t[0], t[2]}});
+  }
+};
+
+double face_quality(const RawMesh& raw, const Tetrahedron& cell, int opposite) {
+  const auto x = [&](int k) { return node_at(raw, cell[(opposite + k) % 4]); };
+  return radius_ratio(x(2) - x(1), x(3) - x(1));
+}
+
+/// Whether the faces that come to light without the cell are sound, or better than those that go.
+/// @param inner  nodes opposite to the faces that go
+bool faces_improve(const RawMesh& raw, const Tetrahedron& cell, const std::vector<std::int32_t>& inner) {
+  double before = 1, after = 1;
+  for (int k = 0; k < 4; ++k) {
+    const bool goes = std::find(inner.begin(), inner.end(), cell[k]) != inner.end();
+    double& worst = goes ? before : after;
+    worst = std::min(worst, face_quality(raw, cell, k));
+  }
+  return after > std::min(before, sliver_quality);
 }
 
 /// An edge with all cells around it, and the best position of a node in it.
@@ -91,14 +117,16 @@ void place(const RawMesh& raw, Split& split) {
 
 /// The inner edges of all flat cells, with the cells around them.
 std::map<Edge, Split> splits_of(const RawMesh& raw, const std::vector<std::size_t>& flat) {
-  const std::set<Edge> surface = surface_edges(raw);
+  const std::set<Edge> surface = Boundary(raw).edges;
   std::map<Edge, Split> splits;
   for (const std::size_t c : flat)
     for (const auto& ends : cell_edges)
-      if (const Edge edge = edge_of(raw.tetrahedra[c], ends); !surface.contains(edge)) splits[edge].edge = edge;
+      if (const Edge edge = edge_of(raw.tetrahedra[c][ends[0]], raw.tetrahedra[c][ends[1]]); !surface.contains(edge))
+        splits[edge].edge = edge;
   for (std::size_t c = 0; c < raw.tetrahedra.size(); ++c)
     for (const auto& ends : cell_edges)
-      if (const auto found = splits.find(edge_of(raw.tetrahedra[c], ends)); found != splits.end())
+      if (const auto found = splits.find(edge_of(raw.tetrahedra[c][ends[0]], raw.tetrahedra[c][ends[1]]));
+          found != splits.end())
         found->second.ring.push_back(c);
   return splits;
 }
@@ -116,13 +144,39 @@ void apply(RawMesh& raw, const Split& split) {
 
 }  // namespace
 
+std::int32_t peel_slivers(RawMesh& raw) {
+  std::int32_t removed = 0;
+  for (int round = 0; round < most_rounds; ++round) {
+    const auto flat = flat_cells(raw);
+    if (flat.empty()) break;
+    const Boundary boundary(raw);
+    std::set<std::size_t> gone;
+    // One swap per neighbourhood and round, so that each is checked on the present surface.
+    std::set<std::int32_t> touched;
+    for (const std::size_t c : flat) {
+      const Tetrahedron& cell = raw.tetrahedra[c];
+      std::vector<std::int32_t> inner;  // nodes opposite to the faces on the surface: ends of the new edge
+      for (int k = 0; k < 4; ++k)
+        if (boundary.faces.contains(face_of(cell, k))) inner.push_back(cell[k]);
+      const bool fresh = std::none_of(cell.begin(), cell.end(), [&](std::int32_t n) { return touched.count(n) > 0; });
+      const bool tip = inner.size() == 3;  // the node of three faces goes with the cell
+      if (!fresh || !(tip || inner.size() == 2) || !faces_improve(raw, cell, inner)) continue;
+      if (!tip && boundary.edges.contains(edge_of(inner[0], inner[1]))) continue;
+      touched.insert(cell.begin(), cell.end());
+      gone.insert(c);
+    }
+    if (gone.empty()) break;
+    std::size_t at = 0;
+    std::erase_if(raw.tetrahedra, [&](const Tetrahedron&) { return gone.contains(at++); });
+    removed += static_cast<std::int32_t>(gone.size());
+  }
+  return removed;
+}
+
 std::int32_t split_slivers(RawMesh& raw) {
-  constexpr int most_rounds = 4;
   std::int32_t added = 0;
   for (int round = 0; round < most_rounds; ++round) {
-    std::vector<std::size_t> flat;
-    for (std::size_t c = 0; c < raw.tetrahedra.size(); ++c)
-      if (std::abs(signed_shape(raw, raw.tetrahedra[c])) < sliver_quality) flat.push_back(c);
+    const auto flat = flat_cells(raw);
     if (flat.empty()) break;
     auto splits = splits_of(raw, flat);
     std::set<std::size_t> changed;
@@ -130,7 +184,7 @@ std::int32_t split_slivers(RawMesh& raw) {
     for (const std::size_t c : flat) {
       const Split* best = nullptr;
       for (const auto& ends : cell_edges) {
-        const auto found = splits.find(edge_of(raw.tetrahedra[c], ends));
+        const auto found = splits.find(edge_of(raw.tetrahedra[c][ends[0]], raw.tetrahedra[c][ends[1]]));
         if (found == splits.end()) continue;
         Split& split = found->second;
         if (std::any_of(split.ring.begin(), split.ring.end(), [&](std::size_t r) { return changed.contains(r); }))

@@ -1,4 +1,4 @@
-// Removes flat tetrahedra on the surface of a generated mesh, which smoothing of inner nodes cannot improve.
+// Flat tetrahedra that gmsh leaves: at the surface and between close faces of it.
 #pragma once
 
 #include "raw_mesh.hpp"
@@ -10,5 +10,11 @@ namespace phynness::meshes {
 /// removal would make the surface non-manifold or result in flat triangles.
 /// @return number of removed cells
 std::int32_t peel_slivers(RawMesh& raw);
+
+/// Adds a node in an inner edge of each flat cell, at the position with the best shape of the worst surrounding cell.
+/// The surface and the numbers of all nodes do not change; new nodes are the last ones. As in checked_body cells may
+/// have any orientation.
+/// @return number of new nodes
+std::int32_t split_slivers(RawMesh& raw);
 
 }  // namespace phynness::meshes

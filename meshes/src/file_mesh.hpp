@@ -1,0 +1,54 @@
+// Checks and repairs that bodies, shells and closed surfaces of a file have in common.
+#pragma once
+
+#include <phynness/meshes/meshes.hpp>
+#include <string>
+#include <vector>
+
+#include "raw_mesh.hpp"
+#include "topology.hpp"
+
+namespace phynness::meshes {
+
+/// Larger coordinates [m] are refused, because sixth powers of lengths, which qualities and crossings need, would
+/// overflow. The runtime limits the points of its surfaces to the same range.
+inline constexpr double largest_coordinate_m = 1e25;
+
+/// @param x  [m]; @param where  begins the message: file and cell; @param node  number in the file
+void require_coordinates(const std::array<double, 3>& x, const std::string& where, std::int64_t node);
+
+void scale(RawMesh& raw, double scale_to_m);
+Points to_points(const std::vector<std::array<double, 3>>& nodes);
+
+/// Drops triangles with two equal corners.
+void drop_useless_triangles(RawMesh& raw, std::vector<std::string>& notes);
+
+/// Drops the nodes that no cell and no triangle uses; the others keep their order. Groups that become empty are dropped
+/// with a note. @return the dropped nodes, by their position in the file
+std::vector<std::int32_t> drop_unused_nodes(RawMesh& raw);
+/// The same with a note about the nodes.
+void drop_unreferenced_nodes(RawMesh& raw);
+
+/// Of the elements, in their order, keeps those of the largest component.
+template <class Element>
+void keep_largest(std::vector<Element>& elements, const std::vector<std::int32_t>& component,
+                  const std::vector<std::size_t>& sizes, const char* things, std::vector<std::string>& notes) {
+  const auto keep = static_cast<std::int32_t>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
+  notes.push_back("repair: kept the largest of " + describe_components(sizes, things));
+  std::size_t at = 0;
+  std::erase_if(elements, [&](const Element&) { return component[at++] != keep; });
+}
+
+/// For each node the first node at the same position (the node itself if there is no other), with a tolerance of 1e-9
+/// of the bounding box.
+std::vector<std::int32_t> coincident_nodes(const Points& nodes);
+/// "3 nodes lie exactly on another node (5, 6, 7)"; empty if each node is the first at its position.
+std::string describe_twins(const RawMesh& raw, const std::vector<std::int32_t>& first);
+/// Replaces each node by the first one at its position.
+void merge_nodes(RawMesh& raw, const std::vector<std::int32_t>& first);
+
+/// Warns of slivers, and of a body that is larger than 1 m or smaller than 1 mm, whose file may have other units.
+/// @param cell  what a cell is called
+void warn_of_shape_and_size(MeshResult& result, const char* cell, double scale_to_m);
+
+}  // namespace phynness::meshes
