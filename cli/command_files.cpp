@@ -141,17 +141,6 @@ void check_file(const std::string& option, const fs::path& file) {
   if (!keeps_nothing(file)) check_folder(option, file, place_of(file).parent_path());
 }
 
-/// @throws Error (input) if there is a file with another beginning, which would be lost
-void check_own_text(const std::string& option, const fs::path& file, std::string_view begin) {
-  std::error_code code;
-  if (!fs::is_regular_file(file, code)) return;
-  std::string text(begin.size(), '\0');
-  std::ifstream(file, std::ios::binary).read(text.data(), std::ssize(text));
-  if (text != begin)
-    throw cannot_write(option, file, "a file that this program has not written has this name",
-                       "give another folder, or move the file");
-}
-
 /// @return false for --json -, which is no file. @throws Error (input)
 bool is_file(const std::string& option, const fs::path& path, PathKind kind) {
   if (path.empty())
@@ -198,6 +187,16 @@ void check_place(const std::string& option, const fs::path& path, PathKind kind)
     check_file(option, path / name);
     check_own_text(option, path / name, begin);
   }
+}
+
+void check_own_text(const std::string& option, const fs::path& file, std::string_view begin) {
+  std::error_code code;
+  if (!fs::is_regular_file(file, code)) return;
+  std::string text(begin.size(), '\0');
+  std::ifstream(file, std::ios::binary).read(text.data(), std::ssize(text));
+  if (text != begin)
+    throw cannot_write(option, file, "a file that this program has not written has this name",
+                       "give another folder, or move the file");
 }
 
 bool is_stdout(const fs::path& path) { return path == "-"; }

@@ -46,31 +46,42 @@ double size_of(const std::filesystem::path& what) {
   return sum;
 }
 
-/// What a run writes beside the database and the model.
-constexpr const char* texts[] = {"mesh.msh",       "mesh.json",     "precompute.json", "train.json",
-                                 "calibrate.json", "validate.json", "organ.html"};
+/// What a run writes beside the database and the model, and how the program begins each.
+std::vector<std::pair<const char*, std::string>> texts() {
+  const auto page = embedded_page("view.html").value_or("a build without pages makes none");
+  return {{"mesh.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n"},
+          {"mesh.json", "{\n  \"mesh_hash\": "},
+          {"precompute.json", "{\n  \"active_nodes\": "},
+          {"train.json", "{\n  \"family\": "},
+          {"calibrate.json", "{\n  \"coverage\": "},
+          {"validate.json", "{\n  \"probes\": "},
+          {"organ.html", page.substr(0, page.find("<title>"))}};
+}
 
 void declare_files(const Options& options) {
-  for (const char* name : texts) declare_output("--output", options.output / name);
+  for (const auto& [name, begin] : texts()) declare_output("--output", options.output / name);
   declare_output("--output", options.output / "database.h5", PathKind::database);
   declare_output("--output", options.output / "model", PathKind::model);
 }
 
-/// A run replaces files only beside the database of its scene. @throws Error (input) before anything is written
+/// A new run replaces no file at all, a resumed one those that begin as the program writes them, beside the database of
+/// its scene. @throws Error (input) before anything is written
 void refuse_files_of_others(const Options& options) {
-  const auto database = options.output / "database.h5";
+  const auto database = options.output / "database.h5", model = options.output / "model";
   if (DatabaseWriter::refuse_begun(database, options.resume)) {
     const auto loaded = load_scene(options.scene, true);
-    return DatabaseWriter::check(database, database_header(loaded.scene, loaded.mesh, loaded.sets), true);
+    DatabaseWriter::check(database, database_header(loaded.scene, loaded.mesh, loaded.sets), true);
   }
-  std::vector<std::string> names(std::begin(texts), std::end(texts));
-  names.insert(names.end(), {"model/model.txt", "model/mesh.txt", "model"});
-  for (const auto& name : names) {
-    const auto file = options.output / name;
+  const auto refuse = [&](const std::filesystem::path& file) {
     if (std::filesystem::exists(std::filesystem::symlink_status(file)))
-      throw input_error("a run would replace a file, and there is no database to resume", "--output " + file.string(),
-                        "give another folder, or move the file");
-  }
+      throw input_error("a run would replace a file", "--output " + file.string(),
+                        "give another folder, or --resume if an earlier run has left it");
+  };
+  for (const auto& [name, begin] : texts())
+    options.resume ? check_own_text("--output", options.output / name, begin) : refuse(options.output / name);
+  if (options.resume) return check_place("--output", model, PathKind::model);
+  for (const char* name : {"model.txt", "mesh.txt"}) refuse(model / name);
+  if (!std::filesystem::is_directory(model)) refuse(model);
 }
 
 /// The figures of all stages in one file.
