@@ -26,7 +26,8 @@ addition the stabilization of Klaas, Maniatty & Shephard (1999), doi 10.1016/S00
 
 In the edge-smoothed element (es-p1-p1) shape is a function of the mean gradients F_e of the cells at each edge, and only
 its part cell_share of the gradients of the cells. Its forms of edges, edge_energy and so on, are functions of F_e;
-src/edge_patches.hpp sums them.
+src/edge_patches.hpp sums them. If kappa is the bulk modulus, shape does not see changes of volume, and those that p does
+not resolve would cost nothing: there shape takes (mu/3) g^2 of the volumetric energy, as in laws whose kappa is lambda.
 
 All lengths and moduli are dimensionless (see scaling.hpp).
 """
@@ -155,23 +156,28 @@ def klaas(alpha, mu, finite=True):
     return density
 
 
-def every_element(shape, volumetric, kappa, stabilization, cell_share, coupling=None, finite=True, inside=None):
+def every_element(shape, volumetric, kappa, stabilization, cell_share, coupling=None, finite=True, inside=None, in_shape=None):
     """The objects that ffcx compiles: {p1,p2,...}_{energy,residual,tangent,von_mises,stored,jacobian}, and lists of
     them.
 
     `finite` is False for the theory of small strains, in which all stresses refer to one configuration. `inside(F)` is
-    positive where the law is defined.
+    positive where the law is defined. `in_shape`, if given, is the part of kappa that belongs to shape in the edge-smoothed
+    element.
     """
     coupling = coupling or quadratic(volumetric, kappa)
+    energies = smoothed = (shape, coupling, kappa)
+    if in_shape is not None:
+        left = 1 - in_shape / kappa  # p remains kappa g
+        smoothed = (lambda F: shape(F) + in_shape / 2 * volumetric(F) ** 2, lambda F, p: left * coupling(F, p), kappa / left)
     quantities = ("energy", "residual", "tangent", *FIELDS, "jacobian")
     names = {}
     for element in SOLIDS:
         if element.pressure_degree is None:
             built = displacement(element, shape, volumetric, kappa, finite, inside)
         else:
-            built = mixed(element, shape, coupling, kappa, stabilization, finite, inside, cell_share)
+            built = mixed(element, *(smoothed if element.edge_smoothed else energies), stabilization, finite, inside, cell_share)
         names |= {f"{element.identifier}_{q}": value for q, value in zip(quantities, built, strict=True)}
-    built = edges(shape, inside, cell_share)
+    built = edges(smoothed[0], inside, cell_share)
     names |= {f"edge_{q}": value for q, value in zip(("energy", "residual", "tangent", "jacobian"), built, strict=True)}
     names["forms"] = [v for n, v in names.items() if not n.endswith("_jacobian")]
     spaces = {(e.displacement_degree, e.pressure_degree): e.identifier for e in reversed(SOLIDS)} | {"edge": "edge"}

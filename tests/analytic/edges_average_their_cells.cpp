@@ -70,6 +70,19 @@ TEST(Edges, HaveTheMeanGradientAndASixthOfTheVolumeOfTheirCells) {
   EXPECT_NEAR(body.energy(state), energy, rounding * energy);
 }
 
+// Claim: laws with a bulk modulus, whose shape does not see changes of volume, have mu/3 (J - 1)^2 of their volumetric
+// energy at the edges and not in the pressure: it is the energy of a dilation without pressure.
+TEST(Edges, SeeChangesOfVolumeInEveryLaw) {
+  const Vector3 size(1, 1.2, 0.9);
+  for (const char* law : {"mooney-rivlin", "yeoh", "gent"}) {
+    Discretization body(block_mesh({1, 1, 1}, {size[0], size[1], size[2]}),
+                        form_set(unit_material(law_named(law), 10), element_named("es-p1-p1"), 1));
+    const auto state = state_of(body, [](const Vector3& X) { return Vector3(0.1 * X); });
+    const double g = std::pow(1.1, 3) - 1;
+    EXPECT_NEAR(body.energy(state), size.prod() / 3 * g * g, rounding) << law;
+  }
+}
+
 TEST(Edges, OtherElementsHaveNone) {
   for (const auto element : every_element) {
     const Discretization body(block_mesh({1, 1, 1}, {1, 1, 1}),
