@@ -12,7 +12,9 @@ extern "C" {
 #endif
 
 /* A tool that holds a point of the surface: up to three nodes of one triangle, active or fixed, with barycentric
- * weights, which are >= 0 and have the sum 1. A tool at a node: {node, -1, -1}, {1, 0, 0}. */
+ * weights, which are >= 0 and have the sum 1. A tool at a node: {node, -1, -1}, {1, 0, 0}. In a model of round tools
+ * (patch probes that move a mean; model.txt says `mean` at each node) it is the round tool whose middle is the point.
+ * Models of nodes and of rigid patches, which older versions made, couple the nodes of the point. */
 typedef struct phn_tool {
   int32_t nodes[3]; /* -1: unused */
   double weights[3];
@@ -29,9 +31,22 @@ typedef struct phn_coupled {
 PHN_API int phn_tools_size(const phn_model* model, int32_t max_tools, size_t* bytes);
 PHN_API int phn_tools_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data);
 
-/* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. Every held point follows its tool. The force of one
- * tool at a node is that of phn_force. Forces are exact for a linear body, and continuous where a tool slides over
- * edges and nodes. In families with an energy they are its gradient while the tools hold their points. The result
+/* phn_force, phn_trust and phn_bound of one tool at a point, with any phn_data. A round tool between nodes has the mean
+ * of the energies of the tools at its nodes for the same displacement, with its weights; beside fixed nodes they are
+ * scaled to the sum 1. Force and stiffness are the derivatives of this energy, continuous where the tool slides over
+ * edges and nodes; a node of the triangle is that node's answer. Warnings are those of any of its nodes. The trained
+ * depth is the smallest of its nodes, distance and bound are the largest; what the interpolation adds to the error is
+ * not in the bound (docs/decisions/between-points.md). PHN_ERROR_UNDEFINED: the point is between nodes of a model
+ * without round tools; use phn_couple. Cost: that of each node of the point. */
+PHN_API int phn_force_at(const phn_model* model, phn_data* data, const phn_tool* tool, double force[3], double* energy,
+                         double stiffness[9]);
+PHN_API int phn_trust_at(const phn_model* model, const phn_tool* tool, phn_trusted* trusted);
+PHN_API int phn_bound_at(const phn_model* model, const phn_tool* tool, double* bound);
+
+/* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. One tool has the force of phn_force, or if it
+ * is round that of phn_force_at. Several tools, and one tool between nodes that is not round, hold their points exactly;
+ * their forces are exact for a linear body with tools at nodes, and continuous where a tool slides over edges and nodes.
+ * In families with an energy they are its gradient while the tools hold their points. The result
  * depends on these arguments only, not on earlier calls. PHN_WARNING_UNSETTLED: tools within half an edge length of
  * each other pull apart, and their points follow them only in part. PHN_ERROR_TOOLS: more tools than `data` holds; a
  * phn_data of phn_data_init holds none. PHN_ERROR_UNDEFINED: a touched node, or one under its round tool, is not an

@@ -4,6 +4,7 @@
 #include <phynness/phynness_tools.h>
 
 #include "tools/local_response.hpp"
+#include "tools/round_tool.hpp"
 #include "tools/surface_turn.hpp"
 
 namespace PHN_RUNTIME {
@@ -16,10 +17,7 @@ inline constexpr double largest_coupled = 1e3;
 
 /// A tool at a point between up to three active nodes; p is that part of the point's displacement which the tool itself
 /// causes.
-struct HeldPoint {
-  std::int32_t n_nodes;
-  std::int32_t active[3];                 ///< positions among the active nodes
-  double weight[3];                       ///< barycentric, without fixed corners
+struct HeldPoint : Place {
   Matrix stiffness;                       ///< A: of the point at rest, symmetric [N/m]
   Matrix contribution[3];                 ///< Q_i: contribution q_i = Q_i p of node i
   Matrix reach[3];                        ///< M_i: displacement e_i = M_i p of node i
@@ -46,6 +44,7 @@ struct FieldPart {
 struct Coupling {
   std::int32_t max_tools, n_tools;
   const phn_model* model;  ///< the level of the latest tools
+  Neighbours neighbours;
   HeldPoint* point;        ///< max_tools
   LocalResponse* local;    ///< of place t under node i of tool s, at 3 (t max_tools + s) + i
   Matrix* rest_response;   ///< as local: its derivative at rest
