@@ -1,6 +1,7 @@
 // Claims about one round tool between nodes: its energy is a mean of energies of the nodes around it, and everything
 // else follows from this energy.
 #include <gtest/gtest.h>
+#include <phynness/phynness_contact.h>
 
 #include <algorithm>
 #include <array>
@@ -122,7 +123,7 @@ Model grid_model(double (*stiffness_at)(double x, double y)) {
     model.output.push_back(n);
     model.output_points.row(n) << x[0], x[1], 0;
     for (const auto& [p, q] :
-         {std::pair(std::pair(a + 1, b), std::pair(a, b + 1)), std::pair(std::pair(a + 1, b), std::pair(a + 1, b - 1))})
+         {std::pair(std::pair(a + 1, b), std::pair(a, b + 1)), std::pair(std::pair(a + 1, b - 1), std::pair(a + 1, b))})
       if (number.count(p) && number.count(q)) triangles.push_back({n, number.at(p), number.at(q)});
     ActiveNodeModel& node = model.nodes[static_cast<std::size_t>(n)];
     node.node = n;
@@ -157,6 +158,30 @@ TEST(RoundToolsBetween, MeetQuadraticStiffness) {
     }
     EXPECT_EQ(phn_force_at(loaded.model, loaded.data, &held, force, nullptr, nullptr), PHN_OK);
     EXPECT_LT(std::abs(force[2] - stiffness(x, y)), 0.1 * std::abs(linear - stiffness(x, y)));
+  }
+}
+
+// Claim: contact feels the interpolated force, in both modes. The stiffness is the same in all directions, so that a
+// press without friction has no tangential force, up to the tolerance of contact, 1e-4.
+TEST(RoundToolsBetween, AreFeltInContact) {
+  const LoadedModel loaded(write_model_text(grid_model([](double x, double y) { return 50 + x + y * y; })));
+  for (const std::int32_t mode : {PHN_TOOL_PRESS, PHN_TOOL_GRASP}) {
+    std::size_t bytes = 0;
+    ASSERT_EQ(phn_contact_size(loaded.model, 1, &bytes), PHN_OK);
+    std::vector<char> memory(bytes);
+    phn_contact* contact = nullptr;
+    ASSERT_EQ(phn_contact_init(memory.data(), bytes, loaded.model, 1, &contact), PHN_OK);
+    phn_contact_tool sphere = {{0.35, 0.2, 0.11}, 0.1, mode == PHN_TOOL_PRESS ? 0.0 : 1.0, mode};
+    phn_contact_state state;
+    for (const double height : {0.11, 0.09, 0.05, 0.02}) {
+      sphere.center[2] = height;
+      ASSERT_GE(phn_contact_step(contact, loaded.data, 1, &sphere, &state, nullptr), 0);
+    }
+    ASSERT_EQ(state.in_contact, 1);
+    double said[3];
+    ASSERT_GE(phn_force_at(loaded.model, loaded.data, &state.held, said, nullptr, nullptr), 0);
+    EXPECT_LT(said[2], -1);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(state.force[k], state.scale * said[k], 1e-4 * std::abs(said[2]));
   }
 }
 

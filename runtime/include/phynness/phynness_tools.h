@@ -31,32 +31,33 @@ typedef struct phn_coupled {
 PHN_API int phn_tools_size(const phn_model* model, int32_t max_tools, size_t* bytes);
 PHN_API int phn_tools_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data);
 
-/* phn_force, phn_trust and phn_bound of one tool at a point, with any phn_data. A round tool between nodes has the mean
- * of the energies of the tools at its nodes for the same displacement, with its weights; beside fixed nodes they are
- * scaled to the sum 1. Force and stiffness are the derivatives of this energy, continuous where the tool slides over
- * edges and nodes; a node of the triangle is that node's answer. Warnings are those of any of its nodes. The trained
- * depth is the smallest of its nodes, distance and bound are the largest; what the interpolation adds to the error is
- * not in the bound (docs/decisions/between-points.md). PHN_ERROR_UNDEFINED: the point is between nodes of a model
- * without round tools; use phn_couple. Cost: that of each node of the point. */
+/* phn_force, phn_trust and phn_bound of one tool at a point, with a phn_data of phn_tools_init. A round tool between
+ * nodes has a mean of the energies of the tools at the nodes around it for the same displacement (docs/theory.md, (x));
+ * force and stiffness are its derivatives. They are continuous where the tool slides over edges and nodes, and at a node
+ * they are those of the node. Fixed nodes of the triangle do not count. A warning of any active node of the triangle is
+ * one of the tool. The trained depth is the smallest of these nodes; distance and bound are the largest. What the mean
+ * adds to the error is not in the bound (docs/decisions/between-points.md). PHN_ERROR_UNDEFINED: the point is between
+ * nodes of a model without round tools; use phn_couple. Cost: about 12 forces between nodes. */
 PHN_API int phn_force_at(const phn_model* model, phn_data* data, const phn_tool* tool, double force[3], double* energy,
                          double stiffness[9]);
 PHN_API int phn_trust_at(const phn_model* model, const phn_tool* tool, phn_trusted* trusted);
 PHN_API int phn_bound_at(const phn_model* model, const phn_tool* tool, double* bound);
 
-/* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. One tool has the force of phn_force, or if it
- * is round that of phn_force_at. Several tools, and one tool between nodes that is not round, hold their points exactly;
- * their forces are exact for a linear body with tools at nodes, and continuous where a tool slides over edges and nodes.
- * In families with an energy they are its gradient while the tools hold their points. The result
- * depends on these arguments only, not on earlier calls. PHN_WARNING_UNSETTLED: tools within half an edge length of
- * each other pull apart, and their points follow them only in part. PHN_ERROR_TOOLS: more tools than `data` holds; a
- * phn_data of phn_data_init holds none. PHN_ERROR_UNDEFINED: a touched node, or one under its round tool, is not an
- * output node, or it has no deformation. `result` may be null. Components of
- * displacements are clamped to 1000 max_displacement_m. */
+/* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. One tool at a node has the force of phn_force, and
+ * one round tool that of phn_force_at. All other tools are coupled: every held point follows its tool, and forces are
+ * exact for a linear body; coupled round tools between nodes are wider than one round tool, so that the first force
+ * jumps by a few per cent when a second tool is added. Forces are continuous where a tool slides over edges and nodes.
+ * In families with an energy they are its gradient while the tools hold their points. The result depends on these
+ * arguments only, not on earlier calls. PHN_WARNING_UNSETTLED: tools within half an edge length of each other pull
+ * apart, and their points follow them only in part. PHN_ERROR_TOOLS: more tools than `data` holds; a phn_data of
+ * phn_data_init holds none. PHN_ERROR_UNDEFINED: a node of coupled tools, or one under its round tool, is not an output
+ * node, or it has no deformation. `result` may be null. Components of displacements are clamped to 1000
+ * max_displacement_m. */
 PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
                        phn_coupled* result);
 
 /* Displacements [m] of all output nodes, n_output x 3, under the tools of the last phn_couple with this data; zeros
- * before the first phn_couple. */
+ * before the first phn_couple. The field of one round tool between nodes is the mean of its nodes' fields. */
 PHN_API int phn_coupled_deform(const phn_model* model, phn_data* data, double* out);
 
 /* The tool at that point of the undeformed surface which is nearest to x [m], with displacement 0. `point` [m] may be

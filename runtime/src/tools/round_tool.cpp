@@ -98,8 +98,8 @@ Mean mean_at(const phn_model& model, const Neighbours& neighbours, const Place& 
   }
   if (place.n_nodes == 1 || neighbours.begin == nullptr) return mean;
   for (std::int32_t k = 0; k < place.n_nodes; ++k) {
-    const std::int32_t own = place.active[k], begin = neighbours.begin[own];
-    const std::int32_t all = neighbours.begin[own + 1] - begin, n = all < most_neighbours ? all : most_neighbours;
+    const std::int32_t own = place.active[k], begin = neighbours.begin[own], n = neighbours.begin[own + 1] - begin;
+    if (n > most_neighbours) continue;
     const Vector middle = vector_at(model.active[own].point);
     const auto edge = [&](std::int32_t i) {
       return vector_at(model.active[neighbours.active[begin + i]].point) - middle;
@@ -110,6 +110,7 @@ Mean mean_at(const phn_model& model, const Neighbours& neighbours, const Place& 
     const Vector half = place.weight[k] / sum / 2 * (inverse_of(moment) * (x - middle));
     for (std::int32_t i = 0; i < n; ++i) {
       const double part = dot(half, edge(i));
+      if (!std::isfinite(part)) continue;  // squares of coordinates overflow
       add(neighbours.active[begin + i], part, mean);
       mean.weight[k] -= part;
     }
@@ -132,6 +133,10 @@ void respond_alone(const phn_model& model, const Mean& mean, const Vector& d, Ve
     if (energy) *energy = i == 0 ? mean.weight[i] * e : *energy + mean.weight[i] * e;
     if (stiffness) *stiffness = (i == 0 ? Matrix{} : *stiffness) + mean.weight[i] / (mean.lever * mean.lever) * k;
   }
+  // Sums of the largest numbers that a model may hold overflow.
+  if (!is_finite(force)) force = {};
+  if (energy && !std::isfinite(*energy)) *energy = 0;
+  if (stiffness && !all_finite(stiffness->a, 9)) *stiffness = {};
 }
 
 }  // namespace PHN_RUNTIME

@@ -34,7 +34,7 @@ struct Neighbours {
 };
 Neighbours find_neighbours(Arena& arena, const phn_model& model);
 
-/// Of each node, neighbours beyond these do not count; a vertex of a surface has 12 on average.
+/// The energies around a node with more neighbours than these get no gradient; a vertex of a surface has 12 on average.
 inline constexpr std::int32_t most_neighbours = 32;
 
 /// Nodes whose energies, each times its weight, are added to the energy of one tool: E(d) = sum w_i E_i(d / lever).
