@@ -21,7 +21,7 @@
  *   phn_force; with stiffness, see there                  0.13; 1.5 times              0.17; -
  *   phn_deform; phn_prepare before a node's first         1.6; 35                     8.4; 76
  *   phn_couple, 1, 2, 4, 8 tools between nodes            32, 150, 550, 2200          -
- *   phn_couple, phn_force_at, one round tool              2                           - */
+ *   phn_couple, phn_force_at, one round tool              5                           - */
 #ifndef PHYNNESS_H
 #define PHYNNESS_H
 
