@@ -105,6 +105,19 @@ TEST_P(Wrapper, GivesTheSameBits) {
   EXPECT_EQ(result.energy, expected_result.energy);
   EXPECT_EQ(data.coupled_deform(field), phn_coupled_deform(c.model, c.data, expected.data()));
   EXPECT_EQ(field, expected);
+  phn_tool at_node = {{8, -1, -1}, {1, 0, 0}, {0.001, 0.002, -0.003}};
+  EXPECT_EQ(data.force(at_node, point), phn_force_at(c.model, c.data, &at_node, expected_forces, nullptr, nullptr));
+  EXPECT_EQ(std::memcmp(point, expected_forces, 24), 0);
+  double energy = 1, expected_energy = 2, stiffness[9] = {}, expected_stiffness[9] = {}, bound = 1, expected_bound = 2;
+  phn_trusted trusted, expected_trusted;
+  EXPECT_EQ(data.force(at_node, point, energy, stiffness),
+            phn_force_at(c.model, c.data, &at_node, expected_forces, &expected_energy, expected_stiffness));
+  EXPECT_EQ(energy, expected_energy);
+  EXPECT_EQ(std::memcmp(stiffness, expected_stiffness, 72), 0);
+  EXPECT_EQ(model.trust(at_node, trusted), phn_trust_at(c.model, &at_node, &expected_trusted));
+  EXPECT_EQ(std::memcmp(&trusted, &expected_trusted, sizeof trusted), 0);
+  EXPECT_EQ(model.bound(at_node, bound), phn_bound_at(c.model, &at_node, &expected_bound));
+  EXPECT_EQ(bound, expected_bound);
   EXPECT_EQ(data.couple(tools[0], point), phn_couple(c.model, c.data, 1, tools, expected_forces, nullptr));
   EXPECT_EQ(std::memcmp(point, expected_forces, sizeof point), 0);
 

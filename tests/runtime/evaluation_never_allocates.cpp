@@ -75,6 +75,9 @@ TEST_P(Memory, NothingIsAllocated) {
   phn_tool nearest;
   worst = std::min(worst, phn_couple(model, data, 2, held, out, nullptr));
   worst = std::min(worst, phn_coupled_deform(model, data, out));
+  const phn_tool at_node = {{3, -1, -1}, {1, 0, 0}, {0.001, 0.002, 0.003}};
+  worst = std::min(worst, phn_force_at(model, data, &at_node, out, nullptr, nullptr));
+  worst = std::min(worst, phn_trust_at(model, &at_node, &trusted));
   worst = std::min(worst, phn_nearest(model, x, &nearest, nullptr));
   worst = std::min(worst, phn_surface_size(model, 3, &bytes));
   worst = std::min(worst, phn_surface_init(surface_memory.data(), bytes, model, 3, &surface));

@@ -156,6 +156,20 @@ class Table {
                     }});
     const std::vector<phn_tool> two = {{{3, 5, 8}, {0.5, 0.25, 0.25}, {0.001, -0.002, 0.001}},
                                        {{8, -1, -1}, {1, 0, 0}, {0.001, 0.002, 0}}};
+    const std::vector<phn_tool> one = {two.back()};
+    rows.push_back(
+        {"phn_force_at",
+         {input("tool", one), output<double>("force", 3), output<double>("energy"), output<double>("stiffness", 9)},
+         [=](const Places& at) {
+           return phn_force_at(model, data, as<phn_tool>(at[0]), as<double>(at[1]), as<double>(at[2]),
+                               as<double>(at[3]));
+         }});
+    rows.push_back({"phn_trust_at", {input("tool", one), output<phn_trusted>("trusted")}, [=](const Places& at) {
+                      return phn_trust_at(model, as<phn_tool>(at[0]), as<phn_trusted>(at[1]));
+                    }});
+    rows.push_back({"phn_bound_at", {input("tool", one), output<double>("bound")}, [=](const Places& at) {
+                      return phn_bound_at(model, as<phn_tool>(at[0]), as<double>(at[1]));
+                    }});
     for (const std::int32_t n : {1, 2}) {
       const std::vector<phn_tool> given(two.end() - n, two.end());
       rows.push_back(
@@ -225,7 +239,8 @@ TEST_P(Overlap, GivesTheSameBitsOrIsRefused) {
     Overlaps overlaps(row);
     const bool may_be_undefined = row.function == "phn_force" || row.function == "energy alone" ||
                                   row.function == "stiffness alone" || row.function == "phn_field" ||
-                                  row.function == "phn_bound";
+                                  row.function == "phn_bound" || row.function == "phn_force_at" ||
+                                  row.function == "phn_bound_at";
     EXPECT_GE(overlaps.status(), may_be_undefined ? PHN_ERROR_UNDEFINED : PHN_OK) << row.function;
     EXPECT_LT(overlaps.status(), no_answer) << row.function;
     overlaps.check();

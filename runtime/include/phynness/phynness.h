@@ -20,7 +20,8 @@
  * Cost [us], 486 output nodes, AVX-512         modal, 78 centers, 16 modes   rbfn, 100 and 200 neurons
  *   phn_force; with stiffness, see there                  0.13; 1.5 times              0.17; -
  *   phn_deform; phn_prepare before a node's first         1.6; 35                     8.4; 76
- *   phn_couple, 1, 2, 4, 8 tools between nodes            32, 150, 550, 2200          - */
+ *   phn_couple, 1, 2, 4, 8 tools between nodes            32, 150, 550, 2200          -
+ *   phn_couple, phn_force_at, one round tool              5                           - */
 #ifndef PHYNNESS_H
 #define PHYNNESS_H
 
@@ -122,8 +123,8 @@ PHN_API int phn_force(const phn_model* model, phn_data* data, int32_t node, cons
 
 /* Displacements [m] of all output nodes, n_output x 3, with ONE tool at active node `node`. The touched node moves by
  * exactly d; under a round tool (a patch probe) the mean of the surface does, and its middle by a fifth more and
- * farther. For several tools, or for a tool between nodes, use phn_couple and then phn_coupled_deform: sums or means of
- * the fields of single tools have errors of 10 % and more. */
+ * farther. For several tools, or for a tool between nodes, use phn_couple and then phn_coupled_deform: sums of the fields
+ * of single tools have errors of 10 % and more. */
 PHN_API int phn_deform(const phn_model* model, phn_data* data, int32_t node, const double d[3], double* out);
 
 /* Values of a scalar field at all output nodes, n_output numbers >= 0, with one tool as in phn_deform. They are 0 at

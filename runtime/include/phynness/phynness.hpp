@@ -252,6 +252,10 @@ class Model : public detail::Built<const phn_model, detail::ModelContent> {
   Status bound(std::int32_t node, In3 d, double& bound) const noexcept {
     return phn_bound(get(), node, d.data(), &bound);
   }
+  Status trust(const phn_tool& tool, phn_trusted& trusted) const noexcept {
+    return phn_trust_at(get(), &tool, &trusted);
+  }
+  Status bound(const phn_tool& tool, double& bound) const noexcept { return phn_bound_at(get(), &tool, &bound); }
   Status nearest(In3 x, phn_tool& tool) const noexcept { return phn_nearest(get(), x.data(), &tool, nullptr); }
   Status nearest(In3 x, phn_tool& tool, Out3 point) const noexcept {
     return phn_nearest(get(), x.data(), &tool, point.data());
@@ -292,6 +296,13 @@ class Data : public detail::Built<phn_data, detail::DataSizes> {
   /// @param stiffness_N_per_m  3 x 3, symmetric
   Status stiffness(std::int32_t node, In3 d, Out9 stiffness_N_per_m) noexcept {
     return phn_force(more().model, get(), node, d.data(), nullptr, nullptr, stiffness_N_per_m.data());
+  }
+  /// One tool at a point; families with an energy. @param stiffness_N_per_m  3 x 3, symmetric
+  Status force(const phn_tool& tool, Out3 force_N, double& energy_J, Out9 stiffness_N_per_m) noexcept {
+    return phn_force_at(more().model, get(), &tool, force_N.data(), &energy_J, stiffness_N_per_m.data());
+  }
+  Status force(const phn_tool& tool, Out3 force_N) noexcept {
+    return phn_force_at(more().model, get(), &tool, force_N.data(), nullptr, nullptr);
   }
   /// @param out  n_output x 3
   Status deform(std::int32_t node, In3 d, Span<double> out) noexcept {

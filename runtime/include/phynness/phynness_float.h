@@ -20,6 +20,7 @@
 
 #define phn_blend_paper phnf_blend_paper
 #define phn_bound phnf_bound
+#define phn_bound_at phnf_bound_at
 #define phn_budget phnf_budget
 #define phn_calibrate phnf_calibrate
 #define phn_contact phnf_contact
@@ -38,6 +39,7 @@
 #define phn_deform phnf_deform
 #define phn_field phnf_field
 #define phn_force phnf_force
+#define phn_force_at phnf_force_at
 #define phn_level_info phnf_level_info
 #define phn_level_of phnf_level_of
 #define phn_model phnf_model
@@ -60,6 +62,7 @@
 #define phn_tools_init phnf_tools_init
 #define phn_tools_size phnf_tools_size
 #define phn_trust phnf_trust
+#define phn_trust_at phnf_trust_at
 #define phn_version phnf_version
 
 #include <phynness/phynness.h>

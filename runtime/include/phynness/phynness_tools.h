@@ -12,7 +12,9 @@ extern "C" {
 #endif
 
 /* A tool that holds a point of the surface: up to three nodes of one triangle, active or fixed, with barycentric
- * weights, which are >= 0 and have the sum 1. A tool at a node: {node, -1, -1}, {1, 0, 0}. */
+ * weights, which are >= 0 and have the sum 1. A tool at a node: {node, -1, -1}, {1, 0, 0}. In a model of round tools
+ * (patch probes that move a mean; model.txt says `mean` at each node) it is the round tool whose middle is the point.
+ * Models of nodes and of rigid patches, which older versions made, couple the nodes of the point. */
 typedef struct phn_tool {
   int32_t nodes[3]; /* -1: unused */
   double weights[3];
@@ -29,19 +31,33 @@ typedef struct phn_coupled {
 PHN_API int phn_tools_size(const phn_model* model, int32_t max_tools, size_t* bytes);
 PHN_API int phn_tools_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data);
 
-/* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. Every held point follows its tool. The force of one
- * tool at a node is that of phn_force. Forces are exact for a linear body, and continuous where a tool slides over
- * edges and nodes. In families with an energy they are its gradient while the tools hold their points. The result
- * depends on these arguments only, not on earlier calls. PHN_WARNING_UNSETTLED: tools within half an edge length of
- * each other pull apart, and their points follow them only in part. PHN_ERROR_TOOLS: more tools than `data` holds; a
- * phn_data of phn_data_init holds none. PHN_ERROR_UNDEFINED: a touched node, or one under its round tool, is not an
- * output node, or it has no deformation. `result` may be null. Components of
- * displacements are clamped to 1000 max_displacement_m. */
+/* phn_force, phn_trust and phn_bound of one tool at a point, with a phn_data of phn_tools_init. A round tool between
+ * nodes has a mean of the energies of the tools at the nodes around it for the same displacement (docs/theory.md, (x));
+ * force and stiffness are its derivatives. They are continuous where the tool slides over edges and nodes, and at a node
+ * they are those of the node. Fixed nodes of the triangle do not count. A warning of any active node of the triangle is
+ * one of the tool. The trained depth is the smallest of these nodes; distance and bound are the largest. What the mean
+ * adds to the error is not in the bound (docs/decisions/between-points.md). PHN_ERROR_UNDEFINED: the point is between
+ * nodes of a model without round tools; use phn_couple. Cost: about 12 forces between nodes. */
+PHN_API int phn_force_at(const phn_model* model, phn_data* data, const phn_tool* tool, double force[3], double* energy,
+                         double stiffness[9]);
+PHN_API int phn_trust_at(const phn_model* model, const phn_tool* tool, phn_trusted* trusted);
+PHN_API int phn_bound_at(const phn_model* model, const phn_tool* tool, double* bound);
+
+/* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. One tool at a node has the force of phn_force, and
+ * one round tool that of phn_force_at. All other tools are coupled: every held point follows its tool, and forces are
+ * exact for a linear body; coupled round tools between nodes are wider than one round tool, so that the first force
+ * jumps by a few per cent when a second tool is added. Forces are continuous where a tool slides over edges and nodes.
+ * In families with an energy they are its gradient while the tools hold their points. The result depends on these
+ * arguments only, not on earlier calls. PHN_WARNING_UNSETTLED: tools within half an edge length of each other pull
+ * apart, and their points follow them only in part. PHN_ERROR_TOOLS: more tools than `data` holds; a phn_data of
+ * phn_data_init holds none. PHN_ERROR_UNDEFINED: a node of coupled tools, or one under its round tool, is not an output
+ * node, or it has no deformation. `result` may be null. Components of displacements are clamped to 1000
+ * max_displacement_m. */
 PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
                        phn_coupled* result);
 
 /* Displacements [m] of all output nodes, n_output x 3, under the tools of the last phn_couple with this data; zeros
- * before the first phn_couple. */
+ * before the first phn_couple. The field of one round tool between nodes is the mean of its nodes' fields. */
 PHN_API int phn_coupled_deform(const phn_model* model, phn_data* data, double* out);
 
 /* The tool at that point of the undeformed surface which is nearest to x [m], with displacement 0. `point` [m] may be

@@ -245,11 +245,16 @@ class Balance {
 
   Matrix stiffness_of(std::int32_t i) const {
     const HeldPoint& point = _data.coupling->point[i];
-    if (_n_active > 1 || point.n_nodes > 1) return point.stiffness;
-    // phn_couple computes no coupling stiffness for one tool at one node.
-    Matrix stiffness = stiffness_at_rest(*_contact.model, _contact.model->active[point.active[0]]);
-    for (double& k : stiffness.a) k /= point.weight[0] * point.weight[0];
-    return stiffness;
+    const phn_model& model = *_contact.model;
+    if (_n_active > 1 || !answers_alone(model, point)) return point.stiffness;
+    // phn_couple computes no coupling stiffness for a tool that it answers alone.
+    const Mean mean = mean_at(model, {}, point);
+    Matrix sum = {};
+    for (std::int32_t n = 0; n < mean.n; ++n) {
+      const Matrix stiffness = stiffness_at_rest(model, model.active[mean.active[n]]);
+      for (int k = 0; k < 9; ++k) sum.a[k] += mean.weight[n] * stiffness.a[k] / (mean.lever * mean.lever);
+    }
+    return sum;
   }
 
   /// Projects the force onto the friction cone where sliding has not reached it.

@@ -4,6 +4,7 @@
 #include <phynness/phynness_tools.h>
 
 #include "tools/local_response.hpp"
+#include "tools/round_tool.hpp"
 #include "tools/surface_turn.hpp"
 
 namespace PHN_RUNTIME {
@@ -16,10 +17,7 @@ inline constexpr double largest_coupled = 1e3;
 
 /// A tool at a point between up to three active nodes; p is that part of the point's displacement which the tool itself
 /// causes.
-struct HeldPoint {
-  std::int32_t n_nodes;
-  std::int32_t active[3];                 ///< positions among the active nodes
-  double weight[3];                       ///< barycentric, without fixed corners
+struct HeldPoint : Place {
   Matrix stiffness;                       ///< A: of the point at rest, symmetric [N/m]
   Matrix contribution[3];                 ///< Q_i: contribution q_i = Q_i p of node i
   Matrix reach[3];                        ///< M_i: displacement e_i = M_i p of node i
@@ -46,22 +44,23 @@ struct FieldPart {
 struct Coupling {
   std::int32_t max_tools, n_tools;
   const phn_model* model;  ///< the level of the latest tools
-  HeldPoint* point;        ///< max_tools
-  LocalResponse* local;    ///< of place t under node i of tool s, at 3 (t max_tools + s) + i
-  Matrix* rest_response;   ///< as local: its derivative at rest
-  double* rest_gradient;   ///< of node i of tool s, at 3 s + i: 3 x n_basis
-  double* node_basis;      ///< n_basis each: the response at p
-  std::int32_t n_sets;     ///< of fields, each of which is turned as a whole by field_turn before they are added
-  FieldPart* field;        ///< of node i of tool s in set q, at 3 (q max_tools + s) + i
-  double* field_basis;     ///< n_basis each, as field
-  Vector* field_turn;      ///< see rotated
-  LocalResponse pair;      ///< scratch: of one node under another
-  SurfaceTurn* turn;       ///< scratch
-  Matrix* stiffness;       ///< of the points at rest, of t by s at t max_tools + s
-  Matrix* derivative;      ///< of place s by the p of t, at s max_tools + t
-  Vector *rest, *pulled;   ///< displacement [m] left to j by order i, and its force in the undeformed body [N],
-                           ///< at i max_tools + j
-  Vector* turned;          ///< rotation by which that displacement is turned back first, at i max_tools + j
+  Neighbours neighbours;
+  HeldPoint* point;       ///< max_tools
+  LocalResponse* local;   ///< of place t under node i of tool s, at 3 (t max_tools + s) + i
+  Matrix* rest_response;  ///< as local: its derivative at rest
+  double* rest_gradient;  ///< of node i of tool s, at 3 s + i: 3 x n_basis
+  double* node_basis;     ///< n_basis each: the response at p
+  std::int32_t n_sets;    ///< of fields, each of which is turned as a whole by field_turn before they are added
+  FieldPart* field;       ///< of node i of tool s in set q, at 3 (q max_tools + s) + i
+  double* field_basis;    ///< n_basis each, as field
+  Vector* field_turn;     ///< see rotated
+  LocalResponse pair;     ///< scratch: of one node under another
+  SurfaceTurn* turn;      ///< scratch
+  Matrix* stiffness;      ///< of the points at rest, of t by s at t max_tools + s
+  Matrix* derivative;     ///< of place s by the p of t, at s max_tools + t
+  Vector *rest, *pulled;  ///< displacement [m] left to j by order i, and its force in the undeformed body [N],
+                          ///< at i max_tools + j
+  Vector* turned;         ///< rotation by which that displacement is turned back first, at i max_tools + j
   Vector *alone, *right, *forces;  ///< forces of single tools; displacements that points lack; forces of all tools
   double *energy, *weight;         ///< of the orders
   double *basis, *gradient, *kernel, *shared;

@@ -8,9 +8,6 @@ using namespace PHN_RUNTIME;
 
 namespace {
 
-/// Tolerance of the sum of barycentric weights; a point whose movable part is smaller counts as fixed.
-constexpr double weight_slack = 1e-6;
-
 /// Components of the argument of phn_nearest are clamped to this [m].
 constexpr double largest_place = 1e60;
 
@@ -24,49 +21,39 @@ phn_data* make_tools(Arena& arena, const phn_model& model, std::int32_t max_tool
   return data;
 }
 
-/// Checks one tool and finds its nodes.
-int find_point(const phn_model& model, const phn_tool& tool, HeldPoint& point) {
-  point.n_nodes = 0;
-  double sum = 0, movable = 0;
-  for (int k = 0; k < 3; ++k) {
-    const double w = tool.weights[k];
-    if (!(w >= 0 && w <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;
-    sum += w;
-    if (w == 0) continue;
-    const std::int32_t active = find_active(model, tool.nodes[k]);
-    if (active < 0 && find_vertex(model, tool.nodes[k]) < model.n_output) return PHN_ERROR_NOT_ACTIVE;
-    if (active < 0) continue;  // fixed
-    movable += w;
-    std::int32_t i = 0;
-    while (i < point.n_nodes && point.active[i] != active) ++i;
-    if (i == point.n_nodes) point.weight[point.n_nodes++] = 0;
-    point.active[i] = active;
-    point.weight[i] += w;
-  }
-  if (!(sum >= 1 - weight_slack && sum <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;
-  if (!(movable > weight_slack)) return PHN_ERROR_NOT_ACTIVE;
-  return finite(tool.displacement) ? PHN_OK : PHN_ERROR_NOT_FINITE;
-}
-
 bool same_node(const HeldPoint& a, const HeldPoint& b) {
   return a.n_nodes == 1 && b.n_nodes == 1 && a.active[0] == b.active[0];
 }
 
-/// One tool at one node: the response of that node, without a system to solve.
-CoupledResult single(const phn_model& model, Coupling& c, const Vector& target) {
+/// One tool at one node: the response of that node. One round tool: the mean of the responses around it. Nothing has
+/// to be solved.
+CoupledResult alone(const phn_model& model, Coupling& c, const Vector& target) {
   HeldPoint& point = c.point[0];
-  const ActiveNode& node = model.active[point.active[0]];
+  const Mean mean = mean_at(model, c.neighbours, point);
   c.n_sets = 1;
   c.field_turn[0] = {};
   point.own = target;
-  point.reach[0] = diagonal(1 / point.weight[0]);
-  const Vector d = target / point.weight[0];
-  c.field[0] = {1, d};
-  double energy = 0;
-  evaluate_derivatives(model, node, d.x, point.force.x, has_energy(model) ? &energy : nullptr, nullptr);
-  point.force /= point.weight[0];
-  if (has_deformation(model, node)) basis_of(model, node, d.x, c.field_basis, c.kernel);
+  double energy = 0, sum = 0;
+  respond_alone(model, mean, target, point.force, has_energy(model) ? &energy : nullptr, nullptr);
+  for (std::int32_t i = 0; i < point.n_nodes; ++i) sum += point.weight[i];
+  const Vector d = target / mean.lever;
+  for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+    const ActiveNode& node = model.active[point.active[i]];
+    const double share = point.weight[i] / sum;
+    point.reach[i] = diagonal(1 / mean.lever);
+    c.field[i] = {share, d};
+    if (!has_deformation(model, node)) continue;
+    double* basis = c.field_basis + static_cast<std::size_t>(i) * model.n_basis;
+    basis_of(model, node, d.x, basis, c.kernel);
+    for (std::int32_t j = 0; j < basis_size(model, node); ++j) basis[j] *= share;
+  }
   return {true, 0, energy};
+}
+
+/// Components of displacements are clamped to this [m].
+double largest_displacement(const phn_model& model) {
+  return phynness::schema::traits(model.family).proportional ? largest_linear
+                                                             : largest_coupled * model.max_displacement;
 }
 
 /// Warnings of all nodes at the displacements at which their responses are evaluated.
@@ -103,6 +90,50 @@ int find_nearest(const phn_model& model, const double* x, phn_tool& tool, double
   return least < 0 ? PHN_ERROR_UNDEFINED : PHN_OK;
 }
 
+/// @return a status of phynness.h
+int find_alone(const phn_model* model, const phn_tool* tool, Place& place) {
+  if (model == nullptr || tool == nullptr) return PHN_ERROR_ARGUMENT;
+  const int refused = find_place(*model, *tool, place);
+  return refused == PHN_OK && !answers_alone(*model, place) ? PHN_ERROR_UNDEFINED : refused;
+}
+
+/// What `of_node(node, d, one)` says of each node of a tool, one after another; ends at an error.
+/// @return the sum of its warnings
+template <class Value, class OfNode, class Take>
+int at_nodes(const phn_model* model, const phn_tool* tool, OfNode of_node, Take take) {
+  Place place;
+  int status = find_alone(model, tool, place);
+  for (std::int32_t i = 0; status >= 0 && i < place.n_nodes; ++i) {
+    const double lever = mean_at(*model, {}, place).lever;
+    Vector d;
+    cut(tool->displacement, lever, PHN_NO_BOUND, d.x);
+    Value one;
+    const int said = of_node(model, model->active_nodes[place.active[i]], d.x, &one);
+    status = said < 0 ? said : status | said;
+    take(one, lever, i == 0);
+  }
+  return status;
+}
+
+/// Force, energy and stiffness of one tool, of which any may be null but not all. @return a status of phynness.h
+int force_at(const phn_model* model, const phn_data* data, const phn_tool* tool, Vector& force, double* energy,
+             Matrix* stiffness) {
+  if (model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
+  if (data->coupling == nullptr) return PHN_ERROR_TOOLS;
+  if ((energy || stiffness) && !has_energy(*model)) return PHN_ERROR_UNDEFINED;
+  Place place;
+  const int refused = find_alone(model, tool, place);
+  if (refused != PHN_OK) return refused;
+  Vector d;
+  cut(tool->displacement, 1, largest_displacement(*model), d.x);
+  const Mean mean = mean_at(*model, data->coupling->neighbours, place);
+  respond_alone(*data->level, mean, d, force, energy, stiffness);
+  int status = PHN_OK;
+  for (std::int32_t i = 0; i < place.n_nodes; ++i)
+    status |= warnings(*model, model->active[place.active[i]], (d / mean.lever).x);
+  return status;
+}
+
 /// The forces remain in the data; the caller copies them to the output. @return a status of phynness.h
 int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const phn_tool* tools, const double* forces,
            const phn_coupled* place, phn_coupled& result) {
@@ -115,11 +146,10 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
   if (data->coupling == nullptr) return PHN_OK;
   Coupling& c = *data->coupling;
   c.n_tools = 0;
-  const double largest =
-      phynness::schema::traits(model->family).proportional ? largest_linear : largest_coupled * model->max_displacement;
+  const double largest = largest_displacement(*model);
   Vector targets[most_coupled];
   for (std::int32_t t = 0; t < n_tools; ++t) {
-    const int refused = find_point(*model, tools[t], c.point[t]);
+    const int refused = find_place(*model, tools[t], c.point[t]);
     if (refused != PHN_OK) return refused;
     cut(tools[t].displacement, 1, largest, targets[t].x);
     for (std::int32_t s = 0; s < t; ++s) {
@@ -127,8 +157,8 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
     }
   }
   c.model = data->level;
-  const bool alone = n_tools == 1 && c.point[0].n_nodes == 1;
-  for (std::int32_t t = 0; t < n_tools && !alone; ++t) {
+  const bool one = n_tools == 1 && answers_alone(*model, c.point[0]);
+  for (std::int32_t t = 0; t < n_tools && !one; ++t) {
     for (std::int32_t i = 0; i < c.point[t].n_nodes; ++i) {
       const ActiveNode& node = c.model->active[c.point[t].active[i]];
       if (node.output < 0 || !has_deformation(*c.model, node)) return PHN_ERROR_UNDEFINED;
@@ -136,7 +166,7 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
   }
   if (n_tools == 0) return PHN_OK;
   c.n_tools = n_tools;
-  const auto solved = alone ? single(*c.model, c, targets[0]) : solve_coupled(*c.model, c, targets);
+  const auto solved = one ? alone(*c.model, c, targets[0]) : solve_coupled(*c.model, c, targets);
   const int status = (solved.settled ? PHN_OK : PHN_WARNING_UNSETTLED) | warnings_of(*model, c);
   result = {solved.residual, std::isfinite(solved.energy) ? solved.energy : 0};
   return status;
@@ -165,6 +195,48 @@ int phn_nearest(const phn_model* model, const double x[3], phn_tool* tool, doubl
   }
   if (tool != nullptr) *tool = found;
   for (int k = 0; k < 3 && point != nullptr; ++k) point[k] = place[k];
+  return status;
+}
+
+int phn_force_at(const phn_model* model, phn_data* data, const phn_tool* tool, double force[3], double* energy,
+                 double stiffness[9]) {
+  constexpr std::size_t one = sizeof(double);
+  Vector f = {};
+  double e = 0;
+  Matrix k = {};
+  int status = PHN_ERROR_ARGUMENT;
+  if (overlap(force, 3 * one, energy, one) || overlap(force, 3 * one, stiffness, 9 * one) ||
+      overlap(energy, one, stiffness, 9 * one)) {
+    status = PHN_ERROR_OVERLAP;
+  } else if (force != nullptr || energy != nullptr || stiffness != nullptr) {
+    status = force_at(model, data, tool, f, energy ? &e : nullptr, stiffness ? &k : nullptr);
+  }
+  // The tool has been read; the outputs may overlap it.
+  for (int i = 0; i < 3 && force != nullptr; ++i) force[i] = f[i];
+  if (energy != nullptr) *energy = e;
+  for (int i = 0; i < 9 && stiffness != nullptr; ++i) stiffness[i] = k.a[i];
+  return status;
+}
+
+int phn_trust_at(const phn_model* model, const phn_tool* tool, phn_trusted* trusted) {
+  if (trusted == nullptr) return PHN_ERROR_ARGUMENT;
+  phn_trusted found = {};
+  const int status = at_nodes<phn_trusted>(model, tool, phn_trust, [&](const phn_trusted& one, double, bool first) {
+    found.trained_depth = first ? one.trained_depth : std::fmin(found.trained_depth, one.trained_depth);
+    found.distance = std::fmax(found.distance, one.distance);
+    found.relative = std::fmax(found.relative, one.relative);
+  });
+  *trusted = status < 0 ? phn_trusted{} : found;
+  return status;
+}
+
+int phn_bound_at(const phn_model* model, const phn_tool* tool, double* bound) {
+  if (bound == nullptr) return PHN_ERROR_ARGUMENT;
+  double found = 0;
+  const int status = at_nodes<double>(model, tool, phn_bound, [&](double one, double lever, bool) {
+    found = std::fmin(PHN_NO_BOUND, std::fmax(found, one / lever));
+  });
+  *bound = status < 0 ? 0 : found;
   return status;
 }
 

@@ -1,0 +1,56 @@
+// The nodes around a tool, and one tool that is answered from their responses alone (docs/theory.md, tools anywhere).
+#pragma once
+
+#include <phynness/phynness_tools.h>
+
+#include "core/arena.hpp"
+#include "tools/vectors.hpp"
+
+namespace PHN_RUNTIME {
+
+/// The active nodes around a point of the surface.
+struct Place {
+  std::int32_t n_nodes;
+  std::int32_t active[3];  ///< positions among the active nodes
+  double weight[3];        ///< barycentric, without fixed corners
+};
+
+/// Checks a tool and finds its nodes. @return a status of phynness.h
+int find_place(const phn_model& model, const phn_tool& tool, Place& place);
+
+/// Whether the tools at all nodes of the place are round: each moves a mean.
+bool is_round(const phn_model& model, const Place& place);
+
+/// Whether one tool there needs no coupling: it is at a node, or it is round.
+inline bool answers_alone(const phn_model& model, const Place& place) {
+  return place.n_nodes == 1 || is_round(model, place);
+}
+
+/// Active neighbours of each active node: a neighbour once for each triangle that they share. Empty in models without
+/// round tools.
+struct Neighbours {
+  const std::int32_t* begin;   ///< n_active + 1 places in `active`
+  const std::int32_t* active;  ///< positions among the active nodes
+};
+Neighbours find_neighbours(Arena& arena, const phn_model& model);
+
+/// The energies around a node with more neighbours than these get no gradient; a vertex of a surface has 12 on average.
+inline constexpr std::int32_t most_neighbours = 32;
+
+/// Nodes whose energies, each times its weight, are added to the energy of one tool: E(d) = sum w_i E_i(d / lever).
+struct Mean {
+  std::int32_t n;
+  std::int32_t active[3 * (1 + most_neighbours)];
+  double weight[3 * (1 + most_neighbours)];
+  /// A single node beside fixed ones moves farther than the point between them; a round tool is that of the others.
+  double lever;
+};
+/// The nodes of the place come first. @pre answers_alone(model, place)
+Mean mean_at(const phn_model& model, const Neighbours& neighbours, const Place& place);
+
+/// E(d) of one tool, its gradient and its second derivative.
+/// @param energy, stiffness  may be null; if not, has_energy(model)
+void respond_alone(const phn_model& model, const Mean& mean, const Vector& d, Vector& force, double* energy,
+                   Matrix* stiffness);
+
+}  // namespace PHN_RUNTIME

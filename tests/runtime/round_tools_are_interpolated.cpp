@@ -1,0 +1,259 @@
+// Claims about one round tool between nodes: its energy is a mean of energies of the nodes around it, and everything
+// else follows from this energy.
+#include <gtest/gtest.h>
+#include <phynness/phynness_contact.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "linear_body.hpp"
+#include "loaded_model.hpp"
+#include "rounding.hpp"
+#include "small_model.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+
+/// A model whose nodes 3, 5 and 8 have round tools; with node 0, which is fixed, they form two triangles.
+Model round_model_of(Family family) {
+  Model model = family == Family::linear ? small_linear_model() : with_bounds(small_model_of(family));
+  for (ActiveNodeModel& node : model.nodes) {
+    node.moves_mean = node.node < 14;
+    if (node.moves_mean) node.prescribed = {3, 5, 8};
+    if (node.moves_mean) node.prescribed_weight = {0.25, 0.5, 0.25};
+  }
+  return model;
+}
+
+class RoundTools : public testing::TestWithParam<Family> {
+ protected:
+  const LoadedModel loaded{write_model_text(round_model_of(GetParam()))};
+  const bool has_energy = GetParam() != Family::rbfn;
+
+  struct Answer {
+    int status = 0;
+    Eigen::Vector3d force;
+    double energy = 0;
+    Eigen::Matrix3d stiffness;
+  };
+  Answer at(const phn_tool& tool) const {
+    Answer a;
+    a.status = phn_force_at(loaded.model, loaded.data, &tool, a.force.data(), has_energy ? &a.energy : nullptr,
+                            has_energy ? a.stiffness.data() : nullptr);
+    return a;
+  }
+  Answer at_node(std::int32_t node, const double* d) const {
+    Answer a;
+    a.status = phn_force(loaded.model, loaded.data, node, d, a.force.data(), has_energy ? &a.energy : nullptr,
+                         has_energy ? a.stiffness.data() : nullptr);
+    return a;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Families, RoundTools, testing::Values(Family::rbfn, Family::linear, Family::modal),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
+const double d[3] = {0.003, -0.002, 0.004};
+phn_tool moved(phn_tool tool, const Eigen::Vector3d& by) {
+  for (int k = 0; k < 3; ++k) tool.displacement[k] += by[k];
+  return tool;
+}
+
+// Claim: at a node, also beside fixed nodes, which do not count, the answer is that of the node; phn_couple says the
+// same as phn_force_at to the bit; the field is the mean with the weights of the point. Fields are sums in float (6e-8
+// of amplitudes of up to 1).
+TEST_P(RoundTools, AreTheirNodesAndMeansBetween) {
+  struct Case {
+    phn_tool tool;
+    double weight[3];
+  };
+  const Case cases[] = {{tool(3, 5, 8, 0.5, 0.3, d[0], d[1], d[2]), {0.5, 0.3, 0.2}},
+                        {tool(5, 3, 0, 0.25, 0.5, d[0], d[1], d[2]), {2 / 3.0, 1 / 3.0, 0}},
+                        {tool(8, 5, 3, 1, 0, d[0], d[1], d[2]), {0, 0, 1}},
+                        {tool(3, 0, 1, 0.5, 0.3, d[0], d[1], d[2]), {1, 0, 0}}};
+  for (const auto& [held, weight] : cases) {
+    Points field = Points::Zero(12, 3), one(12, 3), coupled(12, 3);
+    const std::int32_t nodes[3] = {3, 5, 8};
+    const Answer said = at(held);
+    int status = 0;
+    for (int i = 0; i < 3; ++i) {
+      const Answer node = at_node(nodes[i], d);
+      if (weight[i] > 0) status |= node.status;
+      phn_deform(loaded.model, loaded.data, nodes[i], d, one.data());
+      field += weight[i] * one;
+      if (weight[i] < 1) continue;
+      EXPECT_EQ(said.force, node.force);
+      EXPECT_EQ(said.energy, node.energy);
+    }
+    Eigen::Vector3d force;
+    phn_coupled result = {1, 1};
+    EXPECT_EQ(said.status, status);
+    EXPECT_EQ(phn_couple(loaded.model, loaded.data, 1, &held, force.data(), &result), said.status);
+    EXPECT_EQ(force, said.force);
+    EXPECT_EQ(result.energy, said.energy);
+    EXPECT_EQ(result.residual, 0);
+    EXPECT_EQ(phn_coupled_deform(loaded.model, loaded.data, coupled.data()), said.status);
+    EXPECT_LT((coupled - field).cwiseAbs().maxCoeff(), 1e-6 * field.cwiseAbs().maxCoeff());
+  }
+}
+
+/// Round tools at 19 nodes of a flat grid of equilateral triangles; a stiffness at each place.
+Model grid_model(double (*stiffness_at)(double x, double y)) {
+  Model model = small_linear_model();
+  const auto place = [](int a, int b) { return Eigen::Vector2d(a + b / 2.0, b * std::sqrt(0.75)); };
+  std::map<std::pair<int, int>, std::int32_t> number;
+  for (int a = -2; a <= 2; ++a)
+    for (int b = -2; b <= 2; ++b)
+      if (std::abs(a + b) <= 2) number.emplace(std::pair(a, b), static_cast<std::int32_t>(number.size()));
+  model.n_mesh_nodes = 21;
+  model.fixed = {19, 20};
+  model.output.clear();
+  model.output_points = Points::Zero(19, 3);
+  model.nodes.resize(1);
+  model.nodes.resize(19, model.nodes[0]);
+  std::vector<std::array<std::int32_t, 3>> triangles;
+  for (const auto& [at, n] : number) {
+    const auto [a, b] = at;
+    const auto x = place(a, b);
+    model.output.push_back(n);
+    model.output_points.row(n) << x[0], x[1], 0;
+    for (const auto& [p, q] :
+         {std::pair(std::pair(a + 1, b), std::pair(a, b + 1)), std::pair(std::pair(a + 1, b - 1), std::pair(a + 1, b))})
+      if (number.count(p) && number.count(q)) triangles.push_back({n, number.at(p), number.at(q)});
+    ActiveNodeModel& node = model.nodes[static_cast<std::size_t>(n)];
+    node.node = n;
+    node.point = {x[0], x[1], 0};
+    node.moves_mean = true;
+    node.prescribed = {n};
+    node.prescribed_weight = {1};
+    node.linear.stiffness = stiffness_at(x[0], x[1]) * Eigen::Matrix3d::Identity();
+    node.linear.unit_responses = Eigen::MatrixXd::Zero(19, 9);
+  }
+  model.surface.resize(static_cast<Eigen::Index>(triangles.size()), 3);
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      model.surface(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = triangles[t][k];
+  return model;
+}
+
+// Claim: a stiffness that is a quadratic function of the place is met between nodes whose neighbours are all active: of
+// the error of a linear interpolation less than a tenth remains, which the part across the surface explains (6 %).
+TEST(RoundToolsBetween, MeetQuadraticStiffness) {
+  const auto stiffness = [](double x, double y) { return 50 + 3 * x - y + 2 * x * x - x * y + 3 * y * y; };
+  const LoadedModel loaded(write_model_text(grid_model(stiffness)));
+  const auto* points = info_of(loaded.model).output_points;
+  for (const auto& [wa, wb] : {std::pair(0.5, 0.5), std::pair(0.4, 0.3), std::pair(0.1, 0.2)}) {
+    const phn_tool held = tool(9, 10, 14, wa, wb, 0, 0, 1);  // the middle and two of its neighbours
+    double x = 0, y = 0, linear = 0, force[3];
+    for (int k = 0; k < 3; ++k) {
+      const double* at = points + 3 * held.nodes[k];
+      x += held.weights[k] * at[0];
+      y += held.weights[k] * at[1];
+      linear += held.weights[k] * stiffness(at[0], at[1]);
+    }
+    EXPECT_EQ(phn_force_at(loaded.model, loaded.data, &held, force, nullptr, nullptr), PHN_OK);
+    EXPECT_LT(std::abs(force[2] - stiffness(x, y)), 0.1 * std::abs(linear - stiffness(x, y)));
+  }
+}
+
+// Claim: contact feels the interpolated force, in both modes. The stiffness is the same in all directions, so that a
+// press without friction has no tangential force, up to the tolerance of contact, 1e-4.
+TEST(RoundToolsBetween, AreFeltInContact) {
+  const LoadedModel loaded(write_model_text(grid_model([](double x, double y) { return 50 + x + y * y; })));
+  for (const std::int32_t mode : {PHN_TOOL_PRESS, PHN_TOOL_GRASP}) {
+    std::size_t bytes = 0;
+    ASSERT_EQ(phn_contact_size(loaded.model, 1, &bytes), PHN_OK);
+    std::vector<char> memory(bytes);
+    phn_contact* contact = nullptr;
+    ASSERT_EQ(phn_contact_init(memory.data(), bytes, loaded.model, 1, &contact), PHN_OK);
+    phn_contact_tool sphere = {{0.35, 0.2, 0.11}, 0.1, mode == PHN_TOOL_PRESS ? 0.0 : 1.0, mode};
+    phn_contact_state state;
+    for (const double height : {0.11, 0.09, 0.05, 0.02}) {
+      sphere.center[2] = height;
+      ASSERT_GE(phn_contact_step(contact, loaded.data, 1, &sphere, &state, nullptr), 0);
+    }
+    ASSERT_EQ(state.in_contact, 1);
+    double said[3];
+    ASSERT_GE(phn_force_at(loaded.model, loaded.data, &state.held, said, nullptr, nullptr), 0);
+    EXPECT_LT(said[2], -1);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(state.force[k], state.scale * said[k], 1e-4 * std::abs(said[2]));
+  }
+}
+
+// Claim: at rest nothing is held; the force is the gradient of the energy, the stiffness that of the force. Central
+// differences over 1e-6 m of numbers with 16 digits (float: 7) leave these.
+TEST_P(RoundTools, HaveForcesThatAreGradients) {
+  if (!has_energy) return;
+  const phn_tool held = tool(3, 5, 8, 0.5, 0.3, d[0], d[1], d[2]);
+  const Answer rest = at(moved(held, -Eigen::Map<const Eigen::Vector3d>(d))), here = at(held);
+  EXPECT_EQ(rest.force.norm(), 0);
+  EXPECT_EQ(rest.energy, 0);
+  const double h = 1e-6;
+  for (int k = 0; k < 3; ++k) {
+    const Answer more = at(moved(held, h * Eigen::Vector3d::Unit(k))),
+                 less = at(moved(held, -h * Eigen::Vector3d::Unit(k)));
+    EXPECT_NEAR((more.energy - less.energy) / (2 * h), here.force[k], (in_float ? 1e-4 : 1e-7) * here.force.norm());
+    EXPECT_LT(((more.force - less.force) / (2 * h) - here.stiffness.col(k)).norm(),
+              (in_float ? 0.2 : 1e-6) * here.stiffness.norm());
+  }
+}
+
+// Claim: force and field change little where a tool slides a little over an edge, also to a triangle with a fixed node.
+TEST_P(RoundTools, SlideOverEdges) {
+  const double beside = 1e-9;
+  const phn_tool sides[2] = {tool(3, 5, 8, 0.4, 0.6 - beside, d[0], d[1], d[2]),
+                             tool(5, 3, 0, 0.6 - beside, 0.4, d[0], d[1], d[2])};
+  const Answer a = at(sides[0]), b = at(sides[1]);
+  EXPECT_LT((a.force - b.force).norm(), 100 * beside * a.force.norm());
+}
+
+// Claim: the trained depth is the least of the nodes, distance and bound are the largest, and a warning of one is one
+// of the tool.
+TEST_P(RoundTools, TrustTheLeastOfTheirNodes) {
+  const double far[3] = {0, 0.007, 0};  // node 5 was trained to 5 mm
+  const phn_tool held = tool(3, 5, 8, 0.5, 0.3, far[0], far[1], far[2]),
+                 without = tool(3, 8, -1, 0.5, 0.5, far[0], far[1], far[2]);
+  phn_trusted said;
+  EXPECT_TRUE(phn_trust_at(loaded.model, &held, &said) & PHN_WARNING_OUTSIDE || GetParam() == Family::linear);
+  double depth = 1, distance = 0, relative = 0, bound = 0, worst = 0;
+  for (const std::int32_t node : {3, 5, 8}) {
+    const Trust one(loaded.model, node, far);
+    depth = std::min(depth, one.trained_depth);
+    distance = std::max(distance, one.distance);
+    relative = std::max(relative, one.relative);
+    double of_node = 0;
+    if (node != 5 && phn_bound(loaded.model, node, far, &of_node) >= 0) worst = std::max(worst, of_node);
+  }
+  EXPECT_EQ(said.trained_depth, depth);
+  EXPECT_EQ(said.distance, distance);
+  EXPECT_EQ(said.relative, relative);
+  const int bounded = phn_bound_at(loaded.model, &without, &bound);
+  EXPECT_EQ(bounded < 0, GetParam() == Family::linear);
+  EXPECT_EQ(bound, worst);
+  if (GetParam() == Family::linear) return;
+  EXPECT_GT(phn_bound_at(loaded.model, &held, &bound), 0);
+  EXPECT_EQ(bound, PHN_NO_BOUND);
+}
+
+// Claim: tools between nodes that are not round are coupled as before; wrong arguments are refused with zeros.
+TEST_P(RoundTools, AreNotMadeOfNodes) {
+  const LoadedModel nodes(write_model_text(small_model_of(GetParam())));
+  const phn_tool held = tool(3, 5, 8, 0.5, 0.3, d[0], d[1], d[2]);
+  Eigen::Vector3d force(1, 1, 1);
+  EXPECT_EQ(phn_force_at(nodes.model, nodes.data, &held, force.data(), nullptr, nullptr), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(force.norm(), 0);
+  EXPECT_EQ(phn_force_at(loaded.model, nodes.data, &held, force.data(), nullptr, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force_at(loaded.model, loaded.data, nullptr, force.data(), nullptr, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force_at(loaded.model, loaded.data, &held, nullptr, nullptr, nullptr), PHN_ERROR_ARGUMENT);
+  const phn_tool nowhere = moved(held, {NAN, 0, 0});
+  phn_trusted trusted = {1, 1, 1, {}};
+  EXPECT_EQ(phn_trust_at(loaded.model, &nowhere, &trusted), PHN_ERROR_NOT_FINITE);
+  EXPECT_EQ(trusted.trained_depth, 0);
+}
+
+}  // namespace
