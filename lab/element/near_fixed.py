@@ -1,6 +1,6 @@
 """p1-p1 and es-p1-p1 under tools within 1.1 radii of fixed nodes, at rest: what the edges and what the tool contribute.
 
-    python3 research/element_reference/near_fixed.py NAME.msh ...     packages and meshes as in study.py and held_out.py
+    lab/study near-fixed NAME.msh ...     packages and meshes as in study.py and held_out.py
 
 Prints |f - f*| / |f*| and |f| / |f*| of eight places by the fixed nodes (radii of 2 and 3 edges, even pressure, three directions)
 and of the six places of the study; K/mu 5, 50, 200. f* is Taylor-Hood on the mesh and on half its cells, extrapolated.
