@@ -123,8 +123,8 @@ PHN_API int phn_force(const phn_model* model, phn_data* data, int32_t node, cons
 
 /* Displacements [m] of all output nodes, n_output x 3, with ONE tool at active node `node`. The touched node moves by
  * exactly d; under a round tool (a patch probe) the mean of the surface does, and its middle by a fifth more and
- * farther. For several tools, or for a tool between nodes, use phn_couple and then phn_coupled_deform: sums of the fields
- * of single tools have errors of 10 % and more. */
+ * farther. For several tools, or for a tool between nodes, use phn_couple and then phn_coupled_deform: sums of the
+ * fields of single tools have errors of 10 % and more. */
 PHN_API int phn_deform(const phn_model* model, phn_data* data, int32_t node, const double d[3], double* out);
 
 /* Values of a scalar field at all output nodes, n_output numbers >= 0, with one tool as in phn_deform. They are 0 at
