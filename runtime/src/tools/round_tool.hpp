@@ -42,6 +42,7 @@ struct Mean {
   std::int32_t n;
   std::int32_t active[3 * (1 + most_neighbours)];
   double weight[3 * (1 + most_neighbours)];
+  double share[3];  ///< of the nodes of the place, with the sum 1
   /// A single node beside fixed ones moves farther than the point between them; a round tool is that of the others.
   double lever;
 };

@@ -33,19 +33,17 @@ CoupledResult alone(const phn_model& model, Coupling& c, const Vector& target) {
   c.n_sets = 1;
   c.field_turn[0] = {};
   point.own = target;
-  double energy = 0, sum = 0;
+  double energy = 0;
   respond_alone(model, mean, target, point.force, has_energy(model) ? &energy : nullptr, nullptr);
-  for (std::int32_t i = 0; i < point.n_nodes; ++i) sum += point.weight[i];
   const Vector d = target / mean.lever;
   for (std::int32_t i = 0; i < point.n_nodes; ++i) {
     const ActiveNode& node = model.active[point.active[i]];
-    const double share = point.weight[i] / sum;
     point.reach[i] = diagonal(1 / mean.lever);
-    c.field[i] = {share, d};
+    c.field[i] = {mean.share[i], d};
     if (!has_deformation(model, node)) continue;
     double* basis = c.field_basis + static_cast<std::size_t>(i) * model.n_basis;
     basis_of(model, node, d.x, basis, c.kernel);
-    for (std::int32_t j = 0; j < basis_size(model, node); ++j) basis[j] *= share;
+    for (std::int32_t j = 0; j < basis_size(model, node); ++j) basis[j] *= mean.share[i];
   }
   return {true, 0, energy};
 }
