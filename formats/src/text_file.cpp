@@ -11,6 +11,8 @@ GrowingTextFile::GrowingTextFile(const fs::path& file) : _file(file) {
   _in_place = fs::exists(_target, code) && !fs::is_regular_file(_target, code);
   _written = _target;
   if (!_in_place) _written += ".part";
+  // What a link or another name of an older file leads to stays as it is, and a pipe would wait for its reader.
+  if (!_in_place && !fs::is_directory(_written, code)) fs::remove(_written, code);
   _out.open(_written, std::ios::binary | std::ios::trunc);
   if (!_out) throw input_error("cannot write the file", _file.string(), "check that the folder exists and is writable");
   _made = true;

@@ -9,6 +9,9 @@ namespace {
 /// Tolerance of the sum of barycentric weights; a point whose movable part is smaller counts as fixed.
 constexpr double weight_slack = 1e-6;
 
+/// Weights up to this are rounding, as phn_nearest leaves on the corner opposite to an edge, whose tool need not exist.
+constexpr double no_weight = 1e-12;
+
 /// Added to the squares of the edges at a node, as a fraction of their sum: a gradient across the surface, in which
 /// direction there are hardly any differences, is small. Values from 0.003 to 0.03 give the same errors.
 constexpr double across = 0.03;
@@ -33,7 +36,7 @@ int find_place(const phn_model& model, const phn_tool& tool, Place& place) {
     const double w = tool.weights[k];
     if (!(w >= 0 && w <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;
     sum += w;
-    if (w == 0) continue;
+    if (w <= no_weight) continue;
     const std::int32_t active = find_active(model, tool.nodes[k]);
     if (active < 0 && find_vertex(model, tool.nodes[k]) < model.n_output) return PHN_ERROR_NOT_ACTIVE;
     if (active < 0) continue;  // fixed
