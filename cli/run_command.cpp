@@ -79,9 +79,9 @@ void refuse_files_of_others(const Options& options) {
   };
   for (const auto& [name, begin] : texts())
     options.resume ? check_own_text("--output", options.output / name, begin) : refuse(options.output / name);
+  if (!std::filesystem::is_directory(model)) return refuse(model);
   if (options.resume) return check_place("--output", model, PathKind::model);
   for (const char* name : {"model.txt", "mesh.txt"}) refuse(model / name);
-  if (!std::filesystem::is_directory(model)) refuse(model);
 }
 
 /// The figures of all stages in one file.
