@@ -36,10 +36,12 @@ int find_place(const phn_model& model, const phn_tool& tool, Place& place) {
     const double w = tool.weights[k];
     if (!(w >= 0 && w <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;
     sum += w;
-    if (w <= no_weight) continue;
+    if (w == 0) continue;
     const std::int32_t active = find_active(model, tool.nodes[k]);
-    if (active < 0 && find_vertex(model, tool.nodes[k]) < model.n_output) return PHN_ERROR_NOT_ACTIVE;
-    if (active < 0) continue;  // fixed
+    if (active < 0) {
+      if (w > no_weight && find_vertex(model, tool.nodes[k]) < model.n_output) return PHN_ERROR_NOT_ACTIVE;
+      continue;  // fixed
+    }
     movable += w;
     add(active, w, place.n_nodes, place.active, place.weight);
   }
