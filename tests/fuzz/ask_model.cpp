@@ -67,6 +67,8 @@ class Asker {
         return nulls();
       case 15:
         return level();
+      case 16:
+        return point();
       default:
         return sizes();
     }
@@ -256,6 +258,30 @@ class Asker {
     if (n > std::min(_max_tools, 8))
       require(status == (n > 8 ? PHN_ERROR_TOO_MANY_TOOLS : PHN_ERROR_TOOLS), "too many tools");
     if (status >= 0) require(_out[n_forces] >= 0, "a distance");
+  }
+  void point() {
+    const phn_tool tool = any_tool();
+    const auto of_data = [&](phn_data* data, double* out) {
+      return phn_force_at(_model, data, &tool, out, nullptr, nullptr);
+    };
+    const int status = answer(3, _out, warnings, of_data);
+    const bool at_rest = zero(_out.data(), 3);
+    const int more = answer(10, _out, warnings, [&](phn_data* data, double* out) {
+      return phn_force_at(_model, data, &tool, nullptr, out, out + 1);
+    });
+    require(more == status || more == PHN_ERROR_UNDEFINED, "what has an energy and a stiffness has a force");
+    if (more >= 0 && zero(tool.displacement, 3)) require(at_rest && _out[0] == 0, "nothing at rest");
+    const int trusted = answer(3, _out, PHN_WARNING_OUTSIDE, [&](phn_data*, double* out) {
+      phn_trusted found;
+      const int told = phn_trust_at(_model, &tool, &found);
+      out[0] = found.trained_depth;
+      out[1] = found.distance;
+      out[2] = found.relative;
+      return told;
+    });
+    require(trusted < 0 ? trusted == status : status >= 0, "trusted where answered");
+    answer(1, _out, warnings, [&](phn_data*, double* out) { return phn_bound_at(_model, &tool, out); });
+    require(_out[0] >= 0, "a bound");
   }
   void field() {
     const std::int32_t node = any_node(),
