@@ -18,10 +18,6 @@ cd "$build/work"
 node_modules/.bin/tsc --noEmit || fail "the types are wrong"
 node_modules/.bin/vitest run
 
-bytes=$(wc -c < "$PHYNNESS_PACKAGE/phynness.wasm")
-echo "phynness.wasm: $bytes bytes, limit 100352"
-if command -v wasm-opt > /dev/null; then [ "$bytes" -le 100352 ] || fail "phynness.wasm is too large"; fi
-
 rm -rf "$build/user"
 mkdir -p "$build/user"
 cd "$build/user"
