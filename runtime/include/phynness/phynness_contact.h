@@ -2,9 +2,9 @@
  *
  * phn_contact_step is called once in each haptic cycle with the positions of the tools; it gives their forces. A tool
  * in contact has a proxy: the point of the undeformed surface that it touches. phn_couple gives the force that holds
- * this point at the position of the tool. The touched point follows the tool exactly;
- * in a model of round tools the mean of the surface around it does,
- * between nodes within a few per cent.
+ * this point at the position of the tool. The touched point follows the tool exactly. In a model of round tools the
+ * mean of the surface around it does: exactly at a node, within a few per cent between nodes, less well beside fixed
+ * ones.
  *
  * Memory, statuses, units, frames, overlap and the sign of the force are those of phynness.h; the states may overlap
  * the tools in memory. Each thread that moves tools has its own phn_contact, and its own phn_data of

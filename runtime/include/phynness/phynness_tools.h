@@ -33,11 +33,12 @@ PHN_API int phn_tools_init(void* memory, size_t bytes, const phn_model* model, i
 
 /* phn_force, phn_trust and phn_bound of one tool at a point, with a phn_data of phn_tools_init. A round tool between
  * nodes has a mean of the energies of the tools at the nodes around it for the same displacement (docs/theory.md, (x));
- * force and stiffness are its derivatives. They are continuous where the tool slides over edges and nodes, and at a
- * node they are those of the node. Fixed nodes of the triangle do not count. A warning of any active node of the
- * triangle is one of the tool. The trained depth is the smallest of these nodes; distance and bound are the largest.
- * What the mean adds to the error is not in the bound (docs/decisions/between-points.md). PHN_ERROR_UNDEFINED: the
- * point is between nodes of a model without round tools; use phn_couple. Cost: about 12 forces between nodes. */
+ * force and stiffness are its derivatives. Family rbfn has the same mean of the forces. They are continuous where the
+ * tool slides over edges and nodes, and at a node they are those of the node. Fixed nodes of the triangle do not count.
+ * A warning of any active node of the triangle is one of the tool. The trained depth is the smallest of these nodes;
+ * distance and bound are the largest. What the mean adds to the error is not in the bound
+ * (docs/decisions/between-points.md). PHN_ERROR_UNDEFINED: the point is between nodes of a model without round tools;
+ * use phn_couple. Cost: about 12 forces between nodes. */
 PHN_API int phn_force_at(const phn_model* model, phn_data* data, const phn_tool* tool, double force[3], double* energy,
                          double stiffness[9]);
 PHN_API int phn_trust_at(const phn_model* model, const phn_tool* tool, phn_trusted* trusted);

@@ -85,12 +85,16 @@ Neighbours find_neighbours(Arena& arena, const phn_model& model) {
   return {begin, active};
 }
 
+double lever_of(const phn_model& model, const Place& place) {
+  return model.active[place.active[0]].moves_mean ? 1 : place.weight[0];
+}
+
 /// sum_k w_k [E_k + g_k . (x - x_k) / 2], exact for quadratic functions of the place x. The gradient g_k is that of the
 /// least squares of the differences to the neighbours.
 Mean mean_at(const phn_model& model, const Neighbours& neighbours, const Place& place) {
   Mean mean;
   mean.n = place.n_nodes;
-  mean.lever = model.active[place.active[0]].moves_mean ? 1 : place.weight[0];
+  mean.lever = lever_of(model, place);
   double sum = 0;
   for (std::int32_t k = 0; k < place.n_nodes; ++k) sum += place.weight[k];
   Vector x = {};

@@ -46,6 +46,7 @@ struct Mean {
   /// A single node beside fixed ones moves farther than the point between them; a round tool is that of the others.
   double lever;
 };
+double lever_of(const phn_model& model, const Place& place);
 /// The nodes of the place come first. @pre answers_alone(model, place)
 Mean mean_at(const phn_model& model, const Neighbours& neighbours, const Place& place);
 

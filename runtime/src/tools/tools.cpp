@@ -101,10 +101,11 @@ template <class Value, class OfNode, class Take>
 int at_nodes(const phn_model* model, const phn_tool* tool, OfNode of_node, Take take) {
   Place place;
   int status = find_alone(model, tool, place);
+  if (status < 0) return status;
+  const double lever = lever_of(*model, place);
+  Vector d;
+  cut(tool->displacement, lever, PHN_NO_BOUND, d.x);
   for (std::int32_t i = 0; status >= 0 && i < place.n_nodes; ++i) {
-    const double lever = mean_at(*model, {}, place).lever;
-    Vector d;
-    cut(tool->displacement, lever, PHN_NO_BOUND, d.x);
     Value one;
     const int said = of_node(model, model->active_nodes[place.active[i]], d.x, &one);
     status = said < 0 ? said : status | said;
