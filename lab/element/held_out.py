@@ -8,6 +8,7 @@
 The meshes are those of `phynness mesh` with target_size_m of 12.5 mm (bladder 13.5, stomach 19) and the first quarter along x fixed.
 Packages, and the rest, as in study.py.
 """
+import argparse
 import json
 import pathlib
 import struct
@@ -199,5 +200,9 @@ def reproduce(paths, program="build/release/phynness", K=200):
 
 
 if __name__ == "__main__":
-    word, *files = sys.argv[1:]
-    bodies(*files) if word == "bodies" else {"rest": rest, "depth": depth, "reproduce": reproduce}[word](files)
+    parts = {"bodies": lambda files: bodies(*files), "rest": rest, "depth": depth, "reproduce": reproduce}
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("part", choices=parts)
+    parser.add_argument("files", nargs="+")
+    words = parser.parse_args()
+    parts[words.part](words.files)

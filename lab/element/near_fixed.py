@@ -10,7 +10,7 @@ Rules of the edges: `all-fixed cells out` of the means; `fixed edges alone`: cel
 the free triangles, fixed nodes counting as zero; `a third`: free corners take a third of the weights of the fixed corners of
 their triangles, which is exact to 0.03 for displacements that grow with the root of the distance from fixed nodes.
 """
-import sys
+import argparse
 
 import numpy as np
 from edges import SYMMETRIC, cells
@@ -130,4 +130,6 @@ def main(paths):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("meshes", nargs="+", metavar="NAME.msh")
+    main(parser.parse_args().meshes)
