@@ -54,7 +54,9 @@ void require_consistent(const Model& model) {
     if (net.input_center.size() == 0) return;
     RbfNetwork again = net;
     fill_centers(model, again);
-    require(again.centers == net.centers, "centers differ from those that the indices give");
+    require(again.centers.rows() == net.centers.rows() && again.centers.cols() == net.centers.cols() &&
+                again.centers == net.centers,
+            "centers differ from those that the indices give");
   };
   for (const auto& node : model.nodes) {
     symmetric(node.linear.stiffness);

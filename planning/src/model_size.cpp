@@ -40,6 +40,7 @@ RbfNetwork network(int n, int n_inputs, const Model& model) {
   net.center_displacement = indices(n, model.displacements.rows());
   if (n_inputs == 6) net.center_output = indices(n, static_cast<std::int64_t>(model.output.size()));
   net.weights = numbers(n, 3);
+  fill_centers(model, net);
   return net;
 }
 
