@@ -62,31 +62,10 @@ class Script {
   }
   /// Of any size and kind: special values, any bit pattern, centimetres.
   double number() {
-    constexpr double inf = std::numeric_limits<double>::infinity();
-    constexpr double special[] = {0,
-                                  -0.0,
-                                  1,
-                                  -1,
-                                  0.01,
-                                  -0.01,
-                                  1e-6,
-                                  1e6,
-                                  1e30,
-                                  -1e30,
-                                  1e100,
-                                  -1e100,
-                                  1e-100,
-                                  1e155,
-                                  1e200,
-                                  -1e300,
-                                  1e-300,
-                                  5e-324,
-                                  2.2250738585072014e-308,
-                                  1.7976931348623157e308,
-                                  -1.7976931348623157e308,
-                                  inf,
-                                  -inf,
-                                  std::numeric_limits<double>::quiet_NaN()};
+    using Limits = std::numeric_limits<double>;
+    constexpr double inf = Limits::infinity(), nan = Limits::quiet_NaN(), tiny = Limits::min(), huge = Limits::max();
+    constexpr double special[] = {0,      -0.0,  1,     -1,     0.01,   -0.01,  1e-6, 1e6,  1e30,  -1e30, 1e100, -1e100,
+                                  1e-100, 1e155, 1e200, -1e300, 1e-300, 5e-324, tiny, huge, -huge, inf,   -inf,  nan};
     const int kind = byte();
     if (kind < 64) return special[static_cast<std::size_t>(kind) % std::size(special)];
     if (kind < 96) return std::bit_cast<double>(raw<std::uint64_t>());
