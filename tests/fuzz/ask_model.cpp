@@ -5,7 +5,6 @@
 #include "ask_model.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <phynness/formats/hash.hpp>
 
 namespace phynness::fuzz {
@@ -44,7 +43,7 @@ class Asker {
         &Asker::force,   &Asker::force,   &Asker::energy, &Asker::stiffness, &Asker::deform, &Asker::deform,
         &Asker::prepare, &Asker::nearest, &Asker::couple, &Asker::couple,    &Asker::couple, &Asker::field,
         &Asker::trust,   &Asker::surface, &Asker::nulls,  &Asker::level,     &Asker::point,  &Asker::sizes};
-    (this->*questions[_script.below(std::size(questions))])();
+    (this->*questions[_script.below(static_cast<int>(std::size(questions)))])();
   }
 
  private:
@@ -364,7 +363,7 @@ class Asker {
                                           [&] { return phn_tools_size(nullptr, 1, &bytes); },
                                           [&] { return phn_trust(_model, node, d, nullptr); },
                                           [&] { return phn_nearest(_model, nullptr, nullptr, out); }};
-    const int which = _script.below(std::size(calls));
+    const int which = _script.below(static_cast<int>(std::size(calls)));
     require(calls[which]() == PHN_ERROR_ARGUMENT, "null pointers are refused");
     if (which == 7) require(zero(out, 3), "zeros where refused");
   }
@@ -416,6 +415,21 @@ std::uint64_t LoadedText::hash() const {
   Fnv1a64 hash;
   hash.add(memory->data(), memory->size());
   return hash.value();
+}
+
+Models::Models(const std::vector<Model>& models, std::size_t shift) {
+  for (const Model& model : models) {
+    const std::string text = write_model_text(model);
+    _all.emplace_back(text.data(), text.size(), shift * _all.size());
+    require(_all.back().model != nullptr, "a good model");
+    _hashes.push_back(_all.back().hash());
+  }
+}
+
+void Models::ask_one(Script& script, const std::function<void(const phn_model*)>& ask) const {
+  const auto i = static_cast<std::size_t>(script.below(static_cast<int>(_all.size())));
+  ask(_all[i].model);
+  require(_all[i].hash() == _hashes[i], "a model never changes");
 }
 
 void look_at(const phn_model* model) {

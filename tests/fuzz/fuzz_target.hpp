@@ -43,6 +43,17 @@ class Random {
   std::uint64_t _state;
 };
 
+/// Random bytes behind one that counts the inputs, modulo `first`.
+inline std::vector<Input> random_inputs(std::uint64_t seed, int n, int n_bytes, int first = 256) {
+  std::vector<Input> all;
+  Random random(seed);
+  for (int i = 0; i < n; ++i) {
+    Input& input = all.emplace_back(1, static_cast<std::uint8_t>(i % first));
+    for (int k = 0; k < n_bytes; ++k) input.push_back(static_cast<std::uint8_t>(random.next()));
+  }
+  return all;
+}
+
 /// Bytes read as choices and numbers; zeros after their end.
 class Script {
  public:
