@@ -12,7 +12,7 @@ class BadPlace : public CommandLine {
   void SetUp() override {
     CommandLine::SetUp();
     write_file(folder / "scene.toml", small_scene("P1", 6));
-    ASSERT_EQ(phynness("precompute scene.toml -o whole.h5").exit_status, 0);
+    succeed("precompute scene.toml -o whole.h5");
   }
   /// Runs a script as root of a mount namespace of its own, or skips where that is not allowed.
   bool may_mount() const { return shell("unshare -rm sh -c 'mount -t tmpfs tmpfs /mnt'").exit_status == 0; }
@@ -31,8 +31,7 @@ TEST_F(BadPlace, LimitOfFileSize) {
   EXPECT_GT(kept.rays_logged, 0);
   EXPECT_LT(kept.rays_logged, kept.rays_total);
   EXPECT_TRUE(kept.damage.empty());
-  const auto resumed = phynness("precompute scene.toml -o database.h5 --resume");
-  ASSERT_EQ(resumed.exit_status, 0) << resumed.err;
+  succeed("precompute scene.toml -o database.h5 --resume");
   expect_same_results(folder / "whole.h5", folder / "database.h5");
 }
 

@@ -14,7 +14,7 @@ class InterruptedValidation : public CommandLine {
     scene.replace(active, scene.find("[probe]") - active,
                   "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
     write_file(folder / "scene.toml", scene);
-    ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
+    succeed("run scene.toml -o out");
   }
 
   /// More probes than a minute solves; SIGINT when the progress has counted to `count` in `unit`.
@@ -53,9 +53,7 @@ TEST_F(InterruptedValidation, OfPointsAndPairs) {
     const long finished = part.at("finished");
     EXPECT_GE(finished, 10);
     EXPECT_LT(finished, 100000);
-    const auto again = phynness("validate scene.toml out/model --probes 2 --json whole.json --" + unit + " " +
-                                std::to_string(finished));
-    ASSERT_EQ(again.exit_status, 0) << again.err;
+    succeed("validate scene.toml out/model --probes 2 --json whole.json --" + unit + " " + std::to_string(finished));
     EXPECT_FALSE(json("whole.json").at("interrupted").get<bool>());
     auto whole = json("whole.json").at(unit);
     whole[unit] = 100000;  // what was asked for is all that may differ
