@@ -105,8 +105,7 @@ TEST_F(Outputs, ThatFailAtTheEndCostNoOthers) {
   // The reason of a failure is not lost behind that of its JSON.
   const auto merge = phynness("merge s.shard-0-of-2.h5 -o fresh/merged.h5 --json /dev/full");
   EXPECT_EQ(merge.exit_status, 1);
-  for (const char* part : {"/dev/full", "rays are missing", "precompute SCENE -o s.h5 --shard 1/2 --resume"})
-    EXPECT_NE(merge.err.find(part), std::string::npos) << merge.err;
+  expect_names(merge.err, {"/dev/full", "rays are missing", "precompute SCENE -o s.h5 --shard 1/2 --resume"});
 }
 
 TEST_F(Outputs, OfTheFormatJsonGoToStdout) {

@@ -44,8 +44,7 @@ TEST_F(Shards, OfProcessesAndRanksMergeToOneRun) {
   expect_same_results(folder / "whole.h5", folder / "database.h5");
 
   const auto info = phynness("info database.shard-1-of-3.h5");
-  EXPECT_NE(info.out.find("shard 1/3"), std::string::npos) << info.out;
-  EXPECT_NE(info.out.find("phynness merge"), std::string::npos) << info.out;
+  expect_names(info.out, {"shard 1/3", "phynness merge"});
   const auto train = be_refused("train scene.toml database.shard-1-of-3.h5 -o model");
   EXPECT_NE(train.err.find("phynness merge"), std::string::npos) << train.err;
 }
