@@ -135,12 +135,6 @@ struct PlainDeformation {
   std::vector<Real> table, field, sums;
 };
 
-template <class Real = double>
-double plain_force_us(int n_neurons) {
-  const PlainForces<Real> plain(n_neurons, 1);
-  return median_us([&](int i) { plain(textbook_loops<Real>(), i); });
-}
-
 inline double plain_deformation_us(int n_neurons, std::size_t n_points) {
   PlainDeformation<double> plain(n_neurons, n_points);
   return median_us([&](int i) { plain.from_network(textbook_loops<double>(), i); });

@@ -1,7 +1,8 @@
 // The parts of the study of the paper that use the libraries; lab/paper/study.py runs them between commands of
 // phynness.
-//   phynness_paper_study measure FOLDER             measures the case in a folder, on the ranks of mpirun ->
-//   measured.json phynness_paper_study report STUDY.json FOLDER   measures times and writes paper.json and paper.html
+//   phynness_paper_study measure FOLDER      measures the case in a folder, on the ranks of mpirun -> measured.json
+//   phynness_paper_study time FOLDER         times and surfaces of its models -> times.json
+//   phynness_paper_study page JSON HTML      a page of the blocks in a file
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <optional>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
+#include <phynness/pages/report.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/studies/json.hpp>
 #include <phynness/studies/measure.hpp>
@@ -23,9 +25,10 @@ using std::filesystem::path;
 
 constexpr int n_surface_levels = 4;  // the paper's Table 2
 
-json read_json(const path& file) {
+template <class Json = json>
+Json read_json(const path& file) {
   std::ifstream in(file);
-  const auto read = json::parse(in, nullptr, false);
+  const auto read = Json::parse(in, nullptr, false);
   if (read.is_discarded())
     throw input_error("a file of the study cannot be read", file.string(), "remove it and run the study again");
   return read;
@@ -55,57 +58,47 @@ void measure(const path& folder) {
   for (int rank = 0; rank < session.size(); ++rank) std::filesystem::remove(part(rank));
 }
 
-void add_measurements(CaseResult& result, const path& folder) {
-  result.measured = read_json(folder / "measured.json").get<CaseMeasurements>();
-  result.facts.samples = read_scene(folder / "scene.toml").training.samples;
-  result.ours_errors = read_json(folder / "validate-ours.json");
-  if (result.of.linear) return;
-  result.networks_errors = read_json(folder / "validate-networks.json");
-  const LoadedModel networks(folder / "networks"), ours(folder / "ours");
-  if (networks.runtime().triangles().empty()) return;
-  result.times = measure_runtime(networks, ours, n_surface_levels);
-  for (int level = 0; level < n_surface_levels; ++level) result.surfaces.push_back(surface_at(networks, level));
+/// Rows of three numbers as lists.
+template <class Matrix>
+json rows(const Matrix& matrix) {
+  json out = json::array();
+  for (const auto& row : matrix.rowwise()) out.push_back({row[0], row[1], row[2]});
+  return out;
 }
 
-void write_report(const path& file, const path& folder) {
-  const auto in = read_json(file);
-  PaperStudy study;
-  in.at("less_than_full").get_to(study.less_than_full);
-  in.at("software").get_to(study.software);
-  in.at("machine").get_to(study.machine);
-  in.at("seconds").get_to(study.seconds);
-  for (const auto& entry : in.at("cases")) {
-    auto& result = study.cases.emplace_back();
-    entry.at("of").get_to(result.of);
-    result.missing = entry.value("missing", "");
-    if (!result.missing.empty()) continue;
-    entry.at("facts").get_to(result.facts);
-    add_measurements(result, folder / ("case-" + result.of.id));
+/// Times of the models of a case whose networks have a surface, and its surfaces by level of subdivision.
+void measure_times(const path& folder) {
+  json out{{"samples", read_scene(folder / "scene.toml").training.samples}, {"surfaces", json::array()}};
+  if (std::filesystem::exists(folder / "networks/model.txt")) {
+    const LoadedModel networks(folder / "networks"), ours(folder / "ours");
+    if (!networks.runtime().triangles().empty()) {
+      out["runtime"] = measure_runtime(networks, ours, n_surface_levels);
+      for (int level = 0; level < n_surface_levels; ++level) {
+        const auto shape = surface_at(networks, level);
+        out["surfaces"].push_back({{"points", rows(shape.points)}, {"triangles", rows(shape.triangles)}});
+      }
+    }
   }
-  const auto report = paper_report(study);
-  write_text_file(folder / "paper.json", to_json(study, report).dump(1) + "\n");
-  write_text_file(folder / "paper.html", html_page(study, report));
-  for (const auto& row : report.summary) {
-    std::printf("%-62s", row.front().c_str());
-    for (std::size_t c = 1; c < row.size(); ++c) std::printf(" | %s", row[c].c_str());
-    std::printf("\n");
-  }
+  write_text_file(folder / "times.json", out.dump());
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"Measurements and report of the study of the paper (lab/study paper)"};
-  path folder, file;
+  CLI::App app{"Measurements of the study of the paper (lab/study paper)"};
+  path folder, page;
   auto* measuring = app.add_subcommand("measure", "measures the case in a folder");
-  measuring->add_option("FOLDER", folder)->required();
-  auto* reporting = app.add_subcommand("report", "writes paper.json and paper.html into a folder");
-  reporting->add_option("STUDY", file)->required();
-  reporting->add_option("FOLDER", folder)->required();
+  auto* timing = app.add_subcommand("time", "measures the times of its models");
+  for (auto* command : {measuring, timing}) command->add_option("FOLDER", folder)->required();
+  auto* writing = app.add_subcommand("page", "writes blocks as a page");
+  writing->add_option("JSON", folder)->required();
+  writing->add_option("HTML", page)->required();
   app.require_subcommand(1);
   CLI11_PARSE(app, argc, argv);
-  if (measuring->parsed())
-    measure(folder);
-  else
-    write_report(file, folder);
+  if (measuring->parsed()) measure(folder);
+  if (timing->parsed()) measure_times(folder);
+  if (writing->parsed()) {
+    const auto blocks = read_json<report::Json>(folder);
+    write_text_file(page, report::page(blocks.at("title"), blocks.at("sections")));
+  }
   return 0;
 }
 

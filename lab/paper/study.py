@@ -20,6 +20,7 @@ import numpy as np
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 from commands import PHYNNESS, SOURCE, changed, run, text  # noqa: E402
+from report import report as paper_report  # noqa: E402
 
 PROGRAM = os.environ.get("PHYNNESS_PAPER_STUDY", str(SOURCE / "build/release/lab/phynness_paper_study"))
 CASES = [  # liver: a column of Table 1; element: instead of the scene's
@@ -124,6 +125,24 @@ class Case:
                 "networks": record("train-networks", "networks")}  # fmt: skip
 
 
+def report(of, folder):
+    for entry in of["cases"]:
+        if entry["missing"]:
+            continue
+        case = folder / ("case-" + entry["of"]["id"])
+        subprocess.run([PROGRAM, "time", case], check=True)
+        read = lambda name: json.loads((case / name).read_text()) if (case / name).exists() else None
+        entry.update(read("times.json"), measured=read("measured.json"), networks_errors=read("validate-networks.json"),
+                     ours_errors=read("validate-ours.json"))
+        entry["facts"]["samples"] = entry.pop("samples")
+    data, sections = paper_report(of)
+    (folder / "paper.json").write_text(json.dumps(data, indent=1) + "\n")
+    (folder / "blocks.json").write_text(json.dumps({"title": "The paper's tables and figures, from our runs", "sections": sections}))
+    subprocess.run([PROGRAM, "page", folder / "blocks.json", folder / "paper.html"], check=True)
+    for row in data["summary"]:
+        print(" | ".join([row[0].ljust(62), *row[1:]]))
+
+
 def machine():
     model = [line.split(": ", 1)[1] for line in open("/proc/cpuinfo") if line.startswith("model name")]
     return f"{(model or ['unknown processor'])[0].strip()}, {os.cpu_count()} cores"
@@ -157,14 +176,14 @@ def study(options):
             case.run()
         elif not case.is_finished():  # a case that was finished before is part of the page
             missing = "not asked for (--cases)"
-        entries.append({"of": of, "missing": missing} if missing else {"of": of, "facts": case.facts()})
+        entries.append({"of": of, "missing": missing} if missing else {"of": of, "missing": "", "facts": case.facts()})
     words = f"meshes of about {QUICK_NODES} nodes (drain: {QUICK_DRAIN_NODES}), {QUICK_INCREMENTS} increments, and " + \
         ", ".join(f"{k} = {v}" for k, v in QUICK.items())  # fmt: skip
     file = options.output / "study.json"
     file.write_text(json.dumps({"less_than_full": words if options.quick else "", "software": run("--version").strip(),
                                 "machine": machine(), "seconds": time.time() - begun, "cases": entries}))  # fmt: skip
     print("\n== times and report", flush=True)
-    subprocess.run([PROGRAM, "report", file, options.output], check=True)
+    report(json.loads(file.read_text()), options.output)
     print(f"{time.time() - begun:.0f} s -> {options.output / 'paper.html'}, {options.output / 'paper.json'}")
 
 

@@ -21,7 +21,7 @@ class Page : public CommandLine {
     write_file(folder / "scene.toml", text);
     for (const char* line : {"precompute scene.toml -o d.h5",
                              "train scene.toml d.h5 --family modal --levels 2 -o model", "info d.h5 --json info.json"})
-      ASSERT_EQ(phynness(line).exit_status, 0) << line;
+      succeed(line);
     node = json("info.json").at("active").at(0).get<int>();
   }
   /// Errors with the hashes of the model, by which `view` knows whose they are, of its finer level.
@@ -41,8 +41,7 @@ class Page : public CommandLine {
     return page.substr(at, page.find("</script>", at) - at);
   }
   void expect_refused(const std::string& options, const std::vector<std::string>& parts) const {
-    const auto refused = phynness("view model " + options + " -o none.html");
-    EXPECT_EQ(refused.exit_status, 2) << options << "\n" << refused.err;
+    const auto refused = be_refused("view model " + options + " -o none.html");
     EXPECT_FALSE(std::filesystem::exists(folder / "none.html"));
     expect_error(refused.err, parts);
   }
@@ -53,8 +52,7 @@ class Page : public CommandLine {
 
 TEST_F(Page, HoldsModelIncrementsAndErrors) {
   write_errors({{"nodes", {node}}, {"force_error", {0.25}}, {"displacement_error", {0.5}}});
-  const auto written = phynness("view model --database d.h5 --errors e.json -o organ.html");
-  ASSERT_EQ(written.exit_status, 0) << written.err;
+  succeed("view model --database d.h5 --errors e.json -o organ.html");
   const auto page = read_file(folder / "organ.html");
   const auto text = element(page);
   EXPECT_EQ(text.find('<'), std::string::npos);
@@ -71,11 +69,10 @@ TEST_F(Page, HoldsModelIncrementsAndErrors) {
   }
   // The stored force of one ray, from the command that reads the database itself.
   const auto& ray = rays.at(0);
-  const auto solved = phynness("solve d.h5 --node " + ray.at("node").dump() + " --displacement " +
-                               std::to_string(0.008 * ray.at("direction")[0].get<double>()) + "," +
-                               std::to_string(0.008 * ray.at("direction")[1].get<double>()) + "," +
-                               std::to_string(0.008 * ray.at("direction")[2].get<double>()) + " --json s.json");
-  ASSERT_EQ(solved.exit_status, 0) << solved.err;
+  succeed("solve d.h5 --node " + ray.at("node").dump() + " --displacement " +
+          std::to_string(0.008 * ray.at("direction")[0].get<double>()) + "," +
+          std::to_string(0.008 * ray.at("direction")[1].get<double>()) + "," +
+          std::to_string(0.008 * ray.at("direction")[2].get<double>()) + " --json s.json");
   const auto answer = json("s.json");
   const auto& force = answer.at("tools").at(0).at("force");
   for (std::size_t k = 0; k < 3; ++k)  // the displacement above has 1e-6 m of rounding in 8 mm, the page 6 digits
@@ -84,7 +81,7 @@ TEST_F(Page, HoldsModelIncrementsAndErrors) {
 }
 
 TEST_F(Page, RefersToNothingOutside) {
-  ASSERT_EQ(phynness("view model -o organ.html").exit_status, 0);
+  succeed("view model -o organ.html");
   const auto page = read_file(folder / "organ.html");
   const std::regex outside(R"re(<(script|link|img|iframe)[^>]*(src|href)=|@import|url\((?!data:))re");
   std::smatch found;
@@ -99,7 +96,7 @@ TEST_F(Page, FilesOfOtherModelsAreRefused) {
   auto other = small_scene();
   other.replace(other.find("0.025"), 5, "0.030");
   write_file(folder / "other.toml", other);
-  ASSERT_EQ(phynness("precompute other.toml -o other.h5").exit_status, 0);
+  succeed("precompute other.toml -o other.h5");
   expect_refused("--database other.h5", {"another mesh", "other.h5"});
   for (const auto& [by_node, part] : std::vector<std::pair<Json, std::string>>{
            {Json(3), "by_node"},

@@ -42,11 +42,10 @@ class Overwriting : public CommandLine {
          {"mesh block.toml -o parts/body.msh", "precompute scenes/scene.toml -o d.h5",
           "precompute scenes/scene.toml -o s.h5 --shard 0/2", "precompute scenes/scene.toml -o s.h5 --shard 1/2",
           "train scenes/scene.toml d.h5 -o model", "info d.h5 --json fresh/info.json"}) {
-      const auto made = phynness(line);
-      ASSERT_EQ(made.exit_status, 0) << line << "\n" << made.err;
+      succeed(line);
     }
     node = std::to_string(json("fresh/info.json").at("active").at(0).get<int>());
-    ASSERT_EQ(phynness("info model --json fresh/info.json").exit_status, 0);
+    succeed("info model --json fresh/info.json");
     const auto of_model = json("fresh/info.json");
     fs::remove(folder / "fresh/info.json");
     write_file(folder / "queries.csv", "node,ux_m,uy_m,uz_m\n" + node + ",0,0,-0.001\n");
@@ -69,8 +68,7 @@ class Overwriting : public CommandLine {
   }
 
   Offered offered(const std::string& command) const {
-    const auto help = phynness(command + " --help");
-    EXPECT_EQ(help.exit_status, 0) << command;
+    const auto help = succeed(command + " --help");
     return offered_options(help.out);
   }
 
@@ -154,8 +152,7 @@ class Overwriting : public CommandLine {
 
   void expect_refused(const std::string& words, const std::string& option) {
     const auto before = files();
-    const auto outcome = phynness(words);
-    EXPECT_EQ(outcome.exit_status, 2) << words << "\n" << outcome.err;
+    const auto outcome = be_refused(words);
     // A plot is refused earlier if its name does not end in .html, and a folder where a file is; so are other outputs
     // than the table of --queries.
     const bool earlier = outcome.err.find(".html") != std::string::npos ||
@@ -220,7 +217,7 @@ TEST_F(Overwriting, OfAnotherOutputIsRefusedByEveryCommand) {
   expect_refused("precompute scenes/scene.toml -o f.h5 --shard 0/2 --json f.shard-0-of-2.h5", "--json");
   expect_refused("export model -o fresh/c --name n --json fresh/c/n.bin", "--json");
   expect_refused("run scenes/scene.toml -o fresh/o --json fresh/o/model/mesh.txt", "--json");
-  EXPECT_EQ(phynness("mesh scenes/scene.toml -o ''").exit_status, 2);
+  be_refused("mesh scenes/scene.toml -o ''");
 }
 
 TEST_F(Overwriting, EveryWrittenFileIsRefusedAsInput) {
@@ -239,8 +236,7 @@ TEST_F(Overwriting, EveryWrittenFileIsRefusedAsInput) {
       return full.replace(full.find('@'), 1, given);
     };
     const auto before = files();
-    const auto made = phynness(with(input));
-    ASSERT_EQ(made.exit_status, 0) << words << "\n" << made.err;
+    succeed(with(input));
     int written = 0;
     const auto after = files();
     for (const auto& [name, bytes] : after) {
@@ -301,8 +297,7 @@ TEST_F(Overwriting, IsNotSeenWhereThereIsNone) {
         std::string("train scenes/scene.toml d.h5 -o . --json train.json"),
         std::string("export model -o . --json sizes.json"),
         std::string("run alone/block.toml -o alone --json run.json")}) {
-    const auto outcome = phynness(words);
-    EXPECT_EQ(outcome.exit_status, 0) << words << "\n" << outcome.err;
+    succeed(words);
   }
 }
 

@@ -9,8 +9,7 @@ namespace {
 class WrongOption : public CommandLine {
  protected:
   void expect_wrong(const std::string& arguments, const std::vector<std::string>& parts) {
-    const auto outcome = phynness(arguments);
-    EXPECT_EQ(outcome.exit_status, 2) << arguments;
+    const auto outcome = be_refused(arguments);
     EXPECT_EQ(outcome.out, "");
     EXPECT_EQ(outcome.err.rfind("error: ", 0), 0u) << outcome.err;
     expect_error(outcome.err, parts);
@@ -39,8 +38,7 @@ TEST_F(WrongOption, OfEverySubcommandIsAnErrorWithARemedy) {
 
 TEST_F(WrongOption, IsNotTheCallForHelpOrVersion) {
   for (const char* call : {"--help", "--version", "eval --help"}) {
-    const auto outcome = phynness(call);
-    EXPECT_EQ(outcome.exit_status, 0) << call;
+    const auto outcome = succeed(call);
     EXPECT_NE(outcome.out, "");
     EXPECT_EQ(outcome.err, "");
   }
@@ -70,8 +68,7 @@ TEST_F(WrongOption, IsANameThatIsTooLong) {
       const auto longest = std::string(name - ending.size(), 'b');
       // A name and a path of these lengths: the error is about the scene or the database.
       const auto in_folders = path - folder.string().size() - 1;
-      const auto allowed = phynness(with(folders.substr(0, (in_folders - name) / 100 * 100) + longest));
-      EXPECT_EQ(allowed.exit_status, 2) << allowed.err;
+      const auto allowed = be_refused(with(folders.substr(0, (in_folders - name) / 100 * 100) + longest));
       EXPECT_EQ(allowed.err.find("too long"), std::string::npos) << allowed.err;
     }
   }

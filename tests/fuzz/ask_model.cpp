@@ -38,40 +38,12 @@ class Asker {
   }
 
   void call() {
-    switch (_script.below(18)) {
-      case 0:
-      case 1:
-        return force();
-      case 2:
-        return energy();
-      case 3:
-        return stiffness();
-      case 4:
-      case 5:
-        return deform();
-      case 6:
-        return prepare();
-      case 7:
-        return nearest();
-      case 8:
-      case 9:
-      case 10:
-        return couple();
-      case 11:
-        return field();
-      case 12:
-        return trust();
-      case 13:
-        return surface();
-      case 14:
-        return nulls();
-      case 15:
-        return level();
-      case 16:
-        return point();
-      default:
-        return sizes();
-    }
+    using Question = void (Asker::*)();
+    constexpr Question questions[] = {
+        &Asker::force,   &Asker::force,   &Asker::energy, &Asker::stiffness, &Asker::deform, &Asker::deform,
+        &Asker::prepare, &Asker::nearest, &Asker::couple, &Asker::couple,    &Asker::couple, &Asker::field,
+        &Asker::trust,   &Asker::surface, &Asker::nulls,  &Asker::level,     &Asker::point,  &Asker::sizes};
+    (this->*questions[_script.below(static_cast<int>(std::size(questions)))])();
   }
 
  private:
@@ -372,47 +344,28 @@ class Asker {
     double out[9];
     std::size_t bytes;
     const phn_tool tool{{node, -1, -1}, {1, 0, 0}, {0, 0, 0}};
-    int status = 0;
-    switch (_script.below(12)) {
-      case 0:
-        status = phn_force(nullptr, _data, node, d, out, nullptr, nullptr);
-        break;
-      case 1:
-        status = phn_force(_model, nullptr, node, d, out, nullptr, nullptr);
-        break;
-      case 2:
-        status = phn_force(_model, _data, node, nullptr, out, nullptr, nullptr);
-        break;
-      case 3:
-        status = phn_force(_model, _data, node, d, nullptr, nullptr, nullptr);
-        break;
-      case 4:
-        status = phn_deform(_model, _data, node, nullptr, std::vector<double>(3 * _n_output + 1).data());
-        break;
-      case 5:
-        status = phn_deform(_model, _data, node, d, nullptr);
-        break;
-      case 6:
-        status = phn_couple(_model, _data, 1, nullptr, out, nullptr);
-        break;
-      case 7:
-        out[0] = out[1] = out[2] = 1;
-        status = phn_couple(_model, nullptr, 1, &tool, out, nullptr);
-        require(zero(out, 3), "zeros where refused");
-        break;
-      case 8:
-        status = phn_coupled_deform(_model, nullptr, std::vector<double>(3 * _n_output + 1).data());
-        break;
-      case 9:
-        status = phn_tools_size(nullptr, 1, &bytes);
-        break;
-      case 10:
-        status = phn_trust(_model, node, d, nullptr);
-        break;
-      default:
-        status = phn_nearest(_model, nullptr, nullptr, out);
-    }
-    require(status == PHN_ERROR_ARGUMENT, "null pointers are refused");
+    const auto force = [&](const phn_model* model, phn_data* data, const double* x, double* f) {
+      return phn_force(model, data, node, x, f, nullptr, nullptr);
+    };
+    std::vector<double> field(3 * _n_output + 1);
+    const std::function<int()> calls[] = {[&] { return force(nullptr, _data, d, out); },
+                                          [&] { return force(_model, nullptr, d, out); },
+                                          [&] { return force(_model, _data, nullptr, out); },
+                                          [&] { return force(_model, _data, d, nullptr); },
+                                          [&] { return phn_deform(_model, _data, node, nullptr, field.data()); },
+                                          [&] { return phn_deform(_model, _data, node, d, nullptr); },
+                                          [&] { return phn_couple(_model, _data, 1, nullptr, out, nullptr); },
+                                          [&] {
+                                            out[0] = out[1] = out[2] = 1;
+                                            return phn_couple(_model, nullptr, 1, &tool, out, nullptr);
+                                          },
+                                          [&] { return phn_coupled_deform(_model, nullptr, field.data()); },
+                                          [&] { return phn_tools_size(nullptr, 1, &bytes); },
+                                          [&] { return phn_trust(_model, node, d, nullptr); },
+                                          [&] { return phn_nearest(_model, nullptr, nullptr, out); }};
+    const int which = _script.below(static_cast<int>(std::size(calls)));
+    require(calls[which]() == PHN_ERROR_ARGUMENT, "null pointers are refused");
+    if (which == 7) require(zero(out, 3), "zeros where refused");
   }
   void sizes() {
     const auto tools = _script.raw<std::int32_t>();
@@ -462,6 +415,21 @@ std::uint64_t LoadedText::hash() const {
   Fnv1a64 hash;
   hash.add(memory->data(), memory->size());
   return hash.value();
+}
+
+Models::Models(const std::vector<Model>& models, std::size_t shift) {
+  for (const Model& model : models) {
+    const std::string text = write_model_text(model);
+    _all.emplace_back(text.data(), text.size(), shift * _all.size());
+    require(_all.back().model != nullptr, "a good model");
+    _hashes.push_back(_all.back().hash());
+  }
+}
+
+void Models::ask_one(Script& script, const std::function<void(const phn_model*)>& ask) const {
+  const auto i = static_cast<std::size_t>(script.below(static_cast<int>(_all.size())));
+  ask(_all[i].model);
+  require(_all[i].hash() == _hashes[i], "a model never changes");
 }
 
 void look_at(const phn_model* model) {

@@ -3,7 +3,9 @@
 
 #include <phynness/phynness.h>
 
+#include <functional>
 #include <memory>
+#include <phynness/formats/model.hpp>
 
 #include "fuzz_target.hpp"
 
@@ -43,6 +45,18 @@ struct LoadedText {
   std::unique_ptr<Memory> memory;
   const phn_model* model = nullptr;
   int status = PHN_OK;
+};
+
+/// Good models, each in a block of its own alignment.
+class Models {
+ public:
+  Models(const std::vector<Model>& models, std::size_t shift);
+  /// Asks the one that the script chooses, which never changes.
+  void ask_one(Script& script, const std::function<void(const phn_model*)>& ask) const;
+
+ private:
+  std::vector<LoadedText> _all;
+  std::vector<std::uint64_t> _hashes;
 };
 
 /// Claims of the accessors.

@@ -80,47 +80,35 @@ std::int64_t integer(Script& script) {
   return script.raw<std::int32_t>();
 }
 hid_t any_type(Script& script) {
-  switch (script.below(12)) {
-    case 0:
-      return H5Tcopy(H5T_STD_I32LE);
-    case 1:
-      return H5Tcopy(H5T_IEEE_F64LE);
-    case 2:
-      return H5Tcopy(H5T_IEEE_F32LE);
-    case 3:
-      return H5Tcopy(H5T_STD_I64BE);
-    case 4:
-      return H5Tcopy(H5T_STD_U8LE);
-    case 5: {
-      const hid_t type = H5Tcopy(H5T_C_S1);
-      H5Tset_size(type, 1 + static_cast<std::size_t>(script.byte()));
-      return type;
-    }
-    case 6: {
-      const hid_t type = H5Tcreate(H5T_COMPOUND, 16);
+  const hid_t plain[] = {H5T_STD_I32LE, H5T_IEEE_F64LE, H5T_IEEE_F32LE, H5T_STD_I64BE, H5T_STD_U8LE, H5T_STD_REF_OBJ};
+  const auto text = [](std::size_t size) {
+    const hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, size);
+    return type;
+  };
+  const hsize_t three = 3;
+  const std::int32_t one = 1;
+  hid_t type = -1;
+  switch (const int kind = script.below(12)) {
+    case 6:
+      return text(1 + static_cast<std::size_t>(script.byte()));
+    case 7:
+      type = H5Tcreate(H5T_COMPOUND, 16);
       H5Tinsert(type, "a", 0, H5T_IEEE_F64LE);
       H5Tinsert(type, "b", 8, H5T_STD_I32LE);
       return type;
-    }
-    case 7: {
-      const hid_t type = H5Tenum_create(H5T_STD_I32LE);
-      const std::int32_t one = 1;
+    case 8:
+      type = H5Tenum_create(H5T_STD_I32LE);
       H5Tenum_insert(type, "one", &one);
       return type;
-    }
-    case 8:
-      return H5Tcopy(H5T_STD_REF_OBJ);
-    case 9: {
-      const hsize_t n = 3;
-      return H5Tarray_create2(H5T_IEEE_F64LE, 1, &n);
-    }
+    case 9:
+      return H5Tarray_create2(H5T_IEEE_F64LE, 1, &three);
     case 10:
       return H5Tvlen_create(H5T_STD_I32LE);
-    default: {
-      const hid_t type = H5Tcopy(H5T_C_S1);
-      H5Tset_size(type, H5T_VARIABLE);
-      return type;
-    }
+    case 11:
+      return text(H5T_VARIABLE);
+    default:
+      return H5Tcopy(plain[kind]);
   }
 }
 hid_t any_space(Script& script) {

@@ -43,6 +43,17 @@ class Random {
   std::uint64_t _state;
 };
 
+/// Random bytes behind one that counts the inputs, modulo `first`.
+inline std::vector<Input> random_inputs(std::uint64_t seed, int n, int n_bytes, int first = 256) {
+  std::vector<Input> all;
+  Random random(seed);
+  for (int i = 0; i < n; ++i) {
+    Input& input = all.emplace_back(1, static_cast<std::uint8_t>(i % first));
+    for (int k = 0; k < n_bytes; ++k) input.push_back(static_cast<std::uint8_t>(random.next()));
+  }
+  return all;
+}
+
 /// Bytes read as choices and numbers; zeros after their end.
 class Script {
  public:
@@ -62,31 +73,10 @@ class Script {
   }
   /// Of any size and kind: special values, any bit pattern, centimetres.
   double number() {
-    constexpr double inf = std::numeric_limits<double>::infinity();
-    constexpr double special[] = {0,
-                                  -0.0,
-                                  1,
-                                  -1,
-                                  0.01,
-                                  -0.01,
-                                  1e-6,
-                                  1e6,
-                                  1e30,
-                                  -1e30,
-                                  1e100,
-                                  -1e100,
-                                  1e-100,
-                                  1e155,
-                                  1e200,
-                                  -1e300,
-                                  1e-300,
-                                  5e-324,
-                                  2.2250738585072014e-308,
-                                  1.7976931348623157e308,
-                                  -1.7976931348623157e308,
-                                  inf,
-                                  -inf,
-                                  std::numeric_limits<double>::quiet_NaN()};
+    using Limits = std::numeric_limits<double>;
+    constexpr double inf = Limits::infinity(), nan = Limits::quiet_NaN(), tiny = Limits::min(), huge = Limits::max();
+    constexpr double special[] = {0,      -0.0,  1,     -1,     0.01,   -0.01,  1e-6, 1e6,  1e30,  -1e30, 1e100, -1e100,
+                                  1e-100, 1e155, 1e200, -1e300, 1e-300, 5e-324, tiny, huge, -huge, inf,   -inf,  nan};
     const int kind = byte();
     if (kind < 64) return special[static_cast<std::size_t>(kind) % std::size(special)];
     if (kind < 96) return std::bit_cast<double>(raw<std::uint64_t>());

@@ -169,16 +169,7 @@ void change_structure(Model& model, Script& script) {
 
 }  // namespace
 
-std::vector<Input> seeds() {
-  std::vector<Input> all;
-  Random random(7);
-  for (int i = 0; i < 1000; ++i) {
-    Input& input = all.emplace_back();
-    input.push_back(static_cast<std::uint8_t>(i % 4));
-    for (int k = 0; k < 300; ++k) input.push_back(static_cast<std::uint8_t>(random.next()));
-  }
-  return all;
-}
+std::vector<Input> seeds() { return random_inputs(7, 1000, 300, 4); }
 
 }  // namespace phynness::fuzz
 

@@ -17,6 +17,14 @@ inline std::string sealed(std::string_view text) {
   return body + "checksum " + hash.hex() + "\n";
 }
 
+/// The words between the bars of a list.
+inline std::vector<std::string_view> words_of(std::string_view list) {
+  std::vector<std::string_view> words;
+  for (std::size_t at = 0; at <= list.size(); at += words.back().size() + 1)
+    words.push_back(list.substr(at, list.find('|', at) - at));
+  return words;
+}
+
 /// Changes lines, words and counts of a text so that much of it remains what a reader expects.
 class TextMutator {
  public:

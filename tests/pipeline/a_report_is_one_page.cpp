@@ -14,10 +14,9 @@ class Report : public CommandLine {
     auto scene = small_scene("P1", 3);
     scene.replace(scene.find("small block"), 11, "<b>small & odd</b>\\u202E");
     write_file(folder / "scene.toml", scene);
-    ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
-    ASSERT_EQ(phynness("train scene.toml d.h5 -o m --family modal --levels 2").exit_status, 0);
-    const auto run = phynness("validate scene.toml m --probes 80 --report r.html --json v.json");
-    ASSERT_EQ(run.exit_status, 0) << run.err;
+    succeed("precompute scene.toml -o d.h5");
+    succeed("train scene.toml d.h5 -o m --family modal --levels 2");
+    succeed("validate scene.toml m --probes 80 --report r.html --json v.json");
     page = read_file(folder / "r.html");
     const std::string start = R"(id="phynness-data">)";
     const auto at = page.find(start) + start.size();

@@ -45,8 +45,7 @@ TEST_F(Verdict, IsFirstAndNarrow) {
                 "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
   scene.replace(scene.find("0.025"), 5, "0.040");
   write_file(folder / "scene.toml", scene);
-  const auto run = phynness("run scene.toml -o out --json all.json");
-  ASSERT_EQ(run.exit_status, 0) << run.err;
+  const auto run = succeed("run scene.toml -o out --json all.json");
   expect_narrow(run.out);
   const auto lines = lines_of(run.out);
   ASSERT_FALSE(lines.empty());
@@ -71,8 +70,7 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   EXPECT_GE(worst.at("error_N"), worst.at("mean_error_N"));
   EXPECT_EQ(v.at("verdict").at("off_by_a_tenth").at("share"), v.at("all").at("wrong"));
 
-  const auto brief = phynness("validate scene.toml out/model --report r.html");
-  ASSERT_EQ(brief.exit_status, 0) << brief.err;
+  const auto brief = succeed("validate scene.toml out/model --report r.html");
   expect_narrow(brief.out);
   EXPECT_LE(lines_of(brief.out).size(), 24U) << brief.out;  // verdict of at most 11 lines, table, file
   const auto page = read_file(folder / "r.html");
@@ -80,22 +78,19 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   EXPECT_LT(page.find("\"table\":"), page.find("\"title\":\"Scene\""));
   EXPECT_EQ(page.find("\"unflagged\""), std::string::npos);
 
-  const auto details = phynness("validate scene.toml out/model --details --points 2 --pairs 2");
-  ASSERT_EQ(details.exit_status, 0) << details.err;
+  const auto details = succeed("validate scene.toml out/model --details --points 2 --pairs 2");
   expect_narrow(details.out + details.err);
   EXPECT_GT(lines_of(details.out).size(), lines_of(brief.out).size());
   expect_names(details.out, {"zero predictor", "force by finite elements", "runtime on this machine"});
   EXPECT_FALSE(has_line(lines_of(details.out), "unflagged")) << details.out;
 
-  const auto calibrated = phynness("calibrate out/model out/database.h5 -o bounded --rays 200");
-  ASSERT_EQ(calibrated.exit_status, 0) << calibrated.err;
+  const auto calibrated = succeed("calibrate out/model out/database.h5 -o bounded --rays 200");
   expect_narrow(calibrated.out);
   EXPECT_EQ(calibrated.out.rfind("median bound of the force's error: ", 0), 0U) << calibrated.out;
   for (const char* other :
        {"run scene.toml -o whole --details", "check scene.toml --probes 2", "info scene.toml", "info out/model",
         "info out/database.h5", "calibrate out/model out/database.h5 --details"}) {
-    const auto done = phynness(other);
-    EXPECT_EQ(done.exit_status, 0) << other << done.err;
+    const auto done = succeed(other);
     expect_narrow(done.out + done.err);
   }
 }

@@ -61,6 +61,14 @@ class CommandLine : public ::testing::Test {
             read_file(folder / "stderr.txt")};
   }
   Outcome phynness(const std::string& arguments) const { return shell("\"$PHYNNESS\" " + arguments); }
+  /// The outcome of a command that must end with this exit status.
+  Outcome ended(int exit_status, const std::string& arguments) const {
+    auto outcome = phynness(arguments);
+    EXPECT_EQ(outcome.exit_status, exit_status) << arguments << "\n" << outcome.err;
+    return outcome;
+  }
+  Outcome succeed(const std::string& arguments) const { return ended(0, arguments); }
+  Outcome be_refused(const std::string& arguments) const { return ended(2, arguments); }
   nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(read_file(folder / name)); }
 
   /// A block of a few dozen nodes, fixed below, two nodes of its top touched: seconds, not minutes.

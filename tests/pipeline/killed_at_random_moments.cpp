@@ -33,7 +33,7 @@ class Killed : public CommandLine {
     write_file(folder / "scene.toml", text);
     std::printf("seed %u\n", seed);
     RecordProperty("seed", static_cast<int>(seed));
-    ASSERT_EQ(phynness("precompute scene.toml -o whole.h5").exit_status, 0);
+    succeed("precompute scene.toml -o whole.h5");
   }
 
   /// Starts a command in the folder, its output to a file there.
@@ -178,12 +178,11 @@ TEST_F(KilledAlone, ProcessEndsAtTheSameDatabase) {
 }
 
 TEST_F(KilledAlone, ShardEndsAtTheSameDatabase) {
-  ASSERT_EQ(phynness("precompute scene.toml -o database.h5 --shard 0/2").exit_status, 0);
+  succeed("precompute scene.toml -o database.h5 --shard 0/2");
   const auto shard = folder / "database.shard-1-of-2.h5";
   torment({PHYNNESS_COMMAND, "precompute", "scene.toml", "-o", "database.h5", "--shard", "1/2", "--resume"}, shard, 22,
           kill_process, [&] {
-            const auto merged = phynness("merge database.shard-0-of-2.h5 database.shard-1-of-2.h5 -o database.h5");
-            ASSERT_EQ(merged.exit_status, 0) << merged.err;
+            succeed("merge database.shard-0-of-2.h5 database.shard-1-of-2.h5 -o database.h5");
             expect_whole_and_remove(folder / "database.h5");
             std::filesystem::remove(shard);
             std::filesystem::remove_all(shard.string() + ".log");

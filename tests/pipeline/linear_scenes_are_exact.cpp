@@ -31,7 +31,7 @@ class LinearScenes : public CommandLine {
                   "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
     write_file(folder / "scene.toml", scene);
     std::filesystem::remove_all(folder / "out");
-    ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
+    succeed("run scene.toml -o out");
   }
 };
 
@@ -39,8 +39,7 @@ TEST_F(LinearScenes, ModelRepeatsTheFiniteElements) {
   for (const char* element : {"P1", "P2", "p1-p1", "es-p1-p1"}) {
     write_file(folder / "scene.toml", linear_scene(element));
     std::filesystem::remove_all(folder / "out");
-    const auto run = phynness("run scene.toml -o out --details");
-    ASSERT_EQ(run.exit_status, 0) << run.err << run.out;
+    const auto run = succeed("run scene.toml -o out --details");
     EXPECT_NE(run.out.find("three unit responses"), std::string::npos) << run.out;
     EXPECT_EQ(json("out/train.json").at("family"), "linear");
     EXPECT_LT(json("out/train.json").at("linear").at("energy_residual"), 1e-6);
@@ -54,8 +53,7 @@ TEST_F(LinearScenes, ModelRepeatsTheFiniteElements) {
       }
     }
   }
-  const auto info = phynness("info out/model --json info.json");
-  EXPECT_EQ(info.exit_status, 0) << info.err;
+  const auto info = succeed("info out/model --json info.json");
   EXPECT_NE(info.out.find("exact beyond"), std::string::npos) << info.out;
   EXPECT_EQ(json("info.json").at("family"), "linear");
 }
@@ -63,11 +61,10 @@ TEST_F(LinearScenes, ModelRepeatsTheFiniteElements) {
 // The trained depth is 8 mm. Energy is half the work of the final force, to the rounding of Simpson's sum.
 TEST_F(LinearScenes, EvalWarnsOfNothingAtAnyDepth) {
   write_file(folder / "scene.toml", linear_scene());
-  ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
-  ASSERT_EQ(phynness("info out/model --json info.json").exit_status, 0);
+  succeed("run scene.toml -o out");
+  succeed("info out/model --json info.json");
   const auto node = json("info.json").at("active").at(0).dump();
-  const auto eval = phynness("eval out/model --node " + node + " --displacement 0.3,0,-0.4 --json eval.json");
-  ASSERT_EQ(eval.exit_status, 0) << eval.err;
+  const auto eval = succeed("eval out/model --node " + node + " --displacement 0.3,0,-0.4 --json eval.json");
   EXPECT_EQ(eval.err.find("warning"), std::string::npos) << eval.err;
   const auto result = json("eval.json");
   EXPECT_EQ(result.at("status"), 0);
@@ -81,7 +78,7 @@ TEST_F(LinearScenes, RoundToolsSuperpose) {
   for (const char* element : {"P1", "p1-p1", "es-p1-p1"}) {
     const auto scene = changed(linear_scene(element), "[probe]\n", "[probe]\nkind = \"patch\"\ntool_radius_m = 0.02\n");
     run_with_active_top(scene);
-    ASSERT_EQ(phynness("validate scene.toml out/model --probes 2 --pairs 12 --json v.json").exit_status, 0);
+    succeed("validate scene.toml out/model --probes 2 --pairs 12 --json v.json");
     const auto pairs = json("v.json").at("pairs");
     EXPECT_EQ(pairs.at("failed"), 0);
     EXPECT_EQ(pairs.at("unsettled"), 0);
@@ -101,10 +98,8 @@ TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
     for (const std::string tools : {"--point 0.041,0.033,0.05 --displacement 0.002,0.001,-0.004",
                                     "--point 0.021,0.033,0.05 --displacement 0.002,0.001,-0.004 --point "
                                     "0.07,0.05,0.05 --displacement 0,0,0.003"}) {
-      const auto eval = phynness("eval out/model " + tools + " --json eval.json --deformation eval.csv");
-      ASSERT_EQ(eval.exit_status, 0) << eval.err;
-      const auto solve = phynness("solve scene.toml " + tools + " --json solve.json --deformation solve.csv");
-      ASSERT_EQ(solve.exit_status, 0) << solve.err;
+      const auto eval = succeed("eval out/model " + tools + " --json eval.json --deformation eval.csv");
+      const auto solve = succeed("solve scene.toml " + tools + " --json solve.json --deformation solve.csv");
       const auto e = json("eval.json"), s = json("solve.json");
       EXPECT_LT(e.at("residual").get<double>(), 1e-12);
       const double energy = s.at("energy");
@@ -120,7 +115,7 @@ TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
       }
     }
     const std::string validate = "validate scene.toml out/model --probes 2 --points 3 --pairs 5 --json ";
-    ASSERT_EQ(phynness(validate + "points.json").exit_status, 0);
+    succeed(validate + "points.json");
     const auto points = json("points.json").at("points");
     EXPECT_EQ(points.at("failed"), 0);
     EXPECT_EQ(points.at("unsettled"), 0);
@@ -148,10 +143,10 @@ TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
     EXPECT_EQ(json("ranks.json").at("points"), points);
     EXPECT_EQ(json("ranks.json").at("pairs"), pairs);
   }
-  EXPECT_EQ(phynness("eval out/model --point 0.041,0.033,0.05 --displacement 0,0,0.001 --tools paper").exit_status, 2);
-  EXPECT_EQ(phynness("eval out/model --point 0.041,0.033 --displacement 0,0,0.001").exit_status, 2);
-  EXPECT_EQ(phynness("eval out/model --point 0.0,0.033,0.0 --displacement 0,0,0.001").exit_status, 2);
-  EXPECT_EQ(phynness("solve scene.toml --point 0.03,0.033,0.0 --displacement 0,0,0.001").exit_status, 2);
+  be_refused("eval out/model --point 0.041,0.033,0.05 --displacement 0,0,0.001 --tools paper");
+  be_refused("eval out/model --point 0.041,0.033 --displacement 0,0,0.001");
+  be_refused("eval out/model --point 0.0,0.033,0.0 --displacement 0,0,0.001");
+  be_refused("solve scene.toml --point 0.03,0.033,0.0 --displacement 0,0,0.001");
 }
 
 // Claim: eval writes the surface at any level: at level 0 the vertex of the touched node lies where the tool
@@ -159,8 +154,8 @@ TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
 // refused before that.
 TEST_F(LinearScenes, EvalWritesTheDeformedSurface) {
   write_file(folder / "scene.toml", linear_scene());
-  ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
-  ASSERT_EQ(phynness("info out/model --json info.json").exit_status, 0);
+  succeed("run scene.toml -o out");
+  succeed("info out/model --json info.json");
   const auto node = json("info.json").at("active").at(0).dump();
   const auto eval = "eval out/model --node " + node + " --displacement 0,0,-0.006 --deformation u.csv";
   long before = 0;
@@ -189,7 +184,7 @@ TEST_F(LinearScenes, EvalWritesTheDeformedSurface) {
     }
   }
   EXPECT_GT(before, 0);
-  EXPECT_EQ(phynness(eval + " --surface s.vtu --subdivide 1").exit_status, 0);
+  succeed(eval + " --surface s.vtu --subdivide 1");
   EXPECT_EQ(read_file(folder / "s.vtu").substr(0, 5), "<?xml");
   for (const char* wrong : {" --surface s.vtk", " --subdivide 1", " --surface out/model/model.txt", " --surface u.csv",
                             " --surface s.obj --subdivide 7"})
@@ -199,8 +194,7 @@ TEST_F(LinearScenes, EvalWritesTheDeformedSurface) {
 TEST_F(LinearScenes, WhatCannotBeTrainedIsRefusedBeforeAnythingIsSolved) {
   write_file(folder / "bent.toml", changed(linear_scene(), "law = \"linear\"", "law = \"neo-hookean\""));
   for (const std::string command : {"run ", "precompute "}) {
-    const auto refused = phynness(command + "bent.toml -o out");
-    EXPECT_EQ(refused.exit_status, 2) << refused.err;
+    const auto refused = be_refused(command + "bent.toml -o out");
     EXPECT_NE(refused.err.find("bent.toml:21: [training] family"), std::string::npos) << refused.err;
     EXPECT_FALSE(std::filesystem::exists(folder / "out/database.h5"));
     EXPECT_FALSE(std::filesystem::is_regular_file(folder / "out"));
@@ -209,9 +203,8 @@ TEST_F(LinearScenes, WhatCannotBeTrainedIsRefusedBeforeAnythingIsSolved) {
 
 TEST_F(LinearScenes, TrainRefusesTheSameFamily) {
   write_file(folder / "scene.toml", small_scene());
-  ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
-  const auto refused = phynness("train scene.toml d.h5 -o m --family linear");
-  EXPECT_EQ(refused.exit_status, 2) << refused.err;
+  succeed("precompute scene.toml -o d.h5");
+  const auto refused = be_refused("train scene.toml d.h5 -o m --family linear");
   EXPECT_NE(refused.err.find("rbfn"), std::string::npos) << refused.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "m"));
 }

@@ -46,17 +46,16 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
 TEST_P(MirroredResponses, AreThoseOfSolvingEverything) {
   const auto scene = symmetric_scene(GetParam().first, GetParam().second);
   write_file(folder / "scene.toml", scene);
-  const auto made = phynness("precompute scene.toml -o mirrored.h5 --json mirrored.json");
-  ASSERT_EQ(made.exit_status, 0) << made.err;
+  succeed("precompute scene.toml -o mirrored.h5 --json mirrored.json");
   EXPECT_EQ(json("mirrored.json").at("rays"), 26 + 17);
   EXPECT_EQ(json("mirrored.json").at("rays_mirrored"), 26 + 9);
 
-  ASSERT_EQ(phynness("mesh scene.toml -o whole.msh").exit_status, 0);
+  succeed("mesh scene.toml -o whole.msh");
   auto solved = changed(scene, "shape = \"block\"", "file = \"whole.msh\"");
   for (const char* line : {"size_m = [0.1, 0.08, 0.05]\n", "target_size_m = 0.025\n", "symmetry = \"x\"\n"})
     solved = changed(solved, line, "");
   write_file(folder / "solved.toml", solved);
-  ASSERT_EQ(phynness("precompute solved.toml -o solved.h5").exit_status, 0);
+  succeed("precompute solved.toml -o solved.h5");
 
   const auto a = Database::open(folder / "mirrored.h5"), b = Database::open(folder / "solved.h5");
   ASSERT_EQ(a.header().mesh_hash, b.header().mesh_hash);
@@ -75,16 +74,13 @@ TEST_P(MirroredResponses, AreThoseOfSolvingEverything) {
   const auto info = phynness("info mirrored.h5");
   EXPECT_NE(info.out.find("35 of 78 rays are mirror images"), std::string::npos) << info.out;
   for (const char* shard : {"0/2", "1/2"}) {
-    const auto part = phynness(std::string("precompute scene.toml -o parts.h5 --json part.json --shard ") + shard);
-    ASSERT_EQ(part.exit_status, 0) << part.err;
+    const auto part = succeed(std::string("precompute scene.toml -o parts.h5 --json part.json --shard ") + shard);
     // So few rays are dealt one by one.
     EXPECT_NEAR(json("part.json").at("rays").get<int>(), 43 / 2.0, 0.5) << shard;
   }
-  const auto merged = phynness("merge parts.shard-0-of-2.h5 parts.shard-1-of-2.h5 -o parts.h5");
-  ASSERT_EQ(merged.exit_status, 0) << merged.err;
+  succeed("merge parts.shard-0-of-2.h5 parts.shard-1-of-2.h5 -o parts.h5");
   expect_same_results(folder / "mirrored.h5", folder / "parts.h5");
-  const auto train = phynness("train scene.toml mirrored.h5 -o model --json train.json");
-  EXPECT_EQ(train.exit_status, 0) << train.err;
+  const auto train = succeed("train scene.toml mirrored.h5 -o model --json train.json");
 }
 
 INSTANTIATE_TEST_SUITE_P(Probes, MirroredResponses,

@@ -24,8 +24,7 @@ class Patches : public CommandLine {
   }
   std::string warnings(const std::string& text) {
     write_file(folder / "scene.toml", text);
-    const auto meshed = phynness("mesh scene.toml -o mesh.msh");
-    EXPECT_EQ(meshed.exit_status, 0) << meshed.err;
+    const auto meshed = succeed("mesh scene.toml -o mesh.msh");
     return unbroken(meshed.err);
   }
   static std::string recommended(const std::string& key, const std::string& words) {
@@ -47,11 +46,10 @@ TEST_F(Patches, AreSilentWhereTheyAreResolved) {
 
 TEST_F(Patches, OfFewEdgesAreNamedByEveryCommandThatReadsThem) {
   write_file(folder / "scene.toml", scene("0.03", "0.008"));
-  ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
+  succeed("precompute scene.toml -o d.h5");
   for (const char* line : {"mesh scene.toml -o mesh.msh", "info scene.toml", "info d.h5", "plan scene.toml --rays 2",
                            "train scene.toml d.h5 -o model"}) {
-    const auto outcome = phynness(line);
-    EXPECT_EQ(outcome.exit_status, 0) << line << "\n" << outcome.err;
+    const auto outcome = succeed(line);
     EXPECT_TRUE(holds(outcome.err, "warning: ") && holds(outcome.err, unresolved)) << line << "\n" << outcome.err;
     EXPECT_TRUE(holds(outcome.err, "scene.toml:")) << line << "\n" << outcome.err;
   }

@@ -15,13 +15,12 @@ using Plans = CommandLine;
 
 TEST_F(Plans, sizes_are_those_of_the_run) {
   write_file(folder / "scene.toml", small_scene());
-  const auto planned = phynness("plan scene.toml --ranks 3 --rays 16 --json plan.json");
-  ASSERT_EQ(planned.exit_status, 0) << planned.err;
+  const auto planned = succeed("plan scene.toml --ranks 3 --rays 16 --json plan.json");
   EXPECT_EQ(std::count(planned.out.begin(), planned.out.end(), '\n'), 6) << planned.out;
   expect_names(planned.out, {"on 3 ranks", "memory", "database", "model", "useful"});
   const auto plan = json("plan.json");
-  ASSERT_EQ(phynness("precompute scene.toml -o database.h5 --json run.json").exit_status, 0);
-  ASSERT_EQ(phynness("train scene.toml database.h5 -o model").exit_status, 0);
+  succeed("precompute scene.toml -o database.h5 --json run.json");
+  succeed("train scene.toml database.h5 -o model");
   const auto run = json("run.json");
   EXPECT_EQ(plan["rays"], run["rays"]);
   EXPECT_EQ(plan["rays"].get<int>() * plan["increments"].get<int>(), run["increments"].get<int>());
@@ -77,7 +76,7 @@ int tasks_in(const std::vector<RayIndex>& log, const std::vector<std::int64_t>& 
 // task, and the order of the tasks, do not. A shard of all rays keeps its logs.
 TEST_F(Plans, tasks_are_those_of_precompute) {
   write_file(folder / "scene.toml", small_scene());
-  ASSERT_EQ(phynness("precompute scene.toml -o whole.h5").exit_status, 0);
+  succeed("precompute scene.toml -o whole.h5");
   const auto header = Database::open(folder / "whole.h5").header();
   const auto rays = rays_left(header, std::vector<char>(header.sets.active.size() * header.directions.size(), 0));
   for (const int ranks : {1, 3}) {
@@ -113,8 +112,7 @@ TEST_F(Plans, hemispheres_count_what_is_asked_for) {
   const std::string all = "directions = 26";
   scene.replace(scene.find(all), all.size(), "directions = \"hemisphere\"");
   write_file(folder / "scene.toml", scene);
-  const auto planned = phynness("plan scene.toml --rays 8 --json plan.json");
-  ASSERT_EQ(planned.exit_status, 0) << planned.err;
+  succeed("plan scene.toml --rays 8 --json plan.json");
   // Top of a block, normal z: 9 directions press, 8 are tangential.
   EXPECT_EQ(json("plan.json")["rays_requested"], 2 * 17);
   EXPECT_EQ(json("plan.json")["rays"], 2 * 26);
@@ -129,11 +127,10 @@ TEST_F(Plans, mirrored_rays_are_stored_but_not_solved) {
                 "active = [{ nearest = { point_fraction = [0, 0, 1] } }, { nearest = { point_fraction = [1, "
                 "0, 1] } }]\n");
   write_file(folder / "scene.toml", scene);
-  ASSERT_EQ(phynness("precompute scene.toml -o database.h5 --json run.json").exit_status, 0);
+  succeed("precompute scene.toml -o database.h5 --json run.json");
   const auto run = json("run.json");
   EXPECT_EQ(run["rays"], 26);
-  const auto planned = phynness("plan scene.toml --rays 16 --json plan.json");
-  ASSERT_EQ(planned.exit_status, 0) << planned.err;
+  const auto planned = succeed("plan scene.toml --rays 16 --json plan.json");
   const auto plan = json("plan.json");
   EXPECT_EQ(plan["rays"], 26);
   EXPECT_EQ(plan["rays_requested"], 26);

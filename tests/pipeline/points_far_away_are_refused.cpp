@@ -14,21 +14,18 @@ TEST_F(PointsFarAway, AreRefusedAndUnitsGuessed) {
                 "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
   scene.replace(scene.find("rbfn"), 4, "modal");
   write_file(folder / "scene.toml", scene);
-  ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
-  ASSERT_EQ(phynness("train scene.toml d.h5 -o m").exit_status, 0);
+  succeed("precompute scene.toml -o d.h5");
+  succeed("train scene.toml d.h5 -o m");
   const std::string d = " --displacement 0,0,-0.002";
   for (const std::string command : {"eval m", "solve d.h5"}) {
     // The block ends at z = 0.05 m, and its box has a diagonal of 0.137 m.
-    EXPECT_EQ(phynness(command + " --point 0.05,0.04,0.056" + d).exit_status, 0) << command;
-    const auto far = phynness(command + " --point 0.05,0.04,0.146" + d);
-    EXPECT_EQ(far.exit_status, 2) << far.out;
+    succeed(command + " --point 0.05,0.04,0.056" + d);
+    const auto far = be_refused(command + " --point 0.05,0.04,0.146" + d);
     expect_error(far.err, {"0.05,0.04,0.146", "0.096 m", "--max-distance", "0.05,0.04,0.05"});
     EXPECT_EQ(far.err.find("millimetres"), std::string::npos) << far.err;
-    const auto allowed = phynness(command + " --point 0.05,0.04,0.146 --max-distance 0.1 --json a.json" + d);
-    EXPECT_EQ(allowed.exit_status, 0) << allowed.err;
+    succeed(command + " --point 0.05,0.04,0.146 --max-distance 0.1 --json a.json" + d);
     EXPECT_NEAR(json("a.json").at("tools").at(0).at("distance").get<double>(), 0.096, 1e-9);
-    const auto millimetres = phynness(command + " --point 50,40,51" + d);
-    EXPECT_EQ(millimetres.exit_status, 2);
+    const auto millimetres = be_refused(command + " --point 50,40,51" + d);
     expect_error(millimetres.err, {"millimetres", "--point 0.05,0.04,0.051"});
     const auto centimetres = phynness(command + " --point 5,4,5.1" + d);
     expect_error(centimetres.err, {"centimetres", "--point 0.05,0.04,0.051"});

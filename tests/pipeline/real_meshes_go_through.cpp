@@ -30,8 +30,7 @@ TEST_P(RealMeshes, FromFileToForce) {
                  "\n[training]\nfamily = \"rbfn\"\ndeformation_neurons = 20\nforce_neurons = 3\nforce_spread = "
                  "2.0\nsamples = 300\n"
                  "[validation]\nprobes = 4\n");
-  const auto run = phynness("run scene.toml -o out");
-  ASSERT_EQ(run.exit_status, 0) << run.err << run.out;
+  const auto run = succeed("run scene.toml -o out");
   const auto validate = json("out/validate.json");
   EXPECT_EQ(validate.at("failed"), 0) << run.out;
   for (const auto& example : validate.at("examples")) {

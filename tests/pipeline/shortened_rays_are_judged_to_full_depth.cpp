@@ -23,8 +23,8 @@ class ShortenedRays : public CommandLine {
 
 TEST_F(ShortenedRays, AreJudgedToFullDepth) {
   write_file(folder / "scene.toml", small_scene("P1", 3));
-  ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
-  ASSERT_EQ(phynness("train scene.toml d.h5 -o whole --family modal").exit_status, 0);
+  succeed("precompute scene.toml -o d.h5");
+  succeed("train scene.toml d.h5 -o whole --family modal");
   auto [model, mesh] = read_model_dir(folder / "whole");
   for (auto& node : model.nodes)
     for (std::size_t i = 0; i < node.trained_depth_m.size(); i += 2) node.trained_depth_m[i] *= 0.25;
@@ -59,8 +59,8 @@ TEST_F(ShortenedRays, ThatNobodyReachesAreCounted) {
   scene.replace(scene.find("neo-hookean"), 11, "st-venant-kirchhoff");
   scene.replace(scene.find("0.008"), 5, "0.030");
   write_file(folder / "scene.toml", scene);
-  ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
-  ASSERT_EQ(phynness("train scene.toml d.h5 -o m --family modal").exit_status, 0);
+  succeed("precompute scene.toml -o d.h5");
+  succeed("train scene.toml d.h5 -o m --family modal");
   const auto v = validated("m --probes 40 --details");
   const auto& unreached = v.at("unreached");
   ASSERT_GT(unreached.size(), 0U);
@@ -90,10 +90,10 @@ TEST_F(ShortenedRays, HaveOneShareOfTheProbeVolume) {
     write_file(folder / "scene.toml", scene);
     fs::remove_all(folder / "d.h5.log");
     fs::remove(folder / "d.h5");
-    ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
-    ASSERT_EQ(phynness("train scene.toml d.h5 -o m --family modal").exit_status, 0);
+    succeed("precompute scene.toml -o d.h5");
+    succeed("train scene.toml d.h5 -o m --family modal");
     const double judged = validated("m --probes 4").at("verdict").at("out_of_reach").at("share_of_volume");
-    ASSERT_EQ(phynness("info d.h5 --json i.json").exit_status, 0);
+    succeed("info d.h5 --json i.json");
     EXPECT_GT(judged, 0.01);
     EXPECT_NEAR(json("i.json").at("ends").at("share_of_volume").get<double>(), judged, 1e-12) << directions;
   }

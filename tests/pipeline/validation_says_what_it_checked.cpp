@@ -12,14 +12,13 @@ class ValidationWords : public CommandLine {
   void SetUp() override {
     CommandLine::SetUp();
     write_file(folder / "scene.toml", small_scene("P1", 3));
-    ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
+    succeed("precompute scene.toml -o d.h5");
   }
 };
 
 TEST_F(ValidationWords, AreDistances) {
-  ASSERT_EQ(phynness("train scene.toml d.h5 -o m --family modal").exit_status, 0);
-  const auto validated = phynness("validate scene.toml m --probes 8 --details --json v.json");
-  ASSERT_EQ(validated.exit_status, 0) << validated.err;
+  succeed("train scene.toml d.h5 -o m --family modal");
+  const auto validated = succeed("validate scene.toml m --probes 8 --details --json v.json");
   const auto conditions = json("v.json").at("conditions");
   ASSERT_EQ(conditions.at("fixed_distances_m").size(), conditions.at("nodes").size());
   // The block is 50 mm high, touched on top and fixed at the bottom.
@@ -34,13 +33,11 @@ TEST_F(ValidationWords, AreDistances) {
 
 TEST_F(ValidationWords, NameWhatIsWorseThanLinear) {
   // A single neuron cannot repeat a deformation; 16 modes can.
-  const auto poor = phynness("train scene.toml d.h5 -o poor --family rbfn --neurons 1 --json t.json");
-  ASSERT_EQ(poor.exit_status, 0) << poor.err;
+  const auto poor = succeed("train scene.toml d.h5 -o poor --family rbfn --neurons 1 --json t.json");
   expect_names(poor.err, {"warning:", "linear predictor", "displacement"});
   const auto training = json("t.json").at("training_errors");
   EXPECT_GT(training.at("displacement").get<double>(), training.at("displacement_linear").get<double>());
-  const auto validated = phynness("validate scene.toml poor --probes 8 --json v.json --report r.html");
-  ASSERT_EQ(validated.exit_status, 0) << validated.err;
+  const auto validated = succeed("validate scene.toml poor --probes 8 --json v.json --report r.html");
   expect_names(validated.out, {"worse than the linear predictor", "displacement"});
   std::set<std::string> ranges;
   const auto result = json("v.json");
@@ -51,10 +48,9 @@ TEST_F(ValidationWords, NameWhatIsWorseThanLinear) {
   EXPECT_TRUE(ranges.count("inside") || ranges.count("outside")) << result;
   expect_names(read_file(folder / "r.html"), {"worse than the linear predictor"});
 
-  const auto good = phynness("train scene.toml d.h5 -o good --family modal --json t.json");
-  ASSERT_EQ(good.exit_status, 0) << good.err;
+  const auto good = succeed("train scene.toml d.h5 -o good --family modal --json t.json");
   EXPECT_EQ(good.err.find("linear predictor"), std::string::npos) << good.err;
-  ASSERT_EQ(phynness("validate scene.toml good --probes 8 --json v.json").exit_status, 0);
+  succeed("validate scene.toml good --probes 8 --json v.json");
   EXPECT_TRUE(json("v.json").at("worse_than_linear").empty()) << json("v.json").at("worse_than_linear");
 }
 

@@ -16,10 +16,11 @@ export function layoutOf(bytes) {
 }
 
 export function layoutText(layout) {
-  const lines = Object.entries(layout).map(([name, bytes]) => `  '${name}': ${bytes},`);
+  const entries = Object.entries(layout).map(([name, bytes]) => `'${name}': ${bytes},`);
+  const lines = entries.map((entry, i) => (i % 4 === 0 ? `${i > 0 ? '\n' : ''}  ` : ' ') + entry);
   return `// Written by web/wasm/layout.mjs. Bytes in 32-bit memory: sizes of structs, and offsets of their members.
 export const layout = {
-${lines.join('\n')}
+${lines.join('')}
 } as const;
 `;
 }

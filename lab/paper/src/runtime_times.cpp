@@ -1,39 +1,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <ctime>
 #include <phynness/formats/error.hpp>
 #include <phynness/phynness_surface.hpp>
 #include <phynness/studies/measure.hpp>
 #include <phynness/training/network_fit.hpp>
 
+#include "median_time.hpp"
+
 namespace phynness {
 namespace {
 
-constexpr int n_batches = 9;
-
-/// Processor time of this thread [us], which depends little on other load.
-double now_us() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e6 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_nsec);
-}
-
-/// Median over batches of at least 2 ms of the mean time of a call [us].
-template <typename Call>
-double median_us(const Call& call) {
-  const auto time = [&](int calls) {
-    const double start = now_us();
-    for (int i = 0; i < calls; ++i) call(i);
-    return (now_us() - start) / calls;
-  };
-  time(1);  // the preparation in the first call does not count
-  const int calls = static_cast<int>(std::clamp(2000 / std::max(time(1), 1e-3), 1.0, 1e6));
-  std::vector<double> times;
-  for (int b = 0; b < n_batches; ++b) times.push_back(time(calls));
-  std::nth_element(times.begin(), times.begin() + n_batches / 2, times.end());
-  return times[n_batches / 2];
-}
+using bench::median_us;
 
 /// A displacement that changes from call to call, as that of a moving hand.
 Vec3 displacement(const Model& model, int i) {

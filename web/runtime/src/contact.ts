@@ -1,5 +1,5 @@
 // Spheres that touch, slide on, press and grasp the object.
-import { bytesOf, few, Owner, type Engine } from './engine.js';
+import { bytesOf, copied, few, Owner, type Engine } from './engine.js';
 import { warningsOf, type Warning } from './status.js';
 import { putVector, toolFrom, type Tool, type Vector } from './tool.js';
 
@@ -50,22 +50,12 @@ export class Contact extends Owner {
     super(engine, parent);
     few(max);
     try {
-      const contact = engine.made(
-        (result) => engine.call('phn_contact_size', model, max, result),
-        (memory, bytes, result) => engine.call('phn_contact_init', memory, bytes, model, max, result),
-      );
-      this.own(contact.memory);
-      this.contact = contact.object;
-      const data = engine.made(
-        (result) => engine.call('phn_tools_size', model, max, result),
-        (memory, bytes, result) => engine.call('phn_tools_init', memory, bytes, model, max, result),
-      );
-      this.own(data.memory);
-      this.data = data.object;
-      this.tools = this.own(engine.heap.take(max * bytesOf('phn_contact_tool')));
-      this.states = this.own(engine.heap.take(max * bytesOf('phn_contact_state')));
-      this.result = this.own(engine.heap.take(bytesOf('phn_coupled')));
-      this.out = this.own(engine.heap.take(24 * nOutput));
+      this.contact = this.made('phn_contact', model, max);
+      this.data = this.made('phn_tools', model, max);
+      this.tools = this.take(max * bytesOf('phn_contact_tool'));
+      this.states = this.take(max * bytesOf('phn_contact_state'));
+      this.result = this.take(bytesOf('phn_coupled'));
+      this.out = this.take(24 * nOutput);
     } catch (error) {
       this.dispose();
       throw error;
@@ -100,10 +90,7 @@ export class Contact extends Owner {
   deform(out?: Float64Array): Float64Array {
     this.alive();
     this.engine.call('phn_coupled_deform', this.model, this.data, this.out);
-    const values = this.engine.reals(this.out, 3 * this.nOutput);
-    if (!out) return values.slice();
-    out.set(values);
-    return out;
+    return copied(this.engine.reals(this.out, 3 * this.nOutput), out);
   }
 
   /** Displaces the surface for spheres without contact by a field of deform(); null: the undeformed surface. */

@@ -109,6 +109,19 @@ export abstract class Owner {
     this.blocks.push(block);
     return block;
   }
+  protected take(bytes: number): number {
+    return this.own(this.engine.heap.take(bytes));
+  }
+  /** An object of the C interface that belongs to this one, by the functions NAME_size and NAME_init. */
+  protected made(name: string, model: number, n: number): number {
+    const { engine } = this;
+    const { memory, object } = engine.made(
+      (result) => engine.call(`${name}_size`, model, n, result),
+      (block, bytes, result) => engine.call(`${name}_init`, block, bytes, model, n, result),
+    );
+    this.own(memory);
+    return object;
+  }
   /** @throws Error after dispose() of this object or of its parent */
   protected alive(): void {
     if (this.disposed) throw new Error(`this ${this.what} was disposed`);
@@ -127,6 +140,13 @@ export abstract class Owner {
 
 function release(engine: Engine, blocks: number[]): void {
   for (const block of blocks.splice(0)) engine.heap.give(block);
+}
+
+/** `out` filled with the values, or a copy of them. */
+export function copied<Values extends Float64Array | Float32Array>(values: Values, out?: Values): Values {
+  if (!out) return values.slice() as Values;
+  out.set(values);
+  return out;
 }
 
 /** Other numbers would become another integer by conversion to 32 bits. @throws RangeError */

@@ -1,6 +1,6 @@
 // A trained model and its working memory.
 import { Contact } from './contact.js';
-import { bytesOf, Engine, integer, Owner } from './engine.js';
+import { bytesOf, copied, Engine, integer, Owner } from './engine.js';
 import { undefinedHere, warningsOf, type Warning } from './status.js';
 import { Surface } from './surface.js';
 import { putVector, toolFrom, type Tool, type Vector } from './tool.js';
@@ -77,15 +77,10 @@ export class Model extends Owner {
       const model = loaded(engine, text);
       this.own(model.memory);
       this.model = model.object;
-      const data = engine.made(
-        (result) => engine.call('phn_data_size', this.model, 1, result),
-        (memory, bytes, result) => engine.call('phn_data_init', memory, bytes, this.model, 1, result),
-      );
-      this.own(data.memory);
-      this.data = data.object;
-      this.args = this.own(engine.heap.take(argumentBytes));
+      this.data = this.made('phn_data', this.model, 1);
+      this.args = this.take(argumentBytes);
       this.info = infoOf(engine, this.model);
-      this.field_ = this.own(engine.heap.take(24 * this.info.outputNodes.length));
+      this.field_ = this.take(24 * this.info.outputNodes.length);
       this.levels = levelsOf(engine, this.model);
     } catch (error) {
       this.dispose();
@@ -112,7 +107,7 @@ export class Model extends Owner {
   deform(node: number, d: Vector, out?: Float64Array): Float64Array {
     this.put(d);
     this.engine.call('phn_deform', this.model, this.data, integer(node), this.args + at.d, this.field_);
-    return this.copied(3 * this.info.outputNodes.length, out);
+    return copied(this.engine.reals(this.field_, 3 * this.info.outputNodes.length), out);
   }
 
   /** Values of a scalar field at all output nodes. @param field  index of info.fields, or its name */
@@ -120,7 +115,7 @@ export class Model extends Owner {
     this.put(d);
     const index = typeof field === 'number' ? field : this.info.fields.findIndex((f) => f.name === field);
     this.engine.call('phn_field', this.model, this.data, integer(node), this.args + at.d, integer(index), this.field_);
-    return this.copied(this.info.outputNodes.length, out);
+    return copied(this.engine.reals(this.field_, this.info.outputNodes.length), out);
   }
 
   /** Where d lies relative to the training data of a node. */
@@ -188,12 +183,6 @@ export class Model extends Owner {
   private put(d: Vector): void {
     this.alive();
     putVector(this.engine, this.args + at.d, d, 'a vector');
-  }
-  private copied(n: number, out: Float64Array | undefined): Float64Array {
-    const values = this.engine.reals(this.field_, n);
-    if (!out) return values.slice();
-    out.set(values);
-    return out;
   }
 }
 

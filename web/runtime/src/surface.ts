@@ -1,5 +1,5 @@
 // The surface of a model, subdivided by Loop's scheme, for drawing.
-import { integer, Owner, type Engine } from './engine.js';
+import { copied, integer, Owner, type Engine } from './engine.js';
 
 export class Surface extends Owner {
   protected readonly what = 'surface';
@@ -23,20 +23,15 @@ export class Surface extends Owner {
     super(engine, parent);
     integer(levels);
     try {
-      const surface = engine.made(
-        (result) => engine.call('phn_surface_size', model, levels, result),
-        (memory, bytes, result) => engine.call('phn_surface_init', memory, bytes, model, levels, result),
-      );
-      this.own(surface.memory);
-      this.surface = surface.object;
+      this.surface = this.made('phn_surface', model, levels);
       const f = engine.f;
       this.nVertices = f['phn_surface_n_vertices']!(this.surface);
       const nTriangles = f['phn_surface_n_triangles']!(this.surface);
       this.triangles = engine.integers(f['phn_surface_triangles']!(this.surface) >>> 0, 3 * nTriangles).slice();
       this.points = engine.floats(f['phn_surface_points']!(this.surface) >>> 0, 3 * this.nVertices).slice();
-      this.scratch = this.own(engine.heap.take(f['phn_surface_scratch_size']!(this.surface)));
-      this.field = this.own(engine.heap.take(24 * nOutput));
-      this.out = this.own(engine.heap.take(12 * this.nVertices));
+      this.scratch = this.take(f['phn_surface_scratch_size']!(this.surface));
+      this.field = this.take(24 * nOutput);
+      this.out = this.take(12 * this.nVertices);
     } catch (error) {
       this.dispose();
       throw error;
@@ -50,9 +45,6 @@ export class Surface extends Owner {
       throw new RangeError(`the field has ${field.length} numbers instead of ${3 * this.nOutput}`);
     this.engine.reals(this.field, field.length).set(field);
     this.engine.call('phn_surface_deform', this.surface, this.scratch, this.field, this.out);
-    const values = this.engine.floats(this.out, 3 * this.nVertices);
-    if (!out) return values.slice();
-    out.set(values);
-    return out;
+    return copied(this.engine.floats(this.out, 3 * this.nVertices), out);
   }
 }

@@ -1,5 +1,5 @@
 // Several tools at the same time, at nodes or between them.
-import { bytesOf, few, integer, Owner, type Engine } from './engine.js';
+import { bytesOf, copied, few, integer, Owner, type Engine } from './engine.js';
 import { warningsOf, type Warning } from './status.js';
 import { putTool, type Tool } from './tool.js';
 
@@ -32,16 +32,11 @@ export class Tools extends Owner {
     super(engine, parent);
     few(max);
     try {
-      const data = engine.made(
-        (result) => engine.call('phn_tools_size', model, max, result),
-        (memory, bytes, result) => engine.call('phn_tools_init', memory, bytes, model, max, result),
-      );
-      this.own(data.memory);
-      this.data = data.object;
-      this.tools = this.own(engine.heap.take(max * bytesOf('phn_tool')));
-      this.forces = this.own(engine.heap.take(max * 24));
-      this.result = this.own(engine.heap.take(bytesOf('phn_coupled')));
-      this.out = this.own(engine.heap.take(24 * nOutput));
+      this.data = this.made('phn_tools', model, max);
+      this.tools = this.take(max * bytesOf('phn_tool'));
+      this.forces = this.take(max * 24);
+      this.result = this.take(bytesOf('phn_coupled'));
+      this.out = this.take(24 * nOutput);
     } catch (error) {
       this.dispose();
       throw error;
@@ -68,10 +63,7 @@ export class Tools extends Owner {
   deform(out?: Float64Array): Float64Array {
     this.alive();
     this.engine.call('phn_coupled_deform', this.model, this.data, this.out);
-    const values = this.engine.reals(this.out, 3 * this.nOutput);
-    if (!out) return values.slice();
-    out.set(values);
-    return out;
+    return copied(this.engine.reals(this.out, 3 * this.nOutput), out);
   }
 
   /** Level of later calls: an index of Model.levels. */

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <phynness/studies/report.hpp>
+#include <phynness/studies/measurements.hpp>
 
 namespace phynness {
 
@@ -28,10 +28,5 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CaseMeasurements, law, element, bulk_to_shear
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SurfaceLevel, vertices, triangles, network_us, every_vertex_us, ours_us)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RuntimeTimes, force_us, deformation_us, deformation_plain_us, ours_force_us,
                                    ours_deformation_us, neurons, force_neurons, levels)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PaperCase, id, title, scene, linear, liver)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(CaseFacts, nodes, free_nodes, surface_nodes, cells, corners, rays,
-                                                increments, failed, setup_s, solve_cpu_s, networks_train_s,
-                                                ours_train_s, database_bytes, model_bytes, ours_bytes, samples,
-                                                networks)
 
 }  // namespace phynness

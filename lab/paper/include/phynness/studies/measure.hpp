@@ -4,7 +4,8 @@
 #include <functional>
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/database.hpp>
-#include <phynness/studies/report.hpp>
+#include <phynness/formats/mesh.hpp>
+#include <phynness/studies/measurements.hpp>
 
 namespace phynness {
 
@@ -27,6 +28,10 @@ CaseMeasurements merged(const std::vector<CaseMeasurements>& parts);
 /// Times of both models on this machine. Surfaces: levels 0 ... n_levels - 1 of Loop's subdivision.
 RuntimeTimes measure_runtime(const LoadedModel& networks, const LoadedModel& ours, int n_levels);
 
+struct SurfaceShape {
+  Points points;
+  Triangles triangles;
+};
 /// The subdivided surface at rest. @throws Error (input) if the model has none
 SurfaceShape surface_at(const LoadedModel& model, int level);
 
