@@ -96,7 +96,7 @@ Trained trained(const Options& options) {
   const Scene scene = open_scene(options.scene);
   const auto database = Database::open(options.database);
   const auto& header = database.header();
-  check_database(scene, header, options.database.string(), "train");
+  check_database(as_hashed(scene, header.physics_hash), header, options.database.string(), "train");
   warn_of_patch(scene, header.mesh, header.sets);
   const TrainingSpec spec = chosen_spec(scene.training, options);
   Trained t;

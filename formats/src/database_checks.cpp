@@ -243,8 +243,13 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
   const auto both = [&](const std::string& then, const std::string& now) {
     return then + " in the file, " + now + " " + other;
   };
-  if (on_disk.physics_hash != wanted.physics_hash)
-    throw input_error(name + " has another physics", differences(on_disk, wanted, other), remedy);
+  if (on_disk.physics_hash != wanted.physics_hash) {
+    const bool same_scene = on_disk.scene_text == wanted.scene_text;
+    throw input_error(
+        name + (same_scene ? " was solved by another version, with other equations" : " has another physics"),
+        differences(on_disk, wanted, other),
+        same_scene ? "solve the scene anew into another file; phynness train reads this one as it is" : remedy);
+  }
   if (on_disk.mesh_hash != wanted.mesh_hash)
     throw input_error(
         name + " has another mesh",

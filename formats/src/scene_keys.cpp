@@ -221,7 +221,9 @@ std::string physics_summary(const Scene& scene) {
   std::string lines;
   for (const auto& key : scene_detail::key_rows()) {
     if (key.is_hashed && key.is_hashed(scene, key)) lines += line(scene, key);
-    // The patches of older databases are rigid; their hash does not have this line.
+    // Databases with earlier equations and with rigid patches do not have these lines.
+    const int version = scene.solver.earlier_revision.value_or(revision(scene.solver.element, scene.material.law));
+    if (key.name == "element" && version > 1) lines += "solver.revision = " + std::to_string(version) + "\n";
     if (key.name == "tool_radius_m" && scene.probe.kind == ProbeKind::patch) lines += "probe.tool = mean\n";
   }
   return lines;
@@ -238,6 +240,19 @@ std::string physics_hash(const Scene& scene) {
   Fnv1a64 hash;
   hash.add(physics_summary(scene));
   return hash.hex();
+}
+
+Scene as_hashed(const Scene& scene, const std::string& hash) {
+  Scene meant = scene;
+  for (int version = revision(scene.solver.element, scene.material.law); version > 0; --version) {
+    for (const auto kind : {scene.probe.kind, ProbeKind::rigid_patch}) {
+      if (kind != scene.probe.kind && scene.probe.kind != ProbeKind::patch) continue;
+      meant.probe.kind = kind;
+      if (physics_hash(meant) == hash) return meant;
+    }
+    meant.solver.earlier_revision = version - 1;
+  }
+  return scene;
 }
 
 std::string scene_key_tables() {

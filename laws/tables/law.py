@@ -4,7 +4,7 @@ A law is a file laws/IDENTIFIER.py. It defines
 
     name                name of the law in a scene
     parameters          constants of the energy (Quantity), in the order of the physics hash
-    kappa               symbol of the parameter that multiplies the volumetric energy
+    kappa               symbol of the parameter that multiplies the volumetric energy; K: the law is isochoric
     formulas            shape, volumetric and equation in the form of docs/theory.md
     shape(F)            energy density without its volumetric part, F = I + grad u
     volumetric(F)       g(F); the energy density is  W = shape + kappa/2 g^2
@@ -39,7 +39,7 @@ import importlib.util
 import inspect
 import sys
 import traceback
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path
 
 LAWS = Path(__file__).resolve().parent.parent
@@ -155,6 +155,7 @@ class Law:
             if not hasattr(module, word):
                 raise self._error(f"a law must define {word}", "it is missing", "see laws/tables/law.py for its meaning")
             setattr(self, word, getattr(module, word))
+        self.isochoric = self.kappa == BULK.symbol  # shape does not see changes of volume
         self.finite = getattr(module, "finite", True)
         self.derived = tuple(getattr(module, "derived", ()))
         for word in ("coupling", "inside", "plane_stress", "squared_thickness", "calculix"):
@@ -214,23 +215,6 @@ def every_law():
         for quantity in (q for s in law.accepted for q in s.given):
             first, other = keys.setdefault(quantity.key, (quantity, law))
             if quantity != first:
-                raise law._error(
-                    f"a key of [material] must have the same meaning in every law, and {other.identifier}.py gives another one",
-                    f"{quantity.key}: {_differences(quantity, first)}",
-                    f"use {_origin(first) or _origin(quantity) or 'the same Quantity'} in both, or another key",
-                )
+                raise law._error(f"a key of [material] must have the meaning that it has in {other.identifier}.py", quantity.key,
+                                 "use the same Quantity in both, or another key")  # fmt: skip
     return laws
-
-
-def _differences(here, there):
-    words = [f.name for f in fields(here) if getattr(here, f.name) != getattr(there, f.name)]
-    return ", ".join(f"{w} = {getattr(here, w)!r} and there {getattr(there, w)!r}" for w in words)
-
-
-def _origin(quantity):
-    """How a law file imports a quantity that is defined for all laws; None: this one is not."""
-    for module in ("hooke", "law"):
-        for name, value in vars(sys.modules.get(module)).items() if module in sys.modules else ():
-            if value is quantity:
-                return f"`from {module} import {name}`"
-    return None

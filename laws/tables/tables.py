@@ -97,10 +97,10 @@ def _row(law):
         rows.append(f"{{{literal(name)}, {law.identifier}_{name}}}")
     derived, derived_span = _array("LawConstant", f"{law.identifier}_derived", rows)
     accepted, accepted_span = _accepted(law)
-    has_shell = str(law.plane_stress is not None).lower()
+    flags = ", ".join(str(f).lower() for f in (not law.finite, law.isochoric, law.plane_stress is not None))
     return text + derived + accepted, (
-        f"{{{literal(law.name)}, {parameters_span}, {accepted_span}, {derived_span}, {str(not law.finite).lower()}, "
-        f"{has_shell}, {number(law.shell_from)}}}"
+        f"{{{literal(law.name)}, {parameters_span}, {accepted_span}, {derived_span}, {flags}, "
+        f"{number(law.shell_from)}}}"
     )
 
 
@@ -109,7 +109,7 @@ def _element_row(element):
     rows = ["{" + ", ".join(number(float(x)) for x in row) + "}" for row in element.force_ratios]
     ratios, span = _array("ForceRatio", f"{element.identifier}_force_ratios", rows)
     return ratios, (f"{{{literal(element.name)}, {element.displacement_degree}, "
-                    f"{', '.join(str(f).lower() for f in flags)}, {span}}}")  # fmt: skip
+                    f"{', '.join(str(f).lower() for f in flags)}, {element.isochoric_revision}, {span}}}")  # fmt: skip
 
 
 def tables(laws):

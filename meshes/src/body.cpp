@@ -1,5 +1,3 @@
-#include "body.hpp"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -111,9 +109,7 @@ MeshResult checked_body(RawMesh raw, double scale_to_m, bool repair, const std::
     result.warnings.push_back(slit);
   Mesh& mesh = result.mesh;
   mesh.nodes = to_points(raw.nodes);
-  mesh.cells.resize(static_cast<Eigen::Index>(raw.tetrahedra.size()), 4);
-  for (std::size_t c = 0; c < raw.tetrahedra.size(); ++c)
-    for (int k = 0; k < 4; ++k) mesh.cells(static_cast<Eigen::Index>(c), k) = raw.tetrahedra[c][k];
+  mesh.cells = Eigen::Map<const Cells>(raw.tetrahedra.front().data(), std::ssize(raw.tetrahedra), 4);
   mesh.surface = boundary_triangles(mesh.cells);
   mesh.groups = std::move(raw.groups);
   result.notes = std::move(raw.notes);

@@ -68,19 +68,11 @@ Eigen::RowVector3d ChangingSurface::area_vector(std::int32_t triangle, std::int3
   return (p[1] - p[0]).cross(p[2] - p[0]);
 }
 
-std::int32_t ChangingSurface::opposite(std::int32_t triangle, const Edge& edge) const {
-  for (const std::int32_t node : _triangles[triangle])
-    if (node != edge[0] && node != edge[1]) return node;
-  return -1;
-}
-
 void ChangingSurface::replace(std::int32_t triangle, std::int32_t old_node, std::int32_t new_node) {
   std::replace(_triangles[triangle].begin(), _triangles[triangle].end(), old_node, new_node);
-  detach(triangle, old_node);
+  std::erase(_at[old_node], triangle);
   _at[new_node].push_back(triangle);
 }
-
-void ChangingSurface::detach(std::int32_t triangle, std::int32_t node) { std::erase(_at[node], triangle); }
 
 bool ChangingSurface::split(const Edge& edge, const Vector& x) {
   const auto pair = triangles_of(edge);
@@ -144,7 +136,7 @@ bool ChangingSurface::collapse_anyhow(std::int32_t gone, std::int32_t kept) {
     if (node != kept) set_feature({kept, node}, true);
   }
   for (const std::int32_t t : *pair) {
-    for (const std::int32_t node : Triangle(_triangles[t])) detach(t, node);
+    for (const std::int32_t node : Triangle(_triangles[t])) std::erase(_at[node], t);
     _triangles[t] = {-1, -1, -1};
   }
   for (const std::int32_t t : std::vector<std::int32_t>(_at[gone])) replace(t, gone, kept);

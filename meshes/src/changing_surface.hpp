@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <optional>
 #include <set>
 #include <vector>
@@ -34,7 +35,10 @@ class ChangingSurface {
   const Triangle& triangle(std::int32_t t) const { return _triangles[t]; }
   std::int32_t n_triangles() const { return static_cast<std::int32_t>(_triangles.size()); }
   /// The node of a triangle that is not on the edge.
-  std::int32_t opposite(std::int32_t triangle, const Edge& edge) const;
+  std::int32_t opposite(std::int32_t t, const Edge& edge) const { return opposite(_triangles[t], edge); }
+  static std::int32_t opposite(const Triangle& t, const Edge& edge) {
+    return *std::find_if(t.begin(), t.end(), [&](std::int32_t node) { return node != edge[0] && node != edge[1]; });
+  }
   void move(std::int32_t node, const Vector& x) { _x[node] = x; }
   /// Twice the area times the normal, with one node at another position.
   Vector area_vector(std::int32_t triangle, std::int32_t moved_node, const Vector& moved_to) const;
@@ -58,7 +62,6 @@ class ChangingSurface {
   static Edge sorted(Edge e) { return e[0] < e[1] ? e : Edge{e[1], e[0]}; }
   bool can_collapse(std::int32_t gone, std::int32_t kept) const;
   void replace(std::int32_t triangle, std::int32_t old_node, std::int32_t new_node);
-  void detach(std::int32_t triangle, std::int32_t node);
   void set_feature(Edge edge, bool on);
 
   std::vector<Vector> _x;
@@ -67,5 +70,11 @@ class ChangingSurface {
   std::set<Edge> _features;
   std::vector<int> _feature_degree;
 };
+
+class ClosestPoint;
+/// Collapses and flips edges at nearly flat triangles and at nearly closed outward folds, also across features that are
+/// finer than the edge length. Each change improves the worst shape around it and is limited in distance and volume. A
+/// surface without such shapes is not changed.
+void remove_slivers(ChangingSurface& surface, const ClosestPoint& original, double edge_m);
 
 }  // namespace phynness::meshes

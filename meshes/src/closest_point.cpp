@@ -4,6 +4,8 @@
 #include <limits>
 #include <numeric>
 
+#include "geometry.hpp"
+
 namespace phynness::meshes {
 namespace {
 
@@ -41,10 +43,10 @@ ClosestPoint::ClosestPoint(const Surface& surface)
     : _surface(surface), _order(static_cast<std::size_t>(surface.triangles.rows())) {
   std::iota(_order.begin(), _order.end(), 0);
   Points centroids(surface.triangles.rows(), 3);
-  for (Eigen::Index t = 0; t < centroids.rows(); ++t)
-    centroids.row(t) = (surface.nodes.row(surface.triangles(t, 0)) + surface.nodes.row(surface.triangles(t, 1)) +
-                        surface.nodes.row(surface.triangles(t, 2))) /
-                       3;
+  for (Eigen::Index t = 0; t < centroids.rows(); ++t) {
+    const auto [a, b, c] = corners_of(surface.nodes, surface.triangles, t);
+    centroids.row(t) = (a + b + c) / 3;
+  }
   build(0, static_cast<std::int32_t>(_order.size()), centroids);
 }
 
@@ -55,8 +57,7 @@ std::int32_t ClosestPoint::build(std::int32_t first, std::int32_t last, const Po
   box.low.setConstant(std::numeric_limits<double>::infinity());
   box.high = -box.low;
   for (std::int32_t i = first; i < last; ++i)
-    for (int k = 0; k < 3; ++k) {
-      const Vector x = _surface.nodes.row(_surface.triangles(_order[i], k));
+    for (const Vector& x : corners_of(_surface.nodes, _surface.triangles, _order[i])) {
       box.low = box.low.cwiseMin(x);
       box.high = box.high.cwiseMax(x);
     }
@@ -87,9 +88,8 @@ Eigen::RowVector3d ClosestPoint::operator()(const Eigen::RowVector3d& x) const {
     if (distance2(x, box.low, box.high) >= best2) continue;
     if (box.left < 0) {
       for (std::int32_t i = box.first; i < box.last; ++i) {
-        const auto triangle = _surface.triangles.row(_order[i]);
-        const Vector candidate = on_triangle(x, _surface.nodes.row(triangle(0)), _surface.nodes.row(triangle(1)),
-                                             _surface.nodes.row(triangle(2)));
+        const auto [a, b, c] = corners_of(_surface.nodes, _surface.triangles, _order[i]);
+        const Vector candidate = on_triangle(x, a, b, c);
         if (const double d2 = (candidate - x).squaredNorm(); d2 < best2) best2 = d2, best = candidate;
       }
       continue;

@@ -6,6 +6,8 @@
 #include <phynness/formats/error.hpp>
 #include <sstream>
 
+#include "geometry.hpp"
+
 namespace phynness::meshes {
 namespace {
 
@@ -36,16 +38,19 @@ void require_coordinates(const std::array<double, 3>& x, const std::string& wher
                     "export the mesh again, or check mesh.scale_to_m");
 }
 
+std::string metres(double value) {
+  std::ostringstream text;
+  text << value << " m";
+  return text.str();
+}
+
 void scale(RawMesh& raw, double scale_to_m) {
   for (auto& x : raw.nodes)
     for (double& value : x) value *= scale_to_m;
 }
 
 Points to_points(const std::vector<std::array<double, 3>>& nodes) {
-  Points points(static_cast<Eigen::Index>(nodes.size()), 3);
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    points.row(static_cast<Eigen::Index>(i)) = Eigen::Map<const Eigen::RowVector3d>(nodes[i].data());
-  return points;
+  return Eigen::Map<const Points>(reinterpret_cast<const double*>(nodes.data()), std::ssize(nodes), 3);
 }
 
 void drop_useless_triangles(RawMesh& raw, std::vector<std::string>& notes) {
@@ -83,7 +88,7 @@ void drop_unreferenced_nodes(RawMesh& raw) {
 
 std::vector<std::int32_t> coincident_nodes(const Points& nodes) {
   if (nodes.rows() == 0) return {};
-  const double tolerance = coincident * (nodes.colwise().maxCoeff() - nodes.colwise().minCoeff()).norm();
+  const double tolerance = coincident * extent_of(nodes).norm();
   std::vector<std::int32_t> by_x(static_cast<std::size_t>(nodes.rows())), first(by_x.size());
   std::iota(by_x.begin(), by_x.end(), 0);
   std::iota(first.begin(), first.end(), 0);
@@ -124,8 +129,7 @@ void warn_of_shape_and_size(MeshResult& result, const char* cell, double scale_t
             << quality.min_quality << " in " << cell << " " << quality.worst_cell;
     result.warnings.push_back(slivers.str());
   }
-  const Points& nodes = result.mesh.nodes;
-  const double extent = (nodes.colwise().maxCoeff() - nodes.colwise().minCoeff()).maxCoeff();
+  const double extent = extent_of(result.mesh.nodes).maxCoeff();
   if (extent <= 1 && extent >= 1e-3) return;  // organs of a mouse and of a man
   size << "the body is " << extent << " m long; check whether mesh.scale_to_m = " << scale_to_m << " is correct";
   result.warnings.push_back(size.str());

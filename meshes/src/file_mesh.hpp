@@ -1,4 +1,5 @@
-// Checks and repairs that bodies, shells and closed surfaces of a file have in common.
+// Checked meshes of bodies and shells from a file or from gmsh, and checks that they and closed surfaces have in
+// common.
 #pragma once
 
 #include <phynness/meshes/meshes.hpp>
@@ -16,6 +17,9 @@ inline constexpr double largest_coordinate_m = 1e25;
 
 /// @param x  [m]; @param where  begins the message: file and cell; @param node  number in the file
 void require_coordinates(const std::array<double, 3>& x, const std::string& where, std::int64_t node);
+
+/// "0.02 m"
+std::string metres(double value);
 
 void scale(RawMesh& raw, double scale_to_m);
 Points to_points(const std::vector<std::array<double, 3>>& nodes);
@@ -46,6 +50,19 @@ std::vector<std::int32_t> coincident_nodes(const Points& nodes);
 std::string describe_twins(const RawMesh& raw, const std::vector<std::int32_t>& first);
 /// Replaces each node by the first one at its position.
 void merge_nodes(RawMesh& raw, const std::vector<std::int32_t>& first);
+
+/// Scales, drops unreferenced nodes, orients cells, and checks finiteness, volumes, overlaps, components and the
+/// surface. With `repair`, coincident nodes of separate pieces are merged and only the largest of several components is
+/// kept.
+/// @return mesh with surface and groups, notes and warnings; quality is set
+/// @throws Error naming the defect with its count and the first cells or nodes
+MeshResult checked_body(RawMesh raw, double scale_to_m, bool repair, const std::string& source);
+/// The same for the middle surface of a shell, which may be open: orients triangles consistently and checks areas and
+/// edges. @return cells and surface are the same triangles
+MeshResult checked_shell(RawMesh raw, double scale_to_m, bool repair, const std::string& source);
+/// Refuses a wall that is thicker than the surface is long or than the diameter of a bend, and warns of a wall that is
+/// thicker than half the radius of a bend.
+void check_wall(MeshResult& shell, double thickness_m, const std::string& source);
 
 /// Warns of slivers, and of a body that is larger than 1 m or smaller than 1 mm, whose file may have other units.
 /// @param cell  what a cell is called

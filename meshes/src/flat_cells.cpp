@@ -5,7 +5,7 @@
 #include <phynness/meshes/meshes.hpp>
 #include <set>
 
-#include "radius_ratio.hpp"
+#include "geometry.hpp"
 #include "topology.hpp"
 
 namespace phynness::meshes {
@@ -13,7 +13,6 @@ namespace {
 
 using Vector = Eigen::RowVector3d;
 constexpr int most_rounds = 4;
-constexpr int cell_edges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
 Vector node_at(const RawMesh& raw, std::int32_t node) {
   return Eigen::Map<const Vector>(raw.nodes[static_cast<std::size_t>(node)].data());
@@ -44,6 +43,11 @@ Triangle face_of(const Tetrahedron& cell, int opposite) {
 }
 
 Edge edge_of(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+std::array<Edge, 6> edges_of(const Tetrahedron& c) {
+  return {edge_of(c[0], c[1]), edge_of(c[0], c[2]), edge_of(c[0], c[3]),
+          edge_of(c[1], c[2]), edge_of(c[1], c[3]), edge_of(c[2], c[3])};
+}
 
 /// Faces that belong to one cell only, as sorted nodes, and their edges.
 struct Boundary {
@@ -120,14 +124,11 @@ std::map<Edge, Split> splits_of(const RawMesh& raw, const std::vector<std::size_
   const std::set<Edge> surface = Boundary(raw).edges;
   std::map<Edge, Split> splits;
   for (const std::size_t c : flat)
-    for (const auto& ends : cell_edges)
-      if (const Edge edge = edge_of(raw.tetrahedra[c][ends[0]], raw.tetrahedra[c][ends[1]]); !surface.contains(edge))
-        splits[edge].edge = edge;
+    for (const Edge& edge : edges_of(raw.tetrahedra[c]))
+      if (!surface.contains(edge)) splits[edge].edge = edge;
   for (std::size_t c = 0; c < raw.tetrahedra.size(); ++c)
-    for (const auto& ends : cell_edges)
-      if (const auto found = splits.find(edge_of(raw.tetrahedra[c][ends[0]], raw.tetrahedra[c][ends[1]]));
-          found != splits.end())
-        found->second.ring.push_back(c);
+    for (const Edge& edge : edges_of(raw.tetrahedra[c]))
+      if (const auto found = splits.find(edge); found != splits.end()) found->second.ring.push_back(c);
   return splits;
 }
 
@@ -183,8 +184,8 @@ std::int32_t split_slivers(RawMesh& raw) {
     const std::int32_t before = added;
     for (const std::size_t c : flat) {
       const Split* best = nullptr;
-      for (const auto& ends : cell_edges) {
-        const auto found = splits.find(edge_of(raw.tetrahedra[c][ends[0]], raw.tetrahedra[c][ends[1]]));
+      for (const Edge& edge : edges_of(raw.tetrahedra[c])) {
+        const auto found = splits.find(edge);
         if (found == splits.end()) continue;
         Split& split = found->second;
         if (std::any_of(split.ring.begin(), split.ring.end(), [&](std::size_t r) { return changed.contains(r); }))

@@ -2,6 +2,8 @@
 
 #include <dlfcn.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <phynness/formats/error.hpp>
@@ -16,13 +18,8 @@ namespace {
 double volume(const RawMesh& raw) {
   double six = 0;
   for (const auto& cell : raw.tetrahedra) {
-    const auto& a = raw.nodes[cell[0]];
-    double e[3][3];
-    for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k) e[i][k] = raw.nodes[cell[i + 1]][k] - a[k];
-    six +=
-        std::abs(e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) - e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
-                 e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]));
+    const auto x = [&](int k) { return to_eigen(raw.nodes[cell[k]]); };
+    six += std::abs((x(1) - x(0)).dot((x(2) - x(0)).cross(x(3) - x(0))));
   }
   return six / 6;
 }
@@ -45,17 +42,23 @@ const GmshModule& gmsh() {
   return *module;
 }
 
+/// The body with the mirror image of its half, in the plane across a coordinate axis (-1: it is whole).
+RawMesh completed(RawMesh raw, int axis, double middle, double edge_m, const std::string& source) {
+  if (axis < 0) return raw;
+  Eigen::RowVector3d normal = Eigen::RowVector3d::Zero();
+  normal[axis] = 1;
+  return with_mirror_image(std::move(raw), middle * normal, normal, 1e-6 * edge_m, source);
+}
+
 }  // namespace
 
 RawMesh fill(const Surface& surface) {
   const double unit = mean_edge(surface.nodes, surface.triangles);
   RawMesh raw = gmsh().fill({surface.nodes / unit, surface.triangles});
   // The given nodes are restored exactly, because division and multiplication by the unit round them.
-  for (std::size_t i = 0; i < raw.nodes.size(); ++i)
-    for (int k = 0; k < 3; ++k) {
-      const auto row = static_cast<Eigen::Index>(i);
-      raw.nodes[i][k] = row < surface.nodes.rows() ? surface.nodes(row, k) : raw.nodes[i][k] * unit;
-    }
+  for (Eigen::Index i = 0; i < std::ssize(raw.nodes); ++i)
+    for (int k = 0; k < 3; ++k)
+      raw.nodes[i][k] = i < surface.nodes.rows() ? surface.nodes(i, k) : raw.nodes[i][k] * unit;
   const double wanted = enclosed_volume(surface.nodes, surface.triangles), got = volume(raw);
   if (!(std::abs(got - wanted) <= 1e-6 * wanted))
     throw failure("gmsh's tetrahedra do not fill the inside of the surface",
@@ -85,14 +88,10 @@ RawMesh mesh_solid(const Solid& solid, double edge_m) {
   RawMesh raw = gmsh().solid(solid.shape, size, in_edges(solid.inner_radius_m), angle);
   for (auto& x : raw.nodes)
     for (std::size_t k = 0; k < 3; ++k) x[k] *= size_m[k] / size[k];
-  if (axis < 0) return raw;
   if (round && axis == 0)
     for (auto& x : raw.nodes) x = {x[1], -x[0], x[2]};  // rotation by 90 degrees: the half x >= 0
-  Eigen::RowVector3d normal = Eigen::RowVector3d::Zero(), point = normal;
-  normal[axis] = 1;
   // Round halves begin at the axis of the shape; all others lie in [0, middle].
-  if (!(round && axis < 2)) point[axis] = size_m[axis];
-  return with_mirror_image(std::move(raw), point, normal, 1e-6 * unit, "the built-in shape");
+  return completed(std::move(raw), axis, round && axis < 2 ? 0 : size_m[std::max(axis, 0)], unit, "the built-in shape");
 }
 
 RawMesh mesh_drain(const Drain& drain, double edge_m) {
@@ -101,11 +100,7 @@ RawMesh mesh_drain(const Drain& drain, double edge_m) {
                               drain.slit_width_m / edge_m, axis});
   for (auto& x : raw.nodes)
     for (auto& component : x) component *= edge_m;
-  if (axis < 0) return raw;
-  Eigen::RowVector3d normal = Eigen::RowVector3d::Zero(), point = normal;
-  normal[axis] = 1;
-  if (axis == 2) point[axis] = drain.length_m / 2;
-  return with_mirror_image(std::move(raw), point, normal, 1e-6 * edge_m, "shape 'drain'");
+  return completed(std::move(raw), axis, axis == 2 ? drain.length_m / 2 : 0, edge_m, "shape 'drain'");
 }
 
 }  // namespace phynness::meshes

@@ -1,4 +1,4 @@
-// Tetrahedra made by gmsh, inside a closed surface or in a simple solid.
+// The surface of the built-in organ, and tetrahedra and triangles made by gmsh.
 #pragma once
 
 #include <phynness/formats/scene.hpp>
@@ -31,5 +31,10 @@ struct Drain {
 };
 /// Triangles of its middle surface.
 RawMesh mesh_drain(const Drain& drain, double edge_m);
+
+/// The built-in organ: the shape of a liver from formulas, without data of a patient.
+/// A large right lobe (negative x) that tapers to a thin left lobe (positive x), convex above (positive z), concave
+/// below, with a notch in its front edge (negative y). Bounding box `size_m`, centered at the origin.
+Surface liver_surface(const Vec3& size_m);
 
 }  // namespace phynness::meshes

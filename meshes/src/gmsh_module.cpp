@@ -9,8 +9,6 @@
 #include <phynness/formats/error.hpp>
 #include <unordered_map>
 
-#include "element_types.hpp"
-
 namespace phynness::meshes {
 namespace {
 
@@ -57,52 +55,53 @@ class GmshSession {
   }
   GmshSession(const GmshSession&) = delete;
   GmshSession& operator=(const GmshSession&) = delete;
-
-  /// Runs `work`. Any exception that it throws and any error that gmsh logs becomes a phynness::Error.
-  void run(const std::string& what, const std::function<void()>& work) const {
-    std::string reason;
-    try {
-      work();
-      reason = last_logged_error();
-      if (reason.empty()) return;
-    } catch (const Error&) {
-      throw;
-    } catch (const std::exception& e) {
-      reason = last_logged_error();
-      if (reason.empty()) reason = e.what();
-    } catch (...) {
-      reason = last_logged_error();
-    }
-    if (reason.empty()) gmsh::logger::getLastError(reason);
-    throw failure("gmsh cannot " + what, reason, remedy);
-  }
-
-  /// The elements of the current model of this type, and their nodes in the order of gmsh's numbers.
-  RawMesh elements(int type, const char* what) const {
-    std::vector<std::size_t> tags, elements, element_nodes;
-    std::vector<double> x, parametric;
-    gmsh::model::mesh::getNodes(tags, x, parametric, -1, -1, false, false);
-    gmsh::model::mesh::getElementsByType(type, elements, element_nodes);
-    std::vector<std::size_t> order(tags.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(), [&](std::size_t p, std::size_t q) { return tags[p] < tags[q]; });
-
-    RawMesh raw;
-    std::unordered_map<std::size_t, std::int32_t> position;
-    for (const std::size_t i : order)
-      if (position.emplace(tags[i], static_cast<std::int32_t>(raw.nodes.size())).second)
-        raw.nodes.push_back({x[3 * i], x[3 * i + 1], x[3 * i + 2]});
-    for (std::size_t e = 0; type == gmsh_triangle && e + 2 < element_nodes.size(); e += 3)
-      raw.triangles.push_back(
-          {position.at(element_nodes[e]), position.at(element_nodes[e + 1]), position.at(element_nodes[e + 2])});
-    for (std::size_t e = 0; type == gmsh_tetrahedron && e + 3 < element_nodes.size(); e += 4)
-      raw.tetrahedra.push_back({position.at(element_nodes[e]), position.at(element_nodes[e + 1]),
-                                position.at(element_nodes[e + 2]), position.at(element_nodes[e + 3])});
-    if (raw.tetrahedra.empty() && raw.triangles.empty())
-      throw failure(std::string("gmsh did not make ") + what, last_logged_error(), remedy);
-    return raw;
-  }
 };
+
+/// The elements of the current model of this type, and their nodes in the order of gmsh's numbers.
+RawMesh elements_of(int type, const char* what) {
+  std::vector<std::size_t> tags, elements, element_nodes;
+  std::vector<double> x, parametric;
+  gmsh::model::mesh::getNodes(tags, x, parametric, -1, -1, false, false);
+  gmsh::model::mesh::getElementsByType(type, elements, element_nodes);
+  std::vector<std::size_t> order(tags.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t p, std::size_t q) { return tags[p] < tags[q]; });
+
+  RawMesh raw;
+  std::unordered_map<std::size_t, std::int32_t> position;
+  for (const std::size_t i : order)
+    if (position.emplace(tags[i], static_cast<std::int32_t>(raw.nodes.size())).second)
+      raw.nodes.push_back({x[3 * i], x[3 * i + 1], x[3 * i + 2]});
+  const auto node = [&](std::size_t i) { return position.at(element_nodes[i]); };
+  for (std::size_t i = 0; type == gmsh_triangle && i + 2 < element_nodes.size(); i += 3)
+    raw.triangles.push_back({node(i), node(i + 1), node(i + 2)});
+  for (std::size_t i = 0; type == gmsh_tetrahedron && i + 3 < element_nodes.size(); i += 4)
+    raw.tetrahedra.push_back({node(i), node(i + 1), node(i + 2), node(i + 3)});
+  if (raw.tetrahedra.empty() && raw.triangles.empty())
+    throw failure(std::string("gmsh did not make ") + what, last_logged_error(), remedy);
+  return raw;
+}
+
+/// Calls `make` with an empty model. Any exception that it throws and any error that gmsh logs becomes a
+/// phynness::Error.
+RawMesh in_gmsh(const std::string& what, const std::function<RawMesh()>& make) {
+  const GmshSession session;
+  std::string reason;
+  try {
+    RawMesh raw = make();
+    reason = last_logged_error();
+    if (reason.empty()) return raw;
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& e) {
+    reason = last_logged_error();
+    if (reason.empty()) reason = e.what();
+  } catch (...) {
+    reason = last_logged_error();
+  }
+  if (reason.empty()) gmsh::logger::getLastError(reason);
+  throw failure("gmsh cannot " + what, reason, remedy);
+}
 
 /// The given size determines the edges on faces and inside. Otherwise the integer number of pieces of each edge would
 /// determine them, and the number of nodes would jump.
@@ -114,9 +113,7 @@ void generate_unit_edges(int dimension) {
 }
 
 RawMesh fill_surface(const Surface& surface) {
-  const GmshSession session;
-  RawMesh raw;
-  session.run("fill the surface with tetrahedra", [&] {
+  return in_gmsh("fill the surface with tetrahedra", [&] {
     gmsh::model::addDiscreteEntity(2, 1);
     std::vector<std::size_t> tags(static_cast<std::size_t>(surface.nodes.rows()));
     std::iota(tags.begin(), tags.end(), std::size_t{1});
@@ -131,16 +128,13 @@ RawMesh fill_surface(const Surface& surface) {
     gmsh::model::geo::addVolume({1}, 1);
     gmsh::model::geo::synchronize();
     gmsh::model::mesh::generate(3);
-    raw = session.elements(gmsh_tetrahedron, "tetrahedra");
+    return elements_of(gmsh_tetrahedron, "tetrahedra");
   });
-  return raw;
 }
 
 RawMesh solid(Shape shape, const Vec3& size, double inner_radius, double angle) {
   namespace occ = gmsh::model::occ;
-  const GmshSession session;
-  RawMesh raw;
-  session.run("mesh the built-in shape", [&] {
+  return in_gmsh("mesh the built-in shape", [&] {
     if (shape == Shape::block) {
       occ::addBox(0, 0, 0, size[0], size[1], size[2]);
     } else {
@@ -154,18 +148,15 @@ RawMesh solid(Shape shape, const Vec3& size, double inner_radius, double angle) 
     }
     occ::synchronize();
     generate_unit_edges(3);
-    raw = session.elements(gmsh_tetrahedron, "tetrahedra");
+    return elements_of(gmsh_tetrahedron, "tetrahedra");
   });
-  return raw;
 }
 
 RawMesh drain(const Drain& drain) {
   const double radius = drain.radius_m, length = drain.length_m;
   constexpr double quarter_turn = std::numbers::pi / 2;
   const int axis = drain.mirror_axis;
-  const GmshSession session;
-  RawMesh raw;
-  session.run("mesh the drain", [&] {
+  return in_gmsh("mesh the drain", [&] {
     namespace occ = gmsh::model::occ;
     const int circle = occ::addCircle(0, 0, 0, radius);
     gmsh::vectorpair walls;
@@ -193,9 +184,8 @@ RawMesh drain(const Drain& drain) {
     }
     occ::synchronize();
     generate_unit_edges(2);
-    raw = session.elements(gmsh_triangle, "triangles");
+    return elements_of(gmsh_triangle, "triangles");
   });
-  return raw;
 }
 
 }  // namespace

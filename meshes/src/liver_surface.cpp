@@ -1,9 +1,7 @@
-#include "liver_surface.hpp"
-
 #include <cmath>
 #include <map>
 
-#include "topology.hpp"
+#include "generate.hpp"
 
 namespace phynness::meshes {
 namespace {

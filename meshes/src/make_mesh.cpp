@@ -7,15 +7,10 @@
 #include <phynness/meshes/meshes.hpp>
 #include <sstream>
 
-#include "body.hpp"
 #include "file_mesh.hpp"
 #include "flat_cells.hpp"
 #include "generate.hpp"
-#include "liver_surface.hpp"
 #include "mirror.hpp"
-#include "remesh.hpp"
-#include "self_crossing.hpp"
-#include "shell.hpp"
 #include "sizing.hpp"
 
 namespace phynness {
@@ -52,32 +47,28 @@ std::string reason_of_slivers(const MeshResult& result) {
 }
 
 /// A defect of a mesh that was made here is a failure and not an error of the input; another size may work.
-MeshResult generated_body(RawMesh raw, const std::string& source, bool symmetric = false) {
-  // A cell and its mirror image cannot both be removed if they meet at the plane.
-  const std::int32_t peeled = symmetric ? 0 : peel_slivers(raw), split = symmetric ? 0 : split_slivers(raw);
+template <class Check>
+MeshResult generated(const Check& check, const char* remedy) {
   try {
-    MeshResult result = checked_body(std::move(raw), 1, false, source);
-    if (peeled > 0)
-      result.notes.push_back("removed " + counted(static_cast<std::size_t>(peeled), "flat cell", "flat cells") +
-                             " from the surface");
-    if (split > 0)
-      result.notes.push_back("added " + counted(static_cast<std::size_t>(split), "node", "nodes") +
-                             " inside, between faces of the surface with flat cells");
-    if (result.quality.n_slivers > 0) result.warnings.push_back(reason_of_slivers(result));
-    return result;
+    return check();
   } catch (const Error& error) {
-    throw failure("the mesh that gmsh made is defective", error.what(),
-                  "try another mesh.target_size_m or mesh.target_nodes");
+    throw failure("the mesh that gmsh made is defective", error.what(), remedy);
   }
 }
 
-MeshResult generated_shell(RawMesh raw, const std::string& source) {
-  try {
-    return checked_shell(std::move(raw), 1, false, source);
-  } catch (const Error& error) {
-    throw failure("the mesh that gmsh made is defective", error.what(),
-                  "try a smaller mesh.target_size_m or more mesh.target_nodes");
-  }
+MeshResult generated_body(RawMesh raw, const std::string& source, bool symmetric = false) {
+  // A cell and its mirror image cannot both be removed if they meet at the plane.
+  const std::int32_t peeled = symmetric ? 0 : peel_slivers(raw), split = symmetric ? 0 : split_slivers(raw);
+  MeshResult result = generated([&] { return checked_body(std::move(raw), 1, false, source); },
+                                "try another mesh.target_size_m or mesh.target_nodes");
+  if (peeled > 0)
+    result.notes.push_back("removed " + counted(static_cast<std::size_t>(peeled), "flat cell", "flat cells") +
+                           " from the surface");
+  if (split > 0)
+    result.notes.push_back("added " + counted(static_cast<std::size_t>(split), "node", "nodes") +
+                           " inside, between faces of the surface with flat cells");
+  if (result.quality.n_slivers > 0) result.warnings.push_back(reason_of_slivers(result));
+  return result;
 }
 
 MeshResult filled_at(const Surface& surface, double edge_m, const std::string& source) {
@@ -105,8 +96,11 @@ MeshResult from_shape(const MeshSpec& spec) {
   if (spec.shape == Shape::drain) {
     // The slit is above, so that the drain is not symmetric across y.
     const Drain drain{spec.radius_m, spec.length_m, spec.slit_length_m, spec.slit_width_m, axis == 1 ? -1 : axis};
-    MeshResult result = sized(spec, {0, drain.area_m2()},
-                              [&](double edge_m) { return generated_shell(mesh_drain(drain, edge_m), source); });
+    MeshResult result = sized(spec, {0, drain.area_m2()}, [&](double edge_m) {
+      RawMesh raw = mesh_drain(drain, edge_m);
+      return generated([&] { return checked_shell(std::move(raw), 1, false, source); },
+                       "try a smaller mesh.target_size_m or more mesh.target_nodes");
+    });
     check_wall(result, spec.thickness_m, place(spec));
     return result;
   }

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <phynness/formats/error.hpp>
 #include <set>
-#include <sstream>
 
-#include "topology.hpp"
+#include "file_mesh.hpp"
+#include "geometry.hpp"
 
 namespace phynness::meshes {
 namespace {
@@ -16,12 +16,6 @@ namespace {
 using Vector = Eigen::RowVector3d;
 
 std::string place(const SymmetryPlane& plane) { return plane.where.file.empty() ? "" : plane.where.str() + ": "; }
-
-std::string metres(double value) {
-  std::ostringstream text;
-  text << value << " m";
-  return text.str();
-}
 
 /// The node nearest to x, or -1 if no node lies within the tolerance.
 /// @param by_x  the nodes in ascending order of their first coordinate
@@ -154,10 +148,10 @@ RawMesh with_mirror_image(RawMesh half, const Vector& point, const Vector& norma
 
 MirrorSymmetry find_mirror(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   const SymmetryPlane& plane = *scene.mesh.symmetry;
-  const Vector extent = mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff();
   MirrorSymmetry mirror;
   mirror.normal = plane.normal;
-  mirror.image = pair_nodes(mesh, plane, plane.tolerance_m > 0 ? plane.tolerance_m : mirror_tolerance * extent.norm());
+  mirror.image = pair_nodes(
+      mesh, plane, plane.tolerance_m > 0 ? plane.tolerance_m : mirror_tolerance * extent_of(mesh.nodes).norm());
   check_cells(mesh, plane, mirror.image);
   check_set(sets.fixed, "fixed", plane, mirror.image);
   check_set(sets.active, "active", plane, mirror.image);

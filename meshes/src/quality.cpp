@@ -5,7 +5,7 @@
 #include <limits>
 #include <phynness/meshes/meshes.hpp>
 
-#include "radius_ratio.hpp"
+#include "geometry.hpp"
 
 namespace phynness {
 QualityReport measure_quality(const Mesh& mesh) {

@@ -12,6 +12,8 @@
 
 namespace phynness::meshes {
 
+inline constexpr int gmsh_triangle = 2, gmsh_tetrahedron = 4;  ///< element types of gmsh
+
 using Tetrahedron = std::array<std::int32_t, 4>;
 using Triangle = std::array<std::int32_t, 3>;
 

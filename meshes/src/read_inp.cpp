@@ -99,8 +99,8 @@ class InpFile {
     return true;
   }
 
-  [[noreturn]] void fail(const std::string& what, const std::string& value, const std::string& remedy) const {
-    _here.fail(what, value.substr(0, 60), remedy);
+  [[noreturn]] void fail(const std::string& what, std::string_view value, const std::string& remedy = again) const {
+    _here.fail(what, value, remedy);
   }
 
   template <class Number>
@@ -112,18 +112,17 @@ class InpFile {
   }
 
   void require_no_rest() const {
-    if (!_pending.empty()) fail("an element has too few nodes", "element " + std::to_string(_pending.front()), again);
+    if (!_pending.empty()) fail("an element has too few nodes", "element " + std::to_string(_pending.front()));
   }
 
   void begin(const Card& card) {
     static const std::set<std::string> unsupported = {"*INCLUDE", "*NCOPY", "*NFILL",  "*NGEN",    "*NMAP",
                                                       "*ELCOPY",  "*ELGEN", "*SYSTEM", "*SUBMODEL"};
     if (unsupported.contains(card.name) || !card.value("INPUT").empty())
-      fail("the deck has a card for its mesh that is not supported", std::string(_line),
+      fail("the deck has a card for its mesh that is not supported", _line,
            "write all nodes and elements into the deck itself, in Cartesian coordinates");
     if (card.name == "*NODE" && !card.value("SYSTEM").empty() && upper(card.value("SYSTEM")) != "R")
-      fail("the nodes are not in Cartesian coordinates", std::string(_line),
-           "export the mesh in Cartesian coordinates");
+      fail("the nodes are not in Cartesian coordinates", _line, "export the mesh in Cartesian coordinates");
     if (card.name == "*ELEMENT") begin_elements(card);
     if (card.name == "*NODE") _set = named(_node_sets, card.value("NSET"));
     if (card.name == "*NSET") _set = required(_node_sets, card, "NSET");
@@ -135,7 +134,7 @@ class InpFile {
     const std::string type = upper(card.value("TYPE"));
     _kind = kind_of(type);
     if (_kind == Kind::other)
-      fail("elements of a type that is not supported", type.empty() ? std::string(_line) : type,
+      fail("elements of a type that is not supported", type.empty() ? _line : type,
            "mesh the body with 4-node tetrahedra (C3D4) and export it again");
     _set = named(_element_sets, card.value("ELSET"));
   }
@@ -155,7 +154,7 @@ class InpFile {
   }
   Set* required(Sets& sets, const Card& card, const char* key) const {
     if (Set* set = named(sets, card.value(key))) return set;
-    fail("a set has no name", std::string(_line), std::string("write ") + key + "=NAME");
+    fail("a set has no name", _line, std::string("write ") + key + "=NAME");
   }
 
   void read_data(const Card& card) {
@@ -163,14 +162,13 @@ class InpFile {
     if (card.name == "*ELEMENT" && _kind != Kind::line) read_element();
     if (card.name == "*NSET" || card.name == "*ELSET") read_set();
     if (card.name == "*INSTANCE")
-      fail("an instance of a part is moved or turned", std::string(_line),
+      fail("an instance of a part is moved or turned", _line,
            "write only the part, with the final positions of its nodes");
   }
 
   void read_node() {
     const auto parts = fields(_line);
-    if (parts.size() < 2 || parts.size() > 4)
-      fail("a node does not have a number and three coordinates", std::string(_line), again);
+    if (parts.size() < 2 || parts.size() > 4) fail("a node does not have a number and three coordinates", _line);
     const auto tag = number<std::int64_t>(parts[0], "a node's number");
     if (!_position.emplace(tag, static_cast<std::int32_t>(_raw.nodes.size())).second)
       fail("two nodes have the same number", std::to_string(tag), "write one part with its own numbers");
@@ -183,8 +181,7 @@ class InpFile {
     for (const auto field : fields(_line))
       _pending.push_back(number<std::int64_t>(field, "an element's number or node"));
     const std::size_t size = _kind == Kind::tetrahedron ? 5 : 4;
-    if (_pending.size() > size)
-      fail("an element has too many nodes", "element " + std::to_string(_pending.front()), again);
+    if (_pending.size() > size) fail("an element has too many nodes", "element " + std::to_string(_pending.front()));
     if (_pending.size() < size) return;  // it continues in the next line
     const std::int64_t tag = _pending.front();
     std::vector<std::int32_t> nodes;
@@ -202,7 +199,7 @@ class InpFile {
   std::int32_t position(std::int64_t tag, const std::string& user) const {
     const auto found = _position.find(tag);
     if (found == _position.end())
-      fail(user + " uses a node that is not in the file above it", "node " + std::to_string(tag), again);
+      fail(user + " uses a node that is not in the file above it", "node " + std::to_string(tag));
     return found->second;
   }
 
@@ -210,13 +207,12 @@ class InpFile {
     const auto parts = fields(_line);
     if (_generate) {
       std::array<std::int64_t, 3> range{0, 0, 1};
-      if (parts.size() < 2 || parts.size() > 3)
-        fail("a generated set needs first, last and step", std::string(_line), again);
+      if (parts.size() < 2 || parts.size() > 3) fail("a generated set needs first, last and step", _line);
       for (std::size_t k = 0; k < parts.size(); ++k) range[k] = number<std::int64_t>(parts[k], "a set's range");
       const std::size_t known = _raw.nodes.size() + _elements.size();
       if (range[2] < 1 || range[0] < 0 || range[1] < range[0] ||
           static_cast<std::uint64_t>((range[1] - range[0]) / range[2]) > known)
-        fail("a generated set has an impossible range", std::string(_line), again);
+        fail("a generated set has an impossible range", _line);
       for (std::int64_t i = range[0]; i <= range[1]; i += range[2]) _set->numbers.push_back(i);
       return;
     }

@@ -2,12 +2,25 @@
 #include <map>
 #include <unordered_map>
 
-#include "element_types.hpp"
 #include "raw_mesh.hpp"
 #include "scanner.hpp"
 
 namespace phynness::meshes {
 namespace {
+
+struct ElementType {
+  int nodes;  ///< 0: unknown type
+  int dimension;
+};
+
+/// Nodes and dimension of a gmsh element type, which a reader must know in order to skip or refuse it.
+constexpr ElementType element_type(std::int64_t type) {
+  constexpr ElementType table[] = {{0, 0},  {2, 1},  {3, 2},  {4, 2},  {4, 3},  {8, 3},  {6, 3},  {5, 3},
+                                   {3, 1},  {6, 2},  {9, 2},  {10, 3}, {27, 3}, {18, 3}, {14, 3}, {1, 0},
+                                   {8, 2},  {20, 3}, {15, 3}, {13, 3}, {9, 2},  {10, 2}, {12, 2}, {15, 2},
+                                   {15, 2}, {21, 2}, {4, 1},  {5, 1},  {6, 1},  {20, 3}, {35, 3}, {56, 3}};
+  return type > 0 && type < std::ssize(table) ? table[type] : ElementType{0, 0};
+}
 
 using GroupKey = std::pair<int, std::int64_t>;  // dimension, physical tag
 using Tags = std::vector<std::int64_t>;
@@ -53,20 +66,20 @@ class MshBuilder {
 
   void add_node(std::int64_t tag, const std::array<double, 3>& x) {
     if (!_position.emplace(tag, static_cast<std::int32_t>(_raw.nodes.size())).second)
-      _scanner.fail("two nodes have the same number", std::to_string(tag), again);
+      _scanner.fail("two nodes have the same number", std::to_string(tag));
     _raw.nodes.push_back(x);
   }
 
   /// Number of nodes of an element type. @throws Error for an unknown type
   std::size_t nodes_of(std::int64_t type) const {
-    const int n = gmsh_element_type(type).nodes;
-    if (n == 0) _scanner.fail("an element has an unknown type", std::to_string(type), again);
+    const int n = element_type(type).nodes;
+    if (n == 0) _scanner.fail("an element has an unknown type", std::to_string(type));
     return static_cast<std::size_t>(n);
   }
 
   /// @param physical  physical tags of the element; 0: none
   void add_element(std::int64_t tag, std::int64_t type, const Tags& node_tags, const Tags& physical) {
-    const int dimension = gmsh_element_type(type).dimension;
+    const int dimension = element_type(type).dimension;
     if (dimension == 3 && type != gmsh_tetrahedron)
       _scanner.fail(
           "element " + std::to_string(tag) + " is not a 4-node tetrahedron",
@@ -77,7 +90,7 @@ class MshBuilder {
       const auto found = _position.find(node);
       if (found == _position.end())
         _scanner.fail("element " + std::to_string(tag) + " uses a node that is not in the file's node list",
-                      "node " + std::to_string(node), again);
+                      "node " + std::to_string(node));
       _nodes.push_back(found->second);
     }
     for (const std::int64_t group : physical)
@@ -179,7 +192,7 @@ void read_elements_2(Values& values, MshBuilder& builder) {
     const std::size_t n_tags = values.checked(values.integer("an element's number of tags"), "tags", 2, 4);
     Tags nodes(builder.nodes_of(type)), tags(n_tags);
     if (block == 0 || block > n - read)
-      values.scanner.fail("impossible size of an element block", std::to_string(block), again);
+      values.scanner.fail("impossible size of an element block", std::to_string(block));
     for (std::size_t i = 0; i < block; ++i) {
       if (values.binary) tag = values.integer("an element's number");
       for (auto& value : tags) value = values.integer("an element's tag");
@@ -225,7 +238,7 @@ void read_blocks(Values& values, const char* what, std::size_t text_bytes, std::
   for (std::size_t b = 0; b < blocks; ++b) read += read_block();
   if (read != n)
     values.scanner.fail(std::string("the blocks do not hold the declared number of ") + what,
-                        std::to_string(read) + " instead of " + std::to_string(n), again);
+                        std::to_string(read) + " instead of " + std::to_string(n));
 }
 
 void read_nodes_4(Values& values, MshBuilder& builder) {
@@ -273,7 +286,7 @@ void skip_section(Scanner& scanner, const std::string& name) {
 void expect_end(Scanner& scanner, const std::string& name) {
   if (const std::string_view found = scanner.word(name.c_str()); found != name) {
     if (name.starts_with(found) && scanner.at_end()) scanner.truncated(name);
-    scanner.fail("expected " + name, std::string(found.substr(0, 40)),
+    scanner.fail("expected " + name, found,
                  "export the file again; the section has more or fewer entries than it declares");
   }
 }
@@ -290,7 +303,7 @@ RawMesh read_sections(Values values, int version) {
       version == 4 ? read_nodes_4(values, builder) : read_nodes(values, builder);
       nodes_seen = true;
     } else if (section == elements) {
-      if (!nodes_seen) scanner.fail(elements + " is before " + nodes, "", again);
+      if (!nodes_seen) scanner.fail(elements + " is before " + nodes);
       if (version == 1) read_elements_1(values, builder);
       if (version == 2) read_elements_2(values, builder);
       if (version == 4) read_elements_4(values, builder, physical);
@@ -301,7 +314,7 @@ RawMesh read_sections(Values values, int version) {
       physical = read_entities(values);
     } else {
       if (version == 1 || !section.starts_with("$") || section.starts_with("$End"))
-        scanner.fail("expected the start of a section", section.substr(0, 40), again);
+        scanner.fail("expected the start of a section", section);
       if (section == "$PartitionedEntities")
         scanner.fail("the mesh is partitioned", section,
                      "save it unpartitioned (gmsh: Mesh.PartitionSplitMeshFiles 0)");
@@ -343,7 +356,7 @@ RawMesh read_msh(const std::string& bytes, const std::string& source) {
     scanner.line();
     const auto one = scanner.raw<std::int32_t>("the byte order mark", false);
     if (one != 1 && one != 0x01000000)
-      scanner.fail("the byte order mark of the binary file is damaged", std::to_string(one), again);
+      scanner.fail("the byte order mark of the binary file is damaged", std::to_string(one));
     swap = one != 1;
   }
   expect_end(scanner, "$EndMeshFormat");

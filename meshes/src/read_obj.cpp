@@ -28,7 +28,7 @@ RawMesh read_obj(const std::string& bytes, const std::string& source) {
       auto& x = raw.nodes.emplace_back();
       for (double& value : x) {
         const std::string_view field = next_field(rest);
-        if (field.empty()) here.fail("a vertex has fewer than three coordinates", "", again);
+        if (field.empty()) here.fail("a vertex has fewer than three coordinates");
         value = here.parse<double>(field, "a vertex coordinate");
       }
     } else if (word == "f") {
@@ -38,10 +38,10 @@ RawMesh read_obj(const std::string& bytes, const std::string& source) {
         const auto n = static_cast<std::int64_t>(raw.nodes.size());
         const std::int64_t position = index > 0 ? index - 1 : n + index;  // negative: relative to the last vertex
         if (index == 0 || position < 0 || position >= n)
-          here.fail("a face uses a vertex that is not defined above it", std::to_string(index), again);
+          here.fail("a face uses a vertex that is not defined above it", std::to_string(index));
         corners.push_back(static_cast<std::int32_t>(position));
       }
-      if (corners.size() < 3) here.fail("a face has fewer than three vertices", "", again);
+      if (corners.size() < 3) here.fail("a face has fewer than three vertices");
       if (corners.size() > 3) ++polygons;
       raw.add_polygon(corners);
     }

@@ -29,10 +29,10 @@ class LineNumbers {
   template <class Number>
   Number next() {
     const auto word = _words.word_or_end();
-    if (word.empty()) fail(std::string("a line is too short for ") + _expected, "");
+    if (word.empty()) fail(std::string("a line is too short for ") + _expected);
     return _here.parse<Number>(word, _expected);
   }
-  [[noreturn]] void fail(const std::string& what, const std::string& value) const { _here.fail(what, value, again); }
+  [[noreturn]] void fail(const std::string& what, std::string_view value = {}) const { _here.fail(what, value); }
 
  private:
   Scanner _here, _words;

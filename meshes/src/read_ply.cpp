@@ -39,7 +39,7 @@ class PlyFile {
       std::size_t least = 0;  // bytes of an item
       for (const auto& p : element.properties)
         least += _text ? 2 : bytes_of_type(p.count_type.empty() ? p.type : p.count_type);
-      if (least == 0 && element.count > 0) _scanner.fail("an element has no properties", element.name, again);
+      if (least == 0 && element.count > 0) _scanner.fail("an element has no properties", element.name);
       const std::size_t n =
           _scanner.checked_count(element.count, std::max<std::size_t>(least, 1), "items of an element");
       for (std::size_t i = 0; i < n; ++i)
@@ -66,20 +66,20 @@ class PlyFile {
         const std::string name(words.word_or_end()), count(words.word_or_end());
         _elements.push_back({name, _scanner.parse<std::int64_t>(count, "the number of items of an element"), {}});
       } else if (word == "property") {
-        if (_elements.empty()) _scanner.fail("a property is before the first element", line.substr(0, 40), again);
+        if (_elements.empty()) _scanner.fail("a property is before the first element", line);
         _elements.back().properties.push_back(property(words, line));
       } else if (!word.empty() && word != "comment" && word != "obj_info") {
-        _scanner.fail("an unknown word in the header", std::string(word.substr(0, 40)), again);
+        _scanner.fail("an unknown word in the header", word);
       }
     }
-    if (!format_known) _scanner.fail("the header names no format", "", again);
+    if (!format_known) _scanner.fail("the header names no format");
   }
 
   void read_format(const std::string& format) {
     _text = format == "ascii";
     _swap = (format == "binary_big_endian") == (std::endian::native == std::endian::little);
     if (!_text && format != "binary_big_endian" && format != "binary_little_endian")
-      _scanner.fail("unknown format", format.substr(0, 40), "save the file as ascii or binary_little_endian");
+      _scanner.fail("unknown format", format, "save the file as ascii or binary_little_endian");
   }
 
   Property property(Scanner& words, const std::string& line) const {
@@ -92,7 +92,7 @@ class PlyFile {
     p.name = words.word_or_end();
     if (p.name.empty() || bytes_of_type(p.type) == 0 ||
         (!p.count_type.empty() && (bytes_of_type(p.count_type) == 0 || is_real(p.count_type))))
-      _scanner.fail("a property of an unknown type", line.substr(0, 40), again);
+      _scanner.fail("a property of an unknown type", line);
     return p;
   }
 
@@ -136,7 +136,7 @@ class PlyFile {
       for (int k = 0; k < 3; ++k)
         if (p.name == std::string(1, static_cast<char>('x' + k))) x[k] = number, found |= 1 << k;
     }
-    if (found != 7) _scanner.fail("the vertices do not have x, y and z", "", again);
+    if (found != 7) _scanner.fail("the vertices do not have x, y and z");
   }
 
   void skip_list(const Property& p) {
@@ -156,14 +156,14 @@ class PlyFile {
   }
 
   void read_face(const Property& p) {
-    if (!_vertices_known) _scanner.fail("faces are before the vertices", "", again);
+    if (!_vertices_known) _scanner.fail("faces are before the vertices");
     const std::size_t n = length(p);
-    if (n < 3) _scanner.fail("a face has fewer than three vertices", std::to_string(n), again);
+    if (n < 3) _scanner.fail("a face has fewer than three vertices", std::to_string(n));
     std::vector<std::int32_t> corners(n);
     for (auto& corner : corners) {
       const std::int64_t i = integer(p.type);
       if (i < 0 || static_cast<std::size_t>(i) >= _raw.nodes.size())
-        _scanner.fail("a face uses a vertex that is not in the file", std::to_string(i), again);
+        _scanner.fail("a face uses a vertex that is not in the file", std::to_string(i));
       corner = static_cast<std::int32_t>(i);
     }
     _raw.add_polygon(corners);

@@ -56,7 +56,7 @@ void read_binary(Scanner& scanner, RawMesh& raw) {
 
 void expect(Scanner& scanner, const char* word) {
   if (const std::string_view found = scanner.word(word); found != word)
-    scanner.fail(std::string("expected '") + word + "'", std::string(found.substr(0, 40)), again);
+    scanner.fail(std::string("expected '") + word + "'", found);
 }
 
 void read_text(Scanner& scanner, RawMesh& raw) {
@@ -70,7 +70,7 @@ void read_text(Scanner& scanner, RawMesh& raw) {
       scanner.line();  // the name of a further solid of the file
       continue;
     }
-    if (word != "facet") scanner.fail("expected 'facet' or 'endsolid'", std::string(word.substr(0, 40)), again);
+    if (word != "facet") scanner.fail("expected 'facet' or 'endsolid'", word);
     expect(scanner, "normal");
     for (int k = 0; k < 3; ++k) scanner.word("a triangle's normal");
     expect(scanner, "outer");

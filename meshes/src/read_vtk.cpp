@@ -20,7 +20,7 @@ class VtkFile {
         read_points();
         points_seen = true;
       } else if (section == "CELLS" || section == "POLYGONS") {
-        if (!points_seen) _scanner.fail(section + " is before POINTS", "", again);
+        if (!points_seen) _scanner.fail(section + " is before POINTS");
         read_cells(_ends, _points);
         cells_seen = true;
       } else if (section == "CELL_TYPES") {
@@ -35,13 +35,12 @@ class VtkFile {
         while (!_scanner.at_end() && !_scanner.line().empty()) {
         }
       } else {
-        _scanner.fail("unsupported section before the cells", section.substr(0, 40),
-                      "save the mesh alone, without other data");
+        _scanner.fail("unsupported section before the cells", section, "save the mesh alone, without other data");
       }
     }
     if (!_poly_data && _types.size() != _ends.size())
       _scanner.fail("the numbers of cells and of cell types differ",
-                    std::to_string(_ends.size()) + " and " + std::to_string(_types.size()), again);
+                    std::to_string(_ends.size()) + " and " + std::to_string(_types.size()));
     add_vtk_cells(_ends, _points, _raw.nodes.size(), 0, _types, _raw,
                   [this](const auto&... text) { _scanner.fail(text...); });
     return std::move(_raw);
@@ -57,19 +56,17 @@ class VtkFile {
     _with_offsets = header.compare(magic.size(), std::string::npos, "5.1") >= 0;
     _scanner.line();
     const std::string encoding(_scanner.word("ASCII or BINARY"));
-    if (encoding != "ASCII" && encoding != "BINARY")
-      _scanner.fail("expected ASCII or BINARY", encoding.substr(0, 40), again);
+    if (encoding != "ASCII" && encoding != "BINARY") _scanner.fail("expected ASCII or BINARY", encoding);
     _binary = encoding == "BINARY";
     expect("DATASET");
     const std::string dataset(_scanner.closed_word("the kind of the data set"));
     if (dataset != "UNSTRUCTURED_GRID" && dataset != "POLYDATA")
-      _scanner.fail("unsupported kind of data set", dataset.substr(0, 40),
-                    "save the mesh as UNSTRUCTURED_GRID or POLYDATA");
+      _scanner.fail("unsupported kind of data set", dataset, "save the mesh as UNSTRUCTURED_GRID or POLYDATA");
     _poly_data = dataset == "POLYDATA";
   }
 
   void expect(const char* name) {
-    if (_scanner.word(name) != name) _scanner.fail(std::string("expected ") + name, "", again);
+    if (_scanner.word(name) != name) _scanner.fail(std::string("expected ") + name);
   }
 
   /// To be called before the values of an array: binary data start on the next line.
@@ -117,7 +114,7 @@ class VtkFile {
     if (_with_offsets) {
       ends = array("OFFSETS", n);
       points = array("CONNECTIVITY", size);
-      if (n > 0 && ends[0] != 0) _scanner.fail("the first cell offset is not 0", std::to_string(ends[0]), again);
+      if (n > 0 && ends[0] != 0) _scanner.fail("the first cell offset is not 0", std::to_string(ends[0]));
       if (n > 0) ends.erase(ends.begin());
       return;
     }
@@ -130,7 +127,7 @@ class VtkFile {
     }
     if (points.size() + n != size)
       _scanner.fail("the cells do not hold the declared number of entries",
-                    std::to_string(points.size() + n) + " instead of " + std::to_string(size), again);
+                    std::to_string(points.size() + n) + " instead of " + std::to_string(size));
   }
 
   static constexpr bool swap = std::endian::native == std::endian::little;  // the format is big-endian

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cstring>
 #include <optional>
 #include <phynness/formats/error.hpp>
@@ -125,12 +124,10 @@ class VtkXml {
 
   /// A count in an attribute. @throws Error if it is missing or larger than for any useful mesh
   std::size_t count(pugi::xml_node node, const char* attribute) const {
-    const std::string_view text = node.attribute(attribute).value();
     std::uint64_t n = 0;
-    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), n);
-    if (code != std::errc{} || end != text.data() + text.size() || n > most_numbers)
+    if (!Scanner::is_number(node.attribute(attribute).value(), n) || n > most_numbers)
       fail(node, std::string(attribute) + " must be a number up to " + std::to_string(most_numbers),
-           std::string(text.substr(0, 40)), again);
+           node.attribute(attribute).value());
     return static_cast<std::size_t>(n);
   }
 
@@ -162,18 +159,22 @@ class VtkXml {
       if (type == "UInt8") return binary_numbers<std::uint8_t, Number>(array, size);
       if (type == "Int8") return binary_numbers<std::int8_t, Number>(array, size);
     }
-    fail(array, "unsupported type of an array", std::string(type.substr(0, 40)), again);
+    fail(array, "unsupported type of an array", type);
   }
 
   /// @throws Error with the line of the node
-  [[noreturn]] void fail(pugi::xml_node node, const std::string& what, const std::string& value,
-                         const std::string& remedy) const {
-    const auto at = std::clamp<std::ptrdiff_t>(node.offset_debug(), 0, static_cast<std::ptrdiff_t>(_bytes.size()));
-    const auto line = 1 + std::count(_bytes.begin(), _bytes.begin() + at, '\n');
-    throw input_error(_source + ":" + std::to_string(line) + ": " + what, value, remedy);
+  [[noreturn]] void fail(pugi::xml_node node, const std::string& what, std::string_view value = {},
+                         const std::string& remedy = again) const {
+    throw input_error(place(node.offset_debug()) + what, std::string(value.substr(0, 60)), remedy);
   }
 
  private:
+  /// The beginning of a message: file and line.
+  std::string place(std::ptrdiff_t offset) const {
+    const auto end = _bytes.begin() + std::clamp<std::ptrdiff_t>(offset, 0, std::ssize(_bytes));
+    return _source + ":" + std::to_string(1 + std::count(_bytes.begin(), end, '\n')) + ": ";
+  }
+
   void parse_document(const char* kind) {
     const auto last = _bytes.find_last_not_of(" \t\r\n", std::string::npos, 4);
     constexpr std::string_view end = "</VTKFile>";
@@ -191,12 +192,10 @@ class VtkXml {
     const auto parsed = _document.load_buffer_inplace(_text.data(), _text.size());
     const auto file = _document.child("VTKFile");
     if (!file || !parsed || !whole) {
-      const auto at =
-          static_cast<std::ptrdiff_t>(std::min<std::size_t>(std::max<std::ptrdiff_t>(parsed.offset, 0), _bytes.size()));
-      throw input_error(_source + ":" + std::to_string(1 + std::count(_bytes.begin(), _bytes.begin() + at, '\n')) +
-                            (file && parsed ? ": the file is truncated: it does not end with </VTKFile>"
-                                            : ": the file is not an XML file of VTK"),
-                        parsed ? "" : parsed.description(), again);
+      throw input_error(
+          place(parsed.offset) + (file && parsed ? "the file is truncated: it does not end with </VTKFile>"
+                                                 : "the file is not an XML file of VTK"),
+          parsed ? "" : parsed.description(), again);
     }
     _grid = file.child(kind);
     if (!_grid)
@@ -209,12 +208,12 @@ class VtkXml {
     const std::string order = file.attribute("byte_order").value(), header = file.attribute("header_type").value(),
                       compressor = file.attribute("compressor").value(),
                       appended = file.child("AppendedData").attribute("encoding").value();
-    if (order != "LittleEndian" && order != "BigEndian") fail(file, "unknown byte_order", order, again);
-    if (!header.empty() && header != "UInt32" && header != "UInt64") fail(file, "unknown header_type", header, again);
+    if (order != "LittleEndian" && order != "BigEndian") fail(file, "unknown byte_order", order);
+    if (!header.empty() && header != "UInt32" && header != "UInt64") fail(file, "unknown header_type", header);
     if (!compressor.empty() && compressor != "vtkZLibDataCompressor")
       fail(file, "unsupported compressor", compressor, "save the file with zlib or without compression");
     if (_appended && appended != "raw" && appended != "base64")
-      fail(file.child("AppendedData"), "unknown encoding of the appended data", appended, again);
+      fail(file.child("AppendedData"), "unknown encoding of the appended data", appended);
     _encoding = {order == "BigEndian", header == "UInt64" ? 8 : 4, !compressor.empty()};
     _appended_base64 = appended == "base64";
   }
@@ -225,14 +224,12 @@ class VtkXml {
       base64 = true;
       return array.text().get();
     }
-    if (format != "appended") fail(array, "unknown format of an array", std::string(format.substr(0, 40)), again);
+    if (format != "appended") fail(array, "unknown format of an array", format);
     const std::size_t size = _appended ? _appended->size() : 0;
-    const std::string_view text = array.attribute("offset").value();
+    const char* text = array.attribute("offset").value();
     std::uint64_t offset = 0;
-    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), offset);
-    if (code != std::errc{} || end != text.data() + text.size() || offset >= size)
-      fail(array, "the offset of an array is outside of the appended data of " + std::to_string(size) + " bytes",
-           std::string(text.substr(0, 40)), again);
+    if (!Scanner::is_number(text, offset) || offset >= size)
+      fail(array, "the offset of an array is outside of the appended data of " + std::to_string(size) + " bytes", text);
     base64 = _appended_base64;
     return _appended->substr(offset);
   }
@@ -242,11 +239,10 @@ class VtkXml {
     std::vector<Number> values;
     Scanner words(array.text().get(), _source);
     for (auto word = words.word_or_end(); !word.empty(); word = words.word_or_end())
-      if (!Scanner::is_number(word, values.emplace_back()))
-        fail(array, "expected a number in an array", std::string(word.substr(0, 40)), again);
+      if (!Scanner::is_number(word, values.emplace_back())) fail(array, "expected a number in an array", word);
     if (values.size() != size)
       fail(array, "an array holds another number of values than declared",
-           std::to_string(values.size()) + " instead of " + std::to_string(size), again);
+           std::to_string(values.size()) + " instead of " + std::to_string(size));
     return values;
   }
 
@@ -259,11 +255,11 @@ class VtkXml {
       const std::string decoded = base64 ? from_base64(text) : std::string();
       bytes = EncodedData(base64 ? decoded : text, _encoding).decoded(size * sizeof(Stored));
     } catch (const std::runtime_error& error) {
-      fail(array, "the data of an array cannot be read", error.what(), again);
+      fail(array, "the data of an array cannot be read", error.what());
     }
     if (bytes.size() != size * sizeof(Stored))
       fail(array, "an array holds another number of bytes than declared",
-           std::to_string(bytes.size()) + " instead of " + std::to_string(size * sizeof(Stored)), again);
+           std::to_string(bytes.size()) + " instead of " + std::to_string(size * sizeof(Stored)));
     const bool swap = _encoding.big_endian != (std::endian::native == std::endian::big);
     std::vector<Number> values(size);
     for (std::size_t i = 0; i < size; ++i) {
@@ -290,7 +286,7 @@ std::size_t append_points(const VtkXml& file, pugi::xml_node piece, RawMesh& raw
   if (n == 0) return 0;
   const auto array = file.array(piece.child("Points"), "");
   if (array.attribute("NumberOfComponents").as_int(3) != 3)
-    file.fail(array, "the points do not have three coordinates", array.attribute("NumberOfComponents").value(), again);
+    file.fail(array, "the points do not have three coordinates", array.attribute("NumberOfComponents").value());
   const auto x = file.numbers<double>(array, 3 * n);
   for (std::size_t i = 0; i < n; ++i) raw.nodes.push_back({x[3 * i], x[3 * i + 1], x[3 * i + 2]});
   return n;

@@ -1,13 +1,10 @@
-#include "remesh.hpp"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <utility>
 
 #include "changing_surface.hpp"
 #include "closest_point.hpp"
-#include "surface_slivers.hpp"
 
 namespace phynness::meshes {
 namespace {
@@ -15,18 +12,16 @@ namespace {
 constexpr double sharp_cosine = 0.6428;  // 50 degrees
 constexpr int max_rounds = 40, smooth_rounds = 12;
 
-std::vector<Edge> by_length(const ChangingSurface& surface, bool longest_first) {
-  std::vector<std::tuple<double, Edge>> list;
+std::vector<std::pair<double, Edge>> by_length(const ChangingSurface& surface, bool longest_first) {
+  std::vector<std::pair<double, Edge>> list;
   for (const Edge& edge : surface.edges()) list.emplace_back((longest_first ? -1 : 1) * surface.length(edge), edge);
   std::sort(list.begin(), list.end());
-  std::vector<Edge> edges;
-  for (const auto& entry : list) edges.push_back(std::get<1>(entry));
-  return edges;
+  return list;
 }
 
 int split_long_edges(ChangingSurface& surface, const ClosestPoint& closest, double longest) {
   int changes = 0;
-  for (const Edge& edge : by_length(surface, true)) {
+  for (const auto& [length, edge] : by_length(surface, true)) {
     if (surface.length(edge) <= longest) break;
     const Eigen::RowVector3d middle = (surface.x(edge[0]) + surface.x(edge[1])) / 2;
     changes += surface.split(edge, surface.is_feature(edge) ? middle : closest(middle));
@@ -36,7 +31,7 @@ int split_long_edges(ChangingSurface& surface, const ClosestPoint& closest, doub
 
 int collapse_short_edges(ChangingSurface& surface, double shortest, double longest) {
   int changes = 0;
-  for (const Edge& edge : by_length(surface, false)) {
+  for (const auto& [length, edge] : by_length(surface, false)) {
     const auto [a, b] = edge;
     if (!surface.exists(a) || !surface.exists(b) || surface.length(edge) >= shortest) continue;
     // The node with fewer features is removed first; otherwise the other node is tried.

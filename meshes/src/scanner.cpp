@@ -9,10 +9,10 @@ bool is_white(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' |
 
 }  // namespace
 
-void Scanner::fail(const std::string& what, const std::string& value, const std::string& remedy) const {
+void Scanner::fail(const std::string& what, std::string_view value, const std::string& remedy) const {
   const auto end = _bytes.begin() + static_cast<std::ptrdiff_t>(std::min(_position, _bytes.size()));
   const auto line = 1 + std::count(_bytes.begin(), end, '\n');
-  throw input_error(_source + ":" + std::to_string(line) + ": " + what, value, remedy);
+  throw input_error(_source + ":" + std::to_string(line) + ": " + what, std::string(value.substr(0, 60)), remedy);
 }
 
 void Scanner::truncated(const std::string& expected) const {
@@ -47,14 +47,13 @@ std::string_view Scanner::word(const char* expected) {
 std::string_view Scanner::closed_word(const char* expected) {
   const std::string_view text = word(expected);
   if (at_end())
-    fail(std::string("the file ends directly after ") + expected + ", which may be incomplete",
-         std::string(text.substr(0, 40)),
+    fail(std::string("the file ends directly after ") + expected + ", which may be incomplete", text,
          "export the file again; if it is complete, end its last line with a line break");
   return text;
 }
 
 std::size_t Scanner::checked_count(std::int64_t count, std::size_t bytes_each, const char* what) const {
-  if (count < 0) fail(std::string("negative number of ") + what, std::to_string(count), again);
+  if (count < 0) fail(std::string("negative number of ") + what, std::to_string(count));
   if (static_cast<std::uint64_t>(count) > remaining() / bytes_each)
     fail("the file is truncated: it declares " + std::to_string(count) + " " + what + " but is too short for them",
          std::to_string(remaining()) + " bytes remain", "copy or export the file again");

@@ -22,8 +22,8 @@ class Scanner {
   std::size_t remaining() const { return _bytes.size() - _position; }
   const std::string& source() const { return _source; }
 
-  /// @throws Error with the current line (text) or byte (binary)
-  [[noreturn]] void fail(const std::string& what, const std::string& value, const std::string& remedy) const;
+  /// @throws Error with the current line, and at most 60 characters of the value
+  [[noreturn]] void fail(const std::string& what, std::string_view value = {}, const std::string& remedy = again) const;
   [[noreturn]] void truncated(const std::string& expected) const;
 
   /// The rest of the current line without its line break; moves past the break.

@@ -4,6 +4,7 @@
 #include <phynness/meshes/meshes.hpp>
 
 #include "mirror.hpp"
+#include "topology.hpp"
 
 namespace phynness {
 namespace {
@@ -11,11 +12,8 @@ namespace {
 using Nodes = NodeList;
 std::string at(const SourceLocation& where) { return where.file.empty() ? "" : where.str() + ": "; }
 
-std::string first_of(const Nodes& nodes) {
-  std::string list;
-  for (std::size_t i = 0; i < std::min<std::size_t>(nodes.size(), 5); ++i)
-    list += (i ? ", " : "") + std::to_string(nodes[i]);
-  return list + (nodes.size() > 5 ? ", ..." : "");
+std::string listed(const Nodes& nodes) {
+  return std::to_string(nodes.size()) + " nodes: " + meshes::first_few(nodes, 5);
 }
 
 }  // namespace
@@ -37,8 +35,7 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
   body.fixed = sets.fixed;
   if (!hold_the_body(mesh, sets.fixed))
     throw input_error(at(scene.fixed_where) + "the fixed nodes do not prevent rotations of the body",
-                      std::to_string(sets.fixed.size()) + " nodes: " + first_of(sets.fixed),
-                      "fix at least three nodes that are not on one line");
+                      listed(sets.fixed), "fix at least three nodes that are not on one line");
   if (std::includes(sets.fixed.begin(), sets.fixed.end(), body.surface.begin(), body.surface.end()))
     throw input_error(at(scene.fixed_where) + "every node of the surface is fixed, so that nothing can be touched",
                       std::to_string(sets.fixed.size()) + " of " + std::to_string(mesh.n_nodes()) + " nodes",
@@ -50,8 +47,7 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
                         std::back_inserter(both));
   if (!both.empty())
     throw input_error(
-        at(scene.active_where) + "active nodes that are also fixed cannot be displaced",
-        std::to_string(both.size()) + " nodes: " + first_of(both),
+        at(scene.active_where) + "active nodes that are also fixed cannot be displaced", listed(both),
         both.size() == sets.active.size()
             ? "they are all active nodes: select others, such as \"free-surface\", or fix fewer nodes"
             : "remove them by active = { difference = [ SELECTION, \"fixed\" ] }, or use \"free-surface\"");
@@ -59,8 +55,7 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
   std::set_difference(sets.active.begin(), sets.active.end(), body.surface.begin(), body.surface.end(),
                       std::back_inserter(inside));
   if (!inside.empty())
-    throw input_error(at(scene.active_where) + "active nodes inside the body cannot be touched",
-                      std::to_string(inside.size()) + " nodes: " + first_of(inside),
+    throw input_error(at(scene.active_where) + "active nodes inside the body cannot be touched", listed(inside),
                       inside.size() == sets.active.size()
                           ? "they are all active nodes: select nodes of the surface, such as \"free-surface\""
                           : "add surface_only = true to the selector, or use \"free-surface\"");

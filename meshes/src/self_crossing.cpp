@@ -1,5 +1,3 @@
-#include "self_crossing.hpp"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -7,7 +5,8 @@
 #include <phynness/formats/error.hpp>
 #include <sstream>
 
-#include "topology.hpp"
+#include "geometry.hpp"
+#include "surface.hpp"
 
 namespace phynness::meshes {
 namespace {
@@ -20,10 +19,10 @@ double orientation(const Vector& a, const Vector& b, const Vector& c, const Vect
 }
 
 bool segment_crosses(const Surface& s, std::int32_t p, std::int32_t q, std::int32_t triangle) {
-  const auto t = s.triangles.row(triangle);
-  if ((t.array() == p).any() || (t.array() == q).any()) return false;
-  const Vector a = s.nodes.row(t(0)), b = s.nodes.row(t(1)), c = s.nodes.row(t(2)), x = s.nodes.row(p),
-               y = s.nodes.row(q);
+  const auto t = s.triangles.row(triangle).array();
+  if ((t == p).any() || (t == q).any()) return false;
+  const auto [a, b, c] = corners_of(s.nodes, s.triangles, triangle);
+  const Vector x = s.nodes.row(p), y = s.nodes.row(q);
   if (orientation(a, b, c, x) * orientation(a, b, c, y) > 0) return false;
   const double u = orientation(x, y, a, b), v = orientation(x, y, b, c), w = orientation(x, y, c, a);
   return (u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0);
@@ -44,8 +43,7 @@ std::vector<std::array<std::int32_t, 2>> crossing_triangles(const Surface& surfa
   if (n == 0) return {};
   Points low(n, 3), high(n, 3);
   for (Eigen::Index t = 0; t < n; ++t) {
-    const Vector a = surface.nodes.row(surface.triangles(t, 0)), b = surface.nodes.row(surface.triangles(t, 1)),
-                 c = surface.nodes.row(surface.triangles(t, 2));
+    const auto [a, b, c] = corners_of(surface.nodes, surface.triangles, t);
     low.row(t) = a.cwiseMin(b).cwiseMin(c);
     high.row(t) = a.cwiseMax(b).cwiseMax(c);
   }

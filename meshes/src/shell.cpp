@@ -1,14 +1,12 @@
-#include "shell.hpp"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <phynness/formats/error.hpp>
-#include <sstream>
 
 #include "file_mesh.hpp"
+#include "geometry.hpp"
 #include "surface.hpp"
 
 namespace phynness::meshes {
@@ -57,14 +55,10 @@ void require_sound_edges(SurfaceTopology topology, const std::string& source) {
                             "must form one fan");
 }
 
-std::array<Eigen::RowVector3d, 3> corners_of(const Mesh& mesh, Eigen::Index t) {
-  return {mesh.nodes.row(mesh.cells(t, 0)), mesh.nodes.row(mesh.cells(t, 1)), mesh.nodes.row(mesh.cells(t, 2))};
-}
-
 void require_areas(const Mesh& mesh, const std::string& source) {
   std::vector<std::int32_t> flat;
   for (Eigen::Index t = 0; t < mesh.cells.rows(); ++t) {
-    const auto [a, b, c] = corners_of(mesh, t);
+    const auto [a, b, c] = corners_of(mesh.nodes, mesh.cells, t);
     const Eigen::RowVector3d u = b - a, v = c - a;
     const double longest = std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()});
     if (!(u.cross(v).norm() > flat_triangle * longest)) flat.push_back(static_cast<std::int32_t>(t));
@@ -83,7 +77,7 @@ Edge edge_of(const Mesh& mesh, Eigen::Index t, int i) {
 std::map<Edge, std::vector<Eigen::RowVector3d>> normals_at_edges(const Mesh& mesh) {
   std::map<Edge, std::vector<Eigen::RowVector3d>> normals;
   for (Eigen::Index t = 0; t < mesh.cells.rows(); ++t) {
-    const auto [a, b, c] = corners_of(mesh, t);
+    const auto [a, b, c] = corners_of(mesh.nodes, mesh.cells, t);
     for (int i = 0; i < 3; ++i) normals[edge_of(mesh, t, i)].push_back((b - a).cross(c - a).normalized());
   }
   return normals;
@@ -147,12 +141,7 @@ MeshResult checked_shell(RawMesh raw, double scale_to_m, bool repair, const std:
 
 void check_wall(MeshResult& result, double thickness_m, const std::string& source) {
   const Mesh& mesh = result.mesh;
-  const auto metres = [](double value) {
-    std::ostringstream text;
-    text << value << " m";
-    return text.str();
-  };
-  const double longest = (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).maxCoeff();
+  const double longest = extent_of(mesh.nodes).maxCoeff();
   if (!(thickness_m < longest))
     throw input_error(source + ": the shell is thicker than it is long",
                       "thickness_m = " + metres(thickness_m) + ", the middle surface is " + metres(longest) + " long",
@@ -168,7 +157,7 @@ void check_wall(MeshResult& result, double thickness_m, const std::string& sourc
   double thinnest = 1;
   Eigen::Index worst = 0;
   for (Eigen::Index t = 0; t < mesh.cells.rows(); ++t) {
-    const auto [a, b, c] = corners_of(mesh, t);
+    const auto [a, b, c] = corners_of(mesh.nodes, mesh.cells, t);
     const Eigen::RowVector3d u = b - a, v = c - a;
     std::array<Eigen::RowVector3d, 3> D;
     for (int i = 0; i < 3; ++i) D[static_cast<std::size_t>(i)] = directors.at(edge_of(mesh, t, i));
@@ -180,7 +169,7 @@ void check_wall(MeshResult& result, double thickness_m, const std::string& sourc
       if (share < thinnest) thinnest = share, worst = t;
     }
   }
-  const Eigen::RowVector3d sharpest = corners_of(mesh, worst)[0];
+  const Eigen::RowVector3d sharpest = corners_of(mesh.nodes, mesh.cells, worst)[0];
   const std::string where = "thickness_m = " + metres(thickness_m) + ", the sharpest bend is at triangle " +
                             std::to_string(worst) + " (" + metres(sharpest[0]) + ", " + metres(sharpest[1]) + ", " +
                             metres(sharpest[2]) + ")";

@@ -1,5 +1,3 @@
-#include "sizing.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +7,7 @@
 #include <sstream>
 
 #include "generate.hpp"
+#include "sizing.hpp"
 
 namespace phynness::meshes {
 namespace {
@@ -19,6 +18,16 @@ constexpr double least_step = 2e-4;  // of the logarithm of the edge length
 constexpr double good_enough = 0.005, far_off = 0.05;
 constexpr double good_enough_big = 0.02;  // large meshes take long and need no exact number of nodes
 constexpr int big = 10000;
+
+/// Expected number of nodes of a mesh of this edge length, with an error of some tens of percent.
+double expected_nodes(const Extent& extent, double edge_m) {
+  // Six equilateral triangles meet at a node. A Delaunay mesh has about 5.5 tetrahedra per interior node, and there are
+  // no interior nodes in the layer next to the surface.
+  const double surface = extent.area_m2 / (std::sqrt(3.0) / 2 * edge_m * edge_m);
+  const double interior =
+      std::max(0.0, extent.volume_m3 - 0.5 * edge_m * extent.area_m2) / (0.65 * std::pow(edge_m, 3));
+  return surface + interior;
+}
 
 double edge_for(const Extent& extent, double nodes) {
   double low = 1e-9 * std::max(std::cbrt(extent.volume_m3), std::sqrt(extent.area_m2));
@@ -31,15 +40,6 @@ double edge_for(const Extent& extent, double nodes) {
 }
 
 }  // namespace
-
-double expected_nodes(const Extent& extent, double edge_m) {
-  // Six equilateral triangles meet at a node. A Delaunay mesh has about 5.5 tetrahedra per interior node, and there are
-  // no interior nodes in the layer next to the surface.
-  const double surface = extent.area_m2 / (std::sqrt(3.0) / 2 * edge_m * edge_m);
-  const double interior =
-      std::max(0.0, extent.volume_m3 - 0.5 * edge_m * extent.area_m2) / (0.65 * std::pow(edge_m, 3));
-  return surface + interior;
-}
 
 void require_affordable(const Extent& extent, double edge_m, const std::string& place) {
   const double n = expected_nodes(extent, edge_m);

@@ -1,4 +1,4 @@
-// Edge lengths: the expected number of nodes, and the edge length for a wanted number of nodes.
+// Edge lengths: of meshes of a wanted number of nodes, and those that give too many.
 #pragma once
 
 #include <functional>
@@ -10,9 +10,6 @@ namespace phynness::meshes {
 struct Extent {
   double volume_m3 = 0, area_m2 = 0;
 };
-
-/// Expected number of nodes of a mesh of this edge length, with an error of some tens of percent.
-double expected_nodes(const Extent& extent, double edge_m);
 
 /// @throws Error if a mesh of this edge length would be so large that it is probably a mistake
 void require_affordable(const Extent& extent, double edge_m, const std::string& place);

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "file_mesh.hpp"
+#include "geometry.hpp"
 
 namespace phynness::meshes {
 namespace {
@@ -39,9 +40,8 @@ double enclosed_volume(const Points& nodes, const Triangles& triangles) {
   const Eigen::RowVector3d origin = nodes.colwise().mean();  // near the body, which reduces cancellation
   double six_volumes = 0;
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    const Eigen::RowVector3d a = nodes.row(triangles(t, 0)) - origin, b = nodes.row(triangles(t, 1)) - origin,
-                             c = nodes.row(triangles(t, 2)) - origin;
-    six_volumes += a.dot(b.cross(c));
+    const auto [a, b, c] = corners_of(nodes, triangles, t);
+    six_volumes += (a - origin).dot((b - origin).cross(c - origin));
   }
   return six_volumes / 6;
 }
@@ -49,8 +49,7 @@ double enclosed_volume(const Points& nodes, const Triangles& triangles) {
 double area(const Points& nodes, const Triangles& triangles) {
   double twice = 0;
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    const Eigen::RowVector3d a = nodes.row(triangles(t, 0)), b = nodes.row(triangles(t, 1)),
-                             c = nodes.row(triangles(t, 2));
+    const auto [a, b, c] = corners_of(nodes, triangles, t);
     twice += (b - a).cross(c - a).norm();
   }
   return twice / 2;
@@ -114,7 +113,7 @@ Surface checked_surface(RawMesh raw, double scale_to_m, bool repair, const std::
     if (notes.size() == before) notes.push_back("turned all triangles: the normals pointed inward");
   }
   if (dropped > 0) notes.push_back("dropped " + counted(dropped, "vertex", "vertices") + " that no triangle uses");
-  const double reach = (surface.nodes.colwise().maxCoeff() - surface.nodes.colwise().minCoeff()).norm();
+  const double reach = extent_of(surface.nodes).norm();
   if (!(volume > 1e-12 * reach * reach * reach))
     throw input_error(source + ": the surface encloses no volume", std::to_string(volume) + " m^3",
                       "export a closed, solid shape");

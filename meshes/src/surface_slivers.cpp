@@ -1,11 +1,12 @@
-#include "surface_slivers.hpp"
-
+// Flat triangles and thin folds of a remeshed surface, which prevent tetrahedra of good quality.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
-#include "radius_ratio.hpp"
+#include "changing_surface.hpp"
+#include "closest_point.hpp"
+#include "geometry.hpp"
 
 namespace phynness::meshes {
 namespace {
@@ -59,9 +60,6 @@ class SliverRemoval {
   }
 
   static bool has(const Triangle& t, std::int32_t node) { return std::find(t.begin(), t.end(), node) != t.end(); }
-  static std::int32_t third(const Triangle& t, const Edge& edge) {
-    return *std::find_if(t.begin(), t.end(), [&](std::int32_t node) { return node != edge[0] && node != edge[1]; });
-  }
 
   /// The other triangle at an edge, from `triangles` or from the surface without `removed`.
   const Triangle* across(const Edge& edge, std::size_t index, const std::vector<Triangle>& triangles,
@@ -83,7 +81,7 @@ class SliverRemoval {
       for (int k = 0; k < 3; ++k) {
         const Edge edge{t[k], t[(k + 1) % 3]};
         if (const Triangle* other = across(edge, i, triangles, removed))
-          worst = std::min(worst, fold_shape(t, *other, third(*other, edge)));
+          worst = std::min(worst, fold_shape(t, *other, ChangingSurface::opposite(*other, edge)));
       }
     }
     return worst;

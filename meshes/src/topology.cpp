@@ -4,6 +4,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "raw_mesh.hpp"
+
 namespace phynness::meshes {
 namespace {
 
@@ -24,23 +26,28 @@ class Sets {
   std::vector<std::int32_t> _parent;
 };
 
-/// Numbers the sets of `members` by first appearance.
-void number_sets(Sets& sets, const std::vector<std::int32_t>& members, std::vector<std::int32_t>& component,
-                 std::vector<std::size_t>& sizes, std::size_t n_elements) {
-  std::vector<std::int32_t> number(n_elements, -1);
-  for (const std::int32_t member : members) {
-    auto& n = number[sets.find(member)];
+/// Components by shared nodes, numbered by first appearance. @param node  of an element and its corner
+template <class NodeOf>
+Components components_of(std::size_t n_elements, int corners, std::size_t n_nodes, const NodeOf& node) {
+  Sets sets(n_nodes);
+  for (std::size_t e = 0; e < n_elements; ++e)
+    for (int k = 1; k < corners; ++k) sets.join(node(e, 0), node(e, k));
+  Components found;
+  std::vector<std::int32_t> number(n_nodes, -1);
+  for (std::size_t e = 0; e < n_elements; ++e) {
+    auto& n = number[sets.find(node(e, 0))];
     if (n < 0) {
-      n = static_cast<std::int32_t>(sizes.size());
-      sizes.push_back(0);
+      n = static_cast<std::int32_t>(found.component_sizes.size());
+      found.component_sizes.push_back(0);
     }
-    component.push_back(n);
-    ++sizes[n];
+    found.component.push_back(n);
+    ++found.component_sizes[n];
   }
+  return found;
 }
 
 struct HalfEdge {
-  Edge edge;
+  Edge key;
   std::int32_t triangle;
   bool forward;  // from the smaller to the larger node
 };
@@ -54,19 +61,17 @@ std::vector<HalfEdge> half_edges(const Triangles& triangles) {
       edges.push_back({{std::min(a, b), std::max(a, b)}, t, a < b});
     }
   std::sort(edges.begin(), edges.end(), [](const HalfEdge& p, const HalfEdge& q) {
-    return std::tie(p.edge, p.triangle) < std::tie(q.edge, q.triangle);
+    return std::tie(p.key, p.triangle) < std::tie(q.key, q.triangle);
   });
   return edges;
 }
 
-/// Calls visit(first, last) for every run of half edges on the same edge.
-template <class Visit>
-void for_each_edge(const std::vector<HalfEdge>& edges, Visit visit) {
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t j = i + 1;
-    while (j < edges.size() && edges[j].edge == edges[i].edge) ++j;
+/// Calls visit(first, last) for every run of half edges on the same edge, or of cells' faces of the same nodes.
+template <class Item, class Visit>
+void for_each_run(const std::vector<Item>& items, Visit visit) {
+  for (std::size_t i = 0, j = 0; i < items.size(); i = j) {
+    while (j < items.size() && items[j].key == items[i].key) ++j;
     visit(i, j);
-    i = j;
   }
 }
 
@@ -78,9 +83,9 @@ std::vector<std::int32_t> pinched(const Triangles& triangles, const std::vector<
     while (triangles(t, k) != node) ++k;
     return 3 * t + k;
   };
-  for_each_edge(edges, [&](std::size_t i, std::size_t j) {
+  for_each_run(edges, [&](std::size_t i, std::size_t j) {
     for (std::size_t e = i + 1; e < j; ++e)
-      for (const std::int32_t node : edges[i].edge)
+      for (const std::int32_t node : edges[i].key)
         corners.join(corner(edges[i].triangle, node), corner(edges[e].triangle, node));
   });
   std::vector<std::array<std::int32_t, 2>> fans;  // node, fan
@@ -94,40 +99,37 @@ std::vector<std::int32_t> pinched(const Triangles& triangles, const std::vector<
   return nodes;
 }
 
-std::string first_few_edges(const std::vector<Edge>& edges) {
+/// The first items as text, separated by commas.
+template <class Item, class Text>
+std::string few(const std::vector<Item>& items, std::size_t how_many, const Text& text_of) {
   std::string text;
-  for (std::size_t i = 0; i < std::min<std::size_t>(edges.size(), 4); ++i)
-    text += (i ? ", " : "") + std::to_string(edges[i][0]) + "-" + std::to_string(edges[i][1]);
-  return text + (edges.size() > 4 ? ", ..." : "");
+  for (std::size_t i = 0; i < std::min(items.size(), how_many); ++i) text += (i ? ", " : "") + text_of(items[i]);
+  return text + (items.size() > how_many ? ", ..." : "");
+}
+
+std::string first_few_edges(const std::vector<Edge>& edges) {
+  return few(edges, 4, [](const Edge& e) { return std::to_string(e[0]) + "-" + std::to_string(e[1]); });
 }
 
 }  // namespace
 
 Triangles to_matrix(const std::vector<std::array<std::int32_t, 3>>& list) {
-  Triangles triangles(static_cast<Eigen::Index>(list.size()), 3);
-  for (std::size_t t = 0; t < list.size(); ++t)
-    for (int k = 0; k < 3; ++k) triangles(static_cast<Eigen::Index>(t), k) = list[t][k];
-  return triangles;
+  return Eigen::Map<const Triangles>(reinterpret_cast<const std::int32_t*>(list.data()), std::ssize(list), 3);
 }
 
 SurfaceTopology surface_topology(const Triangles& triangles) {
   SurfaceTopology topology;
   const std::vector<HalfEdge> edges = half_edges(triangles);
-  for_each_edge(edges, [&](std::size_t i, std::size_t j) {
-    if (j - i == 1) topology.open_edges.push_back(edges[i].edge);
-    if (j - i > 2) topology.non_manifold_edges.push_back(edges[i].edge);
-    if (j - i == 2 && edges[i].forward == edges[i + 1].forward) topology.inconsistent_edges.push_back(edges[i].edge);
+  for_each_run(edges, [&](std::size_t i, std::size_t j) {
+    if (j - i == 1) topology.open_edges.push_back(edges[i].key);
+    if (j - i > 2) topology.non_manifold_edges.push_back(edges[i].key);
+    if (j - i == 2 && edges[i].forward == edges[i + 1].forward) topology.inconsistent_edges.push_back(edges[i].key);
   });
   topology.pinched_nodes = pinched(triangles, edges);
   const auto n_nodes = static_cast<std::size_t>(triangles.rows() == 0 ? 0 : triangles.maxCoeff() + 1);
-  Sets sets(n_nodes);
-  std::vector<std::int32_t> first_nodes;
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    first_nodes.push_back(triangles(t, 0));
-    sets.join(triangles(t, 0), triangles(t, 1));
-    sets.join(triangles(t, 0), triangles(t, 2));
-  }
-  number_sets(sets, first_nodes, topology.component, topology.component_sizes, n_nodes);
+  static_cast<Components&>(topology) =
+      components_of(static_cast<std::size_t>(triangles.rows()), 3, n_nodes,
+                    [&](std::size_t t, int k) { return triangles(static_cast<Eigen::Index>(t), k); });
   return topology;
 }
 
@@ -139,7 +141,7 @@ std::int32_t orient_consistently(Triangles& triangles, const SurfaceTopology& to
   };
   std::vector<std::vector<Neighbour>> neighbours(static_cast<std::size_t>(triangles.rows()));
   const std::vector<HalfEdge> edges = half_edges(triangles);
-  for_each_edge(edges, [&](std::size_t i, std::size_t j) {
+  for_each_run(edges, [&](std::size_t i, std::size_t j) {
     if (j - i != 2) return;
     const bool same = edges[i].forward == edges[i + 1].forward;
     neighbours[edges[i].triangle].push_back({edges[i + 1].triangle, same});
@@ -183,13 +185,11 @@ CellTopology cell_topology(const std::vector<std::array<std::int32_t, 4>>& cells
     bool even;  // the face's nodes are an even permutation of the sorted ones
   };
   CellTopology topology;
-  Sets sets(n_nodes);
+  static_cast<Components&>(topology) =
+      components_of(cells.size(), 4, n_nodes, [&](std::size_t c, int k) { return cells[c][k]; });
   std::vector<Face> faces;
-  std::vector<std::int32_t> first_nodes;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const auto& cell = cells[c];
-    first_nodes.push_back(cell[0]);
-    for (int k = 1; k < 4; ++k) sets.join(cell[0], cell[k]);
     for (const auto& f : faces_of) {
       std::array<std::int32_t, 3> key{cell[f[0]], cell[f[1]], cell[f[2]]};
       const bool even = (key[0] < key[1]) ^ (key[1] < key[2]) ^ (key[0] < key[2]);
@@ -197,21 +197,14 @@ CellTopology cell_topology(const std::vector<std::array<std::int32_t, 4>>& cells
       faces.push_back({key, static_cast<std::int32_t>(c), even});
     }
   }
-  number_sets(sets, first_nodes, topology.component, topology.component_sizes, n_nodes);
   std::sort(faces.begin(), faces.end(),
             [](const Face& p, const Face& q) { return std::tie(p.key, p.cell) < std::tie(q.key, q.cell); });
-  for (std::size_t i = 0; i < faces.size();) {
-    std::size_t j = i + 1;
-    while (j < faces.size() && faces[j].key == faces[i].key) ++j;
+  for_each_run(faces, [&](std::size_t i, std::size_t j) {
     auto& defects = j - i > 2 ? topology.crowded_cells : topology.folded_cells;
     if (j - i > 2 || (j - i == 2 && faces[i].even == faces[i + 1].even))
       for (std::size_t f = i; f < j; ++f) defects.push_back(faces[f].cell);
-    i = j;
-  }
-  for (auto* list : {&topology.folded_cells, &topology.crowded_cells}) {
-    std::sort(list->begin(), list->end());
-    list->erase(std::unique(list->begin(), list->end()), list->end());
-  }
+  });
+  for (auto* list : {&topology.folded_cells, &topology.crowded_cells}) sort_unique(*list);
   return topology;
 }
 
@@ -220,10 +213,7 @@ std::string counted(std::size_t n, const char* singular, const char* plural) {
 }
 
 std::string first_few(const std::vector<std::int32_t>& numbers, std::size_t how_many) {
-  std::string text;
-  for (std::size_t i = 0; i < std::min(numbers.size(), how_many); ++i)
-    text += (i ? ", " : "") + std::to_string(numbers[i]);
-  return text + (numbers.size() > how_many ? ", ..." : "");
+  return few(numbers, how_many, [](std::int32_t number) { return std::to_string(number); });
 }
 
 std::string describe_components(const std::vector<std::size_t>& sizes, const char* things) {

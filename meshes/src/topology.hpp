@@ -13,13 +13,16 @@ using Edge = std::array<std::int32_t, 2>;  ///< smaller node first
 /// A row of three node numbers for each triangle.
 Triangles to_matrix(const std::vector<std::array<std::int32_t, 3>>& list);
 
-struct SurfaceTopology {
-  std::vector<Edge> open_edges;              ///< edges of one triangle
-  std::vector<Edge> non_manifold_edges;      ///< edges of more than two triangles
-  std::vector<std::int32_t> pinched_nodes;   ///< nodes whose triangles form more than one fan
-  std::vector<Edge> inconsistent_edges;      ///< both triangles have the same direction along the edge
-  std::vector<std::int32_t> component;       ///< of each triangle; triangles that share a node have the same number
-  std::vector<std::size_t> component_sizes;  ///< triangles, by component number
+struct Components {
+  std::vector<std::int32_t> component;       ///< of each element; elements that share a node have the same number
+  std::vector<std::size_t> component_sizes;  ///< elements, by component number
+};
+
+struct SurfaceTopology : Components {
+  std::vector<Edge> open_edges;             ///< edges of one triangle
+  std::vector<Edge> non_manifold_edges;     ///< edges of more than two triangles
+  std::vector<std::int32_t> pinched_nodes;  ///< nodes whose triangles form more than one fan
+  std::vector<Edge> inconsistent_edges;     ///< both triangles have the same direction along the edge
   bool closed_manifold() const { return open_edges.empty() && non_manifold_edges.empty() && pinched_nodes.empty(); }
 };
 SurfaceTopology surface_topology(const Triangles& triangles);
@@ -29,11 +32,9 @@ SurfaceTopology surface_topology(const Triangles& triangles);
 /// @return number of reversed triangles, or -1 if a component has no consistent orientation
 std::int32_t orient_consistently(Triangles& triangles, const SurfaceTopology& topology);
 
-struct CellTopology {
-  std::vector<std::int32_t> component;       ///< of each cell; cells that share a node have the same number
-  std::vector<std::size_t> component_sizes;  ///< cells, by component number
-  std::vector<std::int32_t> folded_cells;    ///< lie on the same side of a face as their neighbour: they overlap
-  std::vector<std::int32_t> crowded_cells;   ///< share a face with more than one other cell
+struct CellTopology : Components {
+  std::vector<std::int32_t> folded_cells;   ///< lie on the same side of a face as their neighbour: they overlap
+  std::vector<std::int32_t> crowded_cells;  ///< share a face with more than one other cell
 };
 /// @pre cells have positive orientation
 CellTopology cell_topology(const std::vector<std::array<std::int32_t, 4>>& cells, std::size_t n_nodes);

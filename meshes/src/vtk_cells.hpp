@@ -24,11 +24,11 @@ void add_vtk_cells(const std::vector<std::int64_t>& ends, const std::vector<std:
   std::size_t at = 0;
   for (std::size_t c = 0; c < ends.size(); ++c) {
     if (ends[c] < static_cast<std::int64_t>(at) || static_cast<std::uint64_t>(ends[c]) > points.size())
-      fail("the cell offsets do not ascend", std::to_string(ends[c]), again);
+      fail("the cell offsets do not ascend", std::to_string(ends[c]));
     cell.clear();
     for (; at < static_cast<std::size_t>(ends[c]); ++at) {
       if (points[at] < 0 || static_cast<std::size_t>(points[at]) >= n_points)
-        fail("a cell uses a point that is not in the file", std::to_string(points[at]), again);
+        fail("a cell uses a point that is not in the file", std::to_string(points[at]));
       cell.push_back(first + static_cast<std::int32_t>(points[at]));
     }
     const std::int64_t type = types.empty() ? vtk_polygon : types[c];

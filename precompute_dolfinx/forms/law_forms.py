@@ -1,6 +1,6 @@
 """Builds the forms of a law file that ffcx compiles."""
 
-from law import BULK, call, load
+from law import call, load
 
 
 def _constants(names, domain):
@@ -25,7 +25,7 @@ def solids(identifier):
     forms = mechanics.every_element(
         _bound(law.shape, constants), _bound(law.volumetric, constants), constants[law.kappa],
         mechanics.klaas(constants["alpha"], mu, law.finite), constants["cell_share"], _bound(law.coupling, constants),
-        law.finite, _bound(law.inside, constants), 2 / 3 * mu if law.kappa == BULK.symbol else None,
+        law.finite, _bound(law.inside, constants), 2 / 3 * mu if law.isochoric else None,
     )  # fmt: skip
     return constants | forms
 

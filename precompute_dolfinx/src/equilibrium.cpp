@@ -173,18 +173,11 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
   out.sensitivity = Eigen::MatrixXd::Zero(s.body.n_dofs(), k);
   out.tangent = coupling.corner * directions;
   for (Eigen::Index c = 0; c < k; ++c) {
-    const Eigen::VectorXd rhs = -coupling.columns * directions.col(c);
-    PetscScalar* values = nullptr;
-    PHYNNESS_PETSC(VecGetArray(s.r, &values));
-    std::copy(rhs.data(), rhs.data() + rhs.size(), values);
-    PHYNNESS_PETSC(VecRestoreArray(s.r, &values));
+    WriteValues(s.r).map() = -coupling.columns * directions.col(c);
     if (!s.linear->solve(s.r, s.x)) return out;
-    const PetscScalar* solution = nullptr;
-    PHYNNESS_PETSC(VecGetArrayRead(s.x, &solution));
-    const Eigen::Map<const Eigen::VectorXd> dx(solution, s.tangent.n_unknowns());
-    out.tangent.col(c) += coupling.columns.transpose() * dx;
+    const ReadValues dx(s.x);
+    out.tangent.col(c) += coupling.columns.transpose() * dx.map();
     for (int i = 0; i < s.tangent.n_unknowns(); ++i) out.sensitivity(s.tangent.dof_of()[i], c) = dx[i];
-    PHYNNESS_PETSC(VecRestoreArrayRead(s.x, &solution));
     s.constraint.complete({out.sensitivity.col(c).data(), static_cast<std::size_t>(out.sensitivity.rows())},
                           s.constraint.G * directions.col(c));
   }
@@ -207,13 +200,13 @@ Equilibrium::Velocity Equilibrium::velocity(std::span<const double> state, const
     s.evaluate_residual();
     if (sign > 0) forward = s.condensed;
   }
-  PetscScalar* values = nullptr;
-  PHYNNESS_PETSC(VecGetArray(s.r, &values));
-  for (int i = 0; i < s.tangent.n_unknowns(); ++i) {
-    const auto dof = s.tangent.dof_of()[i];
-    values[i] = s.is_free[dof] ? (forward[dof] - s.condensed[dof]) / (2 * epsilon) : 0.0;
+  {
+    const WriteValues rates(s.r);
+    for (int i = 0; i < s.tangent.n_unknowns(); ++i) {
+      const auto dof = s.tangent.dof_of()[i];
+      rates[i] = s.is_free[dof] ? (forward[dof] - s.condensed[dof]) / (2 * epsilon) : 0.0;
+    }
   }
-  PHYNNESS_PETSC(VecRestoreArray(s.r, &values));
   // The masters' rows contain the work of dependent dofs except for that of G q.
   Eigen::VectorXd rate = guess;
   for (std::size_t i = 0; i < s.constraint.dofs.size(); ++i)
@@ -224,13 +217,11 @@ Equilibrium::Velocity Equilibrium::velocity(std::span<const double> state, const
   ++s.counts.substitutions;
   if (!s.linear->solve(s.r, s.x)) return {Eigen::VectorXd::Constant(guess.size(), std::nan("")), stiffness};
   s.quasi_newton.apply(s.x);
-  const PetscScalar* correction = nullptr;
-  PHYNNESS_PETSC(VecGetArrayRead(s.x, &correction));
+  const ReadValues correction(s.x);
   for (int i = 0; i < s.tangent.n_unknowns(); ++i) {
     const auto dof = s.tangent.dof_of()[i];
     if (s.is_free[dof]) guess[dof] -= correction[i];
   }
-  PHYNNESS_PETSC(VecRestoreArrayRead(s.x, &correction));
   s.constraint.complete({guess.data(), static_cast<std::size_t>(guess.size())}, held);
   return {std::move(guess), stiffness};
 }

@@ -103,30 +103,24 @@ double Equilibrium::Impl::residual_of_rounding() {
 }
 
 void Equilibrium::Impl::gather(Vec from) {
-  const PetscScalar* values = nullptr;
-  PHYNNESS_PETSC(VecGetArrayRead(from, &values));
+  const ReadValues values(from);
   for (int i = 0; i < tangent.n_unknowns(); ++i) state[tangent.dof_of()[i]] = values[i];
-  PHYNNESS_PETSC(VecRestoreArrayRead(from, &values));
   constraint.complete(state, held);
 }
 
 void Equilibrium::Impl::hold() { held = -constraint.dependent(state, -at_dependent(state)); }
 
 void Equilibrium::Impl::spread(Vec to) const {
-  PetscScalar* values = nullptr;
-  PHYNNESS_PETSC(VecGetArray(to, &values));
+  const WriteValues values(to);
   for (int i = 0; i < tangent.n_unknowns(); ++i) values[i] = state[tangent.dof_of()[i]];
-  PHYNNESS_PETSC(VecRestoreArray(to, &values));
 }
 
 void Equilibrium::Impl::scatter(Vec to) const {
-  PetscScalar* out = nullptr;
-  PHYNNESS_PETSC(VecGetArray(to, &out));
+  const WriteValues out(to);
   for (int i = 0; i < tangent.n_unknowns(); ++i) {
     const auto dof = tangent.dof_of()[i];
     out[i] = is_free[dof] ? condensed[dof] : 0.0;
   }
-  PHYNNESS_PETSC(VecRestoreArray(to, &out));
 }
 
 void Equilibrium::Impl::evaluate_residual() {

@@ -39,10 +39,7 @@ bool Equilibrium::Impl::break_symmetry(Vec step) {
   PetscVec b, z;
   PHYNNESS_PETSC(VecDuplicate(step, b.address()));
   PHYNNESS_PETSC(VecDuplicate(step, z.address()));
-  PetscScalar* values = nullptr;
-  PHYNNESS_PETSC(VecGetArray(b, &values));
-  std::copy(force.begin(), force.end(), values);
-  PHYNNESS_PETSC(VecRestoreArray(b, &values));
+  WriteValues(b).map() = force;
   if (!linear->solve(b, z)) return false;
   ++counts.substitutions;
   PetscReal of_step = 0, of_z = 0;

@@ -18,32 +18,18 @@ class Operators {
   }
   /// z = P^-1 q. @return false if the preconditioner gives no finite result
   bool precondition(const Eigen::VectorXd& q, Eigen::VectorXd& z) {
-    put(q);
+    WriteValues(_in).map() = q;
     if (!_preconditioner.solve(_in, _out)) return false;
-    z = get(q.size());
+    z = ReadValues(_out).map();
     return true;
   }
   Eigen::VectorXd multiply(const Eigen::VectorXd& z) {
-    put(z);
+    WriteValues(_in).map() = z;
     PHYNNESS_PETSC(MatMult(_K, _in, _out));
-    return get(z.size());
+    return ReadValues(_out).map();
   }
 
  private:
-  void put(const Eigen::VectorXd& v) {
-    PetscScalar* values = nullptr;
-    PHYNNESS_PETSC(VecGetArray(_in, &values));
-    Eigen::Map<Eigen::VectorXd>(values, v.size()) = v;
-    PHYNNESS_PETSC(VecRestoreArray(_in, &values));
-  }
-  Eigen::VectorXd get(Eigen::Index n) {
-    const PetscScalar* values = nullptr;
-    PHYNNESS_PETSC(VecGetArrayRead(_out, &values));
-    Eigen::VectorXd v = Eigen::Map<const Eigen::VectorXd>(values, n);
-    PHYNNESS_PETSC(VecRestoreArrayRead(_out, &values));
-    return v;
-  }
-
   LinearSolver& _preconditioner;
   Mat _K;
   PetscVec _in, _out;

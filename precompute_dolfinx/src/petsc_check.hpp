@@ -3,8 +3,10 @@
 
 #include <petscsnes.h>
 
+#include <Eigen/Core>
 #include <phynness/formats/error.hpp>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 // New names of PETSc for older versions.
@@ -66,6 +68,39 @@ inline double norm(Vec a) {
   PHYNNESS_PETSC(VecNorm(a, NORM_2, &value));
   return value;
 }
+
+/// Access to the values of a vector of this process, during the lifetime of the object; `const` for reading only.
+template <class Scalar>
+class VecValues {
+ public:
+  explicit VecValues(Vec vector) : _vector(vector) {
+    PHYNNESS_PETSC(VecGetLocalSize(vector, &_size));
+    if constexpr (std::is_const_v<Scalar>)
+      PHYNNESS_PETSC(VecGetArrayRead(vector, &_values));
+    else
+      PHYNNESS_PETSC(VecGetArray(vector, &_values));
+  }
+  ~VecValues() {
+    if constexpr (std::is_const_v<Scalar>)
+      VecRestoreArrayRead(_vector, &_values);
+    else
+      VecRestoreArray(_vector, &_values);
+  }
+  VecValues(const VecValues&) = delete;
+
+  Scalar& operator[](Eigen::Index i) const { return _values[i]; }
+  auto map() const {
+    return Eigen::Map<std::conditional_t<std::is_const_v<Scalar>, const Eigen::VectorXd, Eigen::VectorXd>>(_values,
+                                                                                                           _size);
+  }
+
+ private:
+  Vec _vector;
+  PetscInt _size = 0;
+  Scalar* _values = nullptr;
+};
+using ReadValues = VecValues<const PetscScalar>;
+using WriteValues = VecValues<PetscScalar>;
 
 /// Access to the rows of a matrix of this process, numbered from 0, during the lifetime of the object.
 class CsrPattern {

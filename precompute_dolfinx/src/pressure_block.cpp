@@ -53,11 +53,9 @@ Eigen::VectorXd PressureBlock::solve(const Eigen::VectorXd& r_p) {
 }
 
 Eigen::VectorXd PressureBlock::part(Vec unknowns) const {
-  const PetscScalar* values = nullptr;
+  const ReadValues values(unknowns);
   Eigen::VectorXd out(static_cast<Eigen::Index>(_unknowns.size()));
-  PHYNNESS_PETSC(VecGetArrayRead(unknowns, &values));
   for (std::size_t i = 0; i < _unknowns.size(); ++i) out[static_cast<Eigen::Index>(i)] = values[_unknowns[i]];
-  PHYNNESS_PETSC(VecRestoreArrayRead(unknowns, &values));
   return out;
 }
 

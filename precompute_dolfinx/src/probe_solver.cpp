@@ -35,6 +35,12 @@ struct ProbeSolver::Impl {
       throw input_error("this version does not solve with the rigid patches of the database",
                         "tool_radius_m = " + std::to_string(s.probe.tool_radius_m),
                         "compute the scene again: a patch now moves a weighted mean of the surface");
+    if (s.solver.earlier_revision)
+      throw input_error(std::string("this version does not solve with the database's equations of ") +
+                            name(s.solver.element) + " with " + name(s.material.law),
+                        "revision " + std::to_string(*s.solver.earlier_revision) + ", now " +
+                            std::to_string(revision(s.solver.element, s.material.law)),
+                        "compute the scene again");
     if (!hold_the_body(mesh, sets.fixed))
       throw input_error("the fixed nodes do not hold the body", std::to_string(sets.fixed.size()) + " fixed nodes",
                         "fix at least three nodes that are not on one line");

@@ -10,23 +10,16 @@ void QuasiNewton::clear() {
 }
 
 void QuasiNewton::apply(Vec vector) const {
-  PetscInt n = 0;
-  PetscScalar* values = nullptr;
-  PHYNNESS_PETSC(VecGetLocalSize(vector, &n));
-  PHYNNESS_PETSC(VecGetArray(vector, &values));
-  Eigen::Map<Eigen::VectorXd> y(values, n);
+  const WriteValues values(vector);
+  auto y = values.map();
   for (const auto& update : _updates) y += update.s.dot(y) * update.u;
-  PHYNNESS_PETSC(VecRestoreArray(vector, &values));
 }
 
 void QuasiNewton::correct(Vec vector) {
-  PetscInt n = 0;
-  PetscScalar* values = nullptr;
-  PHYNNESS_PETSC(VecGetLocalSize(vector, &n));
-  PHYNNESS_PETSC(VecGetArray(vector, &values));
-  Eigen::Map<Eigen::VectorXd> y(values, n);
+  const WriteValues values(vector);
+  auto y = values.map();
   for (const auto& update : _updates) y += update.s.dot(y) * update.u;
-  if (_y.size() == n && _length > 0) {
+  if (_y.size() == y.size() && _length > 0) {
     const Eigen::VectorXd change = y - _y;  // H times the change of the residual
     const Eigen::VectorXd s = -_length * _y;
     const double denominator = s.dot(change);
@@ -35,17 +28,11 @@ void QuasiNewton::correct(Vec vector) {
       y += s.dot(y) * _updates.back().u;
     }
   }
-  PHYNNESS_PETSC(VecRestoreArray(vector, &values));
 }
 
 void QuasiNewton::remember(Vec vector, double length) {
-  PetscInt n = 0;
-  const PetscScalar* values = nullptr;
-  PHYNNESS_PETSC(VecGetLocalSize(vector, &n));
-  PHYNNESS_PETSC(VecGetArrayRead(vector, &values));
-  _y = Eigen::Map<const Eigen::VectorXd>(values, n);
+  _y = ReadValues(vector).map();
   _length = length;
-  PHYNNESS_PETSC(VecRestoreArrayRead(vector, &values));
 }
 
 }  // namespace phynness

@@ -6,12 +6,10 @@
 #include <phynness/formats/mesh.hpp>
 
 #include "../meshes/small_files.hpp"
-#include "body.hpp"
+#include "file_mesh.hpp"
 #include "flat_cells.hpp"
 #include "mirror.hpp"
 #include "raw_mesh.hpp"
-#include "self_crossing.hpp"
-#include "shell.hpp"
 #include "surface.hpp"
 #include "texts.hpp"
 

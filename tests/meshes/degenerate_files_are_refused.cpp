@@ -2,11 +2,8 @@
 // message, in every format and for filling, repair, mirroring and shells. None ends the program.
 #include <sstream>
 
-#include "body.hpp"
 #include "file_mesh.hpp"
 #include "mesh_under_test.hpp"
-#include "self_crossing.hpp"
-#include "shell.hpp"
 #include "surface.hpp"
 
 namespace phynness::test {

@@ -55,6 +55,7 @@ struct LawRow {
   std::span<const LawSet> accepted;
   std::span<const LawConstant> derived;
   bool linear;        ///< small strains: force is proportional to displacement, and J is not computed
+  bool isochoric;     ///< K multiplies the volumetric energy; the rest does not see changes of volume
   bool has_shell;     ///< available for shells, by condensation of the stress across the wall
   double shell_from;  ///< smallest K/mu of a shell
 };
@@ -75,6 +76,7 @@ struct ElementRow {
   int displacement_degree;
   bool mixed;                                ///< has displacement and linear pressure
   bool is_shell;                             ///< made of triangles; other elements are tetrahedra
+  int isochoric_revision;                    ///< of the equations with isochoric laws
   std::span<const ForceRatio> force_ratios;  ///< by ascending K/mu; empty: the element does not lock
 };
 using Element = const ElementRow*;
@@ -86,6 +88,9 @@ std::span<const ElementRow> elements();
 /// @throws Error (input) if there is no law or element of that name
 Law law_named(std::string_view name);
 Element element_named(std::string_view name);
+
+/// Counts changes of the element's equations with the law, from 1 on. Databases of other revisions are not continued.
+inline int revision(Element element, Law law) { return law->isochoric ? element->isochoric_revision : 1; }
 
 inline const char* name(Law law) { return law->name; }
 inline const char* name(Element element) { return element->name; }

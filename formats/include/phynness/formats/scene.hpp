@@ -79,6 +79,7 @@ Material material_of(Law law, const std::vector<std::pair<std::string_view, doub
 struct SolverSpec {
   Element element = element_named("p1-p1");  ///< default; `shell` if the mesh has a thickness
   bool element_given = false;                ///< false: the scene does not name an element
+  std::optional<int> earlier_revision;       ///< of the equations, if not revision() of law.hpp; read, but not solved
   double relative_tolerance = 1e-8;          ///< |free residual| / |reactions|
   int max_iterations = 40;
   int max_cutbacks = 6;  ///< steps are halved down to 2^-max_cutbacks of an increment
@@ -169,6 +170,9 @@ std::string scene_key_tables();
 /// Hash (16 hexadecimal digits) of all keys that affect a solve: material, element, tolerances, selections, probe and
 /// mesh specification. Training, validation, title, comments and layout of the file have no effect on it.
 std::string physics_hash(const Scene& scene);
+/// The scene as the program meant it that computed `hash`: a patch may have been rigid, and the element's equations may
+/// have had an earlier revision. The scene itself if no meaning has this hash.
+Scene as_hashed(const Scene& scene, const std::string& hash);
 /// The hashed text, one "key = value" per line, for the comparison of two scenes.
 std::string physics_summary(const Scene& scene);
 /// The values of the other keys, one "key = value" per line.

@@ -1,9 +1,21 @@
-// The measure of quality of tetrahedra and triangles.
+// Corners, extent and quality of tetrahedra and triangles.
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
+#include <phynness/formats/mesh.hpp>
 
 namespace phynness::meshes {
+
+template <class Matrix>
+std::array<Eigen::RowVector3d, 3> corners_of(const Points& nodes, const Matrix& triangles, Eigen::Index t) {
+  return {nodes.row(triangles(t, 0)), nodes.row(triangles(t, 1)), nodes.row(triangles(t, 2))};
+}
+
+/// Edges of the bounding box.
+inline Eigen::RowVector3d extent_of(const Points& nodes) {
+  return nodes.colwise().maxCoeff() - nodes.colwise().minCoeff();
+}
 
 /// Radius ratio 3 r_in / r_circ of a tetrahedron with edges u, v, w from one node: 1 regular, 0 flat. r_in =
 /// 3 V / A, r_circ = |u^2 (v x w) + v^2 (w x u) + w^2 (u x v)| / (12 V).
