@@ -18,6 +18,9 @@ inline constexpr double largest_coupled = 1e3;
 /// A tool at a point between up to most_corners active nodes; p is that part of the point's displacement which the tool
 /// itself causes.
 struct HeldPoint : Place {
+  Mean mean;                              ///< of round tools only, as are spare and wide_part
+  Matrix spare;                           ///< S^1/2, S the part of the compliance that superposition lacks
+  double wide_part;                       ///< factor of the field of superposed tools, at most 1
   Matrix stiffness;                       ///< A: of the point at rest, symmetric [N/m]
   Matrix contribution[most_corners];      ///< Q_i: contribution q_i = Q_i p of node i
   Matrix reach[most_corners];             ///< M_i: displacement e_i = M_i p of node i
@@ -57,6 +60,7 @@ struct Coupling {
   LocalResponse pair;     ///< scratch: of one node under another
   SurfaceTurn* turn;      ///< scratch
   Matrix* stiffness;      ///< of the points at rest, of t by s at t max_tools + s
+  Matrix* wide;           ///< of round tools: compliance at rest of their nodes' tools, superposed, as stiffness
   Matrix* derivative;     ///< of place s by the p of t, at s max_tools + t
   Vector *rest, *pulled;  ///< displacement [m] left to j by order i, and its force in the undeformed body [N],
                           ///< at i max_tools + j

@@ -11,7 +11,51 @@ namespace {
 constexpr double gauss_point[3] = {0.11270166537925831, 0.5, 0.88729833462074169};
 constexpr double gauss_weight[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
 
+/// What tools at two places have in common: sum_i a_i b_i over the nodes i that they move, with weights a and b.
+double common_weight(const phn_model& model, const Place& a, const Place& b) {
+  double sum = 0;
+  for (std::int32_t j = 0; j < a.n_nodes; ++j) {
+    for (std::int32_t k = 0; k < b.n_nodes; ++k) {
+      const ActiveNode &one = model.active[a.active[j]], &two = model.active[b.active[k]];
+      for (std::int32_t p = 0, q = 0; p < one.n_prescribed && q < two.n_prescribed;) {
+        const std::int32_t first = one.prescribed[p], second = two.prescribed[q];
+        if (first == second) sum += (a.weight[j] * one.prescribed_weight[p]) * (b.weight[k] * two.prescribed_weight[q]);
+        p += first <= second;
+        q += second <= first;
+      }
+    }
+  }
+  return sum;
+}
+
+/// Of a symmetric matrix; negative eigenvalues, which are rounding, become 0.
+Matrix square_root_of(const Matrix& matrix) {
+  Matrix a = matrix, v, root = {};
+  diagonalize(a.a, 3, v.a);
+  for (int e = 0; e < 3; ++e) {
+    const double value = std::sqrt(std::fmax(a(e, e), 0.0));
+    for (int k = 0; k < 9; ++k) root.a[k] += value * v(k / 3, e) * v(k % 3, e);
+  }
+  return root;
+}
+
+bool all_round(const phn_model& model, const Coupling& c) {
+  bool all = true;
+  for (std::int32_t t = 0; t < c.n_tools; ++t) all = all && is_round(model, c.point[t]);
+  return all;
+}
+
 }  // namespace
+
+ToolResponses::ToolResponses(const phn_model& model, Coupling& coupling)
+    : _model(model), _c(coupling), _round(all_round(model, coupling)) {
+  // Fixed corners do not count.
+  for (std::int32_t t = 0; t < _c.n_tools && _round; ++t) {
+    HeldPoint& point = _c.point[t];
+    point.mean = mean_at(_model, _c.neighbours, point);
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) point.weight[i] = point.mean.share[i];
+  }
+}
 
 Matrix ToolResponses::rest_response(const LocalResponse& local, std::int32_t n, const double* gradient) const {
   Matrix response;
@@ -27,10 +71,11 @@ double ToolResponses::respond(std::int32_t s, const Vector& p) {
   point.own = p;
   take_response(s);
   pull(s);
-  return point.energy + energy_of_nodes(point);
+  return point.energy + (_round ? 0 : energy_of_nodes(point));
 }
 
 void ToolResponses::prepare(std::int32_t s) {
+  if (_round) return prepare_round(s);
   HeldPoint& point = _c.point[s];
   Matrix compliance[most_corners], between[most_corners][most_corners], sum = {};
   point.curved = 0;
@@ -64,6 +109,75 @@ void ToolResponses::prepare(std::int32_t s) {
     for (std::int32_t j = 0; j < point.n_nodes; ++j) point.reach[i] += between[i][j] * point.contribution[j];
     const double square = inner_product(point.reach[i], point.reach[i]);
     point.share[i] = square > 0 ? inner_product(point.contribution[i], point.reach[i]) / square : 0;
+  }
+}
+
+void ToolResponses::prepare_round(std::int32_t s) {
+  HeldPoint& point = _c.point[s];
+  const Mean& mean = point.mean;
+  point.own = {};
+  point.curved = 0;
+  point.stiffness = {};
+  for (std::int32_t m = 0; m < mean.n; ++m) {
+    const Matrix of_node = stiffness_at_rest(_model, _model.active[mean.active[m]]);
+    point.stiffness += mean.weight[m] * of_node;
+    if (m < point.n_nodes) point.rest_stiffness[m] = of_node;
+  }
+  find_roots(point);
+  point.stiffness = point.root * point.root;
+  for (std::int32_t t = 0; t < _c.n_tools; ++t) _c.wide[at(t, s)] = {};
+  for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+    const ActiveNode& by = node(point, i);
+    if (turns()) point.curved += point.weight[i] * curvature(_model, by, point.rest_stiffness[i]);
+    point.share[i] = point.weight[i];
+    point.contribution[i] = diagonal(point.weight[i]);
+    point.reach[i] = diagonal(1);
+    const Matrix compliance = point.weight[i] * inverse_of(point.rest_stiffness[i]);
+    basis_gradient_at_rest(_model, by, gradient_at_rest(s, i), _c.kernel, _c.basis);
+    const std::int32_t n = basis_size(_model, by);
+    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+      const HeldPoint& other = _c.point[t];
+      LocalResponse& local = _c.local[at(t, s, i)];
+      prepare_local(by, other.n_nodes, other.active, other.weight, local);
+      _c.rest_response[at(t, s, i)] = rest_response(local, n, gradient_at_rest(s, i));
+      _c.wide[at(t, s)] += _c.rest_response[at(t, s, i)] * compliance;
+    }
+    // The tool's own mean moves by p.
+    LocalResponse& own = _c.local[at(s, s, i)];
+    clear_local(_model, by, own);
+    own.direct = _c.rest_response[at(s, s, i)] = diagonal(1);
+  }
+}
+
+void ToolResponses::match_round_tools() {
+  for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+    HeldPoint& point = _c.point[t];
+    point.wide_part = 1;
+    point.spare = {};
+    if (point.n_nodes == 1) continue;
+    const Matrix wide = symmetric_part(point.root * _c.wide[at(t, t)] * point.root);
+    Matrix values = wide, vectors;
+    diagonalize(values.a, 3, vectors.a);
+    const double largest = std::fmax(values(0, 0), std::fmax(values(1, 1), values(2, 2)));
+    const double square = 1 / std::fmax(1.0, largest);
+    point.wide_part = std::sqrt(square);
+    point.spare = square_root_of(point.inverse_root * (diagonal(1) - square * wide) * point.inverse_root);
+  }
+  for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+    for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+      const HeldPoint &to = _c.point[t], &by = _c.point[s];
+      if (t == s || (to.n_nodes == 1 && by.n_nodes == 1)) continue;
+      const double common = common_weight(_model, to, by),
+                   all = std::sqrt(common_weight(_model, to, to) * common_weight(_model, by, by));
+      const Matrix compliance =
+          (to.wide_part * by.wide_part) * _c.wide[at(t, s)] + (all > 0 ? common / all : 0) * (to.spare * by.spare);
+      Matrix change = compliance * by.stiffness;
+      for (std::int32_t i = 0; i < by.n_nodes; ++i) change -= by.weight[i] * _c.rest_response[at(t, s, i)];
+      for (std::int32_t i = 0; i < by.n_nodes; ++i) {
+        _c.local[at(t, s, i)].direct += change;
+        _c.rest_response[at(t, s, i)] += change;
+      }
+    }
   }
 }
 
@@ -242,6 +356,11 @@ double ToolResponses::energy_of_nodes(const HeldPoint& point) const {
 
 void ToolResponses::pull(std::int32_t s) {
   HeldPoint& point = _c.point[s];
+  if (_round) {
+    respond_alone(_model, point.mean, point.own, point.force, has_energy(_model) ? &point.energy : nullptr, nullptr);
+    if (!has_energy(_model)) point.energy = 0;
+    return;
+  }
   const Vector linear = point.stiffness * point.own;
   double energy = dot(linear, point.own) / 2;
   point.force = linear;

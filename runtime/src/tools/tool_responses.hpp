@@ -8,7 +8,7 @@ namespace PHN_RUNTIME {
 /// Response to one tool at a time, computed from the responses of the nodes around its point.
 class ToolResponses {
  protected:
-  ToolResponses(const phn_model& model, Coupling& coupling) : _model(model), _c(coupling) {}
+  ToolResponses(const phn_model& model, Coupling& coupling);
 
   std::size_t at(std::int32_t t, std::int32_t s, std::int32_t i) const {
     return most_corners * at(t, s) + static_cast<std::size_t>(i);
@@ -33,6 +33,8 @@ class ToolResponses {
   double respond(std::int32_t s, const Vector& p);
   /// Computes the quantities of a tool that do not depend on its displacement.
   void prepare(std::int32_t s);
+  /// Makes the means of the surface under round tools move as their compliances at rest say. @pre prepare of all tools
+  void match_round_tools();
   /// Computes the rotation of the surface around tool t's point by the nodes of the other tools; the rotation by its
   /// own nodes is not needed.
   /// @pre prepare of all tools
@@ -52,8 +54,10 @@ class ToolResponses {
 
   const phn_model& _model;
   Coupling& _c;
+  const bool _round;  ///< all tools are round: the response of each is (x), and not (o) and (p)
 
  private:
+  void prepare_round(std::int32_t s);
   /// Adds node i's part of the derivatives of all places by the p of tool t.
   void add_derivatives(std::int32_t t, std::int32_t i);
   /// Derivative of a local response at rest.
