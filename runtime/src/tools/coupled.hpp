@@ -18,9 +18,8 @@ inline constexpr double largest_coupled = 1e3;
 /// A tool at a point between up to most_corners active nodes; p is that part of the point's displacement which the tool
 /// itself causes.
 struct HeldPoint : Place {
-  Mean mean;                              ///< of round tools only, as are spare and wide_part
-  Matrix spare;                           ///< S^1/2, S the part of the compliance that superposition lacks
-  double wide_part;                       ///< factor of the field of superposed tools, at most 1
+  Mean mean;                              ///< of round tools only
+  Matrix scale;                           ///< of round tools only: see match_round_tools
   Matrix stiffness;                       ///< A: of the point at rest, symmetric [N/m]
   Matrix contribution[most_corners];      ///< Q_i: contribution q_i = Q_i p of node i
   Matrix reach[most_corners];             ///< M_i: displacement e_i = M_i p of node i

@@ -11,32 +11,15 @@ namespace {
 constexpr double gauss_point[3] = {0.11270166537925831, 0.5, 0.88729833462074169};
 constexpr double gauss_weight[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
 
-/// What tools at two places have in common: sum_i a_i b_i over the nodes i that they move, with weights a and b.
-double common_weight(const phn_model& model, const Place& a, const Place& b) {
-  double sum = 0;
-  for (std::int32_t j = 0; j < a.n_nodes; ++j) {
-    for (std::int32_t k = 0; k < b.n_nodes; ++k) {
-      const ActiveNode &one = model.active[a.active[j]], &two = model.active[b.active[k]];
-      for (std::int32_t p = 0, q = 0; p < one.n_prescribed && q < two.n_prescribed;) {
-        const std::int32_t first = one.prescribed[p], second = two.prescribed[q];
-        if (first == second) sum += (a.weight[j] * one.prescribed_weight[p]) * (b.weight[k] * two.prescribed_weight[q]);
-        p += first <= second;
-        q += second <= first;
-      }
-    }
-  }
-  return sum;
-}
-
-/// Of a symmetric matrix; negative eigenvalues, which are rounding, become 0.
-Matrix square_root_of(const Matrix& matrix) {
-  Matrix a = matrix, v, root = {};
+/// The factor that turns superposed compliances w into given ones, W^-1/2 in the scale in which those are 1. It is at
+/// most 3, also where fitted responses do not superpose.
+Matrix scale_of(const Matrix& scaled) {
+  Matrix a = symmetric_part(scaled), v, factor = {};
   diagonalize(a.a, 3, v.a);
   for (int e = 0; e < 3; ++e) {
-    const double value = std::sqrt(std::fmax(a(e, e), 0.0));
-    for (int k = 0; k < 9; ++k) root.a[k] += value * v(k / 3, e) * v(k % 3, e);
+    for (int k = 0; k < 9; ++k) factor.a[k] += v(k / 3, e) * v(k % 3, e) / std::sqrt(std::fmax(a(e, e), 1.0 / 9));
   }
-  return root;
+  return factor;
 }
 
 bool all_round(const phn_model& model, const Coupling& c) {
@@ -152,26 +135,14 @@ void ToolResponses::prepare_round(std::int32_t s) {
 void ToolResponses::match_round_tools() {
   for (std::int32_t t = 0; t < _c.n_tools; ++t) {
     HeldPoint& point = _c.point[t];
-    point.wide_part = 1;
-    point.spare = {};
-    if (point.n_nodes == 1) continue;
-    const Matrix wide = symmetric_part(point.root * _c.wide[at(t, t)] * point.root);
-    Matrix values = wide, vectors;
-    diagonalize(values.a, 3, vectors.a);
-    const double largest = std::fmax(values(0, 0), std::fmax(values(1, 1), values(2, 2)));
-    const double square = 1 / std::fmax(1.0, largest);
-    point.wide_part = std::sqrt(square);
-    point.spare = square_root_of(point.inverse_root * (diagonal(1) - square * wide) * point.inverse_root);
+    const bool at_node = point.n_nodes == 1;
+    point.scale = at_node ? diagonal(1) : scale_of(point.root * _c.wide[at(t, t)] * point.root);
   }
   for (std::int32_t t = 0; t < _c.n_tools; ++t) {
     for (std::int32_t s = 0; s < _c.n_tools; ++s) {
       const HeldPoint &to = _c.point[t], &by = _c.point[s];
       if (t == s || (to.n_nodes == 1 && by.n_nodes == 1)) continue;
-      const double common = common_weight(_model, to, by),
-                   all = std::sqrt(common_weight(_model, to, to) * common_weight(_model, by, by));
-      const Matrix compliance =
-          (to.wide_part * by.wide_part) * _c.wide[at(t, s)] + (all > 0 ? common / all : 0) * (to.spare * by.spare);
-      Matrix change = compliance * by.stiffness;
+      Matrix change = to.inverse_root * to.scale * to.root * _c.wide[at(t, s)] * by.root * by.scale * by.root;
       for (std::int32_t i = 0; i < by.n_nodes; ++i) change -= by.weight[i] * _c.rest_response[at(t, s, i)];
       for (std::int32_t i = 0; i < by.n_nodes; ++i) {
         _c.local[at(t, s, i)].direct += change;
