@@ -16,6 +16,7 @@ struct Place {
   std::int32_t n_nodes;
   std::int32_t active[most_corners];  ///< positions among the active nodes
   double weight[most_corners];        ///< barycentric, without fixed corners
+  double fixed_weight;                ///< of the fixed corners
 };
 
 /// Checks a tool and finds its nodes. @return a status of phynness.h
@@ -23,6 +24,9 @@ int find_place(const phn_model& model, const phn_tool& tool, Place& place);
 
 /// Whether the tools at all nodes of the place are round: each moves a mean.
 bool is_round(const phn_model& model, const Place& place);
+
+/// Whether the place is between nodes and so close to a fixed one that no mean of responses is that of a round tool.
+bool is_beside_fixed(const phn_model& model, const Place& place);
 
 /// Whether one tool there needs no coupling: it is at a node, or it is round.
 inline bool answers_alone(const phn_model& model, const Place& place) {
