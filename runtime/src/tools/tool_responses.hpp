@@ -58,6 +58,7 @@ class ToolResponses {
   const bool _round;  ///< all tools are round: the response of each is (x), and not (o) and (p)
 
  private:
+  /// The part of prepare that takes the stiffness from (x).
   void prepare_round(std::int32_t s);
   /// Adds node i's part of the derivatives of all places by the p of tool t.
   void add_derivatives(std::int32_t t, std::int32_t i);
@@ -66,9 +67,6 @@ class ToolResponses {
   /// The displacement that tools at several active nodes would have: of the vertex, or of the mean that they move.
   void prepare_local(const ActiveNode& by, std::int32_t n, const std::int32_t* active, const double* weight,
                      LocalResponse& local) const;
-  /// Square root of the stiffness at rest, its inverse, and the compliance. The stiffness is made positive definite
-  /// first.
-  static void find_roots(HeldPoint& point);
   /// Contributions of tool s's nodes at p: node i's response at e_i, scaled to q_i. The remaining displacement of the
   /// tool's point is added as in the undeformed body.
   void take_response(std::int32_t s);
