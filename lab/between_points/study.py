@@ -4,8 +4,11 @@ responses of nodes, against finite element solves with the tool at the point its
 
 Usage: study.py solve PHYNNESS DATABASE.h5 TRUTH.npz [--points N] [--each N] [--seed N]
        study.py compare PHYNNESS MODEL_DIR DATABASE.h5 TRUTH.npz [--spacing METRES ...]
+       study.py pairs PHYNNESS MODEL_DIR DATABASE.h5 TRUTH.npz --radius METRES [--pairs N] [--seed N]
 Points are random by area in triangles with three active corners, directions random, depths to the trained range. Errors
-are |f - f_FE| over the larger of |f_FE| and a twentieth of the largest |f_FE|. Needs numpy, scipy and h5py.
+are |f - f_FE| over the larger of |f_FE| and a twentieth of the largest |f_FE|. Pairs: two tools to half of the trained
+range, half of the pairs at nodes; |f - f_FE| of the worse tool over the larger |f_FE|. TRUTH.npz is solved if it is
+missing. Needs numpy, scipy and h5py.
 """
 import argparse
 import json
@@ -87,6 +90,61 @@ def solve(options):
                                ("u_linear", small["field"] / LINEAR)):
                 rows[key].append(value)
         np.savez(options.truth, **{k: np.array(v) for k, v in rows.items()})
+
+
+def place(body, random, share, at_node):
+    """A point of a touchable triangle, and the nodes that answer for it. @param share of the triangles"""
+    corners = random.choice(body.touchable, p=share / share.sum())
+    if at_node:
+        return body.nodes[corners[0]], corners[:1]
+    s, q = np.sqrt(random.random()), random.random()
+    return np.array([1 - s, s * (1 - q), s * q]) @ body.nodes[corners], corners
+
+
+def solve_pairs(options, body):
+    random = np.random.default_rng(options.seed)
+    corners = body.nodes[body.touchable]
+    area, middle = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1), corners.mean(axis=1)
+    rows = {k: [] for k in ("points", "d", "force", "linear", "at_node")}
+    for pair in range(options.pairs):
+        here, share = [], area
+        for _ in range(2):
+            here.append(place(body, random, share, pair % 2 == 0))
+            if pair % 4 > 1:  # near pairs
+                share = area * (np.linalg.norm(middle - here[0][0], axis=1) < 2.5 * options.radius)
+        points, d = [x for x, _ in here], []
+        for _, nodes in here:
+            e = Interpolations.unit(random.normal(size=3))
+            d.append(e * 0.5 * random.random() * min(body.reach(n, e) for n in nodes))
+        command = [options.phynness, "solve", options.database]
+        true, small = (ask(command, *at(points[0], f * d[0]), *at(points[1], f * d[1])) for f in (1, LINEAR))
+        if true is None or small is None:
+            print("no solution at", points, d, flush=True)
+            continue
+        for key, value in (("points", points), ("d", d), ("at_node", pair % 2 == 0),
+                           ("force", [t["force"] for t in true["tools"]]),
+                           ("linear", [np.array(t["force"]) / LINEAR for t in small["tools"]])):
+            rows[key].append(value)
+        np.savez(options.truth, **{k: np.array(v) for k, v in rows.items()})
+
+
+def pairs(options):
+    if not os.path.exists(options.truth):
+        solve_pairs(options, Body(options.database))
+    truth = dict(np.load(options.truth))
+    size = np.linalg.norm(truth["force"], axis=2).max(axis=1)
+    said = [ask([options.phynness, "eval", options.model], *at(x[0], d[0]), *at(x[1], d[1]))
+            for x, d in zip(truth["points"], truth["d"])]
+    unsettled = np.array([s["status"] & 4 != 0 for s in said])
+    own = np.array([[t["force"] for t in s["tools"]] for s in said])
+    errors = {n: np.linalg.norm(f - truth["force"], axis=2).max(axis=1) / size for n, f in (("product", own), ("linear", truth["linear"]))}
+    away = np.linalg.norm(truth["points"][:, 0] - truth["points"][:, 1], axis=1) / options.radius
+    print("%-26s %4s  %6s %6s %6s   [%%]; %d unsettled are left out" % ("", "n", "mean", "p95", "max", unsettled.sum()))
+    for low, high in ((0, 99), (0, 1), (1, 2), (2, 3), (3, 99)):
+        for kind, of in (("", True), (" at nodes", truth["at_node"]), (" between", ~truth["at_node"])):
+            for name, e in errors.items():
+                if (some := (away >= low) & (away < high) & of & ~unsettled).any():
+                    print_row("%s, %g to %g R%s" % (name, low, high, kind), e[some])
 
 
 class Nodes:
@@ -258,7 +316,7 @@ def answers(body, model, truth, k, spacing):
 
 def print_row(name, errors):
     e = 100 * np.array(errors)
-    print("%-18s %4d  %6.2f %6.2f %6.2f" % (name, len(e), e.mean(), np.percentile(e, 95), e.max()), flush=True)
+    print("%-26s %4d  %6.2f %6.2f %6.2f" % (name, len(e), e.mean(), np.percentile(e, 95), e.max()), flush=True)
 
 
 def compare(options):
@@ -269,7 +327,7 @@ def compare(options):
     command = [options.phynness, "eval", options.model]
     said = [ask(command, *at(x, d), field=True) for x, d in zip(truth["point"], truth["d"])]
     own = np.array([s["tools"][0]["force"] for s in said])
-    print("%-18s %4s  %6s %6s %6s   [%%]" % ("", "n", "mean", "p95", "max"))
+    print("%-26s %4s  %6s %6s %6s   [%%]" % ("", "n", "mean", "p95", "max"))
     print_row("linear", np.linalg.norm(truth["linear"] - force, axis=1) / size)
     print_row("product", np.linalg.norm(own - force, axis=1) / size)
     print_row("linear field", np.linalg.norm(truth["u_linear"] - truth["u"], axis=(1, 2)) / field)
@@ -297,16 +355,22 @@ def main():
     one.set_defaults(run=solve)
     two = commands.add_parser("compare")
     two.set_defaults(run=compare)
-    for p in (one, two):
+    three = commands.add_parser("pairs")
+    three.set_defaults(run=pairs)
+    for p in (one, two, three):
         p.add_argument("phynness")
-    two.add_argument("model")
-    for p in (one, two):
+    for p in (two, three):
+        p.add_argument("model")
+    for p in (one, two, three):
         p.add_argument("database")
         p.add_argument("truth")
     one.add_argument("--points", type=int, default=40)
     one.add_argument("--each", type=int, default=3)
-    one.add_argument("--seed", type=int, default=1)
-    two.add_argument("--radius", type=float, required=True)
+    three.add_argument("--pairs", type=int, default=40)
+    for p in (one, three):
+        p.add_argument("--seed", type=int, default=1)
+    for p in (two, three):
+        p.add_argument("--radius", type=float, required=True)
     two.add_argument("--spacing", type=float, nargs="*", default=[])
     options = parser.parse_args()
     options.run(options)

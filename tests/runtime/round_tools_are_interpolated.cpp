@@ -80,7 +80,7 @@ TEST_P(RoundTools, AreTheirNodesAndMeansBetween) {
     Points field = Points::Zero(12, 3), one(12, 3), coupled(12, 3);
     const std::int32_t nodes[3] = {3, 5, 8};
     const Answer said = at(held);
-    int status = 0;
+    int status = held.nodes[1] == 0 ? PHN_WARNING_OUTSIDE : 0;  // half of its weight is on fixed nodes
     for (int i = 0; i < 3; ++i) {
       const Answer node = at_node(nodes[i], d);
       if (weight[i] > 0) status |= node.status;
@@ -239,6 +239,27 @@ TEST_P(RoundTools, TrustTheLeastOfTheirNodes) {
   if (GetParam() == Family::linear) return;
   EXPECT_GT(phn_bound_at(loaded.model, &held, &bound), 0);
   EXPECT_EQ(bound, PHN_NO_BOUND);
+}
+
+// Claim: beside fixed nodes, where more than 0.3 of the weight is theirs, nothing counts as trained: the status of
+// every function says so at any displacement, alone and with another tool. At a node nothing is said.
+TEST_P(RoundTools, AreOutsideBesideFixedNodes) {
+  const double small[3] = {1e-4, 0, 0};
+  for (const double fixed : {0.29, 0.31}) {
+    const phn_tool held = tool(3, 0, 8, 0.6 - fixed / 2, fixed, small[0], small[1], small[2]),
+                   pair[2] = {tool(5, -1, -1, 1, 0, 0, 0, 0), held};
+    const bool flagged = fixed > 0.3;
+    phn_trusted said;
+    double bound = 0;
+    Eigen::Matrix<double, 3, 2> forces;
+    EXPECT_EQ((phn_trust_at(loaded.model, &held, &said) & PHN_WARNING_OUTSIDE) != 0, flagged);
+    EXPECT_EQ(said.trained_depth == 0, flagged);
+    EXPECT_EQ((at(held).status & PHN_WARNING_OUTSIDE) != 0, flagged);
+    EXPECT_EQ((phn_couple(loaded.model, loaded.data, 2, pair, forces.data(), nullptr) & PHN_WARNING_OUTSIDE) != 0,
+              flagged);
+    const bool bounded = phn_bound_at(loaded.model, &held, &bound) >= 0;
+    EXPECT_EQ(bound == PHN_NO_BOUND, flagged && bounded);
+  }
 }
 
 // Claim: tools between nodes that are not round are coupled as before; wrong arguments are refused with zeros.

@@ -124,6 +124,19 @@ TEST(ErrorsToRange, DivideByTheLargestResponseAndAtLeastAHundredthOfIt) {
   EXPECT_TRUE(std::isnan(probe_errors({}, said, {}, u, {}, {0, 1}).force));
 }
 
+// Claim: a state with a warning is no measure for the others, in any order; among themselves they are.
+TEST(ErrorsToRange, DivideByTheLargestResponseWithoutAWarning) {
+  const Points none(0, 3);
+  for (const int order : {0, 1}) {
+    LargestResponse largest;
+    for (const int i : {order, 1 - order}) largest.take({0, 0, i == 0 ? 8.0 : 1.0}, none, {}, i == 0);
+    EXPECT_EQ(largest.force_N, 1);
+  }
+  LargestResponse crushed;
+  for (const double force : {2.0, 8.0, 3.0}) crushed.take({force, 0, 0}, none, {}, true);
+  EXPECT_EQ(crushed.force_N, 8);
+}
+
 TEST(ErrorsToRange, AWarningOfTheNodeIsNotOneOfTheState) {
   EXPECT_FALSE(is_flagged(PHN_OK));
   EXPECT_FALSE(is_flagged(PHN_WARNING_INCOMPLETE));

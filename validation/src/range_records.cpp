@@ -35,7 +35,10 @@ std::vector<JudgedProbe> JudgedRows::gathered(const SolverSession& session) cons
   return probes;
 }
 
-void LargestResponse::take(const Vec3& force, const Points& u, const std::vector<char>& counts) {
+void LargestResponse::take(const Vec3& force, const Points& u, const std::vector<char>& counts, bool flagged) {
+  if (flagged && !_only_flagged) return;
+  if (!flagged && _only_flagged) *this = {};
+  _only_flagged = flagged;
   force_N = std::max(force_N, length_of(force));
   for (Eigen::Index i = 0; i < u.rows(); ++i)
     if (counts_at(counts, i)) displacement_m = std::max(displacement_m, u.row(i).norm());
@@ -61,7 +64,10 @@ void RangeRecords::add(std::size_t entry, double weight, const NodeProbes& probe
     if (probe.status != Status::converged) continue;
     const auto& state = probes.state(probe);
     all.take(state.force_FE, state.u_FE, probes.counts);
-    if (!probe.beyond) to_R.take(state.force_FE, state.u_FE, probes.counts);
+    if (probe.beyond) continue;
+    Vec3 force;
+    to_R.take(state.force_FE, state.u_FE, probes.counts,
+              is_flagged(int{_model.data().force(probes.node, probe.d, force)}));
   }
   for (const auto& probe : probes.range) {
     JudgedProbe judged;

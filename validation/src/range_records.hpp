@@ -18,11 +18,15 @@ class JudgedRows {
   std::vector<double> _rows;
 };
 
-/// Largest finite element responses, by which errors are divided.
+/// Largest finite element responses, by which errors are divided: of states without a warning, which include no crushed
+/// cells; of all of them if each has a warning.
 struct LargestResponse {
   double force_N = 0, displacement_m = 0;
   /// @param counts  per output node: 0 if it does not count; empty: all count
-  void take(const Vec3& force, const Points& u, const std::vector<char>& counts);
+  void take(const Vec3& force, const Points& u, const std::vector<char>& counts, bool flagged = false);
+
+ private:
+  bool _only_flagged = true;
 };
 /// @param u  prediction; without rows the errors have no displacements
 ProbeErrors probe_errors(const Vec3& force, const Points& u, const Vec3& force_FE, const Points& u_FE,

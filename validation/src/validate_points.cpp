@@ -191,8 +191,10 @@ class PointComparison {
   void judge(std::size_t point, std::vector<JudgedProbe>& probes, const std::vector<Compared>& coupled,
              const std::vector<Compared>& linear) {
     LargestResponse largest;
-    for (const auto& c : coupled) largest.take(c.force_FE, c.u_FE, {});
     std::size_t at = 0;
+    for (const auto& judged : probes)
+      if (judged.solved()) largest.take(coupled[at].force_FE, coupled[at].u_FE, {}, judged.flagged), ++at;
+    at = 0;
     for (auto& judged : probes) {
       if (judged.solved()) {
         const auto errors = [&](const Compared& c) {

@@ -34,7 +34,8 @@ PHN_API int phn_tools_init(void* memory, size_t bytes, const phn_model* model, i
 /* phn_force, phn_trust and phn_bound of one tool at a point, with a phn_data of phn_tools_init. A round tool between
  * nodes has a mean of the energies of the tools at the nodes around it for the same displacement (docs/theory.md, (x));
  * force and stiffness are its derivatives. Family rbfn has the same mean of the forces. They are continuous where the
- * tool slides over edges and nodes, and at a node they are those of the node. Fixed nodes of the triangle do not count.
+ * tool slides over edges and nodes, and at a node they are those of the node. Fixed nodes of the triangle do not count;
+ * where their weights exceed 0.3, the tool is PHN_WARNING_OUTSIDE, with the trained depth 0, at any displacement.
  * A warning of any active node of the triangle is one of the tool. The trained depth is the smallest of these nodes;
  * distance and bound are the largest. What the mean adds to the error is not in the bound
  * (docs/decisions/between-points.md). PHN_ERROR_UNDEFINED: the point is between nodes of a model without round tools;
@@ -46,8 +47,8 @@ PHN_API int phn_bound_at(const phn_model* model, const phn_tool* tool, double* b
 
 /* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. One tool at a node has the force of phn_force, and
  * one round tool that of phn_force_at. All other tools are coupled: every held point follows its tool, and forces are
- * exact for a linear body; coupled round tools between nodes are wider than one round tool, so that the first force
- * jumps by a few per cent when a second tool is added. Forces are continuous where a tool slides over edges and nodes.
+ * exact for a linear body (round tools: at nodes). A round tool that exerts no force leaves the force of another one as
+ * it is alone, unless they are close. Forces are continuous where a tool slides over edges and nodes.
  * In families with an energy they are its gradient while the tools hold their points. The result depends on these
  * arguments only, not on earlier calls. PHN_WARNING_UNSETTLED: tools within half an edge length of each other pull
  * apart, and their points follow them only in part. PHN_ERROR_TOOLS: more tools than `data` holds; a phn_data of

@@ -82,7 +82,7 @@ const char* const messages[] = {
     "the node is not an active node of this model",
     "a null pointer, a number out of range, or data made for another model",
     "success",
-    "the displacement is longer than the depth trained in its direction",
+    "the displacement is longer than the depth trained in its direction (0 between nodes beside fixed ones)",
     "this node was not trained to the full depth in all directions",
     "the displacement is longer than the depth trained in its direction, and this node was not trained to the "
     "full depth in all directions",

@@ -16,6 +16,10 @@ constexpr double least_apart = 0.05;
 /// consistent displacements, which leave nothing to do in either order, would jump with their smallest difference.
 constexpr double equal_part = 0.05;
 
+/// Round tools that can be distinguished well, with compliances above this, have no such part: the smallest difference
+/// that they can have is large, and a tool that exerts no force does not count at all.
+constexpr double well_apart = 2 * least_apart;
+
 /// Fraction of the surface's rotation around a point, caused by the first tool, by which the body counts as turned for
 /// the second tool (docs/decisions/coupled-tools.md).
 constexpr double turned_part = 0.7;
@@ -43,6 +47,7 @@ class Solver : private CoupledField {
       prepare(s);
       far = std::fmax(far, length(_targets[s].x));
     }
+    if (_round) match_round_tools();
     for (std::int32_t s = 0; s < n && turns(); ++s) prepare_turn(s);
     clear_field();
     CoupledResult result = {};
@@ -182,7 +187,7 @@ class Solver : private CoupledField {
     for (std::int32_t i = 0; i < n; ++i) all += dot(_targets[i], _c.point[i].stiffness * _targets[i]);
     _sum = 0;
     for (std::int32_t i = 0; i < n; ++i) {
-      _c.weight[i] = equal_part * std::fabs(all);
+      _c.weight[i] = _equal_part * std::fabs(all);
       for (std::int32_t j = 0; j < n; ++j) {
         if (j != i) _c.weight[i] += dot(_c.pulled[at(j, i)], _c.point[i].compliance * _c.pulled[at(j, i)]);
       }
@@ -199,7 +204,7 @@ class Solver : private CoupledField {
     double apart = 0;  // largest deviation of an order's energy from the mean
     for (std::int32_t i = 0; i < n; ++i) apart += (_c.energy[i] - energy) / _sum;
     for (std::int32_t i = 0; i < n; ++i)
-      _c.forces[i] += (apart * equal_part * 2) * (_c.point[i].stiffness * _targets[i]);
+      _c.forces[i] += (apart * _equal_part * 2) * (_c.point[i].stiffness * _targets[i]);
     for (std::int32_t first = 0; first < n; ++first) {
       Vector own[most_coupled], force[most_coupled];
       for (std::int32_t i = 0; i < n; ++i) {
@@ -245,8 +250,10 @@ class Solver : private CoupledField {
         _c.work[i * n + j] = _c.work[j * n + i] = (_c.work[i * n + j] + _c.work[j * n + i]) / 2;
     }
     diagonalize(_c.work, n, _c.vectors);
-    _apart = true;
-    for (std::int32_t e = 0; e < n; ++e) _apart = _apart && _c.work[e * n + e] >= least_apart;
+    double least = _c.work[0];
+    for (std::int32_t e = 1; e < n; ++e) least = std::fmin(least, _c.work[e * n + e]);
+    _apart = least >= least_apart;
+    if (_round && least > least_apart) _equal_part *= std::fmax(0.0, (well_apart - least) / (well_apart - least_apart));
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
       HeldPoint& point = _c.point[t];
       for (std::int32_t s = 0; s < _c.n_tools; ++s) {
@@ -296,8 +303,9 @@ class Solver : private CoupledField {
     return {false, far, 0};
   }
 
-  double _sum = 0;     ///< of the weights before normalization
-  bool _apart = true;  ///< all tools can be distinguished
+  double _sum = 0;                  ///< of the weights before normalization
+  bool _apart = true;               ///< all tools can be distinguished
+  double _equal_part = equal_part;  ///< depends on the places only
 };
 
 }  // namespace
@@ -309,17 +317,18 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   c.neighbours = find_neighbours(arena, model);
   const auto t = static_cast<std::size_t>(c.max_tools);
   // With a single tool no rotations are needed.
-  const std::size_t n_places = t > 1 ? 2 * t : t, n_sets = t > 1 ? 1 + t : 1, n_locals = 3 * n_places * t;
+  const std::size_t n_places = t > 1 ? 2 * t : t, n_sets = t > 1 ? 1 + t : 1, n_corners = most_corners * t,
+                    n_locals = n_corners * n_places;
   c.point = arena.take<HeldPoint>(t);
   c.local = arena.take<LocalResponse>(n_locals);
   auto* rows = arena.take<double>(3 * model.n_basis, n_locals + 1);
   for (std::size_t i = 0; c.local && rows && i < n_locals; ++i) c.local[i].rows = rows + 3 * model.n_basis * i;
   c.pair.rows = rows ? rows + 3 * model.n_basis * n_locals : nullptr;
   c.rest_response = arena.take<Matrix>(n_locals);
-  c.rest_gradient = arena.take<double>(9 * t, model.n_basis);
-  c.node_basis = arena.take<double>(3 * t, model.n_basis);
-  c.field = arena.take<FieldPart>(3 * n_sets * t);
-  c.field_basis = arena.take<double>(3 * n_sets * t, model.n_basis);
+  c.rest_gradient = arena.take<double>(3 * n_corners, model.n_basis);
+  c.node_basis = arena.take<double>(n_corners, model.n_basis);
+  c.field = arena.take<FieldPart>(n_corners * n_sets);
+  c.field_basis = arena.take<double>(n_corners * n_sets, model.n_basis);
   c.field_turn = arena.take<Vector>(n_sets);
   c.turn = arena.take<SurfaceTurn>(n_sets > 1);
   c.basis = arena.take<double>(model.n_basis);
@@ -331,6 +340,7 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   c.work = arena.take<double>(9 * t * t);
   c.vectors = arena.take<double>(9 * t * t);
   c.stiffness = arena.take<Matrix>(t * t);
+  c.wide = arena.take<Matrix>(t * t);
   c.derivative = arena.take<Matrix>(n_places * t);
   c.rest = arena.take<Vector>(t * t);
   c.pulled = arena.take<Vector>(t * t);

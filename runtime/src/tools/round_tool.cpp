@@ -12,6 +12,10 @@ constexpr double weight_slack = 1e-6;
 /// Weights up to this are rounding, as phn_nearest leaves on the corner opposite to an edge, whose tool need not exist.
 constexpr double no_weight = 1e-12;
 
+/// Weight of the fixed corners of a triangle from which on the free ones do not answer for a round tool there
+/// (docs/decisions/between-points.md).
+constexpr double largest_fixed_weight = 0.3;
+
 /// Added to the squares of the edges at a node, as a fraction of their sum: a gradient across the surface, in which
 /// direction there are hardly any differences, is small. Values from 0.003 to 0.03 give the same errors.
 constexpr double across = 0.03;
@@ -47,6 +51,7 @@ int find_place(const phn_model& model, const phn_tool& tool, Place& place) {
   }
   if (!(sum >= 1 - weight_slack && sum <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;
   if (!(movable > weight_slack)) return PHN_ERROR_NOT_ACTIVE;
+  place.fixed_weight = sum - movable;
   return finite(tool.displacement) ? PHN_OK : PHN_ERROR_NOT_FINITE;
 }
 
@@ -55,6 +60,10 @@ bool is_round(const phn_model& model, const Place& place) {
     if (!model.active[place.active[i]].moves_mean) return false;
   }
   return true;
+}
+
+bool is_beside_fixed(const phn_model& model, const Place& place) {
+  return place.fixed_weight > largest_fixed_weight && is_round(model, place);
 }
 
 Neighbours find_neighbours(Arena& arena, const phn_model& model) {

@@ -8,11 +8,15 @@
 
 namespace PHN_RUNTIME {
 
+/// Largest number of active nodes from which a place is answered: the corners of its triangle.
+inline constexpr std::int32_t most_corners = 3;
+
 /// The active nodes around a point of the surface.
 struct Place {
   std::int32_t n_nodes;
-  std::int32_t active[3];  ///< positions among the active nodes
-  double weight[3];        ///< barycentric, without fixed corners
+  std::int32_t active[most_corners];  ///< positions among the active nodes
+  double weight[most_corners];        ///< barycentric, without fixed corners
+  double fixed_weight;                ///< of the fixed corners
 };
 
 /// Checks a tool and finds its nodes. @return a status of phynness.h
@@ -20,6 +24,9 @@ int find_place(const phn_model& model, const phn_tool& tool, Place& place);
 
 /// Whether the tools at all nodes of the place are round: each moves a mean.
 bool is_round(const phn_model& model, const Place& place);
+
+/// Whether the place is between nodes and so close to a fixed one that no mean of responses is that of a round tool.
+bool is_beside_fixed(const phn_model& model, const Place& place);
 
 /// Whether one tool there needs no coupling: it is at a node, or it is round.
 inline bool answers_alone(const phn_model& model, const Place& place) {
@@ -40,9 +47,9 @@ inline constexpr std::int32_t most_neighbours = 32;
 /// Nodes whose energies, each times its weight, are added to the energy of one tool: E(d) = sum w_i E_i(d / lever).
 struct Mean {
   std::int32_t n;
-  std::int32_t active[3 * (1 + most_neighbours)];
-  double weight[3 * (1 + most_neighbours)];
-  double share[3];  ///< of the nodes of the place, with the sum 1
+  std::int32_t active[most_corners * (1 + most_neighbours)];
+  double weight[most_corners * (1 + most_neighbours)];
+  double share[most_corners];  ///< of the nodes of the place, with the sum 1
   /// A single node beside fixed ones moves farther than the point between them; a round tool is that of the others.
   double lever;
 };

@@ -11,7 +11,40 @@ namespace {
 constexpr double gauss_point[3] = {0.11270166537925831, 0.5, 0.88729833462074169};
 constexpr double gauss_weight[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
 
+/// Square roots, and the inverse, of a symmetric matrix that is made positive definite first.
+void find_roots(Matrix a, Matrix& root, Matrix& inverse_root, Matrix& inverse) {
+  Matrix v;
+  diagonalize(a.a, 3, v.a);
+  const double least = 1e-3 * (std::fabs(a(0, 0)) + std::fabs(a(1, 1)) + std::fabs(a(2, 2)));
+  root = inverse_root = inverse = {};
+  for (int e = 0; e < 3; ++e) {
+    const double value = std::fmax(a(e, e), least), square_root = std::sqrt(value);
+    for (int k = 0; k < 9; ++k) {
+      const double product = v(k / 3, e) * v(k % 3, e);
+      root.a[k] += square_root * product;
+      inverse_root.a[k] += square_root > 0 ? product / square_root : 0;
+      inverse.a[k] += value > 0 ? product / value : 0;
+    }
+  }
+}
+
+bool all_round(const phn_model& model, const Coupling& c) {
+  bool all = true;
+  for (std::int32_t t = 0; t < c.n_tools; ++t) all = all && is_round(model, c.point[t]);
+  return all;
+}
+
 }  // namespace
+
+ToolResponses::ToolResponses(const phn_model& model, Coupling& coupling)
+    : _model(model), _c(coupling), _round(all_round(model, coupling)) {
+  // Fixed corners do not count.
+  for (std::int32_t t = 0; t < _c.n_tools && _round; ++t) {
+    HeldPoint& point = _c.point[t];
+    point.mean = mean_at(_model, _c.neighbours, point);
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) point.weight[i] = point.mean.share[i];
+  }
+}
 
 Matrix ToolResponses::rest_response(const LocalResponse& local, std::int32_t n, const double* gradient) const {
   Matrix response;
@@ -27,13 +60,15 @@ double ToolResponses::respond(std::int32_t s, const Vector& p) {
   point.own = p;
   take_response(s);
   pull(s);
-  return point.energy + energy_of_nodes(point);
+  return point.energy + (_round ? 0 : energy_of_nodes(point));
 }
 
 void ToolResponses::prepare(std::int32_t s) {
   HeldPoint& point = _c.point[s];
-  Matrix compliance[3], between[3][3], sum = {};
+  Matrix compliance[most_corners], between[most_corners][most_corners], sum = {};
+  point.own = {};
   point.curved = 0;
+  for (std::int32_t t = 0; t < _c.n_tools; ++t) _c.wide[at(t, s)] = {};
   for (std::int32_t i = 0; i < point.n_nodes; ++i) {
     const ActiveNode& by = node(point, i);
     point.rest_stiffness[i] = stiffness_at_rest(_model, by);
@@ -41,7 +76,7 @@ void ToolResponses::prepare(std::int32_t s) {
     compliance[i] = inverse_of(point.rest_stiffness[i]);
     basis_gradient_at_rest(_model, by, gradient_at_rest(s, i), _c.kernel, _c.basis);
     const std::int32_t n = basis_size(_model, by);
-    for (std::int32_t j = 0; j < point.n_nodes; ++j) {
+    for (std::int32_t j = 0; j < point.n_nodes && !_round; ++j) {
       const double one = 1;
       prepare_local(by, 1, &point.active[j], &one, _c.pair);
       between[j][i] = rest_response(_c.pair, n, gradient_at_rest(s, i));
@@ -52,18 +87,54 @@ void ToolResponses::prepare(std::int32_t s) {
       LocalResponse& local = _c.local[at(t, s, i)];
       prepare_local(by, other.n_nodes, other.active, other.weight, local);
       _c.rest_response[at(t, s, i)] = rest_response(local, n, gradient_at_rest(s, i));
+      _c.wide[at(t, s)] += point.weight[i] * (_c.rest_response[at(t, s, i)] * compliance[i]);
     }
   }
+  if (_round) return prepare_round(s);
   const Matrix inverse = inverse_of(sum);
   point.stiffness = symmetric_part(inverse);
-  find_roots(point);
-  point.own = {};
+  find_roots(point.stiffness, point.root, point.inverse_root, point.compliance);
   for (std::int32_t i = 0; i < point.n_nodes; ++i) point.contribution[i] = point.weight[i] * (compliance[i] * inverse);
   for (std::int32_t i = 0; i < point.n_nodes; ++i) {
     point.reach[i] = {};
     for (std::int32_t j = 0; j < point.n_nodes; ++j) point.reach[i] += between[i][j] * point.contribution[j];
     const double square = inner_product(point.reach[i], point.reach[i]);
     point.share[i] = square > 0 ? inner_product(point.contribution[i], point.reach[i]) / square : 0;
+  }
+}
+
+void ToolResponses::prepare_round(std::int32_t s) {
+  HeldPoint& point = _c.point[s];
+  Matrix stiffness = {};
+  for (std::int32_t m = 0; m < point.mean.n; ++m)
+    stiffness += point.mean.weight[m] * stiffness_at_rest(_model, _model.active[point.mean.active[m]]);
+  find_roots(stiffness, point.root, point.inverse_root, point.compliance);
+  point.stiffness = point.root * point.root;
+  for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+    point.share[i] = point.weight[i];
+    point.contribution[i] = diagonal(point.weight[i]);
+    point.reach[i] = diagonal(1);
+    // The tool's own mean moves by p.
+    LocalResponse& own = _c.local[at(s, s, i)];
+    clear_local(_model, node(point, i), own);
+    own.direct = _c.rest_response[at(s, s, i)] = diagonal(1);
+  }
+  Matrix root, inverse;
+  find_roots(symmetric_part(point.root * _c.wide[at(s, s)] * point.root), root, point.scale, inverse);
+}
+
+void ToolResponses::match_round_tools() {
+  for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+    for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+      const HeldPoint &to = _c.point[t], &by = _c.point[s];
+      if (t == s || (to.n_nodes == 1 && by.n_nodes == 1)) continue;
+      Matrix change = to.inverse_root * to.scale * to.root * _c.wide[at(t, s)] * by.root * by.scale * by.root;
+      for (std::int32_t i = 0; i < by.n_nodes; ++i) change -= by.weight[i] * _c.rest_response[at(t, s, i)];
+      for (std::int32_t i = 0; i < by.n_nodes; ++i) {
+        _c.local[at(t, s, i)].direct += change;
+        _c.rest_response[at(t, s, i)] += change;
+      }
+    }
   }
 }
 
@@ -99,7 +170,7 @@ void ToolResponses::prepare_local(const ActiveNode& by, std::int32_t n, const st
 void ToolResponses::prepare_turn(std::int32_t t) {
   HeldPoint& point = _c.point[t];
   SurfaceTurn& turn = *_c.turn;
-  std::int32_t vertex[3];
+  std::int32_t vertex[most_corners];
   for (std::int32_t j = 0; j < point.n_nodes; ++j) vertex[j] = node(point, j).output;
   turn.triangle = 0;
   turn.area = 0;
@@ -116,22 +187,6 @@ void ToolResponses::prepare_turn(std::int32_t t) {
     }
   }
   point.area = turn.area;
-}
-
-void ToolResponses::find_roots(HeldPoint& point) {
-  Matrix a = point.stiffness, v;
-  diagonalize(a.a, 3, v.a);
-  const double least = 1e-3 * (std::fabs(a(0, 0)) + std::fabs(a(1, 1)) + std::fabs(a(2, 2)));
-  point.root = point.inverse_root = point.compliance = {};
-  for (int e = 0; e < 3; ++e) {
-    const double value = std::fmax(a(e, e), least), root = std::sqrt(value);
-    for (int k = 0; k < 9; ++k) {
-      const double product = v(k / 3, e) * v(k % 3, e);
-      point.root.a[k] += root * product;
-      point.inverse_root.a[k] += root > 0 ? product / root : 0;
-      point.compliance.a[k] += value > 0 ? product / value : 0;
-    }
-  }
 }
 
 void ToolResponses::take_response(std::int32_t s) {
@@ -242,6 +297,11 @@ double ToolResponses::energy_of_nodes(const HeldPoint& point) const {
 
 void ToolResponses::pull(std::int32_t s) {
   HeldPoint& point = _c.point[s];
+  if (_round) {
+    respond_alone(_model, point.mean, point.own, point.force, has_energy(_model) ? &point.energy : nullptr, nullptr);
+    if (!has_energy(_model)) point.energy = 0;
+    return;
+  }
   const Vector linear = point.stiffness * point.own;
   double energy = dot(linear, point.own) / 2;
   point.force = linear;

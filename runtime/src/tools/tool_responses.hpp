@@ -8,19 +8,20 @@ namespace PHN_RUNTIME {
 /// Response to one tool at a time, computed from the responses of the nodes around its point.
 class ToolResponses {
  protected:
-  ToolResponses(const phn_model& model, Coupling& coupling) : _model(model), _c(coupling) {}
+  ToolResponses(const phn_model& model, Coupling& coupling);
 
   std::size_t at(std::int32_t t, std::int32_t s, std::int32_t i) const {
-    return 3 * (static_cast<std::size_t>(t) * static_cast<std::size_t>(_c.max_tools) + static_cast<std::size_t>(s)) +
-           static_cast<std::size_t>(i);
+    return most_corners * at(t, s) + static_cast<std::size_t>(i);
   }
-  std::size_t at(std::int32_t t, std::int32_t s) const { return at(t, s, 0) / 3; }
+  std::size_t at(std::int32_t t, std::int32_t s) const {
+    return static_cast<std::size_t>(t) * static_cast<std::size_t>(_c.max_tools) + static_cast<std::size_t>(s);
+  }
   const ActiveNode& node(const HeldPoint& point, std::int32_t i) const { return _model.active[point.active[i]]; }
   double* gradient_at_rest(std::int32_t s, std::int32_t i) const {
-    return _c.rest_gradient + 3 * static_cast<std::size_t>(3 * s + i) * _model.n_basis;
+    return _c.rest_gradient + 3 * static_cast<std::size_t>(most_corners * s + i) * _model.n_basis;
   }
   double* node_basis(std::int32_t s, std::int32_t i) const {
-    return _c.node_basis + static_cast<std::size_t>(3 * s + i) * _model.n_basis;
+    return _c.node_basis + static_cast<std::size_t>(most_corners * s + i) * _model.n_basis;
   }
   /// Whether rotations caused by one tool are taken into account for the others.
   bool turns() const { return _c.n_sets > 1; }
@@ -32,6 +33,9 @@ class ToolResponses {
   double respond(std::int32_t s, const Vector& p);
   /// Computes the quantities of a tool that do not depend on its displacement.
   void prepare(std::int32_t s);
+  /// Makes the compliances at rest between round tools agree with those of each alone: superposed ones, scaled at both
+  /// ends. What the fields lack under other tools for that is added. @pre prepare of all tools
+  void match_round_tools();
   /// Computes the rotation of the surface around tool t's point by the nodes of the other tools; the rotation by its
   /// own nodes is not needed.
   /// @pre prepare of all tools
@@ -51,18 +55,18 @@ class ToolResponses {
 
   const phn_model& _model;
   Coupling& _c;
+  const bool _round;  ///< all tools are round: the response of each is (x), and not (o) and (p)
 
  private:
+  /// The part of prepare that takes the stiffness from (x).
+  void prepare_round(std::int32_t s);
   /// Adds node i's part of the derivatives of all places by the p of tool t.
   void add_derivatives(std::int32_t t, std::int32_t i);
   /// Derivative of a local response at rest.
   Matrix rest_response(const LocalResponse& local, std::int32_t n, const double* gradient) const;
-  /// The displacement that tools at up to three active nodes would have: of the vertex, or of the mean that they move.
+  /// The displacement that tools at several active nodes would have: of the vertex, or of the mean that they move.
   void prepare_local(const ActiveNode& by, std::int32_t n, const std::int32_t* active, const double* weight,
                      LocalResponse& local) const;
-  /// Square root of the stiffness at rest, its inverse, and the compliance. The stiffness is made positive definite
-  /// first.
-  static void find_roots(HeldPoint& point);
   /// Contributions of tool s's nodes at p: node i's response at e_i, scaled to q_i. The remaining displacement of the
   /// tool's point is added as in the undeformed body.
   void take_response(std::int32_t s);

@@ -59,6 +59,7 @@ int warnings_of(const phn_model& model, const Coupling& c) {
   int status = PHN_OK;
   for (std::int32_t t = 0; t < c.n_tools; ++t) {
     const HeldPoint& point = c.point[t];
+    if (is_beside_fixed(model, point)) status |= PHN_WARNING_OUTSIDE;
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
       status |= warnings(model, model.active[point.active[i]], (point.reach[i] * point.own).x);
     }
@@ -96,9 +97,10 @@ int find_alone(const phn_model* model, const phn_tool* tool, Place& place) {
 }
 
 /// What `of_node(node, d, one)` says of each node of a tool, one after another; ends at an error.
+/// @param beside  whether the tool is where is_beside_fixed says: nothing was trained there
 /// @return the sum of its warnings
 template <class Value, class OfNode, class Take>
-int at_nodes(const phn_model* model, const phn_tool* tool, OfNode of_node, Take take) {
+int at_nodes(const phn_model* model, const phn_tool* tool, bool& beside, OfNode of_node, Take take) {
   Place place;
   int status = find_alone(model, tool, place);
   if (status < 0) return status;
@@ -111,7 +113,8 @@ int at_nodes(const phn_model* model, const phn_tool* tool, OfNode of_node, Take 
     status = said < 0 ? said : status | said;
     take(one, lever, i == 0);
   }
-  return status;
+  beside = status >= 0 && is_beside_fixed(*model, place);
+  return beside ? status | PHN_WARNING_OUTSIDE : status;
 }
 
 /// Force, energy and stiffness of one tool, of which any may be null but not all. @return a status of phynness.h
@@ -127,7 +130,7 @@ int force_at(const phn_model* model, const phn_data* data, const phn_tool* tool,
   cut(tool->displacement, 1, largest_displacement(*model), d.x);
   const Mean mean = mean_at(*model, data->coupling->neighbours, place);
   respond_alone(*data->level, mean, d, force, energy, stiffness);
-  int status = PHN_OK;
+  int status = is_beside_fixed(*model, place) ? PHN_WARNING_OUTSIDE : PHN_OK;
   for (std::int32_t i = 0; i < place.n_nodes; ++i)
     status |= warnings(*model, model->active[place.active[i]], (d / mean.lever).x);
   return status;
@@ -220,11 +223,14 @@ int phn_force_at(const phn_model* model, phn_data* data, const phn_tool* tool, d
 int phn_trust_at(const phn_model* model, const phn_tool* tool, phn_trusted* trusted) {
   if (trusted == nullptr) return PHN_ERROR_ARGUMENT;
   phn_trusted found = {};
-  const int status = at_nodes<phn_trusted>(model, tool, phn_trust, [&](const phn_trusted& one, double, bool first) {
-    found.trained_depth = first ? one.trained_depth : std::fmin(found.trained_depth, one.trained_depth);
-    found.distance = std::fmax(found.distance, one.distance);
-    found.relative = std::fmax(found.relative, one.relative);
-  });
+  bool beside = false;
+  const int status =
+      at_nodes<phn_trusted>(model, tool, beside, phn_trust, [&](const phn_trusted& one, double, bool first) {
+        found.trained_depth = first ? one.trained_depth : std::fmin(found.trained_depth, one.trained_depth);
+        found.distance = std::fmax(found.distance, one.distance);
+        found.relative = std::fmax(found.relative, one.relative);
+      });
+  if (beside) found.trained_depth = 0;
   *trusted = status < 0 ? phn_trusted{} : found;
   return status;
 }
@@ -232,10 +238,11 @@ int phn_trust_at(const phn_model* model, const phn_tool* tool, phn_trusted* trus
 int phn_bound_at(const phn_model* model, const phn_tool* tool, double* bound) {
   if (bound == nullptr) return PHN_ERROR_ARGUMENT;
   double found = 0;
-  const int status = at_nodes<double>(model, tool, phn_bound, [&](double one, double lever, bool) {
+  bool beside = false;
+  const int status = at_nodes<double>(model, tool, beside, phn_bound, [&](double one, double lever, bool) {
     found = std::fmin(PHN_NO_BOUND, std::fmax(found, one / lever));
   });
-  *bound = status < 0 ? 0 : found;
+  *bound = status < 0 ? 0 : beside ? PHN_NO_BOUND : found;
   return status;
 }
 

@@ -1,0 +1,193 @@
+// Claims about several round tools: each has the compliance of (x), and the others see it where superposition says.
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "linear_body.hpp"
+#include "loaded_model.hpp"
+#include "small_model.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+
+/// A linear body whose tools move means over a node, and over the two nodes with the next numbers.
+struct RoundBody : LinearBody {
+  Eigen::MatrixXd weights;  ///< n x n, of the tool at node i in row i
+
+  explicit RoundBody(int n) : LinearBody(n), weights(Eigen::MatrixXd::Zero(n, n)) {
+    for (int i = 0; i < n; ++i) {
+      ActiveNodeModel& node = model.nodes[static_cast<std::size_t>(i)];
+      for (int k = 0; k < 3; ++k) weights(i, (i + k) % n) = k == 0 ? 0.5 : 0.25;
+      node.moves_mean = true;
+      node.prescribed.clear();
+      node.prescribed_weight.clear();
+      for (int j = 0; j < n; ++j) {
+        if (weights(i, j) == 0) continue;
+        node.prescribed.push_back(j);
+        node.prescribed_weight.push_back(weights(i, j));
+      }
+      const Eigen::MatrixXd w = mean_of(weights.row(i));
+      const Eigen::Matrix3d K = Eigen::Matrix3d(w * compliance * w.transpose()).inverse();
+      const Eigen::MatrixXd U = compliance * w.transpose() * K;
+      node.linear.stiffness = (K + K.transpose()) / 2;
+      for (int o = 0; o < n; ++o)
+        for (int axis = 0; axis < 3; ++axis)
+          for (int k = 0; k < 3; ++k) node.linear.unit_responses(o, 3 * axis + k) = U(3 * o + k, axis);
+    }
+  }
+  /// 3 x 3 n: the mean of displacements.
+  static Eigen::MatrixXd mean_of(const Eigen::RowVectorXd& w) {
+    Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(3, 3 * w.size());
+    for (Eigen::Index i = 0; i < w.size(); ++i) mean.middleCols<3>(3 * i) = w[i] * Eigen::Matrix3d::Identity();
+    return mean;
+  }
+};
+
+struct Answer {
+  int status = 0;
+  Eigen::VectorXd forces;
+  phn_coupled result = {};
+};
+Answer coupled(const LoadedModel& loaded, const std::vector<phn_tool>& tools) {
+  Answer a;
+  a.forces.resize(static_cast<Eigen::Index>(3 * tools.size()));
+  a.status =
+      phn_couple(loaded.model, loaded.data, static_cast<int>(tools.size()), tools.data(), a.forces.data(), &a.result);
+  return a;
+}
+
+const phn_tool first = tool(0, 1, 2, 0.2, 0.5, 0.005, -0.004, 0.003), second = tool(4, 5, 6, 0.3, 0.3, 0, 0, 0),
+               beside = tool(2, 3, 4, 0.3, 0.3, 0, 0, 0);
+
+// Claim: at nodes, tools of a linear body superpose exactly where they can be distinguished: forces and field are those
+// of the problem in which the means are given. 1e-10 leaves room for the conditioning of a dozen unknowns.
+TEST(CoupledRoundTools, AreExactAtNodes) {
+  const RoundBody body(7);
+  const LoadedModel loaded(write_model_text(body.model));
+  for (const std::vector<int>& nodes : {std::vector<int>{0, 3}, std::vector<int>{1, 4, 6}, std::vector<int>{2, 3}}) {
+    const auto n = static_cast<Eigen::Index>(nodes.size());
+    std::vector<phn_tool> tools;
+    Eigen::MatrixXd B(3 * n, 21);
+    Eigen::VectorXd d = Eigen::VectorXd::LinSpaced(3 * n, -0.01, 0.02);
+    for (Eigen::Index t = 0; t < n; ++t) {
+      const int node = nodes[static_cast<std::size_t>(t)];
+      tools.push_back(tool(node, -1, -1, 1, 0, d[3 * t], d[3 * t + 1], d[3 * t + 2]));
+      B.middleRows<3>(3 * t) = RoundBody::mean_of(body.weights.row(node));
+    }
+    const Eigen::VectorXd F = (B * body.compliance * B.transpose()).ldlt().solve(d);
+    const Eigen::VectorXd u = body.compliance * B.transpose() * F;
+    Eigen::VectorXd field(21);
+    const Answer said = coupled(loaded, tools);
+    EXPECT_EQ(said.status, PHN_OK);
+    EXPECT_EQ(phn_coupled_deform(loaded.model, loaded.data, field.data()), PHN_OK);
+    EXPECT_LT((said.forces - F).norm(), 1e-10 * F.norm());
+    EXPECT_LT((field - u).norm(), 1e-10 * u.norm());
+  }
+}
+
+/// Displacement of the second tool for which it exerts no force: Newton's method with differences.
+phn_tool without_force(const LoadedModel& loaded, const phn_tool& one, phn_tool other, double h) {
+  for (int step = 0; step < 12; ++step) {
+    const Eigen::Vector3d force = coupled(loaded, {one, other}).forces.tail<3>();
+    Eigen::Matrix3d slope;
+    for (int k = 0; k < 3; ++k) {
+      phn_tool more = other;
+      more.displacement[k] += h;
+      slope.col(k) = (coupled(loaded, {one, more}).forces.tail<3>() - force) / h;
+    }
+    Eigen::Map<Eigen::Vector3d>(other.displacement) -= slope.inverse() * force;
+  }
+  return other;
+}
+
+// Claim: a second tool that exerts no force leaves force and energy of the first as they are alone, at nodes and
+// between them, in linear and nonlinear bodies. 1e-9: what Newton's method leaves of the second force. Without the
+// compliance of (x) the first force is another one, and so it is with superposed tools.
+TEST(CoupledRoundTools, WithoutForceAreNotFelt) {
+  const RoundBody body(7);
+  for (const bool curved : {false, true}) {
+    const LoadedModel loaded(write_model_text(curved ? bent(body) : body.model));
+    for (const phn_tool& one : {first, tool(1, -1, -1, 1, 0, 0.004, 0.003, -0.002)})
+      for (const phn_tool& two : {second, tool(5, -1, -1, 1, 0, 0, 0, 0)}) {
+        const Answer alone = coupled(loaded, {one}),
+                     both = coupled(loaded, {one, without_force(loaded, one, two, 1e-7)});
+        EXPECT_EQ(both.status, PHN_OK);
+        EXPECT_LT(both.forces.tail<3>().norm(), 1e-9 * alone.forces.norm());
+        EXPECT_LT((both.forces.head<3>() - alone.forces).norm(), 1e-9 * alone.forces.norm());
+        EXPECT_NEAR(both.result.energy, alone.result.energy, 1e-9 * alone.result.energy);
+      }
+  }
+}
+
+// Claim: the stiffness of tools anywhere is symmetric and positive definite, and if they are at one place, they are not
+// distinguished.
+TEST(CoupledRoundTools, HavePositiveStiffness) {
+  const RoundBody body(7);
+  const LoadedModel loaded(write_model_text(body.model));
+  Numbers numbers;
+  for (int pair = 0; pair < 50; ++pair) {
+    std::vector<phn_tool> tools;
+    for (int t = 0; t < 2; ++t) {
+      const double a = std::abs(numbers.next()) / 2, b = std::abs(numbers.next()) / 2;
+      const int node = (3 * pair + (1 + pair / 7) * t) % 6;
+      tools.push_back(tool(node, (node + 1) % 7, (node + 2) % 7, a, b, 0, 0, 0));
+    }
+    Eigen::Matrix<double, 6, 6> K;
+    for (int i = 0; i < 6; ++i) {
+      auto moved = tools;
+      moved[static_cast<std::size_t>(i / 3)].displacement[i % 3] = 1;
+      K.col(i) = coupled(loaded, moved).forces;
+    }
+    EXPECT_LT((K - K.transpose()).norm(), 1e-9 * K.norm());
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(K);
+    EXPECT_GT(modes.eigenvalues()[0], 1e-9 * K.norm()) << pair;
+  }
+  phn_tool opposed = first;
+  for (double& d : opposed.displacement) d = -d;
+  EXPECT_EQ(coupled(loaded, {first, opposed}).status, PHN_WARNING_UNSETTLED);
+}
+
+// Claim: forces are the gradient of the energy, also of tools that touch the same nodes. Central differences of 1e-6 m
+// leave 1e-8 of the force, and energies to 16 digits ten.
+TEST(CoupledRoundTools, HaveForcesThatAreGradients) {
+  const LoadedModel loaded(write_model_text(bent(RoundBody(7))));
+  for (const phn_tool& other : {second, beside}) {
+    std::vector<phn_tool> tools = {first, other};
+    tools[1].displacement[0] = 0.002;
+    tools[1].displacement[2] = -0.006;
+    const Answer here = coupled(loaded, tools);
+    ASSERT_EQ(here.status, PHN_OK);
+    for (int i = 0; i < 6; ++i) {
+      double energy[2];
+      for (const int side : {0, 1}) {
+        auto moved = tools;
+        moved[static_cast<std::size_t>(i / 3)].displacement[i % 3] += side == 0 ? -1e-6 : 1e-6;
+        energy[side] = coupled(loaded, moved).result.energy;
+      }
+      EXPECT_NEAR((energy[1] - energy[0]) / 2e-6, here.forces[i], 1e-7 * here.forces.norm());
+    }
+  }
+}
+
+// Claim: how tools are numbered, and how their corners are ordered, is nothing to the answer; forces change little
+// where a tool slides over an edge. 1e-9: sums in another order. 1e-9 of a weight moves a force by a hundred times as
+// much.
+TEST(CoupledRoundTools, AreTheSameInAnyOrderAndSlideOverEdges) {
+  const LoadedModel loaded(write_model_text(bent(RoundBody(7))));
+  phn_tool other = second;
+  other.displacement[1] = 0.003;
+  const phn_tool turned = tool(6, 4, 5, 0.4, 0.3, 0, 0.003, 0);
+  const Answer there = coupled(loaded, {first, other}), back = coupled(loaded, {turned, first});
+  EXPECT_LT((there.forces.head<3>() - back.forces.tail<3>()).norm(), 1e-9 * there.forces.norm());
+  EXPECT_LT((there.forces.tail<3>() - back.forces.head<3>()).norm(), 1e-9 * there.forces.norm());
+  const phn_tool sides[2] = {tool(4, 5, 6, 0.4 - 1e-9, 0.6, 0, 0.003, 0), tool(5, 6, 4, 0.6, 0, 0, 0.003, 0)};
+  const Answer inside = coupled(loaded, {first, sides[0]}), edge = coupled(loaded, {first, sides[1]});
+  EXPECT_LT((inside.forces - edge.forces).norm(), 1e-7 * edge.forces.norm());
+}
+
+}  // namespace
