@@ -309,17 +309,18 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   c.neighbours = find_neighbours(arena, model);
   const auto t = static_cast<std::size_t>(c.max_tools);
   // With a single tool no rotations are needed.
-  const std::size_t n_places = t > 1 ? 2 * t : t, n_sets = t > 1 ? 1 + t : 1, n_locals = 3 * n_places * t;
+  const std::size_t n_places = t > 1 ? 2 * t : t, n_sets = t > 1 ? 1 + t : 1, n_corners = most_corners * t,
+                    n_locals = n_corners * n_places;
   c.point = arena.take<HeldPoint>(t);
   c.local = arena.take<LocalResponse>(n_locals);
   auto* rows = arena.take<double>(3 * model.n_basis, n_locals + 1);
   for (std::size_t i = 0; c.local && rows && i < n_locals; ++i) c.local[i].rows = rows + 3 * model.n_basis * i;
   c.pair.rows = rows ? rows + 3 * model.n_basis * n_locals : nullptr;
   c.rest_response = arena.take<Matrix>(n_locals);
-  c.rest_gradient = arena.take<double>(9 * t, model.n_basis);
-  c.node_basis = arena.take<double>(3 * t, model.n_basis);
-  c.field = arena.take<FieldPart>(3 * n_sets * t);
-  c.field_basis = arena.take<double>(3 * n_sets * t, model.n_basis);
+  c.rest_gradient = arena.take<double>(3 * n_corners, model.n_basis);
+  c.node_basis = arena.take<double>(n_corners, model.n_basis);
+  c.field = arena.take<FieldPart>(n_corners * n_sets);
+  c.field_basis = arena.take<double>(n_corners * n_sets, model.n_basis);
   c.field_turn = arena.take<Vector>(n_sets);
   c.turn = arena.take<SurfaceTurn>(n_sets > 1);
   c.basis = arena.take<double>(model.n_basis);

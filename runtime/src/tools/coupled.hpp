@@ -15,22 +15,22 @@ inline constexpr std::int32_t most_coupled = PHN_MOST_COUPLED;
 /// Components of a tool's displacement are clamped to this, in max_displacement_m; in linear models to largest_linear.
 inline constexpr double largest_coupled = 1e3;
 
-/// A tool at a point between up to three active nodes; p is that part of the point's displacement which the tool itself
-/// causes.
+/// A tool at a point between up to most_corners active nodes; p is that part of the point's displacement which the tool
+/// itself causes.
 struct HeldPoint : Place {
   Matrix stiffness;                       ///< A: of the point at rest, symmetric [N/m]
-  Matrix contribution[3];                 ///< Q_i: contribution q_i = Q_i p of node i
-  Matrix reach[3];                        ///< M_i: displacement e_i = M_i p of node i
-  double share[3];                        ///< s_i: the scalar for which s_i e_i is nearest to q_i
-  Matrix rest_stiffness[3];               ///< K_i of the nodes [N/m]
+  Matrix contribution[most_corners];      ///< Q_i: contribution q_i = Q_i p of node i
+  Matrix reach[most_corners];             ///< M_i: displacement e_i = M_i p of node i
+  double share[most_corners];             ///< s_i: the scalar for which s_i e_i is nearest to q_i
+  Matrix rest_stiffness[most_corners];    ///< K_i of the nodes [N/m]
   Matrix root, inverse_root, compliance;  ///< A^1/2, A^-1/2, A^-1
   Matrix relative;                        ///< part of a displacement that remains when the others hold their points
   double curved;                          ///< squared deviation of its nodes' forces from linear ones, see curvature
   double area;                            ///< of the triangles around the point, see next_turn [m^2]
   Vector own, force;                      ///< p [m]; at the tool [N]
   double energy;                          ///< of p alone, without that of its nodes [J]
-  double node_share[3];
-  Vector node_own[3];  ///< the response at p: see local_displacement
+  double node_share[most_corners];
+  Vector node_own[most_corners];  ///< the response at p: see local_displacement
 };
 
 /// A node's contribution to the field besides its basis: see local_displacement.
@@ -46,12 +46,12 @@ struct Coupling {
   const phn_model* model;  ///< the level of the latest tools
   Neighbours neighbours;
   HeldPoint* point;       ///< max_tools
-  LocalResponse* local;   ///< of place t under node i of tool s, at 3 (t max_tools + s) + i
+  LocalResponse* local;   ///< of place t under node i of tool s, at most_corners (t max_tools + s) + i
   Matrix* rest_response;  ///< as local: its derivative at rest
-  double* rest_gradient;  ///< of node i of tool s, at 3 s + i: 3 x n_basis
+  double* rest_gradient;  ///< of node i of tool s, at most_corners s + i: 3 x n_basis
   double* node_basis;     ///< n_basis each: the response at p
   std::int32_t n_sets;    ///< of fields, each of which is turned as a whole by field_turn before they are added
-  FieldPart* field;       ///< of node i of tool s in set q, at 3 (q max_tools + s) + i
+  FieldPart* field;       ///< of node i of tool s in set q, at most_corners (q max_tools + s) + i
   double* field_basis;    ///< n_basis each, as field
   Vector* field_turn;     ///< see rotated
   LocalResponse pair;     ///< scratch: of one node under another

@@ -8,11 +8,14 @@
 
 namespace PHN_RUNTIME {
 
+/// Largest number of active nodes from which a place is answered: the corners of its triangle.
+inline constexpr std::int32_t most_corners = 3;
+
 /// The active nodes around a point of the surface.
 struct Place {
   std::int32_t n_nodes;
-  std::int32_t active[3];  ///< positions among the active nodes
-  double weight[3];        ///< barycentric, without fixed corners
+  std::int32_t active[most_corners];  ///< positions among the active nodes
+  double weight[most_corners];        ///< barycentric, without fixed corners
 };
 
 /// Checks a tool and finds its nodes. @return a status of phynness.h
@@ -40,9 +43,9 @@ inline constexpr std::int32_t most_neighbours = 32;
 /// Nodes whose energies, each times its weight, are added to the energy of one tool: E(d) = sum w_i E_i(d / lever).
 struct Mean {
   std::int32_t n;
-  std::int32_t active[3 * (1 + most_neighbours)];
-  double weight[3 * (1 + most_neighbours)];
-  double share[3];  ///< of the nodes of the place, with the sum 1
+  std::int32_t active[most_corners * (1 + most_neighbours)];
+  double weight[most_corners * (1 + most_neighbours)];
+  double share[most_corners];  ///< of the nodes of the place, with the sum 1
   /// A single node beside fixed ones moves farther than the point between them; a round tool is that of the others.
   double lever;
 };

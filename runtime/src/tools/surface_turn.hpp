@@ -16,7 +16,7 @@ struct SurfaceTurn {
   double area;                ///< of all parts so far [m^2]
 };
 
-/// The (infinitesimal) rotation of the surface around up to three of its vertices, as parts whose sum must be divided
+/// The (infinitesimal) rotation of the surface around some of its vertices, as parts whose sum must be divided
 /// by their area. It is the mean over triangles, weighted by area and by the weights of their vertices. A triangle's
 /// rotation is the rotation of its normal plus half the curl in its plane. Rigid rotations are reproduced exactly;
 /// stretches along the surface do not contribute. All parts together take one pass over all triangles.

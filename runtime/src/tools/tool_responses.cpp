@@ -32,7 +32,7 @@ double ToolResponses::respond(std::int32_t s, const Vector& p) {
 
 void ToolResponses::prepare(std::int32_t s) {
   HeldPoint& point = _c.point[s];
-  Matrix compliance[3], between[3][3], sum = {};
+  Matrix compliance[most_corners], between[most_corners][most_corners], sum = {};
   point.curved = 0;
   for (std::int32_t i = 0; i < point.n_nodes; ++i) {
     const ActiveNode& by = node(point, i);
@@ -99,7 +99,7 @@ void ToolResponses::prepare_local(const ActiveNode& by, std::int32_t n, const st
 void ToolResponses::prepare_turn(std::int32_t t) {
   HeldPoint& point = _c.point[t];
   SurfaceTurn& turn = *_c.turn;
-  std::int32_t vertex[3];
+  std::int32_t vertex[most_corners];
   for (std::int32_t j = 0; j < point.n_nodes; ++j) vertex[j] = node(point, j).output;
   turn.triangle = 0;
   turn.area = 0;

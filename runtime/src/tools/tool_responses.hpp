@@ -11,16 +11,17 @@ class ToolResponses {
   ToolResponses(const phn_model& model, Coupling& coupling) : _model(model), _c(coupling) {}
 
   std::size_t at(std::int32_t t, std::int32_t s, std::int32_t i) const {
-    return 3 * (static_cast<std::size_t>(t) * static_cast<std::size_t>(_c.max_tools) + static_cast<std::size_t>(s)) +
-           static_cast<std::size_t>(i);
+    return most_corners * at(t, s) + static_cast<std::size_t>(i);
   }
-  std::size_t at(std::int32_t t, std::int32_t s) const { return at(t, s, 0) / 3; }
+  std::size_t at(std::int32_t t, std::int32_t s) const {
+    return static_cast<std::size_t>(t) * static_cast<std::size_t>(_c.max_tools) + static_cast<std::size_t>(s);
+  }
   const ActiveNode& node(const HeldPoint& point, std::int32_t i) const { return _model.active[point.active[i]]; }
   double* gradient_at_rest(std::int32_t s, std::int32_t i) const {
-    return _c.rest_gradient + 3 * static_cast<std::size_t>(3 * s + i) * _model.n_basis;
+    return _c.rest_gradient + 3 * static_cast<std::size_t>(most_corners * s + i) * _model.n_basis;
   }
   double* node_basis(std::int32_t s, std::int32_t i) const {
-    return _c.node_basis + static_cast<std::size_t>(3 * s + i) * _model.n_basis;
+    return _c.node_basis + static_cast<std::size_t>(most_corners * s + i) * _model.n_basis;
   }
   /// Whether rotations caused by one tool are taken into account for the others.
   bool turns() const { return _c.n_sets > 1; }
@@ -57,7 +58,7 @@ class ToolResponses {
   void add_derivatives(std::int32_t t, std::int32_t i);
   /// Derivative of a local response at rest.
   Matrix rest_response(const LocalResponse& local, std::int32_t n, const double* gradient) const;
-  /// The displacement that tools at up to three active nodes would have: of the vertex, or of the mean that they move.
+  /// The displacement that tools at several active nodes would have: of the vertex, or of the mean that they move.
   void prepare_local(const ActiveNode& by, std::int32_t n, const std::int32_t* active, const double* weight,
                      LocalResponse& local) const;
   /// Square root of the stiffness at rest, its inverse, and the compliance. The stiffness is made positive definite
