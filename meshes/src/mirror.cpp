@@ -152,12 +152,17 @@ RawMesh with_mirror_image(RawMesh half, const Vector& point, const Vector& norma
   return half;
 }
 
-MirrorSymmetry find_mirror(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+std::vector<std::int32_t> mirror_images(const Scene& scene, const Mesh& mesh) {
   const SymmetryPlane& plane = *scene.mesh.symmetry;
   const Vector extent = mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff();
+  return pair_nodes(mesh, plane, plane.tolerance_m > 0 ? plane.tolerance_m : mirror_tolerance * extent.norm());
+}
+
+MirrorSymmetry find_mirror(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  const SymmetryPlane& plane = *scene.mesh.symmetry;
   MirrorSymmetry mirror;
   mirror.normal = plane.normal;
-  mirror.image = pair_nodes(mesh, plane, plane.tolerance_m > 0 ? plane.tolerance_m : mirror_tolerance * extent.norm());
+  mirror.image = mirror_images(scene, mesh);
   check_cells(mesh, plane, mirror.image);
   check_set(sets.fixed, "fixed", plane, mirror.image);
   check_set(sets.active, "active", plane, mirror.image);

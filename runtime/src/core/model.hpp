@@ -216,6 +216,10 @@ struct phn_model {
   std::int32_t n_fields;
   PHN_RUNTIME::SharedField fields[PHN_RUNTIME::largest_field_count];
   const PHN_RUNTIME::ActiveNode* active;
+  /// Coordinates of output nodes between active nodes: triangles of positions among the active nodes, and rows of
+  /// output position (ascending), triangle, and weights of its first two corners over schema::whole_weight.
+  std::int32_t n_probe_triangles, n_covered;
+  const std::int32_t *probe_triangles, *covered;
 };
 
 namespace PHN_RUNTIME {
