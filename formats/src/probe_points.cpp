@@ -10,7 +10,6 @@
 namespace phynness {
 namespace {
 
-using Vector = Eigen::RowVector3d;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Distances of nodes on the border of the part count as longer, so that triangles of probed nodes fill it.
@@ -40,13 +39,13 @@ class SurfaceWays {
       _ways[static_cast<std::size_t>(b)].push_back({a, length});
     };
     for (const auto& [edge, corners] : opposite) {
-      const Vector a = nodes.row(edge.first), along = nodes.row(edge.second) - a;
+      const Eigen::RowVector3d a = nodes.row(edge.first), along = nodes.row(edge.second) - a;
       const double length = along.norm();
       add(edge.first, edge.second, length);
       if (corners.size() != 2) continue;
       double x[2], y[2];
       for (int c = 0; c < 2; ++c) {
-        const Vector to = nodes.row(corners[static_cast<std::size_t>(c)]) - a;
+        const Eigen::RowVector3d to = nodes.row(corners[static_cast<std::size_t>(c)]) - a;
         x[c] = to.dot(along) / length;
         y[c] = to.cross(along).norm() / length;
       }
@@ -111,12 +110,6 @@ std::vector<char> border_of(const NodeList& within, const Triangles& surface, st
   return border;
 }
 
-Eigen::Matrix3d corners_of(const Points& nodes, const Triangles& triangles, Eigen::Index t) {
-  Eigen::Matrix3d corners;
-  for (int k = 0; k < 3; ++k) corners.col(k) = nodes.row(triangles(t, k)).transpose();
-  return corners;
-}
-
 }  // namespace
 
 NodeList spread_nodes(const Points& nodes, const Triangles& surface, const NodeList& within, double spacing_m,
@@ -125,7 +118,7 @@ NodeList spread_nodes(const Points& nodes, const Triangles& surface, const NodeL
   const SurfaceWays ways(nodes, surface);
   const auto border = border_of(within, surface, n_nodes);
   NearestProbes nearest(ways, n_nodes);
-  Vector middle = Vector::Zero();
+  Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
   for (const auto i : within) middle += nodes.row(i) / static_cast<double>(within.size());
   NodeList chosen;
   while (count == 0 || chosen.size() < count) {

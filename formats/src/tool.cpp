@@ -43,13 +43,13 @@ Eigen::Vector3d nearest_in_triangle(const Eigen::Matrix3d& corners, const Eigen:
   return best;
 }
 
-namespace {
-
 Eigen::Matrix3d corners_of(const Points& nodes, const Triangles& surface, Eigen::Index t) {
   Eigen::Matrix3d corners;
   for (int k = 0; k < 3; ++k) corners.col(k) = nodes.row(surface(t, k)).transpose();
   return corners;
 }
+
+namespace {
 
 /// Triangles around the middle of a tool that are connected over edges within the radius.
 std::vector<Eigen::Index> touched_triangles(const Points& nodes, const Triangles& surface, const SurfacePoint& center,

@@ -307,7 +307,7 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   c.max_tools = max_tools < most_coupled ? max_tools : most_coupled;
   c.model = &model;
   c.neighbours = find_neighbours(arena, model);
-  c.n_corners = corners_of_places(model);
+  c.n_corners = model.n_covered > 0 ? most_corners : 3;
   const auto t = static_cast<std::size_t>(c.max_tools);
   // With a single tool no rotations are needed.
   const std::size_t n_places = t > 1 ? 2 * t : t, n_sets = t > 1 ? 1 + t : 1,

@@ -11,8 +11,6 @@ namespace PHN_RUNTIME {
 /// Largest number of active nodes from which a place is answered: the corners of its triangle, or three for each corner
 /// that has coordinates between active nodes.
 inline constexpr std::int32_t most_corners = 9;
-/// The same for the places of one model.
-inline std::int32_t corners_of_places(const phn_model& model) { return model.n_covered > 0 ? most_corners : 3; }
 
 /// An active node and its weight in a node of the surface.
 struct Corner {

@@ -20,7 +20,9 @@ struct SurfacePoint {
   Vec3 point{};         ///< [m]
   double distance = 0;  ///< from the given point [m]
 };
-/// Barycentric weights of the point of a triangle that is nearest to x. @param corners  3 x 3, a corner in each column
+/// The corners of a triangle, one in each column.
+Eigen::Matrix3d corners_of(const Points& nodes, const Triangles& surface, Eigen::Index t);
+/// Barycentric weights of the point of a triangle that is nearest to x. @param corners  as corners_of()
 Eigen::Vector3d nearest_in_triangle(const Eigen::Matrix3d& corners, const Eigen::Vector3d& x);
 /// The point of the surface nearest to x [m]. @pre surface has triangles
 SurfacePoint nearest_on_surface(const Points& nodes, const Triangles& surface, const Vec3& x);
