@@ -242,7 +242,9 @@ TEST(RoundToolsBetween, SpreadPointsMeetLinearStiffness) {
       Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
       for (int k = 0; k < 3; ++k) x += held.weights[k] * same.output_points.row(held.nodes[k]);
       EXPECT_NEAR(force_of(flat, held), 50, in_float ? 1e-4 : 1e-11);
-      EXPECT_NEAR(force_of(slope, held), linear(x[0], x[1]), 0.03 * std::sqrt(5.0) * spacing);
+      // Beside its corners, which need not be probed, the hexagon reaches beyond the triangles of probed nodes.
+      const double tolerance = x.norm() < 4.5 ? 0.03 * std::sqrt(5.0) * spacing : spacing;
+      EXPECT_NEAR(force_of(slope, held), linear(x[0], x[1]), tolerance);
       for (int k = 0; k < 3; ++k) {
         const double beside = 1e-9;
         const phn_tool inside = tool(corner(k), corner(k + 1), corner(k + 2), 0.4, 0.6 - beside, 0, 0, 1),
