@@ -61,13 +61,12 @@ void cover_surface(Model& model, const Mesh& mesh, double longest_m) {
   });
   model.covered.resize(std::ssize(made.covered), 4);
   for (Eigen::Index i = 0; i < model.covered.rows(); ++i) {
-    // Rounded so that the weights of probed nodes and of edges remain 1 and 0.
-    const auto part = [&](int k) {
-      return static_cast<std::int32_t>(std::lround(schema::whole_weight * made.weights(i, k)));
+    const auto w = made.weights.row(i);
+    const auto part = [](double weight, double of) {
+      return of > 0 ? static_cast<std::int32_t>(std::lround(schema::whole_weight * weight / of)) : 0;
     };
-    const auto first = part(0);
     model.covered.row(i) << made.covered[static_cast<std::size_t>(i)], made.triangle[static_cast<std::size_t>(i)],
-        first, std::min(made.weights(i, 2) > 0 ? part(1) : schema::whole_weight - first, schema::whole_weight - first);
+        part(w[0], 1), part(w[1], w[1] + w[2]);
   }
 }
 

@@ -53,7 +53,7 @@ void write_all(const std::filesystem::path& folder) {
   covered.probe_triangles.resize(2, 3);
   covered.probe_triangles << 0, 1, 1, 1, 0, 0;
   covered.covered.resize(3, 4);
-  covered.covered << 2, 1, 0, 0, 3, 0, 65535, 0, 12, 1, 20000, 45535;
+  covered.covered << 2, 1, 0, 0, 3, 0, 65535, 0, 12, 1, 20000, 65535;
   write("modal-covered", covered);
   write("rbfn-levels-bounds", with_bounds(with_levels(networks)));
   write("modal-large", with_bounds(with_levels(small_field_model(), 8)));

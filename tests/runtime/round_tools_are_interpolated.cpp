@@ -118,7 +118,7 @@ TEST_P(RoundTools, AreTheirNodesAndMeansBetween) {
 // Claim: a covered node is the point that its coordinates say, and in a triangle with it the weights of all corners add
 // up; force, energy, field, trust and bound follow. The weights differ by rounding: 1e-12.
 TEST_P(RoundTools, AreAnsweredAtCoveredNodes) {
-  const double w[3] = {20000 / 65535.0, 30000 / 65535.0, 15535 / 65535.0};
+  const double first = 20000 / 65535.0, w[2] = {first, (1 - first) * (30000 / 65535.0)};
   const phn_tool places[][2] = {
       {tool(12, -1, -1, 1, 0, d[0], d[1], d[2]), tool(3, 5, 8, w[0], w[1], d[0], d[1], d[2])},
       {tool(8, 5, 12, 0.2, 0.5, d[0], d[1], d[2]), tool(3, 5, 8, 0.3 * w[0], 0.5 + 0.3 * w[1], d[0], d[1], d[2])}};

@@ -43,11 +43,11 @@ std::int32_t find_corners(const phn_model& model, std::int32_t node, Corner corn
   }
   const std::int32_t* covered = model.covered + 4 * static_cast<std::size_t>(row);
   if (row == model.n_covered || covered[0] != vertex) return 0;
-  const std::int32_t parts[3] = {covered[2], covered[3], schema::whole_weight - covered[2] - covered[3]};
+  const double first = covered[2], second = covered[3], whole = schema::whole_weight;
+  const double weight[3] = {first / whole, (whole - first) / whole * (second / whole),
+                            (whole - first) / whole * ((whole - second) / whole)};
   for (int k = 0; k < 3; ++k) {
-    if (parts[k] > 0)
-      corner[n++] = {model.probe_triangles[3 * static_cast<std::size_t>(covered[1]) + k],
-                     static_cast<double>(parts[k]) / schema::whole_weight};
+    if (weight[k] > 0) corner[n++] = {model.probe_triangles[3 * static_cast<std::size_t>(covered[1]) + k], weight[k]};
   }
   return n;
 }

@@ -159,8 +159,9 @@ struct Model {
   std::vector<ModelLevel> levels;      ///< empty, or 2 to largest_level_count; the last is the full model; not linear
   std::vector<ModelBound> bounds;      ///< empty, or one: of the force; not linear
   std::vector<ActiveNodeModel> nodes;  ///< ascending by node
-  /// Positions in `nodes`, and rows of node, triangle, and weights of its first two corners in parts of
-  /// schema::whole_weight; empty unless a tool is answered between nodes that are not the corners of its triangle.
+  /// Positions in `nodes`, and rows of node, triangle, weight of its first corner, and part of the rest that its second
+  /// has, in parts of schema::whole_weight; empty unless tools are answered from other nodes than those of their
+  /// triangle.
   Triangles probe_triangles;
   Eigen::Matrix<std::int32_t, Eigen::Dynamic, 4, Eigen::RowMajor> covered;
 };

@@ -21,7 +21,7 @@ inline constexpr int32_t largest_table_entry = 32767;
 inline constexpr double largest_table_value = 1e6;
 inline constexpr int32_t largest_mode_count = 1024, largest_field_count = 8, largest_level_count = 8;
 inline constexpr int32_t largest_bound_count = 1;
-/// The weights of a covered node are integers with this sum.
+/// The weights of a covered node are integers, parts of this.
 inline constexpr int32_t whole_weight = 65535;
 /// Characters of the name or unit of a field.
 inline constexpr int32_t longest_word = 40;

@@ -158,7 +158,7 @@ void active_node(IO& io, Model& model, Node& node, int32_t& previous) {
 }
 
 /// Coordinates of surface nodes between the active nodes: triangles of active nodes, and for each covered node its
-/// triangle with the weights of the first two corners in parts of `whole_weight`; the third has the rest.
+/// triangle, the weight of its first corner, and the part of the rest that the second has, in parts of `whole_weight`.
 template <class IO, class Model>
 void coordinates(IO& io, Model& model, int32_t n_active) {
   if (!io.optional("triangles", io.rows(model.probe_triangles) > 0)) return;
@@ -176,8 +176,7 @@ void coordinates(IO& io, Model& model, int32_t n_active) {
     require_ascending(io, node, previous, "node numbers must ascend");
     io.require(io.has_output(model, node), "a covered node is not an output node");
     integer(io, "triangle", model.covered, i, 1, 0, n_triangles - 1);
-    const int32_t first = integer(io, "weight", model.covered, i, 2, 0, whole_weight);
-    integer(io, "weight", model.covered, i, 3, 0, whole_weight - first);
+    for (int32_t k = 2; k < 4; ++k) integer(io, "weight", model.covered, i, k, 0, whole_weight);
     io.end();
   }
 }
