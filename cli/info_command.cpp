@@ -1,5 +1,6 @@
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
+#include <phynness/formats/probe_points.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/training/families.hpp>
 #include <set>
@@ -32,6 +33,27 @@ void print_mesh(const Mesh& mesh, const NodeSets& sets) {
   print_result("fixed     {}: {}\n", sets.fixed.size(), some(sets.fixed));
   print_result("active    {}: {}\n", sets.active.size(), some(sets.active));
   print_result("output    {}: {}\n", sets.output.size(), some(sets.output));
+}
+
+/// Prints how spread points are distributed. @param covered  ascending
+json tell_points(const Mesh& mesh, const std::vector<std::int32_t>& active, const std::vector<std::int32_t>& fixed,
+                 const std::vector<std::int32_t>& covered) {
+  const auto spread = probe_spread(mesh.nodes, mesh.surface, active, fixed, covered);
+  print_result(
+      "points    {} spread over the surface, {:.3g} mm from their nearest neighbours in the median, {:.3g} mm at most; "
+      "a tool is answered on {:.1f} % of the area that can move\n",
+      active.size(), 1e3 * spread.median_m, 1e3 * spread.largest_m, 100 * spread.covered);
+  return record("number", active.size(), "median_m", spread.median_m, "largest_m", spread.largest_m, "covered",
+                spread.covered);
+}
+/// Of a scene; null unless it spreads its active nodes.
+json tell_points(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  if (!spreads(scene.active)) return nullptr;
+  const bool round = scene.probe.kind == ProbeKind::patch;
+  const auto between =
+      round ? probe_coordinates(mesh.nodes, mesh.surface, sets.active, sets.fixed, scene.probe.tool_radius_m)
+            : ProbeCoordinates{};
+  return tell_points(mesh, sets.active, sets.fixed, round ? between.covered : sets.active);
 }
 
 /// A ray that stopped short of the full depth.
@@ -185,6 +207,11 @@ json about_model(const std::filesystem::path& dir) {
         l, info.force_centers, info.deformation_centers, modes_text, 100 * info.error_force,
         100 * info.error_displacement);
   }
+  json points;
+  if (m.covered.rows() > 0) {
+    const auto nodes = m.covered.col(0);
+    points = tell_points(model.mesh(), active, m.fixed, {nodes.begin(), nodes.end()});
+  }
   json bounds = json::array();
   for (const auto& bound : m.bounds) {
     print_result("bounds    of the force's error, for {:g} % of random displacements; from {} rays at {} nodes\n",
@@ -196,17 +223,18 @@ json about_model(const std::filesystem::path& dir) {
   return record("kind", "model", "family", name(m.family), "model_hash", model.hash(), "mesh_hash", m.mesh_hash,
                 "physics_hash", m.physics_hash, "active", active, "deformation_neurons", neurons, "force_neurons",
                 force_neurons, "force_centers", centers, "modes", modes, "levels", levels, "fields", fields, "bounds",
-                bounds, "model_text_bytes", model.text_bytes(), "memory_bytes", model.memory_bytes());
+                bounds, "points", points, "model_text_bytes", model.text_bytes(), "memory_bytes", model.memory_bytes());
 }
 
 json about_scene(const std::filesystem::path& file) {
   const auto loaded = load_scene(file);
   print_result("scene     {}: {}\n", file.string(), loaded.scene.title);
   print_mesh(loaded.mesh, loaded.sets);
+  const json points = tell_points(loaded.scene, loaded.mesh, loaded.sets);
   print_result("physics   {}\n{}", physics_hash(loaded.scene), physics_summary(loaded.scene));
   print_result("not in the hash\n{}", other_settings(loaded.scene));
   return record("kind", "scene", "mesh_hash", mesh_hash(loaded.mesh), "physics_hash", physics_hash(loaded.scene),
-                "nodes", loaded.mesh.n_nodes(), "active", loaded.sets.active);
+                "nodes", loaded.mesh.n_nodes(), "active", loaded.sets.active, "points", points);
 }
 
 /// A mesh file is read as in a scene without selections. An open surface is the midsurface of a shell.

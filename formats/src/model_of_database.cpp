@@ -1,6 +1,9 @@
-// The scene and the model of a database's header.
+// The scene and the model of a database's header, and what a model says about its surface.
+#include <algorithm>
+#include <cmath>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/model.hpp>
+#include <phynness/formats/probe_points.hpp>
 
 namespace phynness {
 namespace {
@@ -44,6 +47,27 @@ Model model_of_database(const DatabaseHeader& header, Family family, const std::
   model.output_points = rows_of(header.mesh.nodes, model.output);
   model.surface = known_triangles(header.mesh, model);
   return model;
+}
+
+void cover_surface(Model& model, const Mesh& mesh, double longest_m) {
+  NodeList probed;
+  for (const auto& node : model.nodes) probed.push_back(node.node);
+  const auto made = probe_coordinates(mesh.nodes, model.surface, probed, model.fixed, longest_m);
+  if (made.covered.size() <= probed.size() &&
+      std::includes(probed.begin(), probed.end(), made.covered.begin(), made.covered.end()))
+    return;
+  model.probe_triangles = made.triangles.unaryExpr([&](std::int32_t node) {
+    return static_cast<std::int32_t>(std::lower_bound(probed.begin(), probed.end(), node) - probed.begin());
+  });
+  model.covered.resize(std::ssize(made.covered), 4);
+  for (Eigen::Index i = 0; i < model.covered.rows(); ++i) {
+    const auto w = made.weights.row(i);
+    const auto part = [](double weight, double of) {
+      return of > 0 ? static_cast<std::int32_t>(std::lround(schema::whole_weight * weight / of)) : 0;
+    };
+    model.covered.row(i) << made.covered[static_cast<std::size_t>(i)], made.triangle[static_cast<std::size_t>(i)],
+        part(w[0], 1), part(w[1], w[1] + w[2]);
+  }
 }
 
 Scene stored_scene(const DatabaseHeader& header) {

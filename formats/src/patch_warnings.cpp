@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
+#include <phynness/formats/probe_points.hpp>
 #include <phynness/formats/tool.hpp>
 
 namespace phynness {
@@ -101,13 +103,47 @@ std::string warn_of_fixed(const Scene& scene, const Mesh& mesh, const NodeSets& 
          "[\"free-surface\", { near = { to = \"fixed\", distance_m = " + three_digits(radius) + " } }] }";
 }
 
+std::string warn_of_choice(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  SelectableBody body(mesh);
+  body.fixed = sets.fixed;
+  for (const auto& selector : scene.active)
+    if (const auto text = selector.choice->warning(body, sets.active); !text.empty())
+      return selector.where.str() + ": " + text;
+  return "";
+}
+
+/// Spread points between which a tool is not answered.
+std::string warn_of_gaps(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  const std::string place = scene.active_where.str() + ": ";
+  const auto n_points = std::to_string(sets.active.size());
+  if (scene.probe.kind == ProbeKind::node)
+    return place + "node probes are answered only at the " + n_points +
+           " points; a round tool, kind = \"patch\" with tool_radius_m, is answered between them, too";
+  const double radius = scene.probe.tool_radius_m;
+  const auto n_triangles = [&](double longest) {
+    return probe_coordinates(mesh.nodes, mesh.surface, sets.active, sets.fixed, longest).triangles.rows();
+  };
+  const auto n = n_triangles(radius), all = n_triangles(std::numeric_limits<double>::infinity());
+  if (n > 0 && n == all) return "";
+  return place +
+         (n == 0 ? "no triangle between the " + n_points + " points"
+                 : std::to_string(all - n) + " of " + std::to_string(all) + " triangles between the points") +
+         (n == 0 ? " has edges of at most the radius" : " have edges longer than the radius") +
+         ", tool_radius_m = " + three_digits(radius) + ", so that the tool is not answered " +
+         (n == 0 ? "between them" : "in these") + "; spacing = \"auto\" covers the surface";
+}
+
 }  // namespace
 
 std::vector<std::string> patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   std::vector<std::string> warnings;
-  if (scene.probe.kind != ProbeKind::patch) return warnings;
-  for (auto* const warn : {warn_of_edges, warn_of_fixed})
-    if (auto text = warn(scene, mesh, sets); !text.empty()) warnings.push_back(std::move(text));
+  const auto add = [&](std::string text) {
+    if (!text.empty()) warnings.push_back(std::move(text));
+  };
+  if (spreads(scene.active))
+    for (auto* const warn : {warn_of_choice, warn_of_gaps}) add(warn(scene, mesh, sets));
+  if (scene.probe.kind == ProbeKind::patch)
+    for (auto* const warn : {warn_of_edges, warn_of_fixed}) add(warn(scene, mesh, sets));
   return warnings;
 }
 

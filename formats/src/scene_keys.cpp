@@ -33,6 +33,9 @@ void add_selectors(std::vector<Table>& tables) {
   Table names{"selector", {}};
   for (const auto& kind : selector_kinds())
     if (kind.form != SelectorForm::word) names.keys.push_back(kind.name);
+  for (const auto& kind : selector_kinds())
+    for (const auto key : kind.form == SelectorForm::value ? kind.keys : std::vector<std::string_view>{})
+      if (std::find(names.keys.begin(), names.keys.end(), key) == names.keys.end()) names.keys.push_back(key);
   names.keys.push_back("surface_only");
   tables.push_back(std::move(names));
   for (const auto& kind : selector_kinds())

@@ -51,6 +51,11 @@ std::shared_ptr<const NodeChoice> parse_table(const toml::node& node, const Scen
     refuse(nodes.where(node), nodes.label(key) + " has a selector without a shape", shown(node),
            "add one of " + listed(names_of(false)));
   const SelectorKind& kind = kind_named(name);
+  for (const auto& other : selector_kinds())
+    for (const auto more : other.form == SelectorForm::value ? other.keys : std::vector<std::string_view>{})
+      if (table.has(more) && kind.keys != other.keys)
+        table.reject(more, "cannot be combined with " + std::string(name),
+                     "it belongs to spacing_m, spacing and count; combine others by { intersection = [ ... ] }");
   if (kind.form == SelectorForm::value) return kind.parse(table);
   const auto* inner = table.find(name)->as_table();
   if (!inner)

@@ -62,6 +62,12 @@ std::string NodeChoice::remedy_if_empty(const SelectableBody&, const PickRequest
   return "select by other nodes or places";
 }
 
+std::string NodeChoice::warning(const SelectableBody&, const NodeList&) const { return {}; }
+
+bool spreads(const Selection& selection) {
+  return std::any_of(selection.begin(), selection.end(), [](const Selector& s) { return s.choice->spreads(); });
+}
+
 namespace scene_detail {
 
 std::string selection_text(const Selection& selection) {

@@ -1,7 +1,9 @@
-// Selectors that combine other selections: intersection, difference, complement, and nodes near a selection. Each of
-// the combined selections has its usual meaning and must select a node.
+// Selectors that combine other selections: intersection, difference, complement, nodes near a selection, and nodes
+// spread over one. Each of the combined selections has its usual meaning and must select a node.
 #include <algorithm>
+#include <phynness/formats/error.hpp>
 #include <phynness/formats/mesh.hpp>
+#include <phynness/formats/probe_points.hpp>
 
 #include "scene_sections.hpp"
 #include "selectors.hpp"
@@ -51,6 +53,7 @@ struct OfSeveral final : NodeChoice {
   std::string text() const override { return joined(selection_text, " { ", ", ", " }"); }
   std::string description() const override { return joined(selection_description, " of [", "] and [", "]"); }
   bool needs_fixed() const override { return std::any_of(parts.begin(), parts.end(), any_needs_fixed); }
+  bool spreads() const override { return std::any_of(parts.begin(), parts.end(), phynness::spreads); }
   NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
     NodeList nodes = union_of(parts.front(), body, request);
     for (std::size_t i = 1; i < parts.size(); ++i) {
@@ -135,6 +138,93 @@ struct Near final : NodeChoice {
   }
 };
 
+/// A third of the radius: with larger spacings the error between nodes grows faster (docs/decisions/between-points.md).
+constexpr double auto_spacing = 1.0 / 3;
+constexpr const char* spread_names[] = {"spacing_m", "spacing", "count"};
+
+/// Nodes that are spread evenly over a part of the surface, at given distances, at those that the tool needs, or a
+/// given number of them.
+struct Spread final : NodeChoice {
+  std::optional<double> spacing_m;  ///< absent: `count`, or as the tool needs
+  std::size_t count = 0;
+  Selection within = free_surface();
+  double from_fixed_m = 0;
+
+  explicit Spread(const SceneTable& table) : spacing_m(table.number("spacing_m", length)) {
+    if (const auto number = table.integer("count", 1, std::numeric_limits<std::int32_t>::max()))
+      count = static_cast<std::size_t>(*number);
+    if (table.has("spacing")) table.choice("spacing", Words<int>{{"auto", 0}});
+    if (table.has("within")) within = parse_selection(*table.find("within"), table, "within");
+    if (const auto given = table.number("from_fixed_m", length)) from_fixed_m = *given;
+  }
+  std::string text() const override {
+    return "spread { " + size() + ", within = " + selection_text(within) +
+           (from_fixed_m > 0 ? ", from_fixed_m = " + shortest(from_fixed_m) : "") + " }";
+  }
+  std::string description() const override {
+    return "points with " + size() + " on [" + selection_description(within) + "]";
+  }
+  bool needs_fixed() const override { return from_fixed_m > 0 || any_needs_fixed(within); }
+  bool spreads() const override { return true; }
+
+  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
+    const NodeList nodes = part(body, request);
+    if (count > nodes.size() && !nodes.empty())
+      throw input_error(
+          request.place + "count is larger than the number of nodes that it chooses from",
+          std::to_string(count) + " of " + std::to_string(nodes.size()),
+          "give at most " + std::to_string(nodes.size()) + ", a finer mesh, or a larger part in `within`");
+    const double spacing = spacing_of(body, request);
+    NodeList chosen = spread_nodes(body.mesh.nodes, body.mesh.surface, nodes, spacing, count, body.image);
+    if (count > chosen.size() && !nodes.empty())
+      throw input_error(request.place + "an odd count is not symmetric, because no node is on the plane of symmetry",
+                        std::to_string(count), "give " + std::to_string(count + 1));
+    if (count == 0 && chosen.size() < 3 && nodes.size() > chosen.size())
+      throw input_error(request.place + "the spacing is too large for the part of the surface that it is for",
+                        length_text(spacing) + ", of " + std::to_string(nodes.size()) + " nodes " +
+                            std::to_string(chosen.size()) + " chosen",
+                        "give a smaller spacing, such as " + length_text(spacing / 4) +
+                            ", or count = " + std::to_string(chosen.size()) + " if so few points are meant");
+    return chosen;
+  }
+  std::string remedy_if_empty(const SelectableBody&, const PickRequest&) const override {
+    return from_fixed_m > 0 ? "make from_fixed_m smaller, or `within` larger"
+                            : "give a part of the surface in `within`";
+  }
+  std::string warning(const SelectableBody& body, const NodeList& picked) const override {
+    const NodeList nodes = part(body, {body.surface, "active nodes", ""});
+    if (!spacing_m || !std::includes(picked.begin(), picked.end(), nodes.begin(), nodes.end())) return {};
+    return "spacing_m = " + shortest(*spacing_m) + " is below the edges of the mesh, so that each of the " +
+           std::to_string(nodes.size()) + " nodes is probed; give a larger spacing, or spacing = \"auto\"";
+  }
+
+ private:
+  std::string size() const {
+    return spacing_m   ? "spacing_m = " + shortest(*spacing_m)
+           : count > 0 ? "count = " + std::to_string(count)
+                       : "spacing = auto";
+  }
+  /// The nodes to choose from.
+  NodeList part(const SelectableBody& body, const PickRequest& request) const {
+    const NodeList nodes = union_of(within, body, request);
+    NodeList on_surface, far;
+    std::set_intersection(nodes.begin(), nodes.end(), body.surface.begin(), body.surface.end(),
+                          std::back_inserter(on_surface));
+    if (!(from_fixed_m > 0)) return on_surface;
+    const NodeList near = near_nodes(body.mesh.nodes, on_surface, body.fixed, from_fixed_m - body.slack_m);
+    std::set_difference(on_surface.begin(), on_surface.end(), near.begin(), near.end(), std::back_inserter(far));
+    return far;
+  }
+  double spacing_of(const SelectableBody& body, const PickRequest& request) const {
+    if (spacing_m || count > 0) return spacing_m.value_or(0);
+    if (!(body.tool_radius_m > 0))
+      throw input_error(request.place + "spacing = \"auto\" needs a round tool, whose radius it follows",
+                        "[probe] kind = \"node\"",
+                        "give spacing_m or count, or [probe] kind = \"patch\" with tool_radius_m");
+    return auto_spacing * body.tool_radius_m;
+  }
+};
+
 }  // namespace
 
 std::vector<SelectorKind> selector_combinations() {
@@ -145,6 +235,10 @@ std::vector<SelectorKind> selector_combinations() {
                      }});
   kinds.push_back(row<Not>("not"));
   kinds.push_back(row<Near>("near", {"to", "distance_m"}));
+  for (const char* name : spread_names) {
+    kinds.push_back(row<Spread>(name));
+    kinds.back().keys = {"within", "from_fixed_m"};
+  }
   return kinds;
 }
 

@@ -18,7 +18,7 @@ enum class SelectorForm {
 struct SelectorKind {
   std::string_view name;
   SelectorForm form;
-  std::vector<std::string_view> keys;  ///< of its table, for SelectorForm::table
+  std::vector<std::string_view> keys;  ///< of its table; for SelectorForm::value further keys beside it
   /// @param table  the table of the selector; for SelectorForm::value the table that contains the selector
   /// @throws Error (input) with file and line
   std::function<std::shared_ptr<const NodeChoice>(const SceneTable& table)> parse;

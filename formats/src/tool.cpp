@@ -28,7 +28,9 @@ Vector on_edge(const Eigen::Matrix3d& corners, int i, int j, const Vector& x) {
   return weights;
 }
 
-Vector on_triangle(const Eigen::Matrix3d& corners, const Vector& x) {
+}  // namespace
+
+Eigen::Vector3d nearest_in_triangle(const Eigen::Matrix3d& corners, const Eigen::Vector3d& x) {
   const Vector a = corners.col(1) - corners.col(0), b = corners.col(2) - corners.col(0), c = x - corners.col(0);
   const double aa = a.squaredNorm(), ab = a.dot(b), bb = b.squaredNorm(), determinant = aa * bb - ab * ab;
   if (determinant > 0) {
@@ -47,6 +49,8 @@ Eigen::Matrix3d corners_of(const Points& nodes, const Triangles& surface, Eigen:
   return corners;
 }
 
+namespace {
+
 /// Triangles around the middle of a tool that are connected over edges within the radius.
 std::vector<Eigen::Index> touched_triangles(const Points& nodes, const Triangles& surface, const SurfacePoint& center,
                                             const Vector& middle, double radius) {
@@ -54,7 +58,7 @@ std::vector<Eigen::Index> touched_triangles(const Points& nodes, const Triangles
   std::vector<char> taken;
   for (Eigen::Index t = 0; t < surface.rows(); ++t) {
     const auto corners = corners_of(nodes, surface, t);
-    const bool within = (corners * on_triangle(corners, middle) - middle).norm() < radius;
+    const bool within = (corners * nearest_in_triangle(corners, middle) - middle).norm() < radius;
     int shared = 0, wanted = 0;
     for (std::size_t k = 0; k < 3; ++k)
       if (center.weights[k] > 0) {
@@ -213,7 +217,7 @@ SurfacePoint nearest_on_surface(const Points& nodes, const Triangles& surface, c
   nearest.distance = std::numeric_limits<double>::infinity();
   for (Eigen::Index t = 0; t < surface.rows(); ++t) {
     const auto corners = corners_of(nodes, surface, t);
-    const Vector weights = on_triangle(corners, wanted), point = corners * weights;
+    const Vector weights = nearest_in_triangle(corners, wanted), point = corners * weights;
     const double distance = (point - wanted).norm();
     if (!(distance < nearest.distance)) continue;
     nearest.distance = distance;

@@ -4,8 +4,10 @@ responses of nodes, against finite element solves with the tool at the point its
 
 Usage: study.py solve PHYNNESS DATABASE.h5 TRUTH.npz [--points N] [--each N] [--seed N]
        study.py compare PHYNNESS MODEL_DIR DATABASE.h5 TRUTH.npz [--spacing METRES ...]
+       study.py product PHYNNESS TRUTH.npz MODEL_DIR ...
        study.py pairs PHYNNESS MODEL_DIR DATABASE.h5 TRUTH.npz --radius METRES [--pairs N] [--seed N]
-Points are random by area in triangles with three active corners, directions random, depths to the trained range. Errors
+Points are random by area in triangles with three active corners, or with --model in those that this model answers;
+directions are random, depths to the trained range. `product` compares models with a truth, `compare` also methods. Errors
 are |f - f_FE| over the larger of |f_FE| and a twentieth of the largest |f_FE|. Pairs: two tools to half of the trained
 range, half of the pairs at nodes; |f - f_FE| of the worse tool over the larger |f_FE|. TRUTH.npz is solved if it is
 missing. Needs numpy, scipy and h5py.
@@ -64,8 +66,20 @@ def at(x, d):
     return ["--point", numbers(x), "--displacement", numbers(d)]
 
 
+def answered(body, folder):
+    """Triangles whose corners the model answers."""
+    with open(os.path.join(folder, "model.txt")) as f:
+        lines = f.read().split("\n")
+    start = next((i for i, line in enumerate(lines) if line.startswith("covered ")), None)
+    rows = lines[start + 1:start + 1 + int(lines[start].split()[1])] if start else []
+    known = [int(row.split()[0]) for row in rows] or body.active
+    return body.surface[np.isin(body.surface, known).all(axis=1)]
+
+
 def solve(options):
     body = Body(options.database)
+    if options.model:
+        body.touchable = answered(body, options.model)
     random = np.random.default_rng(options.seed)
     corners = body.nodes[body.touchable]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
@@ -78,7 +92,9 @@ def solve(options):
         for _ in range(options.each):
             e = random.normal(size=3)
             e /= np.linalg.norm(e)
-            d = e * random.random() * min(body.reach(n, e) for n in body.touchable[t])
+            known = [n for n in body.touchable[t] if n in body.active]
+            known = known or [min(body.active, key=lambda n: np.linalg.norm(body.nodes[n] - x))]
+            d = e * random.random() * min(body.reach(n, e) for n in known)
             command = [options.phynness, "solve", options.database]
             true, small = ask(command, *at(x, d), field=True), ask(command, *at(x, LINEAR * d), field=True)
             if true is None or small is None:
@@ -319,19 +335,32 @@ def print_row(name, errors):
     print("%-26s %4d  %6.2f %6.2f %6.2f" % (name, len(e), e.mean(), np.percentile(e, 95), e.max()), flush=True)
 
 
-def compare(options):
-    body, truth = Body(options.database), dict(np.load(options.truth))
+def product(options):
+    """@return the truth, and the size of its forces by which errors are divided"""
+    truth = dict(np.load(options.truth))
     force = truth["force"]
     size = np.maximum(np.linalg.norm(force, axis=1), 0.05 * np.linalg.norm(force, axis=1).max())
     field = np.linalg.norm(truth["u"], axis=(1, 2))
-    command = [options.phynness, "eval", options.model]
-    said = [ask(command, *at(x, d), field=True) for x, d in zip(truth["point"], truth["d"])]
-    own = np.array([s["tools"][0]["force"] for s in said])
     print("%-26s %4s  %6s %6s %6s   [%%]" % ("", "n", "mean", "p95", "max"))
     print_row("linear", np.linalg.norm(truth["linear"] - force, axis=1) / size)
-    print_row("product", np.linalg.norm(own - force, axis=1) / size)
     print_row("linear field", np.linalg.norm(truth["u_linear"] - truth["u"], axis=(1, 2)) / field)
-    print_row("product field", np.linalg.norm(np.array([s["field"] for s in said]) - truth["u"], axis=(1, 2)) / field)
+    for model in options.model:
+        asked = [ask([options.phynness, "eval", model], *at(x, d), field=True) for x, d in zip(truth["point"], truth["d"])]
+        known = [k for k, said in enumerate(asked) if said]
+        said = [asked[k] for k in known]
+        own = np.array([s["tools"][0]["force"] for s in said])
+        print(model, "answers", len(known), "of", len(asked))
+        print_row("product", np.linalg.norm(own - force[known], axis=1) / size[known])
+        fields = np.array([s["field"] for s in said]) - truth["u"][known]
+        print_row("product field", np.linalg.norm(fields, axis=(1, 2)) / field[known])
+    return truth, size
+
+
+def compare(options):
+    command = [options.phynness, "eval", options.model]
+    options.model = [options.model]
+    body, (truth, size) = Body(options.database), product(options)
+    force = truth["force"]
     for spacing in [None, *options.spacing]:
         kept = spread(body, spacing, 1) if spacing else body.active
         print("spacing", spacing, "nodes", len(kept))
@@ -357,13 +386,18 @@ def main():
     two.set_defaults(run=compare)
     three = commands.add_parser("pairs")
     three.set_defaults(run=pairs)
-    for p in (one, two, three):
+    four = commands.add_parser("product")
+    four.set_defaults(run=product)
+    for p in (one, two, three, four):
         p.add_argument("phynness")
     for p in (two, three):
         p.add_argument("model")
     for p in (one, two, three):
         p.add_argument("database")
+    for p in (one, two, three, four):
         p.add_argument("truth")
+    four.add_argument("model", nargs="+")
+    one.add_argument("--model")
     one.add_argument("--points", type=int, default=40)
     one.add_argument("--each", type=int, default=3)
     three.add_argument("--pairs", type=int, default=40)

@@ -146,12 +146,17 @@ RawMesh with_mirror_image(RawMesh half, const Vector& point, const Vector& norma
   return half;
 }
 
+std::vector<std::int32_t> mirror_images(const Scene& scene, const Mesh& mesh) {
+  const SymmetryPlane& plane = *scene.mesh.symmetry;
+  return pair_nodes(mesh, plane,
+                    plane.tolerance_m > 0 ? plane.tolerance_m : mirror_tolerance * extent_of(mesh.nodes).norm());
+}
+
 MirrorSymmetry find_mirror(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   const SymmetryPlane& plane = *scene.mesh.symmetry;
   MirrorSymmetry mirror;
   mirror.normal = plane.normal;
-  mirror.image = pair_nodes(
-      mesh, plane, plane.tolerance_m > 0 ? plane.tolerance_m : mirror_tolerance * extent_of(mesh.nodes).norm());
+  mirror.image = mirror_images(scene, mesh);
   check_cells(mesh, plane, mirror.image);
   check_set(sets.fixed, "fixed", plane, mirror.image);
   check_set(sets.active, "active", plane, mirror.image);

@@ -21,6 +21,10 @@ inline constexpr double mirror_tolerance = 1e-6;
 RawMesh with_mirror_image(RawMesh half, const Eigen::RowVector3d& point, const Eigen::RowVector3d& normal,
                           double tolerance, const std::string& source);
 
+/// The node at the mirror image of each node. @pre the scene declares a plane of symmetry
+/// @throws Error (input) if a node has no image
+std::vector<std::int32_t> mirror_images(const Scene& scene, const Mesh& mesh);
+
 /// Pairs every node with the node at its mirror image and checks the symmetry of cells and node sets.
 /// @throws Error (input) with the number of nodes or cells without an image, and the first of them
 MirrorSymmetry find_mirror(const Scene& scene, const Mesh& mesh, const NodeSets& sets);

@@ -20,6 +20,7 @@ struct Mistake {
 void PrintTo(const Mistake& mistake, std::ostream* stream) { *stream << mistake.name; }
 
 const char* const fixed_line = "fixed = { box = { min_fraction = [0, 0, 0], max_fraction = [0.2, 1, 1] } }";
+const char* const active_line = "active = \"free-surface\"";
 const char* const shear = "shear_modulus_Pa = 500.0";
 const char* const moduli = "shear_modulus_Pa = 500.0\nbulk_modulus_Pa = 5000.0";
 const char* const law_and_moduli = "law = \"neo-hookean\"\nshear_modulus_Pa = 500.0\nbulk_modulus_Pa = 5000.0";
@@ -27,9 +28,10 @@ const char* const shape = "shape = \"block\"";
 const char* const depth = "max_displacement_m = 0.02";
 const char* const increments = "increments = 4";
 
-const std::map<std::string, std::string> parts{{"fixed_line", fixed_line},         {"shear", shear}, {"moduli", moduli},
-                                               {"law_and_moduli", law_and_moduli}, {"shape", shape}, {"depth", depth},
-                                               {"increments", increments}};
+const std::map<std::string, std::string> parts{
+    {"fixed_line", fixed_line}, {"active_line", active_line},       {"shear", shear},
+    {"moduli", moduli},         {"law_and_moduli", law_and_moduli}, {"shape", shape},
+    {"depth", depth},           {"increments", increments}};
 
 std::vector<std::string> fields(const std::string& row, char between) {
   std::vector<std::string> found;
@@ -180,7 +182,7 @@ tetrahedra_of_a_shell | shape | shape = "drain" | element = "P1" | tetrahedra ; 
 shell_of_a_solid | element = "P1" | element = "shell" | | [solver] element ; thickness_m
 nothing_fixed | fixed_line | | [nodes] | fixed is missing ; singular ; box
 empty_selection | fixed_line | fixed = [] | | [nodes] fixed ; empty ; []
-empty_active | active = "free-surface" | active = [] | | [nodes] active ; empty ; []
+empty_active | active_line | active = [] | | [nodes] active ; empty ; []
 empty_node_list | fixed_line | fixed = { nodes = [] } | | nodes ; empty
 fixed_by_what_is_free | fixed_line | fixed = "free" | | [nodes] fixed ; "free" ; box
 everything_fixed | fixed_line | fixed = "all" | | [nodes] fixed ; "all"
@@ -196,6 +198,14 @@ near_nothing | fixed_line | fixed = { near = { distance_m = 1 } } | | [selector.
 near_without_distance | fixed_line | fixed = { near = { to = { group = "a" } } } | | [selector.near] distance_m ; missing
 a_sphere_in_an_intersection | fixed_line
     | fixed = { intersection = ["surface",\n { sphere = { center_m = [0, 0, 0], radius = 1 } }] } | { sphere | radius_m
+spread_without_distance | active_line | active = { spacing_m = 0 } | | spacing_m ; greater than 0 ; 0
+spread_backwards | active_line | active = { spacing_m = -0.01 } | | spacing_m ; greater than 0 ; -0.01
+spread_by_nan | active_line | active = { spacing_m = nan } | | spacing_m ; nan
+spread_by_a_word | active_line | active = { spacing = "dense" } | | spacing ; dense ; auto
+spread_over_no_points | active_line | active = { count = 0 } | | count ; 0
+spread_twice | active_line | active = { spacing_m = 0.01, count = 9 } | | two selectors ; count
+within_without_spread | active_line | active = { nodes = [1], within = "free" } | | within ; spacing_m
+fixed_by_spread | fixed_line | fixed = { count = 9 } | | [nodes] fixed ; depends on the fixed nodes
 selector_without_shape | fixed_line | fixed = { surface_only = true } | | [nodes] fixed ; sphere
 half_a_box | fixed_line | fixed = { box = { min_m = [0,0,0] } } | | max_m is missing
 box_in_two_measures | fixed_line | fixed = { box = { min_m = [0,0,0], max_fraction = [1,1,1] } } | | metres ; fractions

@@ -49,6 +49,12 @@ void write_all(const std::filesystem::path& folder) {
   write("rbfn-eight-levels", with_levels(small_model(), 8));
   write("modal-empty", small_modal_model(0, 0, 0, 0));
   write("modal-bounds", with_bounds(modes));
+  Model covered = modes;
+  covered.probe_triangles.resize(2, 3);
+  covered.probe_triangles << 0, 1, 1, 1, 0, 0;
+  covered.covered.resize(3, 4);
+  covered.covered << 2, 1, 0, 0, 3, 0, 65535, 0, 12, 1, 20000, 65535;
+  write("modal-covered", covered);
   write("rbfn-levels-bounds", with_bounds(with_levels(networks)));
   write("modal-large", with_bounds(with_levels(small_field_model(), 8)));
   Model untouched = small_linear_model();

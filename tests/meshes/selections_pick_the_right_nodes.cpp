@@ -2,6 +2,8 @@
 // selections are refused with file and line. The body is a 3 x 3 x 3 grid of nodes with spacing 1, numbered along x
 // first.
 #include <Eigen/LU>
+#include <algorithm>
+#include <phynness/formats/tool.hpp>
 
 #include "mesh_under_test.hpp"
 
@@ -135,6 +137,57 @@ TEST(Selections, NearReachesToItsDistance) {
               selected("[" + ball(0, 0, 0) + ", " + ball(2, 1, 0) + ", " + ball(0, 1, 2) + "]"))
         << distance;
   }
+}
+
+/// With a round tool of this radius; 0: node probes.
+Scene spread(const std::string& active, double radius = 3) {
+  Scene scene = scene_with("\"free-surface\"", active);
+  if (radius > 0) scene.probe.kind = ProbeKind::patch;
+  scene.probe.tool_radius_m = radius;
+  return scene;
+}
+
+TEST(Selections, SpreadPointsLieWithinAPartAndFarFromFixedNodes) {
+  const auto free = selected("\"free-surface\"");
+  const auto five = selected("{ count = 5 }");
+  EXPECT_EQ(five.size(), 5u);
+  EXPECT_TRUE(std::includes(free.begin(), free.end(), five.begin(), five.end()));
+  EXPECT_EQ(selected("{ count = 3, within = { group = \"corners\" } }").size(), 3u);
+  EXPECT_EQ(selected("{ spacing_m = 0.5, from_fixed_m = 2 }"), (Nodes{18, 19, 20, 21, 22, 23, 24, 25, 26}));
+  EXPECT_EQ(selected("{ intersection = [{ spacing_m = 0.5 }, { nodes = [13, 14, 22] }] }"), (Nodes{14, 22}));
+  // A third of the radius: the edges, of which every second node is farther than 3/4.
+  EXPECT_EQ(resolve_selections(spread("{ spacing = \"auto\" }"), grid()).active, free);
+  EXPECT_LT(resolve_selections(spread("{ spacing = \"auto\" }", 6), grid()).active.size(), free.size());
+}
+
+TEST(Selections, ThatCannotBeSpreadAreRefused) {
+  const auto message = [](const std::string& active, double radius = 3) {
+    return error_of([&] { resolve_selections(spread(active, radius), grid()); });
+  };
+  auto text = message("{ count = 18 }");
+  EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "18 of 17")) << text;
+  text = message("{ spacing_m = 50 }");
+  EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "50 m") && contains(text, "count = 1")) << text;
+  text = message("{ spacing = \"auto\" }", 0);
+  EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "tool_radius_m")) << text;
+  text = message("{ spacing_m = 1, from_fixed_m = 3 }");
+  EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "from_fixed_m smaller")) << text;
+}
+
+TEST(Selections, ThatAreSpreadButNotCoveredGetAWarning) {
+  const auto warning = [](const std::string& active, double radius) {
+    const Scene scene = spread(active, radius);
+    const auto all = patch_warnings(scene, grid(), resolve_selections(scene, grid()));
+    return all.empty() ? "" : all.front();
+  };
+  auto text = warning("{ spacing_m = 0.5 }", 3);
+  EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "each of the 17 nodes")) << text;
+  text = warning("{ count = 9 }", 0);
+  EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "only at the 9 points")) << text;
+  text = warning("{ count = 2 }", 3);
+  EXPECT_TRUE(contains(text, "no triangle between the 2 points") && contains(text, "\"auto\"")) << text;
+  text = warning("{ count = 9 }", 1.5);
+  EXPECT_TRUE(contains(text, "triangles between the points have edges longer than the radius")) << text;
 }
 
 TEST(Selections, OfNoNodeNameTheNearestOfTheSurfaceAndItsDistance) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <phynness/formats/probe_points.hpp>
 #include <utility>
 #include <vector>
 
@@ -31,9 +32,20 @@ Model round_model_of(Family family) {
   return model;
 }
 
+/// The same without an active node 12; it has coordinates between the three.
+Model covered_model_of(Family family) {
+  Model model = round_model_of(family);
+  model.probe_triangles.resize(1, 3);
+  model.probe_triangles << 0, 1, 2;
+  model.covered.resize(4, 4);
+  model.covered << 3, 0, schema::whole_weight, 0, 5, 0, 0, schema::whole_weight, 8, 0, 0, 0, 12, 0, 20000, 30000;
+  return model;
+}
+
 class RoundTools : public testing::TestWithParam<Family> {
  protected:
   const LoadedModel loaded{write_model_text(round_model_of(GetParam()))};
+  const LoadedModel covered{write_model_text(covered_model_of(GetParam()))};
   const bool has_energy = GetParam() != Family::rbfn;
 
   struct Answer {
@@ -42,9 +54,10 @@ class RoundTools : public testing::TestWithParam<Family> {
     double energy = 0;
     Eigen::Matrix3d stiffness;
   };
-  Answer at(const phn_tool& tool) const {
+  Answer at(const phn_tool& tool) const { return at(loaded, tool); }
+  Answer at(const LoadedModel& in, const phn_tool& tool) const {
     Answer a;
-    a.status = phn_force_at(loaded.model, loaded.data, &tool, a.force.data(), has_energy ? &a.energy : nullptr,
+    a.status = phn_force_at(in.model, in.data, &tool, a.force.data(), has_energy ? &a.energy : nullptr,
                             has_energy ? a.stiffness.data() : nullptr);
     return a;
   }
@@ -102,20 +115,52 @@ TEST_P(RoundTools, AreTheirNodesAndMeansBetween) {
   }
 }
 
-/// Round tools at 19 nodes of a flat grid of equilateral triangles; a stiffness at each place.
-Model grid_model(double (*stiffness_at)(double x, double y)) {
+// Claim: a covered node is the point that its coordinates say, and in a triangle with it the weights of all corners add
+// up; force, energy, field, trust and bound follow. The weights differ by rounding: 1e-12.
+TEST_P(RoundTools, AreAnsweredAtCoveredNodes) {
+  const double first = 20000 / 65535.0, w[2] = {first, (1 - first) * (30000 / 65535.0)};
+  const phn_tool places[][2] = {
+      {tool(12, -1, -1, 1, 0, d[0], d[1], d[2]), tool(3, 5, 8, w[0], w[1], d[0], d[1], d[2])},
+      {tool(8, 5, 12, 0.2, 0.5, d[0], d[1], d[2]), tool(3, 5, 8, 0.3 * w[0], 0.5 + 0.3 * w[1], d[0], d[1], d[2])}};
+  for (const auto& [by_coordinates, by_corners] : places) {
+    EXPECT_EQ(at(by_coordinates).status, PHN_ERROR_NOT_ACTIVE);  // without coordinates
+    const Answer said = at(covered, by_coordinates), wanted = at(covered, by_corners);
+    EXPECT_EQ(said.status, wanted.status);
+    EXPECT_LT((said.force - wanted.force).norm(), 1e-12 * wanted.force.norm());
+    EXPECT_NEAR(said.energy, wanted.energy, 1e-12 * std::abs(wanted.energy));
+    phn_trusted trusted[2];
+    EXPECT_EQ(phn_trust_at(covered.model, &by_coordinates, &trusted[0]),
+              phn_trust_at(covered.model, &by_corners, &trusted[1]));
+    EXPECT_EQ(trusted[0].trained_depth, trusted[1].trained_depth);
+    Points field[2] = {Points(12, 3), Points(12, 3)};
+    for (int i = 0; i < 2; ++i) {
+      double force[3];
+      EXPECT_GE(phn_couple(covered.model, covered.data, 1, i == 0 ? &by_coordinates : &by_corners, force, nullptr), 0);
+      EXPECT_GE(phn_coupled_deform(covered.model, covered.data, field[i].data()), 0);
+    }
+    EXPECT_LT((field[0] - field[1]).cwiseAbs().maxCoeff(), 1e-6 * field[1].cwiseAbs().maxCoeff());
+  }
+  // Two tools, of which one has more nodes than a triangle's corners.
+  const phn_tool two[2] = {places[0][0], tool(5, -1, -1, 1, 0, 0.001, 0, 0)};
+  double forces[6];
+  EXPECT_GE(phn_couple(covered.model, covered.data, 2, two, forces, nullptr), 0);
+}
+
+/// Round tools at the nodes of a flat hexagon of equilateral triangles; a stiffness at each place.
+Model grid_model(double (*stiffness_at)(double x, double y), int reach = 2) {
   Model model = small_linear_model();
   const auto place = [](int a, int b) { return Eigen::Vector2d(a + b / 2.0, b * std::sqrt(0.75)); };
   std::map<std::pair<int, int>, std::int32_t> number;
-  for (int a = -2; a <= 2; ++a)
-    for (int b = -2; b <= 2; ++b)
-      if (std::abs(a + b) <= 2) number.emplace(std::pair(a, b), static_cast<std::int32_t>(number.size()));
-  model.n_mesh_nodes = 21;
-  model.fixed = {19, 20};
+  for (int a = -reach; a <= reach; ++a)
+    for (int b = -reach; b <= reach; ++b)
+      if (std::abs(a + b) <= reach) number.emplace(std::pair(a, b), static_cast<std::int32_t>(number.size()));
+  const auto n_nodes = static_cast<std::int32_t>(number.size());
+  model.n_mesh_nodes = n_nodes + 2;
+  model.fixed = {n_nodes, n_nodes + 1};
   model.output.clear();
-  model.output_points = Points::Zero(19, 3);
+  model.output_points = Points::Zero(n_nodes, 3);
   model.nodes.resize(1);
-  model.nodes.resize(19, model.nodes[0]);
+  model.nodes.resize(number.size(), model.nodes[0]);
   std::vector<std::array<std::int32_t, 3>> triangles;
   for (const auto& [at, n] : number) {
     const auto [a, b] = at;
@@ -132,7 +177,7 @@ Model grid_model(double (*stiffness_at)(double x, double y)) {
     node.prescribed = {n};
     node.prescribed_weight = {1};
     node.linear.stiffness = stiffness_at(x[0], x[1]) * Eigen::Matrix3d::Identity();
-    node.linear.unit_responses = Eigen::MatrixXd::Zero(19, 9);
+    node.linear.unit_responses = Eigen::MatrixXd::Zero(n_nodes, 9);
   }
   model.surface.resize(static_cast<Eigen::Index>(triangles.size()), 3);
   for (std::size_t t = 0; t < triangles.size(); ++t)
@@ -161,11 +206,64 @@ TEST(RoundToolsBetween, MeetQuadraticStiffness) {
   }
 }
 
+/// The hexagon of reach 6 with round tools at nodes of a given spacing only.
+Model spread_model(double (*stiffness_at)(double x, double y), double spacing) {
+  Model model = grid_model(stiffness_at, 6);
+  Mesh mesh;
+  mesh.nodes = model.output_points;
+  mesh.surface = model.surface;
+  const auto kept = spread_nodes(mesh.nodes, mesh.surface, model.output, spacing, 0, {});
+  std::vector<ActiveNodeModel> nodes;
+  for (const auto node : kept) nodes.push_back(model.nodes[static_cast<std::size_t>(node)]);
+  model.nodes = nodes;
+  cover_surface(model, mesh, 3 * spacing);
+  return model;
+}
+
+// Claim: everywhere between the spread points a constant stiffness is met to rounding (the weights add up to 1, in
+// float to its seven digits) and a linear one up to what the part across the surface takes from the gradients: 3 % of
+// the change over a spacing. The answer changes little where a tool slides a little over an edge.
+TEST(RoundToolsBetween, SpreadPointsMeetLinearStiffness) {
+  const auto constant = [](double, double) { return 50.0; };
+  const auto linear = [](double x, double y) { return 50 + 2 * x - y; };
+  for (const double spacing : {2.0, 3.0}) {
+    const Model same = spread_model(constant, spacing), sloped = spread_model(linear, spacing);
+    EXPECT_LT(same.nodes.size() * 2, same.output.size());
+    EXPECT_EQ(same.covered.rows(), std::ssize(same.output));
+    const LoadedModel flat(write_model_text(same)), slope(write_model_text(sloped));
+    const auto force_of = [](const LoadedModel& in, const phn_tool& held) {
+      double force[3] = {};
+      EXPECT_EQ(phn_force_at(in.model, in.data, &held, force, nullptr, nullptr), PHN_OK);
+      return force[2];
+    };
+    for (Eigen::Index t = 0; t < same.surface.rows(); ++t) {
+      const auto corner = [&](int k) { return same.surface(t, k % 3); };
+      phn_tool held = tool(corner(0), corner(1), corner(2), 0.2, 0.5, 0, 0, 1);
+      Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
+      for (int k = 0; k < 3; ++k) x += held.weights[k] * same.output_points.row(held.nodes[k]);
+      EXPECT_NEAR(force_of(flat, held), 50, in_float ? 1e-4 : 1e-11);
+      // Beside its corners, which need not be probed, the hexagon reaches beyond the triangles of probed nodes.
+      const double tolerance = x.norm() < 4.5 ? 0.03 * std::sqrt(5.0) * spacing : spacing;
+      EXPECT_NEAR(force_of(slope, held), linear(x[0], x[1]), tolerance);
+      for (int k = 0; k < 3; ++k) {
+        const double beside = 1e-9;
+        const phn_tool inside = tool(corner(k), corner(k + 1), corner(k + 2), 0.4, 0.6 - beside, 0, 0, 1),
+                       on_edge = tool(corner(k), corner(k + 1), -1, 0.4, 0.6, 0, 0, 1);
+        EXPECT_NEAR(force_of(slope, inside), force_of(slope, on_edge), in_float ? 1e-4 : 1e-6);
+      }
+    }
+  }
+}
+
 // Claim: contact feels the interpolated force, in both modes. The stiffness is the same in all directions, so that a
 // press without friction has no tangential force, up to the tolerance of contact, 1e-4.
 TEST(RoundToolsBetween, AreFeltInContact) {
-  const LoadedModel loaded(write_model_text(grid_model([](double x, double y) { return 50 + x + y * y; })));
-  for (const std::int32_t mode : {PHN_TOOL_PRESS, PHN_TOOL_GRASP}) {
+  const auto stiffness = [](double x, double y) { return 50 + x + y * y; };
+  const LoadedModel dense(write_model_text(grid_model(stiffness))),
+      spread(write_model_text(spread_model(stiffness, 3)));
+  for (const auto& [which, mode] : {std::pair(&dense, PHN_TOOL_PRESS), std::pair(&dense, PHN_TOOL_GRASP),
+                                    std::pair(&spread, PHN_TOOL_PRESS), std::pair(&spread, PHN_TOOL_GRASP)}) {
+    const LoadedModel& loaded = *which;
     std::size_t bytes = 0;
     ASSERT_EQ(phn_contact_size(loaded.model, 1, &bytes), PHN_OK);
     std::vector<char> memory(bytes);
@@ -189,17 +287,18 @@ TEST(RoundToolsBetween, AreFeltInContact) {
 // differences over 1e-6 m of energies with 16 digits leave 3e-8, those of forces 1e-7 (in float, with 7 digits: 1e-4).
 TEST_P(RoundTools, HaveForcesThatAreGradients) {
   if (!has_energy) return;
-  const phn_tool held = tool(3, 5, 8, 0.5, 0.3, d[0], d[1], d[2]);
-  const Answer rest = at(moved(held, -Eigen::Map<const Eigen::Vector3d>(d))), here = at(held);
-  EXPECT_EQ(rest.force.norm(), 0);
-  EXPECT_EQ(rest.energy, 0);
-  const double h = 1e-6;
-  for (int k = 0; k < 3; ++k) {
-    const Answer more = at(moved(held, h * Eigen::Vector3d::Unit(k))),
-                 less = at(moved(held, -h * Eigen::Vector3d::Unit(k)));
-    EXPECT_NEAR((more.energy - less.energy) / (2 * h), here.force[k], 1e-7 * here.force.norm());
-    EXPECT_LT(((more.force - less.force) / (2 * h) - here.stiffness.col(k)).norm(),
-              (in_float ? 1e-3 : 1e-6) * here.stiffness.norm());
+  for (const auto& held : {tool(3, 5, 8, 0.5, 0.3, d[0], d[1], d[2]), tool(8, 5, 12, 0.2, 0.5, d[0], d[1], d[2])}) {
+    const Answer rest = at(covered, moved(held, -Eigen::Map<const Eigen::Vector3d>(d))), here = at(covered, held);
+    EXPECT_EQ(rest.force.norm(), 0);
+    EXPECT_EQ(rest.energy, 0);
+    const double h = 1e-6;
+    for (int k = 0; k < 3; ++k) {
+      const Answer more = at(covered, moved(held, h * Eigen::Vector3d::Unit(k))),
+                   less = at(covered, moved(held, -h * Eigen::Vector3d::Unit(k)));
+      EXPECT_NEAR((more.energy - less.energy) / (2 * h), here.force[k], 1e-7 * here.force.norm());
+      EXPECT_LT(((more.force - less.force) / (2 * h) - here.stiffness.col(k)).norm(),
+                (in_float ? 1e-3 : 1e-6) * here.stiffness.norm());
+    }
   }
 }
 

@@ -16,6 +16,7 @@ Model train(const Database& database, const TrainingSpec& spec, TrainingReport& 
   source.header = &header;
   source.rays = [&](std::int32_t active) { return database.rays(active); };
   source.probe = scene.probe;
+  source.spreads = spreads(scene.active);
   source.title = scene.title;
   return train(source, spec, report, progress, threads);
 }

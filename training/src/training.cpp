@@ -132,6 +132,8 @@ class Training {
     report.n_skipped = static_cast<std::int32_t>(report.skipped_nodes.size());
     model.levels = errors.medians();
     _training->finish(model, report);
+    if (_source.spreads && _source.probe.kind == ProbeKind::patch)
+      cover_surface(model, _header.mesh, _source.probe.tool_radius_m);
     return model;
   }
 

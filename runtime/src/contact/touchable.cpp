@@ -3,17 +3,23 @@
 #include <algorithm>
 
 #include "core/evaluate.hpp"
+#include "tools/round_tool.hpp"
 #include "tools/triangle.hpp"
 
 namespace PHN_RUNTIME {
 namespace {
 
-/// Position among the active nodes; -1: fixed; -2: can neither be touched nor is fixed.
+/// 0: it moves with its tool or with those between which it lies; -1: fixed; -2: it can neither be touched nor is
+/// fixed.
 std::int32_t active_of(const phn_model& model, std::int32_t vertex) {
-  const std::int32_t active = find_active(model, vertex_node(model, vertex));
-  if (active < 0) return vertex < model.n_output ? -2 : -1;
-  const ActiveNode& node = model.active[active];
-  return node.output >= 0 && has_deformation(model, node) ? active : -2;
+  Corner corner[3];
+  const std::int32_t n = find_corners(model, vertex_node(model, vertex), corner);
+  bool moves = n > 0;
+  for (std::int32_t i = 0; i < n; ++i) {
+    const ActiveNode& node = model.active[corner[i].active];
+    moves = moves && node.output >= 0 && has_deformation(model, node);
+  }
+  return moves ? 0 : n > 0 || vertex < model.n_output ? -2 : -1;
 }
 
 bool touchable(const phn_model& model, const std::int32_t* vertex) {

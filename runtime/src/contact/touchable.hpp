@@ -23,7 +23,7 @@ struct ContactSurface {
   std::int32_t* triangle;  ///< n_triangles x 3 vertices, of triangles that can be touched
   std::int32_t* neighbor;  ///< n_triangles x 3: triangle across the edge opposite to the corner; -1: none
   std::int32_t* node;      ///< n_vertices: number in the mesh
-  std::int32_t* active;    ///< n_vertices: position among the active nodes, or -1: fixed or unused
+  std::int32_t* active;    ///< n_vertices: 0: it can be touched; less: fixed or unused
   double *rest, *placed;   ///< n_vertices x 3: positions undeformed and displaced by the last field [m]
   double* offset;          ///< n_vertices x 3: offset of the vertex per radius of the tool
 };

@@ -39,8 +39,9 @@ class ModelLoader {
   bool optional(const char* word, bool) { return good() && _in.next_is(word); }
   void require(bool condition, const char*) { _load.require(condition); }
   bool good() const { return _in.good(); }
-  /// Always true here, because the store of the corners looks up the vertices itself.
+  /// Always true here, because the stores of corners and covered nodes look up the vertices themselves.
   static bool has_place(const ModelStore&, std::int32_t) { return true; }
+  static bool has_output(const ModelStore&, std::int32_t) { return true; }
 
   template <class Store>
   static std::int64_t rows(const Store& store) {
@@ -329,6 +330,10 @@ int ModelLoader::finish(phn_model* placed) {
   model.n_active = static_cast<std::int32_t>(_store.nodes.n);
   model.active_nodes = _store.nodes.numbers;
   model.active = _store.nodes.active;
+  model.n_probe_triangles = static_cast<std::int32_t>(_store.probe_triangles.n);
+  model.probe_triangles = _store.probe_triangles.at;
+  model.n_covered = static_cast<std::int32_t>(_store.covered.n);
+  model.covered = _store.covered.at;
   model.n_levels = static_cast<std::int32_t>(n_smaller()) + 1;
   if (_store.levels.n > 0) {
     const LevelStore& last = _store.levels.part[_store.levels.n - 1];

@@ -98,6 +98,16 @@ struct Corners : Table<std::int32_t> {
   void set(Load& load, std::int64_t i, std::int64_t k, std::int32_t node);
 };
 
+/// Covered nodes, by their position among the output nodes.
+struct Covered : Table<std::int32_t> {
+  void set(Load& load, std::int64_t i, std::int64_t k, std::int32_t value) {
+    if (!load.has_memory()) return;
+    const phn_model& model = load.model;
+    at[4 * i + k] = k == 0 ? find_sorted(model.output_nodes, model.n_output, value) : value;
+    load.require(at[4 * i + k] >= 0);
+  }
+};
+
 /// Output nodes that a probe moves, by their position. Other moved nodes have no results and are not stored.
 struct Prescribed {
   std::int32_t* position = nullptr;
@@ -377,6 +387,8 @@ struct ModelStore {
   Parts<LevelStore, largest_level_count> levels;
   Parts<BoundStore, schema::largest_bound_count> bounds;
   Nodes nodes;
+  Table<std::int32_t> probe_triangles;
+  Covered covered;
 };
 
 }  // namespace PHN_RUNTIME

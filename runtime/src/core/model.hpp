@@ -216,6 +216,11 @@ struct phn_model {
   std::int32_t n_fields;
   PHN_RUNTIME::SharedField fields[PHN_RUNTIME::largest_field_count];
   const PHN_RUNTIME::ActiveNode* active;
+  /// Coordinates of output nodes between active nodes: triangles of positions among the active nodes, and rows of
+  /// output position (ascending), triangle, weight of its first corner, and part of the rest that its second has; these
+  /// over schema::whole_weight.
+  std::int32_t n_probe_triangles, n_covered;
+  const std::int32_t *probe_triangles, *covered;
 };
 
 namespace PHN_RUNTIME {

@@ -315,10 +315,11 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   c.max_tools = max_tools < most_coupled ? max_tools : most_coupled;
   c.model = &model;
   c.neighbours = find_neighbours(arena, model);
+  c.n_corners = model.n_covered > 0 ? most_corners : 3;
   const auto t = static_cast<std::size_t>(c.max_tools);
   // With a single tool no rotations are needed.
-  const std::size_t n_places = t > 1 ? 2 * t : t, n_sets = t > 1 ? 1 + t : 1, n_corners = most_corners * t,
-                    n_locals = n_corners * n_places;
+  const std::size_t n_places = t > 1 ? 2 * t : t, n_sets = t > 1 ? 1 + t : 1,
+                    n_corners = static_cast<std::size_t>(c.n_corners) * t, n_locals = n_corners * n_places;
   c.point = arena.take<HeldPoint>(t);
   c.local = arena.take<LocalResponse>(n_locals);
   auto* rows = arena.take<double>(3 * model.n_basis, n_locals + 1);

@@ -47,23 +47,24 @@ struct Coupling {
   std::int32_t max_tools, n_tools;
   const phn_model* model;  ///< the level of the latest tools
   Neighbours neighbours;
-  HeldPoint* point;       ///< max_tools
-  LocalResponse* local;   ///< of place t under node i of tool s, at most_corners (t max_tools + s) + i
-  Matrix* rest_response;  ///< as local: its derivative at rest
-  double* rest_gradient;  ///< of node i of tool s, at most_corners s + i: 3 x n_basis
-  double* node_basis;     ///< n_basis each: the response at p
-  std::int32_t n_sets;    ///< of fields, each of which is turned as a whole by field_turn before they are added
-  FieldPart* field;       ///< of node i of tool s in set q, at most_corners (q max_tools + s) + i
-  double* field_basis;    ///< n_basis each, as field
-  Vector* field_turn;     ///< see rotated
-  LocalResponse pair;     ///< scratch: of one node under another
-  SurfaceTurn* turn;      ///< scratch
-  Matrix* stiffness;      ///< of the points at rest, of t by s at t max_tools + s
-  Matrix* wide;           ///< of round tools: compliance at rest of their nodes' tools, superposed, as stiffness
-  Matrix* derivative;     ///< of place s by the p of t, at s max_tools + t
-  Vector *rest, *pulled;  ///< displacement [m] left to j by order i, and its force in the undeformed body [N],
-                          ///< at i max_tools + j
-  Vector* turned;         ///< rotation by which that displacement is turned back first, at i max_tools + j
+  std::int32_t n_corners;  ///< largest number of nodes of a point
+  HeldPoint* point;        ///< max_tools
+  LocalResponse* local;    ///< of place t under node i of tool s, at n_corners (t max_tools + s) + i
+  Matrix* rest_response;   ///< as local: its derivative at rest
+  double* rest_gradient;   ///< of node i of tool s, at n_corners s + i: 3 x n_basis
+  double* node_basis;      ///< n_basis each: the response at p
+  std::int32_t n_sets;     ///< of fields, each of which is turned as a whole by field_turn before they are added
+  FieldPart* field;        ///< of node i of tool s in set q, at n_corners (q max_tools + s) + i
+  double* field_basis;     ///< n_basis each, as field
+  Vector* field_turn;      ///< see rotated
+  LocalResponse pair;      ///< scratch: of one node under another
+  SurfaceTurn* turn;       ///< scratch
+  Matrix* stiffness;       ///< of the points at rest, of t by s at t max_tools + s
+  Matrix* wide;            ///< of round tools: compliance at rest of their nodes' tools, superposed, as stiffness
+  Matrix* derivative;      ///< of place s by the p of t, at s max_tools + t
+  Vector *rest, *pulled;   ///< displacement [m] left to j by order i, and its force in the undeformed body [N],
+                           ///< at i max_tools + j
+  Vector* turned;          ///< rotation by which that displacement is turned back first, at i max_tools + j
   Vector *alone, *right, *forces;  ///< forces of single tools; displacements that points lack; forces of all tools
   double *energy, *weight;         ///< of the orders
   double *basis, *gradient, *kernel, *shared;

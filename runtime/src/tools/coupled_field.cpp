@@ -9,7 +9,7 @@ namespace PHN_RUNTIME {
 void CoupledField::clear_field() {
   for (std::int32_t set = 0; set < _c.n_sets; ++set) {
     _c.field_turn[set] = {};
-    for (std::int32_t i = 0; i < most_corners * _c.n_tools; ++i) field(set, 0, i) = {};
+    for (std::int32_t i = 0; i < _c.n_corners * _c.n_tools; ++i) field(set, 0, i) = {};
     set_zero(field_basis(set, 0, 0), basis_of_set());
   }
 }
@@ -52,7 +52,7 @@ bool CoupledField::finite() const {
   for (std::int32_t t = 0; t < _c.n_tools; ++t) all = all && is_finite(_c.point[t].force) && is_finite(_c.point[t].own);
   for (std::int32_t set = 0; set < _c.n_sets; ++set) {
     all = all && is_finite(_c.field_turn[set]);
-    for (std::int32_t i = 0; i < most_corners * _c.n_tools; ++i) all = all && is_finite(field(set, 0, i).own);
+    for (std::int32_t i = 0; i < _c.n_corners * _c.n_tools; ++i) all = all && is_finite(field(set, 0, i).own);
     all = all && all_finite(field_basis(set, 0, 0), basis_of_set());
   }
   return all;
@@ -64,7 +64,7 @@ void coupled_field(const phn_model& model, const Coupling& c, PreparedNodes& pre
     for (std::int32_t s = 0; s < c.n_tools; ++s) {
       const HeldPoint& point = c.point[s];
       for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-        const auto at = static_cast<std::size_t>(most_corners * (set * c.max_tools + s) + i);
+        const auto at = static_cast<std::size_t>(c.n_corners * (set * c.max_tools + s) + i);
         field_of_basis(model, model.active[point.active[i]], prepare(model, prepared, point.active[i]),
                        c.field[at].share, c.field[at].own.x, c.field_basis + at * model.n_basis, scratch, one);
         for (std::int32_t o = 0; o < model.n_output; ++o) {

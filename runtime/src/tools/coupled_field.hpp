@@ -28,7 +28,7 @@ class CoupledField : public ToolResponses {
   double* field_basis(std::int32_t set, std::int32_t s, std::int32_t i) const {
     return _c.field_basis + at(set, s, i) * _model.n_basis;
   }
-  std::size_t basis_of_set() const { return static_cast<std::size_t>(most_corners * _c.n_tools) * _model.n_basis; }
+  std::size_t basis_of_set() const { return static_cast<std::size_t>(_c.n_corners * _c.n_tools) * _model.n_basis; }
 };
 
 }  // namespace PHN_RUNTIME

@@ -33,6 +33,29 @@ constexpr double across = 0.03;
 
 }  // namespace
 
+std::int32_t find_corners(const phn_model& model, std::int32_t node, Corner corner[3]) {
+  corner[0] = {find_active(model, node), 1};
+  if (corner[0].active >= 0) return 1;
+  const std::int32_t vertex = find_vertex(model, node);
+  std::int32_t row = 0, n = 0;
+  for (std::int32_t end = model.n_covered; row < end;) {
+    const std::int32_t middle = row + (end - row) / 2;
+    if (model.covered[4 * static_cast<std::size_t>(middle)] < vertex)
+      row = middle + 1;
+    else
+      end = middle;
+  }
+  const std::int32_t* covered = model.covered + 4 * static_cast<std::size_t>(row);
+  if (row == model.n_covered || covered[0] != vertex) return 0;
+  const double first = covered[2], second = covered[3], whole = schema::whole_weight;
+  const double weight[3] = {first / whole, (whole - first) / whole * (second / whole),
+                            (whole - first) / whole * ((whole - second) / whole)};
+  for (int k = 0; k < 3; ++k) {
+    if (weight[k] > 0) corner[n++] = {model.probe_triangles[3 * static_cast<std::size_t>(covered[1]) + k], weight[k]};
+  }
+  return n;
+}
+
 int find_place(const phn_model& model, const phn_tool& tool, Place& place) {
   place.n_nodes = 0;
   double sum = 0, movable = 0;
@@ -41,13 +64,15 @@ int find_place(const phn_model& model, const phn_tool& tool, Place& place) {
     if (!(w >= 0 && w <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;
     sum += w;
     if (w == 0) continue;
-    const std::int32_t active = find_active(model, tool.nodes[k]);
-    if (active < 0) {
+    Corner corner[3];
+    const std::int32_t n = find_corners(model, tool.nodes[k], corner);
+    if (n == 0) {
       if (w > no_weight && find_vertex(model, tool.nodes[k]) < model.n_output) return PHN_ERROR_NOT_ACTIVE;
       continue;  // fixed
     }
     movable += w;
-    add(active, w, place.n_nodes, place.active, place.weight);
+    for (std::int32_t i = 0; i < n; ++i)
+      add(corner[i].active, w * corner[i].weight, place.n_nodes, place.active, place.weight);
   }
   if (!(sum >= 1 - weight_slack && sum <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;
   if (!(movable > weight_slack)) return PHN_ERROR_NOT_ACTIVE;
@@ -71,15 +96,20 @@ Neighbours find_neighbours(Arena& arena, const phn_model& model) {
   while (round < model.n_active && model.active && !model.active[round].moves_mean) ++round;
   if (round == model.n_active || !model.active) return {};
   auto* begin = arena.take<std::int32_t>(static_cast<std::size_t>(model.n_active) + 1);
-  auto* active = arena.take<std::int32_t>(6, static_cast<std::size_t>(model.n_triangles));
+  const bool spread = model.n_probe_triangles > 0;
+  const std::int32_t n_triangles = spread ? model.n_probe_triangles : model.n_triangles;
+  auto* active = arena.take<std::int32_t>(6, static_cast<std::size_t>(n_triangles));
   if (begin == nullptr || active == nullptr) return {};
   // Counts the neighbours of each node, and then enters them from the end of its part.
   for (std::int32_t i = 0; i <= model.n_active; ++i) begin[i] = 0;
   for (int pass = 0; pass < 2; ++pass) {
-    for (std::int32_t t = 0; t < model.n_triangles; ++t) {
+    for (std::int32_t t = 0; t < n_triangles; ++t) {
       std::int32_t at[3];
-      for (int k = 0; k < 3; ++k)
-        at[k] = find_active(model, vertex_node(model, model.triangles[3 * static_cast<std::size_t>(t) + k]));
+      for (int k = 0; k < 3; ++k) {
+        const std::size_t corner = 3 * static_cast<std::size_t>(t) + static_cast<std::size_t>(k);
+        at[k] =
+            spread ? model.probe_triangles[corner] : find_active(model, vertex_node(model, model.triangles[corner]));
+      }
       for (int k = 0; k < 3; ++k) {
         for (int l = 1; l < 3 && at[k] >= 0; ++l) {
           const std::int32_t other = at[(k + l) % 3];

@@ -8,14 +8,24 @@
 
 namespace PHN_RUNTIME {
 
-/// Largest number of active nodes from which a place is answered: the corners of its triangle.
-inline constexpr std::int32_t most_corners = 3;
+/// Largest number of active nodes from which a place is answered: the corners of its triangle, or three for each corner
+/// that has coordinates between active nodes.
+inline constexpr std::int32_t most_corners = 9;
+
+/// An active node and its weight in a node of the surface.
+struct Corner {
+  std::int32_t active;
+  double weight;
+};
+/// The active nodes, with weights > 0, from which a node of the surface is answered: itself, or those between which it
+/// lies. @return their number; 0: it is neither active nor covered
+std::int32_t find_corners(const phn_model& model, std::int32_t node, Corner corner[3]);
 
 /// The active nodes around a point of the surface.
 struct Place {
   std::int32_t n_nodes;
   std::int32_t active[most_corners];  ///< positions among the active nodes
-  double weight[most_corners];        ///< barycentric, without fixed corners
+  double weight[most_corners];        ///< of the sum of the barycentric weights that do not belong to fixed corners
   double fixed_weight;                ///< of the fixed corners
 };
 

@@ -11,17 +11,17 @@ class ToolResponses {
   ToolResponses(const phn_model& model, Coupling& coupling);
 
   std::size_t at(std::int32_t t, std::int32_t s, std::int32_t i) const {
-    return most_corners * at(t, s) + static_cast<std::size_t>(i);
+    return static_cast<std::size_t>(_c.n_corners) * at(t, s) + static_cast<std::size_t>(i);
   }
   std::size_t at(std::int32_t t, std::int32_t s) const {
     return static_cast<std::size_t>(t) * static_cast<std::size_t>(_c.max_tools) + static_cast<std::size_t>(s);
   }
   const ActiveNode& node(const HeldPoint& point, std::int32_t i) const { return _model.active[point.active[i]]; }
   double* gradient_at_rest(std::int32_t s, std::int32_t i) const {
-    return _c.rest_gradient + 3 * static_cast<std::size_t>(most_corners * s + i) * _model.n_basis;
+    return _c.rest_gradient + 3 * static_cast<std::size_t>(_c.n_corners * s + i) * _model.n_basis;
   }
   double* node_basis(std::int32_t s, std::int32_t i) const {
-    return _c.node_basis + static_cast<std::size_t>(most_corners * s + i) * _model.n_basis;
+    return _c.node_basis + static_cast<std::size_t>(_c.n_corners * s + i) * _model.n_basis;
   }
   /// Whether rotations caused by one tool are taken into account for the others.
   bool turns() const { return _c.n_sets > 1; }

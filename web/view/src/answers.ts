@@ -89,6 +89,11 @@ export class Runtime {
     return nodes.reduce<V3>((sum, node, i) => add(sum, scale(weights[i]!, this.displacement(node))), zero);
   }
 
+  /** Whether a place between nodes moves with a tool. The forces of tools before are lost. */
+  canHold(place: Place): boolean {
+    const rest = [toolOf(place, zero)];
+    return unlessRefused(['PHN_ERROR_NOT_ACTIVE', 'PHN_ERROR_UNDEFINED'], () => this.tools.set(rest)) !== null;
+  }
   /** Forces and, in `field`, displacements under tools that hold their points. @throws PhynnessError */
   answer(tools: readonly HeldTool[]): Answer {
     const node = tools.length === 1 ? nodeOf(tools[0]!.place) : null;

@@ -74,11 +74,7 @@ export class Session {
   canHold(place: Place): boolean {
     const { runtime } = this, node = nodeOf(place);
     if (node !== null) return runtime.active.has(node);
-    return place.nodes.every((n) => runtime.rows.has(n) && (runtime.active.has(n) || this.isFixed(n))) &&
-      place.nodes.some((n) => runtime.active.has(n));
-  }
-  private isFixed(node: number): boolean {
-    return this.runtime.rows.get(node)! >= this.runtime.model.info.outputNodes.length;
+    return place.nodes.every((n) => runtime.rows.has(n)) && runtime.canHold(place);
   }
   /** The place that a tool holds which touches the undeformed surface at x [m]; null: nothing near was trained. */
   placeNear(x: V3): Place | null {

@@ -159,11 +159,20 @@ struct Model {
   std::vector<ModelLevel> levels;      ///< empty, or 2 to largest_level_count; the last is the full model; not linear
   std::vector<ModelBound> bounds;      ///< empty, or one: of the force; not linear
   std::vector<ActiveNodeModel> nodes;  ///< ascending by node
+  /// Positions in `nodes`, and rows of node, triangle, weight of its first corner, and part of the rest that its second
+  /// has, in parts of schema::whole_weight; empty unless tools are answered from other nodes than those of their
+  /// triangle.
+  Triangles probe_triangles;
+  Eigen::Matrix<std::int32_t, Eigen::Dynamic, 4, Eigen::RowMajor> covered;
 };
 
 struct DatabaseHeader;
 /// A model with all properties that follow from the database alone. Tried displacements and active nodes are not set.
 Model model_of_database(const DatabaseHeader& header, Family family, const std::string& title);
+
+/// Sets the coordinates of the surface nodes between the active nodes, which are the middles of round tools.
+/// @param longest_m  edge of a triangle between them
+void cover_surface(Model& model, const Mesh& mesh, double longest_m);
 
 /// Computes network.centers from its indices: (value - input_center) / input_half_range for each column. One
 /// subtraction and one division give the same bits in every IEEE 754 reader.

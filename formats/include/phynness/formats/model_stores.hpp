@@ -22,6 +22,9 @@ class ModelStores {
     const auto is_in = [node](const auto& nodes) { return std::binary_search(nodes.begin(), nodes.end(), node); };
     return is_in(model.output) || is_in(model.fixed);
   }
+  static bool has_output(const Model& model, std::int32_t node) {
+    return std::binary_search(model.output.begin(), model.output.end(), node);
+  }
   template <class Store>
   auto get(const Store& store, std::int64_t i, std::int64_t k) const {
     return cell(store, i, k);

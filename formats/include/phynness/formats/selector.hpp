@@ -28,10 +28,12 @@ struct SelectableBody {
   explicit SelectableBody(const Mesh& mesh);
 
   const Mesh& mesh;
-  NodeList surface;  ///< sorted
-  NodeList fixed;    ///< sorted; set before selectors that depend on it are applied
-  Vec3 low, high;    ///< bounding box [m]
-  double slack_m;    ///< a node up to this far outside of a border counts as inside, because of rounding
+  NodeList surface;          ///< sorted
+  NodeList fixed;            ///< sorted; set before selectors that depend on it are applied
+  NodeList image;            ///< as MirrorSymmetry::image; empty: the scene declares no symmetry
+  double tool_radius_m = 0;  ///< of the scene's probe; 0: it displaces a node
+  Vec3 low, high;            ///< bounding box [m]
+  double slack_m;            ///< a node up to this far outside of a border counts as inside, because of rounding
 };
 
 /// Arguments of a selection.
@@ -58,6 +60,10 @@ class NodeChoice {
   virtual bool needs_fixed() const { return false; }
   /// Whether it selects every node of any body; if so, it cannot define the fixed nodes.
   virtual bool selects_all() const { return false; }
+  /// Whether it selects nodes that are spread over a part of the surface, between which a round tool is interpolated.
+  virtual bool spreads() const { return false; }
+  /// A sentence about a choice that is possible but probably not meant; empty: none. @param picked  by the selection
+  virtual std::string warning(const SelectableBody&, const NodeList& picked) const;
 };
 
 /// One selector; a selection is the union of a list of them.
@@ -67,6 +73,8 @@ struct Selector {
   SourceLocation where;
 };
 using Selection = std::vector<Selector>;
+/// Whether one of the selectors spreads its nodes.
+bool spreads(const Selection& selection);
 /// The default selection of active and output nodes.
 Selection free_surface();
 

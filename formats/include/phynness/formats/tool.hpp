@@ -20,6 +20,10 @@ struct SurfacePoint {
   Vec3 point{};         ///< [m]
   double distance = 0;  ///< from the given point [m]
 };
+/// The corners of a triangle, one in each column.
+Eigen::Matrix3d corners_of(const Points& nodes, const Triangles& surface, Eigen::Index t);
+/// Barycentric weights of the point of a triangle that is nearest to x. @param corners  as corners_of()
+Eigen::Vector3d nearest_in_triangle(const Eigen::Matrix3d& corners, const Eigen::Vector3d& x);
 /// The point of the surface nearest to x [m]. @pre surface has triangles
 SurfacePoint nearest_on_surface(const Points& nodes, const Triangles& surface, const Vec3& x);
 
@@ -68,8 +72,8 @@ std::vector<double> surface_edges_at(const std::vector<std::int32_t>& nodes, con
 
 /// A round tool with a smaller radius than this, in mean edges of the surface around its node, is not resolved.
 inline constexpr double fewest_edges_of_a_patch = 2;
-/// Warnings about the patches of a scene, one sentence each, with file and line and what would do: those that the mesh
-/// does not resolve, and those that lose a part to fixed nodes. None for node probes.
+/// Warnings about the tools of a scene, one sentence each, with file and line and what would do: patches that the mesh
+/// does not resolve or that lose a part to fixed nodes, and spread points between which the tool is not answered.
 std::vector<std::string> patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 
 /// True if the fixed nodes prevent every rigid motion: at least three nodes that are not on one line, or an edge of a

@@ -21,6 +21,8 @@ inline constexpr int32_t largest_table_entry = 32767;
 inline constexpr double largest_table_value = 1e6;
 inline constexpr int32_t largest_mode_count = 1024, largest_field_count = 8, largest_level_count = 8;
 inline constexpr int32_t largest_bound_count = 1;
+/// The weights of a covered node are integers, parts of this.
+inline constexpr int32_t whole_weight = 65535;
 /// Characters of the name or unit of a field.
 inline constexpr int32_t longest_word = 40;
 /// Terms of an amplitude beside its kernels: x, y and z; for a field also the six products of two of them.

@@ -21,6 +21,7 @@
 //   get(store, i, k), set(store, i, k, v)   numbers; only writers call get, only readers call set
 //   item(store, i), done(item)              an item with stores of its own; done is called after its last line
 //   has_place(model, node)                  whether a node is an output or fixed node
+//   has_output(model, node)                 whether a node is an output node
 #pragma once
 
 #include <phynness/schema/linear/grammar.hpp>
@@ -156,6 +157,30 @@ void active_node(IO& io, Model& model, Node& node, int32_t& previous) {
   io.done(node);
 }
 
+/// Coordinates of surface nodes between the active nodes: triangles of active nodes, and for each covered node its
+/// triangle, the weight of its first corner, and the part of the rest that the second has, in parts of `whole_weight`.
+template <class IO, class Model>
+void coordinates(IO& io, Model& model, int32_t n_active) {
+  if (!io.optional("triangles", io.rows(model.probe_triangles) > 0)) return;
+  const int32_t n_triangles = count_line(io, "triangles", io.rows(model.probe_triangles), 1);
+  io.shape("triangles", model.probe_triangles, n_triangles, 3);
+  for (int32_t t = 0; t < n_triangles && io.good(); ++t) {
+    for (int32_t k = 0; k < 3; ++k) integer(io, "corner", model.probe_triangles, t, k, 0, n_active - 1);
+    io.end();
+  }
+  const int32_t n = count_line(io, "covered", io.rows(model.covered), 1);
+  io.shape("covered", model.covered, n, 4);
+  int32_t previous = -1;
+  for (int32_t i = 0; i < n && io.good(); ++i) {
+    const int32_t node = integer(io, "node number", model.covered, i, 0, 0, model.n_mesh_nodes - 1);
+    require_ascending(io, node, previous, "node numbers must ascend");
+    io.require(io.has_output(model, node), "a covered node is not an output node");
+    integer(io, "triangle", model.covered, i, 1, 0, n_triangles - 1);
+    for (int32_t k = 2; k < 4; ++k) integer(io, "weight", model.covered, i, k, 0, whole_weight);
+    io.end();
+  }
+}
+
 /// All lines between the first line and the checksum.
 template <class IO, class Model>
 void model(IO& io, Model& model) {
@@ -192,6 +217,7 @@ void model(IO& io, Model& model) {
     int32_t previous = -1;
     for (int32_t i = 0; i < n_active && io.good(); ++i)
       active_node<Grammar>(io, model, io.item(model.nodes, i), previous);
+    if (io.good()) coordinates(io, model, n_active);
   });
 }
 

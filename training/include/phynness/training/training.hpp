@@ -53,6 +53,7 @@ struct ResponseSource {
   std::function<std::vector<Ray>(std::int32_t active)> rays;  ///< as Database::rays; never called concurrently
   ProbeSpec probe;                                            ///< kind and radius of the tool
   std::string title;
+  bool spreads = false;  ///< the scene spreads the active nodes, between which round tools are answered
 };
 
 /// Trains every active node with at least one converged increment. Family rbfn: a force and a deformation network; a

@@ -1,0 +1,49 @@
+// The points of a surface that are probed: nodes that are spread evenly over it, and the coordinates of the other nodes
+// between them (docs/theory.md, points between probes).
+#pragma once
+
+#include <cstdint>
+#include <phynness/formats/mesh.hpp>
+#include <phynness/formats/selector.hpp>
+#include <vector>
+
+namespace phynness {
+
+/// In spacings: two probed nodes are never nearer than this, on the border of the part two thirds of it, and no node of
+/// the part is farther from the nearest one. The edges between neighbours then have the spacing in the mean.
+inline constexpr double least_apart_of_probes = 0.75;
+
+/// Nodes that are spread evenly over a part of the surface, by distances along it. The farthest node is added again and
+/// again (Gonzalez 1985, doi 10.1016/0304-3975(85)90224-5); equal arguments give equal nodes.
+/// @param nodes, surface  of the mesh [m]
+/// @param within     the part, ascending, nodes of the surface
+/// @param spacing_m  distance between neighbours; 0: `count` is given
+/// @param count      number of nodes, at most that of `within`; 0: the spacing is given
+/// @param image      as MirrorSymmetry::image: the result is symmetric if `within` is; empty: no symmetry
+/// @return ascending; with symmetry and an odd count without nodes on the plane one node less
+NodeList spread_nodes(const Points& nodes, const Triangles& surface, const NodeList& within, double spacing_m,
+                      std::size_t count, const NodeList& image);
+
+/// Coordinates of surface nodes between probed nodes. The triangles are dual to the cells of the nodes that are nearest
+/// to each probed node along the surface.
+struct ProbeCoordinates {
+  Triangles triangles;                 ///< n_triangles x 3 probed nodes, oriented as the surface
+  NodeList covered;                    ///< the nodes that have coordinates, ascending, with the probed ones
+  std::vector<std::int32_t> triangle;  ///< of each covered node, a row of `triangles`
+  Points weights;                      ///< n_covered x 3 barycentric weights in it, >= 0 and of sum 1
+};
+/// Only nodes in triangles with edges of at most `longest_m` are covered, and beside the outermost ones nodes up to a
+/// quarter of an edge beyond.
+/// @param probed, fixed  ascending; nothing reaches across fixed nodes, which have no coordinates
+ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface, const NodeList& probed,
+                                   const NodeList& fixed, double longest_m);
+
+/// How far apart probed nodes are, and how much of the surface they answer for.
+struct ProbeSpread {
+  double median_m = 0, largest_m = 0;  ///< distance of a node from its nearest neighbour along the surface
+  double covered = 0;                  ///< share of the area of the triangles that can move
+};
+ProbeSpread probe_spread(const Points& nodes, const Triangles& surface, const NodeList& probed, const NodeList& fixed,
+                         const NodeList& covered);
+
+}  // namespace phynness

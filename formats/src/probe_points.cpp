@@ -1,0 +1,253 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <phynness/formats/probe_points.hpp>
+#include <phynness/formats/tool.hpp>
+#include <queue>
+
+namespace phynness {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Distances of nodes on the border of the part count as longer, so that triangles of probed nodes fill it.
+constexpr double border_first = 1.5;
+
+constexpr double beyond = 0.25;  ///< of the outermost edge: how far coordinates reach beyond the outermost triangles
+
+/// Ways along the surface: its edges, and straight lines over an edge between the corners opposite to it, so that
+/// lengths of ways are at most 4 % too long on regular triangles.
+class SurfaceWays {
+ public:
+  struct Way {
+    std::int32_t to;
+    double length;
+  };
+
+  SurfaceWays(const Points& nodes, const Triangles& surface, const NodeList& closed = {})
+      : _ways(static_cast<std::size_t>(nodes.rows())) {
+    std::map<std::pair<std::int32_t, std::int32_t>, std::vector<std::int32_t>> opposite;
+    for (Eigen::Index t = 0; t < surface.rows(); ++t)
+      for (int k = 0; k < 3; ++k)
+        opposite[std::minmax(surface(t, k), surface(t, (k + 1) % 3))].push_back(surface(t, (k + 2) % 3));
+    const auto add = [&](std::int32_t a, std::int32_t b, double length) {
+      for (const auto i : {a, b})
+        if (std::binary_search(closed.begin(), closed.end(), i)) return;
+      _ways[static_cast<std::size_t>(a)].push_back({b, length});
+      _ways[static_cast<std::size_t>(b)].push_back({a, length});
+    };
+    for (const auto& [edge, corners] : opposite) {
+      const Eigen::RowVector3d a = nodes.row(edge.first), along = nodes.row(edge.second) - a;
+      const double length = along.norm();
+      add(edge.first, edge.second, length);
+      if (corners.size() != 2) continue;
+      double x[2], y[2];
+      for (int c = 0; c < 2; ++c) {
+        const Eigen::RowVector3d to = nodes.row(corners[static_cast<std::size_t>(c)]) - a;
+        x[c] = to.dot(along) / length;
+        y[c] = to.cross(along).norm() / length;
+      }
+      const double crossing = (x[0] * y[1] + x[1] * y[0]) / (y[0] + y[1]);
+      if (crossing > 0 && crossing < length) add(corners[0], corners[1], std::hypot(x[0] - x[1], y[0] + y[1]));
+    }
+  }
+  const std::vector<Way>& from(std::int32_t node) const { return _ways[static_cast<std::size_t>(node)]; }
+
+ private:
+  std::vector<std::vector<Way>> _ways;
+};
+
+/// The nearest source of each node. A node that is as near to several belongs to the first of them.
+struct NearestProbes {
+  const SurfaceWays& ways;
+  std::vector<double> distance;
+  std::vector<std::int32_t> source;  ///< index of the source; -1: none is reached
+
+  NearestProbes(const SurfaceWays& of, std::size_t n_nodes)
+      : ways(of), distance(n_nodes, infinity), source(n_nodes, -1) {}
+  NearestProbes(const SurfaceWays& of, std::size_t n_nodes, const NodeList& sources) : NearestProbes(of, n_nodes) {
+    for (const auto node : sources) add(node);
+  }
+  void add(std::int32_t node) {
+    using Reached = std::pair<double, std::int32_t>;
+    std::priority_queue<Reached, std::vector<Reached>, std::greater<>> next;
+    const auto reach = [&](std::int32_t i, double d) {
+      const auto at = static_cast<std::size_t>(i);
+      if (!(d < distance[at])) return;
+      distance[at] = d;
+      source[at] = _n;
+      next.emplace(d, i);
+    };
+    for (reach(node, 0); !next.empty();) {
+      const auto [d, i] = next.top();
+      next.pop();
+      if (d > distance[static_cast<std::size_t>(i)]) continue;
+      for (const auto& way : ways.from(i)) reach(way.to, d + way.length);
+    }
+    ++_n;
+  }
+
+ private:
+  std::int32_t _n = 0;
+};
+
+/// Nodes on the border of a part of the surface, and on that of an open surface.
+std::vector<char> border_of(const NodeList& within, const Triangles& surface, std::size_t n_nodes) {
+  std::vector<char> border(n_nodes, 0);
+  std::map<std::pair<std::int32_t, std::int32_t>, int> n_triangles;
+  for (Eigen::Index t = 0; t < surface.rows(); ++t) {
+    bool whole = true;
+    for (int k = 0; k < 3; ++k) {
+      whole = whole && std::binary_search(within.begin(), within.end(), surface(t, k));
+      ++n_triangles[std::minmax(surface(t, k), surface(t, (k + 1) % 3))];
+    }
+    for (int k = 0; k < 3 && !whole; ++k) border[static_cast<std::size_t>(surface(t, k))] = 1;
+  }
+  for (const auto& [edge, n] : n_triangles)
+    if (n == 1) border[static_cast<std::size_t>(edge.first)] = border[static_cast<std::size_t>(edge.second)] = 1;
+  return border;
+}
+
+}  // namespace
+
+NodeList spread_nodes(const Points& nodes, const Triangles& surface, const NodeList& within, double spacing_m,
+                      std::size_t count, const NodeList& image) {
+  const auto n_nodes = static_cast<std::size_t>(nodes.rows());
+  const SurfaceWays ways(nodes, surface);
+  const auto border = border_of(within, surface, n_nodes);
+  NearestProbes nearest(ways, n_nodes);
+  Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
+  for (const auto i : within) middle += nodes.row(i) / static_cast<double>(within.size());
+  NodeList chosen;
+  while (count == 0 || chosen.size() < count) {
+    std::int32_t best = -1, best_image = -1;
+    double most = count == 0 && !chosen.empty() ? least_apart_of_probes * spacing_m : 0;
+    for (const auto i : within) {
+      const auto at = static_cast<std::size_t>(i);
+      const auto other = image.empty() ? i : image[at];
+      if (other < i || (other > i && chosen.size() + 1 == count)) continue;
+      double away = nearest.distance[at] * (border[at] ? border_first : 1);
+      if (chosen.empty()) away = (nodes.row(i) - middle).norm();
+      if (other > i) away = std::min(away, (nodes.row(i) - nodes.row(other)).norm());
+      if (away > most) most = away, best = i, best_image = other;
+    }
+    if (best < 0) break;
+    for (const auto i : {best, best_image})
+      if (chosen.empty() || chosen.back() != i) chosen.push_back(i), nearest.add(i);
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface, const NodeList& probed,
+                                   const NodeList& fixed, double longest_m) {
+  const SurfaceWays ways(nodes, surface, fixed);
+  const NearestProbes cells(ways, static_cast<std::size_t>(nodes.rows()), probed);
+  ProbeCoordinates made;
+  std::map<std::array<std::int32_t, 3>, Eigen::Index> known;  // of corners in ascending order
+  std::map<std::pair<std::int32_t, std::int32_t>, int> n_triangles;
+  std::vector<std::array<std::int32_t, 3>> triangles;
+  for (Eigen::Index t = 0; t < surface.rows(); ++t) {
+    std::array<std::int32_t, 3> corner{};
+    bool all = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto source = cells.source[static_cast<std::size_t>(surface(t, static_cast<Eigen::Index>(k)))];
+      all = all && source >= 0;
+      corner[k] = source >= 0 ? probed[static_cast<std::size_t>(source)] : -1;
+    }
+    for (std::size_t k = 0; k < 3 && all; ++k) {
+      const auto a = corner[k], b = corner[(k + 1) % 3];
+      all = a != b && (nodes.row(a) - nodes.row(b)).norm() <= longest_m;
+    }
+    auto sorted = corner;
+    std::sort(sorted.begin(), sorted.end());
+    if (!all || !known.emplace(sorted, triangles.size()).second) continue;
+    triangles.push_back(corner);
+    for (std::size_t k = 0; k < 3; ++k) ++n_triangles[std::minmax(corner[k], corner[(k + 1) % 3])];
+  }
+  made.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
+  std::vector<std::vector<Eigen::Index>> around(static_cast<std::size_t>(nodes.rows()));
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      made.triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = triangles[t][k];
+      around[static_cast<std::size_t>(triangles[t][k])].push_back(static_cast<Eigen::Index>(t));
+    }
+  std::vector<Eigen::RowVector3d> weights;
+  for (const auto node : surface_nodes(surface)) {
+    const auto source = cells.source[static_cast<std::size_t>(node)];
+    if (source < 0) continue;
+    const Eigen::Vector3d x = nodes.row(node).transpose();
+    double least = infinity;
+    Eigen::Index best = -1;
+    Eigen::Vector3d best_weights;
+    // The triangle may be one beside those of the nearest probed node.
+    for (const auto beside : around[static_cast<std::size_t>(probed[static_cast<std::size_t>(source)])])
+      for (int k = 0; k < 3; ++k)
+        for (const auto t : around[static_cast<std::size_t>(made.triangles(beside, k))]) {
+          const auto corners = corners_of(nodes, made.triangles, t);
+          const auto found = nearest_in_triangle(corners, x);
+          const double away = (corners * found - x).norm();
+          if (away < least || (away == least && t < best)) least = away, best = t, best_weights = found;
+        }
+    if (best < 0) continue;
+    // Beyond an edge of one triangle only a strip is covered.
+    const auto corners = corners_of(nodes, made.triangles, best);
+    const Eigen::Vector3d normal =
+        (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0)).normalized();
+    const Eigen::Vector3d apart = x - corners * best_weights, over = apart - normal * normal.dot(apart);
+    bool outside = false;
+    for (int k = 0; k < 3; ++k) {
+      const auto a = made.triangles(best, (k + 1) % 3), b = made.triangles(best, (k + 2) % 3);
+      const double length = (nodes.row(a) - nodes.row(b)).norm();
+      outside =
+          outside || (!(best_weights[k] > 0) && n_triangles[std::minmax(a, b)] == 1 && over.norm() > beyond * length);
+    }
+    if (outside) continue;
+    made.covered.push_back(node);
+    made.triangle.push_back(static_cast<std::int32_t>(best));
+    weights.emplace_back(best_weights.transpose());
+  }
+  made.weights.resize(static_cast<Eigen::Index>(weights.size()), 3);
+  for (std::size_t i = 0; i < weights.size(); ++i) made.weights.row(static_cast<Eigen::Index>(i)) = weights[i];
+  return made;
+}
+
+ProbeSpread probe_spread(const Points& nodes, const Triangles& surface, const NodeList& probed, const NodeList& fixed,
+                         const NodeList& covered) {
+  const SurfaceWays ways(nodes, surface);
+  const NearestProbes cells(ways, static_cast<std::size_t>(nodes.rows()), probed);
+  std::vector<double> nearest(probed.size(), infinity);
+  for (const auto i : surface_nodes(surface))
+    for (const auto& way : ways.from(i)) {
+      const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(way.to);
+      if (cells.source[a] < 0 || cells.source[a] == cells.source[b]) continue;
+      auto& least = nearest[static_cast<std::size_t>(cells.source[a])];
+      least = std::min(least, cells.distance[a] + way.length + cells.distance[b]);
+    }
+  nearest.erase(std::remove(nearest.begin(), nearest.end(), infinity), nearest.end());
+  std::sort(nearest.begin(), nearest.end());
+  ProbeSpread spread;
+  if (!nearest.empty()) spread = {nearest[nearest.size() / 2], nearest.back(), 0};
+  double all = 0, known = 0;
+  const auto is_in = [](const NodeList& list, std::int32_t i) {
+    return std::binary_search(list.begin(), list.end(), i);
+  };
+  for (Eigen::Index t = 0; t < surface.rows(); ++t) {
+    const auto corners = corners_of(nodes, surface, t);
+    int n_fixed = 0, n_covered = 0;
+    for (int k = 0; k < 3; ++k) {
+      n_fixed += is_in(fixed, surface(t, k));
+      n_covered += is_in(covered, surface(t, k));
+    }
+    if (n_fixed == 3) continue;
+    const double area = (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0)).norm();
+    all += area;
+    known += n_fixed + n_covered == 3 ? area : 0;
+  }
+  spread.covered = all > 0 ? known / all : 0;
+  return spread;
+}
+
+}  // namespace phynness

@@ -1,0 +1,234 @@
+// Claims about probed nodes that are spread over a surface, and about the coordinates of the nodes between them, on a
+// sphere of radius 1 with 2,562 nodes and on a flat grid.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <phynness/formats/model.hpp>
+#include <phynness/formats/probe_points.hpp>
+
+namespace {
+
+using namespace phynness;
+
+/// The icosahedron, with each triangle divided into four again and again; symmetric about the coordinate planes.
+Mesh sphere(int n_divisions) {
+  const double p = (1 + std::sqrt(5.0)) / 2;
+  std::vector<Eigen::RowVector3d> x;
+  for (const double a : {-1.0, 1.0})
+    for (const double b : {-p, p})
+      for (const auto& v : {Eigen::RowVector3d(0, a, b), Eigen::RowVector3d(a, b, 0), Eigen::RowVector3d(b, 0, a)})
+        x.push_back(v.normalized());
+  std::vector<std::array<int, 3>> triangles;
+  for (int i = 0; i < 12; ++i)
+    for (int j = i + 1; j < 12; ++j)
+      for (int k = j + 1; k < 12; ++k) {
+        const double longest = std::max({(x[i] - x[j]).norm(), (x[j] - x[k]).norm(), (x[k] - x[i]).norm()});
+        const bool outward = (x[j] - x[i]).cross(x[k] - x[i]).dot(x[i]) > 0;
+        if (longest < 1.1) triangles.push_back(outward ? std::array{i, j, k} : std::array{i, k, j});
+      }
+  for (int n = 0; n < n_divisions; ++n) {
+    std::map<std::pair<int, int>, int> middles;
+    const auto middle = [&](int a, int b) {
+      const auto [at, is_new] = middles.emplace(std::minmax(a, b), static_cast<int>(x.size()));
+      if (is_new) x.emplace_back((x[a] + x[b]).normalized());
+      return at->second;
+    };
+    std::vector<std::array<int, 3>> finer;
+    for (const auto& [a, b, c] : triangles) {
+      const int d = middle(a, b), e = middle(b, c), f = middle(c, a);
+      for (const auto& t : {std::array{a, d, f}, std::array{d, b, e}, std::array{f, e, c}, std::array{d, e, f}})
+        finer.push_back(t);
+    }
+    triangles = finer;
+  }
+  Mesh mesh;
+  mesh.nodes.resize(std::ssize(x), 3);
+  for (std::size_t i = 0; i < x.size(); ++i) mesh.nodes.row(static_cast<Eigen::Index>(i)) = x[i];
+  mesh.surface.resize(std::ssize(triangles), 3);
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    mesh.surface.row(static_cast<Eigen::Index>(t)) << triangles[t][0], triangles[t][1], triangles[t][2];
+  return mesh;
+}
+
+/// Squares of edge 1 with alternating diagonals.
+Mesh grid(int n) {
+  Mesh mesh;
+  mesh.nodes.resize((n + 1) * (n + 1), 3);
+  mesh.surface.resize(2 * n * n, 3);
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) mesh.nodes.row(j * (n + 1) + i) << i, j, 0;
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = j * (n + 1) + i, b = a + 1, c = a + n + 2, d = a + n + 1, t = 2 * (j * n + i);
+      const bool even = (i + j) % 2 == 0;
+      mesh.surface.row(t) << a, b, (even ? c : d);
+      mesh.surface.row(t + 1) << (even ? a : b), c, d;
+    }
+  return mesh;
+}
+
+NodeList where(const Mesh& mesh, bool (*inside)(const Eigen::RowVector3d&)) {
+  NodeList nodes;
+  for (std::int32_t i = 0; i < mesh.n_nodes(); ++i)
+    if (inside(mesh.nodes.row(i))) nodes.push_back(i);
+  return nodes;
+}
+bool everywhere(const Eigen::RowVector3d&) { return true; }
+bool above(const Eigen::RowVector3d& x) { return x[2] > -0.3; }
+
+double along(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b) {
+  return 2 * std::asin(std::min(1.0, (a - b).norm() / 2));
+}
+
+// Claim: no node of the part is farther from a chosen one than 3/4 of the spacing, and no two chosen ones are nearer
+// than this, on the border of the part half of the spacing. Ways along edges are longer than the sphere's great circles
+// by at most 6 % here.
+TEST(SpreadNodes, HonourTheSpacing) {
+  const Mesh mesh = sphere(4);
+  for (const auto& part : {where(mesh, everywhere), where(mesh, above)}) {
+    const bool whole = part.size() == static_cast<std::size_t>(mesh.n_nodes());
+    for (const double spacing : {0.15, 0.25, 0.4}) {
+      const auto chosen = spread_nodes(mesh.nodes, mesh.surface, part, spacing, 0, {});
+      EXPECT_EQ(chosen, spread_nodes(mesh.nodes, mesh.surface, part, spacing, 0, {}));
+      EXPECT_TRUE(std::includes(part.begin(), part.end(), chosen.begin(), chosen.end()));
+      for (const auto i : part) {
+        double nearest = 10;
+        for (const auto c : chosen) nearest = std::min(nearest, along(mesh.nodes.row(i), mesh.nodes.row(c)));
+        EXPECT_LE(nearest, 0.75 * spacing);
+      }
+      for (const auto a : chosen)
+        for (const auto b : chosen) {
+          if (a == b) continue;
+          EXPECT_GE(along(mesh.nodes.row(a), mesh.nodes.row(b)), (whole ? 0.75 : 0.5) * spacing / 1.06);
+        }
+    }
+  }
+}
+
+// Claim: a count is met, more points are denser, and a spacing below the edges, which are longer than 0.06, takes all.
+TEST(SpreadNodes, AreAsManyAsWanted) {
+  const Mesh mesh = sphere(4);
+  const auto part = where(mesh, above);
+  for (const std::size_t count : {1, 2, 16, 333}) {
+    EXPECT_EQ(spread_nodes(mesh.nodes, mesh.surface, part, 0, count, {}).size(), count);
+  }
+  EXPECT_EQ(spread_nodes(mesh.nodes, mesh.surface, part, 0.06, 0, {}), part);
+  EXPECT_EQ(spread_nodes(mesh.nodes, mesh.surface, part, 0, part.size(), {}), part);
+}
+
+// Claim: with a plane of symmetry the nodes and their images are chosen together, and a count is met: if it is odd, by
+// a node on the plane.
+TEST(SpreadNodes, AreSymmetric) {
+  const Mesh mesh = sphere(4);
+  NodeList image;
+  for (std::int32_t i = 0; i < mesh.n_nodes(); ++i) {
+    const Eigen::RowVector3d x = mesh.nodes.row(i);
+    Eigen::Index other = -1;
+    (mesh.nodes.rowwise() - Eigen::RowVector3d(-x[0], x[1], x[2])).rowwise().norm().minCoeff(&other);
+    image.push_back(static_cast<std::int32_t>(other));
+  }
+  const auto part = where(mesh, above);
+  const auto check = [&](const NodeList& chosen) {
+    for (const auto i : chosen) EXPECT_TRUE(std::binary_search(chosen.begin(), chosen.end(), image[i])) << i;
+  };
+  for (const double spacing : {0.15, 0.4}) check(spread_nodes(mesh.nodes, mesh.surface, part, spacing, 0, image));
+  for (const std::size_t count : {2, 7, 40}) {
+    const auto chosen = spread_nodes(mesh.nodes, mesh.surface, part, 0, count, image);
+    EXPECT_EQ(chosen.size(), count);
+    check(chosen);
+  }
+}
+
+// Claim: on a closed surface the triangles between the probed nodes close, too (Euler: 2 n - 4 of them), every node is
+// covered, the weights are at least 0 and have the sum 1, a probed node has its own weight only, and the coordinates
+// give the place of a node up to what the triangle lies below the sphere: at most L^2 / 2 for a longest edge L.
+TEST(ProbeCoordinates, CoverTheSurface) {
+  const Mesh mesh = sphere(4);
+  const auto all = where(mesh, everywhere);
+  for (const double spacing : {0.15, 0.25, 0.4}) {
+    const auto probed = spread_nodes(mesh.nodes, mesh.surface, all, spacing, 0, {});
+    const auto made = probe_coordinates(mesh.nodes, mesh.surface, probed, {}, 3 * spacing);
+    EXPECT_EQ(made.triangles.rows(), 2 * std::ssize(probed) - 4);
+    ASSERT_EQ(made.covered, all);
+    double longest = 0;
+    for (Eigen::Index t = 0; t < made.triangles.rows(); ++t)
+      for (int k = 0; k < 3; ++k)
+        longest = std::max(
+            longest, (mesh.nodes.row(made.triangles(t, k)) - mesh.nodes.row(made.triangles(t, (k + 1) % 3))).norm());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const auto w = made.weights.row(static_cast<Eigen::Index>(i));
+      EXPECT_GE(w.minCoeff(), 0);
+      EXPECT_NEAR(w.sum(), 1, 1e-12);
+      Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
+      for (int k = 0; k < 3; ++k) x += w[k] * mesh.nodes.row(made.triangles(made.triangle[i], k));
+      EXPECT_LE((x - mesh.nodes.row(all[i])).norm(), longest * longest / 2);
+      if (!std::binary_search(probed.begin(), probed.end(), all[i])) continue;
+      EXPECT_EQ(w.maxCoeff(), 1);
+      EXPECT_LT((x - mesh.nodes.row(all[i])).norm(), 1e-15);
+    }
+    EXPECT_EQ(probe_spread(mesh.nodes, mesh.surface, probed, {}, made.covered).covered, 1);
+  }
+}
+
+// Claim: in the plane the coordinates of nodes between the probed ones give their place exactly; nearly all nodes lie
+// between them, and beside the border and its corners hardly any is not covered. No triangle reaches across fixed
+// nodes, which have no coordinates. Longer edges than allowed leave nothing.
+TEST(ProbeCoordinates, AreExactInThePlaneAndEndAtFixedNodes) {
+  const Mesh mesh = grid(24);
+  const auto fixed = where(mesh, [](const Eigen::RowVector3d& x) { return x[0] == 12; });
+  const auto free = where(mesh, [](const Eigen::RowVector3d& x) { return x[0] != 12; });
+  const auto probed = spread_nodes(mesh.nodes, mesh.surface, free, 4, 0, {});
+  const auto made = probe_coordinates(mesh.nodes, mesh.surface, probed, fixed, 20);
+  for (Eigen::Index t = 0; t < made.triangles.rows(); ++t)
+    for (int k = 0; k < 3; ++k)
+      EXPECT_GT((mesh.nodes(made.triangles(t, 0), 0) - 12) * (mesh.nodes(made.triangles(t, k), 0) - 12), 0);
+  std::ptrdiff_t exact = 0;
+  for (std::size_t i = 0; i < made.covered.size(); ++i) {
+    const auto w = made.weights.row(static_cast<Eigen::Index>(i));
+    Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
+    for (int k = 0; k < 3; ++k) x += w[k] * mesh.nodes.row(made.triangles(made.triangle[i], k));
+    const double off = (x - mesh.nodes.row(made.covered[i])).norm();
+    exact += off < 1e-12;
+    EXPECT_TRUE(off < 1e-12 || w.minCoeff() == 0);
+  }
+  EXPECT_GT(exact, 0.96 * static_cast<double>(free.size()));
+  EXPECT_GE(static_cast<double>(made.covered.size()), 0.99 * static_cast<double>(free.size()));
+  for (const auto node : made.covered) EXPECT_FALSE(std::binary_search(fixed.begin(), fixed.end(), node));
+  EXPECT_EQ(probe_coordinates(mesh.nodes, mesh.surface, probed, fixed, 1).triangles.rows(), 0);
+}
+
+/// A model of round tools at the given nodes of a mesh whose other nodes are free.
+Model model_of(const Mesh& mesh, const NodeList& probed) {
+  Model model;
+  for (std::int32_t i = 0; i < mesh.n_nodes(); ++i) model.output.push_back(i);
+  model.surface = mesh.surface;
+  for (const auto node : probed) model.nodes.emplace_back().node = node;
+  return model;
+}
+
+// Claim: models of which every node of the touched part is probed, as older ones, have no coordinates; others have
+// weights of at least 0, at probed nodes 1 in one corner.
+TEST(ProbeCoordinates, AreInAModelOnlyWhereNeeded) {
+  const Mesh mesh = sphere(3);
+  Model dense = model_of(mesh, where(mesh, everywhere));
+  cover_surface(dense, mesh, 1);
+  EXPECT_EQ(dense.covered.rows() + dense.probe_triangles.rows(), 0);
+  const auto probed = spread_nodes(mesh.nodes, mesh.surface, where(mesh, above), 0.4, 0, {});
+  Model sparse = model_of(mesh, probed);
+  cover_surface(sparse, mesh, 1);
+  ASSERT_GT(sparse.covered.rows(), std::ssize(probed));
+  for (Eigen::Index i = 0; i < sparse.covered.rows(); ++i) {
+    const auto row = sparse.covered.row(i);
+    const double first = row[2], second = row[3], whole = schema::whole_weight;
+    const double parts[3] = {first / whole, (1 - first / whole) * (second / whole),
+                             (1 - first / whole) * (1 - second / whole)};
+    const auto own = std::lower_bound(probed.begin(), probed.end(), row[0]);
+    if (own == probed.end() || *own != row[0]) continue;
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(parts[k] == 1, sparse.probe_triangles(row[1], k) == own - probed.begin());
+  }
+}
+
+}  // namespace
