@@ -11,10 +11,11 @@
 extern "C" {
 #endif
 
-/* A tool that holds a point of the surface: up to three nodes of one triangle, with barycentric weights, which are >= 0
- * and have the sum 1. Each node is active, fixed, or covered: answered from up to three active nodes around it. A tool at a node: {node, -1, -1}, {1, 0, 0}. In a model of round tools
- * (patch probes that move a mean; model.txt says `mean` at each node) it is the round tool whose middle is the point.
- * Models of nodes and of rigid patches, which older versions made, couple the nodes of the point. */
+/* A tool that holds a point of the surface: up to three nodes of one triangle, with barycentric weights, which are
+ * >= 0 and have the sum 1. Each node is active, fixed, or covered: answered from up to three active nodes around it.
+ * A tool at a node: {node, -1, -1}, {1, 0, 0}. In a model of round tools (patch probes that move a mean; model.txt
+ * says `mean` at each node) it is the round tool whose middle is the point. Models of nodes and of rigid patches,
+ * which older versions made, couple the nodes of the point. */
 typedef struct phn_tool {
   int32_t nodes[3]; /* -1: unused */
   double weights[3];
@@ -32,13 +33,13 @@ PHN_API int phn_tools_size(const phn_model* model, int32_t max_tools, size_t* by
 PHN_API int phn_tools_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data);
 
 /* phn_force, phn_trust and phn_bound of one tool at a point, with a phn_data of phn_tools_init. A round tool between
- * nodes has a mean of the energies of the tools at the nodes around it for the same displacement (docs/theory.md, (x));
- * force and stiffness are its derivatives. Family rbfn has the same mean of the forces. They are continuous where the
- * tool slides over edges and nodes, and at a node they are those of the node. Fixed nodes of the triangle do not count.
- * A warning of any active node of the triangle, or around its covered nodes, is one of the tool. The trained depth is the smallest of these nodes;
- * distance and bound are the largest. What the mean adds to the error is not in the bound
- * (docs/decisions/between-points.md). PHN_ERROR_UNDEFINED: the point is between nodes of a model without round tools;
- * use phn_couple. Cost: about 12 forces between nodes. */
+ * nodes has a mean of the energies of the tools at the nodes around it for the same displacement (docs/theory.md,
+ * (x)); force and stiffness are its derivatives. Family rbfn has the same mean of the forces. They are continuous
+ * where the tool slides over edges and nodes, and at a node they are those of the node. Fixed nodes of the triangle
+ * do not count. A warning of any active node of the triangle, or around its covered nodes, is one of the tool. The
+ * trained depth is the smallest of these nodes; distance and bound are the largest. What the mean adds to the error
+ * is not in the bound (docs/decisions/between-points.md). PHN_ERROR_UNDEFINED: the point is between nodes of a model
+ * without round tools; use phn_couple. Cost: about 12 forces between nodes. */
 PHN_API int phn_force_at(const phn_model* model, phn_data* data, const phn_tool* tool, double force[3], double* energy,
                          double stiffness[9]);
 PHN_API int phn_trust_at(const phn_model* model, const phn_tool* tool, phn_trusted* trusted);
