@@ -53,7 +53,7 @@ class Table {
   using Places = std::vector<char*>;
 
   void inits() {
-    const std::size_t length = text.size(), room = loaded.model_memory.size() + (1 << 16);
+    const std::size_t length = text.size(), room = loaded.model_memory.size() + (1 << 17);
     const std::vector<char> letters(text.begin(), text.end());
     rows.push_back({"phn_model_size",
                     {input("text", letters), output<std::size_t>("bytes"), output<std::size_t>("wrong_byte")},
