@@ -86,7 +86,7 @@ class ModelReader : public ModelStores {
     if (!network.centers.allFinite()) refuse("a scaled center is not finite", "");
   }
   void require_end() {
-    if (!_in.at_end()) refuse("unexpected text after the last active node", "");
+    if (!_in.at_end()) refuse("unexpected text after the last line of the model", "");
   }
 
   [[noreturn]] void refuse(const std::string& what, std::string_view value) const {

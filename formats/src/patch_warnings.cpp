@@ -106,6 +106,7 @@ std::string warn_of_fixed(const Scene& scene, const Mesh& mesh, const NodeSets& 
 std::string warn_of_choice(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   SelectableBody body(mesh);
   body.fixed = sets.fixed;
+  if (scene.probe.kind != ProbeKind::node) body.tool_radius_m = scene.probe.tool_radius_m;
   for (const auto& selector : scene.active)
     if (const auto text = selector.choice->warning(body, sets.active); !text.empty())
       return selector.where.str() + ": " + text;

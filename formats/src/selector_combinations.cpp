@@ -169,6 +169,12 @@ struct Spread final : NodeChoice {
 
   NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
     const NodeList nodes = part(body, request);
+    for (const auto i : nodes)
+      if (!body.image.empty() &&
+          !std::binary_search(nodes.begin(), nodes.end(), body.image[static_cast<std::size_t>(i)]))
+        throw input_error(request.place + "`within` is not symmetric, as [mesh] symmetry wants the active nodes",
+                          "node " + std::to_string(i) + " is in it, and its mirror image is not",
+                          "select both sides of the plane, or remove [mesh] symmetry");
     if (count > nodes.size() && !nodes.empty())
       throw input_error(
           request.place + "count is larger than the number of nodes that it chooses from",

@@ -34,7 +34,8 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
   sets.fixed = select_nodes(scene.fixed, body, "fixed", scene.fixed_where);
   body.fixed = sets.fixed;
   if (scene.probe.kind != ProbeKind::node) body.tool_radius_m = scene.probe.tool_radius_m;
-  if (scene.mesh.symmetry && spreads(scene.active)) body.image = meshes::mirror_images(scene, mesh);
+  if (scene.mesh.symmetry && (spreads(scene.active) || spreads(scene.output)))
+    body.image = meshes::mirror_images(scene, mesh);
   if (!hold_the_body(mesh, sets.fixed))
     throw input_error(at(scene.fixed_where) + "the fixed nodes do not prevent rotations of the body",
                       listed(sets.fixed), "fix at least three nodes that are not on one line");

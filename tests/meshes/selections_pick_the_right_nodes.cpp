@@ -172,6 +172,12 @@ TEST(Selections, ThatCannotBeSpreadAreRefused) {
   EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "tool_radius_m")) << text;
   text = message("{ spacing_m = 1, from_fixed_m = 3 }");
   EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "from_fixed_m smaller")) << text;
+  Scene scene = spread("{ spacing_m = 1, within = { nodes = [18, 21, 24, 26] } }");
+  scene.mesh.symmetry.emplace().normal = {1, 0, 0};
+  text = error_of([&] { resolve_selections(scene, grid()); });
+  EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "`within` is not symmetric") &&
+              contains(text, "node 18"))
+      << text;
 }
 
 TEST(Selections, ThatAreSpreadButNotCoveredGetAWarning) {
@@ -182,6 +188,7 @@ TEST(Selections, ThatAreSpreadButNotCoveredGetAWarning) {
   };
   auto text = warning("{ spacing_m = 0.5 }", 3);
   EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "each of the 17 nodes")) << text;
+  EXPECT_EQ(warning("{ spacing_m = 1, within = { spacing = \"auto\" } }", 6), warning("{ spacing = \"auto\" }", 6));
   text = warning("{ count = 9 }", 0);
   EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "only at the 9 points")) << text;
   text = warning("{ count = 2 }", 3);

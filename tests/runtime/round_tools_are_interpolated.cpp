@@ -283,6 +283,38 @@ TEST(RoundToolsBetween, AreFeltInContact) {
   }
 }
 
+// Claim: tools at different points that one probed node alone answers are one tool of the balance of contact, in both
+// modes; the other is not felt.
+TEST(RoundToolsBetween, OfOneProbedNodeAreOneToolInContact) {
+  Model model = spread_model([](double, double) { return 50.0; }, 3);
+  for (Eigen::Index i = 0; i < model.covered.rows(); ++i) {
+    auto row = model.covered.row(i);
+    const bool probed =
+        std::any_of(model.nodes.begin(), model.nodes.end(), [&](const auto& n) { return n.node == row[0]; });
+    if (!probed) row[2] = schema::whole_weight, row[3] = 0;
+  }
+  const LoadedModel loaded(write_model_text(model), 2);
+  std::size_t bytes = 0;
+  ASSERT_EQ(phn_contact_size(loaded.model, 2, &bytes), PHN_OK);
+  std::vector<char> memory(bytes);
+  phn_contact* contact = nullptr;
+  ASSERT_EQ(phn_contact_init(memory.data(), bytes, loaded.model, 2, &contact), PHN_OK);
+  int n_same = 0;
+  for (const int mode : {PHN_TOOL_PRESS, PHN_TOOL_GRASP})
+    for (double x = -3; x < 3; x += 0.4)
+      for (double y = -3; y < 3; y += 0.4) {
+        phn_contact_reset(contact);
+        phn_contact_tool spheres[2] = {{{x, y, 0.11}, 0.1, 0, mode}, {{x + 0.2, y, 0.11}, 0.1, 0, mode}};
+        phn_contact_state states[2];
+        for (const double height : {0.11, 0.09, 0.05}) {
+          for (auto& sphere : spheres) sphere.center[2] = height;
+          ASSERT_GE(phn_contact_step(contact, loaded.data, 2, spheres, states, nullptr), 0) << x << ' ' << y;
+        }
+        n_same += states[0].force[2] == 0 || states[1].force[2] == 0;
+      }
+  EXPECT_GT(n_same, 0);
+}
+
 // Claim: at rest nothing is held; the force is the gradient of the energy, the stiffness that of the force. Central
 // differences over 1e-6 m of energies with 16 digits leave 3e-8, those of forces 1e-7 (in float, with 7 digits: 1e-4).
 TEST_P(RoundTools, HaveForcesThatAreGradients) {

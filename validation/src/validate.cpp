@@ -54,6 +54,10 @@ double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] *
 double distance(const Vec3& a, const Vec3& b) { return norm({a[0] - b[0], a[1] - b[1], a[2] - b[2]}); }
 
 void check_same_scene(const Scene& scene, const LoadedModel& model) {
+  const std::string& trained = model.model().physics_hash;
+  if (physics_hash(scene) != trained && physics_hash(as_hashed(scene, trained)) == trained)
+    throw input_error("the model is of this scene, solved with equations of an earlier version", "physics " + trained,
+                      "precompute and train again");
   if (physics_hash(scene) != model.model().physics_hash)
     throw input_error("the model was trained for another scene",
                       "physics " + model.model().physics_hash + ", this scene's " + physics_hash(scene),

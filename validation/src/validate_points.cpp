@@ -24,19 +24,40 @@ struct Place {
   }
 };
 
+std::vector<std::int32_t> active_nodes(const LoadedModel& model) {
+  std::vector<std::int32_t> active;
+  for (const auto& node : model.model().nodes) active.push_back(node.node);
+  return active;
+}
+
+/// The nearest corner, or, if it only lies between active nodes, the active node nearest to the point.
+std::int32_t nearest_active(const LoadedModel& model, const Place& place) {
+  const auto active = active_nodes(model);
+  const auto corner = place.nearest_corner();
+  if (std::binary_search(active.begin(), active.end(), corner)) return corner;
+  const Points& nodes = model.mesh().nodes;
+  Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
+  for (std::size_t k = 0; k < 3; ++k) x += place.weights[k] * nodes.row(place.nodes[k]);
+  return *std::min_element(active.begin(), active.end(), [&](auto a, auto b) {
+    return (nodes.row(a) - x).squaredNorm() < (nodes.row(b) - x).squaredNorm();
+  });
+}
+
 std::vector<Place> choose_places(const Scene& scene, const LoadedModel& model, std::int64_t points,
                                  std::int64_t displacements, std::uint64_t seed) {
   const auto& surface = model.model().surface;
-  std::vector<std::int32_t> active;
-  for (const auto& node : model.model().nodes) active.push_back(node.node);
+  const auto active = active_nodes(model);
+  std::vector<std::int32_t> known = active;
+  for (Eigen::Index i = 0; i < model.model().covered.rows(); ++i) known.push_back(model.model().covered(i, 0));
+  std::sort(known.begin(), known.end());
   std::vector<Eigen::Index> triangles;
   for (Eigen::Index t = 0; t < surface.rows(); ++t) {
     bool all = true;
-    for (int k = 0; k < 3; ++k) all = all && std::binary_search(active.begin(), active.end(), surface(t, k));
+    for (int k = 0; k < 3; ++k) all = all && std::binary_search(known.begin(), known.end(), surface(t, k));
     if (all) triangles.push_back(t);
   }
   if (triangles.empty())
-    throw input_error("no triangle of the surface has three active corners",
+    throw input_error("no triangle of the surface has three active corners, or corners between active nodes",
                       std::to_string(active.size()) + " active nodes",
                       "probe a coherent part of the surface, or omit --points");
   const Points normals = node_normals(model.mesh());
@@ -169,7 +190,7 @@ class PointComparison {
                         rows_of(Eigen::Map<const Points>(linear_u.data(), linear_u.size() / 3, 3), output),
                         u});
     }
-    const auto corner = place.nearest_corner();
+    const auto corner = nearest_active(_model, place);
     _solver.touch({corner});
     for (const auto& d : place.displacements) {
       const auto truth = _solver.solve({d}, _increments);

@@ -50,7 +50,7 @@ typedef struct phn_contact_state {
 } phn_contact_state;
 
 /* For up to max_tools (1 ... 8) tools. Memory: about 200 bytes for each triangle. Cost of init: a millisecond for 1,000
- * triangles. A triangle can be touched if its corners are active or fixed and at least one is active. Tools pass
+ * triangles. A triangle can be touched if its corners are active, covered or fixed, not all fixed. Tools pass
  * through other triangles, and through a strip of 1/20 of a triangle beside a fixed edge. PHN_ERROR_UNDEFINED: no
  * triangle can be touched. PHN_ERROR_TOO_MANY_TOOLS: max_tools > 8. PHN_ERROR_GEOMETRY: coordinates are so large that
  * squares of areas overflow. */

@@ -102,14 +102,14 @@ class Balance {
     normal_at(_surface, tool.at, tool.normal);
   }
 
-  /// The only vertex that moves the point; -1: there are several.
+  /// The only active node that moves the point; -1: there are several.
   std::int32_t only_node(const SurfacePoint& at) const {
     std::int32_t only = -1;
     for (int c = 0; c < 3; ++c) {
-      const std::int32_t v = _surface.triangle[3 * at.triangle + c];
-      if (_surface.active[v] < 0 || at.weight[c] == 0) continue;
-      if (only >= 0) return -1;
-      only = v;
+      const std::int32_t active = _surface.active[_surface.triangle[3 * at.triangle + c]];
+      if (active < 0 || at.weight[c] == 0) continue;
+      if (active == _contact.model->n_active || (only >= 0 && only != active)) return -1;
+      only = active;
     }
     return only;
   }

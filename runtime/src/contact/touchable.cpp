@@ -9,8 +9,7 @@
 namespace PHN_RUNTIME {
 namespace {
 
-/// 0: it moves with its tool or with those between which it lies; -1: fixed; -2: it can neither be touched nor is
-/// fixed.
+/// See ContactSurface::active.
 std::int32_t active_of(const phn_model& model, std::int32_t vertex) {
   Corner corner[3];
   const std::int32_t n = find_corners(model, vertex_node(model, vertex), corner);
@@ -19,7 +18,8 @@ std::int32_t active_of(const phn_model& model, std::int32_t vertex) {
     const ActiveNode& node = model.active[corner[i].active];
     moves = moves && node.output >= 0 && has_deformation(model, node);
   }
-  return moves ? 0 : n > 0 || vertex < model.n_output ? -2 : -1;
+  if (moves) return n == 1 ? corner[0].active : model.n_active;
+  return n > 0 || vertex < model.n_output ? -2 : -1;
 }
 
 bool touchable(const phn_model& model, const std::int32_t* vertex) {

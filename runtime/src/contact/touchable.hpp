@@ -23,9 +23,11 @@ struct ContactSurface {
   std::int32_t* triangle;  ///< n_triangles x 3 vertices, of triangles that can be touched
   std::int32_t* neighbor;  ///< n_triangles x 3: triangle across the edge opposite to the corner; -1: none
   std::int32_t* node;      ///< n_vertices: number in the mesh
-  std::int32_t* active;    ///< n_vertices: 0: it can be touched; less: fixed or unused
-  double *rest, *placed;   ///< n_vertices x 3: positions undeformed and displaced by the last field [m]
-  double* offset;          ///< n_vertices x 3: offset of the vertex per radius of the tool
+  /// n_vertices: the active node that alone moves it; the model's n_active: it lies between several; -1: fixed; -2: it
+  /// can neither be touched nor is fixed.
+  std::int32_t* active;
+  double *rest, *placed;  ///< n_vertices x 3: positions undeformed and displaced by the last field [m]
+  double* offset;         ///< n_vertices x 3: offset of the vertex per radius of the tool
 };
 
 /// A point of the surface with barycentric weights, >= 0 and of sum 1.
