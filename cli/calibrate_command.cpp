@@ -9,7 +9,7 @@ namespace {
 struct Options {
   std::filesystem::path model, database, output;
   OptionalPath json_file;
-  std::int64_t rays = 1000, seed = 1;
+  std::int64_t rays = 0, seed = 1;
   bool details = false;
 };
 
@@ -78,8 +78,8 @@ void add(CLI::App& app) {
   add_path(command, "-o,--output", options.output, PathKind::model,
            "model directory to write (default: MODEL_DIR, whose model.txt is replaced at the end)");
   add_count(command, "--rays", options.rays, 100, 1'000'000,
-            "random rays, ten at each of a tenth as many nodes, but at least 20")
-      ->capture_default_str();
+            "random rays, ten at each of a tenth as many nodes, but at least 20 (default: half as many as the database "
+            "has, at least 100, at most 1000)");
   add_count(command, "--seed", options.seed, 0, std::int64_t{1} << 53, "of the random numbers")->capture_default_str();
   add_json(command, options.json_file);
   command.add_flag("--details", options.details, "print shares by depth and the width of the bounds");

@@ -2,6 +2,9 @@
 #include <mpi.h>
 #include <petscsys.h>
 
+#include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 
@@ -10,8 +13,37 @@
 #include "solver_log.hpp"
 
 namespace phynness {
+namespace {
+
+/// A process that no launcher has started: Open MPI gives it a server of its own and looks for networks, during which
+/// it waits for half a second. For its life this object asks for neither, by variables that other libraries ignore;
+/// those that the user has set stay.
+class AloneAtStart {
+ public:
+  AloneAtStart() {
+    constexpr std::array of_launchers = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK"};
+    if (std::any_of(of_launchers.begin(), of_launchers.end(), std::getenv)) return;
+    for (auto& [name, value, is_ours] : _variables) is_ours = !std::getenv(name) && setenv(name, value, 0) == 0;
+  }
+  ~AloneAtStart() {
+    for (const auto& [name, value, is_ours] : _variables)
+      if (is_ours) unsetenv(name);
+  }
+  AloneAtStart(const AloneAtStart&) = delete;
+  AloneAtStart& operator=(const AloneAtStart&) = delete;
+
+ private:
+  struct Variable {
+    const char *name, *value;
+    bool is_ours = false;
+  };
+  std::array<Variable, 2> _variables = {{{"OMPI_MCA_ess_singleton_isolated", "1"}, {"OMPI_MCA_pml", "ob1"}}};
+};
+
+}  // namespace
 
 SolverSession::SolverSession() {
+  const AloneAtStart alone;
   // PETSc does not get the command line, whose options it would interpret as its own, and does not handle signals,
   // because Ctrl-C ends a run between two rays.
   PHYNNESS_PETSC(PetscOptionsSetValue(nullptr, "-no_signal_handler", "true"));
