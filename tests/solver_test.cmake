@@ -18,15 +18,19 @@ function(phynness_solver_test name)
       ${PROJECT_SOURCE_DIR}/tests/solver_cases.hpp)
     set_property(GLOBAL PROPERTY phynness_first_solver_test test_${name})
   endif()
+  # All cases in one process: starting PETSc and MPI takes as long as most of them. `build/release/tests/FOLDER/test_NAME
+  # --gtest_filter=CASE` runs one.
   if(arg_EVERY_BLAS)
-    phynness_discover_tests(${name} PREFIX ${name}/Haswell/ ENVIRONMENT OPENBLAS_CORETYPE=Haswell)
-    # In one process each: starting PETSc and MPI takes as long as most of these tests.
-    foreach(kernels SkylakeX Prescott)
-      add_test(NAME ${name}/${kernels} COMMAND test_${name})
-      set_tests_properties(${name}/${kernels} PROPERTIES TIMEOUT 900
-        ENVIRONMENT "OMP_NUM_THREADS=1;OPENBLAS_NUM_THREADS=1;OPENBLAS_CORETYPE=${kernels}")
+    foreach(kernels Haswell SkylakeX Prescott)
+      phynness_add_solver_test(${name}/${kernels} test_${name} OPENBLAS_CORETYPE=${kernels})
     endforeach()
   else()
-    phynness_discover_tests(${name} PREFIX ${name}/)
+    phynness_add_solver_test(${name} test_${name} "")
   endif()
+endfunction()
+
+function(phynness_add_solver_test name program environment)
+  add_test(NAME ${name} COMMAND ${program})
+  set_tests_properties(${name} PROPERTIES TIMEOUT 900
+    ENVIRONMENT "OMP_NUM_THREADS=1;OPENBLAS_NUM_THREADS=1;${environment}")
 endfunction()

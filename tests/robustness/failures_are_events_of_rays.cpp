@@ -230,8 +230,7 @@ TEST_P(Failures, DoNotComeBackWithResume) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, Failures,
-                         ::testing::Values(element_named("P1"), element_named("p1-p1"), element_named("es-p1-p1")),
-                         element_name);
+                         ::testing::Values(element_named("P1"), element_named("p1-p1")), element_name);
 
 }  // namespace
 }  // namespace phynness::test
