@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/formats/input_file.hpp>
 #include <phynness/formats/motion.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/vtk.hpp>
@@ -145,10 +146,13 @@ void run_queries(const Options& options) {
 
 /// --motion replaces the options of a single query, except --json.
 void run_motion(const Options& options) {
-  const auto motion = read_motion(*options.motion);
+  const auto name = options.motion->string();
+  const InputFile about{"the motion", "give a JSON file as formats/motion.md describes it", std::uint64_t{1} << 25,
+                        true};
+  const auto motion = read_motion_text(read_input_file(*options.motion, about), name);
   LoadedModel model(options.model);
   if (options.level) model.set_level(*options.level);
-  answer_motion(model, motion, options.motion->string(), options.tool.json_file);
+  answer_motion(model, motion, name, options.tool.json_file);
 }
 
 void print_bound(const LoadedModel& model, const std::optional<double>& bound_N) {

@@ -185,7 +185,7 @@ json about_model(const std::filesystem::path& dir) {
   print_result("model     {}: family {}, {} \n", dir.string(), name(m.family), m.software_version);
   print_result("scene     {}, physics {}\n", m.title, m.physics_hash);
   print_mesh(model.mesh(), {m.fixed, active, m.output});
-  print_result("{}\n", operations(m.family).describe(m));
+  print_result("responses {}\n", operations(m.family).describe(m));
   json fields = json::array();
   for (const auto& field : m.fields) {
     print_result("field     {} [{}], {} shared modes, up to {:.4g} in training\n", field.name, field.unit,

@@ -151,9 +151,13 @@ void print_thinning(const Trained& t) {
 void print(const Trained& t, const std::filesystem::path& output) {
   const Model& model = t.loaded->model();
   const TrainingReport& report = t.report;
-  const auto lines = operations(model.family).summary(model, report);
-  print_result("{} nodes, {}, {}\n", report.n_networks, lines.front(), duration(report.seconds));
-  for (std::size_t i = 1; i < lines.size(); ++i) print_result("{}\n", lines[i]);
+  const auto& family = operations(model.family);
+  print_result("{} nodes in {}: {}\n", report.n_networks, duration(report.seconds), family.describe(model));
+  std::string errors;
+  for (const auto& figure : family.figures(report))
+    errors += fmt::format("{}{} {:.4g}{}", errors.empty() ? "" : ", ", figure.title,
+                          (figure.is_error ? 100 : 1) * figure.value, figure.is_error ? " %" : "");
+  if (!errors.empty()) print_result("{}\n", errors);
   print_thinning(t);
   print_levels(model);
   print_fields(model, report, t.stored);
@@ -174,7 +178,8 @@ json to_json(const Trained& t) {
              "force_spread", report.force_spread, "mean_deformation_mse", report.mean_deformation_mse, "mean_force_mse",
              report.mean_force_mse, "training_errors", t.errors, "seconds", report.seconds, "model_bytes",
              t.loaded->text_bytes(), "mesh_bytes", t.loaded->mesh_text_bytes());
-  for (const auto& [key, value] : operations(model.family).figures(report)) out[name(model.family)][key] = value;
+  for (const auto& figure : operations(model.family).figures(report))
+    out[name(model.family)][figure.key] = figure.value;
   for (const auto& level : model.levels)
     out["levels"].push_back(record("error_force", level.error_force, "error_displacement", level.error_displacement));
   for (std::size_t f = 0; f < model.fields.size(); ++f)

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Prints the tables of docs/extremes.md. Each takes minutes.
 
-Usage: lab/study extremes [incompressibility|displacements|origin|slivers|rest|extrapolation|missing|float32|tools ...]
+Usage: lab/study extremes [incompressibility|displacements|origin|slivers|rest|extrapolation|float32|tools ...]
 """
 
 import argparse
@@ -13,7 +13,6 @@ import h5py
 import numpy as np
 from commands import answer, forces, run, shipped, solve, tally, vector, write_msh
 from cube import ELEMENTS, H_M, TOP
-from stability import with_failed_rays
 
 PUSH, PULL, SLIDE = np.array([(0, 0, -1), (0, 0, 1), (1, 0, 0)], float)
 
@@ -134,18 +133,6 @@ def extrapolation(folder):
             print(f"{factor} R, {name}: {np.nanmean(e):.3g} / {np.nanpercentile(e, 95):.3g} / {np.nanmax(e):.3g}", flush=True)
 
 
-def missing(folder):
-    """Rays that failed at random: errors (17) inside the range, mean / p95 / max in %."""
-    demo = Demo(folder)
-    for family in ("modal", "rbfn"):
-        for share in (0.0, 0.1, 0.5, 0.9):
-            with_failed_rays(demo.database, folder / "some.h5", share)
-            model = demo.train(family, database=folder / "some.h5")
-            found = answer("validate", demo.scene, model, "--probes", 400, "--nodes", 10)["inside"]
-            print(f"{family}, {100 * share:.0f} % failed:", *(f"{what} " + " / ".join(
-                "%.3g" % (100 * found[what][k]) for k in ("mean", "p95", "max")) for what in ("force", "displacement")), flush=True)
-
-
 def float32(folder):
     """Images in float against the runtime's double: largest difference over the largest answer."""
     demo = Demo(folder)
@@ -186,7 +173,7 @@ def tools(folder):
 
 
 def main():
-    sections = {f.__name__: f for f in (incompressibility, displacements, origin, slivers, rest, extrapolation, missing, float32, tools)}
+    sections = {f.__name__: f for f in (incompressibility, displacements, origin, slivers, rest, extrapolation, float32, tools)}
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sections", nargs="*", choices=[[], *sections], metavar="SECTION")
     for name in parser.parse_args().sections or sections:

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Prints the tables of docs/robustness.md that solve: what converges at extreme parameters, and why rays fail.
 
-Usage: lab/study robustness [incompressibility|compression|slivers|units|paper ...] [--nodes N] [--paper-nodes N]
+Usage: lab/study robustness [incompressibility|slivers|paper ...] [--nodes N] [--paper-nodes N]
 """
 
 import argparse
@@ -10,7 +10,7 @@ import tempfile
 
 import cube
 import numpy as np
-from commands import changed, print_tally, read_msh, run, shipped, solve, surface_faces, tally
+from commands import changed, print_tally, read_msh, run, shipped, surface_faces, tally
 
 ELEMENTS = ("P1", "p1-p1", "taylor-hood", "P2")
 TO_3_H = {"radius_m": 0, "depth_m": 3 * cube.H_M, "increments": 9}
@@ -36,31 +36,8 @@ def incompressibility(folder, options):
     cubes(folder, options, "mooney-rivlin", (23000.0,))
 
 
-def compression(folder, options):
-    cubes(folder, options, "st-venant-kirchhoff", (1.0, 10.0, 200.0), directions='"hemisphere"')
-
-
 def slivers(folder, options):
     cubes(folder, options, "neo-hookean", (200.0,), mesh=cube.with_slivers(folder, 0.02))
-
-
-def units(folder, options):
-    """Largest difference of a dimensionless force from that of 0.1 m and 500 Pa, relative."""
-    x, cells, fixed = cube.meshed(folder)
-    nodes = np.random.default_rng(1).choice(np.setdiff1d(surface_faces(cells), fixed), options.nodes, replace=False)
-
-    def found(law, element, edge_m, shear_Pa):
-        scene = cube.write(folder, element, 200.0, law=law, edge_m=edge_m, shear_Pa=shear_Pa, active='"free-surface"', radius_m=0,
-                           depth_m=0.6 * edge_m)
-        d = 0.7 * edge_m / 5 * np.array([[0.6, 0, -0.8], [0, 0.8, 0.6]])
-        return np.array([solve(scene, n, e, 2)[0] for n in nodes for e in d]) / (shear_Pa * edge_m**2)
-
-    for law in ("neo-hookean", "st-venant-kirchhoff", "mooney-rivlin", "linear"):
-        for element in ELEMENTS:
-            here = found(law, element, 0.1, 500.0)
-            for edge_m, shear_Pa in ((1e-3, 1.0), (1e-3, 1e9), (1.0, 1.0), (1.0, 1e9)):
-                off = np.linalg.norm(found(law, element, edge_m, shear_Pa) - here, axis=1).max()
-                print(f"{law} {element}, {edge_m:g} m, {shear_Pa:g} Pa: {off / np.linalg.norm(here, axis=1).max():.1e}", flush=True)
 
 
 def paper(folder, options):
@@ -78,7 +55,7 @@ def paper(folder, options):
 
 
 def main():
-    sections = {f.__name__: f for f in (incompressibility, compression, slivers, units, paper)}
+    sections = {f.__name__: f for f in (incompressibility, slivers, paper)}
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sections", nargs="*", choices=[[], *sections], metavar="SECTION")
     parser.add_argument("--nodes", type=int, default=4, help="probed nodes of the cube")

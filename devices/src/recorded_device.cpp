@@ -1,53 +1,54 @@
 #include <phynness/devices/recorded_device.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/motion.hpp>
 #include <sstream>
-#include <stdexcept>
-
-#include "recorded_motion.hpp"
 
 namespace phynness::devices {
+namespace {
+
+constexpr double most_samples = 1e7;
+
+/// Displacements of the only tool with their times. @throws std::runtime_error
+std::vector<phn_loop_sample> steps_of(const Motion& motion, const std::string& file) {
+  if (motion.tools.size() != 1 || motion.tools[0].weights[0] != 1)
+    throw input_error(file + ": a loop replays one tool at a node", "", "record such a motion");
+  std::vector<phn_loop_sample> steps;
+  for (std::size_t i = 0; i < motion.time_s.size(); ++i) {
+    const auto& d = motion.displacement_m[i][0];
+    if (!d)
+      throw input_error(file + ": step " + std::to_string(i) + ": the tool lets go, which a loop cannot replay", "",
+                        "record a motion in which the tool is held");
+    steps.push_back({{(*d)[0], (*d)[1], (*d)[2]}, motion.time_s[i]});
+  }
+  return steps;
+}
+
+}  // namespace
 
 void RecordedDevice::open() {
-  std::ifstream in(_file);
-  if (!in) throw std::runtime_error(_file + ": the recorded motion cannot be read; check the path");
+  std::ostringstream text;
+  if (!(text << std::ifstream(_file).rdbuf()))
+    throw std::runtime_error(_file + ": the recorded motion cannot be read; check the path");
+  const auto steps = steps_of(read_motion_text(text.str(), _file), _file);
+  const double start_s = steps.front().time_s, n = std::floor((steps.back().time_s - start_s) / _period_s + 1e-6);
+  if (!(n < most_samples)) throw input_error(_file + ": the motion is too long", "", "record a shorter one");
   _samples.clear();
   _forces.clear();
   _next = 0;
-  if (in.peek() == '{') {
-#ifdef PHYNNESS_DEVICES_READ_MOTIONS
-    std::ostringstream text;
-    text << in.rdbuf();
-    _samples = samples_of_motion(text.str(), _file, _period_s);
-    _now = _samples.front().time_s;
-    return;
-#else
-    throw std::runtime_error(_file +
-                             ": a motion in JSON needs nlohmann/json.hpp (Debian: nlohmann-json3-dev) where the "
-                             "devices are built; or write lines x y z");
-#endif
+  std::size_t next = 0;
+  for (std::size_t i = 0; i <= static_cast<std::size_t>(n); ++i) {
+    phn_loop_sample sample{};
+    sample.time_s = start_s + static_cast<double>(i) * _period_s;
+    while (next + 1 < steps.size() && steps[next].time_s < sample.time_s) ++next;
+    const auto &a = steps[next > 0 ? next - 1 : 0], &b = steps[next];
+    const double dt = b.time_s - a.time_s, s = dt > 0 ? std::fmin((sample.time_s - a.time_s) / dt, 1) : 1;
+    for (int k = 0; k < 3; ++k) sample.position_m[k] = (1 - s) * a.position_m[k] + s * b.position_m[k];
+    _samples.push_back(sample);
   }
-  std::string line;
-  for (int number = 1; std::getline(in, line); ++number) {
-    if (line.empty() || line[0] == '#') continue;
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream words(line);
-    std::vector<double> v;
-    for (double x; words >> x;) v.push_back(x);
-    const auto where = _file + ":" + std::to_string(number) + ": ";
-    const bool all_finite = std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
-    if (!words.eof() || (v.size() != 3 && v.size() != 4) || !all_finite)
-      throw std::runtime_error(where + "not three or four finite numbers: " + line + "; write x y z or t x y z");
-    const double time = v.size() == 4 ? v[0] : _samples.empty() ? _period_s : _samples.back().time_s + _period_s;
-    if (!_samples.empty() && !(time > _samples.back().time_s))
-      throw std::runtime_error(where + "the time " + std::to_string(time) + " is not later than the one before");
-    const auto n = v.size();
-    _samples.push_back({{v[n - 3], v[n - 2], v[n - 1]}, time});
-  }
-  if (_samples.empty()) throw std::runtime_error(_file + ": no line has a position; write x y z or t x y z");
-  _now = _samples.front().time_s;
+  _now = start_s;
 }
 
 Traits RecordedDevice::traits() const {

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
-#include <stdexcept>
 
 namespace phynness::devices {
 
@@ -24,31 +21,8 @@ Vector3 rounded(Vector3 v, double step) {
 
 }  // namespace
 
-HandMotion HandMotion::recorded(const std::string& file) {
-  std::ifstream in(file);
-  if (!in) throw std::runtime_error(file + ": the recorded motion cannot be read");
-  HandMotion motion;
-  std::string line;
-  for (int number = 1; std::getline(in, line); ++number) {
-    if (line.empty() || line[0] == '#') continue;
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream words(line);
-    Vector3 p;
-    if (!(words >> p.x >> p.y >> p.z) || !std::isfinite(p.x + p.y + p.z))
-      throw std::runtime_error(file + ":" + std::to_string(number) + ": not three numbers: " + line);
-    motion._positions.push_back(p);
-  }
-  if (motion._positions.empty()) throw std::runtime_error(file + ": no line has a position");
-  return motion;
-}
-
 Vector3 HandMotion::at(double time_s) const {
   if (_function) return _function(time_s);
-  if (!_positions.empty()) {
-    const double ms = std::floor(1e3 * time_s + 1e-6), share = 1e3 * time_s - ms;
-    const auto n = _positions.size(), i = static_cast<std::size_t>(ms) % n;
-    return (1 - share) * _positions[i] + share * _positions[(i + 1) % n];
-  }
   if (!(_reach_m > 0)) return {};
   // Frequencies of a hand: slow presses, circles, and a tremor of 9 Hz. Three taps every ten seconds, each a step in
   // and out within 50 ms that rises within 2 ms.

@@ -18,8 +18,8 @@ const char* const help =
     "  --radius M       of the sphere (0.004)      --friction MU   of the sphere (0)\n"
     "  --cycles N       milliseconds (10000)       --reach M       of the hand (half of the trained displacement)\n"
     "  --coupling K     in N/m (400)               --damping B     of the simulated device, in Ns/m (0.5)\n"
-    "  --latency N      of positions, samples (1)  --motion FILE   replays positions instead: x y z, t x y z,\n"
-    "                                                or a motion of node J (formats/motion.md)\n"
+    "  --latency N      of positions, samples (1)  --motion FILE   replays a motion of node J instead\n"
+    "                                                (formats/motion.md)\n"
     "Exit status: 0; 1: an error; 2: wrong options; 3: the loop tripped (the last line says why)\n";
 
 struct Options {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/input_file.hpp>
 
 namespace phynness {
 namespace {
@@ -66,10 +65,10 @@ class Entry {
     return _value.get<std::string>();
   }
   /// Empty: null.
-  std::optional<Vec3> vector() const {
+  std::optional<Motion::Vector> vector() const {
     if (_value.is_null()) return {};
     list_of(3, 3);
-    return Vec3{at(0).number(), at(1).number(), at(2).number()};
+    return Motion::Vector{at(0).number(), at(1).number(), at(2).number()};
   }
 
  private:
@@ -134,9 +133,10 @@ std::vector<double> times_of(const Entry& entry) {
   return times;
 }
 
-std::vector<std::vector<std::optional<Vec3>>> vectors_of(const Entry& entry, std::size_t n_steps, std::size_t n_tools) {
+std::vector<std::vector<std::optional<Motion::Vector>>> vectors_of(const Entry& entry, std::size_t n_steps,
+                                                                   std::size_t n_tools) {
   entry.list_of(n_steps, n_steps);
-  std::vector<std::vector<std::optional<Vec3>>> steps(n_steps);
+  std::vector<std::vector<std::optional<Motion::Vector>>> steps(n_steps);
   for (std::size_t i = 0; i < n_steps; ++i) {
     const auto step = entry.at(i);
     step.list_of(n_tools, n_tools);
@@ -170,12 +170,6 @@ Motion read_motion_text(std::string_view text, const std::string& name) {
   if (file.has("force_N") && !file["force_N"].value().is_null())
     motion.force_N = vectors_of(file["force_N"], n, tools.size());
   return motion;
-}
-
-Motion read_motion(const std::filesystem::path& file) {
-  const InputFile about{"the motion", "give a JSON file as formats/motion.md describes it", std::uint64_t{1} << 25,
-                        true};
-  return read_motion_text(read_input_file(file, about), file.string());
 }
 
 }  // namespace phynness

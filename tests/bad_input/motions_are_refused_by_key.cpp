@@ -46,10 +46,10 @@ TEST(Motion, is_read_as_written) {
   EXPECT_EQ(motion.tools[1].nodes, (std::array<std::int32_t, 3>{1, 2, 3}));
   EXPECT_EQ(motion.tools[1].weights, (std::array<double, 3>{0.25, 0.5, 0.25}));
   EXPECT_EQ(motion.time_s, (std::vector<double>{0, 0.5}));
-  EXPECT_EQ(motion.displacement_m[0][0], (Vec3{0, 0, -1e-3}));
+  EXPECT_EQ(motion.displacement_m[0][0], (Motion::Vector{0, 0, -1e-3}));
   EXPECT_FALSE(motion.displacement_m[0][1]);
-  EXPECT_EQ(motion.displacement_m[1][1], (Vec3{4, 5, 6}));
-  EXPECT_EQ(motion.force_N[1][1], (Vec3{0, 0, 7}));
+  EXPECT_EQ(motion.displacement_m[1][1], (Motion::Vector{4, 5, 6}));
+  EXPECT_EQ(motion.force_N[1][1], (Motion::Vector{0, 0, 7}));
   EXPECT_FALSE(motion.force_N[1][0]);
 }
 

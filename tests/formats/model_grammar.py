@@ -1,17 +1,13 @@
-"""The grammar of formats/model.md as a program that reads or generates a model.txt.
+"""The grammar of formats/model.md as a program that reads a model.txt.
 
-The notation is described there under "Grammar". `Grammar.walk` follows the grammar; with it a Reader checks a text and
-a Maker (model_text_maker.py) writes one. Both use nothing but the blocks of the page.
+The notation is described there under "Grammar". `Grammar.walk` follows the grammar; with it a Reader checks a text. It
+uses nothing but the blocks of the page.
 """
 import re
 
 
 class Refused(Exception):
-    """The text is not as the grammar says. condition: the one that a value breaks, or None."""
-
-    def __init__(self, message, condition=None):
-        super().__init__(message)
-        self.condition = condition
+    """The text is not as the grammar says."""
 
 
 NORMAL, SUBNORMAL = r"1(?:\.[0-9a-f]{1,13})?p[+-][0-9]{1,4}", r"0\.(?=0*[1-9a-f])[0-9a-f]{1,13}p-1022"
@@ -266,11 +262,11 @@ class Grammar:
                     self.productions["MODEL"] = [Production([], None, lines)]
                 lines.append((body[1], body[2] or ""))
         self.model = Call("MODEL", [])
-        self.conditions, self.counts = [], set()
+        self.n_conditions, self.counts = 0, set()
         self.collect(self.model)
 
     def collect(self, part):
-        """Every condition, and the names of values that say how often something comes."""
+        """Counts the conditions, and finds the names of values that say how often something comes."""
         if isinstance(part, Call):
             for each in part.every_part(self):
                 self.collect(each)
@@ -282,7 +278,7 @@ class Grammar:
         else:
             for _, count, *_ in part.fields:
                 self.counts |= set(re.findall(r"[A-Za-z]\w*", count.text)) if count else set()
-            self.conditions += [(part, each) for found in part.conditions.values() for each in found]
+            self.n_conditions += sum(len(found) for found in part.conditions.values())
 
     def walk(self, io):
         names = Names()
@@ -291,11 +287,12 @@ class Grammar:
 
 
 class Reader:
-    """Checks a text, the value of the checksum aside, and all conditions but `without`.
-    shapes: of each line the fields, as 'word or kind or kind:name."""
+    """Checks a text, the value of the checksum aside.
+    shapes: of each line the fields, as 'word or kind or kind:name.
+    bounded: of each condition the line, column and kind of the first value that it is on, and the bounds of it."""
 
-    def __init__(self, grammar, text, without=None):
-        self.without = without
+    def __init__(self, grammar, text):
+        self.bounded = {}
         self.lines, self.at, self.tokens, self.shapes = text.split("\n"), 0, [], []
         self.names = grammar.walk(self)
         if self.at != len(self.lines) - 1 or self.lines[-1]:
@@ -330,8 +327,11 @@ class Reader:
         self.shapes[-1][-1] += ":" + name
         names.bind(name, value)
         for condition in conditions:
-            if condition is not self.without and not condition(names, value):
-                raise Refused("line %d: not %s" % (self.at + 1, condition.text), condition)
+            if condition.bounds and condition not in self.bounded:
+                limits = [sign * bound(names) for *_, size, bound in condition.bounds for sign in ((1, -1) if size else (1,))]
+                self.bounded[condition] = (self.at, self.column - 1, kind, limits)
+            if not condition(names, value):
+                raise Refused("line %d: not %s" % (self.at + 1, condition.text))
         names.frames[-1][name] = value
 
     def end(self):

@@ -1,9 +1,9 @@
-"""Reader and evaluator of model.txt written from formats/model.md alone, standard library only.
+"""Reader and evaluator of model.txt written from formats/model.md alone, standard library only: a model without the
+optional sections, its forces and deformations.
 
-Usage: read_model.py model.txt [LEVEL] < queries
+Usage: read_model.py model.txt < queries
 One query a line: node dx dy dz (hexadecimal floats as in model.txt).
-One answer a line: the force, then the displacements of all output nodes, then, where the family has them, the energy
-and the nine numbers of the stiffness, and the values of each field that the node has, as hexadecimal floats.
+One answer a line: the force, then the displacements of all output nodes, as hexadecimal floats.
 """
 import math
 import sys
@@ -75,16 +75,9 @@ def read_shared(reader, model):
     model["shape"] = reader.floats("shape")[0]
     model["centers"] = [model["displacements"][reader.count()] for _ in range(n_centers)]
     model["n_shared"] = n_modes
-    model["fields"] = []
-    for _ in range(reader.count("fields") if reader.next_is("fields") else 0):
-        name, unit = reader.fields("field")
-        field = {"name": name, "unit": unit, "degree": reader.count("degree"), "scale": reader.floats("scale")[0]}
-        field["n_shared"] = reader.count("shared_modes")
-        field["modes"] = read_table(reader, "modes", len(model["points"]))
-        model["fields"].append(field)
 
 
-def read_conservative(reader, model, node):
+def read_modal(reader, model, node):
     n = reader.count("force")
     node["shape"] = reader.floats("shape")[0]
     xx, xy, xz, yy, yz, zz = reader.floats("stiffness")
@@ -93,68 +86,14 @@ def read_conservative(reader, model, node):
     for _ in range(n):
         row, *b = reader.fields()
         node["centers"].append((model["displacements"][int(row)], [float.fromhex(v) for v in b]))
-
-
-def read_modal(reader, model, node):
-    read_conservative(reader, model, node)
     reader.count("deformation")
     node["weights"] = read_table(reader, "weights", len(model["centers"]) + 3)
     node["mixing"] = read_table(reader, "mixing", model["n_shared"])
     node["near"] = [reader.count() for _ in range(reader.count("near"))]
     node["near_modes"] = read_table(reader, "near_modes", 3 * len(node["near"]))
-    node["fields"] = []
-    for shared in model["fields"]:
-        field = {"n_modes": reader.count("field")}
-        field["weights"] = read_table(reader, "weights", len(model["centers"]) + 9)
-        field["mixing"] = read_table(reader, "mixing", shared["n_shared"])
-        field["near"] = [reader.count() for _ in range(reader.count("near"))]
-        field["near_modes"] = read_table(reader, "near_modes", len(field["near"]))
-        node["fields"].append(field)
 
 
-def read_levels(reader, model):
-    model["levels"] = []
-    if not reader.next_is("levels"):
-        return
-    n_levels = reader.count("levels")
-    for level in range(n_levels):
-        reader.floats("level")
-        if model["family"] == "modal" and level + 1 < n_levels:
-            n_centers = reader.count("amplitude_centers")
-            model["levels"].append([model["displacements"][reader.count()] for _ in range(n_centers)])
-        elif level + 1 < n_levels:
-            model["levels"].append(None)
-
-
-def read_first_neurons(reader, keyword, full):
-    n = reader.count(keyword)
-    net = dict(full, bias=reader.floats("bias"))
-    net["neurons"] = [(full["neurons"][i][0], reader.floats()) for i in range(n)]
-    return net
-
-
-def read_first_modes(reader, keyword, full, n_rows):
-    n = reader.count(keyword)
-    first = dict(full, weights=read_table(reader, "weights", n_rows))
-    for key in ("mixing", "near_modes"):
-        first[key] = [row[:n] for row in full[key]]
-    return first
-
-
-def read_level(reader, model, node, centers):
-    if model["family"] == "rbfn":
-        level = dict(node)
-        for key in ("force", "deformation"):
-            level[key] = read_first_neurons(reader, key, node[key])
-        return level
-    force = {}
-    read_conservative(reader, model, force)
-    level = dict(read_first_modes(reader, "deformation", node, len(centers) + 3), **force)
-    level["fields"] = [read_first_modes(reader, "field", field, len(centers) + 9) for field in node["fields"]]
-    return level
-
-
-def read_model(data, wanted=None):
+def read_model(data):
     reader = Reader(checked_lines(data))
     if reader.fields("phynness-model") != ["2"]:
         sys.exit("another version")
@@ -178,11 +117,6 @@ def read_model(data, wanted=None):
         model["largest"] = largest
         model["displacements"] = [[v / largest for v in row] for row in displacements]
         read_shared(reader, model)
-    read_levels(reader, model)
-    model["bounds"] = reader.next_is("bounds")
-    if model["bounds"]:
-        for key in ("bounds", "coverage", "rays", "nodes"):
-            reader.fields(key)
     for _ in range(reader.count("active")):
         node = {}
         number = reader.count("node")
@@ -194,7 +128,8 @@ def read_model(data, wanted=None):
         node["prescribed"] = {int(i): float.fromhex(w) for i, w in prescribed}
         reader.count("incomplete")
         reader.fields("trained_depth")
-        node["trained_depth"] = [reader.floats()[0] for _ in directions]
+        for _ in directions:
+            reader.floats()
         if family == "linear":
             read_linear(reader, node, len(points))
         elif family == "modal":
@@ -202,12 +137,7 @@ def read_model(data, wanted=None):
         else:
             node["force"] = read_network(reader, "force", [displacements])
             node["deformation"] = read_network(reader, "deformation", [displacements, points])
-        levels = [read_level(reader, model, node, centers) for centers in model["levels"]]
-        if model["bounds"]:
-            read_table(reader, "bound", len(displacements))
-        model["nodes"][number] = (levels + [node])[-1 if wanted is None else wanted]
-    if wanted is not None and wanted < len(model["levels"]) and family == "modal":
-        model["centers"] = model["levels"][wanted]
+        model["nodes"][number] = node
     return model
 
 
@@ -241,18 +171,6 @@ def phi(y, s):
     return [[q(y, s) * (i == j) + y[i] * y[j] / q(y, s) for j in range(3)] for i in range(3)]
 
 
-def g(y, s):
-    return [q(y, s) * v for v in y]
-
-
-def h(y, b, s):
-    along, square = dot(y, b), q(y, s) ** 2
-    return [
-        [(b[i] * y[j] + y[i] * b[j] + along * ((i == j) - y[i] * y[j] / square)) / q(y, s) for j in range(3)]
-        for i in range(3)
-    ]
-
-
 def modal_force(model, node, d):
     s, x, zero, total = node["shape"], [v / model["largest"] for v in d], [0, 0, 0], apply(node["stiffness"], d)
     for c, b in node["centers"]:
@@ -269,27 +187,6 @@ def force(model, node, d):
     return evaluate(node["force"], d)
 
 
-def energy(model, node, d):
-    total = dot(d, apply(node["stiffness"], d)) / 2
-    if model["family"] == "modal":
-        s, x = node["shape"], [v / model["largest"] for v in d]
-        for c, b in node["centers"]:
-            slope = minus(apply(phi(c, s), x), apply(phi([0, 0, 0], s), x))
-            bracket = [p - q + r - t for p, q, r, t in zip(g(minus(x, c), s), g(x, s), g(c, s), slope)]
-            total += model["largest"] * dot(bracket, b)
-    return total
-
-
-def stiffness(model, node, d):
-    total = [v for row in node["stiffness"] for v in row]
-    if model["family"] == "modal":
-        s, x = node["shape"], [v / model["largest"] for v in d]
-        for c, b in node["centers"]:
-            near, far = h(minus(x, c), b, s), h(x, b, s)
-            total = [t + (near[i // 3][i % 3] - far[i // 3][i % 3]) / model["largest"] for i, t in enumerate(total)]
-    return total
-
-
 def modal_displacements(model, node, d):
     s, x, zero = model["shape"], [v / model["largest"] for v in d], [0, 0, 0]
     basis = [q(minus(x, c), s) - q(x, s) - q(c, s) + q(zero, s) for c in model["centers"]] + x
@@ -300,19 +197,6 @@ def modal_displacements(model, node, d):
     for i, position in enumerate(node["near"]):
         u[position] = near[3 * i : 3 * i + 3]
     return u
-
-
-def field_values(model, shared, field, d):
-    s, x = model["shape"], [v / model["largest"] for v in d]
-    size = math.sqrt(dot(x, x))
-    by = size if shared["degree"] == 1 and size > 0 else 1
-    basis = [q(minus(x, c), s) - q(x, s) - q(c, s) + q([0, 0, 0], s) for c in model["centers"]] + x
-    basis += [x[j] * x[k] / by for j in range(3) for k in range(j, 3)]
-    a = [dot(column, basis) for column in zip(*field["weights"])]
-    values = apply(shared["modes"], apply(field["mixing"], a))
-    for position, value in zip(field["near"], apply(field["near_modes"], a)):
-        values[position] = value
-    return [max(0.0, shared["scale"] * v) for v in values]
 
 
 def displacements(model, node, d):
@@ -326,7 +210,7 @@ def displacements(model, node, d):
 
 def main():
     with open(sys.argv[1], "rb") as file:
-        model = read_model(file.read(), int(sys.argv[2]) if len(sys.argv) > 2 else None)
+        model = read_model(file.read())
     for line in sys.stdin:
         number, *d = line.split()
         node, d = model["nodes"][int(number)], [float.fromhex(v) for v in d]
@@ -335,11 +219,6 @@ def main():
             if index in node["prescribed"] and not node["mean"]:
                 u = [node["prescribed"][index] * v for v in d]
             answer += u
-        if model["family"] != "rbfn":
-            answer += [energy(model, node, d)] + stiffness(model, node, d)
-        for shared, field in zip(model.get("fields", []), node.get("fields", [])):
-            if field["n_modes"] > 0:
-                answer += field_values(model, shared, field, d)
         print(*(v.hex() for v in answer))
 
 

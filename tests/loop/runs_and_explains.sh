@@ -15,8 +15,6 @@ done
 out=$("$loop" modal --node 3 --cycles 5000 --contact 1 --radius 0.003 --friction 0.3 --reach 0.05)
 echo "$out"
 echo "$out" | grep -Eq 'touching in [1-9][0-9]*,'
-printf '0 0 0\n0.001 0 -0.002\n' > motion.txt
-"$loop" modal --node 3 --motion motion.txt | grep -q '2 cycles'
 # 20 ms at 1 kHz with both ends, however many steps the file has.
 motion='{"format": "phynness motion 1", "tools": [{"node": 3}], "time_s": [5, 5.016, 5.02], '
 echo "$motion"'"displacement_m": [[[0, 0, 0]], [[0, 0, -0.001]], [[0.001, 0, -0.001]]]}' > motion.json
@@ -24,9 +22,10 @@ out=$("$loop" modal --node 3 --motion motion.json)
 echo "$out"
 echo "$out" | grep -q '21 cycles'
 # A trip is an exit status.
-printf '0 0 0\n0 0 0\n0 0 0.05\n0 0 0.05\n' > jump.txt
+echo '{"format": "phynness motion 1", "tools": [{"node": 3}], "time_s": [0, 0.001, 0.003], "displacement_m": [
+  [[0, 0, 0]], [[0, 0, 0]], [[0, 0, 0.1]]]}' > jump.json
 status=0
-out=$("$loop" modal --node 3 --motion jump.txt 2>&1) || status=$?
+out=$("$loop" modal --node 3 --motion jump.json 2>&1) || status=$?
 echo "$out"
 [ $status -eq 3 ] && echo "$out" | grep -q 'jumped by more than'
 refused() {
@@ -46,9 +45,7 @@ refused 1 'phynness train' nowhere --node 3
 refused 1 'node 1' modal --node 1
 refused 1 'node 15' modal --node 15 --contact 1
 refused 1 '--coupling' modal --node 3 --coupling 0
-printf '0 0 up\n' > motion.txt
-refused 1 'motion.txt:1' modal --node 3 --motion motion.txt
 echo "$motion"'"displacement_m": [[[0, 0, 0]], [null], [[0, 0, 0]]]}' > motion.json
 refused 1 'motion.json: step 1: the tool lets go' modal --node 3 --motion motion.json
 echo "$motion" > motion.json
-refused 1 'motion.json: not a motion' modal --node 3 --motion motion.json
+refused 1 'motion.json:2: the file is not valid JSON' modal --node 3 --motion motion.json

@@ -31,8 +31,9 @@ done
 "$work/consumer/shared_consumer"
 "$work/consumer/shared_float_consumer"
 "$work/consumer/both_consumer"
-# The devices and the example of a haptic loop, outside of the repository, against what is installed.
-cp -r "$runtime/../devices" "$work/devices"
+# The devices, with the reader of motions of formats/, and the example of a haptic loop, outside of the repository, against
+# what is installed.
+cp -r "$runtime/../devices" "$runtime/../formats" "$work"
 cp -r "$runtime/../examples/haptic_loop" "$work/haptic_loop"
 "$cmake" -S "$work/devices" -B "$work/devices_build" -DCMAKE_PREFIX_PATH="$work/prefix" \
   -DCMAKE_INSTALL_PREFIX="$work/prefix" >> "$work.log"

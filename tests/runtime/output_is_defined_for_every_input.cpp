@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/arena.hpp"
 #include "loaded_model.hpp"
 #include "rounding.hpp"
 #include "small_model.hpp"
@@ -137,37 +136,6 @@ TEST(EveryInput, NetworksStayInTheRangeOfTheirNumbers) {
       }
     }
   }
-}
-
-// Claim: sizes that addresses cannot tell are refused, whatever they are made of, and never wrap to small
-// ones, as they would on devices of 32 bits; what was taken before is kept out of the way of what comes
-// after.
-TEST(EveryInput, SizesDoNotWrap) {
-  constexpr std::size_t most = std::numeric_limits<std::size_t>::max();
-  const std::pair<std::size_t, std::size_t> too_many[] = {
-      {most, 1}, {most / 8 + 2, 1}, {most / 16, 2}, {std::size_t(1) << 40, std::size_t(1) << 40}, {3, most / 3}};
-  for (const auto& [n, per] : too_many) {
-    runtime::Arena arena;
-    arena.take<double>(1000);
-    EXPECT_EQ(arena.take<double>(n, per), nullptr);
-    EXPECT_TRUE(arena.overflow()) << n << ' ' << per;
-    std::vector<char> memory(1 << 16);
-    runtime::Arena filled(memory.data(), memory.size());
-    EXPECT_NE(filled.take<double>(1000), nullptr);
-    EXPECT_EQ(filled.take<double>(n, per), nullptr);
-    EXPECT_EQ(filled.take<char>(1), nullptr);  // nothing after what does not fit
-    EXPECT_TRUE(filled.overflow());
-  }
-  runtime::Arena arena;
-  arena.take<double>(most / 32);
-  EXPECT_FALSE(arena.overflow());
-  arena.take<double>(most / 32);
-  EXPECT_TRUE(arena.overflow());  // together
-  runtime::Arena small;
-  small.take<char>(0, most);
-  small.take<std::int32_t>(5, 7);
-  EXPECT_FALSE(small.overflow());
-  EXPECT_EQ(small.needed(), 140 + runtime::alignment - 1);
 }
 
 // Claim: what a model does not define is refused with zeros: energy and stiffness of networks, the

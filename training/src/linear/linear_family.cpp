@@ -33,24 +33,16 @@ class LinearFamilyTraining : public FamilyTraining {
 };
 
 std::string describe_linear(const Model& model) {
-  return fmt::format("responses a 3 x 3 stiffness and three unit responses each; trained to {:.4g} m, exact beyond",
+  return fmt::format("a 3 x 3 stiffness and three unit responses each; trained to {:.4g} m, exact beyond",
                      model.max_displacement_m);
 }
 
-std::vector<std::string> summarize_linear(const Model& model, const TrainingReport& report) {
+std::vector<TrainingFigure> figures_of_linear(const TrainingReport& report) {
   const LinearQuality& q = report.linear;
-  return {fmt::format("a 3 x 3 stiffness and three unit responses of {} output nodes each", model.output.size()),
-          fmt::format("linear to {:.1e} (displacements), {:.1e} (forces), {:.1e} (energies); stiffness symmetric to "
-                      "{:.1e}",
-                      q.displacement_residual, q.force_residual, q.energy_residual, q.asymmetry)};
-}
-
-std::vector<std::pair<std::string, double>> figures_of_linear(const TrainingReport& report) {
-  const LinearQuality& q = report.linear;
-  return {{"displacement_residual", q.displacement_residual},
-          {"force_residual", q.force_residual},
-          {"energy_residual", q.energy_residual},
-          {"asymmetry", q.asymmetry}};
+  return {{"displacement_residual", "deviation of displacements from linear ones", q.displacement_residual},
+          {"force_residual", "of forces", q.force_residual},
+          {"energy_residual", "of energies", q.energy_residual},
+          {"asymmetry", "asymmetry of the stiffness", q.asymmetry}};
 }
 
 }  // namespace
@@ -72,7 +64,6 @@ const FamilyOperations linear_operations = {
     [](const TrainingSpec&) { return std::vector<std::pair<std::string, int>>{}; },
     [](const Model& model) { return !model.output.empty(); },
     describe_linear,
-    summarize_linear,
     figures_of_linear};
 
 }  // namespace phynness

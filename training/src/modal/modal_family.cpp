@@ -209,33 +209,21 @@ Largest largest(const Model& model) {
 
 std::string describe_modal(const Model& model) {
   const auto [centers, modes] = largest(model);
-  return fmt::format(
-      "responses {} force centers and {} modes each, {} shared modes, {} amplitude centers; trained to {:.4g} m",
-      centers, modes, model.shared.modes.cols(), model.shared.centers.size(), model.max_displacement_m);
+  return fmt::format("{} force centers and {} modes each, {} shared modes, {} amplitude centers; trained to {:.4g} m",
+                     centers, modes, model.shared.modes.cols(), model.shared.centers.size(), model.max_displacement_m);
 }
 
-std::vector<std::string> summarize_modal(const Model& model, const TrainingReport& report) {
-  const auto [centers, modes] = largest(model);
+std::vector<TrainingFigure> figures_of_modal(const TrainingReport& report) {
   const auto& q = report.modal;
-  return {fmt::format("up to {} force centers and {} modes each; {} shared modes, {} amplitude centers", centers, modes,
-                      model.shared.modes.cols(), model.shared.centers.size()),
-          fmt::format("mean error, eq. (17), on the training states: force {:.3f} %; displacement {:.3f} % by "
-                      "truncation, {:.3f} % by regression",
-                      100 * q.force_training, 100 * q.truncation, 100 * q.regression),
-          fmt::format("with a direction left out: force {:.3f} %, amplitudes {:.3f} %; largest cancellation {:.0f}; "
-                      "shapes {:.2g} to {:.2g} and {:.2g}",
-                      100 * q.force_left_out, 100 * q.amplitude_left_out, q.worst_cancellation, q.smallest_force_shape,
-                      q.largest_force_shape, q.amplitude_shape)};
-}
-
-std::vector<std::pair<std::string, double>> figures_of_modal(const TrainingReport& report) {
-  const auto& q = report.modal;
-  return {{"force_training_error", q.force_training},
-          {"force_left_out_error", q.force_left_out},
-          {"truncation_error", q.truncation},
-          {"regression_error", q.regression},
-          {"amplitude_left_out_error", q.amplitude_left_out},
-          {"worst_cancellation", q.worst_cancellation}};
+  return {{"force_training_error", "mean error (17) of the force on the training states", q.force_training},
+          {"force_left_out_error", "with a direction left out", q.force_left_out},
+          {"truncation_error", "of the displacement by truncation", q.truncation},
+          {"regression_error", "by regression", q.regression},
+          {"amplitude_left_out_error", "of the amplitudes with a direction left out", q.amplitude_left_out},
+          {"worst_cancellation", "largest cancellation", q.worst_cancellation, false},
+          {"smallest_force_shape", "smallest shape of the force", q.smallest_force_shape, false},
+          {"largest_force_shape", "largest shape of the force", q.largest_force_shape, false},
+          {"amplitude_shape", "shape of the amplitudes", q.amplitude_shape, false}};
 }
 
 }  // namespace
@@ -252,7 +240,6 @@ const FamilyOperations modal_operations = {
     sizes,
     [](const Model& model) { return !model.output.empty() && largest(model).modes > 0; },
     describe_modal,
-    summarize_modal,
     figures_of_modal};
 
 }  // namespace phynness

@@ -109,31 +109,27 @@ std::pair<Eigen::Index, Eigen::Index> most_neurons(const Model& model) {
 
 std::string describe_rbfn(const Model& model) {
   const auto [neurons, force_neurons] = most_neurons(model);
-  return fmt::format("networks  {} neurons for deformation, {} for force; trained to {:.4g} m", neurons, force_neurons,
-                     model.max_displacement_m);
-}
-
-std::vector<std::string> summarize_rbfn(const Model& model, const TrainingReport& report) {
-  const auto [neurons, force_neurons] = most_neurons(model);
-  return {fmt::format("up to {} deformation and {} force neurons each, spread {:.3g} and {:.3g}", neurons,
-                      force_neurons, report.deformation_spread, report.force_spread)};
+  const auto spreads = model.nodes.empty() ? std::pair{0.0, 0.0}
+                                           : std::pair{model.nodes[0].deformation.spread, model.nodes[0].force.spread};
+  return fmt::format("{} neurons for deformation, {} for force, spread {:.3g} and {:.3g}; trained to {:.4g} m", neurons,
+                     force_neurons, spreads.first, spreads.second, model.max_displacement_m);
 }
 
 }  // namespace
 
-const FamilyOperations rbfn_operations = {
-    Family::rbfn,
-    "the paper's networks",
-    "neurons and spreads",
-    check_rbfn,
-    [](const DatabaseHeader& header, const TrainingTables& tables, const TrainingSpec& spec)
-        -> std::unique_ptr<FamilyTraining> { return std::make_unique<RbfnTraining>(header, tables, spec); },
-    candidates,
-    model_name,
-    sizes,
-    [](const Model& model) { return !model.output.empty(); },
-    describe_rbfn,
-    summarize_rbfn,
-    [](const TrainingReport&) { return std::vector<std::pair<std::string, double>>{}; }};
+const FamilyOperations rbfn_operations = {Family::rbfn,
+                                          "the paper's networks",
+                                          "neurons and spreads",
+                                          check_rbfn,
+                                          [](const DatabaseHeader& header, const TrainingTables& tables,
+                                             const TrainingSpec& spec) -> std::unique_ptr<FamilyTraining> {
+                                            return std::make_unique<RbfnTraining>(header, tables, spec);
+                                          },
+                                          candidates,
+                                          model_name,
+                                          sizes,
+                                          [](const Model& model) { return !model.output.empty(); },
+                                          describe_rbfn,
+                                          [](const TrainingReport&) { return std::vector<TrainingFigure>{}; }};
 
 }  // namespace phynness

@@ -11,13 +11,12 @@ namespace phynness::devices {
 
 class RecordedDevice : public Device {
  public:
-  /// @param file  lines x y z [m], one per period, or t x y z with times [s]; commas or blanks; # begins a comment. Or
-  /// a
-  ///              motion of one tool at a node (formats/motion.md), whose displacements are positions, one per period,
+  /// @param file  a motion of one tool at a node (formats/motion.md), whose displacements are positions, one per
+  /// period,
   ///              linear between its steps
   explicit RecordedDevice(std::string file, double period_s = 1e-3) : _file(std::move(file)), _period_s(period_s) {}
 
-  /// @throws std::runtime_error  with file and line
+  /// @throws std::runtime_error  with the file and what is wrong
   void open() override;
   Traits traits() const override;
   double now() override { return _now; }

@@ -26,15 +26,11 @@ class HandMotion {
   explicit HandMotion(double reach_m) : _reach_m(reach_m) {}
   /// The position as a function of the time [s].
   explicit HandMotion(std::function<Vector3(double)> at) : _function(std::move(at)) {}
-  /// Recorded positions x y z [m], one line per millisecond, repeated endlessly.
-  /// @throws std::runtime_error  with file and line
-  static HandMotion recorded(const std::string& file);
   Vector3 at(double time_s) const;
 
  private:
   double _reach_m = 0;
   std::function<Vector3(double)> _function;
-  std::vector<Vector3> _positions;
 };
 
 struct SimulatedDeviceSettings {

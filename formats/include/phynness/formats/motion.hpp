@@ -4,9 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
-#include <phynness/formats/selector.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +16,7 @@ inline constexpr std::string_view motion_format = "phynness motion 1";
 
 /// Tools that keep their places on the surface while they move.
 struct Motion {
+  using Vector = std::array<double, 3>;
   /// Nodes -1 are unused; the weights are >= 0 and have the sum 1. A tool at a node: {node, -1, -1}, {1, 0, 0}.
   struct Tool {
     std::array<std::int32_t, 3> nodes{-1, -1, -1};
@@ -30,15 +29,13 @@ struct Motion {
   std::vector<Tool> tools;     ///< 1 to most_tools
   std::vector<double> time_s;  ///< one per step, not decreasing
   /// displacement_m[step][tool]; empty where the tool does not touch the surface.
-  std::vector<std::vector<std::optional<Vec3>>> displacement_m;
+  std::vector<std::vector<std::optional<Vector>>> displacement_m;
   /// As displacement_m; no steps if the file has no forces.
-  std::vector<std::vector<std::optional<Vec3>>> force_N;
+  std::vector<std::vector<std::optional<Vector>>> force_N;
 };
 
 /// @param name  for messages
 /// @throws Error (input) if the text is not a motion; the message names the key, the step and the tool
 Motion read_motion_text(std::string_view text, const std::string& name);
-/// @throws Error as read_input_file() and read_motion_text()
-Motion read_motion(const std::filesystem::path& file);
 
 }  // namespace phynness

@@ -14,6 +14,13 @@ namespace phynness {
 class FamilyTraining;
 struct TrainingTables;
 
+/// A figure of a trained model, in text and JSON.
+struct TrainingFigure {
+  const char *key, *title;
+  double value;
+  bool is_error = true;  ///< a fraction, which text shows in percent
+};
+
 struct FamilyOperations {
   Family family;
   const char* about;         ///< description for --help
@@ -30,10 +37,8 @@ struct FamilyOperations {
   bool (*has_deformation)(const Model& model);
   /// Sizes of a model in one line.
   std::string (*describe)(const Model& model);
-  /// Sizes and errors of a trained model, line by line.
-  std::vector<std::string> (*summary)(const Model& model, const TrainingReport& report);
-  /// The same as numbers for JSON; empty in family rbfn, whose figures are part of every report.
-  std::vector<std::pair<std::string, double>> (*figures)(const TrainingReport& report);
+  /// Of a trained model; empty in family rbfn, whose figures are part of every report.
+  std::vector<TrainingFigure> (*figures)(const TrainingReport& report);
 };
 
 const FamilyOperations& operations(Family family);
