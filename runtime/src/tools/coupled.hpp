@@ -45,6 +45,7 @@ struct FieldPart {
 /// max_tools + t is the rotation of the surface around that point [rad].
 struct Coupling {
   std::int32_t max_tools, n_tools;
+  bool settled;
   const phn_model* model;  ///< the level of the latest tools
   Neighbours neighbours;
   std::int32_t n_corners;  ///< largest number of nodes of a point

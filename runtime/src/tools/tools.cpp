@@ -169,6 +169,7 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
   if (n_tools == 0) return PHN_OK;
   c.n_tools = n_tools;
   const auto solved = one ? alone(*c.model, c, targets[0]) : solve_coupled(*c.model, c, targets);
+  c.settled = solved.settled;
   const int status = (solved.settled ? PHN_OK : PHN_WARNING_UNSETTLED) | warnings_of(*model, c);
   result = {solved.residual, std::isfinite(solved.energy) ? solved.energy : 0};
   return status;
@@ -232,17 +233,6 @@ int phn_trust_at(const phn_model* model, const phn_tool* tool, phn_trusted* trus
       });
   if (beside) found.trained_depth = 0;
   *trusted = status < 0 ? phn_trusted{} : found;
-  return status;
-}
-
-int phn_bound_at(const phn_model* model, const phn_tool* tool, double* bound) {
-  if (bound == nullptr) return PHN_ERROR_ARGUMENT;
-  double found = 0;
-  bool beside = false;
-  const int status = at_nodes<double>(model, tool, beside, phn_bound, [&](double one, double lever, bool) {
-    found = std::fmin(PHN_NO_BOUND, std::fmax(found, one / lever));
-  });
-  *bound = status < 0 ? 0 : beside ? PHN_NO_BOUND : found;
   return status;
 }
 
