@@ -20,7 +20,7 @@ struct Alone {
 };
 /// @return the sum of the warnings, or an error
 int alone_at(const phn_model& model, const Place& place, const Vector& d, Alone& alone) {
-  const double lever = lever_of(model, place);
+  const double lever = place.n_nodes == 1 ? lever_of(model, place) : 1;
   const Vector at = d / lever;
   Vector force[most_corners];
   int status = is_beside_fixed(model, place) ? PHN_WARNING_OUTSIDE : PHN_OK;
@@ -52,13 +52,15 @@ double bound_of(const phn_model& model, int kind, double own, double bending, do
   return bound < PHN_NO_BOUND ? bound : PHN_NO_BOUND;
 }
 
-}  // namespace
+/// The bound of one tool that is not coupled. @param status  of all tools
+double bound_alone(const phn_model& model, const Place& place, const Alone& alone, int status) {
+  if ((status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED)) != 0) return PHN_NO_BOUND;
+  if (place.n_nodes == 1 || model.coupled_bound == nullptr) return alone.bound;
+  return bound_of(model, 0, alone.bound + alone.spread, alone.spread, length(alone.force.x));
+}
 
-extern "C" {
-
-int phn_bound_at(const phn_model* model, const phn_tool* tool, double* bound) {
-  if (bound == nullptr) return PHN_ERROR_ARGUMENT;
-  *bound = 0;
+/// @return a status of phynness.h
+int bound_at(const phn_model* model, const phn_tool* tool, double& bound) {
   if (model == nullptr || tool == nullptr) return PHN_ERROR_ARGUMENT;
   Place place;
   int status = find_place(*model, *tool, place);
@@ -68,10 +70,48 @@ int phn_bound_at(const phn_model* model, const phn_tool* tool, double* bound) {
   Vector d;
   cut(tool->displacement, lever_of(*model, place), PHN_NO_BOUND, d.x);
   status = alone_at(*model, place, d, alone);
-  if (status < 0) return status;
-  *bound = (status & PHN_WARNING_OUTSIDE) != 0 ? PHN_NO_BOUND : alone.bound;
-  if (place.n_nodes > 1 && model->coupled_bound != nullptr && *bound < PHN_NO_BOUND)
-    *bound = bound_of(*model, 0, alone.bound + alone.spread, alone.spread, length(alone.force.x));
+  if (status >= 0) bound = bound_alone(*model, place, alone, status);
+  return status;
+}
+
+/// @param bounds  most_coupled numbers. @return a status of phynness.h
+int bounds_of(const phn_model& model, const Coupling& c, double* bounds) {
+  Alone alone[most_coupled];
+  int status = c.settled ? PHN_OK : PHN_WARNING_UNSETTLED;
+  double size = 0;
+  for (std::int32_t t = 0; t < c.n_tools; ++t) {
+    const HeldPoint& point = c.point[t];
+    if (model.coupled_bound == nullptr && (c.n_tools > 1 || point.n_nodes > 1)) return PHN_ERROR_UNDEFINED;
+    const int said = alone_at(model, point, point.own, alone[t]);
+    if (said < 0) return said;
+    status |= said;
+    size += length(point.force.x);
+  }
+  for (std::int32_t t = 0; t < c.n_tools; ++t) {
+    bounds[t] = bound_alone(model, c.point[t], alone[t], status);
+    if (c.n_tools == 1 || bounds[t] == PHN_NO_BOUND) continue;
+    Vector linear = {};
+    double own = 0;
+    for (std::int32_t s = 0; s < c.n_tools; ++s) {
+      const Matrix& stiffness = c.stiffness[t * c.max_tools + s];
+      const Matrix reaches = stiffness * c.point[s].compliance;
+      linear += stiffness * c.point[s].own;
+      own += std::sqrt(inner_product(reaches, reaches) / 3) * (alone[s].bound + alone[s].spread);
+    }
+    bounds[t] = bound_of(model, 1, own, length((c.point[t].force - linear).x), size);
+  }
+  return status;
+}
+
+}  // namespace
+
+extern "C" {
+
+int phn_bound_at(const phn_model* model, const phn_tool* tool, double* bound) {
+  if (bound == nullptr) return PHN_ERROR_ARGUMENT;
+  double found = 0;
+  const int status = bound_at(model, tool, found);
+  *bound = found;  // the tool has been read
   return status;
 }
 
@@ -79,39 +119,9 @@ int phn_coupled_bound(const phn_model* model, const phn_data* data, double* boun
   if (model == nullptr || data == nullptr || data->model != model || bounds == nullptr) return PHN_ERROR_ARGUMENT;
   if (data->coupling == nullptr) return PHN_OK;
   const Coupling& c = *data->coupling;
-  const bool one = c.n_tools == 1;
-  Alone alone[most_coupled];
-  int status = PHN_OK;
-  double size = 0;
-  for (std::int32_t t = 0; t < c.n_tools; ++t) {
-    bounds[t] = 0;
-    const HeldPoint& point = c.point[t];
-    size += length(point.force.x);
-    const bool known = model->coupled_bound != nullptr || (one && point.n_nodes == 1);
-    const int said = known ? alone_at(*model, point, point.own, alone[t]) : PHN_ERROR_UNDEFINED;
-    status = said < 0 || status < 0 ? PHN_ERROR_UNDEFINED : status | said;
-  }
-  if (status < 0) return status;
-  if (!c.settled) status |= PHN_WARNING_UNSETTLED;
-  for (std::int32_t t = 0; t < c.n_tools; ++t) {
-    if ((status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED)) != 0) {
-      bounds[t] = PHN_NO_BOUND;
-    } else if (one) {
-      bounds[t] = c.point[t].n_nodes == 1 ? alone[t].bound
-                                          : bound_of(*model, 0, alone[t].bound + alone[t].spread, alone[t].spread,
-                                                     length(alone[t].force.x));
-    } else {
-      Vector linear = {};
-      double own = 0;
-      for (std::int32_t s = 0; s < c.n_tools; ++s) {
-        const Matrix& stiffness = c.stiffness[t * c.max_tools + s];
-        const Matrix reaches = stiffness * c.point[s].compliance;
-        linear += stiffness * c.point[s].own;
-        own += std::sqrt(inner_product(reaches, reaches) / 3) * (alone[s].bound + alone[s].spread);
-      }
-      bounds[t] = bound_of(*model, 1, own, length((c.point[t].force - linear).x), size);
-    }
-  }
+  double found[most_coupled] = {};
+  const int status = bounds_of(*model, c, found);
+  for (std::int32_t t = 0; t < c.n_tools; ++t) bounds[t] = status < 0 ? 0 : found[t];
   return status;
 }
 
