@@ -46,7 +46,7 @@ int alone_at(const phn_model& model, const Place& place, const Vector& d, Alone&
 /// @param bending  difference to the linear force
 /// @param size     of the forces. All in N
 double bound_of(const phn_model& model, int kind, double own, double bending, double size) {
-  const double* c = model.coupled_bound + kind * schema::n_coupled_terms;
+  const double* c = model.coupled_bound + kind * phynness::schema::n_coupled_terms;
   const double bound = std::exp(c[0] + c[1] * std::log(own + smallest) + c[2] * std::log(bending + smallest) +
                                 c[3] * std::log(size + smallest));
   return bound < PHN_NO_BOUND ? bound : PHN_NO_BOUND;

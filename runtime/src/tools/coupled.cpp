@@ -11,7 +11,7 @@ namespace {
 /// Smallest compliance of opposing displacements of two tools, as a fraction of each tool's own compliance. Below it
 /// the tools are so close that opposing displacements are followed only in part (docs/decisions/coupled-tools.md).
 /// Means under round tools are as well known as that (docs/decisions/several-round-tools.md).
-constexpr double least_apart = 0.05, least_apart_round = 0.005;
+constexpr double least_apart = 0.05, least_apart_round = 0.002;
 
 /// Fraction of all tools' energies that is added to the weight of each order. With 0, the weights of two tools with
 /// consistent displacements, which leave nothing to do in either order, would jump with their smallest difference.

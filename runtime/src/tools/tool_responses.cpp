@@ -87,7 +87,10 @@ void ToolResponses::prepare(std::int32_t s) {
       LocalResponse& local = _c.local[at(t, s, i)];
       prepare_local(by, other.n_nodes, other.active, other.weight, local);
       _c.rest_response[at(t, s, i)] = rest_response(local, n, gradient_at_rest(s, i));
-      _c.wide[at(t, s)] += point.weight[i] * (_c.rest_response[at(t, s, i)] * compliance[i]);
+      if (!_round) continue;
+      prepare_local(by, other.mean.n, other.mean.active, other.mean.weight, _c.pair);
+      const Matrix half = rest_response(_c.pair, n, gradient_at_rest(s, i)) - 0.5 * _c.rest_response[at(t, s, i)];
+      _c.wide[at(t, s)] += point.weight[i] * (half * compliance[i]);
     }
   }
   if (_round) return prepare_round(s);
@@ -120,7 +123,7 @@ void ToolResponses::prepare_round(std::int32_t s) {
     own.direct = _c.rest_response[at(s, s, i)] = diagonal(1);
   }
   Matrix root, inverse;
-  find_roots(symmetric_part(point.root * _c.wide[at(s, s)] * point.root), root, point.scale, inverse);
+  find_roots(2 * symmetric_part(point.root * _c.wide[at(s, s)] * point.root), root, point.scale, inverse);
 }
 
 void ToolResponses::match_round_tools() {
@@ -128,7 +131,8 @@ void ToolResponses::match_round_tools() {
     for (std::int32_t s = 0; s < _c.n_tools; ++s) {
       const HeldPoint &to = _c.point[t], &by = _c.point[s];
       if (t == s || (to.n_nodes == 1 && by.n_nodes == 1)) continue;
-      Matrix change = to.inverse_root * to.scale * to.root * _c.wide[at(t, s)] * by.root * by.scale * by.root;
+      const Matrix compliance = _c.wide[at(t, s)] + transposed(_c.wide[at(s, t)]);
+      Matrix change = to.inverse_root * to.scale * to.root * compliance * by.root * by.scale * by.root;
       for (std::int32_t i = 0; i < by.n_nodes; ++i) change -= by.weight[i] * _c.rest_response[at(t, s, i)];
       for (std::int32_t i = 0; i < by.n_nodes; ++i) {
         _c.local[at(t, s, i)].direct += change;
