@@ -8,12 +8,12 @@ namespace phynness {
 namespace {
 
 /// Exponent of the predicted error in a bound, as at nodes.
-constexpr double shrinkage = 0.8;
+constexpr double exponent = 0.8;
 /// Errors below this part of the feature of force count as this in the fit of their logarithms.
-constexpr double smallest_error = 1e-5;
+constexpr double least_error = 1e-5;
 /// The rays are a sample of clusters.
-constexpr std::int64_t fewest_rays = 20;
-constexpr int n_terms = schema::n_coupled_terms;
+constexpr std::int64_t fewest_of_kind = 20;
+constexpr int n_coefficients = schema::n_coupled_terms;
 /// Of a kind that is not known: the bound is PHN_NO_BOUND.
 constexpr double unknown = 1e3;
 
@@ -22,16 +22,18 @@ struct Sample {
   std::int32_t ray = 0;
   bool between = false;
   double depth_m = 0, error_N = 0;
-  Eigen::Matrix<double, 1, n_terms> terms;  ///< 1 and logarithms
+  std::array<double, n_coefficients> terms{};  ///< 1 and logarithms
+
+  double times(const Eigen::Vector4d& c) const { return Eigen::Map<const Eigen::Vector4d>(terms.data()).dot(c); }
 };
 using Samples = std::vector<Sample>;
 
 /// The samples of a kind. What bounds are computed from are bounds of which one coefficient is 1 and the others are 0.
 Samples samples_of(const Model& model, const Mesh& mesh, const std::vector<CoupledState>& states, int n_tools) {
   std::vector<Sample> samples;
-  for (int term = 1; term < n_terms; ++term) {
+  for (int term = 1; term < n_coefficients; ++term) {
     Model unit = model;
-    unit.bounds[0].coupled = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_terms);
+    unit.bounds[0].coupled = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_coefficients);
     unit.bounds[0].coupled.col(term).setOnes();
     const LoadedModel loaded(std::move(unit), mesh, "model");
     std::size_t at = 0;
@@ -50,7 +52,7 @@ Samples samples_of(const Model& model, const Mesh& mesh, const std::vector<Coupl
                              {}});
           samples.back().terms[0] = 1;
         }
-        samples.at(at++).terms[term] = std::log(*said.bound_N[t]);
+        samples.at(at++).terms[static_cast<std::size_t>(term)] = std::log(*said.bound_N[t]);
       }
     }
   }
@@ -65,17 +67,16 @@ std::int64_t rays_of(const Samples& samples) {
 
 /// Coefficients of the logarithm of a bound that holds for the share `coverage` of samples like these.
 Eigen::Vector4d fit(const Samples& samples, double coverage) {
-  Eigen::MatrixXd terms(std::ssize(samples), n_terms);
+  Eigen::MatrixXd terms(std::ssize(samples), n_coefficients);
   Eigen::VectorXd errors(std::ssize(samples));
   for (Eigen::Index i = 0; i < errors.size(); ++i) {
     const auto& sample = samples[static_cast<std::size_t>(i)];
-    terms.row(i) = sample.terms;
-    errors[i] = std::log(sample.error_N + smallest_error * std::exp(sample.terms[n_terms - 1]));
+    terms.row(i) = Eigen::Map<const Eigen::RowVector4d>(sample.terms.data());
+    errors[i] = std::log(sample.error_N + least_error * std::exp(sample.terms[n_coefficients - 1]));
   }
-  Eigen::Vector4d c = shrinkage * terms.completeOrthogonalDecomposition().solve(errors);
+  Eigen::Vector4d c = exponent * terms.completeOrthogonalDecomposition().solve(errors);
   std::vector<double> scores;
-  for (const auto& sample : samples)
-    scores.push_back(std::log(std::max(sample.error_N, 1e-300)) - sample.terms.dot(c.transpose()));
+  for (const auto& sample : samples) scores.push_back(std::log(std::max(sample.error_N, 1e-300)) - sample.times(c));
   std::sort(scores.begin(), scores.end());
   const double share = coverage * (1 + 1 / static_cast<double>(rays_of(samples)));
   const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(scores.size())));
@@ -101,7 +102,7 @@ CoupledCoverage left_out(const Samples& samples, double coverage, double range_m
     const Eigen::Vector4d c = fit(kept, coverage);
     for (const auto& s : samples)
       if (s.ray % n_parts == part)
-        errors.push_back({s.between, {s.ray, s.depth_m, s.error_N, std::exp(s.terms.dot(c.transpose())), 1}});
+        errors.push_back({s.between, {s.ray, s.depth_m, s.error_N, std::exp(s.times(c)), 1}});
   }
   return {rays_of(samples), coverage_if(errors, range_m, [](bool between) { return !between; }),
           coverage_if(errors, range_m, [](bool between) { return between; }),
@@ -113,14 +114,14 @@ CoupledCoverage left_out(const Samples& samples, double coverage, double range_m
 std::array<CoupledCoverage, 2> add_coupled_bounds(Model& model, const Mesh& mesh,
                                                   const std::vector<CoupledState>& states) {
   std::array<CoupledCoverage, 2> coverages;
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_terms);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_coefficients);
   rows.col(0).setConstant(unknown);
   const double coverage = model.bounds.at(0).coverage;
   for (int kind = 0; kind < schema::n_coupled_kinds; ++kind) {
     const Samples samples = samples_of(model, mesh, states, kind + 1);
     auto& out = coverages[static_cast<std::size_t>(kind)];
     out.rays = rays_of(samples);
-    if (out.rays < fewest_rays) continue;
+    if (out.rays < fewest_of_kind) continue;
     rows.row(kind) = fit(samples, coverage).transpose();
     out = left_out(samples, coverage, model.max_displacement_m);
   }

@@ -8,7 +8,7 @@
 namespace phynness {
 namespace {
 
-constexpr std::size_t states_per_ray = 3;
+constexpr std::size_t states_of_ray = 3;
 /// Pairs that are near are no farther from each other than this, in radii of the tool.
 constexpr double near_radii = 2.5;
 
@@ -87,7 +87,7 @@ void CoupledRays::solve(ProbeSolver& solver, std::mt19937_64& random, std::int32
     d.push_back({tool.displacement[0], tool.displacement[1], tool.displacement[2]});
   }
   std::vector<double> parts;
-  for (std::size_t i = 0; i < states_per_ray; ++i) parts.push_back(1 - uniform(random));
+  for (std::size_t i = 0; i < states_of_ray; ++i) parts.push_back(1 - uniform(random));
   std::sort(parts.begin(), parts.end());
   try {
     solver.touch_points(points);

@@ -68,7 +68,6 @@ void ToolResponses::prepare(std::int32_t s) {
   Matrix compliance[most_corners], between[most_corners][most_corners], sum = {};
   point.own = {};
   point.curved = 0;
-  for (std::int32_t t = 0; t < _c.n_tools; ++t) _c.wide[at(t, s)] = {};
   for (std::int32_t i = 0; i < point.n_nodes; ++i) {
     const ActiveNode& by = node(point, i);
     point.rest_stiffness[i] = stiffness_at_rest(_model, by);
@@ -82,15 +81,11 @@ void ToolResponses::prepare(std::int32_t s) {
       between[j][i] = rest_response(_c.pair, n, gradient_at_rest(s, i));
       sum += (point.weight[j] * point.weight[i]) * (between[j][i] * compliance[i]);
     }
-    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+    for (std::int32_t t = 0; t < _c.n_tools && !_round; ++t) {
       const HeldPoint& other = _c.point[t];
       LocalResponse& local = _c.local[at(t, s, i)];
       prepare_local(by, other.n_nodes, other.active, other.weight, local);
       _c.rest_response[at(t, s, i)] = rest_response(local, n, gradient_at_rest(s, i));
-      if (!_round) continue;
-      prepare_local(by, other.mean.n, other.mean.active, other.mean.weight, _c.pair);
-      const Matrix half = rest_response(_c.pair, n, gradient_at_rest(s, i)) - 0.5 * _c.rest_response[at(t, s, i)];
-      _c.wide[at(t, s)] += point.weight[i] * (half * compliance[i]);
     }
   }
   if (_round) return prepare_round(s);
@@ -117,16 +112,53 @@ void ToolResponses::prepare_round(std::int32_t s) {
     point.share[i] = point.weight[i];
     point.contribution[i] = diagonal(point.weight[i]);
     point.reach[i] = diagonal(1);
-    // The tool's own mean moves by p.
-    LocalResponse& own = _c.local[at(s, s, i)];
-    clear_local(_model, node(point, i), own);
-    own.direct = _c.rest_response[at(s, s, i)] = diagonal(1);
+  }
+}
+
+void ToolResponses::prepare_means(std::int32_t t) {
+  HeldPoint& to = _c.point[t];
+  const auto n_output = static_cast<std::size_t>(_model.n_output);
+  // Of the corners, by their barycentric weights, and of all nodes of (x).
+  double *weight[2], *shared[2];
+  const int n_kinds = to.mean.n > to.n_nodes ? 2 : 1;
+  for (int kind = 0; kind < n_kinds; ++kind) {
+    weight[kind] = _c.vertex_mean + kind * n_output;
+    shared[kind] = _c.vertex_mean + 2 * n_output + 3 * static_cast<std::size_t>(kind * _model.shared.n_modes);
+    set_zero(weight[kind], n_output);
+    for (std::int32_t k = 0; k < (kind == 0 ? to.n_nodes : to.mean.n); ++k)
+      add_round_tool(_model.active[to.mean.active[k]], kind == 0 ? to.weight[k] : to.mean.weight[k], weight[kind]);
+    sum_shared(_model, weight[kind], shared[kind]);
+  }
+  for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+    const HeldPoint& point = _c.point[s];
+    Matrix& half = _c.wide[at(t, s)] = {};
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+      const ActiveNode& by = node(point, i);
+      const std::int32_t n = basis_size(_model, by);
+      std::int32_t k = 0;
+      while (k < to.mean.n && to.mean.active[k] != point.active[i]) ++k;
+      LocalResponse& local = _c.local[at(t, s, i)];
+      mean_response(_model, by, k < to.n_nodes ? to.weight[k] : 0, weight[0], shared[0], _c.shared, local);
+      const Matrix corners = rest_response(local, n, gradient_at_rest(s, i));
+      Matrix all = corners;
+      if (n_kinds > 1) {
+        mean_response(_model, by, k < to.mean.n ? to.mean.weight[k] : 0, weight[1], shared[1], _c.shared, _c.pair);
+        all = rest_response(_c.pair, n, gradient_at_rest(s, i));
+      }
+      half += point.weight[i] * ((all - 0.5 * corners) * inverse_of(point.rest_stiffness[i]));
+      _c.rest_response[at(t, s, i)] = corners;
+      if (t != s) continue;
+      // The tool's own mean moves by p.
+      clear_local(_model, by, local);
+      local.direct = _c.rest_response[at(t, s, i)] = diagonal(1);
+    }
   }
   Matrix root, inverse;
-  find_roots(2 * symmetric_part(point.root * _c.wide[at(s, s)] * point.root), root, point.scale, inverse);
+  find_roots(2 * symmetric_part(to.root * _c.wide[at(t, t)] * to.root), root, to.scale, inverse);
 }
 
 void ToolResponses::match_round_tools() {
+  for (std::int32_t t = 0; t < _c.n_tools; ++t) prepare_means(t);
   for (std::int32_t t = 0; t < _c.n_tools; ++t) {
     for (std::int32_t s = 0; s < _c.n_tools; ++s) {
       const HeldPoint &to = _c.point[t], &by = _c.point[s];

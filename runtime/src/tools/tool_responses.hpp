@@ -60,6 +60,10 @@ class ToolResponses {
  private:
   /// The part of prepare that takes the stiffness from (x).
   void prepare_round(std::int32_t s);
+  /// The displacement of tool t's mean by the nodes of all tools, and half of the compliances: W_ts as superposed by
+  /// the corners of tool s and all nodes of (x) of tool t, less half of that by corners alone. The sum of it and of its
+  /// transpose is exact for quadratic functions of both places. @pre prepare of all tools
+  void prepare_means(std::int32_t t);
   /// Adds node i's part of the derivatives of all places by the p of tool t.
   void add_derivatives(std::int32_t t, std::int32_t i);
   /// Derivative of a local response at rest.
