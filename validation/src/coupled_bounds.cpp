@@ -7,8 +7,8 @@
 namespace phynness {
 namespace {
 
-/// Exponent of the predicted error in a bound, as at nodes.
-constexpr double exponent = 0.8;
+/// A third of the depth may be covered by this less than all.
+constexpr double holds_nearly = 0.02;
 /// Errors below this part of the feature of force count as this in the fit of their logarithms.
 constexpr double least_error = 1e-5;
 /// The rays are a sample of clusters.
@@ -65,16 +65,8 @@ std::int64_t rays_of(const Samples& samples) {
   return std::ssize(rays);
 }
 
-/// Coefficients of the logarithm of a bound that holds for the share `coverage` of samples like these.
-Eigen::Vector4d fit(const Samples& samples, double coverage) {
-  Eigen::MatrixXd terms(std::ssize(samples), n_coefficients);
-  Eigen::VectorXd errors(std::ssize(samples));
-  for (Eigen::Index i = 0; i < errors.size(); ++i) {
-    const auto& sample = samples[static_cast<std::size_t>(i)];
-    terms.row(i) = Eigen::Map<const Eigen::RowVector4d>(sample.terms.data());
-    errors[i] = std::log(sample.error_N + least_error * std::exp(sample.terms[n_coefficients - 1]));
-  }
-  Eigen::Vector4d c = exponent * terms.completeOrthogonalDecomposition().solve(errors);
+/// Adds to c_0 what makes the bound hold for the share `coverage`.
+Eigen::Vector4d raised(const Samples& samples, Eigen::Vector4d c, double coverage) {
   std::vector<double> scores;
   for (const auto& sample : samples) scores.push_back(std::log(std::max(sample.error_N, 1e-300)) - sample.times(c));
   std::sort(scores.begin(), scores.end());
@@ -82,6 +74,37 @@ Eigen::Vector4d fit(const Samples& samples, double coverage) {
   const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(scores.size())));
   c[0] += scores[std::min(at, scores.size()) - 1];
   return c;
+}
+
+BoundCoverage coverage_of(const Samples& samples, const Eigen::Vector4d& c, double range_m) {
+  std::vector<BoundedError> errors;
+  for (const auto& s : samples) errors.push_back({s.ray, s.depth_m, s.error_N, std::exp(s.times(c)), 1});
+  return coverage_of(errors, range_m);
+}
+
+/// Coefficients of the logarithm of a bound that holds for the share `coverage` of samples like these. Of the exponents
+/// of the predicted error the narrowest bound is taken that holds at every third of the depth.
+Eigen::Vector4d fit(const Samples& samples, double coverage, double range_m) {
+  Eigen::MatrixXd terms(std::ssize(samples), n_coefficients);
+  Eigen::VectorXd errors(std::ssize(samples));
+  for (Eigen::Index i = 0; i < errors.size(); ++i) {
+    const auto& sample = samples[static_cast<std::size_t>(i)];
+    terms.row(i) = Eigen::Map<const Eigen::RowVector4d>(sample.terms.data());
+    errors[i] = std::log(sample.error_N + least_error * std::exp(sample.terms[n_coefficients - 1]));
+  }
+  const Eigen::Vector4d all = terms.completeOrthogonalDecomposition().solve(errors);
+  Eigen::Vector4d best = all;
+  double least = -1, width = 0;
+  for (const double exponent : {0.6, 0.8, 1.0, 1.2}) {
+    const Eigen::Vector4d c = raised(samples, exponent * all, coverage);
+    const BoundCoverage now = coverage_of(samples, c, range_m);
+    const double of_thirds = std::min(coverage - holds_nearly, std::ranges::min(now.thirds));
+    if (of_thirds < least || (of_thirds == least && now.width >= width)) continue;
+    best = c;
+    least = of_thirds;
+    width = now.width;
+  }
+  return best;
 }
 
 BoundCoverage coverage_if(const std::vector<std::pair<bool, BoundedError>>& errors, double range_m,
@@ -99,7 +122,7 @@ CoupledCoverage left_out(const Samples& samples, double coverage, double range_m
     Samples kept;
     std::ranges::copy_if(samples, std::back_inserter(kept), [&](const auto& s) { return s.ray % n_parts != part; });
     if (kept.empty()) continue;
-    const Eigen::Vector4d c = fit(kept, coverage);
+    const Eigen::Vector4d c = fit(kept, coverage, range_m);
     for (const auto& s : samples)
       if (s.ray % n_parts == part)
         errors.push_back({s.between, {s.ray, s.depth_m, s.error_N, std::exp(s.times(c)), 1}});
@@ -122,7 +145,7 @@ std::array<CoupledCoverage, 2> add_coupled_bounds(Model& model, const Mesh& mesh
     auto& out = coverages[static_cast<std::size_t>(kind)];
     out.rays = rays_of(samples);
     if (out.rays < fewest_of_kind) continue;
-    rows.row(kind) = fit(samples, coverage).transpose();
+    rows.row(kind) = fit(samples, coverage, model.max_displacement_m).transpose();
     out = left_out(samples, coverage, model.max_displacement_m);
   }
   if ((rows.col(0).array() < unknown).any()) model.bounds[0].coupled = rows;
