@@ -8,7 +8,7 @@ namespace phynness {
 namespace {
 
 /// A third of the depth may be covered by this less than all.
-constexpr double holds_nearly = 0.02;
+constexpr double holds_nearly = 0.04;
 /// Errors below this part of the feature of force count as this in the fit of their logarithms.
 constexpr double least_error = 1e-5;
 /// The rays are a sample of clusters.

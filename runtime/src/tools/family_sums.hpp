@@ -57,10 +57,6 @@ class NetworkSum {
     for (int k = 0; k < 3; ++k) constant[k] = _net.output_center[k] + _net.output_half_range[k] * _net.bias[k];
     local.constant += map * constant;
   }
-  void add_all(const double* weight, const double*, LocalResponse& local) const {
-    for (std::int32_t v = 0; v < _model.n_output; ++v)
-      if (weight[v] != 0) add(v, diagonal(weight[v]), local);
-  }
   void finish(LocalResponse&) const {}
 
  private:
@@ -72,21 +68,16 @@ class NetworkSum {
 /// Sums unit responses over vertices.
 class UnitSum {
  public:
-  UnitSum(const phn_model& model, const LinearResponse& linear) : _model(model), _linear(linear) {}
+  explicit UnitSum(const LinearResponse& linear) : _linear(linear) {}
   void add(std::int32_t output, const Matrix& map, LocalResponse& local) const {
     for (int l = 0; l < 3; ++l) {
       const Vector u = map * vector_at(_linear.unit_response[l] + 3 * output);
       for (int k = 0; k < 3; ++k) local.rows[3 * k + l] += u[k];
     }
   }
-  void add_all(const double* weight, const double*, LocalResponse& local) const {
-    for (std::int32_t v = 0; v < _model.n_output; ++v)
-      if (weight[v] != 0) add(v, diagonal(weight[v]), local);
-  }
   void finish(LocalResponse&) const {}
 
  private:
-  const phn_model& _model;
   const LinearResponse& _linear;
 };
 
@@ -164,7 +155,7 @@ class ModeSum {
 inline NetworkSum vertex_sum(const phn_model& model, const Networks& nets, double* scratch) {
   return {model, nets, scratch};
 }
-inline UnitSum vertex_sum(const phn_model& model, const LinearResponse& linear, double*) { return {model, linear}; }
+inline UnitSum vertex_sum(const phn_model&, const LinearResponse& linear, double*) { return UnitSum(linear); }
 inline ModeSum vertex_sum(const phn_model& model, const ModalResponse& node, double* scratch) {
   return {model, node, scratch};
 }

@@ -93,13 +93,17 @@ void mean_response(const phn_model& model, const ActiveNode& node, double own, d
   local.direct = diagonal(own);
   if (own == 1) return;
   if (own != 0) add_round_tool(node, -own, weight);
-  with_response(model, node, [&](const auto& response) {
-    auto sum = vertex_sum(model, response, scratch);
+  for (std::int32_t v = 0; v < model.n_output && node.modal == nullptr; ++v) {
+    const Matrix map = diagonal(weight[v]);
+    if (weight[v] != 0) add_local(model, node, 1, &v, &map, scratch, local);
+  }
+  if (node.modal) {
+    ModeSum sum(model, *node.modal, scratch);
     sum.add_all(weight, shared, local);
     for (std::int32_t m = 0; m < node.n_prescribed && own != 0; ++m)
       add_shared(model, node.prescribed[m], -own * node.prescribed_weight[m], scratch);
     sum.finish(local);
-  });
+  }
   if (own != 0) add_round_tool(node, own, weight);
 }
 

@@ -176,31 +176,14 @@ void ToolResponses::match_round_tools() {
 
 void ToolResponses::prepare_local(const ActiveNode& by, std::int32_t n, const std::int32_t* active,
                                   const double* weight, LocalResponse& local) const {
-  constexpr std::int32_t at_once = 16;
-  std::int32_t vertices[at_once], found = 0;
-  Matrix maps[at_once];
-  const auto flush = [&] {
-    add_local(_model, by, found, vertices, maps, _c.shared, local);
-    found = 0;
-  };
-  const auto add = [&](std::int32_t vertex, double share) {
-    if (found == at_once) flush();
-    vertices[found] = vertex;
-    maps[found++] = diagonal(share);
-  };
-  clear_local(_model, by, local);
+  std::int32_t vertices[most_corners];
+  Matrix maps[most_corners];
   for (std::int32_t k = 0; k < n; ++k) {
-    const ActiveNode& node = _model.active[active[k]];
-    if (!node.moves_mean) {
-      add(node.output, weight[k]);
-    } else if (&node == &by) {
-      local.direct += diagonal(weight[k]);  // the tool's own mean
-    } else {
-      for (std::int32_t m = 0; m < node.n_prescribed; ++m)
-        add(node.prescribed[m], weight[k] * node.prescribed_weight[m]);
-    }
+    vertices[k] = _model.active[active[k]].output;
+    maps[k] = diagonal(weight[k]);
   }
-  flush();
+  clear_local(_model, by, local);
+  add_local(_model, by, n, vertices, maps, _c.shared, local);
 }
 
 void ToolResponses::prepare_turn(std::int32_t t) {
