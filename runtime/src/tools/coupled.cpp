@@ -345,7 +345,7 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   c.vectors = arena.take<double>(9 * t * t);
   c.stiffness = arena.take<Matrix>(t * t);
   c.wide = arena.take<Matrix>(t * t);
-  c.vertex_mean = arena.take<double>(2, static_cast<std::size_t>(model.n_output) + n_shared);
+  c.vertex_mean = arena.take<double>(static_cast<std::size_t>(model.n_output) + n_shared);
   c.derivative = arena.take<Matrix>(n_places * t);
   c.rest = arena.take<Vector>(t * t);
   c.pulled = arena.take<Vector>(t * t);

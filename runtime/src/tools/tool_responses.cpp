@@ -117,41 +117,33 @@ void ToolResponses::prepare_round(std::int32_t s) {
 
 void ToolResponses::prepare_means(std::int32_t t) {
   HeldPoint& to = _c.point[t];
-  const auto n_output = static_cast<std::size_t>(_model.n_output);
-  // Of the corners, by their barycentric weights, and of all nodes of (x).
-  double *weight[2], *shared[2];
-  const int n_kinds = to.mean.n > to.n_nodes ? 2 : 1;
-  for (int kind = 0; kind < n_kinds; ++kind) {
-    weight[kind] = _c.vertex_mean + kind * n_output;
-    shared[kind] = _c.vertex_mean + 2 * n_output + 3 * static_cast<std::size_t>(kind * _model.shared.n_modes);
-    set_zero(weight[kind], n_output);
-    for (std::int32_t k = 0; k < (kind == 0 ? to.n_nodes : to.mean.n); ++k)
-      add_round_tool(_model.active[to.mean.active[k]], kind == 0 ? to.weight[k] : to.mean.weight[k], weight[kind]);
-    sum_shared(_model, weight[kind], shared[kind]);
-  }
-  for (std::int32_t s = 0; s < _c.n_tools; ++s) {
-    const HeldPoint& point = _c.point[s];
-    Matrix& half = _c.wide[at(t, s)] = {};
-    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-      const ActiveNode& by = node(point, i);
-      const std::int32_t n = basis_size(_model, by);
-      std::int32_t k = 0;
-      while (k < to.mean.n && to.mean.active[k] != point.active[i]) ++k;
-      LocalResponse& local = _c.local[at(t, s, i)];
-      mean_response(_model, by, k < to.n_nodes ? to.weight[k] : 0, weight[0], shared[0], _c.shared, local);
-      const Matrix corners = rest_response(local, n, gradient_at_rest(s, i));
-      Matrix all = corners;
-      if (n_kinds > 1) {
-        mean_response(_model, by, k < to.mean.n ? to.mean.weight[k] : 0, weight[1], shared[1], _c.shared, _c.pair);
-        all = rest_response(_c.pair, n, gradient_at_rest(s, i));
+  double *weight = _c.vertex_mean, *shared = weight + _model.n_output;
+  for (std::int32_t s = 0; s < _c.n_tools; ++s) _c.wide[at(t, s)] = {};
+  // By all nodes of (x), and then by the corners; at a node they are the same.
+  const bool corrected = to.mean.n > to.n_nodes;
+  for (int corners = corrected ? 0 : 1; corners < 2; ++corners) {
+    const std::int32_t n_nodes = corners ? to.n_nodes : to.mean.n;
+    const double *share = corners ? to.weight : to.mean.weight, part = !corners ? 1 : corrected ? -0.5 : 0.5;
+    set_zero(weight, static_cast<std::size_t>(_model.n_output));
+    for (std::int32_t k = 0; k < n_nodes; ++k) add_round_tool(_model.active[to.mean.active[k]], share[k], weight);
+    sum_shared(_model, weight, shared);
+    for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+      const HeldPoint& point = _c.point[s];
+      for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+        const ActiveNode& by = node(point, i);
+        std::int32_t k = 0;
+        while (k < n_nodes && to.mean.active[k] != point.active[i]) ++k;
+        LocalResponse& local = _c.local[at(t, s, i)];
+        mean_response(_model, by, k < n_nodes ? share[k] : 0, weight, shared, _c.shared, local);
+        Matrix& response = _c.rest_response[at(t, s, i)];
+        response = rest_response(local, basis_size(_model, by), gradient_at_rest(s, i));
+        _c.wide[at(t, s)] += (part * point.weight[i]) * (response * inverse_of(point.rest_stiffness[i]));
       }
-      half += point.weight[i] * ((all - 0.5 * corners) * inverse_of(point.rest_stiffness[i]));
-      _c.rest_response[at(t, s, i)] = corners;
-      if (t != s) continue;
-      // The tool's own mean moves by p.
-      clear_local(_model, by, local);
-      local.direct = _c.rest_response[at(t, s, i)] = diagonal(1);
     }
+  }
+  for (std::int32_t i = 0; i < to.n_nodes; ++i) {  // the tool's own mean moves by p
+    clear_local(_model, node(to, i), _c.local[at(t, t, i)]);
+    _c.local[at(t, t, i)].direct = _c.rest_response[at(t, t, i)] = diagonal(1);
   }
   Matrix root, inverse;
   find_roots(2 * symmetric_part(to.root * _c.wide[at(t, t)] * to.root), root, to.scale, inverse);
