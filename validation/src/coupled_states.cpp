@@ -90,6 +90,7 @@ void CoupledRays::solve(ProbeSolver& solver, std::mt19937_64& random, std::int32
   for (std::size_t i = 0; i < states_of_ray; ++i) parts.push_back(1 - uniform(random));
   std::sort(parts.begin(), parts.end());
   try {
+    _model.couple(tools);  // refused by a model of forces only
     solver.touch_points(points);
     solver.follow(d, parts, false, [&](std::size_t i, const Response& response) {
       if (response.status != Status::converged) return false;
@@ -102,7 +103,7 @@ void CoupledRays::solve(ProbeSolver& solver, std::mt19937_64& random, std::int32
       states.push_back(state);
       return true;
     });
-  } catch (const Error&) {  // such as tools at one place, or a tangent that is not factorized
+  } catch (const Error&) {  // also of tools at one place, or if a tangent is not factorized
     solver.recover();
   }
 }
