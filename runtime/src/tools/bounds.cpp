@@ -77,7 +77,7 @@ int bound_at(const phn_model* model, const phn_tool* tool, double& bound) {
 /// @param bounds  most_coupled numbers. @return a status of phynness.h
 int bounds_of(const phn_model& model, const Coupling& c, double* bounds) {
   Alone alone[most_coupled];
-  int status = c.settled ? PHN_OK : PHN_WARNING_UNSETTLED;
+  int status = c.settled || c.n_tools == 0 ? PHN_OK : PHN_WARNING_UNSETTLED;
   double size = 0;
   for (std::int32_t t = 0; t < c.n_tools; ++t) {
     const HeldPoint& point = c.point[t];
