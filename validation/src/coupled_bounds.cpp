@@ -95,7 +95,7 @@ Eigen::Vector4d fit(const Samples& samples, double coverage, double range_m) {
   const Eigen::Vector4d all = terms.completeOrthogonalDecomposition().solve(errors);
   Eigen::Vector4d best = all;
   double least = -1, width = 0;
-  for (const double exponent : {0.6, 0.8, 1.0, 1.2}) {
+  for (const double exponent : {0.4, 0.6, 0.8, 1.0}) {
     const Eigen::Vector4d c = raised(samples, exponent * all, coverage);
     const BoundCoverage now = coverage_of(samples, c, range_m);
     const double of_thirds = std::min(coverage - holds_nearly, std::ranges::min(now.thirds));
