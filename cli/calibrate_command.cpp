@@ -13,6 +13,12 @@ struct Options {
   bool details = false;
 };
 
+void print_coverage(const BoundCoverage& c) {
+  print_result(
+      "by thirds of the depth {:.1f}, {:.1f} and {:.1f} % are below; mean bound {:.2f} of the best constant one\n",
+      100 * c.thirds[0], 100 * c.thirds[1], 100 * c.thirds[2], c.width);
+}
+
 void print(const BoundReport& report, const Options& options) {
   const auto& c = report.left_out;
   const ForceUnit unit = force_unit(report.median_bound_N);
@@ -23,10 +29,13 @@ void print(const BoundReport& report, const Options& options) {
       unit.per_N * report.median_bound_N, unit.name, 100 * c.all, report.all_nodes ? "rays" : "nodes");
   print_result("{} random rays at {} nodes, {} states inside the trained range, {} rays ended early; {}\n", report.rays,
                report.nodes, report.states, report.failed_rays, duration(report.seconds));
-  if (options.details)
-    print_result(
-        "by thirds of the depth {:.1f}, {:.1f} and {:.1f} % are below; mean bound {:.2f} of the best constant one\n",
-        100 * c.thirds[0], 100 * c.thirds[1], 100 * c.thirds[2], c.width);
+  if (options.details) print_coverage(c);
+  for (const auto& [name, kind] : {std::pair{"one tool between nodes", report.between}, {"two tools", report.two}}) {
+    if (kind.all.states == 0) continue;
+    print_result("{}: {:.1f} % of {} errors of rays left out are below their bound\n", name, 100 * kind.all.all,
+                 kind.all.states);
+    if (options.details) print_coverage(kind.all);
+  }
   print_result("model with bounds -> {}\n", options.output.string());
 }
 
@@ -55,7 +64,7 @@ void run(const Options& given) {
   spec.rays = options.rays;
   spec.seed = static_cast<std::uint64_t>(options.seed);
   const Model bounded =
-      calibrate(session, *database, *model, spec, Progress("calibrate", "nodes").counter(), stop_requested, report);
+      calibrate(session, *database, *model, spec, Progress("calibrate", "places").counter(), stop_requested, report);
   session.together([&] {
     if (session.rank() != 0) return;
     write_model_dir(options.output, bounded, model->mesh());
@@ -64,7 +73,9 @@ void run(const Options& given) {
     if (report.interrupted())
       throw failure(
           "calibrate was interrupted; the bounds are those of the finished nodes, and hold, but are less exact",
-          fmt::format("{} of {} nodes", report.nodes, report.planned_nodes), "run it again for all of them");
+          fmt::format("{} of {} nodes, {} of {} rays of coupled tools", report.nodes, report.planned_nodes,
+                      report.coupled_rays, report.planned_coupled_rays),
+          "run it again for all of them");
   });
 }
 

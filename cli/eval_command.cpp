@@ -194,9 +194,9 @@ void run_single(const Options& options) {
     if (bounded) bound_N = model.error_bound(node, displacements.front());
   }
   if (bounded) extra["bound_N"] = bound_N ? json(*bound_N) : json(nullptr);
-  if (coupled) {
-    extra["residual"] = response.coupled.residual;
-  }
+  const auto& bounds = response.bound_N;  // of coupled tools
+  if (coupled) extra["residual"] = response.coupled.residual;
+  for (const auto& bound : bounds) extra["bounds_N"].push_back(bound ? json(*bound) : json(nullptr));
   const auto& info = model.runtime().info();
   const auto output = model.runtime().output_nodes();
   ToolResult result{response.force_N, response.energy_J, response.displacement_m, {output.begin(), output.end()}, {}};
@@ -211,6 +211,7 @@ void run_single(const Options& options) {
     message("surface of {} vertices: {}\n", n, options.surface->string());
   });
   if (bounded) print_bound(model, bound_N);
+  for (const auto& bound : bounds) print_bound(model, bound);
 }
 
 void run(const Options& options) {

@@ -124,7 +124,7 @@ TEST(ModelText, FieldsRoundTripBitForBit) {
 // Claim: so does one with bounds, with and without levels; without them the text has no trace of any.
 TEST(ModelText, BoundsRoundTripBitForBit) {
   for (const Model& plain : {small_modal_model(), with_levels(small_model())}) {
-    const Model model = with_bounds(plain);
+    const Model model = with_coupled_bounds(plain);
     const std::string text = write_model_text(model);
     const Model again = read_model_text(text, "text");
     EXPECT_EQ(write_model_text(again), text);
@@ -132,6 +132,8 @@ TEST(ModelText, BoundsRoundTripBitForBit) {
     EXPECT_EQ(again.bounds[0].coverage, 0.95);
     EXPECT_EQ(again.bounds[0].n_rays, 1000);
     EXPECT_EQ(again.bounds[0].n_nodes, 50);
+    EXPECT_EQ(again.bounds[0].coupled, model.bounds[0].coupled);
+    EXPECT_EQ(write_model_text(with_bounds(plain)).find("coupled"), std::string::npos);
     for (std::size_t i = 0; i < model.nodes.size(); ++i) {
       ASSERT_EQ(again.nodes[i].bounds.size(), 1u);
       EXPECT_EQ(again.nodes[i].bounds[0].scale, model.nodes[i].bounds[0].scale);

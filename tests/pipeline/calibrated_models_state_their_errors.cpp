@@ -30,6 +30,12 @@ TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
   EXPECT_NEAR(c.at("left_out").at("coverage").get<double>(), 0.95, 0.045);
   EXPECT_GT(c.at("median_bound_N").get<double>(), 0);
 
+  // Two nodes are one pair, and no triangle of the surface has three active corners.
+  EXPECT_EQ(c.at("planned_coupled_rays"), 40);
+  EXPECT_EQ(c.at("between").at("rays"), 0);
+  EXPECT_GE(c.at("two").at("rays"), 20);
+  EXPECT_NEAR(c.at("two").at("all").at("coverage").get<double>(), 0.95, 0.09);
+
   auto [plain, mesh] = read_model_dir(folder / "m");
   auto [bounded, same_mesh] = read_model_dir(folder / "b");
   EXPECT_EQ(bounded.bounds.at(0).n_rays, 200);
@@ -54,6 +60,11 @@ TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
   expect_names(phynness("eval b --node " + node + " --displacement 0,0,-0.5 --json e.json").out,
                {"error of the force: unknown outside"});
   EXPECT_TRUE(json("e.json").at("bound_N").is_null());
+  const auto other = std::to_string(plain.nodes[1].node);
+  const auto pair = "eval b --node " + node + " --displacement 0,0,-0.001 --node " + other + " --displacement 0,0.001,0";
+  expect_names(phynness(pair + " --json e.json").out, {"error of the force: at most", "for 95 % of random displacements"});
+  ASSERT_EQ(json("e.json").at("bounds_N").size(), 2U);
+  EXPECT_GT(json("e.json").at("bounds_N").at(1).get<double>(), 0);
   succeed("eval m --node " + node + " --displacement 0,0,-0.004 --json e.json");
   EXPECT_FALSE(json("e.json").contains("bound_N"));
 }
@@ -112,7 +123,7 @@ TEST_F(Calibrate, InterruptedCalibrationKeepsTheFinishedNodes) {
   const auto stopped = shell(
       "PHYNNESS_PROGRESS=1 \"$PHYNNESS\" calibrate many many.h5 -o b --rays 2000 --json c.json 2>progress.txt & "
       "pid=$!; "
-      "for i in $(seq 6000); do grep -qE '2[0-9]/[0-9]+ nodes' progress.txt && break; sleep 0.01; done; "
+      "for i in $(seq 6000); do grep -qE '2[0-9]/[0-9]+ places' progress.txt && break; sleep 0.01; done; "
       "kill -INT $pid; wait $pid; status=$?; cat progress.txt >&2; exit $status");
   EXPECT_EQ(stopped.exit_status, 1);
   expect_names(stopped.err, {"calibrate was interrupted; the bounds are those of the finished nodes",

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "linear_body.hpp"
 #include "loaded_model.hpp"
 #include "small_model.hpp"
 
@@ -118,6 +119,62 @@ TEST_P(Bounds, AreKnownOnlyWhereTheyAreStored) {
   refused(phn_bound(nullptr, 3, rest, &bound), PHN_ERROR_ARGUMENT);
   refused(phn_bound(loaded.model, 3, nullptr, &bound), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_bound(loaded.model, 3, rest, nullptr), PHN_ERROR_ARGUMENT);
+}
+
+double logarithm(double x) { return std::log(x + 1e-12); }
+
+// Claim: one tool between nodes, and each of two tools, has the bound of the page, here of two nodes that do not feel
+// each other: K is the stiffness of each alone. 1e-9: differences of forces, and logarithms.
+TEST(CoupledBounds, AreThoseOfThePage) {
+  const Model model = with_coupled_bounds(bent(LinearBody(7, false)));
+  const auto& c = model.bounds[0].coupled;
+  const LoadedModel loaded(write_model_text(model)), old(write_model_text(with_bounds(bent(LinearBody(7, false)))));
+  const auto at_node = [&](std::int32_t node, const Eigen::Vector3d& d) {
+    double bound = 0;
+    Eigen::Vector3d force;
+    EXPECT_GE(phn_bound(loaded.model, node, d.data(), &bound), 0);
+    EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), force.data(), nullptr, nullptr), 0);
+    return std::pair{bound, force};
+  };
+  const auto bounds_at = [](const LoadedModel& at, const std::vector<phn_tool>& tools, int expected) {
+    Eigen::Vector2d bounds(-1, -1);
+    Eigen::Matrix<double, 3, 2> forces;
+    EXPECT_GE(phn_couple(at.model, at.data, static_cast<int>(tools.size()), tools.data(), forces.data(), nullptr), 0);
+    EXPECT_EQ(phn_coupled_bound(at.model, at.data, bounds.data()), expected);
+    return bounds;
+  };
+  const Eigen::Vector3d d(0.003, -0.002, 0.004), e(-0.004, 0.001, 0.002);
+  const std::vector<phn_tool> between = {tool(1, 2, -1, 0.4, 0.6, d[0], d[1], d[2])},
+                              node = {tool(1, -1, -1, 1, 0, d[0], d[1], d[2])},
+                              two = {node[0], tool(4, -1, -1, 1, 0, e[0], e[1], e[2])},
+                              far = {node[0], tool(4, -1, -1, 1, 0, 1, 0, 0)};
+  const auto [b1, f1] = at_node(1, d);
+  const auto [b2, f2] = at_node(2, d);
+  const auto [b4, f4] = at_node(4, e);
+  EXPECT_EQ(bounds_at(loaded, node, PHN_OK)[0], b1);
+  const Eigen::Vector3d mean = 0.4 * f1 + 0.6 * f2;
+  const double spread = 0.4 * (f1 - mean).norm() + 0.6 * (f2 - mean).norm();
+  const double expected = std::exp(c(0, 0) + c(0, 1) * logarithm(std::max(b1, b2) + spread) +
+                                   c(0, 2) * logarithm(spread) + c(0, 3) * logarithm(mean.norm()));
+  EXPECT_NEAR(bounds_at(loaded, between, PHN_OK)[0], expected, 1e-9 * expected);
+  const double h = model.displacements.row(0).norm(), size = f1.norm() + f4.norm();
+  const Eigen::Vector2d said = bounds_at(loaded, two, PHN_OK);
+  for (const int t : {0, 1}) {
+    Eigen::Matrix3d stiffness;
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d step = h * Eigen::Vector3d::Unit(k);
+      stiffness.col(k) = (at_node(t == 0 ? 1 : 4, step).second - at_node(t == 0 ? 1 : 4, -step).second) / (2 * h);
+    }
+    stiffness = (stiffness + stiffness.transpose()).eval() / 2;
+    const double bend = ((t == 0 ? f1 : f4) - stiffness * (t == 0 ? d : e)).norm();
+    const double of_two = std::exp(c(1, 0) + c(1, 1) * logarithm(t == 0 ? b1 : b4) + c(1, 2) * logarithm(bend) +
+                                   c(1, 3) * logarithm(size));
+    EXPECT_NEAR(said[t], of_two, 1e-6 * of_two);
+  }
+  EXPECT_EQ(bounds_at(loaded, far, PHN_WARNING_OUTSIDE), Eigen::Vector2d::Constant(PHN_NO_BOUND));
+  EXPECT_EQ(bounds_at(old, node, PHN_OK)[0], b1);
+  EXPECT_EQ(bounds_at(old, two, PHN_ERROR_UNDEFINED), Eigen::Vector2d::Zero());
+  EXPECT_EQ(bounds_at(old, between, PHN_ERROR_UNDEFINED)[0], 0);
 }
 
 // Claim: nothing else that the runtime computes changes when bounds are added.

@@ -103,6 +103,9 @@ TEST_P(Wrapper, GivesTheSameBits) {
             phn_couple(c.model, c.data, 2, tools, expected_forces, &expected_result));
   EXPECT_EQ(std::memcmp(forces, expected_forces, sizeof forces), 0);
   EXPECT_EQ(result.energy, expected_result.energy);
+  double bounds[PHN_MOST_COUPLED] = {}, expected_bounds[PHN_MOST_COUPLED] = {};
+  EXPECT_EQ(data.coupled_bound(bounds), phn_coupled_bound(c.model, c.data, expected_bounds));
+  EXPECT_EQ(std::memcmp(bounds, expected_bounds, sizeof bounds), 0);
   EXPECT_EQ(data.coupled_deform(field), phn_coupled_deform(c.model, c.data, expected.data()));
   EXPECT_EQ(field, expected);
   phn_tool at_node = {{8, -1, -1}, {1, 0, 0}, {0.001, 0.002, -0.003}};

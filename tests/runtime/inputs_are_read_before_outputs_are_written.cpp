@@ -170,6 +170,10 @@ class Table {
     rows.push_back({"phn_bound_at", {input("tool", one), output<double>("bound")}, [=](const Places& at) {
                       return phn_bound_at(model, as<phn_tool>(at[0]), as<double>(at[1]));
                     }});
+    rows.push_back({"phn_coupled_bound", {output<double>("bounds", 1)}, [=](const Places& at) {
+                      phn_couple(model, data, 1, &one.back(), std::vector<double>(3).data(), nullptr);
+                      return phn_coupled_bound(model, data, as<double>(at[0]));
+                    }});
     for (const std::int32_t n : {1, 2}) {
       const std::vector<phn_tool> given(two.end() - n, two.end());
       rows.push_back(
@@ -240,7 +244,7 @@ TEST_P(Overlap, GivesTheSameBitsOrIsRefused) {
     const bool may_be_undefined = row.function == "phn_force" || row.function == "energy alone" ||
                                   row.function == "stiffness alone" || row.function == "phn_field" ||
                                   row.function == "phn_bound" || row.function == "phn_force_at" ||
-                                  row.function == "phn_bound_at";
+                                  row.function == "phn_bound_at" || row.function == "phn_coupled_bound";
     EXPECT_GE(overlaps.status(), may_be_undefined ? PHN_ERROR_UNDEFINED : PHN_OK) << row.function;
     EXPECT_LT(overlaps.status(), no_answer) << row.function;
     overlaps.check();

@@ -257,6 +257,14 @@ inline Model with_bounds(Model model) {
   return model;
 }
 
+/// The same with bounds of tools between nodes and of several tools.
+inline Model with_coupled_bounds(Model model) {
+  model = with_bounds(std::move(model));
+  model.bounds[0].coupled.resize(2, 4);
+  model.bounds[0].coupled << -1, 0.4, 0.2, 0.3, -0.5, 0.3, 0.25, 0.125;
+  return model;
+}
+
 /// What a level is, as a model of its own.
 inline Model level_alone(const Model& model, std::size_t l) {
   Model alone = model;

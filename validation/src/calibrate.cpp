@@ -11,12 +11,16 @@
 #include <phynness/validation/probe_plan.hpp>
 #include <set>
 
+#include "coupled_states.hpp"
+#include "packed.hpp"
 #include "shared_work.hpp"
 
 namespace phynness {
 namespace {
 
 constexpr std::size_t states_per_ray = 3, rays_per_node = 10;
+/// Of the rays of nodes, as many are solved of one tool between nodes, and of two tools.
+constexpr std::int64_t coupled_part = 5;
 /// The nodes are a sample of clusters: with fewer, 0.95 (1 + 1 / n) is above 1 and nothing is known of the next node.
 constexpr std::size_t fewest_nodes = 20;
 /// A state is exchanged between ranks as this many numbers.
@@ -144,8 +148,21 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     solver.emplace(stored_scene(header), header.mesh, header.sets);
     solver->set_stop(stop);
   });
+  const CoupledRays coupled(model, stored_scene(header).probe);
+  const std::int64_t per_kind = std::max<std::int64_t>(fewest_nodes, spec.rays / coupled_part);
+  std::vector<std::pair<std::int32_t, std::int32_t>> coupled_rays;  // number of the ray, and of tools
+  for (std::int32_t ray = 0; ray < per_kind; ++ray)
+    for (const std::int32_t n_tools : {1, 2})
+      if (coupled.possible(n_tools)) coupled_rays.emplace_back(ray, n_tools);
+  report.planned_coupled_rays = std::ssize(coupled_rays);
+  const auto n_items = static_cast<std::int64_t>(n_nodes) + report.planned_coupled_rays;
+  const auto counted = [&](std::int64_t before) {
+    return [&, before](std::int64_t done, std::int64_t) {
+      if (progress) progress(before + done, n_items);
+    };
+  };
   NodeRays solved;
-  const auto finished = share_out(session, static_cast<std::int64_t>(n_nodes), progress, stop, [&](std::size_t i) {
+  const auto finished = share_out(session, static_cast<std::int64_t>(n_nodes), counted(0), stop, [&](std::size_t i) {
     // The rays of a node do not depend on the number of ranks.
     std::mt19937_64 of_node(spec.seed * 1000003 + sample[i]);
     solver->touch({model.model().nodes[sample[i]].node});
@@ -156,6 +173,16 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     solved.rays += of_this.rays;
     solved.failed += of_this.failed;
   });
+  std::vector<double> coupled_rows;
+  const bool go_on = session.sum(stop && stop() ? 1 : 0) == 0;
+  const auto finished_rays =
+      share_out(session, go_on ? report.planned_coupled_rays : 0, counted(static_cast<std::int64_t>(n_nodes)), stop,
+                [&](std::size_t i) {
+                  std::mt19937_64 of_ray(spec.seed * 1000003 + n_active + i);
+                  std::vector<CoupledState> states;
+                  coupled.solve(*solver, of_ray, coupled_rays[i].first, coupled_rays[i].second, states);
+                  for (const auto& state : states) pack(coupled_rows, state);
+                });
   const auto total = [&](std::int64_t of_rank) {
     return static_cast<std::int64_t>(session.sum(static_cast<double>(of_rank)));
   };
@@ -163,7 +190,10 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
   report.planned_nodes = static_cast<std::int64_t>(n_nodes);
   report.rays = total(solved.rays);
   report.failed_rays = total(solved.failed);
+  report.coupled_rays = total(finished_rays);
   const auto states = states_of(session.gather(solved.states));
+  auto coupled_states = unpacked<CoupledState>(session.gather(coupled_rows));
+  std::ranges::stable_sort(coupled_states, {}, [](const auto& s) { return std::pair{s.ray, s.n_tools}; });
   Model bounded = model.model();
   session.together([&] {
     if (report.nodes < static_cast<std::int64_t>(std::min(n_nodes, fewest_nodes)))
@@ -175,6 +205,9 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     report.all_nodes = static_cast<std::size_t>(report.nodes) == n_active;
     const double range_m = bounded.max_displacement_m;
     report.left_out = coverage_of(left_out(model, predictors, states, report.rays, spec.coverage), range_m);
+    const auto coverages = add_coupled_bounds(bounded, model.mesh(), coupled_states);
+    report.between = coverages[0];
+    report.two = coverages[1];
     report.median_bound_N =
         median_bound(bounded_errors(LoadedModel(bounded, model.mesh(), "model"), predictors, states));
   });

@@ -10,9 +10,13 @@
 namespace phynness {
 namespace {
 
-/// Exponent of the predicted error in a bound, and power of the depth beyond the fitted one: docs/decisions/
-/// error-bounds.md. Errors spread more where they are larger, and more at depth.
-constexpr double shrinkage = 0.8, added_depth_power = 0.5;
+/// Exponent of the predicted error in a bound: docs/decisions/error-bounds.md. Errors spread more where they are
+/// larger.
+constexpr double shrinkage = 0.8;
+/// Powers of the depth beyond the fitted one. Errors mostly spread more at depth; the first power is taken for which
+/// every third of the depth is covered nearly as well as all.
+constexpr std::array added_depth_powers{0.5, 0.0, -0.5, 1.0};
+constexpr double nearly = 0.04;
 /// Errors below this part of a node's largest force count as this in the fit of their logarithms.
 constexpr double smallest_error = 1e-5;
 /// A calibration on fewer states says nothing about the twentieth that a bound leaves out.
@@ -68,13 +72,11 @@ Eigen::Vector4d fit(const Model& model, const BoundPredictors& predictors, const
   return terms.completeOrthogonalDecomposition().solve(errors);
 }
 
-/// Entries of a node's table, rounded up. @param factor  of all bounds
-ScaledTable table_of(const Model& model, std::size_t node, const BoundPredictors& predictors,
-                     const Eigen::Vector4d& coefficients, double factor) {
+/// Entries of a node's table, rounded up. @param c  of the logarithm of a bound. @param factor  of all bounds
+ScaledTable table_of(const Model& model, std::size_t node, const BoundPredictors& predictors, const Eigen::Vector4d& c,
+                     double factor) {
   const auto n = model.displacements.rows();
   Eigen::MatrixXd values(n, 1);
-  Eigen::Vector4d c = shrinkage * coefficients;
-  c[3] += shrinkage * added_depth_power;
   for (Eigen::Index row = 0; row < n; ++row) {
     const double depth = model.displacements.row(row).norm() / model.max_displacement_m;
     const double value =
@@ -107,6 +109,42 @@ double quantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
   return values[std::min(std::max<std::size_t>(at, 1), values.size()) - 1];
+}
+
+/// Errors over bounds with the factor 1.
+std::vector<double> scores_of(const Model& model, const BoundPredictors& predictors,
+                              const std::vector<BoundState>& states, const std::vector<double>& at_rest,
+                              const Eigen::Vector4d& coefficients) {
+  std::vector<std::vector<double>> values(model.nodes.size());
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    const Eigen::VectorXd column = table_of(model, i, predictors, coefficients, 1).values().col(0);
+    values[i].assign(column.begin(), column.end());
+  }
+  std::vector<double> scores;
+  for (const auto& state : states) {
+    // Below the first displacement the bound is linear from the force at rest on, which has no factor.
+    const auto node = static_cast<std::size_t>(state.node);
+    const double part = std::min(1.0, state.depth_m / model.displacements.row(0).norm());
+    const double free = state.error_N - (1 - part) * at_rest[node];
+    scores.push_back(std::max(free, 0.0) / std::max(part * at_state(model, values[node], state), 1e-300));
+  }
+  return scores;
+}
+
+/// The least share of scores up to `factor` in a third of the depth.
+double least_third(const Model& model, const std::vector<BoundState>& states, const std::vector<double>& scores,
+                   double factor) {
+  std::array<double, 3> held{}, drawn{};
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const auto third =
+        std::min<std::size_t>(2, static_cast<std::size_t>(3 * states[i].depth_m / model.max_displacement_m));
+    ++drawn[third];
+    held[third] += scores[i] <= factor;
+  }
+  double least = 1;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (drawn[k] > 0) least = std::min(least, held[k] / drawn[k]);
+  return least;
 }
 
 std::size_t distinct_nodes(const std::vector<BoundState>& states) {
@@ -154,26 +192,23 @@ Model add_bounds(Model model, const BoundPredictors& predictors, const std::vect
     throw input_error("there are too few states inside the trained range to calibrate bounds",
                       std::to_string(states.size()) + " states", "use more --rays; 1000 rays give about 3000 states");
   const auto n_nodes = distinct_nodes(states);
-  const Eigen::Vector4d coefficients = fit(model, predictors, states);
-  std::vector<std::vector<double>> values(model.nodes.size());
-  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
-    const Eigen::VectorXd column = table_of(model, i, predictors, coefficients, 1).values().col(0);
-    values[i].assign(column.begin(), column.end());
-  }
+  const Eigen::Vector4d fitted = shrinkage * fit(model, predictors, states);
   const auto at_rest = forces_at_rest(model);
-  std::vector<double> scores;
-  for (const auto& state : states) {
-    // Below the first displacement the bound is linear from the force at rest on, which has no factor.
-    const auto node = static_cast<std::size_t>(state.node);
-    const double part = std::min(1.0, state.depth_m / model.displacements.row(0).norm());
-    const double free = state.error_N - (1 - part) * at_rest[node];
-    scores.push_back(std::max(free, 0.0) / std::max(part * at_state(model, values[node], state), 1e-300));
-  }
   // A sample of nodes is a sample of clusters: the next node adds one to their number.
   const auto n = static_cast<double>(n_nodes < model.nodes.size() ? n_nodes : static_cast<std::size_t>(n_rays));
-  const double factor = quantile(scores, coverage * (1 + 1 / n));
-  for (std::size_t i = 0; i < model.nodes.size(); ++i)
-    model.nodes[i].bounds = {table_of(model, i, predictors, coefficients, factor)};
+  double best = -1;
+  for (const double power : added_depth_powers) {
+    Eigen::Vector4d coefficients = fitted;
+    coefficients[3] += shrinkage * power;
+    const auto scores = scores_of(model, predictors, states, at_rest, coefficients);
+    const double factor = quantile(scores, coverage * (1 + 1 / n));
+    const double least = least_third(model, states, scores, factor);
+    if (least <= best) continue;
+    best = least;
+    for (std::size_t i = 0; i < model.nodes.size(); ++i)
+      model.nodes[i].bounds = {table_of(model, i, predictors, coefficients, factor)};
+    if (least >= coverage - nearly) break;
+  }
   model.bounds = {{coverage, static_cast<std::int32_t>(n_rays), static_cast<std::int32_t>(n_nodes)}};
   return model;
 }

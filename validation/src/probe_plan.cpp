@@ -19,6 +19,24 @@ Vec3 on_sphere(std::mt19937_64& random) {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
+std::array<double, 3> point_of_triangle(std::mt19937_64& random) {
+  const double s = std::sqrt(uniform(random)), q = uniform(random);
+  return {1 - s, s * (1 - q), s * q};
+}
+
+std::vector<Eigen::Index> answered_triangles(const LoadedModel& model) {
+  const auto& surface = model.model().surface;
+  const auto& covered = model.model().covered;
+  std::set<std::int32_t> known;
+  for (const auto& node : model.model().nodes) known.insert(node.node);
+  for (Eigen::Index i = 0; i < covered.rows(); ++i) known.insert(covered(i, 0));
+  std::vector<Eigen::Index> triangles;
+  for (Eigen::Index t = 0; t < surface.rows(); ++t)
+    if (known.contains(surface(t, 0)) && known.contains(surface(t, 1)) && known.contains(surface(t, 2)))
+      triangles.push_back(t);
+  return triangles;
+}
+
 namespace {
 
 template <typename T>

@@ -46,27 +46,17 @@ std::int32_t nearest_active(const LoadedModel& model, const Place& place) {
 std::vector<Place> choose_places(const Scene& scene, const LoadedModel& model, std::int64_t points,
                                  std::int64_t displacements, std::uint64_t seed) {
   const auto& surface = model.model().surface;
-  const auto active = active_nodes(model);
-  std::vector<std::int32_t> known = active;
-  for (Eigen::Index i = 0; i < model.model().covered.rows(); ++i) known.push_back(model.model().covered(i, 0));
-  std::sort(known.begin(), known.end());
-  std::vector<Eigen::Index> triangles;
-  for (Eigen::Index t = 0; t < surface.rows(); ++t) {
-    bool all = true;
-    for (int k = 0; k < 3; ++k) all = all && std::binary_search(known.begin(), known.end(), surface(t, k));
-    if (all) triangles.push_back(t);
-  }
+  const auto triangles = answered_triangles(model);
   if (triangles.empty())
     throw input_error("no triangle of the surface has three active corners, or corners between active nodes",
-                      std::to_string(active.size()) + " active nodes",
+                      std::to_string(model.model().nodes.size()) + " active nodes",
                       "probe a coherent part of the surface, or omit --points");
   const Points normals = node_normals(model.mesh());
   std::mt19937_64 random(seed);
   std::vector<Place> places(static_cast<std::size_t>(points));
   for (auto& place : places) {
     const auto t = triangles[static_cast<std::size_t>(uniform(random) * static_cast<double>(triangles.size()))];
-    const double s = std::sqrt(uniform(random)), q = uniform(random);
-    place.weights = {1 - s, s * (1 - q), s * q};
+    place.weights = point_of_triangle(random);
     for (int k = 0; k < 3; ++k) place.nodes[static_cast<std::size_t>(k)] = surface(t, k);
     const Eigen::Vector3d normal = normals.row(place.nearest_corner()).transpose();
     for (int attempt = 0; attempt < 1000 && std::ssize(place.displacements) < displacements; ++attempt) {

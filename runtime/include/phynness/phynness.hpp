@@ -366,6 +366,9 @@ class Tools : public Data {
   Status couple(const phn_tool& tool, Out3 force_N, phn_coupled* result = nullptr) noexcept {
     return phn_couple(more().model, get(), 1, &tool, force_N.data(), result);
   }
+  Status coupled_bound(double (&bounds_N)[PHN_MOST_COUPLED]) const noexcept {
+    return phn_coupled_bound(more().model, get(), bounds_N);
+  }
   Status coupled_deform(Span<double> out) noexcept {
     return out.size() < more().n_field ? Status(PHN_ERROR_BUFFER)
                                        : Status(phn_coupled_deform(more().model, get(), out.data()));

@@ -32,6 +32,7 @@
 #define phn_contact_size phnf_contact_size
 #define phn_contact_step phnf_contact_step
 #define phn_couple phnf_couple
+#define phn_coupled_bound phnf_coupled_bound
 #define phn_coupled_deform phnf_coupled_deform
 #define phn_data phnf_data
 #define phn_data_init phnf_data_init

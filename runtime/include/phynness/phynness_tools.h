@@ -38,9 +38,9 @@ PHN_API int phn_tools_init(void* memory, size_t bytes, const phn_model* model, i
  * tool slides over edges and nodes, and at a node they are those of the node. Fixed nodes of the triangle do not count;
  * where their weights exceed 0.3, the tool is PHN_WARNING_OUTSIDE, with the trained depth 0, at any displacement.
  * A warning of any active node of the triangle, or around its covered nodes, is one of the tool. The trained depth is
- * the smallest of these nodes; distance and bound are the largest. What the mean adds to the error is not in the bound
- * (docs/decisions/between-points.md). PHN_ERROR_UNDEFINED: the point is between nodes of a model without round tools;
- * use phn_couple. Cost: about 12 forces between nodes. */
+ * the smallest of these nodes; the distance is the largest. So is the bound in models calibrated by older versions, of
+ * which it says too little; in others it is that of phn_coupled_bound. PHN_ERROR_UNDEFINED: the point is between nodes
+ * of a model without round tools; use phn_couple. Cost: about 12 forces between nodes. */
 PHN_API int phn_force_at(const phn_model* model, phn_data* data, const phn_tool* tool, double force[3], double* energy,
                          double stiffness[9]);
 PHN_API int phn_trust_at(const phn_model* model, const phn_tool* tool, phn_trusted* trusted);
@@ -52,7 +52,7 @@ PHN_API int phn_bound_at(const phn_model* model, const phn_tool* tool, double* b
  * it is alone, unless they are close. Forces are continuous where a tool slides over edges and nodes.
  * In families with an energy they are its gradient while the tools hold their points. The result depends on these
  * arguments only, not on earlier calls. PHN_WARNING_UNSETTLED: tools within half an edge length of each other, round
- * tools within up to twice their radius, pull apart, and their points follow them only in part. PHN_ERROR_TOOLS: more
+ * tools within a few tenths of their radius, pull apart, and their points follow them only in part. PHN_ERROR_TOOLS: more
  * tools than `data` holds; a phn_data of phn_data_init holds none. PHN_ERROR_UNDEFINED: a node of coupled tools, or one
  * under its round tool, is not an output node, or it has no deformation. `result` may be null. Components of
  * displacements are clamped to 1000 max_displacement_m. */
@@ -62,6 +62,13 @@ PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, 
 /* Displacements [m] of all output nodes, n_output x 3, under the tools of the last phn_couple with this data; zeros
  * before the first phn_couple. The field of one round tool between nodes is the mean of its nodes' fields. */
 PHN_API int phn_coupled_deform(const phn_model* model, phn_data* data, double* out);
+
+/* Bounds [N] of the errors of the forces of the last phn_couple with this data, one for each tool, of the full level:
+ * with one tool or several, at nodes or between them, each holds for random places and displacements as phn_bound does
+ * (formats/model.md, Bounds). PHN_NO_BOUND with PHN_WARNING_OUTSIDE or _UNSETTLED. PHN_ERROR_UNDEFINED, with zeros: the
+ * model has no bounds, or one calibrated by an older version has none but at a single node. Cost: four forces for each
+ * active node around a tool. */
+PHN_API int phn_coupled_bound(const phn_model* model, const phn_data* data, double* bounds);
 
 /* The tool at that point of the undeformed surface which is nearest to x [m], with displacement 0. `point` [m] may be
  * null. */

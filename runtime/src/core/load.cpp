@@ -334,6 +334,7 @@ int ModelLoader::finish(phn_model* placed) {
   model.probe_triangles = _store.probe_triangles.at;
   model.n_covered = static_cast<std::int32_t>(_store.covered.n);
   model.covered = _store.covered.at;
+  model.coupled_bound = _store.bounds.part[0].coupled.at;
   model.n_levels = static_cast<std::int32_t>(n_smaller()) + 1;
   if (_store.levels.n > 0) {
     const LevelStore& last = _store.levels.part[_store.levels.n - 1];

@@ -221,6 +221,8 @@ struct phn_model {
   /// over schema::whole_weight.
   std::int32_t n_probe_triangles, n_covered;
   const std::int32_t *probe_triangles, *covered;
+  /// Of the bounds of a tool between nodes and of several tools, schema::n_coupled_terms each; null: not known.
+  const double* coupled_bound;
 };
 
 namespace PHN_RUNTIME {

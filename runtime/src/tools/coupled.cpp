@@ -10,15 +10,16 @@ namespace {
 
 /// Smallest compliance of opposing displacements of two tools, as a fraction of each tool's own compliance. Below it
 /// the tools are so close that opposing displacements are followed only in part (docs/decisions/coupled-tools.md).
-constexpr double least_apart = 0.05;
+/// Means under round tools are as well known as that (docs/decisions/several-round-tools.md).
+constexpr double least_apart = 0.05, least_apart_round = 0.002;
 
 /// Fraction of all tools' energies that is added to the weight of each order. With 0, the weights of two tools with
 /// consistent displacements, which leave nothing to do in either order, would jump with their smallest difference.
 constexpr double equal_part = 0.05;
 
-/// Round tools that can be distinguished well, with compliances above this, have no such part: the smallest difference
-/// that they can have is large, and a tool that exerts no force does not count at all.
-constexpr double well_apart = 2 * least_apart;
+/// Round tools that are well apart, with compliances above this, have no such part: the smallest difference that they
+/// can have is large, and a tool that exerts no force does not count at all. It is whole again at half of this.
+constexpr double well_apart = 0.1;
 
 /// Fraction of the surface's rotation around a point, caused by the first tool, by which the body counts as turned for
 /// the second tool (docs/decisions/coupled-tools.md).
@@ -252,8 +253,9 @@ class Solver : private CoupledField {
     diagonalize(_c.work, n, _c.vectors);
     double least = _c.work[0];
     for (std::int32_t e = 1; e < n; ++e) least = std::fmin(least, _c.work[e * n + e]);
-    _apart = least >= least_apart;
-    if (_round && least > least_apart) _equal_part *= std::fmax(0.0, (well_apart - least) / (well_apart - least_apart));
+    _least = _round ? least_apart_round : least_apart;
+    _apart = least >= _least;
+    if (_round) _equal_part *= std::fmin(1.0, std::fmax(0.0, 2 * (well_apart - least) / well_apart));
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
       HeldPoint& point = _c.point[t];
       for (std::int32_t s = 0; s < _c.n_tools; ++s) {
@@ -271,7 +273,7 @@ class Solver : private CoupledField {
     Matrix block = {};
     for (std::int32_t e = 0; e < n; ++e) {
       const double value = _c.work[e * n + e];
-      const double inverse = value >= least_apart ? 1 / value : std::fmax(value, 0.0) / (least_apart * least_apart);
+      const double inverse = value >= _least ? 1 / value : std::fmax(value, 0.0) / (_least * _least);
       for (int k = 0; k < 9; ++k)
         block.a[k] += _c.vectors[(3 * t + k / 3) * n + e] * inverse * _c.vectors[(3 * s + k % 3) * n + e];
     }
@@ -304,6 +306,7 @@ class Solver : private CoupledField {
   }
 
   double _sum = 0;                  ///< of the weights before normalization
+  double _least = least_apart;      ///< smallest compliance of tools that can be distinguished
   bool _apart = true;               ///< all tools can be distinguished
   double _equal_part = equal_part;  ///< depends on the places only
 };
@@ -342,6 +345,7 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   c.vectors = arena.take<double>(9 * t * t);
   c.stiffness = arena.take<Matrix>(t * t);
   c.wide = arena.take<Matrix>(t * t);
+  c.vertex_mean = arena.take<double>(static_cast<std::size_t>(model.n_output) + n_shared);
   c.derivative = arena.take<Matrix>(n_places * t);
   c.rest = arena.take<Vector>(t * t);
   c.pulled = arena.take<Vector>(t * t);

@@ -45,6 +45,7 @@ struct FieldPart {
 /// max_tools + t is the rotation of the surface around that point [rad].
 struct Coupling {
   std::int32_t max_tools, n_tools;
+  bool settled;
   const phn_model* model;  ///< the level of the latest tools
   Neighbours neighbours;
   std::int32_t n_corners;  ///< largest number of nodes of a point
@@ -60,7 +61,8 @@ struct Coupling {
   LocalResponse pair;      ///< scratch: of one node under another
   SurfaceTurn* turn;       ///< scratch
   Matrix* stiffness;       ///< of the points at rest, of t by s at t max_tools + s
-  Matrix* wide;            ///< of round tools: compliance at rest of their nodes' tools, superposed, as stiffness
+  Matrix* wide;            ///< of round tools: half of the compliance between them, see prepare_means; as stiffness
+  double* vertex_mean;     ///< scratch of prepare_means
   Matrix* derivative;      ///< of place s by the p of t, at s max_tools + t
   Vector *rest, *pulled;   ///< displacement [m] left to j by order i, and its force in the undeformed body [N],
                            ///< at i max_tools + j

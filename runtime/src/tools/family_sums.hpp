@@ -81,6 +81,20 @@ class UnitSum {
   const LinearResponse& _linear;
 };
 
+/// Calls f(s, value) for each shared mode s of component c of a vertex.
+template <class Function>
+void each_shared(const phn_model& model, std::int32_t output, std::int32_t c, Function&& f) {
+  const auto n_shared = static_cast<std::size_t>(model.shared.n_modes);
+  const std::size_t row = 3 * static_cast<std::size_t>(output) + static_cast<std::size_t>(c);
+  const float* mode = model.shared.modes + row / rows_per_block * rows_per_block * n_shared + row % rows_per_block;
+  for (std::size_t s = 0; s < n_shared; ++s) f(s, static_cast<double>(mode[s * rows_per_block]));
+}
+/// Adds the shared modes of a vertex to 3 n_modes numbers.
+inline void add_shared(const phn_model& model, std::int32_t output, double weight, double* shared) {
+  for (std::int32_t c = 0; c < 3 && model.shared.n_modes > 0; ++c)
+    each_shared(model, output, c, [&](std::size_t s, double value) { shared[3 * s + c] += weight * value; });
+}
+
 /// Sums modes over vertices. Vertices near the node have modes of their own; modes of other vertices are mixed from the
 /// shared modes, which are summed first.
 class ModeSum {
@@ -91,23 +105,22 @@ class ModeSum {
     for (std::int32_t k = 0; k < 3 * model.shared.n_modes; ++k) shared[k] = 0;
   }
   void add(std::int32_t output, const Matrix& map, LocalResponse& local) {
-    const std::int32_t at = find_sorted(_node.near, _node.n_near, output), n_shared = _model.shared.n_modes;
-    _mixes = _mixes || at < 0;
-    for (std::int32_t c = 0; c < 3; ++c) {
-      const auto row = 3 * static_cast<std::size_t>(at >= 0 ? at : output) + static_cast<std::size_t>(c);
-      const double factor[3] = {map(0, c), map(1, c), map(2, c)};
-      if (at >= 0) {
-        add_row(_node.near_mode + row * static_cast<std::size_t>(_node.n_columns), _node.near_mode_scale, factor,
-                _node.n_modes, local.rows);
-        continue;
-      }
-      const float* mode = _model.shared.modes +
-                          row / rows_per_block * rows_per_block * static_cast<std::size_t>(n_shared) +
-                          row % rows_per_block;
-      for (std::int32_t s = 0; s < n_shared; ++s) {
-        const auto value = static_cast<double>(mode[s * rows_per_block]);
-        for (int k = 0; k < 3; ++k) _shared[3 * s + k] += factor[k] * value;
-      }
+    const std::int32_t at = find_sorted(_node.near, _node.n_near, output);
+    if (at >= 0) return add_near(at, map, local);
+    _mixes = true;
+    for (std::int32_t c = 0; c < 3; ++c)
+      each_shared(_model, output, c, [&](std::size_t s, double value) {
+        for (int k = 0; k < 3; ++k) _shared[3 * s + k] += map(k, c) * value;
+      });
+  }
+  void add_all(const double* weight, const double* shared, LocalResponse& local) {
+    _mixes = true;
+    for (std::int32_t k = 0; k < 3 * _model.shared.n_modes; ++k) _shared[k] = shared[k];
+    for (std::int32_t i = 0; i < _node.n_near; ++i) {
+      const double w = weight[_node.near[i]];
+      if (w == 0) continue;
+      add_shared(_model, _node.near[i], -w, _shared);
+      add_near(i, diagonal(w), local);
     }
   }
   void finish(LocalResponse& local) const {
@@ -117,6 +130,14 @@ class ModeSum {
   }
 
  private:
+  void add_near(std::int32_t at, const Matrix& map, LocalResponse& local) const {
+    for (std::int32_t c = 0; c < 3; ++c) {
+      const std::size_t row = 3 * static_cast<std::size_t>(at) + static_cast<std::size_t>(c);
+      const double factor[3] = {map(0, c), map(1, c), map(2, c)};
+      add_row(_node.near_mode + row * static_cast<std::size_t>(_node.n_columns), _node.near_mode_scale, factor,
+              _node.n_modes, local.rows);
+    }
+  }
   /// Adds one row of a table, times factor[k], to row k of sum. @param sum  3 x m
   static void add_row(const std::int16_t* row, const double* scale, const double* factor, std::int32_t m, double* sum) {
     for (std::int32_t j = 0; j < m; ++j) {

@@ -76,6 +76,37 @@ void add_local(const phn_model& model, const ActiveNode& node, std::int32_t n, c
   });
 }
 
+void add_round_tool(const ActiveNode& node, double part, double* weight) {
+  for (std::int32_t m = 0; m < node.n_prescribed; ++m) weight[node.prescribed[m]] += part * node.prescribed_weight[m];
+}
+
+void sum_shared(const phn_model& model, const double* weight, double* shared) {
+  for (std::int32_t k = 0; k < 3 * model.shared.n_modes; ++k) shared[k] = 0;
+  for (std::int32_t v = 0; v < model.n_output; ++v) {
+    if (weight[v] != 0) add_shared(model, v, weight[v], shared);
+  }
+}
+
+void mean_response(const phn_model& model, const ActiveNode& node, double own, double* weight, const double* shared,
+                   double* scratch, LocalResponse& local) {
+  clear_local(model, node, local);
+  local.direct = diagonal(own);
+  if (own == 1) return;
+  if (own != 0) add_round_tool(node, -own, weight);
+  for (std::int32_t v = 0; v < model.n_output && node.modal == nullptr; ++v) {
+    const Matrix map = diagonal(weight[v]);
+    if (weight[v] != 0) add_local(model, node, 1, &v, &map, scratch, local);
+  }
+  if (node.modal) {
+    ModeSum sum(model, *node.modal, scratch);
+    sum.add_all(weight, shared, local);
+    for (std::int32_t m = 0; m < node.n_prescribed && own != 0; ++m)
+      add_shared(model, node.prescribed[m], -own * node.prescribed_weight[m], scratch);
+    sum.finish(local);
+  }
+  if (own != 0) add_round_tool(node, own, weight);
+}
+
 Vector local_displacement(const LocalResponse& local, double share, const Vector& d, std::int32_t n_basis,
                           const double* basis) {
   Vector u = local.direct * d;

@@ -35,6 +35,17 @@ void clear_local(const phn_model& model, const ActiveNode& node, LocalResponse& 
 void add_local(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
                const Matrix* maps, double* scratch, LocalResponse& local);
 
+/// Adds `part` of the mean that a round tool at the node moves to the weights of all vertices.
+void add_round_tool(const ActiveNode& node, double part, double* weight);
+/// The sum over vertices of their shared modes, 3 n_modes.
+void sum_shared(const phn_model& model, const double* weight, double* shared);
+/// The mean of vertices, by their weights, while the active node is displaced.
+/// @param own      part of the mean that is the mean under this node's own tool
+/// @param weight   of all vertices. @param shared  see sum_shared
+/// @param scratch  as add_local
+void mean_response(const phn_model& model, const ActiveNode& node, double own, double* weight, const double* shared,
+                   double* scratch, LocalResponse& local);
+
 /// @return share constant + direct d + rows . basis [m]
 Vector local_displacement(const LocalResponse& local, double share, const Vector& d, std::int32_t n_basis,
                           const double* basis);

@@ -68,7 +68,6 @@ void ToolResponses::prepare(std::int32_t s) {
   Matrix compliance[most_corners], between[most_corners][most_corners], sum = {};
   point.own = {};
   point.curved = 0;
-  for (std::int32_t t = 0; t < _c.n_tools; ++t) _c.wide[at(t, s)] = {};
   for (std::int32_t i = 0; i < point.n_nodes; ++i) {
     const ActiveNode& by = node(point, i);
     point.rest_stiffness[i] = stiffness_at_rest(_model, by);
@@ -82,12 +81,11 @@ void ToolResponses::prepare(std::int32_t s) {
       between[j][i] = rest_response(_c.pair, n, gradient_at_rest(s, i));
       sum += (point.weight[j] * point.weight[i]) * (between[j][i] * compliance[i]);
     }
-    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+    for (std::int32_t t = 0; t < _c.n_tools && !_round; ++t) {
       const HeldPoint& other = _c.point[t];
       LocalResponse& local = _c.local[at(t, s, i)];
       prepare_local(by, other.n_nodes, other.active, other.weight, local);
       _c.rest_response[at(t, s, i)] = rest_response(local, n, gradient_at_rest(s, i));
-      _c.wide[at(t, s)] += point.weight[i] * (_c.rest_response[at(t, s, i)] * compliance[i]);
     }
   }
   if (_round) return prepare_round(s);
@@ -114,21 +112,51 @@ void ToolResponses::prepare_round(std::int32_t s) {
     point.share[i] = point.weight[i];
     point.contribution[i] = diagonal(point.weight[i]);
     point.reach[i] = diagonal(1);
-    // The tool's own mean moves by p.
-    LocalResponse& own = _c.local[at(s, s, i)];
-    clear_local(_model, node(point, i), own);
-    own.direct = _c.rest_response[at(s, s, i)] = diagonal(1);
+  }
+}
+
+void ToolResponses::prepare_means(std::int32_t t) {
+  HeldPoint& to = _c.point[t];
+  double *weight = _c.vertex_mean, *shared = weight + _model.n_output;
+  for (std::int32_t s = 0; s < _c.n_tools; ++s) _c.wide[at(t, s)] = {};
+  // By all nodes of (x), and then by the corners; at a node they are the same.
+  const bool corrected = to.mean.n > to.n_nodes;
+  for (int corners = corrected ? 0 : 1; corners < 2; ++corners) {
+    const std::int32_t n_nodes = corners ? to.n_nodes : to.mean.n;
+    const double *share = corners ? to.weight : to.mean.weight, part = !corners ? 1 : corrected ? -0.5 : 0.5;
+    set_zero(weight, static_cast<std::size_t>(_model.n_output));
+    for (std::int32_t k = 0; k < n_nodes; ++k) add_round_tool(_model.active[to.mean.active[k]], share[k], weight);
+    sum_shared(_model, weight, shared);
+    for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+      const HeldPoint& point = _c.point[s];
+      for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+        const ActiveNode& by = node(point, i);
+        std::int32_t k = 0;
+        while (k < n_nodes && to.mean.active[k] != point.active[i]) ++k;
+        LocalResponse& local = _c.local[at(t, s, i)];
+        mean_response(_model, by, k < n_nodes ? share[k] : 0, weight, shared, _c.shared, local);
+        Matrix& response = _c.rest_response[at(t, s, i)];
+        response = rest_response(local, basis_size(_model, by), gradient_at_rest(s, i));
+        _c.wide[at(t, s)] += (part * point.weight[i]) * (response * inverse_of(point.rest_stiffness[i]));
+      }
+    }
+  }
+  for (std::int32_t i = 0; i < to.n_nodes; ++i) {  // the tool's own mean moves by p
+    clear_local(_model, node(to, i), _c.local[at(t, t, i)]);
+    _c.local[at(t, t, i)].direct = _c.rest_response[at(t, t, i)] = diagonal(1);
   }
   Matrix root, inverse;
-  find_roots(symmetric_part(point.root * _c.wide[at(s, s)] * point.root), root, point.scale, inverse);
+  find_roots(2 * symmetric_part(to.root * _c.wide[at(t, t)] * to.root), root, to.scale, inverse);
 }
 
 void ToolResponses::match_round_tools() {
+  for (std::int32_t t = 0; t < _c.n_tools; ++t) prepare_means(t);
   for (std::int32_t t = 0; t < _c.n_tools; ++t) {
     for (std::int32_t s = 0; s < _c.n_tools; ++s) {
       const HeldPoint &to = _c.point[t], &by = _c.point[s];
       if (t == s || (to.n_nodes == 1 && by.n_nodes == 1)) continue;
-      Matrix change = to.inverse_root * to.scale * to.root * _c.wide[at(t, s)] * by.root * by.scale * by.root;
+      const Matrix compliance = _c.wide[at(t, s)] + transposed(_c.wide[at(s, t)]);
+      Matrix change = to.inverse_root * to.scale * to.root * compliance * by.root * by.scale * by.root;
       for (std::int32_t i = 0; i < by.n_nodes; ++i) change -= by.weight[i] * _c.rest_response[at(t, s, i)];
       for (std::int32_t i = 0; i < by.n_nodes; ++i) {
         _c.local[at(t, s, i)].direct += change;
@@ -140,31 +168,14 @@ void ToolResponses::match_round_tools() {
 
 void ToolResponses::prepare_local(const ActiveNode& by, std::int32_t n, const std::int32_t* active,
                                   const double* weight, LocalResponse& local) const {
-  constexpr std::int32_t at_once = 16;
-  std::int32_t vertices[at_once], found = 0;
-  Matrix maps[at_once];
-  const auto flush = [&] {
-    add_local(_model, by, found, vertices, maps, _c.shared, local);
-    found = 0;
-  };
-  const auto add = [&](std::int32_t vertex, double share) {
-    if (found == at_once) flush();
-    vertices[found] = vertex;
-    maps[found++] = diagonal(share);
-  };
-  clear_local(_model, by, local);
+  std::int32_t vertices[most_corners];
+  Matrix maps[most_corners];
   for (std::int32_t k = 0; k < n; ++k) {
-    const ActiveNode& node = _model.active[active[k]];
-    if (!node.moves_mean) {
-      add(node.output, weight[k]);
-    } else if (&node == &by) {
-      local.direct += diagonal(weight[k]);  // the tool's own mean
-    } else {
-      for (std::int32_t m = 0; m < node.n_prescribed; ++m)
-        add(node.prescribed[m], weight[k] * node.prescribed_weight[m]);
-    }
+    vertices[k] = _model.active[active[k]].output;
+    maps[k] = diagonal(weight[k]);
   }
-  flush();
+  clear_local(_model, by, local);
+  add_local(_model, by, n, vertices, maps, _c.shared, local);
 }
 
 void ToolResponses::prepare_turn(std::int32_t t) {

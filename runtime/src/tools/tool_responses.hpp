@@ -33,7 +33,7 @@ class ToolResponses {
   double respond(std::int32_t s, const Vector& p);
   /// Computes the quantities of a tool that do not depend on its displacement.
   void prepare(std::int32_t s);
-  /// Makes the compliances at rest between round tools agree with those of each alone: superposed ones, scaled at both
+  /// Makes the compliances at rest between round tools agree with those of each alone: interpolated ones, scaled at both
   /// ends. What the fields lack under other tools for that is added. @pre prepare of all tools
   void match_round_tools();
   /// Computes the rotation of the surface around tool t's point by the nodes of the other tools; the rotation by its
@@ -60,11 +60,15 @@ class ToolResponses {
  private:
   /// The part of prepare that takes the stiffness from (x).
   void prepare_round(std::int32_t s);
+  /// The displacement of tool t's mean by the nodes of all tools, and half of the compliances: W_ts as superposed by
+  /// the corners of tool s and all nodes of (x) of tool t, less half of that by corners alone. The sum of it and of its
+  /// transpose is exact for quadratic functions of both places. @pre prepare of all tools
+  void prepare_means(std::int32_t t);
   /// Adds node i's part of the derivatives of all places by the p of tool t.
   void add_derivatives(std::int32_t t, std::int32_t i);
   /// Derivative of a local response at rest.
   Matrix rest_response(const LocalResponse& local, std::int32_t n, const double* gradient) const;
-  /// The displacement that tools at several active nodes would have: of the vertex, or of the mean that they move.
+  /// The mean displacement of the vertices of several active nodes.
   void prepare_local(const ActiveNode& by, std::int32_t n, const std::int32_t* active, const double* weight,
                      LocalResponse& local) const;
   /// Contributions of tool s's nodes at p: node i's response at e_i, scaled to q_i. The remaining displacement of the

@@ -96,27 +96,6 @@ int find_alone(const phn_model* model, const phn_tool* tool, Place& place) {
   return refused == PHN_OK && !answers_alone(*model, place) ? PHN_ERROR_UNDEFINED : refused;
 }
 
-/// What `of_node(node, d, one)` says of each node of a tool, one after another; ends at an error.
-/// @param beside  whether the tool is where is_beside_fixed says: nothing was trained there
-/// @return the sum of its warnings
-template <class Value, class OfNode, class Take>
-int at_nodes(const phn_model* model, const phn_tool* tool, bool& beside, OfNode of_node, Take take) {
-  Place place;
-  int status = find_alone(model, tool, place);
-  if (status < 0) return status;
-  const double lever = lever_of(*model, place);
-  Vector d;
-  cut(tool->displacement, lever, PHN_NO_BOUND, d.x);
-  for (std::int32_t i = 0; status >= 0 && i < place.n_nodes; ++i) {
-    Value one;
-    const int said = of_node(model, model->active_nodes[place.active[i]], d.x, &one);
-    status = said < 0 ? said : status | said;
-    take(one, lever, i == 0);
-  }
-  beside = status >= 0 && is_beside_fixed(*model, place);
-  return beside ? status | PHN_WARNING_OUTSIDE : status;
-}
-
 /// Force, energy and stiffness of one tool, of which any may be null but not all. @return a status of phynness.h
 int force_at(const phn_model* model, const phn_data* data, const phn_tool* tool, Vector& force, double* energy,
              Matrix* stiffness) {
@@ -169,6 +148,7 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
   if (n_tools == 0) return PHN_OK;
   c.n_tools = n_tools;
   const auto solved = one ? alone(*c.model, c, targets[0]) : solve_coupled(*c.model, c, targets);
+  c.settled = solved.settled;
   const int status = (solved.settled ? PHN_OK : PHN_WARNING_UNSETTLED) | warnings_of(*model, c);
   result = {solved.residual, std::isfinite(solved.energy) ? solved.energy : 0};
   return status;
@@ -223,26 +203,23 @@ int phn_force_at(const phn_model* model, phn_data* data, const phn_tool* tool, d
 int phn_trust_at(const phn_model* model, const phn_tool* tool, phn_trusted* trusted) {
   if (trusted == nullptr) return PHN_ERROR_ARGUMENT;
   phn_trusted found = {};
-  bool beside = false;
-  const int status =
-      at_nodes<phn_trusted>(model, tool, beside, phn_trust, [&](const phn_trusted& one, double, bool first) {
-        found.trained_depth = first ? one.trained_depth : std::fmin(found.trained_depth, one.trained_depth);
-        found.distance = std::fmax(found.distance, one.distance);
-        found.relative = std::fmax(found.relative, one.relative);
-      });
-  if (beside) found.trained_depth = 0;
+  Place place;
+  int status = find_alone(model, tool, place);
+  Vector d;
+  if (status >= 0) cut(tool->displacement, lever_of(*model, place), PHN_NO_BOUND, d.x);
+  for (std::int32_t i = 0; status >= 0 && i < place.n_nodes; ++i) {
+    phn_trusted one;
+    const int said = phn_trust(model, model->active_nodes[place.active[i]], d.x, &one);
+    status = said < 0 ? said : status | said;
+    found.trained_depth = i == 0 ? one.trained_depth : std::fmin(found.trained_depth, one.trained_depth);
+    found.distance = std::fmax(found.distance, one.distance);
+    found.relative = std::fmax(found.relative, one.relative);
+  }
+  if (status >= 0 && is_beside_fixed(*model, place)) {
+    found.trained_depth = 0;
+    status |= PHN_WARNING_OUTSIDE;
+  }
   *trusted = status < 0 ? phn_trusted{} : found;
-  return status;
-}
-
-int phn_bound_at(const phn_model* model, const phn_tool* tool, double* bound) {
-  if (bound == nullptr) return PHN_ERROR_ARGUMENT;
-  double found = 0;
-  bool beside = false;
-  const int status = at_nodes<double>(model, tool, beside, phn_bound, [&](double one, double lever, bool) {
-    found = std::fmin(PHN_NO_BOUND, std::fmax(found, one / lever));
-  });
-  *bound = status < 0 ? 0 : beside ? PHN_NO_BOUND : found;
   return status;
 }
 

@@ -18,6 +18,8 @@ struct ModelResponse {
   Eigen::MatrixXd fields;  ///< n_output x n_fields, in their units; empty for a model without fields or several tools
   int status = PHN_OK;     ///< status of the runtime: PHN_OK or warnings
   phn_coupled coupled{};   ///< residual and energy of coupled tools
+  /// Bounds of the errors of coupled forces, where there is one; without elements if the model has none.
+  std::vector<std::optional<double>> bound_N;
 };
 
 /// Must not be used by several threads at the same time.

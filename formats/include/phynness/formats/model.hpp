@@ -115,6 +115,8 @@ using schema::largest_level_count;
 struct ModelBound {
   double coverage = 0;  ///< share of random displacements inside the range whose error is below the bound
   std::int32_t n_rays = 0, n_nodes = 0;  ///< of the calibration
+  /// Empty, or schema::n_coupled_kinds rows of coefficients: one tool between nodes, several tools.
+  Eigen::Matrix<double, Eigen::Dynamic, schema::n_coupled_terms> coupled{};
 };
 
 using schema::largest_coordinate;

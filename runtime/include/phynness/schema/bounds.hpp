@@ -21,6 +21,8 @@ inline constexpr int32_t largest_table_entry = 32767;
 inline constexpr double largest_table_value = 1e6;
 inline constexpr int32_t largest_mode_count = 1024, largest_field_count = 8, largest_level_count = 8;
 inline constexpr int32_t largest_bound_count = 1;
+/// Coefficients of the bound of a tool between nodes, and of several tools (formats/model.md, Bounds).
+inline constexpr int32_t n_coupled_kinds = 2, n_coupled_terms = 4;
 /// The weights of a covered node are integers, parts of this.
 inline constexpr int32_t whole_weight = 65535;
 /// Characters of the name or unit of a field.
@@ -42,6 +44,7 @@ inline constexpr Bound probe_weight{-1, 1, "is beyond 1"};
 inline constexpr Bound width{1 / largest_width, largest_width, "is out of range 1e-6 ... 1e6"};
 inline constexpr Bound field_scale{DBL_TRUE_MIN, largest_linear_entry, "is not positive or beyond 1e100"};
 inline constexpr Bound level_error{0, largest_linear_entry, "is negative or beyond 1e100"};
+inline constexpr Bound exponent{-1e3, 1e3, "is beyond 1000"};
 inline constexpr Bound probability{0, 1, "is not between 0 and 1"};
 inline constexpr Bound table_scale{0, largest_table_value / largest_table_entry, "is negative or too large"};
 

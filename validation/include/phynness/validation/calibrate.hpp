@@ -4,6 +4,7 @@
 #include <functional>
 #include <phynness/formats/described.hpp>
 #include <phynness/precompute/probe_solver.hpp>
+#include <phynness/validation/coupled_bounds.hpp>
 #include <phynness/validation/error_bounds.hpp>
 
 namespace phynness {
@@ -21,15 +22,19 @@ struct BoundReport {
   bool all_nodes = false;                     ///< of the model have rays
   /// Each fifth of the nodes with the bounds that the others give; of the rays if all nodes have rays.
   BoundCoverage left_out;
-  double median_bound_N = 0;  ///< of the states
+  double median_bound_N = 0;                                ///< of the states
+  std::int64_t coupled_rays = 0, planned_coupled_rays = 0;  ///< of tools between nodes, and of two tools
+  CoupledCoverage between, two;
   double seconds = 0;
 
-  bool interrupted() const { return nodes < planned_nodes; }
-  PHYNNESS_FIGURES(rays, failed_rays, nodes, planned_nodes, all_nodes, states, median_bound_N, left_out, seconds)
+  bool interrupted() const { return nodes < planned_nodes || coupled_rays < planned_coupled_rays; }
+  PHYNNESS_FIGURES(rays, failed_rays, nodes, planned_nodes, all_nodes, states, median_bound_N, left_out, coupled_rays,
+                   planned_coupled_rays, between, two, seconds)
 };
 
 /// Solves random rays of the body and calibrates bounds. Collective; only rank 0 gets a result.
-/// @param stop  asked between solves; ends the calibration, and the bounds are those of the finished nodes
+/// @param progress  receives the finished nodes and rays of coupled tools, and their number
+/// @param stop  asked between solves; ends the calibration, and the bounds are those of the finished nodes and rays
 /// @throws Error (failure) if it ended with fewer than 20 nodes
 Model calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, const BoundSpec& spec,
                 const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop,

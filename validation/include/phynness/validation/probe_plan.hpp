@@ -13,6 +13,11 @@ double uniform(std::mt19937_64& random);
 /// Uniform on the unit sphere.
 Vec3 on_sphere(std::mt19937_64& random);
 
+/// Barycentric weights, uniform by area.
+std::array<double, 3> point_of_triangle(std::mt19937_64& random);
+/// Triangles of the surface whose corners are all active or covered.
+std::vector<Eigen::Index> answered_triangles(const LoadedModel& model);
+
 /// A ray with the depths of its probes; 0: no such probe.
 struct ProbePair {
   Vec3 direction{};

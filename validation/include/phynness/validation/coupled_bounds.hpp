@@ -1,0 +1,38 @@
+// Statistics of the bounds of forces of tools between nodes and of several tools (formats/model.md, Bounds).
+#pragma once
+
+#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/validation/bound_coverage.hpp>
+#include <vector>
+
+namespace phynness {
+
+/// A solved state of a random ray of one tool between nodes, or of two tools.
+struct CoupledState {
+  std::int32_t ray = 0;  ///< its number among those of the same kind
+  std::int32_t n_tools = 1;
+  std::array<phn_tool, 2> tools{};
+  std::array<Vec3, 2> force_N{};  ///< of the finite elements
+};
+
+/// How the bounds of one kind hold at rays that are left out, a fifth of them at a time.
+struct CoupledCoverage {
+  std::int64_t rays = 0;
+  BoundCoverage at_nodes, between;  ///< pairs at nodes; tools between nodes
+  BoundCoverage all;
+  static void describe(const auto& c, auto&& see) {
+    see("rays", c.rays);
+    see("all", c.all);
+    see("at_nodes", c.at_nodes);
+    see("between", c.between);
+  }
+};
+
+/// Sets the coefficients of these bounds; a kind with fewer than 20 rays has none.
+/// @param model   with bounds at nodes
+/// @param mesh    of the model
+/// @param states  of both kinds. @return one tool between nodes; two tools
+std::array<CoupledCoverage, 2> add_coupled_bounds(Model& model, const Mesh& mesh,
+                                                  const std::vector<CoupledState>& states);
+
+}  // namespace phynness

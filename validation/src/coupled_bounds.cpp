@@ -1,0 +1,155 @@
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <phynness/validation/coupled_bounds.hpp>
+#include <set>
+
+namespace phynness {
+namespace {
+
+/// A third of the depth may be covered by this less than all.
+constexpr double holds_nearly = 0.04;
+/// Errors below this part of the feature of force count as this in the fit of their logarithms.
+constexpr double least_error = 1e-5;
+/// The rays are a sample of clusters.
+constexpr std::int64_t fewest_of_kind = 20;
+constexpr int n_coefficients = schema::n_coupled_terms;
+/// Of a kind that is not known: the bound is PHN_NO_BOUND.
+constexpr double unknown = 1e3;
+
+/// The error of a tool's force, and what its bound is computed from.
+struct Sample {
+  std::int32_t ray = 0;
+  bool between = false;
+  double depth_m = 0, error_N = 0;
+  std::array<double, n_coefficients> terms{};  ///< 1 and logarithms
+
+  double times(const Eigen::Vector4d& c) const { return Eigen::Map<const Eigen::Vector4d>(terms.data()).dot(c); }
+};
+using Samples = std::vector<Sample>;
+
+/// The samples of a kind. What bounds are computed from are bounds of which one coefficient is 1 and the others are 0.
+Samples samples_of(const Model& model, const Mesh& mesh, const std::vector<CoupledState>& states, int n_tools) {
+  std::vector<Sample> samples;
+  for (int term = 1; term < n_coefficients; ++term) {
+    Model unit = model;
+    unit.bounds[0].coupled = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_coefficients);
+    unit.bounds[0].coupled.col(term).setOnes();
+    const LoadedModel loaded(std::move(unit), mesh, "model");
+    std::size_t at = 0;
+    for (const auto& state : states) {
+      if (state.n_tools != n_tools) continue;
+      const auto said = loaded.couple({state.tools.begin(), state.tools.begin() + n_tools});
+      for (std::size_t t = 0; t < said.bound_N.size(); ++t) {
+        if (!said.bound_N[t]) continue;
+        if (term == 1) {
+          const auto& tool = state.tools[t];
+          const Vec3 &own = *said.force_N[t], &truth = state.force_N[t];
+          samples.push_back({state.ray,
+                             std::ranges::max(tool.weights) < 1,
+                             std::hypot(tool.displacement[0], tool.displacement[1], tool.displacement[2]),
+                             std::hypot(own[0] - truth[0], own[1] - truth[1], own[2] - truth[2]),
+                             {}});
+          samples.back().terms[0] = 1;
+        }
+        samples.at(at++).terms[static_cast<std::size_t>(term)] = std::log(*said.bound_N[t]);
+      }
+    }
+  }
+  return samples;
+}
+
+std::int64_t rays_of(const Samples& samples) {
+  std::set<std::int32_t> rays;
+  for (const auto& sample : samples) rays.insert(sample.ray);
+  return std::ssize(rays);
+}
+
+/// Adds to c_0 what makes the bound hold for the share `coverage`.
+Eigen::Vector4d raised(const Samples& samples, Eigen::Vector4d c, double coverage) {
+  std::vector<double> scores;
+  for (const auto& sample : samples) scores.push_back(std::log(std::max(sample.error_N, 1e-300)) - sample.times(c));
+  std::sort(scores.begin(), scores.end());
+  const double share = coverage * (1 + 1 / static_cast<double>(rays_of(samples)));
+  const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(scores.size())));
+  c[0] += scores[std::min(at, scores.size()) - 1];
+  return c;
+}
+
+BoundCoverage coverage_of(const Samples& samples, const Eigen::Vector4d& c, double range_m) {
+  std::vector<BoundedError> errors;
+  for (const auto& s : samples) errors.push_back({s.ray, s.depth_m, s.error_N, std::exp(s.times(c)), 1});
+  return coverage_of(errors, range_m);
+}
+
+/// Coefficients of the logarithm of a bound that holds for the share `coverage` of samples like these. Of the exponents
+/// of the predicted error the narrowest bound is taken that holds at every third of the depth.
+Eigen::Vector4d fit(const Samples& samples, double coverage, double range_m) {
+  Eigen::MatrixXd terms(std::ssize(samples), n_coefficients);
+  Eigen::VectorXd errors(std::ssize(samples));
+  for (Eigen::Index i = 0; i < errors.size(); ++i) {
+    const auto& sample = samples[static_cast<std::size_t>(i)];
+    terms.row(i) = Eigen::Map<const Eigen::RowVector4d>(sample.terms.data());
+    errors[i] = std::log(sample.error_N + least_error * std::exp(sample.terms[n_coefficients - 1]));
+  }
+  const Eigen::Vector4d all = terms.completeOrthogonalDecomposition().solve(errors);
+  Eigen::Vector4d best = all;
+  double least = -1, width = 0;
+  for (const double exponent : {0.4, 0.6, 0.8, 1.0}) {
+    const Eigen::Vector4d c = raised(samples, exponent * all, coverage);
+    const BoundCoverage now = coverage_of(samples, c, range_m);
+    const double of_thirds = std::min(coverage - holds_nearly, std::ranges::min(now.thirds));
+    if (of_thirds < least || (of_thirds == least && now.width >= width)) continue;
+    best = c;
+    least = of_thirds;
+    width = now.width;
+  }
+  return best;
+}
+
+BoundCoverage coverage_if(const std::vector<std::pair<bool, BoundedError>>& errors, double range_m,
+                          const std::function<bool(bool)>& belongs) {
+  std::vector<BoundedError> chosen;
+  for (const auto& [between, error] : errors)
+    if (belongs(between)) chosen.push_back(error);
+  return coverage_of(chosen, range_m);
+}
+
+CoupledCoverage left_out(const Samples& samples, double coverage, double range_m) {
+  constexpr int n_parts = 5;
+  std::vector<std::pair<bool, BoundedError>> errors;
+  for (int part = 0; part < n_parts; ++part) {
+    Samples kept;
+    std::ranges::copy_if(samples, std::back_inserter(kept), [&](const auto& s) { return s.ray % n_parts != part; });
+    if (kept.empty()) continue;
+    const Eigen::Vector4d c = fit(kept, coverage, range_m);
+    for (const auto& s : samples)
+      if (s.ray % n_parts == part)
+        errors.push_back({s.between, {s.ray, s.depth_m, s.error_N, std::exp(s.times(c)), 1}});
+  }
+  return {rays_of(samples), coverage_if(errors, range_m, [](bool between) { return !between; }),
+          coverage_if(errors, range_m, [](bool between) { return between; }),
+          coverage_if(errors, range_m, [](bool) { return true; })};
+}
+
+}  // namespace
+
+std::array<CoupledCoverage, 2> add_coupled_bounds(Model& model, const Mesh& mesh,
+                                                  const std::vector<CoupledState>& states) {
+  std::array<CoupledCoverage, 2> coverages;
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_coefficients);
+  rows.col(0).setConstant(unknown);
+  const double coverage = model.bounds.at(0).coverage;
+  for (int kind = 0; kind < schema::n_coupled_kinds; ++kind) {
+    const Samples samples = samples_of(model, mesh, states, kind + 1);
+    auto& out = coverages[static_cast<std::size_t>(kind)];
+    out.rays = rays_of(samples);
+    if (out.rays < fewest_of_kind) continue;
+    rows.row(kind) = fit(samples, coverage, model.max_displacement_m).transpose();
+    out = left_out(samples, coverage, model.max_displacement_m);
+  }
+  if ((rows.col(0).array() < unknown).any()) model.bounds[0].coupled = rows;
+  return coverages;
+}
+
+}  // namespace phynness
