@@ -21,7 +21,7 @@ from model_text_maker import Maker
 MUTATIONS_PER_MODEL = 150  # of each of two kinds
 MADE_UP = 150  # enough for each condition to be met
 MUTATED = ("linear", "modal", "modal-bounds", "modal-covered", "modal-fields", "modal-fields-levels", "modal-forces-only",
-           "modal-levels", "rbfn", "rbfn-levels")
+           "modal-levels", "rbfn", "rbfn-finer", "rbfn-levels")
 CHECKSUM_LINE = len("checksum 0123456789abcdef\n")
 
 

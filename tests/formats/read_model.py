@@ -183,6 +183,8 @@ def read_model(data, wanted=None):
     if model["bounds"]:
         for key in ("bounds", "coverage", "rays", "nodes"):
             reader.fields(key)
+    if reader.next_is("finer"):
+        reader.fields("finer")
     for _ in range(reader.count("active")):
         node = {}
         number = reader.count("node")
