@@ -122,7 +122,7 @@ bool check(const Options& options, const Scene& scene, const std::string& self, 
   if (probes == 0) return false;
   if (options.resume && is_checked(file)) return true;
   std::filesystem::remove(file);
-  const double seconds = std::max(1.0, summarize(Database::open(database)).seconds / options.ranks / 4);
+  const double seconds = check_limit_s(summarize(Database::open(database)).seconds, options.ranks);
   try {
     stages.push_back(stage(options, "check", file,
                            {self, "check", options.scene.string(), "--reference", name(finer_reference(scene)),

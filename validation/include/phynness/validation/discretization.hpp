@@ -2,6 +2,7 @@
 // mesh, and with the same element on cells of half the size.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -135,6 +136,10 @@ struct DiscretizationOptions {
 /// The finer solution that is named with a model: Taylor-Hood on the same mesh, which does not lock, or cells of half
 /// the size where the scene has no such variant.
 Variant finer_reference(const Scene& scene);
+
+/// Time [s] of the check in `phynness run`: a quarter of that of the database, so at most a fifth of all, but a second.
+/// @param solve_s  CPU time of the solves of the database
+inline double check_limit_s(double solve_s, int ranks) { return std::max(1.0, solve_s / ranks / 4); }
 
 /// Radius of the patch that replaces a node in a check. The force at a node depends on the element even without
 /// locking: P1 moves a node, P2 also the midpoints of its edges (docs/theory.md, What a probe is).
