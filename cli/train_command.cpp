@@ -86,7 +86,8 @@ TrainingSpec chosen_spec(TrainingSpec spec, const Options& options) {
 
 /// The distance that `check --json` has written. @throws Error (input) if the file is of another scene or no such file
 FinerDistance distance_of(const std::filesystem::path& file, const DatabaseHeader& header) {
-  FinerDistance distance{.is_measured = true};
+  FinerDistance distance;
+  distance.is_measured = true;
   const auto refuse = [&](const std::string& what) {
     return input_error("not what phynness check --json has written for this scene", file.string() + ": " + what,
                        "run phynness check SCENE --json FILE again");
