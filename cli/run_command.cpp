@@ -122,7 +122,9 @@ bool check(const Options& options, const Scene& scene, const std::string& self, 
   if (probes == 0) return false;
   if (options.resume && is_checked(file)) return true;
   std::filesystem::remove(file);
-  const double seconds = check_limit_s(summarize(Database::open(database)).seconds, options.ranks);
+  // On a busy machine a stage takes longer than its solves, and after --resume it has solved only a part of them.
+  const double spent_s = std::max(stages.back().seconds, summarize(Database::open(database)).seconds / options.ranks);
+  const double seconds = check_limit_s(spent_s, 1);
   try {
     stages.push_back(stage(options, "check", file,
                            {self, "check", options.scene.string(), "--reference", name(finer_reference(scene)),
