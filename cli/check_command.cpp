@@ -12,10 +12,16 @@ namespace {
 struct Options {
   std::filesystem::path scene;
   DiscretizationOptions check;
+  std::string reference = "both";
   OptionalPath json_file;
+  bool details = false;
 };
 
-constexpr Variant references[] = {Variant::taylor_hood, Variant::half_size};
+/// Those that are asked for.
+std::vector<Variant> references(const Options& options) {
+  if (options.check.reference) return {*options.check.reference};
+  return {Variant::taylor_hood, Variant::half_size};
+}
 
 std::string in_words(const Scene& scene, const DiscretizationReport& report, Variant v) {
   if (v == Variant::taylor_hood) return "taylor-hood elements on the same mesh";
@@ -59,7 +65,16 @@ bool print_failed(const DiscretizationReport& report, Variant v) {
   return any;
 }
 
-void print_comparison(const Scene& scene, const DiscretizationReport& report, Variant v) {
+void print_probes(const DiscretizationReport& report, Variant v) {
+  for (const auto& probe : report.probes)
+    if (const auto error = probe.error(v)) {
+      const auto& d = probe.direction;
+      print_result("  node {}, direction {:.3g} {:.3g} {:.3g}: force off by {:.3g} %\n", probe.node, d[0], d[1], d[2],
+                   100 * *error);
+    }
+}
+
+void print_comparison(const Options& options, const Scene& scene, const DiscretizationReport& report, Variant v) {
   print_result("forces against {}\n", in_words(scene, report, v));
   for (std::size_t i = 0; i < report.depth_m.size(); ++i) {
     const auto ratios = report.ratios(v, i);
@@ -68,11 +83,14 @@ void print_comparison(const Scene& scene, const DiscretizationReport& report, Va
                  1e3 * report.depth_m[i], ratio_in_words(ratios.median), ratios.median, ratios.n,
                  ratios.n == 1 ? "" : "s", ratios.min, ratios.max);
   }
+  if (const auto distance = report.distance(scene, v); distance.probes > 0)
+    print_result("  forces are {}\n", distance.sentence());
+  if (options.details) print_probes(report, v);
   print_failed(report, v);
   print_left_out(report, v);
 }
 
-void print(const Scene& scene, const DiscretizationReport& report) {
+void print(const Options& options, const Scene& scene, const DiscretizationReport& report) {
   print_result("{} ({}), {}, K/mu = {:.4g}: {} probes, patch radius {:.4g} mm ({:.1f} edges), |d| to {:.4g} mm\n",
                scene.title.empty() ? "scene" : scene.title, name(scene.material.law), name(scene.solver.element),
                scene.material.bulk_to_shear(), report.probes.size(), 1e3 * report.tool_radius_m, report.tool_edges,
@@ -83,16 +101,22 @@ void print(const Scene& scene, const DiscretizationReport& report) {
         "patches of {:.4g} mm are compared instead\n",
         1e3 * report.tool_radius_m);
   if (print_failed(report, Variant::scene)) print_result("  these are probes of the scene itself\n");
-  for (const auto v : references) print_comparison(scene, report, v);
+  if (report.chosen > 0)
+    message("note: {} of {} probes are compared, which the time of the first allows in {}\n", report.chosen,
+            options.check.probes, duration(options.check.seconds));
+  for (const auto v : references(options)) print_comparison(options, scene, report, v);
   print_result("{}\n", duration(report.seconds));
 }
 
-json as_json(const Scene& scene, const DiscretizationReport& report) {
+json as_json(const Options& options, const LoadedScene& loaded, const DiscretizationReport& report) {
+  const Scene& scene = loaded.scene;
   Scene checked = scene;
   checked.probe.kind = ProbeKind::patch;
   const double expected = expected_force_ratio(checked, report.mean_edge_m);
   json out = record("element", name(scene.solver.element), "bulk_to_shear", scene.material.bulk_to_shear(),
-                    "expected_ratio", expected > 1 ? json(expected) : json(nullptr));
+                    "expected_ratio", expected > 1 ? json(expected) : json(nullptr), "mesh_hash",
+                    mesh_hash(loaded.mesh), "physics_hash", physics_hash(scene), "distance",
+                    report.distance(scene, options.check.reference.value_or(finer_reference(scene))));
   out.update(figures(report));
   return out;
 }
@@ -107,23 +131,27 @@ void refuse_nothing(const Options& options, const DiscretizationReport& report) 
                   fmt::format("--seconds {:g}", options.check.seconds),
                   fmt::format("allow {}, or use a coarser mesh", sufficient_limit(report)));
   std::int64_t compared = 0;
-  for (const auto v : references)
+  const auto compared_with = references(options);
+  for (const auto v : compared_with)
     for (std::size_t i = 0; i < report.depth_m.size(); ++i) compared += report.ratios(v, i).n;
   if (compared > 0) return;
-  if (std::ranges::none_of(references, [&](Variant v) { return report.cost(v).left_out == "time"; }))
+  if (std::ranges::none_of(compared_with, [&](Variant v) { return report.cost(v).left_out == "time"; }))
     throw failure("nothing could be compared", "all solves failed", "reduce max_displacement_m");
   throw failure("nothing could be compared in the given time", fmt::format("--seconds {:g}", options.check.seconds),
                 fmt::format("allow {}, or use a coarser mesh", sufficient_limit(report)));
 }
 
-void run(const Options& options) {
+void run(const Options& given) {
+  Options options = given;
+  for (const auto v : {Variant::taylor_hood, Variant::half_size})
+    if (options.reference == name(v)) options.check.reference = v;
   const SolverSession session;
   const auto loaded = load_scene(options.scene);
   install_stop_handler();
   const auto report = check_discretization(loaded.scene, loaded.mesh, loaded.sets, options.check,
                                            Progress("check", "rays").counter(), stop_requested);
-  print(loaded.scene, report);
-  write_each({[&] { write_json(options.json_file, as_json(loaded.scene, report)); },
+  print(options, loaded.scene, report);
+  write_each({[&] { write_json(options.json_file, as_json(options, loaded, report)); },
               [&] { refuse_nothing(options, report); }});
 }
 
@@ -138,7 +166,13 @@ void add(CLI::App& app) {
   add_number(command, "--seconds", options.check.seconds, 1, 1e7,
              "time for all; the cheaper comparison comes first and uses at most half of it, each probe its share")
       ->capture_default_str();
+  command
+      .add_option("--reference", options.reference,
+                  "compare with this one alone, at as many of the probes as the time of the first allows")
+      ->check(CLI::IsMember({"both", "taylor-hood", "half-size"}))
+      ->capture_default_str();
   add_json(command, options.json_file);
+  command.add_flag("--details", options.details, "print the error of every probe");
 }
 
 }  // namespace phynness::cli::check_command

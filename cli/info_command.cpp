@@ -218,12 +218,18 @@ json about_model(const std::filesystem::path& dir) {
                  100 * bound.coverage, bound.n_rays, bound.n_nodes);
     bounds.push_back(record("coverage", bound.coverage, "rays", bound.n_rays, "nodes", bound.n_nodes));
   }
+  json finer;
+  if (m.finer.is_measured) {
+    print_result("elements  {} (revision {}): {}\n", m.finer.element, m.finer.revision, m.finer.sentence());
+    finer = figures(m.finer);
+  }
   print_result("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n", bytes(model.text_bytes()),
                bytes(model.mesh_text_bytes()), bytes(model.memory_bytes()));
   return record("kind", "model", "family", name(m.family), "model_hash", model.hash(), "mesh_hash", m.mesh_hash,
                 "physics_hash", m.physics_hash, "active", active, "deformation_neurons", neurons, "force_neurons",
                 force_neurons, "force_centers", centers, "modes", modes, "levels", levels, "fields", fields, "bounds",
-                bounds, "points", points, "model_text_bytes", model.text_bytes(), "memory_bytes", model.memory_bytes());
+                bounds, "finer", finer, "points", points, "model_text_bytes", model.text_bytes(), "memory_bytes",
+                model.memory_bytes());
 }
 
 json about_scene(const std::filesystem::path& file) {

@@ -9,6 +9,7 @@
 #include <phynness/planning/planning.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
+#include <phynness/validation/discretization.hpp>
 #include <thread>
 
 #include "commands.hpp"
@@ -49,10 +50,11 @@ struct Plan {
   int ranks = 1;
   double wall_seconds = 0, core_hours = 0, memory_bytes_per_rank = 0, machine_memory_bytes = 0;
   double database_bytes = 0, log_bytes = 0, model_text_bytes = 0, mesh_text_bytes = 0;
+  std::optional<double> check_seconds;  ///< most of the check in run; empty if the scene says how many probes
   int ranks_of_use = 1;
   PHYNNESS_FIGURES(rays, rays_requested, rays_mirrored, increments, measured, ends, ranks, wall_seconds, core_hours,
                    memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, model_text_bytes,
-                   mesh_text_bytes, ranks_of_use)
+                   mesh_text_bytes, check_seconds, ranks_of_use)
 
   bool is_sample() const { return measured.rays < rays_requested; }
 };
@@ -143,6 +145,9 @@ Plan make_plan(const Options& options, const LoadedScene& loaded, const Database
   costs.packing_s = plan.database_bytes / packing_B_per_s;
   plan.ranks = options.ranks.value_or(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
   plan.wall_seconds = wall_seconds(costs, plan.ranks);
+  if (const auto probes = loaded.scene.validation.check_probes; probes.value_or(0) == 0)
+    plan.check_seconds =
+        probes ? 0 : check_limit_s(plan.measured.seconds_per_ray * static_cast<double>(costs.rays), plan.ranks);
   plan.core_hours = plan.wall_seconds * plan.ranks / 3600;
   plan.ranks_of_use = ranks_of_use(costs);
   const auto model = predict_model_size(loaded.scene, header);
@@ -165,6 +170,11 @@ void print_plan(const Options& options, const Plan& plan) {
   const auto& m = plan.measured;
   print_result("time      {} on {} rank{}{}\n", duration(plan.wall_seconds), plan.ranks, plan.ranks == 1 ? "" : "s",
                options.ranks ? "" : ", the processor cores of this machine");
+  if (plan.check_seconds)
+    print_result("check     at most {} more in phynness run (validation.check_probes)\n",
+                 duration(*plan.check_seconds));
+  else
+    print_result("check     of the probes of validation.check_probes, in phynness run, is not limited in time\n");
   print_result("rays      {}, {} more by symmetry; {} solved at {} node{}: {:.3g} s each ({}), at most {:.3g} s\n",
                plan.rays_requested, plan.rays_mirrored, m.rays, m.nodes, m.nodes == 1 ? "" : "s", m.seconds_per_ray,
                trust(plan), m.seconds_longest_ray);

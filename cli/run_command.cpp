@@ -1,15 +1,18 @@
-// Runs mesh, precompute, train, calibrate, validate and view. Each is a separate process, so that the parallel stages
-// run under mpirun and training uses threads.
+// Runs mesh, precompute, check, train, calibrate, validate and view. Each is a separate process, so that the parallel
+// stages run under mpirun and training uses threads.
 #include <chrono>
 #include <fstream>
 #include <phynness/pages/pages.hpp>
 #include <phynness/precompute/precompute.hpp>
+#include <phynness/validation/discretization.hpp>
 
 #include "child_process.hpp"
 #include "commands.hpp"
 
 namespace phynness::cli::run_command {
 namespace {
+
+constexpr int most_checked = 12;  ///< probes, unless the scene says how many
 
 struct Options {
   std::filesystem::path scene, output;
@@ -31,7 +34,8 @@ Stage stage(const Options& options, const char* title, const std::filesystem::pa
   const bool validates = title == std::string_view("validate");
   if (options.details) {
     print_result("\n== {}\n", title);
-    if (validates || title == std::string_view("calibrate")) arguments.push_back("--details");
+    if (validates || title == std::string_view("calibrate") || title == std::string_view("check"))
+      arguments.push_back("--details");
   } else {
     message("== {}\n", title);
   }
@@ -52,6 +56,7 @@ std::vector<std::pair<const char*, std::string>> texts() {
   return {{"mesh.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n"},
           {"mesh.json", "{\n  \"mesh_hash\": "},
           {"precompute.json", "{\n  \"active_nodes\": "},
+          {"check.json", "{\n  \"element\": "},
           {"train.json", "{\n  \"family\": "},
           {"calibrate.json", "{\n  \"coverage\": "},
           {"validate.json", "{\n  \"probes\": "},
@@ -102,6 +107,37 @@ void remove_results(const Options& options) {
     std::filesystem::remove(options.output / name);
 }
 
+/// Whether an earlier run has finished check.json. Training refuses one of another scene.
+bool is_checked(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  const auto check = json::parse(in, nullptr, false);
+  return check.is_object() && !check.value("interrupted", true);
+}
+
+/// Compares the finite elements with a finer solution, in at most a fifth of the time of all: a quarter of that of the
+/// database. The model can be used without. @return whether check.json is there
+bool check(const Options& options, const Scene& scene, const std::string& self, std::vector<Stage>& stages) {
+  const auto file = options.output / "check.json", database = options.output / "database.h5";
+  const auto probes = scene.validation.check_probes;
+  if (probes == 0) return false;
+  if (options.resume && is_checked(file)) return true;
+  std::filesystem::remove(file);
+  // On a busy machine a stage takes longer than its solves, and after --resume it has solved only a part of them.
+  const double spent_s = std::max(stages.back().seconds, summarize(Database::open(database)).seconds / options.ranks);
+  const double seconds = check_limit_s(spent_s, 1);
+  try {
+    stages.push_back(stage(options, "check", file,
+                           {self, "check", options.scene.string(), "--reference", name(finer_reference(scene)),
+                            "--probes", std::to_string(probes.value_or(most_checked)), "--seconds",
+                            fmt::format("{:.3g}", probes ? 1e7 : seconds), "--json", file.string()},
+                           1));
+  } catch (const Error&) {
+    if (stop_requested()) throw;
+    message("warning: the finite elements are not compared with a finer solution; the reason is above\n");
+  }
+  return is_checked(file);
+}
+
 /// Adds error bounds to the model. Without them it can be used as well.
 void calibrate(const Options& options, const std::string& self, std::vector<Stage>& stages) {
   const auto model = options.output / "model";
@@ -118,7 +154,7 @@ void calibrate(const Options& options, const std::string& self, std::vector<Stag
 
 void run(const Options& options) {
   declare_files(options);
-  const Family family = open_scene(options.scene).training.family;
+  const Scene read = open_scene(options.scene);
   refuse_files_of_others(options);
   install_stop_handler(false);
   make_folder(options.output);
@@ -134,10 +170,12 @@ void run(const Options& options) {
                                       "--json", in("precompute.json")};
   if (options.resume) precompute.push_back("--resume");
   stages.push_back(stage(options, "precompute", in("database.h5"), precompute, options.ranks));
+  std::vector<std::string> train{self, "train",     scene,    in("database.h5"),
+                                 "-o", in("model"), "--json", in("train.json")};
+  if (check(options, read, self, stages)) train.insert(train.end(), {"--check", in("check.json")});
   remove_results(options);
-  stages.push_back(stage(options, "train", in("model"),
-                         {self, "train", scene, in("database.h5"), "-o", in("model"), "--json", in("train.json")}, 1));
-  if (!schema::traits(family).proportional) calibrate(options, self, stages);
+  stages.push_back(stage(options, "train", in("model"), train, 1));
+  if (!schema::traits(read.training.family).proportional) calibrate(options, self, stages);
   stages.push_back(stage(options, "validate", in("validate.json"),
                          {self, "validate", scene, in("model"), "--json", in("validate.json")}, options.ranks));
   if (embedded_page("view.html"))
@@ -158,7 +196,7 @@ void run(const Options& options) {
 
 void add(CLI::App& app) {
   auto [command, options] = add_command(
-      app, "run", "Run the whole pipeline: mesh, precompute, train, calibrate, validate, view -> OUT_DIR", run);
+      app, "run", "Run the whole pipeline: mesh, precompute, check, train, calibrate, validate, view -> OUT_DIR", run);
   add_scene(command, options.scene, "scene file (formats/scene.md)");
   add_output(command, options.output, PathKind::folder, "folder for all output files");
   add_count(command, "--ranks", options.ranks, 1, 4096, "number of processes for the finite element stages (mpirun)")

@@ -1,3 +1,4 @@
+#include <fstream>
 #include <phynness/evaluation/database_errors.hpp>
 #include <phynness/training/families.hpp>
 
@@ -25,7 +26,7 @@ constexpr Count counts[] = {
 
 struct Options {
   std::filesystem::path scene, database, output;
-  OptionalPath json_file;
+  OptionalPath json_file, check_file;
   std::optional<std::string> family;
   std::optional<int> neurons, force_neurons, count[std::size(counts)];
   std::optional<double> spread, force_spread;
@@ -83,6 +84,27 @@ TrainingSpec chosen_spec(TrainingSpec spec, const Options& options) {
   return spec;
 }
 
+/// The distance that `check --json` has written. @throws Error (input) if the file is of another scene or no such file
+FinerDistance distance_of(const std::filesystem::path& file, const DatabaseHeader& header) {
+  FinerDistance distance;
+  distance.is_measured = true;
+  const auto refuse = [&](const std::string& what) {
+    return input_error("not what phynness check --json has written for this scene", file.string() + ": " + what,
+                       "run phynness check SCENE --json FILE again");
+  };
+  try {
+    std::ifstream in(file);
+    const auto check = json::parse(in);
+    if (check.at("mesh_hash") != header.mesh_hash || check.at("physics_hash") != header.physics_hash)
+      throw refuse("another mesh or physics");
+    FinerDistance::describe(
+        distance, [&]<class Value>(const char* key, Value& value) { check.at("distance").at(key).get_to(value); });
+  } catch (const nlohmann::json::exception& error) {
+    throw refuse(error.what());
+  }
+  return distance;
+}
+
 struct Trained {
   std::optional<LoadedModel> loaded;
   TrainingReport report;
@@ -99,6 +121,7 @@ Trained trained(const Options& options) {
   check_database(as_hashed(scene, header.physics_hash), header, options.database.string(), "train");
   warn_of_patch(scene, header.mesh, header.sets);
   const TrainingSpec spec = chosen_spec(scene.training, options);
+  const auto finer = options.check_file ? distance_of(*options.check_file, header) : FinerDistance{};
   Trained t;
   // All long work is done before a file is written, so that a signal may end it at any time.
   end_at_signals("training was interrupted\n  remedy: run the same command again; no model was written\n");
@@ -110,6 +133,7 @@ Trained trained(const Options& options) {
       return true;
     });
     model.title = scene.title;
+    model.finer = finer;
     t.loaded.emplace(std::move(model), header.mesh, options.output.string());
   }
   for (const auto& node : t.loaded->model().nodes) {
@@ -220,6 +244,8 @@ void add(CLI::App& app) {
                      "rbfn: spread of the force networks, in scaled inputs; 0: search");
   for (std::size_t i = 0; i < std::size(counts); ++i)
     add_count(command, counts[i].option, options.count[i], counts[i].low, counts[i].high, counts[i].what);
+  add_path(command, "--check", options.check_file, PathKind::input,
+           "file of check --json: the model then holds the distance of its finite elements from a finer solution");
   add_json(command, options.json_file);
 }
 

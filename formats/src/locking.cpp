@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <phynness/formats/model.hpp>
 
 namespace phynness {
 namespace {
@@ -45,6 +46,16 @@ std::string ratio_in_words(double ratio) {
   if (ratio > 1.05) return fixed(100 * (ratio - 1), 0) + " % too large";
   if (ratio < 0.95) return fixed(100 * (1 - ratio), 0) + " % too small";
   return "right within 5 %";
+}
+
+std::string FinerDistance::sentence() const {
+  const auto percent = [](double error) { return fixed(100 * error, error < 0.0995 ? 1 : 0) + " %"; };
+  const std::string finer =
+      reference == "half-size" ? element + " elements of half the size" : reference + " elements on the same mesh";
+  if (probes == 0) return "at no probe was there a finer solution (" + finer + ")";
+  return percent(mean) + " (p95 " + percent(p95) + ") from a finer solution (" + finer + ") at " +
+         std::to_string(probes) + (probes == 1 ? " probe" : " probes") + " of a round tool of " +
+         fixed(1e3 * tool_radius_m, 1) + " mm radius";
 }
 
 }  // namespace phynness

@@ -19,7 +19,7 @@ from model_grammar import Grammar, Reader, Refused
 
 MUTATIONS_PER_MODEL = 22  # of each of two kinds
 MUTATED = ("linear", "modal", "modal-bounds", "modal-covered", "modal-fields", "modal-fields-levels", "modal-forces-only",
-           "modal-levels", "rbfn", "rbfn-levels")
+           "modal-levels", "rbfn", "rbfn-finer", "rbfn-levels")
 CHECKSUM_LINE = len("checksum 0123456789abcdef\n")
 
 

@@ -121,10 +121,12 @@ TEST(ModelText, FieldsRoundTripBitForBit) {
   EXPECT_EQ(write_model_text(small_modal_model()).find("field"), std::string::npos);
 }
 
-// Claim: so does one with bounds, with and without levels; without them the text has no trace of any.
+// Claim: so does one with bounds and a distance to a finer solution, with and without levels; without them the text has
+// no trace of any.
 TEST(ModelText, BoundsRoundTripBitForBit) {
   for (const Model& plain : {small_modal_model(), with_levels(small_model())}) {
-    const Model model = with_coupled_bounds(plain);
+    Model model = with_coupled_bounds(plain);
+    model.finer = {true, "p1-p1", "taylor-hood", 2, 12, 0.03, 0.25, 0.5};
     const std::string text = write_model_text(model);
     const Model again = read_model_text(text, "text");
     EXPECT_EQ(write_model_text(again), text);
@@ -139,7 +141,12 @@ TEST(ModelText, BoundsRoundTripBitForBit) {
       EXPECT_EQ(again.nodes[i].bounds[0].scale, model.nodes[i].bounds[0].scale);
       EXPECT_EQ(again.nodes[i].bounds[0].entries, model.nodes[i].bounds[0].entries);
     }
-    EXPECT_EQ(write_model_text(plain).find("bound"), std::string::npos);
+    const auto figures_of = [](const FinerDistance& f) {
+      return std::tuple(f.is_measured, f.element, f.reference, f.revision, f.probes, f.tool_radius_m, f.mean, f.p95);
+    };
+    EXPECT_EQ(figures_of(again.finer), figures_of(model.finer));
+    for (const char* word : {"bound", "finer"})
+      EXPECT_EQ(write_model_text(plain).find(word), std::string::npos) << word;
   }
 }
 

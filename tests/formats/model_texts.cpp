@@ -49,6 +49,9 @@ void write_all(const std::filesystem::path& folder) {
   write("rbfn-eight-levels", with_levels(small_model(), 8));
   write("modal-empty", small_modal_model(0, 0, 0, 0));
   write("modal-bounds", with_bounds(modes));
+  Model measured = with_bounds(networks);
+  measured.finer = {true, "p1-p1", "taylor-hood", 2, 12, 0.03, 0.25, 0.5};
+  write("rbfn-finer", measured);
   Model covered = modes;
   covered.probe_triangles.resize(2, 3);
   covered.probe_triangles << 0, 1, 1, 1, 0, 0;

@@ -44,15 +44,17 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   scene.replace(scene.find("active = ["), scene.find("[probe]") - scene.find("active = ["),
                 "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
   scene.replace(scene.find("0.025"), 5, "0.040");
+  scene.replace(scene.find("check_probes = 0"), 16, "check_probes = 2");
   write_file(folder / "scene.toml", scene);
   const auto run = succeed("run scene.toml -o out --json all.json");
   expect_narrow(run.out);
   const auto lines = lines_of(run.out);
   ASSERT_FALSE(lines.empty());
-  EXPECT_EQ(lines.front().rfind("Worst node: the force is off by up to ", 0), 0U) << lines.front();
-  for (const char* begin : {"Off by more than a tenth", "Out of reach: ", "Left out: ", "Mesh and element: "})
+  EXPECT_EQ(lines.front().rfind("Error of forces: the model is ", 0), 0U) << lines.front();
+  for (const char* begin :
+       {"Worst node: the force is off by up to ", "Off by more than a tenth", "Out of reach: ", "Left out: "})
     EXPECT_TRUE(has_line(lines, begin)) << begin << "\n" << run.out;
-  expect_names(run.out, {"phynness check"});  // a line may break before SCENE
+  expect_names(unbroken(run.out), {"from a finer solution (taylor-hood elements on the same mesh) at 2 probes"});
   const auto table = table_of(lines);
   EXPECT_GE(table.size(), 7U) << run.out;
   EXPECT_LE(table.size(), 12U) << run.out;
@@ -69,6 +71,12 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   EXPECT_NEAR(worst.at("z_m").get<double>(), 0.05, 1e-6);
   EXPECT_GE(worst.at("error_N"), worst.at("mean_error_N"));
   EXPECT_EQ(v.at("verdict").at("off_by_a_tenth").at("share"), v.at("all").at("wrong"));
+  // The distance of the check is in the model, and from there in the figures of validate and info.
+  EXPECT_EQ(v.at("finer"), json("all.json").at("check").at("distance"));
+  EXPECT_EQ(v.at("finer").at("element"), "P1");
+  EXPECT_GT(v.at("finer").at("p95"), 0.05) << "P1 at K/mu = 10 is too stiff";
+  EXPECT_GE(v.at("finer").at("p95"), v.at("finer").at("mean"));
+  expect_names(be_refused("train scene.toml out/database.h5 -o other --check out/train.json").err, {"phynness check"});
 
   const auto brief = succeed("validate scene.toml out/model --report r.html");
   expect_narrow(brief.out);
@@ -77,6 +85,8 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   EXPECT_LT(page.find("[\"Worst node\","), page.find("\"table\":"));
   EXPECT_LT(page.find("\"table\":"), page.find("\"title\":\"Scene\""));
   EXPECT_EQ(page.find("\"unflagged\""), std::string::npos);
+  expect_names(page, {"phynness validate SCENE MODEL_DIR --probes 8 --nodes ",
+                      "phynness check SCENE --reference taylor-hood --probes 2 "});
 
   const auto details = succeed("validate scene.toml out/model --details --points 2 --pairs 2");
   expect_narrow(details.out + details.err);
@@ -87,12 +97,16 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   const auto calibrated = succeed("calibrate out/model out/database.h5 -o bounded --rays 200");
   expect_narrow(calibrated.out);
   EXPECT_EQ(calibrated.out.rfind("median bound of the force's error: ", 0), 0U) << calibrated.out;
+  const auto checked = std::filesystem::last_write_time(folder / "out/check.json");
   for (const char* other :
-       {"run scene.toml -o whole --details", "check scene.toml --probes 2", "info scene.toml", "info out/model",
-        "info out/database.h5", "calibrate out/model out/database.h5 --details"}) {
+       {"run scene.toml -o out --resume --details", "check scene.toml --probes 2 --reference taylor-hood --details",
+        "info scene.toml", "info out/model", "info out/database.h5", "calibrate out/model out/database.h5 --details"}) {
     const auto done = succeed(other);
     expect_narrow(done.out + done.err);
+    if (std::string(other).starts_with("check")) expect_names(done.out, {"force off by "});
+    if (std::string(other) == "info out/model") expect_names(unbroken(done.out), {"from a finer solution"});
   }
+  EXPECT_EQ(std::filesystem::last_write_time(folder / "out/check.json"), checked) << "a finished check is kept";
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ class CommandLine : public ::testing::Test {
            "\nmax_displacement_m = 0.008\n"
            "[training]\nfamily = \"rbfn\"\ndeformation_neurons = 40\nforce_neurons = 20\nforce_spread = 2.0\nsamples = "
            "500\n"
-           "[validation]\nprobes = 8\n";
+           "[validation]\nprobes = 8\ncheck_probes = 0\n";
   }
 
   std::filesystem::path folder;

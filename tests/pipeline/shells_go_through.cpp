@@ -27,7 +27,7 @@ class Shells : public CommandLine {
            "\nmax_displacement_m = 0.0015\n"
            "[training]\nfamily = \"rbfn\"\ndeformation_neurons = 200\ndeformation_spread = 1.0\nforce_neurons = "
            "40\nforce_spread = 2.0\nsamples = 3000\n"
-           "[validation]\nprobes = 12\n";
+           "[validation]\nprobes = 12\ncheck_probes = 0\n";
   }
 
   static std::string changed(std::string text, const std::string& from, const std::string& to) {

@@ -10,6 +10,7 @@
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/validation/discretization.hpp>
+#include <phynness/validation/error_statistics.hpp>
 
 namespace phynness {
 
@@ -17,8 +18,18 @@ const char* name(Variant v) { return std::array{"scene", "taylor-hood", "half-si
 
 std::optional<double> CheckedProbe::ratio(Variant other, std::size_t depth) const {
   const auto &own = of(Variant::scene), &reference = of(other);
-  if (!own.converged(depth) || !reference.converged(depth) || !(reference.force_N[depth] > 0)) return {};
-  return own.force_N[depth] / reference.force_N[depth];
+  if (!own.converged(depth) || !reference.converged(depth) || !(to_eigen(reference.force_N[depth]).norm() > 0))
+    return {};
+  return to_eigen(own.force_N[depth]).norm() / to_eigen(reference.force_N[depth]).norm();
+}
+
+std::optional<double> CheckedProbe::error(Variant other) const {
+  const auto &own = of(Variant::scene), &reference = of(other);
+  for (std::size_t depth = own.status.size(); depth-- > 0;)
+    if (ratio(other, depth))
+      return (to_eigen(own.force_N[depth]) - to_eigen(reference.force_N[depth])).norm() /
+             to_eigen(reference.force_N[depth]).norm();
+  return {};
 }
 
 RatioStatistics DiscretizationReport::ratios(Variant other, std::size_t depth) const {
@@ -35,6 +46,37 @@ VariantComparison DiscretizationReport::comparison(Variant other) const {
   VariantComparison comparison{{}, cost(other)};
   for (std::size_t i = 0; i < depth_m.size(); ++i) comparison.ratios.push_back(ratios(other, i));
   return comparison;
+}
+
+FinerDistance DiscretizationReport::distance(const Scene& scene, Variant other) const {
+  std::vector<double> errors;
+  for (const auto& probe : probes)
+    if (const auto error = probe.error(other)) errors.push_back(*error);
+  const auto all = ErrorStatistics::of(errors);
+  const Element element = scene.solver.element;
+  return {.is_measured = true,
+          .element = name(element),
+          .reference = name(other),
+          .revision = revision(element, scene.material.law),
+          .probes = static_cast<std::int32_t>(all.n),
+          .tool_radius_m = tool_radius_m,
+          .mean = all.mean,
+          .p95 = all.p95};
+}
+
+namespace {
+
+/// Why a scene has no such variant; empty: it has.
+std::string why_no_taylor_hood(const Scene& scene) {
+  if (scene.solver.element->is_shell) return "a shell has one element only";
+  if (scene.solver.element == element_named("taylor-hood")) return "it is the element of the scene";
+  return scene.material.lame_lambda_Pa > 0 ? "" : "it needs a material with lambda > 0";
+}
+
+}  // namespace
+
+Variant finer_reference(const Scene& scene) {
+  return why_no_taylor_hood(scene).empty() ? Variant::taylor_hood : Variant::half_size;
 }
 
 double patch_radius_for_node(double edge_m, double max_displacement_m) {
@@ -124,6 +166,7 @@ class Check {
   const Times& times(Variant v) const { return _times[static_cast<std::size_t>(v)]; }
   bool solve(Variant v, std::size_t ray, double end);
   double compare(Variant reference, double end);
+  void choose(std::deque<std::size_t>& waiting, double end);
   double elapsed() const { return _options.clock() - _start; }
   bool interrupted() { return _report.interrupted = _report.interrupted || (_stop && _stop()); }
   VariantCost& cost(Variant v) { return _report.costs[static_cast<std::size_t>(v)]; }
@@ -179,14 +222,10 @@ void Check::set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   for (const auto v : variants) cost(v).n_nodes = mesh.n_nodes();
   cost(Variant::half_size).n_nodes = static_cast<std::int32_t>(n + e);
 
-  auto& against = cost(Variant::taylor_hood);
-  if (element->is_shell)
-    against.left_out = "a shell has one element only";
-  else if (element == element_named("taylor-hood"))
-    against.left_out = "it is the element of the scene";
-  else if (!(common.material.lame_lambda_Pa > 0))
-    against.left_out = "it needs a material with lambda > 0";
-  against.possible = against.left_out.empty();
+  cost(Variant::taylor_hood).left_out = why_no_taylor_hood(common);
+  if (const auto only = _options.reference)
+    cost(*only == Variant::half_size ? Variant::taylor_hood : Variant::half_size).left_out = "it is not asked for";
+  for (const auto v : {Variant::taylor_hood, Variant::half_size}) cost(v).possible = cost(v).left_out.empty();
 }
 
 /// Makes the body of a variant. The fine mesh is made only if it is affordable.
@@ -212,8 +251,9 @@ double Check::expected_s(Variant v) const {
 
 /// Solves one ray, and gives it up at `end`. @return whether it is solved
 bool Check::solve(Variant v, std::size_t ray, double end) {
-  const auto before = elapsed();
+  const auto begin = elapsed();
   prepare(v);
+  const auto before = elapsed();
   bool asked = false;
   const auto solved = solve_rays(*body(v).solver, *body(v).header, {_rays[ray]}, {}, [&] {
     asked = asked || (_stop && _stop());
@@ -221,7 +261,7 @@ bool Check::solve(Variant v, std::size_t ray, double end) {
   });
   const double seconds = elapsed() - before;
   auto& times = _times[static_cast<std::size_t>(v)];
-  cost(v).seconds += seconds;
+  cost(v).seconds += elapsed() - begin;
   if (solved.interrupted || solved.rays.empty()) {
     _report.interrupted = _report.interrupted || asked;
     times.vain_s = std::max(times.vain_s, seconds);
@@ -234,8 +274,18 @@ bool Check::solve(Variant v, std::size_t ray, double end) {
   const Ray& result = solved.rays.front();
   forces.status = result.status;
   for (std::size_t i = 0; i < result.status.size(); ++i)
-    forces.force_N.push_back(std::hypot(result.force[3 * i], result.force[3 * i + 1], result.force[3 * i + 2]));
+    forces.force_N.push_back({result.force[3 * i], result.force[3 * i + 1], result.force[3 * i + 2]});
   return true;
+}
+
+/// Limits the waiting probes to those that fit, with room for rays that take longer than the first.
+void Check::choose(std::deque<std::size_t>& waiting, double end) {
+  constexpr double room = 1.5;
+  const double each = room * (expected_s(*_options.reference) + expected_s(Variant::scene));
+  const double fitting = std::max(0.0, std::floor((end - elapsed()) / each));
+  if (fitting >= static_cast<double>(waiting.size())) return;
+  waiting.resize(static_cast<std::size_t>(fitting));
+  _report.chosen = static_cast<std::int32_t>(1 + waiting.size());
 }
 
 /// Compares all probes with one reference until `end`, and solves those probes of the scene that are not yet solved. Of
@@ -265,9 +315,11 @@ double Check::compare(Variant reference, double end) {
       continue;
     }
     const double n_left = static_cast<double>(waiting.size() + 1);
-    const double fitting = is_tried ? std::clamp(std::floor(left / expected), 1.0, n_left) : n_left;
+    const double untried = _options.reference ? std::min(2.0, n_left) : n_left;
+    const double fitting = is_tried ? std::clamp(std::floor(left / expected), 1.0, n_left) : untried;
     if (solve(next, ray, before + left / fitting)) {
       if (is_new) waiting.push_front(ray);
+      if (!is_new && _options.reference && times(reference).n == 1) choose(waiting, end);
     } else {
       least[ray] = 2 * (elapsed() - before);
       waiting.push_back(ray);

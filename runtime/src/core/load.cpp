@@ -23,7 +23,10 @@ class ModelLoader {
     line.set(_load, _in.rest_of_line());
     end();
   }
-  void word(const char*, Text& word) { word.set(_load, _in.word(static_cast<std::size_t>(schema::longest_word))); }
+  template <class Word>
+  void word(const char*, Word& word) {
+    word.set(_load, _in.word(static_cast<std::size_t>(schema::longest_word)));
+  }
   void family(Family& family);
   void real(const char*, double& value, const schema::Bound& bound) {
     const double read = _in.real();

@@ -319,6 +319,14 @@ struct BoundStore {
   Table<double> coupled;
 };
 
+/// Of the finite elements, which no answer depends on.
+struct FinerDistance {
+  bool is_measured = false;
+  SkippedText element, reference;
+  std::int32_t revision = 1, probes = 0;
+  double tool_radius_m = 0, mean = 0, p95 = 0;
+};
+
 struct LevelStore {
   double error_force = 0, error_displacement = 0;
   AmplitudeCenters centers;
@@ -387,6 +395,7 @@ struct ModelStore {
   Parts<FieldStore, largest_field_count> fields;
   Parts<LevelStore, largest_level_count> levels;
   Parts<BoundStore, schema::largest_bound_count> bounds;
+  FinerDistance finer;
   Nodes nodes;
   Table<std::int32_t> probe_triangles;
   Covered covered;

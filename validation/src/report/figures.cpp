@@ -26,6 +26,7 @@ Json validation_figures(const Validated& v) {
   out["model_hash"] = v.model.hash();
   out["mesh_hash"] = v.model.model().mesh_hash;
   out["conditions"] = conditions(v);
+  if (const auto& finer = v.model.model().finer; finer.is_measured) out["finer"] = figures(finer);
   for (const auto& line : verdict(v))
     if (!line.figures.empty()) out["verdict"][line.key] = figures(line.figures);
   out["worse_than_linear"] = figures(worse_than_linear(v));

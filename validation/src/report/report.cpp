@@ -272,6 +272,24 @@ Json cost(const Validated& in) {
   return section("Size and time", blocks);
 }
 
+/// That repeats the probes of this validation.
+std::string validate_again(const Validated& in) {
+  std::string line = fmt::format("phynness validate SCENE MODEL_DIR --probes {} --nodes {} --seed {}", in.report.probes,
+                                 in.report.nodes.size(), in.seed);
+  if (in.model.data().level() + 1 < in.model.runtime().n_levels())
+    line += fmt::format(" --level {}", in.model.data().level());
+  if (in.points.finished > 0) line += fmt::format(" --points {}", in.points.finished);
+  if (in.pairs.finished > 0) line += fmt::format(" --pairs {} --pair-depth {}", in.pairs.finished, in.pairs.depth_m);
+  return line;
+}
+
+/// That repeats the comparison with a finer solution.
+std::string check_again(const FinerDistance& finer) {
+  if (!finer.is_measured) return "not compared; phynness check SCENE does it";
+  return fmt::format("phynness check SCENE --reference {} --probes {} --seconds 1e7 --details", finer.reference,
+                     std::max(1, finer.probes));
+}
+
 Json origin(const Validated& in, const std::string& software) {
   return section("Origin of this report",
                  {facts({{"", "value"},
@@ -279,6 +297,11 @@ Json origin(const Validated& in, const std::string& software) {
                          {"scene", in.scene.source_name},
                          {"physics of the scene", in.model.model().physics_hash},
                          {"mesh", in.model.model().mesh_hash},
+                         {"element, revision of its equations",
+                          fmt::format("{}, {}", name(in.scene.solver.element),
+                                      revision(in.scene.solver.element, in.scene.material.law))},
+                         {"figures of the model", validate_again(in)},
+                         {"distance to a finer solution", check_again(in.model.model().finer)},
                          {"seed of the probes", std::to_string(in.seed)},
                          {"time of the solves", fmt::format("{:.0f} s", in.report.seconds)}})});
 }

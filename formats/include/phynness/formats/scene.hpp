@@ -130,6 +130,7 @@ struct TrainingSpec {
 struct ValidationSpec {
   int probes = 200;
   std::uint64_t seed = 1;
+  std::optional<int> check_probes;  ///< of run; 0: no check
 };
 
 struct Scene {

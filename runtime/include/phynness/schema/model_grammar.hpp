@@ -108,6 +108,23 @@ void bounds(IO& io, Model& model) {
 inline void keep(bool& to, bool value) { to = value; }
 inline void keep(const bool&, bool) {}
 
+/// How far the finite elements are from a finer solution.
+template <class IO, class Distance>
+void finer(IO& io, Distance& distance) {
+  const bool measured = io.optional("finer", distance.is_measured);
+  keep(distance.is_measured, measured);
+  if (!measured) return;
+  io.keyword("finer");
+  io.word("element", distance.element);
+  io.integer("revision", distance.revision, 1, largest_integer);
+  io.word("reference", distance.reference);
+  io.integer("probes", distance.probes, 0, largest_integer);
+  io.real("tool_radius_m", distance.tool_radius_m, not_negative);
+  io.real("mean", distance.mean, not_negative);
+  io.real("p95", distance.p95, not_negative);
+  io.end();
+}
+
 /// The first lines of an active node, the same for every family. Of the nodes that its tool moves either every one is
 /// displaced by its weight times d, or their weighted mean by d.
 template <class IO, class Model, class Node>
@@ -215,6 +232,7 @@ void model(IO& io, Model& model) {
     Grammar::shared(io, model);
     levels<Grammar>(io, model);
     bounds(io, model);
+    finer(io, model.finer);
     const int32_t n_active = count_line(io, "active", io.rows(model.nodes));
     io.shape("active", model.nodes, n_active, 1);
     int32_t previous = -1;

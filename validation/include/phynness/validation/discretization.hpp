@@ -2,6 +2,7 @@
 // mesh, and with the same element on cells of half the size.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -10,6 +11,7 @@
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/described.hpp>
 #include <phynness/formats/mesh.hpp>
+#include <phynness/formats/model.hpp>
 #include <phynness/formats/scene.hpp>
 #include <string>
 #include <vector>
@@ -22,15 +24,15 @@ inline constexpr std::array<Variant, 3> variants{Variant::scene, Variant::taylor
 const char* name(Variant);  ///< for JSON: "scene", "taylor-hood", "half-size"
 
 struct VariantForces {
-  std::vector<Status> status;   ///< per depth; empty: not solved
-  std::vector<double> force_N;  ///< size of the force per depth, if it converged
+  std::vector<Status> status;  ///< per depth; empty: not solved
+  std::vector<Vec3> force_N;   ///< per depth, if it converged
   bool converged(std::size_t depth) const { return depth < status.size() && status[depth] == Status::converged; }
   static void describe(const auto& forces, auto&& see) {
     std::vector<const char*> names;
     std::vector<double> sizes;
     for (std::size_t i = 0; i < forces.status.size(); ++i) {
       names.push_back(name(forces.status[i]));
-      sizes.push_back(forces.converged(i) ? forces.force_N[i] : undefined);
+      sizes.push_back(forces.converged(i) ? to_eigen(forces.force_N[i]).norm() : undefined);
     }
     see("status", names);
     see("force", sizes);
@@ -45,6 +47,8 @@ struct CheckedProbe {
   const VariantForces& of(Variant v) const { return forces[static_cast<std::size_t>(v)]; }
   /// Size of the scene's force over that of `other`; empty unless both converged.
   std::optional<double> ratio(Variant other, std::size_t depth) const;
+  /// As FinerDistance: the relative error of the scene's force at the largest displacement that both solve.
+  std::optional<double> error(Variant other) const;
   static void describe(const auto& result, auto&& see) {
     PHYNNESS_SEE(node, direction, inward);
     for (const auto v : variants) see(name(v), result.of(v));
@@ -99,12 +103,14 @@ struct DiscretizationReport {
   std::vector<CheckedProbe> probes;
   std::array<VariantCost, 3> costs;
   double seconds = 0;
+  std::int32_t chosen = 0;  ///< probes, of those asked for, that the time of the first one allows; 0: not limited
   double sufficient_s = 0;  ///< limit with which all probes would be solved, as far as their times are known
   bool interrupted = false;
 
   const VariantCost& cost(Variant v) const { return costs[static_cast<std::size_t>(v)]; }
   RatioStatistics ratios(Variant other, std::size_t depth) const;
   VariantComparison comparison(Variant other) const;
+  FinerDistance distance(const Scene& scene, Variant other) const;
   static void describe(const auto& result, auto&& see) {
     PHYNNESS_SEE(tool_radius_m, tool_edges, patch_for_node, mean_edge_m, depth_m);
     see("against", ByName<VariantComparison>{{name(Variant::taylor_hood), result.comparison(Variant::taylor_hood)},
@@ -116,6 +122,8 @@ struct DiscretizationReport {
 
 struct DiscretizationOptions {
   int probes = 6;
+  /// Empty: both. With a single one as many probes are chosen, after the first, as its time allows in `seconds`.
+  std::optional<Variant> reference;
   /// No solve is started whose predicted end is later. The cheaper of two comparisons may use half of this time, and
   /// each probe its share of what is left, so that no long solve leaves nothing to the others.
   double seconds = 60;
@@ -124,6 +132,14 @@ struct DiscretizationOptions {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
   };
 };
+
+/// The finer solution that is named with a model: Taylor-Hood on the same mesh, which does not lock, or cells of half
+/// the size where the scene has no such variant.
+Variant finer_reference(const Scene& scene);
+
+/// Time [s] of the check in `phynness run`: a quarter of that of the database, so at most a fifth of all, but a second.
+/// @param solve_s  CPU time of the solves of the database
+inline double check_limit_s(double solve_s, int ranks) { return std::max(1.0, solve_s / ranks / 4); }
 
 /// Radius of the patch that replaces a node in a check. The force at a node depends on the element even without
 /// locking: P1 moves a node, P2 also the midpoints of its edges (docs/theory.md, What a probe is).
