@@ -61,8 +61,10 @@ TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
                {"error of the force: unknown outside"});
   EXPECT_TRUE(json("e.json").at("bound_N").is_null());
   const auto other = std::to_string(plain.nodes[1].node);
-  const auto pair = "eval b --node " + node + " --displacement 0,0,-0.001 --node " + other + " --displacement 0,0.001,0";
-  expect_names(phynness(pair + " --json e.json").out, {"error of the force: at most", "for 95 % of random displacements"});
+  const auto pair =
+      "eval b --node " + node + " --displacement 0,0,-0.001 --node " + other + " --displacement 0,0.001,0";
+  expect_names(phynness(pair + " --json e.json").out,
+               {"error of the force: at most", "for 95 % of random displacements"});
   ASSERT_EQ(json("e.json").at("bounds_N").size(), 2U);
   EXPECT_GT(json("e.json").at("bounds_N").at(1).get<double>(), 0);
   succeed("eval m --node " + node + " --displacement 0,0,-0.004 --json e.json");

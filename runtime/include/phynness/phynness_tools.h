@@ -52,9 +52,9 @@ PHN_API int phn_bound_at(const phn_model* model, const phn_tool* tool, double* b
  * it is alone, unless they are close. Forces are continuous where a tool slides over edges and nodes.
  * In families with an energy they are its gradient while the tools hold their points. The result depends on these
  * arguments only, not on earlier calls. PHN_WARNING_UNSETTLED: tools within half an edge length of each other, round
- * tools within a few tenths of their radius, pull apart, and their points follow them only in part. PHN_ERROR_TOOLS: more
- * tools than `data` holds; a phn_data of phn_data_init holds none. PHN_ERROR_UNDEFINED: a node of coupled tools, or one
- * under its round tool, is not an output node, or it has no deformation. `result` may be null. Components of
+ * tools within a few tenths of their radius, pull apart, and their points follow them only in part. PHN_ERROR_TOOLS:
+ * more tools than `data` holds; a phn_data of phn_data_init holds none. PHN_ERROR_UNDEFINED: a node of coupled tools,
+ * or one under its round tool, is not an output node, or it has no deformation. `result` may be null. Components of
  * displacements are clamped to 1000 max_displacement_m. */
 PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
                        phn_coupled* result);

@@ -33,8 +33,8 @@ class ToolResponses {
   double respond(std::int32_t s, const Vector& p);
   /// Computes the quantities of a tool that do not depend on its displacement.
   void prepare(std::int32_t s);
-  /// Makes the compliances at rest between round tools agree with those of each alone: interpolated ones, scaled at both
-  /// ends. What the fields lack under other tools for that is added. @pre prepare of all tools
+  /// Makes the compliances at rest between round tools agree with those of each alone: interpolated ones, scaled at
+  /// both ends. What the fields lack under other tools for that is added. @pre prepare of all tools
   void match_round_tools();
   /// Computes the rotation of the surface around tool t's point by the nodes of the other tools; the rotation by its
   /// own nodes is not needed.
