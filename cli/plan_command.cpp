@@ -170,11 +170,11 @@ void print_plan(const Options& options, const Plan& plan) {
   const auto& m = plan.measured;
   print_result("time      {} on {} rank{}{}\n", duration(plan.wall_seconds), plan.ranks, plan.ranks == 1 ? "" : "s",
                options.ranks ? "" : ", the processor cores of this machine");
-  if (plan.check_seconds)
+  if (!plan.check_seconds)
+    print_result("check     of validation.check_probes probes in phynness run, without a limit of time\n");
+  else if (*plan.check_seconds > 0)
     print_result("check     at most {} more in phynness run (validation.check_probes)\n",
                  duration(*plan.check_seconds));
-  else
-    print_result("check     of the probes of validation.check_probes, in phynness run, is not limited in time\n");
   print_result("rays      {}, {} more by symmetry; {} solved at {} node{}: {:.3g} s each ({}), at most {:.3g} s\n",
                plan.rays_requested, plan.rays_mirrored, m.rays, m.nodes, m.nodes == 1 ? "" : "s", m.seconds_per_ray,
                trust(plan), m.seconds_longest_ray);

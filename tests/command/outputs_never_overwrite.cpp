@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 /// cli/command_files.hpp.
 const std::set<std::string> texts{"--shard",    "--displacement", "--point",    "--tools",
                                   "--family",   "--max-error",    "--max-time", "--max-size",
-                                  "--error-by", "--increment",    "--name"};
+                                  "--error-by", "--increment",    "--name",     "--reference"};
 
 /// A subcommand with the inputs that it is given.
 struct Use {
@@ -53,6 +53,11 @@ class Overwriting : public CommandLine {
                                            "], \"force_error\": [0.1], \"displacement_error\": [0.1]}, " +
                                            "\"model_hash\": " + of_model.at("model_hash").dump() +
                                            ", \"mesh_hash\": " + of_model.at("mesh_hash").dump() + "}\n");
+    write_file(folder / "check.json",
+               "{\"mesh_hash\": " + of_model.at("mesh_hash").dump() +
+                   ", \"physics_hash\": " + of_model.at("physics_hash").dump() +
+                   ", \"distance\": {\"element\": \"P1\", \"revision\": 1, \"reference\": " +
+                   "\"half-size\", \"probes\": 0, \"tool_radius_m\": 0.01, \"mean\": 0, \"p95\": 0}}\n");
     write_file(folder / "motion.json", "{\"format\": \"phynness motion 1\", \"tools\": [{\"node\": " + node +
                                            "}], \"time_s\": [0], \"displacement_m\": [[[0, 0, -0.001]]]}\n");
   }
@@ -94,6 +99,7 @@ class Overwriting : public CommandLine {
     if (option == "DATABASE") return {{"d.h5", database}};
     if (option == "--database") return {{"--database d.h5", database}};
     if (option == "--errors") return {{"--errors errors.json", {"errors.json"}}};
+    if (option == "--check") return {{"--check check.json", {"check.json"}}};
     if (option == "MODEL_DIR") return {{"model", model}};
     if (option == "SHARD") return {{"s.shard-0-of-2.h5 s.shard-1-of-2.h5", shards}};
     if (option == "--motion") return {{"--motion motion.json", {"motion.json"}}};

@@ -39,8 +39,12 @@ TEST_F(Plans, sizes_are_those_of_the_run) {
   EXPECT_EQ(plan["mesh_text_bytes"], static_cast<double>(std::filesystem::file_size(folder / "model/mesh.txt")));
   EXPECT_GT(plan["memory_bytes_per_rank"].get<double>(), 1e7);
   EXPECT_GE(plan["ranks_of_use"].get<int>(), 1);
-  // Without a request the ranks are those of this machine.
-  expect_names(phynness("plan scene.toml --rays 2").out, {"processor cores of this machine"});
+  EXPECT_EQ(plan["check_seconds"], 0);
+  // Without a request the ranks are those of this machine, and run compares with a finer solution.
+  auto checked = small_scene();
+  write_file(folder / "scene.toml", checked.erase(checked.find("check_probes")));
+  expect_names(phynness("plan scene.toml --rays 2").out,
+               {"processor cores of this machine", "check     at most 1.0 s more in phynness run"});
 }
 
 /// The tasks in a log: each whole, one after the other, in the order in which they are handed out.
