@@ -90,7 +90,7 @@ void add(CLI::App& app) {
            "model directory to write (default: MODEL_DIR, whose model.txt is replaced at the end)");
   add_count(command, "--rays", options.rays, 100, 1'000'000,
             "random rays, ten at each of a tenth as many nodes, but at least 20 (default: half as many as the database "
-            "has, at least 100, at most 1000)");
+            "has, at least 200, at most 1000)");
   add_count(command, "--seed", options.seed, 0, std::int64_t{1} << 53, "of the random numbers")->capture_default_str();
   add_json(command, options.json_file);
   command.add_flag("--details", options.details, "print shares by depth and the width of the bounds");

@@ -229,8 +229,8 @@ TEST_P(Failures, DoNotComeBackWithResume) {
   EXPECT_TRUE(Database::is_complete(_folder / "resumed.h5"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Elements, Failures,
-                         ::testing::Values(element_named("P1"), element_named("p1-p1")), element_name);
+INSTANTIATE_TEST_SUITE_P(Elements, Failures, ::testing::Values(element_named("P1"), element_named("p1-p1")),
+                         element_name);
 
 }  // namespace
 }  // namespace phynness::test

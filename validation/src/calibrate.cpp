@@ -139,7 +139,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
   const std::size_t n_active = model.model().nodes.size();
   const auto stored = static_cast<std::int64_t>(header.sets.active.size() * header.directions.size());
   const auto n_rays =
-      static_cast<std::size_t>(spec.rays > 0 ? spec.rays : std::clamp<std::int64_t>(stored / 2, 100, 1000));
+      static_cast<std::size_t>(spec.rays > 0 ? spec.rays : std::clamp<std::int64_t>(stored / 2, 200, 1000));
   const std::size_t n_nodes = std::min(n_active, std::max(fewest_nodes, n_rays / rays_per_node));
   std::mt19937_64 random(spec.seed);
   const auto sample = sampled_nodes(n_nodes, n_active, random);

@@ -10,7 +10,7 @@
 namespace phynness {
 
 struct BoundSpec {
-  /// 0: half as many as the database has, but at least 100 and at most 1,000
+  /// 0: half as many as the database has, but at least 200 and at most 1,000
   std::int64_t rays = 0;
   std::uint64_t seed = 1;
   double coverage = 0.95;
