@@ -1,0 +1,16 @@
+# phynness_motion: the reader of motions, for formats and for devices, which are also built without the rest of phynness.
+if(NOT TARGET phynness_motion)
+  add_library(phynness_motion STATIC ${CMAKE_CURRENT_LIST_DIR}/src/motion.cpp ${CMAKE_CURRENT_LIST_DIR}/src/printable.cpp)
+  target_include_directories(phynness_motion PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_LIST_DIR}/include>)
+  find_path(PHYNNESS_JSON_INCLUDE nlohmann/json.hpp)
+  if(NOT PHYNNESS_JSON_INCLUDE)
+    message(FATAL_ERROR "nlohmann/json.hpp not found; install it (Debian: nlohmann-json3-dev)")
+  endif()
+  target_include_directories(phynness_motion SYSTEM PRIVATE ${PHYNNESS_JSON_INCLUDE})
+  target_compile_options(phynness_motion PRIVATE -Wall -Wextra -Wconversion -Wno-sign-conversion)
+  if(PHYNNESS_WARNINGS_AS_ERRORS)
+    target_compile_options(phynness_motion PRIVATE -Werror)
+  endif()
+  set_target_properties(phynness_motion PROPERTIES EXPORT_NAME motion POSITION_INDEPENDENT_CODE ON
+    CXX_STANDARD 20 CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF)
+endif()
