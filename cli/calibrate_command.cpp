@@ -31,7 +31,11 @@ void print(const BoundReport& report, const Options& options) {
                report.nodes, report.states, report.failed_rays, duration(report.seconds));
   if (options.details) print_coverage(c);
   for (const auto& [name, kind] : {std::pair{"one tool between nodes", report.between}, {"two tools", report.two}}) {
-    if (kind.all.states == 0) continue;
+    if (kind.all.states == 0) {
+      if (report.planned_coupled_rays > 0)
+        print_result("{}: no bound, because only {} of their rays were solved\n", name, kind.rays);
+      continue;
+    }
     print_result("{}: {:.1f} % of {} errors of rays left out are below their bound\n", name, 100 * kind.all.all,
                  kind.all.states);
     if (options.details) print_coverage(kind.all);

@@ -155,12 +155,16 @@ void run_motion(const Options& options) {
   answer_motion(model, motion, name, options.tool.json_file);
 }
 
-void print_bound(const LoadedModel& model, const std::optional<double>& bound_N) {
+void print_bound(const LoadedModel& model, int status, const std::optional<double>& bound_N) {
   if (bound_N)
     print_result("error of the force: at most {:.3g} N for {:g} % of random displacements\n", *bound_N,
                  100 * model.model().bounds.at(0).coverage);
-  else
+  else if ((status & PHN_WARNING_OUTSIDE) != 0)
     print_result("error of the force: unknown outside of the trained range\n");
+  else if ((status & PHN_WARNING_UNSETTLED) != 0)
+    print_result("error of the force: unknown, because the tools are too close to each other\n");
+  else
+    print_result("error of the force: unknown, because too few rays of such tools were solved by phynness calibrate\n");
 }
 
 void run_single(const Options& options) {
@@ -210,8 +214,8 @@ void run_single(const Options& options) {
     const auto n = write_fine_surface(model, response.displacement_m, options.levels, *options.surface, info.title);
     message("surface of {} vertices: {}\n", n, options.surface->string());
   });
-  if (bounded) print_bound(model, bound_N);
-  for (const auto& bound : bounds) print_bound(model, bound);
+  if (bounded) print_bound(model, response.status, bound_N);
+  for (const auto& bound : bounds) print_bound(model, response.status, bound);
 }
 
 void run(const Options& options) {

@@ -93,10 +93,12 @@ void refuse_files_of_others(const Options& options) {
 void write_figures(const Options& options, const std::vector<Stage>& stages) {
   if (!options.json_file) return;
   json all;
-  for (const auto& stage : stages) {
-    std::ifstream file(options.output / (std::string(stage.title) + ".json"));
-    if (file) all[stage.title] = json::parse(file);
-  }
+  const auto add = [&](const std::string& title) {
+    std::ifstream file(options.output / (title + ".json"));
+    if (file) all[title] = json::parse(file);
+  };
+  for (const auto& stage : stages) add(std::string(stage.title));
+  add("check");  // an earlier run may have made it
   write_json(options.json_file, all);
 }
 
@@ -111,7 +113,7 @@ void remove_results(const Options& options) {
 bool is_checked(const std::filesystem::path& file) {
   std::ifstream in(file);
   const auto check = json::parse(in, nullptr, false);
-  return check.is_object() && !check.value("interrupted", true);
+  return check.is_object() && check.contains("interrupted") && check["interrupted"] == false;
 }
 
 /// Compares the finite elements with a finer solution, in at most a fifth of the time of all: a quarter of that of the
@@ -119,9 +121,9 @@ bool is_checked(const std::filesystem::path& file) {
 bool check(const Options& options, const Scene& scene, const std::string& self, std::vector<Stage>& stages) {
   const auto file = options.output / "check.json", database = options.output / "database.h5";
   const auto probes = scene.validation.check_probes;
-  if (probes == 0) return false;
-  if (options.resume && is_checked(file)) return true;
+  if (probes != 0 && options.resume && is_checked(file)) return true;
   std::filesystem::remove(file);
+  if (probes == 0) return false;
   // On a busy machine a stage takes longer than its solves, and after --resume it has solved only a part of them.
   const double spent_s = std::max(stages.back().seconds, summarize(Database::open(database)).seconds / options.ranks);
   const double seconds = check_limit_s(spent_s, 1);

@@ -85,7 +85,7 @@ TrainingSpec chosen_spec(TrainingSpec spec, const Options& options) {
 }
 
 /// The distance that `check --json` has written. @throws Error (input) if the file is of another scene or no such file
-FinerDistance distance_of(const std::filesystem::path& file, const DatabaseHeader& header) {
+FinerDistance distance_of(const std::filesystem::path& file, const Scene& scene, const DatabaseHeader& header) {
   FinerDistance distance;
   distance.is_measured = true;
   const auto refuse = [&](const std::string& what) {
@@ -99,9 +99,18 @@ FinerDistance distance_of(const std::filesystem::path& file, const DatabaseHeade
       throw refuse("another mesh or physics");
     FinerDistance::describe(
         distance, [&]<class Value>(const char* key, Value& value) { check.at("distance").at(key).get_to(value); });
+    for (const char* count : {"revision", "probes"})
+      if (!check["distance"][count].is_number_integer()) throw refuse(std::string(count) + " is no integer");
   } catch (const nlohmann::json::exception& error) {
     throw refuse(error.what());
   }
+  const auto is_sane = [](double x) { return x >= 0 && x <= 1e6; };
+  if (distance.element != name(scene.solver.element) ||
+      (distance.reference != "taylor-hood" && distance.reference != "half-size"))
+    throw refuse("another element or reference");
+  if (distance.revision < 1 || distance.revision > 1000 || distance.probes < 0 || distance.probes > 10'000 ||
+      !is_sane(distance.mean) || !is_sane(distance.p95) || !is_sane(distance.tool_radius_m))
+    throw refuse("a number is out of range");
   return distance;
 }
 
@@ -121,7 +130,7 @@ Trained trained(const Options& options) {
   check_database(as_hashed(scene, header.physics_hash), header, options.database.string(), "train");
   warn_of_patch(scene, header.mesh, header.sets);
   const TrainingSpec spec = chosen_spec(scene.training, options);
-  const auto finer = options.check_file ? distance_of(*options.check_file, header) : FinerDistance{};
+  const auto finer = options.check_file ? distance_of(*options.check_file, scene, header) : FinerDistance{};
   Trained t;
   // All long work is done before a file is written, so that a signal may end it at any time.
   end_at_signals("training was interrupted\n  remedy: run the same command again; no model was written\n");

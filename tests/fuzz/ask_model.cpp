@@ -223,6 +223,11 @@ class Asker {
           if (n >= 0 && n <= std::min(_max_tools, 8) && told < 0)
             require(deformed == PHN_OK, "nothing is held after a refusal");
           if (told < 0) std::fill(field, field + 3 * _n_output, 0);
+          double bounds[PHN_MOST_COUPLED] = {};
+          const int bounded = phn_coupled_bound(_model, data, bounds);
+          if (n >= 0 && n <= std::min(_max_tools, 8) && (told < 0 || n == 0))
+            require(bounded == PHN_ERROR_UNDEFINED, "no bounds without tools");
+          for (const double bound : bounds) require(bound >= 0 && bound <= PHN_NO_BOUND, "a bound");
           return told;
         });
     if (n < 0) require(status == PHN_ERROR_ARGUMENT, "a negative number of tools");

@@ -78,6 +78,18 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   EXPECT_GE(v.at("finer").at("p95"), v.at("finer").at("mean"));
   expect_names(be_refused("train scene.toml out/database.h5 -o other --check out/train.json").err, {"phynness check"});
 
+  // By itself a run solves enough rays for bounds of two tools.
+  EXPECT_GE(json("all.json").at("calibrate").at("two").at("rays"), 20);
+  // Damaged or foreign distances are refused before training.
+  auto check = json("all.json").at("check");
+  for (const auto& [key, value] : std::vector<std::pair<const char*, nlohmann::json>>{
+           {"probes", -3}, {"probes", 2.5}, {"mean", -1.0}, {"p95", 1e308}, {"reference", "foo"}, {"element", "a b"}}) {
+    auto damaged = check;
+    damaged["distance"][key] = value;
+    write_file(folder / "damaged.json", damaged.dump());
+    expect_names(be_refused("train scene.toml out/database.h5 -o other --check damaged.json").err, {"phynness check"});
+  }
+
   const auto brief = succeed("validate scene.toml out/model --report r.html");
   expect_narrow(brief.out);
   EXPECT_LE(lines_of(brief.out).size(), 24U) << brief.out;  // verdict of at most 11 lines, table, file
@@ -107,6 +119,12 @@ TEST_F(Verdict, IsFirstAndNarrow) {
     if (std::string(other) == "info out/model") expect_names(unbroken(done.out), {"from a finer solution"});
   }
   EXPECT_EQ(std::filesystem::last_write_time(folder / "out/check.json"), checked) << "a finished check is kept";
+  // One that is damaged, or that was interrupted, is made again.
+  for (const char* text : {"{\n  \"element\": \"x\", \"interrupted\": \"no\"}", "{\n  \"element\": \"x\"}"}) {
+    write_file(folder / "out/check.json", text);
+    succeed("run scene.toml -o out --resume");
+    EXPECT_EQ(json("out/check.json").at("distance"), check.at("distance"));
+  }
 }
 
 }  // namespace

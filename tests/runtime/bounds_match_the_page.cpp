@@ -123,58 +123,101 @@ TEST_P(Bounds, AreKnownOnlyWhereTheyAreStored) {
 
 double logarithm(double x) { return std::log(x + 1e-12); }
 
-// Claim: one tool between nodes, and each of two tools, has the bound of the page, here of two nodes that do not feel
-// each other: K is the stiffness of each alone. 1e-9: differences of forces, and logarithms.
-TEST(CoupledBounds, AreThoseOfThePage) {
-  const Model model = with_coupled_bounds(bent(LinearBody(7, false)));
-  const auto& c = model.bounds[0].coupled;
-  const LoadedModel loaded(write_model_text(model)), old(write_model_text(with_bounds(bent(LinearBody(7, false)))));
-  const auto at_node = [&](std::int32_t node, const Eigen::Vector3d& d) {
+double logarithm(double x) { return std::log(x + 1e-12); }
+
+class CoupledBounds : public testing::TestWithParam<bool> {
+ protected:
+  Model model = with_coupled_bounds(bent(LinearBody(7, GetParam())));
+  LoadedModel loaded{write_model_text(model)};
+
+  std::pair<double, Eigen::Vector3d> at_node(std::int32_t node, const Eigen::Vector3d& d) const {
     double bound = 0;
     Eigen::Vector3d force;
     EXPECT_GE(phn_bound(loaded.model, node, d.data(), &bound), 0);
     EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), force.data(), nullptr, nullptr), 0);
-    return std::pair{bound, force};
-  };
-  const auto bounds_at = [](const LoadedModel& at, const std::vector<phn_tool>& tools, int expected) {
-    Eigen::Vector2d bounds(-1, -1);
-    Eigen::Matrix<double, 3, 2> forces;
+    return {bound, force};
+  }
+  using Forces = Eigen::Matrix<double, 3, 2>;
+  static Forces forces_of(const LoadedModel& at, const std::vector<phn_tool>& tools) {
+    Forces forces = Forces::Zero();
     EXPECT_GE(phn_couple(at.model, at.data, static_cast<int>(tools.size()), tools.data(), forces.data(), nullptr), 0);
+    return forces;
+  }
+  static Eigen::Vector2d bounds_at(const LoadedModel& at, const std::vector<phn_tool>& tools, int expected) {
+    Eigen::Vector2d bounds(-1, -1);
+    forces_of(at, tools);
     EXPECT_EQ(phn_coupled_bound(at.model, at.data, bounds.data()), expected);
     return bounds;
-  };
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Bodies, CoupledBounds, testing::Bool(),
+                         [](const auto& info) { return info.param ? "Coupled" : "Springs"; });
+
+// Claim: one tool between nodes, and each of two tools, has the bound of the page. Stiffnesses at rest are differences
+// of forces: 1e-9 and 1e-5 for those, and for logarithms.
+TEST_P(CoupledBounds, AreThoseOfThePage) {
+  const auto& c = model.bounds[0].coupled;
+  const LoadedModel old(write_model_text(with_bounds(bent(LinearBody(7, GetParam())))));
   const Eigen::Vector3d d(0.003, -0.002, 0.004), e(-0.004, 0.001, 0.002);
-  const std::vector<phn_tool> between = {tool(1, 2, -1, 0.4, 0.6, d[0], d[1], d[2])},
-                              node = {tool(1, -1, -1, 1, 0, d[0], d[1], d[2])},
-                              two = {node[0], tool(4, -1, -1, 1, 0, e[0], e[1], e[2])},
-                              far = {node[0], tool(4, -1, -1, 1, 0, 1, 0, 0)};
+  const auto both = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return std::vector{tool(1, -1, -1, 1, 0, a[0], a[1], a[2]), tool(4, -1, -1, 1, 0, b[0], b[1], b[2])};
+  };
+  const std::vector<phn_tool> between = {tool(1, 2, -1, 0.4, 0.6, d[0], d[1], d[2])}, two = both(d, e), node = {two[0]};
   const auto [b1, f1] = at_node(1, d);
   const auto [b2, f2] = at_node(2, d);
   const auto [b4, f4] = at_node(4, e);
   EXPECT_EQ(bounds_at(loaded, node, PHN_OK)[0], b1);
-  const Eigen::Vector3d mean = 0.4 * f1 + 0.6 * f2;
-  const double spread = 0.4 * (f1 - mean).norm() + 0.6 * (f2 - mean).norm();
-  const double expected = std::exp(c(0, 0) + c(0, 1) * logarithm(std::max(b1, b2) + spread) +
-                                   c(0, 2) * logarithm(spread) + c(0, 3) * logarithm(mean.norm()));
-  EXPECT_NEAR(bounds_at(loaded, between, PHN_OK)[0], expected, 1e-9 * expected);
-  const double h = model.displacements.row(0).norm(), size = f1.norm() + f4.norm();
-  const Eigen::Vector2d said = bounds_at(loaded, two, PHN_OK);
-  for (const int t : {0, 1}) {
-    Eigen::Matrix3d stiffness;
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3d step = h * Eigen::Vector3d::Unit(k);
-      stiffness.col(k) = (at_node(t == 0 ? 1 : 4, step).second - at_node(t == 0 ? 1 : 4, -step).second) / (2 * h);
-    }
-    stiffness = (stiffness + stiffness.transpose()).eval() / 2;
-    const double bend = ((t == 0 ? f1 : f4) - stiffness * (t == 0 ? d : e)).norm();
-    const double of_two = std::exp(c(1, 0) + c(1, 1) * logarithm(t == 0 ? b1 : b4) + c(1, 2) * logarithm(bend) +
-                                   c(1, 3) * logarithm(size));
-    EXPECT_NEAR(said[t], of_two, 1e-6 * of_two);
+  if (!GetParam()) {  // springs: the tool between nodes is answered by them alone
+    const Eigen::Vector3d mean = 0.4 * f1 + 0.6 * f2;
+    const double spread = 0.4 * (f1 - mean).norm() + 0.6 * (f2 - mean).norm();
+    const double expected = std::exp(c(0, 0) + c(0, 1) * logarithm(std::max(b1, b2) + spread) +
+                                     c(0, 2) * logarithm(spread) + c(0, 3) * logarithm(mean.norm()));
+    EXPECT_NEAR(bounds_at(loaded, between, PHN_OK)[0], expected, 1e-9 * expected);
   }
-  EXPECT_EQ(bounds_at(loaded, far, PHN_WARNING_OUTSIDE), Eigen::Vector2d::Constant(PHN_NO_BOUND));
+
+  const Forces forces = forces_of(loaded, two);
+  const double h = 1e-6;
+  Eigen::Matrix3d alone[2], stiffness[2][2];
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d step = h * Eigen::Vector3d::Unit(k), zero = Eigen::Vector3d::Zero();
+    for (const int s : {0, 1}) {
+      const std::int32_t at = s == 0 ? 1 : 4;
+      alone[s].col(k) = (at_node(at, step).second - at_node(at, -step).second) / (2 * h);
+      const Forces change = (forces_of(loaded, s == 0 ? both(step, zero) : both(zero, step)) -
+                             forces_of(loaded, s == 0 ? both(-step, zero) : both(zero, -step))) /
+                            (2 * h);
+      for (const int t : {0, 1}) stiffness[t][s].col(k) = change.col(t);
+    }
+  }
+  const Eigen::Vector2d said = bounds_at(loaded, two, PHN_OK);
+  const double own[] = {b1, b4};
+  for (const int t : {0, 1}) {
+    double reaching = 0;
+    for (const int s : {0, 1}) reaching += (stiffness[t][s] * alone[s].inverse()).norm() / std::sqrt(3) * own[s];
+    const double bend = (forces.col(t) - stiffness[t][0] * d - stiffness[t][1] * e).norm();
+    const double of_two = std::exp(c(1, 0) + c(1, 1) * logarithm(reaching) + c(1, 2) * logarithm(bend) +
+                                   c(1, 3) * logarithm(forces.colwise().norm().sum()));
+    EXPECT_NEAR(said[t], of_two, 1e-5 * of_two);
+  }
+  EXPECT_EQ(bounds_at(loaded, both(d, {1, 0, 0}), PHN_WARNING_OUTSIDE), Eigen::Vector2d::Constant(PHN_NO_BOUND));
   EXPECT_EQ(bounds_at(old, node, PHN_OK)[0], b1);
   EXPECT_EQ(bounds_at(old, two, PHN_ERROR_UNDEFINED), Eigen::Vector2d::Zero());
   EXPECT_EQ(bounds_at(old, between, PHN_ERROR_UNDEFINED)[0], 0);
+}
+
+// Claim: without tools, and for a smaller level, there is no bound, and that is said.
+TEST(CoupledBoundsOfLevels, AreUndefined) {
+  const LoadedModel loaded(write_model_text(with_coupled_bounds(with_levels(small_model_of(Family::modal)))));
+  const std::vector<phn_tool> two = {tool(3, -1, -1, 1, 0, 0.001, 0, 0), tool(5, -1, -1, 1, 0, 0, 0.001, 0)};
+  double bounds[] = {-1, -1}, forces[6];
+  EXPECT_EQ(phn_coupled_bound(loaded.model, loaded.data, bounds), PHN_ERROR_UNDEFINED);
+  EXPECT_GE(phn_couple(loaded.model, loaded.data, 2, two.data(), forces, nullptr), 0);
+  EXPECT_GE(phn_coupled_bound(loaded.model, loaded.data, bounds), 0);
+  EXPECT_GT(bounds[0], 0);
+  EXPECT_EQ(phn_set_level(loaded.model, loaded.data, 0), PHN_OK);
+  EXPECT_GE(phn_couple(loaded.model, loaded.data, 2, two.data(), forces, nullptr), 0);
+  EXPECT_EQ(phn_coupled_bound(loaded.model, loaded.data, bounds), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(bounds[0], 0);
 }
 
 // Claim: nothing else that the runtime computes changes when bounds are added.

@@ -27,8 +27,17 @@ JudgedProbe probe(std::int32_t node, Status status) {
   return p;
 }
 
+LoadedModel checked_sample() {
+  const LoadedModel sample(source + "/examples/model");
+  Model model = sample.model();
+  model.finer.is_measured = true;
+  model.finer.element = "p1-p1";
+  model.finer.reference = "taylor-hood";
+  return {std::move(model), sample.mesh(), "model"};
+}
+
 Validated results() {
-  Validated v{read_scene(source + "/scenes/demo.toml"), LoadedModel(source + "/examples/model")};
+  Validated v{read_scene(source + "/scenes/demo.toml"), checked_sample()};
   const auto node = v.model.model().nodes.front().node;
   const std::vector<JudgedProbe> probes{probe(node, Status::converged), probe(node, Status::diverged)};
   v.report.nodes = {node};

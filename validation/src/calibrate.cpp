@@ -21,6 +21,8 @@ namespace {
 constexpr std::size_t states_per_ray = 3, rays_per_node = 10;
 /// Of the rays of nodes, as many are solved of one tool between nodes, and of two tools.
 constexpr std::int64_t coupled_part = 5;
+/// More than bounds need: some rays fail.
+constexpr std::int64_t fewest_coupled = 30;
 /// The nodes are a sample of clusters: with fewer, 0.95 (1 + 1 / n) is above 1 and nothing is known of the next node.
 constexpr std::size_t fewest_nodes = 20;
 /// A state is exchanged between ranks as this many numbers.
@@ -149,7 +151,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     solver->set_stop(stop);
   });
   const CoupledRays coupled(model, stored_scene(header).probe);
-  const std::int64_t per_kind = std::max<std::int64_t>(fewest_nodes, spec.rays / coupled_part);
+  const std::int64_t per_kind = std::max<std::int64_t>(fewest_coupled, n_rays / coupled_part);
   std::vector<std::pair<std::int32_t, std::int32_t>> coupled_rays;  // number of the ray, and of tools
   for (std::int32_t ray = 0; ray < per_kind; ++ray)
     for (const std::int32_t n_tools : {1, 2})

@@ -63,11 +63,12 @@ PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, 
  * before the first phn_couple. The field of one round tool between nodes is the mean of its nodes' fields. */
 PHN_API int phn_coupled_deform(const phn_model* model, phn_data* data, double* out);
 
-/* Bounds [N] of the errors of the forces of the last phn_couple with this data, one for each tool, of the full level:
- * with one tool or several, at nodes or between them, each holds for random places and displacements as phn_bound does
- * (formats/model.md, Bounds). PHN_NO_BOUND with PHN_WARNING_OUTSIDE or _UNSETTLED. PHN_ERROR_UNDEFINED, with zeros: the
- * model has no bounds, or one calibrated by an older version has none but at a single node. Cost: four forces for each
- * active node around a tool. */
+/* Bounds [N] of the errors of the forces of the last phn_couple with this data, one for each tool: with one tool or
+ * several, at nodes or between them, each holds for random places and displacements as phn_bound does
+ * (formats/model.md, Bounds). PHN_NO_BOUND with PHN_WARNING_OUTSIDE or _UNSETTLED, and where calibration had too few
+ * tools of this kind. PHN_ERROR_UNDEFINED, with zeros for the tools there are: no tools are held, the model has no
+ * bounds, or, for any but a single node, phn_couple used a smaller level or the model was calibrated by an older
+ * version. Cost: four forces for each active node around a tool. */
 PHN_API int phn_coupled_bound(const phn_model* model, const phn_data* data, double* bounds);
 
 /* The tool at that point of the undeformed surface which is nearest to x [m], with displacement 0. `point` [m] may be

@@ -77,11 +77,12 @@ int bound_at(const phn_model* model, const phn_tool* tool, double& bound) {
 /// @param bounds  most_coupled numbers. @return a status of phynness.h
 int bounds_of(const phn_model& model, const Coupling& c, double* bounds) {
   Alone alone[most_coupled];
-  int status = c.settled || c.n_tools == 0 ? PHN_OK : PHN_WARNING_UNSETTLED;
+  int status = c.settled ? PHN_OK : PHN_WARNING_UNSETTLED;
   double size = 0;
   for (std::int32_t t = 0; t < c.n_tools; ++t) {
     const HeldPoint& point = c.point[t];
-    if (model.coupled_bound == nullptr && (c.n_tools > 1 || point.n_nodes > 1)) return PHN_ERROR_UNDEFINED;
+    const bool full = model.coupled_bound != nullptr && c.model == &model;
+    if (!full && (c.n_tools > 1 || point.n_nodes > 1)) return PHN_ERROR_UNDEFINED;
     const int said = alone_at(model, point, point.own, alone[t]);
     if (said < 0) return said;
     status |= said;
@@ -117,7 +118,7 @@ int phn_bound_at(const phn_model* model, const phn_tool* tool, double* bound) {
 
 int phn_coupled_bound(const phn_model* model, const phn_data* data, double* bounds) {
   if (model == nullptr || data == nullptr || data->model != model || bounds == nullptr) return PHN_ERROR_ARGUMENT;
-  if (data->coupling == nullptr) return PHN_OK;
+  if (data->coupling == nullptr || data->coupling->n_tools == 0) return PHN_ERROR_UNDEFINED;
   const Coupling& c = *data->coupling;
   double found[most_coupled] = {};
   const int status = bounds_of(*model, c, found);

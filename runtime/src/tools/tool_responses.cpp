@@ -119,8 +119,10 @@ void ToolResponses::prepare_means(std::int32_t t) {
   HeldPoint& to = _c.point[t];
   double *weight = _c.vertex_mean, *shared = weight + _model.n_output;
   for (std::int32_t s = 0; s < _c.n_tools; ++s) _c.wide[at(t, s)] = {};
-  // By all nodes of (x), and then by the corners; at a node they are the same.
-  const bool corrected = to.mean.n > to.n_nodes;
+  // By all nodes of (x), and then by the corners; at a node they are the same. A round tool that reaches nodes which
+  // are no outputs has no known mean.
+  bool corrected = to.mean.n > to.n_nodes;
+  for (std::int32_t k = 0; k < to.mean.n; ++k) corrected = corrected && _model.active[to.mean.active[k]].output >= 0;
   for (int corners = corrected ? 0 : 1; corners < 2; ++corners) {
     const std::int32_t n_nodes = corners ? to.n_nodes : to.mean.n;
     const double *share = corners ? to.weight : to.mean.weight, part = !corners ? 1 : corrected ? -0.5 : 0.5;

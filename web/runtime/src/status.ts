@@ -5,6 +5,8 @@ export type Warning = keyof typeof warnings;
 
 /** Status of what a model does not define. */
 export const undefinedHere = -7;
+/** A bound at least as large is none. */
+export const noBound = 1e300;
 
 const errorNames: Readonly<Record<number, string>> = {
   [-1]: 'PHN_ERROR_ARGUMENT',

@@ -1,6 +1,6 @@
 // Several tools at the same time, at nodes or between them.
 import { bytesOf, copied, few, integer, Owner, type Engine } from './engine.js';
-import { warningsOf, type Warning } from './status.js';
+import { noBound, undefinedHere, warningsOf, type Warning } from './status.js';
 import { putTool, type Tool } from './tool.js';
 
 export interface Coupled {
@@ -21,6 +21,8 @@ export class Tools extends Owner {
   private readonly forces: number;
   private readonly result: number;
   private readonly out: number;
+  private readonly boundsAt: number;
+  private held = 0;
 
   constructor(
     engine: Engine,
@@ -37,6 +39,7 @@ export class Tools extends Owner {
       this.forces = this.take(max * 24);
       this.result = this.take(bytesOf('phn_coupled'));
       this.out = this.take(24 * nOutput);
+      this.boundsAt = this.take(max * 8);
     } catch (error) {
       this.dispose();
       throw error;
@@ -49,7 +52,9 @@ export class Tools extends Owner {
     this.alive();
     if (tools.length > this.max) throw new RangeError(`${tools.length} tools, but this was made for ${this.max}`);
     tools.forEach((tool, i) => putTool(engine, this.tools + i * bytesOf('phn_tool'), tool));
+    this.held = 0;
     const status = engine.call('phn_couple', this.model, this.data, tools.length, this.tools, this.forces, this.result);
+    this.held = tools.length;
     return {
       status,
       warnings: warningsOf(status),
@@ -57,6 +62,17 @@ export class Tools extends Owner {
       energy: engine.real(this.result + bytesOf('phn_coupled.energy')),
       residual: engine.real(this.result + bytesOf('phn_coupled.residual')),
     };
+  }
+
+  /** Bounds [N] of the errors of the forces of the last set(); null where there is none: outside of the trained range, too close
+   * together, at a smaller level, or without `phynness calibrate`. */
+  bounds(): (number | null)[] {
+    const { engine } = this;
+    this.alive();
+    const status = engine.f['phn_coupled_bound']!(this.model, this.data, this.boundsAt);
+    if (status !== undefinedHere && status < 0) throw engine.error(status, 'phn_coupled_bound');
+    const bounds = Array.from(engine.reals(this.boundsAt, this.held));
+    return bounds.map((bound) => (status === undefinedHere || bound >= noBound ? null : bound));
   }
 
   /** Displacements [m] of all output nodes, n x 3, under the tools of the last set(). */

@@ -21,7 +21,7 @@ export interface Answer {
   readonly stiffness: Float64Array | null;
   /** of a tool at a node */
   readonly trust: TrustFigure | null;
-  /** of the error of the force [N], of a tool at a node inside the trained range; null also for models without bounds */
+  /** of the error of the force [N] of the last tool, inside the trained range; null also for models without bounds */
   readonly bound: number | null;
   /** of the spheres; empty for tools */
   readonly touches: readonly Touch[];
@@ -104,7 +104,7 @@ export class Runtime {
     this.tools.deform(this.field);
     return {
       ...nothing, status, warnings, residual, forces: tools.map((_, i) => row(forces, i)),
-      energy: this.model.info.hasEnergy ? energy : null,
+      energy: this.model.info.hasEnergy ? energy : null, bound: this.tools.bounds().at(-1) ?? null,
     };
   }
 
