@@ -58,7 +58,6 @@ int main(int argc, char** argv) {
     const Mesh mesh = test::mesh();
     for (const Family family : {Family::rbfn, Family::linear, Family::modal}) {
       Model model = test::model_of(family);
-      if (family == Family::modal) model = test::with_coupled_bounds(std::move(model));
       model.mesh_hash = mesh_hash(mesh);
       model.title = "comments: */ /* */ //*";
       const auto dir = std::filesystem::path(argv[1]) / name(family);

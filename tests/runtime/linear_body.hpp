@@ -65,7 +65,8 @@ struct LinearBody {
 /// The same body with a little curvature, as a modal model: three modes that are the unit responses, kernels
 /// that bend force and amplitudes by up to a tenth. Tables round to 16 bits: responses to each other agree to
 /// some 1e-5.
-inline Model bent(const LinearBody& body) {
+/// @param curved  false: without the curvature
+inline Model bent(const LinearBody& body, bool curved = true) {
   Numbers numbers;
   Model model = body.model;
   model.family = Family::modal;
@@ -76,9 +77,9 @@ inline Model bent(const LinearBody& body) {
     node.conservative.stiffness = node.linear.stiffness;
     node.conservative.centers = {1, 4, 7};
     node.conservative.coefficients.resize(3, 3);
-    for (double& b : node.conservative.coefficients.reshaped()) b = 0.01 * numbers.next();
+    for (double& b : node.conservative.coefficients.reshaped()) b = curved ? 0.01 * numbers.next() : 0;
     Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(7, 3);
-    for (Eigen::Index r = 0; r < 4; ++r) weights.row(r).setConstant(0.0005 * numbers.next());
+    for (Eigen::Index r = 0; r < 4; ++r) weights.row(r).setConstant(curved ? 0.0005 * numbers.next() : 0);
     weights.bottomRows<3>() = model.max_displacement_m * Eigen::Matrix3d::Identity();
     Eigen::MatrixXd modes(3 * node.linear.unit_responses.rows(), 3);
     for (Eigen::Index o = 0; o < node.linear.unit_responses.rows(); ++o) {

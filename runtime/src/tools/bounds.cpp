@@ -2,6 +2,8 @@
 #include <phynness/phynness_tools.h>
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 #include "core/evaluate.hpp"
 #include "tools/coupled.hpp"
@@ -12,6 +14,21 @@ namespace {
 
 /// Added to what a bound is computed from [N]: its logarithms are finite.
 constexpr double smallest = 1e-12;
+
+/// Natural logarithm of x > 0, error 1e-15; of infinity and NaN these: the C library's takes 5 kB of tables.
+double logarithm(double x) {
+  std::uint64_t bits;
+  std::memcpy(&bits, &x, sizeof bits);
+  const auto exponent = static_cast<std::int32_t>(bits >> 52) - 1023;
+  if (exponent == 1024) return x;
+  bits = (bits & 0xfffffffffffff) | (std::uint64_t{1023} << 52);
+  double m;
+  std::memcpy(&m, &bits, sizeof m);  // 1 <= m < 2, and x = m 2^exponent
+  const double z = (m - 1.5) / (m + 1.5), square = z * z;
+  double sum = 0;
+  for (int k = 23; k >= 1; k -= 2) sum = sum * square + 1.0 / k;  // atanh, |z| <= 1/5
+  return 0.69314718055994531 * exponent + 0.40546510810816438 + 2 * z * sum;
+}
 
 /// One tool alone: the largest bound of its nodes, and how far their forces differ from their mean.
 struct Alone {
@@ -47,8 +64,8 @@ int alone_at(const phn_model& model, const Place& place, const Vector& d, Alone&
 /// @param size     of the forces. All in N
 double bound_of(const phn_model& model, int kind, double own, double bending, double size) {
   const double* c = model.coupled_bound + kind * phynness::schema::n_coupled_terms;
-  const double bound = std::exp(c[0] + c[1] * std::log(own + smallest) + c[2] * std::log(bending + smallest) +
-                                c[3] * std::log(size + smallest));
+  const double bound = std::exp(c[0] + c[1] * logarithm(own + smallest) + c[2] * logarithm(bending + smallest) +
+                                c[3] * logarithm(size + smallest));
   return bound < PHN_NO_BOUND ? bound : PHN_NO_BOUND;
 }
 

@@ -94,23 +94,19 @@ describe('the sample model', () => {
     expect(Math.abs(model.bound(node, d)! - bound)).toBeLessThan(1e-12 * bound);
   });
 
-  it('has the bounds of native tools at two places', async () => {
-    const folder = join(built.models, 'modal'), model = await load(folder), [a, b] = model.info.activeNodes as unknown as [number, number];
-    const json = join(mkdtempSync(join(tmpdir(), 'phynness-web-')), 'eval.json');
-    execFileSync(built.phynness, ['eval', folder, '--node', String(a), '--displacement', '0.001,0,0', '--node', String(b), '--displacement', '0,0.001,0', '--json', json]);
-    const { bounds_N: expected } = JSON.parse(readFileSync(json, 'utf8')) as { bounds_N: number[] };
+  it('bounds tools that are set, and says where it cannot', async () => {
+    const model = await load(sample), [a, b] = model.info.activeNodes as unknown as [number, number], d = [0.001, -0.002, -0.004];
     const tools = model.tools(2);
-    tools.set([toolAt(a, [0.001, 0, 0]), toolAt(b, [0, 0.001, 0])]);
-    const bounds = tools.bounds();
-    expect(expected.length).toBe(2);
-    expected.forEach((bound, i) => expect(Math.abs(bounds[i]! - bound)).toBeLessThan(1e-9 * bound));
-    tools.set([toolAt(a, [0.001, 0, 0]), toolAt(b, [0, 1, 0])]);
+    tools.set([toolAt(a, d)]);
+    expect(tools.bounds()).toEqual([model.bound(a, d)]);
+    tools.set([toolAt(a, [0, 0, -2 * model.info.maxDisplacement])]);
+    expect(tools.bounds()).toEqual([null]);
+    tools.set([toolAt(a, d), toolAt(b, d)]); // the sample was calibrated at nodes only
     expect(tools.bounds()).toEqual([null, null]);
     tools.set([]);
     expect(tools.bounds()).toEqual([]);
-    const without = await load(sample), few = without.tools(2), [c, d] = without.info.activeNodes as unknown as [number, number];
-    few.set([toolAt(c, [0, 0, 0]), toolAt(d, [0, 0, 0])]);
-    expect(few.bounds()).toEqual([null, null]);
+    expect(() => tools.set([toolAt(-5, d)])).toThrow();
+    expect(tools.bounds()).toEqual([]);
   });
 
   it('finds the nearest point, and subdivides', async () => {
