@@ -93,6 +93,19 @@ struct NearestProbes {
   std::int32_t _n = 0;
 };
 
+/// Normal of a triangle, of twice its area.
+Eigen::Vector3d normal_of(const Eigen::Matrix3d& corners) {
+  return (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
+}
+
+/// Normals of the nodes, means of those of their triangles by area, of any length.
+Points normals_of(const Points& nodes, const Triangles& surface) {
+  Points normals = Points::Zero(nodes.rows(), 3);
+  for (Eigen::Index t = 0; t < surface.rows(); ++t)
+    for (int k = 0; k < 3; ++k) normals.row(surface(t, k)) += normal_of(corners_of(nodes, surface, t)).transpose();
+  return normals;
+}
+
 /// Nodes on the border of a part of the surface, and on that of an open surface.
 std::vector<char> border_of(const NodeList& within, const Triangles& surface, std::size_t n_nodes) {
   std::vector<char> border(n_nodes, 0);
@@ -157,9 +170,20 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
       all = all && source >= 0;
       corner[k] = source >= 0 ? probed[static_cast<std::size_t>(source)] : -1;
     }
+    double longest = 0;
     for (std::size_t k = 0; k < 3 && all; ++k) {
       const auto a = corner[k], b = corner[(k + 1) % 3];
-      all = a != b && (nodes.row(a) - nodes.row(b)).norm() <= longest_m;
+      const double length = (nodes.row(a) - nodes.row(b)).norm();
+      longest = std::max(longest, length);
+      all = a != b && length <= longest_m;
+    }
+    // Cells of the outermost nodes extend over all that is not probed, around the body: their triangles are none.
+    for (Eigen::Index k = 0; k < 3 && all; ++k)
+      all = cells.distance[static_cast<std::size_t>(surface(t, k))] <= longest;
+    if (all) {
+      Eigen::Matrix3d made_corners;
+      for (int k = 0; k < 3; ++k) made_corners.col(k) = nodes.row(corner[static_cast<std::size_t>(k)]).transpose();
+      all = normal_of(made_corners).dot(normal_of(corners_of(nodes, surface, t))) > 0;
     }
     auto sorted = corner;
     std::sort(sorted.begin(), sorted.end());
@@ -174,6 +198,7 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
       made.triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = triangles[t][k];
       around[static_cast<std::size_t>(triangles[t][k])].push_back(static_cast<Eigen::Index>(t));
     }
+  const Points normals = normals_of(nodes, surface);
   std::vector<Eigen::RowVector3d> weights;
   for (const auto node : surface_nodes(surface)) {
     const auto source = cells.source[static_cast<std::size_t>(node)];
@@ -192,10 +217,10 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
           if (away < least || (away == least && t < best)) least = away, best = t, best_weights = found;
         }
     if (best < 0) continue;
-    // Beyond an edge of one triangle only a strip is covered.
+    // Beyond an edge of one triangle only a strip is covered, and nothing on the other side of the body.
     const auto corners = corners_of(nodes, made.triangles, best);
-    const Eigen::Vector3d normal =
-        (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0)).normalized();
+    const Eigen::Vector3d normal = normal_of(corners).normalized();
+    if (!(normal.dot(normals.row(node)) > 0)) continue;
     const Eigen::Vector3d apart = x - corners * best_weights, over = apart - normal * normal.dot(apart);
     bool outside = false;
     for (int k = 0; k < 3; ++k) {
