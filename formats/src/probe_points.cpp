@@ -6,6 +6,7 @@
 #include <phynness/formats/probe_points.hpp>
 #include <phynness/formats/tool.hpp>
 #include <queue>
+#include <set>
 
 namespace phynness {
 namespace {
@@ -15,7 +16,11 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Distances of nodes on the border of the part count as longer, so that triangles of probed nodes fill it.
 constexpr double border_first = 1.5;
 
-constexpr double beyond = 0.25;  ///< of the outermost edge: how far coordinates reach beyond the outermost triangles
+/// How far nodes between three cells are from the probed nodes of these at most, as a part of the distance of
+/// neighbours, 0.85 spacings in the median: no node of the part is farther than 0.75 spacings.
+constexpr double near_cell = 1.0;
+
+constexpr double beyond = 0.25;  ///< of the longest edge: how far coordinates reach beyond the outermost triangles
 
 /// Ways along the surface: its edges, and straight lines over an edge between the corners opposite to it, so that
 /// lengths of ways are at most 4 % too long on regular triangles.
@@ -123,6 +128,27 @@ std::vector<char> border_of(const NodeList& within, const Triangles& surface, st
   return border;
 }
 
+/// Distances of probed nodes from their nearest neighbours along the surface; infinite where there is none.
+std::vector<double> nearest_neighbours(const SurfaceWays& ways, const NearestProbes& cells, const Triangles& surface,
+                                       std::size_t n_probed) {
+  std::vector<double> nearest(n_probed, infinity);
+  for (const auto i : surface_nodes(surface))
+    for (const auto& way : ways.from(i)) {
+      const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(way.to);
+      if (cells.source[a] < 0 || cells.source[a] == cells.source[b]) continue;
+      auto& least = nearest[static_cast<std::size_t>(cells.source[a])];
+      least = std::min(least, cells.distance[a] + way.length + cells.distance[b]);
+    }
+  return nearest;
+}
+
+/// Those that are finite, ascending.
+std::vector<double> known_distances(std::vector<double> nearest) {
+  nearest.erase(std::remove(nearest.begin(), nearest.end(), infinity), nearest.end());
+  std::sort(nearest.begin(), nearest.end());
+  return nearest;
+}
+
 }  // namespace
 
 NodeList spread_nodes(const Points& nodes, const Triangles& surface, const NodeList& within, double spacing_m,
@@ -158,6 +184,9 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
                                    const NodeList& fixed, double longest_m) {
   const SurfaceWays ways(nodes, surface, fixed);
   const NearestProbes cells(ways, static_cast<std::size_t>(nodes.rows()), probed);
+  const auto neighbour = nearest_neighbours(ways, cells, surface, probed.size());
+  const auto all_neighbours = known_distances(neighbour);
+  const double median = all_neighbours.empty() ? 0 : all_neighbours[all_neighbours.size() / 2];
   ProbeCoordinates made;
   std::map<std::array<std::int32_t, 3>, Eigen::Index> known;  // of corners in ascending order
   std::map<std::pair<std::int32_t, std::int32_t>, int> n_triangles;
@@ -165,21 +194,21 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
   for (Eigen::Index t = 0; t < surface.rows(); ++t) {
     std::array<std::int32_t, 3> corner{};
     bool all = true;
+    double spacing = median;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto source = cells.source[static_cast<std::size_t>(surface(t, static_cast<Eigen::Index>(k)))];
       all = all && source >= 0;
       corner[k] = source >= 0 ? probed[static_cast<std::size_t>(source)] : -1;
+      if (source >= 0) spacing = std::max(spacing, neighbour[static_cast<std::size_t>(source)]);
     }
-    double longest = 0;
     for (std::size_t k = 0; k < 3 && all; ++k) {
       const auto a = corner[k], b = corner[(k + 1) % 3];
       const double length = (nodes.row(a) - nodes.row(b)).norm();
-      longest = std::max(longest, length);
       all = a != b && length <= longest_m;
     }
     // Cells of the outermost nodes extend over all that is not probed, around the body: their triangles are none.
     for (Eigen::Index k = 0; k < 3 && all; ++k)
-      all = cells.distance[static_cast<std::size_t>(surface(t, k))] <= longest;
+      all = cells.distance[static_cast<std::size_t>(surface(t, k))] <= near_cell * spacing;
     if (all) {
       Eigen::Matrix3d made_corners;
       for (int k = 0; k < 3; ++k) made_corners.col(k) = nodes.row(corner[static_cast<std::size_t>(k)]).transpose();
@@ -198,6 +227,9 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
       made.triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = triangles[t][k];
       around[static_cast<std::size_t>(triangles[t][k])].push_back(static_cast<Eigen::Index>(t));
     }
+  std::set<std::int32_t> outermost;
+  for (const auto& [edge, n] : n_triangles)
+    if (n == 1) outermost.insert({edge.first, edge.second});
   const Points normals = normals_of(nodes, surface);
   std::vector<Eigen::RowVector3d> weights;
   for (const auto node : surface_nodes(surface)) {
@@ -219,17 +251,17 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
     if (best < 0) continue;
     // Beyond an edge of one triangle only a strip is covered, and nothing on the other side of the body.
     const auto corners = corners_of(nodes, made.triangles, best);
-    const Eigen::Vector3d normal = normal_of(corners).normalized();
-    if (!(normal.dot(normals.row(node)) > 0)) continue;
-    const Eigen::Vector3d apart = x - corners * best_weights, over = apart - normal * normal.dot(apart);
-    bool outside = false;
+    if (!(normal_of(corners).dot(normals.row(node)) > 0)) continue;
+    const double apart = (x - corners * best_weights).norm();
+    bool at_border = false;
+    double longest = 0;
     for (int k = 0; k < 3; ++k) {
       const auto a = made.triangles(best, (k + 1) % 3), b = made.triangles(best, (k + 2) % 3);
-      const double length = (nodes.row(a) - nodes.row(b)).norm();
-      outside =
-          outside || (!(best_weights[k] > 0) && n_triangles[std::minmax(a, b)] == 1 && over.norm() > beyond * length);
+      longest = std::max(longest, (nodes.row(a) - nodes.row(b)).norm());
+      at_border = at_border || (!(best_weights[k] > 0) && n_triangles[std::minmax(a, b)] == 1) ||
+                  (best_weights[k] == 1 && outermost.contains(made.triangles(best, k)));
     }
-    if (outside) continue;
+    if (at_border && apart > beyond * longest) continue;
     made.covered.push_back(node);
     made.triangle.push_back(static_cast<std::int32_t>(best));
     weights.emplace_back(best_weights.transpose());
@@ -243,16 +275,7 @@ ProbeSpread probe_spread(const Points& nodes, const Triangles& surface, const No
                          const NodeList& covered) {
   const SurfaceWays ways(nodes, surface);
   const NearestProbes cells(ways, static_cast<std::size_t>(nodes.rows()), probed);
-  std::vector<double> nearest(probed.size(), infinity);
-  for (const auto i : surface_nodes(surface))
-    for (const auto& way : ways.from(i)) {
-      const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(way.to);
-      if (cells.source[a] < 0 || cells.source[a] == cells.source[b]) continue;
-      auto& least = nearest[static_cast<std::size_t>(cells.source[a])];
-      least = std::min(least, cells.distance[a] + way.length + cells.distance[b]);
-    }
-  nearest.erase(std::remove(nearest.begin(), nearest.end(), infinity), nearest.end());
-  std::sort(nearest.begin(), nearest.end());
+  const auto nearest = known_distances(nearest_neighbours(ways, cells, surface, probed.size()));
   ProbeSpread spread;
   if (!nearest.empty()) spread = {nearest[nearest.size() / 2], nearest.back(), 0};
   double all = 0, known = 0;

@@ -173,6 +173,27 @@ TEST(ProbeCoordinates, CoverTheSurface) {
   }
 }
 
+// Claim: where a part of one face of a thin body is probed, nodes around its rim, on the other face, or more than a
+// spacing beyond the part have no coordinates, however long triangles may be.
+TEST(ProbeCoordinates, EndAtTheProbedPart) {
+  Mesh mesh = sphere(4);
+  mesh.nodes.col(2) *= 0.2;
+  const auto within = [](const Eigen::RowVector3d& x) { return x[2] > 0 && x.head<2>().norm() < 0.65; };
+  const auto part = where(mesh, within);
+  for (const double spacing : {0.02, 0.15, 0.3}) {  // 0.02: every node
+    const auto probed = spread_nodes(mesh.nodes, mesh.surface, part, spacing, 0, {});
+    const auto made = probe_coordinates(mesh.nodes, mesh.surface, probed, {}, 0.8);
+    std::size_t inside = 0;
+    for (const auto node : made.covered) {
+      const Eigen::RowVector3d x = mesh.nodes.row(node);
+      EXPECT_GT(x[2], 0);
+      EXPECT_LT(x.head<2>().norm(), 0.65 + std::max(spacing, 0.08));  // edges are at most 0.08
+      inside += within(x);
+    }
+    EXPECT_GE(static_cast<double>(inside), 0.97 * static_cast<double>(part.size()));
+  }
+}
+
 // Claim: in the plane the coordinates of nodes between the probed ones give their place exactly; nearly all nodes lie
 // between them, and beside the border and its corners hardly any is not covered. No triangle reaches across fixed
 // nodes, which have no coordinates. Longer edges than allowed leave nothing.
