@@ -126,12 +126,6 @@ void refuse_nothing(const Options& options, const DiscretizationReport& report) 
   if (report.interrupted)
     throw failure("check was interrupted; the figures above are those of the finished part",
                   fmt::format("{} of {} probes", report.probes.size(), options.check.probes), "run it again");
-  if (const auto asked = options.check.reference) {
-    const auto& cost = report.cost(*asked);
-    if (!cost.possible)
-      throw input_error("there is no such reference for this scene: " + cost.left_out,
-                        "--reference " + std::string(name(*asked)), "give the other one, or both");
-  }
   if (report.probes.empty())
     throw failure("not one probe of the scene was solved in the given time",
                   fmt::format("--seconds {:g}", options.check.seconds),

@@ -147,8 +147,7 @@ void run_queries(const Options& options) {
 /// --motion replaces the options of a single query, except --json.
 void run_motion(const Options& options) {
   const auto name = options.motion->string();
-  const InputFile about{"the motion", "give a JSON file as formats/motion.md describes it", std::uint64_t{1} << 25,
-                        true};
+  const InputFile about{"the motion", "give a JSON file as formats/motion.md describes it", Motion::most_bytes, true};
   const auto motion = read_motion_text(read_input_file(*options.motion, about), name);
   LoadedModel model(options.model);
   if (options.level) model.set_level(*options.level);

@@ -97,20 +97,22 @@ FinerDistance distance_of(const std::filesystem::path& file, const Scene& scene,
     const auto check = json::parse(in);
     if (check.at("mesh_hash") != header.mesh_hash || check.at("physics_hash") != header.physics_hash)
       throw refuse("another mesh or physics");
-    FinerDistance::describe(
-        distance, [&]<class Value>(const char* key, Value& value) { check.at("distance").at(key).get_to(value); });
-    for (const char* count : {"revision", "probes"})
-      if (!check["distance"][count].is_number_integer()) throw refuse(std::string(count) + " is no integer");
+    const auto& said = check.at("distance");
+    const auto within = [&](const char* key, double least, double most) {
+      if (!(said.at(key) >= least && said.at(key) <= most)) throw refuse(std::string(key) + " is out of range");
+    };
+    within("revision", 1, 1000);
+    within("probes", 0, 10'000);
+    for (const char* key : {"mean", "p95", "tool_radius_m"}) within(key, 0, 1e6);
+    if (!said.at("revision").is_number_integer() || !said.at("probes").is_number_integer())
+      throw refuse("a count is no integer");
+    FinerDistance::describe(distance, [&]<class Value>(const char* key, Value& value) { said.at(key).get_to(value); });
   } catch (const nlohmann::json::exception& error) {
     throw refuse(error.what());
   }
-  const auto is_sane = [](double x) { return x >= 0 && x <= 1e6; };
   if (distance.element != name(scene.solver.element) ||
       (distance.reference != "taylor-hood" && distance.reference != "half-size"))
     throw refuse("another element or reference");
-  if (distance.revision < 1 || distance.revision > 1000 || distance.probes < 0 || distance.probes > 10'000 ||
-      !is_sane(distance.mean) || !is_sane(distance.p95) || !is_sane(distance.tool_radius_m))
-    throw refuse("a number is out of range");
   return distance;
 }
 

@@ -28,13 +28,12 @@ std::vector<phn_loop_sample> steps_of(const Motion& motion, const std::string& f
 }  // namespace
 
 void RecordedDevice::open() {
-  constexpr std::size_t most_bytes = std::size_t{32} << 20;
-  std::string text(most_bytes + 1, '\0');
+  std::string text(Motion::most_bytes + 1, '\0');
   std::ifstream in(_file);
   in.read(text.data(), std::ssize(text));
   text.resize(static_cast<std::size_t>(in.gcount()));
   if (text.empty()) throw std::runtime_error(_file + ": the recorded motion cannot be read; check the path");
-  if (text.size() > most_bytes)
+  if (text.size() > Motion::most_bytes)
     throw input_error(_file + ": the motion has more than 32 MiB", "", "record a shorter one");
   const auto steps = steps_of(read_motion_text(text, _file), _file);
   const double start_s = steps.front().time_s, n = std::floor((steps.back().time_s - start_s) / _period_s + 1e-6);

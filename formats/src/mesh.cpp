@@ -214,14 +214,14 @@ std::vector<std::int32_t> surface_nodes(const Triangles& surface) {
   return nodes;
 }
 
-Points node_normals(const Mesh& mesh) {
-  Points normals = Points::Zero(mesh.nodes.rows(), 3);
-  for (Eigen::Index t = 0; t < mesh.surface.rows(); ++t) {
-    const Eigen::RowVector3d a = mesh.nodes.row(mesh.surface(t, 0));
-    const Eigen::RowVector3d b = mesh.nodes.row(mesh.surface(t, 1));
-    const Eigen::RowVector3d c = mesh.nodes.row(mesh.surface(t, 2));
+Points node_normals(const Points& nodes, const Triangles& surface) {
+  Points normals = Points::Zero(nodes.rows(), 3);
+  for (Eigen::Index t = 0; t < surface.rows(); ++t) {
+    const Eigen::RowVector3d a = nodes.row(surface(t, 0));
+    const Eigen::RowVector3d b = nodes.row(surface(t, 1));
+    const Eigen::RowVector3d c = nodes.row(surface(t, 2));
     const Eigen::RowVector3d twice_area = (b - a).cross(c - a);
-    for (int k = 0; k < 3; ++k) normals.row(mesh.surface(t, k)) += twice_area;
+    for (int k = 0; k < 3; ++k) normals.row(surface(t, k)) += twice_area;
   }
   for (Eigen::Index i = 0; i < normals.rows(); ++i)
     if (const double length = normals.row(i).norm(); length > 0) normals.row(i) /= length;

@@ -16,10 +16,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Distances of nodes on the border of the part count as longer, so that triangles of probed nodes fill it.
 constexpr double border_first = 1.5;
 
-/// How far nodes between three cells are from the probed nodes of these at most, as a part of the distance of
-/// neighbours, 0.85 spacings in the median: no node of the part is farther than 0.75 spacings.
-constexpr double near_cell = 1.0;
-
 constexpr double beyond = 0.25;  ///< of the longest edge: how far coordinates reach beyond the outermost triangles
 
 /// Ways along the surface: its edges, and straight lines over an edge between the corners opposite to it, so that
@@ -101,14 +97,6 @@ struct NearestProbes {
 /// Normal of a triangle, of twice its area.
 Eigen::Vector3d normal_of(const Eigen::Matrix3d& corners) {
   return (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
-}
-
-/// Normals of the nodes, means of those of their triangles by area, of any length.
-Points normals_of(const Points& nodes, const Triangles& surface) {
-  Points normals = Points::Zero(nodes.rows(), 3);
-  for (Eigen::Index t = 0; t < surface.rows(); ++t)
-    for (int k = 0; k < 3; ++k) normals.row(surface(t, k)) += normal_of(corners_of(nodes, surface, t)).transpose();
-  return normals;
 }
 
 /// Nodes on the border of a part of the surface, and on that of an open surface.
@@ -194,25 +182,23 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
   for (Eigen::Index t = 0; t < surface.rows(); ++t) {
     std::array<std::int32_t, 3> corner{};
     bool all = true;
-    double spacing = median;
+    double reach = median;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto source = cells.source[static_cast<std::size_t>(surface(t, static_cast<Eigen::Index>(k)))];
       all = all && source >= 0;
       corner[k] = source >= 0 ? probed[static_cast<std::size_t>(source)] : -1;
-      if (source >= 0) spacing = std::max(spacing, neighbour[static_cast<std::size_t>(source)]);
+      if (source >= 0) reach = std::max(reach, neighbour[static_cast<std::size_t>(source)]);
     }
     for (std::size_t k = 0; k < 3 && all; ++k) {
       const auto a = corner[k], b = corner[(k + 1) % 3];
-      const double length = (nodes.row(a) - nodes.row(b)).norm();
-      all = a != b && length <= longest_m;
+      all = a != b && (nodes.row(a) - nodes.row(b)).norm() <= longest_m;
     }
-    // Cells of the outermost nodes extend over all that is not probed, around the body: their triangles are none.
-    for (Eigen::Index k = 0; k < 3 && all; ++k)
-      all = cells.distance[static_cast<std::size_t>(surface(t, k))] <= near_cell * spacing;
+    // Cells of the outermost probed nodes extend over all that is not probed, also around the body. A node of the
+    // probed part is within 3/4 of the spacing of a probed node, which is less than the median distance of neighbours.
+    for (Eigen::Index k = 0; k < 3 && all; ++k) all = cells.distance[static_cast<std::size_t>(surface(t, k))] <= reach;
     if (all) {
-      Eigen::Matrix3d made_corners;
-      for (int k = 0; k < 3; ++k) made_corners.col(k) = nodes.row(corner[static_cast<std::size_t>(k)]).transpose();
-      all = normal_of(made_corners).dot(normal_of(corners_of(nodes, surface, t))) > 0;
+      const Triangles made_of = Eigen::RowVector3<std::int32_t>(corner[0], corner[1], corner[2]);
+      all = normal_of(corners_of(nodes, made_of, 0)).dot(normal_of(corners_of(nodes, surface, t))) > 0;
     }
     auto sorted = corner;
     std::sort(sorted.begin(), sorted.end());
@@ -230,7 +216,7 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
   std::set<std::int32_t> outermost;
   for (const auto& [edge, n] : n_triangles)
     if (n == 1) outermost.insert({edge.first, edge.second});
-  const Points normals = normals_of(nodes, surface);
+  const Points normals = node_normals(nodes, surface);
   std::vector<Eigen::RowVector3d> weights;
   for (const auto node : surface_nodes(surface)) {
     const auto source = cells.source[static_cast<std::size_t>(node)];
@@ -290,7 +276,7 @@ ProbeSpread probe_spread(const Points& nodes, const Triangles& surface, const No
       n_covered += is_in(covered, surface(t, k));
     }
     if (n_fixed == 3) continue;
-    const double area = (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0)).norm();
+    const double area = normal_of(corners).norm();
     all += area;
     known += n_fixed + n_covered == 3 ? area : 0;
   }

@@ -157,8 +157,9 @@ class CoupledBounds : public testing::TestWithParam<bool> {
 INSTANTIATE_TEST_SUITE_P(Bodies, CoupledBounds, testing::Bool(),
                          [](const auto& info) { return info.param ? "Coupled" : "Springs"; });
 
-// Claim: one tool between nodes, and each of two tools, has the bound of the page. Stiffnesses at rest are differences
-// of forces: 1e-9 and 1e-5 for those, and for logarithms.
+// Claim: one tool between nodes, and each of two tools, has the bound of the page. Stiffnesses at rest are those
+// between the first displacements of the model; nodes that feel each other belong to a linear body. 1e-9: rounding of
+// forces. 1e-6: of differences of forces.
 TEST_P(CoupledBounds, AreThoseOfThePage) {
   const auto& c = model.bounds[0].coupled;
   const LoadedModel old(write_model_text(with_bounds(bent(LinearBody(7, GetParam())))));

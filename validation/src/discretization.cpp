@@ -223,8 +223,12 @@ void Check::set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   cost(Variant::half_size).n_nodes = static_cast<std::int32_t>(n + e);
 
   cost(Variant::taylor_hood).left_out = why_no_taylor_hood(common);
-  if (const auto only = _options.reference)
+  if (const auto only = _options.reference) {
+    if (const auto& why = cost(*only).left_out; !why.empty())
+      throw input_error("there is no such reference for this scene: " + why, "--reference " + std::string(name(*only)),
+                        "give the other one, or both");
     cost(*only == Variant::half_size ? Variant::taylor_hood : Variant::half_size).left_out = "it is not asked for";
+  }
   for (const auto v : {Variant::taylor_hood, Variant::half_size}) cost(v).possible = cost(v).left_out.empty();
 }
 

@@ -22,7 +22,7 @@ struct Motion {
     std::array<std::int32_t, 3> nodes{-1, -1, -1};
     std::array<double, 3> weights{};
   };
-  static constexpr std::size_t most_tools = 8, most_steps = 1'000'000;
+  static constexpr std::size_t most_tools = 8, most_steps = 1'000'000, most_bytes = std::size_t{32} << 20;
   static constexpr double largest_displacement_m = 1e6;
 
   std::string mesh_hash;       ///< of the model for which it was recorded; "": not stated

@@ -33,7 +33,8 @@ struct ProbeCoordinates {
   Points weights;                      ///< n_covered x 3 barycentric weights in it, >= 0 and of sum 1
 };
 /// Only nodes in triangles with edges of at most `longest_m` are covered, and beside the outermost ones nodes up to a
-/// quarter of an edge beyond.
+/// quarter of an edge beyond. Triangles end at the probed part: nodes between three cells are no farther from the
+/// probed nodes of these than neighbouring probed nodes are from each other, and triangles face as the surface does.
 /// @param probed, fixed  ascending; nothing reaches across fixed nodes, which have no coordinates
 ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface, const NodeList& probed,
                                    const NodeList& fixed, double longest_m);
