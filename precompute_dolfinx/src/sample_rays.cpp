@@ -8,7 +8,7 @@ std::vector<char> requested_rays(const Scene& scene, const Mesh& mesh, const Dat
   const auto& active = header.sets.active;
   std::vector<char> flags = MirroredRays(header).solved();
   if (scene.probe.directions != Directions::hemisphere) return flags;
-  const Points normals = node_normals(mesh.nodes, mesh.surface);
+  const Points normals = node_normals(mesh);
   for (std::size_t a = 0; a < active.size(); ++a)
     for (std::size_t d = 0; d < header.directions.size(); ++d) {
       const Eigen::Map<const Eigen::RowVector3d> e(header.directions[d].data());

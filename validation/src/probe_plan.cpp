@@ -114,7 +114,7 @@ std::vector<NodePlan> plan_probes(const LoadedModel& model, Directions direction
   const std::int64_t n_inside = (probes + 1) / 2, n_outside = probes / 2;
   auto plan =
       choose_nodes(model, std::min(n_inside, nodes > 0 ? nodes : std::max<std::int64_t>(10, probes / 20)), random);
-  const Points normals = node_normals(model.mesh().nodes, model.mesh().surface);
+  const Points normals = node_normals(model.mesh());
   for (std::int64_t i = 0; i < n_inside; ++i) {
     auto& entry = plan[static_cast<std::size_t>(i) % plan.size()];
     ProbePair pair;

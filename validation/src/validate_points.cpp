@@ -51,7 +51,7 @@ std::vector<Place> choose_places(const Scene& scene, const LoadedModel& model, s
     throw input_error("no triangle of the surface has three active corners, or corners between active nodes",
                       std::to_string(model.model().nodes.size()) + " active nodes",
                       "probe a coherent part of the surface, or omit --points");
-  const Points normals = node_normals(model.mesh().nodes, model.mesh().surface);
+  const Points normals = node_normals(model.mesh());
   std::mt19937_64 random(seed);
   std::vector<Place> places(static_cast<std::size_t>(points));
   for (auto& place : places) {

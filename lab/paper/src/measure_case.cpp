@@ -75,7 +75,7 @@ CaseMeasurements measure_case(const SolverSession& session, const Scene& scene, 
   out.deformation_spread = scene.training.deformation_spread > 0 ? scene.training.deformation_spread : 0.75;
   out.force_spread = chosen_force_spread(data, plan, scene);
 
-  const Points normals = node_normals(ours.mesh().nodes, ours.mesh().surface);
+  const Points normals = node_normals(ours.mesh());
   ProbeSolver solver(scene, ours.mesh(), {ours.model().fixed, {}, ours.model().output});
   const double deepest = outside_factor * scene.probe.max_displacement_m;
   std::int64_t measured = 0;

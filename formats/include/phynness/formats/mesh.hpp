@@ -56,6 +56,7 @@ std::vector<std::int32_t> surface_nodes(const Triangles& surface);
 
 /// Area-weighted outward unit normals, one row per node of the mesh; zero rows for interior nodes.
 Points node_normals(const Points& nodes, const Triangles& surface);
+inline Points node_normals(const Mesh& mesh) { return node_normals(mesh.nodes, mesh.surface); }
 
 /// 64-bit FNV-1a over the little-endian bytes of nodes then cells, as 16 lower-case hexadecimal digits.
 /// Identifies the mesh in databases and models.
