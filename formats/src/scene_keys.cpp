@@ -224,10 +224,12 @@ std::string physics_summary(const Scene& scene) {
   std::string lines;
   for (const auto& key : scene_detail::key_rows()) {
     if (key.is_hashed && key.is_hashed(scene, key)) lines += line(scene, key);
-    // Databases with earlier equations and with rigid patches do not have these lines.
+    // Databases with earlier equations and with rigid patches do not have these lines; those with patches that also
+    // pressed what does not face them have "mean".
     const int version = scene.solver.earlier_revision.value_or(revision(scene.solver.element, scene.material.law));
     if (key.name == "element" && version > 1) lines += "solver.revision = " + std::to_string(version) + "\n";
-    if (key.name == "tool_radius_m" && scene.probe.kind == ProbeKind::patch) lines += "probe.tool = mean\n";
+    if (key.name == "tool_radius_m" && scene.probe.kind == ProbeKind::patch)
+      lines += scene.probe.whole ? "probe.tool = mean\n" : "probe.tool = facing\n";
   }
   return lines;
 }
@@ -248,9 +250,12 @@ std::string physics_hash(const Scene& scene) {
 Scene as_hashed(const Scene& scene, const std::string& hash) {
   Scene meant = scene;
   for (int version = revision(scene.solver.element, scene.material.law); version > 0; --version) {
-    for (const auto kind : {scene.probe.kind, ProbeKind::rigid_patch}) {
-      if (kind != scene.probe.kind && scene.probe.kind != ProbeKind::patch) continue;
-      meant.probe.kind = kind;
+    meant.probe = scene.probe;
+    if (physics_hash(meant) == hash) return meant;
+    if (scene.probe.kind == ProbeKind::patch) {
+      meant.probe.whole = true;
+      if (physics_hash(meant) == hash) return meant;
+      meant.probe.kind = ProbeKind::rigid_patch;
       if (physics_hash(meant) == hash) return meant;
     }
     meant.solver.earlier_revision = version - 1;

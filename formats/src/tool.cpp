@@ -51,6 +51,26 @@ Eigen::Matrix3d corners_of(const Points& nodes, const Triangles& surface, Eigen:
 
 namespace {
 
+Vector area_vector(const Points& nodes, const Triangles& surface, Eigen::Index t) {
+  const auto corners = corners_of(nodes, surface, t);
+  return (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0)) / 2;
+}
+
+/// The outward normal at the middle of a tool: at nodes the mean of their triangles by area, between them the mean of
+/// the corners' normals.
+Vector normal_at(const Points& nodes, const Triangles& surface, const SurfacePoint& center) {
+  Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
+  for (Eigen::Index t = 0; t < surface.rows(); ++t)
+    for (int k = 0; k < 3; ++k)
+      for (std::size_t c = 0; c < 3; ++c)
+        if (center.weights[c] > 0 && surface(t, k) == center.nodes[c])
+          normals.col(static_cast<Eigen::Index>(c)) += area_vector(nodes, surface, t);
+  Vector normal = Vector::Zero();
+  for (std::size_t c = 0; c < 3; ++c)
+    normal += std::max(center.weights[c], 0.0) * normals.col(static_cast<Eigen::Index>(c)).normalized();
+  return normal.normalized();
+}
+
 /// Triangles around the middle of a tool that are connected over edges within the radius.
 std::vector<Eigen::Index> touched_triangles(const Points& nodes, const Triangles& surface, const SurfacePoint& center,
                                             const Vector& middle, double radius) {
@@ -151,22 +171,26 @@ TouchedNodes rigid_patch(const Points& nodes, const Triangles& surface, std::spa
 double tool_pressure(double s2) { return s2 < 1 - 1e-9 ? 1 : 0; }
 
 void integrate_pressure(const Points& nodes, const Triangles& surface, const SurfacePoint& center, double radius,
-                        const TakePressure& take) {
+                        bool whole, const TakePressure& take) {
   Vector middle = Vector::Zero();
   for (std::size_t k = 0; k < 3; ++k)
     if (center.weights[k] > 0) middle += center.weights[k] * nodes.row(center.nodes[k]).transpose();
-  for (const auto t : touched_triangles(nodes, surface, center, middle, radius))
-    integrate_part(corners_of(nodes, surface, t), Eigen::Matrix3d::Identity(), middle, radius,
-                   [&](const Vector& at, double part) { take(t, at, part); });
+  const Vector normal = normal_at(nodes, surface, center);
+  for (const auto t : touched_triangles(nodes, surface, center, middle, radius)) {
+    const double facing = whole ? 1 : normal.dot(area_vector(nodes, surface, t).normalized());
+    if (facing > 0)
+      integrate_part(corners_of(nodes, surface, t), Eigen::Matrix3d::Identity(), middle, radius,
+                     [&](const Vector& at, double part) { take(t, at, facing * part); });
+  }
 }
 
 SurfacePoint at_node(std::int32_t node) { return {{node, -1, -1}, {1, 0, 0}}; }
 
 TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
-                           const SurfacePoint& center, double radius) {
+                           const SurfacePoint& center, double radius, bool whole) {
   std::map<std::int32_t, double> weight;
   if (radius > 0)
-    integrate_pressure(nodes, surface, center, radius, [&](Eigen::Index t, const Vector& at, double part) {
+    integrate_pressure(nodes, surface, center, radius, whole, [&](Eigen::Index t, const Vector& at, double part) {
       for (int k = 0; k < 3; ++k) weight[surface(t, k)] += at[k] * part;
     });
   else
@@ -190,7 +214,8 @@ TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::s
 TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
                            std::int32_t node, const ProbeSpec& probe) {
   if (probe.kind == ProbeKind::rigid_patch) return rigid_patch(nodes, surface, fixed, node, probe.tool_radius_m);
-  return touched_nodes(nodes, surface, fixed, at_node(node), probe.kind == ProbeKind::patch ? probe.tool_radius_m : 0);
+  return touched_nodes(nodes, surface, fixed, at_node(node), probe.kind == ProbeKind::patch ? probe.tool_radius_m : 0,
+                       probe.whole);
 }
 
 bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed) {

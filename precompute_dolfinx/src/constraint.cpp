@@ -54,7 +54,7 @@ std::vector<double> mean_weights(const Discretization& body, const SurfacePoint&
   for (int p = body.n_nodes(); p < body.n_points(); ++p)
     if (body.on_surface(p)) middle[std::minmax({body.edge(p)[0], body.edge(p)[1]})] = p;
   std::vector<double> weights(static_cast<std::size_t>(body.n_points()), 0.0);
-  integrate_pressure(body.points().topRows(body.n_nodes()), body.surface(), center, radius,
+  integrate_pressure(body.points().topRows(body.n_nodes()), body.surface(), center, radius, false,
                      [&](Eigen::Index t, const Eigen::Vector3d& at, double part) {
                        for (int k = 0; k < 3; ++k) {
                          const auto a = body.surface()(t, k), b = body.surface()(t, (k + 1) % 3);

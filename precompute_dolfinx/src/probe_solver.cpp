@@ -31,10 +31,10 @@ struct ProbeSolver::Impl {
         equilibrium(body, fixed_dofs(body, fixed), s.solver, team && team->size() > 1 ? team : nullptr),
         rays(body, equilibrium, s.solver),
         fields(body, s.database.fields) {
-    if (s.probe.kind == ProbeKind::rigid_patch)
-      throw input_error("this version does not solve with the rigid patches of the database",
+    if (s.probe.kind == ProbeKind::rigid_patch || s.probe.whole)
+      throw input_error("this version does not solve with the round tools of the database",
                         "tool_radius_m = " + std::to_string(s.probe.tool_radius_m),
-                        "compute the scene again: a patch now moves a weighted mean of the surface");
+                        "compute the scene again: a patch now moves a weighted mean of the surface that faces it");
     if (s.solver.earlier_revision)
       throw input_error(std::string("this version does not solve with the database's equations of ") +
                             name(s.solver.element) + " with " + name(s.material.law),

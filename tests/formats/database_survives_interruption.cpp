@@ -145,6 +145,18 @@ TEST_F(Interruption, resuming_with_other_equations_of_the_same_scene_is_refused)
                   {"another version", "solver.revision: absent in the file, 2 now", "another file", "train reads"});
 }
 
+TEST_F(Interruption, resuming_with_another_tool_of_the_same_scene_is_refused) {
+  auto text = database_scene;
+  text.insert(text.find("increments = 3"), "kind = \"patch\"\ntool_radius_m = 0.02\n");
+  auto earlier = small_header(false, text);
+  auto scene = stored_scene(earlier);
+  scene.probe.whole = true;
+  earlier.physics_hash = physics_hash(scene);
+  write_logs(earlier);
+  expect_contains(refusal([&] { DatabaseWriter::create(file, small_header(false, text), true); }),
+                  {"another version", "probe.tool: mean in the file, facing now", "another file", "train reads"});
+}
+
 TEST_F(Interruption, resuming_with_another_training_is_fine) {
   write_logs(small_header(false));
   DatabaseWriter::create(file, small_header(false, database_scene + "[training]\nsamples = 7\n"), true);

@@ -1,6 +1,7 @@
 // Claims: a round tool moves the mean of the surface that is connected to its middle within its radius, and not the far
-// side of a thin body; its weights are positive, have the sum 1 and the tool's middle as their center; fixed nodes have
-// none; the weights are continuous while the tool slides.
+// side of a thin body; its weights are positive, have the sum 1 and on flat faces the tool's middle as their center; fixed
+// nodes have none; the weights are continuous while the tool slides, also around the rim of a thin body; a part of the
+// surface has the weight that a flat disc of its area in the tangent plane at the middle would have.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -55,20 +56,69 @@ TEST(RoundTool, LeavesFixedNodesAlone) {
   EXPECT_THROW(touched_nodes(slab.mesh.nodes, slab.mesh.surface, all.nodes, at_node(slab.middle), 0.02), Error);
 }
 
-TEST(RoundTool, MovesContinuouslyOverTrianglesAndNodes) {
-  // From node to node; a step of a hundredth of an edge changes no weight by more than the largest slope allows.
-  const Slab slab;
-  std::vector<double> before;
+/// The largest change of a weight while the tool slides along a line on the surface in 200 steps.
+double largest_change(const Slab& slab, const Eigen::Vector3d& from, const Eigen::Vector3d& to, bool whole) {
+  double largest = 0;
+  Eigen::VectorXd before;
   for (int step = 0; step <= 200; ++step) {
-    const double x = 0.04 + 0.01 * step / 200;
-    const auto place = nearest_on_surface(slab.mesh.nodes, slab.mesh.surface, {x, 0.041, 0.01});
-    const auto touched = touched_nodes(slab.mesh.nodes, slab.mesh.surface, {}, place, 0.023);
-    std::vector<double> now(static_cast<std::size_t>(slab.mesh.n_nodes()), 0.0);
-    for (std::size_t i = 0; i < touched.nodes.size(); ++i)
-      now[static_cast<std::size_t>(touched.nodes[i])] = touched.weights[i];
-    for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(now[i], before[i], 2e-3) << "node " << i << " at " << x;
+    const Eigen::Vector3d x = from + (to - from) * step / 200;
+    const auto place = nearest_on_surface(slab.mesh.nodes, slab.mesh.surface, {x[0], x[1], x[2]});
+    const auto touched = touched_nodes(slab.mesh.nodes, slab.mesh.surface, {}, place, 0.023, whole);
+    Eigen::VectorXd now = Eigen::VectorXd::Zero(slab.mesh.n_nodes());
+    for (std::size_t i = 0; i < touched.nodes.size(); ++i) now[touched.nodes[i]] = touched.weights[i];
+    if (step > 0) largest = std::max(largest, (now - before).cwiseAbs().maxCoeff());
     before = now;
   }
+  return largest;
+}
+
+TEST(RoundTool, MovesContinuouslyOverTrianglesAndNodes) {
+  // From node to node; a step of a two hundredth of an edge changes no weight by more than the largest slope allows.
+  EXPECT_LT(largest_change(Slab(), {0.04, 0.041, 0.01}, {0.05, 0.041, 0.01}, false), 2e-3);
+}
+
+TEST(RoundTool, MovesContinuouslyTowardsTheRimOfAThinBody) {
+  // Two edges, twice the steps of above. Where the radius reaches around the rim, the far face would enter at once.
+  const Slab slab;
+  EXPECT_LT(largest_change(slab, {0.055, 0.041, 0.01}, {0.075, 0.041, 0.01}, false), 4e-3);
+  EXPECT_GT(largest_change(slab, {0.055, 0.041, 0.01}, {0.075, 0.041, 0.01}, true), 8e-3);
+}
+
+TEST(RoundTool, PressesWhatFacesItAsAFlatDisc) {
+  // On a ball of radius 1 a tool of radius R touches a cap whose projected area is pi s^2, s = sin of its angle, with
+  // R = 2 sin(angle / 2). The mean of z over it, by projected area: (2 / s^2) int_0^s sqrt(1 - r^2) r dr.
+  Mesh ball = block_mesh({24, 24, 24}, {2, 2, 2});
+  for (Eigen::Index i = 0; i < ball.n_nodes(); ++i) {
+    const Eigen::RowVector3d x = ball.nodes.row(i).array() - 1;
+    ball.nodes.row(i) = x.cwiseAbs().maxCoeff() * x.normalized();
+  }
+  const double radius = 1, angle = 2 * std::asin(radius / 2), c = std::cos(angle), s2 = 1 - c * c;
+  std::int32_t top = 0;
+  (ball.nodes.rowwise() - Eigen::RowVector3d(0, 0, 1)).rowwise().squaredNorm().minCoeff(&top);
+  const auto mean_height = [&](bool whole) {
+    const auto touched = touched_nodes(ball.nodes, ball.surface, {}, at_node(top), radius, whole);
+    double z = 0;
+    for (std::size_t i = 0; i < touched.nodes.size(); ++i)
+      z += touched.weights[i] * ball.nodes(touched.nodes[i], 2);
+    return z;
+  };
+  // Chords of diagonals of 0.12 are up to 0.12^2 / 8 below the ball.
+  EXPECT_NEAR(mean_height(false), 2 / s2 * (1 - c * c * c) / 3, 2e-3);
+  EXPECT_NEAR(mean_height(true), (1 + c) / 2, 2e-3);
+}
+
+TEST(RoundTool, DoesNotPressTheFarSideAroundARim) {
+  const Slab slab;
+  std::int32_t near_rim = 0;
+  (slab.mesh.nodes.rowwise() - Eigen::RowVector3d(0.07, 0.04, 0.01)).rowwise().squaredNorm().minCoeff(&near_rim);
+  const auto lowest = [&](bool whole) {
+    double z = 1;
+    for (const auto node : touched_nodes(slab.mesh.nodes, slab.mesh.surface, {}, at_node(near_rim), 0.025, whole).nodes)
+      z = std::min(z, slab.mesh.nodes(node, 2));
+    return z;
+  };
+  EXPECT_EQ(lowest(true), 0);
+  EXPECT_EQ(lowest(false), 0.01) << "the side face is at right angles to the top";
 }
 
 TEST(RoundTool, OfRadiusZeroIsTheNodeOrTheCornersOfTheTriangle) {

@@ -86,37 +86,39 @@ TEST_F(FromDatabase, EqualsTrainingFromArrays) {
   for (const ActiveNodeModel& node : model.nodes) EXPECT_EQ(node.prescribed, std::vector<std::int32_t>{node.node});
 }
 
-// Claim: a model of round tools holds the nodes and weights of their means. One of a database with the physics hash
-// that rigid patches had holds the nodes that these prescribed, with the weights (1 - (s / radius)^2)^2.
+// Claim: a model of round tools holds the nodes and weights of their means. One of a database with the physics hash of
+// tools that also pressed what does not face them holds these means. One of rigid patches holds the nodes that these
+// prescribed, with the weights (1 - (s / radius)^2)^2.
 TEST_F(FromDatabase, TheNodesOfAToolAreKnownFromTheScene) {
   const std::string probe = "kind = \"patch\"\ntool_radius_m = 0.025\n";
-  auto rigid = parse_scene(scene(probe), "small.toml", "/", MeshFile::may_be_absent, SolverSpec{}.element);
+  const auto today = parse_scene(scene(probe), "small.toml", "/", MeshFile::may_be_absent, SolverSpec{}.element);
+  auto whole = today, rigid = today;
+  whole.probe.whole = true;
   rigid.probe.kind = ProbeKind::rigid_patch;
-  for (const bool earlier : {false, true}) {
+  EXPECT_NE(physics_hash(whole), physics_hash(today));
+  std::size_t n_others = 0;
+  for (const Scene& meant : {today, whole, rigid}) {
     std::filesystem::remove(file);
-    write(probe, earlier ? physics_hash(rigid) : "");
+    write(probe, physics_hash(meant));
     const Database database = Database::open(file);
     TrainingReport report;
     const Model model = train(database, small_spec(), report);
-    std::size_t n_others = 0;
     for (const ActiveNodeModel& node : model.nodes) {
-      double sum = 0;
-      for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
-        const double w = node.prescribed_weight[i];
-        sum += w;
-        const double s = (header.mesh.nodes.row(node.prescribed[i]) - header.mesh.nodes.row(node.node)).norm() / 0.025;
-        if (earlier) {
-          EXPECT_NEAR(w, (1 - s * s) * (1 - s * s), 1e-14);
-        }
+      const bool is_rigid = meant.probe.kind == ProbeKind::rigid_patch;
+      EXPECT_EQ(node.moves_mean, !is_rigid);
+      const auto mean = touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, at_node(node.node),
+                                      0.025, meant.probe.whole);
+      if (!is_rigid) {
+        EXPECT_EQ(node.prescribed, mean.nodes);
       }
-      EXPECT_EQ(node.moves_mean, !earlier);
-      if (!earlier) {
-        EXPECT_NEAR(sum, 1, 1e-14);
+      for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
+        const double s = (header.mesh.nodes.row(node.prescribed[i]) - header.mesh.nodes.row(node.node)).norm() / 0.025;
+        EXPECT_NEAR(node.prescribed_weight[i], is_rigid ? (1 - s * s) * (1 - s * s) : mean.weights[i], 1e-14);
       }
       n_others += node.prescribed.size() - 1;
     }
-    EXPECT_GT(n_others, 0u) << "no tool has a second node: this test would show nothing";
   }
+  EXPECT_GT(n_others, 0u) << "no tool has a second node: this test would show nothing";
 }
 
 // Claim: the linear family is refused on a database of another law by that law's name, before any ray is

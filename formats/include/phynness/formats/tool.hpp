@@ -45,23 +45,26 @@ double tool_pressure(double s2);
 using TakePressure = std::function<void(Eigen::Index triangle, const Eigen::Vector3d& at, double part)>;
 /// Integrates the pressure of a round tool over the surface by midpoint rules on triangles that are halved until they
 /// are small compared to the tool, and smaller still at its rim; the parts are not normalized. Included are the
-/// triangles that are connected to the tool's middle over edges within its radius (straight distance), so that a tool
-/// wider than the body is thick does not touch the far side.
+/// triangles that are connected to the tool's middle over edges within its radius (straight distance), with the factor
+/// max(0, n . n_0) of the normals here and at the middle (docs/decisions/facing-tool.md), so that a tool wider than the
+/// body is thick does not press the far side, and around a rim the pressure fades.
 /// @param center  its nodes and weights are used; corners of weight 0 may be -1
+/// @param whole   without this factor, as in databases before it
 /// @pre radius > 0
 void integrate_pressure(const Points& nodes, const Triangles& surface, const SurfacePoint& center, double radius,
-                        const TakePressure& take);
+                        bool whole, const TakePressure& take);
 
 /// The nodes that a tool moves, without fixed nodes. A tool of radius 0 moves the corners of its triangle, with their
 /// barycentric weights. A round tool moves the mean with the weights int phi N_i dA / int phi dA, where phi is
-/// tool_pressure and N_i is the linear function of node i on the surface; without the fixed nodes the weights are
+/// the pressure and N_i is the linear function of node i on the surface; without the fixed nodes the weights are
 /// normalized again. Its forces on the nodes are w_i F.
 /// @param nodes, surface  of the mesh; any unit, the same as radius
 /// @param fixed           fixed nodes, ascending
 /// @throws Error (input) if nothing is left of the tool
 TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
-                           const SurfacePoint& center, double radius);
-/// Of a database's tool at a node, also of one that was computed when a patch was rigid.
+                           const SurfacePoint& center, double radius, bool whole = false);
+/// Of a database's tool at a node, also of one that was computed when a patch was rigid or pressed the whole surface
+/// within its radius.
 TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
                            std::int32_t node, const ProbeSpec& probe);
 SurfacePoint at_node(std::int32_t node);
