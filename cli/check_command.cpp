@@ -1,8 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/locking.hpp>
+#include <phynness/planning/planning.hpp>
 #include <phynness/precompute/probe_solver.hpp>
-#include <phynness/validation/discretization.hpp>
+#include <phynness/validation/trade.hpp>
 
 #include "commands.hpp"
 
@@ -11,6 +12,8 @@ namespace {
 
 struct Options {
   std::filesystem::path scene;
+  bool trade = false;
+  std::optional<std::string> max_error;
   DiscretizationOptions check;
   std::string reference = "both";
   OptionalPath json_file;
@@ -141,6 +144,62 @@ void refuse_nothing(const Options& options, const DiscretizationReport& report) 
                 fmt::format("allow {}, or use a coarser mesh", sufficient_limit(report)));
 }
 
+/// "target_nodes = 160", the element and the like: what the scene says to be this row.
+std::string lines_of(const TradeRow& row) {
+  const auto& mesh = row.scene.mesh;
+  std::string lines = fmt::format("element = \"{}\"", name(row.scene.solver.element));
+  if (mesh.target_nodes) lines += fmt::format(", target_nodes = {}", *mesh.target_nodes);
+  if (mesh.target_size_m) lines += fmt::format(", target_size_m = {:.3g}", *mesh.target_size_m);
+  return lines;
+}
+
+void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* chosen) {
+  const TradeRow& finest = *std::ranges::find_if(report.rows, &TradeRow::is_reference);
+  print_result(
+      "{} ({}), K/mu = {:.4g}: {} probes of a round tool of {:.4g} mm radius, |d| to {:.4g} mm,\n"
+      "against {} elements on {} nodes\n",
+      scene.title.empty() ? "scene" : scene.title, name(scene.material.law), scene.material.bulk_to_shear(),
+      report.probes, 1e3 * report.tool_radius_m, 1e3 * scene.probe.max_displacement_m,
+      name(finest.scene.solver.element), finest.body->mesh.n_nodes());
+  print_result(
+      "{:<14} {:>6} {:>7}  {:>15}  {:>9} {:>10} {:>10}\n{:<14} {:>6} {:>7}  {:>7} {:>7}  {:>9} {:>10} {:>10}\n", "", "",
+      "", "force off by, %", "ms of one", "database,", "model.txt,", "  element", "nodes", "probes", "mean", "p95",
+      "ray", "core-hours", "kB");
+  for (const auto& row : report.rows) {
+    const char mark = chosen == &row ? '>' : row.on_front ? '*' : ' ';
+    print_result("{} {:<12} {:>6} ", mark, name(row.scene.solver.element), row.body ? row.body->mesh.n_nodes() : 0);
+    if (row.probes == 0 && !row.is_reference) {
+      print_result("not compared: {}\n", row.left_out.empty() ? "interrupted" : row.left_out);
+      continue;
+    }
+    const auto errors = row.is_reference ? std::string("      reference")
+                                         : fmt::format("{:7.3g} {:7.3g}", 100 * row.mean, 100 * row.p95);
+    print_result("{:>7}  {}  {:>9.3g} {:>10.2g} {:>10.3g}{}\n", row.is_reference ? report.probes : row.probes, errors,
+                 1e3 * row.ray_s, row.core_hours(), predict_model_size(row.scene, *row.body).model_text_bytes / 1e3,
+                 row.is_scene ? "  this scene" : "");
+  }
+  print_result("\n* no other row is better in error (mean) and core-hours{}; {}\n",
+               chosen != nullptr ? "; > chosen" : "", duration(report.seconds));
+}
+
+void run_trade(const Options& options, const LoadedScene& loaded) {
+  const auto limit = limit_of(options.max_error, "--max-error", {{"%", 0.01}, {"", 1}}, "5%");
+  const auto report = compare_discretizations(loaded.scene, loaded.mesh, loaded.sets, options.check,
+                                              Progress("check", "rays").counter(), stop_requested);
+  const TradeRow* chosen = limit ? report.cheapest(*limit) : nullptr;
+  print_trade(loaded.scene, report, chosen);
+  if (chosen != nullptr) print_result("> {}\n", lines_of(*chosen));
+  json out = figures(report);
+  out["chosen"] = chosen != nullptr ? json(chosen - report.rows.data()) : json(nullptr);
+  write_json(options.json_file, out);
+  if (report.interrupted)
+    throw failure("check was interrupted; the rows above are those of the finished part",
+                  fmt::format("{} rows", report.rows.size()), "run it again");
+  if (limit && chosen == nullptr)
+    throw failure("no element and mesh of the table meets the limit", "--max-error " + *options.max_error,
+                  "use more nodes, or relax the limit");
+}
+
 void run(const Options& given) {
   Options options = given;
   for (const auto v : {Variant::taylor_hood, Variant::half_size})
@@ -148,6 +207,7 @@ void run(const Options& given) {
   const SolverSession session;
   const auto loaded = load_scene(options.scene);
   install_stop_handler();
+  if (options.trade) return run_trade(options, loaded);
   const auto report = check_discretization(loaded.scene, loaded.mesh, loaded.sets, options.check,
                                            Progress("check", "rays").counter(), stop_requested);
   print(options, loaded.scene, report);
@@ -171,6 +231,14 @@ void add(CLI::App& app) {
                   "compare with this one alone, at as many of the probes as the time of the first allows")
       ->check(CLI::IsMember({"both", "taylor-hood", "half-size"}))
       ->capture_default_str();
+  auto* trade =
+      command.add_flag("--trade", options.trade,
+                       "compare all elements on meshes of half, the same and twice as many nodes instead: error, "
+                       "time and size in one table");
+  command
+      .add_option("--max-error", options.max_error,
+                  "with --trade: choose the fastest with at most this mean error, such as 5%")
+      ->needs(trade);
   add_json(command, options.json_file);
   command.add_flag("--details", options.details, "print the error of every probe");
 }

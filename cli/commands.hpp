@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -99,6 +100,11 @@ bool parse_number(std::string_view field, Number& number) {
   const auto [end, code] = std::from_chars(field.data(), field.data() + field.size(), number);
   return code == std::errc{} && end == field.data() + field.size();
 }
+
+using Units = std::map<std::string, double>;
+/// A limit of the command line: "2%" with the units {{"%", 0.01}, {"", 1}} is 0.02. @throws Error (input)
+std::optional<double> limit_of(const std::optional<std::string>& text, const char* option, const Units& units,
+                               const char* example);
 
 /// Executes the program with the solver instead of this one, if it is another one and has the subcommand argv[1].
 /// @throws Error (failure) if it cannot be started

@@ -121,6 +121,20 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet,
   return loaded;
 }
 
+std::optional<double> limit_of(const std::optional<std::string>& text, const char* option, const Units& units,
+                               const char* example) {
+  if (!text) return std::nullopt;
+  double value = 0;
+  const auto [end, code] = std::from_chars(text->data(), text->data() + text->size(), value);
+  const auto unit = units.find(std::string(end, text->data() + text->size()));
+  // A value of 1 or more without a unit is ambiguous: 2 may be a factor or percent.
+  const bool vague = unit != units.end() && unit->first.empty() && value >= 1;
+  if (code != std::errc{} || unit == units.end() || !(value > 0) || vague)
+    throw input_error("a limit must be a positive number with a unit", fmt::format("{} {}", option, *text),
+                      fmt::format("give for example {} {}", option, example));
+  return value * unit->second;
+}
+
 void warn_of_patch(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   for (const auto& warning : patch_warnings(scene, mesh, sets)) message("warning: {}\n", warning);
 }

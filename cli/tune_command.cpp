@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/pages/report.hpp>
@@ -24,23 +23,6 @@ struct Options {
 
 const std::map<ErrorStatistic, std::string> statistic_names{
     {ErrorStatistic::mean, "mean"}, {ErrorStatistic::median, "median"}, {ErrorStatistic::p95, "p95"}};
-
-using Units = std::map<std::string, double>;
-
-/// Parses a limit: "2%" with the units {{"%", 0.01}, {"", 1}} gives 0.02.
-std::optional<double> limit(const std::optional<std::string>& text, const char* option, const Units& units,
-                            const char* example) {
-  if (!text) return std::nullopt;
-  double value = 0;
-  const auto [end, code] = std::from_chars(text->data(), text->data() + text->size(), value);
-  const auto unit = units.find(std::string(end, text->data() + text->size()));
-  // A value of 1 or more without a unit is ambiguous: 2 may be a factor or percent.
-  const bool vague = unit != units.end() && unit->first.empty() && value >= 1;
-  if (code != std::errc{} || unit == units.end() || !(value > 0) || vague)
-    throw input_error("a limit must be a positive number with a unit", fmt::format("{} {}", option, *text),
-                      fmt::format("give for example {} {}", option, example));
-  return value * unit->second;
-}
 
 void print_table(const TuningReport& report, const std::optional<std::size_t>& chosen, ErrorStatistic statistic) {
   const bool by_median = statistic == ErrorStatistic::median;
@@ -105,9 +87,9 @@ json sizes(const TrainingSpec& spec) {
 
 TuningLimits limits_of(const Options& options) {
   TuningLimits limits;
-  limits.error = limit(options.max_error, "--max-error", {{"%", 0.01}, {"", 1}}, "2%");
-  limits.deformation_us = limit(options.max_time, "--max-time", {{"us", 1}, {"ms", 1e3}, {"s", 1e6}}, "20us");
-  limits.memory_bytes = limit(options.max_size, "--max-size", {{"B", 1}, {"kB", 1e3}, {"MB", 1e6}}, "1MB");
+  limits.error = limit_of(options.max_error, "--max-error", {{"%", 0.01}, {"", 1}}, "2%");
+  limits.deformation_us = limit_of(options.max_time, "--max-time", {{"us", 1}, {"ms", 1e3}, {"s", 1e6}}, "20us");
+  limits.memory_bytes = limit_of(options.max_size, "--max-size", {{"B", 1}, {"kB", 1e3}, {"MB", 1e6}}, "1MB");
   for (const auto& [statistic, name] : statistic_names)
     if (name == options.error_by) limits.statistic = statistic;
   return limits;

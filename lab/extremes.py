@@ -77,12 +77,12 @@ def slivers(folder):
         print(row, flush=True)
 
 
-class Demo:
-    """The demo's scene, solved; models of families that are trained from it."""
+class Sample:
+    """The sample's scene, solved; models of families that are trained from it."""
 
     def __init__(self, folder, depth_m=0.020):
-        self.folder, self.scene, self.database = folder, folder / "demo.toml", folder / "demo.h5"
-        self.scene.write_text(shipped("demo.toml", {("probe", "max_displacement_m"): depth_m}))
+        self.folder, self.scene, self.database = folder, folder / "sample.toml", folder / "sample.h5"
+        self.scene.write_text(shipped("../examples/model/scene.toml", {("probe", "max_displacement_m"): depth_m}))
         run("precompute", self.scene, "-o", self.database)
         with h5py.File(self.database) as f:
             self.active, self.nodes, self.surface = f["sets/active"][()], f["mesh/nodes"][()], f["mesh/surface"][()]
@@ -96,15 +96,15 @@ class Demo:
 
 def rest(folder):
     """Force at rest over the largest trained; |f - K d| / |K d| of small displacements, mean and largest."""
-    demo = Demo(folder)
-    stiffness = [np.array(solve(demo.scene, n, (0, 0, 0))[1]["tangent_N_per_m"]) for n in demo.probed]
+    sample = Sample(folder)
+    stiffness = [np.array(solve(sample.scene, n, (0, 0, 0))[1]["tangent_N_per_m"]) for n in sample.probed]
     ways = np.vstack([np.eye(3), -np.eye(3)])
     for family in ("modal", "rbfn"):
-        model = demo.train(family)
-        at_rest = np.linalg.norm(forces(model, demo.active, np.zeros((len(demo.active), 3)), folder), axis=1) / demo.largest_N
+        model = sample.train(family)
+        at_rest = np.linalg.norm(forces(model, sample.active, np.zeros((len(sample.active), 3)), folder), axis=1) / sample.largest_N
         row = f"{family}: at rest {at_rest.max():.1e}"
         for size in (1e-12, 1e-9, 1e-6, 1e-4, 1e-3):
-            f = forces(model, np.repeat(demo.probed, 6), np.tile(size * ways, (len(demo.probed), 1)), folder)
+            f = forces(model, np.repeat(sample.probed, 6), np.tile(size * ways, (len(sample.probed), 1)), folder)
             true = np.concatenate([size * ways @ K.T for K in stiffness])
             error = np.linalg.norm(f - true, axis=1) / np.linalg.norm(true, axis=1)
             row += f"; {size:g} m {error.mean():.2g}, {error.max():.2g}"
@@ -114,16 +114,16 @@ def rest(folder):
 def extrapolation(folder):
     """Trained to 2 mm, evaluated deeper: errors (17) of the force at each depth, mean / p95 / max in %."""
     R, factors, random = 0.002, (1, 2, 5, 10), np.random.default_rng(1)
-    demo = Demo(folder, R)
-    ways = random.normal(size=(len(demo.probed), 6, 3))
+    sample = Sample(folder, R)
+    ways = random.normal(size=(len(sample.probed), 6, 3))
     ways /= np.linalg.norm(ways, axis=-1, keepdims=True)
-    nodes, stiffness = np.repeat(demo.probed, 6), []
-    for node in demo.probed:
-        stiffness += 6 * [np.array(solve(demo.scene, node, (0, 0, 0))[1]["tangent_N_per_m"])]
-    models = {family: demo.train(family) for family in ("modal", "rbfn")}
+    nodes, stiffness = np.repeat(sample.probed, 6), []
+    for node in sample.probed:
+        stiffness += 6 * [np.array(solve(sample.scene, node, (0, 0, 0))[1]["tangent_N_per_m"])]
+    models = {family: sample.train(family) for family in ("modal", "rbfn")}
     for factor in factors:
         d = (factor * R * ways).reshape(-1, 3)
-        solved = [solve(demo.scene, n, e, 4 * factor) for n, e in zip(nodes, d)]
+        solved = [solve(sample.scene, n, e, 4 * factor) for n, e in zip(nodes, d)]
         true = np.array([s[0] if s else 3 * [np.nan] for s in solved])
         largest = np.repeat(np.nanmax(np.linalg.norm(true, axis=1).reshape(-1, 6), axis=1), 6)
         said = {family: forces(model, nodes, d, folder) for family, model in models.items()}
@@ -135,23 +135,23 @@ def extrapolation(folder):
 
 def float32(folder):
     """Images in float against the runtime's double: largest difference over the largest answer."""
-    demo = Demo(folder)
+    sample = Sample(folder)
     for spread in (None, 0.2, 0.75, 2.0, 5.0, 20.0):
-        model = demo.train("rbfn", "--spread", spread, "--force-spread", spread) if spread else demo.train("modal")
+        model = sample.train("rbfn", "--spread", spread, "--force-spread", spread) if spread else sample.train("modal")
         found = answer("export", model, "-o", folder / "image", "--float", "--golden", 2000)
         print(f"rbfn, both spreads {spread}" if spread else "modal", {k: v for k, v in found.items() if "deviation" in k}, flush=True)
 
 
 def tools(folder):
     """Two tools nearer than an edge, 5 mm deep: pairs that are unsettled, and errors in % of the summed force, median and largest."""
-    demo, random, depth_m = Demo(folder), np.random.default_rng(3), 0.005
-    model = demo.train("modal")
-    triangles = demo.surface[np.isin(demo.surface, demo.active).all(1)]
+    sample, random, depth_m = Sample(folder), np.random.default_rng(3), 0.005
+    model = sample.train("modal")
+    triangles = sample.surface[np.isin(sample.surface, sample.active).all(1)]
     for together in (True, False):
         for apart_m in (1e-6, 1e-4, 1e-3, 0.005, 0.01, 0.02, 0.04):
             unsettled, errors = 0, []
             for _ in range(30):
-                corners = demo.nodes[random.choice(triangles)]
+                corners = sample.nodes[random.choice(triangles)]
                 first = random.dirichlet(np.ones(3)) @ corners
                 angle, along = 2 * np.pi * random.random(), (corners[1] - corners[0]) / np.linalg.norm(corners[1] - corners[0])
                 across = np.cross(np.cross(along, corners[2] - corners[0]), along)
@@ -160,7 +160,7 @@ def tools(folder):
                 d *= depth_m / np.linalg.norm(d, axis=1, keepdims=True)
                 words = [w for p, e in ((first, d[0]), (second, d[0 if together else 1]))
                          for w in ("--point", vector(p), "--displacement", vector(e))]
-                said, true = answer("eval", model, *words), answer("solve", demo.scene, *words, "--increments", 4)
+                said, true = answer("eval", model, *words), answer("solve", sample.scene, *words, "--increments", 4)
                 if said is None:
                     continue  # a point beside the active nodes
                 unsettled += bool(said["status"] & 4)  # PHN_WARNING_UNSETTLED

@@ -1,7 +1,8 @@
 // Claims: `phynness check` gives the ratios of the forces of single solves, with Taylor-Hood elements on the same mesh
 // and with the same element on the refined mesh. Failed solves are named, an interruption keeps finished results, and
-// probes that the time does not allow are reported. The tolerance of solves is 1e-8 of the reactions, so that forces
-// agree to 1e-5.
+// probes that the time does not allow are reported. `--trade` gives errors and times of all elements on three meshes
+// against Taylor-Hood elements on the finest, with the forces of single solves, and chooses the fastest row within a
+// limit. The tolerance of solves is 1e-8 of the reactions, so that forces agree to 1e-5.
 #include <cmath>
 #include <phynness/meshes/meshes.hpp>
 #include <regex>
@@ -133,6 +134,75 @@ TEST_F(Check, SaysWhatTheTimeDoesNotAllow) {
   // Without mpirun and in one process, like plan.
   be_refused("check scene.toml --probes 0");
   be_refused("check scene.toml --seconds nan");
+}
+
+TEST_F(Check, TradesErrorForTime) {
+  const auto own = scene("p1-p1");
+  write_file(folder / "scene.toml", own);
+  const auto done = succeed("check scene.toml --trade --probes 2 --seconds 600 --max-error 50% --json trade.json");
+  const auto trade = json("trade.json");
+  const auto& rows = trade.at("rows");
+  ASSERT_EQ(rows.size(), 15u) << "five elements on three meshes";
+  const auto row = [&](const std::string& element, std::size_t mesh) {
+    for (std::size_t i = 5 * mesh; i < 5 * mesh + 5; ++i)
+      if (rows.at(i).at("element") == element) return rows.at(i);
+    throw std::runtime_error(element);
+  };
+  for (const std::size_t mesh : {0, 1, 2}) {
+    EXPECT_LT(row("p1-p1", mesh).at("mean"), row("P1", mesh).at("mean")) << "P1 locks";
+    EXPECT_EQ(row("p1-p1", mesh).at("is_scene"), mesh == 1);
+    if (mesh > 0) {
+      EXPECT_GT(row("P1", mesh).at("nodes"), row("P1", mesh - 1).at("nodes"));
+      EXPECT_LT(row("P1", mesh).at("mean"), row("P1", mesh - 1).at("mean"));
+    }
+  }
+  EXPECT_TRUE(row("taylor-hood", 2).at("is_reference").get<bool>());
+  EXPECT_TRUE(row("taylor-hood", 2).at("mean").is_null());
+
+  // The fastest row within the limit, and what to write into the scene.
+  const auto chosen = rows.at(trade.at("chosen").get<std::size_t>());
+  EXPECT_LE(chosen.at("mean"), 0.5);
+  for (const auto& other : rows)
+    if (!other.at("mean").is_null() && other.at("mean") <= 0.5) {
+      EXPECT_LE(chosen.at("core_hours"), other.at("core_hours"));
+    }
+  expect_names(done.out, {"> element = \"" + chosen.at("element").get<std::string>() + "\", target_size_m = "});
+  for (const auto& one : rows)
+    for (const auto& other : rows)
+      if (one.at("on_front") == true && !other.at("mean").is_null()) {
+        EXPECT_FALSE(other.at("mean") < one.at("mean") && other.at("core_hours") < one.at("core_hours"));
+      }
+}
+
+TEST_F(Check, TradesOnAFileAsItCompares) {
+  // Tetrahedra of a file are not changed, so that all elements are compared on its nodes.
+  const auto own = scene("p1-p1");
+  write_file(folder / "own.toml", own);
+  write_msh(make_mesh(read_scene(folder / "own.toml")).mesh, nullptr, folder / "own.msh");
+  const auto from = own.find("shape = "), to = own.find("[material]");
+  write_file(folder / "file.toml", std::string(own).replace(from, to - from, "file = \"own.msh\"\n"));
+  succeed("check file.toml --trade --probes 2 --seconds 600 --json trade.json");
+  succeed("check file.toml --reference taylor-hood --probes 2 --seconds 600 --json check.json");
+  const auto rows = json("trade.json").at("rows");
+  ASSERT_EQ(rows.size(), 5u);
+  const auto distance = json("check.json").at("distance");
+  for (const auto& row : rows)
+    if (row.at("is_scene") == true) {
+      EXPECT_NEAR(row.at("mean"), distance.at("mean"), 1e-5);
+      EXPECT_NEAR(row.at("p95"), distance.at("p95"), 1e-5);
+    }
+}
+
+TEST_F(Check, RefusesATradeThatItCannotMake) {
+  write_file(folder / "scene.toml", scene("p1-p1"));
+  expect_names(be_refused("check scene.toml --max-error 5%").err, {"--trade"});
+  expect_names(be_refused("check scene.toml --trade --max-error 5").err, {"--max-error 5", "5%"});
+  const auto missed = phynness("check scene.toml --trade --probes 1 --max-error 0.0001%");
+  EXPECT_EQ(missed.exit_status, 1);
+  expect_names(missed.err, {"meets the limit", "--max-error 0.0001%"});
+  write_file(folder / "scene.toml", changed(scene("p1-p1"), "target_size_m = 0.025", "target_size_m = 0.008"));
+  expect_names(be_refused("check scene.toml --trade --seconds 2").err,
+               {"the finer solution needs more time", "taylor-hood", "--seconds "});
 }
 
 }  // namespace

@@ -88,7 +88,9 @@ TEST(EarlierEquations, AreNotSolved) {
   EXPECT_MENTIONS(text, "es-p1-p1 with mooney-rivlin: revision 1, now 2");
   EXPECT_MENTIONS(text, "compute the scene again");
   block.scene.solver.earlier_revision.reset();
-  block.scene.probe = {.kind = ProbeKind::patch, .tool_radius_m = 0.02, .whole = true};
+  block.scene.probe.kind = ProbeKind::patch;
+  block.scene.probe.tool_radius_m = 0.02;
+  block.scene.probe.whole = true;
   EXPECT_MENTIONS(message_of([&] { block.touched(); }), "a weighted mean of the surface that faces it");
 }
 

@@ -37,7 +37,7 @@ LoadedModel checked_sample() {
 }
 
 Validated results() {
-  Validated v{read_scene(source + "/scenes/demo.toml"), checked_sample()};
+  Validated v{read_scene(source + "/examples/model/scene.toml"), checked_sample()};
   const auto node = v.model.model().nodes.front().node;
   const std::vector<JudgedProbe> probes{probe(node, Status::converged), probe(node, Status::diverged)};
   v.report.nodes = {node};

@@ -12,6 +12,8 @@
 #include <phynness/validation/discretization.hpp>
 #include <phynness/validation/error_statistics.hpp>
 
+#include "compared_scene.hpp"
+
 namespace phynness {
 
 const char* name(Variant v) { return std::array{"scene", "taylor-hood", "half-size"}[static_cast<std::size_t>(v)]; }
@@ -66,6 +68,11 @@ FinerDistance DiscretizationReport::distance(const Scene& scene, Variant other) 
 
 namespace {
 
+double surface_edge_m(const Mesh& mesh, const NodeSets& sets) {
+  const auto edges = surface_edges_at(sets.active, mesh);
+  return std::accumulate(edges.begin(), edges.end(), 0.0) / static_cast<double>(edges.size());
+}
+
 /// Why a scene has no such variant; empty: it has.
 std::string why_no_taylor_hood(const Scene& scene) {
   if (scene.solver.element->is_shell) return "a shell has one element only";
@@ -83,6 +90,25 @@ double patch_radius_for_node(double edge_m, double max_displacement_m) {
   // A patch of less than two edges is not resolved (docs/extremes.md), and one that is pushed in by much more than half
   // its radius crushes the surface under it (docs/decisions/round-tool.md).
   return std::max(2 * edge_m, max_displacement_m / 0.6);
+}
+
+Scene compared_scene(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  constexpr int most_increments = 6;  // more do not change the comparison
+  Scene common = scene;
+  common.probe.increments = std::min(scene.probe.increments, most_increments);
+  common.database.tangents = false;
+  common.database.fields.clear();
+  if (scene.probe.kind == ProbeKind::node) {
+    common.probe.kind = ProbeKind::patch;
+    common.probe.tool_radius_m = patch_radius_for_node(surface_edge_m(mesh, sets), scene.probe.max_displacement_m);
+  }
+  return common;
+}
+
+double unknowns_of(Element element, double nodes, double edges) {
+  const double points = element->displacement_degree > 1 ? nodes + edges : nodes;
+  const double pressures = element->mixed ? nodes : 0;
+  return 3 * points + pressures + (element->is_shell ? 3 * edges : 0);
 }
 
 std::vector<std::pair<std::int32_t, std::int32_t>> choose_checked_rays(const DatabaseHeader& header,
@@ -120,12 +146,6 @@ std::vector<std::pair<std::int32_t, std::int32_t>> choose_checked_rays(const Dat
 
 namespace {
 
-/// More increments do not change the comparison.
-constexpr int most_increments = 6;
-/// Without measurements the CPU time of a solve is assumed to grow with this power of the unknowns; measured powers are
-/// between 1.6 (p1-p1, 736 to 4,298 nodes) and 2.1 (p1-p1 and Taylor-Hood).
-constexpr double cost_exponent = 2;
-
 /// A body for solves, whose expensive parts are made when they are needed.
 struct Body {
   Scene scene;
@@ -142,12 +162,6 @@ struct Times {
   double finished_s = 0;  ///< their sum
   double vain_s = 0;      ///< the longest of those that were given up
 };
-
-double unknowns_of(Element element, double nodes, double edges) {
-  const double points = element->displacement_degree > 1 ? nodes + edges : nodes;
-  const double pressures = element->mixed ? nodes : 0;
-  return 3 * points + pressures + (element->is_shell ? 3 * edges : 0);
-}
 
 class Check {
  public:
@@ -186,20 +200,11 @@ class Check {
 };
 
 void Check::set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
-  Scene common = scene;
-  common.probe.increments = std::min(scene.probe.increments, most_increments);
-  common.database.tangents = false;
-  common.database.fields.clear();
+  const Scene common = compared_scene(scene, mesh, sets);
   _report.mean_edge_m = measure_quality(mesh).mean_edge_m;
   _report.patch_for_node = scene.probe.kind == ProbeKind::node;
-  const auto edges = surface_edges_at(sets.active, mesh);
-  const double edge_m = std::accumulate(edges.begin(), edges.end(), 0.0) / static_cast<double>(edges.size());
-  if (_report.patch_for_node) {
-    common.probe.kind = ProbeKind::patch;
-    common.probe.tool_radius_m = patch_radius_for_node(edge_m, scene.probe.max_displacement_m);
-  }
   _report.tool_radius_m = common.probe.tool_radius_m;
-  _report.tool_edges = _report.tool_radius_m / edge_m;
+  _report.tool_edges = _report.tool_radius_m / surface_edge_m(mesh, sets);
 
   // The symmetry of the scene excludes mirror images; a refined mesh has no list of them.
   _rays = choose_checked_rays(database_header(common, mesh, sets),

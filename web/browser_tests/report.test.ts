@@ -13,7 +13,7 @@ let browser: Browser, opened: Opened | null = null;
 
 beforeAll(async () => {
   const scene = join(folder, 'scene.toml');
-  writeFileSync(scene, readFileSync(join(built.source, 'scenes/demo.toml'), 'utf8').replace(/^title = .*$/m, `title = "${hostile}"`));
+  writeFileSync(scene, readFileSync(join(built.source, 'examples/model/scene.toml'), 'utf8').replace(/^title = .*$/m, `title = "${hostile}"`));
   phynness('validate', scene, built.model, '--probes', '40', '--report', report);
   browser = await start();
 });

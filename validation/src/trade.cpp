@@ -1,0 +1,216 @@
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <phynness/formats/error.hpp>
+#include <phynness/meshes/meshes.hpp>
+#include <phynness/precompute/precompute.hpp>
+#include <phynness/precompute/sample_rays.hpp>
+#include <phynness/validation/error_statistics.hpp>
+#include <phynness/validation/trade.hpp>
+
+#include "compared_scene.hpp"
+
+namespace phynness {
+
+const TradeRow* TradeReport::cheapest(double error) const {
+  const TradeRow* best = nullptr;
+  for (const auto& row : rows)
+    if (row.probes > 0 && row.mean <= error && (best == nullptr || row.core_hours() < best->core_hours())) best = &row;
+  return best;
+}
+
+namespace {
+
+/// A displacement of the tool at a point of space.
+struct TradePlace {
+  Vec3 point_m{}, direction{};
+};
+
+/// Numbers of nodes over those of the scene's mesh.
+std::vector<double> sizes_of(const Scene& scene) {
+  const bool is_made = (scene.mesh.target_nodes || scene.mesh.target_size_m) && scene.mesh.thickness_m == 0;
+  return is_made ? std::vector<double>{0.5, 1, 2} : std::vector<double>{1};
+}
+
+Scene resized(Scene scene, double factor) {
+  if (auto& n = scene.mesh.target_nodes) n = static_cast<int>(std::lround(*n * factor));
+  if (auto& h = scene.mesh.target_size_m) *h *= std::cbrt(1 / factor);
+  return scene;
+}
+
+class Trade {
+ public:
+  Trade(const Scene& scene, const Mesh& mesh, const NodeSets& sets, const DiscretizationOptions& options,
+        const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop);
+  TradeReport run();
+
+ private:
+  void add_rows(const Scene& sized, const Mesh& mesh, const NodeSets& sets, bool is_own);
+  void solve(TradeRow& row);
+  void compare(TradeRow& row);
+  double elapsed() const { return _options.clock() - _start; }
+  /// Expected time of all probes of a row.
+  double expected_s(const TradeRow& row) const {
+    return _own_s * std::pow(row.unknowns / _own_unknowns, cost_exponent) * static_cast<double>(_places.size());
+  }
+
+  const DiscretizationOptions& _options;
+  const std::function<void(std::int64_t, std::int64_t)>& _progress;
+  const std::function<bool()>& _stop;
+  double _start = _options.clock();
+  std::vector<TradePlace> _places;
+  std::vector<double> _depths;
+  TradeReport _report;
+  std::vector<std::vector<VariantForces>> _forces;  ///< per row and place
+  std::size_t _reference = 0;
+  double _own_s = 0, _own_unknowns = 0;  ///< time of a probe of the scene itself
+  std::int64_t _done = 0;
+};
+
+Trade::Trade(const Scene& scene, const Mesh& mesh, const NodeSets& sets, const DiscretizationOptions& options,
+             const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop)
+    : _options(options), _progress(progress), _stop(stop) {
+  const Scene common = compared_scene(scene, mesh, sets);
+  _report.tool_radius_m = common.probe.tool_radius_m;
+  const auto header = database_header(common, mesh, sets);
+  _depths = header.magnitudes_m;
+  for (const auto& [active, direction] :
+       choose_checked_rays(header, requested_rays(common, mesh, header), options.probes)) {
+    const Eigen::RowVector3d x = mesh.nodes.row(sets.active[static_cast<std::size_t>(active)]);
+    _places.push_back({{x[0], x[1], x[2]}, header.directions[static_cast<std::size_t>(direction)]});
+  }
+  if (_places.empty())
+    throw input_error("the scene has no rays", scene.source_name, "check nodes.active and the directions");
+  _report.probes = std::ssize(_places);
+  for (const double size : sizes_of(scene)) {
+    const Scene sized = resized(common, size);
+    if (size == 1) {
+      add_rows(sized, mesh, sets, true);
+      continue;
+    }
+    try {
+      const auto made = make_mesh(sized);
+      add_rows(sized, made.mesh, resolve_selections(sized, made.mesh), false);
+    } catch (const Error& error) {
+      TradeRow& row = _report.rows.emplace_back();
+      row.scene = sized;
+      row.left_out = error.what();
+    }
+  }
+  _forces.resize(_report.rows.size());
+  // The finest of the reference's element.
+  const Element finest = scene.solver.element->is_shell      ? scene.solver.element
+                         : scene.material.lame_lambda_Pa > 0 ? element_named("taylor-hood")
+                                                             : element_named("P2");
+  for (std::size_t i = 0; i < _report.rows.size(); ++i)
+    if (_report.rows[i].body && _report.rows[i].scene.solver.element == finest) _reference = i;
+  _report.rows[_reference].is_reference = true;
+}
+
+void Trade::add_rows(const Scene& sized, const Mesh& mesh, const NodeSets& sets, bool is_own) {
+  const double edges = static_cast<double>(mesh_edges(mesh).size());
+  for (const auto& element : elements()) {
+    if (element.is_shell != sized.solver.element->is_shell) continue;
+    if (element.mixed && !(sized.material.lame_lambda_Pa > 0)) continue;
+    TradeRow& row = _report.rows.emplace_back();
+    row.scene = sized;
+    row.scene.solver.element = &element;
+    row.body = database_header(row.scene, mesh, sets);
+    const auto requested = requested_rays(row.scene, mesh, *row.body);
+    row.rays = std::count(requested.begin(), requested.end(), char{1});
+    row.unknowns = unknowns_of(&element, mesh.n_nodes(), edges);
+    row.is_scene = is_own && sized.solver.element == &element;
+    if (row.is_scene) _own_unknowns = row.unknowns;
+  }
+}
+
+void Trade::solve(TradeRow& row) {
+  auto& all = _forces[static_cast<std::size_t>(&row - _report.rows.data())];
+  const std::clock_t before = std::clock();
+  ProbeSolver solver(row.scene, row.body->mesh, {row.body->sets.fixed, row.body->sets.active, row.body->sets.active});
+  solver.set_stop(_stop ? _stop : [] { return false; });
+  for (const auto& place : _places) {
+    auto& forces = all.emplace_back();
+    try {
+      solver.touch_points({nearest_on_surface(row.body->mesh.nodes, row.body->mesh.surface, place.point_m)});
+      solver.follow(
+          {place.direction}, _depths, false,
+          [&](std::size_t, const Response& response) {
+            forces.status.push_back(response.status);
+            forces.force_N.push_back(response.force_N.front());
+            return true;
+          },
+          solver.limits_of_rays());
+    } catch (const Interrupted&) {
+      _report.interrupted = true;
+      return;
+    } catch (const Error&) {  // a place that cannot be touched on this mesh has no forces
+      solver.recover();
+    }
+    if (_progress) _progress(++_done, std::ssize(_places) * std::ssize(_report.rows));
+  }
+  row.ray_s = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC / static_cast<double>(_places.size());
+}
+
+void Trade::compare(TradeRow& row) {
+  const auto& own = _forces[static_cast<std::size_t>(&row - _report.rows.data())];
+  const auto& finer = _forces[_reference];
+  std::vector<double> errors;
+  for (std::size_t p = 0; p < std::min(own.size(), finer.size()); ++p) {
+    const CheckedProbe both{.forces = {own[p], finer[p], {}}};
+    if (const auto error = both.error(Variant::taylor_hood)) errors.push_back(*error);
+  }
+  const auto statistics = ErrorStatistics::of(errors);
+  row.probes = row.is_reference ? 0 : statistics.n;
+  row.mean = statistics.mean;
+  row.p95 = statistics.p95;
+  if (row.probes == 0 && row.left_out.empty() && !row.is_reference) row.left_out = "no probe was solved";
+}
+
+TradeReport Trade::run() {
+  auto& rows = _report.rows;
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].body && !rows[i].is_scene && !rows[i].is_reference) order.push_back(i);
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return rows[a].unknowns < rows[b].unknowns; });
+  order.insert(order.begin(), _reference);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].is_scene && i != _reference) order.insert(order.begin(), i);
+  for (const auto i : order) {
+    if (_report.interrupted || (_stop && _stop())) break;
+    TradeRow& row = rows[i];
+    const double expected = _own_s > 0 ? expected_s(row) : 0;
+    if (elapsed() + expected > _options.seconds) {
+      if (row.is_reference)
+        throw input_error(
+            "the finer solution needs more time than it may take",
+            std::to_string(std::lround(expected)) + " s are expected for " + std::to_string(_places.size()) +
+                " probes of " + name(row.scene.solver.element) + " on " + std::to_string(row.body->mesh.n_nodes()) +
+                " nodes",
+            "give --seconds " + std::to_string(std::lround(4 * expected + 60)) + ", fewer --probes, or a coarser mesh");
+      row.left_out = "time: about " + std::to_string(std::lround(expected)) + " s";
+      continue;
+    }
+    solve(row);
+    if (row.is_scene) _own_s = row.ray_s;
+  }
+  for (auto& row : rows) compare(row);
+  for (auto& row : rows)
+    row.on_front = row.probes > 0 && std::none_of(rows.begin(), rows.end(), [&](const TradeRow& other) {
+                     return other.probes > 0 && other.mean <= row.mean && other.core_hours() <= row.core_hours() &&
+                            (other.mean < row.mean || other.core_hours() < row.core_hours());
+                   });
+  _report.seconds = elapsed();
+  return std::move(_report);
+}
+
+}  // namespace
+
+TradeReport compare_discretizations(const Scene& scene, const Mesh& mesh, const NodeSets& sets,
+                                    const DiscretizationOptions& options,
+                                    const std::function<void(std::int64_t, std::int64_t)>& progress,
+                                    const std::function<bool()>& stop) {
+  return Trade(scene, mesh, sets, options, progress, stop).run();
+}
+
+}  // namespace phynness
