@@ -13,6 +13,7 @@ namespace {
 struct Options {
   std::filesystem::path scene;
   bool trade = false;
+  std::optional<double> seconds;
   std::optional<std::string> max_error;
   DiscretizationOptions check;
   std::string reference = "both";
@@ -174,7 +175,7 @@ void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* 
     }
     const auto errors = row.is_reference ? std::string("      reference")
                                          : fmt::format("{:7.3g} {:7.3g}", 100 * row.mean, 100 * row.p95);
-    print_result("{:>7}  {}  {:>9.3g} {:>10.2g} {:>10.3g}{}\n", row.is_reference ? report.probes : row.probes, errors,
+    print_result("{:>7}  {}  {:>9.0f} {:>10.2g} {:>10.0f}{}\n", row.is_reference ? report.probes : row.probes, errors,
                  1e3 * row.ray_s, row.core_hours(), predict_model_size(row.scene, *row.body).model_text_bytes / 1e3,
                  row.is_scene ? "  this scene" : "");
   }
@@ -202,6 +203,7 @@ void run_trade(const Options& options, const LoadedScene& loaded) {
 
 void run(const Options& given) {
   Options options = given;
+  options.check.seconds = options.seconds.value_or(options.trade ? 900 : options.check.seconds);
   for (const auto v : {Variant::taylor_hood, Variant::half_size})
     if (options.reference == name(v)) options.check.reference = v;
   const SolverSession session;
@@ -223,9 +225,10 @@ void add(CLI::App& app) {
   add_scene(command, options.scene);
   add_count(command, "--probes", options.check.probes, 1, 10'000, "number of probes, each at another node")
       ->capture_default_str();
-  add_number(command, "--seconds", options.check.seconds, 1, 1e7,
-             "time for all; the cheaper comparison comes first and uses at most half of it, each probe its share")
-      ->capture_default_str();
+  add_number(
+      command, "--seconds", options.seconds, 1, 1e7,
+      "time for all (default: 60; with --trade 900); the cheaper comparison comes first and uses at most half of "
+      "it, each probe its share");
   command
       .add_option("--reference", options.reference,
                   "compare with this one alone, at as many of the probes as the time of the first allows")

@@ -2,7 +2,7 @@
 import type { Contact, Level, Model, Sphere, Surface, Tools, Touch, Warning } from '../../runtime/src/index.js';
 import { PhynnessError } from '../../runtime/src/status.js';
 import { add, row, scale, zero, type V3 } from '../../shared/src/vectors.js';
-import { nodeOf, toolOf, type Place } from './places.js';
+import { nodeOf, placeAt, toolOf, type Place } from './places.js';
 import type { HeldTool } from './state.js';
 
 export interface TrustFigure {
@@ -133,9 +133,9 @@ export class Runtime {
     this.contact_?.reset();
   }
 
-  /** Force alone, for curves and work. */
+  /** Force alone, for curves and work. At a node between active ones the forces of tools before are lost. */
   forceAt(node: number, d: V3): V3 {
-    return row(this.model.force(node, d).force, 0);
+    return row(this.active.has(node) ? this.model.force(node, d).force : this.tools.set([toolOf(placeAt(node), d)]).forces, 0);
   }
   forceOf(tool: HeldTool, others: readonly HeldTool[]): (d: V3) => V3 {
     const node = nodeOf(tool.place);

@@ -5,7 +5,7 @@ import { dot, row, scale, unit, type V3 } from '../../shared/src/vectors.js';
 import { normalsOf } from '../../shared/src/normals.js';
 import type { Runtime } from './answers.js';
 import type { NodeErrors } from './page_data.js';
-import { nodeOf } from './places.js';
+import { nodeOf, placeAt } from './places.js';
 import type { HeldTool } from './state.js';
 
 export interface MapValues {
@@ -31,7 +31,7 @@ export function outwardNormals(runtime: Runtime): Float32Array {
   return normalsOf(points, triangles, new Float32Array(points.length));
 }
 
-/** Secant stiffness against pressing straight in at an active node: the force along the inward normal by the depth [N/m]. */
+/** Secant stiffness against pressing straight in at a node that answers: the force along the inward normal by the depth [N/m]. */
 export function palpationStiffness(runtime: Runtime, node: number, normal: V3, depth: number): number {
   const inward = scale(-1, unit(normal));
   return dot(runtime.forceAt(node, scale(depth, inward)), inward) / depth;
@@ -79,9 +79,11 @@ export function mapsOf(runtime: Runtime, errors: NodeErrors | null, palpationDep
     };
   };
 
+  /** Active nodes and, where tools are answered between them, the others there. */
+  const touched = () => outputNodes.filter((node) => runtime.active.has(node) || runtime.canHold(placeAt(node)));
   const grey = 'Grey: not trained', unprobed = 'Mean of the probes of a node. Grey: none';
   return [
-    atNodes('palpation', 'Stiffness under a finger', 'N/m', activeNodes,
+    atNodes('palpation', 'Stiffness under a finger', 'N/m', touched(),
       (node) => palpationStiffness(runtime, node, row(normals, runtime.rows.get(node)!), palpationDepth()), grey),
     ...(errors ? [
       atNodes('force-error', 'Error of the force', 'fraction', errors.nodes, (_, i) => errors.force[i]!, unprobed),

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <phynness/formats/described.hpp>
 #include <vector>
 
 namespace phynness {
@@ -23,10 +24,11 @@ struct BoundCoverage {
   std::array<double, 4> quarters{};  ///< of the nodes, by the mean of bound over largest force; nan without states
   double width = 0;                  ///< mean bound over the best constant bound of the same coverage
   static void describe(const auto& c, auto&& see) {
-    see("coverage", c.all);
+    const auto known = [&](double value) { return c.states > 0 ? value : undefined; };
+    see("coverage", known(c.all));
     see("thirds_of_depth", c.thirds);
     see("quarters_of_nodes", c.quarters);
-    see("width_over_constant", c.width);
+    see("width_over_constant", known(c.width));
   }
 };
 
