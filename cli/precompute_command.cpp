@@ -99,7 +99,7 @@ void print_work(const SolverSession& session, const LoadedScene& loaded, const P
       loaded.sets.active.size(), report.rays + report.rays_found(), report.rays_resumed,
       target.from.empty()
           ? ""
-          : fmt::format(", {} taken from {}, {} solved", report.rays_taken, target.from.string(), report.rays),
+          : fmt::format(", {} taken from {}, {} solved", report.rays_taken, target.from.string(), report.rays_solved),
       report.increments, report.failed,
       100.0 * static_cast<double>(report.failed) / std::max(1.0, static_cast<double>(report.increments)),
       static_cast<double>(report.iterations) / static_cast<double>(solved));

@@ -10,6 +10,7 @@
 #include "database_layout.hpp"
 #include "database_log.hpp"
 #include "database_scan.hpp"
+#include "database_study.hpp"
 
 namespace phynness {
 namespace layout = database_layout;
@@ -169,26 +170,6 @@ Database Database::open(const std::filesystem::path& file, const DatabaseHeader&
   impl.columns = columns_of(wanted, impl.minor);
   impl.there = std::move(there);
   return database;
-}
-
-std::vector<char> Database::rays_for(const std::filesystem::path& file, const DatabaseHeader& wanted) {
-  const Database whole = open(file), database = open(file, wanted);
-  if (!whole._impl->records_ends())
-    throw input_error("the rays of the database " + file.string() + " have no ends",
-                      "a version that does not look for folds has written it", "solve the scene anew");
-  const MirroredRays images(whole.header());
-  const auto& there = *database._impl->there;
-  const auto statuses = database.statuses();
-  const auto n = static_cast<std::ptrdiff_t>(wanted.magnitudes_m.size());
-  std::vector<char> flags;
-  for (auto ray = statuses.begin(); ray != statuses.end(); ray += n) {
-    const auto active = there.active[flags.size() / wanted.directions.size()];
-    const auto direction = there.direction[flags.size() % wanted.directions.size()];
-    // A library that failed may not fail again, and mirror images are solves only up to rounding.
-    flags.push_back(active >= 0 && direction >= 0 && *ray != Status::not_requested &&
-                    std::find(ray, ray + n, Status::library_error) == ray + n && images.is_solved(active, direction));
-  }
-  return flags;
 }
 
 const DatabaseHeader& Database::header() const { return _impl->header; }

@@ -8,6 +8,7 @@
 #include "database_layout.hpp"
 #include "database_pack.hpp"
 #include "database_scan.hpp"
+#include "database_study.hpp"
 
 namespace phynness {
 namespace fs = std::filesystem;

@@ -42,12 +42,13 @@ class WorkClock {
 
 /// Figures of one rank, as numbers that can be gathered.
 struct Share {
-  std::int64_t rays = 0, tasks = 0, increments = 0, failed = 0, iterations = 0, library_errors = 0;
+  std::int64_t rays = 0, solved = 0, tasks = 0, increments = 0, failed = 0, iterations = 0, library_errors = 0;
   double busy_seconds = 0;
   bool interrupted = false;
 
   void count(const Ray& ray) {
     ++rays;
+    solved += !ray.status.empty() && ray.status.front() != Status::not_requested;
     for (std::size_t i = 0; i < ray.status.size(); ++i) {
       if (ray.status[i] != Status::not_requested && ray.status[i] != Status::after_end) ++increments;
       if (static_cast<int>(ray.status[i]) < 0) ++failed;
@@ -180,13 +181,15 @@ bool on_any_rank(bool here) {
 
 /// Sets the figures of all ranks.
 void add_up(const SolverSession& session, const Share& share, double core_seconds, PrecomputeReport& report) {
-  std::int64_t totals[] = {share.rays, share.increments, share.failed, share.iterations, share.library_errors};
-  MPI_Allreduce(MPI_IN_PLACE, totals, 5, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+  std::int64_t totals[] = {share.rays,       share.increments,     share.failed,
+                           share.iterations, share.library_errors, share.solved};
+  MPI_Allreduce(MPI_IN_PLACE, totals, 6, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   report.rays = totals[0];
   report.increments = report.increments_solved = report.increments_of_run = totals[1];
   report.failed = totals[2];
   report.iterations = totals[3];
   report.library_errors = totals[4];
+  report.rays_solved = totals[5];
   report.core_seconds = session.sum(core_seconds);
   const auto figures =
       session.gather({static_cast<double>(share.rays), static_cast<double>(share.tasks), share.busy_seconds,

@@ -30,7 +30,8 @@ struct RankFigures {
 };
 
 struct PrecomputeReport {
-  std::int64_t rays = 0, rays_resumed = 0;  ///< solved in this run; found in the logs
+  std::int64_t rays = 0, rays_resumed = 0;  ///< recorded in this run; found in the logs
+  std::int64_t rays_solved = 0;             ///< of those of this run: without directions that are not requested
   std::int64_t rays_taken = 0;              ///< copied from another database in this run
   std::int64_t rays_mirrored = 0;           ///< mirror images of other rays; 0 in a shard
   /// Of the whole database or, for a shard or an interrupted run, of this run. `failed` includes after_failure.
