@@ -8,7 +8,7 @@ namespace {
 
 struct Options {
   std::filesystem::path model, database, output;
-  OptionalPath json_file;
+  OptionalPath json_file, scene;
   std::int64_t rays = 0, seed = 1;
   bool details = false;
 };
@@ -58,7 +58,8 @@ void run(const Options& given) {
   std::optional<Database> database;
   session.together([&] {
     model.emplace(options.model);
-    database.emplace(Database::open(options.database));
+    database.emplace(options.scene ? open_database(open_scene(*options.scene), options.database)
+                                   : Database::open(options.database));
     if (schema::traits(model->model().family).proportional)
       throw input_error("a linear model is exact and needs no bounds", options.model.string(),
                         "omit phynness calibrate");
@@ -92,6 +93,8 @@ void add(CLI::App& app) {
   add_database(command, options.database, "database.h5 on which the model was trained");
   add_path(command, "-o,--output", options.output, PathKind::model,
            "model directory to write (default: MODEL_DIR, whose model.txt is replaced at the end)");
+  add_path(command, "--scene", options.scene, PathKind::input,
+           "scene of the model, if it takes only some nodes of the database");
   add_count(command, "--rays", options.rays, 100, 1'000'000,
             "random rays, ten at each of a tenth as many nodes, but at least 20 (default: half as many as the database "
             "has, at least 200, at most 1000)");

@@ -133,9 +133,10 @@ void warn_of_patch(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 /// @throws Error (input) if the hashes differ
 void check_mesh(const Scene& scene, const std::string& mesh_hash, const std::string& where);
 
-/// Checks that a database was made from the scene. @param work  "train", for messages
-/// @throws Error (input) if not
-void check_database(const Scene& scene, const DatabaseHeader& header, const std::string& file, const std::string& work);
+/// Opens the database of a scene, or the part of another scene's database that has all its rays: those of some of the
+/// active and output nodes. header() is that of the scene's own database.
+/// @throws Error (input) with the differences if the database does not have all rays of the scene
+Database open_database(const Scene& scene, const std::filesystem::path& file);
 
 /// Prints what is lost of the logs of a database. @param what  becomes of it
 void warn_of_damage(const std::vector<LogDamage>& all, const char* what = "are ignored");

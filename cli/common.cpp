@@ -148,14 +148,28 @@ void check_mesh(const Scene& scene, const std::string& hash, const std::string& 
                       "use the scene and mesh file from which it was made, or precompute again");
 }
 
-void check_database(const Scene& scene, const DatabaseHeader& header, const std::string& file,
-                    const std::string& work) {
-  if (physics_hash(scene) != header.physics_hash)
-    throw input_error(
-        "the database was made from another scene",
-        "physics hash " + header.physics_hash + ", of this scene " + physics_hash(scene),
-        work + " with the scene from which it was made (phynness info prints its name), or precompute again");
-  check_mesh(scene, header.mesh_hash, file);
+Database open_database(const Scene& scene, const std::filesystem::path& file) {
+  auto database = Database::open(file);
+  const auto& header = database.header();
+  const Scene stored = stored_scene(header);
+  Scene meant = as_hashed(scene, header.physics_hash);
+  if (physics_hash(meant) != header.physics_hash) {
+    meant.solver.earlier_revision = stored.solver.earlier_revision;
+    if (meant.probe.kind == ProbeKind::patch)
+      meant.probe.kind = stored.probe.kind, meant.probe.whole = stored.probe.whole;
+    // The node sets are selected on the mesh of the database, once it is known to be the scene's.
+    auto part = database_header(meant, header.mesh, header.sets);
+    part.software_version = header.software_version;
+    Database::open(file, part);
+    part.sets = resolve_selections(meant, header.mesh);
+    if (coverage(header, part) != Coverage::whole)
+      throw input_error("the database " + file.string() + " does not have all rays of the scene",
+                        "other active nodes, output nodes or directions, or another plane of symmetry",
+                        "solve what is missing with: phynness precompute SCENE -o OTHER.h5 --from " + file.string());
+    database = Database::open(file, part);
+  }
+  check_mesh(scene, database.header().mesh_hash, file.string());
+  return database;
 }
 
 void warn_of_damage(const std::vector<LogDamage>& all, const char* what) {

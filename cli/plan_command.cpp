@@ -23,7 +23,7 @@ constexpr double acceptable_error = 0.125;
 constexpr double packing_B_per_s = 30e6;
 
 struct Options {
-  std::filesystem::path scene;
+  std::filesystem::path scene, from;
   OptionalPath json_file;
   std::optional<int> ranks;  ///< default: the number of processor cores of this machine
   int rays = 96;
@@ -44,6 +44,7 @@ struct Measured {
 
 struct Plan {
   std::int64_t rays = 0, rays_requested = 0, rays_mirrored = 0;  ///< recorded, solved, and copied
+  std::int64_t rays_taken = 0;                                   ///< of another database, which need no solve
   std::size_t increments = 0;
   Measured measured;
   json ends;  ///< of the measured rays
@@ -52,8 +53,8 @@ struct Plan {
   double database_bytes = 0, log_bytes = 0, model_text_bytes = 0, mesh_text_bytes = 0;
   std::optional<double> check_seconds;  ///< most of the check in run; empty if the scene says how many probes
   int ranks_of_use = 1;
-  PHYNNESS_FIGURES(rays, rays_requested, rays_mirrored, increments, measured, ends, ranks, wall_seconds, core_hours,
-                   memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, model_text_bytes,
+  PHYNNESS_FIGURES(rays, rays_requested, rays_mirrored, rays_taken, increments, measured, ends, ranks, wall_seconds,
+                   core_hours, memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, model_text_bytes,
                    mesh_text_bytes, check_seconds, ranks_of_use)
 
   bool is_sample() const { return measured.rays < rays_requested; }
@@ -116,12 +117,22 @@ EndSummary measure(const LoadedScene& loaded, const DatabaseHeader& header, cons
 
 /// @param ends  set to those of the measured rays
 Plan make_plan(const Options& options, const LoadedScene& loaded, const DatabaseHeader& header, EndSummary& ends) {
-  const auto requested = requested_rays(loaded.scene, loaded.mesh, header);
+  auto requested = requested_rays(loaded.scene, loaded.mesh, header);
   Plan plan;
+  if (!options.from.empty()) {
+    const auto taken =
+        rays_to_take(loaded.scene, loaded.mesh, header, options.from, std::vector<char>(requested.size()));
+    for (std::size_t i = 0; i < taken.size(); ++i) requested[i] = requested[i] && !taken[i];
+    plan.rays_taken = std::count(taken.begin(), taken.end(), char{1});
+  }
   const auto& nodes = header.mesh.nodes;
   const auto chosen = choose_rays(nodes(header.sets.active, Eigen::all), nodes(header.sets.fixed, Eigen::all),
                                   requested, header.directions.size(), static_cast<std::size_t>(options.rays),
                                   static_cast<std::uint64_t>(options.seed));
+  if (chosen.empty() && plan.rays_taken > 0)
+    throw input_error("nothing is left to plan",
+                      fmt::format("all {} rays are in {}", plan.rays_taken, options.from.string()),
+                      "run phynness precompute with the same --from, which solves nothing");
   if (chosen.empty())
     throw input_error("the scene has no rays", options.scene.string(), "check nodes.active and the directions");
   ends = measure(loaded, header, chosen, plan.measured);
@@ -175,6 +186,8 @@ void print_plan(const Options& options, const Plan& plan) {
   else if (*plan.check_seconds > 0)
     print_result("check     at most {} more in phynness run (validation.check_probes)\n",
                  duration(*plan.check_seconds));
+  if (!options.from.empty())
+    print_result("taken     {} rays of {}; the rest is left to solve\n", plan.rays_taken, options.from.string());
   print_result("rays      {}, {} more by symmetry; {} solved at {} node{}: {:.3g} s each ({}), at most {:.3g} s\n",
                plan.rays_requested, plan.rays_mirrored, m.rays, m.nodes, m.nodes == 1 ? "" : "s", m.seconds_per_ray,
                trust(plan), m.seconds_longest_ray);
@@ -212,6 +225,7 @@ void add(CLI::App& app) {
       "Predict time, memory and sizes of precompute, and the useful number of ranks, from a sample of solved rays",
       run);
   add_scene(command, options.scene);
+  add_path(command, "--from", options.from, PathKind::input, "database whose rays precompute --from would take");
   add_count(command, "--ranks", options.ranks, 1, 1000000,
             "number of MPI processes of the plan (default: the processor cores of this machine)");
   add_count(command, "--rays", options.rays, 1, 100000, "number of rays to solve")->capture_default_str();

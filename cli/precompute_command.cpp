@@ -8,7 +8,7 @@ namespace phynness::cli::precompute_command {
 namespace {
 
 struct Options {
-  std::filesystem::path scene, output;
+  std::filesystem::path scene, output, from;
   OptionalPath json_file;
   std::string shard;
   bool resume = false;
@@ -17,17 +17,30 @@ struct Options {
 
 /// Takes the lock and reports existing results. @throws Error if these belong to other work
 DatabaseLock begin(const PrecomputeTarget& target, const LoadedScene& loaded) {
+  auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
+  header.shard = target.shard;
+  if (!target.from.empty())
+    Database::rays_for(target.from, header);  // refuses another study before anything is written
   DatabaseLock lock(target.file);
   if (!lock.warning().empty()) message("warning: {}\n", lock.warning());
   if (target.resume && std::filesystem::exists(target.file)) {
-    auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
-    header.shard = target.shard;
     DatabaseWriter::create(target.file, header, true);
     const auto found = database_progress(target.file);
     warn_of_damage(found.damage, "are ignored, and their rays will be solved again");
     message("note: resuming; {} of {} rays are already solved\n", found.rays_logged, found.rays_total);
   }
   return lock;
+}
+
+/// A finished database of some of the scene's nodes grows beside its file, which keeps it until the end.
+void grow_beside(PrecomputeTarget& target, const LoadedScene& loaded) {
+  if (!target.resume || target.shard || !target.from.empty() || !std::filesystem::exists(target.file)) return;
+  const auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
+  if (coverage(read_database_header(target.file), header) != Coverage::part || !Database::is_complete(target.file))
+    return;
+  target.from = target.file;
+  target.file += ".grown";
+  declare_output("--output", target.file, PathKind::database);
 }
 
 /// Prints idle time and memory of every rank or, for many ranks, the range.
@@ -61,13 +74,13 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
     ranks.push_back(record("rays", rank.rays, "tasks", rank.tasks, "busy_seconds", rank.busy_seconds, "idle_seconds",
                            rank.idle_seconds, "core_seconds", rank.core_seconds, "peak_memory_bytes",
                            rank.peak_memory_bytes));
-  json out = record("active_nodes", loaded.sets.active.size(), "rays", report.rays + report.rays_resumed,
-                    "rays_resumed", report.rays_resumed, "increments", report.increments, "increments_of_run",
-                    report.increments_of_run, "failed", report.failed, "increments_after_end", report.after_end,
-                    "rays_with_library_errors", report.library_errors, "newton_iterations", report.iterations, "ranks",
-                    report.ranks.size(), "wall_seconds", report.wall_seconds, "setup_seconds", report.setup_seconds,
-                    "solve_seconds", report.solve_seconds, "pack_seconds", report.pack_seconds, "core_seconds",
-                    report.core_seconds, "per_rank", ranks);
+  json out = record("active_nodes", loaded.sets.active.size(), "rays", report.rays + report.rays_found(),
+                    "rays_resumed", report.rays_resumed, "rays_taken", report.rays_taken, "increments",
+                    report.increments, "increments_of_run", report.increments_of_run, "failed", report.failed,
+                    "increments_after_end", report.after_end, "rays_with_library_errors", report.library_errors,
+                    "newton_iterations", report.iterations, "ranks", report.ranks.size(), "wall_seconds",
+                    report.wall_seconds, "setup_seconds", report.setup_seconds, "solve_seconds", report.solve_seconds,
+                    "pack_seconds", report.pack_seconds, "core_seconds", report.core_seconds, "per_rank", ranks);
   out["rays_mirrored"] = report.rays_mirrored;
   if (target.shard)
     out["shard"] = target.shard->str();
@@ -77,13 +90,18 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
 }
 
 /// What was solved, and at which cost.
-void print_work(const SolverSession& session, const LoadedScene& loaded, const PrecomputeReport& report) {
+void print_work(const SolverSession& session, const LoadedScene& loaded, const PrecomputeTarget& target,
+                const PrecomputeReport& report) {
   const auto solved = std::max<std::int64_t>(1, report.increments_solved);
   print_result(
-      "{} active nodes, {} rays ({} resumed), {} increments, {} failed ({:.2f} %), {:.2f} Newton iterations "
+      "{} active nodes, {} rays ({} resumed{}), {} increments, {} failed ({:.2f} %), {:.2f} Newton iterations "
       "each\n",
-      loaded.sets.active.size(), report.rays + report.rays_resumed, report.rays_resumed, report.increments,
-      report.failed, 100.0 * static_cast<double>(report.failed) / std::max(1.0, static_cast<double>(report.increments)),
+      loaded.sets.active.size(), report.rays + report.rays_found(), report.rays_resumed,
+      target.from.empty()
+          ? ""
+          : fmt::format(", {} taken from {}, {} solved", report.rays_taken, target.from.string(), report.rays_solved),
+      report.increments, report.failed,
+      100.0 * static_cast<double>(report.failed) / std::max(1.0, static_cast<double>(report.increments)),
       static_cast<double>(report.iterations) / static_cast<double>(solved));
   if (report.after_end > 0)
     print_result("{} increments are beyond the ends of their rays and were not solved; phynness info tells where\n",
@@ -91,18 +109,18 @@ void print_work(const SolverSession& session, const LoadedScene& loaded, const P
   if (report.rays_mirrored > 0)
     print_result("{} rays ({:.0f} %) are mirror images; their increments are included\n", report.rays_mirrored,
                  100.0 * static_cast<double>(report.rays_mirrored) /
-                     static_cast<double>(report.rays + report.rays_resumed + report.rays_mirrored));
+                     static_cast<double>(report.rays + report.rays_found() + report.rays_mirrored));
   print_result("{} on {} rank{}", duration(report.wall_seconds), session.size(), session.size() == 1 ? "" : "s");
   if (report.increments_of_run > 0)
     print_result(", {:.1f} core-ms per increment{}",
                  1e3 * report.core_seconds / static_cast<double>(report.increments_of_run),
-                 report.rays_resumed > 0 ? fmt::format(" of the {} of this run", report.increments_of_run) : "");
+                 report.rays_found() > 0 ? fmt::format(" of the {} of this run", report.increments_of_run) : "");
   print_result("\n");
   print_ranks(report);
 }
 
 void run(const Options& options) {
-  PrecomputeTarget target{options.output, options.resume, {}};
+  PrecomputeTarget target{options.output, options.resume, {}, options.from};
   if (!options.shard.empty()) {
     target.shard = parse_shard(options.shard);
     target.file = shard_file(options.output, *target.shard);
@@ -121,6 +139,7 @@ void run(const Options& options) {
   std::optional<DatabaseLock> lock;
   session.together([&] {
     loaded = load_scene(options.scene, !first);
+    grow_beside(target, loaded);
     if (first) lock.emplace(begin(target, loaded));
   });
   install_stop_handler();  // a signal before ends the program: there is nothing to keep yet
@@ -133,10 +152,17 @@ void run(const Options& options) {
       session, loaded.scene, loaded.mesh, loaded.sets, target,
       Progress(target.shard ? "shard " + target.shard->str() : "precompute", "rays").counter(), stop_requested, warn);
   if (report.interrupted)
-    throw failure("interrupted", fmt::format("{} rays are finished and kept", report.rays + report.rays_resumed),
+    throw failure("interrupted", fmt::format("{} rays are finished and kept", report.rays + report.rays_found()),
                   "run the command again with --resume to continue");
   if (!first) return;
-  print_work(session, loaded, report);
+  if (target.from == options.output) {
+    std::error_code code;
+    const auto log = target.file.string() + ".solver.log";
+    DatabaseWriter::replace(target.file, options.output);
+    target.file = options.output;
+    std::filesystem::rename(log, target.file.string() + ".solver.log", code);  // there is none without messages
+  }
+  print_work(session, loaded, target, report);
   if (report.library_errors > 0)
     message("warning: {} rays ended because a library call failed; its messages are in {}\n", report.library_errors,
             target.file.string() + ".solver.log");
@@ -168,7 +194,12 @@ void add(CLI::App& app) {
                   run);
   add_scene(command, options.scene, "scene file (formats/scene.md)");
   add_output(command, options.output, PathKind::database, "database to write (formats/database.md)");
-  command.add_flag("--resume", options.resume, "continue an unfinished database");
+  command.add_flag("--resume", options.resume,
+                   "continue an unfinished database, or a finished one of some of the\nscene's active nodes, which the "
+                   "new one replaces at the end");
+  add_path(command, "--from", options.from, PathKind::input,
+           "finished database of a scene with other active, output nodes or directions:\n"
+           "its rays that this scene has too are taken, only the others are solved");
   command.add_option("--shard", options.shard,
                      "i/n: solve only part i = 0 ... n-1 of n and write it to a separate file\n"
                      "(database.h5 -> database.shard-i-of-n.h5); phynness merge joins the files");

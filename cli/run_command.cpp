@@ -69,13 +69,19 @@ void declare_files(const Options& options) {
   declare_output("--output", options.output / "model", PathKind::model);
 }
 
-/// A new run replaces no file at all, a resumed one those that begin as the program writes them, beside the database of
-/// its scene. @throws Error (input) before anything is written
-void refuse_files_of_others(const Options& options) {
+/// A new run replaces no file at all, a resumed one those that begin as the program writes them, beside a database of
+/// its scene, of more nodes, or of some of its nodes. @return whether all rays are there
+/// @throws Error (input) before anything is written
+bool refuse_files_of_others(const Options& options) {
   const auto database = options.output / "database.h5", model = options.output / "model";
+  bool covered = false;
   if (DatabaseWriter::refuse_begun(database, options.resume)) {
     const auto loaded = load_scene(options.scene, true);
-    DatabaseWriter::check(database, database_header(loaded.scene, loaded.mesh, loaded.sets), true);
+    const auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
+    const auto there = coverage(read_database_header(database), header);
+    const bool complete = Database::is_complete(database);
+    covered = complete && there == Coverage::whole;
+    if (!complete || there == Coverage::other) DatabaseWriter::check(database, header, true);
   }
   const auto refuse = [&](const std::filesystem::path& file) {
     if (std::filesystem::exists(std::filesystem::symlink_status(file)))
@@ -84,9 +90,14 @@ void refuse_files_of_others(const Options& options) {
   };
   for (const auto& [name, begin] : texts())
     options.resume ? check_own_text("--output", options.output / name, begin) : refuse(options.output / name);
-  if (!std::filesystem::is_directory(model)) return refuse(model);
-  if (options.resume) return check_place("--output", model, PathKind::model);
-  for (const char* name : {"model.txt", "mesh.txt"}) refuse(model / name);
+  if (!std::filesystem::is_directory(model)) {
+    refuse(model);
+  } else if (options.resume) {
+    check_place("--output", model, PathKind::model);
+  } else {
+    for (const char* name : {"model.txt", "mesh.txt"}) refuse(model / name);
+  }
+  return covered;
 }
 
 /// The figures of all stages in one file.
@@ -146,7 +157,8 @@ void calibrate(const Options& options, const std::string& self, std::vector<Stag
   const auto figures = options.output / "calibrate.json", database = options.output / "database.h5";
   try {
     stages.push_back(stage(options, "calibrate", model / "model.txt",
-                           {self, "calibrate", model.string(), database.string(), "--json", figures.string()},
+                           {self, "calibrate", model.string(), database.string(), "--scene", options.scene.string(),
+                            "--json", figures.string()},
                            options.ranks));
   } catch (const Error&) {
     if (stop_requested()) throw;
@@ -157,7 +169,7 @@ void calibrate(const Options& options, const std::string& self, std::vector<Stag
 void run(const Options& options) {
   declare_files(options);
   const Scene read = open_scene(options.scene);
-  refuse_files_of_others(options);
+  const bool covered = refuse_files_of_others(options);
   install_stop_handler(false);
   make_folder(options.output);
   const auto self = this_program();
@@ -171,7 +183,10 @@ void run(const Options& options) {
   std::vector<std::string> precompute{self,     "precompute",         scene, "-o", in("database.h5"),
                                       "--json", in("precompute.json")};
   if (options.resume) precompute.push_back("--resume");
-  stages.push_back(stage(options, "precompute", in("database.h5"), precompute, options.ranks));
+  if (covered)
+    message("note: all rays of the scene are in {}, which is left as it is\n", in("database.h5"));
+  else
+    stages.push_back(stage(options, "precompute", in("database.h5"), precompute, options.ranks));
   std::vector<std::string> train{self, "train",     scene,    in("database.h5"),
                                  "-o", in("model"), "--json", in("train.json")};
   if (check(options, read, self, stages)) train.insert(train.end(), {"--check", in("check.json")});
@@ -203,7 +218,8 @@ void add(CLI::App& app) {
   add_output(command, options.output, PathKind::folder, "folder for all output files");
   add_count(command, "--ranks", options.ranks, 1, 4096, "number of processes for the finite element stages (mpirun)")
       ->capture_default_str();
-  command.add_flag("--resume", options.resume, "continue an unfinished database in OUT_DIR");
+  command.add_flag("--resume", options.resume,
+                   "continue an unfinished database in OUT_DIR, or use what it has of the\nscene's rays");
   command.add_flag("--details", options.details, "print what each stage prints, and all tables of validate");
   add_json(command, options.json_file, "write the figures of all stages as JSON");
 }

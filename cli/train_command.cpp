@@ -127,9 +127,8 @@ struct Trained {
 
 Trained trained(const Options& options) {
   const Scene scene = open_scene(options.scene);
-  const auto database = Database::open(options.database);
+  const auto database = open_database(scene, options.database);
   const auto& header = database.header();
-  check_database(as_hashed(scene, header.physics_hash), header, options.database.string(), "train");
   warn_of_patch(scene, header.mesh, header.sets);
   const TrainingSpec spec = chosen_spec(scene.training, options);
   const auto finer = options.check_file ? distance_of(*options.check_file, scene, header) : FinerDistance{};
@@ -236,7 +235,8 @@ void run(const Options& options) {
 void add(CLI::App& app) {
   auto [command, options] =
       add_command(app, "train", "Train a model on a database -> MODEL_DIR (model.txt, mesh.txt)", run);
-  add_scene(command, options.scene, "scene from which the database was made");
+  add_scene(command, options.scene,
+            "scene from which the database was made, or one that takes some of its active or output nodes");
   add_database(command, options.database, "database.h5 of phynness precompute");
   add_output(command, options.output, PathKind::model, "model directory to write (formats/model.md)");
   std::string about;

@@ -150,8 +150,10 @@ void run(const Options& options) {
   check_plot(options);
   const SolverSession session;
   const Scene scene = open_scene(options.scene);
-  const auto database = Database::open(options.database);
-  check_database(scene, database.header(), options.database.string(), "tune");
+  const auto database = open_database(scene, options.database);
+  if (database.header().physics_hash != physics_hash(scene))
+    throw input_error("the database was solved with equations of an earlier version", options.database.string(),
+                      "precompute again");
   end_at_signals("tuning was interrupted\n  remedy: run the same command again; nothing was written\n");
   TuningReport report = tuned(options, session, scene, database);
   install_stop_handler();  // the outputs are written

@@ -10,6 +10,7 @@
 #include "database_layout.hpp"
 #include "database_log.hpp"
 #include "database_scan.hpp"
+#include "database_study.hpp"
 
 namespace phynness {
 namespace layout = database_layout;
@@ -36,16 +37,50 @@ struct Database::Impl {
   std::int32_t minor = layout::read_minor(file);
   std::vector<StoredColumn> columns = columns_of(header, minor);
   double farthest_m = largest_displacement(header.mesh);
+  std::optional<Arrangement> there = {};  ///< if `header` is that of another study than the file's
 
   bool records_ends() const { return minor > 0; }
   std::vector<StoredColumn> columns_with(ColumnOf of) const { return columns_of(header, of, minor); }
+
+  /// A column of `count` active nodes, one ray after the other.
+  template <class Value>
+  std::vector<Value> values(const StoredColumn& column, std::size_t first, std::size_t count) const {
+    const std::size_t n_directions = header.directions.size();
+    std::vector<Value> all(count * n_directions * column.count);
+    if (!there) {
+      file.read_slab(column.path, first, count, all.data());
+      return all;
+    }
+    if constexpr (std::is_same_v<Value, Status>) std::fill(all.begin(), all.end(), Status::not_solved);
+    const bool at_nodes = column.of == ColumnOf::output_node;
+    const std::size_t n_output = header.sets.output.size(), n_stored = there->stored.sets.output.size();
+    const std::size_t stored_count = at_nodes ? column.count / n_output * n_stored : column.count;
+    const auto size = static_cast<std::size_t>(column.tensor);
+    std::vector<Value> node(there->stored.directions.size() * stored_count);
+    for (std::size_t ray = 0; ray < count * n_directions; ++ray) {
+      const auto active = there->active[first + ray / n_directions], d = there->direction[ray % n_directions];
+      if (active < 0) continue;
+      if (ray % n_directions == 0) file.read_slab(column.path, static_cast<hsize_t>(active), 1, node.data());
+      if (d < 0) continue;
+      const Value* from = &node[static_cast<std::size_t>(d) * stored_count];
+      Value* to = &all[ray * column.count];
+      if (!at_nodes) {
+        std::copy_n(from, column.count, to);
+        continue;
+      }
+      for (std::size_t i = 0; i < header.magnitudes_m.size(); ++i)
+        for (std::size_t o = 0; o < n_output; ++o)
+          std::copy_n(from + (i * n_stored + static_cast<std::size_t>(there->output[o])) * size, size,
+                      to + (i * n_output + o) * size);
+    }
+    return all;
+  }
   /// Reads a column of `count` active nodes into rays that have room for it.
   void read(const StoredColumn& column, std::int32_t first, std::size_t count, std::span<Ray> rays) const {
     std::visit(
         [&](auto member) {
-          std::vector<ValueOf<decltype(member)>> values(count * header.directions.size() * column.count);
-          file.read_slab(column.path, static_cast<hsize_t>(first), count, values.data());
-          auto from = values.begin();
+          const auto all = values<ValueOf<decltype(member)>>(column, static_cast<std::size_t>(first), count);
+          auto from = all.begin();
           for (Ray& ray : rays) {
             const auto to = values_of(ray, member);
             std::copy_n(from, to.size(), to.begin());
@@ -125,6 +160,16 @@ Database Database::open(const std::filesystem::path& file) {
   impl->check_shapes();
   impl->check_mirror();
   return Database(std::move(impl));
+}
+
+Database Database::open(const std::filesystem::path& file, const DatabaseHeader& wanted) {
+  Database database = open(file);
+  auto& impl = *database._impl;
+  auto there = arranged(impl.header, wanted, file);
+  impl.header = wanted;
+  impl.columns = columns_of(wanted, impl.minor);
+  impl.there = std::move(there);
+  return database;
 }
 
 const DatabaseHeader& Database::header() const { return _impl->header; }

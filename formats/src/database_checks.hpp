@@ -15,12 +15,4 @@ void check_header(const DatabaseHeader& header, const std::string& where);
 /// Largest plausible displacement [m] of a point of the body: a hundred diagonals of its bounding box.
 double largest_displacement(const Mesh& mesh);
 
-/// @param other  origin of `wanted` in messages, such as "now" in "500 in the file, 600 now"
-/// @throws Error (input) unless both have the same physics, mesh, node sets, directions, increments and stored arrays.
-/// Differences of the physics are listed key by key.
-void refuse_other_work(
-    const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file,
-    const std::string& other = "now",
-    const std::string& remedy = "use the scene with which the database was begun, or write to another file");
-
 }  // namespace phynness

@@ -2,9 +2,9 @@
 #include <phynness/formats/database_merge.hpp>
 #include <phynness/formats/error.hpp>
 
-#include "database_checks.hpp"
 #include "database_pack.hpp"
 #include "database_scan.hpp"
+#include "database_study.hpp"
 
 namespace phynness {
 namespace {

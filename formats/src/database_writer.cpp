@@ -8,6 +8,7 @@
 #include "database_layout.hpp"
 #include "database_pack.hpp"
 #include "database_scan.hpp"
+#include "database_study.hpp"
 
 namespace phynness {
 namespace fs = std::filesystem;
@@ -113,6 +114,22 @@ void DatabaseWriter::append(const Ray& ray) {
   _impl->log.append(record.data(), record.size());
 }
 void DatabaseWriter::close() { _impl->log.close(); }
+
+void DatabaseWriter::take(const fs::path& file, const DatabaseHeader& given, const fs::path& from,
+                          const std::vector<char>& wanted) {
+  const DatabaseHeader header = with_hashes(given);
+  const auto database = Database::open(from, header);
+  const auto n = static_cast<std::ptrdiff_t>(header.directions.size());
+  DatabaseWriter log(file, header, 0);
+  for (auto node = wanted.begin(); node != wanted.end(); node += n) {
+    if (std::find(node, node + n, char{1}) == node + n) continue;
+    for (const Ray& ray : database.rays(static_cast<std::int32_t>((node - wanted.begin()) / n)))
+      if (node[ray.direction]) log.append(ray);
+  }
+  log.close();
+}
+
+void DatabaseWriter::replace(const fs::path& by, const fs::path& file) { replace_durably(by, file); }
 
 void DatabaseWriter::pack(const fs::path& file, const DatabaseHeader& given) {
   const DatabaseHeader header = with_hashes(given);

@@ -4,6 +4,7 @@
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/model.hpp>
 #include <phynness/formats/probe_points.hpp>
+#include <phynness/formats/version.hpp>
 
 namespace phynness {
 namespace {
@@ -81,6 +82,25 @@ Scene stored_scene(const DatabaseHeader& header) {
     if (physics_hash(earlier) == header.physics_hash) return earlier;
   }
   return parsed(SolverSpec{}.element);
+}
+
+DatabaseHeader database_header(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  DatabaseHeader header;
+  header.mesh = mesh;
+  header.sets = sets;
+  header.directions = exploratory_directions(scene.probe.directions);
+  for (int i = 1; i <= scene.probe.increments; ++i)
+    header.magnitudes_m.push_back(scene.probe.max_displacement_m * i / scene.probe.increments);
+  header.tangents = scene.database.tangents;
+  header.float64 = scene.database.float64;
+  header.fields = scene.database.fields;
+  header.scene_text = scene.text;
+  header.scene_name = scene.source_name;
+  header.scene_folder = scene.mesh.file.parent_path().string();
+  header.physics_hash = physics_hash(scene);
+  header.mesh_hash = mesh_hash(mesh);
+  header.software_version = software_version();
+  return header;
 }
 
 }  // namespace phynness

@@ -42,12 +42,13 @@ class WorkClock {
 
 /// Figures of one rank, as numbers that can be gathered.
 struct Share {
-  std::int64_t rays = 0, tasks = 0, increments = 0, failed = 0, iterations = 0, library_errors = 0;
+  std::int64_t rays = 0, solved = 0, tasks = 0, increments = 0, failed = 0, iterations = 0, library_errors = 0;
   double busy_seconds = 0;
   bool interrupted = false;
 
   void count(const Ray& ray) {
     ++rays;
+    solved += !ray.status.empty() && ray.status.front() != Status::not_requested;
     for (std::size_t i = 0; i < ray.status.size(); ++i) {
       if (ray.status[i] != Status::not_requested && ray.status[i] != Status::after_end) ++increments;
       if (static_cast<int>(ray.status[i]) < 0) ++failed;
@@ -180,13 +181,15 @@ bool on_any_rank(bool here) {
 
 /// Sets the figures of all ranks.
 void add_up(const SolverSession& session, const Share& share, double core_seconds, PrecomputeReport& report) {
-  std::int64_t totals[] = {share.rays, share.increments, share.failed, share.iterations, share.library_errors};
-  MPI_Allreduce(MPI_IN_PLACE, totals, 5, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+  std::int64_t totals[] = {share.rays,       share.increments,     share.failed,
+                           share.iterations, share.library_errors, share.solved};
+  MPI_Allreduce(MPI_IN_PLACE, totals, 6, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   report.rays = totals[0];
   report.increments = report.increments_solved = report.increments_of_run = totals[1];
   report.failed = totals[2];
   report.iterations = totals[3];
   report.library_errors = totals[4];
+  report.rays_solved = totals[5];
   report.core_seconds = session.sum(core_seconds);
   const auto figures =
       session.gather({static_cast<double>(share.rays), static_cast<double>(share.tasks), share.busy_seconds,
@@ -220,6 +223,17 @@ void count_finished(const std::filesystem::path& file, const DatabaseHeader& hea
   }
 }
 
+/// Copies what another database has to a log, and adds it to `logged`. @return number of rays
+std::int64_t take_rays(const Scene& scene, const Mesh& mesh, const DatabaseHeader& header,
+                       const PrecomputeTarget& target, std::vector<char>& logged) {
+  const auto flags = rays_to_take(scene, mesh, header, target.from, logged);
+  const auto n = std::count(flags.begin(), flags.end(), char{1});
+  if (n == 0) return 0;
+  DatabaseWriter::take(target.file, header, target.from, flags);
+  logged = DatabaseWriter::logged(target.file, header);
+  return n;
+}
+
 std::string what(const std::exception_ptr& trouble) {
   try {
     std::rethrow_exception(trouble);
@@ -246,23 +260,15 @@ std::exception_ptr guarded(WorkCounter& counter, int rank, const std::function<v
 
 }  // namespace
 
-DatabaseHeader database_header(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
-  DatabaseHeader header;
-  header.mesh = mesh;
-  header.sets = sets;
-  header.directions = exploratory_directions(scene.probe.directions);
-  for (int i = 1; i <= scene.probe.increments; ++i)
-    header.magnitudes_m.push_back(scene.probe.max_displacement_m * i / scene.probe.increments);
-  header.tangents = scene.database.tangents;
-  header.float64 = scene.database.float64;
-  header.fields = scene.database.fields;
-  header.scene_text = scene.text;
-  header.scene_name = scene.source_name;
-  header.scene_folder = scene.mesh.file.parent_path().string();
-  header.physics_hash = physics_hash(scene);
-  header.mesh_hash = mesh_hash(mesh);
-  header.software_version = software_version();
-  return header;
+std::vector<char> rays_to_take(const Scene& scene, const Mesh& mesh, const DatabaseHeader& header,
+                               const std::filesystem::path& from, const std::vector<char>& logged) {
+  const auto there = Database::rays_for(from, header), requested = requested_rays(scene, mesh, header);
+  std::vector<char> flags(logged.size(), 0);
+  for (const auto& [active, direction] : rays_left(header, logged)) {
+    const auto ray = static_cast<std::size_t>(active) * header.directions.size() + static_cast<std::size_t>(direction);
+    flags[ray] = there[ray] && requested[ray];
+  }
+  return flags;
 }
 
 PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh, const NodeSets& sets,
@@ -277,6 +283,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
 
   std::vector<char> logged(header.sets.active.size() * header.directions.size(), 0);
   const auto rays_in_all = static_cast<std::int64_t>(rays_left(header, logged).size());
+  std::int64_t taken = 0;
   int complete = 0;
   Team team(target.ranks_per_solve);
   std::optional<ProbeSolver> probe_solver;
@@ -287,15 +294,18 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
       DatabaseWriter::create(target.file, header, target.resume);
       complete = Database::is_complete(target.file) ? 1 : 0;
       logged = DatabaseWriter::logged(target.file, header);
+      if (!target.from.empty() && !complete) taken = take_rays(scene, mesh, header, target, logged);
     }
     core.stop();
   });
   MPI_Bcast(&complete, 1, MPI_INT, 0, MPI_COMM_WORLD);
+  MPI_Bcast(&taken, 1, MPI_INT64_T, 0, MPI_COMM_WORLD);
   MPI_Bcast(logged.data(), static_cast<int>(logged.size()), MPI_CHAR, 0, MPI_COMM_WORLD);
   const auto rays = rays_left(header, logged);
 
   PrecomputeReport report;
-  report.rays_resumed = rays_in_all - static_cast<std::int64_t>(rays.size());
+  report.rays_taken = taken;
+  report.rays_resumed = rays_in_all - static_cast<std::int64_t>(rays.size()) - taken;
   const MirroredRays mirrored(header);
   if (!target.shard) report.rays_mirrored = static_cast<std::int64_t>(logged.size()) - mirrored.n_solved();
   report.setup_seconds = seconds_since(start);
@@ -308,7 +318,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
       core.start();
       const auto done = [&] {
         counter.add_done(1);
-        if (progress && session.rank() == 0) progress(report.rays_resumed + counter.done(), rays_in_all);
+        if (progress && session.rank() == 0) progress(report.rays_found() + counter.done(), rays_in_all);
       };
       trouble = guarded(counter, session.rank(), warn, [&] {
         DatabaseWriter log(target.file, header, session.rank());

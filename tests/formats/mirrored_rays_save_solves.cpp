@@ -141,6 +141,24 @@ TEST_F(MirroredDatabase, IsNotResumedWithoutItsPlane) {
   expect_contains(refusal([&] { DatabaseWriter::create(file, h, true); }), {"but other pairs"});
 }
 
+// An image is a solve up to rounding only.
+TEST_F(MirroredDatabase, GivesOnlyItsSolvedRaysToOtherDatabases) {
+  auto h = symmetric_header();
+  h.physics_hash = physics_hash(stored_scene(h));
+  h.mesh_hash = mesh_hash(h.mesh);
+  DatabaseWriter::create(file, h, false);
+  append(h, 0, 43, 0);
+  DatabaseWriter::pack(file, h);
+  auto solved = MirroredRays(h).solved();
+  auto alone = h;
+  alone.sets.mirror.reset();
+  EXPECT_EQ(Database::rays_for(file, alone), solved);
+  EXPECT_EQ(coverage(h, alone), Coverage::other);
+  alone.sets.active = {2, 3};  // node 2 is the image of node 1
+  solved.erase(solved.begin(), solved.begin() + 26);
+  EXPECT_EQ(Database::rays_for(file, alone), solved);
+}
+
 TEST_F(MirroredDatabase, IsMergedFromShardsOfTheSolvedRays) {
   auto h = symmetric_header();
   DatabaseWriter::create(file, h, false);

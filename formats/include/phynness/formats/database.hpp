@@ -38,6 +38,9 @@ Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t di
 /// @throws Error (input) as parse_scene()
 Scene stored_scene(const DatabaseHeader& header);
 
+/// Header of the database that precompute() writes for a scene.
+DatabaseHeader database_header(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
+
 /// Smallest and largest number of a column in the increments that converged.
 struct ColumnRange {
   std::string name, unit;
@@ -76,6 +79,16 @@ class Database {
   /// @throws Error (input) if the file is not a database, of another version, damaged, or unfinished; the remedy of an
   /// unfinished database is --resume
   static Database open(const std::filesystem::path& file);
+  /// The same file, seen as the database of a study that has a part of its rays in common with it. header() is
+  /// `wanted`; rays that the file does not have are Status::not_solved.
+  /// @throws Error (input) also with all reasons if no ray of the file is one of `wanted`: the physics (but for the
+  /// selections of nodes and directions), mesh, fixed nodes, increments and stored arrays must be the same, and the
+  /// output nodes among those of the file
+  static Database open(const std::filesystem::path& file, const DatabaseHeader& wanted);
+  /// Flags, n_active x n_directions of `wanted`, of its rays that a solve would repeat: those in the file but for
+  /// mirror images there, and rays that a failed library call ended.
+  /// @throws Error (input) as open(); also for files of versions that do not record the ends of rays
+  static std::vector<char> rays_for(const std::filesystem::path& file, const DatabaseHeader& wanted);
   /// True if all rays have been packed into the file.
   static bool is_complete(const std::filesystem::path& file);
   ~Database();
@@ -125,6 +138,15 @@ struct DatabaseProgress {
 /// @throws Error (input) if the file is not a database
 DatabaseProgress database_progress(const std::filesystem::path& file);
 
+/// What a database has of the rays of a study.
+enum class Coverage {
+  same,   ///< it is that of the study
+  whole,  ///< all, and perhaps of more active nodes and at more output nodes
+  part,   ///< those of some of its active nodes, and no others
+  other   ///< others, or some of both
+};
+Coverage coverage(const DatabaseHeader& on_disk, const DatabaseHeader& wanted);
+
 /// The header of a finished or unfinished database.
 /// @throws Error (input) if the file is not a database, of another version, or damaged
 DatabaseHeader read_database_header(const std::filesystem::path& file);
@@ -147,6 +169,15 @@ class DatabaseWriter {
   /// Flags, n_active x n_directions, of the rays that are in the logs or are mirror images of such rays. Torn and
   /// corrupted records are ignored.
   static std::vector<char> logged(const std::filesystem::path& file, const DatabaseHeader& header);
+
+  /// Copies the rays with a flag from a finished database into a log of FILE.
+  /// @param wanted  n_active x n_directions, of rays that Database::rays_for() has found
+  /// @throws Error as Database::rays_for() and append()
+  static void take(const std::filesystem::path& file, const DatabaseHeader& header, const std::filesystem::path& from,
+                   const std::vector<char>& wanted);
+
+  /// Puts a finished database in the place of another one, at once. @throws Error (failure)
+  static void replace(const std::filesystem::path& by, const std::filesystem::path& file);
 
   /// Creates the log of this process. It is always a new file, because a resumed run may have another number of ranks.
   /// @throws Error (failure) if it cannot be created

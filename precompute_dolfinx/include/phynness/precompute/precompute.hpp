@@ -16,6 +16,7 @@ struct PrecomputeTarget {
   std::filesystem::path file;
   bool resume = false;
   std::optional<Shard> shard;  ///< solve only the rays of this shard, and leave them in the log of `file` for a merge
+  std::filesystem::path from;  ///< finished database, of which the rays that the scene wants are taken; may be empty
   int ranks_per_solve = 1;     ///< number of consecutive ranks that share factorizations, for large meshes
 };
 
@@ -29,7 +30,9 @@ struct RankFigures {
 };
 
 struct PrecomputeReport {
-  std::int64_t rays = 0, rays_resumed = 0;  ///< solved in this run; found in the logs
+  std::int64_t rays = 0, rays_resumed = 0;  ///< recorded in this run; found in the logs
+  std::int64_t rays_solved = 0;             ///< of those of this run: without directions that are not requested
+  std::int64_t rays_taken = 0;              ///< copied from another database in this run
   std::int64_t rays_mirrored = 0;           ///< mirror images of other rays; 0 in a shard
   /// Of the whole database or, for a shard or an interrupted run, of this run. `failed` includes after_failure.
   std::int64_t increments = 0, failed = 0, iterations = 0;
@@ -41,6 +44,7 @@ struct PrecomputeReport {
   double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;  ///< parts of wall_seconds
   std::vector<RankFigures> ranks;                                 ///< on rank 0; empty elsewhere
   bool interrupted = false;                                       ///< finished rays are kept; --resume continues
+  std::int64_t rays_found() const { return rays_resumed + rays_taken; }  ///< that this run did not solve
 };
 
 /// Called on rank 0 with the number of finished rays of all ranks and the total number. It is called often and should
@@ -63,7 +67,10 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
                             const std::function<bool()>& stop = {},
                             const std::function<void(const std::string&)>& warn = {});
 
-/// Header of the database that precompute() writes for a scene.
-DatabaseHeader database_header(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
+/// Flags, n_active x n_directions, of the rays that precompute() takes from the database `from`.
+/// @param logged  flags of those that need no solve anyway
+/// @throws Error (input) as Database::rays_for()
+std::vector<char> rays_to_take(const Scene& scene, const Mesh& mesh, const DatabaseHeader& header,
+                               const std::filesystem::path& from, const std::vector<char>& logged);
 
 }  // namespace phynness
