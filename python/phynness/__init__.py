@@ -1,0 +1,15 @@
+"""Forces and deformations of trained soft bodies: models, databases and training.
+
+Units are SI. A force is the force that must be applied to hold a displacement; a haptic device renders its negative. Nodes have
+the numbers of the mesh. Arguments called d are displacements, one of shape (3,) or n of shape (n, 3), float64 without a copy in
+any layout. Every function may be called by several threads at the same time; large arrays are evaluated without the GIL.
+"""
+from ._phynness import (
+    Coupled, Column, Database, Error, IncompleteWarning, Level, Model, OutsideWarning, Scene, StatusWarning, SurfacePoint,
+    UnsettledWarning, __version__, train,
+)
+
+__all__ = [
+    "Coupled", "Column", "Database", "Error", "IncompleteWarning", "Level", "Model", "OutsideWarning", "Scene", "StatusWarning",
+    "SurfacePoint", "UnsettledWarning", "__version__", "train",
+]

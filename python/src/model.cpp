@@ -1,0 +1,451 @@
+// Models: the runtime's wrapper (phynness.hpp) on arrays. Working memory is taken from the model's store for each call,
+// so that threads never share it; the store itself is only used by a thread that holds the GIL.
+#include <pybind11/stl.h>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/input_file.hpp>
+#include <phynness/formats/model.hpp>
+#include <phynness/formats/text_file.hpp>
+#include <phynness/phynness.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "arrays.hpp"
+
+namespace phynness::python {
+namespace {
+
+using Level = std::optional<std::int32_t>;
+
+/// A place on the surface: what tools of the runtime have besides their displacement.
+struct SurfacePoint {
+  phn_tool tool{{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}};
+
+  SurfacePoint() = default;
+  SurfacePoint(const std::vector<std::int32_t>& nodes, const std::vector<double>& weights) {
+    if (nodes.empty() || nodes.size() > 3 || weights.size() != nodes.size())
+      throw py::value_error("a point has one to three nodes and a weight for each of them");
+    std::copy(nodes.begin(), nodes.end(), tool.nodes);
+    std::copy(weights.begin(), weights.end(), tool.weights);
+  }
+  std::size_t n() const { return static_cast<std::size_t>(std::find(tool.nodes, tool.nodes + 3, -1) - tool.nodes); }
+  py::tuple nodes() const { return py::tuple(py::cast(std::vector(tool.nodes, tool.nodes + n()))); }
+  py::tuple weights() const { return py::tuple(py::cast(std::vector(tool.weights, tool.weights + n()))); }
+  std::string text() const {
+    return "SurfacePoint(" + py::repr(nodes()).cast<std::string>() + ", " + py::repr(weights()).cast<std::string>() +
+           ")";
+  }
+};
+
+/// Where a tool is: at a node, or at a point of the surface.
+using Place = std::variant<std::int64_t, SurfacePoint>;
+
+phn_tool tool_at(const Place& at) {
+  if (const auto* point = std::get_if<SurfacePoint>(&at)) return point->tool;
+  const auto node = std::get<std::int64_t>(at);
+  constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
+  return {{node < 0 || node > most ? -1 : static_cast<std::int32_t>(node), -1, -1}, {1, 0, 0}, {0, 0, 0}};
+}
+
+/// Answers the questions about one place by the functions for nodes, or those for points.
+struct Asked {
+  phn_tool tool;
+  bool is_node;
+  const Place& at;
+
+  explicit Asked(const Place& place) : tool(tool_at(place)), is_node(place.index() == 0), at(place) {}
+  std::string name() const {
+    return is_node ? "node " + std::to_string(std::get<std::int64_t>(at)) : std::get<SurfacePoint>(at).text();
+  }
+};
+
+class Model {
+ public:
+  Model(std::string name, std::string text, py::object mesh, py::object training)
+      : _text(std::move(text)), _mesh(std::move(mesh)), _training(std::move(training)), _model(_text) {
+    if (_model) return;
+    const int status = _model.status();
+    std::string said = name + ": " + _model.status().message();
+    try {
+      read_model_text(_text, name);
+    } catch (const Error& error) {
+      said = error.what();
+    }
+    raise(said, status);
+  }
+  static std::unique_ptr<Model> open(const py::object& of) {
+    if (py::isinstance<py::bytes>(of))
+      return std::make_unique<Model>("the text", of.cast<std::string>(), py::none(), py::none());
+    const std::filesystem::path path = py::module_::import("os").attr("fsdecode")(of).cast<std::string>();
+    std::error_code code;
+    constexpr std::uint64_t most_bytes = std::uint64_t{1} << 40;
+    const bool is_folder = std::filesystem::is_directory(path, code);
+    const auto file = is_folder ? path / "model.txt" : path;
+    auto text =
+        read_input_file(file, {"the model", "give a model directory, or the path of its model.txt", most_bytes, true});
+    py::object mesh = py::none();
+    if (is_folder && std::filesystem::exists(path / "mesh.txt", code))
+      mesh = py::bytes(read_input_file(path / "mesh.txt", {"the mesh", "restore mesh.txt", most_bytes, true}));
+    return std::make_unique<Model>(file.string(), std::move(text), std::move(mesh), py::none());
+  }
+
+  const phn_info& info() const { return _model.info(); }
+  py::bytes text() const { return _text; }
+  py::object training() const { return _training; }
+  void save(const py::object& to) const {
+    const std::filesystem::path path = py::module_::import("os").attr("fsdecode")(to).cast<std::string>();
+    if (_mesh.is_none())
+      write_text_file(path, _text);
+    else
+      write_model_texts(path, {_text, _mesh.cast<std::string>()});
+  }
+  py::tuple pickled() const { return py::make_tuple(text(), _mesh, _training); }
+
+  /// Force, energy and stiffness, of which only those that are asked for are computed.
+  struct Response {
+    std::optional<py::array_t<double>> force, energy, stiffness;
+  };
+  Response response(const Place& at, py::handle displacements, const Level& level, bool force, bool energy,
+                    bool stiffness) {
+    const Vectors d(displacements, "d");
+    Response made;
+    double *f = nullptr, *e = nullptr, *k = nullptr;
+    if (force) f = made.force.emplace(results(d, {3})).mutable_data();
+    if (energy) e = made.energy.emplace(results(d, {})).mutable_data();
+    if (stiffness) k = made.stiffness.emplace(results(d, {3, 3})).mutable_data();
+    Asked asked(at);
+    Lease data(*this, level);
+    double unused[3];
+    for_each(d, asked, [&](py::ssize_t i, const double(&x)[3]) {
+      double *const fi = f ? f + 3 * i : unused, *const ei = e ? e + i : nullptr, *const ki = k ? k + 9 * i : nullptr;
+      if (asked.is_node) return phn_force(_model.get(), data->get(), asked.tool.nodes[0], x, fi, ei, ki);
+      std::copy(x, x + 3, asked.tool.displacement);
+      return phn_force_at(_model.get(), data->get(), &asked.tool, fi, ei, ki);
+    });
+    return made;
+  }
+
+  py::array_t<double> deform(const Place& at, py::handle displacements, const Level& level) {
+    const Vectors d(displacements, "d");
+    auto made = results(d, {info().n_output, 3});
+    const auto n = 3 * static_cast<py::ssize_t>(info().n_output);
+    Asked asked(at);
+    Lease data(*this, level);
+    for_each(d, asked, [&, out = made.mutable_data()](py::ssize_t i, const double(&x)[3]) {
+      if (asked.is_node) return phn_deform(_model.get(), data->get(), asked.tool.nodes[0], x, out + n * i);
+      std::copy(x, x + 3, asked.tool.displacement);
+      double force[3];
+      const int status = phn_couple(_model.get(), data->get(), 1, &asked.tool, force, nullptr);
+      return status < 0 ? status : phn_coupled_deform(_model.get(), data->get(), out + n * i) | status;
+    });
+    return made;
+  }
+
+  py::array_t<double> field(std::int64_t node, py::handle displacements, const std::string& name, const Level& level) {
+    std::int32_t number = 0;
+    while (number < info().n_fields && name != info().field_names[number]) ++number;
+    if (number == info().n_fields) raise("the model has no field " + printable(name), PHN_ERROR_UNDEFINED);
+    const Vectors d(displacements, "d");
+    auto made = results(d, {info().n_output});
+    const Place at(node);
+    const Asked asked(at);
+    Lease data(*this, level);
+    for_each(d, asked, [&, out = made.mutable_data()](py::ssize_t i, const double(&x)[3]) {
+      return phn_field(_model.get(), data->get(), asked.tool.nodes[0], x, number, out + info().n_output * i);
+    });
+    return made;
+  }
+
+  /// A number about each displacement, without warnings, because it tells of them.
+  template <class Value>
+  py::array_t<double> number(const Place& at, py::handle displacements, Value&& value) {
+    const Vectors d(displacements, "d");
+    auto made = results(d, {});
+    Asked asked(at);
+    for_each(d, asked, [&, out = made.mutable_data()](py::ssize_t i, const double(&x)[3]) {
+      std::copy(x, x + 3, asked.tool.displacement);
+      return std::min(value(asked, out[i]), 0);
+    });
+    return made;
+  }
+  py::array_t<double> bound(const Place& at, py::handle displacements) {
+    return number(at, displacements, [this](const Asked& asked, double& bound) {
+      const int status = asked.is_node ? phn_bound(_model.get(), asked.tool.nodes[0], asked.tool.displacement, &bound)
+                                       : phn_bound_at(_model.get(), &asked.tool, &bound);
+      if (bound >= PHN_NO_BOUND) bound = std::numeric_limits<double>::infinity();
+      return status;
+    });
+  }
+  py::array_t<double> trust(const Place& at, py::handle displacements, double phn_trusted::*what) {
+    return number(at, displacements, [&](const Asked& asked, double& value) {
+      phn_trusted trusted;
+      const int status = asked.is_node ? phn_trust(_model.get(), asked.tool.nodes[0], asked.tool.displacement, &trusted)
+                                       : phn_trust_at(_model.get(), &asked.tool, &trusted);
+      value = trusted.*what;
+      return status;
+    });
+  }
+
+  py::tuple nearest(py::handle x) const {
+    const Vectors point(x, "x");
+    if (!point.is_one()) throw py::value_error("x must have the shape (3,)");
+    double from[3];
+    point.get(0, from);
+    SurfacePoint found;
+    py::array_t<double> position(3);
+    Tally tally;
+    tally.add(0, phn_nearest(_model.get(), from, &found.tool, position.mutable_data()));
+    tally.report("x", 1);
+    return py::make_tuple(found, position);
+  }
+
+  std::vector<phn_level> levels() const {
+    std::vector<phn_level> all(static_cast<std::size_t>(info().n_levels));
+    for (std::size_t l = 0; l < all.size(); ++l) _model.level_info(static_cast<std::int32_t>(l), all[l]).ignore();
+    return all;
+  }
+  const rt::Model& runtime() const { return _model; }
+  static void set_level(rt::Tools& data, const Level& level, std::int32_t n_levels) {
+    const int status = data.set_level(level.value_or(n_levels - 1));
+    if (status < 0)
+      raise("the model has the levels 0 to " + std::to_string(n_levels - 1) + ", not " + std::to_string(*level),
+            status);
+  }
+
+ private:
+  /// Working memory of one call. It is taken and given back with the GIL held.
+  class Lease {
+   public:
+    Lease(Model& model, const Level& level) : _of(model) {
+      if (model._store.empty()) {
+        _data = std::make_unique<rt::Tools>(model._model, 1);
+        if (!*_data) raise(_data->status().message(), _data->status());
+      } else {
+        _data = std::move(model._store.back());
+        model._store.pop_back();
+      }
+      set_level(*_data, level, model.info().n_levels);
+    }
+    ~Lease() { _of._store.push_back(std::move(_data)); }
+    Lease(const Lease&) = delete;
+    rt::Tools* operator->() const { return _data.get(); }
+
+   private:
+    Model& _of;
+    std::unique_ptr<rt::Tools> _data;
+  };
+
+  /// Evaluates all rows, those of large arrays without the GIL; Ctrl-C ends them.
+  /// @param evaluate  of a row and its displacement, returns a status
+  template <class Evaluate>
+  static void for_each(const Vectors& d, const Asked& asked, Evaluate&& evaluate) {
+    Tally tally;
+    const auto some = [&](py::ssize_t begin, py::ssize_t end) {
+      double x[3];
+      for (py::ssize_t i = begin; i < end; ++i) {
+        d.get(i, x);
+        if (!tally.add(i, evaluate(i, x))) return false;
+      }
+      return true;
+    };
+    if (d.is_one()) {
+      some(0, 1);
+    } else {
+      constexpr py::ssize_t at_once = 1 << 14;
+      bool goes_on = true;
+      for (py::ssize_t i = 0; i < d.size() && goes_on; i += at_once) {
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        const py::gil_scoped_release release;
+        goes_on = some(i, std::min(d.size(), i + at_once));
+      }
+    }
+    if (tally.is_unusual()) tally.report(asked.name(), d.size());
+  }
+
+  std::string _text;
+  py::object _mesh, _training;
+  rt::Model _model;
+  std::vector<std::unique_ptr<rt::Tools>> _store;
+};
+
+/// Several tools at once, with the working memory that remembers them.
+class Coupled {
+ public:
+  Coupled(py::object owner, const std::vector<Place>& at, py::handle displacements, const Level& level)
+      : _owner(std::move(owner)), _model(_owner.cast<Model&>()) {
+    const Vectors d(displacements, "d");
+    if (d.is_one() || d.size() != static_cast<py::ssize_t>(at.size()))
+      throw py::value_error("d must have the shape (" + std::to_string(at.size()) +
+                            ", 3): a displacement for each place");
+    if (at.empty()) throw py::value_error("there is no tool");
+    std::vector<phn_tool> tools;
+    for (std::size_t i = 0; i < at.size(); ++i)
+      d.get(static_cast<py::ssize_t>(i), tools.emplace_back(tool_at(at[i])).displacement);
+    if (at.size() > PHN_MOST_COUPLED) raise(phn_status_message(PHN_ERROR_TOO_MANY_TOOLS), PHN_ERROR_TOO_MANY_TOOLS);
+    _data = rt::Tools(_model.runtime(), static_cast<std::int32_t>(at.size()));
+    if (!_data) raise(_data.status().message(), _data.status());
+    Model::set_level(_data, level, _model.info().n_levels);
+    forces = py::array_t<double>({static_cast<py::ssize_t>(at.size()), py::ssize_t{3}});
+    double* const f = forces.mutable_data();
+    Tally tally;
+    {
+      const py::gil_scoped_release release;
+      tally.add(0, _data.couple(tools, rt::Span<double>(f, 3 * tools.size()), &result));
+    }
+    tally.report(at.size() == 1 ? "one tool" : std::to_string(at.size()) + " tools", 1);
+  }
+
+  // With the GIL held, because two threads may have the same object.
+  py::array_t<double> deform() {
+    py::array_t<double> out({static_cast<py::ssize_t>(_model.info().n_output), py::ssize_t{3}});
+    Tally tally;
+    tally.add(0, phn_coupled_deform(_model.runtime().get(), _data.get(), out.mutable_data()));
+    tally.report("coupled tools", 1);
+    return out;
+  }
+  py::array_t<double> bounds() const {
+    double bounds[PHN_MOST_COUPLED];
+    Tally tally;
+    tally.add(0, std::min<int>(_data.coupled_bound(bounds), 0));
+    tally.report("bounds of coupled tools", 1);
+    for (double& bound : bounds)
+      if (bound >= PHN_NO_BOUND) bound = std::numeric_limits<double>::infinity();
+    return py::array_t<double>(forces.shape(0), bounds);
+  }
+
+  py::array_t<double> forces;
+  phn_coupled result{};
+
+ private:
+  py::object _owner;
+  Model& _model;
+  rt::Tools _data;
+};
+
+/// A number of one vector, or the array of those of several.
+py::object scalar_or_array(py::array_t<double> array) {
+  if (array.ndim() == 0) return py::float_(*array.data());
+  return array;
+}
+template <class T>
+py::object or_none(std::optional<T> value) {
+  return value ? scalar_or_array(std::move(*value)) : py::none();
+}
+
+}  // namespace
+
+py::object model_of(const std::string& text, const std::string& name, py::object mesh, py::object training) {
+  return py::cast(std::make_unique<Model>(name, text, std::move(mesh), std::move(training)));
+}
+
+void add_model(py::module_& module) {
+  using py::arg, py::kw_only;
+  const auto level = arg("level") = py::none();
+
+  py::class_<SurfacePoint>(module, "SurfacePoint")
+      .def(py::init<const std::vector<std::int32_t>&, const std::vector<double>&>(), arg("nodes"), arg("weights"))
+      .def_property_readonly("nodes", &SurfacePoint::nodes)
+      .def_property_readonly("weights", &SurfacePoint::weights)
+      .def("__repr__", &SurfacePoint::text);
+
+  py::class_<phn_level>(module, "Level")
+      .def_readonly("force_centers", &phn_level::force_centers)
+      .def_readonly("deformation_centers", &phn_level::deformation_centers)
+      .def_readonly("modes", &phn_level::modes)
+      .def_readonly("error_force", &phn_level::error_force)
+      .def_readonly("error_displacement", &phn_level::error_displacement);
+
+  py::class_<Coupled>(module, "Coupled")
+      .def_readonly("forces", &Coupled::forces)
+      .def_property_readonly("energy", [](const Coupled& c) { return c.result.energy; })
+      .def_property_readonly("residual", [](const Coupled& c) { return c.result.residual; })
+      .def("deform", &Coupled::deform)
+      .def("bounds", &Coupled::bounds);
+
+  py::class_<Model> model(module, "Model");
+  model.def(py::init(&Model::open), arg("path"))
+      .def(
+          "force",
+          [](Model& m, const Place& at, py::handle d, const Level& l) {
+            return *m.response(at, d, l, true, false, false).force;
+          },
+          arg("at"), arg("d"), kw_only(), level)
+      .def(
+          "energy",
+          [](Model& m, const Place& at, py::handle d, const Level& l) {
+            return scalar_or_array(*m.response(at, d, l, false, true, false).energy);
+          },
+          arg("at"), arg("d"), kw_only(), level)
+      .def(
+          "stiffness",
+          [](Model& m, const Place& at, py::handle d, const Level& l) {
+            return *m.response(at, d, l, false, false, true).stiffness;
+          },
+          arg("at"), arg("d"), kw_only(), level)
+      .def(
+          "response",
+          [](Model& m, const Place& at, py::handle d, const Level& l) {
+            auto made = m.response(at, d, l, true, true, true);
+            return py::make_tuple(*made.force, scalar_or_array(*made.energy), *made.stiffness);
+          },
+          arg("at"), arg("d"), kw_only(), level)
+      .def("deform", &Model::deform, arg("at"), arg("d"), kw_only(), level)
+      .def("field", &Model::field, arg("node"), arg("d"), arg("name"), kw_only(), level)
+      .def(
+          "bound", [](Model& m, const Place& at, py::handle d) { return scalar_or_array(m.bound(at, d)); }, arg("at"),
+          arg("d"))
+      .def("nearest", &Model::nearest, arg("x"))
+      .def(
+          "couple",
+          [](py::object self, const std::vector<Place>& at, py::handle d, const Level& l) {
+            return std::make_unique<Coupled>(std::move(self), at, d, l);
+          },
+          arg("at"), arg("d"), kw_only(), level)
+      .def("save", &Model::save, arg("path"))
+      .def_property_readonly("text", &Model::text)
+      .def_property_readonly("training", &Model::training)
+      .def_property_readonly("levels", &Model::levels)
+      .def(py::pickle([](const Model& m) { return m.pickled(); },
+                      [](const py::tuple& t) {
+                        return std::make_unique<Model>("the text", t[0].cast<std::string>(), t[1], t[2]);
+                      }));
+  for (const auto& [name, what] :
+       {std::pair{"trained_depth", &phn_trusted::trained_depth}, std::pair{"trained_distance", &phn_trusted::relative}})
+    model.def(
+        name, [what = what](Model& m, const Place& at, py::handle d) { return scalar_or_array(m.trust(at, d, what)); },
+        arg("at"), arg("d"));
+
+  const auto property = [&](const char* name, auto phn_info::*member) {
+    model.def_property_readonly(name, [member](const Model& m) { return m.info().*member; });
+  };
+  property("family", &phn_info::family);
+  property("title", &phn_info::title);
+  property("mesh_hash", &phn_info::mesh_hash);
+  property("max_displacement_m", &phn_info::max_displacement_m);
+  property("n_nodes", &phn_info::n_nodes);
+  model.def_property_readonly("has_energy", [](const Model& m) { return m.info().has_energy != 0; });
+  model.def_property_readonly("fields", [](const Model& m) {
+    py::dict fields;
+    for (int f = 0; f < m.info().n_fields; ++f) fields[m.info().field_names[f]] = m.info().field_units[f];
+    return fields;
+  });
+  const auto array = [&](const char* name, auto phn_info::*member, std::int32_t phn_info::*n, py::ssize_t columns) {
+    model.def_property_readonly(name, [member, n, columns](py::object self) {
+      const phn_info& info = self.cast<const Model&>().info();
+      return columns == 1 ? view(self, info.*member, {info.*n}) : view(self, info.*member, {info.*n, columns});
+    });
+  };
+  array("active_nodes", &phn_info::active_nodes, &phn_info::n_active, 1);
+  array("output_nodes", &phn_info::output_nodes, &phn_info::n_output, 1);
+  array("fixed_nodes", &phn_info::fixed_nodes, &phn_info::n_fixed, 1);
+  array("output_points", &phn_info::output_points, &phn_info::n_output, 3);
+  array("fixed_points", &phn_info::fixed_points, &phn_info::n_fixed, 3);
+  array("triangles", &phn_info::triangles, &phn_info::n_triangles, 3);
+}
+
+}  // namespace phynness::python
