@@ -187,21 +187,32 @@ py::object train_database(const OpenDatabase& opened, const py::object& progress
 
 void add_database(py::module_& module) {
   using py::arg;
-  py::class_<Scene>(module, "Scene")
+  py::class_<Scene>(module, "Scene", R"(A scene file (formats/scene.md).
+
+Error with line, value and remedy if it is refused.
+
+>>> scene = phynness.Scene("scenes/demo.toml")
+>>> scene.settings["solver.element"], scene.settings["training.family"]
+('p1-p1', 'modal')
+)")
       .def(py::init([](const py::object& path) { return read_scene(path_of(path)); }), arg("path"))
       .def_static(
           "from_text",
           [](const std::string& text) { return parse_scene(text, "the text", std::filesystem::current_path()); },
-          arg("text"))
+          arg("text"), "The scene of a text, whose relative paths start at the working directory.")
       .def_readonly("title", &Scene::title)
       .def_readonly("text", &Scene::text)
-      .def_property_readonly("physics_hash", &physics_hash)
-      .def_property_readonly("settings",
-                             [](const Scene& s) { return settings(physics_summary(s) + other_settings(s)); })
-      .def_property_readonly("warnings", [](const Scene& s) { return scene_warnings(s); })
-      .def_property_readonly("notes", &scene_notes);
+      .def_property_readonly("physics_hash", &physics_hash, "Of all keys that affect a solve, 16 hexadecimal digits.")
+      .def_property_readonly(
+          "settings", [](const Scene& s) { return settings(physics_summary(s) + other_settings(s)); },
+          "Every key \"section.name\" with its value as text, defaults included.")
+      .def_property_readonly(
+          "warnings", [](const Scene& s) { return scene_warnings(s); }, "Sentences about values that give bad results.")
+      .def_property_readonly("notes", &scene_notes, "Sentences about the meaning of defaults.");
 
-  py::class_<Column>(module, "Column")
+  py::class_<Column>(module, "Column",
+                     "A column of a Database, of which numpy reads only the active nodes that are indexed.\n\n"
+                     "Axes: active nodes, directions, and those of a ray: increments, output nodes, components.")
       .def_property_readonly("name", [](const Column& c) { return c.array.name; })
       .def_property_readonly("unit", [](const Column& c) { return c.array.unit; })
       .def_property_readonly("description", [](const Column& c) { return c.array.description; })
@@ -217,9 +228,16 @@ void add_database(py::module_& module) {
           },
           arg("dtype") = py::none());
 
-  py::class_<OpenDatabase> database(module, "Database");
+  py::class_<OpenDatabase> database(module, "Database",
+                                    R"(A finished database of phynness precompute (formats/database.md).
+
+A mapping from names of columns, such as "force" and "displacement", to Column; a context manager that closes the file.
+Its other arrays are copies. Entries of increments that did not converge are 0: see column "status", 0 where it did.
+
+Error if the file is missing, damaged or unfinished, or if it is closed.
+)");
   database.def(py::init<const py::object&>(), arg("path"))
-      .def("close", &OpenDatabase::close)
+      .def("close", &OpenDatabase::close, "Closes the file. Arrays stay valid.")
       .def("__enter__", [](py::object self) { return self; })
       .def("__exit__", [](OpenDatabase& d, const py::args&) { d.close(); })
       .def("__getitem__", &column_of, arg("name"))
@@ -235,34 +253,56 @@ void add_database(py::module_& module) {
              return names;
            })
       .def_property_readonly("path", [](const OpenDatabase& d) { return d.path().string(); })
-      .def_property_readonly("scene", [](const OpenDatabase& d) { return stored_scene(d.header()); })
+      .def_property_readonly(
+          "scene", [](const OpenDatabase& d) { return stored_scene(d.header()); }, "The Scene that was solved.")
       .def_property_readonly(
           "displacements",
           [](const OpenDatabase& d) {
             const auto& h = d.header();
             auto all = copy_of_matrix(training_tables(h).displacements);
             return all.reshape({std::ssize(h.directions), std::ssize(h.magnitudes_m), std::ptrdiff_t{3}});
-          })
-      .def_property_readonly("directions", [](const OpenDatabase& d) {
-        return copy(d.header().directions.data()->data(), std::ssize(d.header().directions), 3);
-      });
-  const auto property = [&](const char* name, auto&& get) {
-    database.def_property_readonly(name, [get](const OpenDatabase& d) { return get(d.header()); });
+          },
+          "Imposed displacements, (directions, increments, 3) [m].")
+      .def_property_readonly(
+          "directions",
+          [](const OpenDatabase& d) {
+            return copy(d.header().directions.data()->data(), std::ssize(d.header().directions), 3);
+          },
+          "Exploratory directions, unit vectors, (n, 3).");
+  const auto property = [&](const char* name, auto&& get, const char* doc) {
+    database.def_property_readonly(
+        name, [get](const OpenDatabase& d) { return get(d.header()); }, doc);
   };
   using Header = const DatabaseHeader&;
-  property("mesh_hash", [](Header h) { return h.mesh_hash; });
-  property("physics_hash", [](Header h) { return h.physics_hash; });
-  property("software_version", [](Header h) { return h.software_version; });
-  property("nodes", [](Header h) { return copy_of_matrix(h.mesh.nodes); });
-  property("cells", [](Header h) { return copy_of_matrix(h.mesh.cells); });
-  property("triangles", [](Header h) { return copy_of_matrix(h.mesh.surface); });
-  property("active_nodes", [](Header h) { return copy(h.sets.active); });
-  property("output_nodes", [](Header h) { return copy(h.sets.output); });
-  property("fixed_nodes", [](Header h) { return copy(h.sets.fixed); });
-  property("magnitudes_m", [](Header h) { return copy(h.magnitudes_m); });
+  property(
+      "mesh_hash", [](Header h) { return h.mesh_hash; }, "16 hexadecimal digits.");
+  property(
+      "physics_hash", [](Header h) { return h.physics_hash; }, "Of the scene.");
+  property(
+      "software_version", [](Header h) { return h.software_version; }, "That solved it.");
+  property(
+      "nodes", [](Header h) { return copy_of_matrix(h.mesh.nodes); }, "(n_nodes, 3) [m], undeformed.");
+  property(
+      "cells", [](Header h) { return copy_of_matrix(h.mesh.cells); }, "(n, 4), of shells (n, 3).");
+  property(
+      "triangles", [](Header h) { return copy_of_matrix(h.mesh.surface); }, "Of the surface, (n, 3), normals outward.");
+  property(
+      "active_nodes", [](Header h) { return copy(h.sets.active); }, "Nodes that are probed, ascending.");
+  property(
+      "output_nodes", [](Header h) { return copy(h.sets.output); }, "Nodes whose displacement is stored.");
+  property(
+      "fixed_nodes", [](Header h) { return copy(h.sets.fixed); }, "Nodes that do not move.");
+  property(
+      "magnitudes_m", [](Header h) { return copy(h.magnitudes_m); }, "Of the increments, ascending [m].");
 
-  module.def("train", &train_database, arg("database"), py::kw_only(), arg("progress") = py::none(),
-             arg("threads") = 0);
+  module.def("train", &train_database, arg("database"), py::kw_only(), arg("progress") = py::none(), arg("threads") = 0,
+             R"(Trains a Model on a Database; its figures are in Model.training.
+
+progress: called with the numbers of trained and of all nodes. threads: 0: one for each core; the result does not depend on it.
+Other arguments are keys of [training] (formats/scene.md), which replace those of the database's scene, as family="modal".
+
+Error for impossible values, as in a scene. Ctrl-C ends the training.
+)");
 }
 
 }  // namespace phynness::python
