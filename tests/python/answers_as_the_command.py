@@ -38,7 +38,10 @@ d = 0.01 * directions / np.linalg.norm(directions, axis=1)[:, None] * numbers.ra
 
 
 def run(*command, **options):
-    return subprocess.run([str(word) for word in command], check=True, capture_output=True, text=True, **options).stdout
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, **options)
+    if done.returncode != 0:
+        raise AssertionError(f"{command} failed\n{done.stdout}{done.stderr}")
+    return done.stdout
 
 
 class Models(unittest.TestCase):
@@ -323,6 +326,11 @@ class Package(unittest.TestCase):
                 runner.run(parser.get_doctest(text or "", {"phynness": phynness, "np": np}, name, None, 0))
         self.assertEqual(runner.failures, 0)
         self.assertGreaterEqual(runner.tries, 12)
+
+    @unittest.skipUnless(shutil.which("mypy"), "mypy is not installed")
+    def test_types_of_the_tutorial(self):
+        run("mypy", "--python-executable", sys.executable, "--strict", "--cache-dir", work / "mypy", "press.py",
+            cwd=SOURCES / "examples/python", env={**os.environ, "MYPYPATH": str(BUILD / "python")})
 
     def test_the_wheel_is_installed_without_an_index(self):
         wheel = run(SOURCES / "tools/build-wheel", "--build", BUILD, "-o", work / "wheel").strip()
