@@ -172,3 +172,6 @@ class Database:
 def train(
     database: Database, *, progress: Optional[Callable[[int, int], None]] = None, threads: int = 0, **keys: Union[str, float]
 ) -> Model: ...
+def train_forces(
+    displacements: ArrayLike, forces: ArrayLike, energies: Optional[ArrayLike] = None, *, centers: int = 80, title: str = ""
+) -> Model: ...

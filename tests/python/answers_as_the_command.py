@@ -48,6 +48,7 @@ class Models(unittest.TestCase):
     def same(self, a, b):
         self.assertEqual(np.asarray(a).tobytes(), np.asarray(b).tobytes())
 
+    @unittest.skipUnless(COMMAND.exists(), "the command is not built")
     def test_the_command_prints_the_same(self):
         out = work / "eval.json"
         run(COMMAND, "eval", MODEL, "--node", NODE, "--displacement", "0.002,0.001,-0.01", "--json", out)
@@ -267,6 +268,7 @@ class Databases(unittest.TestCase):
             self.assertRaisesRegex(phynness.Error, "is closed", use)
         self.assertRaisesRegex(phynness.Error, ":2: unknown key.*\n.*did you mean shape", phynness.Scene.from_text, "[mesh]\nshap = 1\n")
 
+    @unittest.skipUnless(COMMAND.exists(), "the command is not built")
     def test_training_is_that_of_the_command(self):
         database = phynness.Database(self.file)
         scene = work / "small.toml"
@@ -301,6 +303,70 @@ class Databases(unittest.TestCase):
         signal.signal(signal.SIGALRM, before)
 
 
+class OwnForces(unittest.TestCase):
+    """Forces of a stiffening spring: energy 10 |d|^2 (1 + 2000 |d|^2) + 50 d_z^2 d_x, whose gradient they are."""
+
+    x = 0.01 * numbers.normal(size=(150, 3))
+    x /= np.maximum(1, np.linalg.norm(x, axis=1) / 0.012)[:, None]
+    square = (x**2).sum(axis=1)
+    e = 10 * square * (1 + 2000 * square) + 50 * x[:, 2] ** 2 * x[:, 0]
+    f = (20 + 80_000 * square)[:, None] * x + np.stack([50 * x[:, 2] ** 2, 0 * e, 100 * x[:, 0] * x[:, 2]], axis=1)
+
+    def test_an_estimator_of_own_data(self):
+        fitted = phynness.ConservativeForce(centers=40, title="a spring").fit(self.x[:120], self.f[:120], self.e[:120])
+        largest = np.linalg.norm(self.f, axis=1).max()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # fresh displacements may be longer than those of their direction
+            error = np.linalg.norm(fitted.predict(self.x[120:]) - self.f[120:], axis=1)
+        # 40 centers for 120 states; linear responses have a mean error of 3 % and more.
+        self.assertLess(error.mean() / largest, 0.01)
+        linear = np.linalg.lstsq(self.x[:120], self.f[:120], rcond=None)[0]
+        self.assertGreater(np.linalg.norm(self.x[120:] @ linear - self.f[120:], axis=1).mean() / largest, 0.03)
+        self.assertLess(fitted.model_.training["energy_error"], 0.01)
+        self.assertEqual(fitted.get_params(), {"centers": 40, "title": "a spring"})
+        fitted.save(work / "spring.txt")
+        again = phynness.Model(work / "spring.txt")
+        self.assertEqual(again.title, "a spring")
+        self.assertEqual(again.force(0, self.x[:9]).tobytes(), fitted.predict(self.x[:9]).tobytes())
+        with self.assertWarns(phynness.OutsideWarning):
+            fitted.predict([[0.02, 0, 0]])
+
+    def test_many_measurements_with_noise(self):
+        x = np.tile(self.x, (70, 1)) * numbers.uniform(0.5, 1, (10_500, 1))
+        square = (x**2).sum(axis=1)[:, None]
+        f = (20 + 80_000 * square) * x
+        model = phynness.train_forces(x, f + 0.01 * np.abs(f).max() * numbers.normal(size=f.shape), centers=20)
+        self.assertLessEqual(model.training["displacements_fitted"], 626)  # 600, and one of each direction at most
+        # The noise of 1 % in each component has a mean size of 1.6 %, and 20 centers average it.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            self.assertLess(np.linalg.norm(model.force(0, x) - f, axis=1).mean() / np.abs(f).max(), 0.016)
+
+    def test_wrong_data_are_told_in_words(self):
+        train, x, f, e = phynness.train_forces, self.x, self.f, self.e
+        for words, arguments in (("hold the displacements", (x, -f)), ("not finite", (x, f * [[1, np.nan, 1]])),
+                                 ("same number", (x, f[1:])), ("too few", (x[:5], f[:5])), ("too few", (0 * x, 0 * f)),
+                                 ("at rest", (np.vstack([x, 0 * x[:1]]), np.vstack([f, f[:1]]))),
+                                 ("energies are not", (x, f, -e)), ("energies are not", (x, f, 1e3 * e)),
+                                 ("energies are not", (x, f, np.nan * e)), ("energies must", (x, f, e[1:])),
+                                 ("shape", (x[:, :2], f))):
+            self.assertRaisesRegex(ValueError, words, train, *arguments)
+        self.assertRaises(ValueError, train, x, f, centers=0)
+
+    def test_conventions_of_scikit_learn(self):
+        try:
+            from sklearn.base import clone
+            from sklearn.model_selection import cross_val_score
+        except ImportError:
+            self.skipTest("scikit-learn is not installed")
+        estimator = clone(phynness.ConservativeForce(centers=12))
+        self.assertEqual(estimator.centers, 12)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            scores = cross_val_score(estimator, self.x[:60], self.f[:60], cv=3)
+        self.assertGreater(scores.min(), 0.9)
+
+
 class Package(unittest.TestCase):
     def test_stubs_have_what_the_module_has(self):
         stubs = ast.parse((SOURCES / "python/phynness/_phynness.pyi").read_text())
@@ -310,7 +376,7 @@ class Package(unittest.TestCase):
                 public[node.name] = {member.name for member in node.body if isinstance(member, ast.FunctionDef)}
             elif isinstance(node, ast.FunctionDef):
                 public[node.name] = None
-        self.assertEqual(set(public), set(phynness.__all__) - {"__version__"})
+        self.assertEqual(set(public), set(phynness.__all__) - {"__version__", "ConservativeForce"})
         for name, members in public.items():
             if members and not issubclass(getattr(phynness, name), BaseException):
                 found = {m for m in vars(getattr(phynness, name)) if not m.startswith("_")}
