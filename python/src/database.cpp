@@ -362,10 +362,8 @@ them are fitted, spread over directions and depths: Model.training tells how man
 
 >>> d = np.random.default_rng(1).normal(size=(60, 3)) * 0.003
 >>> model = phynness.train_forces(d, 30 * d)
->>> model.stiffness(0, [0, 0, 0]).round(3)
-array([[30.,  0.,  0.],
-       [ 0., 30.,  0.],
-       [ 0.,  0., 30.]])
+>>> bool(np.allclose(model.stiffness(0, [0, 0, 0]), 30 * np.eye(3), atol=1e-3))
+True
 )");
 }
 

@@ -410,6 +410,6 @@ class Package(unittest.TestCase):
 
 
 try:
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=sys.argv[:1] + sys.argv[6:])
 finally:
     shutil.rmtree(work)
