@@ -58,6 +58,14 @@ Scene parse_scene(const std::string& text, const std::string& source_name, const
   return scene;
 }
 
+TrainingSpec changed_training(Scene scene, const std::string& keys, const std::string& source_name) {
+  const toml::table section = sd::parse_toml(keys, source_name);
+  const sd::SceneTable training(section, "training", source_name);
+  training.read_into(scene);
+  sd::check_training(training, scene);
+  return scene.training;
+}
+
 std::vector<std::string> scene_warnings(const Scene& scene, double mean_edge_m) {
   std::vector<std::string> warnings;
   const Material& m = scene.material;

@@ -159,6 +159,11 @@ enum class MeshFile { must_exist, may_be_absent };
 Scene parse_scene(const std::string& text, const std::string& source_name, const std::filesystem::path& folder,
                   MeshFile mesh_file = MeshFile::must_exist, Element solid_element = SolverSpec{}.element);
 
+/// [training] of a scene with other values of some keys, which are checked as in a scene.
+/// @param keys  TOML of the section, without its name
+/// @throws Error (input), as parse_scene()
+TrainingSpec changed_training(Scene scene, const std::string& keys, const std::string& source_name);
+
 /// Warnings about allowed values that usually give bad results, one sentence each, with file and line.
 /// @param mean_edge_m  of the scene's mesh; 0: unknown
 std::vector<std::string> scene_warnings(const Scene& scene, double mean_edge_m = 0);

@@ -56,6 +56,9 @@ struct ResponseSource {
   bool spreads = false;  ///< the scene spreads the active nodes, between which round tools are answered
 };
 
+/// The responses of a database, whose scene gives the kind of probe and the title. @pre the database outlives them
+ResponseSource responses_of(const Database& database);
+
 /// Trains every active node with at least one converged increment. Family rbfn: a force and a deformation network; a
 /// spread <= 0 is searched (spread_search.hpp), with one value for all nodes, and `largest_neuron_share` limits the
 /// number of neurons. Family linear: stiffness and unit responses (linear_fit.hpp); only the family of `spec` is used.

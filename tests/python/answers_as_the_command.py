@@ -1,0 +1,415 @@
+#!/usr/bin/env python3
+"""Claim: the Python package gives what the command gives, in every layout and any thread, and answers bad input in words.
+
+Usage: answers_as_the_command.py SOURCES BUILD PHYNNESS WRITE_DATABASE WRITE_MODELS
+
+Results are compared bit for bit; the JSON of the command has all digits.
+"""
+import ast
+import doctest
+import inspect
+import json
+import os
+import pickle
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+import warnings
+from pathlib import Path
+
+SOURCES, BUILD, COMMAND, WRITE_DATABASE, WRITE_MODELS = map(Path, sys.argv[1:6])
+sys.path.insert(0, str(BUILD / "python"))
+
+import numpy as np  # noqa: E402
+import phynness  # noqa: E402
+
+MODEL = SOURCES / "examples/model"
+NODE = 95
+work = Path(tempfile.mkdtemp(prefix="phynness-python-"))
+model = phynness.Model(MODEL)
+numbers = np.random.default_rng(1)
+directions = numbers.normal(size=(500, 3))
+d = 0.01 * directions / np.linalg.norm(directions, axis=1)[:, None] * numbers.random((500, 1))
+
+
+def run(*command, **options):
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, **options)
+    if done.returncode != 0:
+        raise AssertionError(f"{command} failed\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+class Models(unittest.TestCase):
+    def same(self, a, b):
+        self.assertEqual(np.asarray(a).tobytes(), np.asarray(b).tobytes())
+
+    @unittest.skipUnless(COMMAND.exists(), "the command is not built")
+    def test_the_command_prints_the_same(self):
+        out = work / "eval.json"
+        run(COMMAND, "eval", MODEL, "--node", NODE, "--displacement", "0.002,0.001,-0.01", "--json", out)
+        said, x = json.loads(out.read_text()), [0.002, 0.001, -0.01]
+        self.same(said["tools"][0]["force"], model.force(NODE, x))
+        for name, now in (("energy", model.energy), ("bound_N", model.bound), ("trained_distance", model.trained_distance)):
+            self.assertEqual(said[name], now(NODE, x))
+
+    def test_every_layout_has_the_bits_of_single_calls(self):
+        one = np.array([model.force(NODE, x) for x in d])
+        whole = np.zeros((500, 7))
+        whole[:, 1:7:2] = d
+        packed = np.frombuffer(b"x" + d.tobytes(), np.uint8)[1:].view(np.float64).reshape(-1, 3)  # not aligned
+        for layout in (d, np.asfortranarray(d), whole[:, 1:7:2], d[::-1][::-1], packed, d.astype(">f8"), d.tolist()):
+            self.same(model.force(NODE, layout), one)
+        self.same(model.force(NODE, d[::-3]), one[::-3])
+        self.same(model.force(NODE, d.astype(np.float32)), model.force(NODE, d.astype(np.float32).astype(float)))
+        self.same(model.force(np.int64(NODE), [[0, 0, 0]]), np.zeros((1, 3)))
+        self.assertEqual(model.force(NODE, np.zeros((0, 3))).shape, (0, 3))
+
+    def test_what_is_asked_for_together_is_as_alone(self):
+        force, energy, stiffness = model.response(NODE, d)
+        self.same(force, model.force(NODE, d))
+        self.same(energy, model.energy(NODE, d))
+        self.same(stiffness, model.stiffness(NODE, d))
+        self.same(stiffness[7], model.stiffness(NODE, d[7]))
+        self.assertIsInstance(model.energy(NODE, d[0]), float)
+        # A difference of 1e-6 m has an error of 1e-12 times the third derivative, below 1e-5 N here.
+        for k in range(3):
+            step = 1e-6 * np.eye(3)[k]
+            slope = (model.energy(NODE, d[:50] + step) - model.energy(NODE, d[:50] - step)) / 2e-6
+            self.assertLess(np.abs(slope - force[:50, k]).max(), 1e-5)
+        self.same(model.deform(NODE, d[:3])[2], model.deform(NODE, d[2]))
+        point = phynness.SurfacePoint([NODE], [1.0])
+        self.same(model.force(point, d), model.force(NODE, d))
+        self.same(model.deform(point, d[0]), model.couple([NODE], d[:1]).deform())
+        point, position = model.nearest(model.output_points[9])
+        self.assertLess(np.abs(position - model.output_points[9]).max(), 1e-15)  # rounding, of points of 0.1 m
+        self.assertEqual(point.nodes[int(np.argmax(point.weights))], model.output_nodes[9])
+
+    def test_levels_and_bounds(self):
+        self.assertEqual(len(model.levels), 1)
+        self.same(model.force(NODE, d, level=0), model.force(NODE, d))
+        bound = model.bound(NODE, [[0, 0, -0.01], [0, 0, -1]])
+        self.assertTrue(0 < bound[0] < 0.1 and np.isinf(bound[1]))
+        self.assertTrue(0 < model.trained_depth(NODE, [0, 0, -1]) <= model.max_displacement_m)
+        self.assertGreater(model.trained_distance(NODE, [0, 0, -1]), 1)
+
+    def test_several_tools(self):
+        point, _ = model.nearest([0, 0, 0.1])
+        pair = model.couple([NODE, point], [[0, 0, -0.01], [0, 0, 0.002]])
+        self.assertEqual((pair.forces.shape, pair.deform().shape), ((2, 3), (len(model.output_nodes), 3)))
+        self.assertLess(pair.residual, 1e-12)  # rounding, of displacements of 0.01 m
+        self.same(model.couple([NODE], d[:1]).forces[0], model.force(NODE, d[0]))
+
+    def test_statuses_are_warnings_and_errors(self):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            model.force(NODE, [[0, 0, -1], [0, 0, 0], [0, 0, 1]])
+        self.assertEqual([(w.category, w.message.count, w.message.status) for w in caught], [(phynness.OutsideWarning, 2, 1)])
+        self.assertEqual(caught[0].filename, __file__)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            self.assertRaises(phynness.OutsideWarning, model.force, NODE, [0, 0, -1])
+        for status, node, x in ((-2, -1, [0, 0, 0]), (-2, 2**40, [0, 0, 0]), (-3, NODE, [[0, 0, 0], [0, np.nan, 0]])):
+            with self.assertRaises(phynness.Error) as caught_error:
+                model.force(node, x)
+            self.assertEqual(caught_error.exception.status, status)
+        self.assertIn("row 1", str(caught_error.exception))
+
+    def test_bad_arguments_are_told_in_words(self):
+        for wrong in ([1, 2], np.zeros((3, 2)), np.zeros((1, 1, 3)), 0.0, []):
+            self.assertRaisesRegex(ValueError, "shape", model.force, NODE, wrong)
+        for wrong in ("abc", [1j, 0, 0], [None] * 3, np.zeros(3, "M8[s]"), [[1, 2, 3], [1]], object()):
+            self.assertRaises((TypeError, ValueError), model.force, NODE, wrong)
+        for node in (1.5, "95", None, [95]):
+            self.assertRaises(TypeError, model.force, node, [0, 0, 0])
+        self.assertRaisesRegex(phynness.Error, "levels 0 to 0", model.force, NODE, [0, 0, 0], level=5)
+        self.assertRaisesRegex(phynness.Error, "no field", model.field, NODE, [0, 0, 0], "x")
+        self.assertRaises(ValueError, model.couple, [], np.zeros((0, 3)))
+        self.assertRaises(ValueError, model.couple, [NODE], [0, 0, 0])
+        self.assertRaises(phynness.Error, model.couple, [NODE] * 9, np.zeros((9, 3)))
+        self.assertRaises(phynness.Error, model.couple, [NODE, NODE], np.zeros((2, 3)))
+        self.assertRaises(ValueError, phynness.SurfacePoint, [1, 2], [1.0])
+        with self.assertRaises(ValueError):
+            model.triangles[0, 0] = 1
+
+    def test_texts_and_files(self):
+        text = (MODEL / "model.txt").read_bytes()
+        copy = work / "copied"
+        shutil.copytree(MODEL, copy)
+        copied = phynness.Model(copy)
+        shutil.rmtree(copy)
+        for other in (copied, phynness.Model(text), phynness.Model(str(MODEL / "model.txt")), pickle.loads(pickle.dumps(model))):
+            self.same(other.force(NODE, d), model.force(NODE, d))
+        copied.save(work / "saved")
+        for name in ("model.txt", "mesh.txt"):
+            self.assertEqual((work / "saved" / name).read_bytes(), (MODEL / name).read_bytes())
+        self.assertRaisesRegex(phynness.Error, "does not exist", phynness.Model, copy)
+        with self.assertRaisesRegex(phynness.Error, "checksum") as caught:
+            phynness.Model(text.replace(b"title Demo", b"title demo"))
+        self.assertEqual(caught.exception.status, -13)
+        points = copied.output_points
+        kept = points.copy()
+        del copied, other
+        self.same(points, kept)  # a view keeps its model
+
+    def test_other_families(self):
+        run(WRITE_MODELS, work / "families")
+        network = phynness.Model(work / "families/rbfn")
+        node = network.active_nodes[0]
+        self.assertRaises(phynness.Error, network.energy, node, [0, 0, 0])
+        linear = phynness.Model(work / "families/linear")
+        x = [0.001, -0.002, 0.003]
+        force, energy, stiffness = linear.response(node, x)
+        self.assertLess(abs(force @ x / 2 - energy), 1e-12 * energy)  # rounding
+        self.assertRaises(phynness.Error, linear.bound, node, x)
+
+    def test_threads_and_forks(self):
+        nodes = [int(n) for n in model.active_nodes[:8]]
+        alone = [model.response(n, d[:200]) + (model.deform(n, d[:20]),) for n in nodes]
+        failures = []
+
+        def ask(k):
+            for _ in range(5):
+                now = model.response(nodes[k], d[:200]) + (model.deform(nodes[k], d[:20]),)
+                if any(a.tobytes() != b.tobytes() for a, b in zip(now, alone[k])):
+                    failures.append(k)
+
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            threads = [threading.Thread(target=ask, args=[k]) for k in range(8)]
+            for thread in threads:
+                thread.start()
+            child = os.fork()
+            if child == 0:
+                os._exit(0 if (model.force(nodes[0], d[:200]) == alone[0][0]).all() else 1)
+            for thread in threads:
+                thread.join()
+        self.assertEqual(os.waitpid(child, 0)[1], 0)
+        self.assertEqual(failures, [])
+
+    def test_random_calls(self):
+        """100,000 calls with any arguments end with a result or an exception in words."""
+        dice = random.Random(1)
+        point = model.nearest([0, 0, 0])[0]
+        places = [NODE, int(model.active_nodes[0]), 0, -1, 2**31, 2**70, 1.5, None, point, phynness.SurfacePoint([95, 96], [2, -1]),
+                  phynness.SurfacePoint([7], [float("nan")]), "x"]
+        vectors = [[0, 0, 0], d[0], d[:7], d[:4, :2], d.T[:, :3], np.nan * d[0], np.inf * d[:2], 1e308 * d[:3], [], "x", None,
+                   np.zeros((0, 3)), np.zeros((3, 3), "c16"), d[:8].astype("f4")[::-2], np.zeros(3, object), d[0] * 0 - 1e-320]
+        levels = [None, None, None, 0, -1, 7, 2**40, "x"]
+        functions = [model.force, model.energy, model.stiffness, model.response, model.deform, model.bound, model.trained_depth,
+                     model.trained_distance, model.field, model.nearest, model.couple, phynness.SurfacePoint]
+        refused = 0
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            for _ in range(100_000):
+                function = dice.choice(functions)
+                arguments = [dice.choice(places), dice.choice(vectors)]
+                if function == model.field:
+                    arguments.append(dice.choice(["x", ""]))
+                elif function == model.nearest:
+                    arguments = [dice.choice(vectors)]
+                elif function == model.couple:
+                    arguments[0] = dice.choices(places, k=dice.randrange(4))
+                keys = {"level": dice.choice(levels)} if dice.random() < 0.2 else {}
+                try:
+                    result = function(*arguments, **keys)
+                    if isinstance(result, np.ndarray) and function != model.bound:
+                        assert np.isfinite(result).all()
+                except (TypeError, ValueError) as error:
+                    refused += 1
+                    assert str(error)
+        self.assertTrue(20_000 < refused < 95_000, refused)
+
+
+class Databases(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.file = work / "database.h5"
+        run(WRITE_DATABASE, cls.file)
+
+    def test_columns_are_those_of_the_file(self):
+        database = phynness.Database(self.file)
+        try:
+            import h5py
+        except ImportError:
+            h5py = None
+        self.assertEqual(database["force"].shape, (3, 7, 3, 3))
+        with h5py.File(self.file) if h5py else database as file:
+            for name in database.keys():
+                column, all_of_it = database[name], np.asarray(database[name])
+                self.assertEqual((column.shape, column.dtype), (all_of_it.shape, all_of_it.dtype))
+                if h5py:
+                    self.assertEqual(all_of_it.tobytes(), file["responses"][name][()].tobytes())
+                self.assertEqual(column[1:].tobytes(), all_of_it[1:].tobytes())
+                self.assertEqual(column[-1, ..., 0].tobytes(), all_of_it[-1, ..., 0].tobytes())
+                self.assertEqual(column[::-1].tobytes(), all_of_it[::-1].tobytes())
+        self.assertEqual(database["energy"].unit, "J")
+        self.assertEqual(database.displacements.shape, (7, 3, 3))
+        self.assertEqual((database.nodes.shape, database.cells.shape, list(database.active_nodes)), ((6, 3), (2, 4), [1, 2, 4]))
+        self.assertTrue(np.allclose(np.linalg.norm(database.directions, axis=1), 1))
+        self.assertEqual(database.scene.settings["probe.increments"], "3")
+
+    def test_bad_files_and_keys_are_told_in_words(self):
+        self.assertRaisesRegex(phynness.Error, "does not exist", phynness.Database, work / "none.h5")
+        cut = work / "cut.h5"
+        cut.write_bytes(self.file.read_bytes()[:-100])
+        self.assertRaisesRegex(phynness.Error, "truncated", phynness.Database, cut)
+        with phynness.Database(self.file) as database:
+            force = database["force"]
+            self.assertRaises(KeyError, database.__getitem__, "x")
+            self.assertRaises(IndexError, force.__getitem__, 3)
+            self.assertRaises(IndexError, force.__getitem__, (0, 9))
+            self.assertNotIn("x", database)
+        for use in (lambda: force[0], lambda: database["force"], lambda: database.nodes, lambda: phynness.train(database)):
+            self.assertRaisesRegex(phynness.Error, "is closed", use)
+        self.assertRaisesRegex(phynness.Error, ":2: unknown key.*\n.*did you mean shape", phynness.Scene.from_text, "[mesh]\nshap = 1\n")
+
+    @unittest.skipUnless(COMMAND.exists(), "the command is not built")
+    def test_training_is_that_of_the_command(self):
+        database = phynness.Database(self.file)
+        scene = work / "small.toml"
+        scene.write_text(database.scene.text)
+        for family, keys, options in (("modal", {"modes": 2, "shared_modes": 4}, ["--modes", 2, "--shared-modes", 4]),
+                                      ("rbfn", {"deformation_neurons": 9, "force_neurons": np.int64(5)},
+                                       ["--neurons", 9, "--force-neurons", 5])):
+            run(COMMAND, "train", scene, self.file, "-o", work / family, "--family", family, *options)
+            told = []
+            trained = phynness.train(database, family=family, progress=lambda *n: told.append(n), threads=2, **keys)
+            trained.save(work / (family + "-saved"))
+            for name in ("model.txt", "mesh.txt"):
+                self.assertEqual((work / (family + "-saved") / name).read_bytes(), (work / family / name).read_bytes())
+            self.assertEqual(trained.training["trained_nodes"], 3)
+            self.assertEqual(told[-1], (3, 3))
+        self.assertRaisesRegex(phynness.Error, "family", phynness.train, database, family="x")
+        self.assertRaisesRegex(phynness.Error, "linear law", phynness.train, database, family="linear")
+        self.assertRaisesRegex(phynness.Error, "modes", phynness.train, database, modes=-1)
+        self.assertRaisesRegex(phynness.Error, "depth", phynness.train, database, depth=1)
+        self.assertRaises(TypeError, phynness.train, database, modes=None)
+
+        def stop(*_):
+            raise KeyboardInterrupt
+
+        self.assertRaises(KeyboardInterrupt, phynness.train, database, progress=stop, family="rbfn")
+        # A signal of the timer, as Ctrl-C would be.
+        before = signal.signal(signal.SIGALRM, stop)
+        signal.setitimer(signal.ITIMER_REAL, 1e-3)
+        with self.assertRaises(KeyboardInterrupt):
+            while True:
+                phynness.train(database, family="rbfn", force_neurons=5)
+        signal.signal(signal.SIGALRM, before)
+
+
+class OwnForces(unittest.TestCase):
+    """Forces of a stiffening spring: energy 10 |d|^2 (1 + 2000 |d|^2) + 50 d_z^2 d_x, whose gradient they are."""
+
+    x = 0.01 * numbers.normal(size=(150, 3))
+    x /= np.maximum(1, np.linalg.norm(x, axis=1) / 0.012)[:, None]
+    square = (x**2).sum(axis=1)
+    e = 10 * square * (1 + 2000 * square) + 50 * x[:, 2] ** 2 * x[:, 0]
+    f = (20 + 80_000 * square)[:, None] * x + np.stack([50 * x[:, 2] ** 2, 0 * e, 100 * x[:, 0] * x[:, 2]], axis=1)
+
+    def test_an_estimator_of_own_data(self):
+        fitted = phynness.ConservativeForce(centers=40, title="a spring").fit(self.x[:120], self.f[:120], self.e[:120])
+        largest = np.linalg.norm(self.f, axis=1).max()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # fresh displacements may be longer than those of their direction
+            error = np.linalg.norm(fitted.predict(self.x[120:]) - self.f[120:], axis=1)
+        # 40 centers for 120 states; linear responses have a mean error of 3 % and more.
+        self.assertLess(error.mean() / largest, 0.01)
+        linear = np.linalg.lstsq(self.x[:120], self.f[:120], rcond=None)[0]
+        self.assertGreater(np.linalg.norm(self.x[120:] @ linear - self.f[120:], axis=1).mean() / largest, 0.03)
+        self.assertLess(fitted.model_.training["energy_error"], 0.01)
+        self.assertEqual(fitted.get_params(), {"centers": 40, "title": "a spring"})
+        fitted.save(work / "spring.txt")
+        again = phynness.Model(work / "spring.txt")
+        self.assertEqual(again.title, "a spring")
+        self.assertEqual(again.force(0, self.x[:9]).tobytes(), fitted.predict(self.x[:9]).tobytes())
+        with self.assertWarns(phynness.OutsideWarning):
+            fitted.predict([[0.02, 0, 0]])
+
+    def test_many_measurements_with_noise(self):
+        x = np.tile(self.x, (70, 1)) * numbers.uniform(0.5, 1, (10_500, 1))
+        square = (x**2).sum(axis=1)[:, None]
+        f = (20 + 80_000 * square) * x
+        model = phynness.train_forces(x, f + 0.01 * np.abs(f).max() * numbers.normal(size=f.shape), centers=20)
+        self.assertLessEqual(model.training["displacements_fitted"], 626)  # 600, and one of each direction at most
+        # The noise of 1 % in each component has a mean size of 1.6 %, and 20 centers average it.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            self.assertLess(np.linalg.norm(model.force(0, x) - f, axis=1).mean() / np.abs(f).max(), 0.016)
+
+    def test_wrong_data_are_told_in_words(self):
+        train, x, f, e = phynness.train_forces, self.x, self.f, self.e
+        for words, arguments in (("hold the displacements", (x, -f)), ("not finite", (x, f * [[1, np.nan, 1]])),
+                                 ("same number", (x, f[1:])), ("too few", (x[:5], f[:5])), ("too few", (0 * x, 0 * f)),
+                                 ("at rest", (np.vstack([x, 0 * x[:1]]), np.vstack([f, f[:1]]))),
+                                 ("energies are not", (x, f, -e)), ("energies are not", (x, f, 1e3 * e)),
+                                 ("energies are not", (x, f, np.nan * e)), ("energies must", (x, f, e[1:])),
+                                 ("shape", (x[:, :2], f))):
+            self.assertRaisesRegex(ValueError, words, train, *arguments)
+        self.assertRaises(ValueError, train, x, f, centers=0)
+
+    def test_conventions_of_scikit_learn(self):
+        try:
+            from sklearn.base import clone
+            from sklearn.model_selection import cross_val_score
+        except ImportError:
+            self.skipTest("scikit-learn is not installed")
+        estimator = clone(phynness.ConservativeForce(centers=12))
+        self.assertEqual(estimator.centers, 12)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            scores = cross_val_score(estimator, self.x[:60], self.f[:60], cv=3)
+        self.assertGreater(scores.min(), 0.9)
+
+
+class Package(unittest.TestCase):
+    def test_stubs_have_what_the_module_has(self):
+        stubs = ast.parse((SOURCES / "python/phynness/_phynness.pyi").read_text())
+        public = {}
+        for node in stubs.body:
+            if isinstance(node, ast.ClassDef):
+                public[node.name] = {member.name for member in node.body if isinstance(member, ast.FunctionDef)}
+            elif isinstance(node, ast.FunctionDef):
+                public[node.name] = None
+        self.assertEqual(set(public), set(phynness.__all__) - {"__version__", "ConservativeForce"})
+        for name, members in public.items():
+            if members and not issubclass(getattr(phynness, name), BaseException):
+                found = {m for m in vars(getattr(phynness, name)) if not m.startswith("_")}
+                self.assertEqual(found, {m for m in members if not m.startswith("_")}, name)
+
+    def test_examples_of_docstrings(self):
+        os.chdir(SOURCES)
+        runner, parser = doctest.DocTestRunner(), doctest.DocTestParser()
+        for name in phynness.__all__:
+            of = getattr(phynness, name)
+            for member in [of] + (list(vars(of).values()) if inspect.isclass(of) else []):
+                text = inspect.getdoc(member) if not isinstance(member, str) else ""
+                runner.run(parser.get_doctest(text or "", {"phynness": phynness, "np": np}, name, None, 0))
+        self.assertEqual(runner.failures, 0)
+        self.assertGreaterEqual(runner.tries, 12)
+
+    @unittest.skipUnless(shutil.which("mypy"), "mypy is not installed")
+    def test_types_of_the_tutorial(self):
+        run("mypy", "--python-executable", sys.executable, "--strict", "--cache-dir", work / "mypy", "press.py",
+            cwd=SOURCES / "examples/python", env={**os.environ, "MYPYPATH": str(BUILD / "python")})
+
+    def test_the_wheel_is_installed_without_an_index(self):
+        wheel = run(SOURCES / "tools/build-wheel", "--build", BUILD, "-o", work / "wheel").strip()
+        venv = work / "venv"
+        run(sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", venv)
+        run(sys.executable, "-m", "pip", "--python", venv / "bin/python", "install", "--no-index", wheel, cwd=work)
+        said = run(venv / "bin/python", "-c", "import phynness; print(phynness.__file__, phynness.__version__)", cwd=work)
+        self.assertIn(str(venv), said)
+        said = run(venv / "bin/python", SOURCES / "examples/python/press.py", MODEL, cwd=work)
+        self.assertIn("beyond: warned", said)
+
+
+try:
+    unittest.main(argv=sys.argv[:1] + sys.argv[6:])
+finally:
+    shutil.rmtree(work)
