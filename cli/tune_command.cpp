@@ -5,7 +5,7 @@
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/training/families.hpp>
-#include <phynness/tuning/tuning.hpp>
+#include <phynness/tuning/spacing.hpp>
 
 #include "commands.hpp"
 
@@ -17,6 +17,7 @@ struct Options {
   OptionalPath json_file, plot_file;
   std::optional<std::string> max_error, max_time, max_size;
   std::string error_by = "mean";
+  bool spacings = false;
   /// Another seed than that of phynness validate, whose probes then test the choice independently.
   std::int64_t probes = 400, seed = 2;
 };
@@ -95,6 +96,37 @@ TuningLimits limits_of(const Options& options) {
   return limits;
 }
 
+std::vector<SpacingRow> spacings_of(const Options& options, const Scene& scene) {
+  if (!options.spacings) return {};
+  std::optional<Progress> progress;
+  std::string doing;
+  return compare_spacings(scene, options.database, [&](const std::string& what, std::int64_t done, std::int64_t total) {
+    if (what != doing) progress.emplace(doing = what, "nodes");
+    progress->update(done, total);
+    return true;
+  });
+}
+
+void print(const std::vector<SpacingRow>& rows, const TuningLimits& limits) {
+  if (rows.empty()) return;
+  print_result(
+      "\n{:>10} {:>7} {:>9} {:>11}  {:>22}  {:>15}\n{:>10} {:>7} {:>9} {:>11}  {:>6} {:>7} {:>7}  {:>7} {:>7}\n",
+      "spacing,", "", "left out,", "of these", "force between, %", "nearest point", "mm", "points", "nodes",
+      "unanswered", "mean", "p95", "max", "mean", "p95");
+  for (const auto& row : rows)
+    print_result("{:>10.3g} {:>7} {:>9} {:>11}  {:>6.2f} {:>7.2f} {:>7.2f}  {:>7.2f} {:>7.2f}\n", 1e3 * row.spacing_m,
+                 row.points, row.left_out, row.unanswered, 100 * row.between.mean, 100 * row.between.p95,
+                 100 * row.between.max, 100 * row.nearest.mean, 100 * row.nearest.p95);
+  print_result("errors at the nodes left out, over the largest force of the node; their rays are in the database\n");
+  if (!limits.error) return;
+  if (const auto* row = sparsest(rows, *limits.error, limits.statistic))
+    print_result("active = {{ spacing_m = {:.3g}, within = ... }} has a {} error of at most {:.3g} % with {} points\n",
+                 row->spacing_m, statistic_names.at(limits.statistic), 100 * *limits.error, row->points);
+  else
+    print_result("no spacing has a {} error of at most {:.3g} %: keep all points, or use a wider tool\n",
+                 statistic_names.at(limits.statistic), 100 * *limits.error);
+}
+
 void check_plot(const Options& options) {
   if (options.plot_file) report::require_page();
   if (options.plot_file && options.plot_file->extension() != ".html")
@@ -124,7 +156,8 @@ void print(const Scene& scene, const TuningReport& report, const TuningChoice& c
     message("warning: {} of {} probes failed; errors are those of the other probes\n", report.failed, report.probes);
 }
 
-json as_json(const TuningReport& report, const TuningChoice& choice, const TuningLimits& limits) {
+json as_json(const TuningReport& report, const TuningChoice& choice, const TuningLimits& limits,
+             const std::vector<SpacingRow>& spacings) {
   json models = json::array();
   for (const auto& m : report.models) {
     json entry = record("name", m.candidate.name, "family", name(m.trained.family), "inside", figures(m.errors.inside),
@@ -141,6 +174,7 @@ json as_json(const TuningReport& report, const TuningChoice& choice, const Tunin
   json out = record("models", models, "chosen", nullptr, "missed", choice.missed, "error_by",
                     statistic_names.at(limits.statistic), "probes", report.probes, "failed", report.failed, "nodes",
                     report.nodes, "linear", figures(report.linear));
+  if (!spacings.empty()) out["spacings"] = figures(spacings);
   if (choice.chosen) out["chosen"] = report.models[*choice.chosen].candidate.name;
   return out;
 }
@@ -155,11 +189,13 @@ void run(const Options& options) {
     throw input_error("the database was solved with equations of an earlier version", options.database.string(),
                       "precompute again");
   end_at_signals("tuning was interrupted\n  remedy: run the same command again; nothing was written\n");
+  const auto spacings = spacings_of(options, scene);
   TuningReport report = tuned(options, session, scene, database);
   install_stop_handler();  // the outputs are written
   mark_front(report.models, limits.statistic);
   const auto choice = choose_model(report.models, limits);
   print(scene, report, choice, limits);
+  print(spacings, limits);
   const auto write_model = [&] {
     if (!choice.chosen) return;
     write_model_dir(options.output, report.models[*choice.chosen].model, database.header().mesh);
@@ -172,7 +208,7 @@ void run(const Options& options) {
                      scene.material.bulk_to_shear(), name(scene.probe.kind), 1e3 * scene.probe.max_displacement_m),
          choice.chosen, limits.statistic);
   };
-  write_each({write_model, [&] { write_json(options.json_file, as_json(report, choice, limits)); }, draw});
+  write_each({write_model, [&] { write_json(options.json_file, as_json(report, choice, limits, spacings)); }, draw});
   if (!choice.chosen)
     throw failure("no model meets the limits", choice.missed,
                   "relax the limits, or precompute more directions; no model was written");
@@ -200,6 +236,9 @@ void add(CLI::App& app) {
   add_count(command, "--probes", options.probes, 1, 1'000'000, "number of new solves by which all models are measured")
       ->capture_default_str();
   add_count(command, "--seed", options.seed, 0, largest_seed, "seed of the random probes")->capture_default_str();
+  command.add_flag("--spacings", options.spacings,
+                   "also leave out points of a round tool, more and more, and measure the forces there: how far apart "
+                   "they may be");
   add_path(command, "--plot", options.plot_file, PathKind::file,
            "HTML page with charts of error against time and memory");
   add_json(command, options.json_file);

@@ -1,7 +1,9 @@
 // Claims about tools between nodes in scenes of patches: phynness solve --point and validate --points answer; at a node
 // a patch around the point is the node's patch; patches may overlap. A part of a validation that cannot be done costs
 // no other part.
+#include <algorithm>
 #include <cmath>
+#include <iomanip>
 
 #include "command_line.hpp"
 
@@ -95,6 +97,65 @@ TEST_F(PointsOfPatches, APartThatCannotBeDoneCostsNoOther) {
   EXPECT_FALSE(all.at("points").at("not_done").get<std::string>().empty());
   EXPECT_FALSE(all.at("pairs").at("not_done").get<std::string>().empty());
   EXPECT_NE(read_file(folder / "r.html").find("--points"), std::string::npos);
+}
+
+TEST_F(PointsOfPatches, MayBeFartherApart) {
+  auto scene = patch_scene();
+  const auto changed = [](std::string text, const std::string& old_part, const std::string& new_part) {
+    const auto at = text.find(old_part);
+    EXPECT_NE(at, std::string::npos) << old_part;
+    return text.replace(at, old_part.size(), new_part);
+  };
+  scene = changed(scene, "target_size_m = 0.025", "target_size_m = 0.0145");
+  scene = changed(changed(scene, "neo-hookean", "linear"), "modal", "linear");
+  scene = changed(changed(scene, "directions = 26", "directions = 3"), "increments = 2", "increments = 1");
+  write_file(folder / "scene.toml", scene);
+  succeed("precompute scene.toml -o d.h5");
+  const auto done = succeed("tune scene.toml d.h5 -o m --probes 4 --spacings --max-error 10% --json t.json");
+  const auto rows = json("t.json").at("spacings");
+  ASSERT_GE(rows.size(), 2u);
+  succeed("info d.h5 --json all.json");
+  const auto all = json("all.json").at("active").get<std::vector<int>>();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(rows.at(i).at("points").get<std::size_t>() + rows.at(i).at("left_out").get<std::size_t>(), all.size());
+    EXPECT_LT(rows.at(i).at("between").at("mean"), rows.at(i).at("nearest").at("mean"));
+    if (i > 0) EXPECT_LT(rows.at(i).at("points"), rows.at(i - 1).at("points"));
+  }
+  // The command proposes the widest row within the limit.
+  double widest = 0;
+  for (const auto& row : rows)
+    if (row.at("between").at("mean") <= 0.1) widest = std::max(widest, row.at("spacing_m").get<double>());
+  std::ostringstream proposed;
+  proposed << "active = { spacing_m = " << std::setprecision(3) << widest;
+  EXPECT_GT(widest, 0);
+  expect_names(done.out, {proposed.str()});
+
+  // A model of such a scene has these points and this error: trained on a part of the database, asked where none is.
+  const auto& row = rows.back();
+  const auto top = scene.find("active = {"), end = scene.find("\n", top);
+  std::ostringstream apart;
+  apart << std::setprecision(17) << "active = { spacing_m = " << row.at("spacing_m").get<double>()
+        << ", within = " << scene.substr(top + 9, end - top - 9) << " }";
+  write_file(folder / "apart.toml", std::string(scene).replace(top, end - top, apart.str()));
+  succeed("train apart.toml d.h5 -o apart");
+  succeed("info apart --json apart.json");
+  const auto points = json("apart.json").at("active").get<std::vector<int>>();
+  EXPECT_EQ(points.size(), row.at("points").get<std::size_t>());
+  double largest = 0;
+  for (const int node : all) {
+    if (std::binary_search(points.begin(), points.end(), node)) continue;
+    double off = 0, size = 0;
+    for (const std::string d : {"0.008,0,0", "0,0.008,0", "0,0,0.008"}) {
+      const std::string tool = " --node " + std::to_string(node) + " --displacement " + d;
+      const auto truth = force("solve d.h5" + tool);
+      if (phynness("eval apart" + tool).exit_status != 0) continue;  // unanswered
+      const auto model = force("eval apart" + tool);
+      off = std::max(off, std::hypot(truth[0] - model[0], truth[1] - model[1], truth[2] - model[2]));
+      size = std::max(size, std::hypot(truth[0], truth[1], truth[2]));
+    }
+    largest = std::max(largest, off / size);
+  }
+  EXPECT_NEAR(largest, row.at("between").at("max"), 1e-6);
 }
 
 }  // namespace
