@@ -119,7 +119,9 @@ TEST_F(PointsOfPatches, MayBeFartherApart) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(rows.at(i).at("points").get<std::size_t>() + rows.at(i).at("left_out").get<std::size_t>(), all.size());
     EXPECT_LT(rows.at(i).at("between").at("mean"), rows.at(i).at("nearest").at("mean"));
-    if (i > 0) EXPECT_LT(rows.at(i).at("points"), rows.at(i - 1).at("points"));
+    if (i > 0) {
+      EXPECT_LT(rows.at(i).at("points"), rows.at(i - 1).at("points"));
+    }
   }
   // The command proposes the widest row within the limit.
   double widest = 0;
