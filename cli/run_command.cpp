@@ -120,11 +120,11 @@ void remove_results(const Options& options) {
     std::filesystem::remove(options.output / name);
 }
 
-/// Whether an earlier run has finished check.json. Training refuses one of another scene.
-bool is_checked(const std::filesystem::path& file) {
+/// Whether an earlier run of this scene has finished check.json. Training refuses one of another scene.
+bool is_checked(const std::filesystem::path& file, const Scene& scene) {
   std::ifstream in(file);
-  const auto check = json::parse(in, nullptr, false);
-  return check.is_object() && check.contains("interrupted") && check["interrupted"] == false;
+  auto check = json::parse(in, nullptr, false);
+  return check.is_object() && check["interrupted"] == false && check["physics_hash"] == physics_hash(scene);
 }
 
 /// Compares the finite elements with a finer solution, in at most a fifth of the time of all: a quarter of that of the
@@ -132,7 +132,7 @@ bool is_checked(const std::filesystem::path& file) {
 bool check(const Options& options, const Scene& scene, const std::string& self, std::vector<Stage>& stages) {
   const auto file = options.output / "check.json", database = options.output / "database.h5";
   const auto probes = scene.validation.check_probes;
-  if (probes != 0 && options.resume && is_checked(file)) return true;
+  if (probes != 0 && options.resume && is_checked(file, scene)) return true;
   std::filesystem::remove(file);
   if (probes == 0) return false;
   // On a busy machine a stage takes longer than its solves, and after --resume it has solved only a part of them.
@@ -148,7 +148,7 @@ bool check(const Options& options, const Scene& scene, const std::string& self, 
     if (stop_requested()) throw;
     message("warning: the finite elements are not compared with a finer solution; the reason is above\n");
   }
-  return is_checked(file);
+  return is_checked(file, scene);
 }
 
 /// Adds error bounds to the model. Without them it can be used as well.

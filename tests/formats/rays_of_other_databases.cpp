@@ -174,6 +174,7 @@ TEST_F(OtherDatabases, cover_what_a_study_wants) {
   EXPECT_EQ(coverage(then, study({2}, {1, 3}, 0, 7)), Coverage::whole);
   EXPECT_EQ(coverage(then, study({1, 2, 3}, {1, 2, 3}, 0, 7)), Coverage::part);
   EXPECT_EQ(coverage(then, study({1, 2, 3}, {1, 2}, 0, 7)), Coverage::other) << "would lose displacements";
+  EXPECT_EQ(coverage(then, study({1, 2, 3}, {1, 2, 3, 4}, 0, 7)), Coverage::other) << "lacks displacements";
   EXPECT_EQ(coverage(then, study({2, 3}, {1, 2, 3}, 0, 7)), Coverage::other);
   EXPECT_EQ(coverage(then, study({1, 2}, {1, 2, 3}, 0, 6)), Coverage::other);
   auto stored = then;

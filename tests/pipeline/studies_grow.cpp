@@ -115,7 +115,8 @@ TEST_F(Growth, TrainsSomeNodesOfADatabase) {
 
 TEST_F(Growth, RunUsesWhatItHas) {
   const auto linear = [](int n) {
-    return changed(changed(scene(n), "neo-hookean", "linear"), "family = \"rbfn\"", "family = \"linear\"");
+    const auto text = changed(changed(scene(n), "neo-hookean", "linear"), "family = \"rbfn\"", "family = \"linear\"");
+    return changed(text, "check_probes = 0", "check_probes = 1");
   };
   const auto run = [&](int n) {
     write_file(folder / "scene.toml", linear(n));
