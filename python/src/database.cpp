@@ -70,10 +70,9 @@ Column column_of(const py::object& database, const std::string& name) {
   throw py::key_error("the database has no column " + printable(name));
 }
 
-}  // namespace
+using py::arg;
 
-void add_database(py::module_& module) {
-  using py::arg;
+void add_scene(py::module_& module) {
   py::class_<Scene>(module, "Scene", R"(A scene file (formats/scene.md).
 
 Error with line, value and remedy if it is refused.
@@ -96,7 +95,9 @@ Error with line, value and remedy if it is refused.
       .def_property_readonly(
           "warnings", [](const Scene& s) { return scene_warnings(s); }, "Sentences about values that give bad results.")
       .def_property_readonly("notes", &scene_notes, "Sentences about the meaning of defaults.");
+}
 
+void add_column(py::module_& module) {
   py::class_<Column>(module, "Column",
                      "A column of a Database, of which numpy reads only the active nodes that are indexed.\n\n"
                      "Axes: active nodes, directions, and those of a ray: increments, output nodes, components.")
@@ -114,7 +115,41 @@ Error with line, value and remedy if it is refused.
             return dtype.is_none() ? py::object(all) : all.attr("astype")(dtype);
           },
           arg("dtype") = py::none());
+}
 
+void add_arrays(py::class_<OpenDatabase>& database) {
+  const auto property = [&](const char* name, auto&& get, const char* doc) {
+    database.def_property_readonly(
+        name, [get](const OpenDatabase& d) { return get(d.header()); }, doc);
+  };
+  using Header = const DatabaseHeader&;
+  property(
+      "mesh_hash", [](Header h) { return h.mesh_hash; }, "16 hexadecimal digits.");
+  property(
+      "physics_hash", [](Header h) { return h.physics_hash; }, "Of the scene.");
+  property(
+      "software_version", [](Header h) { return h.software_version; }, "That solved it.");
+  property(
+      "nodes", [](Header h) { return copy_of_matrix(h.mesh.nodes); }, "(n_nodes, 3) [m], undeformed.");
+  property(
+      "cells", [](Header h) { return copy_of_matrix(h.mesh.cells); }, "(n, 4), of shells (n, 3).");
+  property(
+      "triangles", [](Header h) { return copy_of_matrix(h.mesh.surface); }, "Of the surface, (n, 3), normals outward.");
+  property(
+      "active_nodes", [](Header h) { return copy(h.sets.active); }, "Nodes that are probed, ascending.");
+  property(
+      "output_nodes", [](Header h) { return copy(h.sets.output); }, "Nodes whose displacement is stored.");
+  property(
+      "fixed_nodes", [](Header h) { return copy(h.sets.fixed); }, "Nodes that do not move.");
+  property(
+      "magnitudes_m", [](Header h) { return copy(h.magnitudes_m); }, "Of the increments, ascending [m].");
+}
+
+}  // namespace
+
+void add_database(py::module_& module) {
+  add_scene(module);
+  add_column(module);
   py::class_<OpenDatabase> database(module, "Database",
                                     R"(A finished database of phynness precompute (formats/database.md).
 
@@ -156,31 +191,7 @@ Error if the file is missing, damaged or unfinished, or if it is closed.
             return copy(d.header().directions.data()->data(), std::ssize(d.header().directions), 3);
           },
           "Exploratory directions, unit vectors, (n, 3).");
-  const auto property = [&](const char* name, auto&& get, const char* doc) {
-    database.def_property_readonly(
-        name, [get](const OpenDatabase& d) { return get(d.header()); }, doc);
-  };
-  using Header = const DatabaseHeader&;
-  property(
-      "mesh_hash", [](Header h) { return h.mesh_hash; }, "16 hexadecimal digits.");
-  property(
-      "physics_hash", [](Header h) { return h.physics_hash; }, "Of the scene.");
-  property(
-      "software_version", [](Header h) { return h.software_version; }, "That solved it.");
-  property(
-      "nodes", [](Header h) { return copy_of_matrix(h.mesh.nodes); }, "(n_nodes, 3) [m], undeformed.");
-  property(
-      "cells", [](Header h) { return copy_of_matrix(h.mesh.cells); }, "(n, 4), of shells (n, 3).");
-  property(
-      "triangles", [](Header h) { return copy_of_matrix(h.mesh.surface); }, "Of the surface, (n, 3), normals outward.");
-  property(
-      "active_nodes", [](Header h) { return copy(h.sets.active); }, "Nodes that are probed, ascending.");
-  property(
-      "output_nodes", [](Header h) { return copy(h.sets.output); }, "Nodes whose displacement is stored.");
-  property(
-      "fixed_nodes", [](Header h) { return copy(h.sets.fixed); }, "Nodes that do not move.");
-  property(
-      "magnitudes_m", [](Header h) { return copy(h.magnitudes_m); }, "Of the increments, ascending [m].");
+  add_arrays(database);
 }
 
 }  // namespace phynness::python
