@@ -5,6 +5,7 @@
 #include <pybind11/pybind11.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <initializer_list>
 #include <string>
 
@@ -15,6 +16,9 @@ namespace py = pybind11;
 /// Throws phynness.Error with a status of the runtime, or without one (0).
 [[noreturn]] void raise(const std::string& message, int status = 0);
 [[noreturn]] void raise_type(const std::string& message);
+
+/// Of a str, bytes or os.PathLike.
+std::filesystem::path path_of(const py::object& given);
 
 /// Vectors that a caller gives: one of shape (3,), or n of shape (n, 3), of any strides, read where they are if they
 /// are float64. @throws TypeError, ValueError of Python
@@ -67,6 +71,7 @@ py::array_t<T> view(py::handle owner, const T* numbers, std::initializer_list<py
 
 void add_model(py::module_& module);
 void add_database(py::module_& module);
+void add_training(py::module_& module);
 
 /// The model of a text. @param mesh  the content of mesh.txt, or None
 py::object model_of(const std::string& text, const std::string& name, py::object mesh, py::object training);

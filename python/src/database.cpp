@@ -1,32 +1,16 @@
-// Scenes, databases and training. HDF5 may not be thread-safe: all reading is done with the GIL held.
+// Scenes and databases.
 #include <pybind11/stl.h>
-#include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/model.hpp>
-#include <phynness/training/families.hpp>
 #include <phynness/training/node_training.hpp>
-#include <phynness/training/scattered_forces.hpp>
-#include <phynness/training/training.hpp>
 
-#include <atomic>
-#include <chrono>
-#include <future>
-#include <memory>
 #include <sstream>
 #include <string>
 #include <vector>
 
-#include "arrays.hpp"
+#include "open_database.hpp"
 
 namespace phynness::python {
 namespace {
-
-/// Mean difference of given energies from those of the fitted forces, over the largest; a factor of two is beyond it.
-constexpr double most_energy_error = 0.1;
-
-std::filesystem::path path_of(const py::object& given) {
-  return py::module_::import("os").attr("fsdecode")(given).cast<std::string>();
-}
 
 /// The lines "key = value" of texts.
 py::dict settings(const std::string& text) {
@@ -38,37 +22,10 @@ py::dict settings(const std::string& text) {
   return all;
 }
 
-/// A copy of n x columns numbers.
-template <class T>
-py::array_t<T> copy(const T* numbers, py::ssize_t n, py::ssize_t columns = 0) {
-  return columns == 0 ? py::array_t<T>({n}, numbers) : py::array_t<T>({n, columns}, numbers);
-}
-template <class T>
-py::array_t<T> copy(const std::vector<T>& numbers) {
-  return copy(numbers.data(), std::ssize(numbers));
-}
 template <class Matrix>
 auto copy_of_matrix(const Matrix& m) {
   return copy(m.data(), m.rows(), m.cols());
 }
-
-class OpenDatabase {
- public:
-  explicit OpenDatabase(const py::object& path) : _path(path_of(path)) {
-    _database = std::make_shared<const Database>(Database::open(_path));
-  }
-  void close() { _database.reset(); }
-  const std::shared_ptr<const Database>& get() const {
-    if (!_database) raise("the database " + _path.string() + " is closed");
-    return _database;
-  }
-  const DatabaseHeader& header() const { return get()->header(); }
-  const std::filesystem::path& path() const { return _path; }
-
- private:
-  std::filesystem::path _path;
-  std::shared_ptr<const Database> _database;
-};
 
 /// A column, of which only what is indexed is read.
 struct Column {
@@ -113,127 +70,9 @@ Column column_of(const py::object& database, const std::string& name) {
   throw py::key_error("the database has no column " + printable(name));
 }
 
-/// [training] with other values: numbers and words of Python are written as JSON does, which TOML reads.
-TrainingSpec chosen(const Scene& scene, const py::kwargs& given) {
-  std::string keys;
-  const auto dumps = py::module_::import("json").attr("dumps");
-  for (const auto& [name, value] : given) {
-    if (!py::isinstance<py::str>(value) && !PyNumber_Check(value.ptr()))
-      raise_type(name.cast<std::string>() + " must be a number or a word");
-    const py::object plain =
-        py::hasattr(value, "item") ? value.attr("item")() : py::reinterpret_borrow<py::object>(value);
-    keys += name.cast<std::string>() + " = " + dumps(plain).cast<std::string>() + "\n";
-  }
-  return changed_training(scene, keys, "train()");
-}
+using py::arg;
 
-/// Works in another thread without the GIL, while this one looks for Ctrl-C and tells the progress.
-Model trained(const ResponseSource& source, const TrainingSpec& spec, TrainingReport& report,
-              const py::object& progress, int threads) {
-  std::atomic<bool> is_stopped = false;
-  std::atomic<std::int64_t> done = 0, total = 0;
-  auto work = std::async(std::launch::async, [&] {
-    return train(
-        source, spec, report,
-        [&](std::int64_t finished, std::int64_t all) {
-          total = all;
-          done = finished;
-          return !is_stopped;
-        },
-        threads);
-  });
-  std::int64_t told = 0;
-  const auto stop = [&] {
-    is_stopped = true;
-    const py::gil_scoped_release release;
-    work.wait();
-  };
-  for (bool is_ready = false; !is_ready;) {
-    {
-      const py::gil_scoped_release release;
-      is_ready = work.wait_for(std::chrono::milliseconds(20)) == std::future_status::ready;
-    }
-    try {
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      if (!progress.is_none() && done != told) progress(told = done, total.load());
-    } catch (...) {
-      stop();
-      throw;
-    }
-  }
-  return work.get();
-}
-
-py::object train_database(const OpenDatabase& opened, const py::object& progress, int threads,
-                          const py::kwargs& given) {
-  const auto database = opened.get();  // stays open if it is closed meanwhile
-  const Scene scene = stored_scene(database->header());
-  const TrainingSpec spec = chosen(scene, given);
-  ResponseSource source = responses_of(*database);
-  source.rays = [read = source.rays](std::int32_t active) {
-    const py::gil_scoped_acquire acquire;
-    return read(active);
-  };
-  TrainingReport report;
-  const Model model = trained(source, spec, report, progress, threads);
-  py::dict figures;
-  figures["trained_nodes"] = report.n_networks;
-  figures["skipped_nodes"] = copy(report.skipped_nodes);
-  figures["increments"] = report.n_increments_used;
-  figures["increments_fitted"] = report.n_increments_fitted;
-  figures["seconds"] = report.seconds;
-  for (const auto& figure : operations(model.family).figures(report)) figures[figure.key] = figure.value;
-  return model_of(write_model_text(model), "the trained model", py::bytes(write_mesh_text(database->header().mesh)),
-                  figures);
-}
-
-Points points_of(const Vectors& vectors) {
-  Points points(vectors.size(), 3);
-  double x[3];
-  for (py::ssize_t i = 0; i < points.rows(); ++i) {
-    vectors.get(i, x);
-    points.row(i) << x[0], x[1], x[2];
-  }
-  return points;
-}
-
-py::object train_forces(const py::object& displacements, const py::object& forces, const py::object& energies,
-                        int centers, const std::string& title) {
-  const Points d = points_of({displacements, "displacements"}), f = points_of({forces, "forces"});
-  if (centers < 1 || centers > 100'000) throw py::value_error("centers must be from 1 to 100000");
-  ScatteredFit made;
-  {
-    const py::gil_scoped_release release;
-    made = fit_scattered(d, f, centers, title);
-  }
-  py::dict figures;
-  figures["displacements_fitted"] = made.fitted;
-  figures["training_error"] = made.fit.training_error;
-  figures["left_out_error"] = made.fit.left_out_error;
-  py::object model = model_of(write_model_text(made.model), "the trained model", py::none(), figures);
-  if (energies.is_none()) return model;
-
-  const auto given = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(energies);
-  if (!given || given.ndim() != 1 || given.shape(0) != d.rows())
-    throw py::value_error("energies must be " + std::to_string(d.rows()) + " numbers, one of each displacement");
-  const auto found = model.attr("energy")(0, displacements).cast<py::array_t<double>>();
-  double error = 0, largest = 0;
-  for (py::ssize_t i = 0; i < d.rows(); ++i) {
-    error += std::abs(found.at(i) - given.at(i)) / static_cast<double>(d.rows());
-    largest = std::max(largest, std::abs(given.at(i)));
-  }
-  // Not negated, because an energy may be NaN.
-  if (!(error <= most_energy_error * largest))
-    raise("the energies are not those of the forces, whose mean difference is " + std::to_string(error) + " J\n" +
-          "  remedy: check units, and that an energy is 0 at rest; forces are those that hold the displacements");
-  figures["energy_error"] = largest > 0 ? error / largest : 0.0;
-  return model;
-}
-
-}  // namespace
-
-void add_database(py::module_& module) {
-  using py::arg;
+void add_scene(py::module_& module) {
   py::class_<Scene>(module, "Scene", R"(A scene file (formats/scene.md).
 
 Error with line, value and remedy if it is refused.
@@ -256,7 +95,9 @@ Error with line, value and remedy if it is refused.
       .def_property_readonly(
           "warnings", [](const Scene& s) { return scene_warnings(s); }, "Sentences about values that give bad results.")
       .def_property_readonly("notes", &scene_notes, "Sentences about the meaning of defaults.");
+}
 
+void add_column(py::module_& module) {
   py::class_<Column>(module, "Column",
                      "A column of a Database, of which numpy reads only the active nodes that are indexed.\n\n"
                      "Axes: active nodes, directions, and those of a ray: increments, output nodes, components.")
@@ -274,7 +115,41 @@ Error with line, value and remedy if it is refused.
             return dtype.is_none() ? py::object(all) : all.attr("astype")(dtype);
           },
           arg("dtype") = py::none());
+}
 
+void add_arrays(py::class_<OpenDatabase>& database) {
+  const auto property = [&](const char* name, auto&& get, const char* doc) {
+    database.def_property_readonly(
+        name, [get](const OpenDatabase& d) { return get(d.header()); }, doc);
+  };
+  using Header = const DatabaseHeader&;
+  property(
+      "mesh_hash", [](Header h) { return h.mesh_hash; }, "16 hexadecimal digits.");
+  property(
+      "physics_hash", [](Header h) { return h.physics_hash; }, "Of the scene.");
+  property(
+      "software_version", [](Header h) { return h.software_version; }, "That solved it.");
+  property(
+      "nodes", [](Header h) { return copy_of_matrix(h.mesh.nodes); }, "(n_nodes, 3) [m], undeformed.");
+  property(
+      "cells", [](Header h) { return copy_of_matrix(h.mesh.cells); }, "(n, 4), of shells (n, 3).");
+  property(
+      "triangles", [](Header h) { return copy_of_matrix(h.mesh.surface); }, "Of the surface, (n, 3), normals outward.");
+  property(
+      "active_nodes", [](Header h) { return copy(h.sets.active); }, "Nodes that are probed, ascending.");
+  property(
+      "output_nodes", [](Header h) { return copy(h.sets.output); }, "Nodes whose displacement is stored.");
+  property(
+      "fixed_nodes", [](Header h) { return copy(h.sets.fixed); }, "Nodes that do not move.");
+  property(
+      "magnitudes_m", [](Header h) { return copy(h.magnitudes_m); }, "Of the increments, ascending [m].");
+}
+
+}  // namespace
+
+void add_database(py::module_& module) {
+  add_scene(module);
+  add_column(module);
   py::class_<OpenDatabase> database(module, "Database",
                                     R"(A finished database of phynness precompute (formats/database.md).
 
@@ -316,55 +191,7 @@ Error if the file is missing, damaged or unfinished, or if it is closed.
             return copy(d.header().directions.data()->data(), std::ssize(d.header().directions), 3);
           },
           "Exploratory directions, unit vectors, (n, 3).");
-  const auto property = [&](const char* name, auto&& get, const char* doc) {
-    database.def_property_readonly(
-        name, [get](const OpenDatabase& d) { return get(d.header()); }, doc);
-  };
-  using Header = const DatabaseHeader&;
-  property(
-      "mesh_hash", [](Header h) { return h.mesh_hash; }, "16 hexadecimal digits.");
-  property(
-      "physics_hash", [](Header h) { return h.physics_hash; }, "Of the scene.");
-  property(
-      "software_version", [](Header h) { return h.software_version; }, "That solved it.");
-  property(
-      "nodes", [](Header h) { return copy_of_matrix(h.mesh.nodes); }, "(n_nodes, 3) [m], undeformed.");
-  property(
-      "cells", [](Header h) { return copy_of_matrix(h.mesh.cells); }, "(n, 4), of shells (n, 3).");
-  property(
-      "triangles", [](Header h) { return copy_of_matrix(h.mesh.surface); }, "Of the surface, (n, 3), normals outward.");
-  property(
-      "active_nodes", [](Header h) { return copy(h.sets.active); }, "Nodes that are probed, ascending.");
-  property(
-      "output_nodes", [](Header h) { return copy(h.sets.output); }, "Nodes whose displacement is stored.");
-  property(
-      "fixed_nodes", [](Header h) { return copy(h.sets.fixed); }, "Nodes that do not move.");
-  property(
-      "magnitudes_m", [](Header h) { return copy(h.magnitudes_m); }, "Of the increments, ascending [m].");
-
-  module.def("train", &train_database, arg("database"), py::kw_only(), arg("progress") = py::none(), arg("threads") = 0,
-             R"(Trains a Model on a Database; its figures are in Model.training.
-
-progress: called with the numbers of trained and of all nodes. threads: 0: one for each core; the result does not depend on it.
-Other arguments are keys of [training] (formats/scene.md), which replace those of the database's scene, as family="modal".
-
-Error for impossible values, as in a scene. Ctrl-C ends the training.
-)");
-  module.def("train_forces", &train_forces, arg("displacements"), arg("forces"), arg("energies") = py::none(),
-             py::kw_only(), arg("centers") = 80, arg("title") = "",
-             R"(Trains a Model on forces of one place at any displacements.
-
-displacements, forces: (n, 3) [m], [N], of at least 6 displacements; a force is the one that holds its displacement.
-energies: (n,) [J], compared with those of the fit, which uses forces only. centers: largest number, at most half of n.
-
-The model has the one node 0, energy and stiffness, and no deformation. The range is that of the displacements. At most 600 of
-them are fitted, spread over directions and depths: Model.training tells how many. Errors: scattered_forces.hpp.
-
->>> d = np.random.default_rng(1).normal(size=(60, 3)) * 0.003
->>> model = phynness.train_forces(d, 30 * d)
->>> bool(np.allclose(model.stiffness(0, [0, 0, 0]), 30 * np.eye(3), atol=1e-3))
-True
-)");
+  add_arrays(database);
 }
 
 }  // namespace phynness::python

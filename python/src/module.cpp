@@ -41,6 +41,10 @@ void raise(const std::string& message, int status) {
 
 void raise_type(const std::string& message) { throw py::type_error(message); }
 
+std::filesystem::path path_of(const py::object& given) {
+  return py::module_::import("os").attr("fsdecode")(given).cast<std::string>();
+}
+
 Vectors::Vectors(py::handle given, const char* name) {
   auto array = py::reinterpret_borrow<py::object>(given);
   if (!py::isinstance<py::array>(given)) {
@@ -121,6 +125,7 @@ PYBIND11_MODULE(_phynness, module) {
   });
   add_model(module);
   add_database(module);
+  add_training(module);
   for (const auto& [name, value] : module.attr("__dict__").cast<py::dict>())
     if (PyType_Check(value.ptr())) value.attr("__module__") = "phynness";
 }

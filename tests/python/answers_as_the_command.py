@@ -169,12 +169,12 @@ class Models(unittest.TestCase):
 
     def test_threads_and_forks(self):
         nodes = [int(n) for n in model.active_nodes[:8]]
-        alone = [model.response(n, d[:200]) + (model.deform(n, d[:20]),) for n in nodes]
+        alone = [model.response(n, d[:200]) + (model.deform(n, d),) for n in nodes]
         failures = []
 
         def ask(k):
-            for _ in range(5):
-                now = model.response(nodes[k], d[:200]) + (model.deform(nodes[k], d[:20]),)
+            for _ in range(10):
+                now = model.response(nodes[k], d[:200]) + (model.deform(nodes[k], d),)
                 if any(a.tobytes() != b.tobytes() for a, b in zip(now, alone[k])):
                     failures.append(k)
 
