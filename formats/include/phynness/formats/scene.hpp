@@ -178,8 +178,8 @@ std::string scene_key_tables();
 /// Hash (16 hexadecimal digits) of all keys that affect a solve: material, element, tolerances, selections, probe and
 /// mesh specification. Training, validation, title, comments and layout of the file have no effect on it.
 std::string physics_hash(const Scene& scene);
-/// The scene as the program meant it that computed `hash`: a patch may have been rigid or have pressed the whole surface
-/// within its radius, and the element's equations may have had an earlier revision. The scene itself if no meaning has this hash.
+/// The scene as the program meant it that computed `hash`: a patch may have been rigid or have pressed all within its
+/// radius, and the equations may have had an earlier revision. The scene itself if no meaning has this hash.
 Scene as_hashed(const Scene& scene, const std::string& hash);
 /// The hashed text, one "key = value" per line, for the comparison of two scenes.
 std::string physics_summary(const Scene& scene);
