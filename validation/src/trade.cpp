@@ -94,9 +94,13 @@ Trade::Trade(const Scene& scene, const Mesh& mesh, const NodeSets& sets, const D
     } catch (const Error& error) {
       TradeRow& row = _report.rows.emplace_back();
       row.scene = sized;
-      row.left_out = error.what();
+      const std::string why = error.what();
+      row.left_out = why.substr(0, why.find('\n'));
     }
   }
+  if (std::ranges::count_if(_report.rows, [](const TradeRow& row) { return row.body.has_value(); }) < 2)
+    throw input_error("the scene has one element on one mesh, and nothing to trade", name(scene.solver.element),
+                      "compare it with cells of half the size: --reference half-size");
   _forces.resize(_report.rows.size());
   // The finest of the reference's element.
   const Element finest = scene.solver.element->is_shell      ? scene.solver.element
@@ -164,7 +168,8 @@ void Trade::compare(TradeRow& row) {
   row.probes = row.is_reference ? 0 : statistics.n;
   row.mean = statistics.mean;
   row.p95 = statistics.p95;
-  if (row.probes == 0 && row.left_out.empty() && !row.is_reference) row.left_out = "no probe was solved";
+  if (row.probes == 0 && row.left_out.empty() && !row.is_reference && !_report.interrupted)
+    row.left_out = "no probe was solved";
 }
 
 TradeReport Trade::run() {

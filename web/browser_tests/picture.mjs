@@ -1,7 +1,7 @@
 // Saves a picture of a page, for the documentation.
 // Usage, in the build's folder web/work: node browser_tests/picture.mjs PAGE.html OUT.png [SCRIPT [WIDTHxHEIGHT [light|dark]]]
 // SCRIPT of docs/figures/view.png, of the demo's page: phynness.set({map: 'palpation'});
-// phynness.hold([{node: 71, displacement: [-0.0146, 0, 0.0048]}])
+// phynness.hold([{node: 212, displacement: [0.004, 0.004, 0.0145]}])
 import { resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { launch } from 'puppeteer-core';
