@@ -79,7 +79,7 @@ Error with line, value and remedy if it is refused.
 
 >>> scene = phynness.Scene("scenes/demo.toml")
 >>> scene.settings["solver.element"], scene.settings["training.family"]
-('p1-p1', 'modal')
+('es-p1-p1', 'modal')
 )")
       .def(py::init([](const py::object& path) { return read_scene(path_of(path)); }), arg("path"))
       .def_static(

@@ -117,7 +117,9 @@ const SpacingRow* sparsest(const std::vector<SpacingRow>& rows, double error, Er
     const double value = statistic == ErrorStatistic::mean  ? e.mean
                          : statistic == ErrorStatistic::p95 ? e.p95
                                                             : e.median;
-    if (e.n > 0 && value <= error && (best == nullptr || row.spacing_m > best->spacing_m)) best = &row;
+    // Where few points leave most of the surface without an answer, those that are left prove nothing.
+    const bool answers = static_cast<double>(row.unanswered) <= 0.05 * static_cast<double>(row.left_out);
+    if (answers && e.n > 0 && value <= error && (best == nullptr || row.spacing_m > best->spacing_m)) best = &row;
   }
   return best;
 }
