@@ -152,7 +152,9 @@ TEST_F(PointsOfPatches, MayBeFartherApart) {
     double off = 0, size = 0;
     for (const Ray& ray : database.rays(static_cast<std::int32_t>(a))) {
       std::ostringstream tool;
-      tool << "eval apart --node " << all[a] << " --displacement ";
+      tool << std::setprecision(17) << "eval apart --point ";
+      for (int k = 0; k < 3; ++k) tool << (k ? "," : "") << database.header().mesh.nodes(all[a], k);
+      tool << " --displacement ";
       for (int k = 0; k < 3; ++k) tool << (k ? "," : "") << 0.008 * database.header().directions[ray.direction][k];
       const auto model = force(tool.str());
       off = std::max(off, std::hypot(ray.force[0] - model[0], ray.force[1] - model[1], ray.force[2] - model[2]));
