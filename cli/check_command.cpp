@@ -194,8 +194,11 @@ void run_trade(const Options& options, const LoadedScene& loaded) {
   out["chosen"] = chosen != nullptr ? json(chosen - report.rows.data()) : json(nullptr);
   write_json(options.json_file, out);
   if (report.interrupted)
-    throw failure("check was interrupted; the rows above are those of the finished part",
-                  fmt::format("{} rows", report.rows.size()), "run it again");
+    throw failure(
+        "check was interrupted; the rows above are those of the finished part",
+        fmt::format("{} of {} rows", std::ranges::count_if(report.rows, [](const auto& row) { return row.probes > 0; }),
+                    report.rows.size()),
+        "run it again");
   if (limit && chosen == nullptr)
     throw failure("no element and mesh of the table meets the limit", "--max-error " + *options.max_error,
                   "use more nodes, or relax the limit");
