@@ -71,7 +71,9 @@ Model trained(const ResponseSource& source, const TrainingSpec& spec, TrainingRe
 
 py::object train_database(const OpenDatabase& opened, const py::object& progress, int threads,
                           const py::kwargs& given) {
-  const auto database = opened.get();  // stays open if it is closed meanwhile
+  // A copy, so that the file stays open if it is closed meanwhile.
+  // NOLINTNEXTLINE(performance-unnecessary-copy-initialization)
+  const auto database = opened.get();
   const Scene scene = stored_scene(database->header());
   const TrainingSpec spec = chosen(scene, given);
   ResponseSource source = responses_of(*database);

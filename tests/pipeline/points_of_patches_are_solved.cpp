@@ -136,7 +136,7 @@ TEST_F(PointsOfPatches, MayBeFartherApart) {
   expect_names(done.out, {proposed.str()});
 
   // A model of such a scene has these points and this error: trained on a part of the database, asked where none is.
-  const auto top = scene.find("active = {"), end = scene.find("\n", top);
+  const auto top = scene.find("active = {"), end = scene.find('\n', top);
   std::ostringstream apart;
   apart << std::setprecision(17) << "active = { spacing_m = " << widest->at("spacing_m").get<double>()
         << ", within = " << scene.substr(top + 9, end - top - 9) << " }";
