@@ -154,6 +154,11 @@ std::string lines_of(const TradeRow& row) {
   return lines;
 }
 
+/// Of the model that a row's database gives; 0 if there is no such body.
+double model_bytes(const TradeRow& row) {
+  return row.body ? predict_model_size(row.scene, *row.body).model_text_bytes : 0;
+}
+
 void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* chosen) {
   const TradeRow& finest = *std::ranges::find_if(report.rows, &TradeRow::is_reference);
   print_result(
@@ -169,15 +174,14 @@ void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* 
   for (const auto& row : report.rows) {
     const char mark = chosen == &row ? '>' : row.on_front ? '*' : ' ';
     print_result("{} {:<12} {:>6} ", mark, name(row.scene.solver.element), row.body ? row.body->mesh.n_nodes() : 0);
-    if (row.probes == 0 && !row.is_reference) {
+    if (row.probes == 0 && !(row.is_reference && row.ray_s > 0)) {
       print_result("not compared: {}\n", row.left_out.empty() ? "interrupted" : row.left_out);
       continue;
     }
     const auto errors = row.is_reference ? std::string("      reference")
                                          : fmt::format("{:7.3g} {:7.3g}", 100 * row.mean, 100 * row.p95);
     print_result("{:>7}  {}  {:>9.0f} {:>10.2g} {:>10.0f}{}\n", row.is_reference ? report.probes : row.probes, errors,
-                 1e3 * row.ray_s, row.core_hours(), predict_model_size(row.scene, *row.body).model_text_bytes / 1e3,
-                 row.is_scene ? "  this scene" : "");
+                 1e3 * row.ray_s, row.core_hours(), model_bytes(row) / 1e3, row.is_scene ? "  this scene" : "");
   }
   print_result("\n* no other row is better in error (mean) and core-hours{}; {}\n",
                chosen != nullptr ? "; > chosen" : "", duration(report.seconds));
@@ -191,6 +195,7 @@ void run_trade(const Options& options, const LoadedScene& loaded) {
   print_trade(loaded.scene, report, chosen);
   if (chosen != nullptr) print_result("> {}\n", lines_of(*chosen));
   json out = figures(report);
+  for (std::size_t i = 0; i < report.rows.size(); ++i) out["rows"][i]["model_text_bytes"] = model_bytes(report.rows[i]);
   out["chosen"] = chosen != nullptr ? json(chosen - report.rows.data()) : json(nullptr);
   write_json(options.json_file, out);
   if (report.interrupted)
@@ -232,21 +237,24 @@ void add(CLI::App& app) {
       command, "--seconds", options.seconds, 1, 1e7,
       "time for all (default: 60; with --trade 900); the cheaper comparison comes first and uses at most half of "
       "it, each probe its share");
-  command
-      .add_option("--reference", options.reference,
-                  "compare with this one alone, at as many of the probes as the time of the first allows")
-      ->check(CLI::IsMember({"both", "taylor-hood", "half-size"}))
-      ->capture_default_str();
+  auto* reference =
+      command
+          .add_option("--reference", options.reference,
+                      "compare with this one alone, at as many of the probes as the time of the first allows")
+          ->check(CLI::IsMember({"both", "taylor-hood", "half-size"}))
+          ->capture_default_str();
   auto* trade =
-      command.add_flag("--trade", options.trade,
-                       "compare all elements on meshes of half, the same and twice as many nodes instead: error, "
-                       "time and size in one table");
+      command
+          .add_flag("--trade", options.trade,
+                    "compare all elements on meshes of half, the same and twice as many nodes instead: error, "
+                    "time and size in one table")
+          ->excludes(reference);
   command
       .add_option("--max-error", options.max_error,
                   "with --trade: choose the fastest with at most this mean error, such as 5%")
       ->needs(trade);
   add_json(command, options.json_file);
-  command.add_flag("--details", options.details, "print the error of every probe");
+  command.add_flag("--details", options.details, "print the error of every probe")->excludes(trade);
 }
 
 }  // namespace phynness::cli::check_command

@@ -94,11 +94,6 @@ struct NearestProbes {
   std::int32_t _n = 0;
 };
 
-/// Normal of a triangle, of twice its area.
-Eigen::Vector3d normal_of(const Eigen::Matrix3d& corners) {
-  return (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
-}
-
 /// Nodes on the border of a part of the surface, and on that of an open surface.
 std::vector<char> border_of(const NodeList& within, const Triangles& surface, std::size_t n_nodes) {
   std::vector<char> border(n_nodes, 0);

@@ -49,27 +49,11 @@ Eigen::Matrix3d corners_of(const Points& nodes, const Triangles& surface, Eigen:
   return corners;
 }
 
+Eigen::Vector3d normal_of(const Eigen::Matrix3d& corners) {
+  return (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
+}
+
 namespace {
-
-Vector area_vector(const Points& nodes, const Triangles& surface, Eigen::Index t) {
-  const auto corners = corners_of(nodes, surface, t);
-  return (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0)) / 2;
-}
-
-/// The outward normal at the middle of a tool: at nodes the mean of their triangles by area, between them the mean of
-/// the corners' normals.
-Vector normal_at(const Points& nodes, const Triangles& surface, const SurfacePoint& center) {
-  Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
-  for (Eigen::Index t = 0; t < surface.rows(); ++t)
-    for (int k = 0; k < 3; ++k)
-      for (std::size_t c = 0; c < 3; ++c)
-        if (center.weights[c] > 0 && surface(t, k) == center.nodes[c])
-          normals.col(static_cast<Eigen::Index>(c)) += area_vector(nodes, surface, t);
-  Vector normal = Vector::Zero();
-  for (std::size_t c = 0; c < 3; ++c)
-    normal += std::max(center.weights[c], 0.0) * normals.col(static_cast<Eigen::Index>(c)).normalized();
-  return normal.normalized();
-}
 
 /// Triangles around the middle of a tool that are connected over edges within the radius.
 std::vector<Eigen::Index> touched_triangles(const Points& nodes, const Triangles& surface, const SurfacePoint& center,
@@ -172,14 +156,20 @@ double tool_pressure(double s2) { return s2 < 1 - 1e-9 ? 1 : 0; }
 
 void integrate_pressure(const Points& nodes, const Triangles& surface, const SurfacePoint& center, double radius,
                         bool whole, const TakePressure& take) {
-  Vector middle = Vector::Zero();
+  // The normal between nodes is the mean of theirs, so that it turns steadily over edges of the body.
+  const Points normals = node_normals(nodes, surface);
+  Vector middle = Vector::Zero(), normal = Vector::Zero();
   for (std::size_t k = 0; k < 3; ++k)
-    if (center.weights[k] > 0) middle += center.weights[k] * nodes.row(center.nodes[k]).transpose();
-  const Vector normal = normal_at(nodes, surface, center);
+    if (center.weights[k] > 0) {
+      middle += center.weights[k] * nodes.row(center.nodes[k]).transpose();
+      normal += center.weights[k] * normals.row(center.nodes[k]).transpose();
+    }
+  normal.normalize();
   for (const auto t : touched_triangles(nodes, surface, center, middle, radius)) {
-    const double facing = whole ? 1 : normal.dot(area_vector(nodes, surface, t).normalized());
+    const Eigen::Matrix3d corners = corners_of(nodes, surface, t);
+    const double facing = whole ? 1 : normal.dot(normal_of(corners).normalized());
     if (facing > 0)
-      integrate_part(corners_of(nodes, surface, t), Eigen::Matrix3d::Identity(), middle, radius,
+      integrate_part(corners, Eigen::Matrix3d::Identity(), middle, radius,
                      [&](const Vector& at, double part) { take(t, at, facing * part); });
   }
 }

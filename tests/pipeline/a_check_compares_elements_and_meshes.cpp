@@ -197,6 +197,8 @@ TEST_F(Check, RefusesATradeThatItCannotMake) {
   write_file(folder / "scene.toml", scene("p1-p1"));
   expect_names(be_refused("check scene.toml --max-error 5%").err, {"--trade"});
   expect_names(be_refused("check scene.toml --trade --max-error 5").err, {"--max-error 5", "5%"});
+  expect_names(be_refused("check scene.toml --trade --reference half-size").err, {"--reference"});
+  expect_names(be_refused("check scene.toml --trade --details").err, {"--details"});
   expect_names(be_refused("check " PHYNNESS_SOURCE_DIR "/scenes/penrose_case4.toml --trade").err,
                {"nothing to trade", "shell", "--reference half-size"});
   const auto missed = phynness("check scene.toml --trade --probes 1 --max-error 0.0001%");

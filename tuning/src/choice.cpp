@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <phynness/tuning/tuning.hpp>
+#include <phynness/tuning/spacing.hpp>
 
 namespace phynness {
 namespace {
@@ -114,6 +114,19 @@ TuningChoice choose_model(const std::vector<MeasuredModel>& models, const Tuning
   }
   if (!choice.chosen) choice.missed = describe_miss(models, limit, limits.statistic);
   return choice;
+}
+
+const SpacingRow* sparsest(const std::vector<SpacingRow>& rows, double error, ErrorStatistic statistic) {
+  const auto value = row_of(statistic).value;
+  const SpacingRow* best = nullptr;
+  for (const auto& row : rows) {
+    // Where few points leave most of the surface without an answer, those that are left prove nothing.
+    const bool answers = static_cast<double>(row.unanswered) <= 0.05 * static_cast<double>(row.left_out);
+    if (answers && row.between.n > 0 && row.between.*value <= error &&
+        (best == nullptr || row.spacing_m > best->spacing_m))
+      best = &row;
+  }
+  return best;
 }
 
 }  // namespace phynness

@@ -59,12 +59,12 @@ void compare(const Database& all, const LoadedModel& model, SpacingRow& row) {
     const auto states = states_of(all, a, largest);
     if (states.empty() || !(largest > 0)) continue;
     ++row.left_out;
+    const auto point = nearest(header.mesh.nodes, points, node);
     try {
       for (const auto& [d, f] : states) {
         const auto said = model.couple({tool_at(node, d)});
         between.push_back((to_eigen(*said.force_N[0]) - to_eigen(f)).norm() / largest);
-        at_nearest.push_back((to_eigen(model.force(nearest(header.mesh.nodes, points, node), d)) - to_eigen(f)).norm() /
-                             largest);
+        at_nearest.push_back((to_eigen(model.force(point, d)) - to_eigen(f)).norm() / largest);
       }
     } catch (const Error&) {
       ++row.unanswered;
@@ -108,20 +108,6 @@ std::vector<SpacingRow> compare_spacings(const Scene& scene, const std::filesyst
     throw input_error("no point can be left out", std::to_string(all.header().sets.active.size()) + " active nodes",
                       "probe more of them, or omit --spacing");
   return rows;
-}
-
-const SpacingRow* sparsest(const std::vector<SpacingRow>& rows, double error, ErrorStatistic statistic) {
-  const SpacingRow* best = nullptr;
-  for (const auto& row : rows) {
-    const auto& e = row.between;
-    const double value = statistic == ErrorStatistic::mean  ? e.mean
-                         : statistic == ErrorStatistic::p95 ? e.p95
-                                                            : e.median;
-    // Where few points leave most of the surface without an answer, those that are left prove nothing.
-    const bool answers = static_cast<double>(row.unanswered) <= 0.05 * static_cast<double>(row.left_out);
-    if (answers && e.n > 0 && value <= error && (best == nullptr || row.spacing_m > best->spacing_m)) best = &row;
-  }
-  return best;
 }
 
 }  // namespace phynness

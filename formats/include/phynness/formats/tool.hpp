@@ -22,6 +22,8 @@ struct SurfacePoint {
 };
 /// The corners of a triangle, one in each column.
 Eigen::Matrix3d corners_of(const Points& nodes, const Triangles& surface, Eigen::Index t);
+/// Its normal, by the order of the corners, with twice the area as length.
+Eigen::Vector3d normal_of(const Eigen::Matrix3d& corners);
 /// Barycentric weights of the point of a triangle that is nearest to x. @param corners  as corners_of()
 Eigen::Vector3d nearest_in_triangle(const Eigen::Matrix3d& corners, const Eigen::Vector3d& x);
 /// The point of the surface nearest to x [m]. @pre surface has triangles
@@ -40,8 +42,8 @@ struct TouchedNodes {
 /// Pressure under a round tool of radius R at the squared distance s2 = (r / R)^2 from its middle, up to a factor: even
 /// (docs/decisions/round-tool.md), and 0 from the rim on.
 double tool_pressure(double s2);
-/// Receives a point of a surface triangle, by its barycentric coordinates, and the part of the integral of
-/// tool_pressure there.
+/// Receives a point of a surface triangle, by its barycentric coordinates, and its part of the integral
+/// of the pressure.
 using TakePressure = std::function<void(Eigen::Index triangle, const Eigen::Vector3d& at, double part)>;
 /// Integrates the pressure of a round tool over the surface by midpoint rules on triangles that are halved until they
 /// are small compared to the tool, and smaller still at its rim; the parts are not normalized. Included are the

@@ -51,10 +51,11 @@ struct TradeReport {
 };
 
 /// Compares all elements that the scene can have, on its mesh and, where phynness makes it, on meshes of half and twice
-/// as many nodes, with Taylor-Hood elements (shells: with the shell) on the finest of them. All touch the body at the
-/// same points of space, with round tools of the same radius. Must run as one process.
+/// as many nodes, with Taylor-Hood elements (P2 if lambda is not positive) on the finest of them. All touch the body at
+/// the same points of space, with round tools of the same radius. Must run as one process.
 /// @param options  its `reference` is not used
-/// @throws Error (input) if the reference needs more than options.seconds, before it is solved
+/// @throws Error (input) if there is one body only, as of shells, and if the reference needs more than
+/// options.seconds, before it is solved
 TradeReport compare_discretizations(const Scene& scene, const Mesh& mesh, const NodeSets& sets,
                                     const DiscretizationOptions& options,
                                     const std::function<void(std::int64_t, std::int64_t)>& progress = {},
