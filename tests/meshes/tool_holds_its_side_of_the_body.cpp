@@ -1,7 +1,7 @@
 // Claims: a round tool moves the mean of the surface that is connected to its middle within its radius, and not the far
-// side of a thin body; its weights are positive, have the sum 1 and on flat faces the tool's middle as their center; fixed
-// nodes have none; the weights are continuous while the tool slides, also around the rim of a thin body; a part of the
-// surface has the weight that a flat disc of its area in the tangent plane at the middle would have.
+// side of a thin body; its weights are positive, have the sum 1 and on flat faces the tool's middle as their center;
+// fixed nodes have none; the weights are continuous while the tool slides, also around the rim of a thin body; a part
+// of the surface has the weight that a flat disc of its area in the tangent plane at the middle would have.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -98,8 +98,7 @@ TEST(RoundTool, PressesWhatFacesItAsAFlatDisc) {
   const auto mean_height = [&](bool whole) {
     const auto touched = touched_nodes(ball.nodes, ball.surface, {}, at_node(top), radius, whole);
     double z = 0;
-    for (std::size_t i = 0; i < touched.nodes.size(); ++i)
-      z += touched.weights[i] * ball.nodes(touched.nodes[i], 2);
+    for (std::size_t i = 0; i < touched.nodes.size(); ++i) z += touched.weights[i] * ball.nodes(touched.nodes[i], 2);
     return z;
   };
   // Chords of diagonals of 0.12 are up to 0.12^2 / 8 below the ball.
