@@ -10,14 +10,18 @@ from ._phynness import (
     Coupled, Column, Database, Error, IncompleteWarning, Level, Model, OutsideWarning, Scene, StatusWarning, SurfacePoint,
     UnsettledWarning, __version__, train, train_forces,
 )
+from .command import Page, Solution, precompute, show, solve, validate
 
 if TYPE_CHECKING:
     from .estimator import ConservativeForce
 
 __all__ = [
-    "ConservativeForce", "Coupled", "Column", "Database", "Error", "IncompleteWarning", "Level", "Model", "OutsideWarning", "Scene",
-    "StatusWarning", "SurfacePoint", "UnsettledWarning", "__version__", "train", "train_forces",
+    "ConservativeForce", "Coupled", "Column", "Database", "Error", "IncompleteWarning", "Level", "Model", "OutsideWarning", "Page",
+    "Scene", "Solution", "StatusWarning", "SurfacePoint", "UnsettledWarning", "__version__", "precompute", "show", "solve",
+    "train", "train_forces", "validate",
 ]
+
+Model.show = show  # type: ignore[method-assign]
 
 
 def __getattr__(name: str) -> Any:

@@ -4,6 +4,8 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from .command import Page
+
 Array = NDArray[np.float64]
 Integers = NDArray[np.int32]
 Path = Union[str, PathLike[str]]
@@ -67,6 +69,9 @@ class Model:
     def nearest(self, x: ArrayLike) -> Tuple[SurfacePoint, Array]: ...
     def couple(self, at: Sequence[Place], d: ArrayLike, *, level: Optional[int] = None) -> Coupled: ...
     def save(self, path: Path) -> None: ...
+    def show(
+        self, out: Optional[Path] = None, *, database: Union[Path, Database, None] = None, errors: Optional[Path] = None
+    ) -> Page: ...
     @property
     def text(self) -> bytes: ...
     @property

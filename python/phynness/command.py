@@ -1,0 +1,192 @@
+"""What needs the finite element solver: the command phynness, started as a process of its own, with its messages and results."""
+from __future__ import annotations
+
+import contextlib
+import csv
+import html
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import webbrowser
+from pathlib import Path as File
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optional, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._phynness import Database, Error, Model
+
+if TYPE_CHECKING:
+    from ._phynness import Node, Path
+
+    Study = Union[Path, Database]
+
+
+class Solution(NamedTuple):
+    """Solved states of n displacements; rows that could not be solved are NaN."""
+
+    force: NDArray[np.float64]  # (n, 3) [N]
+    energy: NDArray[np.float64]  # (n,) [J]
+    status: NDArray[np.int32]  # (n,), 0: solved, others as in formats/database.md
+    note: List[str]  # (n,), why there is no solution, or that the state is unstable
+
+
+def _command() -> str:
+    # That of the same installation (PREFIX/lib/pythonX.Y/site-packages/phynness), before another one.
+    beside = File(__file__).resolve().parents[4:5]
+    places = [os.environ.get("PHYNNESS_COMMAND"), *(str(prefix / "bin/phynness") for prefix in beside), "phynness"]
+    for place in places:
+        found = place and shutil.which(place)
+        if found:
+            return found
+    raise Error("the command phynness was not found; install it, add its folder to PATH, or set PHYNNESS_COMMAND to its path")
+
+
+def _run(*arguments: object, ranks: int = 1, progress: Optional[bool] = None) -> None:
+    """Runs the command; its messages go to sys.stderr. KeyboardInterrupt ends it as Ctrl-C does: what is finished is kept."""
+    if ranks < 1:
+        raise Error(f"ranks = {ranks}; at least 1")
+    start = [] if ranks == 1 else ["mpirun", "-n", str(ranks)]
+    shown = sys.stderr.isatty() if progress is None else progress
+    environment = {**os.environ, "PHYNNESS_PROGRESS": "1"} if shown else None
+    # In a group of its own, so that Ctrl-C of a terminal reaches it once, from here.
+    process = subprocess.Popen(
+        [*start, _command(), *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE, env=environment, start_new_session=True)
+    assert process.stderr is not None
+    said: List[str] = []
+
+    def listen() -> int:
+        assert process.stderr is not None
+        for chunk in iter(lambda: os.read(process.stderr.fileno(), 65536), b""):  # type: ignore[union-attr]
+            said.append(chunk.decode(errors="replace"))
+            if shown:
+                sys.stderr.write(said[-1])
+                sys.stderr.flush()
+        return process.wait()
+
+    try:
+        status = listen()
+    except BaseException:
+        process.send_signal(signal.SIGINT)
+        try:
+            listen()
+        except BaseException:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+        raise
+    finally:
+        process.stderr.close()
+    text = "".join(said).rpartition("\r")[2] if shown else "".join(said)
+    if status == 2:
+        raise Error(text.strip())
+    if status != 0:
+        raise RuntimeError(text.strip() or f"phynness {arguments[0]} ended with status {status}")
+    if text and not shown:
+        sys.stderr.write(text)
+
+
+def _path(study: Study) -> str:
+    return study.path if isinstance(study, Database) else os.fspath(study)
+
+
+@contextlib.contextmanager
+def _folder(model: Union[Path, Model]) -> Iterator[str]:
+    if not isinstance(model, Model):
+        yield os.fspath(model)
+        return
+    with tempfile.TemporaryDirectory(prefix="phynness-") as folder:
+        model.save(File(folder) / "model")
+        yield os.path.join(folder, "model")
+
+
+def solve(scene: Study, node: Node, d: ArrayLike, *, progress: Optional[bool] = None) -> Solution:
+    """Finite element solves of a node of the surface at displacements d, (3,) or (n, 3) [m], each from rest.
+
+    `scene` is the path of a scene, or of a database or a Database, whose mesh is then not made anew. Error in words if it is
+    refused. About as many solves as increments are needed for each displacement (docs/commands.md, solve).
+    """
+    rows = np.atleast_2d(np.asarray(d, float))
+    if rows.ndim != 2 or rows.shape[1] != 3:
+        raise Error(f"d has the shape {np.shape(d)}; displacements have the shape (3,) or (n, 3)")
+    with tempfile.TemporaryDirectory(prefix="phynness-") as folder:
+        queries, table = File(folder) / "queries.csv", File(folder) / "solved.csv"
+        queries.write_text("node,ux_m,uy_m,uz_m\n" + "".join(f"{node},{x!r},{y!r},{z!r}\n" for x, y, z in rows.tolist()))
+        _run("solve", _path(scene), "--queries", queries, "-o", table, progress=progress)
+        with table.open(newline="") as lines:
+            found = list(csv.DictReader(lines))
+
+    def numbers(name: str) -> NDArray[np.float64]:
+        return np.array([float(row[name] or "nan") for row in found])
+
+    force = np.stack([numbers(f"f{axis}_N") for axis in "xyz"], axis=1)
+    status = np.array([int(row["status"]) for row in found], np.int32)
+    return Solution(force, numbers("energy_J"), status, [row["note"] for row in found])
+
+
+def precompute(scene: Path, out: Path, *, ranks: int = 1, resume: bool = False, take_from: Optional[Study] = None,
+               progress: Optional[bool] = None) -> Database:
+    """Solves every probe of the scene at `scene` on `ranks` processes and writes the database `out`, which is returned.
+
+    KeyboardInterrupt keeps what is solved, and `resume` continues it. `take_from` is a finished database whose rays are taken
+    where the scene has them (docs/commands.md, precompute). Progress is shown on terminals, or anywhere with progress=True.
+    """
+    more = ["--resume"] if resume else []
+    if take_from is not None:
+        more += ["--from", _path(take_from)]
+    _run("precompute", os.fspath(scene), "-o", os.fspath(out), *more, ranks=ranks, progress=progress)
+    return Database(out)
+
+
+def validate(scene: Path, model: Union[Path, Model], *, probes: Optional[int] = None, points: Optional[int] = None,
+             pairs: Optional[int] = None, seed: Optional[int] = None, report: Optional[Path] = None, ranks: int = 1,
+             progress: Optional[bool] = None) -> Dict[str, Any]:
+    """The errors of a model against fresh finite element solves: the numbers of `phynness validate --json`.
+
+    `model` is a Model or its folder. The keys are those of formats/validation.md; errors are in %. `points` and `pairs` ask for
+    tools between nodes and for two tools; `report` is an HTML file to write.
+    """
+    with _folder(model) as folder, tempfile.TemporaryDirectory(prefix="phynness-") as results:
+        figures = File(results) / "figures.json"
+        asked = {"probes": probes, "points": points, "pairs": pairs, "seed": seed, "report": report}
+        options = [word for name, value in asked.items() if value is not None for word in (f"--{name}", str(value))]
+        _run("validate", os.fspath(scene), folder, *options, "--json", figures, ranks=ranks, progress=progress)
+        result: Dict[str, Any] = json.loads(figures.read_text())
+        return result
+
+
+class Page:
+    """A page on which a model can be touched, in the file `path`. A notebook shows it in a frame."""
+
+    def __init__(self, path: File) -> None:
+        self.path = path
+
+    def _repr_html_(self) -> str:
+        text = html.escape(self.path.read_text(encoding="utf-8"))
+        return f'<iframe srcdoc="{text}" style="width: 100%; height: 640px; border: 0"></iframe>'
+
+
+def show(model: Union[Path, Model], out: Optional[Path] = None, *, database: Optional[Study] = None,
+         errors: Optional[Path] = None) -> Page:
+    """Writes the page of a model, one HTML file that needs no network, and returns it (docs/commands.md, view).
+
+    As the last expression of a notebook's cell it is shown there. Elsewhere, without `out`, the page is a temporary file, which
+    the browser opens. `database` adds the stored finite element forces, `errors` (a file of `validate --json`) the errors.
+    """
+    if out is None:
+        out = File(tempfile.mkdtemp(prefix="phynness-")) / "model.html"
+        opened = "ipykernel" not in sys.modules
+    else:
+        opened = False
+    more: List[str] = [] if database is None else ["--database", _path(database)]
+    if errors is not None:
+        more += ["--errors", os.fspath(errors)]
+    with _folder(model) as folder:
+        _run("view", folder, *more, "-o", os.fspath(out))
+    if opened:
+        webbrowser.open(File(out).resolve().as_uri())
+    return Page(File(out))
