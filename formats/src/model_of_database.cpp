@@ -76,12 +76,12 @@ Scene stored_scene(const DatabaseHeader& header) {
     return parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent,
                        solid_element);
   };
-  // P1 was the default before p1-p1.
-  for (const auto element : {element_named("P1"), SolverSpec{}.element}) {
+  // P1 was the default before p1-p1, and p1-p1 that of patches before es-p1-p1.
+  for (const auto element : {element_named("P1"), element_named("p1-p1"), Element{}}) {
     Scene earlier = as_hashed(parsed(element), header.physics_hash);
     if (physics_hash(earlier) == header.physics_hash) return earlier;
   }
-  return parsed(SolverSpec{}.element);
+  return parsed(nullptr);
 }
 
 DatabaseHeader database_header(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {

@@ -45,11 +45,11 @@ Scene parse_scene(const std::string& text, const std::string& source_name, const
   material.read_into(scene);
   sd::check_material(material, scene);
   solver.read_into(scene);
-  sd::check_solver(solver, solid_element, scene);
   nodes.read_into(scene);
   sd::check_nodes(nodes, scene);
   probe.read_into(scene);
   sd::check_probe(probe, scene.probe);
+  sd::check_solver(solver, solid_element, scene);
   database.read_into(scene);
   sd::check_database(database, scene);
   training.read_into(scene);

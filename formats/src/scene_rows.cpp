@@ -106,8 +106,8 @@ Keys equilibrium_keys() {
           "element", &SolverSpec::element, element_words(), always,
           "`\"taylor-hood\"` has P2 displacement and P1 pressure, `\"p1-p1\"` displacement and pressure on linear "
           "tetrahedra, stabilized, and `\"es-p1-p1\"` the same unknowns with the shear energy as a function of strains "
-          "averaged over the cells at each edge. Where `[mesh]` has a thickness, `\"shell\"` is the default and the "
-          "only choice"),
+          "averaged over the cells at each edge, which is the default of patches. Where `[mesh]` has a thickness, "
+          "`\"shell\"` is the default and the only choice"),
       solver("relative_tolerance", &SolverSpec::relative_tolerance, Number{{1e-14, 1e-2}}, always,
              "norm of the free residual over that of the reactions"),
       solver("max_iterations", &SolverSpec::max_iterations, Integer{1, 1000}, always,

@@ -285,6 +285,8 @@ TEST(Defaults, are_what_is_recommended) {
   const Scene solid = parsed(plain), shell = parsed(with(plain, "shape = \"block\"", "shape = \"drain\""));
   EXPECT_EQ(solid.solver.element, element_named("p1-p1"));
   EXPECT_EQ(shell.solver.element, element_named("shell"));
+  const std::string patch = "increments = 4\nkind = \"patch\"\ntool_radius_m = 0.01";
+  EXPECT_EQ(parsed(with(plain, "increments = 4", patch)).solver.element, element_named("es-p1-p1"));
   EXPECT_EQ(solid.training.family, Family::modal);
   EXPECT_EQ(solid.probe.kind, ProbeKind::node);
   EXPECT_TRUE(scene_warnings(parsed(with(plain, "bulk_modulus_Pa = 5000.0", "bulk_modulus_Pa = 100e3"))).empty());

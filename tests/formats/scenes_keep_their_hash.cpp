@@ -71,8 +71,8 @@ TEST(ShippedScenes, keep_hash_element_and_family) {
   }
 }
 
-// Databases made before p1-p1 became the default: such a scene still means the element that it was solved
-// with.
+// Databases made before p1-p1 became the default, or es-p1-p1 that of patches: such a scene still means the element
+// that it was solved with.
 TEST(StoredScene, means_the_element_that_it_was_solved_with) {
   const std::string plain = with(with(good_scene, "element = \"P1\"\n", ""), "family = \"rbfn\"\n", "");
   DatabaseHeader header;
@@ -84,6 +84,13 @@ TEST(StoredScene, means_the_element_that_it_was_solved_with) {
   header.physics_hash = physics_hash(parsed(with(plain, "[solver]", "[solver]\nelement = \"P1\"")));
   EXPECT_EQ(stored_scene(header).solver.element, element_named("P1"));
   EXPECT_EQ(physics_hash(stored_scene(header)), header.physics_hash);
+  const std::string patch = with(plain, "increments = 4", "increments = 4\nkind = \"patch\"\ntool_radius_m = 0.01");
+  header.scene_text = patch;
+  for (const char* element : {"P1", "p1-p1", "es-p1-p1"}) {
+    header.physics_hash =
+        physics_hash(parsed(with(patch, "[solver]", "[solver]\nelement = \"" + std::string(element) + '"')));
+    EXPECT_EQ(stored_scene(header).solver.element, element_named(element));
+  }
   // Written out, nothing is left to guess.
   header.scene_text = with(good_scene, "family = \"rbfn\"\n", "");
   header.physics_hash = physics_hash(parsed(header.scene_text));

@@ -77,8 +77,7 @@ struct Material : Moduli {
 Material material_of(Law law, const std::vector<std::pair<std::string_view, double>>& given);
 
 struct SolverSpec {
-  Element element = element_named("p1-p1");  ///< default; `shell` if the mesh has a thickness
-  bool element_given = false;                ///< false: the scene does not name an element
+  Element element = element_named("p1-p1");  ///< default of node probes; of patches es-p1-p1, of shells `shell`
   std::optional<int> earlier_revision;       ///< of the equations, if not revision() of law.hpp; read, but not solved
   double relative_tolerance = 1e-8;          ///< |free residual| / |reactions|
   int max_iterations = 40;
@@ -155,9 +154,9 @@ Scene read_scene(const std::filesystem::path& file);
 /// Whether a mesh file that the scene names must exist. A database stores its mesh together with its scene.
 enum class MeshFile { must_exist, may_be_absent };
 /// @param folder         folder of relative mesh paths
-/// @param solid_element  element of a scene without a named element and without a mesh thickness
+/// @param solid_element  element of a scene without a named element and without a mesh thickness; null: the default
 Scene parse_scene(const std::string& text, const std::string& source_name, const std::filesystem::path& folder,
-                  MeshFile mesh_file = MeshFile::must_exist, Element solid_element = SolverSpec{}.element);
+                  MeshFile mesh_file = MeshFile::must_exist, Element solid_element = nullptr);
 
 /// [training] of a scene with other values of some keys, which are checked as in a scene.
 /// @param keys  TOML of the section, without its name
