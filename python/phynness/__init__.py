@@ -21,7 +21,7 @@ __all__ = [
     "train", "train_forces", "validate",
 ]
 
-Model.show = show  # type: ignore[method-assign]
+setattr(Model, "show", show)
 
 
 def __getattr__(name: str) -> Any:

@@ -50,7 +50,7 @@ def _run(*arguments: object, ranks: int = 1, progress: Optional[bool] = None) ->
     """Runs the command; its messages go to sys.stderr. KeyboardInterrupt ends it as Ctrl-C does: what is finished is kept."""
     if ranks < 1:
         raise Error(f"ranks = {ranks}; at least 1")
-    start = [] if ranks == 1 else ["mpirun", "-n", str(ranks)]
+    start = [] if ranks == 1 else ["mpirun", "-n", str(ranks), *(["--oversubscribe"] if ranks > (os.cpu_count() or 1) else [])]
     shown = sys.stderr.isatty() if progress is None else progress
     environment = {**os.environ, "PHYNNESS_PROGRESS": "1"} if shown else None
     # In a group of its own, so that Ctrl-C of a terminal reaches it once, from here.

@@ -47,7 +47,7 @@ def run(*command, **options):
 def without_times(figures):
     """The figures without those that differ from run to run."""
     if isinstance(figures, dict):
-        return {name: without_times(value) for name, value in figures.items() if "seconds" not in name and "_us" not in name}
+        return {name: without_times(value) for name, value in figures.items() if not any(part in name for part in ("seconds", "_us", "_ms"))}
     return [without_times(value) for value in figures] if isinstance(figures, list) else figures
 
 
@@ -313,7 +313,7 @@ class Databases(unittest.TestCase):
 SMALL = """title = "A small block"
 [mesh]
 shape = "block"
-target_nodes = 60
+target_nodes = 56
 [material]
 law = "neo-hookean"
 c10_Pa = 250.0
@@ -322,6 +322,7 @@ bulk_modulus_Pa = 5e3
 fixed = { plane = { point_fraction = [0, 0, 0], normal = [0, 0, 1], tolerance_m = 1e-6 } }
 active = { count = 2 }
 [probe]
+kind = "node"
 max_displacement_m = 0.008
 increments = 2
 directions = 26
@@ -347,13 +348,13 @@ class Solves(unittest.TestCase):
             for name in other.keys():
                 if name != "seconds":
                     self.assertEqual(np.asarray(self.database[name]).tobytes(), np.asarray(other[name]).tobytes(), name)
-        again = phynness.precompute(self.scene, work / "taken.h5", take_from=self.database)
+        again = phynness.precompute(self.scene, work / "taken.h5", take_from=self.database, ranks=2)
         self.assertEqual(np.asarray(again["force"]).tobytes(), np.asarray(self.database["force"]).tobytes())
 
     def test_solves_are_the_rays(self):
         node = int(self.database.active_nodes[1])
         d = self.database.displacements[3]
-        solved = phynness.solve(self.database, node, np.vstack([d, [[10, 0, 0]]]))
+        solved = phynness.solve(self.database, node, np.vstack([d, [[0, 0, -0.2]]]))
         self.assertEqual((list(solved.status[:2]), len(solved.note)), ([0, 0], 3))
         self.assertNotEqual(solved.status[2], 0)
         self.assertTrue(np.isnan(solved.force[2]).all() and solved.note[2])
