@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/locking.hpp>
 #include <phynness/planning/planning.hpp>
 #include <phynness/precompute/probe_solver.hpp>
@@ -17,7 +18,7 @@ struct Options {
   std::optional<std::string> max_error;
   DiscretizationOptions check;
   std::string reference = "both";
-  OptionalPath json_file;
+  OptionalPath json_file, model;
   bool details = false;
 };
 
@@ -112,15 +113,43 @@ void print(const Options& options, const Scene& scene, const DiscretizationRepor
   print_result("{}\n", duration(report.seconds));
 }
 
+/// The distance that is named with a model.
+FinerDistance distance(const Options& options, const Scene& scene, const DiscretizationReport& report) {
+  return report.distance(scene, options.check.reference.value_or(finer_reference(scene)));
+}
+
+/// The model of --model. @throws Error (input) if it is of another mesh or physics
+std::optional<LoadedModel> model_of(const Options& options, const LoadedScene& loaded) {
+  if (!options.model) return {};
+  check_place("--model", *options.model, PathKind::model);
+  std::optional<LoadedModel> read(std::in_place, *options.model);
+  const auto& m = read->model();
+  for (const auto& [what, own, other] : {std::tuple{"mesh", m.mesh_hash, mesh_hash(loaded.mesh)},
+                                         std::tuple{"physics", m.physics_hash, physics_hash(loaded.scene)}})
+    if (own != other)
+      throw input_error(fmt::format("the model has another {} than the scene", what),
+                        fmt::format("--model {}: {}, of the scene {}", options.model->string(), own, other),
+                        "give the scene from which the model was made");
+  return read;
+}
+
+void store(const Options& options, const Scene& scene, const LoadedModel& read, const DiscretizationReport& report) {
+  if (report.interrupted) return;
+  Model model = read.model();
+  model.finer = distance(options, scene, report);
+  write_model_dir(*options.model, model, read.mesh());
+  print_result("model with this distance -> {}\n", options.model->string());
+}
+
 json as_json(const Options& options, const LoadedScene& loaded, const DiscretizationReport& report) {
   const Scene& scene = loaded.scene;
   Scene checked = scene;
   checked.probe.kind = ProbeKind::patch;
   const double expected = expected_force_ratio(checked, report.mean_edge_m);
-  json out = record("element", name(scene.solver.element), "bulk_to_shear", scene.material.bulk_to_shear(),
-                    "expected_ratio", expected > 1 ? json(expected) : json(nullptr), "mesh_hash",
-                    mesh_hash(loaded.mesh), "physics_hash", physics_hash(scene), "distance",
-                    report.distance(scene, options.check.reference.value_or(finer_reference(scene))));
+  json out =
+      record("element", name(scene.solver.element), "bulk_to_shear", scene.material.bulk_to_shear(), "expected_ratio",
+             expected > 1 ? json(expected) : json(nullptr), "mesh_hash", mesh_hash(loaded.mesh), "physics_hash",
+             physics_hash(scene), "distance", distance(options, scene, report));
   out.update(figures(report));
   return out;
 }
@@ -211,6 +240,8 @@ void run_trade(const Options& options, const LoadedScene& loaded) {
 
 void run(const Options& given) {
   Options options = given;
+  if (options.trade && options.model)
+    throw input_error("a trade measures no distance of one model", "--trade and --model", "give one of both");
   options.check.seconds = options.seconds.value_or(options.trade ? 900 : options.check.seconds);
   for (const auto v : {Variant::taylor_hood, Variant::half_size})
     if (options.reference == name(v)) options.check.reference = v;
@@ -218,10 +249,14 @@ void run(const Options& given) {
   const auto loaded = load_scene(options.scene);
   install_stop_handler();
   if (options.trade) return run_trade(options, loaded);
+  const auto model = model_of(options, loaded);
   const auto report = check_discretization(loaded.scene, loaded.mesh, loaded.sets, options.check,
                                            Progress("check", "rays").counter(), stop_requested);
   print(options, loaded.scene, report);
   write_each({[&] { write_json(options.json_file, as_json(options, loaded, report)); },
+              [&] {
+                if (model) store(options, loaded.scene, *model, report);
+              },
               [&] { refuse_nothing(options, report); }});
 }
 
@@ -253,6 +288,8 @@ void add(CLI::App& app) {
       .add_option("--max-error", options.max_error,
                   "with --trade: choose the fastest with at most this mean error, such as 5%")
       ->needs(trade);
+  add_path(command, "--model", options.model, PathKind::input,
+           "model directory of this scene, whose model.txt then holds the distance");
   add_json(command, options.json_file);
   command.add_flag("--details", options.details, "print the error of every probe")->excludes(trade);
 }
