@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/embedding/embedding.hpp>
+#include <phynness/evaluation/runtime_speed.hpp>
 #include <phynness/formats/locking.hpp>
 #include <phynness/planning/planning.hpp>
 #include <phynness/precompute/probe_solver.hpp>
@@ -183,12 +184,34 @@ std::string lines_of(const TradeRow& row) {
   return lines;
 }
 
-/// Of the model that a row's database gives; 0 if there is no such body.
-double model_bytes(const TradeRow& row) {
-  return row.body ? predict_model_size(row.scene, *row.body).model_text_bytes : 0;
+/// What the model of a row's database takes online.
+struct ModelCost {
+  double model_text_bytes = 0, image_bytes = 0;  ///< of model.txt; of an image of floats
+  double force_us = 0, deformation_us = 0;       ///< on this machine
+  PHYNNESS_FIGURES(model_text_bytes, image_bytes, force_us, deformation_us)
+};
+
+/// By models of one and of two nodes with random numbers; all zeros if there is no such body.
+ModelCost model_cost(const TradeRow& row) {
+  if (!row.body) return {};
+  ModelCost cost{predict_model_size(row.scene, *row.body).model_text_bytes};
+  double image_bytes[2];
+  for (const std::size_t n : {1, 2}) {
+    Model model = sized_model(row.scene, *row.body, n);
+    // Centers of family modal are limited to a multiple of the range.
+    if (schema::traits(model.family).has_modes) model.displacements *= model.max_displacement_m;
+    image_bytes[n - 1] = static_cast<double>(model_image(model, {.floats = true}).bytes.size());
+    const auto speed = measure_speed({std::move(model), row.body->mesh, "a model with random numbers"});
+    cost.force_us = speed.force_us;
+    cost.deformation_us = speed.deformation_us;
+  }
+  const auto more = static_cast<double>(row.body->sets.active.size()) - 1;
+  cost.image_bytes = image_bytes[0] + more * (image_bytes[1] - image_bytes[0]);
+  return cost;
 }
 
-void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* chosen) {
+void print_trade(const Scene& scene, const TradeReport& report, const std::vector<ModelCost>& costs,
+                 const TradeRow* chosen) {
   const TradeRow& finest = *std::ranges::find_if(report.rows, &TradeRow::is_reference);
   print_result(
       "{} ({}), K/mu = {:.4g}: {} probes of a round tool of {:.4g} mm radius, |d| to {:.4g} mm,\n"
@@ -196,10 +219,10 @@ void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* 
       scene.title.empty() ? "scene" : scene.title, name(scene.material.law), scene.material.bulk_to_shear(),
       report.probes, 1e3 * report.tool_radius_m, 1e3 * scene.probe.max_displacement_m,
       name(finest.scene.solver.element), finest.body->mesh.n_nodes());
-  print_result(
-      "{:<14} {:>6} {:>7}  {:>15}  {:>9} {:>10} {:>10}\n{:<14} {:>6} {:>7}  {:>7} {:>7}  {:>9} {:>10} {:>10}\n", "", "",
-      "", "force off by, %", "ms of one", "database,", "model.txt,", "  element", "nodes", "probes", "mean", "p95",
-      "ray", "core-hours", "kB");
+  constexpr auto columns = "{:<14} {:>6} {:>6}  {:>7} {:>7}  {:>7} {:>8} {:>7} {:>7} {:>7}{}\n";
+  print_result(columns, "", "", "", "force", "off by", "ms of", "database", "image,", "us of a", "us of a", "");
+  print_result(columns, "  element", "nodes", "probes", "mean, %", "p95, %", "a ray", "core-h", "kB", "force",
+               "deform.", "");
   for (const auto& row : report.rows) {
     const char mark = chosen == &row ? '>' : row.on_front ? '*' : ' ';
     print_result("{} {:<12} {:>6} ", mark, name(row.scene.solver.element), row.body ? row.body->mesh.n_nodes() : 0);
@@ -207,13 +230,19 @@ void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* 
       print_result("not compared: {}\n", row.left_out.empty() ? "interrupted" : row.left_out);
       continue;
     }
-    const auto errors = row.is_reference ? std::string("      reference")
-                                         : fmt::format("{:7.3g} {:7.3g}", 100 * row.mean, 100 * row.p95);
-    print_result("{:>7}  {}  {:>9.0f} {:>10.2g} {:>10.0f}{}\n", row.is_reference ? report.probes : row.probes, errors,
-                 1e3 * row.ray_s, row.core_hours(), model_bytes(row) / 1e3, row.is_scene ? "  this scene" : "");
+    const auto& cost = costs[static_cast<std::size_t>(&row - report.rows.data())];
+    const auto percent = [&](double error) { return row.is_reference ? "-" : fmt::format("{:.3g}", 100 * error); };
+    print_result("{:>6}  {:>7} {:>7}  {:>7.0f} {:>8.2g} {:>7.0f} {:>7.2g} {:>7.2g}{}\n",
+                 row.is_reference ? report.probes : row.probes, percent(row.mean), percent(row.p95), 1e3 * row.ray_s,
+                 row.core_hours(), cost.image_bytes / 1e3, cost.force_us, cost.deformation_us,
+                 row.is_reference ? "  reference"
+                 : row.is_scene   ? "  this scene"
+                                  : "");
   }
-  print_result("\n* no other row is better in error (mean) and core-hours{}; {}\n",
-               chosen != nullptr ? "; > chosen" : "", duration(report.seconds));
+  print_result(
+      "\n* no other row is better in error (mean) and core-hours{}; {}\n"
+      "image and times: of a model of this size with random numbers, in floats on a device, measured on this machine\n",
+      chosen != nullptr ? "; > chosen" : "", duration(report.seconds));
 }
 
 void run_trade(const Options& options, const LoadedScene& loaded) {
@@ -221,10 +250,12 @@ void run_trade(const Options& options, const LoadedScene& loaded) {
   const auto report = compare_discretizations(loaded.scene, loaded.mesh, loaded.sets, options.check,
                                               Progress("check", "rays").counter(), stop_requested);
   const TradeRow* chosen = limit ? report.cheapest(*limit) : nullptr;
-  print_trade(loaded.scene, report, chosen);
+  std::vector<ModelCost> costs;
+  for (const auto& row : report.rows) costs.push_back(model_cost(row));
+  print_trade(loaded.scene, report, costs, chosen);
   if (chosen != nullptr) print_result("> {}\n", lines_of(*chosen));
   json out = figures(report);
-  for (std::size_t i = 0; i < report.rows.size(); ++i) out["rows"][i]["model_text_bytes"] = model_bytes(report.rows[i]);
+  for (std::size_t i = 0; i < costs.size(); ++i) out["rows"][i].update(figures(costs[i]));
   out["chosen"] = chosen != nullptr ? json(chosen - report.rows.data()) : json(nullptr);
   write_json(options.json_file, out);
   if (report.interrupted)
