@@ -36,7 +36,7 @@ def panel(k, path):
         curves.append(f"$e{k}_{i} using 1:2 with points pt 7 ps 0.7 lc rgb '{color}' title '{element}'")
         curves.append(f"$e{k}_{i} using 1:2:3 with labels font ',9' offset 0,0.7 notitle")
     title = path.rsplit("/", 1)[-1].removesuffix(".json")
-    return data, f"set title '{title}'\nplot " + ", \\\n  ".join(curves) + "\n"
+    return data, f"set title '{title}' noenhanced\nplot " + ", \\\n  ".join(curves) + "\n"
 
 
 def main():
@@ -51,8 +51,8 @@ set output '{given.output}'
 set multiplot layout 1,{n}
 set logscale xy
 set xlabel 'core-hours of the database'
-set ylabel 'mean error of the force against the finer solution (%)'
-set key top right
+set ylabel 'mean error of the force (%)'
+set key top right noenhanced
 set grid lc rgb '#dddddd'
 """
     program += "".join(plots) + "unset multiplot\n"
