@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <phynness/embedding/embedding.hpp>
+#include <phynness/evaluation/runtime_speed.hpp>
 #include <phynness/formats/locking.hpp>
 #include <phynness/planning/planning.hpp>
 #include <phynness/precompute/probe_solver.hpp>
@@ -17,7 +19,7 @@ struct Options {
   std::optional<std::string> max_error;
   DiscretizationOptions check;
   std::string reference = "both";
-  OptionalPath json_file;
+  OptionalPath json_file, model;
   bool details = false;
 };
 
@@ -112,15 +114,43 @@ void print(const Options& options, const Scene& scene, const DiscretizationRepor
   print_result("{}\n", duration(report.seconds));
 }
 
+/// The distance that is named with a model.
+FinerDistance distance(const Options& options, const Scene& scene, const DiscretizationReport& report) {
+  return report.distance(scene, options.check.reference.value_or(finer_reference(scene)));
+}
+
+/// The model of --model. @throws Error (input) if it is of another mesh or physics
+std::optional<LoadedModel> model_of(const Options& options, const LoadedScene& loaded) {
+  if (!options.model) return {};
+  check_place("--model", *options.model, PathKind::model);
+  std::optional<LoadedModel> read(std::in_place, *options.model);
+  const auto& m = read->model();
+  for (const auto& [what, own, other] : {std::tuple{"mesh", m.mesh_hash, mesh_hash(loaded.mesh)},
+                                         std::tuple{"physics", m.physics_hash, physics_hash(loaded.scene)}})
+    if (own != other)
+      throw input_error(fmt::format("the model has another {} than the scene", what),
+                        fmt::format("--model {}: {}, of the scene {}", options.model->string(), own, other),
+                        "give the scene from which the model was made");
+  return read;
+}
+
+void store(const Options& options, const Scene& scene, const LoadedModel& read, const DiscretizationReport& report) {
+  if (report.interrupted) return;
+  Model model = read.model();
+  model.finer = distance(options, scene, report);
+  write_model_dir(*options.model, model, read.mesh());
+  print_result("model with this distance -> {}\n", options.model->string());
+}
+
 json as_json(const Options& options, const LoadedScene& loaded, const DiscretizationReport& report) {
   const Scene& scene = loaded.scene;
   Scene checked = scene;
   checked.probe.kind = ProbeKind::patch;
   const double expected = expected_force_ratio(checked, report.mean_edge_m);
-  json out = record("element", name(scene.solver.element), "bulk_to_shear", scene.material.bulk_to_shear(),
-                    "expected_ratio", expected > 1 ? json(expected) : json(nullptr), "mesh_hash",
-                    mesh_hash(loaded.mesh), "physics_hash", physics_hash(scene), "distance",
-                    report.distance(scene, options.check.reference.value_or(finer_reference(scene))));
+  json out =
+      record("element", name(scene.solver.element), "bulk_to_shear", scene.material.bulk_to_shear(), "expected_ratio",
+             expected > 1 ? json(expected) : json(nullptr), "mesh_hash", mesh_hash(loaded.mesh), "physics_hash",
+             physics_hash(scene), "distance", distance(options, scene, report));
   out.update(figures(report));
   return out;
 }
@@ -154,12 +184,34 @@ std::string lines_of(const TradeRow& row) {
   return lines;
 }
 
-/// Of the model that a row's database gives; 0 if there is no such body.
-double model_bytes(const TradeRow& row) {
-  return row.body ? predict_model_size(row.scene, *row.body).model_text_bytes : 0;
+/// What the model of a row's database takes online.
+struct ModelCost {
+  double model_text_bytes = 0, image_bytes = 0;  ///< of model.txt; of an image of floats
+  double force_us = 0, deformation_us = 0;       ///< on this machine
+  PHYNNESS_FIGURES(model_text_bytes, image_bytes, force_us, deformation_us)
+};
+
+/// By models of one and of two nodes with random numbers; all zeros if there is no such body.
+ModelCost model_cost(const TradeRow& row) {
+  if (!row.body) return {};
+  ModelCost cost{predict_model_size(row.scene, *row.body).model_text_bytes};
+  double image_bytes[2];
+  for (const std::size_t n : {1, 2}) {
+    Model model = sized_model(row.scene, *row.body, n);
+    // Centers of family modal are limited to a multiple of the range.
+    if (schema::traits(model.family).has_modes) model.displacements *= model.max_displacement_m;
+    image_bytes[n - 1] = static_cast<double>(model_image(model, {.floats = true}).bytes.size());
+    const auto speed = measure_speed({std::move(model), row.body->mesh, "a model with random numbers"});
+    cost.force_us = speed.force_us;
+    cost.deformation_us = speed.deformation_us;
+  }
+  const auto more = static_cast<double>(row.body->sets.active.size()) - 1;
+  cost.image_bytes = image_bytes[0] + more * (image_bytes[1] - image_bytes[0]);
+  return cost;
 }
 
-void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* chosen) {
+void print_trade(const Scene& scene, const TradeReport& report, const std::vector<ModelCost>& costs,
+                 const TradeRow* chosen) {
   const TradeRow& finest = *std::ranges::find_if(report.rows, &TradeRow::is_reference);
   print_result(
       "{} ({}), K/mu = {:.4g}: {} probes of a round tool of {:.4g} mm radius, |d| to {:.4g} mm,\n"
@@ -167,10 +219,10 @@ void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* 
       scene.title.empty() ? "scene" : scene.title, name(scene.material.law), scene.material.bulk_to_shear(),
       report.probes, 1e3 * report.tool_radius_m, 1e3 * scene.probe.max_displacement_m,
       name(finest.scene.solver.element), finest.body->mesh.n_nodes());
-  print_result(
-      "{:<14} {:>6} {:>7}  {:>15}  {:>9} {:>10} {:>10}\n{:<14} {:>6} {:>7}  {:>7} {:>7}  {:>9} {:>10} {:>10}\n", "", "",
-      "", "force off by, %", "ms of one", "database,", "model.txt,", "  element", "nodes", "probes", "mean", "p95",
-      "ray", "core-hours", "kB");
+  constexpr auto columns = "{:<14} {:>6} {:>6}  {:>7} {:>7}  {:>7} {:>8} {:>7} {:>7} {:>7}{}\n";
+  print_result(columns, "", "", "", "force", "off by", "ms of", "database", "image,", "us of a", "us of a", "");
+  print_result(columns, "  element", "nodes", "probes", "mean, %", "p95, %", "a ray", "core-h", "kB", "force",
+               "deform.", "");
   for (const auto& row : report.rows) {
     const char mark = chosen == &row ? '>' : row.on_front ? '*' : ' ';
     print_result("{} {:<12} {:>6} ", mark, name(row.scene.solver.element), row.body ? row.body->mesh.n_nodes() : 0);
@@ -178,13 +230,19 @@ void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* 
       print_result("not compared: {}\n", row.left_out.empty() ? "interrupted" : row.left_out);
       continue;
     }
-    const auto errors = row.is_reference ? std::string("      reference")
-                                         : fmt::format("{:7.3g} {:7.3g}", 100 * row.mean, 100 * row.p95);
-    print_result("{:>7}  {}  {:>9.0f} {:>10.2g} {:>10.0f}{}\n", row.is_reference ? report.probes : row.probes, errors,
-                 1e3 * row.ray_s, row.core_hours(), model_bytes(row) / 1e3, row.is_scene ? "  this scene" : "");
+    const auto& cost = costs[static_cast<std::size_t>(&row - report.rows.data())];
+    const auto percent = [&](double error) { return row.is_reference ? "-" : fmt::format("{:.3g}", 100 * error); };
+    print_result("{:>6}  {:>7} {:>7}  {:>7.0f} {:>8.2g} {:>7.0f} {:>7.2g} {:>7.2g}{}\n",
+                 row.is_reference ? report.probes : row.probes, percent(row.mean), percent(row.p95), 1e3 * row.ray_s,
+                 row.core_hours(), cost.image_bytes / 1e3, cost.force_us, cost.deformation_us,
+                 row.is_reference ? "  reference"
+                 : row.is_scene   ? "  this scene"
+                                  : "");
   }
-  print_result("\n* no other row is better in error (mean) and core-hours{}; {}\n",
-               chosen != nullptr ? "; > chosen" : "", duration(report.seconds));
+  print_result(
+      "\n* no other row is better in error (mean) and core-hours{}; {}\n"
+      "image and times: of a model of this size with random numbers, in floats on a device, measured on this machine\n",
+      chosen != nullptr ? "; > chosen" : "", duration(report.seconds));
 }
 
 void run_trade(const Options& options, const LoadedScene& loaded) {
@@ -192,10 +250,12 @@ void run_trade(const Options& options, const LoadedScene& loaded) {
   const auto report = compare_discretizations(loaded.scene, loaded.mesh, loaded.sets, options.check,
                                               Progress("check", "rays").counter(), stop_requested);
   const TradeRow* chosen = limit ? report.cheapest(*limit) : nullptr;
-  print_trade(loaded.scene, report, chosen);
+  std::vector<ModelCost> costs;
+  for (const auto& row : report.rows) costs.push_back(model_cost(row));
+  print_trade(loaded.scene, report, costs, chosen);
   if (chosen != nullptr) print_result("> {}\n", lines_of(*chosen));
   json out = figures(report);
-  for (std::size_t i = 0; i < report.rows.size(); ++i) out["rows"][i]["model_text_bytes"] = model_bytes(report.rows[i]);
+  for (std::size_t i = 0; i < costs.size(); ++i) out["rows"][i].update(figures(costs[i]));
   out["chosen"] = chosen != nullptr ? json(chosen - report.rows.data()) : json(nullptr);
   write_json(options.json_file, out);
   if (report.interrupted)
@@ -211,6 +271,8 @@ void run_trade(const Options& options, const LoadedScene& loaded) {
 
 void run(const Options& given) {
   Options options = given;
+  if (options.trade && options.model)
+    throw input_error("a trade measures no distance of one model", "--trade and --model", "give one of both");
   options.check.seconds = options.seconds.value_or(options.trade ? 900 : options.check.seconds);
   for (const auto v : {Variant::taylor_hood, Variant::half_size})
     if (options.reference == name(v)) options.check.reference = v;
@@ -218,10 +280,14 @@ void run(const Options& given) {
   const auto loaded = load_scene(options.scene);
   install_stop_handler();
   if (options.trade) return run_trade(options, loaded);
+  const auto model = model_of(options, loaded);
   const auto report = check_discretization(loaded.scene, loaded.mesh, loaded.sets, options.check,
                                            Progress("check", "rays").counter(), stop_requested);
   print(options, loaded.scene, report);
   write_each({[&] { write_json(options.json_file, as_json(options, loaded, report)); },
+              [&] {
+                if (model) store(options, loaded.scene, *model, report);
+              },
               [&] { refuse_nothing(options, report); }});
 }
 
@@ -253,6 +319,8 @@ void add(CLI::App& app) {
       .add_option("--max-error", options.max_error,
                   "with --trade: choose the fastest with at most this mean error, such as 5%")
       ->needs(trade);
+  add_path(command, "--model", options.model, PathKind::input,
+           "model directory of this scene, whose model.txt then holds the distance");
   add_json(command, options.json_file);
   command.add_flag("--details", options.details, "print the error of every probe")->excludes(trade);
 }

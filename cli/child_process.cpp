@@ -18,7 +18,7 @@ namespace {
 constexpr int not_started = 127;  // as of a shell
 
 /// @return the exit status
-int execute(const std::vector<std::string>& arguments, bool quiet) {
+int execute(const std::string& title, const std::vector<std::string>& arguments, bool quiet) {
   std::vector<char*> argv;
   for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
@@ -39,7 +39,9 @@ int execute(const std::vector<std::string>& arguments, bool quiet) {
   // Each signal is passed on. The first makes the child stop in an orderly way, the second kills it.
   while (waitpid(child, &status, 0) < 0 && errno == EINTR)
     if (stop_requested()) kill(child, SIGTERM);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+  if (WIFEXITED(status)) return WEXITSTATUS(status);
+  if (!stop_requested()) message("error: {} was ended by signal {}\n", title, WTERMSIG(status));
+  return 1;
 }
 
 }  // namespace
@@ -65,7 +67,7 @@ void run_child(const std::string& title, std::vector<std::string> arguments, int
     if (ranks > static_cast<int>(std::thread::hardware_concurrency())) launcher.push_back("--oversubscribe");
     arguments.insert(arguments.begin(), launcher.begin(), launcher.end());
   }
-  const int exit_status = execute(arguments, quiet);
+  const int exit_status = execute(title, arguments, quiet);
   if (exit_status == not_started)
     throw failure("the program cannot be started", arguments[0], ranks > 1 ? "install Open MPI, or use --ranks 1" : "");
   if (stop_requested())

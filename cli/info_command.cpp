@@ -1,4 +1,7 @@
+#include <cstring>
+#include <phynness/embedding/embedding.hpp>
 #include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/formats/input_file.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/formats/probe_points.hpp>
 #include <phynness/meshes/meshes.hpp>
@@ -170,6 +173,49 @@ json about_database(const std::filesystem::path& file, bool failed) {
                 summary.newton_iterations, "unstable_states", summary.unstable_states);
 }
 
+/// Prints what the finite elements solved and how far they are from a finer solution.
+json tell_provenance(const phn_provenance& p) {
+  const auto said = [](const char* text) { return *text != 0 ? json(text) : json(nullptr); };
+  const auto known = [](auto value) { return value > 0 ? json(value) : json(nullptr); };
+  const FinerDistance finer{.is_measured = *p.reference != 0,
+                            .element = p.element,
+                            .reference = p.reference,
+                            .revision = p.element_revision,
+                            .probes = p.finer_probes,
+                            .tool_radius_m = p.finer_tool_radius_m,
+                            .mean = p.finer_mean,
+                            .p95 = p.finer_p95};
+  print_result("elements  {}; shear modulus at rest {}\n",
+               *p.element != 0 ? fmt::format("{} (revision {})", p.element, p.element_revision) : "not recorded",
+               p.shear_modulus_Pa > 0 ? fmt::format("{:.6g} Pa", p.shear_modulus_Pa) : "not recorded");
+  print_result("distance  {}{}\n", finer.is_measured ? finer.sentence() : "from a finer solution: not recorded",
+               p.finer_nodes > 0 ? fmt::format(", whose mesh has {} nodes", p.finer_nodes) : "");
+  return record("mesh_hash", said(p.mesh_hash), "physics_hash", said(p.physics_hash), "element", said(p.element),
+                "element_revision", known(p.element_revision), "shear_modulus_Pa", known(p.shear_modulus_Pa),
+                "reference", said(p.reference), "finer_nodes", known(p.finer_nodes), "finer_probes",
+                finer.is_measured ? json(p.finer_probes) : json(nullptr), "finer_tool_radius_m",
+                known(p.finer_tool_radius_m), "finer_mean", finer.probes > 0 ? json(p.finer_mean) : json(nullptr),
+                "finer_p95", finer.probes > 0 ? json(p.finer_p95) : json(nullptr));
+}
+
+json about_image(const std::filesystem::path& file) {
+  const std::string text =
+      read_input_file(file, {"the image", "give a NAME.bin of phynness export", 1ULL << 31, false});
+  std::vector<std::uint64_t> words((text.size() + 7) / 8);
+  std::memcpy(words.data(), text.data(), text.size());
+  const auto image = read_image(words, text.size(), file.string());
+  const auto& p = image.provenance;
+  const auto said = [](const char* hash) { return *hash != 0 ? hash : "not recorded"; };
+  print_result("image     {} ({}): {} active nodes, {}, {}\n", file.string(), bytes(static_cast<double>(text.size())),
+               image.n_active,
+               image.n_output > 0 ? fmt::format("{} output nodes", image.n_output) : std::string("forces only"),
+               image.floats ? "float" : "double");
+  print_result("mesh      {}, physics {}\n", said(p.mesh_hash), said(p.physics_hash));
+  const json provenance = tell_provenance(p);
+  return record("kind", "image", "image_bytes", text.size(), "real_bytes", image.floats ? 4 : 8, "active",
+                image.n_active, "output", image.n_output, "provenance", provenance);
+}
+
 json about_model(const std::filesystem::path& dir) {
   const LoadedModel model(dir);
   const auto& m = model.model();
@@ -218,18 +264,15 @@ json about_model(const std::filesystem::path& dir) {
                  100 * bound.coverage, bound.n_rays, bound.n_nodes);
     bounds.push_back(record("coverage", bound.coverage, "rays", bound.n_rays, "nodes", bound.n_nodes));
   }
-  json finer;
-  if (m.finer.is_measured) {
-    print_result("elements  {} (revision {}): {}\n", m.finer.element, m.finer.revision, m.finer.sentence());
-    finer = figures(m.finer);
-  }
+  const json provenance = tell_provenance(model.runtime().info().provenance);
+  const json finer = m.finer.is_measured ? figures(m.finer) : json(nullptr);
   print_result("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n", bytes(model.text_bytes()),
                bytes(model.mesh_text_bytes()), bytes(model.memory_bytes()));
   return record("kind", "model", "family", name(m.family), "model_hash", model.hash(), "mesh_hash", m.mesh_hash,
                 "physics_hash", m.physics_hash, "active", active, "deformation_neurons", neurons, "force_neurons",
                 force_neurons, "force_centers", centers, "modes", modes, "levels", levels, "fields", fields, "bounds",
-                bounds, "finer", finer, "points", points, "model_text_bytes", model.text_bytes(), "memory_bytes",
-                model.memory_bytes());
+                bounds, "finer", finer, "provenance", provenance, "points", points, "model_text_bytes",
+                model.text_bytes(), "memory_bytes", model.memory_bytes());
 }
 
 json about_scene(const std::filesystem::path& file) {
@@ -272,7 +315,7 @@ void run(const Options& options) {
   const auto& what = options.what;
   if (!std::filesystem::exists(what))
     throw input_error("there is no such file or directory", what.string(),
-                      "give a scene, a mesh, a database or a model directory");
+                      "give a scene, a mesh, a database, a model directory or an image");
   json out;
   const auto extension = what.extension();
   if (options.failed && extension != ".h5" && extension != ".hdf5")
@@ -284,6 +327,8 @@ void run(const Options& options) {
     out = about_scene(what);
   else if (extension == ".h5" || extension == ".hdf5")
     out = about_database(what, options.failed);
+  else if (extension == ".bin")
+    out = about_image(what);
   else
     out = about_mesh(what);
   write_json(options.json_file, out);
@@ -293,8 +338,9 @@ void run(const Options& options) {
 
 void add(CLI::App& app) {
   auto [command, options] =
-      add_command(app, "info", "Print the contents of a scene, mesh, database or model directory", run);
-  add_path(command, "FILE_OR_DIR", options.what, PathKind::input, "scene.toml, mesh file, database.h5 or MODEL_DIR")
+      add_command(app, "info", "Print the contents of a scene, mesh, database, model directory or image", run);
+  add_path(command, "FILE_OR_DIR", options.what, PathKind::input,
+           "scene.toml, mesh file, database.h5, MODEL_DIR, or NAME.bin of export")
       ->required();
   command.set_version_flag("--keys", scene_key_tables, "print the tables of a scene's keys in Markdown and exit");
   command.add_flag("--failed", options.failed, "of a database: list every ray that failed, with depth and reason");

@@ -103,9 +103,11 @@ FinerDistance distance_of(const std::filesystem::path& file, const Scene& scene,
     };
     within("revision", 1, 1000);
     within("probes", 0, 10'000);
+    within("solved", 0, 10'000);
+    within("nodes", 1, 1e9);
     for (const char* key : {"mean", "p95", "tool_radius_m"}) within(key, 0, 1e6);
-    if (!said.at("revision").is_number_integer() || !said.at("probes").is_number_integer())
-      throw refuse("a count is no integer");
+    for (const char* key : {"revision", "probes", "solved", "nodes"})
+      if (!said.at(key).is_number_integer()) throw refuse("a count is no integer");
     FinerDistance::describe(distance, [&]<class Value>(const char* key, Value& value) { said.at(key).get_to(value); });
   } catch (const nlohmann::json::exception& error) {
     throw refuse(error.what());

@@ -12,6 +12,9 @@ struct DoubleImage {
   static constexpr auto force = phn_image_force;
   static constexpr auto energy = phn_image_energy;
   static constexpr auto deform = phn_image_deform;
+  static constexpr auto n_active = phn_image_n_active;
+  static constexpr auto n_output = phn_image_n_output;
+  static constexpr auto provenance = phn_image_provenance;
 };
 struct FloatImage {
   using Real = float;
@@ -20,6 +23,9 @@ struct FloatImage {
   static constexpr auto force = phn_imagef_force;
   static constexpr auto energy = phn_imagef_energy;
   static constexpr auto deform = phn_imagef_deform;
+  static constexpr auto n_active = phn_imagef_n_active;
+  static constexpr auto n_output = phn_imagef_n_output;
+  static constexpr auto provenance = phn_imagef_provenance;
 };
 
 }  // namespace phynness

@@ -63,6 +63,7 @@ class ImageWriter {
     for (const auto& node : _model.nodes) nodes.push_back(active_node(node));
     _header.active = put(nodes);
     _header.n_scratch = static_cast<std::uint32_t>(_n_scratch);
+    put_provenance();
     if (_has_modes) set_rest(nodes);
     seal();
     return {_bytes, _options, _model.nodes.size(), deforms ? _model.output.size() : 0, _n_scratch};
@@ -75,6 +76,28 @@ class ImageWriter {
     return input_error("the model does not fit an image of " + std::string(_options.floats ? "floats" : "doubles") +
                            ": " + what + " is out of range",
                        text, _options.floats ? "export it without --float" : "train it in metres and newtons");
+  }
+
+  /// Strings that this program does not write, which may be longer, are cut.
+  void put_provenance() {
+    image::Provenance origin{};
+    const auto text = [](const std::string& from, char(&to)[20]) { from.copy(to, sizeof to - 1); };
+    const auto number = [](double from, std::uint32_t(&to)[2]) { std::memcpy(to, &from, sizeof to); };
+    const auto& solved = _model.solved;
+    const auto& finer = _model.finer;
+    text(_model.mesh_hash, origin.mesh_hash);
+    text(_model.physics_hash, origin.physics_hash);
+    text(solved.is_recorded ? solved.element : finer.element, origin.element);
+    text(finer.reference, origin.reference);
+    number(solved.shear_modulus_Pa, origin.shear_modulus_Pa);
+    number(finer.mean, origin.finer_mean);
+    number(finer.p95, origin.finer_p95);
+    number(finer.tool_radius_m, origin.finer_tool_radius_m);
+    origin.finer_probes = finer.probes;
+    origin.finer_nodes = finer.nodes;
+    if (solved.is_recorded || finer.is_measured)
+      origin.element_revision = solved.is_recorded ? solved.revision : finer.revision;
+    _header.provenance = put_bytes(&origin, sizeof origin);
   }
 
   void check_sizes() const {
@@ -282,6 +305,26 @@ class ImageWriter {
 };
 
 }  // namespace
+
+ImageContents read_image(const std::vector<std::uint64_t>& words, std::size_t bytes, const std::string& source) {
+  ImageContents contents;
+  const auto read = [&](auto functions) {
+    using Functions = decltype(functions);
+    const typename Functions::Image* image = nullptr;
+    const int status = Functions::open(words.data(), bytes, &image);
+    if (status != PHN_OK) return status;
+    contents.floats = sizeof(typename Functions::Real) == sizeof(float);
+    contents.n_active = Functions::n_active(image);
+    contents.n_output = Functions::n_output(image);
+    return Functions::provenance(image, &contents.provenance);
+  };
+  int status = read(DoubleImage{});
+  if (status == PHN_ERROR_VERSION) status = read(FloatImage{});
+  if (status != PHN_OK)
+    throw input_error("the image is refused: " + std::string(phn_status_message(status)), source,
+                      "write it again with phynness export");
+  return contents;
+}
 
 ModelImage model_image(const Model& model, const ImageOptions& options) {
   return options.floats ? ImageWriter<float>(model, options).write() : ImageWriter<double>(model, options).write();

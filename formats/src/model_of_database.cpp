@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/database.hpp>
+#include <phynness/formats/error.hpp>
 #include <phynness/formats/model.hpp>
 #include <phynness/formats/probe_points.hpp>
 #include <phynness/formats/version.hpp>
@@ -30,6 +31,19 @@ Triangles known_triangles(const Mesh& mesh, const Model& model) {
   return kept.topRows(n);
 }
 
+/// Nothing is recorded of a scene that this version cannot read, or that has another meaning now.
+SolvedBody solved_body(const DatabaseHeader& header) {
+  try {
+    const Scene scene = stored_scene(header);
+    if (physics_hash(scene) != header.physics_hash) return {};
+    const auto& solver = scene.solver;
+    return {true, name(solver.element), solver.earlier_revision.value_or(revision(solver.element, scene.material.law)),
+            scene.material.shear_modulus_Pa};
+  } catch (const Error&) {
+    return {};
+  }
+}
+
 }  // namespace
 
 Model model_of_database(const DatabaseHeader& header, Family family, const std::string& title) {
@@ -39,6 +53,7 @@ Model model_of_database(const DatabaseHeader& header, Family family, const std::
   model.mesh_hash = header.mesh_hash;
   model.physics_hash = header.physics_hash;
   model.software_version = header.software_version;
+  model.solved = solved_body(header);
   model.directions = header.directions;
   model.max_displacement_m = header.magnitudes_m.back();
   model.n_mesh_nodes = header.mesh.n_nodes();

@@ -107,7 +107,9 @@ void plan_response(const TrainingSpec& spec, const Model& model, ActiveNodeModel
   }
 }
 
-double text_bytes(const Scene& scene, const DatabaseHeader& header, std::size_t n_nodes) {
+}  // namespace
+
+Model sized_model(const Scene& scene, const DatabaseHeader& header, std::size_t n_nodes) {
   generator.seed(1);
   Model model = model_of_database(header, scene.training.family, scene.title);
   model.displacements = numbers(std::ssize(header.directions) * std::ssize(header.magnitudes_m), 3);
@@ -124,14 +126,14 @@ double text_bytes(const Scene& scene, const DatabaseHeader& header, std::size_t 
     node.trained_depth_m.assign(header.directions.size(), model.max_displacement_m);
     plan_response(scene.training, model, node);
   }
-  return static_cast<double>(write_model_text(model).size());
+  return model;
 }
 
-}  // namespace
-
 ModelSize predict_model_size(const Scene& scene, const DatabaseHeader& header) {
-  const double one = text_bytes(scene, header, 1);
-  const double two = text_bytes(scene, header, 2);
+  const auto text_bytes = [&](std::size_t n_nodes) {
+    return static_cast<double>(write_model_text(sized_model(scene, header, n_nodes)).size());
+  };
+  const double one = text_bytes(1), two = text_bytes(2);
   const auto n = static_cast<double>(header.sets.active.size());
   return {one + (n - 1) * (two - one), static_cast<double>(write_mesh_text(header.mesh).size())};
 }

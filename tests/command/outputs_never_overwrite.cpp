@@ -57,7 +57,8 @@ class Overwriting : public CommandLine {
                "{\"mesh_hash\": " + of_model.at("mesh_hash").dump() +
                    ", \"physics_hash\": " + of_model.at("physics_hash").dump() +
                    ", \"distance\": {\"element\": \"P1\", \"revision\": 1, \"reference\": " +
-                   "\"half-size\", \"probes\": 0, \"tool_radius_m\": 0.01, \"mean\": 0, \"p95\": 0}}\n");
+                   "\"half-size\", \"probes\": 0, \"tool_radius_m\": 0.01, \"mean\": 0, \"p95\": 0, " +
+                   "\"nodes\": 100, \"solved\": 0}}\n");
     write_file(folder / "motion.json", "{\"format\": \"phynness motion 1\", \"tools\": [{\"node\": " + node +
                                            "}], \"time_s\": [0], \"displacement_m\": [[[0, 0, -0.001]]]}\n");
   }
@@ -103,6 +104,7 @@ class Overwriting : public CommandLine {
     if (option == "--errors") return {{"--errors errors.json", {"errors.json"}}};
     if (option == "--check") return {{"--check check.json", {"check.json"}}};
     if (option == "MODEL_DIR") return {{"model", model}};
+    if (option == "--model") return {{"--model model", model}};
     if (option == "SHARD") return {{"s.shard-0-of-2.h5 s.shard-1-of-2.h5", shards}};
     if (option == "--motion") return {{"--motion motion.json", {"motion.json"}}};
     if (option == "--queries") return {{"--queries queries.csv", {"queries.csv"}}};

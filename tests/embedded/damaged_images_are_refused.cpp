@@ -5,6 +5,7 @@
 #include <phynness/phynness_image.h>
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <phynness/image_layout.hpp>
 
@@ -89,6 +90,8 @@ TEST_P(Damaged, TablesThatDoNotFitAreRefused) {
   for (const std::uint32_t more : {1U, 0xffffffffU, 0x40000001U, 0x20000001U})
     refused([=](auto& h) { h.n_scratch = more == 1 ? h.n_scratch + 1 : more; }, PHN_ERROR_RANGE);
   if (GetParam() == Family::modal) refused([](auto& h) { --h.modes.scale.n; }, PHN_ERROR_RANGE);
+  for (const std::uint32_t at : {end, end - 4, 0xfffffffcU, bytes.header().provenance + 1})
+    refused([=](auto& h) { h.provenance = at; }, PHN_ERROR_RANGE);
 }
 
 /// Every word, replaced by numbers of all kinds under a right checksum: refused, or every answer is finite.
@@ -106,6 +109,12 @@ void words_never_harm(const Model& model) {
       word[4] = image::checksum(word + image::n_unchecked_words, made.bytes.size() / 4 - image::n_unchecked_words);
       const typename Image<Real>::Type* image = nullptr;
       if (Image<Real>::open(words.data(), made.bytes.size(), &image) != PHN_OK) continue;
+      phn_provenance said;
+      ASSERT_EQ(Image<Real>::provenance(image, &said), PHN_OK);
+      for (const double x : {said.shear_modulus_Pa, said.finer_mean, said.finer_p95, said.finer_tool_radius_m})
+        ASSERT_TRUE(std::isfinite(x) && x >= 0) << "word " << w << " = " << value;
+      for (const char* text : {said.mesh_hash, said.physics_hash, said.element, said.reference})
+        ASSERT_LT(std::strlen(text), 20U) << "word " << w << " = " << value;
       std::vector<Real> scratch(Image<Real>::scratch(image));
       std::vector<Real> field(3 * static_cast<std::size_t>(Image<Real>::n_output(image)));
       for (const Real size : {Real(0), Real(0.003), largest}) {

@@ -22,6 +22,7 @@ struct Image<double> {
   static constexpr auto n_active = phn_image_n_active;
   static constexpr auto active_nodes = phn_image_active_nodes;
   static constexpr auto n_output = phn_image_n_output;
+  static constexpr auto provenance = phn_image_provenance;
 };
 template <>
 struct Image<float> {
@@ -36,6 +37,7 @@ struct Image<float> {
   static constexpr auto n_active = phn_imagef_n_active;
   static constexpr auto active_nodes = phn_imagef_active_nodes;
   static constexpr auto n_output = phn_imagef_n_output;
+  static constexpr auto provenance = phn_imagef_provenance;
 };
 
 }  // namespace phynness::test

@@ -117,6 +117,9 @@ def read_model(data):
         model["largest"] = largest
         model["displacements"] = [[v / largest for v in row] for row in displacements]
         read_shared(reader, model)
+    for key in ("solved", "finer", "finer_mesh"):  # no answer depends on them
+        if reader.next_is(key):
+            reader.fields(key)
     for _ in range(reader.count("active")):
         node = {}
         number = reader.count("node")

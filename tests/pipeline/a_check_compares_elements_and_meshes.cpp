@@ -159,6 +159,20 @@ TEST_F(Check, TradesErrorForTime) {
   EXPECT_TRUE(row("taylor-hood", 2).at("is_reference").get<bool>());
   EXPECT_TRUE(row("taylor-hood", 2).at("mean").is_null());
 
+  // What a model takes online is that of the scene's own model, and grows with the surface.
+  for (const char* stage : {"precompute scene.toml -o d.h5", "train scene.toml d.h5 -o model",
+                            "export model -o image --float --json image.json"})
+    succeed(stage);
+  // The sizes of these networks are those of the scene. Only the names of solves in model.txt differ.
+  EXPECT_EQ(row("p1-p1", 1).at("image_bytes"), json("image.json").at("image_bytes").get<double>());
+  for (const std::size_t mesh : {0, 1, 2}) {
+    EXPECT_GT(row("p1-p1", mesh).at("force_us"), 0);
+    EXPECT_GT(row("p1-p1", mesh).at("deformation_us"), row("p1-p1", mesh).at("force_us"));
+    if (mesh > 0) {
+      EXPECT_GT(row("p1-p1", mesh).at("image_bytes"), row("p1-p1", mesh - 1).at("image_bytes"));
+    }
+  }
+
   // The fastest row within the limit, and what to write into the scene.
   const auto chosen = rows.at(trade.at("chosen").get<std::size_t>());
   EXPECT_LE(chosen.at("mean"), 0.5);

@@ -96,7 +96,7 @@ TEST_F(Verdict, IsFirstAndNarrow) {
     expect_names(be_refused("train scene.toml out/database.h5 -o other --check damaged.json").err, {"phynness check"});
   }
 
-  const auto brief = succeed("validate scene.toml out/model --report r.html");
+  const auto brief = succeed("validate scene.toml out/model --report r.html --json brief.json");
   expect_narrow(brief.out);
   EXPECT_LE(lines_of(brief.out).size(), 24U) << brief.out;  // verdict of at most 11 lines, table, file
   const auto page = read_file(folder / "r.html");
@@ -105,6 +105,18 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   EXPECT_EQ(page.find("\"unflagged\""), std::string::npos);
   expect_names(page, {"phynness validate SCENE MODEL_DIR --probes 8 --nodes ",
                       "phynness check SCENE --reference taylor-hood --probes 2 "});
+
+  // The commands of report and JSON repeat their figures bit for bit: the same solves in one process.
+  const auto commands = json("brief.json").at("commands");
+  for (const auto& [key, command] : commands.items()) {
+    auto words = command.get<std::string>();
+    expect_names(page, {words});
+    words = std::regex_replace(words.substr(9), std::regex("SCENE"), "scene.toml");
+    succeed(std::regex_replace(words, std::regex("MODEL_DIR"), "out/model") + " --json " + key + ".json");
+  }
+  for (const char* group : {"inside", "outside", "all", "verdict", "linear"})
+    EXPECT_EQ(json("errors.json").at(group), json("brief.json").at(group)) << group;
+  EXPECT_EQ(json("distance.json").at("distance"), json("brief.json").at("finer"));
 
   const auto details = succeed("validate scene.toml out/model --details --points 2 --pairs 2");
   expect_narrow(details.out + details.err);
@@ -122,7 +134,9 @@ TEST_F(Verdict, IsFirstAndNarrow) {
     const auto done = succeed(other);
     expect_narrow(done.out + done.err);
     if (std::string(other).starts_with("check")) expect_names(done.out, {"force off by "});
-    if (std::string(other) == "info out/model") expect_names(unbroken(done.out), {"from a finer solution"});
+    if (std::string(other) == "info out/model")
+      expect_names(unbroken(done.out), {"elements  P1 (revision 1); shear modulus at rest 689.655 Pa",
+                                        "from a finer solution", "2 probes", "whose mesh has "});
   }
   EXPECT_EQ(std::filesystem::last_write_time(folder / "out/check.json"), checked) << "a finished check is kept";
   // One that is damaged, or that was interrupted, is made again.
@@ -131,6 +145,54 @@ TEST_F(Verdict, IsFirstAndNarrow) {
     succeed("run scene.toml -o out --resume");
     EXPECT_EQ(json("out/check.json").at("distance"), check.at("distance"));
   }
+}
+
+std::string without_distance(const std::string& text) {
+  return std::regex_replace(text, std::regex("(finer[^\n]*|checksum [^\n]*)\n"), "");
+}
+
+// A model holds what was solved and how far that is from a finer solution, whichever stage has measured it; so does its
+// image. Models and images of before say that it is not recorded.
+TEST_F(Verdict, KnowsItsProvenance) {
+  write_file(folder / "scene.toml", small_scene("P1"));
+  for (const char* stage :
+       {"precompute scene.toml -o d.h5", "check scene.toml --probes 2 --reference taylor-hood --json check.json",
+        "train scene.toml d.h5 -o at_once --check check.json", "train scene.toml d.h5 -o later"})
+    succeed(stage);
+  const auto plain = read_file(folder / "later/model.txt");
+  expect_names(unbroken(succeed("info later").out), {"distance  from a finer solution: not recorded"});
+  succeed("check scene.toml --probes 2 --reference taylor-hood --model later");
+  EXPECT_EQ(read_file(folder / "later/model.txt"), read_file(folder / "at_once/model.txt"));
+  EXPECT_NE(read_file(folder / "later/model.txt"), plain);
+  EXPECT_EQ(without_distance(read_file(folder / "later/model.txt")), without_distance(plain));
+
+  succeed("export later -o image --float");
+  succeed("info image/model.bin --json image.json");
+  succeed("info later --json model.json");
+  auto said = json("model.json").at("provenance");
+  EXPECT_EQ(json("image.json").at("provenance"), said);
+  EXPECT_EQ(said.at("mesh_hash"), json("check.json").at("mesh_hash"));
+  EXPECT_EQ(said.at("physics_hash"), json("check.json").at("physics_hash"));
+  EXPECT_EQ(said.at("element"), "P1");
+  EXPECT_DOUBLE_EQ(said.at("shear_modulus_Pa").get<double>(), 2000 / (2 * 1.45));
+  EXPECT_EQ(said.at("finer_nodes"), json("check.json").at("against").at("taylor-hood").at("nodes"));
+  for (const char* key : {"mean", "p95", "probes", "tool_radius_m"})
+    EXPECT_EQ(said.at(std::string("finer_") + key), json("check.json").at("distance").at(key)) << key;
+
+  // A foreign scene, and what a trade does not do, are refused before anything is solved.
+  auto stiffer = small_scene("P1");
+  stiffer.replace(stiffer.find("2000.0"), 6, "2500.0");
+  write_file(folder / "stiffer.toml", stiffer);
+  expect_names(be_refused("check stiffer.toml --model later").err, {"another physics", "--model later"});
+  expect_names(be_refused("check scene.toml --trade --model later").err, {"--trade and --model"});
+  write_file(folder / "image/model.bin", read_file(folder / "image/model.bin").substr(0, 500));
+  expect_names(be_refused("info image/model.bin").err, {"image is refused", "phynness export"});
+
+  const std::string sample = PHYNNESS_SOURCE_DIR "/examples/model";
+  const auto before = succeed("info " + sample + " --json sample.json");
+  expect_names(before.out, {"elements  not recorded; shear modulus at rest not recorded", "distance  from a finer"});
+  for (const char* key : {"element", "shear_modulus_Pa", "reference", "finer_mean", "finer_probes"})
+    EXPECT_TRUE(json("sample.json").at("provenance").at(key).is_null()) << key;
 }
 
 }  // namespace

@@ -69,6 +69,44 @@ TEST_F(Interrupted, SigtermOfRunEndsItsStages) {
   EXPECT_FALSE(Database::is_complete(folder / "stopped_run/database.h5"));
 }
 
+/// Runs the pipeline and sends `signal` to the run, or to its check alone, as soon as the check is at work.
+std::string run_and_signal_check(const std::string& out, const std::string& signal, bool to_run) {
+  return "\"$PHYNNESS\" run scene.toml -o " + out + " & run=$!; for i in $(seq 6000); do check=$(pgrep -f \"[-]-json " +
+         out + "/check.json\") && break; sleep 0.01; done; kill -" + signal + " " + (to_run ? "$run" : "$check") +
+         "; wait $run; status=$?; pgrep -f \"[-]-json " + out + "/check.json\" > left.txt; exit $status";
+}
+
+/// Of the comparison with a finer solution nothing else depends: a check that fails costs the distance alone, and a run
+/// that is interrupted in it keeps the database.
+TEST_F(Interrupted, CheckThatFailsCostsTheDistanceAlone) {
+  auto scene = small_scene();
+  write_file(folder / "scene.toml", scene.replace(scene.find("check_probes = 0"), 16, "check_probes = 2"));
+  succeed("run scene.toml -o whole");
+  const auto failed = shell(run_and_signal_check("failed", "KILL", false));
+  EXPECT_EQ(failed.exit_status, 0) << failed.err;
+  expect_names(failed.err, {"check was ended by signal 9", "warning: the finite elements are not compared"});
+  expect_names(unbroken(failed.out), {"not compared with a finer solution (no check, or it failed)"});
+  EXPECT_FALSE(std::filesystem::exists(folder / "failed/check.json"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "failed/validate.json"));
+  EXPECT_NE(read_file(folder / "whole/model/model.txt").find("\nfiner "), std::string::npos);
+  EXPECT_EQ(read_file(folder / "failed/model/model.txt").find("\nfiner "), std::string::npos);
+
+  const auto stopped = shell(run_and_signal_check("stopped", "INT", true));
+  EXPECT_EQ(stopped.exit_status, 1) << stopped.err;
+  expect_names(stopped.err, {"interrupted in stage check", "solved rays are kept", "--resume"});
+  EXPECT_EQ(read_file(folder / "left.txt"), "") << "the check outlived run";
+  EXPECT_FALSE(std::filesystem::exists(folder / "stopped/model"));
+  const auto kept = read_file(folder / "stopped/database.h5");
+  EXPECT_TRUE(Database::is_complete(folder / "stopped/database.h5"));
+
+  for (const char* out : {"failed", "stopped"}) {
+    const auto resumed = succeed(std::string("run scene.toml --resume -o ") + out);
+    expect_names(resumed.err, {"all rays of the scene are in"});
+    EXPECT_EQ(read_file(folder / out / "model/model.txt"), read_file(folder / "whole/model/model.txt")) << out;
+  }
+  EXPECT_EQ(read_file(folder / "stopped/database.h5"), kept);
+}
+
 TEST_F(Interrupted, ResumeWithAnotherMaterialIsRefused) {
   write_file(folder / "scene.toml", small_scene("P1", 6));
   shell(run_and_signal("KILL"));

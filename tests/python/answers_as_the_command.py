@@ -64,6 +64,16 @@ class Models(unittest.TestCase):
         for name, now in (("energy", model.energy), ("bound_N", model.bound), ("trained_distance", model.trained_distance)):
             self.assertEqual(said[name], now(NODE, x))
 
+    @unittest.skipUnless(COMMAND.exists(), "the command is not built")
+    def test_the_provenance_is_that_of_info(self):
+        run(WRITE_MODELS, work / "models")
+        for folder, element in ((work / "models/rbfn", "p1-p1"), (MODEL, "")):
+            run(COMMAND, "info", folder, "--json", work / "info.json")
+            said = json.loads((work / "info.json").read_text())["provenance"]
+            now = phynness.Model(folder).provenance
+            self.assertEqual(now["element"], element)
+            self.assertEqual({name: value or None for name, value in now.items()}, said)
+
     def test_every_layout_has_the_bits_of_single_calls(self):
         one = np.array([model.force(NODE, x) for x in d])
         whole = np.zeros((500, 7))

@@ -63,7 +63,10 @@ FinerDistance DiscretizationReport::distance(const Scene& scene, Variant other) 
           .probes = static_cast<std::int32_t>(all.n),
           .tool_radius_m = tool_radius_m,
           .mean = all.mean,
-          .p95 = all.p95};
+          .p95 = all.p95,
+          .nodes = cost(other).n_nodes,
+          .solved = static_cast<std::int32_t>(
+              std::ranges::count_if(probes, [&](const auto& probe) { return !probe.of(other).status.empty(); }))};
 }
 
 namespace {

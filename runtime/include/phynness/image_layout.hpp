@@ -98,6 +98,14 @@ struct ActiveNode {
   uint32_t response;        ///< offset of the family's response
 };
 
+/// Where the model comes from, as phn_provenance. Strings end in zeros. Numbers are the halves of doubles, low and
+/// high, in images of floats too, which are aligned to 4 bytes.
+struct Provenance {
+  char mesh_hash[20], physics_hash[20], element[20], reference[20];
+  uint32_t shear_modulus_Pa[2], finer_mean[2], finer_p95[2], finer_tool_radius_m[2];
+  int32_t finer_probes, finer_nodes, element_revision, reserved;
+};
+
 template <class Real>
 struct Header {
   uint32_t magic, version, real_bytes;
@@ -105,7 +113,7 @@ struct Header {
   uint32_t checksum;  ///< of all words after this one
   Family family;
   uint32_t n_scratch;       ///< Reals
-  uint32_t reserved;        ///< 0
+  uint32_t provenance;      ///< offset of a Provenance; 0: none, as in images of before
   Table active_nodes;       ///< int32, ascending
   Table active_points;      ///< Real: n_active x 3 [m]
   Table active;             ///< ActiveNode<Real>

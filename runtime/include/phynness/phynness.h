@@ -78,6 +78,26 @@ PHN_API int phn_model_size(const char* text, size_t length, size_t* bytes, size_
 PHN_API int phn_model_init(void* memory, size_t bytes, const char* text, size_t length, const phn_model** model,
                            size_t* wrong_byte);
 
+/* Where a model comes from; no answer depends on it. Strings are never null. "" and 0: not recorded, as in models of
+ * versions before, and in those that were not trained on a database.
+ *
+ * Forces scale with the stiffness of the body: if all moduli are s times those of the training, with the same ratios to
+ * each other, force, energy, stiffness and bound at the same displacement are s times those of the model, and the
+ * deformation is the same. A controller that learns the shear modulus of a patient multiplies forces by this modulus
+ * over shear_modulus_Pa. */
+typedef struct phn_provenance {
+  const char *mesh_hash, *physics_hash; /* of the mesh and of all that decided the solves, 16 hexadecimal digits */
+  const char* element;                  /* of the finite elements, "p1-p1" */
+  const char* reference;                /* of the distance: "taylor-hood", elements on the same mesh; "half-size" */
+  double shear_modulus_Pa;              /* at rest, of the body that was trained */
+  double finer_mean, finer_p95;         /* distance of the finite elements' forces from those of the reference, */
+  double finer_tool_radius_m;           /* over those of the reference, with a round tool */
+  int32_t finer_probes;                 /* that both solve; 0: no distance is known */
+  int32_t finer_nodes;                  /* of the mesh of the reference */
+  int32_t element_revision;             /* of its equations */
+  int32_t reserved;                     /* 0 */
+} phn_provenance;
+
 /* Contents of a model. The pointers refer to memory of the model. Lists of nodes are in ascending order. Points are
  * n x 3, row by row, in the undeformed state [m]. */
 typedef struct phn_info {
@@ -94,6 +114,7 @@ typedef struct phn_info {
   int32_t n_levels;       /* 1 or more: phynness_levels.h */
   int32_t has_energy;     /* 1, or 0 in family rbfn */
   int32_t precision_bits; /* of the inner loops: 64, or 32 in the library in float; also set for a null model */
+  phn_provenance provenance;
 } phn_info;
 PHN_API int phn_model_info(const phn_model* model, phn_info* info);
 

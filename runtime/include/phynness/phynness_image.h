@@ -44,6 +44,11 @@ PHN_API const int32_t* phn_imagef_active_nodes(const phn_imagef* image);
 PHN_API const double* phn_image_active_points(const phn_image* image);
 PHN_API const float* phn_imagef_active_points(const phn_imagef* image);
 
+/* Where the model of the image comes from, as in phynness.h; the strings belong to the image. PHN_ERROR_ARGUMENT: a
+ * null pointer; *provenance is then as if nothing was recorded. PHN_ERROR_OVERLAP: `provenance` lies in the image. */
+PHN_API int phn_image_provenance(const phn_image* image, phn_provenance* provenance);
+PHN_API int phn_imagef_provenance(const phn_imagef* image, phn_provenance* provenance);
+
 /* Output nodes, whose displacements are modelled; none if the image was exported with --force-only. */
 PHN_API int32_t phn_image_n_output(const phn_image* image);
 PHN_API int32_t phn_imagef_n_output(const phn_imagef* image);

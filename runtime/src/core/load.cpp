@@ -323,10 +323,29 @@ void ModelLoader::done(NodeStore& node) {
   for (std::int64_t l = 0; l < n_smaller(); ++l) nodes.at_level[l][nodes.in_work] = smaller[l];
 }
 
+phn_provenance provenance_of(const ModelStore& store) {
+  const auto said = [](const Text& text) { return text.at != nullptr ? text.at : ""; };
+  const SolvedBody& solved = store.solved;
+  const FinerDistance& finer = store.finer;
+  phn_provenance out = {};
+  out.mesh_hash = said(store.mesh_hash);
+  out.physics_hash = said(store.physics_hash);
+  out.element = said(solved.is_recorded ? solved.element : finer.element);
+  out.reference = said(finer.reference);
+  out.shear_modulus_Pa = solved.shear_modulus_Pa;
+  out.finer_mean = finer.mean;
+  out.finer_p95 = finer.p95;
+  out.finer_tool_radius_m = finer.tool_radius_m;
+  out.finer_probes = finer.probes;
+  out.finer_nodes = finer.nodes;
+  out.element_revision = solved.is_recorded ? solved.revision : finer.revision;
+  return out;
+}
+
 int ModelLoader::finish(phn_model* placed) {
   phn_model& model = _model;
   model.title = _store.title.at;
-  model.mesh_hash = _store.mesh_hash.at;
+  model.provenance = provenance_of(_store);
   model.n_nodes = _store.n_mesh_nodes;
   model.n_triangles = static_cast<std::int32_t>(_store.surface.n);
   model.triangles = _store.surface.at;

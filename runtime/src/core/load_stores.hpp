@@ -320,10 +320,17 @@ struct BoundStore {
 };
 
 /// Of the finite elements, which no answer depends on.
+struct SolvedBody {
+  bool is_recorded = false;
+  Text element;
+  std::int32_t revision = 0;
+  double shear_modulus_Pa = 0;
+};
+
 struct FinerDistance {
   bool is_measured = false;
-  SkippedText element, reference;
-  std::int32_t revision = 1, probes = 0;
+  Text element, reference;
+  std::int32_t revision = 0, probes = 0, nodes = 0, solved = 0;
   double tool_radius_m = 0, mean = 0, p95 = 0;
 };
 
@@ -383,8 +390,8 @@ struct Nodes {
 
 struct ModelStore {
   Family family{};
-  Text title, mesh_hash;
-  SkippedText software_version, physics_hash;
+  Text title, mesh_hash, physics_hash;
+  SkippedText software_version;
   double max_displacement_m = 1;
   std::int32_t n_mesh_nodes = 0;
   Table<double> directions, fixed_points, output_points;
@@ -395,6 +402,7 @@ struct ModelStore {
   Parts<FieldStore, largest_field_count> fields;
   Parts<LevelStore, largest_level_count> levels;
   Parts<BoundStore, schema::largest_bound_count> bounds;
+  SolvedBody solved;
   FinerDistance finer;
   Nodes nodes;
   Table<std::int32_t> probe_triangles;

@@ -194,7 +194,8 @@ struct phn_model {
   std::int32_t n_levels;
   PHN_RUNTIME::LevelErrors errors;
   phynness::Family family;
-  const char *title, *mesh_hash;  ///< null-terminated
+  const char* title;  ///< null-terminated
+  phn_provenance provenance;
   std::int32_t n_nodes, n_active, n_output, n_fixed, n_triangles, n_directions;
   std::size_t n_scratch;         ///< doubles of working memory of a deformation; its basis is at the end
   std::size_t n_field_scratch;   ///< doubles of working memory of a field

@@ -146,7 +146,7 @@ int phn_model_info(const phn_model* model, phn_info* info) {
   if (model == nullptr) return PHN_ERROR_ARGUMENT;
   info->family = phynness::schema::word(model->family);
   info->title = model->title;
-  info->mesh_hash = model->mesh_hash;
+  info->mesh_hash = model->provenance.mesh_hash;
   info->max_displacement_m = model->max_displacement;
   info->active_nodes = model->active_nodes;
   info->output_nodes = model->output_nodes;
@@ -166,6 +166,7 @@ int phn_model_info(const phn_model* model, phn_info* info) {
   info->n_fields = model->n_fields;
   info->n_levels = model->n_levels;
   info->has_energy = has_energy(*model) ? 1 : 0;
+  info->provenance = model->provenance;
   return PHN_OK;
 }
 

@@ -102,6 +102,18 @@ class ImageCheck {
     constexpr Real largest = image::Bounds<Real>::max_displacement;
     require(_image.max_displacement >= 1 / largest && _image.max_displacement <= largest);
     if (modal) shape(_image.amplitude_shape);
+    if (_image.provenance != 0) provenance();
+  }
+
+  void provenance() {
+    require(inside<image::Provenance>(_image.provenance, 1));
+    if (!_good) return;
+    const auto& origin = *at<image::Provenance>(_image, _image.provenance);
+    const char* const texts[] = {origin.mesh_hash, origin.physics_hash, origin.element, origin.reference};
+    for (const char* text : texts) require(text[sizeof origin.element - 1] == 0);
+    const uint32_t* const numbers[] = {origin.shear_modulus_Pa, origin.finer_mean, origin.finer_p95,
+                                       origin.finer_tool_radius_m};
+    for (const uint32_t* number : numbers) require(number[1] < 0x7ff00000);  // not negative, infinite or NaN
   }
 
   template <int n_inputs>

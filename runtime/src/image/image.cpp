@@ -89,6 +89,31 @@ int deform(const ImageHeader<Real>* image, Real* scratch, int32_t node, const Re
   return answered(*image, query);
 }
 
+void copy_number(const uint32_t (&from)[2], double& to) { __builtin_memcpy(&to, from, sizeof to); }
+
+template <class Real>
+int provenance(const ImageHeader<Real>* image, phn_provenance* out) {
+  if (out == nullptr) return PHN_ERROR_ARGUMENT;
+  phn_provenance found = {};
+  found.mesh_hash = found.physics_hash = found.element = found.reference = "";
+  if (image != nullptr && image->provenance != 0) {
+    const auto& from = *at<phynness::image::Provenance>(*image, image->provenance);
+    found.mesh_hash = from.mesh_hash;
+    found.physics_hash = from.physics_hash;
+    found.element = from.element;
+    found.reference = from.reference;
+    copy_number(from.shear_modulus_Pa, found.shear_modulus_Pa);
+    copy_number(from.finer_mean, found.finer_mean);
+    copy_number(from.finer_p95, found.finer_p95);
+    copy_number(from.finer_tool_radius_m, found.finer_tool_radius_m);
+    found.finer_probes = from.finer_probes;
+    found.finer_nodes = from.finer_nodes;
+    found.element_revision = from.element_revision;
+  }
+  *out = found;
+  return image == nullptr ? PHN_ERROR_ARGUMENT : PHN_OK;
+}
+
 }  // namespace
 
 // NAME is phn_image or phn_imagef. Both are incomplete types that stand for a Header, so that C compilers distinguish
@@ -107,6 +132,7 @@ int deform(const ImageHeader<Real>* image, Real* scratch, int32_t node, const Re
   const Real* NAME##_active_points(const NAME* image) {                                                         \
     return image ? at<Real>(*header(image), header(image)->active_points) : nullptr;                            \
   }                                                                                                             \
+  int NAME##_provenance(const NAME* image, phn_provenance* out) { return provenance(header(image), out); }      \
   int32_t NAME##_n_output(const NAME* image) {                                                                  \
     return image ? static_cast<int32_t>(header(image)->output_nodes.n) : 0;                                     \
   }                                                                                                             \

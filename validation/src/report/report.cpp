@@ -272,24 +272,6 @@ Json cost(const Validated& in) {
   return section("Size and time", blocks);
 }
 
-/// That repeats the probes of this validation.
-std::string validate_again(const Validated& in) {
-  std::string line = fmt::format("phynness validate SCENE MODEL_DIR --probes {} --nodes {} --seed {}", in.report.probes,
-                                 in.report.nodes.size(), in.seed);
-  if (in.model.data().level() + 1 < in.model.runtime().n_levels())
-    line += fmt::format(" --level {}", in.model.data().level());
-  if (in.points.finished > 0) line += fmt::format(" --points {}", in.points.finished);
-  if (in.pairs.finished > 0) line += fmt::format(" --pairs {} --pair-depth {}", in.pairs.finished, in.pairs.depth_m);
-  return line;
-}
-
-/// That repeats the comparison with a finer solution.
-std::string check_again(const FinerDistance& finer) {
-  if (!finer.is_measured) return "not compared; phynness check SCENE does it";
-  return fmt::format("phynness check SCENE --reference {} --probes {} --seconds 1e7 --details", finer.reference,
-                     std::max(1, finer.probes));
-}
-
 Json origin(const Validated& in, const std::string& software) {
   return section("Origin of this report",
                  {facts({{"", "value"},

@@ -2,7 +2,7 @@
 import { Model } from './model.js';
 
 export { Contact, type Sphere, type Touch } from './contact.js';
-export { Model, type Info, type Level, type Response, type Trust } from './model.js';
+export { Model, type Info, type Level, type Provenance, type Response, type Trust } from './model.js';
 export { PhynnessError, warningsOf, type Warning } from './status.js';
 export { Surface } from './surface.js';
 export { toolAt, type Tool, type Vector } from './tool.js';

@@ -6,6 +6,22 @@ import { Surface } from './surface.js';
 import { putVector, toolFrom, type Tool, type Vector } from './tool.js';
 import { Tools } from './tools.js';
 
+/** Where a model comes from; '' and 0: not recorded. */
+export interface Provenance {
+  readonly physicsHash: string;
+  readonly element: string;
+  readonly elementRevision: number;
+  /** at rest, of the body that was trained [Pa] */
+  readonly shearModulus: number;
+  /** distance of the finite elements' forces from those of a finer solution: its name, nodes, probes, tool [m], fractions */
+  readonly reference: string;
+  readonly finerNodes: number;
+  readonly finerProbes: number;
+  readonly finerToolRadius: number;
+  readonly finerMean: number;
+  readonly finerP95: number;
+}
+
 /** Contents of a model: copies, which stay valid. Nodes are numbers of the mesh; points are n x 3 [m]. */
 export interface Info {
   readonly family: string;
@@ -23,6 +39,7 @@ export interface Info {
   readonly triangles: Int32Array;
   readonly fields: readonly { readonly name: string; readonly unit: string }[];
   readonly hasEnergy: boolean;
+  readonly provenance: Provenance;
 }
 
 export interface Level {
@@ -204,6 +221,24 @@ function loaded(engine: Engine, text: Uint8Array): { memory: number; object: num
   }
 }
 
+function provenanceAt(engine: Engine, at: number): Provenance {
+  const text = (member: Parameters<typeof bytesOf>[0]) => engine.text(engine.size(at + bytesOf(member)));
+  const integer = (member: Parameters<typeof bytesOf>[0]) => engine.integer(at + bytesOf(member));
+  const real = (member: Parameters<typeof bytesOf>[0]) => engine.real(at + bytesOf(member));
+  return {
+    physicsHash: text('phn_provenance.physics_hash'),
+    element: text('phn_provenance.element'),
+    elementRevision: integer('phn_provenance.element_revision'),
+    shearModulus: real('phn_provenance.shear_modulus_Pa'),
+    reference: text('phn_provenance.reference'),
+    finerNodes: integer('phn_provenance.finer_nodes'),
+    finerProbes: integer('phn_provenance.finer_probes'),
+    finerToolRadius: real('phn_provenance.finer_tool_radius_m'),
+    finerMean: real('phn_provenance.finer_mean'),
+    finerP95: real('phn_provenance.finer_p95'),
+  };
+}
+
 function infoOf(engine: Engine, model: number): Info {
   const info = engine.heap.take(bytesOf('phn_info'));
   try {
@@ -228,6 +263,7 @@ function infoOf(engine: Engine, model: number): Info {
         unit: engine.text(engine.size(info + bytesOf('phn_info.field_units') + 4 * i)),
       })),
       hasEnergy: n('phn_info.has_energy') === 1,
+      provenance: provenanceAt(engine, info + bytesOf('phn_info.provenance')),
     });
   } finally {
     engine.heap.give(info);

@@ -15,6 +15,10 @@ describe.each(['rbfn', 'linear', 'modal'])('family %s', (family) => {
     const model = await load(folder), queries = golden(folder);
     expect(queries.length).toBe(200);
     expect(model.info.family).toBe(family);
+    expect(model.info.provenance).toMatchObject({
+      element: 'p1-p1', elementRevision: 2, shearModulus: 500, reference: 'half-size', finerNodes: 3000, finerProbes: 11,
+      finerToolRadius: 0.03, finerMean: 0.125, finerP95: 0.25,
+    });
     const expected: number[] = [], got: number[] = [], expectedField: number[] = [], gotField: number[] = [];
     for (const q of queries) {
       expected.push(...q.force);
@@ -49,6 +53,12 @@ describe.each(['rbfn', 'linear', 'modal'])('family %s', (family) => {
 });
 
 describe('the sample model', () => {
+  it('says that its elements were not recorded', async () => {
+    const { provenance } = (await load(sample)).info;
+    expect(provenance.physicsHash).toMatch(/^[0-9a-f]{16}$/);
+    expect(provenance).toMatchObject({ element: '', shearModulus: 0, reference: '', finerProbes: 0 });
+  });
+
   it('has the force that the command prints', async () => {
     const model = await load(sample), node = model.info.activeNodes[0]!, d = [0.001, 0, -0.002];
     const file = join(mkdtempSync(join(tmpdir(), 'phynness-web-')), 'eval.json');

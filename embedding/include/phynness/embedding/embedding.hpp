@@ -1,6 +1,7 @@
 // A model for devices: an image (formats/image.md), C source that contains it, and golden queries for tests of devices.
 #pragma once
 
+#include <phynness/phynness.h>
 #include <cstddef>
 #include <cstdint>
 #include <phynness/formats/model.hpp>
@@ -29,6 +30,16 @@ struct ModelImage {
 
 /// @throws Error if the model is too large for the layout or a number is too large for a float
 ModelImage model_image(const Model& model, const ImageOptions& options);
+
+/// What an image says of itself.
+struct ImageContents {
+  bool floats = false;
+  std::int32_t n_active = 0, n_output = 0;
+  phn_provenance provenance{};  ///< its strings belong to the image
+};
+/// @param words  the image, aligned. @param bytes  of its file. @param source  its name in messages
+/// @throws Error (input) if it is no image, or damaged
+ImageContents read_image(const std::vector<std::uint64_t>& words, std::size_t bytes, const std::string& source);
 
 /// A query of a model with the responses of the runtime in double and of the image.
 struct GoldenQuery {

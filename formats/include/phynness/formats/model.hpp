@@ -120,6 +120,15 @@ struct ModelBound {
   Eigen::Matrix<double, Eigen::Dynamic, schema::n_coupled_terms> coupled{};
 };
 
+/// What the finite elements solved, of a model that was trained on a database.
+struct SolvedBody {
+  bool is_recorded = false;
+  std::string element;
+  std::int32_t revision = 1;    ///< of the element's equations
+  double shear_modulus_Pa = 0;  ///< at rest
+  static void describe(auto& result, auto&& see) { PHYNNESS_SEE(element, revision, shear_modulus_Pa); }
+};
+
 /// Distance of the scene's finite elements from a finer solution (`phynness check`). Errors of a probe: the difference
 /// of the forces at the largest displacement that both solve, over the size of the finer one.
 struct FinerDistance {
@@ -129,8 +138,10 @@ struct FinerDistance {
   std::int32_t probes = 0;         ///< that both have solved; without any the errors are 0
   double tool_radius_m = 0;        ///< of the round tool of these probes, which may stand for single nodes
   double mean = 0, p95 = 0;        ///< of the errors
+  std::int32_t nodes = 0;          ///< of the mesh of the finer solution; 0: not recorded, nor is `solved`
+  std::int32_t solved = 0;         ///< probes of the finer solution, with those that failed
   static void describe(auto& result, auto&& see) {
-    PHYNNESS_SEE(element, revision, reference, probes, tool_radius_m, mean, p95);
+    PHYNNESS_SEE(element, revision, reference, probes, tool_radius_m, mean, p95, nodes, solved);
   }
   /// "4.1 % (p95 9.3 %) from a finer solution (...) at 12 probes of a round tool of 30.0 mm radius".
   std::string sentence() const;
@@ -177,6 +188,7 @@ struct Model {
   std::vector<FieldModes> fields;           ///< modal; empty unless the database has fields
   std::vector<ModelLevel> levels;      ///< empty, or 2 to largest_level_count; the last is the full model; not linear
   std::vector<ModelBound> bounds;      ///< empty, or one: of the force; not linear
+  SolvedBody solved;                   ///< if it is recorded
   FinerDistance finer;                 ///< if it is measured
   std::vector<ActiveNodeModel> nodes;  ///< ascending by node
   /// Positions in `nodes`, and rows of node, triangle, weight of its first corner, and part of the rest that its second

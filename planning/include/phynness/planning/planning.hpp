@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <phynness/formats/database.hpp>
+#include <phynness/formats/model.hpp>
 #include <phynness/formats/scene.hpp>
 #include <vector>
 
@@ -55,6 +56,10 @@ double wall_seconds(const RunCosts& costs, int ranks);
 
 /// The largest number of ranks, at most one per ray, that spend at least half of their time as usefully as one rank.
 int ranks_of_use(const RunCosts& costs);
+
+/// A model of at most `n_nodes` of the active nodes with the sizes that training gives it, as predict_model_size(), and
+/// random numbers.
+Model sized_model(const Scene& scene, const DatabaseHeader& header, std::size_t n_nodes);
 
 struct ModelSize {
   double model_text_bytes = 0, mesh_text_bytes = 0;

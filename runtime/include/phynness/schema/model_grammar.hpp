@@ -108,6 +108,19 @@ void bounds(IO& io, Model& model) {
 inline void keep(bool& to, bool value) { to = value; }
 inline void keep(const bool&, bool) {}
 
+/// What the finite elements solved.
+template <class IO, class Solved>
+void solved(IO& io, Solved& body) {
+  const bool recorded = io.optional("solved", body.is_recorded);
+  keep(body.is_recorded, recorded);
+  if (!recorded) return;
+  io.keyword("solved");
+  io.word("element", body.element);
+  io.integer("revision", body.revision, 1, largest_integer);
+  io.real("shear modulus", body.shear_modulus_Pa, positive);
+  io.end();
+}
+
 /// How far the finite elements are from a finer solution.
 template <class IO, class Distance>
 void finer(IO& io, Distance& distance) {
@@ -122,6 +135,12 @@ void finer(IO& io, Distance& distance) {
   io.real("tool_radius_m", distance.tool_radius_m, not_negative);
   io.real("mean", distance.mean, not_negative);
   io.real("p95", distance.p95, not_negative);
+  io.end();
+  const bool complete = io.optional("finer_mesh", distance.nodes > 0);
+  if (!complete) return;
+  io.keyword("finer_mesh");
+  io.integer("nodes", distance.nodes, 1, largest_integer);
+  io.integer("solved probes", distance.solved, 0, largest_integer);
   io.end();
 }
 
@@ -232,6 +251,7 @@ void model(IO& io, Model& model) {
     Grammar::shared(io, model);
     levels<Grammar>(io, model);
     bounds(io, model);
+    solved(io, model.solved);
     finer(io, model.finer);
     const int32_t n_active = count_line(io, "active", io.rows(model.nodes));
     io.shape("active", model.nodes, n_active, 1);

@@ -7,6 +7,11 @@
 
 namespace phynness {
 
+/// The command that repeats the probes of a validation, with the words SCENE and MODEL_DIR for its inputs.
+std::string validate_again(const Validated& validated);
+/// The command that repeats the comparison with a finer solution; a sentence if there was none.
+std::string check_again(const FinerDistance& finer);
+
 /// formats/validation.md
 Json validation_figures(const Validated& validated);
 
