@@ -1,5 +1,6 @@
 #include <phynness/validation/calibrate.hpp>
 #include <phynness/validation/force_unit.hpp>
+#include <phynness/validation/sizes.hpp>
 
 #include "commands.hpp"
 
@@ -9,7 +10,8 @@ namespace {
 struct Options {
   std::filesystem::path model, database, output;
   OptionalPath json_file, scene;
-  std::int64_t rays = 0, seed = 1;
+  std::optional<std::int64_t> rays;
+  std::int64_t seed = 1;
   bool details = false;
 };
 
@@ -66,7 +68,10 @@ void run(const Options& given) {
   });
   BoundReport report;
   BoundSpec spec;
-  spec.rays = options.rays;
+  session.together([&] {
+    const auto scene = options.scene ? open_scene(*options.scene) : stored_scene(database->header());
+    spec.rays = options.rays.value_or(sizes_of_checks(scene, database->header(), true).calibration_rays);
+  });
   spec.seed = static_cast<std::uint64_t>(options.seed);
   const Model bounded =
       calibrate(session, *database, *model, spec, Progress("calibrate", "places").counter(), stop_requested, report);
@@ -96,8 +101,8 @@ void add(CLI::App& app) {
   add_path(command, "--scene", options.scene, PathKind::input,
            "scene of the model, if it takes only some nodes of the database");
   add_count(command, "--rays", options.rays, 100, 1'000'000,
-            "random rays, ten at each of a tenth as many nodes, but at least 20 (default: half as many as the database "
-            "has, at least 200, at most 1000)");
+            "random rays, ten at each of a tenth as many nodes, but at least 20 (default: validation.calibration_rays "
+            "of the scene)");
   add_count(command, "--seed", options.seed, 0, std::int64_t{1} << 53, "of the random numbers")->capture_default_str();
   add_json(command, options.json_file);
   command.add_flag("--details", options.details, "print shares by depth and the width of the bounds");

@@ -160,11 +160,13 @@ Database open_database(const Scene& scene, const std::filesystem::path& file) {
     // The node sets are selected on the mesh of the database, once it is known to be the scene's.
     auto part = database_header(meant, header.mesh, header.sets);
     part.software_version = header.software_version;
+    part.fold_halvings = header.fold_halvings;
     Database::open(file, part);
     part.sets = resolve_selections(meant, header.mesh);
     if (coverage(header, part) != Coverage::whole)
       throw input_error("the database " + file.string() + " does not have all rays of the scene",
-                        "other active nodes, output nodes or directions, or another plane of symmetry",
+                        "other active nodes, output nodes, directions or moduli, a larger depth, or another plane of "
+                        "symmetry",
                         "solve what is missing with: phynness precompute SCENE -o OTHER.h5 --from " + file.string());
     database = Database::open(file, part);
   }

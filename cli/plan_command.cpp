@@ -10,6 +10,7 @@
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/validation/discretization.hpp>
+#include <phynness/validation/sizes.hpp>
 #include <thread>
 
 #include "commands.hpp"
@@ -53,10 +54,13 @@ struct Plan {
   double wall_seconds = 0, core_hours = 0, memory_bytes_per_rank = 0, machine_memory_bytes = 0;
   double database_bytes = 0, log_bytes = 0, model_text_bytes = 0, mesh_text_bytes = 0;
   std::optional<double> check_seconds;  ///< most of the check in run; empty if the scene says how many probes
+  std::int64_t calibration_rays = 0, probes = 0;
+  double calibrate_seconds = 0, validate_seconds = 0;  ///< in run
   int ranks_of_use = 1;
   PHYNNESS_FIGURES(rays, rays_requested, rays_mirrored, rays_taken, increments, measured, ends, ranks, wall_seconds,
                    core_hours, memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, model_text_bytes,
-                   mesh_text_bytes, check_seconds, ranks_of_use)
+                   mesh_text_bytes, check_seconds, calibration_rays, probes, calibrate_seconds, validate_seconds,
+                   ranks_of_use)
 
   bool is_sample() const { return measured.rays < rays_requested; }
 };
@@ -116,6 +120,20 @@ EndSummary measure(const LoadedScene& loaded, const DatabaseHeader& header, cons
   return summarize_ends(header, ends);
 }
 
+/// Sizes and times of calibrate and validate in run.
+void plan_checks(const LoadedScene& loaded, const DatabaseHeader& header, Plan& plan) {
+  const bool bounded = !schema::traits(loaded.scene.training.family).proportional;
+  const auto sizes = sizes_of_checks(loaded.scene, header, bounded);
+  const auto seconds = [&](double increments) {
+    const double solving_s = increments * plan.measured.seconds_per_ray / static_cast<double>(plan.increments);
+    return increments > 0 ? plan.measured.start_seconds + solving_s / plan.ranks : 0;
+  };
+  plan.calibration_rays = sizes.calibration_rays;
+  plan.calibrate_seconds = seconds(sizes.calibration_increments);
+  plan.probes = sizes.probes;
+  plan.validate_seconds = seconds(sizes.validation_increments);
+}
+
 /// @param ends  set to those of the measured rays
 Plan make_plan(const Options& options, const LoadedScene& loaded, const DatabaseHeader& header, EndSummary& ends) {
   auto requested = requested_rays(loaded.scene, loaded.mesh, header);
@@ -160,6 +178,7 @@ Plan make_plan(const Options& options, const LoadedScene& loaded, const Database
   if (const auto probes = loaded.scene.validation.check_probes; probes.value_or(0) == 0)
     plan.check_seconds =
         probes ? 0 : check_limit_s(plan.measured.seconds_per_ray * static_cast<double>(costs.rays), plan.ranks);
+  plan_checks(loaded, header, plan);
   plan.core_hours = plan.wall_seconds * plan.ranks / 3600;
   plan.ranks_of_use = ranks_of_use(costs);
   const auto model = predict_model_size(loaded.scene, header);
@@ -187,6 +206,11 @@ void print_plan(const Options& options, const Plan& plan) {
   else if (*plan.check_seconds > 0)
     print_result("check     at most {} more in phynness run (validation.check_probes)\n",
                  duration(*plan.check_seconds));
+  if (plan.calibration_rays > 0)
+    print_result("calibrate {} rays in phynness run, about {} more (validation.calibration_rays)\n",
+                 plan.calibration_rays, duration(plan.calibrate_seconds));
+  print_result("validate  {} probes in phynness run, about {} more (validation.probes)\n", plan.probes,
+               duration(plan.validate_seconds));
   if (!options.from.empty())
     print_result("taken     {} rays of {}; the rest is left to solve\n", plan.rays_taken, options.from.string());
   print_result("rays      {}, {} more by symmetry; {} solved at {} node{}: {:.3g} s each ({}), at most {:.3g} s\n",

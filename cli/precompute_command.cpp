@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <phynness/formats/database_lock.hpp>
 #include <phynness/precompute/precompute.hpp>
 
@@ -68,6 +69,28 @@ void print_ranks(const PrecomputeReport& report) {
                most->idle_seconds, most - report.ranks.begin());
 }
 
+/// The rays that do not begin as those of the shallower database do.
+void warn_of_branches(const PrecomputeReport& report, const std::filesystem::path& from) {
+  constexpr std::size_t most_listed = 20;
+  if (report.rays_compared > 0)
+    message("note: {} of {} rays begin as in {}\n", report.rays_compared - std::ssize(report.other_branches),
+            report.rays_compared, from.string());
+  if (report.other_branches.empty()) return;
+  std::string lines;
+  for (std::size_t i = 0; i < std::min(most_listed, report.other_branches.size()); ++i) {
+    const auto& ray = report.other_branches[i];
+    lines += fmt::format("\n  node {}, direction {}, from {:g} m on: {}", ray.node, ray.direction, ray.depth_m,
+                         std::isinf(ray.difference) ? "only one of both converged"
+                                                    : fmt::format("{:.2g} of the force or energy", ray.difference));
+  }
+  if (report.other_branches.size() > most_listed)
+    lines += fmt::format("\n  and {} more", report.other_branches.size() - most_listed);
+  message(
+      "warning: {} rays do not begin as in {}: they are on another branch of equilibria, or were solved with other "
+      "rounding{}\n",
+      report.other_branches.size(), from.string(), lines);
+}
+
 json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const PrecomputeReport& report) {
   json ranks = json::array();
   for (const auto& rank : report.ranks)
@@ -82,6 +105,8 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
                     report.wall_seconds, "setup_seconds", report.setup_seconds, "solve_seconds", report.solve_seconds,
                     "pack_seconds", report.pack_seconds, "core_seconds", report.core_seconds, "per_rank", ranks);
   out["rays_mirrored"] = report.rays_mirrored;
+  out["rays_compared"] = report.rays_compared;
+  out["rays_on_another_branch"] = report.other_branches.size();
   if (target.shard)
     out["shard"] = target.shard->str();
   else
@@ -163,6 +188,7 @@ void run(const Options& options) {
     std::filesystem::rename(log, target.file.string() + ".solver.log", code);  // there is none without messages
   }
   print_work(session, loaded, target, report);
+  warn_of_branches(report, target.from);
   if (report.library_errors > 0)
     message("warning: {} rays ended because a library call failed; its messages are in {}\n", report.library_errors,
             target.file.string() + ".solver.log");
@@ -195,11 +221,11 @@ void add(CLI::App& app) {
   add_scene(command, options.scene, "scene file (formats/scene.md)");
   add_output(command, options.output, PathKind::database, "database to write (formats/database.md)");
   command.add_flag("--resume", options.resume,
-                   "continue an unfinished database, or a finished one of some of the\nscene's active nodes, which the "
-                   "new one replaces at the end");
+                   "continue an unfinished database, or a finished one of some of the\nscene's active nodes or to a "
+                   "smaller depth, which the new one\nreplaces at the end");
   add_path(command, "--from", options.from, PathKind::input,
-           "finished database of a scene with other active, output nodes or directions:\n"
-           "its rays that this scene has too are taken, only the others are solved");
+           "finished database of a scene with other active, output nodes, directions, depth or a factor of\n"
+           "all moduli: its rays that this scene has too are taken, only the others are solved");
   command.add_option("--shard", options.shard,
                      "i/n: solve only part i = 0 ... n-1 of n and write it to a separate file\n"
                      "(database.h5 -> database.shard-i-of-n.h5); phynness merge joins the files");

@@ -8,6 +8,7 @@
 
 #include "child_process.hpp"
 #include "commands.hpp"
+#include "run_stages.hpp"
 
 namespace phynness::cli::run_command {
 namespace {
@@ -60,6 +61,7 @@ std::vector<std::pair<const char*, std::string>> texts() {
           {"train.json", "{\n  \"family\": "},
           {"calibrate.json", "{\n  \"coverage\": "},
           {"validate.json", "{\n  \"probes\": "},
+          {"stages.json", begin_of_stages},
           {"organ.html", page.substr(0, page.find("<title>"))}};
 }
 
@@ -70,17 +72,17 @@ void declare_files(const Options& options) {
 }
 
 /// A new run replaces no file at all, a resumed one those that begin as the program writes them, beside a database of
-/// its scene, of more nodes, or of some of its nodes. @return whether all rays are there
+/// its scene, of more nodes or increments, or of some of them. @return what it has of the scene's rays
 /// @throws Error (input) before anything is written
-bool refuse_files_of_others(const Options& options) {
+Coverage refuse_files_of_others(const Options& options) {
   const auto database = options.output / "database.h5", model = options.output / "model";
-  bool covered = false;
+  auto covered = Coverage::other;
   if (DatabaseWriter::refuse_begun(database, options.resume)) {
     const auto loaded = load_scene(options.scene, true);
     const auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
     const auto there = coverage(read_database_header(database), header);
     const bool complete = Database::is_complete(database);
-    covered = complete && there == Coverage::whole;
+    covered = complete ? there : Coverage::part;
     if (!complete || there == Coverage::other) DatabaseWriter::check(database, header, true);
   }
   const auto refuse = [&](const std::filesystem::path& file) {
@@ -100,24 +102,15 @@ bool refuse_files_of_others(const Options& options) {
   return covered;
 }
 
-/// The figures of all stages in one file.
-void write_figures(const Options& options, const std::vector<Stage>& stages) {
+/// The figures of all stages in one file, also of those that an earlier run has made.
+void write_figures(const Options& options) {
   if (!options.json_file) return;
   json all;
-  const auto add = [&](const std::string& title) {
-    std::ifstream file(options.output / (title + ".json"));
+  for (const char* title : {"mesh", "precompute", "check", "train", "calibrate", "validate"}) {
+    std::ifstream file(options.output / fmt::format("{}.json", title));
     if (file) all[title] = json::parse(file);
-  };
-  for (const auto& stage : stages) add(std::string(stage.title));
-  add("check");  // an earlier run may have made it
+  }
   write_json(options.json_file, all);
-}
-
-/// Removes what was made of an earlier model, before a new one replaces it, so that what is in the folder always
-/// belongs together.
-void remove_results(const Options& options) {
-  for (const char* name : {"organ.html", "validate.json", "calibrate.json", "train.json"})
-    std::filesystem::remove(options.output / name);
 }
 
 /// Whether an earlier run of this scene has finished check.json. Training refuses one of another scene.
@@ -129,10 +122,13 @@ bool is_checked(const std::filesystem::path& file, const Scene& scene) {
 
 /// Compares the finite elements with a finer solution, in at most a fifth of the time of all: a quarter of that of the
 /// database. The model can be used without. @return whether check.json is there
-bool check(const Options& options, const Scene& scene, const std::string& self, std::vector<Stage>& stages) {
+bool check(const Options& options, const Scene& scene, const std::string& self, std::vector<Stage>& stages,
+           RunStages& finished) {
   const auto file = options.output / "check.json", database = options.output / "database.h5";
   const auto probes = scene.validation.check_probes;
   if (probes != 0 && options.resume && is_checked(file, scene)) return true;
+  if (probes == 0 && !std::filesystem::exists(file)) return false;
+  finished.redo("check");
   std::filesystem::remove(file);
   if (probes == 0) return false;
   // On a busy machine a stage takes longer than its solves, and after --resume it has solved only a part of them.
@@ -151,8 +147,8 @@ bool check(const Options& options, const Scene& scene, const std::string& self, 
   return is_checked(file, scene);
 }
 
-/// Adds error bounds to the model. Without them it can be used as well.
-void calibrate(const Options& options, const std::string& self, std::vector<Stage>& stages) {
+/// Adds error bounds to the model. Without them it can be used as well. @return whether it has them
+bool calibrate(const Options& options, const std::string& self, std::vector<Stage>& stages) {
   const auto model = options.output / "model";
   const auto figures = options.output / "calibrate.json", database = options.output / "database.h5";
   try {
@@ -160,16 +156,18 @@ void calibrate(const Options& options, const std::string& self, std::vector<Stag
                            {self, "calibrate", model.string(), database.string(), "--scene", options.scene.string(),
                             "--json", figures.string()},
                            options.ranks));
+    return true;
   } catch (const Error&) {
     if (stop_requested()) throw;
     message("warning: the model has no error bounds; the reason is above\n");
   }
+  return false;
 }
 
 void run(const Options& options) {
   declare_files(options);
   const Scene read = open_scene(options.scene);
-  const bool covered = refuse_files_of_others(options);
+  const auto covered = refuse_files_of_others(options);
   install_stop_handler(false);
   make_folder(options.output);
   const auto self = this_program();
@@ -183,30 +181,54 @@ void run(const Options& options) {
   std::vector<std::string> precompute{self,     "precompute",         scene, "-o", in("database.h5"),
                                       "--json", in("precompute.json")};
   if (options.resume) precompute.push_back("--resume");
-  if (covered)
+  RunStages finished(options.output, read, covered == Coverage::whole || covered == Coverage::same);
+  if (covered == Coverage::whole)
     message("note: all rays of the scene are in {}, which is left as it is\n", in("database.h5"));
   else
     stages.push_back(stage(options, "precompute", in("database.h5"), precompute, options.ranks));
+  finished.finished("precompute");
   std::vector<std::string> train{self, "train",     scene,    in("database.h5"),
                                  "-o", in("model"), "--json", in("train.json")};
-  if (check(options, read, self, stages)) train.insert(train.end(), {"--check", in("check.json")});
-  remove_results(options);
-  stages.push_back(stage(options, "train", in("model"), train, 1));
-  if (!schema::traits(read.training.family).proportional) calibrate(options, self, stages);
-  stages.push_back(stage(options, "validate", in("validate.json"),
-                         {self, "validate", scene, in("model"), "--json", in("validate.json")}, options.ranks));
-  if (embedded_page("view.html"))
+  if (check(options, read, self, stages, finished)) train.insert(train.end(), {"--check", in("check.json")});
+  finished.finished("check");
+  std::string kept;
+  const auto unless_finished = [&](const char* name, const std::function<bool()>& make) {
+    if (finished.has(name)) {
+      kept += fmt::format("{}{}", kept.empty() ? "" : ", ", name);
+      return;
+    }
+    finished.redo(name);
+    if (make()) finished.finished(name);
+  };
+  unless_finished("train", [&] {
+    stages.push_back(stage(options, "train", in("model"), train, 1));
+    return true;
+  });
+  if (!schema::traits(read.training.family).proportional)
+    unless_finished("calibrate", [&] { return calibrate(options, self, stages); });
+  unless_finished("validate", [&] {
+    stages.push_back(stage(options, "validate", in("validate.json"),
+                           {self, "validate", scene, in("model"), "--json", in("validate.json")}, options.ranks));
+    return true;
+  });
+  unless_finished("page", [&] {
+    if (!embedded_page("view.html")) {
+      message("note: no page of the model is written\n  remedy: {}\n", missing_pages_remedy());
+      return false;
+    }
     stages.push_back(stage(options, "page", in("organ.html"),
                            {self, "view", in("model"), "--database", in("database.h5"), "--errors", in("validate.json"),
                             "-o", in("organ.html")},
                            1));
-  else
-    message("note: no page of the model is written\n  remedy: {}\n", missing_pages_remedy());
+    return true;
+  });
+  if (!kept.empty())
+    message("note: kept from an earlier run, because nothing that they depend on has changed: {}\n", kept);
   print_result("\n{:<12} {:>12} {:>10}  written\n", "stage", "time", "size");
   for (const auto& s : stages)
     print_result("{:<12} {:>12} {:>10}  {}\n", s.title, duration(s.seconds), bytes(size_of(s.written)),
                  s.written.string());
-  write_figures(options, stages);
+  write_figures(options);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <phynness/pages/report.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/report.hpp>
+#include <phynness/validation/sizes.hpp>
 #include <phynness/validation/surface_points.hpp>
 #include <phynness/validation/tool_pairs.hpp>
 
@@ -59,11 +60,20 @@ std::optional<Error> try_part(const Part& part) {
   return std::nullopt;
 }
 
+/// Of the database on which a model of the scene was trained.
+DatabaseHeader header_of(const Scene& scene, const LoadedModel& model) {
+  NodeSets sets{model.model().fixed, {}, model.model().output, {}};
+  for (const auto& node : model.model().nodes) sets.active.push_back(node.node);
+  return database_header(scene, model.mesh(), sets);
+}
+
 void measure(const Options& options, const SolverSession& session, Validated& v) {
   const auto& scene = v.scene;
   const auto& model = v.model;
-  v.report = validate(session, scene, model, options.probes.value_or(scene.validation.probes), v.seed,
-                      Progress("validate", "rays").counter(), stop_requested, options.nodes);
+  const bool bounded = !schema::traits(model.model().family).proportional;
+  const auto probes = options.probes.value_or(sizes_of_checks(scene, header_of(scene, model), bounded).probes);
+  v.report = validate(session, scene, model, probes, v.seed, Progress("validate", "rays").counter(), stop_requested,
+                      options.nodes);
   if (options.points > 0 && !v.interrupted())
     v.no_points = try_part([&] {
       require_deformations(options, model);
@@ -119,7 +129,7 @@ void add(CLI::App& app) {
   add_scene(command, options.scene, "scene from which the model was made");
   add_model(command, options.model);
   add_count(command, "--probes", options.probes, 1, 10'000'000,
-            "number of probes, inside and outside of the trained range");
+            "number of probes, inside and outside of the trained range (default: validation.probes of the scene)");
   add_count(command, "--nodes", options.nodes, 1, 10'000'000,
             "number of probed active nodes (default: a twentieth of the probes, at least 10)");
   add_count(command, "--points", options.points, 1, 1'000'000,

@@ -29,6 +29,31 @@ RayEnd end_of(const std::vector<Status>& statuses, const std::vector<double>& ma
   return end;
 }
 
+/// The outcome of increments beyond the last one of a file.
+Status beyond(Status last) {
+  switch (last) {
+    case Status::after_end:
+    case Status::not_requested:
+    case Status::not_solved:
+      return last;
+    case Status::converged:
+    case Status::not_finite:
+      return Status::not_solved;  // a field may be infinite and the ray go on
+    default:
+      return Status::after_failure;
+  }
+}
+
+/// The end of a ray of which only the increments up to a depth are wanted.
+/// @param last  outcome of the last of them
+RayEnd end_within(RayEnd end, Status last, double depth_m) {
+  constexpr double rounded = 1 + 1e-12;  // depths of both studies are computed in different ways
+  if (end.fold_depth_m > depth_m * rounded) end.fold_depth_m = end.energy_lost_J = 0;
+  // What happens beyond, and the limit of the force at the last increment, do not end the ray.
+  if (last == Status::after_end || end.depth_m * rounded < depth_m) return end;
+  return {EndReason::full_depth, depth_m, end.fold_depth_m, end.energy_lost_J};
+}
+
 }  // namespace
 
 struct Database::Impl {
@@ -40,6 +65,13 @@ struct Database::Impl {
   std::optional<Arrangement> there = {};  ///< if `header` is that of another study than the file's
 
   bool records_ends() const { return minor > 0; }
+  bool is_shortened() const { return there && there->stored.magnitudes_m.size() > header.magnitudes_m.size(); }
+  /// @param stored    what the file says of the ray
+  /// @param statuses  of its increments
+  RayEnd end_of_ray(const RayEnd& stored, const std::vector<Status>& statuses) const {
+    if (!records_ends()) return end_of(statuses, header.magnitudes_m);
+    return is_shortened() ? end_within(stored, statuses.back(), header.magnitudes_m.back()) : stored;
+  }
   std::vector<StoredColumn> columns_with(ColumnOf of) const { return columns_of(header, of, minor); }
 
   /// A column of `count` active nodes, one ray after the other.
@@ -52,10 +84,14 @@ struct Database::Impl {
       return all;
     }
     if constexpr (std::is_same_v<Value, Status>) std::fill(all.begin(), all.end(), Status::not_solved);
-    const bool at_nodes = column.of == ColumnOf::output_node;
-    const std::size_t n_output = header.sets.output.size(), n_stored = there->stored.sets.output.size();
-    const std::size_t stored_count = at_nodes ? column.count / n_output * n_stored : column.count;
     const auto size = static_cast<std::size_t>(column.tensor);
+    const bool of_ray = column.of == ColumnOf::ray, at_nodes = column.of == ColumnOf::output_node;
+    const std::size_t n_output = at_nodes ? header.sets.output.size() : 1,
+                      n_stored = at_nodes ? there->stored.sets.output.size() : 1,
+                      increments = of_ray ? 1 : header.magnitudes_m.size(),
+                      stored_increments = of_ray ? 1 : there->stored.magnitudes_m.size();
+    const std::size_t common = std::min(increments, stored_increments),
+                      stored_count = stored_increments * n_stored * size;
     std::vector<Value> node(there->stored.directions.size() * stored_count);
     for (std::size_t ray = 0; ray < count * n_directions; ++ray) {
       const auto active = there->active[first + ray / n_directions], d = there->direction[ray % n_directions];
@@ -64,15 +100,15 @@ struct Database::Impl {
       if (d < 0) continue;
       const Value* from = &node[static_cast<std::size_t>(d) * stored_count];
       Value* to = &all[ray * column.count];
-      if (!at_nodes) {
-        std::copy_n(from, column.count, to);
-        continue;
-      }
-      for (std::size_t i = 0; i < header.magnitudes_m.size(); ++i)
+      for (std::size_t i = 0; i < common; ++i)
         for (std::size_t o = 0; o < n_output; ++o)
-          std::copy_n(from + (i * n_stored + static_cast<std::size_t>(there->output[o])) * size, size,
+          std::copy_n(from + (i * n_stored + (at_nodes ? static_cast<std::size_t>(there->output[o]) : 0)) * size, size,
                       to + (i * n_output + o) * size);
+      if constexpr (std::is_same_v<Value, Status>) std::fill(to + common, to + increments, beyond(to[common - 1]));
     }
+    if constexpr (std::is_same_v<Value, double>)
+      if (scales_with_moduli(column))
+        for (Value& value : all) value *= there->modulus_factor;
     return all;
   }
   /// Reads a column of `count` active nodes into rays that have room for it.
@@ -186,7 +222,7 @@ std::vector<Ray> Database::rays(std::int32_t active) const {
     rays.push_back(empty_ray(header, active, static_cast<std::int32_t>(d)));
   for (const auto& column : _impl->columns) _impl->read(column, active, 1, rays);
   for (Ray& ray : rays) {
-    if (!_impl->records_ends()) ray.end = end_of(ray.status, header.magnitudes_m);
+    ray.end = _impl->end_of_ray(ray.end, ray.status);
     _impl->refuse_damaged(ray, _impl->columns,
                           "node " + std::to_string(header.sets.active[static_cast<std::size_t>(active)]) +
                               ", direction " + std::to_string(ray.direction));
@@ -291,19 +327,15 @@ DatabaseSummary summarize(const Database& database) {
 std::vector<RayEnd> Database::ends() const {
   const auto& header = _impl->header;
   std::vector<RayEnd> ends;
-  if (!_impl->records_ends()) {
-    const auto all = statuses();
-    const auto n = static_cast<std::ptrdiff_t>(header.magnitudes_m.size());
-    for (auto ray = all.begin(); ray != all.end(); ray += n)
-      ends.push_back(end_of(std::vector<Status>(ray, ray + n), header.magnitudes_m));
-    return ends;
-  }
   const auto columns = _impl->columns_with(ColumnOf::ray);
+  const auto all = _impl->records_ends() && !_impl->is_shortened() ? std::vector<Status>() : statuses();
+  const auto n = static_cast<std::ptrdiff_t>(all.empty() ? 0 : header.magnitudes_m.size());
   std::vector<Ray> rays(header.sets.active.size() * header.directions.size());
   for (const auto& column : columns) _impl->read(column, 0, header.sets.active.size(), rays);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     _impl->refuse_damaged(rays[i], columns, "ray " + std::to_string(i));
-    ends.push_back(rays[i].end);
+    const auto first = all.begin() + n * static_cast<std::ptrdiff_t>(i);
+    ends.push_back(_impl->end_of_ray(rays[i].end, {first, first + n}));
   }
   return ends;
 }

@@ -1,6 +1,7 @@
 #include "database_layout.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
@@ -13,6 +14,11 @@ namespace phynness::database_layout {
 namespace {
 
 const char* const format_name = "phynness database";
+
+/// Before an increment was halved a fixed number of times, it was until a part was 1/64 of the full depth.
+int earlier_fold_halvings(std::size_t increments) {
+  return increments >= 64 ? 0 : static_cast<int>(std::ceil(std::log2(64.0 / static_cast<double>(increments))));
+}
 
 template <class T>
 void write_array(hdf5::File& file, const char* name, const hdf5::Shape& shape, const T* values, const char* unit,
@@ -132,6 +138,7 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
   file.write_attribute("/", "mesh_hash", header.mesh_hash);
   file.write_attribute("/", "tangents", std::int32_t{header.tangents});
   file.write_attribute("/", "displacement_precision", std::string(header.float64 ? "float64" : "float32"));
+  file.write_attribute("/", "fold_halvings", std::int32_t{header.fold_halvings});
   // Omitted if there are no fields, as in files of versions without fields.
   if (!header.fields.empty()) file.write_attribute("/", "fields", names(header.fields, " "));
   file.write_attribute("/", "scene_name", header.scene_name);
@@ -251,6 +258,8 @@ DatabaseHeader read_header(const hdf5::File& file) {
   for (hsize_t i = 0; i < rows; ++i)
     header.directions.push_back({directions[3 * i], directions[3 * i + 1], directions[3 * i + 2]});
   header.magnitudes_m = read_list<double>(file, path::magnitudes);
+  header.fold_halvings = file.has_attribute("/", "fold_halvings") ? file.read_int_attribute("/", "fold_halvings")
+                                                                  : earlier_fold_halvings(header.magnitudes_m.size());
 
   if (const auto hash = mesh_hash(header.mesh); hash != header.mesh_hash)
     throw input_error(

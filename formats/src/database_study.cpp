@@ -1,6 +1,7 @@
 #include "database_study.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <locale>
 #include <map>
 #include <phynness/formats/error.hpp>
@@ -9,12 +10,14 @@
 
 #include "database_layout.hpp"
 #include "ray_columns.hpp"
+#include "scene_table.hpp"
 
 namespace phynness {
 namespace {
 
-std::map<std::string, std::string> summary_of(const DatabaseHeader& header) {
-  const auto scene = stored_scene(header);
+using scene_detail::shortest;
+
+std::map<std::string, std::string> summary_of(const Scene& scene) {
   std::istringstream lines(physics_summary(scene));
   std::map<std::string, std::string> values;
   for (std::string line; std::getline(lines, line);) {
@@ -39,11 +42,34 @@ bool same_points_and_cells(const Mesh& a, const Mesh& b) {
 }
 
 const char* const other_physics = "another physics";
+/// Rounding of numbers of a scene that were computed from the same ones in another way.
+constexpr double rounding = 1e-12;
 
-/// Whether a line of the summary tells which nodes and directions are chosen, or which rays are mirror images. These
-/// are compared themselves.
-bool is_selection(const std::string& key) {
-  return key.starts_with("nodes.") || key == "probe.directions" || key == "mesh.symmetry";
+bool same_number(double a, double b) { return std::abs(a - b) <= rounding * std::max(std::abs(a), std::abs(b)); }
+
+/// The factor by which all moduli of `now` are larger, if there is one and all other numbers are the same. Forces,
+/// energies and stresses are larger by it, and deformations are the same.
+std::optional<double> modulus_factor(const Scene& then, const Scene& now) {
+  const auto &a = then.material, &b = now.material;
+  if (a.law != b.law) return std::nullopt;
+  const double factor = b.shear_modulus_Pa / a.shear_modulus_Pa;
+  for (std::size_t i = 0; i < a.parameters.size(); ++i)
+    if (!same_number((a.law->parameters[i].is_modulus ? factor : 1) * a.parameters[i], b.parameters[i]))
+      return std::nullopt;
+  return a.parameters == b.parameters ? 1 : factor;
+}
+
+/// Whether the increments of `shallow` are the first of `deep`, or all.
+bool begin_with(const std::vector<double>& deep, const std::vector<double>& shallow) {
+  return shallow.size() <= deep.size() && std::equal(shallow.begin(), shallow.end(), deep.begin(), same_number);
+}
+
+/// Whether a line of the summary tells which nodes, directions and depths are chosen, or which rays are mirror images.
+/// These are compared themselves, and so are moduli if they have a common factor.
+bool is_selection(const std::string& key, bool scales) {
+  return key.starts_with("nodes.") || key == "probe.directions" || key == "mesh.symmetry" ||
+         key == "probe.increments" || key == "probe.max_displacement_m" ||
+         (scales && (key.starts_with("material.") || key == "probe.max_force_N"));
 }
 
 /// One line for each different key.
@@ -51,9 +77,12 @@ std::string differing_keys(const DatabaseHeader& on_disk, const DatabaseHeader& 
                            bool selections) {
   const std::string hashes = "physics " + on_disk.physics_hash + " in the file, " + wanted.physics_hash + " " + other;
   std::map<std::string, std::string> then, now;
+  bool scales = false;
   try {
-    then = summary_of(on_disk);
-    now = summary_of(wanted);
+    const auto before = stored_scene(on_disk), after = stored_scene(wanted);
+    then = summary_of(before);
+    now = summary_of(after);
+    scales = modulus_factor(before, after).has_value();
   } catch (const Error&) {
     return hashes;
   }
@@ -66,7 +95,7 @@ std::string differing_keys(const DatabaseHeader& on_disk, const DatabaseHeader& 
   std::string text;
   for (const auto& [key, ignored] : keys) {
     const auto old_value = value(then, key), new_value = value(now, key);
-    if (old_value != new_value && (selections || !is_selection(key)))
+    if (old_value != new_value && (selections || !is_selection(key, scales)))
       text += "\n  " + key + ": " + old_value + " in the file, " + new_value + " " + other;
   }
   return text.empty() && selections ? hashes : text;
@@ -125,13 +154,31 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
     all.push_back({"another mirror plane", both(then, now) + (then == now ? ", but other pairs" : ""), false});
   }
   compare_lists(on_disk.directions, wanted.directions, "directions", false);
-  compare_lists(on_disk.magnitudes_m, wanted.magnitudes_m, "increments", true);
+  if (const auto& then = on_disk.magnitudes_m, &now = wanted.magnitudes_m; then != now)
+    all.push_back({"other increments (probe.increments, probe.max_displacement_m)",
+                   both(std::to_string(then.size()) + " to " + shortest(then.back()) + " m",
+                        std::to_string(now.size()) + " to " + shortest(now.back()) + " m"),
+                   !begin_with(then, now) && !begin_with(now, then)});
   compare(on_disk.tangents, wanted.tangents, "another [database] tangents",
           [](bool stored) { return std::string(stored ? "true" : "false"); });
   compare(on_disk.float64, wanted.float64, "another [database] displacement_precision",
           [](bool float64) { return std::string(float64 ? "float64" : "float32"); });
   compare(on_disk.fields, wanted.fields, "other [database] fields",
           [](const std::vector<Field>& fields) { return text(fields); });
+  if (!is_understood(on_disk) || !is_understood(wanted)) return all;
+  const auto then = stored_scene(on_disk), now = stored_scene(wanted);
+  const auto factor = modulus_factor(then, now);
+  if (const auto before = then.probe.max_force_N, after = now.probe.max_force_N;
+      factor && !same_number(*factor * before, after))
+    all.push_back({"another [probe] max_force_N",
+                   both(shortest(before), shortest(after)) +
+                       (*factor == 1 ? ""
+                                     : ", but a limit of the force must be larger by the factor of the moduli, " +
+                                           shortest(*factor)),
+                   true});
+  if (!now.material.law->linear)  // which has no folds
+    compare(on_disk.fold_halvings, wanted.fold_halvings, "another search for folds",
+            [](int halvings) { return "to an increment over 2^" + std::to_string(halvings); });
   return all;
 }
 
@@ -142,7 +189,8 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
   const auto& first = all.front();
   const bool shares = std::none_of(all.begin(), all.end(), [](const auto& each) { return each.of_rays; });
   const bool physics = on_disk.physics_hash != wanted.physics_hash;
-  const bool same_scene = physics && on_disk.scene_text == wanted.scene_text;
+  const bool same_scene =
+      (physics && on_disk.scene_text == wanted.scene_text) || on_disk.fold_halvings != wanted.fold_halvings;
   throw input_error(
       "the database " + file.string() +
           (same_scene ? " was solved by another version, with other equations" : " has " + first.what),
@@ -158,15 +206,19 @@ Coverage coverage(const DatabaseHeader& on_disk, const DatabaseHeader& wanted) {
   const auto all = differences(on_disk, wanted);
   if (all.empty()) return Coverage::same;
   if (std::any_of(all.begin(), all.end(), [](const auto& each) { return each.of_rays; }) ||
-      on_disk.directions != wanted.directions || on_disk.sets.mirror != wanted.sets.mirror ||
-      stored_scene(on_disk).probe.directions != stored_scene(wanted).probe.directions)
+      on_disk.directions != wanted.directions || on_disk.sets.mirror != wanted.sets.mirror)
     return Coverage::other;
+  const auto then = stored_scene(on_disk), now = stored_scene(wanted);
+  if (then.probe.directions != now.probe.directions || modulus_factor(then, now) != 1.0) return Coverage::other;
   const auto has = [](const NodeSets& more, const NodeSets& less) {
     return std::includes(more.active.begin(), more.active.end(), less.active.begin(), less.active.end()) &&
            std::includes(more.output.begin(), more.output.end(), less.output.begin(), less.output.end());
   };
-  if (has(on_disk.sets, wanted.sets)) return Coverage::whole;
-  return on_disk.sets.output == wanted.sets.output && has(wanted.sets, on_disk.sets) ? Coverage::part : Coverage::other;
+  if (has(on_disk.sets, wanted.sets) && begin_with(on_disk.magnitudes_m, wanted.magnitudes_m)) return Coverage::whole;
+  return on_disk.sets.output == wanted.sets.output && has(wanted.sets, on_disk.sets) &&
+                 begin_with(wanted.magnitudes_m, on_disk.magnitudes_m)
+             ? Coverage::part
+             : Coverage::other;
 }
 
 Arrangement arranged(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file) {
@@ -180,7 +232,7 @@ Arrangement arranged(const DatabaseHeader& on_disk, const DatabaseHeader& wanted
   };
   Arrangement there{positions(on_disk.sets.active, wanted.sets.active),
                     positions(on_disk.directions, wanted.directions),
-                    positions(on_disk.sets.output, wanted.sets.output), on_disk};
+                    positions(on_disk.sets.output, wanted.sets.output), 1, on_disk};
   std::string reasons;
   for (const auto& difference : differences(on_disk, wanted)) {
     if (!difference.of_rays) continue;
@@ -190,6 +242,7 @@ Arrangement arranged(const DatabaseHeader& on_disk, const DatabaseHeader& wanted
   if (const auto lacking = std::count(there.output.begin(), there.output.end(), -1); lacking > 0)
     reasons += "\n  output nodes that the database does not hold: " + std::to_string(lacking) + " of " +
                std::to_string(there.output.size());
+  if (reasons.empty()) there.modulus_factor = *modulus_factor(stored_scene(on_disk), stored_scene(wanted));
   if (!reasons.empty())
     throw input_error("no ray of the database " + file.string() + " is one of the scene", reasons,
                       "solve the scene into a database of its own, without this one");
@@ -210,8 +263,10 @@ std::vector<char> Database::rays_for(const std::filesystem::path& file, const Da
     const auto active = there.active[flags.size() / wanted.directions.size()];
     const auto direction = there.direction[flags.size() % wanted.directions.size()];
     // A library that failed may not fail again, and mirror images are solves only up to rounding.
-    flags.push_back(active >= 0 && direction >= 0 && *ray != Status::not_requested &&
-                    std::find(ray, ray + n, Status::library_error) == ray + n && images.is_solved(active, direction));
+    const bool repeats =
+        std::none_of(ray, ray + n, [](Status s) { return s == Status::library_error || s == Status::not_solved; });
+    flags.push_back(active >= 0 && direction >= 0 && *ray != Status::not_requested && repeats &&
+                    images.is_solved(active, direction));
   }
   return flags;
 }

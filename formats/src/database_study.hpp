@@ -28,7 +28,8 @@ void refuse_other_work(
 /// Where a study finds its rays in the database of another one: positions in the lists of that one, -1 if absent.
 struct Arrangement {
   std::vector<std::int32_t> active, direction, output;
-  DatabaseHeader stored;  ///< of the file
+  double modulus_factor = 1;  ///< the study's moduli over those of the file
+  DatabaseHeader stored;      ///< of the file
 };
 /// @throws Error (input) with all reasons if no ray of the file is one of `wanted`
 Arrangement arranged(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file);

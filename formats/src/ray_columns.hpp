@@ -22,6 +22,11 @@ std::vector<StoredColumn> columns_of(const DatabaseHeader& header, std::int32_t 
 /// Those of them with one value for each `of`.
 std::vector<StoredColumn> columns_of(const DatabaseHeader& header, ColumnOf of, std::int32_t minor = format_minor);
 
+/// Whether the numbers are forces, energies or stresses, which are larger by a common factor of all moduli.
+inline bool scales_with_moduli(const RayColumn& column) {
+  return std::string_view(column.unit).find_first_of("NJP") != std::string_view::npos;
+}
+
 /// A column of Ray::fields.
 RayColumn field_column(Field field, std::size_t index);
 

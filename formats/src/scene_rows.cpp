@@ -197,13 +197,17 @@ Keys training_keys() {
 
 Keys validation_keys() {
   const auto validation = section("validation", &Scene::validation);
-  return {validation("probes", &ValidationSpec::probes, Integer{1, 1'000'000}, never,
-                     "number of fresh solves that the model is compared with"),
-          validation("seed", &ValidationSpec::seed, seed, never, "seed of their nodes, directions and depths"),
-          validation("check_probes", &ValidationSpec::check_probes, Integer{0, 10'000}, never,
-                     "probes at which `phynness run` compares the finite elements with a finer solution "
-                     "([check](../docs/commands.md#check)); 0: none. Absent: at most 12, in at most a fifth of its "
-                     "time")};
+  return {
+      validation("probes", &ValidationSpec::probes, Integer{1, 1'000'000}, never,
+                 "number of fresh solves that the model is compared with. Absent: sized to the database, see below"),
+      validation("calibration_rays", &ValidationSpec::calibration_rays, Integer{100, 1'000'000}, never,
+                 "random rays for the bounds of the error ([calibrate](../docs/commands.md#calibrate)). Absent: "
+                 "sized to the database, see below"),
+      validation("seed", &ValidationSpec::seed, seed, never, "seed of their nodes, directions and depths"),
+      validation("check_probes", &ValidationSpec::check_probes, Integer{0, 10'000}, never,
+                 "probes at which `phynness run` compares the finite elements with a finer solution "
+                 "([check](../docs/commands.md#check)); 0: none. Absent: at most 12, in at most a fifth of its "
+                 "time")};
 }
 
 }  // namespace

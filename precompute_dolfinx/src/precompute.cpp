@@ -2,6 +2,8 @@
 #include <sys/resource.h>
 
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
@@ -56,6 +58,61 @@ struct Share {
       iterations += ray.iterations[i];
     }
   }
+};
+
+/// The rays of a shallower database, with which those of a deeper one must begin.
+class ShallowerRays {
+ public:
+  ShallowerRays(const std::filesystem::path& from, const DatabaseHeader& header) : _header(header) {
+    if (from.empty()) return;
+    _n_common = read_database_header(from).magnitudes_m.size();
+    if (_n_common < header.magnitudes_m.size()) _database.emplace(Database::open(from, header));
+  }
+  void compare(const Ray& now) {
+    if (!_database) return;
+    if (_active != now.active) _rays = _database->rays(_active = now.active);
+    const Ray& then = _rays.at(static_cast<std::size_t>(now.direction));
+    if (!(then.seconds.front() > 0)) return;  // not there, or a mirror image
+    ++n_compared;
+    for (std::size_t i = 0; i < _n_common; ++i) {
+      if (then.status[i] == Status::library_error || now.status[i] == Status::library_error) return;
+      const double difference = difference_at(then, now, i);
+      if (difference <= most) continue;
+      for (const double x : {double(now.active), double(now.direction), _header.magnitudes_m[i], difference})
+        found.push_back(x);
+      return;
+    }
+  }
+  std::vector<OtherBranch> unpacked(const std::vector<double>& of_all_ranks) const {
+    std::vector<OtherBranch> all;
+    for (std::size_t i = 0; i + 3 < of_all_ranks.size(); i += 4)
+      all.push_back({_header.sets.active[static_cast<std::size_t>(of_all_ranks[i])],
+                     static_cast<std::int32_t>(of_all_ranks[i + 1]), of_all_ranks[i + 2], of_all_ranks[i + 3]});
+    std::ranges::sort(all, {}, [](const auto& ray) { return std::pair{ray.node, ray.direction}; });
+    return all;
+  }
+
+  std::int64_t n_compared = 0;
+  std::vector<double> found;  ///< active node, direction, depth and difference of each
+
+ private:
+  /// Both are solved from rest along the same increments, so that the same program on the same processor has the same
+  /// bits; other processors differ by the rounding of a converged solve.
+  static constexpr double most = 1e-9;
+
+  static double difference_at(const Ray& then, const Ray& now, std::size_t i) {
+    if (then.status[i] != now.status[i]) return std::numeric_limits<double>::infinity();
+    if (now.status[i] != Status::converged) return 0;
+    const auto force = [i](const Ray& ray) { return Eigen::Vector3d::Map(&ray.force[3 * i]); };
+    const double of_force = (force(now) - force(then)).norm() / force(then).norm();
+    return std::max(of_force, std::abs(now.energy[i] - then.energy[i]) / std::abs(then.energy[i]));
+  }
+
+  const DatabaseHeader& _header;
+  std::optional<Database> _database;
+  std::size_t _n_common = 0;
+  std::int32_t _active = -1;
+  std::vector<Ray> _rays;
 };
 
 /// Solves rays node by node.
@@ -131,7 +188,8 @@ class RayLog {
 /// @param done       called after every ray
 void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader& header,
                  const std::vector<char>& requested, const std::vector<RayIndex>& rays, WorkCounter& counter,
-                 int n_teams, const std::function<void()>& done, const std::function<bool()>& stop, Share& share) {
+                 int n_teams, ShallowerRays& shallower, const std::function<void()>& done,
+                 const std::function<bool()>& stop, Share& share) {
   const auto tasks = ray_tasks(rays, n_teams);
   const auto n_tasks = static_cast<std::int64_t>(tasks.size()) - 1;
   RaysOfNodes nodes(solver, header);
@@ -145,7 +203,9 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
       const bool asked_for = requested[static_cast<std::size_t>(ray.active) * header.directions.size() +
                                        static_cast<std::size_t>(ray.direction)] != 0;
       try {
-        ray_log.append(asked_for ? nodes.solve(ray) : empty_ray(header, ray.active, ray.direction), share);
+        auto solved = asked_for ? nodes.solve(ray) : empty_ray(header, ray.active, ray.direction);
+        if (asked_for) shallower.compare(solved);
+        ray_log.append(std::move(solved), share);
       } catch (const Interrupted&) {
         share.interrupted = true;
         break;
@@ -312,6 +372,8 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   const auto solve_start = Clock::now();
   Share share;
   std::exception_ptr trouble;
+  std::optional<ShallowerRays> shallower;
+  session.together([&] { shallower.emplace(target.from, header); });
   if (!rays.empty()) {
     WorkCounter counter(MPI_COMM_WORLD);
     if (team.leads()) {
@@ -323,7 +385,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
       trouble = guarded(counter, session.rank(), warn, [&] {
         DatabaseWriter log(target.file, header, session.rank());
         solve_tasks(*probe_solver, log, header, requested_rays(scene, mesh, header), rays, counter,
-                    session.size() / team.size(), done, stop, share);
+                    session.size() / team.size(), *shallower, done, stop, share);
         log.close();
       });
       core.stop();
@@ -348,6 +410,8 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   report.pack_seconds = seconds_since(pack_start);
 
   add_up(session, share, core.seconds(), report);
+  report.rays_compared = static_cast<std::int64_t>(session.sum(static_cast<double>(shallower->n_compared)));
+  report.other_branches = shallower->unpacked(session.gather(shallower->found));
   if (!report.interrupted && !target.shard && session.rank() == 0)
     count_finished(target.file, header, mirrored, report);
   report.wall_seconds = seconds_since(start);

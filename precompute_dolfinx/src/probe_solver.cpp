@@ -197,9 +197,9 @@ RayEnd ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::v
 }
 
 RayLimits ProbeSolver::limits_of_rays() const {
-  constexpr double parts = 64;  // of the full depth: as far as a fold is located
   const ProbeSpec& probe = _impl->scene.probe;
-  return {true, probe.stop_at_fold, probe.max_displacement_m / parts, probe.min_jacobian, probe.max_force_N};
+  const double resolution_m = std::ldexp(probe.max_displacement_m / probe.increments, -fold_halvings);
+  return {true, probe.stop_at_fold, resolution_m, probe.min_jacobian, probe.max_force_N};
 }
 
 Response ProbeSolver::solve(const std::vector<Vec3>& displacement_m, int increments, bool tangents) {

@@ -183,8 +183,9 @@ TEST_F(Outputs, OfAModelNeverReplaceAnotherProgramsFiles) {
 }
 
 TEST_F(Outputs, OfARunNeverReplaceOtherFiles) {
-  for (const char* name : {"mesh.msh", "mesh.json", "precompute.json", "check.json", "train.json", "calibrate.json",
-                           "validate.json", "organ.html", "model/model.txt", "model/mesh.txt", "model"}) {
+  for (const char* name :
+       {"mesh.msh", "mesh.json", "precompute.json", "check.json", "train.json", "calibrate.json", "validate.json",
+        "stages.json", "organ.html", "model/model.txt", "model/mesh.txt", "model"}) {
     const auto file = folder / "fresh/out" / name;
     fs::create_directories(file.parent_path());
     write_file(file, "{\n  \"notes\": \"of somebody\"\n}\n");

@@ -25,6 +25,8 @@ constexpr std::int64_t coupled_part = 5;
 constexpr std::int64_t fewest_coupled = 30;
 /// The nodes are a sample of clusters: with fewer, 0.95 (1 + 1 / n) is above 1 and nothing is known of the next node.
 constexpr std::size_t fewest_nodes = 20;
+std::int64_t coupled_rays_per_kind(std::int64_t rays) { return std::max(fewest_coupled, rays / coupled_part); }
+
 /// A state is exchanged between ranks as this many numbers.
 constexpr std::size_t state_size = 7;
 
@@ -131,6 +133,10 @@ double median_bound(std::vector<BoundedError> errors) {
 
 }  // namespace
 
+double calibration_increments(std::int64_t rays) {
+  return static_cast<double>(states_per_ray) * static_cast<double>(rays + 2 * coupled_rays_per_kind(rays));
+}
+
 Model calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, const BoundSpec& spec,
                 const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop,
                 BoundReport& report) {
@@ -139,9 +145,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
   BoundPredictors predictors;
   session.together([&] { predictors = bound_predictors(model.model(), database); });
   const std::size_t n_active = model.model().nodes.size();
-  const auto stored = static_cast<std::int64_t>(header.sets.active.size() * header.directions.size());
-  const auto n_rays =
-      static_cast<std::size_t>(spec.rays > 0 ? spec.rays : std::clamp<std::int64_t>(stored / 2, 200, 1000));
+  const auto n_rays = static_cast<std::size_t>(spec.rays);
   const std::size_t n_nodes = std::min(n_active, std::max(fewest_nodes, n_rays / rays_per_node));
   std::mt19937_64 random(spec.seed);
   const auto sample = sampled_nodes(n_nodes, n_active, random);
@@ -151,7 +155,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     solver->set_stop(stop);
   });
   const CoupledRays coupled(model, stored_scene(header).probe);
-  const std::int64_t per_kind = std::max<std::int64_t>(fewest_coupled, n_rays / coupled_part);
+  const std::int64_t per_kind = coupled_rays_per_kind(spec.rays);
   std::vector<std::pair<std::int32_t, std::int32_t>> coupled_rays;  // number of the ray, and of tools
   for (std::int32_t ray = 0; ray < per_kind; ++ray)
     for (const std::int32_t n_tools : {1, 2})

@@ -15,6 +15,10 @@
 
 namespace phynness {
 
+/// The search for a fold halves an increment this often: a fold is located to a sixteenth of an increment, whatever the
+/// full depth is, so that the rays of a shallower scene are the first increments of those of a deeper one.
+inline constexpr int fold_halvings = 4;
+
 /// Contents of a database except the rays. Empty `mesh_hash` and `physics_hash` are computed when a database is
 /// created.
 struct DatabaseHeader {
@@ -24,6 +28,7 @@ struct DatabaseHeader {
   std::vector<double> magnitudes_m;  ///< increments, ascending; the last is the maximum displacement
   bool tangents = false, float64 = false;
   std::vector<Field> fields;  ///< stored at the output nodes, in the order of the enum; always float32
+  int fold_halvings = phynness::fold_halvings;  ///< of the program that solved it
   std::string scene_text, scene_name, scene_folder;
   std::string physics_hash, mesh_hash, software_version;
   /// Set if the file contains the rays of one shard only; never in a finished database.
@@ -87,13 +92,15 @@ class Database {
   /// unfinished database is --resume
   static Database open(const std::filesystem::path& file);
   /// The same file, seen as the database of a study that has a part of its rays in common with it. header() is
-  /// `wanted`; rays that the file does not have are Status::not_solved.
+  /// `wanted`; increments that the file does not have are Status::not_solved. Forces, energies and stresses are
+  /// multiplied by the common factor of the moduli; their rounding and that of float32 remain.
   /// @throws Error (input) also with all reasons if no ray of the file is one of `wanted`: the physics (but for the
-  /// selections of nodes and directions), mesh, fixed nodes, increments and stored arrays must be the same, and the
-  /// output nodes among those of the file
+  /// selections of nodes and directions, and a factor of all moduli), mesh, fixed nodes and stored arrays must be the
+  /// same, the increments those of the file or the first of them, or these and deeper ones, and the output nodes among
+  /// those of the file
   static Database open(const std::filesystem::path& file, const DatabaseHeader& wanted);
   /// Flags, n_active x n_directions of `wanted`, of its rays that a solve would repeat: those in the file but for
-  /// mirror images there, and rays that a failed library call ended.
+  /// mirror images there, rays that a failed library call ended, and rays that go on in a deeper study.
   /// @throws Error (input) as open(); also for files of versions that do not record the ends of rays
   static std::vector<char> rays_for(const std::filesystem::path& file, const DatabaseHeader& wanted);
   /// True if all rays have been packed into the file.
@@ -155,8 +162,8 @@ DatabaseProgress database_progress(const std::filesystem::path& file);
 /// What a database has of the rays of a study.
 enum class Coverage {
   same,   ///< it is that of the study
-  whole,  ///< all, and perhaps of more active nodes and at more output nodes
-  part,   ///< those of some of its active nodes, and no others
+  whole,  ///< all, and perhaps of more active nodes, at more output nodes, and deeper ones
+  part,   ///< those of some of its active nodes, or to a smaller depth, and no others
   other   ///< others, or some of both
 };
 Coverage coverage(const DatabaseHeader& on_disk, const DatabaseHeader& wanted);

@@ -129,7 +129,7 @@ struct TrainingSpec {
 };
 
 struct ValidationSpec {
-  int probes = 200;
+  std::optional<int> probes, calibration_rays;  ///< empty: sizes_of_checks() of validation
   std::uint64_t seed = 1;
   std::optional<int> check_probes;  ///< of run; 0: no check
 };

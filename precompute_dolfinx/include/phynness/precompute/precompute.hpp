@@ -29,10 +29,20 @@ struct RankFigures {
   double peak_memory_bytes = 0;
 };
 
+/// A solved ray that differs from the shallower ray of the same node and direction in PrecomputeTarget::from: it is on
+/// another branch of equilibria, or was solved with other rounding.
+struct OtherBranch {
+  std::int32_t node = 0, direction = 0;
+  double depth_m = 0;     ///< of the first increment that differs
+  double difference = 0;  ///< there, of force or energy, relative; infinite if only one of both converged
+};
+
 struct PrecomputeReport {
   std::int64_t rays = 0, rays_resumed = 0;  ///< recorded in this run; found in the logs
   std::int64_t rays_solved = 0;             ///< of those of this run: without directions that are not requested
   std::int64_t rays_taken = 0;              ///< copied from another database in this run
+  std::int64_t rays_compared = 0;           ///< solved in this run, with a shallower ray in that database
+  std::vector<OtherBranch> other_branches;  ///< of those, by node and direction; on rank 0
   std::int64_t rays_mirrored = 0;           ///< mirror images of other rays; 0 in a shard
   /// Of the whole database or, for a shard or an interrupted run, of this run. `failed` includes after_failure.
   std::int64_t increments = 0, failed = 0, iterations = 0;
@@ -54,7 +64,8 @@ using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 /// Collective over MPI_COMM_WORLD: all ranks call it with the same arguments. Free ranks fetch rays node by node, in
 /// tasks of decreasing size. Every ray starts at rest, so that the result does not depend on the rank that solves it. A
 /// ray that cannot be solved is recorded as failed with its reason. Messages of libraries go to
-/// `<target.file>.solver.log`.
+/// `<target.file>.solver.log`. Of a deeper study than `target.from`, the rays that end early there are taken. The
+/// others are solved again, and their first increments are compared with those there.
 /// @pre ranks_per_solve divides the number of ranks
 /// @pre rank 0 holds the DatabaseLock of the file
 /// @param stop  polled between rays, and between iterations of a solve, on every rank; true ends the run and keeps

@@ -10,7 +10,6 @@
 namespace phynness {
 
 struct BoundSpec {
-  /// 0: half as many as the database has, but at least 200 and at most 1,000
   std::int64_t rays = 0;
   std::uint64_t seed = 1;
   double coverage = 0.95;
@@ -31,6 +30,9 @@ struct BoundReport {
   PHYNNESS_FIGURES(rays, failed_rays, nodes, planned_nodes, all_nodes, states, median_bound_N, left_out, coupled_rays,
                    planned_coupled_rays, between, two, seconds)
 };
+
+/// Increments that a calibration with so many rays solves, those of coupled tools included.
+double calibration_increments(std::int64_t rays);
 
 /// Solves random rays of the body and calibrates bounds. Collective; only rank 0 gets a result.
 /// @param progress  receives the finished nodes and rays of coupled tools, and their number

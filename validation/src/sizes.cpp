@@ -1,0 +1,45 @@
+#include <algorithm>
+#include <cmath>
+#include <phynness/precompute/sample_rays.hpp>
+#include <phynness/validation/calibrate.hpp>
+#include <phynness/validation/sizes.hpp>
+
+namespace phynness {
+namespace {
+
+/// Of the increments of checks, when both sizes are to be chosen. Bounds need more than means and quantiles do.
+constexpr double part_of_calibration = 0.6;
+
+/// Increments of a probe. Two share a ray from rest, one of them 1 to 1.43 times as deep as the trained range, so that
+/// a ray has 1.2 times the increments of the database, and about 1.5 more for the two depths.
+double increments_per_probe(int increments) { return (1.2 * increments + 1.5) / 2; }
+
+/// The rays that a scene asks for. A mirror image counts as much as its ray.
+std::int64_t wanted_rays(const Scene& scene, DatabaseHeader header) {
+  header.sets.mirror.reset();
+  const auto flags = requested_rays(scene, header.mesh, header);
+  return std::count(flags.begin(), flags.end(), char{1});
+}
+
+std::int64_t between(double least, double value, double most) {
+  return static_cast<std::int64_t>(std::floor(std::clamp(value, least, most)));
+}
+
+}  // namespace
+
+CheckSizes sizes_of_checks(const Scene& scene, const DatabaseHeader& header, bool bounded) {
+  const double half = 0.5 * static_cast<double>(wanted_rays(scene, header)) * scene.probe.increments;
+  const auto& given = scene.validation;
+  CheckSizes sizes;
+  if (bounded) {
+    const double per_ray = calibration_increments(1000) / 1000;
+    sizes.calibration_rays = given.calibration_rays.value_or(between(100, part_of_calibration * half / per_ray, 1000));
+    sizes.calibration_increments = calibration_increments(sizes.calibration_rays);
+  }
+  const double per_probe = increments_per_probe(scene.probe.increments);
+  sizes.probes = given.probes.value_or(between(50, (half - sizes.calibration_increments) / per_probe, 200));
+  sizes.validation_increments = per_probe * static_cast<double>(sizes.probes);
+  return sizes;
+}
+
+}  // namespace phynness
