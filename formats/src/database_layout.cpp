@@ -178,6 +178,10 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
               "unit vectors of the exploratory directions; axis D of the responses");
   write_array(file, path::magnitudes, {header.magnitudes_m.size()}, header.magnitudes_m.data(), "m",
               "prescribed displacement of each increment; axis I of the responses");
+  if (header.is_imported())
+    write_array(file, path::displacements, {header.directions.size(), header.magnitudes_m.size(), 3},
+                header.displacements_m.data(), "m",
+                "prescribed displacements, imported; axes D and I of the responses");
 }
 
 bool read_complete(const hdf5::File& file) {
@@ -251,6 +255,10 @@ DatabaseHeader read_header(const hdf5::File& file) {
   for (hsize_t i = 0; i < rows; ++i)
     header.directions.push_back({directions[3 * i], directions[3 * i + 1], directions[3 * i + 2]});
   header.magnitudes_m = read_list<double>(file, path::magnitudes);
+  if (file.exists(path::displacements)) {
+    const auto all = file.read<double>(path::displacements, {header.directions.size(), header.magnitudes_m.size(), 3});
+    header.displacements_m = Eigen::Map<const Points>(all.data(), std::ssize(all) / 3, 3);
+  }
 
   if (const auto hash = mesh_hash(header.mesh); hash != header.mesh_hash)
     throw input_error(
