@@ -151,6 +151,10 @@ void check_mesh(const Scene& scene, const std::string& hash, const std::string& 
 Database open_database(const Scene& scene, const std::filesystem::path& file) {
   auto database = Database::open(file);
   const auto& header = database.header();
+  if (header.is_imported())
+    throw input_error(
+        "imported responses belong to no scene", file.string(),
+        "give phynness train this database only, without SCENE; other commands need a scene that was solved");
   const Scene stored = stored_scene(header);
   Scene meant = as_hashed(scene, header.physics_hash);
   if (physics_hash(meant) != header.physics_hash) {

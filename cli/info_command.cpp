@@ -135,8 +135,11 @@ json about_database(const std::filesystem::path& file, bool failed) {
     warn_of_patch(stored_scene(h), h.mesh, h.sets);
   } catch (const Error&) {  // a scene of another version: the figures of its database are readable nevertheless
   }
-  print_result("probes    {} directions, {} increments to {:.4g} m{}\n", h.directions.size(), h.magnitudes_m.size(),
-               h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "");
+  if (h.is_imported())
+    print_result("imported  any displacements, to {:.4g} m; the outcomes below count them\n", h.magnitudes_m.back());
+  else
+    print_result("probes    {} directions, {} increments to {:.4g} m{}\n", h.directions.size(), h.magnitudes_m.size(),
+                 h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "");
   json fields = json::array();
   for (const auto field : h.fields) fields.push_back(name(field));
   if (!h.fields.empty()) {
@@ -157,9 +160,12 @@ json about_database(const std::filesystem::path& file, bool failed) {
   const auto failed_rays = short_rays(database);
   print_short_rays(failed_rays, h.sets.active.size(), failed);
   const json ends = tell_ends(h, summarize_ends(database));
-  print_result("unstable  {} converged states with negative pivots; smallest J {:.3g}\n", summary.unstable_states,
-               summary.min_jacobian);
-  print_result("cost      {} Newton iterations, {} of solving\n", summary.newton_iterations, duration(summary.seconds));
+  if (!h.is_imported())
+    print_result("unstable  {} converged states with negative pivots; smallest J {:.3g}\n", summary.unstable_states,
+                 summary.min_jacobian);
+  if (!h.is_imported())
+    print_result("cost      {} Newton iterations, {} of solving\n", summary.newton_iterations,
+                 duration(summary.seconds));
   if (!summary.ranges.empty()) print_result("of converged states:\n");
   json quantities = json::object();
   for (const auto& range : summary.ranges) {

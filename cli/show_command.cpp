@@ -123,7 +123,7 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
   for (std::size_t i = 0; i < tool.nodes.size(); ++i)
     weight(point_of[static_cast<std::size_t>(tool.nodes[i])], 0) = tool.weights[i];
   const auto& output = header.sets.output;
-  const Eigen::Map<const Eigen::RowVector3d> unit(header.directions[static_cast<std::size_t>(direction)].data());
+  const Points all = prescribed_displacements(header);
   for (std::size_t i = 0; i < header.magnitudes_m.size(); ++i) {
     const int number = static_cast<int>(i) + 1;
     if (increment && *increment != number) continue;
@@ -132,8 +132,9 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
           fmt::format("increment {} is left out: {}: {}", number, name(ray.status[i]), meaning(ray.status[i])));
       continue;
     }
-    const double depth_m = header.magnitudes_m[i];
-    Eigen::MatrixXd u = weight * (depth_m * unit), force = Eigen::MatrixXd::Zero(n_points, 3);
+    const Eigen::RowVector3d d = all.row(direction * std::ssize(header.magnitudes_m) + static_cast<Eigen::Index>(i));
+    const double depth_m = header.is_imported() ? d.norm() : header.magnitudes_m[i];
+    Eigen::MatrixXd u = weight * d, force = Eigen::MatrixXd::Zero(n_points, 3);
     for (std::size_t j = 0; j < output.size(); ++j)
       u.row(point_of[static_cast<std::size_t>(output[j])]) =
           Eigen::Map<const Eigen::RowVector3d>(&ray.displacement[3 * (i * output.size() + j)]);

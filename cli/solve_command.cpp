@@ -19,6 +19,7 @@ LoadedScene load_source(const std::filesystem::path& source) {
   if (source.extension() != ".h5" && source.extension() != ".hdf5") return load_scene(source);
   const auto database = Database::open(source);
   const auto& header = database.header();
+  require_scene(header);
   return {stored_scene(header), header.mesh, header.sets};
 }
 

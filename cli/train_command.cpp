@@ -25,8 +25,8 @@ constexpr Count counts[] = {
     {"--amplitude-centers", &TrainingSpec::amplitude_centers, 0, 100'000, "modal: centers of the amplitudes"}};
 
 struct Options {
-  std::filesystem::path scene, database, output;
-  OptionalPath json_file, check_file;
+  std::filesystem::path scene, output;
+  OptionalPath database, json_file, check_file;
   std::optional<std::string> family;
   std::optional<int> neurons, force_neurons, count[std::size(counts)];
   std::optional<double> spread, force_spread;
@@ -128,8 +128,12 @@ struct Trained {
 };
 
 Trained trained(const Options& options) {
-  const Scene scene = open_scene(options.scene);
-  const auto database = open_database(scene, options.database);
+  if (!options.database && options.scene.extension() == ".toml")
+    throw input_error("an argument is missing", "DATABASE", "add DATABASE; phynness train --help describes it");
+  // Without a scene the database is the first argument, and tells its own.
+  auto opened = options.database ? std::nullopt : std::optional(Database::open(options.scene));
+  const Scene scene = opened ? stored_scene(opened->header()) : open_scene(options.scene);
+  const auto database = opened ? std::move(*opened) : open_database(scene, *options.database);
   const auto& header = database.header();
   warn_of_patch(scene, header.mesh, header.sets);
   const TrainingSpec spec = chosen_spec(scene.training, options);
@@ -237,9 +241,11 @@ void run(const Options& options) {
 void add(CLI::App& app) {
   auto [command, options] =
       add_command(app, "train", "Train a model on a database -> MODEL_DIR (model.txt, mesh.txt)", run);
-  add_scene(command, options.scene,
-            "scene from which the database was made, or one that takes some of its active or output nodes");
-  add_database(command, options.database, "database.h5 of phynness precompute");
+  add_scene(
+      command, options.scene,
+      "scene from which the database was made, or one that takes some of its active or output nodes; without one, "
+      "the database, with the scene that it holds");
+  add_path(command, "DATABASE", options.database, PathKind::input, "database.h5 of phynness precompute or import");
   add_output(command, options.output, PathKind::model, "model directory to write (formats/model.md)");
   std::string about;
   std::vector<std::string> words;

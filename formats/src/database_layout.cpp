@@ -185,6 +185,10 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
               "unit vectors of the exploratory directions; axis D of the responses");
   write_array(file, path::magnitudes, {header.magnitudes_m.size()}, header.magnitudes_m.data(), "m",
               "prescribed displacement of each increment; axis I of the responses");
+  if (header.is_imported())
+    write_array(file, path::displacements, {header.directions.size(), header.magnitudes_m.size(), 3},
+                header.displacements_m.data(), "m",
+                "prescribed displacements, imported; axes D and I of the responses");
 }
 
 bool read_complete(const hdf5::File& file) {
@@ -260,6 +264,10 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.magnitudes_m = read_list<double>(file, path::magnitudes);
   header.fold_halvings = file.has_attribute("/", "fold_halvings") ? file.read_int_attribute("/", "fold_halvings")
                                                                   : earlier_fold_halvings(header.magnitudes_m.size());
+  if (file.exists(path::displacements)) {
+    const auto all = file.read<double>(path::displacements, {header.directions.size(), header.magnitudes_m.size(), 3});
+    header.displacements_m = Eigen::Map<const Points>(all.data(), std::ssize(all) / 3, 3);
+  }
 
   if (const auto hash = mesh_hash(header.mesh); hash != header.mesh_hash)
     throw input_error(

@@ -24,6 +24,7 @@ inline constexpr const char* mirror_normal = "/symmetry/normal";
 inline constexpr const char* mirror_image = "/symmetry/image";
 inline constexpr const char* directions = "/directions";
 inline constexpr const char* magnitudes = "/magnitudes";
+inline constexpr const char* displacements = "/displacements";
 inline constexpr const char* scene = "/scene";
 inline constexpr const char* solved_as = "/responses/solved_as";
 }  // namespace path

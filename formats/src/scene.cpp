@@ -19,17 +19,23 @@ Scene read_scene(const std::filesystem::path& file) {
   return parse_scene(text, file.string(), std::filesystem::absolute(file).parent_path());
 }
 
+namespace {
+
+sd::SceneTable section_of(const sd::SceneTable& top, const char* name, const std::string& source_name) {
+  const auto* node = top.find(name);
+  if (!node) return {name, source_name};
+  const auto* table = node->as_table();
+  if (!table) top.reject(name, "must be a section", "write [" + std::string(name) + "] on a separate line");
+  return {*table, name, source_name};
+}
+
+}  // namespace
+
 Scene parse_scene(const std::string& text, const std::string& source_name, const std::filesystem::path& folder,
                   MeshFile mesh_file, Element solid_element) {
   const toml::table root = sd::parse_toml(text, source_name);
   const sd::SceneTable top(root, "", source_name);
-  const auto section = [&](const char* name) {
-    const auto* node = top.find(name);
-    if (!node) return sd::SceneTable(name, source_name);
-    const auto* table = node->as_table();
-    if (!table) top.reject(name, "must be a section", "write [" + std::string(name) + "] on a separate line");
-    return sd::SceneTable(*table, name, source_name);
-  };
+  const auto section = [&](const char* name) { return section_of(top, name, source_name); };
   // All sections are opened, which checks their keys, before any is read: the error about a misspelt key is more
   // useful than the error about the missing key that it causes.
   const auto mesh = section("mesh"), material = section("material"), solver = section("solver");
@@ -55,6 +61,20 @@ Scene parse_scene(const std::string& text, const std::string& source_name, const
   training.read_into(scene);
   sd::check_training(training, scene);
   validation.read_into(scene);
+  return scene;
+}
+
+Scene parse_imported_scene(const std::string& text, const std::string& source_name) {
+  const toml::table root = sd::parse_toml(text, source_name);
+  const sd::SceneTable top(root, "", source_name);
+  const auto probe = section_of(top, "probe", source_name), training = section_of(top, "training", source_name);
+  Scene scene;
+  scene.text = text;
+  scene.source_name = source_name;
+  top.read_into(scene);
+  probe.read_into(scene);
+  sd::check_probe(probe, scene.probe);
+  training.read_into(scene);
   return scene;
 }
 

@@ -94,19 +94,9 @@ py::object train_database(const OpenDatabase& opened, const py::object& progress
                   figures);
 }
 
-Points points_of(const Vectors& vectors) {
-  Points points(vectors.size(), 3);
-  double x[3];
-  for (py::ssize_t i = 0; i < points.rows(); ++i) {
-    vectors.get(i, x);
-    points.row(i) << x[0], x[1], x[2];
-  }
-  return points;
-}
-
 py::object train_forces(const py::object& displacements, const py::object& forces, const py::object& energies,
                         int centers, const std::string& title) {
-  const Points d = points_of({displacements, "displacements"}), f = points_of({forces, "forces"});
+  const Points d = points_of(displacements, "displacements"), f = points_of(forces, "forces");
   if (centers < 1 || centers > 100'000) throw py::value_error("centers must be from 1 to 100000");
   ScatteredFit made;
   {

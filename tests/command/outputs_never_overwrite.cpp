@@ -99,6 +99,7 @@ class Overwriting : public CommandLine {
     if (option == "SCENE or database") return {{"scenes/scene.toml", scene}, {"d.h5", database}};
     if (option == "DATABASE") return {{"d.h5", database}};
     if (option == "--database") return {{"--database d.h5", database}};
+    if (option == "FILE") return {{"d.h5", database}};
     if (option == "--from") return {{"--from d.h5", database}};
     if (option == "--scene") return {{"--scene scenes/scene.toml", scene}};
     if (option == "--errors") return {{"--errors errors.json", {"errors.json"}}};

@@ -77,7 +77,7 @@ TEST_F(WrongOption, IsANameThatIsTooLong) {
 // Under mpirun every rank would do the whole work and write the same files.
 TEST_F(WrongOption, IsMpirunForACommandThatWorksAlone) {
   for (const std::string line :
-       {"run a -o b", "merge a -o b", "train a b -o c", "mesh a -o b", "view a -o b", "export a -o b",
+       {"run a -o b", "merge a -o b", "import a -o b", "train a b -o c", "mesh a -o b", "view a -o b", "export a -o b",
         "eval a --node 1 --displacement 0,0,0", "info a", "bench a", "tune a b -o c", "check a", "plan a",
         "solve a --node 1 --displacement 0,0,0", "show a --node 1 --direction 0 -o b.vtu"}) {
     const auto first = shell("OMPI_COMM_WORLD_SIZE=2 OMPI_COMM_WORLD_RANK=0 \"$PHYNNESS\" " + line);

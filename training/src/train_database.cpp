@@ -18,7 +18,8 @@ ResponseSource responses_of(const Database& database) {
 Model train(const Database& database, const TrainingSpec& spec, TrainingReport& report,
             const TrainingProgress& progress, int threads) {
   const Law law = stored_scene(database.header()).material.law;
-  if (schema::traits(spec.family).proportional && !law->linear) {
+  // Whether imported responses are linear, their numbers tell.
+  if (schema::traits(spec.family).proportional && !law->linear && !database.header().is_imported()) {
     throw input_error("family linear needs the linear law", std::string("law ") + name(law),
                       "use family modal or rbfn");
   }

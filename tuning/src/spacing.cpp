@@ -17,6 +17,7 @@ struct State {
 std::vector<State> states_of(const Database& database, std::size_t active, double& largest_N) {
   std::vector<State> states;
   const auto& header = database.header();
+  const Points displacements = prescribed_displacements(header);
   largest_N = 0;
   for (const Ray& ray : database.rays(static_cast<std::int32_t>(active)))
     for (std::size_t i = 0; i < ray.status.size(); ++i) {
@@ -24,7 +25,7 @@ std::vector<State> states_of(const Database& database, std::size_t active, doubl
       State& state = states.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) {
         state.displacement_m[k] =
-            header.magnitudes_m[i] * header.directions[static_cast<std::size_t>(ray.direction)][k];
+            displacements(ray.direction * std::ssize(ray.status) + static_cast<Eigen::Index>(i), static_cast<int>(k));
         state.force_N[k] = ray.force[3 * i + k];
       }
       largest_N = std::max(largest_N, to_eigen(state.force_N).norm());

@@ -151,6 +151,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
   const auto sample = sampled_nodes(n_nodes, n_active, random);
   std::optional<ProbeSolver> solver;
   session.together([&] {
+    require_scene(header);
     solver.emplace(stored_scene(header), header.mesh, header.sets);
     solver->set_stop(stop);
   });

@@ -40,7 +40,9 @@ void check_modal(const TrainingSpec& spec) {
 class ModalTraining : public FamilyTraining {
  public:
   ModalTraining(const DatabaseHeader& header, const TrainingTables& tables, const TrainingSpec& spec)
-      : _header(header), _tables(tables), _spec(spec) {}
+      : _header(header), _tables(tables), _spec(spec) {
+    if (tables.output.empty()) _spec.modes = 0;
+  }
 
   void prepare(const NodeReader& read, int threads) override {
     _levels.resize(_spec.levels > 1 ? static_cast<std::size_t>(_spec.levels) : 0);
@@ -160,7 +162,7 @@ class ModalTraining : public FamilyTraining {
 
   const DatabaseHeader& _header;
   const TrainingTables& _tables;
-  const TrainingSpec _spec;
+  TrainingSpec _spec;
   SharedModes _shared;
   std::vector<FieldModes> _fields;  ///< their modes are in _shared_of_field
   std::vector<SharedModes> _shared_of_field;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <phynness/formats/error.hpp>
 #include <phynness/training/node_training.hpp>
 
@@ -24,13 +25,8 @@ TrainingTables training_tables(const DatabaseHeader& header) {
   tables.n_increments = static_cast<std::int32_t>(header.magnitudes_m.size());
   tables.magnitudes_m = header.magnitudes_m;
   tables.float64 = header.float64;
-  tables.displacements.resize(static_cast<Eigen::Index>(header.directions.size() * header.magnitudes_m.size()), 3);
-  Eigen::Index row = 0;
-  for (const Vec3& e : header.directions) {
-    for (const double magnitude : header.magnitudes_m) {
-      tables.displacements.row(row++) << magnitude * e[0], magnitude * e[1], magnitude * e[2];
-    }
-  }
+  tables.displacements = prescribed_displacements(header);
+  tables.scattered = header.is_imported();
   tables.output = header.sets.output;
   tables.output_points.resize(static_cast<Eigen::Index>(tables.output.size()), 3);
   for (std::size_t o = 0; o < tables.output.size(); ++o) {
@@ -51,9 +47,28 @@ std::vector<std::int32_t> converged_increments(const TrainingTables& tables, con
   return found;
 }
 
+namespace {
+
+/// Displacements that need not lie on rays: those of each direction are thinned evenly, from the longest.
+TrainingStates thinned_by_direction(TrainingStates states, std::int32_t n_increments) {
+  states.increments.resize(static_cast<std::size_t>(n_increments));
+  std::iota(states.increments.begin(), states.increments.end(), 0);
+  const std::size_t stride = (states.row.size() + max_training_states - 1) / max_training_states;
+  std::vector<std::int32_t> kept;
+  for (std::size_t i = states.row.size(), end = i; i-- > 0;) {
+    if (states.row[i] / n_increments != states.row[end - 1] / n_increments) end = i + 1;
+    if ((end - 1 - i) % stride == 0) kept.push_back(states.row[i]);
+  }
+  states.row.assign(kept.rbegin(), kept.rend());
+  return states;
+}
+
+}  // namespace
+
 TrainingStates training_states(const TrainingTables& tables, const std::vector<Ray>& rays) {
   TrainingStates states{converged_increments(tables, rays), {}};
   const std::int32_t n = tables.n_increments;
+  if (tables.scattered) return thinned_by_direction(std::move(states), n);
   std::vector<std::int32_t> deepest;  // row of each ray with a converged increment
   for (const std::int32_t row : states.row) {
     if (!deepest.empty() && deepest.back() / n == row / n) deepest.pop_back();
@@ -80,6 +95,14 @@ ActiveNodeModel describe_node(const TrainingTables& tables, std::int32_t node, c
   model.moves_mean = tool.mean;
   model.prescribed = tool.nodes;
   model.prescribed_weight = tool.weights;
+  if (tables.scattered) {
+    model.trained_depth_m.assign(rays.size(), 0);
+    for (const auto row : converged_increments(tables, rays)) {
+      double& depth = model.trained_depth_m[static_cast<std::size_t>(row / tables.n_increments)];
+      depth = std::max(depth, tables.displacements.row(row).norm());
+    }
+    return model;
+  }
   for (const Ray& ray : rays) {
     const auto stopped =
         std::find_if(ray.status.begin(), ray.status.end(), [](Status s) { return s != Status::converged; });
@@ -142,6 +165,25 @@ NetworkPoints deformation_points(const TrainingTables& tables, const std::vector
   return pick({drawn.begin(), split});
 }
 
+namespace {
+
+/// The deformation where nothing is known of it.
+NetworkFit without_neurons(int n_levels) {
+  NetworkFit fit;
+  fit.network.input_center = Eigen::VectorXd::Zero(6);
+  fit.network.input_half_range = Eigen::VectorXd::Ones(6);
+  fit.network.output_center = Eigen::VectorXd::Zero(3);
+  fit.network.output_half_range = Eigen::VectorXd::Ones(3);
+  fit.network.centers.resize(0, 6);
+  fit.network.weights.resize(0, 3);
+  fit.mse = {0};
+  if (n_levels > 1) fit.levels.resize(static_cast<std::size_t>(n_levels));
+  for (auto& level : fit.levels) level.neurons.weights.resize(0, 3);
+  return fit;
+}
+
+}  // namespace
+
 int capped_neurons(int wanted, std::size_t n_points) {
   return std::min(wanted, static_cast<int>(largest_neuron_share * static_cast<double>(n_points)));
 }
@@ -152,7 +194,8 @@ NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const V
   const NetworkPoints force = force_points(tables, rays);
   if (force.size() == 0) return result;
   const NetworkPoints deformation = deformation_points(tables, rays, tool, node, spec.samples, spec.seed);
-  if (deformation.size() == 0) {
+  const bool has_output = !tables.output.empty();
+  if (deformation.size() == 0 && has_output) {
     throw input_error("the probe moves all output nodes, so that none is left for training",
                       "node " + std::to_string(node), "select more output nodes");
   }
@@ -162,8 +205,12 @@ NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const V
     return of_network;
   };
   result.force = fit_network(force, options(force, spec.force_neurons, spec.force_spread));
-  result.deformation =
-      fit_network(deformation, options(deformation, spec.deformation_neurons, spec.deformation_spread));
+  if (has_output) {
+    result.deformation =
+        fit_network(deformation, options(deformation, spec.deformation_neurons, spec.deformation_spread));
+  } else {
+    result.deformation = without_neurons(spec.levels);
+  }
   result.trained = true;
 
   result.model = describe_node(tables, node, point, tool, rays);

@@ -26,6 +26,9 @@ struct DatabaseHeader {
   NodeSets sets;
   std::vector<Vec3> directions;      ///< unit vectors
   std::vector<double> magnitudes_m;  ///< increments, ascending; the last is the maximum displacement
+  /// Only of imported responses (imported.hpp), whose displacements are any: n_directions * n_increments x 3 [m], row
+  /// direction * n_increments + increment, each nearest to its direction. The magnitudes then only count.
+  Points displacements_m = Points(0, 3);
   bool tangents = false, float64 = false;
   std::vector<Field> fields;  ///< stored at the output nodes, in the order of the enum; always float32
   int fold_halvings = phynness::fold_halvings;  ///< of the program that solved it
@@ -33,7 +36,15 @@ struct DatabaseHeader {
   std::string physics_hash, mesh_hash, software_version;
   /// Set if the file contains the rays of one shard only; never in a finished database.
   std::optional<Shard> shard;
+
+  bool is_imported() const { return displacements_m.rows() > 0; }
 };
+
+/// The prescribed displacements, n_directions * n_increments x 3 [m], row direction * n_increments + increment.
+Points prescribed_displacements(const DatabaseHeader& header);
+
+/// @throws Error (input) if the responses are imported, because there is no scene that could be solved
+void require_scene(const DatabaseHeader& header);
 
 /// A ray that is not requested: every column that the header asks for, filled with zeros.
 Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction);

@@ -158,6 +158,10 @@ enum class MeshFile { must_exist, may_be_absent };
 Scene parse_scene(const std::string& text, const std::string& source_name, const std::filesystem::path& folder,
                   MeshFile mesh_file = MeshFile::must_exist, Element solid_element = nullptr);
 
+/// The scene text of imported responses, which has no body and no material: title, [probe], [training].
+/// @throws Error (input) as parse_scene()
+Scene parse_imported_scene(const std::string& text, const std::string& source_name);
+
 /// [training] of a scene with other values of some keys, which are checked as in a scene.
 /// @param keys  TOML of the section, without its name
 /// @throws Error (input), as parse_scene()
