@@ -1,17 +1,19 @@
 """How well a finer solution is known at a point from its stiffness at rest there and from the rays of other points.
 
-Usage: leave_one_out.py SCENE [--points 10] [--seed 1] [--reference taylor-hood] [-o FILE]
+Usage: leave_one_out.py SCENE [--points 10] [--seed 1] [--reference taylor-hood] [-o FILE] | --of FILE
 
 At active nodes of a scene of round tools, which are far from each other, six random directions are solved to half and all of the
 largest displacement, with the element of the scene (F, stiffness at rest K) and with the reference on the same mesh (G, L).
 Predictions of G = L d + (G - L d):
   element         F
   stiffness       L d + (F - K d)
-  one factor      L d + s (F - K d), s by least squares over the other points
-  nearest         L d + s (F - K d), s of the nearest other point
   product         L inv(K) F
-  product, factor L d + s (L inv(K) F - L d), s by least squares over the other points
-Printed are errors over |G|, mean / p95 / max in %, for each depth, and the mean at each point. -o keeps all forces as JSON.
+  one factor      L d + s (F - K d), s by least squares over all other points
+  product, factor L d + s (L inv(K) F - L d), in the same way
+  nearest, direction, own rays, own ray      s of the nearest other point, of the same direction at all others, of the other
+                  directions of the point itself, and of the direction itself (which nobody knows)
+Printed are errors over |G|, mean / p95 / max in %, for each depth, and the mean at each point. -o keeps all forces as JSON, from
+which --of prints them again.
 """
 import argparse
 import json
@@ -48,34 +50,32 @@ def responses(scene, nodes, d, folder):
 def predictions(x, d, K, F, L, G):
     """{name: (points, displacements, 3)}, from the points' places x."""
     linear = np.einsum("pij,dj->pdi", L, d)
-    rest = F - np.einsum("pij,dj->pdi", K, d)
-    product = np.einsum("pij,pjk,pdk->pdi", L, np.linalg.inv(K), F)
-
-    def factor(part, of):
-        a, b = part[of], (G - linear)[of]
-        # Relative errors are printed, so that each state counts by its own size.
-        weight = 1 / np.linalg.norm(G[of], axis=-1, keepdims=True) ** 2
-        return np.nansum(weight * a * b) / np.nansum(weight * a * a + 0 * b)
-
-    n = np.arange(len(x))
+    rest, product = F - np.einsum("pij,dj->pdi", K, d), np.einsum("pij,pjk,pdk->pdi", L, np.linalg.inv(K), F) - linear
+    # Errors are relative, so that each state counts by its own size.
+    weight = np.nan_to_num(1 / np.linalg.norm(G, axis=-1, keepdims=True) ** 2)
+    n, half = np.arange(len(x)), len(d) // 2
     away = np.linalg.norm(x[:, None] - x, axis=2) + np.diag(np.full(len(x), np.inf))
+    points, directions = np.indices(G.shape[:2]) % [[[len(x)]], [[half]]]
 
-    def scaled(part, others):
-        return linear + np.array([factor(part, others(i)) for i in n])[:, None, None] * part
+    def scaled(part, of):
+        """With the factor of the states for which of(point, direction) is true."""
+        predicted = np.array(linear)
+        for i in n:
+            for j in range(len(d)):
+                w = weight * of(i, j % half)[..., None]
+                predicted[i, j] += np.nansum(w * part * (G - linear)) / np.sum(w * part * part) * part[i, j]
+        return predicted
 
-    return {"element": F, "stiffness": linear + rest, "one factor": scaled(rest, lambda i: n != i),
-            "nearest": scaled(rest, lambda i: [away[i].argmin()]), "product": product,
-            "product, factor": scaled(product - linear, lambda i: n != i)}
+    return {"element": F, "stiffness": linear + rest, "product": linear + product,
+            "one factor": scaled(rest, lambda i, j: points != i), "product, factor": scaled(product, lambda i, j: points != i),
+            "nearest": scaled(rest, lambda i, j: points == away[i].argmin()),
+            "direction": scaled(rest, lambda i, j: (points != i) & (directions == j)),
+            "own rays": scaled(rest, lambda i, j: (points == i) & (directions != j)),
+            "own ray": scaled(rest, lambda i, j: (points == i) & (directions == j))}
 
 
-def main():
-    parser = argparse.ArgumentParser(usage=__doc__)
-    parser.add_argument("scene", type=pathlib.Path)
-    parser.add_argument("--points", type=int, default=10)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--reference", default="taylor-hood")
-    parser.add_argument("-o", type=pathlib.Path)
-    asked = parser.parse_args()
+def solved(asked):
+    """{places, d, K, F, L, G}."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         run("mesh", asked.scene, "-o", folder / "mesh.msh")
@@ -95,14 +95,30 @@ def main():
         d = np.concatenate([R / 2 * random, R * random])
         K, F = responses(folder / "own.toml", nodes, d, folder)
         L, G = responses(folder / "finer.toml", nodes, d, folder)
+    return {"places": places[nodes], "d": d, "K": K, "F": F, "L": L, "G": G}
+
+
+def main():
+    parser = argparse.ArgumentParser(usage=__doc__)
+    parser.add_argument("scene", type=pathlib.Path, nargs="?")
+    parser.add_argument("--of", type=pathlib.Path)
+    parser.add_argument("--points", type=int, default=10)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--reference", default="taylor-hood")
+    parser.add_argument("-o", type=pathlib.Path)
+    asked = parser.parse_args()
+    if asked.of:
+        found = {name: np.array(values, float) for name, values in json.loads(asked.of.read_text()).items()}
+    else:
+        found = solved(asked)
     if asked.o:
-        asked.o.write_text(json.dumps({"places": places[nodes].tolist(), "d": d.tolist(), "K": K.tolist(), "F": F.tolist(),
-                                       "L": L.tolist(), "G": G.tolist()}))
+        asked.o.write_text(json.dumps({name: values.tolist() for name, values in found.items()}))
+    x, d, K, F, L, G = found.values()
     size = np.linalg.norm(G, axis=2)
-    print(f"{len(nodes)} points, {np.isfinite(size).sum()} of {size.size} states, {asked.reference}; errors in %, mean / p95 / max")
-    for name, predicted in predictions(places[nodes], d, K, F, L, G).items():
+    print(f"{len(x)} points, {np.isfinite(size).sum()} of {size.size} states, {asked.reference}; errors in %, mean / p95 / max")
+    for name, predicted in predictions(x, d, K, F, L, G).items():
         error = 100 * np.linalg.norm(predicted - G, axis=2) / size
-        shown = [e[np.isfinite(e)] for e in (error[:, :6], error[:, 6:])]
+        shown = [e[np.isfinite(e)] for e in (error[:, : len(d) // 2], error[:, len(d) // 2 :])]
         at = " ".join(f"{e:.1f}" for e in np.nanmean(error, axis=1))
         print(f"{name:16}", *(f"{e.mean():6.2f} / {np.percentile(e, 95):5.2f} / {e.max():5.2f}" for e in shown), "   ", at)
 
