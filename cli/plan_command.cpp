@@ -206,11 +206,9 @@ void print_plan(const Options& options, const Plan& plan) {
   else if (*plan.check_seconds > 0)
     print_result("check     at most {} more in phynness run (validation.check_probes)\n",
                  duration(*plan.check_seconds));
-  if (plan.calibration_rays > 0)
-    print_result("calibrate {} rays in phynness run, about {} more (validation.calibration_rays)\n",
-                 plan.calibration_rays, duration(plan.calibrate_seconds));
-  print_result("validate  {} probes in phynness run, about {} more (validation.probes)\n", plan.probes,
-               duration(plan.validate_seconds));
+  print_result("then      {}validate {} probes in phynness run: about {} more\n",
+               plan.calibration_rays > 0 ? fmt::format("calibrate {} rays and ", plan.calibration_rays) : "",
+               plan.probes, duration(plan.calibrate_seconds + plan.validate_seconds));
   if (!options.from.empty())
     print_result("taken     {} rays of {}; the rest is left to solve\n", plan.rays_taken, options.from.string());
   print_result("rays      {}, {} more by symmetry; {} solved at {} node{}: {:.3g} s each ({}), at most {:.3g} s\n",

@@ -42,6 +42,7 @@ bool same_points_and_cells(const Mesh& a, const Mesh& b) {
 }
 
 const char* const other_physics = "another physics";
+const char* const other_search = "another search for folds";
 /// Rounding of numbers of a scene that were computed from the same ones in another way.
 constexpr double rounding = 1e-12;
 
@@ -181,7 +182,7 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
                                            shortest(*factor)),
                    true});
   if (!now.material.law->linear)  // which has no folds
-    compare(on_disk.fold_halvings, wanted.fold_halvings, "another search for folds",
+    compare(on_disk.fold_halvings, wanted.fold_halvings, other_search,
             [](int halvings) { return "to an increment over 2^" + std::to_string(halvings); });
   return all;
 }
@@ -193,8 +194,7 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
   const auto& first = all.front();
   const bool shares = std::none_of(all.begin(), all.end(), [](const auto& each) { return each.of_rays; });
   const bool physics = on_disk.physics_hash != wanted.physics_hash;
-  const bool same_scene =
-      (physics && on_disk.scene_text == wanted.scene_text) || on_disk.fold_halvings != wanted.fold_halvings;
+  const bool same_scene = (physics && on_disk.scene_text == wanted.scene_text) || first.what == other_search;
   throw input_error(
       "the database " + file.string() +
           (same_scene ? " was solved by another version, with other equations" : " has " + first.what),
@@ -246,7 +246,7 @@ Arrangement arranged(const DatabaseHeader& on_disk, const DatabaseHeader& wanted
   if (const auto lacking = std::count(there.output.begin(), there.output.end(), -1); lacking > 0)
     reasons += "\n  output nodes that the database does not hold: " + std::to_string(lacking) + " of " +
                std::to_string(there.output.size());
-  if (reasons.empty()) there.modulus_factor = *modulus_factor(stored_scene(on_disk), stored_scene(wanted));
+  if (reasons.empty()) there.modulus_factor = modulus_factor(stored_scene(on_disk), stored_scene(wanted)).value_or(1);
   if (!reasons.empty())
     throw input_error("no ray of the database " + file.string() + " is one of the scene", reasons,
                       "solve the scene into a database of its own, without this one");

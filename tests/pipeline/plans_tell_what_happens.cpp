@@ -1,6 +1,6 @@
-// Claim: `phynness plan` predicts the sizes of the files of a precompute run in six lines. Input that cannot be planned
-// is refused. Times are not compared, because the machine may have other load. precompute hands out the tasks of
-// ray_tasks(), each whole and in order.
+// Claim: `phynness plan` predicts the sizes of the files of a precompute run, and those of calibrate and validate, in
+// seven lines. Input that cannot be planned is refused. Times are not compared, because the machine may have other
+// load. precompute hands out the tasks of ray_tasks(), each whole and in order.
 #include <algorithm>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/ray_tasks.hpp>
@@ -16,7 +16,7 @@ using Plans = CommandLine;
 TEST_F(Plans, sizes_are_those_of_the_run) {
   write_file(folder / "scene.toml", small_scene());
   const auto planned = succeed("plan scene.toml --ranks 3 --rays 16 --json plan.json");
-  EXPECT_EQ(std::count(planned.out.begin(), planned.out.end(), '\n'), 6) << planned.out;
+  EXPECT_EQ(std::count(planned.out.begin(), planned.out.end(), '\n'), 7) << planned.out;
   expect_names(planned.out, {"on 3 ranks", "memory", "database", "model", "useful"});
   const auto plan = json("plan.json");
   succeed("precompute scene.toml -o database.h5 --json run.json");
@@ -40,11 +40,25 @@ TEST_F(Plans, sizes_are_those_of_the_run) {
   EXPECT_GT(plan["memory_bytes_per_rank"].get<double>(), 1e7);
   EXPECT_GE(plan["ranks_of_use"].get<int>(), 1);
   EXPECT_EQ(plan["check_seconds"], 0);
-  // Without a request the ranks are those of this machine, and run compares with a finer solution.
+  EXPECT_EQ(plan["probes"], 8);
+  EXPECT_EQ(plan["calibration_rays"], 100);
+  // Without a request the ranks are those of this machine, run compares with a finer solution, and calibrate and
+  // validate have the planned sizes. Those of a small database are the least ones.
   auto checked = small_scene();
-  write_file(folder / "scene.toml", checked.erase(checked.find("check_probes")));
-  expect_names(phynness("plan scene.toml --rays 2").out,
-               {"processor cores of this machine", "check     at most 1.0 s more in phynness run"});
+  write_file(folder / "scene.toml", checked.erase(checked.find("probes = 8")));
+  const auto all = succeed("plan scene.toml --rays 2 --json plan.json");
+  expect_names(unbroken(all.out), {"processor cores of this machine", "check     at most 1.0 s more in phynness run",
+                                   "calibrate 100 rays and validate 50 probes in phynness run"});
+  EXPECT_GT(json("plan.json").at("calibrate_seconds"), 0.0);
+  EXPECT_GT(json("plan.json").at("validate_seconds"), 0.0);
+  std::filesystem::remove_all(folder / "model");
+  std::filesystem::remove(folder / "database.h5");
+  succeed("precompute scene.toml -o database.h5");
+  succeed("train scene.toml database.h5 -o model --family modal");
+  succeed("calibrate model database.h5 --json calibrate.json");
+  EXPECT_EQ(json("calibrate.json").at("rays"), 100);
+  succeed("validate scene.toml model --json validate.json");
+  EXPECT_EQ(json("validate.json").at("probes"), 50);
 }
 
 /// The tasks in a log: each whole, one after the other, in the order in which they are handed out.
