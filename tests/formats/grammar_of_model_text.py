@@ -20,6 +20,7 @@ from model_grammar import Grammar, Reader, Refused
 MUTATIONS_PER_MODEL = 22  # of each of two kinds
 MUTATED = ("linear", "modal", "modal-bounds", "modal-covered", "modal-fields", "modal-fields-levels", "modal-forces-only",
            "modal-levels", "rbfn", "rbfn-finer", "rbfn-levels")
+OPTIONAL_LINES = ("finer_mesh", "mean", "solved")  # sections of one line, which a text may lack
 CHECKSUM_LINE = len("checksum 0123456789abcdef\n")
 
 
@@ -62,7 +63,8 @@ class Damage:
         return [shape.split(":")[0] for shape in self.shapes[at]]
 
     def drop_line(self):
-        return self.line(self.any_line())
+        at = self.any_line()
+        return self.lines[at].split(" ")[0] not in OPTIONAL_LINES and self.line(at)
 
     def double_line(self):
         at = self.any_line()
