@@ -125,10 +125,11 @@ void print_pairs(const PairReport& report) {
       "trained range\n",
       report.finished, 1e3 * report.depth_m, report.failed, report.unsettled, report.outside);
   const double far_mm = 1e3 * report.far_m;
-  print_result("{:<24} | {:^24} | {:^12} | {:^12} | {:^12}\n", "two tools, error in %",
-               fmt::format("all, {}", report.all.pairs), fmt::format("to {:.0f} mm, {}", far_mm, report.near.pairs),
-               fmt::format("beyond, {}", report.far.pairs), fmt::format("alone, {}", report.right.pairs));
-  print_result("{:<24} | {:>5} {:>6} {:>5} {:>5}", "", "mean", "median", "p95", "max");
+  print_result("{:<24} | {:^24} | {:^13} | {:^12} | {:^12} | {:^12}\n", "two tools, error in %",
+               fmt::format("all, {}", report.all.pairs), fmt::format("unflagged, {}", report.unflagged.pairs),
+               fmt::format("to {:.0f} mm, {}", far_mm, report.near.pairs), fmt::format("beyond, {}", report.far.pairs),
+               fmt::format("alone, {}", report.right.pairs));
+  print_result("{:<24} | {:>5} {:>6} {:>5} {:>5} | {:>6} {:>6}", "", "mean", "median", "p95", "max", "mean", "p95");
   for (int i = 0; i < 3; ++i) print_result(" | {:>5} {:>6}", "mean", "median");
   print_result("\n");
   for (std::size_t i = 0; i < titled(PairStatistics{}).size(); ++i) {
@@ -143,6 +144,9 @@ void print_pairs(const PairReport& report) {
                                                     : "linear predictor";
       print_result("    {:<20} | {}  {} {} {}", who, percent(all.mean), percent(all.median), percent(all.p95),
                    percent(all.max));
+      const auto quiet = measure(report.unflagged, p);
+      print_result(" | {:>6} {:>6}", quiet.n > 0 ? in_percent(quiet.mean) : "-",
+                   quiet.n > 0 ? in_percent(quiet.p95) : "-");
       for (const auto* group : {&report.near, &report.far, &report.right}) {
         const auto s = measure(*group, p);
         if (s.n == 0)

@@ -91,8 +91,8 @@ std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places, const st
   return tools;
 }
 
-/// Of every tool that is displaced farther than a node below it was trained: both lengths. "": the status says no such
-/// thing.
+/// Of every tool that is displaced farther than a node below it was trained: both lengths; of several without such a
+/// one what else it may be. "": the status says no such thing.
 std::string lengths_outside(const LoadedModel& model, int status, const std::vector<SurfacePoint>& places,
                             const std::vector<Vec3>& displacements) {
   std::string text;
@@ -109,6 +109,9 @@ std::string lengths_outside(const LoadedModel& model, int status, const std::vec
         text += fmt::format("\n  {:.4g} m at node {}, trained to {:.4g} m in its direction", length_m, node, trained_m);
     }
   }
+  if (text.empty() && places.size() > 1)
+    text =
+        "\n  no displacement is longer: the tools work against each other, or one is between nodes beside fixed ones";
   return text;
 }
 

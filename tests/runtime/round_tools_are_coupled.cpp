@@ -9,6 +9,7 @@
 #include "linear_body.hpp"
 #include "loaded_model.hpp"
 #include "small_model.hpp"
+#include "tools/local_response.hpp"
 
 namespace {
 
@@ -100,6 +101,76 @@ TEST(CoupledRoundTools, AreUnsettledWhereTheyAreNearlyOne) {
   const LoadedModel loaded(write_model_text(RoundBody(7, 0.01).model));
   const phn_tool one = tool(0, -1, -1, 1, 0, 0.005, 0, 0), opposed = tool(3, -1, -1, 1, 0, -0.005, 0, 0);
   EXPECT_EQ(coupled(loaded, {one, opposed}).status, PHN_WARNING_UNSETTLED);
+}
+
+// Claim: near round tools that work against each other are outside of the trained range where the force of one is
+// larger than it had alone at its trained depth, also in the status of the field; tools that move alike are not, nor is
+// a small difference, nor a body that is linear at any depth. Displacements are within half of the trained depth.
+TEST(CoupledRoundTools, AreOutsideWhereForcesAreLargerThanTrained) {
+  const RoundBody body(7, 0.06);
+  const LoadedModel curved(write_model_text(bent(body))), linear(write_model_text(body.model));
+  const auto pair = [](double one, double other) {
+    return std::vector{tool(0, -1, -1, 1, 0, one, 0, 0), tool(3, -1, -1, 1, 0, other, 0, 0)};
+  };
+  const double deepest[3] = {0.01, 0, 0};
+  double alone[3], field[21];
+  ASSERT_EQ(phn_force(curved.model, curved.data, 0, deepest, alone, nullptr, nullptr), PHN_OK);
+  const Answer opposed = coupled(curved, pair(0.005, -0.005));
+  EXPECT_GT(opposed.forces.head<3>().norm(), 2 * Eigen::Map<Eigen::Vector3d>(alone).norm());
+  EXPECT_EQ(opposed.status, PHN_WARNING_OUTSIDE);
+  EXPECT_EQ(phn_coupled_deform(curved.model, curved.data, field), PHN_WARNING_OUTSIDE);
+  EXPECT_EQ(coupled(curved, pair(0.005, 0.005)).status, PHN_OK);
+  EXPECT_EQ(phn_coupled_deform(curved.model, curved.data, field), PHN_OK);
+  EXPECT_EQ(coupled(curved, pair(5e-5, -5e-5)).status, PHN_OK);
+  EXPECT_EQ(coupled(linear, pair(0.005, -0.005)).status, PHN_OK);
+}
+
+// Claim: round tools that are pulled apart are held more firmly than by the undeformed body, and those that are pushed
+// together less, by the square of the displacement, as Green's strain of their distance says. The same body with
+// coordinates a million times as large has no such part; without triangles, neither of them turns. Halves of the
+// displacement have a quarter of it, but for 3 % of higher powers.
+TEST(CoupledRoundTools, StiffenWherePulledApart) {
+  Model near = bent(RoundBody(7)), far = near;
+  near.surface.resize(0, 3);
+  far.surface.resize(0, 3);
+  for (auto& node : far.nodes)
+    for (double& x : node.point) x *= 1e6;
+  far.output_points *= 1e6;
+  const LoadedModel loaded(write_model_text(near)), without(write_model_text(far));
+  const Eigen::Vector3d apart = (near.output_points.row(3) - near.output_points.row(0)).normalized().transpose();
+  const auto change = [&](double d) {
+    const Eigen::Vector3d u = d * apart;
+    const std::vector<phn_tool> tools = {tool(0, -1, -1, 1, 0, -u[0], -u[1], -u[2]),
+                                         tool(3, -1, -1, 1, 0, u[0], u[1], u[2])};
+    return apart.dot((coupled(loaded, tools).forces - coupled(without, tools).forces).tail<3>());
+  };
+  for (const double d : {1e-4, -1e-4}) {
+    EXPECT_GT(change(d), 0);
+    EXPECT_NEAR(change(d) / change(d / 2), 4, 0.12);
+  }
+}
+
+// Claim: the stiffness of a round tool at rest is that of the undeformed body and not of the whole first increment: of
+// the difference between these, which grows with the square of the step, at most a fifth is left.
+TEST(CoupledRoundTools, StartFromTheUndeformedBody) {
+  Model model = bent(RoundBody(7));
+  for (auto& node : model.nodes) node.conservative.coefficients.setConstant(0.02);
+  const LoadedModel loaded(write_model_text(model));
+  Eigen::Matrix3d secant, rest;
+  double force[3];
+  const double none[3] = {0, 0, 0}, first = loaded.model->first_increment;
+  ASSERT_EQ(phn_force(loaded.model, loaded.data, 0, none, force, nullptr, rest.data()), PHN_OK);
+  for (int k = 0; k < 3; ++k) {
+    double sides[2][3];
+    for (const int side : {0, 1}) {
+      const Eigen::Vector3d d = (side == 0 ? first : -first) * Eigen::Vector3d::Unit(k);
+      phn_force(loaded.model, loaded.data, 0, d.data(), sides[side], nullptr, nullptr);
+    }
+    for (int i = 0; i < 3; ++i) secant(i, k) = (sides[0][i] - sides[1][i]) / (2 * first);
+  }
+  const runtime::Matrix said = runtime::stiffness_at_rest(*loaded.model, loaded.model->active[0]);
+  EXPECT_GT((secant - rest).norm(), 1e-3 * rest.norm());
+  EXPECT_LT((Eigen::Map<const Eigen::Matrix3d>(said.a) - rest).norm(), 0.2 * (secant - rest).norm());
 }
 
 /// Displacement of the second tool for which it exerts no force: Newton's method with differences.

@@ -22,9 +22,9 @@ namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
 
-/// Whether a tool moves the node that another one touches.
+/// Whether a tool itself moves the node that another one touches; those that move means may overlap.
 bool moves(const ActiveNodeModel& tool, std::int32_t other) {
-  return std::find(tool.prescribed.begin(), tool.prescribed.end(), other) != tool.prescribed.end();
+  return !tool.moves_mean && std::find(tool.prescribed.begin(), tool.prescribed.end(), other) != tool.prescribed.end();
 }
 
 std::vector<PairRecord> choose_pairs(const Scene& scene, const LoadedModel& model, std::int64_t pairs, double depth_m,
@@ -235,6 +235,7 @@ PairReport validate_pairs(const SolverSession& session, const Scene& scene, cons
   report.all = group_of(report.records, [](const PairRecord&) { return true; });
   report.near = group_of(report.records, [&](const PairRecord& p) { return p.distance_m <= report.far_m; });
   report.far = group_of(report.records, [&](const PairRecord& p) { return p.distance_m > report.far_m; });
+  report.unflagged = group_of(report.records, [](const PairRecord& p) { return !is_flagged(p.status); });
   report.right = group_of(report.records, [](const PairRecord& p) { return p.single_force <= right_alone; });
   report.by_warning = errors_by_warning(judged_pairs(report.records));
   std::vector<double> alone;

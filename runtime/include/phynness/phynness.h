@@ -36,7 +36,7 @@ typedef struct phn_data phn_data;
 
 enum {
   PHN_OK = 0,
-  PHN_WARNING_OUTSIDE = 1,       /* a displacement is longer than trained in its direction, or the place was not */
+  PHN_WARNING_OUTSIDE = 1,       /* a displacement or coupled force is larger than trained, or the place was not */
   PHN_WARNING_INCOMPLETE = 2,    /* some direction of a touched node was not trained to the full depth */
   PHN_WARNING_UNSETTLED = 4,     /* the tools are too close together to follow all of them; forces are bounded */
   PHN_ERROR_ARGUMENT = -1,       /* a null pointer, a number out of range, or data of another model */

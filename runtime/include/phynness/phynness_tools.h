@@ -49,13 +49,13 @@ PHN_API int phn_bound_at(const phn_model* model, const phn_tool* tool, double* b
 /* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. One tool at a node has the force of phn_force, and
  * one round tool that of phn_force_at. All other tools are coupled: every held point follows its tool, and forces are
  * exact for a linear body (round tools: at nodes). A round tool that exerts no force leaves the force of another one as
- * it is alone, unless they are close. Forces are continuous where a tool slides over edges and nodes.
- * In families with an energy they are its gradient while the tools hold their points. The result depends on these
- * arguments only, not on earlier calls. PHN_WARNING_UNSETTLED: tools within half an edge length of each other, round
- * tools within a few tenths of their radius, pull apart, and their points follow them only in part. PHN_ERROR_TOOLS:
- * more tools than `data` holds; a phn_data of phn_data_init holds none. PHN_ERROR_UNDEFINED: a node of coupled tools,
- * or one under its round tool, is not an output node, or it has no deformation. `result` may be null. Components of
- * displacements are clamped to 1000 max_displacement_m. */
+ * it is alone, unless they are close. Forces are continuous where tools slide over edges and nodes, and in families
+ * with an energy its gradient while the tools hold their points. They depend on these arguments only. _OUTSIDE also
+ * means that near round tools work against each other: a force is larger than any the tool had alone in training, and
+ * it is usually off by more than a tenth. _UNSETTLED: tools within half an edge length, round tools within a few tenths
+ * of their radius, pull apart, and their points follow them only in part. PHN_ERROR_TOOLS: more tools than `data`
+ * holds; a phn_data of phn_data_init holds none. PHN_ERROR_UNDEFINED: a node of coupled tools, or under a round one, is
+ * no output node or has no deformation. `result` may be null. Displacements are clamped to 1000 max_displacement_m. */
 PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
                        phn_coupled* result);
 

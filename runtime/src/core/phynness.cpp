@@ -82,10 +82,11 @@ const char* const messages[] = {
     "the node is not an active node of this model",
     "a null pointer, a number out of range, or data made for another model",
     "success",
-    "the displacement is longer than the depth trained in its direction (0 between nodes beside fixed ones)",
+    "a displacement is longer, or a force of coupled tools larger, than trained in its direction (0 beside fixed "
+    "nodes)",
     "this node was not trained to the full depth in all directions",
-    "the displacement is longer than the depth trained in its direction, and this node was not trained to the "
-    "full depth in all directions",
+    "a displacement is longer, or a force of coupled tools larger, than trained in its direction, and a node was not "
+    "trained to the full depth in all directions",
     "the tools are too close together: their points follow them only in part",
     "the tools are too close together, and a displacement is outside of the trained range or a node was not "
     "trained to the full depth in all directions",

@@ -86,7 +86,7 @@ int bound_at(const phn_model* model, const phn_tool* tool, double& bound) {
 /// @param bounds  most_coupled numbers. @return a status of phynness.h
 int bounds_of(const phn_model& model, const Coupling& c, double* bounds) {
   Alone alone[most_coupled];
-  int status = c.settled ? PHN_OK : PHN_WARNING_UNSETTLED;
+  int status = (c.settled ? PHN_OK : PHN_WARNING_UNSETTLED) | (c.beyond ? PHN_WARNING_OUTSIDE : PHN_OK);
   double size = 0;
   for (std::int32_t t = 0; t < c.n_tools; ++t) {
     const HeldPoint& point = c.point[t];

@@ -67,6 +67,7 @@ class Solver : private CoupledField {
     }
     result.residual = miss();
     result.settled = result.residual <= follows * far;
+    for (std::int32_t t = 0; t < n && n > 1; ++t) result.beyond = result.beyond || is_beyond(t);
     if (!has_energy(_model)) result.energy = 0;
     for (std::int32_t s = 0; s < n; ++s) _c.point[s].own = _targets[s];
     return finite() ? result : give_up(far);
@@ -134,17 +135,33 @@ class Solver : private CoupledField {
     for (std::int32_t j = 0; j < _c.n_tools; ++j) _c.forces[j] += _c.weight[i] * force[j];
   }
 
+  /// Less than x where tools i and j have a linear law.
+  double if_nonlinear(std::int32_t i, std::int32_t j, double x) const {
+    const double curved = _c.point[i].curved + _c.point[j].curved;
+    return x * curved / (curved + 2 * half_curved * half_curved);
+  }
+
   /// Rotation vector (argument of rotated) for tool j, relative to the rotation that tool i causes at its point.
   double turned_by(std::int32_t i, std::int32_t j) const {
-    const double curved = _c.point[i].curved + _c.point[j].curved, area = _c.point[j].area;
-    return area > 0 ? turned_part / 2 / area * curved / (curved + 2 * half_curved * half_curved) : 0;
+    const double area = _c.point[j].area;
+    return area > 0 ? if_nonlinear(i, j, turned_part / 2 / area) : 0;
+  }
+
+  /// What the square of a displacement r that order i leaves to round tool j adds to it [1/m]: with it the distance of
+  /// the tools changes as Green's strain says, by r . e + r . r / 2 L, as far as the others hold the body.
+  Vector stretch(std::int32_t i, std::int32_t j) const {
+    const HeldPoint &by = _c.point[i], &to = _c.point[j];
+    const Vector apart = to.middle - by.middle;
+    const double square = dot(apart, apart) + (by.spread + to.spread) / 2;
+    const double part = turns() && square > 0 ? if_nonlinear(i, j, 0.5 / square) : 0;
+    return part * (apart - to.relative * apart);
   }
 
   /// The set with the field that order i leaves to the others.
   std::int32_t set_of(std::int32_t i) const { return turns() ? 1 + i : 0; }
 
-  /// The displacements that order i leaves to the others, turned back by the rotation that tool i causes, and their
-  /// forces in the undeformed body.
+  /// The displacements that order i leaves to the others, turned back by the rotation that tool i causes and stretched,
+  /// and their forces in the undeformed body.
   void hold_others(std::int32_t i) {
     const std::int32_t n = _c.n_tools;
     for (std::int32_t j = 0; j < n; ++j) {
@@ -153,6 +170,8 @@ class Solver : private CoupledField {
       if (j == i) continue;
       if (turns()) turned = turned_by(i, j) * displaced(place(n + j), i);
       rest = rotated_back(turned, _targets[j] - displaced(j, i));
+      _c.left[at(i, j)] = rest;
+      if (_round) rest += dot(rest, rest) * stretch(i, j);
     }
     pull_all(_c.rest + at(i, 0), _c.pulled + at(i, 0));
   }
@@ -165,13 +184,15 @@ class Solver : private CoupledField {
     }
   }
 
-  /// Chain rule from the displacements that order i leaves to the others, turned back, to the displacements of all
-  /// tools.
+  /// Chain rule from the displacements that order i leaves to the others, turned back and stretched, to the
+  /// displacements of all tools.
   /// @param force  derivatives by the former, 0 for tool i; replaced by derivatives by the latter
   void carry_back(std::int32_t i, Vector* force) const {
     for (std::int32_t j = 0; j < _c.n_tools; ++j) {
       if (j == i) continue;
-      const Vector &turned = _c.turned[at(i, j)], &rest = _c.rest[at(i, j)], g = force[j];
+      const Vector &turned = _c.turned[at(i, j)], &rest = _c.left[at(i, j)];
+      if (_round) force[j] += 2 * dot(stretch(i, j), force[j]) * rest;
+      const Vector g = force[j];
       force[j] = rotated(turned, g);
       force[i] -= transposed_times(_c.derivative[at(j, i)], force[j]);
       if (!turns()) continue;
@@ -302,7 +323,7 @@ class Solver : private CoupledField {
   CoupledResult give_up(double far) {
     for (std::int32_t t = 0; t < _c.n_tools; ++t) _c.point[t].force = _c.point[t].own = {};
     clear_field();
-    return {false, far, 0};
+    return {false, false, far, 0};
   }
 
   double _sum = 0;                  ///< of the weights before normalization
@@ -349,6 +370,7 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   c.derivative = arena.take<Matrix>(n_places * t);
   c.rest = arena.take<Vector>(t * t);
   c.pulled = arena.take<Vector>(t * t);
+  c.left = arena.take<Vector>(t * t);
   c.turned = arena.take<Vector>(t * t);
   c.right = arena.take<Vector>(t);
   c.forces = arena.take<Vector>(t);

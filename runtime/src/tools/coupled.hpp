@@ -18,13 +18,15 @@ inline constexpr double largest_coupled = 1e3;
 /// A tool at a point between up to most_corners active nodes; p is that part of the point's displacement which the tool
 /// itself causes.
 struct HeldPoint : Place {
-  Mean mean;                              ///< of round tools only
-  Matrix scale;                           ///< of round tools only: see match_round_tools
-  Matrix stiffness;                       ///< A: of the point at rest, symmetric [N/m]
-  Matrix contribution[most_corners];      ///< Q_i: contribution q_i = Q_i p of node i
-  Matrix reach[most_corners];             ///< M_i: displacement e_i = M_i p of node i
-  double share[most_corners];             ///< s_i: the scalar for which s_i e_i is nearest to q_i
-  Matrix rest_stiffness[most_corners];    ///< K_i of the nodes [N/m]
+  Mean mean;                            ///< of round tools only
+  Matrix scale;                         ///< of round tools only: see match_round_tools
+  Vector middle;                        ///< of round tools only [m]
+  double spread;                        ///< of round tools only: mean square distance of what they press from it [m^2]
+  Matrix stiffness;                     ///< A: of the point at rest, symmetric [N/m]
+  Matrix contribution[most_corners];    ///< Q_i: contribution q_i = Q_i p of node i
+  Matrix reach[most_corners];           ///< M_i: displacement e_i = M_i p of node i
+  double share[most_corners];           ///< s_i: the scalar for which s_i e_i is nearest to q_i
+  Matrix rest_stiffness[most_corners];  ///< K_i of the nodes [N/m]
   Matrix root, inverse_root, compliance;  ///< A^1/2, A^-1/2, A^-1
   Matrix relative;                        ///< part of a displacement that remains when the others hold their points
   double curved;                          ///< squared deviation of its nodes' forces from linear ones, see curvature
@@ -46,6 +48,7 @@ struct FieldPart {
 struct Coupling {
   std::int32_t max_tools, n_tools;
   bool settled;
+  bool beyond;             ///< a round tool's force is beyond those that it was trained to alone
   const phn_model* model;  ///< the level of the latest tools
   Neighbours neighbours;
   std::int32_t n_corners;  ///< largest number of nodes of a point
@@ -66,6 +69,7 @@ struct Coupling {
   Matrix* derivative;      ///< of place s by the p of t, at s max_tools + t
   Vector *rest, *pulled;   ///< displacement [m] left to j by order i, and its force in the undeformed body [N],
                            ///< at i max_tools + j
+  Vector* left;            ///< that displacement without what stretch adds
   Vector* turned;          ///< rotation by which that displacement is turned back first, at i max_tools + j
   Vector *alone, *right, *forces;  ///< forces of single tools; displacements that points lack; forces of all tools
   double *energy, *weight;         ///< of the orders
@@ -80,6 +84,7 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
 
 struct CoupledResult {
   bool settled;     ///< all points follow their tools
+  bool beyond;      ///< see Coupling
   double residual;  ///< largest distance of a tool from its point in the corrected field [m]
   double energy;    ///< [J]; 0 in families without energy
 };

@@ -33,12 +33,19 @@ void stiffen(Matrix& stiffness) {
   }
 }
 
+/// Step [m] of differences around rest. Round tools that are near each other multiply what they get wrong, so that the
+/// curvature over the whole first increment counts (docs/decisions/several-round-tools.md).
+double step_at_rest(const phn_model& model, const ActiveNode& node) {
+  constexpr double of_round_tools = 0.3;
+  return node.moves_mean ? of_round_tools * model.first_increment : model.first_increment;
+}
+
 }  // namespace
 
 void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, double* gradient, double* scratch,
                             double* other) {
   const std::int32_t n = basis_size(model, node);
-  const double h = schema::traits(model.family).proportional ? 1 : model.first_increment;
+  const double h = schema::traits(model.family).proportional ? 1 : step_at_rest(model, node);
   for (int k = 0; k < 3; ++k) {
     basis_of(model, node, unit_vector(k, h).x, gradient + k * n, scratch);
     basis_of(model, node, (-1 * unit_vector(k, h)).x, other, scratch);
@@ -137,7 +144,7 @@ Matrix stiffness_at_rest(const phn_model& model, const ActiveNode& node) {
     evaluate_derivatives(model, node, Vector{}.x, none.x, nullptr, secant.a);
     return secant;
   }
-  const double h = model.first_increment;
+  const double h = step_at_rest(model, node);
   for (int k = 0; k < 3; ++k) {
     Vector f, g;
     evaluate_force(model, node, unit_vector(k, h).x, f.x);

@@ -14,7 +14,8 @@ struct LocalResponse {
   double* rows;   ///< 3 x basis_size(node)
 };
 
-/// Derivatives around rest as central differences over the first trained increment. Near a snap-through the derivative
+/// Derivatives around rest as central differences over the first trained increment, or a part of it for round tools.
+/// Near a snap-through the derivative
 /// at 0 itself would be that of the interpolation instead of the body's.
 /// @param gradient  3 x basis_size(node), row k by d_k [1/m]
 /// @param scratch   n_centers + 3 of the shared modes

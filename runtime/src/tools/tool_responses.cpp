@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/evaluate.hpp"
+#include "tools/triangle.hpp"
 
 namespace PHN_RUNTIME {
 namespace {
@@ -108,6 +109,16 @@ void ToolResponses::prepare_round(std::int32_t s) {
     stiffness += point.mean.weight[m] * stiffness_at_rest(_model, _model.active[point.mean.active[m]]);
   find_roots(stiffness, point.root, point.inverse_root, point.compliance);
   point.stiffness = point.root * point.root;
+  point.middle = {};
+  for (std::int32_t i = 0; i < point.n_nodes; ++i) point.middle += point.weight[i] * vector_at(node(point, i).point);
+  point.spread = 0;
+  for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+    const ActiveNode& by = node(point, i);
+    for (std::int32_t m = 0; m < by.n_prescribed; ++m) {
+      const Vector away = vector_at(vertex_point(_model, by.prescribed[m])) - vector_at(by.point);
+      point.spread += point.weight[i] * by.prescribed_weight[m] * dot(away, away);
+    }
+  }
   for (std::int32_t i = 0; i < point.n_nodes; ++i) {
     point.share[i] = point.weight[i];
     point.contribution[i] = diagonal(point.weight[i]);
@@ -299,6 +310,20 @@ void ToolResponses::set_rest_matrix() {
       }
     }
   }
+}
+
+bool ToolResponses::is_beyond(std::int32_t s) const {
+  const HeldPoint& point = _c.point[s];
+  if (!_round || schema::traits(_model.family).proportional) return false;
+  const Vector p = point.compliance * point.force;
+  const double size = length(p.x);
+  double depth = size;
+  for (std::int32_t i = 0; i < point.n_nodes; ++i)
+    depth = std::fmin(depth, depth_slack<double> * trained_depth(_model, node(point, i), p.x));
+  if (!(size > depth)) return false;
+  Vector trained;
+  respond_alone(_model, point.mean, (depth / size) * p, trained, nullptr, nullptr);
+  return dot(point.force, p) > dot(trained, p);
 }
 
 double ToolResponses::energy_of_nodes(const HeldPoint& point) const {

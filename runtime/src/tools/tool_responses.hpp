@@ -53,6 +53,10 @@ class ToolResponses {
   /// @param own  see HeldPoint::node_own
   void move_at_rest(std::int32_t s, std::int32_t i, const Vector& r, double weight, double* basis, Vector& own) const;
 
+  /// Whether the force of round tool s is beyond those of the tool alone: the displacement that it causes at rest is
+  /// longer than trained in its direction, and so is the force than that at the trained depth there.
+  bool is_beyond(std::int32_t s) const;
+
   const phn_model& _model;
   Coupling& _c;
   const bool _round;  ///< all tools are round: the response of each is (x), and not (o) and (p)

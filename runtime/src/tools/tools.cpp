@@ -45,7 +45,7 @@ CoupledResult alone(const phn_model& model, Coupling& c, const Vector& target) {
     basis_of(model, node, d.x, basis, c.kernel);
     for (std::int32_t j = 0; j < basis_size(model, node); ++j) basis[j] *= mean.share[i];
   }
-  return {true, 0, energy};
+  return {true, false, 0, energy};
 }
 
 /// Components of displacements are clamped to this [m].
@@ -56,7 +56,7 @@ double largest_displacement(const phn_model& model) {
 
 /// Warnings of all nodes at the displacements at which their responses are evaluated.
 int warnings_of(const phn_model& model, const Coupling& c) {
-  int status = PHN_OK;
+  int status = c.beyond ? PHN_WARNING_OUTSIDE : PHN_OK;
   for (std::int32_t t = 0; t < c.n_tools; ++t) {
     const HeldPoint& point = c.point[t];
     if (is_beside_fixed(model, point)) status |= PHN_WARNING_OUTSIDE;
@@ -149,6 +149,7 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
   c.n_tools = n_tools;
   const auto solved = one ? alone(*c.model, c, targets[0]) : solve_coupled(*c.model, c, targets);
   c.settled = solved.settled;
+  c.beyond = solved.beyond;
   const int status = (solved.settled ? PHN_OK : PHN_WARNING_UNSETTLED) | warnings_of(*model, c);
   result = {solved.residual, std::isfinite(solved.energy) ? solved.energy : 0};
   return status;

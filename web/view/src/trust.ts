@@ -16,7 +16,7 @@ const noticeable = 0.1;
 export function verdictOf(warnings: readonly Warning[], trust: TrustFigure | null, bound: number | null): Verdict {
   if (warnings.includes('unsettled'))
     return { kind: 'beyond', word: 'unsettled', reason: 'the tools are too close together to hold all points' };
-  if (warnings.includes('outside')) return { kind: 'beyond', word: 'beyond data', reason: 'deeper than the training data, or beside fixed nodes' };
+  if (warnings.includes('outside')) return { kind: 'beyond', word: 'beyond data', reason: 'deeper or stronger than the training data, or beside fixed nodes' };
   if (trust && trust.relative > 1) return { kind: 'beyond', word: 'beyond data', reason: 'far from the training data' };
   if (bound !== null && bound > noticeable)
     return { kind: 'fair', word: 'inexact', reason: 'the error of the force may exceed a tenth of it' };

@@ -83,7 +83,8 @@ struct PairReport {
   double depth_m = 0, far_m = 0;
   double largest_residual_m = 0;
   PairGroup all, near, far;
-  PairGroup right;  ///< pairs for which single_force is at most `right_alone`
+  PairGroup unflagged;  ///< pairs without _OUTSIDE and _UNSETTLED
+  PairGroup right;      ///< pairs for which single_force is at most `right_alone`
   ErrorStatistics single_force;
   ErrorsByWarning by_warning;       ///< force of the worse tool, displacement as PairErrors::displacement
   std::vector<PairRecord> records;  ///< finished pairs, in the order of the seed
@@ -91,6 +92,7 @@ struct PairReport {
   bool interrupted() const { return finished < pairs; }
   static void describe(const auto& result, auto&& see) {
     PHYNNESS_SEE(pairs, finished, failed, unsettled, outside, depth_m, far_m, largest_residual_m, all, near, far);
+    see("unflagged", result.unflagged);
     see("right_alone", result.right);
     PHYNNESS_SEE(single_force, records, by_warning);
   }
@@ -106,7 +108,7 @@ inline constexpr double right_alone = 0.02;
 /// Distance of the tools, as a fraction of the longest extent of the body, from which on a pair is called far.
 inline constexpr double far_fraction = 0.3;
 
-/// Random pairs of active nodes; with patches, pairs that overlap are not used. Directions are uniform on the sphere,
+/// Random pairs of active nodes; rigid patches that overlap are not used. Directions are uniform on the sphere,
 /// or in scenes with hemispheres on the inward half of it. Both tools have the depth `depth_m`. Collective; the result
 /// is the same for any number of ranks and complete on rank 0. If `stop` returns true, the function returns the
 /// finished pairs.
