@@ -107,7 +107,7 @@ TEST(CoupledRoundTools, AreUnsettledWhereTheyAreNearlyOne) {
 // larger than it had alone at its trained depth, also in the status of the field; tools that move alike are not, nor is
 // a small difference, nor a body that is linear at any depth. Displacements are within half of the trained depth.
 TEST(CoupledRoundTools, AreOutsideWhereForcesAreLargerThanTrained) {
-  const RoundBody body(7, 0.06);
+  const RoundBody body(7, 0.2);
   const LoadedModel curved(write_model_text(bent(body))), linear(write_model_text(body.model));
   const auto pair = [](double one, double other) {
     return std::vector{tool(0, -1, -1, 1, 0, one, 0, 0), tool(3, -1, -1, 1, 0, other, 0, 0)};
@@ -235,7 +235,8 @@ TEST(CoupledRoundTools, HavePositiveStiffness) {
   EXPECT_EQ(coupled(loaded, {first, opposed}).status, PHN_WARNING_UNSETTLED);
 }
 
-// Claim: forces are the gradient of the energy, also of tools that touch the same nodes. Central differences of 1e-6 m
+// Claim: forces are the gradient of the energy, also of tools that touch the same nodes, where they are larger than in
+// training. Central differences of 1e-6 m
 // leave 1e-8 of the force, and energies to 16 digits ten.
 TEST(CoupledRoundTools, HaveForcesThatAreGradients) {
   const LoadedModel loaded(write_model_text(bent(RoundBody(7))));
@@ -244,7 +245,7 @@ TEST(CoupledRoundTools, HaveForcesThatAreGradients) {
     tools[1].displacement[0] = 0.002;
     tools[1].displacement[2] = -0.006;
     const Answer here = coupled(loaded, tools);
-    ASSERT_EQ(here.status, PHN_OK);
+    ASSERT_EQ(here.status & PHN_WARNING_UNSETTLED, 0);
     for (int i = 0; i < 6; ++i) {
       double energy[2];
       for (const int side : {0, 1}) {

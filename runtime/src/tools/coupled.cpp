@@ -33,6 +33,10 @@ constexpr double half_curved = 0.005;
 /// nothing is left, the mean of the rotations is undefined, but fields of networks have a constant part.
 constexpr double least_turned = 1e-6;
 
+/// A round tool's force may be as many times the largest that it had alone in training, plus 1, if it does not feel the
+/// others, and just that if they are nearly one: what they add then strains the body between them.
+constexpr double beyond_training = 2;
+
 /// A point that is farther from its tool than this fraction of the largest displacement does not follow it.
 constexpr double follows = 1e-8;
 
@@ -67,7 +71,8 @@ class Solver : private CoupledField {
     }
     result.residual = miss();
     result.settled = result.residual <= follows * far;
-    for (std::int32_t t = 0; t < n && n > 1; ++t) result.beyond = result.beyond || is_beyond(t);
+    for (std::int32_t t = 0; t < n && n > 1; ++t)
+      result.beyond = result.beyond || is_beyond(t, 1 + beyond_training * _compliance);
     if (!has_energy(_model)) result.energy = 0;
     for (std::int32_t s = 0; s < n; ++s) _c.point[s].own = _targets[s];
     return finite() ? result : give_up(far);
@@ -274,6 +279,7 @@ class Solver : private CoupledField {
     diagonalize(_c.work, n, _c.vectors);
     double least = _c.work[0];
     for (std::int32_t e = 1; e < n; ++e) least = std::fmin(least, _c.work[e * n + e]);
+    _compliance = std::fmax(least, 0.0);
     _least = _round ? least_apart_round : least_apart;
     _apart = least >= _least;
     if (_round) _equal_part *= std::fmin(1.0, std::fmax(0.0, 2 * (well_apart - least) / well_apart));
@@ -328,6 +334,7 @@ class Solver : private CoupledField {
 
   double _sum = 0;                  ///< of the weights before normalization
   double _least = least_apart;      ///< smallest compliance of tools that can be distinguished
+  double _compliance = 1;           ///< the smallest, of opposing displacements, as a fraction of each tool's own
   bool _apart = true;               ///< all tools can be distinguished
   double _equal_part = equal_part;  ///< depends on the places only
 };

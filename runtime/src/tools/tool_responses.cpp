@@ -312,7 +312,7 @@ void ToolResponses::set_rest_matrix() {
   }
 }
 
-bool ToolResponses::is_beyond(std::int32_t s) const {
+bool ToolResponses::is_beyond(std::int32_t s, double times) const {
   const HeldPoint& point = _c.point[s];
   if (!_round || schema::traits(_model.family).proportional) return false;
   const Vector p = point.compliance * point.force;
@@ -320,10 +320,10 @@ bool ToolResponses::is_beyond(std::int32_t s) const {
   double depth = size;
   for (std::int32_t i = 0; i < point.n_nodes; ++i)
     depth = std::fmin(depth, depth_slack<double> * trained_depth(_model, node(point, i), p.x));
-  if (!(size > depth)) return false;
+  if (!(size > times * depth)) return false;
   Vector trained;
   respond_alone(_model, point.mean, (depth / size) * p, trained, nullptr, nullptr);
-  return dot(point.force, p) > dot(trained, p);
+  return dot(point.force, p) > times * dot(trained, p);
 }
 
 double ToolResponses::energy_of_nodes(const HeldPoint& point) const {

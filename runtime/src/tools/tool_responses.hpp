@@ -54,8 +54,8 @@ class ToolResponses {
   void move_at_rest(std::int32_t s, std::int32_t i, const Vector& r, double weight, double* basis, Vector& own) const;
 
   /// Whether the force of round tool s is beyond those of the tool alone: the displacement that it causes at rest is
-  /// longer than trained in its direction, and so is the force than that at the trained depth there.
-  bool is_beyond(std::int32_t s) const;
+  /// more than `times` as long as trained in its direction, and so is the force than that at the trained depth there.
+  bool is_beyond(std::int32_t s, double times) const;
 
   const phn_model& _model;
   Coupling& _c;
