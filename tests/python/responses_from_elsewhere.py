@@ -145,7 +145,8 @@ class Imports(unittest.TestCase):
                 self.assertRaisesRegex(phynness.Error, "no deformation", model.deform, 1, [0, 0, 0.005])
             else:
                 self.assertEqual(model.deform(1, [0, 0, 0.005]).shape, (0, 3))
-            model.save(work / ("forces-" + family))
+            run("train", "forces.h5", "-o", "forces-" + family, "--family", family)
+            self.assertEqual(model.text, (work / ("forces-" + family) / "model.txt").read_bytes())
             run("eval", "forces-" + family, "--node", 1, "--displacement", "0,0,0.004")
 
     def test_what_needs_a_scene_refuses(self):
