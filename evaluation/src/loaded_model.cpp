@@ -124,7 +124,9 @@ ModelResponse LoadedModel::respond(const std::vector<std::int32_t>& nodes,
   std::vector<double> d;
   for (const auto& v : displacement_m) d.insert(d.end(), v.begin(), v.end());
   for (const auto node : nodes) force(node, {0, 0, 0});  // throws an error with the number of an inactive node
-  response.status = _data.blend_paper(nodes, d, span(response.displacement_m));
+  // Without output nodes there is no place for displacements, which the runtime would refuse.
+  response.status =
+      _runtime.n_output() == 0 ? PHN_ERROR_UNDEFINED : _data.blend_paper(nodes, d, span(response.displacement_m));
   if (response.status == PHN_ERROR_UNDEFINED) {
     response.status = PHN_OK;
     response.displacement_m.resize(0, 3);

@@ -96,7 +96,7 @@ void write_flags(hdf5::File& file, const char* dataset, const CodeRow<Code> (&ro
 void create_column(hdf5::File& file, const StoredColumn& column, const DatabaseHeader& header) {
   const hsize_t n_directions = header.directions.size();
   hdf5::Shape shape{header.sets.active.size(), n_directions}, chunk{nodes_per_chunk(header), n_directions};
-  if (column.of == ColumnOf::output_node) {
+  if (column.of == ColumnOf::output_node && column.count > 0) {
     // A chunk has one active node and as many directions as fit into a megabyte.
     constexpr hsize_t chunk_bytes = 1024 * 1024;
     const hsize_t per_direction = column.count * (column.float32 ? sizeof(float) : sizeof(double));
@@ -104,6 +104,7 @@ void create_column(hdf5::File& file, const StoredColumn& column, const DatabaseH
   }
   shape.insert(shape.end(), column.shape.begin(), column.shape.end());
   chunk.insert(chunk.end(), column.shape.begin(), column.shape.end());
+  if (column.count == 0) chunk.clear();  // without output nodes
   const hid_t type =
       std::visit([](auto member) { return hdf5::type_of(ValueOf<decltype(member)>{}).stored; }, column.member);
   const bool is_field = std::holds_alternative<RayColumn::FieldIndex>(column.member);

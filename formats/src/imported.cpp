@@ -247,13 +247,14 @@ DatabaseHeader header_of(const GivenResponses& given, const std::vector<NodeStat
 
 /// Before hours of writing. @throws Error (input)
 void check_size(const DatabaseHeader& header, std::size_t displacements) {
-  constexpr double most_of_ray = 1e9, most_entries = 5e7;
+  constexpr double most_of_node = 4e9, most_entries = 5e7;  // bytes in memory; increments of all nodes
   const auto increments = static_cast<double>(header.magnitudes_m.size());
-  const double ray = increments * (24.0 * static_cast<double>(header.sets.output.size()) + 100);
-  const double entries = increments * static_cast<double>(header.directions.size() * header.sets.active.size());
+  const auto of_node = increments * static_cast<double>(header.directions.size());
+  const double bytes = of_node * (24.0 * static_cast<double>(header.sets.output.size()) + 100);
+  const double entries = of_node * static_cast<double>(header.sets.active.size());
   const auto sizes = std::to_string(header.sets.active.size()) + " touched nodes, " + std::to_string(displacements) +
                      " different displacements and " + std::to_string(header.sets.output.size()) + " output nodes";
-  if (ray > most_of_ray || entries > most_entries || increments > 10'000)
+  if (bytes > most_of_node || entries > most_entries || increments > 10'000)
     throw input_error(
         "the responses are too many for one database", sizes,
         "give the nodes the same displacements where that is possible, fewer rows, or fewer output nodes");

@@ -187,7 +187,9 @@ void check_database(const SceneTable& table, const Scene& scene) {
 }
 
 void check_training(const SceneTable& table, const Scene& scene) {
-  if (schema::traits(scene.training.family).proportional && !scene.material.law->linear)
+  // Imported responses have no material; their numbers tell whether they are linear.
+  const bool has_material = !scene.material.parameters.empty();
+  if (has_material && schema::traits(scene.training.family).proportional && !scene.material.law->linear)
     table.reject(
         "family",
         std::string("needs the linear law, but [material] law is \"") + phynness::name(scene.material.law) + "\"",

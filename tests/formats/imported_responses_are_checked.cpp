@@ -1,6 +1,7 @@
 // Claims: imported responses are stored as they were given, whatever their order; what cannot be the responses of an
 // elastic body, or has other units, is refused with the value and a remedy.
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <cmath>
 #include <phynness/formats/imported.hpp>
@@ -105,7 +106,9 @@ TEST_F(Imports, AreStoredAsGiven) {
             std::max_element(header.directions.begin(), header.directions.end(),
                              [&](auto& e, auto& g) { return d.dot(to_eigen(e)) < d.dot(to_eigen(g)); });
         EXPECT_EQ(nearest - header.directions.begin(), ray.direction);
-        if (i > 0) EXPECT_GE(d.norm(), prescribed.row(n * ray.direction + static_cast<Eigen::Index>(i) - 1).norm());
+        if (i > 0) {
+          EXPECT_GE(d.norm(), prescribed.row(n * ray.direction + static_cast<Eigen::Index>(i) - 1).norm());
+        }
         for (Eigen::Index row = 1 - a; row < 80; row += 2) {
           if (given.displacements_m.row(row) != d) continue;
           ++found[static_cast<std::size_t>(row / 2)];

@@ -137,12 +137,16 @@ class Imports(unittest.TestCase):
             self.assertRaisesRegex(phynness.Error, "not linear", phynness.train, database, family="linear")
 
     def test_forces_alone_are_a_model(self):
-        database = arrays("forces.h5", output=None or [], output_displacements=None)
+        database = arrays("forces.h5", output=[], output_displacements=None)
         for family in ("modal", "rbfn"):
             model = phynness.train(database, family=family)
             self.assertGreater(np.linalg.norm(model.force(1, [0, 0, 0.005])), 0.1)
-            self.assertEqual(model.deform(1, [0, 0, 0.005]).shape, (0, 3))
-            model.save(work / ("forces-" + family))
+            if family == "modal":
+                self.assertRaisesRegex(phynness.Error, "no deformation", model.deform, 1, [0, 0, 0.005])
+            else:
+                self.assertEqual(model.deform(1, [0, 0, 0.005]).shape, (0, 3))
+            run("train", "forces.h5", "-o", "forces-" + family, "--family", family)
+            self.assertEqual(model.text, (work / ("forces-" + family) / "model.txt").read_bytes())
             run("eval", "forces-" + family, "--node", 1, "--displacement", "0,0,0.004")
 
     def test_what_needs_a_scene_refuses(self):
@@ -158,7 +162,7 @@ class Imports(unittest.TestCase):
                      "merge database.h5 -o no.h5", "import springs.h5 -o database.h5"):
             done = command(*line.split())
             self.assertEqual(done.returncode, 2, line + done.stdout + done.stderr)
-            self.assertRegex(done.stderr, "^error: .+\n  remedy: .+", line)
+            self.assertRegex(done.stderr, "(?m)^error: .+\n(  .+\n)*  remedy: .+", line)
 
     def test_wrong_files_are_told_in_words(self):
         def refuse(words, data, **units):
@@ -212,7 +216,7 @@ class Imports(unittest.TestCase):
         data = springs()
         for error, words, changed in (
             (phynness.Error, "too many", {"displacements": np.broadcast_to(np.zeros(3), (10**8, 3))}),
-            (phynness.Error, "too many", {"displacements": np.ones((10**6 + 1, 3))}),
+            (phynness.Error, "too many", {"displacements": np.ones((10**6 + 1, 3)), "energies": None, "output": None, "output_displacements": None}),
             (phynness.Error, "no responses", {name: data[name][:0] for name in
                                               ("displacements", "forces", "energies", "touched", "output_displacements")}),
             (TypeError, "integers", {"touched": data["touched"] + 0.5}), (ValueError, "cells", {"cells": [1, 2, 3]}),
@@ -249,23 +253,31 @@ class Imports(unittest.TestCase):
 class Sources(unittest.TestCase):
     """Each model against responses of its source that it was not trained on; the table is that of docs/howto/python.md."""
 
-    def found(self, script, *arguments):
+    # About three times the errors of the table, because other versions of the programs and of numpy draw and solve otherwise.
+    def check(self, script, most_force, least_linear, most_displacement=None):
         file = work / (script + ".h5")
-        subprocess.run([sys.executable, SOURCES / f"examples/python/elsewhere/{script}.py", file, *arguments], check=True,
-                       capture_output=True, cwd=work)
+        subprocess.run([sys.executable, SOURCES / f"examples/python/elsewhere/{script}.py", file], check=True, capture_output=True,
+                       cwd=work)
         run("import", file, "-o", script + "-database.h5")
-        return compare(file)
+        found = compare(file)
+        linear = found["linear", "force"].mean()
+        self.assertGreater(linear, least_linear)
+        self.assertLess(found["modal", "force"].mean(), most_force)
+        self.assertLess(found["rbfn", "force"].mean(), 0.5 * linear)
+        if most_displacement is not None:
+            self.assertLess(found["modal", "displacement"].mean(), most_displacement)
+            self.assertGreater(found["linear", "displacement"].mean(), 2 * most_displacement)
 
     def test_measurements(self):
-        self.found("measurements")
+        self.check("measurements", 0.03, 0.05)  # noise of 1 % in each component has a mean size of 1.6 %
 
     @unittest.skipUnless(shutil.which("ccx"), "CalculiX is not installed")
     def test_calculix(self):
-        self.found("calculix", "80")
+        self.check("calculix", 0.006, 0.02, 0.0035)
 
     @unittest.skipUnless(importlib.util.find_spec("dolfinx"), "python3-dolfinx is not installed")
     def test_law_of_fibres(self):
-        self.found("law_of_fibres")
+        self.check("law_of_fibres", 0.004, 0.03, 0.003)
 
 
 try:

@@ -21,8 +21,8 @@ def three(errors):
     return " / ".join(f"{100 * e:.2f}" for e in (errors.mean(), np.quantile(errors, 0.95), errors.max())) + " %"
 
 
-def compare(file, families=("modal", "rbfn")):
-    """Prints a table. Returns {(family or "linear", "force" or "displacement"): errors}, one for each held-out row."""
+def compare(file, families=("modal", "rbfn"), **keys):
+    """Prints a table. Keys are those of [training]. Returns {(family or "linear", "force" or "displacement"): errors}, one for each held-out row."""
     with h5py.File(file) as h5:
         data = {name: dataset[()] for name, dataset in h5.items()}
         title = h5.attrs.get("title", "")
@@ -40,7 +40,7 @@ def compare(file, families=("modal", "rbfn")):
         database = phynness.Database.from_arrays(
             Path(folder) / "database.h5", touched=touched[~held_out], displacements=d[~held_out], forces=forces[~held_out], **given)
         for family in families:
-            model = phynness.train(database, family=family)
+            model = phynness.train(database, family=family, **keys)
             for node in np.unique(touched):
                 test, train = held_out & (touched == node), ~held_out & (touched == node)
                 add = lambda who, what, errors: found.setdefault((who, what), []).extend(errors)
