@@ -198,8 +198,6 @@ ModelCost model_cost(const TradeRow& row) {
   double image_bytes[2];
   for (const std::size_t n : {1, 2}) {
     Model model = sized_model(row.scene, *row.body, n);
-    // Centers of family modal are limited to a multiple of the range.
-    if (schema::traits(model.family).has_modes) model.displacements *= model.max_displacement_m;
     image_bytes[n - 1] = static_cast<double>(model_image(model, {.floats = true}).bytes.size());
     const auto speed = measure_speed({std::move(model), row.body->mesh, "a model with random numbers"});
     cost.force_us = speed.force_us;

@@ -112,7 +112,8 @@ void plan_response(const TrainingSpec& spec, const Model& model, ActiveNodeModel
 Model sized_model(const Scene& scene, const DatabaseHeader& header, std::size_t n_nodes) {
   generator.seed(1);
   Model model = model_of_database(header, scene.training.family, scene.title);
-  model.displacements = numbers(std::ssize(header.directions) * std::ssize(header.magnitudes_m), 3);
+  model.displacements =
+      model.max_displacement_m * numbers(std::ssize(header.directions) * std::ssize(header.magnitudes_m), 3);
   plan_shared(scene.training, header.fields, model);
   const auto& active = header.sets.active;
   for (std::size_t k = 0; k < std::min(n_nodes, active.size()); ++k) {

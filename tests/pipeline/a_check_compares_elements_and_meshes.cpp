@@ -195,6 +195,10 @@ TEST_F(Check, TradesOnAFileAsItCompares) {
   write_msh(make_mesh(read_scene(folder / "own.toml")).mesh, nullptr, folder / "own.msh");
   const auto from = own.find("shape = "), to = own.find("[material]");
   write_file(folder / "file.toml", std::string(own).replace(from, to - from, "file = \"own.msh\"\n"));
+  auto modal = read_file(folder / "file.toml");
+  modal.replace(modal.find("family = \"rbfn\""), modal.find("[validation]") - modal.find("family = \"rbfn\""),
+                "family = \"modal\"\n");
+  write_file(folder / "file.toml", modal);
   succeed("check file.toml --trade --probes 2 --seconds 600 --json trade.json");
   succeed("check file.toml --reference taylor-hood --probes 2 --seconds 600 --json check.json");
   const auto rows = json("trade.json").at("rows");
@@ -202,6 +206,7 @@ TEST_F(Check, TradesOnAFileAsItCompares) {
   const auto distance = json("check.json").at("distance");
   for (const auto& row : rows)
     if (row.at("is_scene") == true) {
+      EXPECT_GT(row.at("deformation_us"), 0);
       EXPECT_NEAR(row.at("mean"), distance.at("mean"), 1e-5);
       EXPECT_NEAR(row.at("p95"), distance.at("p95"), 1e-5);
     }
