@@ -239,7 +239,7 @@ void print_trade(const Scene& scene, const TradeReport& report, const std::vecto
   }
   print_result(
       "\n* no other row is better in error (mean) and core-hours{}; {}\n"
-      "image and times: of a model of this size with random numbers, in floats on a device, measured on this machine\n",
+      "image (floats) and times on this machine: of models of these sizes with random numbers\n",
       chosen != nullptr ? "; > chosen" : "", duration(report.seconds));
 }
 

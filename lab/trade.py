@@ -46,13 +46,14 @@ def main():
     given = parser.parse_args()
     n = len(given.files)
     data, plots = zip(*(panel(k, path) for k, path in enumerate(given.files)))
-    program = "".join(data) + f"""set terminal svg size {500 * n},380 font 'sans-serif,12' background 'white'
+    program = "".join(data) + f"""set terminal svg size {500 * n},430 font 'sans-serif,12' background 'white'
 set output '{given.output}'
 set multiplot layout 1,{n}
 set logscale xy
 set xlabel 'core-hours of the database'
 set ylabel 'mean error of the force (%)'
-set key top right noenhanced
+set bmargin 8
+set key below noenhanced
 set grid lc rgb '#dddddd'
 """
     program += "".join(plots) + "unset multiplot\n"

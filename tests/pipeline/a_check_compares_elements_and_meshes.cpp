@@ -71,6 +71,8 @@ TEST_F(Check, GivesTheRatiosOfSingleSolves) {
       EXPECT_NEAR(said.at("max").get<double>(), largest, 1e-5) << name << i;
       if (i + 1 == depths.size() && name == std::string("taylor-hood")) {
         EXPECT_NEAR(check.at("distance").at("mean").get<double>(), error, 1e-5);
+        EXPECT_EQ(check.at("distance").at("nodes"), check.at("against").at(name).at("nodes"));
+        EXPECT_EQ(check.at("distance").at("solved"), 2);
       }
       EXPECT_GT(largest, 1.05) << "P1 at K/mu = 10 is too stiff: this test would show nothing";
     }
