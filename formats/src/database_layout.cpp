@@ -257,6 +257,7 @@ DatabaseHeader read_header(const hdf5::File& file) {
     header.directions.push_back({directions[3 * i], directions[3 * i + 1], directions[3 * i + 2]});
   header.magnitudes_m = read_list<double>(file, path::magnitudes);
   if (file.exists(path::displacements)) {
+    check_rows(file, path::displacements, header.directions.size() * header.magnitudes_m.size(), 3 * sizeof(double));
     const auto all = file.read<double>(path::displacements, {header.directions.size(), header.magnitudes_m.size(), 3});
     header.displacements_m = Eigen::Map<const Points>(all.data(), std::ssize(all) / 3, 3);
   }
