@@ -154,7 +154,9 @@ json about_database(const std::filesystem::path& file, bool failed) {
                  h.sets.mirror->normal[0], h.sets.mirror->normal[1], h.sets.mirror->normal[2], n_mirrored, n_rays);
   json states = json::object();
   for (const auto& [status, count] : summary.states) {
-    print_result("  {:<16} {:<9} {}\n", name(status), count, meaning(status));
+    // Of imported responses these are other nodes' displacements.
+    if (!(h.is_imported() && status == Status::not_requested))
+      print_result("  {:<16} {:<9} {}\n", name(status), count, meaning(status));
     states[name(status)] = count;
   }
   const auto failed_rays = short_rays(database);
@@ -169,6 +171,7 @@ json about_database(const std::filesystem::path& file, bool failed) {
   if (!summary.ranges.empty()) print_result("of converged states:\n");
   json quantities = json::object();
   for (const auto& range : summary.ranges) {
+    if (h.is_imported() && range.smallest == 0 && range.largest == 0) continue;  // not known
     print_result("  {:<16} {:.4g} to {:.4g}{}\n", range.name, range.smallest, range.largest,
                  range.unit == "1" ? "" : " " + range.unit);
     quantities[range.name] = record("unit", range.unit, "smallest", range.smallest, "largest", range.largest);

@@ -266,6 +266,7 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.fold_halvings = file.has_attribute("/", "fold_halvings") ? file.read_int_attribute("/", "fold_halvings")
                                                                   : earlier_fold_halvings(header.magnitudes_m.size());
   if (file.exists(path::displacements)) {
+    check_rows(file, path::displacements, header.directions.size() * header.magnitudes_m.size(), 3 * sizeof(double));
     const auto all = file.read<double>(path::displacements, {header.directions.size(), header.magnitudes_m.size(), 3});
     header.displacements_m = Eigen::Map<const Points>(all.data(), std::ssize(all) / 3, 3);
   }

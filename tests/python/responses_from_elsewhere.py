@@ -126,6 +126,8 @@ class Imports(unittest.TestCase):
         self.assertIn("N", said)
         self.assertIn("imported", run("info", "database.h5"))
         run("show", "database.h5", "--node", 3, "--direction", 3, "-o", "shown.pvd")
+        page = command("view", "modal", "--database", "database.h5", "-o", "page.html")
+        self.assertTrue(page.returncode == 0 or "no page" in page.stderr, page.stderr)
         # Of linear responses every family is exact to the rounding of float32.
         d, k = self.data["displacements"], np.diag([10.0, 20, 30])
         u = self.data["output_displacements"] * 0
@@ -148,6 +150,18 @@ class Imports(unittest.TestCase):
             run("train", "forces.h5", "-o", "forces-" + family, "--family", family)
             self.assertEqual(model.text, (work / ("forces-" + family) / "model.txt").read_bytes())
             run("eval", "forces-" + family, "--node", 1, "--displacement", "0,0,0.004")
+
+    def test_round_tools_are_answered_as_such(self):
+        data = springs()
+        with arrays("tool.h5", **data, tool_radius_m=0.05) as database:
+            self.assertEqual(database.scene.settings["probe.kind"], "patch")
+            model = phynness.train(database, family="modal")
+        some = slice(0, 120)  # the training itself, of node 1
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            said = model.force(1, data["displacements"][some])
+        error = np.linalg.norm(said - data["forces"][some], axis=1).mean()
+        self.assertLess(error, 0.01 * np.abs(data["forces"]).max())
 
     def test_what_needs_a_scene_refuses(self):
         scene = work / "block.toml"
