@@ -9,7 +9,7 @@ Usage: study.py solve PHYNNESS DATABASE.h5 TRUTH.npz [--points N] [--each N] [--
 Points are random by area in triangles with three active corners, or with --model in those that this model answers;
 directions are random, depths to the trained range. `product` compares models with a truth, `compare` also methods. Errors
 are |f - f_FE| over the larger of |f_FE| and a twentieth of the largest |f_FE|. Pairs: two tools to half of the trained
-range, half of the pairs at nodes; |f - f_FE| of the worse tool over the larger |f_FE|. TRUTH.npz is solved if it is
+range, by classes of distance, half of the pairs at nodes; |f - f_FE| of the worse tool over the larger |f_FE|. TRUTH.npz is solved if it is
 missing. Needs numpy, scipy and h5py.
 """
 import argparse
@@ -22,6 +22,7 @@ import h5py
 import numpy as np
 from scipy.spatial import Delaunay
 
+DISTANCES = ((0, 1), (1, 2), (2, 3.5), (3.5, 99))  # of two tools, in radii
 LINEAR = 1e-3  # of a displacement, at which a solve gives the linear response
 
 
@@ -124,10 +125,15 @@ def solve_pairs(options, body):
     rows = {k: [] for k in ("points", "d", "force", "linear", "at_node")}
     for pair in range(options.pairs):
         here, share = [], area
+        low, high = DISTANCES[pair // 2 % len(DISTANCES)]
         for _ in range(2):
             here.append(place(body, random, share, pair % 2 == 0))
-            if pair % 4 > 1:  # near pairs
-                share = area * (np.linalg.norm(middle - here[0][0], axis=1) < 2.5 * options.radius)
+            away = np.linalg.norm(middle - here[0][0], axis=1) / options.radius
+            share = area * ((away >= low) & (away < high))
+            if not share.any():
+                break
+        if len(here) < 2 or np.array_equal(here[0][0], here[1][0]):
+            continue
         points, d = [x for x, _ in here], []
         for _, nodes in here:
             e = Interpolations.unit(random.normal(size=3))
@@ -151,15 +157,15 @@ def pairs(options):
     size = np.linalg.norm(truth["force"], axis=2).max(axis=1)
     said = [ask([options.phynness, "eval", options.model], *at(x[0], d[0]), *at(x[1], d[1]))
             for x, d in zip(truth["points"], truth["d"])]
-    unsettled = np.array([s["status"] & 4 != 0 for s in said])
+    flagged = np.array([s["status"] & 5 != 0 for s in said])  # outside, unsettled
     own = np.array([[t["force"] for t in s["tools"]] for s in said])
     errors = {n: np.linalg.norm(f - truth["force"], axis=2).max(axis=1) / size for n, f in (("product", own), ("linear", truth["linear"]))}
     away = np.linalg.norm(truth["points"][:, 0] - truth["points"][:, 1], axis=1) / options.radius
-    print("%-26s %4s  %6s %6s %6s   [%%]; %d unsettled are left out" % ("", "n", "mean", "p95", "max", unsettled.sum()))
-    for low, high in ((0, 99), (0, 1), (1, 2), (2, 3), (3, 99)):
-        for kind, of in (("", True), (" at nodes", truth["at_node"]), (" between", ~truth["at_node"])):
+    print("%-26s %4s  %6s %6s %6s   [%%]; %d are flagged" % ("", "n", "mean", "p95", "max", flagged.sum()))
+    for low, high in ((0, 99), *DISTANCES):
+        for kind, of in (("", True), (" quiet", ~flagged), (" at nodes", truth["at_node"]), (" between", ~truth["at_node"])):
             for name, e in errors.items():
-                if (some := (away >= low) & (away < high) & of & ~unsettled).any():
+                if (some := (away >= low) & (away < high) & of).any():
                     print_row("%s, %g to %g R%s" % (name, low, high, kind), e[some])
 
 
