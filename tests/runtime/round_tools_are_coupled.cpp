@@ -104,23 +104,28 @@ TEST(CoupledRoundTools, AreUnsettledWhereTheyAreNearlyOne) {
 }
 
 // Claim: near round tools that work against each other are outside of the trained range where the force of one is
-// larger than it had alone at its trained depth, also in the status of the field; tools that move alike are not, nor is
-// a small difference, nor a body that is linear at any depth. Displacements are within half of the trained depth.
+// larger than it had alone at its trained depth, also in the status of the field and of the bound, which there is none;
+// tools that move alike are not, nor is a small difference, nor a body that is linear at any depth. Displacements are
+// within half of the trained depth.
 TEST(CoupledRoundTools, AreOutsideWhereForcesAreLargerThanTrained) {
   const RoundBody body(7, 0.2);
-  const LoadedModel curved(write_model_text(bent(body))), linear(write_model_text(body.model));
+  const LoadedModel curved(write_model_text(with_coupled_bounds(bent(body)))), linear(write_model_text(body.model));
   const auto pair = [](double one, double other) {
     return std::vector{tool(0, -1, -1, 1, 0, one, 0, 0), tool(3, -1, -1, 1, 0, other, 0, 0)};
   };
   const double deepest[3] = {0.01, 0, 0};
-  double alone[3], field[21];
+  double alone[3], field[21], bounds[2];
   ASSERT_EQ(phn_force(curved.model, curved.data, 0, deepest, alone, nullptr, nullptr), PHN_OK);
   const Answer opposed = coupled(curved, pair(0.005, -0.005));
   EXPECT_GT(opposed.forces.head<3>().norm(), 2 * Eigen::Map<Eigen::Vector3d>(alone).norm());
   EXPECT_EQ(opposed.status, PHN_WARNING_OUTSIDE);
   EXPECT_EQ(phn_coupled_deform(curved.model, curved.data, field), PHN_WARNING_OUTSIDE);
+  EXPECT_EQ(phn_coupled_bound(curved.model, curved.data, bounds), PHN_WARNING_OUTSIDE);
+  EXPECT_EQ(bounds[0], PHN_NO_BOUND);
   EXPECT_EQ(coupled(curved, pair(0.005, 0.005)).status, PHN_OK);
   EXPECT_EQ(phn_coupled_deform(curved.model, curved.data, field), PHN_OK);
+  EXPECT_EQ(phn_coupled_bound(curved.model, curved.data, bounds), PHN_OK);
+  EXPECT_LT(bounds[0], PHN_NO_BOUND);
   EXPECT_EQ(coupled(curved, pair(5e-5, -5e-5)).status, PHN_OK);
   EXPECT_EQ(coupled(linear, pair(0.005, -0.005)).status, PHN_OK);
 }
