@@ -52,7 +52,7 @@ PHN_API int phn_bound_at(const phn_model* model, const phn_tool* tool, double* b
  * it is alone, unless they are close. Forces are continuous where tools slide over edges and nodes, and in families
  * with an energy its gradient while the tools hold their points. They depend on these arguments only. _OUTSIDE also
  * means that near round tools work against each other: a force is larger than any the tool had alone in training, and
- * it is usually off by more than a tenth. _UNSETTLED: tools within half an edge length, round tools within a few tenths
+ * it is often off by more than a tenth. _UNSETTLED: tools within half an edge length, round tools within a few tenths
  * of their radius, pull apart, and their points follow them only in part. PHN_ERROR_TOOLS: more tools than `data`
  * holds; a phn_data of phn_data_init holds none. PHN_ERROR_UNDEFINED: a node of coupled tools, or under a round one, is
  * no output node or has no deformation. `result` may be null. Displacements are clamped to 1000 max_displacement_m. */
