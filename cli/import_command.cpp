@@ -11,7 +11,11 @@ struct Options {
 };
 
 void run(const Options& options) {
-  const auto report = import_responses(read_responses(options.file), options.output);
+  install_stop_handler();
+  const auto report = [&] {
+    Progress progress("import", "response sets");
+    return import_responses(read_responses(options.file), options.output, progress.counter(), stop_requested);
+  }();
   for (const auto& note : report.notes) message("note: {}\n", note);
   for (const auto& warning : report.warnings) message("warning: {}\n", warning);
   print_result("{} responses, {} different displacements up to {:.4g} m, forces up to {:.4g} N -> {}, {}\n",

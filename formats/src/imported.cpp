@@ -303,15 +303,21 @@ class RayMaker {
 };
 
 void write(const GivenResponses& given, const std::vector<NodeStates>& nodes, const DatabaseHeader& header,
-           const DisplacementTable& table, const std::filesystem::path& file) {
+           const DisplacementTable& table, const std::filesystem::path& file,
+           const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<void()>& poll) {
+  const auto n_directions = std::ssize(header.directions), n_rays = std::ssize(nodes) * n_directions;
   DatabaseWriter::create(file, header, false);
   try {
     DatabaseWriter writer(file, header, 0);
     RayMaker maker(given, header, table);
     for (std::size_t a = 0; a < nodes.size(); ++a)
-      for (std::size_t k = 0; k < header.directions.size(); ++k)
+      for (std::size_t k = 0; k < header.directions.size(); ++k) {
+        poll();
         writer.append(maker.ray(nodes[a], static_cast<std::int32_t>(a), k));
+        if (progress) progress(static_cast<std::int64_t>(a) * n_directions + static_cast<std::int64_t>(k) + 1, n_rays);
+      }
     writer.close();
+    poll();
     DatabaseWriter::pack(file, header);
   } catch (...) {
     std::error_code code;
@@ -334,7 +340,12 @@ GivenResponses read_responses(const std::filesystem::path& file) {
   }
 }
 
-ImportReport import_responses(GivenResponses given, const std::filesystem::path& file) {
+ImportReport import_responses(GivenResponses given, const std::filesystem::path& file,
+                              const std::function<void(std::int64_t, std::int64_t)>& progress,
+                              const std::function<bool()>& stop) {
+  const auto poll = [&] {
+    if (stop && stop()) throw failure("the import was interrupted", file.string(), "run it again; nothing was written");
+  };
   std::error_code code;
   if (std::filesystem::exists(file, code))
     throw input_error("the database exists and is not overwritten", file.string(),
@@ -348,7 +359,10 @@ ImportReport import_responses(GivenResponses given, const std::filesystem::path&
     hash.add(numbers.data(), static_cast<std::size_t>(numbers.size()) * sizeof *numbers.data());
   };
   add(given.touched), add(given.displacements_m), add(given.forces_N), add(given.energies_J), add(given.output);
-  imported::check_output(given, add);
+  imported::check_output(given, [&](const auto& displacements) {
+    poll();
+    add(displacements);
+  });
 
   const auto directions = exploratory_directions(Directions::twenty_six);
   const DisplacementTable table(nodes, directions);
@@ -358,7 +372,7 @@ ImportReport import_responses(GivenResponses given, const std::filesystem::path&
   hash.add(header.mesh_hash);
   header.physics_hash = hash.hex();
   check_size(header, table.size());
-  write(given, nodes, header, table, file);
+  write(given, nodes, header, table, file, progress, poll);
   return report;
 }
 

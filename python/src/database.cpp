@@ -139,7 +139,11 @@ OpenDatabase from_arrays(const py::object& path, const py::object& points, const
   if (!output_displacements.is_none())
     given.output_displacements =
         rows_of(output_displacements, static_cast<std::size_t>(given.displacements_m.rows()), given.output.size());
-  for (const auto& warning : import_responses(std::move(given), path_of(path)).warnings)
+  const auto ctrl_c = [] {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    return false;
+  };
+  for (const auto& warning : import_responses(std::move(given), path_of(path), {}, ctrl_c).warnings)
     py::module_::import("warnings").attr("warn")(warning);
   return OpenDatabase(path);
 }

@@ -239,6 +239,18 @@ TEST_F(Imports, AreRefusedInWords) {
   EXPECT_EQ(fs::file_size(folder() / "there.h5"), 4U);
 }
 
+TEST_F(Imports, AnInterruptionWritesNothing) {
+  std::int64_t written = 0;
+  EXPECT_THROW(import_responses(
+                   springs(), folder() / "d.h5", [&](std::int64_t done, std::int64_t) { written = done; },
+                   [&] { return written == 20; }),
+               Error);
+  EXPECT_EQ(written, 20);
+  EXPECT_TRUE(fs::is_empty(folder()));
+  import_responses(springs(), folder() / "d.h5", [&](std::int64_t done, std::int64_t all) { written = all - done; });
+  EXPECT_EQ(written, 0);
+}
+
 // The noise of 3 % makes a curl that is larger than its error by chance only, and no more than one part in ten.
 TEST_F(Imports, NoiseIsNoPath) {
   auto given = springs(100);

@@ -42,7 +42,11 @@ GivenResponses read_responses(const std::filesystem::path& file);
 
 /// Checks all numbers and writes a finished database. Nothing of the size of the output displacements is held in
 /// memory.
+/// @param progress  called with the written and all response sets
+/// @param stop      polled; true ends with a failure, and nothing is written
 /// @throws Error (input) for what formats/imported.md lists; (failure) if it cannot be written
-ImportReport import_responses(GivenResponses given, const std::filesystem::path& database);
+ImportReport import_responses(GivenResponses given, const std::filesystem::path& database,
+                              const std::function<void(std::int64_t, std::int64_t)>& progress = {},
+                              const std::function<bool()>& stop = {});
 
 }  // namespace phynness
