@@ -22,6 +22,14 @@ def doubles(*values):
     return (ctypes.c_double * len(values))(*values)
 
 
+class Provenance(ctypes.Structure):
+    _fields_ = (
+        [(name, ctypes.c_char_p) for name in ("mesh_hash", "physics_hash", "element", "reference")]
+        + [(name, ctypes.c_double) for name in ("shear_modulus_Pa", "finer_mean", "finer_p95", "finer_tool_radius_m")]
+        + [(name, ctypes.c_int32) for name in ("finer_probes", "finer_nodes", "element_revision", "reserved")]
+    )
+
+
 class Info(ctypes.Structure):
     _fields_ = (
         [(name, ctypes.c_char_p) for name in ("family", "title", "mesh_hash")]
@@ -32,6 +40,7 @@ class Info(ctypes.Structure):
         + [(name, ctypes.c_char_p * 8) for name in ("field_names", "field_units")]
         + [(name, ctypes.c_int32) for name in ("n_nodes", "n_active", "n_output", "n_fixed", "n_triangles", "n_fields",
                                                "n_levels", "has_energy", "precision_bits")]
+        + [("provenance", Provenance)]
     )
 
 
@@ -58,6 +67,7 @@ info = Info()
 assert function("model_info")(model, ctypes.byref(info)) == 0
 assert info.family == b"linear" and info.n_active == 4 and info.has_energy == 1 and info.n_levels == 1
 assert info.precision_bits == (32 if prefix == "phnf_" else 64)
+assert info.provenance.mesh_hash == info.mesh_hash and len(info.provenance.physics_hash) == 16
 assert len(info.mesh_hash) == 16 and b"title " + info.title + b"\n" in text
 
 d, force, energy, stiffness = doubles(0.001, -0.002, 0.003), doubles(0, 0, 0), ctypes.c_double(), doubles(*[0] * 9)
