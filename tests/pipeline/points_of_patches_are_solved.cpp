@@ -74,14 +74,15 @@ TEST_F(PointsOfPatches, MayOverlap) {
     const auto tools = json("both.json").at("tools");
     answers.push_back({tools.at(0).at("force").at(2), tools.at(1).at("force").at(2)});
   }
-  // Both are between nodes, where the model's tools are wider than the solver's; measured: 13 % at most.
-  for (int t = 0; t < 2; ++t) EXPECT_NEAR(answers[1][t], answers[0][t], 0.2 * std::abs(answers[0][t]));
+  // Both are between nodes. The second force is a small difference of what both tools do alone, so that errors are those
+  // over the larger force; measured: 4 % at most.
+  for (int t = 0; t < 2; ++t) EXPECT_NEAR(answers[1][t], answers[0][t], 0.1 * std::abs(answers[0][0]));
   const auto same = be_refused("solve out/database.h5" + first + first);
   expect_error(same.err, {"same place"});
 }
 
 TEST_F(PointsOfPatches, APartThatCannotBeDoneCostsNoOther) {
-  auto scene = patch_scene();  // two active nodes: no triangle has three, and both are in both patches
+  auto scene = patch_scene();  // two active nodes: no triangle has three
   const auto active = scene.find("active = {");
   scene.replace(active, scene.find("[probe]") - active,
                 "active = [{ nearest = { point_fraction = [0.4, 0.4, 1.0] }, surface_only = true },\n"
@@ -96,7 +97,7 @@ TEST_F(PointsOfPatches, APartThatCannotBeDoneCostsNoOther) {
   const auto all = json("v.json");
   EXPECT_GT(all.at("inside").at("force").at("n").get<int>(), 0);
   EXPECT_FALSE(all.at("points").at("not_done").get<std::string>().empty());
-  EXPECT_FALSE(all.at("pairs").at("not_done").get<std::string>().empty());
+  EXPECT_EQ(all.at("pairs").at("finished"), 2);
   EXPECT_NE(read_file(folder / "r.html").find("--points"), std::string::npos);
 }
 
