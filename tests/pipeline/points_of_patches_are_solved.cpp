@@ -74,8 +74,8 @@ TEST_F(PointsOfPatches, MayOverlap) {
     const auto tools = json("both.json").at("tools");
     answers.push_back({tools.at(0).at("force").at(2), tools.at(1).at("force").at(2)});
   }
-  // Both are between nodes. The second force is a small difference of what both tools do alone, so that errors are those
-  // over the larger force; measured: 4 % at most.
+  // Both are between nodes. The second force is a small difference of what both tools do alone, so that errors are
+  // those over the larger force; measured: 4 % at most.
   for (int t = 0; t < 2; ++t) EXPECT_NEAR(answers[1][t], answers[0][t], 0.1 * std::abs(answers[0][0]));
   const auto same = be_refused("solve out/database.h5" + first + first);
   expect_error(same.err, {"same place"});
@@ -97,7 +97,8 @@ TEST_F(PointsOfPatches, APartThatCannotBeDoneCostsNoOther) {
   const auto all = json("v.json");
   EXPECT_GT(all.at("inside").at("force").at("n").get<int>(), 0);
   EXPECT_FALSE(all.at("points").at("not_done").get<std::string>().empty());
-  EXPECT_EQ(all.at("pairs").at("finished"), 2);
+  // Both tools press the whole top: no finite element solve holds them apart, which is counted.
+  EXPECT_EQ(all.at("pairs").at("failed"), all.at("pairs").at("finished"));
   EXPECT_NE(read_file(folder / "r.html").find("--points"), std::string::npos);
 }
 
