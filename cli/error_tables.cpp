@@ -125,12 +125,11 @@ void print_pairs(const PairReport& report) {
       "trained range\n",
       report.finished, 1e3 * report.depth_m, report.failed, report.unsettled, report.outside);
   const double far_mm = 1e3 * report.far_m;
-  print_result("{:<24} | {:^24} | {:^13} | {:^12} | {:^12} | {:^12}\n", "two tools, error in %",
+  print_result("{:<24} | {:^24} | {:^13} | {:^12} | {:^12}\n", "two tools, error in %",
                fmt::format("all, {}", report.all.pairs), fmt::format("unflagged, {}", report.unflagged.pairs),
-               fmt::format("to {:.0f} mm, {}", far_mm, report.near.pairs), fmt::format("beyond, {}", report.far.pairs),
-               fmt::format("alone, {}", report.right.pairs));
+               fmt::format("to {:.0f} mm, {}", far_mm, report.near.pairs), fmt::format("beyond, {}", report.far.pairs));
   print_result("{:<24} | {:>5} {:>6} {:>5} {:>5} | {:>6} {:>6}", "", "mean", "median", "p95", "max", "mean", "p95");
-  for (int i = 0; i < 3; ++i) print_result(" | {:>5} {:>6}", "mean", "median");
+  for (int i = 0; i < 2; ++i) print_result(" | {:>5} {:>6}", "mean", "median");
   print_result("\n");
   for (std::size_t i = 0; i < titled(PairStatistics{}).size(); ++i) {
     const auto measure = [i](const PairGroup& group, PairPredictor p) { return titled(group.of(p))[i].second; };
@@ -147,7 +146,7 @@ void print_pairs(const PairReport& report) {
       const auto quiet = measure(report.unflagged, p);
       print_result(" | {:>6} {:>6}", quiet.n > 0 ? in_percent(quiet.mean) : "-",
                    quiet.n > 0 ? in_percent(quiet.p95) : "-");
-      for (const auto* group : {&report.near, &report.far, &report.right}) {
+      for (const auto* group : {&report.near, &report.far}) {
         const auto s = measure(*group, p);
         if (s.n == 0)
           print_result(" | {:>5} {:>6}", "-", "-");
@@ -162,11 +161,8 @@ void print_pairs(const PairReport& report) {
     print_result("not reached by the finite elements: {}\n", why);
   const auto& alone = report.single_force;
   if (alone.n > 0)
-    print_result(
-        "alone: pairs in which the force of each single tool has an error below {:.0f} %; larger error of the two "
-        "single "
-        "tools: mean {}, median {}, max {} %\n",
-        1e2 * right_alone, in_percent(alone.mean), in_percent(alone.median), in_percent(alone.max));
+    print_result("larger force error of the two tools alone: mean {}, median {}, max {} %\n", in_percent(alone.mean),
+                 in_percent(alone.median), in_percent(alone.max));
   print_result("largest distance of a tool from its point in the field: {:.1e} m; {}\n", report.largest_residual_m,
                duration(report.seconds));
 }
