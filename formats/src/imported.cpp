@@ -18,7 +18,6 @@
 namespace phynness {
 namespace {
 
-using imported::brief;
 using imported::NodeStates;
 using imported::State;
 
