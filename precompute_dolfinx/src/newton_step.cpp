@@ -15,6 +15,9 @@ constexpr double cheap_step_worth = 0.5;
 // Assembly and factorization of a tangent cost about as much as seven steps with old factors (Case 3: P1 6, p1-p1 7,
 // quadratic elements 10).
 constexpr double price_of_a_tangent = 7;
+// A full step that reduces the residual by this factor, from a stable state in a solve without instability, is accepted
+// without the merit function, for which the pressure block would be factorized.
+constexpr double good_newton_step = 0.1;
 // The usual constant of Armijo's rule, which accepts any significant decrease.
 constexpr double decrease = 1e-4;
 
@@ -77,6 +80,11 @@ class Step {
         s.linear_failed = true;
         return -1;
       }
+    }
+    const bool calm = !s.convex && !s.met_instability && !s.pressures.empty();
+    if (calm && try_length(s, 1) && _after <= good_newton_step * _before) {
+      s.refresh = wants_tangent(s);
+      return 1;
     }
     look_at_pressures(s);
     // The negative derivative of the merit function along the step, whose pressures aim at r_p = 0.
