@@ -129,7 +129,7 @@ CoupledCoverage left_out(const Samples& samples, double coverage, double range_m
   }
   return {rays_of(samples), coverage_if(errors, range_m, [](bool between) { return !between; }),
           coverage_if(errors, range_m, [](bool between) { return between; }),
-          coverage_if(errors, range_m, [](bool) { return true; })};
+          coverage_if(errors, range_m, [](bool) { return true; }), 0};
 }
 
 }  // namespace
