@@ -201,18 +201,17 @@ TEST_F(Calibrate, KilledCalibrationGoesOn) {
 
 TEST_F(Calibrate, FlaggedPairsAreDrawnAgain) {
   auto scene = small_scene("P1", 2);
-  const auto active = scene.find("active = [");
-  scene.replace(active, scene.find("[probe]") - active, "active = \"free-surface\"\n");
+  scene.replace(scene.find("directions"), 0, "kind = \"patch\"\ntool_radius_m = 0.05\n");  // the tools overlap
   scene.replace(scene.find("0.008"), 5, "0.016");
   write_file(folder / "scene.toml", scene);
-  succeed("precompute scene.toml -o many.h5");
-  succeed("train scene.toml many.h5 -o many --family modal --force-centers 8");
-  const auto done = succeed("calibrate many many.h5 -o b --rays 100 --json c.json");
-  const auto c = json("c.json");
-  // Half of the states and more are flagged, so that a third of 30 rays would not have the 20 that a bound needs.
-  EXPECT_GT(c.at("two").at("flagged").get<double>(), 0.5);
-  EXPECT_LT(c.at("two").at("flagged").get<double>(), 1);
-  EXPECT_GE(c.at("two").at("rays"), 25);  // finite elements do not solve all
+  succeed("precompute scene.toml -o two.h5");
+  succeed("train scene.toml two.h5 -o two --family modal --force-centers 8");
+  const auto done = succeed("calibrate two two.h5 -o b --rays 100 --json c.json");
+  const auto pairs = json("c.json").at("two");
+  // Without it at most three of ten rays would have an unflagged state: 9 of 30, where a bound needs 20.
+  EXPECT_GT(pairs.at("flagged").get<double>(), 0.7);
+  EXPECT_LT(pairs.at("flagged").get<double>(), 1);
+  EXPECT_GE(pairs.at("rays"), 25);  // finite elements do not solve all
   expect_names(unbroken(done.out), {"of the states drawn are flagged and have none"});
 }
 

@@ -12,9 +12,9 @@
 #include <set>
 
 #include "coupled_states.hpp"
+#include "kept_rays.hpp"
 #include "packed.hpp"
 #include "shared_work.hpp"
-#include "kept_rays.hpp"
 
 namespace phynness {
 namespace {
@@ -134,8 +134,8 @@ double median_bound(std::vector<BoundedError> errors) {
 
 }  // namespace
 
-double calibration_increments(std::int64_t rays) {
-  return static_cast<double>(states_per_ray) * static_cast<double>(rays + 2 * coupled_rays_per_kind(rays));
+double calibration_increments(std::int64_t rays, int coupled_kinds) {
+  return static_cast<double>(states_per_ray) * static_cast<double>(rays + coupled_kinds * coupled_rays_per_kind(rays));
 }
 
 Model calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, const BoundSpec& spec,

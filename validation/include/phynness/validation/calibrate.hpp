@@ -38,8 +38,8 @@ struct BoundReport {
                    planned_coupled_rays, taken_rays, between, two, seconds)
 };
 
-/// Increments that a calibration with so many rays solves, those of coupled tools included.
-double calibration_increments(std::int64_t rays);
+/// Increments that a calibration with so many rays solves, with those of 0, 1 or 2 kinds of coupled tools.
+double calibration_increments(std::int64_t rays, int coupled_kinds);
 
 /// Solves random rays of the body and calibrates bounds. Collective; only rank 0 gets a result.
 /// @param progress  receives the finished nodes and rays of coupled tools, and their number
