@@ -12,13 +12,6 @@
 
 namespace phynness {
 
-const TradeRow* TradeReport::cheapest(double error) const {
-  const TradeRow* best = nullptr;
-  for (const auto& row : rows)
-    if (row.probes > 0 && row.mean <= error && (best == nullptr || row.core_hours() < best->core_hours())) best = &row;
-  return best;
-}
-
 namespace {
 
 /// A displacement of the tool at a point of space.
