@@ -164,6 +164,11 @@ TEST_F(Calibrate, TakesWhatIsSolved) {
   EXPECT_EQ(json("c.json").at("taken_rays"), all);
   EXPECT_EQ(lines(), all);
   EXPECT_FALSE(std::filesystem::exists(folder / "d.h5.calibration.rank-7"));
+  // Nor does one without a force.
+  auto text = read_file(kept);
+  write_file(kept, text.insert(text.find(" .\n"), " nan"));
+  succeed("calibrate m d.h5 -o again --rays 200 --json c.json");
+  EXPECT_EQ(json("c.json").at("taken_rays"), all - 1);
   std::filesystem::remove(kept);
   succeed("calibrate m d.h5 -o anew --rays 200 --json c.json");
   EXPECT_EQ(json("c.json").at("taken_rays"), 0);

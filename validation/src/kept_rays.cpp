@@ -2,7 +2,9 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/hash.hpp>
 #include <phynness/formats/text_file.hpp>
@@ -64,6 +66,21 @@ void read_rays(const fs::path& file, const std::string& begin, std::map<std::str
       rays.insert_or_assign(line.substr(0, at), line.substr(at, line.size() - at));
 }
 
+/// Empty unless these are finite forces of whole states of the ray.
+std::optional<std::vector<Vec3>> forces_of(const std::string& text, const ToolRay& ray) {
+  std::istringstream words(text.substr(std::string(separator).size()));
+  std::vector<double> values;
+  for (std::string word; words >> word && word != ".";) {
+    const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), values.emplace_back());
+    if (code != std::errc{} || end != word.data() + word.size() || !std::isfinite(values.back())) return {};
+  }
+  const auto n = 3 * ray.tools.size();
+  if (values.size() % n != 0 || values.size() > n * ray.parts.size()) return {};
+  std::vector<Vec3> forces(values.size() / 3);
+  for (std::size_t i = 0; i < values.size(); ++i) forces[i / 3][i % 3] = values[i];
+  return forces;
+}
+
 std::vector<fs::path> parts_of(const fs::path& file) {
   std::vector<fs::path> parts;
   const auto folder = fs::absolute(file).parent_path();
@@ -85,7 +102,7 @@ std::vector<phn_tool> tools_at(const ToolRay& ray, double part) {
 }
 
 KeptRays::KeptRays(const SolverSession& session, const DatabaseHeader& header, const fs::path& file,
-                       std::function<bool()> stop)
+                   std::function<bool()> stop)
     : _session(session),
       _file(file),
       _begin(fmt::format("{}mesh {} body {}\n", begin_of_calibration, header.mesh_hash, hash_of_body(header))),
@@ -126,15 +143,11 @@ void KeptRays::close() {
 
 std::vector<Vec3> KeptRays::forces(const ToolRay& ray) {
   const auto key = text_of(ray);
-  if (const auto found = _known.find(key); found != _known.end()) {
-    std::istringstream numbers(found->second.substr(std::string(separator).size()));
-    std::vector<double> values;
-    for (std::string word; numbers >> word && word != ".";) values.push_back(std::strtod(word.c_str(), nullptr));
-    std::vector<Vec3> forces(values.size() / 3);
-    for (std::size_t i = 0; i < 3 * forces.size(); ++i) forces[i / 3][i % 3] = values[i];
-    ++_taken;
-    return forces;
-  }
+  if (const auto found = _known.find(key); found != _known.end())
+    if (const auto forces = forces_of(found->second, ray)) {
+      ++_taken;
+      return *forces;
+    }
   const auto forces = solve(ray);
   if (_file.empty()) return forces;
   std::string text = key + separator;
