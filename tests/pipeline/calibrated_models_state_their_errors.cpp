@@ -213,7 +213,7 @@ TEST_F(Calibrate, FlaggedPairsAreDrawnAgain) {
   succeed("train scene.toml two.h5 -o two --family modal --force-centers 8");
   const auto done = succeed("calibrate two two.h5 -o b --rays 100 --json c.json");
   const auto pairs = json("c.json").at("two");
-  // Without it at most three of ten rays would have an unflagged state: 9 of 30, where a bound needs 20.
+  // Of the rays drawn once, 6 of 30 have an unflagged state, where a bound needs 20.
   EXPECT_GT(pairs.at("flagged").get<double>(), 0.7);
   EXPECT_LT(pairs.at("flagged").get<double>(), 1);
   EXPECT_GE(pairs.at("rays"), 25);  // finite elements do not solve all
