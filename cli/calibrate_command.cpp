@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <phynness/validation/calibrate.hpp>
 #include <phynness/validation/force_unit.hpp>
 #include <phynness/validation/sizes.hpp>
@@ -31,15 +33,19 @@ void print(const BoundReport& report, const Options& options) {
       unit.per_N * report.median_bound_N, unit.name, 100 * c.all, report.all_nodes ? "rays" : "nodes");
   print_result("{} random rays at {} nodes, {} states inside the trained range, {} rays ended early; {}\n", report.rays,
                report.nodes, report.states, report.failed_rays, duration(report.seconds));
+  if (report.taken_rays > 0)
+    print_result("{} of all rays are taken from {}, the others are added to it\n", report.taken_rays,
+                 calibration_file(options.database).string());
   if (options.details) print_coverage(c);
   for (const auto& [name, kind] : {std::pair{"one tool between nodes", report.between}, {"two tools", report.two}}) {
+    const auto flagged = fmt::format("{:.0f} % of the states drawn are flagged and have none", 100 * kind.flagged);
     if (kind.all.states == 0) {
       if (report.planned_coupled_rays > 0)
-        print_result("{}: no bound, because only {} of their rays were solved\n", name, kind.rays);
+        print_result("{}: no bound, because only {} of their rays were solved; {}\n", name, kind.rays, flagged);
       continue;
     }
-    print_result("{}: {:.1f} % of {} errors of rays left out are below their bound\n", name, 100 * kind.all.all,
-                 kind.all.states);
+    print_result("{}: {:.1f} % of {} errors of rays left out are below their bound; {}\n", name, 100 * kind.all.all,
+                 kind.all.states, flagged);
     if (options.details) print_coverage(kind.all);
   }
   print_result("model with bounds -> {}\n", options.output.string());
@@ -73,6 +79,17 @@ void run(const Options& given) {
     spec.rays = options.rays.value_or(sizes_of_checks(scene, database->header(), true).calibration_rays);
   });
   spec.seed = static_cast<std::uint64_t>(options.seed);
+  spec.file = calibration_file(options.database);
+  session.together([&] {
+    check_own_text("DATABASE", spec.file, begin_of_calibration);
+    declare_output("DATABASE", spec.file);
+  });
+  const auto folder = std::filesystem::absolute(spec.file).parent_path();
+  if (session.sum(::access(folder.c_str(), W_OK | X_OK) == 0 ? 0 : 1) > 0) {
+    if (session.rank() == 0)
+      message("note: {} is not writable, and no later calibration can use what is solved\n", folder.string());
+    spec.file.clear();
+  }
   const Model bounded =
       calibrate(session, *database, *model, spec, Progress("calibrate", "places").counter(), stop_requested, report);
   session.together([&] {
@@ -85,7 +102,7 @@ void run(const Options& given) {
           "calibrate was interrupted; the bounds are those of the finished nodes, and hold, but are less exact",
           fmt::format("{} of {} nodes, {} of {} rays of coupled tools", report.nodes, report.planned_nodes,
                       report.coupled_rays, report.planned_coupled_rays),
-          "run it again for all of them");
+          "run it again for all of them: what is solved is kept");
   });
 }
 

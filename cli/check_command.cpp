@@ -16,7 +16,7 @@ struct Options {
   std::filesystem::path scene;
   bool trade = false;
   std::optional<double> seconds;
-  std::optional<std::string> max_error;
+  std::optional<std::string> max_error, max_time;
   DiscretizationOptions check;
   std::string reference = "both";
   OptionalPath json_file, model;
@@ -243,13 +243,30 @@ void print_trade(const Scene& scene, const TradeReport& report, const std::vecto
       chosen != nullptr ? "; > chosen" : "", duration(report.seconds));
 }
 
+/// Of the rows within both limits the one whose database needs the least time; without a limit of the error the one
+/// with the least error. @return null: there is none
+const TradeRow* choose(const TradeReport& report, const std::vector<ModelCost>& costs, std::optional<double> error,
+                       std::optional<double> deformation_us) {
+  const TradeRow* best = nullptr;
+  const auto worth = [&](const TradeRow& row) { return error ? row.core_hours() : row.mean; };
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    const auto& row = report.rows[i];
+    const bool within = row.probes > 0 && !(row.mean > error.value_or(row.mean)) &&
+                        costs[i].deformation_us <= deformation_us.value_or(costs[i].deformation_us);
+    if (within && (best == nullptr || worth(row) < worth(*best))) best = &row;
+  }
+  return best;
+}
+
 void run_trade(const Options& options, const LoadedScene& loaded) {
-  const auto limit = limit_of(options.max_error, "--max-error", {{"%", 0.01}, {"", 1}}, "5%");
+  const auto error = limit_of(options.max_error, "--max-error", {{"%", 0.01}, {"", 1}}, "5%");
+  const auto time_us = limit_of(options.max_time, "--max-time", {{"us", 1}, {"ms", 1e3}, {"s", 1e6}}, "20us");
   const auto report = compare_discretizations(loaded.scene, loaded.mesh, loaded.sets, options.check,
                                               Progress("check", "rays").counter(), stop_requested);
-  const TradeRow* chosen = limit ? report.cheapest(*limit) : nullptr;
   std::vector<ModelCost> costs;
   for (const auto& row : report.rows) costs.push_back(model_cost(row));
+  const bool limited = error || time_us;
+  const TradeRow* chosen = limited ? choose(report, costs, error, time_us) : nullptr;
   print_trade(loaded.scene, report, costs, chosen);
   if (chosen != nullptr) print_result("> {}\n", lines_of(*chosen));
   json out = figures(report);
@@ -262,9 +279,11 @@ void run_trade(const Options& options, const LoadedScene& loaded) {
         fmt::format("{} of {} rows", std::ranges::count_if(report.rows, [](const auto& row) { return row.probes > 0; }),
                     report.rows.size()),
         "run it again");
-  if (limit && chosen == nullptr)
-    throw failure("no element and mesh of the table meets the limit", "--max-error " + *options.max_error,
-                  "use more nodes, or relax the limit");
+  if (limited && chosen == nullptr)
+    throw failure("no element and mesh of the table meets the limits",
+                  (error ? "--max-error " + *options.max_error : "") + (error && time_us ? ", " : "") +
+                      (time_us ? "--max-time " + *options.max_time : ""),
+                  "more nodes have a smaller error, fewer modes or output nodes take less time; or relax the limits");
 }
 
 void run(const Options& given) {
@@ -315,7 +334,11 @@ void add(CLI::App& app) {
           ->excludes(reference);
   command
       .add_option("--max-error", options.max_error,
-                  "with --trade: choose the fastest with at most this mean error, such as 5%")
+                  "with --trade: choose the database of the least time with at most this mean error, such as 5%")
+      ->needs(trade);
+  command
+      .add_option("--max-time", options.max_time,
+                  "with --trade: and whose model needs at most this time for a deformation, such as 20us")
       ->needs(trade);
   add_path(command, "--model", options.model, PathKind::input,
            "model directory of this scene, whose model.txt then holds the distance");

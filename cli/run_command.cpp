@@ -4,6 +4,7 @@
 #include <fstream>
 #include <phynness/pages/pages.hpp>
 #include <phynness/precompute/precompute.hpp>
+#include <phynness/validation/calibrate.hpp>
 #include <phynness/validation/discretization.hpp>
 
 #include "child_process.hpp"
@@ -60,6 +61,7 @@ std::vector<std::pair<const char*, std::string>> texts() {
           {"check.json", "{\n  \"element\": "},
           {"train.json", "{\n  \"family\": "},
           {"calibrate.json", "{\n  \"coverage\": "},
+          {"database.h5.calibration", begin_of_calibration},
           {"validate.json", "{\n  \"probes\": "},
           {"stages.json", begin_of_stages},
           {"organ.html", page.substr(0, page.find("<title>"))}};
@@ -113,11 +115,16 @@ void write_figures(const Options& options) {
   write_json(options.json_file, all);
 }
 
-/// Whether an earlier run of this scene has finished check.json. Training refuses one of another scene.
+/// Whether an earlier run of this scene has finished check.json. Training refuses one of another scene, and one of an
+/// earlier version, which does not say the size of the finer solution.
 bool is_checked(const std::filesystem::path& file, const Scene& scene) {
   std::ifstream in(file);
   auto check = json::parse(in, nullptr, false);
-  return check.is_object() && check["interrupted"] == false && check["physics_hash"] == physics_hash(scene);
+  if (!check.is_object() || check["interrupted"] != false || check["physics_hash"] != physics_hash(scene)) return false;
+  const auto& distance = check["distance"];
+  const bool complete = distance.is_object() && distance.contains("nodes") && distance.contains("solved");
+  if (!complete) message("note: {} is of an earlier version, and the check is made again\n", file.string());
+  return complete;
 }
 
 /// Compares the finite elements with a finer solution, in at most a fifth of the time of all: a quarter of that of the

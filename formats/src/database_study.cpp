@@ -249,7 +249,10 @@ Arrangement arranged(const DatabaseHeader& on_disk, const DatabaseHeader& wanted
   if (reasons.empty()) there.modulus_factor = modulus_factor(stored_scene(on_disk), stored_scene(wanted)).value_or(1);
   if (!reasons.empty())
     throw input_error("no ray of the database " + file.string() + " is one of the scene", reasons,
-                      "solve the scene into a database of its own, without this one");
+                      std::string("solve the scene into a database of its own, without this one") +
+                          (reasons.find("\n  material.") == std::string::npos
+                               ? ""
+                               : "; of a material only a factor that all moduli have in common is accepted"));
   return there;
 }
 

@@ -225,6 +225,16 @@ TEST_F(Check, RefusesATradeThatItCannotMake) {
   const auto missed = phynness("check scene.toml --trade --probes 1 --max-error 0.0001%");
   EXPECT_EQ(missed.exit_status, 1);
   expect_names(missed.err, {"meets the limit", "--max-error 0.0001%"});
+  // No processor adds up a deformation in a tenth of a picosecond.
+  const auto slow = phynness("check scene.toml --trade --probes 1 --max-error 1000% --max-time 0.0000001us");
+  EXPECT_EQ(slow.exit_status, 1);
+  expect_names(slow.err, {"meets the limits", "--max-time 0.0000001us"});
+  // Without a limit of the error the least one is chosen.
+  succeed("check scene.toml --trade --probes 1 --max-time 1000s --json trade.json");
+  const auto all = json("trade.json");
+  const auto& chosen = all.at("rows").at(all.at("chosen").get<std::size_t>());
+  for (const auto& row : all.at("rows"))
+    EXPECT_TRUE(row.at("mean").is_null() || chosen.at("mean") <= row.at("mean")) << row;
   write_file(folder / "scene.toml", changed(scene("p1-p1"), "target_size_m = 0.025", "target_size_m = 0.008"));
   expect_names(be_refused("check scene.toml --trade --seconds 2").err,
                {"the finer solution needs more time", "taylor-hood", "--seconds "});

@@ -12,6 +12,7 @@
 #include <set>
 
 #include "coupled_states.hpp"
+#include "kept_rays.hpp"
 #include "packed.hpp"
 #include "shared_work.hpp"
 
@@ -45,49 +46,49 @@ struct NodeRays {
   std::int64_t rays = 0, failed = 0;
 };
 
-/// Indices of nodes of a model, even over the model and in random order, so that those finished before an early end are
-/// an even sample as well.
+/// Indices of nodes of a model in an order of which every beginning is even over the model: of a larger calibration
+/// those of a smaller one are the first, and those finished before an early end are an even sample as well.
 std::vector<std::size_t> sampled_nodes(std::size_t n_nodes, std::size_t n_active, std::mt19937_64& random) {
-  const double offset = uniform(random), step = static_cast<double>(n_active) / static_cast<double>(n_nodes);
+  const double golden = (std::sqrt(5.0) - 1) / 2;
   std::vector<std::size_t> sample;
-  for (std::size_t i = 0; i < n_nodes; ++i)
-    sample.push_back(static_cast<std::size_t>((static_cast<double>(i) + offset) * step));
-  for (std::size_t left = n_nodes; left > 1; --left)
-    std::swap(sample[left - 1], sample[static_cast<std::size_t>(uniform(random) * static_cast<double>(left))]);
+  std::vector<char> is_in(n_active);
+  for (double at = uniform(random); sample.size() < n_nodes; at = std::fmod(at + golden, 1)) {
+    const auto i = static_cast<std::size_t>(at * static_cast<double>(n_active));
+    if (!is_in[i]) sample.push_back(i);
+    is_in[i] = 1;
+  }
   return sample;
 }
 
-void solve_ray(ProbeSolver& solver, const LoadedModel& model, std::size_t index, std::mt19937_64& random,
-               NodeRays& out) {
-  const std::int32_t node = model.model().nodes[index].node;
+/// Draws the next ray of a node. @return without parts if none of its depths is inside the trained range
+ToolRay draw_ray(const LoadedModel& model, std::int32_t node, std::mt19937_64& random) {
   const double largest = model.model().max_displacement_m;
   const Vec3 e = trained_direction(model, node, random);
-  std::vector<double> depths;
+  const double trained = model.trained_depth(node, e);
+  ToolRay ray{{{{node, -1, -1}, {1, 0, 0}, {largest * e[0], largest * e[1], largest * e[2]}}}, {}};
   for (std::size_t i = 0; i < states_per_ray; ++i) {
-    const double depth = (1 - uniform(random)) * largest;
-    const Vec3 d{depth * e[0], depth * e[1], depth * e[2]};
-    if (depth <= model.trained_depth(node, d)) depths.push_back(depth);
+    const double part = 1 - uniform(random);
+    if (part * largest <= trained) ray.parts.push_back(part);
   }
-  std::sort(depths.begin(), depths.end());
-  if (depths.empty()) return;
-  try {
-    solver.follow({e}, depths, false, [&](std::size_t i, const Response& response) {
-      if (response.status != Status::converged) {
-        ++out.failed;
-        return false;
-      }
-      const Vec3 said = model.force(node, {depths[i] * e[0], depths[i] * e[1], depths[i] * e[2]});
-      const Vec3& truth = response.force_N.at(0);
-      const double error = std::hypot(said[0] - truth[0], said[1] - truth[1], said[2] - truth[2]);
-      const double size = std::hypot(truth[0], truth[1], truth[2]);
-      for (const double x : {static_cast<double>(index), e[0], e[1], e[2], depths[i], error, size})
-        out.states.push_back(x);
-      return true;
-    });
-  } catch (const Error&) {
-    ++out.failed;
-    solver.recover();
+  std::sort(ray.parts.begin(), ray.parts.end());
+  return ray;
+}
+
+void add_states(const LoadedModel& model, std::size_t index, const ToolRay& ray, const std::vector<Vec3>& forces,
+                NodeRays& out) {
+  const double largest = model.model().max_displacement_m;
+  Vec3 e{};
+  for (std::size_t k = 0; k < 3; ++k) e[k] = ray.tools[0].displacement[k] / largest;
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const auto d = tools_at(ray, ray.parts[i])[0].displacement;
+    const Vec3 said = model.force(ray.tools[0].nodes[0], {d[0], d[1], d[2]});
+    const Vec3& truth = forces[i];
+    const double error = std::hypot(said[0] - truth[0], said[1] - truth[1], said[2] - truth[2]);
+    const double size = std::hypot(truth[0], truth[1], truth[2]);
+    for (const double x : {static_cast<double>(index), e[0], e[1], e[2], largest * ray.parts[i], error, size})
+      out.states.push_back(x);
   }
+  out.failed += forces.size() < ray.parts.size();
 }
 
 std::vector<BoundState> states_of(const std::vector<double>& numbers) {
@@ -133,8 +134,8 @@ double median_bound(std::vector<BoundedError> errors) {
 
 }  // namespace
 
-double calibration_increments(std::int64_t rays) {
-  return static_cast<double>(states_per_ray) * static_cast<double>(rays + 2 * coupled_rays_per_kind(rays));
+double calibration_increments(std::int64_t rays, int coupled_kinds) {
+  return static_cast<double>(states_per_ray) * static_cast<double>(rays + coupled_kinds * coupled_rays_per_kind(rays));
 }
 
 Model calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, const BoundSpec& spec,
@@ -143,18 +144,16 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
   const auto begin = std::chrono::steady_clock::now();
   const auto& header = database.header();
   BoundPredictors predictors;
-  session.together([&] { predictors = bound_predictors(model.model(), database); });
+  session.together([&] {
+    predictors = bound_predictors(model.model(), database);
+    require_scene(header);
+  });
   const std::size_t n_active = model.model().nodes.size();
   const auto n_rays = static_cast<std::size_t>(spec.rays);
   const std::size_t n_nodes = std::min(n_active, std::max(fewest_nodes, n_rays / rays_per_node));
   std::mt19937_64 random(spec.seed);
   const auto sample = sampled_nodes(n_nodes, n_active, random);
-  std::optional<ProbeSolver> solver;
-  session.together([&] {
-    require_scene(header);
-    solver.emplace(stored_scene(header), header.mesh, header.sets);
-    solver->set_stop(stop);
-  });
+  KeptRays rays(session, header, spec.file, stop);
   const CoupledRays coupled(model, stored_scene(header).probe);
   const std::int64_t per_kind = coupled_rays_per_kind(spec.rays);
   std::vector<std::pair<std::int32_t, std::int32_t>> coupled_rays;  // number of the ray, and of tools
@@ -169,27 +168,44 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     };
   };
   NodeRays solved;
-  const auto finished = share_out(session, static_cast<std::int64_t>(n_nodes), counted(0), stop, [&](std::size_t i) {
-    // The rays of a node do not depend on the number of ranks.
-    std::mt19937_64 of_node(spec.seed * 1000003 + sample[i]);
-    solver->touch({model.model().nodes[sample[i]].node});
-    NodeRays of_this;
-    of_this.rays = static_cast<std::int64_t>(n_rays * (i + 1) / n_nodes - n_rays * i / n_nodes);
-    for (std::int64_t ray = 0; ray < of_this.rays; ++ray) solve_ray(*solver, model, sample[i], of_node, of_this);
-    solved.states.insert(solved.states.end(), of_this.states.begin(), of_this.states.end());
-    solved.rays += of_this.rays;
-    solved.failed += of_this.failed;
-  });
+  std::array<DrawnStates, 2> drawn;
   std::vector<double> coupled_rows;
+  std::int64_t finished = 0, finished_rays = 0;
+  session.together([&] {
+    finished = share_out(session, static_cast<std::int64_t>(n_nodes), counted(0), stop, [&](std::size_t i) {
+      // The rays of a node do not depend on the number of ranks, nor on how many follow.
+      std::mt19937_64 of_node(spec.seed * 1000003 + sample[i]);
+      NodeRays of_this;
+      of_this.rays = static_cast<std::int64_t>(n_rays / n_nodes + (i < n_rays % n_nodes));
+      for (std::int64_t ray = 0; ray < of_this.rays; ++ray) {
+        const auto next = draw_ray(model, model.model().nodes[sample[i]].node, of_node);
+        if (!next.parts.empty()) add_states(model, sample[i], next, rays.forces(next), of_this);
+      }
+      solved.states.insert(solved.states.end(), of_this.states.begin(), of_this.states.end());
+      solved.rays += of_this.rays;
+      solved.failed += of_this.failed;
+    });
+  });
   const bool go_on = session.sum(stop && stop() ? 1 : 0) == 0;
-  const auto finished_rays =
-      share_out(session, go_on ? report.planned_coupled_rays : 0, counted(static_cast<std::int64_t>(n_nodes)), stop,
-                [&](std::size_t i) {
-                  std::mt19937_64 of_ray(spec.seed * 1000003 + n_active + i);
-                  std::vector<CoupledState> states;
-                  coupled.solve(*solver, of_ray, coupled_rays[i].first, coupled_rays[i].second, states);
-                  for (const auto& state : states) pack(coupled_rows, state);
-                });
+  session.together([&] {
+    finished_rays = share_out(session, go_on ? report.planned_coupled_rays : 0,
+                              counted(static_cast<std::int64_t>(n_nodes)), stop, [&](std::size_t i) {
+                                const auto [number, n_tools] = coupled_rays[i];
+                                std::mt19937_64 of_ray(spec.seed * 1000003 + n_active + i);
+                                const auto ray =
+                                    coupled.draw(of_ray, number, n_tools, drawn[static_cast<std::size_t>(n_tools - 1)]);
+                                if (ray.parts.empty()) return;
+                                const auto forces = rays.forces(ray);
+                                const auto n = static_cast<std::size_t>(n_tools);
+                                for (std::size_t at = 0; at < forces.size(); at += n) {
+                                  CoupledState state{number, n_tools, {}, {}};
+                                  std::ranges::copy(tools_at(ray, ray.parts[at / n]), state.tools.begin());
+                                  std::copy_n(&forces[at], n, state.force_N.begin());
+                                  pack(coupled_rows, state);
+                                }
+                              });
+  });
+  rays.close();
   const auto total = [&](std::int64_t of_rank) {
     return static_cast<std::int64_t>(session.sum(static_cast<double>(of_rank)));
   };
@@ -198,6 +214,12 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
   report.rays = total(solved.rays);
   report.failed_rays = total(solved.failed);
   report.coupled_rays = total(finished_rays);
+  report.taken_rays = total(rays.taken());
+  std::array<double, 2> flagged{};
+  for (std::size_t kind = 0; kind < 2; ++kind) {
+    const double all = session.sum(drawn[kind].all), left_out_states = session.sum(drawn[kind].flagged);
+    flagged[kind] = all > 0 ? left_out_states / all : 0;
+  }
   const auto states = states_of(session.gather(solved.states));
   auto coupled_states = unpacked<CoupledState>(session.gather(coupled_rows));
   std::ranges::stable_sort(coupled_states, {}, [](const auto& s) { return std::pair{s.ray, s.n_tools}; });
@@ -215,6 +237,8 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     const auto coverages = add_coupled_bounds(bounded, model.mesh(), coupled_states);
     report.between = coverages[0];
     report.two = coverages[1];
+    report.between.flagged = flagged[0];
+    report.two.flagged = flagged[1];
     report.median_bound_N =
         median_bound(bounded_errors(LoadedModel(bounded, model.mesh(), "model"), predictors, states));
   });

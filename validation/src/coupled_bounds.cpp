@@ -1,6 +1,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <phynness/validation/coupled_bounds.hpp>
 #include <set>
 
@@ -65,21 +66,28 @@ std::int64_t rays_of(const Samples& samples) {
   return std::ssize(rays);
 }
 
-/// Adds to c_0 what makes the bound hold for the share `coverage`.
-Eigen::Vector4d raised(const Samples& samples, Eigen::Vector4d c, double coverage) {
+/// What must be added to c_0 for the bound to hold for the share `coverage` of those that belong.
+double missing(const Samples& samples, const Eigen::Vector4d& c, double coverage, const auto& belongs) {
+  Samples those;
+  std::ranges::copy_if(samples, std::back_inserter(those), belongs);
+  if (those.empty()) return -std::numeric_limits<double>::infinity();
   std::vector<double> scores;
-  for (const auto& sample : samples) scores.push_back(std::log(std::max(sample.error_N, 1e-300)) - sample.times(c));
+  for (const auto& sample : those) scores.push_back(std::log(std::max(sample.error_N, 1e-300)) - sample.times(c));
   std::sort(scores.begin(), scores.end());
-  const double share = coverage * (1 + 1 / static_cast<double>(rays_of(samples)));
+  const double share = coverage * (1 + 1 / static_cast<double>(rays_of(those)));
   const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(scores.size())));
-  c[0] += scores[std::min(at, scores.size()) - 1];
-  return c;
+  return scores[std::min(at, scores.size()) - 1];
 }
 
-BoundCoverage coverage_of(const Samples& samples, const Eigen::Vector4d& c, double range_m) {
-  std::vector<BoundedError> errors;
-  for (const auto& s : samples) errors.push_back({s.ray, s.depth_m, s.error_N, std::exp(s.times(c)), 1});
-  return coverage_of(errors, range_m);
+/// Adds to c_0 what makes the bound hold for the share `coverage`, and nearly so in each third of the depth.
+Eigen::Vector4d raised(const Samples& samples, Eigen::Vector4d c, double coverage, double range_m) {
+  double more = missing(samples, c, coverage, [](const Sample&) { return true; });
+  for (int third = 0; third < 3; ++third)
+    more = std::max(more, missing(samples, c, coverage - holds_nearly, [&](const Sample& s) {
+                      return std::min(2, static_cast<int>(3 * s.depth_m / range_m)) == third;
+                    }));
+  c[0] += more;
+  return c;
 }
 
 /// Coefficients of the logarithm of a bound that holds for the share `coverage` of samples like these. Of the exponents
@@ -94,15 +102,14 @@ Eigen::Vector4d fit(const Samples& samples, double coverage, double range_m) {
   }
   const Eigen::Vector4d all = terms.completeOrthogonalDecomposition().solve(errors);
   Eigen::Vector4d best = all;
-  double least = -1, width = 0;
+  double least = std::numeric_limits<double>::infinity();
   for (const double exponent : {0.4, 0.6, 0.8, 1.0}) {
-    const Eigen::Vector4d c = raised(samples, exponent * all, coverage);
-    const BoundCoverage now = coverage_of(samples, c, range_m);
-    const double of_thirds = std::min(coverage - holds_nearly, std::ranges::min(now.thirds));
-    if (of_thirds < least || (of_thirds == least && now.width >= width)) continue;
+    const Eigen::Vector4d c = raised(samples, exponent * all, coverage, range_m);
+    double sum = 0;
+    for (const auto& sample : samples) sum += std::exp(sample.times(c));
+    if (sum >= least) continue;
     best = c;
-    least = of_thirds;
-    width = now.width;
+    least = sum;
   }
   return best;
 }
@@ -129,7 +136,7 @@ CoupledCoverage left_out(const Samples& samples, double coverage, double range_m
   }
   return {rays_of(samples), coverage_if(errors, range_m, [](bool between) { return !between; }),
           coverage_if(errors, range_m, [](bool between) { return between; }),
-          coverage_if(errors, range_m, [](bool) { return true; })};
+          coverage_if(errors, range_m, [](bool) { return true; }), 0};
 }
 
 }  // namespace

@@ -9,6 +9,8 @@ namespace phynness {
 namespace {
 
 constexpr std::size_t states_of_ray = 3;
+/// Of a ray. A draw takes less than a thousandth of a solve.
+constexpr int most_draws = 200;
 /// Pairs that are near are no farther from each other than this, in radii of the tool.
 constexpr double near_radii = 2.5;
 
@@ -54,58 +56,55 @@ double CoupledRays::trained_depth(const phn_tool& tool, const Vec3& e) const {
   return depth;
 }
 
-bool CoupledRays::displace(std::mt19937_64& random, phn_tool& tool) const {
+double CoupledRays::displace(std::mt19937_64& random, phn_tool& tool) const {
   for (int attempt = 0; attempt < 1000; ++attempt) {
     const Vec3 e = on_sphere(random);
-    const double depth = trained_depth(tool, e) * (1 - uniform(random));
-    for (std::size_t k = 0; k < 3; ++k) tool.displacement[k] = depth * e[k];
-    if (depth > 0) return true;
+    const double trained = trained_depth(tool, e), part = 1 - uniform(random);
+    for (std::size_t k = 0; k < 3; ++k) tool.displacement[k] = trained * part * e[k];
+    if (trained > 0) return part;
   }
-  return false;
+  return 0;
 }
 
-void CoupledRays::solve(ProbeSolver& solver, std::mt19937_64& random, std::int32_t ray, std::int32_t n_tools,
-                        std::vector<CoupledState>& states) const {
-  std::vector<phn_tool> tools;
-  const bool at_nodes = n_tools > 1 && ray % 2 == 0, near = ray % 3 == 0 && _near_m > 0;
-  for (int attempt = 0; attempt < 1000 && std::ssize(tools) < n_tools; ++attempt) {
+ToolRay CoupledRays::draw_any(std::mt19937_64& random, std::int32_t n_tools, bool at_nodes, bool near) const {
+  ToolRay ray;
+  double deepest = 0;
+  for (int attempt = 0; attempt < 1000 && std::ssize(ray.tools) < n_tools; ++attempt) {
     phn_tool tool = random_tool(random, at_nodes);
-    const double away = tools.empty() ? 1 : (place(tool) - place(tools[0])).norm();
-    const bool fits = away > 0 && (tools.empty() || !near || away < _near_m);
-    if (fits && displace(random, tool)) tools.push_back(tool);
+    const double away = ray.tools.empty() ? 1 : (place(tool) - place(ray.tools[0])).norm();
+    if (!(away > 0 && (ray.tools.empty() || !near || away < _near_m))) continue;
+    const double part = displace(random, tool);
+    deepest = std::max(deepest, part);
+    if (part > 0) ray.tools.push_back(tool);
   }
-  if (std::ssize(tools) < n_tools) return;
-  std::vector<SurfacePoint> points;
-  std::vector<Vec3> d;
-  for (const auto& tool : tools) {
-    SurfacePoint point;
-    for (std::size_t k = 0; k < 3; ++k) {
-      point.nodes[k] = tool.nodes[k] < 0 ? tool.nodes[0] : tool.nodes[k];
-      point.weights[k] = tool.weights[k];
+  // The ray leads to the full depth of one tool, and the parts of it are such that each tool's depth is uniform: the
+  // largest of n uniform numbers is the nth root of one.
+  for (auto& tool : ray.tools)
+    for (double& x : tool.displacement) x /= deepest;
+  for (std::size_t i = 0; i < states_of_ray; ++i) ray.parts.push_back(std::pow(1 - uniform(random), 1.0 / n_tools));
+  std::sort(ray.parts.begin(), ray.parts.end());
+  return ray;
+}
+
+ToolRay CoupledRays::draw(std::mt19937_64& random, std::int32_t number, std::int32_t n_tools,
+                          DrawnStates& drawn) const {
+  const bool at_nodes = n_tools > 1 && number % 2 == 0, near = number % 3 == 0 && _near_m > 0;
+  for (int attempt = 0; attempt < most_draws; ++attempt) {
+    ToolRay ray = draw_any(random, n_tools, at_nodes, near && attempt < most_draws / 2);
+    if (std::ssize(ray.tools) < n_tools) continue;
+    DrawnStates here{static_cast<double>(ray.parts.size()), 0};
+    try {
+      here.flagged = static_cast<double>(std::erase_if(ray.parts, [&](double part) {
+        return (_model.couple(tools_at(ray, part)).status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED)) != 0;
+      }));
+    } catch (const Error&) {  // of a model of forces only, or a node without output
+      continue;
     }
-    points.push_back(point);
-    d.push_back({tool.displacement[0], tool.displacement[1], tool.displacement[2]});
+    drawn.all += here.all;
+    drawn.flagged += here.flagged;
+    if (!ray.parts.empty()) return ray;
   }
-  std::vector<double> parts;
-  for (std::size_t i = 0; i < states_of_ray; ++i) parts.push_back(1 - uniform(random));
-  std::sort(parts.begin(), parts.end());
-  try {
-    _model.couple(tools);  // refused by a model of forces only
-    solver.touch_points(points);
-    solver.follow(d, parts, false, [&](std::size_t i, const Response& response) {
-      if (response.status != Status::converged) return false;
-      CoupledState state{ray, n_tools, {}, {}};
-      for (std::size_t t = 0; t < tools.size(); ++t) {
-        state.tools[t] = tools[t];
-        for (double& x : state.tools[t].displacement) x *= parts[i];
-        state.force_N[t] = response.force_N.at(t);
-      }
-      states.push_back(state);
-      return true;
-    });
-  } catch (const Error&) {  // also of tools at one place, or if a tangent is not factorized
-    solver.recover();
-  }
+  return {};
 }
 
 }  // namespace phynness

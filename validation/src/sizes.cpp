@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <phynness/formats/probe_points.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/validation/calibrate.hpp>
 #include <phynness/validation/sizes.hpp>
@@ -21,6 +22,24 @@ std::int64_t wanted_rays(const Scene& scene, DatabaseHeader header) {
   return std::count(flags.begin(), flags.end(), char{1});
 }
 
+/// Of two tools, if there are two places, and of one between nodes, if a triangle of the surface is answered.
+int coupled_kinds(const Scene& scene, const DatabaseHeader& header) {
+  const auto& [mesh, sets] = std::tie(header.mesh, header.sets);
+  NodeList known = sets.active;
+  if (scene.probe.kind == ProbeKind::patch && known.size() > 2) {
+    const auto made =
+        probe_coordinates(mesh.nodes, mesh.surface, sets.active, sets.fixed, scene.probe.tool_radius_m).covered;
+    known.insert(known.end(), made.begin(), made.end());
+    std::sort(known.begin(), known.end());
+  }
+  bool between = false;
+  for (const auto& triangle : mesh.surface.rowwise())
+    between = between || std::all_of(triangle.begin(), triangle.end(), [&](std::int32_t node) {
+                return std::binary_search(known.begin(), known.end(), node);
+              });
+  return (sets.active.size() > 1 ? 1 : 0) + (between ? 1 : 0);
+}
+
 std::int64_t between(double least, double value, double most) {
   return static_cast<std::int64_t>(std::floor(std::clamp(value, least, most)));
 }
@@ -32,9 +51,10 @@ CheckSizes sizes_of_checks(const Scene& scene, const DatabaseHeader& header, boo
   const auto& given = scene.validation;
   CheckSizes sizes;
   if (bounded) {
-    const double per_ray = calibration_increments(1000) / 1000;
+    const int kinds = coupled_kinds(scene, header);
+    const double per_ray = calibration_increments(1000, kinds) / 1000;
     sizes.calibration_rays = given.calibration_rays.value_or(between(100, part_of_calibration * half / per_ray, 1000));
-    sizes.calibration_increments = calibration_increments(sizes.calibration_rays);
+    sizes.calibration_increments = calibration_increments(sizes.calibration_rays, kinds);
   }
   const double per_probe = increments_per_probe(scene.probe.increments);
   sizes.probes = given.probes.value_or(between(50, (half - sizes.calibration_increments) / per_probe, 200));

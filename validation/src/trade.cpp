@@ -12,13 +12,6 @@
 
 namespace phynness {
 
-const TradeRow* TradeReport::cheapest(double error) const {
-  const TradeRow* best = nullptr;
-  for (const auto& row : rows)
-    if (row.probes > 0 && row.mean <= error && (best == nullptr || row.core_hours() < best->core_hours())) best = &row;
-  return best;
-}
-
 namespace {
 
 /// A displacement of the tool at a point of space.
@@ -163,7 +156,7 @@ void Trade::compare(TradeRow& row) {
     if (const auto error = both.error(Variant::taylor_hood)) errors.push_back(*error);
   }
   const auto statistics = ErrorStatistics::of(errors);
-  row.probes = row.is_reference ? 0 : statistics.n;
+  row.probes = row.is_reference || !(row.ray_s > 0) ? 0 : statistics.n;  // a row that was interrupted has no time
   row.mean = statistics.mean;
   row.p95 = statistics.p95;
   if (row.probes == 0 && row.left_out.empty() && !row.is_reference && !_report.interrupted)

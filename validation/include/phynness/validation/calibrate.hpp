@@ -1,6 +1,7 @@
 // Calibration of the bounds of the force's error on random rays.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <phynness/formats/described.hpp>
 #include <phynness/precompute/probe_solver.hpp>
@@ -13,7 +14,12 @@ struct BoundSpec {
   std::int64_t rays = 0;
   std::uint64_t seed = 1;
   double coverage = 0.95;
+  std::filesystem::path file;  ///< keeps what is solved (calibration_file); empty: nothing is kept
 };
+
+/// The file beside a database that keeps the rays of its calibrations. While a rank solves, it writes FILE.rank-N.
+std::filesystem::path calibration_file(const std::filesystem::path& database);
+inline constexpr const char* begin_of_calibration = "phynness calibration 1 ";
 
 struct BoundReport {
   std::int64_t rays = 0, failed_rays = 0, states = 0;
@@ -23,16 +29,17 @@ struct BoundReport {
   BoundCoverage left_out;
   double median_bound_N = 0;                                ///< of the states
   std::int64_t coupled_rays = 0, planned_coupled_rays = 0;  ///< of tools between nodes, and of two tools
+  std::int64_t taken_rays = 0;                              ///< of all, which an earlier calibration has solved
   CoupledCoverage between, two;
   double seconds = 0;
 
   bool interrupted() const { return nodes < planned_nodes || coupled_rays < planned_coupled_rays; }
   PHYNNESS_FIGURES(rays, failed_rays, nodes, planned_nodes, all_nodes, states, median_bound_N, left_out, coupled_rays,
-                   planned_coupled_rays, between, two, seconds)
+                   planned_coupled_rays, taken_rays, between, two, seconds)
 };
 
-/// Increments that a calibration with so many rays solves, those of coupled tools included.
-double calibration_increments(std::int64_t rays);
+/// Increments that a calibration with so many rays solves, with those of 0, 1 or 2 kinds of coupled tools.
+double calibration_increments(std::int64_t rays, int coupled_kinds);
 
 /// Solves random rays of the body and calibrates bounds. Collective; only rank 0 gets a result.
 /// @param progress  receives the finished nodes and rays of coupled tools, and their number

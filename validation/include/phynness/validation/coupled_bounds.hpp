@@ -20,8 +20,10 @@ struct CoupledCoverage {
   std::int64_t rays = 0;
   BoundCoverage at_nodes, between;  ///< pairs at nodes; tools between nodes
   BoundCoverage all;
+  double flagged = 0;  ///< share of the drawn states that the runtime flags and that therefore have no bound
   static void describe(const auto& c, auto&& see) {
     see("rays", c.rays);
+    see("flagged", c.flagged);
     see("all", c.all);
     see("at_nodes", c.at_nodes);
     see("between", c.between);

@@ -45,9 +45,6 @@ struct TradeReport {
   double seconds = 0;
   bool interrupted = false;
   PHYNNESS_FIGURES(tool_radius_m, probes, rows, seconds, interrupted)
-
-  /// The row that needs the least time and whose mean error is at most `error`; null: none.
-  const TradeRow* cheapest(double error) const;
 };
 
 /// Compares all elements that the scene can have, on its mesh and, where phynness makes it, on meshes of half and twice
