@@ -121,7 +121,10 @@ TEST_P(Column, CompressedBeyondBucklingLeavesTheStraightStateThatIsUnstable) {
                                                     {element_named("taylor-hood"), {-0.27541, 2.25649}},
                                                     {element_named("p1-p1"), {1.44845, -1.44845}},
                                                     {element_named("es-p1-p1"), {1.59691, -1.59691}}};
-  const auto& there = expected.at(GetParam());
+  Eigen::Vector2d there = expected.at(GetParam());
+  // With Taylor-Hood the bent column leaves its plane of symmetry, x = -y, in a second bifurcation. Which of the two
+  // mirror images it becomes depends on the kernels of OpenBLAS: those for AVX-512 give the other one.
+  if (GetParam() == element_named("taylor-hood") && sideways[0] < -1) there = {-there[1], -there[0]};
   EXPECT_NEAR(sideways[0], there[0], 1e-4 * there.norm());
   EXPECT_NEAR(sideways[1], there[1], 1e-4 * there.norm());
 }
