@@ -16,8 +16,9 @@ namespace phynness {
 namespace {
 
 /// A process that no launcher has started: Open MPI gives it a server of its own and looks for networks, during which
-/// it waits for half a second. For its life this object asks for neither, by variables that other libraries ignore;
-/// those that the user has set stay.
+/// it waits for half a second, and makes a folder that all such processes of a user share: one that ends while another
+/// starts may remove it, and the other fails (1 in 400 of 12 at a time). For its life this object asks for none of
+/// these, by variables that other libraries ignore; those that the user has set stay.
 class AloneAtStart {
  public:
   AloneAtStart() {
@@ -37,7 +38,8 @@ class AloneAtStart {
     const char *name, *value;
     bool is_ours = false;
   };
-  std::array<Variable, 2> _variables = {{{"OMPI_MCA_ess_singleton_isolated", "1"}, {"OMPI_MCA_pml", "ob1"}}};
+  std::array<Variable, 3> _variables = {
+      {{"OMPI_MCA_ess_singleton_isolated", "1"}, {"OMPI_MCA_orte_create_session_dirs", "0"}, {"OMPI_MCA_pml", "ob1"}}};
 };
 
 }  // namespace

@@ -76,6 +76,13 @@ TEST_F(BadPlace, ReadOnlyFolder) {
   expect_same_results(folder / "whole.h5", folder / "database.h5");
 }
 
+// Open MPI's folder there would be shared by all processes that work alone, and removed by the first that ends.
+TEST_F(BadPlace, NoFolderForTemporaryFilesIsNeeded) {
+  const auto run = shell("TMPDIR=scene.toml \"$PHYNNESS\" precompute scene.toml -o database.h5");
+  EXPECT_EQ(run.exit_status, 0) << run.err;
+  expect_same_results(folder / "whole.h5", folder / "database.h5");
+}
+
 TEST_F(BadPlace, BesideASecondProcess) {
   // The first is stopped in the middle, so that it is alive however long the second takes.
   const auto both = shell(

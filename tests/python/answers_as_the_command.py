@@ -7,6 +7,7 @@ Results are compared bit for bit; the JSON of the command has all digits.
 """
 import ast
 import doctest
+import importlib.util
 import inspect
 import json
 import os
@@ -503,9 +504,31 @@ class Package(unittest.TestCase):
         self.assertGreaterEqual(runner.tries, 12)
 
     @unittest.skipUnless(shutil.which("mypy"), "mypy is not installed")
-    def test_types_of_the_tutorial(self):
-        run("mypy", "--python-executable", sys.executable, "--strict", "--cache-dir", work / "mypy", "press.py",
-            cwd=SOURCES / "examples/python", env={**os.environ, "MYPYPATH": str(BUILD / "python")})
+    def test_types_of_the_tutorials(self):
+        for tutorial in ("press.py", "own_organ.py", "own_data.py", "what_accuracy_costs.py"):
+            run("mypy", "--python-executable", sys.executable, "--strict", "--ignore-missing-imports", "--cache-dir", work / "mypy",
+                tutorial, cwd=SOURCES / "examples/python", env={**os.environ, "MYPYPATH": str(BUILD / "python")})
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "matplotlib is not installed")
+    def test_tutorials_say_what_the_page_says(self):
+        tutorials, out = SOURCES / "examples/python", work / "tutorials"
+        environment = {**os.environ, "PYTHONPATH": str(BUILD / "python"), "PHYNNESS_COMMAND": str(COMMAND)}
+
+        def said(script, *arguments):
+            return run(sys.executable, tutorials / script, *arguments, cwd=work, env=environment)
+
+        said("elsewhere/measurements.py", work / "measured.h5")
+        model, linear, _, _ = said("own_data.py", work / "measured.h5", out).splitlines()
+        self.assertRegex(model, "^model: off by [12][.].* in the mean")  # the noise has a mean size of 1.6 %
+        self.assertRegex(linear, "^linear predictor: off by 7[.]")
+        small = work / "small.toml"
+        small.write_text(SMALL_SCENE)
+        said("own_organ.py", small, out)
+        costs = said("what_accuracy_costs.py", out / "database.h5", out, 6).splitlines()
+        errors = [float(line.split()[-9 if "us" in line else -2]) for line in costs[1:6]]
+        self.assertLess(errors[-1], errors[0] / 3)  # the largest model against the linear predictor
+        for name in ("measured.png", "organ.png", "costs.png", "organ.html", "model/model.txt"):
+            self.assertGreater((out / name).stat().st_size, 5000)
 
     def test_the_wheel_is_installed_without_an_index(self):
         wheel = run(SOURCES / "tools/build-wheel", "--build", BUILD, "-o", work / "wheel").strip()
