@@ -9,7 +9,7 @@ import warnings
 from pathlib import Path
 
 import h5py  # type: ignore[import]
-import matplotlib
+import matplotlib  # type: ignore[import]
 import numpy as np
 
 import phynness

@@ -8,7 +8,7 @@ import sys
 import warnings
 from pathlib import Path
 
-import matplotlib
+import matplotlib  # type: ignore[import]
 import numpy as np
 
 import phynness
