@@ -90,6 +90,10 @@ void run(const Options& given) {
       message("note: {} is not writable, and no later calibration can use what is solved\n", folder.string());
     spec.file.clear();
   }
+  session.together([&] {
+    if (session.rank() == 0 && is_of_another_body(spec.file, database->header()))
+      message("warning: the solved rays in {} are of another body, and are replaced\n", spec.file.string());
+  });
   const Model bounded =
       calibrate(session, *database, *model, spec, Progress("calibrate", "places").counter(), stop_requested, report);
   session.together([&] {

@@ -125,6 +125,9 @@ struct LoadedScene {
 LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false,
                        const std::function<void(const LoadedScene&)>& refused = {});
 
+/// Prints the worst cells of a mesh in a line each. @return their figures
+json tell_worst_cells(const Mesh& mesh, const NodeList& fixed);
+
 /// Prints patch_warnings() on stderr. load_scene does it; others that read a database do it themselves.
 void warn_of_patch(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 

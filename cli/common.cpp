@@ -135,6 +135,12 @@ std::optional<double> limit_of(const std::optional<std::string>& text, const cha
   return value * unit->second;
 }
 
+json tell_worst_cells(const Mesh& mesh, const NodeList& fixed) {
+  const auto worst = worst_cells(mesh, fixed);
+  for (const auto& cell : worst) print_result("  {}\n", cell.str());
+  return figures(worst);
+}
+
 void warn_of_patch(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   for (const auto& warning : patch_warnings(scene, mesh, sets)) message("warning: {}\n", warning);
 }

@@ -1,8 +1,10 @@
 #include <cstring>
+#include <fstream>
 #include <phynness/embedding/embedding.hpp>
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
+#include <phynness/formats/printable.hpp>
 #include <phynness/formats/probe_points.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/training/families.hpp>
@@ -27,15 +29,18 @@ std::string some(const std::vector<std::int32_t>& numbers) {
   return text;
 }
 
-void print_mesh(const Mesh& mesh, const NodeSets& sets) {
+/// @return the worst cells
+json print_mesh(const Mesh& mesh, const NodeSets& sets) {
   if (mesh.cells.cols() == 3)
     print_result("mesh      {}: {} nodes, {} triangles of a shell\n", mesh_hash(mesh), mesh.n_nodes(), mesh.n_cells());
   else
     print_result("mesh      {}: {} nodes, {} tetrahedra, {} surface triangles\n", mesh_hash(mesh), mesh.n_nodes(),
                  mesh.n_cells(), mesh.surface.rows());
+  json worst = tell_worst_cells(mesh, sets.fixed);
   print_result("fixed     {}: {}\n", sets.fixed.size(), some(sets.fixed));
   print_result("active    {}: {}\n", sets.active.size(), some(sets.active));
   print_result("output    {}: {}\n", sets.output.size(), some(sets.output));
+  return worst;
 }
 
 /// Prints how spread points are distributed. @param covered  ascending
@@ -65,41 +70,66 @@ struct ShortRay {
   std::size_t direction = 0;
   Vec3 vector{};
   double reached_m = 0, failed_at_m = 0;
-  std::string reason;
-  PHYNNESS_FIGURES(node, direction, vector, reached_m, failed_at_m, reason)
+  std::string reason, cell;  ///< the most compressed one, from the solver's log; empty: it has none
+  PHYNNESS_FIGURES(node, direction, vector, reached_m, failed_at_m, reason, cell)
 };
 
-std::vector<ShortRay> short_rays(const Database& database) {
+/// The cells that the log of a solver names, by "node N, direction D".
+std::map<std::string, std::string> cells_of_log(const std::filesystem::path& database) {
+  std::map<std::string, std::string> cells;
+  const auto file = database.string() + ".solver.log";
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(file, none)) return cells;  // a pipe would be waited for
+  std::ifstream log(file);
+  for (std::string line; std::getline(log, line);) {
+    const auto ray = line.find("node "), cell = line.find(": J = ");
+    if (ray == std::string::npos || cell == std::string::npos) continue;
+    const auto end = line.find(':', ray);
+    cells[line.substr(ray, end - ray)] = printable(line.substr(cell + 2));
+  }
+  return cells;
+}
+
+/// Rays that the solver could not follow or, if `crushed`, that end in a crushed cell.
+std::vector<ShortRay> short_rays(const Database& database, const std::filesystem::path& file, bool crushed) {
   const auto& h = database.header();
   const auto statuses = database.statuses();
+  const auto ends = database.ends();
   const std::size_t n = h.magnitudes_m.size(), n_directions = h.directions.size();
+  const auto cells = cells_of_log(file);
   std::vector<ShortRay> rays;
   for (std::size_t ray = 0; ray * n < statuses.size(); ++ray)
     for (std::size_t i = 0; i < n; ++i) {
       const Status status = statuses[ray * n + i];
-      if (static_cast<int>(status) >= 0) continue;
+      if (status == Status::converged ||
+          (crushed ? ends[ray].reason != EndReason::crushed : static_cast<int>(status) >= 0))
+        continue;
       const auto direction = ray % n_directions;
-      rays.push_back({h.sets.active[ray / n_directions], direction, h.directions[direction],
-                      i > 0 ? h.magnitudes_m[i - 1] : 0.0, h.magnitudes_m[i], name(status)});
+      const auto node = h.sets.active[ray / n_directions];
+      const auto cell = cells.find(fmt::format("node {}, direction {}", node, direction));
+      rays.push_back({node, direction, h.directions[direction], i > 0 ? h.magnitudes_m[i - 1] : 0.0, h.magnitudes_m[i],
+                      crushed ? name(EndReason::crushed) : name(status), cell == cells.end() ? "" : cell->second});
       break;
     }
   return rays;
 }
 
 /// Prints how many rays stopped short, and which with `all`.
-void print_short_rays(const std::vector<ShortRay>& rays, std::size_t n_active, bool all) {
-  if (rays.empty()) return;
+void print_short_rays(const std::vector<ShortRay>& failed, const std::vector<ShortRay>& crushed, std::size_t n_active,
+                      bool all) {
   std::set<std::int32_t> nodes;
-  for (const auto& ray : rays) nodes.insert(ray.node);
-  print_result("failed    {} rays stop short, at {} of {} active nodes{}\n", rays.size(), nodes.size(), n_active,
-               all ? ":" : "; --failed lists them");
-  if (!all) return;
+  for (const auto& ray : failed) nodes.insert(ray.node);
+  if (!failed.empty())
+    print_result("failed    {} rays stop short, at {} of {} active nodes{}\n", failed.size(), nodes.size(), n_active,
+                 all ? ":" : "; --failed lists them");
+  if (!all || (failed.empty() && crushed.empty())) return;
   print_result("  {:>8} {:>9}  {:<22} {:>11} {:>13}  {}\n", "node", "direction", "", "reached, mm", "failed at, mm",
-               "reason");
-  for (const auto& ray : rays)
-    print_result("  {:>8} {:>9}  {:<22} {:>11.4g} {:>13.4g}  {}\n", ray.node, ray.direction,
-                 fmt::format("{:.3f} {:.3f} {:.3f}", ray.vector[0], ray.vector[1], ray.vector[2]), 1e3 * ray.reached_m,
-                 1e3 * ray.failed_at_m, ray.reason);
+               "reason, most compressed cell");
+  for (const auto* rays : {&failed, &crushed})
+    for (const auto& ray : *rays)
+      print_result("  {:>8} {:>9}  {:<22} {:>11.4g} {:>13.4g}  {}{}\n", ray.node, ray.direction,
+                   fmt::format("{:.3f} {:.3f} {:.3f}", ray.vector[0], ray.vector[1], ray.vector[2]),
+                   1e3 * ray.reached_m, 1e3 * ray.failed_at_m, ray.reason, ray.cell.empty() ? "" : ": " + ray.cell);
 }
 
 json about_database(const std::filesystem::path& file, bool failed) {
@@ -130,7 +160,7 @@ json about_database(const std::filesystem::path& file, bool failed) {
   const auto summary = summarize(database);
   print_result("database  {} ({}), {}\n", file.string(), bytes(std::filesystem::file_size(file)), h.software_version);
   print_result("scene     {}, physics {}\n", h.scene_name, h.physics_hash);
-  print_mesh(h.mesh, h.sets);
+  const json worst = print_mesh(h.mesh, h.sets);
   try {
     warn_of_patch(stored_scene(h), h.mesh, h.sets);
   } catch (const Error&) {  // a scene of another version: the figures of its database are readable nevertheless
@@ -159,8 +189,8 @@ json about_database(const std::filesystem::path& file, bool failed) {
       print_result("  {:<16} {:<9} {}\n", name(status), count, meaning(status));
     states[name(status)] = count;
   }
-  const auto failed_rays = short_rays(database);
-  print_short_rays(failed_rays, h.sets.active.size(), failed);
+  const auto failed_rays = short_rays(database, file, false), crushed_rays = short_rays(database, file, true);
+  print_short_rays(failed_rays, crushed_rays, h.sets.active.size(), failed);
   const json ends = tell_ends(h, summarize_ends(database));
   if (!h.is_imported())
     print_result("unstable  {} converged states with negative pivots; smallest J {:.3g}\n", summary.unstable_states,
@@ -177,9 +207,10 @@ json about_database(const std::filesystem::path& file, bool failed) {
     quantities[range.name] = record("unit", range.unit, "smallest", range.smallest, "largest", range.largest);
   }
   return record("kind", "database", "complete", true, "mesh_hash", h.mesh_hash, "physics_hash", h.physics_hash, "nodes",
-                h.mesh.n_nodes(), "active", h.sets.active, "fields", fields, "rays_mirrored", n_mirrored, "states",
-                states, "failed_rays", failed_rays, "ends", ends, "quantities", quantities, "newton_iterations",
-                summary.newton_iterations, "unstable_states", summary.unstable_states);
+                h.mesh.n_nodes(), "worst_cells", worst, "active", h.sets.active, "fields", fields, "rays_mirrored",
+                n_mirrored, "states", states, "failed_rays", failed_rays, "crushed_rays", crushed_rays, "ends", ends,
+                "quantities", quantities, "newton_iterations", summary.newton_iterations, "unstable_states",
+                summary.unstable_states);
 }
 
 /// Prints what the finite elements solved and how far they are from a finer solution.
@@ -239,7 +270,7 @@ json about_model(const std::filesystem::path& dir) {
   }
   print_result("model     {}: family {}, {} \n", dir.string(), name(m.family), m.software_version);
   print_result("scene     {}, physics {}\n", m.title, m.physics_hash);
-  print_mesh(model.mesh(), {m.fixed, active, m.output});
+  const json worst = print_mesh(model.mesh(), {m.fixed, active, m.output});
   print_result("responses {}\n", operations(m.family).describe(m));
   json fields = json::array();
   for (const auto& field : m.fields) {
@@ -278,21 +309,21 @@ json about_model(const std::filesystem::path& dir) {
   print_result("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n", bytes(model.text_bytes()),
                bytes(model.mesh_text_bytes()), bytes(model.memory_bytes()));
   return record("kind", "model", "family", name(m.family), "model_hash", model.hash(), "mesh_hash", m.mesh_hash,
-                "physics_hash", m.physics_hash, "active", active, "deformation_neurons", neurons, "force_neurons",
-                force_neurons, "force_centers", centers, "modes", modes, "levels", levels, "fields", fields, "bounds",
-                bounds, "finer", finer, "provenance", provenance, "points", points, "model_text_bytes",
-                model.text_bytes(), "memory_bytes", model.memory_bytes());
+                "physics_hash", m.physics_hash, "worst_cells", worst, "active", active, "deformation_neurons", neurons,
+                "force_neurons", force_neurons, "force_centers", centers, "modes", modes, "levels", levels, "fields",
+                fields, "bounds", bounds, "finer", finer, "provenance", provenance, "points", points,
+                "model_text_bytes", model.text_bytes(), "memory_bytes", model.memory_bytes());
 }
 
 json about_scene(const std::filesystem::path& file) {
   const auto loaded = load_scene(file);
   print_result("scene     {}: {}\n", file.string(), loaded.scene.title);
-  print_mesh(loaded.mesh, loaded.sets);
+  const json worst = print_mesh(loaded.mesh, loaded.sets);
   const json points = tell_points(loaded.scene, loaded.mesh, loaded.sets);
   print_result("physics   {}\n{}", physics_hash(loaded.scene), physics_summary(loaded.scene));
   print_result("not in the hash\n{}", other_settings(loaded.scene));
   return record("kind", "scene", "mesh_hash", mesh_hash(loaded.mesh), "physics_hash", physics_hash(loaded.scene),
-                "nodes", loaded.mesh.n_nodes(), "active", loaded.sets.active, "points", points);
+                "nodes", loaded.mesh.n_nodes(), "worst_cells", worst, "active", loaded.sets.active, "points", points);
 }
 
 /// A mesh file is read as in a scene without selections. An open surface is the midsurface of a shell.
@@ -316,8 +347,10 @@ json about_mesh(const std::filesystem::path& file) {
   print_result("box       {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g} (file units)\n", q.min_m[0], q.min_m[1],
                q.min_m[2], q.max_m[0], q.max_m[1], q.max_m[2]);
   print_result("quality   worst {:.3f}, {} slivers\n", q.min_quality, q.n_slivers);
+  const auto worst = worst_cells(made.mesh, {});
+  for (const auto& cell : worst) print_result("  {}\n", cell.str(1, " (file units)"));
   return record("kind", "mesh", "mesh_hash", mesh_hash(made.mesh), "nodes", q.n_nodes, "tetrahedra",
-                shell ? 0 : q.n_cells, "shell_triangles", shell ? q.n_cells : 0);
+                shell ? 0 : q.n_cells, "shell_triangles", shell ? q.n_cells : 0, "worst_cells", worst);
 }
 
 void run(const Options& options) {
@@ -352,7 +385,8 @@ void add(CLI::App& app) {
            "scene.toml, mesh file, database.h5, MODEL_DIR, or NAME.bin of export")
       ->required();
   command.set_version_flag("--keys", scene_key_tables, "print the tables of a scene's keys in Markdown and exit");
-  command.add_flag("--failed", options.failed, "of a database: list every ray that failed, with depth and reason");
+  command.add_flag("--failed", options.failed,
+                   "of a database: list every ray that failed or ends in a crushed cell, with depth, reason and cell");
   add_json(command, options.json_file);
 }
 

@@ -32,16 +32,16 @@ void run(const Options& options) {
                  1e6 * q.volume_m3);
   print_result(", {:.3g} x {:.3g} x {:.3g} cm\n", 100 * (q.max_m[0] - q.min_m[0]), 100 * (q.max_m[1] - q.min_m[1]),
                100 * (q.max_m[2] - q.min_m[2]));
-  print_result("edges {:.3g} to {:.3g} mm, mean {:.3g} mm; worst quality {:.3f} (cell {}), {} slivers below {}\n",
-               1e3 * q.min_edge_m, 1e3 * q.max_edge_m, 1e3 * q.mean_edge_m, q.min_quality, q.worst_cell, q.n_slivers,
-               sliver_quality);
+  print_result("edges {:.3g} to {:.3g} mm, mean {:.3g} mm; {} slivers with quality below {}; worst:\n",
+               1e3 * q.min_edge_m, 1e3 * q.max_edge_m, 1e3 * q.mean_edge_m, q.n_slivers, sliver_quality);
+  const json worst = tell_worst_cells(loaded.mesh, s.fixed);
   print_result("{} fixed nodes, {} active, {} output\n", s.fixed.size(), s.active.size(), s.output.size());
   const json figures =
       record("mesh_hash", mesh_hash(loaded.mesh), "nodes", q.n_nodes, "tetrahedra", shell ? 0 : q.n_cells,
              "shell_triangles", shell ? q.n_cells : 0, "surface_nodes", q.n_surface_nodes, "surface_triangles",
              q.n_surface_triangles, "volume_m3", shell ? q.area_m2 * loaded.scene.mesh.thickness_m : q.volume_m3,
-             "min_quality", q.min_quality, "slivers", q.n_slivers, "mean_edge_m", q.mean_edge_m, "fixed",
-             s.fixed.size(), "active", s.active.size(), "output", s.output.size());
+             "min_quality", q.min_quality, "worst_cells", worst, "slivers", q.n_slivers, "mean_edge_m", q.mean_edge_m,
+             "fixed", s.fixed.size(), "active", s.active.size(), "output", s.output.size());
   write_each({[&] {
                 write_msh(loaded.mesh, &loaded.sets, options.output);
                 print_result("mesh {} -> {}\n", mesh_hash(loaded.mesh), options.output.string());

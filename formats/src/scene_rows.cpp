@@ -69,6 +69,9 @@ Keys mesh_keys() {
            "file units to metres (0.001 for a file in mm). The body must be 1e-9 to 1e9 m long. Files only"),
       mesh("repair", &MeshSpec::repair, Flag{}, of_file,
            "allow repairs of a file's mesh; each repair is reported. Files only"),
+      mesh("remesh", &MeshSpec::remesh, Flag{}, if_changed,
+           "make new tetrahedra within the surface of a file of tetrahedra, of the target size below; without one the "
+           "surface's triangles remain. Not with `group`, `nodes`, `symmetry` or `thickness_m`"),
       mesh("size_m", &MeshSpec::size_m, ThreeNumbers{shape_length}, of_shape,
            "edges of a block, bounding box of the liver, in m"),
       mesh("radius_m", &MeshSpec::radius_m, Number{shape_length}, of_shape,

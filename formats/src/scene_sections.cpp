@@ -35,6 +35,21 @@ namespace {
 
 constexpr double most_slender = 1000;
 
+/// Refuses selections by what new tetrahedra do not have of the file.
+void refuse_nodes_of_file(const SceneTable& nodes, const toml::node& selection) {
+  if (const auto* list = selection.as_array())
+    for (const auto& item : *list) refuse_nodes_of_file(nodes, item);
+  if (const auto* table = selection.as_table())
+    for (const auto& [key, value] : *table) {
+      if (key == "group" || key == "nodes")
+        refuse(nodes.where(value),
+               "[nodes] selects by " + std::string(key.str()) + ", but [mesh] remesh = true " +
+                   "replaces the nodes of the file",
+               shown(value), "select by places (box, sphere, plane, nearest), or remove remesh");
+      refuse_nodes_of_file(nodes, value);
+    }
+}
+
 void refuse_keys(const SceneTable& table, std::initializer_list<std::string_view> keys, const std::string& what) {
   for (const auto key : keys)
     if (table.has(key)) table.reject(key, what, "remove it");
@@ -58,6 +73,9 @@ void check_file(const SceneTable& table, const std::filesystem::path& folder, Me
                  "correct the path; a relative path starts at the folder of the scene file");
   refuse_keys(table, {"size_m", "radius_m", "inner_radius_m", "length_m", "slit_length_m", "slit_width_m"},
               "belongs to a built-in shape, but the mesh comes from a file");
+  if (spec.remesh)
+    refuse_keys(table, {"thickness_m", "symmetry"},
+                "cannot be combined with remesh = true, whose tetrahedra are neither a shell nor symmetric");
 }
 
 void refuse_keys_of_other_shapes(const SceneTable& table, Shape shape) {
@@ -70,7 +88,7 @@ void refuse_keys_of_other_shapes(const SceneTable& table, Shape shape) {
 }
 
 void check_shape(const SceneTable& table, MeshSpec& spec) {
-  refuse_keys(table, {"scale_to_m", "repair"}, "belongs to a mesh file, but the mesh is a built-in shape");
+  refuse_keys(table, {"scale_to_m", "repair", "remesh"}, "belongs to a mesh file, but the mesh is a built-in shape");
   refuse_keys_of_other_shapes(table, spec.shape);
   const MeshSpec whole = with_standard_sizes(spec);
   const auto [least, most] = std::minmax_element(whole.size_m.begin(), whole.size_m.end());
@@ -136,6 +154,7 @@ void check_nodes(const SceneTable& table, Scene& scene) {
                   "add fixed = { box = { min_fraction = [0, 0, 0], max_fraction = [0.2, 1, 1] } } or another "
                   "selection");
   const auto locate = [&](const char* key, Selection& selection, SourceLocation& where) {
+    if (scene.mesh.remesh && table.has(key)) refuse_nodes_of_file(table, *table.find(key));
     where = table.where(key);
     if (!table.has(key)) selection.front().where = where;
   };

@@ -138,8 +138,6 @@ struct Near final : NodeChoice {
   }
 };
 
-/// A third of the radius: with larger spacings the error between nodes grows faster (docs/decisions/between-points.md).
-constexpr double auto_spacing = 1.0 / 3;
 constexpr const char* spread_names[] = {"spacing_m", "spacing", "count"};
 
 /// Nodes that are spread evenly over a part of the surface, at given distances, at those that the tool needs, or a
@@ -168,7 +166,7 @@ struct Spread final : NodeChoice {
   bool spreads() const override { return true; }
 
   NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
-    const NodeList nodes = part(body, request);
+    const NodeList nodes = candidates(body, request);
     for (const auto i : nodes)
       if (!body.image.empty() &&
           !std::binary_search(nodes.begin(), nodes.end(), body.image[static_cast<std::size_t>(i)]))
@@ -193,12 +191,22 @@ struct Spread final : NodeChoice {
                             ", or count = " + std::to_string(chosen.size()) + " if so few points are meant");
     return chosen;
   }
+  NodeList candidates(const SelectableBody& body, const PickRequest& request) const override {
+    const NodeList nodes = union_of(within, body, request);
+    NodeList on_surface, far;
+    std::set_intersection(nodes.begin(), nodes.end(), body.surface.begin(), body.surface.end(),
+                          std::back_inserter(on_surface));
+    if (!(from_fixed_m > 0)) return on_surface;
+    const NodeList near = near_nodes(body.mesh.nodes, on_surface, body.fixed, from_fixed_m - body.slack_m);
+    std::set_difference(on_surface.begin(), on_surface.end(), near.begin(), near.end(), std::back_inserter(far));
+    return far;
+  }
   std::string remedy_if_empty(const SelectableBody&, const PickRequest&) const override {
     return from_fixed_m > 0 ? "make from_fixed_m smaller, or `within` larger"
                             : "give a part of the surface in `within`";
   }
   std::string warning(const SelectableBody& body, const NodeList& picked) const override {
-    const NodeList nodes = part(body, {body.surface, "active nodes", ""});
+    const NodeList nodes = candidates(body, {body.surface, "active nodes", ""});
     if (!spacing_m || !std::includes(picked.begin(), picked.end(), nodes.begin(), nodes.end())) return {};
     return "spacing_m = " + shortest(*spacing_m) + " is below the edges of the mesh, so that each of the " +
            std::to_string(nodes.size()) + " nodes is probed; give a larger spacing, or spacing = \"auto\"";
@@ -210,24 +218,13 @@ struct Spread final : NodeChoice {
            : count > 0 ? "count = " + std::to_string(count)
                        : "spacing = auto";
   }
-  /// The nodes to choose from.
-  NodeList part(const SelectableBody& body, const PickRequest& request) const {
-    const NodeList nodes = union_of(within, body, request);
-    NodeList on_surface, far;
-    std::set_intersection(nodes.begin(), nodes.end(), body.surface.begin(), body.surface.end(),
-                          std::back_inserter(on_surface));
-    if (!(from_fixed_m > 0)) return on_surface;
-    const NodeList near = near_nodes(body.mesh.nodes, on_surface, body.fixed, from_fixed_m - body.slack_m);
-    std::set_difference(on_surface.begin(), on_surface.end(), near.begin(), near.end(), std::back_inserter(far));
-    return far;
-  }
   double spacing_of(const SelectableBody& body, const PickRequest& request) const {
     if (spacing_m || count > 0) return spacing_m.value_or(0);
     if (!(body.tool_radius_m > 0))
       throw input_error(request.place + "spacing = \"auto\" needs a round tool, whose radius it follows",
                         "[probe] kind = \"node\"",
                         "give spacing_m or count, or [probe] kind = \"patch\" with tool_radius_m");
-    return auto_spacing * body.tool_radius_m;
+    return auto_spacing_of_radius * body.tool_radius_m;
   }
 };
 

@@ -29,21 +29,9 @@ int mirror_axis(const MeshSpec& spec) {
 
 /// Reason and place of flat cells of a mesh that was made here.
 std::string reason_of_slivers(const MeshResult& result) {
-  const auto& mesh = result.mesh;
-  const auto cell = mesh.cells.row(result.quality.worst_cell);
-  Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
-  const auto on_surface = surface_nodes(mesh.surface);
-  int n_surface = 0;
-  for (const std::int32_t node : cell) {
-    x += mesh.nodes.row(node) / 4;
-    n_surface += std::binary_search(on_surface.begin(), on_surface.end(), node) ? 1 : 0;
-  }
-  std::ostringstream text;
-  text << "the worst of these cells, at (" << x(0) << ", " << x(1) << ", " << x(2) << ") m, has " << n_surface
-       << " of its four nodes on the surface: the body is thinner there, or its surface is more sharply folded, than "
-          "its "
-          "edges are long; use a smaller mesh.target_size_m or a smoother surface";
-  return text.str();
+  return "the worst of these is " + cell_quality(result.mesh, result.quality.worst_cell, {}).str() +
+         ": the body is thinner there, or its surface is more sharply folded, than its edges are long; use a smaller "
+         "mesh.target_size_m or a smoother surface";
 }
 
 /// A defect of a mesh that was made here is a failure and not an error of the input; another size may work.
@@ -125,9 +113,8 @@ void warn_of_volume(MeshResult& result, double given_m3) {
   result.warnings.push_back(text.str());
 }
 
-MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::string& source) {
-  std::vector<std::string> notes = raw.notes;
-  Surface surface = checked_surface(raw, spec.scale_to_m, spec.repair, source, notes);
+/// @param notes  about the surface
+MeshResult filled(const MeshSpec& spec, Surface surface, const std::string& source, std::vector<std::string> notes) {
   untangle(surface, notes);
   const Extent extent{enclosed_volume(surface.nodes, surface.triangles), area(surface.nodes, surface.triangles)};
   const double given_edge_m = mean_edge(surface.nodes, surface.triangles);
@@ -160,6 +147,44 @@ MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::str
     }
   }
   result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
+  return result;
+}
+
+MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::string& source) {
+  if (spec.remesh)
+    throw input_error(place(spec) + ": remesh = true makes new tetrahedra within a body, but the file holds a surface",
+                      source, "remove mesh.remesh: a closed surface is filled with tetrahedra without it");
+  std::vector<std::string> notes = raw.notes;
+  Surface surface = checked_surface(raw, spec.scale_to_m, spec.repair, source, notes);
+  return filled(spec, std::move(surface), source, std::move(notes));
+}
+
+std::string summary(const QualityReport& quality) {
+  std::ostringstream text;
+  text.precision(2);
+  text << counted(static_cast<std::size_t>(quality.n_cells), "cell", "cells") << " (worst quality "
+       << quality.min_quality << ", " << quality.n_slivers << " below " << sliver_quality << ")";
+  return text.str();
+}
+
+/// New tetrahedra within the surface of a body.
+MeshResult remeshed_body(const MeshSpec& spec, const MeshResult& body, const std::string& source) {
+  const Mesh& old = body.mesh;
+  if (const auto topology = surface_topology(old.surface); topology.component_sizes.size() > 1)
+    throw input_error(place(spec) + ": remesh = true cannot keep the cavities of the body",
+                      source + ", whose surface has " + describe_components(topology.component_sizes, "triangles"),
+                      "remove mesh.remesh, and mesh the body again in the program that made it");
+  const auto nodes = surface_nodes(old.surface);
+  Surface surface{old.nodes(nodes, Eigen::indexing::all), old.surface};
+  for (auto& node : surface.triangles.reshaped())
+    node = static_cast<std::int32_t>(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
+  MeshResult result = filled(spec, std::move(surface), source, body.notes);
+  std::ostringstream text;
+  text.precision(2);
+  text << "replaced " << summary(body.quality) << " of the file by " << summary(result.quality)
+       << "; the volume changed by " << std::showpos << 100 * (result.quality.volume_m3 / body.quality.volume_m3 - 1)
+       << " %";
+  result.notes.push_back(text.str());
   return result;
 }
 
@@ -220,10 +245,11 @@ MeshResult from_file(const MeshSpec& spec) {
   if (spec.thickness_m > 0) return shell_from_file(spec, raw, source);
   if (raw.tetrahedra.empty()) return from_surface(spec, raw, source);
   MeshResult result = checked_body(raw, spec.scale_to_m, spec.repair, source);
+  if (spec.remesh) return remeshed_body(spec, result, source);
   if (spec.target_nodes || spec.target_size_m)
     result.warnings.push_back(
         "the file holds tetrahedra, which are not changed: mesh.target_nodes and mesh.target_size_m "
-        "have no effect");
+        "have no effect without remesh = true");
   return result;
 }
 

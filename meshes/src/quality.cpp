@@ -3,11 +3,24 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <phynness/meshes/meshes.hpp>
+#include <sstream>
 
 #include "geometry.hpp"
 
 namespace phynness {
+namespace {
+
+double quality_of(const Mesh& mesh, std::int32_t c) {
+  const auto x = [&](int k) -> Eigen::RowVector3d {
+    return mesh.nodes.row(mesh.cells(c, k)) - mesh.nodes.row(mesh.cells(c, 0));
+  };
+  return mesh.cells.cols() == 4 ? meshes::radius_ratio(x(1), x(2), x(3)) : meshes::radius_ratio(x(1), x(2));
+}
+
+}  // namespace
+
 QualityReport measure_quality(const Mesh& mesh) {
   QualityReport report;
   report.n_nodes = mesh.n_nodes();
@@ -25,15 +38,11 @@ QualityReport measure_quality(const Mesh& mesh) {
     const auto cell = mesh.cells.row(c);
     const Eigen::RowVector3d a = mesh.nodes.row(cell(0));
     const Eigen::RowVector3d u = mesh.nodes.row(cell(1)) - a, v = mesh.nodes.row(cell(2)) - a;
-    double quality;
-    if (corners == 4) {
-      const Eigen::RowVector3d w = mesh.nodes.row(cell(3)) - a;
-      report.volume_m3 += u.dot(v.cross(w)) / 6;
-      quality = meshes::radius_ratio(u, v, w);
-    } else {
+    if (corners == 4)
+      report.volume_m3 += u.dot(v.cross(mesh.nodes.row(cell(3)) - a)) / 6;
+    else
       report.area_m2 += u.cross(v).norm() / 2;
-      quality = meshes::radius_ratio(u, v);
-    }
+    const double quality = quality_of(mesh, c);
     report.n_slivers += quality < sliver_quality;
     if (quality < report.min_quality) {
       report.min_quality = quality;
@@ -49,6 +58,41 @@ QualityReport measure_quality(const Mesh& mesh) {
     report.max_edge_m = std::max(report.max_edge_m, length);
   }
   return report;
+}
+
+std::string CellQuality::str(double per_m, const char* unit) const {
+  std::ostringstream text;
+  text.precision(3);
+  text << "cell " << cell << ": quality " << quality << ", at (" << per_m * center_m[0] << ", " << per_m * center_m[1]
+       << ", " << per_m * center_m[2] << ")" << unit << ", " << on_surface << " of its " << corners
+       << " nodes on the surface";
+  if (fixed > 0) text << ", " << fixed << " fixed";
+  return text.str();
+}
+
+CellQuality cell_quality(const Mesh& mesh, std::int32_t cell, const NodeList& fixed) {
+  CellQuality result{cell, quality_of(mesh, cell), {}, static_cast<int>(mesh.cells.cols())};
+  const auto surface = surface_nodes(mesh.surface);
+  for (const std::int32_t node : mesh.cells.row(cell)) {
+    for (int k = 0; k < 3; ++k) result.center_m[k] += mesh.nodes(node, k) / result.corners;
+    result.on_surface += std::binary_search(surface.begin(), surface.end(), node);
+    result.fixed += std::binary_search(fixed.begin(), fixed.end(), node);
+  }
+  return result;
+}
+
+std::vector<CellQuality> worst_cells(const Mesh& mesh, const NodeList& fixed, std::size_t count) {
+  std::vector<std::int32_t> cells(static_cast<std::size_t>(mesh.n_cells()));
+  std::iota(cells.begin(), cells.end(), 0);
+  std::vector<double> quality;
+  for (const auto c : cells) quality.push_back(quality_of(mesh, c));
+  const auto end = cells.begin() + std::min(std::ssize(cells), static_cast<std::ptrdiff_t>(count));
+  std::partial_sort(cells.begin(), end, cells.end(), [&](auto a, auto b) {
+    return std::pair{quality[static_cast<std::size_t>(a)], a} < std::pair{quality[static_cast<std::size_t>(b)], b};
+  });
+  std::vector<CellQuality> worst;
+  for (auto c = cells.begin(); c != end; ++c) worst.push_back(cell_quality(mesh, *c, fixed));
+  return worst;
 }
 
 }  // namespace phynness

@@ -179,11 +179,11 @@ void Discretization::residual(std::span<const double> state, std::span<double> o
   _edge_patches.add_residual(state, out);
 }
 
-double Discretization::min_jacobian(std::span<const double> state) {
+double Discretization::min_jacobian(std::span<const double> state, int* worst) {
   const auto& forms = _dolfinx->forms;
   std::vector<double> w, values(forms.jacobian->num_points);
   std::array<double, 12> x;
-  double least = _edge_patches.min_jacobian(state);
+  double least = std::numeric_limits<double>::infinity();
   for (auto constants : forms.jacobian_passes) {
     constants.insert(forms.constants.begin(), forms.constants.end());
     const auto c = api::packed_constants(*forms.jacobian, constants);
@@ -192,11 +192,14 @@ double Discretization::min_jacobian(std::span<const double> state) {
       api::cell_coordinates(*_dolfinx->mesh, cell, x);
       std::fill(values.begin(), values.end(), 0.0);
       api::tabulate(*forms.jacobian, values, w, c, x);
-      for (const double J : values)
-        least = std::isnan(J) ? -std::numeric_limits<double>::infinity() : std::min(least, J);
+      for (double J : values) {
+        if (std::isnan(J)) J = -std::numeric_limits<double>::infinity();
+        if (J < least && worst) *worst = cell;
+        least = std::min(least, J);
+      }
     }
   }
-  return least;
+  return std::min(least, _edge_patches.min_jacobian(state));
 }
 
 void Discretization::field_integrals(Field field, std::span<const double> state, std::span<double> out) const {

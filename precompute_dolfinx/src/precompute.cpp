@@ -339,7 +339,8 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   core.start();
   auto header = database_header(scene, mesh, sets);
   header.shard = target.shard;
-  SolverLog::instance().open(target.file.string() + ".solver.log", session.rank());
+  const auto log_file = target.file.string() + ".solver.log";
+  SolverLog::instance().open(log_file, session.rank());
 
   std::vector<char> logged(header.sets.active.size() * header.directions.size(), 0);
   const auto rays_in_all = static_cast<std::int64_t>(rays_left(header, logged).size());
@@ -352,6 +353,8 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
     if (team.leads()) probe_solver.emplace(scene, mesh, sets, &team);
     if (session.rank() == 0) {
       DatabaseWriter::create(target.file, header, target.resume);
+      std::error_code none;
+      if (!target.resume) std::filesystem::remove(log_file, none);  // of the database that was there before
       complete = Database::is_complete(target.file) ? 1 : 0;
       logged = DatabaseWriter::logged(target.file, header);
       if (!target.from.empty() && !complete) taken = take_rays(scene, mesh, header, target, logged);

@@ -90,10 +90,17 @@ bool RaySolver::loses_energy(PathPoint& from, PathPoint& to, const Eigen::Vector
   return differs(from, to, direction);
 }
 
-bool RaySolver::is_crushed(const PathPoint& from, const PathPoint& to, const RayLimits& limits, RayEnd& end) const {
+void RaySolver::find_compressed(const PathPoint& point) {
+  _compressed = {-1, 1, point.s};
+  if (_body.forms().checks_jacobian && !_body.has_directors())
+    _compressed.min_jacobian = _body.min_jacobian(point.state, &_compressed.cell);
+}
+
+bool RaySolver::is_crushed(const PathPoint& from, const PathPoint& to, const RayLimits& limits, RayEnd& end) {
   if (!_body.forms().checks_jacobian || !(to.min_jacobian < limits.min_jacobian)) return false;
   end.reason = EndReason::crushed;
   end.depth_m = depth_of(limits.min_jacobian, from, to);
+  find_compressed(to);
   return true;
 }
 

@@ -92,6 +92,7 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
   to.min_jacobian = _body.min_jacobian(to.state);
   if (_body.forms().checks_jacobian && !(to.min_jacobian > 0)) {
     step.status = Status::inverted;
+    find_compressed(to);
     return step;
   }
   to.met_instability = path.last().met_instability || outcome.met_instability;
@@ -162,6 +163,7 @@ RayEnd RaySolver::follow(const Rest& rest, const Eigen::VectorXd& direction, con
   path.append(std::move(start));
   RayEnd end;
   end.reason = EndReason::full_depth;
+  _compressed = {};
   Status left = Status::converged;  // of the increments that are left
 
   for (std::size_t i = 0; i < s_values.size(); ++i) {
@@ -181,6 +183,7 @@ RayEnd RaySolver::follow(const Rest& rest, const Eigen::VectorXd& direction, con
         left = Status::after_failure;
         end.reason = EndReason::solver;
         end.depth_m = path.last().s;
+        if (step.status != Status::inverted && end.depth_m > 0) find_compressed(path.last());
       }
     }
     if (!take(i, step, path.last())) return end;

@@ -44,6 +44,13 @@ class RaySolver {
                 bool all_tangents, const std::function<bool(std::size_t, const PathStep&, const PathPoint&)>& take,
                 const PathLimits& limits = {});
 
+  /// The cell with the smallest J where the last ray of follow() ended in a crushed cell or by a failure.
+  struct Compressed {
+    int cell = -1;  ///< of the body; -1: of a shell, or no step from rest was possible
+    double min_jacobian = 1, s = 0;
+  };
+  const Compressed& compressed() const { return _compressed; }
+
  private:
   enum class Search { smooth, fold, crushed };
 
@@ -64,7 +71,8 @@ class RaySolver {
   bool loses_energy(PathPoint& from, PathPoint& to, const Eigen::VectorXd& direction, double resolution);
   void make_stiffness_exact(const Eigen::VectorXd& direction, PathPoint& point);
   /// Sets the end of the ray if the smallest J in `to` is below the limit.
-  bool is_crushed(const PathPoint& from, const PathPoint& to, const RayLimits& limits, RayEnd& end) const;
+  bool is_crushed(const PathPoint& from, const PathPoint& to, const RayLimits& limits, RayEnd& end);
+  void find_compressed(const PathPoint& point);
   /// Predicts the state at s. `to` receives the prediction with the prescribed displacements.
   Prediction predict(const Path& path, const Eigen::VectorXd& direction, double s, PathPoint& to);
   /// Computes velocity and stability of the equilibrium in `to`.
@@ -77,6 +85,7 @@ class RaySolver {
   Discretization& _body;
   Equilibrium& _equilibrium;
   SolverSpec _options;
+  Compressed _compressed;
 };
 
 }  // namespace phynness

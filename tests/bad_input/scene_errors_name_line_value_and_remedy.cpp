@@ -162,6 +162,7 @@ file_of_unknown_kind | shape | file = "body.step" | | body.step ; .msh
 nodes_and_size | shape | shape = "block"\ntarget_nodes = 100\ntarget_size_m = 0.01 | target_size_m
     | target_nodes ; target_size_m ; 0.01
 scale_of_a_shape | shape | shape = "block"\nscale_to_m = 0.001 | scale_to_m | scale_to_m ; 0.001
+remesh_of_a_shape | shape | shape = "block"\nremesh = true | remesh | [mesh] remesh ; mesh file
 radius_of_a_block | shape | shape = "block"\nradius_m = 0.1 | radius_m | block ; size_m
 wall_without_thickness | shape | shape = "tube"\nradius_m = 0.01\ninner_radius_m = 0.01 | inner_radius_m
     | inner_radius_m ; radius_m ; 0.01

@@ -182,8 +182,10 @@ TEST_F(Calibrate, TakesWhatIsSolved) {
   succeed("precompute other.toml -o other.h5");
   succeed("train other.toml other.h5 -o o --family modal --force-centers 8");
   std::filesystem::copy_file(kept, folder / "other.h5.calibration");
-  succeed("calibrate o other.h5 --rays 100 --json c.json");
+  const std::string of_another = "other.h5.calibration are of another body, and are replaced";
+  expect_names(succeed("calibrate o other.h5 --rays 100 --json c.json").err, {of_another});
   EXPECT_EQ(json("c.json").at("taken_rays"), 0);
+  EXPECT_EQ(succeed("calibrate o other.h5 --rays 100").err.find("of another body"), std::string::npos) << "it is now";
   write_file(kept, "notes");
   expect_names(be_refused("calibrate m d.h5 -o b --rays 100").err, {"d.h5.calibration", "has not written"});
   EXPECT_EQ(read_file(kept), "notes");

@@ -55,12 +55,22 @@ std::string hash_of_body(const DatabaseHeader& header) {
   return hash.hex();
 }
 
+std::string first_line(std::istream& file) {
+  std::string line;
+  std::getline(file, line);
+  return line;
+}
+
+/// The first line of a file of this body.
+std::string begin_of(const DatabaseHeader& header) {
+  return fmt::format("{}mesh {} body {}", begin_of_calibration, header.mesh_hash, hash_of_body(header));
+}
+
 /// The complete lines of a file of this body; none of another file.
 void read_rays(const fs::path& file, const std::string& begin, std::map<std::string, std::string>& rays) {
   std::ifstream in(file);
-  std::string first, line;
-  std::getline(in, first);
-  if (first + "\n" != begin) return;
+  if (first_line(in) != begin) return;
+  std::string line;
   while (std::getline(in, line))
     if (const auto at = line.find(separator); at != std::string::npos && line.ends_with(" ."))
       rays.insert_or_assign(line.substr(0, at), line.substr(at, line.size() - at));
@@ -94,6 +104,12 @@ std::vector<fs::path> parts_of(const fs::path& file) {
 
 fs::path calibration_file(const fs::path& database) { return database.string() + ".calibration"; }
 
+bool is_of_another_body(const fs::path& file, const DatabaseHeader& header) {
+  std::ifstream in(file);
+  const auto first = first_line(in);
+  return first.starts_with(begin_of_calibration) && first != begin_of(header);
+}
+
 std::vector<phn_tool> tools_at(const ToolRay& ray, double part) {
   auto tools = ray.tools;
   for (auto& tool : tools)
@@ -105,7 +121,7 @@ KeptRays::KeptRays(const SolverSession& session, const DatabaseHeader& header, c
                    std::function<bool()> stop)
     : _session(session),
       _file(file),
-      _begin(fmt::format("{}mesh {} body {}\n", begin_of_calibration, header.mesh_hash, hash_of_body(header))),
+      _begin(begin_of(header)),
       _solver(stored_scene(header), header.mesh, header.sets) {
   _solver.set_stop(std::move(stop));
   if (_file.empty()) return;
@@ -116,7 +132,7 @@ KeptRays::KeptRays(const SolverSession& session, const DatabaseHeader& header, c
     read_rays(_file, _begin, _known);
     const auto part = fmt::format("{}.rank-{}", _file.string(), session.rank());
     _out.open(part, std::ios::binary | std::ios::trunc);
-    _out << _begin << std::flush;
+    _out << _begin << std::endl;
     if (!_out)
       throw failure("cannot write what is solved", part, "free space, or make the folder of the database writable");
   });
@@ -127,7 +143,7 @@ void KeptRays::join() const {
   const auto parts = parts_of(_file);
   read_rays(_file, _begin, rays);
   for (const auto& part : parts) read_rays(part, _begin, rays);
-  std::string text = _begin;
+  std::string text = _begin + "\n";
   for (const auto& [ray, forces] : rays) text += ray + forces + "\n";
   write_text_file(_file, text);
   for (const auto& part : parts) fs::remove(part);

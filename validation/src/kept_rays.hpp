@@ -29,7 +29,7 @@ class KeptRays {
   /// @param file  empty: nothing is kept. Its rays are used if their body is the same: mesh, fixed nodes, and all of
   /// the physics but the choice of nodes, directions and depths. Collective. @throws Error
   KeptRays(const SolverSession& session, const DatabaseHeader& header, const std::filesystem::path& file,
-             std::function<bool()> stop);
+           std::function<bool()> stop);
 
   /// Forces [N] of the finite elements, for each part those of all tools; fewer if the ray ends early.
   /// @throws Interrupted

@@ -13,6 +13,10 @@ namespace phynness {
 /// the part is farther from the nearest one. The edges between neighbours then have the spacing in the mean.
 inline constexpr double least_apart_of_probes = 0.75;
 
+/// spacing = "auto", in radii of the tool: with larger spacings the error between nodes grows faster
+/// (docs/decisions/between-points.md).
+inline constexpr double auto_spacing_of_radius = 1.0 / 3;
+
 /// Nodes that are spread evenly over a part of the surface, by distances along it. The farthest node is added again and
 /// again (Gonzalez 1985, doi 10.1016/0304-3975(85)90224-5); equal arguments give equal nodes.
 /// @param nodes, surface  of the mesh [m]

@@ -57,6 +57,7 @@ struct MeshSpec {
   double radius_m = 0, inner_radius_m = 0, length_m = 0;  ///< cylinder, tube, drain
   double slit_length_m = 0, slit_width_m = 0;             ///< drain
   double thickness_m = 0;                                 ///< of the shell whose midsurface is the mesh; 0: a solid
+  bool remesh = false;                    ///< make new tetrahedra within the surface of a file of tetrahedra
   bool repair = false;                    ///< allow repairs (flip cells, keep the largest component, ...)
   std::optional<SymmetryPlane> symmetry;  ///< with it only one half of the active nodes is solved
   SourceLocation where;

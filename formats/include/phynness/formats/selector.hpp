@@ -54,6 +54,10 @@ class NodeChoice {
   /// The selected nodes in any order.
   /// @throws Error (input) if the body does not have the named group or node
   virtual NodeList pick(const SelectableBody& body, const PickRequest& request) const = 0;
+  /// The nodes from which it spreads its points over a part of the surface; of other selectors pick().
+  virtual NodeList candidates(const SelectableBody& body, const PickRequest& request) const {
+    return pick(body, request);
+  }
   /// What to do if it selects no node of this body, for messages.
   virtual std::string remedy_if_empty(const SelectableBody& body, const PickRequest& request) const;
   /// Whether the selection depends on the fixed nodes; if so, it cannot define them.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <phynness/formats/described.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
 
@@ -49,6 +50,22 @@ MeshResult make_shell(const std::filesystem::path& file);
 
 /// The checks of quality for any mesh.
 QualityReport measure_quality(const Mesh& mesh);
+
+/// A cell, its quality (QualityReport::min_quality), and where it is.
+struct CellQuality {
+  std::int32_t cell = -1;
+  double quality = 0;
+  Vec3 center_m{};
+  int corners = 4, on_surface = 0, fixed = 0;  ///< how many there are, and how many of them are there
+  PHYNNESS_FIGURES(cell, quality, center_m, on_surface, fixed)
+  /// "cell 871: quality 0.017, at (12.3, 40.1, 8) mm, 3 of its 4 nodes on the surface, 1 fixed" (unless none is).
+  /// @param per_m  of the unit of lengths
+  std::string str(double per_m = 1000, const char* unit = " mm") const;
+};
+/// @param fixed  nodes, ascending
+CellQuality cell_quality(const Mesh& mesh, std::int32_t cell, const NodeList& fixed);
+/// The cells of lowest quality, the worst first.
+std::vector<CellQuality> worst_cells(const Mesh& mesh, const NodeList& fixed, std::size_t count = 3);
 
 /// Edges of the cells, the smaller node first, ascending.
 std::vector<std::array<std::int32_t, 2>> mesh_edges(const Mesh& mesh);

@@ -19,6 +19,8 @@ struct BoundSpec {
 
 /// The file beside a database that keeps the rays of its calibrations. While a rank solves, it writes FILE.rank-N.
 std::filesystem::path calibration_file(const std::filesystem::path& database);
+/// True for the file of a calibration whose rays are of no use here, and which a calibration replaces.
+bool is_of_another_body(const std::filesystem::path& calibration, const DatabaseHeader& header);
 inline constexpr const char* begin_of_calibration = "phynness calibration 1 ";
 
 struct BoundReport {
