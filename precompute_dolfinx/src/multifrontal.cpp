@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <phynness/formats/error.hpp>
+#include <string>
 
 extern "C" {
 void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*, const double*, const int*,
@@ -71,7 +73,12 @@ struct Multifrontal::Groups {
         if (group[j] != g && head[group[j]] == j) neighbour.push_back(group[j]);
       start.push_back(static_cast<idx_t>(neighbour.size()));
     }
-    METIS_NodeND(&m, start.data(), neighbour.data(), weight.data(), nullptr, order.data(), place.data());
+    std::iota(order.begin(), order.end(), 0);
+    place = order;
+    if (!neighbour.empty() && METIS_NodeND(&m, start.data(), neighbour.data(), weight.data(), nullptr, order.data(),
+                                           place.data()) != METIS_OK)
+      throw failure("METIS could not order the unknowns of a tangent", std::to_string(n) + " unknowns",
+                    "usually the memory is too small: use fewer ranks on each machine");
     rows.resize(m);
     structure.resize(m);
     for (int i = 0; i < n; ++i) rows[place[group[i]]].push_back(i);

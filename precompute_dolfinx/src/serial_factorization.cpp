@@ -11,7 +11,8 @@ namespace phynness {
 bool SerialFactorization::factorize(Mat matrix) {
   _good = false;
   try {
-    PetscInt n = 0, *row_start = nullptr, *column = nullptr;
+    PetscInt n = 0;
+    const PetscInt *row_start = nullptr, *column = nullptr;
     PetscScalar* values = nullptr;
     PHYNNESS_PETSC(MatGetSize(matrix, &n, nullptr));
     PHYNNESS_PETSC(MatSeqAIJGetCSRAndMemType(matrix, &row_start, &column, &values, nullptr));

@@ -61,7 +61,7 @@ extern "C" PetscErrorCode MatCholeskyFactorNumeric(Mat factors, Mat matrix, cons
   return code;
 }
 
-extern "C" PetscErrorCode MatSeqAIJGetCSRAndMemType(Mat matrix, PetscInt** i, PetscInt** j, PetscScalar** a,
+extern "C" PetscErrorCode MatSeqAIJGetCSRAndMemType(Mat matrix, const PetscInt** i, const PetscInt** j, PetscScalar** a,
                                                     PetscMemType* type) {
   using namespace phynness::test;
   static const auto real = of_petsc<decltype(MatSeqAIJGetCSRAndMemType)>("MatSeqAIJGetCSRAndMemType");
