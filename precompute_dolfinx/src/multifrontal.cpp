@@ -168,7 +168,7 @@ void Multifrontal::build_fronts(const Groups& groups) {
         continue;
       }
       std::sort(node.members.begin(), node.members.end());
-      Front front{static_cast<int>(_order.size()), node.pivots, node.size, visit.level, 0, {}, {}, visit.children};
+      Front front{static_cast<int>(_order.size()), node.pivots, node.size, visit.level, 0, 0, {}, {}, visit.children};
       for (const int g : node.members) {
         start_of[g] = static_cast<int>(_order.size());
         _order.insert(_order.end(), groups.rows[g].begin(), groups.rows[g].end());
@@ -215,7 +215,7 @@ void Multifrontal::build_fronts(const Groups& groups) {
 void Multifrontal::find_entries(std::span<const std::int32_t> row_start, std::span<const std::int32_t> column) {
   std::vector<int> place(_order.size());
   for (std::size_t k = 0; k < _order.size(); ++k) place[_order[k]] = static_cast<int>(k);
-  for (const auto& front : _fronts)
+  for (auto& front : _fronts) {
     for (int c = 0; c < front.pivots; ++c) {
       const int i = _order[front.first + c];
       for (auto k = row_start[i]; k < row_start[i + 1]; ++k) {
@@ -227,14 +227,17 @@ void Multifrontal::find_entries(std::span<const std::int32_t> row_start, std::sp
         _entries.push_back({k, front.factors + static_cast<std::size_t>(c) * front.size + r});
       }
     }
+    front.last_entry = _entries.size();
+  }
 }
 
 bool Multifrontal::factorize(std::span<const double> values) {
   _negative = 0;
   _top[0] = _top[1] = 0;
-  std::ranges::fill(_factors, 0.0);
-  for (const auto& entry : _entries) _factors[entry.to] = values[entry.from];
+  std::size_t k = 0;
   for (auto& front : _fronts) {
+    std::fill_n(_factors.data() + front.factors, static_cast<std::size_t>(front.size) * front.pivots, 0.0);
+    for (; k < front.last_entry; ++k) _factors[_entries[k].to] = values[_entries[k].from];
     const int parity = front.level % 2;
     double* rest = _stack[parity].data() + _top[parity];
     gather(front, _stack[1 - parity], rest);

@@ -32,6 +32,7 @@ class Multifrontal {
     int pivots, size;        ///< columns that are eliminated, and all
     int level;               ///< distance from the root
     std::size_t factors;     ///< position of its columns of L (size x pivots) in _factors
+    std::size_t last_entry;  ///< end of its entries in _entries
     std::vector<int> row;    ///< rows of A below the pivots
     std::vector<int> place;  ///< of each of these, the place in the parent's front
     std::vector<int> children;
