@@ -49,7 +49,12 @@ endif()
 target_include_directories(phynness_dolfinx SYSTEM INTERFACE ${UFCX_INCLUDE_DIR} ${DOLFINX_INCLUDE_DIRS} ${PETSC_INCLUDE_DIRS})
 target_link_libraries(phynness_dolfinx INTERFACE ${DOLFINX_LINK_LIBRARIES} ${PETSC_LINK_LIBRARIES} MPI::MPI_CXX)
 find_library(PHYNNESS_BASIX_LIBRARY basix REQUIRED)
-target_link_libraries(phynness_dolfinx INTERFACE ${PHYNNESS_BASIX_LIBRARY})
+# For our own LDL^T; MUMPS, in PETSc, needs BLAS too.
+find_library(PHYNNESS_BLAS_LIBRARY blas REQUIRED)
+find_library(PHYNNESS_METIS_LIBRARY metis REQUIRED)
+find_path(PHYNNESS_METIS_INCLUDE_DIR metis.h REQUIRED)
+target_include_directories(phynness_dolfinx SYSTEM INTERFACE ${PHYNNESS_METIS_INCLUDE_DIR})
+target_link_libraries(phynness_dolfinx INTERFACE ${PHYNNESS_BASIX_LIBRARY} ${PHYNNESS_METIS_LIBRARY} ${PHYNNESS_BLAS_LIBRARY})
 target_compile_definitions(phynness_dolfinx INTERFACE
   DOLFINX_VERSION="${DOLFINX_VERSION}" PHYNNESS_DOLFINX=${DOLFINX_VERSION_NUMBER} OMPI_SKIP_MPICXX MPICH_SKIP_MPICXX)
 message(STATUS "dolfinx ${DOLFINX_VERSION}, PETSc ${PETSC_VERSION}, ffcx include ${UFCX_INCLUDE_DIR}")

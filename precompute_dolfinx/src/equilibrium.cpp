@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "equilibrium_impl.hpp"
-#include "factorization.hpp"
 
 namespace phynness {
 

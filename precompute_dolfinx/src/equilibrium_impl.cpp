@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "factorization.hpp"
+#include "serial_factorization.hpp"
 
 namespace phynness {
 
@@ -18,7 +18,7 @@ Equilibrium::Impl::Impl(Discretization& discretization, const std::vector<std::i
                         const SolverSpec& spec, LinearSolver* shared)
     : body(discretization),
       options(spec),
-      own(shared ? nullptr : std::make_unique<Factorization>()),
+      own(shared ? nullptr : std::make_unique<SerialFactorization>()),
       linear(shared ? shared : own.get()),
       tangent(discretization, fixed_dofs),
       pressures(unknowns_of(tangent, discretization.pressure_dofs())) {

@@ -1,4 +1,4 @@
-// LDL^T by MUMPS, for a single process or a team.
+// LDL^T by MUMPS, for a team of ranks.
 #pragma once
 
 #include "linear_solver.hpp"

@@ -1,5 +1,7 @@
-// Failures of PETSc and MUMPS, made from outside: this program defines two functions of PETSc that the solver calls,
-// which pass the call on to the library. Included once in a program, linked before PETSc.
+// Failures of PETSc, MUMPS and memory, made from outside: this program defines functions of PETSc that the solver calls
+// in factorizations and substitutions, which pass the call on to the library: MUMPS, which teams of ranks use, is
+// called by MatCholeskyFactorNumeric, our own factorization reads the matrix by MatSeqAIJGetCSRAndMemType, and
+// substitutions of both end with a VecNorm of this type only. Included once in a program, linked before PETSc.
 #pragma once
 
 #include <dlfcn.h>
@@ -8,14 +10,15 @@
 #include <cmath>
 #include <functional>
 #include <new>
+#include <vector>
 
 namespace phynness::test {
 
 enum class FaultSite { factorization, substitution };
 enum class Fault {
   none,
-  singular,       ///< factorization: MUMPS receives a matrix with an empty row
-  out_of_memory,  ///< factorization: MUMPS may use 1 MB only
+  singular,       ///< factorization: of a matrix with an empty row
+  out_of_memory,  ///< factorization: MUMPS may use 1 MB only; std::bad_alloc in our own
   not_finite,     ///< NaN in the matrix, as of a kernel, or in the solution
   petsc_error,    ///< the call fails
   bad_alloc,      ///< std::bad_alloc is thrown
@@ -58,13 +61,33 @@ extern "C" PetscErrorCode MatCholeskyFactorNumeric(Mat factors, Mat matrix, cons
   return code;
 }
 
-extern "C" PetscErrorCode MatSolve(Mat factors, Vec b, Vec x) {
+extern "C" PetscErrorCode MatSeqAIJGetCSRAndMemType(Mat matrix, const PetscInt** i, const PetscInt** j, PetscScalar** a,
+                                                    PetscMemType* type) {
   using namespace phynness::test;
-  static const auto real = of_petsc<decltype(MatSolve)>("MatSolve");
+  static const auto real = of_petsc<decltype(MatSeqAIJGetCSRAndMemType)>("MatSeqAIJGetCSRAndMemType");
   PetscErrorCode code{};
-  const Fault fault = fault_at(FaultSite::substitution, code);
+  const Fault fault = fault_at(FaultSite::factorization, code);
   if (fault == Fault::petsc_error) return code;
-  PetscCall(real(factors, b, x));
-  if (fault == Fault::not_finite) PetscCall(VecSet(x, std::nan("")));
+  if (fault == Fault::out_of_memory) throw std::bad_alloc();
+  PetscCall(real(matrix, i, j, a, type));
+  if (fault != Fault::singular && fault != Fault::not_finite) return PetscErrorCode{};
+  PetscInt n = 0;
+  PetscCall(MatGetSize(matrix, &n, nullptr));
+  static std::vector<PetscScalar> copy;
+  copy.assign(*a, *a + (*i)[n]);
+  for (PetscInt row = 0; row < n; ++row)
+    for (PetscInt k = (*i)[row]; k < (*i)[row + 1]; ++k)
+      if (row == n / 2 || (*j)[k] == n / 2) copy[k] = row == (*j)[k] && fault == Fault::not_finite ? std::nan("") : 0.0;
+  *a = copy.data();
   return PetscErrorCode{};
+}
+
+extern "C" PetscErrorCode VecNorm(Vec x, NormType type, PetscReal* value) {
+  using namespace phynness::test;
+  static const auto real = of_petsc<decltype(VecNorm)>("VecNorm");
+  PetscErrorCode code{};
+  const Fault fault = type == NORM_1 ? fault_at(FaultSite::substitution, code) : Fault::none;
+  if (fault == Fault::petsc_error) return code;
+  if (fault == Fault::not_finite) PetscCall(VecSet(x, std::nan("")));
+  return real(x, type, value);
 }
