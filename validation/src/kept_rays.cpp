@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -42,16 +43,17 @@ std::string text_of(const ToolRay& ray) {
 }
 
 /// Hash of what forces of tools depend on: not of the nodes, directions and depths that a database has.
-std::string hash_of_body(const DatabaseHeader& header) {
+std::string hash_of_body(const VariantBody& body, Variant variant) {
   Fnv1a64 hash;
-  std::istringstream lines(physics_summary(stored_scene(header)));
+  if (variant != Variant::scene) hash.add(name(variant));
+  std::istringstream lines(physics_summary(body.scene));
   for (std::string line; std::getline(lines, line);) {
     const auto is_of = [&](const char* begin) { return line.starts_with(begin); };
     if (!is_of("nodes.") && !is_of("probe.directions") && !is_of("probe.increments") &&
         !is_of("probe.max_displacement_m") && !is_of("mesh.symmetry"))
       hash.add(line);
   }
-  for (const auto node : header.sets.fixed) hash.add(fmt::format(" {}", node));
+  for (const auto node : body.sets.fixed) hash.add(fmt::format(" {}", node));
   return hash.hex();
 }
 
@@ -92,7 +94,9 @@ std::vector<fs::path> parts_of(const fs::path& file) {
 
 }  // namespace
 
-fs::path calibration_file(const fs::path& database) { return database.string() + ".calibration"; }
+fs::path calibration_file(const fs::path& database, Variant reference) {
+  return database.string() + ".calibration" + (reference == Variant::scene ? "" : fmt::format("-{}", name(reference)));
+}
 
 std::vector<phn_tool> tools_at(const ToolRay& ray, double part) {
   auto tools = ray.tools;
@@ -101,12 +105,15 @@ std::vector<phn_tool> tools_at(const ToolRay& ray, double part) {
   return tools;
 }
 
-KeptRays::KeptRays(const SolverSession& session, const DatabaseHeader& header, const fs::path& file,
+KeptRays::KeptRays(const SolverSession& session, const DatabaseHeader& header, Variant reference, const fs::path& file,
                    std::function<bool()> stop)
     : _session(session),
+      _header(header),
+      _body(variant_body(reference, {stored_scene(header), header.mesh, header.sets})),
       _file(file),
-      _begin(fmt::format("{}mesh {} body {}\n", begin_of_calibration, header.mesh_hash, hash_of_body(header))),
-      _solver(stored_scene(header), header.mesh, header.sets) {
+      _begin(fmt::format("{}mesh {} body {}\n", begin_of_calibration, header.mesh_hash,
+                         hash_of_body(_body, reference))),
+      _solver(_body.scene, _body.mesh, _body.sets) {
   _solver.set_stop(std::move(stop));
   if (_file.empty()) return;
   session.together([&] {
@@ -157,15 +164,24 @@ std::vector<Vec3> KeptRays::forces(const ToolRay& ray) {
   return forces;
 }
 
+/// On a finer mesh the triangle of a point between nodes is another one.
+SurfacePoint KeptRays::point_of(const phn_tool& tool) const {
+  SurfacePoint point;
+  Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    point.nodes[k] = tool.nodes[k] < 0 ? tool.nodes[0] : tool.nodes[k];
+    point.weights[k] = tool.weights[k];
+    x += point.weights[k] * _body.mesh.nodes.row(point.nodes[k]);
+  }
+  if (_body.mesh.n_nodes() == _header.mesh.n_nodes() || std::ranges::max(point.weights) == 1) return point;
+  return nearest_on_surface(_body.mesh.nodes, _body.mesh.surface, {x[0], x[1], x[2]});
+}
+
 std::vector<Vec3> KeptRays::solve(const ToolRay& ray) {
   std::vector<Vec3> forces, d;
   std::vector<SurfacePoint> points;
   for (const auto& tool : ray.tools) {
-    auto& point = points.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      point.nodes[k] = tool.nodes[k] < 0 ? tool.nodes[0] : tool.nodes[k];
-      point.weights[k] = tool.weights[k];
-    }
+    points.push_back(point_of(tool));
     d.push_back({tool.displacement[0], tool.displacement[1], tool.displacement[2]});
   }
   try {
