@@ -33,14 +33,15 @@ void print(const BoundReport& report, const Model& model, const Options& options
   print_result(
       "median bound of the force's error{}: {:.3g} {}, {:.3g} % of the force; {:.1f} % of the errors of {} left out of "
       "the calibration are below their bound\n",
-      model.bounds.at(0).from(), unit.per_N * report.median_bound_N, unit.name,
-      100 * report.median_share, 100 * c.all, report.all_nodes ? "rays" : "nodes");
+      model.bounds.at(0).from(), unit.per_N * report.median_bound_N, unit.name, 100 * report.median_share, 100 * c.all,
+      report.all_nodes ? "rays" : "nodes");
   print_result("{} random rays at {} nodes, {} states inside the trained range, {} rays ended early; {}\n", report.rays,
                report.nodes, report.states, report.failed_rays, duration(report.seconds));
   if (report.taken_rays > 0)
     print_result("{} of all rays are taken from {}, the others are added to it\n", report.taken_rays,
                  calibration_file(options.database, report.reference).string());
-  if (const auto failed = report.failed_rays + report.failed_coupled_rays; failed > 0 && report.reference != Variant::scene)
+  if (const auto failed = report.failed_rays + report.failed_coupled_rays;
+      failed > 0 && report.reference != Variant::scene)
     message(
         "note: the finer solution ends early at {} of {} rays where the model's own finite elements go on; the bound "
         "says nothing of the displacements behind\n",
@@ -67,14 +68,16 @@ json as_json(const BoundReport& report, const Model& model) {
 }
 
 /// Says what a finer solution takes, before it starts. @throws Error (input) if there is none
-void check_reference(const Database& database, const Scene& scene, const BoundSpec& spec, const SolverSession& session) {
+void check_reference(const Database& database, const Scene& scene, const BoundSpec& spec,
+                     const SolverSession& session) {
   if (spec.reference == Variant::scene) return;
   const auto cost = finer_cost(database, scene, spec, session.size());
   const auto memory = machine_memory_bytes();
   if (cost.memory_bytes > memory)
-    throw input_error("the finer solution does not fit into the memory of this machine",
-                      fmt::format("about {} on {} ranks, of {}", bytes(cost.memory_bytes), session.size(), bytes(memory)),
-                      session.size() > 1 ? "use fewer ranks, or a coarser mesh" : "use a coarser mesh");
+    throw input_error(
+        "the finer solution does not fit into the memory of this machine",
+        fmt::format("about {} on {} ranks, of {}", bytes(cost.memory_bytes), session.size(), bytes(memory)),
+        session.size() > 1 ? "use fewer ranks, or a coarser mesh" : "use a coarser mesh");
   if (session.rank() == 0)
     message("note: {} rays of {} take about {} and {} of memory, by the times of the database\n", spec.rays,
             name(spec.reference), duration(cost.seconds), bytes(cost.memory_bytes));

@@ -24,6 +24,8 @@ namespace phynness {
 namespace {
 
 constexpr std::size_t states_per_ray = 3, rays_per_node = 10;
+/// The distance to a finer solution is a property of the place more than of the state.
+constexpr std::size_t finer_rays_per_node = 2;
 /// Of the rays of nodes, as many are solved of one tool between nodes, and of two tools.
 constexpr std::int64_t coupled_part = 5;
 /// More than bounds need: some rays fail.
@@ -96,6 +98,26 @@ void add_states(const LoadedModel& model, std::size_t index, const ToolRay& ray,
       out.states.push_back(x);
   }
   out.failed += forces.size() < ray.parts.size();
+}
+
+/// A finer solution is off by nearly the same share along a ray, which the stiffness at rest tells: in place of J the
+/// logarithm of the difference of both in the direction of each trained displacement. @param stiffness  of each node:
+/// its index, and the columns of the finer solution's [N/m]
+void predict_by_rest(const LoadedModel& model, const std::vector<double>& stiffness, BoundPredictors& predictors) {
+  constexpr double least = 1e-4;
+  if (stiffness.size() < 10 * model.model().nodes.size()) return;  // one failed, or an early end
+  const auto& displacements = model.model().displacements;
+  for (std::size_t at = 0; at + 10 <= stiffness.size(); at += 10) {
+    const auto node = static_cast<std::size_t>(stiffness[at]);
+    std::array<double, 9> own{};
+    if (model.data().stiffness(model.model().nodes[node].node, std::array{0.0, 0.0, 0.0}, own) < 0) return;
+    const Eigen::Matrix3d off =
+        Eigen::Map<const Eigen::Matrix3d>(own.data()) - Eigen::Map<const Eigen::Matrix3d>(&stiffness[at + 1]);
+    for (Eigen::Index row = 0; row < displacements.rows(); ++row)
+      predictors.crush[node][static_cast<std::size_t>(row)] =
+          std::log(std::max(least, (off * displacements.row(row).transpose().normalized()).norm() *
+                                       model.model().max_displacement_m / predictors.largest_N[node]));
+  }
 }
 
 std::vector<BoundState> states_of(const std::vector<double>& numbers) {
@@ -182,7 +204,9 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
   });
   const std::size_t n_active = model.model().nodes.size();
   const auto n_rays = static_cast<std::size_t>(spec.rays);
-  const std::size_t n_nodes = std::min(n_active, std::max(fewest_nodes, n_rays / rays_per_node));
+  const std::size_t n_nodes = std::min(
+      n_active,
+      std::max(fewest_nodes, n_rays / (spec.reference == Variant::scene ? rays_per_node : finer_rays_per_node)));
   std::mt19937_64 random(spec.seed);
   const auto sample = sampled_nodes(n_nodes, n_active, random);
   KeptRays rays(session, header, spec.reference, spec.file, stop);
@@ -219,6 +243,16 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
       solved.failed += of_this.failed;
     });
   });
+  std::vector<double> at_rest;
+  if (spec.reference != Variant::scene)
+    session.together([&] {
+      share_out(session, static_cast<std::int64_t>(n_active), {}, stop, [&](std::size_t i) {
+        const auto columns = rays.forces({{{{model.model().nodes[i].node, -1, -1}, {1, 0, 0}, {}}}, {}});
+        if (columns.size() < 3) return;
+        at_rest.push_back(static_cast<double>(i));
+        for (const auto& column : columns) at_rest.insert(at_rest.end(), column.begin(), column.end());
+      });
+    });
   const bool go_on = session.sum(stop && stop() ? 1 : 0) == 0;
   session.together([&] {
     finished_rays = share_out(session, go_on ? report.planned_coupled_rays : 0,
@@ -256,6 +290,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     flagged[kind] = all > 0 ? left_out_states / all : 0;
   }
   const auto states = states_of(session.gather(solved.states));
+  predict_by_rest(model, session.gather(at_rest), predictors);
   auto coupled_states = unpacked<CoupledState>(session.gather(coupled_rows));
   std::ranges::stable_sort(coupled_states, {}, [](const auto& s) { return std::pair{s.ray, s.n_tools}; });
   Model bounded = model.model();

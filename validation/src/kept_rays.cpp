@@ -77,7 +77,7 @@ std::optional<std::vector<Vec3>> forces_of(const std::string& text, const ToolRa
     if (code != std::errc{} || end != word.data() + word.size() || !std::isfinite(values.back())) return {};
   }
   const auto n = 3 * ray.tools.size();
-  if (values.size() % n != 0 || values.size() > n * ray.parts.size()) return {};
+  if (values.size() % n != 0 || values.size() > n * (ray.parts.empty() ? 3 : ray.parts.size())) return {};
   std::vector<Vec3> forces(values.size() / 3);
   for (std::size_t i = 0; i < values.size(); ++i) forces[i / 3][i % 3] = values[i];
   return forces;
@@ -111,8 +111,8 @@ KeptRays::KeptRays(const SolverSession& session, const DatabaseHeader& header, V
       _header(header),
       _body(variant_body(reference, {stored_scene(header), header.mesh, header.sets})),
       _file(file),
-      _begin(fmt::format("{}mesh {} body {}\n", begin_of_calibration, header.mesh_hash,
-                         hash_of_body(_body, reference))),
+      _begin(
+          fmt::format("{}mesh {} body {}\n", begin_of_calibration, header.mesh_hash, hash_of_body(_body, reference))),
       _solver(_body.scene, _body.mesh, _body.sets) {
   _solver.set_stop(std::move(stop));
   if (_file.empty()) return;
@@ -190,6 +190,9 @@ std::vector<Vec3> KeptRays::solve(const ToolRay& ray) {
       _solver.touch_points(points);
       _touched = places;
     }
+    if (ray.parts.empty())
+      for (const auto& column : _solver.rest().stiffness_N_per_m.colwise())
+        forces.push_back({column[0], column[1], column[2]});
     _solver.follow(d, ray.parts, false, [&](std::size_t, const Response& response) {
       if (response.status != Status::converged) return false;
       forces.insert(forces.end(), response.force_N.begin(), response.force_N.end());

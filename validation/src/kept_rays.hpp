@@ -16,7 +16,7 @@ namespace phynness {
 /// Tools at places of the surface, which move to these parts of their displacements.
 struct ToolRay {
   std::vector<phn_tool> tools;
-  std::vector<double> parts;  ///< ascending, in (0, 1]
+  std::vector<double> parts;  ///< ascending, in (0, 1]; none: the forces at rest of 1 m in x, y and z, of one tool
 };
 
 /// The tools of a ray at one of its parts.

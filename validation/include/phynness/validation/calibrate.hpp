@@ -16,7 +16,7 @@ struct BoundSpec {
   std::uint64_t seed = 1;
   double coverage = 0.95;
   Variant reference = Variant::scene;  ///< the finite elements from which the bound states the distance
-  std::filesystem::path file;  ///< keeps what is solved (calibration_file); empty: nothing is kept
+  std::filesystem::path file;          ///< keeps what is solved (calibration_file); empty: nothing is kept
 };
 
 /// The file beside a database that keeps the rays of its calibrations. While a rank solves, it writes FILE.rank-N.
