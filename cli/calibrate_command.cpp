@@ -79,7 +79,7 @@ void check_reference(const Database& database, const Scene& scene, const BoundSp
         fmt::format("about {} on {} ranks, of {}", bytes(cost.memory_bytes), session.size(), bytes(memory)),
         session.size() > 1 ? "use fewer ranks, or a coarser mesh" : "use a coarser mesh");
   if (session.rank() == 0)
-    message("note: {} rays of {} take up to {} and {} of memory, by the times of the database\n", spec.rays,
+    message("note: {} rays of {} take about {} and {} of memory, by the times of the database\n", spec.rays,
             name(spec.reference), duration(cost.seconds), bytes(cost.memory_bytes));
 }
 

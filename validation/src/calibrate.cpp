@@ -181,10 +181,11 @@ FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSp
     if (status == Status::converged) increments += static_cast<double>(count);
   const double unknowns = variant_unknowns(spec.reference, scene.solver.element, header.mesh);
   const double finer = unknowns / variant_unknowns(Variant::scene, scene.solver.element, header.mesh);
+  const auto at_rest = static_cast<double>(header.sets.active.size());  // as much work as an increment at each
   Scene sized = scene;
   sized.validation.calibration_rays = spec.rays;
-  return {sizes_of_checks(sized, header, true).calibration_increments * summary.seconds / std::max(1.0, increments) *
-              std::pow(finer, cost_exponent) / ranks,
+  return {(sizes_of_checks(sized, header, true).calibration_increments + at_rest) * summary.seconds /
+              std::max(1.0, increments) * std::pow(finer, cost_exponent) / ranks,
           bytes_per_factor * std::pow(unknowns, 4.0 / 3) * ranks};
 }
 
