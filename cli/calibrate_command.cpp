@@ -9,11 +9,15 @@
 namespace phynness::cli::calibrate_command {
 namespace {
 
+/// Enough for bounds, and an increment of Taylor-Hood elements takes 20 times as long.
+constexpr std::int64_t rays_of_finer = 100;
+
 struct Options {
   std::filesystem::path model, database, output;
   OptionalPath json_file, scene;
   std::optional<std::int64_t> rays;
   std::int64_t seed = 1;
+  std::string reference = "scene";
   bool details = false;
 };
 
@@ -23,19 +27,25 @@ void print_coverage(const BoundCoverage& c) {
       100 * c.thirds[0], 100 * c.thirds[1], 100 * c.thirds[2], c.width);
 }
 
-void print(const BoundReport& report, const Options& options) {
+void print(const BoundReport& report, const Model& model, const Options& options) {
   const auto& c = report.left_out;
   const ForceUnit unit = force_unit(report.median_bound_N);
   print_result(
-      "median bound of the force's error: {:.3g} {}; {:.1f} % of the errors of {} left out of the calibration are "
-      "below "
-      "their bound\n",
-      unit.per_N * report.median_bound_N, unit.name, 100 * c.all, report.all_nodes ? "rays" : "nodes");
+      "median bound of the force's error{}: {:.3g} {}, {:.3g} % of the force; {:.1f} % of the errors of {} left out of "
+      "the calibration are below their bound\n",
+      model.bounds.at(0).from(), unit.per_N * report.median_bound_N, unit.name, 100 * report.median_share, 100 * c.all,
+      report.all_nodes ? "rays" : "nodes");
   print_result("{} random rays at {} nodes, {} states inside the trained range, {} rays ended early; {}\n", report.rays,
                report.nodes, report.states, report.failed_rays, duration(report.seconds));
   if (report.taken_rays > 0)
     print_result("{} of all rays are taken from {}, the others are added to it\n", report.taken_rays,
-                 calibration_file(options.database).string());
+                 calibration_file(options.database, report.reference).string());
+  if (const auto failed = report.failed_rays + report.failed_coupled_rays;
+      failed > 0 && report.reference != Variant::scene)
+    message(
+        "note: the finer solution ends early at {} of {} rays where the model's own finite elements go on; the bound "
+        "says nothing of the displacements behind\n",
+        failed, report.rays + report.coupled_rays);
   if (options.details) print_coverage(c);
   for (const auto& [name, kind] : {std::pair{"one tool between nodes", report.between}, {"two tools", report.two}}) {
     const auto flagged = fmt::format("{:.0f} % of the states drawn are flagged and have none", 100 * kind.flagged);
@@ -57,6 +67,22 @@ json as_json(const BoundReport& report, const Model& model) {
   return out;
 }
 
+/// Says what a finer solution takes, before it starts. @throws Error (input) if there is none
+void check_reference(const Database& database, const Scene& scene, const BoundSpec& spec,
+                     const SolverSession& session) {
+  if (spec.reference == Variant::scene) return;
+  const auto cost = finer_cost(database, scene, spec, session.size());
+  const auto memory = machine_memory_bytes();
+  if (cost.memory_bytes > memory)
+    throw input_error(
+        "the finer solution does not fit into the memory of this machine",
+        fmt::format("about {} on {} ranks, of {}", bytes(cost.memory_bytes), session.size(), bytes(memory)),
+        session.size() > 1 ? "use fewer ranks, or a coarser mesh" : "use a coarser mesh");
+  if (session.rank() == 0)
+    message("note: {} rays of {} take about {} and {} of memory, by the times of the database\n", spec.rays,
+            name(spec.reference), duration(cost.seconds), bytes(cost.memory_bytes));
+}
+
 void run(const Options& given) {
   Options options = given;
   if (options.output.empty()) check_place("MODEL_DIR", options.output = options.model, PathKind::model);
@@ -76,10 +102,16 @@ void run(const Options& given) {
   BoundSpec spec;
   session.together([&] {
     const auto scene = options.scene ? open_scene(*options.scene) : stored_scene(database->header());
-    spec.rays = options.rays.value_or(sizes_of_checks(scene, database->header(), true).calibration_rays);
+    if (options.reference != "scene") spec.reference = finer_reference(scene);
+    for (const auto v : variants)
+      if (options.reference == name(v)) spec.reference = v;
+    spec.rays = options.rays.value_or(spec.reference == Variant::scene
+                                          ? sizes_of_checks(scene, database->header(), true).calibration_rays
+                                          : rays_of_finer);
+    check_reference(*database, scene, spec, session);
   });
   spec.seed = static_cast<std::uint64_t>(options.seed);
-  spec.file = calibration_file(options.database);
+  spec.file = calibration_file(options.database, spec.reference);
   session.together([&] {
     check_own_text("DATABASE", spec.file, begin_of_calibration);
     declare_output("DATABASE", spec.file);
@@ -91,7 +123,7 @@ void run(const Options& given) {
     spec.file.clear();
   }
   session.together([&] {
-    if (session.rank() == 0 && is_of_another_body(spec.file, database->header()))
+    if (session.rank() == 0 && is_of_another_body(spec.file, database->header(), spec.reference))
       message("warning: the solved rays in {} are of another body, and are replaced\n", spec.file.string());
   });
   const Model bounded =
@@ -99,7 +131,7 @@ void run(const Options& given) {
   session.together([&] {
     if (session.rank() != 0) return;
     write_model_dir(options.output, bounded, model->mesh());
-    print(report, options);
+    print(report, bounded, options);
     write_json(options.json_file, as_json(report, bounded));
     if (report.interrupted())
       throw failure(
@@ -123,7 +155,13 @@ void add(CLI::App& app) {
            "scene of the model, if it takes only some nodes of the database");
   add_count(command, "--rays", options.rays, 100, 1'000'000,
             "random rays, ten at each of a tenth as many nodes, but at least 20 (default: validation.calibration_rays "
-            "of the scene)");
+            "of the scene; 100 with another --reference)");
+  command
+      .add_option("--reference", options.reference,
+                  "the solution from which bounds state the distance of forces: the scene's own finite elements, or a "
+                  "finer one; finer: taylor-hood, or half-size where the scene has none")
+      ->check(CLI::IsMember({"scene", "finer", "taylor-hood", "half-size"}))
+      ->capture_default_str();
   add_count(command, "--seed", options.seed, 0, std::int64_t{1} << 53, "of the random numbers")->capture_default_str();
   add_json(command, options.json_file);
   command.add_flag("--details", options.details, "print shares by depth and the width of the bounds");

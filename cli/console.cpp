@@ -95,6 +95,10 @@ std::string duration(double seconds) {
   return fmt::format("{} h {:02} min", s / 3600, s / 60 % 60);
 }
 
+double machine_memory_bytes() {
+  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+}
+
 std::string bytes(double n) {
   if (n < 1e3) return fmt::format("{:.0f} B", n);
   if (n < 1e6) return fmt::format("{:.1f} kB", n / 1e3);

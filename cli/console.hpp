@@ -43,6 +43,7 @@ void end_at_signals(const char* words);
 
 /// "3 min 12 s", "48 s", "2 h 05 min"
 std::string duration(double seconds);
+double machine_memory_bytes();
 /// "12.3 MB"
 std::string bytes(double n);
 template <std::integral Count>

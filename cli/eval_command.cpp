@@ -162,9 +162,10 @@ void run_motion(const Options& options) {
 }
 
 void print_bound(const LoadedModel& model, int status, const std::optional<double>& bound_N) {
+  const auto& bound = model.model().bounds.at(0);
   if (bound_N)
-    print_result("error of the force: at most {:.3g} N for {:g} % of random displacements\n", *bound_N,
-                 100 * model.model().bounds.at(0).coverage);
+    print_result("error of the force{}: at most {:.3g} N for {:g} % of random displacements\n", bound.from(), *bound_N,
+                 100 * bound.coverage);
   else if ((status & PHN_WARNING_OUTSIDE) != 0)
     print_result("error of the force: unknown outside of the trained range\n");
   else if ((status & PHN_WARNING_UNSETTLED) != 0)

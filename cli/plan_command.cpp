@@ -187,8 +187,7 @@ Plan make_plan(const Options& options, const LoadedScene& loaded, const Database
   plan.model_text_bytes = model.model_text_bytes;
   plan.mesh_text_bytes = model.mesh_text_bytes;
   plan.memory_bytes_per_rank = peak_memory_bytes();
-  plan.machine_memory_bytes =
-      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  plan.machine_memory_bytes = machine_memory_bytes();
   return plan;
 }
 

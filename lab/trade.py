@@ -45,10 +45,11 @@ def main():
     parser.add_argument("-o", "--output", required=True)
     given = parser.parse_args()
     n = len(given.files)
+    columns, rows = min(n, 2), -(-n // 2)
     data, plots = zip(*(panel(k, path) for k, path in enumerate(given.files)))
-    program = "".join(data) + f"""set terminal svg size {500 * n},430 font 'sans-serif,12' background 'white'
+    program = "".join(data) + f"""set terminal svg size {500 * columns},{430 * rows} font 'sans-serif,12' background 'white'
 set output '{given.output}'
-set multiplot layout 1,{n}
+set multiplot layout {rows},{columns}
 set logscale xy
 set xlabel 'core-hours of the database'
 set ylabel 'mean error of the force (%)'

@@ -48,10 +48,19 @@ std::string ratio_in_words(double ratio) {
   return "right within 5 %";
 }
 
+namespace {
+std::string in_words(const std::string& reference, const std::string& element) {
+  return reference == "half-size" ? element + " elements of half the size" : reference + " elements on the same mesh";
+}
+}  // namespace
+
+std::string ModelBound::from() const {
+  return reference == 0 ? "" : " from " + in_words(reference == 1 ? "taylor-hood" : "half-size", "the same");
+}
+
 std::string FinerDistance::sentence() const {
   const auto percent = [](double error) { return fixed(100 * error, error < 0.0995 ? 1 : 0) + " %"; };
-  const std::string finer =
-      reference == "half-size" ? element + " elements of half the size" : reference + " elements on the same mesh";
+  const auto finer = in_words(reference, element);
   if (probes == 0) return "at no probe was there a finer solution (" + finer + ")";
   return percent(mean) + " (p95 " + percent(p95) + ") from a finer solution (" + finer + ") at " +
          std::to_string(probes) + (probes == 1 ? " probe" : " probes") + " of a round tool of " +

@@ -7,10 +7,14 @@
 #include <map>
 #include <optional>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/locking.hpp>
+#include <phynness/meshes/meshes.hpp>
 #include <phynness/validation/calibrate.hpp>
 #include <phynness/validation/probe_plan.hpp>
+#include <phynness/validation/sizes.hpp>
 #include <set>
 
+#include "compared_scene.hpp"
 #include "coupled_states.hpp"
 #include "kept_rays.hpp"
 #include "packed.hpp"
@@ -20,6 +24,8 @@ namespace phynness {
 namespace {
 
 constexpr std::size_t states_per_ray = 3, rays_per_node = 10;
+/// The distance to a finer solution is a property of the place more than of the state.
+constexpr std::size_t finer_rays_per_node = 2;
 /// Of the rays of nodes, as many are solved of one tool between nodes, and of two tools.
 constexpr std::int64_t coupled_part = 5;
 /// More than bounds need: some rays fail.
@@ -27,6 +33,9 @@ constexpr std::int64_t fewest_coupled = 30;
 /// The nodes are a sample of clusters: with fewer, 0.95 (1 + 1 / n) is above 1 and nothing is known of the next node.
 constexpr std::size_t fewest_nodes = 20;
 std::int64_t coupled_rays_per_kind(std::int64_t rays) { return std::max(fewest_coupled, rays / coupled_part); }
+
+/// Over unknowns^(4/3): 55, 150 and 400 MB more than at start for Taylor-Hood on livers of 320, 736 and 1,477 nodes.
+constexpr double bytes_per_factor = 350;
 
 /// A state is exchanged between ranks as this many numbers.
 constexpr std::size_t state_size = 7;
@@ -91,6 +100,26 @@ void add_states(const LoadedModel& model, std::size_t index, const ToolRay& ray,
   out.failed += forces.size() < ray.parts.size();
 }
 
+/// A finer solution is off by nearly the same share along a ray, which the stiffness at rest tells: in place of J the
+/// logarithm of the difference of both in the direction of each trained displacement. @param stiffness  of each node:
+/// its index, and the columns of the finer solution's [N/m]
+void predict_by_rest(const LoadedModel& model, const std::vector<double>& stiffness, BoundPredictors& predictors) {
+  constexpr double least = 1e-4;
+  if (stiffness.size() < 10 * model.model().nodes.size()) return;  // one failed, or an early end
+  const auto& displacements = model.model().displacements;
+  for (std::size_t at = 0; at + 10 <= stiffness.size(); at += 10) {
+    const auto node = static_cast<std::size_t>(stiffness[at]);
+    std::array<double, 9> own{};
+    if (model.data().stiffness(model.model().nodes[node].node, std::array{0.0, 0.0, 0.0}, own) < 0) return;
+    const Eigen::Matrix3d off =
+        Eigen::Map<const Eigen::Matrix3d>(own.data()) - Eigen::Map<const Eigen::Matrix3d>(&stiffness[at + 1]);
+    for (Eigen::Index row = 0; row < displacements.rows(); ++row)
+      predictors.crush[node][static_cast<std::size_t>(row)] =
+          std::log(std::max(least, (off * displacements.row(row).transpose().normalized()).norm() *
+                                       model.model().max_displacement_m / predictors.largest_N[node]));
+  }
+}
+
 std::vector<BoundState> states_of(const std::vector<double>& numbers) {
   std::vector<BoundState> states;
   for (std::size_t at = 0; at + state_size <= numbers.size(); at += state_size) {
@@ -125,14 +154,40 @@ std::vector<BoundedError> left_out(const LoadedModel& model, const BoundPredicto
   return errors;
 }
 
-double median_bound(std::vector<BoundedError> errors) {
-  const auto middle = errors.begin() + std::ssize(errors) / 2;
-  std::nth_element(errors.begin(), middle, errors.end(),
-                   [](const auto& a, const auto& b) { return a.bound_N < b.bound_N; });
-  return middle->bound_N;
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + std::ssize(values) / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 }  // namespace
+
+FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSpec& spec, int ranks) {
+  const auto& header = database.header();
+  if (scene.probe.kind == ProbeKind::node)
+    throw input_error("the force at a single node has no limit on finer meshes, and no finer solution tells its error",
+                      "probe.kind = \"node\"", "give the scene a round tool: kind = \"patch\", tool_radius_m");
+  require_variant(scene, spec.reference);
+  const double edge_m = measure_quality(header.mesh).mean_edge_m;
+  const double locked = expected_force_ratio(scene, edge_m / 2);
+  if (spec.reference == Variant::half_size && locked > warned_force_ratio)
+    throw input_error("cells of half the size lock, too, and tell no error",
+                      fmt::format("element {}, K/mu = {:.4g}: forces about {}", name(scene.solver.element),
+                                  scene.material.bulk_to_shear(), ratio_in_words(locked)),
+                      "give --reference taylor-hood");
+  const auto summary = summarize(database);
+  double increments = 0;
+  for (const auto& [status, count] : summary.states)
+    if (status == Status::converged) increments += static_cast<double>(count);
+  const double unknowns = variant_unknowns(spec.reference, scene.solver.element, header.mesh);
+  const double finer = unknowns / variant_unknowns(Variant::scene, scene.solver.element, header.mesh);
+  const auto at_rest = static_cast<double>(header.sets.active.size());  // as much work as an increment at each
+  Scene sized = scene;
+  sized.validation.calibration_rays = spec.rays;
+  return {(sizes_of_checks(sized, header, true).calibration_increments + at_rest) * summary.seconds /
+              std::max(1.0, increments) * std::pow(finer, cost_exponent) / ranks,
+          bytes_per_factor * std::pow(unknowns, 4.0 / 3) * ranks};
+}
 
 double calibration_increments(std::int64_t rays, int coupled_kinds) {
   return static_cast<double>(states_per_ray) * static_cast<double>(rays + coupled_kinds * coupled_rays_per_kind(rays));
@@ -150,10 +205,12 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
   });
   const std::size_t n_active = model.model().nodes.size();
   const auto n_rays = static_cast<std::size_t>(spec.rays);
-  const std::size_t n_nodes = std::min(n_active, std::max(fewest_nodes, n_rays / rays_per_node));
+  const std::size_t n_nodes = std::min(
+      n_active,
+      std::max(fewest_nodes, n_rays / (spec.reference == Variant::scene ? rays_per_node : finer_rays_per_node)));
   std::mt19937_64 random(spec.seed);
   const auto sample = sampled_nodes(n_nodes, n_active, random);
-  KeptRays rays(session, header, spec.file, stop);
+  KeptRays rays(session, header, spec.reference, spec.file, stop);
   const CoupledRays coupled(model, stored_scene(header).probe);
   const std::int64_t per_kind = coupled_rays_per_kind(spec.rays);
   std::vector<std::pair<std::int32_t, std::int32_t>> coupled_rays;  // number of the ray, and of tools
@@ -161,6 +218,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     for (const std::int32_t n_tools : {1, 2})
       if (coupled.possible(n_tools)) coupled_rays.emplace_back(ray, n_tools);
   report.planned_coupled_rays = std::ssize(coupled_rays);
+  report.reference = spec.reference;
   const auto n_items = static_cast<std::int64_t>(n_nodes) + report.planned_coupled_rays;
   const auto counted = [&](std::int64_t before) {
     return [&, before](std::int64_t done, std::int64_t) {
@@ -170,7 +228,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
   NodeRays solved;
   std::array<DrawnStates, 2> drawn;
   std::vector<double> coupled_rows;
-  std::int64_t finished = 0, finished_rays = 0;
+  std::int64_t finished = 0, finished_rays = 0, failed_coupled = 0;
   session.together([&] {
     finished = share_out(session, static_cast<std::int64_t>(n_nodes), counted(0), stop, [&](std::size_t i) {
       // The rays of a node do not depend on the number of ranks, nor on how many follow.
@@ -186,6 +244,16 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
       solved.failed += of_this.failed;
     });
   });
+  std::vector<double> at_rest;
+  if (spec.reference != Variant::scene)
+    session.together([&] {
+      share_out(session, static_cast<std::int64_t>(n_active), {}, stop, [&](std::size_t i) {
+        const auto columns = rays.forces({{{{model.model().nodes[i].node, -1, -1}, {1, 0, 0}, {}}}, {}});
+        if (columns.size() < 3) return;
+        at_rest.push_back(static_cast<double>(i));
+        for (const auto& column : columns) at_rest.insert(at_rest.end(), column.begin(), column.end());
+      });
+    });
   const bool go_on = session.sum(stop && stop() ? 1 : 0) == 0;
   session.together([&] {
     finished_rays = share_out(session, go_on ? report.planned_coupled_rays : 0,
@@ -197,6 +265,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
                                 if (ray.parts.empty()) return;
                                 const auto forces = rays.forces(ray);
                                 const auto n = static_cast<std::size_t>(n_tools);
+                                failed_coupled += forces.size() < n * ray.parts.size();
                                 for (std::size_t at = 0; at < forces.size(); at += n) {
                                   CoupledState state{number, n_tools, {}, {}};
                                   std::ranges::copy(tools_at(ray, ray.parts[at / n]), state.tools.begin());
@@ -214,6 +283,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
   report.rays = total(solved.rays);
   report.failed_rays = total(solved.failed);
   report.coupled_rays = total(finished_rays);
+  report.failed_coupled_rays = total(failed_coupled);
   report.taken_rays = total(rays.taken());
   std::array<double, 2> flagged{};
   for (std::size_t kind = 0; kind < 2; ++kind) {
@@ -221,6 +291,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     flagged[kind] = all > 0 ? left_out_states / all : 0;
   }
   const auto states = states_of(session.gather(solved.states));
+  predict_by_rest(model, session.gather(at_rest), predictors);
   auto coupled_states = unpacked<CoupledState>(session.gather(coupled_rows));
   std::ranges::stable_sort(coupled_states, {}, [](const auto& s) { return std::pair{s.ray, s.n_tools}; });
   Model bounded = model.model();
@@ -239,8 +310,14 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     report.two = coverages[1];
     report.between.flagged = flagged[0];
     report.two.flagged = flagged[1];
-    report.median_bound_N =
-        median_bound(bounded_errors(LoadedModel(bounded, model.mesh(), "model"), predictors, states));
+    bounded.bounds[0].reference = static_cast<std::int32_t>(spec.reference);
+    std::vector<double> bounds, shares;
+    for (const auto& error : bounded_errors(LoadedModel(bounded, model.mesh(), "model"), predictors, states)) {
+      shares.push_back(error.bound_N / std::max(states[bounds.size()].force_N, 1e-300));
+      bounds.push_back(error.bound_N);
+    }
+    report.median_bound_N = median(bounds);
+    report.median_share = median(shares);
   });
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return bounded;

@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -89,6 +91,30 @@ Variant finer_reference(const Scene& scene) {
   return why_no_taylor_hood(scene).empty() ? Variant::taylor_hood : Variant::half_size;
 }
 
+void require_variant(const Scene& scene, Variant v) {
+  if (const auto why = v == Variant::taylor_hood ? why_no_taylor_hood(scene) : ""; !why.empty())
+    throw input_error("there is no such reference for this scene: " + why, fmt::format("--reference {}", name(v)),
+                      "give --reference half-size");
+}
+
+VariantBody variant_body(Variant v, VariantBody body) {
+  if (v == Variant::taylor_hood) body.scene.solver.element = element_named("taylor-hood");
+  if (v == Variant::half_size) {
+    body.sets.fixed = refined(body.sets.fixed, mesh_edges(body.mesh), body.mesh.n_nodes());
+    body.mesh = refined(body.mesh);
+  }
+  return body;
+}
+
+double variant_unknowns(Variant v, Element element, const Mesh& mesh) {
+  const auto n = static_cast<double>(mesh.n_nodes()), e = static_cast<double>(mesh_edges(mesh).size());
+  if (v == Variant::scene) return unknowns_of(element, n, e);
+  if (v == Variant::taylor_hood) return unknowns_of(element_named("taylor-hood"), n, e);
+  const auto c = static_cast<double>(mesh.n_cells());
+  const auto faces = (4 * c + static_cast<double>(mesh.surface.rows())) / 2;
+  return unknowns_of(element, n + e, mesh.cells.cols() == 4 ? 2 * e + 3 * faces + c : 2 * e + 3 * c);
+}
+
 double patch_radius_for_node(double edge_m, double max_displacement_m) {
   // A patch of less than two edges is not resolved (docs/extremes.md), and one that is pushed in by much more than half
   // its radius crushes the surface under it (docs/decisions/round-tool.md).
@@ -150,10 +176,7 @@ std::vector<std::pair<std::int32_t, std::int32_t>> choose_checked_rays(const Dat
 namespace {
 
 /// A body for solves, whose expensive parts are made when they are needed.
-struct Body {
-  Scene scene;
-  Mesh mesh;
-  NodeSets sets;
+struct Body : VariantBody {
   double unknowns = 0;
   std::optional<DatabaseHeader> header;
   std::unique_ptr<ProbeSolver> solver;
@@ -170,7 +193,7 @@ class Check {
  public:
   Check(const Scene& scene, const Mesh& mesh, const NodeSets& sets, const DiscretizationOptions& options,
         const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop)
-      : _options(options), _progress(progress), _stop(stop), _edges(mesh_edges(mesh)) {
+      : _options(options), _progress(progress), _stop(stop) {
     set_up(scene, mesh, sets);
   }
 
@@ -195,7 +218,6 @@ class Check {
   const std::function<bool()>& _stop;
   double _start = _options.clock();
   std::int64_t _done = 0;
-  std::vector<std::array<std::int32_t, 2>> _edges;
   DiscretizationReport _report;
   std::array<Body, 3> _bodies;
   std::vector<std::pair<std::int32_t, std::int32_t>> _rays;
@@ -215,26 +237,16 @@ void Check::set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   if (_rays.empty())
     throw input_error("the scene has no rays", scene.source_name, "check nodes.active and the directions");
   NodeSets own{sets.fixed, sets.active, sets.active};
-  const auto n = static_cast<double>(mesh.n_nodes()), e = static_cast<double>(_edges.size());
-  const auto c = static_cast<double>(mesh.n_cells());
-  const auto faces = (4 * c + static_cast<double>(mesh.surface.rows())) / 2;
-  const double fine_edges = mesh.cells.cols() == 4 ? 2 * e + 3 * faces + c : 2 * e + 3 * c;
-  for (const auto v : variants) body(v).scene = common, body(v).sets = own;
-  body(Variant::scene).mesh = mesh;
-  body(Variant::taylor_hood).mesh = mesh;
-  body(Variant::taylor_hood).scene.solver.element = element_named("taylor-hood");
-  const auto element = common.solver.element;
-  body(Variant::scene).unknowns = unknowns_of(element, n, e);
-  body(Variant::taylor_hood).unknowns = unknowns_of(element_named("taylor-hood"), n, e);
-  body(Variant::half_size).unknowns = unknowns_of(element, n + e, fine_edges);
-  for (const auto v : variants) cost(v).n_nodes = mesh.n_nodes();
-  cost(Variant::half_size).n_nodes = static_cast<std::int32_t>(n + e);
+  static_cast<VariantBody&>(body(Variant::scene)) = {common, mesh, own};
+  for (const auto v : variants) {
+    body(v).unknowns = variant_unknowns(v, common.solver.element, mesh);
+    cost(v).n_nodes = mesh.n_nodes();
+  }
+  cost(Variant::half_size).n_nodes += static_cast<std::int32_t>(mesh_edges(mesh).size());
 
   cost(Variant::taylor_hood).left_out = why_no_taylor_hood(common);
   if (const auto only = _options.reference) {
-    if (const auto& why = cost(*only).left_out; !why.empty())
-      throw input_error("there is no such reference for this scene: " + why, "--reference " + std::string(name(*only)),
-                        "give the other one, or both");
+    require_variant(common, *only);
     cost(*only == Variant::half_size ? Variant::taylor_hood : Variant::half_size).left_out = "it is not asked for";
   }
   for (const auto v : {Variant::taylor_hood, Variant::half_size}) cost(v).possible = cost(v).left_out.empty();
@@ -244,11 +256,7 @@ void Check::set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
 void Check::prepare(Variant v) {
   Body& b = body(v);
   if (b.solver) return;
-  if (v == Variant::half_size) {
-    const Mesh& coarse = body(Variant::scene).mesh;
-    b.mesh = refined(coarse);
-    b.sets.fixed = refined(b.sets.fixed, _edges, coarse.n_nodes());
-  }
+  if (v != Variant::scene) static_cast<VariantBody&>(b) = variant_body(v, body(Variant::scene));
   b.header = database_header(b.scene, b.mesh, b.sets);
   b.solver = std::make_unique<ProbeSolver>(b.scene, b.mesh, b.sets);
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -42,16 +43,17 @@ std::string text_of(const ToolRay& ray) {
 }
 
 /// Hash of what forces of tools depend on: not of the nodes, directions and depths that a database has.
-std::string hash_of_body(const DatabaseHeader& header) {
+std::string hash_of_body(const VariantBody& body, Variant variant) {
   Fnv1a64 hash;
-  std::istringstream lines(physics_summary(stored_scene(header)));
+  if (variant != Variant::scene) hash.add(name(variant));
+  std::istringstream lines(physics_summary(body.scene));
   for (std::string line; std::getline(lines, line);) {
     const auto is_of = [&](const char* begin) { return line.starts_with(begin); };
     if (!is_of("nodes.") && !is_of("probe.directions") && !is_of("probe.increments") &&
         !is_of("probe.max_displacement_m") && !is_of("mesh.symmetry"))
       hash.add(line);
   }
-  for (const auto node : header.sets.fixed) hash.add(fmt::format(" {}", node));
+  for (const auto node : body.sets.fixed) hash.add(fmt::format(" {}", node));
   return hash.hex();
 }
 
@@ -61,9 +63,13 @@ std::string first_line(std::istream& file) {
   return line;
 }
 
+VariantBody body_of(const DatabaseHeader& header, Variant reference) {
+  return variant_body(reference, {stored_scene(header), header.mesh, header.sets});
+}
+
 /// The first line of a file of this body.
-std::string begin_of(const DatabaseHeader& header) {
-  return fmt::format("{}mesh {} body {}", begin_of_calibration, header.mesh_hash, hash_of_body(header));
+std::string begin_of(const DatabaseHeader& header, const VariantBody& body, Variant reference) {
+  return fmt::format("{}mesh {} body {}", begin_of_calibration, header.mesh_hash, hash_of_body(body, reference));
 }
 
 /// The complete lines of a file of this body; none of another file.
@@ -85,7 +91,7 @@ std::optional<std::vector<Vec3>> forces_of(const std::string& text, const ToolRa
     if (code != std::errc{} || end != word.data() + word.size() || !std::isfinite(values.back())) return {};
   }
   const auto n = 3 * ray.tools.size();
-  if (values.size() % n != 0 || values.size() > n * ray.parts.size()) return {};
+  if (values.size() % n != 0 || values.size() > n * (ray.parts.empty() ? 3 : ray.parts.size())) return {};
   std::vector<Vec3> forces(values.size() / 3);
   for (std::size_t i = 0; i < values.size(); ++i) forces[i / 3][i % 3] = values[i];
   return forces;
@@ -102,12 +108,14 @@ std::vector<fs::path> parts_of(const fs::path& file) {
 
 }  // namespace
 
-fs::path calibration_file(const fs::path& database) { return database.string() + ".calibration"; }
+fs::path calibration_file(const fs::path& database, Variant reference) {
+  return database.string() + ".calibration" + (reference == Variant::scene ? "" : fmt::format("-{}", name(reference)));
+}
 
-bool is_of_another_body(const fs::path& file, const DatabaseHeader& header) {
+bool is_of_another_body(const fs::path& file, const DatabaseHeader& header, Variant reference) {
   std::ifstream in(file);
   const auto first = first_line(in);
-  return first.starts_with(begin_of_calibration) && first != begin_of(header);
+  return first.starts_with(begin_of_calibration) && first != begin_of(header, body_of(header, reference), reference);
 }
 
 std::vector<phn_tool> tools_at(const ToolRay& ray, double part) {
@@ -117,12 +125,14 @@ std::vector<phn_tool> tools_at(const ToolRay& ray, double part) {
   return tools;
 }
 
-KeptRays::KeptRays(const SolverSession& session, const DatabaseHeader& header, const fs::path& file,
+KeptRays::KeptRays(const SolverSession& session, const DatabaseHeader& header, Variant reference, const fs::path& file,
                    std::function<bool()> stop)
     : _session(session),
+      _header(header),
+      _body(body_of(header, reference)),
       _file(file),
-      _begin(begin_of(header)),
-      _solver(stored_scene(header), header.mesh, header.sets) {
+      _begin(begin_of(header, _body, reference)),
+      _solver(_body.scene, _body.mesh, _body.sets) {
   _solver.set_stop(std::move(stop));
   if (_file.empty()) return;
   session.together([&] {
@@ -173,15 +183,24 @@ std::vector<Vec3> KeptRays::forces(const ToolRay& ray) {
   return forces;
 }
 
+/// On a finer mesh the triangle of a point between nodes is another one.
+SurfacePoint KeptRays::point_of(const phn_tool& tool) const {
+  SurfacePoint point;
+  Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    point.nodes[k] = tool.nodes[k] < 0 ? tool.nodes[0] : tool.nodes[k];
+    point.weights[k] = tool.weights[k];
+    x += point.weights[k] * _body.mesh.nodes.row(point.nodes[k]);
+  }
+  if (_body.mesh.n_nodes() == _header.mesh.n_nodes() || std::ranges::max(point.weights) == 1) return point;
+  return nearest_on_surface(_body.mesh.nodes, _body.mesh.surface, {x[0], x[1], x[2]});
+}
+
 std::vector<Vec3> KeptRays::solve(const ToolRay& ray) {
   std::vector<Vec3> forces, d;
   std::vector<SurfacePoint> points;
   for (const auto& tool : ray.tools) {
-    auto& point = points.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      point.nodes[k] = tool.nodes[k] < 0 ? tool.nodes[0] : tool.nodes[k];
-      point.weights[k] = tool.weights[k];
-    }
+    points.push_back(point_of(tool));
     d.push_back({tool.displacement[0], tool.displacement[1], tool.displacement[2]});
   }
   try {
@@ -190,6 +209,9 @@ std::vector<Vec3> KeptRays::solve(const ToolRay& ray) {
       _solver.touch_points(points);
       _touched = places;
     }
+    if (ray.parts.empty())
+      for (const auto& column : _solver.rest().stiffness_N_per_m.colwise())
+        forces.push_back({column[0], column[1], column[2]});
     _solver.follow(d, ray.parts, false, [&](std::size_t, const Response& response) {
       if (response.status != Status::converged) return false;
       forces.insert(forces.end(), response.force_N.begin(), response.force_N.end());

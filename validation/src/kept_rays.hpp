@@ -7,6 +7,7 @@
 #include <phynness/formats/database.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/coupled_bounds.hpp>
+#include <phynness/validation/discretization.hpp>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@ namespace phynness {
 /// Tools at places of the surface, which move to these parts of their displacements.
 struct ToolRay {
   std::vector<phn_tool> tools;
-  std::vector<double> parts;  ///< ascending, in (0, 1]
+  std::vector<double> parts;  ///< ascending, in (0, 1]; none: the forces at rest of 1 m in x, y and z, of one tool
 };
 
 /// The tools of a ray at one of its parts.
@@ -28,8 +29,9 @@ class KeptRays {
  public:
   /// @param file  empty: nothing is kept. Its rays are used if their body is the same: mesh, fixed nodes, and all of
   /// the physics but the choice of nodes, directions and depths. Collective. @throws Error
-  KeptRays(const SolverSession& session, const DatabaseHeader& header, const std::filesystem::path& file,
-           std::function<bool()> stop);
+  /// @param reference  the finite elements that solve; places are those of the database's mesh
+  KeptRays(const SolverSession& session, const DatabaseHeader& header, Variant reference,
+           const std::filesystem::path& file, std::function<bool()> stop);
 
   /// Forces [N] of the finite elements, for each part those of all tools; fewer if the ray ends early.
   /// @throws Interrupted
@@ -42,7 +44,11 @@ class KeptRays {
   std::vector<Vec3> solve(const ToolRay& ray);
   void join() const;
 
+  SurfacePoint point_of(const phn_tool& tool) const;
+
   const SolverSession& _session;
+  const DatabaseHeader& _header;
+  VariantBody _body;
   std::filesystem::path _file;
   std::string _begin;
   ProbeSolver _solver;

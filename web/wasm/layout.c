@@ -26,6 +26,7 @@ static const entry entries[] = {
     MEMBER(phn_provenance, shear_modulus_Pa), MEMBER(phn_provenance, finer_mean), MEMBER(phn_provenance, finer_p95),
     MEMBER(phn_provenance, finer_tool_radius_m), MEMBER(phn_provenance, finer_probes),
     MEMBER(phn_provenance, finer_nodes), MEMBER(phn_provenance, element_revision),
+    MEMBER(phn_provenance, bound_reference),
     SIZE(phn_tool), MEMBER(phn_tool, nodes), MEMBER(phn_tool, weights), MEMBER(phn_tool, displacement),
     SIZE(phn_coupled), MEMBER(phn_coupled, residual), MEMBER(phn_coupled, energy),
     SIZE(phn_trusted), MEMBER(phn_trusted, trained_depth), MEMBER(phn_trusted, distance),

@@ -339,6 +339,7 @@ phn_provenance provenance_of(const ModelStore& store) {
   out.finer_probes = finer.probes;
   out.finer_nodes = finer.nodes;
   out.element_revision = solved.is_recorded ? solved.revision : finer.revision;
+  out.bound_reference = store.bounds.part[0].reference;
   return out;
 }
 

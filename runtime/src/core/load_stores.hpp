@@ -315,7 +315,7 @@ struct Parts {
 
 struct BoundStore {
   double coverage = 0;
-  std::int32_t n_rays = 0, n_nodes = 0;
+  std::int32_t n_rays = 0, n_nodes = 0, reference = 0;
   Table<double> coupled;
 };
 

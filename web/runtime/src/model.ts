@@ -20,6 +20,8 @@ export interface Provenance {
   readonly finerToolRadius: number;
   readonly finerMean: number;
   readonly finerP95: number;
+  /** bounds are of the error from 0: these finite elements; 1: taylor-hood; 2: half-size */
+  readonly boundReference: number;
 }
 
 /** Contents of a model: copies, which stay valid. Nodes are numbers of the mesh; points are n x 3 [m]. */
@@ -236,6 +238,7 @@ function provenanceAt(engine: Engine, at: number): Provenance {
     finerToolRadius: real('phn_provenance.finer_tool_radius_m'),
     finerMean: real('phn_provenance.finer_mean'),
     finerP95: real('phn_provenance.finer_p95'),
+    boundReference: integer('phn_provenance.bound_reference'),
   };
 }
 

@@ -116,6 +116,11 @@ using schema::largest_level_count;
 struct ModelBound {
   double coverage = 0;  ///< share of random displacements inside the range whose error is below the bound
   std::int32_t n_rays = 0, n_nodes = 0;  ///< of the calibration
+  /// With what forces are compared: 0: the finite elements of the training; 1: Taylor-Hood elements on the same mesh;
+  /// 2: those of the training on cells of half the size.
+  std::int32_t reference = 0;
+  /// The reference behind "the error of the force": " from taylor-hood elements on the same mesh"; empty for 0.
+  std::string from() const;
   /// Empty, or schema::n_coupled_kinds rows of coefficients: one tool between nodes, several tools.
   Eigen::Matrix<double, Eigen::Dynamic, schema::n_coupled_terms> coupled{};
 };

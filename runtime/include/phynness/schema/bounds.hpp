@@ -21,6 +21,8 @@ inline constexpr int32_t largest_table_entry = 32767;
 inline constexpr double largest_table_value = 1e6;
 inline constexpr int32_t largest_mode_count = 1024, largest_field_count = 8, largest_level_count = 8;
 inline constexpr int32_t largest_bound_count = 1;
+/// Finer solutions from which a bound may state the distance: taylor-hood, half-size.
+inline constexpr int32_t n_bound_references = 2;
 /// Coefficients of the bound of a tool between nodes, and of several tools (formats/model.md, Bounds).
 inline constexpr int32_t n_coupled_kinds = 2, n_coupled_terms = 4;
 /// The weights of a covered node are integers, parts of this.

@@ -6,6 +6,7 @@
 #include <phynness/formats/described.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/coupled_bounds.hpp>
+#include <phynness/validation/discretization.hpp>
 #include <phynness/validation/error_bounds.hpp>
 
 namespace phynness {
@@ -14,34 +15,47 @@ struct BoundSpec {
   std::int64_t rays = 0;
   std::uint64_t seed = 1;
   double coverage = 0.95;
-  std::filesystem::path file;  ///< keeps what is solved (calibration_file); empty: nothing is kept
+  Variant reference = Variant::scene;  ///< the finite elements from which the bound states the distance
+  std::filesystem::path file;          ///< keeps what is solved (calibration_file); empty: nothing is kept
 };
 
 /// The file beside a database that keeps the rays of its calibrations. While a rank solves, it writes FILE.rank-N.
-std::filesystem::path calibration_file(const std::filesystem::path& database);
+std::filesystem::path calibration_file(const std::filesystem::path& database, Variant reference = Variant::scene);
 /// True for the file of a calibration whose rays are of no use here, and which a calibration replaces.
-bool is_of_another_body(const std::filesystem::path& calibration, const DatabaseHeader& header);
+bool is_of_another_body(const std::filesystem::path& calibration, const DatabaseHeader& header, Variant reference);
 inline constexpr const char* begin_of_calibration = "phynness calibration 1 ";
 
 struct BoundReport {
+  Variant reference = Variant::scene;
   std::int64_t rays = 0, failed_rays = 0, states = 0;
   std::int64_t nodes = 0, planned_nodes = 0;  ///< with rays; fewer than planned if it was interrupted
   bool all_nodes = false;                     ///< of the model have rays
   /// Each fifth of the nodes with the bounds that the others give; of the rays if all nodes have rays.
   BoundCoverage left_out;
-  double median_bound_N = 0;                                ///< of the states
+  double median_bound_N = 0, median_share = 0;              ///< of the states: bound; bound over force
   std::int64_t coupled_rays = 0, planned_coupled_rays = 0;  ///< of tools between nodes, and of two tools
+  std::int64_t failed_coupled_rays = 0;                     ///< of these, that ended early
   std::int64_t taken_rays = 0;                              ///< of all, which an earlier calibration has solved
   CoupledCoverage between, two;
   double seconds = 0;
 
   bool interrupted() const { return nodes < planned_nodes || coupled_rays < planned_coupled_rays; }
-  PHYNNESS_FIGURES(rays, failed_rays, nodes, planned_nodes, all_nodes, states, median_bound_N, left_out, coupled_rays,
-                   planned_coupled_rays, taken_rays, between, two, seconds)
+  static void describe(const auto& result, auto&& see) {
+    see("reference", name(result.reference));
+    PHYNNESS_SEE(rays, failed_rays, nodes, planned_nodes, all_nodes, states, median_bound_N, median_share, left_out,
+                 coupled_rays, planned_coupled_rays, failed_coupled_rays, taken_rays, between, two, seconds);
+  }
 };
 
 /// Increments that a calibration with so many rays solves, with those of 0, 1 or 2 kinds of coupled tools.
 double calibration_increments(std::int64_t rays, int coupled_kinds);
+
+/// About what a calibration against a finer solution takes, by the times of the database.
+struct FinerCost {
+  double seconds = 0, memory_bytes = 0;  ///< of all ranks together
+};
+/// @throws Error (input) if the scene has no such reference, or one that locks
+FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSpec& spec, int ranks);
 
 /// Solves random rays of the body and calibrates bounds. Collective; only rank 0 gets a result.
 /// @param progress  receives the finished nodes and rays of coupled tools, and their number

@@ -137,6 +137,19 @@ struct DiscretizationOptions {
 /// the size where the scene has no such variant.
 Variant finer_reference(const Scene& scene);
 
+/// @throws Error (input) if the scene has no such variant
+void require_variant(const Scene& scene, Variant v);
+
+struct VariantBody {
+  Scene scene;
+  Mesh mesh;
+  NodeSets sets;
+};
+/// The body of a variant. The nodes that the mesh has keep their numbers.
+VariantBody variant_body(Variant v, VariantBody body);
+/// Its unknowns; it need not be made for that.
+double variant_unknowns(Variant v, Element element, const Mesh& mesh);
+
 /// Time [s] of the check in `phynness run`: a quarter of that of the database, so at most a fifth of all, but a second.
 /// @param solve_s  CPU time of the solves of the database
 inline double check_limit_s(double solve_s, int ranks) { return std::max(1.0, solve_s / ranks / 4); }
