@@ -515,7 +515,7 @@ class Package(unittest.TestCase):
             run("mypy", "--python-executable", sys.executable, "--strict", "--cache-dir", work / "mypy", tutorial,
                 cwd=SOURCES / "examples/python", env={**os.environ, "MYPYPATH": str(BUILD / "python")})
 
-    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "matplotlib is not installed")
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib") and COMMAND.exists(), "no matplotlib, or no command")
     def test_tutorials_say_what_the_page_says(self):
         tutorials, out = SOURCES / "examples/python", work / "tutorials"
         environment = {**os.environ, "PYTHONPATH": str(BUILD / "python"), "PHYNNESS_COMMAND": str(COMMAND)}
