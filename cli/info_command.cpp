@@ -235,7 +235,8 @@ json tell_provenance(const phn_provenance& p) {
                 "reference", said(p.reference), "finer_nodes", known(p.finer_nodes), "finer_probes",
                 finer.is_measured ? json(p.finer_probes) : json(nullptr), "finer_tool_radius_m",
                 known(p.finer_tool_radius_m), "finer_mean", finer.probes > 0 ? json(p.finer_mean) : json(nullptr),
-                "finer_p95", finer.probes > 0 ? json(p.finer_p95) : json(nullptr));
+                "finer_p95", finer.probes > 0 ? json(p.finer_p95) : json(nullptr), "bound_reference",
+                known(p.bound_reference));
 }
 
 json about_image(const std::filesystem::path& file) {

@@ -228,7 +228,7 @@ void print_plan(const Options& options, const Plan& plan) {
                plan.probes, duration(plan.calibrate_seconds + plan.validate_seconds));
   if (!options.from.empty())
     print_result("taken     {} rays of {}; the rest is left to solve\n", plan.rays_taken, options.from.string());
-  print_result("rays      {}, {} more by symmetry; {} solved at {} node{}: {:.3g} s each ({}), at most {:.3g} s\n",
+  print_result("rays      {}, {} more by symmetry; {} solved at {} node{}: {:.2g} s each ({}), at most {:.2g} s\n",
                plan.rays_requested, plan.rays_mirrored, m.rays, m.nodes, m.nodes == 1 ? "" : "s", m.seconds_per_ray,
                trust(plan), m.seconds_longest_ray);
   print_result("memory    {} per rank, {} in all; this machine has {}\n", bytes(plan.memory_bytes_per_rank),

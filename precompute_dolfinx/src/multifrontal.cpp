@@ -1,6 +1,7 @@
 #include "multifrontal.hpp"
 
 #include <metis.h>
+#include <signal.h>
 
 #include <algorithm>
 #include <cmath>
@@ -79,10 +80,19 @@ struct Multifrontal::Groups {
     idx_t options[METIS_NOPTIONS];
     METIS_SetDefaultOptions(options);
     options[METIS_OPTION_RTYPE] = METIS_RTYPE_SEP2SIDED;
-    if (!neighbour.empty() && METIS_NodeND(&m, start.data(), neighbour.data(), weight.data(), options, order.data(),
-                                           place.data()) != METIS_OK)
-      throw failure("METIS could not order the unknowns of a tangent", std::to_string(n) + " unknowns",
-                    "usually the memory is too small: use fewer ranks on each machine");
+    if (!neighbour.empty()) {
+      // While METIS works, it has its own handler of SIGTERM, which ends the ordering with an error.
+      sigset_t termination, before;
+      sigemptyset(&termination);
+      sigaddset(&termination, SIGTERM);
+      pthread_sigmask(SIG_BLOCK, &termination, &before);
+      const int status =
+          METIS_NodeND(&m, start.data(), neighbour.data(), weight.data(), options, order.data(), place.data());
+      pthread_sigmask(SIG_SETMASK, &before, nullptr);
+      if (status != METIS_OK)
+        throw failure("METIS could not order the unknowns of a tangent", std::to_string(n) + " unknowns",
+                      "usually the memory is too small: use fewer ranks on each machine");
+    }
     rows.resize(m);
     structure.resize(m);
     for (int i = 0; i < n; ++i) rows[place[group[i]]].push_back(i);
