@@ -89,7 +89,8 @@ void add_states(const LoadedModel& model, std::size_t index, const ToolRay& ray,
   Vec3 e{};
   for (std::size_t k = 0; k < 3; ++k) e[k] = ray.tools[0].displacement[k] / largest;
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    const auto d = tools_at(ray, ray.parts[i])[0].displacement;
+    const phn_tool tool = tools_at(ray, ray.parts[i])[0];
+    const double* d = tool.displacement;
     const Vec3 said = model.force(ray.tools[0].nodes[0], {d[0], d[1], d[2]});
     const Vec3& truth = forces[i];
     const double error = std::hypot(said[0] - truth[0], said[1] - truth[1], said[2] - truth[2]);
