@@ -82,6 +82,7 @@ const char* const messages[] = {
     "the node is not an active node of this model",
     "a null pointer, a number out of range, or data made for another model",
     "success",
+    // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): two lines of one text
     "a displacement is longer, or a force of coupled tools larger, than trained in its direction (0 beside fixed "
     "nodes)",
     "this node was not trained to the full depth in all directions",
