@@ -102,9 +102,8 @@ void run(const Options& given) {
   BoundSpec spec;
   session.together([&] {
     const auto scene = options.scene ? open_scene(*options.scene) : stored_scene(database->header());
-    if (options.reference != "scene") spec.reference = finer_reference(scene);
-    for (const auto v : variants)
-      if (options.reference == name(v)) spec.reference = v;
+    const auto named = variant_named(options.reference);
+    spec.reference = named ? *named : finer_reference(scene);
     spec.rays = options.rays.value_or(spec.reference == Variant::scene
                                           ? sizes_of_checks(scene, database->header(), true).calibration_rays
                                           : rays_of_finer);
@@ -160,7 +159,7 @@ void add(CLI::App& app) {
       .add_option("--reference", options.reference,
                   "the solution from which bounds state the distance of forces: the scene's own finite elements, or a "
                   "finer one; finer: taylor-hood, or half-size where the scene has none")
-      ->check(CLI::IsMember({"scene", "finer", "taylor-hood", "half-size"}))
+      ->check(CLI::IsMember({name(Variant::scene), "finer", name(Variant::taylor_hood), name(Variant::half_size)}))
       ->capture_default_str();
   add_count(command, "--seed", options.seed, 0, std::int64_t{1} << 53, "of the random numbers")->capture_default_str();
   add_json(command, options.json_file);

@@ -324,7 +324,7 @@ void add(CLI::App& app) {
       command
           .add_option("--reference", options.reference,
                       "compare with this one alone, at as many of the probes as the time of the first allows")
-          ->check(CLI::IsMember({"both", "taylor-hood", "half-size"}))
+          ->check(CLI::IsMember({"both", name(Variant::taylor_hood), name(Variant::half_size)}))
           ->capture_default_str();
   auto* trade =
       command

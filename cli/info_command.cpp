@@ -303,9 +303,8 @@ json about_model(const std::filesystem::path& dir) {
   for (const auto& bound : m.bounds) {
     print_result("bounds    of the force's error{}, for {:g} % of random displacements; from {} rays at {} nodes\n",
                  bound.from(), 100 * bound.coverage, bound.n_rays, bound.n_nodes);
-    bounds.push_back(
-        record("coverage", bound.coverage, "rays", bound.n_rays, "nodes", bound.n_nodes, "reference",
-               std::array{"scene", "taylor-hood", "half-size"}.at(static_cast<std::size_t>(bound.reference))));
+    bounds.push_back(record("coverage", bound.coverage, "rays", bound.n_rays, "nodes", bound.n_nodes, "reference",
+                            reference_names.at(static_cast<std::size_t>(bound.reference))));
   }
   const json provenance = tell_provenance(model.runtime().info().provenance);
   const json finer = m.finer.is_measured ? figures(m.finer) : json(nullptr);

@@ -6,6 +6,7 @@
 #include <ctime>
 #include <numeric>
 #include <phynness/formats/ray_tasks.hpp>
+#include <phynness/meshes/meshes.hpp>
 #include <phynness/planning/planning.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
@@ -182,7 +183,7 @@ Plan make_plan(const Options& options, const LoadedScene& loaded, const Database
   plan_checks(loaded, header, plan);
   plan.core_hours = plan.wall_seconds * plan.ranks / 3600;
   plan.ranks_of_use = ranks_of_use(costs);
-  plan.spacings = plan_spacings(loaded.scene, loaded.mesh, loaded.sets);
+  plan.spacings = plan_spacings(loaded.scene, loaded.mesh, loaded.sets, measure_quality(loaded.mesh).mean_edge_m);
   const auto model = predict_model_size(loaded.scene, header);
   plan.model_text_bytes = model.model_text_bytes;
   plan.mesh_text_bytes = model.mesh_text_bytes;

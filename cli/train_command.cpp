@@ -1,6 +1,7 @@
 #include <fstream>
 #include <phynness/evaluation/database_errors.hpp>
 #include <phynness/training/families.hpp>
+#include <ranges>
 
 #include "commands.hpp"
 
@@ -113,7 +114,7 @@ FinerDistance distance_of(const std::filesystem::path& file, const Scene& scene,
     throw refuse(error.what());
   }
   if (distance.element != name(scene.solver.element) ||
-      (distance.reference != "taylor-hood" && distance.reference != "half-size"))
+      std::ranges::count(reference_names | std::views::drop(1), distance.reference) == 0)
     throw refuse("another element or reference");
   return distance;
 }

@@ -50,12 +50,13 @@ std::string ratio_in_words(double ratio) {
 
 namespace {
 std::string in_words(const std::string& reference, const std::string& element) {
-  return reference == "half-size" ? element + " elements of half the size" : reference + " elements on the same mesh";
+  return reference == reference_names[2] ? element + " elements of half the size"
+                                         : reference + " elements on the same mesh";
 }
 }  // namespace
 
 std::string ModelBound::from() const {
-  return reference == 0 ? "" : " from " + in_words(reference == 1 ? "taylor-hood" : "half-size", "the same");
+  return reference == 0 ? "" : " from " + in_words(reference_names.at(static_cast<std::size_t>(reference)), "the same");
 }
 
 std::string FinerDistance::sentence() const {

@@ -20,26 +20,18 @@ NodeList candidates(const Scene& scene, const Mesh& mesh, const NodeSets& sets) 
   return nodes;
 }
 
-double mean_edge(const Mesh& mesh) {
-  double sum = 0;
-  for (const auto& triangle : mesh.surface.rowwise())
-    for (int k = 0; k < 3; ++k) sum += (mesh.nodes.row(triangle(k)) - mesh.nodes.row(triangle((k + 1) % 3))).norm();
-  return sum / static_cast<double>(mesh.surface.size());
-}
-
 }  // namespace
 
-std::vector<SpacingPlan> plan_spacings(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+std::vector<SpacingPlan> plan_spacings(const Scene& scene, const Mesh& mesh, const NodeSets& sets, double mean_edge_m) {
   if (scene.probe.kind != ProbeKind::patch) return {};
   const double auto_m = auto_spacing_of_radius * scene.probe.tool_radius_m;
   std::vector<SpacingPlan> plans{
       {auto_m, 0, false, 0.014, 0.055}, {auto_m / 2, 0, false, 0.0022, 0.011}, {2 * auto_m, 0, false, {}, {}}};
   const auto within = candidates(scene, mesh, sets);
   const auto image = sets.mirror ? sets.mirror->image : NodeList{};
-  const double edge_m = mean_edge(mesh);
   for (auto& plan : plans) {
     plan.points = std::ssize(spread_nodes(mesh.nodes, mesh.surface, within, plan.spacing_m, 0, image));
-    plan.every_node = edge_m > plan.spacing_m;
+    plan.every_node = mean_edge_m > plan.spacing_m;
     if (plan.every_node) plan.mean = plan.p95 = {};
   }
   return plans;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "serial_factorization.hpp"
+#include "linear_solver.hpp"
 
 namespace phynness {
 
@@ -18,7 +18,7 @@ Equilibrium::Impl::Impl(Discretization& discretization, const std::vector<std::i
                         const SolverSpec& spec, LinearSolver* shared)
     : body(discretization),
       options(spec),
-      own(shared ? nullptr : std::make_unique<SerialFactorization>()),
+      own(shared ? nullptr : serial_factorization()),
       linear(shared ? shared : own.get()),
       tangent(discretization, fixed_dofs),
       pressures(unknowns_of(tangent, discretization.pressure_dofs())) {

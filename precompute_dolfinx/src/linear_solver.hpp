@@ -4,6 +4,8 @@
 #include <petscmat.h>
 #include <petscvec.h>
 
+#include <memory>
+
 namespace phynness {
 
 /// A matrix that cannot be factorized gives a return value, not an exception. Factors of a failed factorization are
@@ -24,5 +26,8 @@ class LinearSolver {
   /// Deletes the factors and all related data of the library.
   virtual void reset() = 0;
 };
+
+/// Our own LDL^T, for matrices on a single process (multifrontal.hpp).
+std::unique_ptr<LinearSolver> serial_factorization();
 
 }  // namespace phynness

@@ -1,12 +1,26 @@
-#include "serial_factorization.hpp"
-
 #include <cmath>
 #include <new>
+#include <optional>
 #include <vector>
 
+#include "linear_solver.hpp"
+#include "multifrontal.hpp"
 #include "petsc_check.hpp"
 
 namespace phynness {
+namespace {
+
+class SerialFactorization : public LinearSolver {
+ public:
+  bool factorize(Mat matrix) override;
+  bool solve(Vec b, Vec x) override;
+  int negative_pivots() override;
+  void reset() override;
+
+ private:
+  std::optional<Multifrontal> _factors;
+  bool _good = false;
+};
 
 bool SerialFactorization::factorize(Mat matrix) {
   _good = false;
@@ -50,5 +64,9 @@ void SerialFactorization::reset() {
   _factors.reset();
   _good = false;
 }
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> serial_factorization() { return std::make_unique<SerialFactorization>(); }
 
 }  // namespace phynness

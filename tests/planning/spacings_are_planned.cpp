@@ -39,7 +39,7 @@ TEST(Spacings, CountThePointsThatAScenePicks) {
     };
     for (const std::string size : {"spacing = \"auto\"", "count = 5", "spacing_m = 0.025"}) {
       const auto now = selected(mesh, active(size), tool);
-      const auto plans = plan_spacings(now.scene, mesh, now.sets);
+      const auto plans = plan_spacings(now.scene, mesh, now.sets, 0.0114);
       ASSERT_EQ(plans.size(), 3u);
       for (std::size_t i = 0; i < 3; ++i) {
         const double spacing_m = std::array{0.022, 0.011, 0.044}[i];
@@ -56,10 +56,10 @@ TEST(Spacings, CountThePointsThatAScenePicks) {
     }
   }
   const auto every_node = selected(mesh, "\"free-surface\"", tool);
-  EXPECT_EQ(plan_spacings(every_node.scene, mesh, every_node.sets)[0].points,
+  EXPECT_EQ(plan_spacings(every_node.scene, mesh, every_node.sets, 0)[0].points,
             std::ssize(selected(mesh, "{ spacing = \"auto\" }", tool).sets.active));
   const auto node = selected(mesh, "{ count = 5 }", "");
-  EXPECT_TRUE(plan_spacings(node.scene, mesh, node.sets).empty());
+  EXPECT_TRUE(plan_spacings(node.scene, mesh, node.sets, 0).empty());
 }
 
 }  // namespace

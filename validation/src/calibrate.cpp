@@ -101,9 +101,24 @@ void add_states(const LoadedModel& model, std::size_t index, const ToolRay& ray,
   out.failed += forces.size() < ray.parts.size();
 }
 
+/// Of each node with a solution: its index, and the columns of its stiffness [N/m]. Collective.
+std::vector<double> stiffnesses_at_rest(const SolverSession& session, const LoadedModel& model,
+                                        const std::function<bool()>& stop, KeptRays& rays) {
+  std::vector<double> at_rest;
+  session.together([&] {
+    share_out(session, std::ssize(model.model().nodes), {}, stop, [&](std::size_t i) {
+      const auto columns = rays.forces({{{{model.model().nodes[i].node, -1, -1}, {1, 0, 0}, {}}}, {}});
+      if (columns.size() < 3) return;
+      at_rest.push_back(static_cast<double>(i));
+      for (const auto& column : columns) at_rest.insert(at_rest.end(), column.begin(), column.end());
+    });
+  });
+  return at_rest;
+}
+
 /// A finer solution is off by nearly the same share along a ray, which the stiffness at rest tells: in place of J the
-/// logarithm of the difference of both in the direction of each trained displacement. @param stiffness  of each node:
-/// its index, and the columns of the finer solution's [N/m]
+/// logarithm of the difference of both in the direction of each trained displacement.
+/// @param stiffness  those of the finer solution, as stiffnesses_at_rest() of all ranks gives them
 void predict_by_rest(const LoadedModel& model, const std::vector<double>& stiffness, BoundPredictors& predictors) {
   constexpr double least = 1e-4;
   if (stiffness.size() < 10 * model.model().nodes.size()) return;  // one failed, or an early end
@@ -159,6 +174,17 @@ double median(std::vector<double> values) {
   const auto middle = values.begin() + std::ssize(values) / 2;
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+void tell_medians(const LoadedModel& bounded, const BoundPredictors& predictors, const std::vector<BoundState>& states,
+                  BoundReport& report) {
+  std::vector<double> bounds, shares;
+  for (const auto& error : bounded_errors(bounded, predictors, states)) {
+    shares.push_back(error.bound_N / std::max(states[bounds.size()].force_N, 1e-300));
+    bounds.push_back(error.bound_N);
+  }
+  report.median_bound_N = median(bounds);
+  report.median_share = median(shares);
 }
 
 }  // namespace
@@ -245,16 +271,8 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
       solved.failed += of_this.failed;
     });
   });
-  std::vector<double> at_rest;
-  if (spec.reference != Variant::scene)
-    session.together([&] {
-      share_out(session, static_cast<std::int64_t>(n_active), {}, stop, [&](std::size_t i) {
-        const auto columns = rays.forces({{{{model.model().nodes[i].node, -1, -1}, {1, 0, 0}, {}}}, {}});
-        if (columns.size() < 3) return;
-        at_rest.push_back(static_cast<double>(i));
-        for (const auto& column : columns) at_rest.insert(at_rest.end(), column.begin(), column.end());
-      });
-    });
+  const auto at_rest =
+      spec.reference == Variant::scene ? std::vector<double>() : stiffnesses_at_rest(session, model, stop, rays);
   const bool go_on = session.sum(stop && stop() ? 1 : 0) == 0;
   session.together([&] {
     finished_rays = share_out(session, go_on ? report.planned_coupled_rays : 0,
@@ -312,13 +330,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     report.between.flagged = flagged[0];
     report.two.flagged = flagged[1];
     bounded.bounds[0].reference = static_cast<std::int32_t>(spec.reference);
-    std::vector<double> bounds, shares;
-    for (const auto& error : bounded_errors(LoadedModel(bounded, model.mesh(), "model"), predictors, states)) {
-      shares.push_back(error.bound_N / std::max(states[bounds.size()].force_N, 1e-300));
-      bounds.push_back(error.bound_N);
-    }
-    report.median_bound_N = median(bounds);
-    report.median_share = median(shares);
+    tell_medians(LoadedModel(bounded, model.mesh(), "model"), predictors, states, report);
   });
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return bounded;

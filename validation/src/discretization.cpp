@@ -18,7 +18,12 @@
 
 namespace phynness {
 
-const char* name(Variant v) { return std::array{"scene", "taylor-hood", "half-size"}[static_cast<std::size_t>(v)]; }
+const char* name(Variant v) { return reference_names[static_cast<std::size_t>(v)]; }
+
+std::optional<Variant> variant_named(std::string_view given) {
+  const auto found = std::ranges::find(variants, given, [](Variant v) { return std::string_view(name(v)); });
+  return found == variants.end() ? std::nullopt : std::optional(*found);
+}
 
 std::optional<double> CheckedProbe::ratio(Variant other, std::size_t depth) const {
   const auto &own = of(Variant::scene), &reference = of(other);

@@ -95,8 +95,7 @@ typedef struct phn_provenance {
   int32_t finer_probes;                 /* that both solve; 0: no distance is known */
   int32_t finer_nodes;                  /* of the mesh of the reference */
   int32_t element_revision;             /* of its equations */
-  int32_t
-      bound_reference; /* the bounds are of the error from: 0: these finite elements; 1: taylor-hood; 2: half-size */
+  int32_t bound_reference;              /* of the bounds; 0: these finite elements, 1: taylor-hood, 2: half-size */
 } phn_provenance;
 
 /* Contents of a model. The pointers refer to memory of the model. Lists of nodes are in ascending order. Points are

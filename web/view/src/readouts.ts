@@ -75,7 +75,8 @@ export class Readouts {
       if (middle > 1.001 * depth) facts.push(['Its middle moves', withUnit(middle, 'm', 4)]);
       const { trainedDepth } = answer.trust ?? {};
       if (trainedDepth !== undefined) facts.push(['Trained to', withUnit(trainedDepth, 'm', 3)]);
-      if (answer.bound !== null) facts.push([`Error of the force (95 %)${['', ', from Taylor-Hood', ', from half-size cells'][runtime.model.info.provenance.boundReference] ?? ''}`, `below ${withUnit(answer.bound, 'N', 2)}`]);
+      const finer = ['', ', from Taylor-Hood', ', from half-size cells'][runtime.model.info.provenance.boundReference] ?? '';
+      if (answer.bound !== null) facts.push([`Error of the force (95 %)${finer}`, `below ${withUnit(answer.bound, 'N', 2)}`]);
     }
     const [touch] = answer.touches;
     if (state.mode === 'sphere' && touch?.inContact) {

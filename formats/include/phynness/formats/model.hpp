@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <phynness/formats/described.hpp>
@@ -113,12 +114,15 @@ struct ModelLevel {
 using schema::largest_level_count;
 
 /// How the bounds of the force's error were calibrated (formats/model.md, Bounds).
+/// The finite elements with which forces are compared, by ModelBound::reference: those of the training; Taylor-Hood
+/// elements on the same mesh; those of the training on cells of half the size.
+inline constexpr std::array reference_names{"scene", "taylor-hood", "half-size"};
+static_assert(reference_names.size() == schema::n_bound_references + 1);
+
 struct ModelBound {
   double coverage = 0;  ///< share of random displacements inside the range whose error is below the bound
   std::int32_t n_rays = 0, n_nodes = 0;  ///< of the calibration
-  /// With what forces are compared: 0: the finite elements of the training; 1: Taylor-Hood elements on the same mesh;
-  /// 2: those of the training on cells of half the size.
-  std::int32_t reference = 0;
+  std::int32_t reference = 0;            ///< with what forces are compared, of reference_names
   /// The reference behind "the error of the force": " from taylor-hood elements on the same mesh"; empty for 0.
   std::string from() const;
   /// Empty, or schema::n_coupled_kinds rows of coefficients: one tool between nodes, several tools.
@@ -138,7 +142,7 @@ struct SolvedBody {
 /// of the forces at the largest displacement that both solve, over the size of the finer one.
 struct FinerDistance {
   bool is_measured = false;
-  std::string element, reference;  ///< names: of the scene's element; "taylor-hood" or "half-size"
+  std::string element, reference;  ///< names: of the scene's element; of reference_names
   std::int32_t revision = 1;       ///< of the element's equations
   std::int32_t probes = 0;         ///< that both have solved; without any the errors are 0
   double tool_radius_m = 0;        ///< of the round tool of these probes, which may stand for single nodes

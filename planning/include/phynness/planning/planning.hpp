@@ -74,13 +74,13 @@ ModelSize predict_model_size(const Scene& scene, const DatabaseHeader& header);
 struct SpacingPlan {
   double spacing_m = 0;
   std::int64_t points = 0;
-  bool every_node = false;          ///< edges of the surface are longer than the spacing in the mean
+  bool every_node = false;          ///< edges are longer than the spacing in the mean
   std::optional<double> mean, p95;  ///< of |f - f_FE| / |f_FE|; empty: not measured
   PHYNNESS_FIGURES(spacing_m, points, every_node, mean, p95)
 };
 /// At the spacing of "auto", at half of it, and at twice it, on the part of the surface of which the scene's active
 /// nodes are. Errors are those of a linear liver, at spacings of R/3 and R/6.4 with edges of R/6.4 on its surface
-/// (docs/decisions/probe-points.md). @return empty unless the tool is round
-std::vector<SpacingPlan> plan_spacings(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
+/// (docs/decisions/probe-points.md). @param mean_edge_m  of the mesh. @return empty unless the tool is round
+std::vector<SpacingPlan> plan_spacings(const Scene& scene, const Mesh& mesh, const NodeSets& sets, double mean_edge_m);
 
 }  // namespace phynness

@@ -14,14 +14,16 @@
 #include <phynness/formats/model.hpp>
 #include <phynness/formats/scene.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace phynness {
 
-/// The scene and the variants with which it is compared.
+/// The scene and the variants with which it is compared, as reference_names.
 enum class Variant : std::size_t { scene, taylor_hood, half_size };
 inline constexpr std::array<Variant, 3> variants{Variant::scene, Variant::taylor_hood, Variant::half_size};
-const char* name(Variant);  ///< for JSON: "scene", "taylor-hood", "half-size"
+const char* name(Variant);  ///< of reference_names
+std::optional<Variant> variant_named(std::string_view name);
 
 struct VariantForces {
   std::vector<Status> status;  ///< per depth; empty: not solved
