@@ -1,7 +1,7 @@
+#include <algorithm>
 #include <fstream>
 #include <phynness/evaluation/database_errors.hpp>
 #include <phynness/training/families.hpp>
-#include <ranges>
 
 #include "commands.hpp"
 
@@ -114,7 +114,7 @@ FinerDistance distance_of(const std::filesystem::path& file, const Scene& scene,
     throw refuse(error.what());
   }
   if (distance.element != name(scene.solver.element) ||
-      std::ranges::count(reference_names | std::views::drop(1), distance.reference) == 0)
+      std::count(reference_names.begin() + 1, reference_names.end(), distance.reference) == 0)
     throw refuse("another element or reference");
   return distance;
 }
