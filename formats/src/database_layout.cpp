@@ -140,7 +140,8 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
   file.write_attribute("/", "tangents", std::int32_t{header.tangents});
   file.write_attribute("/", "displacement_precision", std::string(header.float64 ? "float64" : "float32"));
   file.write_attribute("/", "fold_halvings", std::int32_t{header.fold_halvings});
-  // Omitted if there are no fields, as in files of versions without fields.
+  // Omitted if there are none, as in files of versions without them.
+  if (header.field_bits > 0) file.write_attribute("/", "field_bits", std::int32_t{header.field_bits});
   if (!header.fields.empty()) file.write_attribute("/", "fields", names(header.fields, " "));
   file.write_attribute("/", "scene_name", header.scene_name);
   file.write_attribute("/", "scene_folder", header.scene_folder);
@@ -223,6 +224,8 @@ DatabaseHeader read_header(const hdf5::File& file) {
   if (precision != "float32" && precision != "float64")
     file.refuse("attribute displacement_precision is neither float32 nor float64", precision);
   header.float64 = precision == "float64";
+  if (file.has_attribute("/", "field_bits")) header.field_bits = file.read_int_attribute("/", "field_bits");
+  if (header.field_bits < 0) file.refuse("attribute field_bits is negative", std::to_string(header.field_bits));
   if (file.has_attribute("/", "fields")) header.fields = fields_of(file.read_text_attribute("/", "fields"));
   header.scene_name = file.read_text_attribute("/", "scene_name");
   header.scene_folder = file.read_text_attribute("/", "scene_folder");

@@ -118,6 +118,7 @@ std::string text(const std::optional<MirrorSymmetry>& mirror) {
   return out.str();
 }
 
+std::string text(int field_bits) { return field_bits > 0 ? std::to_string(field_bits) + " bits" : "every bit"; }
 std::string text(const std::vector<Field>& fields) { return fields.empty() ? "none" : names(fields, ", "); }
 
 }  // namespace
@@ -168,6 +169,9 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
           [](bool stored) { return std::string(stored ? "true" : "false"); });
   compare(on_disk.float64, wanted.float64, "another [database] displacement_precision",
           [](bool float64) { return std::string(float64 ? "float64" : "float32"); });
+  if (const int then = on_disk.field_bits, now = wanted.field_bits; then != now)
+    all.push_back(
+        {"another [database] field_tolerance", both(text(then), text(now)), then > 0 && (now == 0 || now > then)});
   compare(on_disk.fields, wanted.fields, "other [database] fields",
           [](const std::vector<Field>& fields) { return text(fields); });
   if (!is_understood(on_disk) || !is_understood(wanted)) return all;

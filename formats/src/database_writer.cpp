@@ -1,5 +1,6 @@
 // Writing a database: header, logs, and packing of the logs into the finished file.
 #include <algorithm>
+#include <cmath>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
@@ -88,10 +89,26 @@ std::vector<char> DatabaseWriter::logged(const fs::path& file, const DatabaseHea
   return flags;
 }
 
+namespace {
+
+/// Rounds displacements as the header asks for.
+Ray rounded(Ray ray, const std::vector<double>& magnitudes_m, int bits) {
+  const std::size_t n = ray.displacement.size() / magnitudes_m.size();
+  for (std::size_t i = 0; i < ray.displacement.size(); ++i) {
+    const double step = std::ldexp(1.0, std::ilogb(magnitudes_m[i / n]) - bits);
+    ray.displacement[i] = step * std::round(ray.displacement[i] / step);
+  }
+  return ray;
+}
+
+}  // namespace
+
 struct DatabaseWriter::Impl {
   AppendFile log;
   dl::Layout sizes;
   std::vector<unsigned char> opening;
+  std::vector<double> magnitudes_m;
+  int field_bits;
 };
 
 DatabaseWriter::DatabaseWriter(const fs::path& file, const DatabaseHeader& given, int rank) {
@@ -102,7 +119,8 @@ DatabaseWriter::DatabaseWriter(const fs::path& file, const DatabaseHeader& given
   const std::string stem = (dl::folder(file) / ("rank-" + digits)).string();
   fs::path log = stem;
   for (int again = 1; fs::exists(log); ++again) log = stem + "-" + std::to_string(again);
-  _impl = std::make_unique<Impl>(Impl{AppendFile::create(log), dl::Layout(header), dl::encode_opening(header)});
+  _impl = std::make_unique<Impl>(Impl{AppendFile::create(log), dl::Layout(header), dl::encode_opening(header),
+                                      header.magnitudes_m, header.field_bits});
   _impl->log.append(_impl->opening.data(), _impl->opening.size());
 }
 DatabaseWriter::~DatabaseWriter() = default;
@@ -110,7 +128,8 @@ DatabaseWriter::DatabaseWriter(DatabaseWriter&&) noexcept = default;
 DatabaseWriter& DatabaseWriter::operator=(DatabaseWriter&&) noexcept = default;
 
 void DatabaseWriter::append(const Ray& ray) {
-  const auto record = dl::encode(ray, _impl->sizes, _impl->opening);
+  const auto stored = _impl->field_bits > 0 ? rounded(ray, _impl->magnitudes_m, _impl->field_bits) : ray;
+  const auto record = dl::encode(stored, _impl->sizes, _impl->opening);
   _impl->log.append(record.data(), record.size());
 }
 void DatabaseWriter::close() { _impl->log.close(); }

@@ -125,6 +125,8 @@ DatabaseHeader database_header(const Scene& scene, const Mesh& mesh, const NodeS
     header.magnitudes_m.push_back(scene.probe.max_displacement_m * i / scene.probe.increments);
   header.tangents = scene.database.tangents;
   header.float64 = scene.database.float64;
+  if (const double tolerance = scene.database.field_tolerance; tolerance > 0)
+    header.field_bits = static_cast<int>(std::ceil(-std::log2(2 * tolerance)));
   header.fields = scene.database.fields;
   header.scene_text = scene.text;
   header.scene_name = scene.source_name;

@@ -155,12 +155,16 @@ Keys probe_keys() {
 Keys database_keys() {
   const auto database = section("database", &Scene::database);
   const OneOf<bool> precisions{{false, true}, [](bool float64) { return float64 ? "float64" : "float32"; }};
-  return {database("tangents", &DatabaseSpec::tangents, Flag{}, never,
-                   "store the condensed 3x3 tangent dF/dd of every increment"),
-          database("displacement_precision", &DatabaseSpec::float64, precisions, never, ""),
-          database("fields", &DatabaseSpec::fields, FieldNames{}, never,
-                   "scalar fields stored beside the displacement of the output nodes: `\"von-mises-stress\"` (of the "
-                   "Cauchy stress, in Pa), `\"energy-density\"` (stored strain energy per volume at rest, in J/m^3)")};
+  return {
+      database("tangents", &DatabaseSpec::tangents, Flag{}, never,
+               "store the condensed 3x3 tangent dF/dd of every increment"),
+      database("displacement_precision", &DatabaseSpec::float64, precisions, never, ""),
+      database("field_tolerance", &DatabaseSpec::field_tolerance, Number{{0, 0.1}}, never,
+               "displacements of output nodes are rounded by at most this share of the prescribed one, so that they "
+               "take less space on disk; 0 keeps every bit"),
+      database("fields", &DatabaseSpec::fields, FieldNames{}, never,
+               "scalar fields stored beside the displacement of the output nodes: `\"von-mises-stress\"` (of the "
+               "Cauchy stress, in Pa), `\"energy-density\"` (stored strain energy per volume at rest, in J/m^3)")};
 }
 
 Keys training_keys() {

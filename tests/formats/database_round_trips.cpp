@@ -57,6 +57,32 @@ TEST_F(RoundTrip, rounds_displacements_once_with_float32) {
   expect_round_trip(file, header);
 }
 
+TEST_F(RoundTrip, rounds_displacements_within_the_tolerance_of_the_scene) {
+  for (const double tolerance : {0.1, 0.03, 1e-3, 1.0 / 4096}) {
+    const auto scene =
+        parse_scene(database_scene + "[database]\nfield_tolerance = " + std::to_string(tolerance) + "\n", "", ".");
+    auto header = small_header(true);
+    header.field_bits = database_header(scene, header.mesh, header.sets).field_bits;
+    write_logs(header);
+    DatabaseWriter::pack(file, header);
+    EXPECT_EQ(read_database_header(file).field_bits, header.field_bits);
+    const Database database = Database::open(file);
+    double largest = 0;  // share of the tolerance
+    for (const Ray& expected : all_rays(header)) {
+      const Ray found = database.rays(expected.active)[static_cast<std::size_t>(expected.direction)];
+      EXPECT_EQ(found.force, expected.force);
+      const std::size_t n = expected.displacement.size() / header.magnitudes_m.size();
+      for (std::size_t i = 0; i < expected.displacement.size(); ++i)
+        largest = std::max(largest, std::abs(found.displacement[i] - expected.displacement[i]) /
+                                        (tolerance * header.magnitudes_m[i / n]));
+    }
+    // The step is a power of two, so that a quarter of the tolerance may be left unused.
+    EXPECT_LE(largest, 1) << tolerance;
+    EXPECT_GT(largest, 0.24) << tolerance;
+    fs::remove(file);
+  }
+}
+
 TEST_F(RoundTrip, works_without_tangents) {
   auto header = small_header(true);
   header.tangents = false;

@@ -320,6 +320,10 @@ TEST_F(OtherDatabases, are_refused_with_what_differs) {
   stored.float64 = true;
   stored.tangents = false;
   expect_contains(refused(then, stored), {"tangents", "displacement_precision"});
+  auto rounded = then;
+  rounded.field_bits = 12;
+  expect_contains(refused(rounded, then), {"field_tolerance", "12 bits in the file, every bit now"});
+  EXPECT_EQ(coverage(then, rounded), Coverage::whole) << "finer than asked for";
   expect_contains(refused(then, study({1}, {1, 4}, 0, 7)), {"output nodes that the database does not hold: 1 of 2"});
   // What no known version has solved is not understood, even if its scene is the same.
   auto unknown = then;

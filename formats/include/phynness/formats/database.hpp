@@ -30,6 +30,8 @@ struct DatabaseHeader {
   /// direction * n_increments + increment, each nearest to its direction. The magnitudes then only count.
   Points displacements_m = Points(0, 3);
   bool tangents = false, float64 = false;
+  /// Displacements of an increment are multiples of 2^-field_bits times the power of two below its magnitude; 0: any.
+  int field_bits = 0;
   std::vector<Field> fields;  ///< stored at the output nodes, in the order of the enum; always float32
   int fold_halvings = phynness::fold_halvings;  ///< of the program that solved it
   std::string scene_text, scene_name, scene_folder;

@@ -107,9 +107,10 @@ struct ProbeSpec {
 };
 
 struct DatabaseSpec {
-  bool tangents = false;      ///< store the condensed 3x3 tangent of every increment
-  bool float64 = false;       ///< displacements as float64 instead of float32
-  std::vector<Field> fields;  ///< stored in addition to the displacement, each once, in the order of the enum
+  bool tangents = false;       ///< store the condensed 3x3 tangent of every increment
+  bool float64 = false;        ///< displacements as float64 instead of float32
+  double field_tolerance = 0;  ///< to which displacements are rounded, as a share of the prescribed one; 0: not at all
+  std::vector<Field> fields;   ///< stored in addition to the displacement, each once, in the order of the enum
 };
 
 struct TrainingSpec {
