@@ -15,7 +15,7 @@ constexpr std::size_t least_queries = 256;
 struct Options {
   std::filesystem::path model, output;
   std::string name = "model";
-  bool force_only = false, floats = false;
+  ImageOptions image;
   std::size_t golden = 0;
   OptionalPath json_file;
 };
@@ -48,11 +48,13 @@ void run(const Options& options) {
     declare_output("--output", options.output / (options.name + suffix));
   const LoadedModel loaded(options.model);
   const Model& model = loaded.model();
-  const bool deforms = !options.force_only && operations(model.family).has_deformation(model);
-  const ModelImage image = model_image(model, {!deforms, options.floats});
+  ImageOptions kind = options.image;
+  kind.force_only = kind.force_only || !operations(model.family).has_deformation(model);
+  const ModelImage image = model_image(model, kind);
   auto queries = golden_queries(loaded, image, std::max(options.golden, least_queries));
   const std::size_t n_measured = queries.query.size();
   queries.query.resize(options.golden);
+  queries.place.resize(std::min(queries.place.size(), options.golden / 4));
   make_folder(options.output);
   std::vector<std::pair<std::filesystem::path, std::string>> files;
   const auto write = [&](const std::string& suffix, const std::string& text) {
@@ -70,26 +72,26 @@ void run(const Options& options) {
   const json figures =
       record("family", name(model.family), "name", options.name, "real_bytes", image.real_bytes(), "image_bytes",
              image.bytes.size(), "ram_bytes", image.ram_bytes(), "active", image.n_active, "output", image.n_output,
-             "force_deviation", queries.force_deviation, "deformation_deviation", queries.deformation_deviation,
-             "golden", golden_json(queries, options.golden));
+             "triangles", image.n_triangles, "force_deviation", queries.force_deviation, "deformation_deviation",
+             queries.deformation_deviation, "golden", golden_json(queries, options.golden));
   write_each({[&] { write_text_files(files); }, [&] { write_json(options.json_file, figures); }});
   print_result("{}: family {}, {} active nodes, {}, {}\n", (options.output / options.name).string(), name(model.family),
-               image.n_active, deforms ? fmt::format("{} output nodes", image.n_output) : std::string("forces only"),
-               options.floats ? "float" : "double");
+               image.n_active, kind.force_only ? "forces only" : fmt::format("{} output nodes", image.n_output),
+               kind.floats ? "float" : "double");
+  if (image.n_triangles > 0) print_result("a tool at any place on {} triangles\n", image.n_triangles);
   print_result("flash {}; RAM {} for a deformation, none for a force\n", bytes(image.bytes.size()),
                bytes(image.ram_bytes()));
   print_result("largest difference from the runtime: {:.2g} of the largest force", queries.force_deviation);
-  if (deforms) print_result(" and {:.2g} of the largest displacement", queries.deformation_deviation);
+  if (!kind.force_only) print_result(" and {:.2g} of the largest displacement", queries.deformation_deviation);
   print_result(" at {} queries\n", n_measured);
   if (!model.fields.empty())
     message("note: the model's fields are omitted; images contain force and deformation only\n");
-  const double deviation =
-      deforms ? std::max(queries.force_deviation, queries.deformation_deviation) : queries.force_deviation;
+  const double deviation = std::max(queries.force_deviation, kind.force_only ? 0 : queries.deformation_deviation);
   if (deviation > 1e-3)
     message(
         "warning: large terms of this model cancel each other: the image differs by {:.2g} of the largest response\n"
         "  remedy: {}train it with --family modal or a smaller --spread\n",
-        deviation, options.floats ? "export it without --float, or " : "");
+        deviation, kind.floats ? "export it without --float, or " : "");
 }
 
 }  // namespace
@@ -103,8 +105,11 @@ void add(CLI::App& app) {
   add_model(command, options.model);
   add_output(command, options.output, PathKind::folder, "directory for the files; it is made if it does not exist");
   command.add_option("--name", options.name, "name of the files and the symbols (default: model)");
-  command.add_flag("--force-only", options.force_only, "omit the deformation, which takes most of the flash memory");
-  command.add_flag("--float", options.floats,
+  command.add_flag("--force-only", options.image.force_only,
+                   "omit the deformation, which takes most of the flash memory");
+  command.add_flag("--nodes-only", options.image.nodes_only,
+                   "omit the surface and the bounds of errors: tools are then at active nodes only");
+  command.add_flag("--float", options.image.floats,
                    "use float numbers: half the flash memory, for processors without double precision");
   add_count(command, "--golden", options.golden, 0, 100000,
             "also write NAME_golden.h and .c: this number of queries with results of the runtime in double, "

@@ -67,6 +67,7 @@ CSource c_source(const ModelImage& image, const Model& model, const std::string&
   h += define(NAME + "_REAL_BYTES", word, "size of a number, a " + real);
   h += define(NAME + "_ACTIVE", image.n_active, "nodes that can be touched");
   h += define(NAME + "_OUTPUT", image.n_output, "nodes whose displacement is modelled; 0: forces only");
+  h += define(NAME + "_TRIANGLES", image.n_triangles, "on which a tool can be between nodes; 0: at nodes only");
   h += define(NAME + "_SCRATCH", image.n_scratch, real + "s of scratch for a deformation");
   h += define(NAME + "_FIELD", 3 * image.n_output, real + "s of its result");
   h += define(NAME + "_RAM_BYTES", image.ram_bytes(), "scratch and result of a deformation; a force needs no memory");
@@ -92,7 +93,8 @@ CSource c_source(const GoldenQueries& queries, const Model& model, const std::st
   const std::string type = "struct " + name + "_query", n = std::to_string(queries.query.size());
   const std::string array = "const " + type + " " + name + "_golden[" + n + "]";
   std::string h = head(model, name, "responses of the runtime and of the image");
-  h += "#include <stdint.h>\n\n" + define(upper(name) + "_GOLDEN", queries.query.size(), "queries");
+  h += "#include <stdint.h>\n\n" + define(upper(name) + "_GOLDEN", queries.query.size(), "queries") +
+       define(upper(name) + "_GOLDEN_AT", queries.place.size(), "places between nodes");
   h += std::string("\n") + begin_c + type +
        " {\n"
        "  int32_t node, status;        /* active node; status of the image's force */\n"
@@ -104,7 +106,23 @@ CSource c_source(const GoldenQueries& queries, const Model& model, const std::st
        "  double image_deformation[3]; /* by the image */\n"
        "};\n"
        "extern " +
-       array + ";\n" + end_c;
+       array + ";\n";
+  const std::string place = "struct " + name + "_place", n_places = std::to_string(queries.place.size());
+  const std::string places = "const " + place + " " + name + "_golden_at[" + n_places + "]";
+  if (!queries.place.empty())
+    h +=
+        place +
+        " {\n"
+        "  int32_t triangle, status;       /* of the place nearest to the point; status of the image's force there */\n"
+        "  double point[3], weights[3];    /* [m]; by the image */\n"
+        "  double displacement[3];         /* [m] */\n"
+        "  double force[3];                /* [N], by the runtime in double */\n"
+        "  double image_force[3];          /* by the image on the host; the same bits on a device */\n"
+        "  double bound, image_bound;      /* [N]; PHN_IMAGE_NO_BOUND: none */\n"
+        "};\n"
+        "extern " +
+        places + ";\n";
+  h += end_c;
   std::string c = head(model, name, "golden queries") + "#include \"" + name + "_golden.h\"\n\n" + array + " = {\n";
   for (const auto& q : queries.query) {
     c += "  {" + std::to_string(q.node) + ", " + std::to_string(q.status);
@@ -113,6 +131,14 @@ CSource c_source(const GoldenQueries& queries, const Model& model, const std::st
          "},\n";
   }
   c += "};\n";
+  if (!queries.place.empty()) c += places + " = {\n";
+  for (const auto& p : queries.place) {
+    c += "  {" + std::to_string(p.triangle) + ", " + std::to_string(p.status);
+    for (const auto* v : {&p.point_m, &p.weights, &p.displacement_m, &p.force_N, &p.image_force_N})
+      c += ", " + vector(*v);
+    c += ", " + number(p.bound_N) + ", " + number(p.image_bound_N) + "},\n";
+  }
+  if (!queries.place.empty()) c += "};\n";
   return {guarded(name + "_golden", h), c};
 }
 

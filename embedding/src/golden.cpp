@@ -9,6 +9,7 @@
 #include <random>
 
 #include "image_functions.hpp"
+#include "image_surface.hpp"
 
 namespace phynness {
 namespace {
@@ -74,6 +75,18 @@ class Device {
     std::copy_n(out, 3, force.begin());
     return status;
   }
+  /// Sets what the image says of a place, at its point with its displacement.
+  void answer(GoldenPlace& at) const {
+    typename Functions::Place place;
+    const auto d = rounded(at.displacement_m);
+    Functions::nearest(_image, -1, rounded(at.point_m).data(), &place, nullptr);
+    at.triangle = place.triangle;
+    std::copy_n(place.weights, 3, at.weights.begin());
+    Real force[3], bound = PHN_IMAGE_NO_BOUND;
+    at.status = Functions::force_at(_image, &place, d.data(), force);
+    std::copy_n(force, 3, at.image_force_N.begin());
+    if (Functions::bound_at(_image, &place, d.data(), &bound) >= 0) at.image_bound_N = bound;
+  }
   void deformation(std::int32_t node, const Vec3& d, std::int32_t output, Vec3& u) {
     if (_field.empty()) return;
     Functions::deform(_image, _scratch.data(), node, rounded(d).data(), _field.data());
@@ -105,6 +118,35 @@ class Deviation {
   double _largest = 0, _difference = 0;
 };
 
+/// A random point of the surface, away from the edges, where the runtime may take a triangle that cannot be touched.
+Vec3 point_on(const ImageSurface& surface, Numbers& numbers) {
+  const double n = 0.5 * static_cast<double>(surface.triangle.size() / 6);
+  const auto triangle = static_cast<std::size_t>(n + n * numbers.next());
+  Eigen::Vector3d weight;
+  for (double& w : weight) w = 1.1 + numbers.next();
+  Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
+  for (std::size_t k = 0; k < 3; ++k)
+    x += weight[static_cast<Eigen::Index>(k)] / weight.sum() * surface.point.row(surface.triangle[6 * triangle + k]);
+  return {x[0], x[1], x[2]};
+}
+
+template <class Functions>
+GoldenPlace place_query(const LoadedModel& model, const Device<Functions>& device, const Vec3& point, std::size_t i,
+                        Numbers& numbers) {
+  GoldenPlace at;
+  at.point_m = device.held(point);
+  phn_tool tool;
+  model.runtime().nearest(at.point_m, tool).ignore();
+  const auto nodes = model.runtime().active_nodes();
+  at.displacement_m = device.held(displacement(model, nodes[i % nodes.size()], i, numbers));
+  std::ranges::copy(at.displacement_m, tool.displacement);
+  if (!model.data().force(tool, at.force_N).ok())
+    throw failure("a place of the image's surface has no force", "", "this is a defect; please report it");
+  model.runtime().bound(tool, at.bound_N).ignore();
+  device.answer(at);
+  return at;
+}
+
 template <class Functions>
 GoldenQueries queries(const LoadedModel& model, const ModelImage& image, std::size_t n) {
   const auto nodes = model.runtime().active_nodes();
@@ -131,6 +173,11 @@ GoldenQueries queries(const LoadedModel& model, const ModelImage& image, std::si
       deformation.add(query.deformation_m, query.image_deformation_m);
     }
     all.query.push_back(query);
+  }
+  const ImageSurface surface = image.n_triangles > 0 ? image_surface(model.model()) : ImageSurface{};
+  for (std::size_t i = 0; i < n / 4 && image.n_triangles > 0; ++i) {
+    all.place.push_back(place_query(model, device, point_on(surface, numbers), i, numbers));
+    force.add(all.place.back().force_N, all.place.back().image_force_N);
   }
   all.force_deviation = force.relative();
   all.deformation_deviation = deformation.relative();

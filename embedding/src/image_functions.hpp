@@ -15,6 +15,10 @@ struct DoubleImage {
   static constexpr auto n_active = phn_image_n_active;
   static constexpr auto n_output = phn_image_n_output;
   static constexpr auto provenance = phn_image_provenance;
+  using Place = phn_image_place;
+  static constexpr auto nearest = phn_image_nearest;
+  static constexpr auto force_at = phn_image_force_at;
+  static constexpr auto bound_at = phn_image_bound_at;
 };
 struct FloatImage {
   using Real = float;
@@ -26,6 +30,10 @@ struct FloatImage {
   static constexpr auto n_active = phn_imagef_n_active;
   static constexpr auto n_output = phn_imagef_n_output;
   static constexpr auto provenance = phn_imagef_provenance;
+  using Place = phn_imagef_place;
+  static constexpr auto nearest = phn_imagef_nearest;
+  static constexpr auto force_at = phn_imagef_force_at;
+  static constexpr auto bound_at = phn_imagef_bound_at;
 };
 
 }  // namespace phynness

@@ -9,6 +9,7 @@
 #include <phynness/schema/model_grammar.hpp>
 
 #include "image_functions.hpp"
+#include "image_surface.hpp"
 
 namespace phynness {
 namespace {
@@ -66,7 +67,7 @@ class ImageWriter {
     put_provenance();
     if (_has_modes) set_rest(nodes);
     seal();
-    return {_bytes, _options, _model.nodes.size(), deforms ? _model.output.size() : 0, _n_scratch};
+    return {_bytes, _options, _model.nodes.size(), deforms ? _model.output.size() : 0, _n_triangles, _n_scratch};
   }
 
  private:
@@ -97,7 +98,36 @@ class ImageWriter {
     origin.finer_nodes = finer.nodes;
     if (solved.is_recorded || finer.is_measured)
       origin.element_revision = solved.is_recorded ? solved.revision : finer.revision;
+    origin.surface = put_surface();
     _header.provenance = put_bytes(&origin, sizeof origin);
+  }
+
+  /// @return the offset of the surface on which tools can be, where they are round; 0: none
+  std::uint32_t put_surface() {
+    const ImageSurface from = _options.nodes_only ? ImageSurface{} : image_surface(_model);
+    _n_triangles = from.triangle.size() / 6;
+    if (_n_triangles == 0) return 0;
+    image::Surface surface{};
+    surface.triangle = put(from.triangle);
+    surface.vertex = put(from.vertex);
+    surface.point = put(reals(from.point));
+    surface.begin = put(from.begin);
+    surface.neighbour = put(from.neighbour);
+    surface.slope = put(reals(from.slope));
+    if (!_model.bounds.empty()) {
+      std::vector<std::int16_t> bound;
+      std::vector<Real> scale;
+      for (const auto& node : _model.nodes) {
+        const ScaledTable& table = node.bounds[0];
+        bound.insert(bound.end(), table.entries.data(), table.entries.data() + table.entries.size());
+        scale.push_back(real(table.scale[0]));
+      }
+      surface.bound = put(bound);
+      surface.bound_scale = put(scale);
+      const auto& coupled = _model.bounds[0].coupled;
+      if (coupled.rows() > 0) surface.coupled = put(reals(coupled.topRows(1)));
+    }
+    return put_bytes(&surface, sizeof surface);
   }
 
   void check_sizes() const {
@@ -301,7 +331,7 @@ class ImageWriter {
   std::vector<Real> _displacements;
   std::vector<double> _depth;
   image::Table _depth_table{};
-  std::size_t _n_scratch = 0;
+  std::size_t _n_triangles = 0, _n_scratch = 0;
 };
 
 }  // namespace

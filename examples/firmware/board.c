@@ -42,4 +42,20 @@ void board_start_counting(void) {
   } /* 0 until the first tick */
 }
 
+/* Words below the stack pointer get a pattern, of which those that no call has overwritten are left. */
+enum { marked_words = 4096, left_words = 16 };
+static volatile uint32_t* marked_end;
+
+void board_mark_stack(void) {
+  register uint32_t* top __asm("sp");
+  marked_end = top - left_words;
+  for (uint32_t i = 1; i <= marked_words; ++i) marked_end[-(int32_t)i] = 0xa5a5a5a5;
+}
+
+uint32_t board_used_stack(void) {
+  uint32_t n = marked_words;
+  while (n > 0 && marked_end[-(int32_t)n] == 0xa5a5a5a5) --n;
+  return 4 * (n + left_words);
+}
+
 uint32_t board_instructions(void) { return 40 * (0xFFFFFF - SYST_CVR); }

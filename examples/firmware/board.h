@@ -13,4 +13,8 @@ __attribute__((noreturn)) void board_exit(int status);
 void board_start_counting(void);
 uint32_t board_instructions(void);
 
+/* Bytes of stack that functions called between the two calls have used, at most 16 kB. */
+void board_mark_stack(void);
+uint32_t board_used_stack(void);
+
 #endif

@@ -17,6 +17,10 @@ typedef phn_imagef image_type;
 #define open_image phn_imagef_open
 #define force_image phn_imagef_force
 #define deform_image phn_imagef_deform
+typedef phn_imagef_place place_type;
+#define nearest_in_image phn_imagef_nearest
+#define force_at_place phn_imagef_force_at
+#define bound_at_place phn_imagef_bound_at
 /* Relative to the largest response. Weights of wide Gaussians cancel by up to 1e4, which multiplies the rounding of
  * floats; phynness export measures it. */
 #define FORCE_TOLERANCE 1e-3
@@ -27,6 +31,10 @@ typedef phn_image image_type;
 #define open_image phn_image_open
 #define force_image phn_image_force
 #define deform_image phn_image_deform
+typedef phn_image_place place_type;
+#define nearest_in_image phn_image_nearest
+#define force_at_place phn_image_force_at
+#define bound_at_place phn_image_bound_at
 #define FORCE_TOLERANCE 1e-11
 #define DEFORMATION_TOLERANCE 1e-6 /* the runtime sums shared modes in float */
 #endif
@@ -106,7 +114,80 @@ static void count_forces(void) {
     if (once > most) most = once;
   }
   report("instructions_per_force_at_most", most);
+  board_mark_stack();
+  force_image(model, model_golden[MODEL_GOLDEN - 1].node, d, force);
+  report("stack_of_force", board_used_stack());
 }
+
+#if MODEL_GOLDEN_AT > 0
+/* Instructions and stack of one call on average, and the most of any. */
+struct cost {
+  uint32_t sum, most, stack;
+};
+
+static void begin(void) {
+  board_mark_stack();
+  board_start_counting();
+}
+
+static void end(struct cost* cost) {
+  const uint32_t n = board_instructions(), stack = board_used_stack();
+  cost->sum += n;
+  if (n > cost->most) cost->most = n;
+  if (stack > cost->stack) cost->stack = stack;
+}
+
+static void report_cost(const char* name, const struct cost* cost) {
+  board_print(name);
+  report("_instructions", cost->sum / MODEL_GOLDEN_AT);
+  board_print(name);
+  report("_instructions_at_most", cost->most);
+  board_print(name);
+  report("_stack", cost->stack);
+}
+
+/* A tool between nodes: the place by a search of all triangles, then by a walk after it slid by a tenth of its
+ * displacement, force and bound there. */
+static int check_places(void) {
+  struct agreement agreement = {0, 0, 0};
+  struct cost search = {0, 0, 0}, walk = {0, 0, 0}, force_cost = {0, 0, 0}, bound_cost = {0, 0, 0};
+  uint32_t other_statuses = 0, other_bits = 0;
+  for (uint32_t i = 0; i < MODEL_GOLDEN_AT; ++i) {
+    const struct model_place* query = &model_golden_at[i];
+    place_type place, next;
+    real x[3], d[3], force[3], bound = PHN_IMAGE_NO_BOUND;
+    set(query->point, x);
+    set(query->displacement, d);
+    begin();
+    nearest_in_image(model, -1, x, &place, 0);
+    end(&search);
+    begin();
+    const int status = force_at_place(model, &place, d, force);
+    end(&force_cost);
+    begin();
+    if (bound_at_place(model, &place, d, &bound) < 0) bound = PHN_IMAGE_NO_BOUND;
+    end(&bound_cost);
+    if (status != query->status) ++other_statuses;
+    compare(&agreement, query->force, query->image_force, force);
+    if (place.triangle != query->triangle || (double)bound != query->image_bound) ++other_bits;
+    for (int k = 0; k < 3; ++k) {
+      if ((double)place.weights[k] != query->weights[k]) ++other_bits;
+      x[k] += d[k] / 10;
+    }
+    begin();
+    nearest_in_image(model, place.triangle, x, &next, 0);
+    end(&walk);
+  }
+  report_cost("search", &search);
+  report_cost("walk", &walk);
+  report_cost("force_at", &force_cost);
+  report_cost("bound_at", &bound_cost);
+  report("place_other_bits", other_bits);
+  return agrees(&agreement, "force_at", FORCE_TOLERANCE) && other_statuses == 0 && other_bits == 0;
+}
+#else
+static int check_places(void) { return 1; }
+#endif
 
 #if MODEL_OUTPUT > 0
 static real scratch[MODEL_SCRATCH > 0 ? MODEL_SCRATCH : 1], field[MODEL_FIELD];
@@ -140,7 +221,7 @@ int main(void) {
     return 1;
   }
   count_forces();
-  const int forces = check_forces(), deformations = check_deformations();
-  board_print(forces && deformations ? "agree 1\n" : "agree 0\n");
-  return forces && deformations ? 0 : 1;
+  const int forces = check_forces(), places = check_places(), deformations = check_deformations();
+  board_print(forces && places && deformations ? "agree 1\n" : "agree 0\n");
+  return forces && places && deformations ? 0 : 1;
 }

@@ -29,8 +29,6 @@ using bench::sink;
 
 constexpr int n_neurons_force = 100, n_neurons_deformation = 200, n_levels = 3;
 
-bool in_float() { return rt::Model().info().precision_bits == 32; }
-
 struct Loaded : bench::TimedModel {
   explicit Loaded(const std::string& text) : TimedModel(text), surface(model, n_levels) {
     check(surface.status());
@@ -48,7 +46,7 @@ class Table {
   void add(const std::string& key, double value, const std::string& words) {
     std::printf(value < 0.005 ? "  %-38s %12.1e   %s\n" : "  %-38s %12.3f   %s\n", key.c_str(), value, words.c_str());
     std::fflush(stdout);
-    _json += (_json.empty() ? "{\"" : ", \"") + std::string(in_float() ? "float_" : "") + key + "\": " + number(value);
+    _json += (_json.empty() ? "{\"" : ", \"") + key + "\": " + number(value);
   }
   /// Adds the time of a loop and its ratio to that of the runtime.
   /// @param unit  of the key, per microsecond
@@ -325,11 +323,8 @@ int run(int argc, char** argv) {
     return 2;
   }
   Table table;
-  std::printf(
-      "runtime, forces in %s, one core, medians; models of arbitrary coefficients, 486 output nodes, 596 "
-      "vertices\n",
-      in_float() ? "float (keys of the JSON file: float_...)" : "double");
-  in_float() ? bench_networks<float>(table) : bench_networks<double>(table);
+  std::printf("runtime, one core, medians; models of arbitrary coefficients, 486 output nodes, 596 vertices\n");
+  bench_networks<double>(table);
   std::printf("family modal: 64 shared and 16 own modes, 78 centers of amplitudes, 30 near nodes, 78 of forces\n");
   {
     Loaded loaded(write_model_text(bench::modal_model(78, 64, 16, 78, 30, bench::n_output)));

@@ -11,7 +11,6 @@ function(read_part file result)
 endfunction()
 
 read_part(include/phynness/phynness_api.h api)
-string(REGEX REPLACE "#ifdef PHYNNESS_FLOAT\n#endif\n" "" api "${api}")
 file(READ ${RUNTIME}/include/phynness/phynness.h core)
 string(REGEX MATCH "enum {[^}]*PHN_OK[^}]*};\n" statuses "${core}")
 string(REGEX MATCH "typedef struct phn_provenance {[^}]*} phn_provenance;\n" provenance "${core}")

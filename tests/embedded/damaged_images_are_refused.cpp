@@ -9,8 +9,8 @@
 #include <limits>
 #include <phynness/image_layout.hpp>
 
-#include "../runtime/small_model.hpp"
 #include "opened_image.hpp"
+#include "round_models.hpp"
 
 namespace phynness::test {
 namespace {
@@ -127,6 +127,16 @@ void words_never_harm(const Model& model) {
         for (const Real x : out) ASSERT_TRUE(std::isfinite(x)) << "word " << w << " = " << value;
         Image<Real>::deform(image, scratch.data(), 3, d, field.data());
         for (const Real x : field) ASSERT_TRUE(std::isfinite(x)) << "word " << w << " = " << value;
+        for (const std::int32_t from : {-1, 0}) {
+          typename Image<Real>::Place place;
+          Image<Real>::nearest(image, from, d, &place, out);
+          Image<Real>::force_at(image, &place, d, out + 3);
+          Image<Real>::stiffness_at(image, &place, d, out + 4);
+          Image<Real>::energy_at(image, &place, d, out + 4);
+          Image<Real>::bound_at(image, &place, d, out + 13);
+          for (const Real x : out) ASSERT_TRUE(std::isfinite(x)) << "word " << w << " = " << value;
+          for (const Real x : place.weights) ASSERT_TRUE(x >= 0 && x <= 1) << "word " << w << " = " << value;
+        }
       }
     }
   }
@@ -134,6 +144,8 @@ void words_never_harm(const Model& model) {
 TEST_P(Damaged, WordsNeverHarm) {
   words_never_harm<float>(small_model_of(GetParam()));
   words_never_harm<double>(small_model_of(GetParam()));
+  words_never_harm<float>(small_round_model(GetParam()));
+  words_never_harm<double>(small_round_model(GetParam()));
 }
 
 /// NaN, infinity and what is beyond the bounds of formats/image.md are refused in every table of numbers.

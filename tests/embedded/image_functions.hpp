@@ -23,6 +23,12 @@ struct Image<double> {
   static constexpr auto active_nodes = phn_image_active_nodes;
   static constexpr auto n_output = phn_image_n_output;
   static constexpr auto provenance = phn_image_provenance;
+  using Place = phn_image_place;
+  static constexpr auto nearest = phn_image_nearest;
+  static constexpr auto force_at = phn_image_force_at;
+  static constexpr auto energy_at = phn_image_energy_at;
+  static constexpr auto stiffness_at = phn_image_stiffness_at;
+  static constexpr auto bound_at = phn_image_bound_at;
 };
 template <>
 struct Image<float> {
@@ -38,6 +44,12 @@ struct Image<float> {
   static constexpr auto active_nodes = phn_imagef_active_nodes;
   static constexpr auto n_output = phn_imagef_n_output;
   static constexpr auto provenance = phn_imagef_provenance;
+  using Place = phn_imagef_place;
+  static constexpr auto nearest = phn_imagef_nearest;
+  static constexpr auto force_at = phn_imagef_force_at;
+  static constexpr auto energy_at = phn_imagef_energy_at;
+  static constexpr auto stiffness_at = phn_imagef_stiffness_at;
+  static constexpr auto bound_at = phn_imagef_bound_at;
 };
 
 }  // namespace phynness::test

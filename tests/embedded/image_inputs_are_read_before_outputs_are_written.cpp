@@ -2,8 +2,8 @@
 // offset. Scratch that overlaps the output, and a pointer to an image inside of its own bytes, are refused with zeros
 // as output. A function of the header without a row here fails the test.
 #include "../runtime/overlapping_memory.hpp"
-#include "../runtime/small_model.hpp"
 #include "opened_image.hpp"
+#include "round_models.hpp"
 
 namespace phynness::test {
 namespace {
@@ -35,6 +35,24 @@ class ImageOverlap : public ::testing::TestWithParam<Family> {
     row("_energy", "energy", 1, Image<Real>::energy);
     row("_stiffness", "stiffness", 9, Image<Real>::stiffness);
     row("_trained_depth", "depth", 1, Image<Real>::trained_depth);
+    using Place = typename Image<Real>::Place;
+    const std::vector<Place> place = {{{Real(0.5), Real(0.25), Real(0.25)}, 0}};
+    const auto place_row = [&](const char* function, const char* result, std::size_t n, auto call) {
+      rows.push_back(
+          {prefix + function, {input("place", place), input("d", d), output<Real>(result, n)}, [=](const Places& at) {
+             return call(image, as<Place>(at[0]), as<Real>(at[1]), as<Real>(at[2]));
+           }});
+    };
+    place_row("_force_at", "force", 3, Image<Real>::force_at);
+    place_row("_energy_at", "energy", 1, Image<Real>::energy_at);
+    place_row("_stiffness_at", "stiffness", 9, Image<Real>::stiffness_at);
+    place_row("_bound_at", "bound", 1, Image<Real>::bound_at);
+    rows.push_back({prefix + "_nearest",
+                    {input("x", d), output<Place>("place", 1, {{0, 0, 0}, -1}, {{3 * sizeof(Real) + 4, sizeof(Place)}}),
+                     output<Real>("point", 3)},
+                    [=](const Places& at) {
+                      return Image<Real>::nearest(image, -1, as<Real>(at[0]), as<Place>(at[1]), as<Real>(at[2]));
+                    }});
     rows.push_back(
         {prefix + "_deform",
          {scratch<Real>("scratch", Image<Real>::scratch(image)), input("d", d), output<Real>("out", n_field)},
@@ -43,7 +61,7 @@ class ImageOverlap : public ::testing::TestWithParam<Family> {
          }});
   }
 
-  const Model model = small_model_of(GetParam());
+  const Model model = small_round_model(GetParam());
   const OpenedImage<double> doubles{model_image(model, {false, false})};
   const OpenedImage<float> floats{model_image(model, {false, true})};
   std::vector<Row> rows;

@@ -1,10 +1,10 @@
 // Writes model directories for tests of devices: write_models DIR makes DIR/rbfn, DIR/linear and DIR/modal with 60
-// neurons or centers of force and 26 directions, as in the paper.
+// neurons or centers of force and 26 directions, as in the paper; DIR/round has round tools and places between nodes.
 #include <cmath>
 #include <cstdio>
 #include <exception>
 
-#include "../runtime/small_model.hpp"
+#include "round_sample.hpp"
 
 namespace phynness::test {
 namespace {
@@ -66,6 +66,8 @@ int main(int argc, char** argv) {
       std::filesystem::create_directories(dir.parent_path());
       write_model_dir(dir, model, mesh);
     }
+    const auto sample = read_model_dir(PHYNNESS_SOURCE_DIR "/examples/model");
+    write_model_dir(std::filesystem::path(argv[1]) / "round", test::sample_of_round_tools(0.025), sample.mesh);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

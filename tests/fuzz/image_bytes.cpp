@@ -69,6 +69,23 @@ void open_and_ask(const std::vector<std::uint64_t>& words, std::size_t bytes, Sc
     out.assign(n_field, 1);
     std::fill(scratch.begin(), scratch.end(), std::numeric_limits<Real>::quiet_NaN());
     check(Image<Real>::deform(image, scratch.data(), node, d, out.data()), out);
+    typename Image<Real>::Place place;
+    out.assign(3, 1);
+    const int found = Image<Real>::nearest(image, script.below(2) == 0 ? -1 : script.below(100), d, &place, out.data());
+    require(found <= PHN_WARNING_UNSETTLED, "a documented status");
+    check(found < 0 ? found : PHN_OK, out);
+    if (script.below(2) == 0) {
+      place.triangle = script.below(100);
+      for (Real& weight : place.weights) weight = Real(0.25) * Real(script.below(4));
+    }
+    out.assign(3, 1);
+    check(Image<Real>::force_at(image, &place, d, out.data()), out);
+    out.assign(1, 1);
+    check(Image<Real>::energy_at(image, &place, d, out.data()), out);
+    out.assign(9, 1);
+    check(Image<Real>::stiffness_at(image, &place, d, out.data()), out);
+    out.assign(1, 1);
+    check(Image<Real>::bound_at(image, &place, d, out.data()), out);
   }
 }
 
@@ -122,7 +139,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::vector<std::uint64_t> words(bytes / 8 + 1);
   if (bytes > 0) std::memcpy(words.data(), data + prologue, bytes);
   if (how & 1) seal(words, bytes);
-  Input questions(600);
+  Input questions(1200);
   for (auto& byte : questions) byte = static_cast<std::uint8_t>(random.next());
   Script asked(questions);
   if (how & 2) {

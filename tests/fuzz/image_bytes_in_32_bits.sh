@@ -19,7 +19,7 @@ if ! { "$cxx" "${flags[@]}" probe.cpp -o probe && ./probe; } > log.txt 2>&1; the
 fi
 
 "$write_models" models
-for family in rbfn linear modal; do
+for family in rbfn linear modal round; do
   for option in '' --float; do
     "$phynness" export models/$family -o "$family$option" $option > log.txt
     # Prologue: seal the image; its kind of number.

@@ -1,7 +1,6 @@
 #!/bin/bash
-# Claim: the runtime builds from its own folder, installs, in double and in float, and external programs in C and C++17, the latter without
-# exceptions, find and use it, static and shared, by CMake and by pkg-config, also after the installation was moved. A program may hold both; one
-# that is compiled for float does not link with the library in double, nor the other way round. A status of the C++ wrapper
+# Claim: the runtime builds from its own folder, installs, and external programs in C and C++17, the latter without
+# exceptions, find and use it, static and shared, by CMake and by pkg-config, also after the installation was moved. A status of the C++ wrapper
 # that is overlooked does not compile. Every header that is installed compiles alone: none includes one that is not.
 # Usage: builds_alone_and_installs.sh CMAKE RUNTIME_SOURCE CONSUMER_SOURCE WORK_DIR
 set -euo pipefail
@@ -27,10 +26,7 @@ done
 "$cmake" --build "$work/consumer" >> "$work.log"
 "$work/consumer/c_consumer"
 "$work/consumer/cpp_consumer"
-"$work/consumer/float_consumer"
 "$work/consumer/shared_consumer"
-"$work/consumer/shared_float_consumer"
-"$work/consumer/both_consumer"
 # The devices, with the reader of motions of formats/, and the example of a haptic loop, outside of the repository, against
 # what is installed.
 cp -r "$runtime/../devices" "$runtime/../formats" "$work"
@@ -42,18 +38,6 @@ cp -r "$runtime/../examples/haptic_loop" "$work/haptic_loop"
 "$cmake" -S "$work/haptic_loop" -B "$work/haptic_build" -DCMAKE_PREFIX_PATH="$work/prefix" >> "$work.log"
 "$cmake" --build "$work/haptic_build" >> "$work.log"
 "$work/haptic_build/haptic_loop" --help | grep -q MODEL_DIR
-# Headers of one precision, library of the other.
-lib=$(dirname "$(find "$work/prefix" -name libphynness_runtime.a)")
-for mixed in "-DPHYNNESS_FLOAT runtime phnf_" "-UPHYNNESS_FLOAT runtime_float phn_"; do
-  read -r flag library prefix <<< "$mixed"
-  if "${CC:-cc}" $flag -I"$work/prefix/include" "$consumer/c_consumer.c" -L"$lib" -lphynness_$library -lphynness_image -lm \
-      -o "$work/mixed" 2> "$work/mixed.log"; then
-    echo "a program with $flag links with phynness_$library"
-    exit 1
-  fi
-  grep -q "undefined.*${prefix}model_info" "$work/mixed.log"
-done
-
 mv "$work/prefix" "$work/moved"
 folder=$(dirname "$(find "$work/moved" -name phynness.pc)")
 if ! command -v pkg-config > /dev/null; then
@@ -64,10 +48,6 @@ export PKG_CONFIG_PATH=$folder
 [ "$(pkg-config --modversion phynness)" = "$(pkg-config --modversion phynness-image)" ]
 read -ra flags <<< "$(pkg-config --cflags --libs phynness phynness-image)"
 "${CC:-cc}" -std=c99 -Wall -Wextra -Wpedantic -Werror "$consumer/c_consumer.c" "${flags[@]}" -o "$work/by_pkg_config"
-"$work/by_pkg_config"
-read -ra float_flags <<< "$(pkg-config --cflags --libs phynness-float phynness-image)"
-"${CC:-cc}" -std=c99 -Wall -Wextra -Wpedantic -Werror "$consumer/c_consumer.c" "${float_flags[@]}" \
-  -o "$work/by_pkg_config"
 "$work/by_pkg_config"
 for standard in c++17 c++20; do
   cpp=("${CXX:-c++}" -std=$standard -fno-exceptions -fno-rtti -Wall -Wextra -Wpedantic -Wconversion -Werror)

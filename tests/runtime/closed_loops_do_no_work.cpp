@@ -2,7 +2,6 @@
 
 #include "closed_loop.hpp"
 #include "loaded_model.hpp"
-#include "rounding.hpp"
 #include "small_model.hpp"
 
 namespace {
@@ -34,7 +33,7 @@ TEST(ClosedLoops, DoNoWork) {
                     EXPECT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), nullptr, &energy, nullptr), 0);
                     return energy;
                   }),
-              in_float ? 1e-5 : 1e-12);
+              1e-12);
   }
 }
 

@@ -5,7 +5,6 @@
 #include <phynness/formats/hash.hpp>
 
 #include "loaded_model.hpp"
-#include "rounding.hpp"
 #include "small_model.hpp"
 
 namespace {
@@ -91,8 +90,7 @@ TEST_P(DamagedText, EveryDamagedByteIsRefused) {
 // and evaluation are defined.
 TEST_P(DamagedText, ParserSurvivesAnythingWithAGoodChecksum) {
   const std::string text = body_of(small_text(GetParam(), 2, 1));
-  // The parser is the same for both kinds of numbers.
-  for (std::size_t at = 0; at < text.size(); at += in_float ? 7 : 1) {
+  for (std::size_t at = 0; at < text.size(); ++at) {
     for (const char c : {'0', '9', 'f', ',', '-', ' ', '\n', 'p', '.', '\0'}) {
       std::string damaged = text;
       damaged[at] = c;
@@ -226,10 +224,6 @@ TEST(DefectsOfText, CoordinatesAreBounded) {
     model.nodes[1].point = {-1e30, 1e30, -1e30};
     for (auto& node : model.nodes) {
       if (family == Family::rbfn) fill_centers(model, node.deformation);
-    }
-    if (in_float && family == Family::rbfn) {  // centers beyond 1e15 times the range of the inputs
-      EXPECT_ANY_THROW(LoadedModel{write_model_text(model)});
-      continue;
     }
     const LoadedModel loaded(write_model_text(model));
     const std::int32_t nodes[] = {3, 5};

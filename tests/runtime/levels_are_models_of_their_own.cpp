@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "loaded_model.hpp"
-#include "rounding.hpp"
 #include "small_model.hpp"
 
 namespace {
@@ -119,12 +118,12 @@ TEST_P(Levels, AreKeptByCoupledTools) {
 
 // Claim: at every level the force is the gradient of that level's energy: work over a closed path of straight
 // pieces is 0 to the accuracy of Gauss's rule, 1e-9 of the energies on the way for kernels whose width is a
-// third of the range; 1e-5 in float, whose rounding is larger.
+// third of the range.
 TEST(LevelsOfModalModels, DoNoWorkOverClosedPaths) {
   const LoadedModel loaded(write_model_text(with_levels(small_modal_model())));
   constexpr double at[] = {-0.7745966692414834, 0, 0.7745966692414834}, weight[] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
   constexpr int pieces = 200;
-  constexpr double tolerance = in_float ? 1e-5 : 1e-9;
+  constexpr double tolerance = 1e-9;
   for (std::int32_t level = 0; level < 3; ++level) {
     ASSERT_EQ(phn_set_level(loaded.model, loaded.data, level), PHN_OK);
     Numbers numbers;

@@ -2,7 +2,6 @@
 #include <phynness/phynness_paper.h>
 
 #include "loaded_model.hpp"
-#include "rounding.hpp"
 #include "small_model.hpp"
 
 namespace {
@@ -97,7 +96,7 @@ std::vector<Model> models() {
 
 // Claim: force, energy and stiffness are the formulas of formats/model.md, to rounding: 1e-14 of the sizes of
 // the terms, which the runtime sums in another order; 1e-12 of the force itself, whose terms may be a hundred
-// times larger. In the runtime in float, whose centers are floats, 29 bits more, and 1e-4.
+// times larger.
 TEST(ModalRuntime, ForceEnergyAndStiffnessAreTheFormulas) {
   for (const Model& model : models()) {
     const LoadedModel loaded(write_model_text(model));
@@ -110,11 +109,11 @@ TEST(ModalRuntime, ForceEnergyAndStiffnessAreTheFormulas) {
         ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data(), nullptr, nullptr), 0);
         ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), nullptr, &energy, nullptr), 0);
         ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), nullptr, nullptr, stiffness.data()), 0);
-        EXPECT_LE((force - expected.force).norm(), rounded(1e-14) * expected.force_terms);
-        EXPECT_LE(std::abs(energy - expected.energy), rounded(1e-14) * expected.energy_terms);
-        EXPECT_LE((stiffness - expected.stiffness).norm(), rounded(1e-14) * expected.stiffness_terms);
+        EXPECT_LE((force - expected.force).norm(), 1e-14 * expected.force_terms);
+        EXPECT_LE(std::abs(energy - expected.energy), 1e-14 * expected.energy_terms);
+        EXPECT_LE((stiffness - expected.stiffness).norm(), 1e-14 * expected.stiffness_terms);
         if (d.norm() > 1e-3) {
-          EXPECT_LT((force - expected.force).norm(), (in_float ? 1e-4 : 1e-12) * expected.force.norm());
+          EXPECT_LT((force - expected.force).norm(), 1e-12 * expected.force.norm());
         }
         EXPECT_EQ(stiffness, stiffness.transpose());
       }
@@ -150,7 +149,6 @@ TEST(ModalRuntime, DeformationIsTheSumOfModes) {
   }
 }
 
-#ifndef PHYNNESS_FLOAT  // the float runtime rounds them
 // Claim: a coefficient is never rounded, whether a float holds it or not: with one center the force is as
 // exact as double allows, 1e-15 of its terms. Coefficients that are floats take half the memory.
 TEST(ModalRuntime, CoefficientsAreNotRounded) {
@@ -180,7 +178,6 @@ TEST(ModalRuntime, CoefficientsAreNotRounded) {
   // 4 nodes, 300 coefficients, 4 bytes, but for what aligns arrays to cache lines.
   EXPECT_NEAR(static_cast<double>(bytes[false] - bytes[true]), 4 * 300 * 4, 4 * 64);
 }
-#endif
 
 // Claim: the weights (15)-(16) blend modal fields as those of the other families, touched nodes follow
 // exactly.

@@ -13,7 +13,6 @@
 
 #include "linear_body.hpp"
 #include "loaded_model.hpp"
-#include "rounding.hpp"
 #include "small_model.hpp"
 
 namespace {
@@ -241,7 +240,7 @@ TEST(RoundToolsBetween, SpreadPointsMeetLinearStiffness) {
       phn_tool held = tool(corner(0), corner(1), corner(2), 0.2, 0.5, 0, 0, 1);
       Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
       for (int k = 0; k < 3; ++k) x += held.weights[k] * same.output_points.row(held.nodes[k]);
-      EXPECT_NEAR(force_of(flat, held), 50, in_float ? 1e-4 : 1e-11);
+      EXPECT_NEAR(force_of(flat, held), 50, 1e-11);
       // Beside its corners, which need not be probed, the hexagon reaches beyond the triangles of probed nodes.
       const double tolerance = x.norm() < 4.5 ? 0.03 * std::sqrt(5.0) * spacing : spacing;
       EXPECT_NEAR(force_of(slope, held), linear(x[0], x[1]), tolerance);
@@ -249,7 +248,7 @@ TEST(RoundToolsBetween, SpreadPointsMeetLinearStiffness) {
         const double beside = 1e-9;
         const phn_tool inside = tool(corner(k), corner(k + 1), corner(k + 2), 0.4, 0.6 - beside, 0, 0, 1),
                        on_edge = tool(corner(k), corner(k + 1), -1, 0.4, 0.6, 0, 0, 1);
-        EXPECT_NEAR(force_of(slope, inside), force_of(slope, on_edge), in_float ? 1e-4 : 1e-6);
+        EXPECT_NEAR(force_of(slope, inside), force_of(slope, on_edge), 1e-6);
       }
     }
   }
@@ -316,7 +315,7 @@ TEST(RoundToolsBetween, OfOneProbedNodeAreOneToolInContact) {
 }
 
 // Claim: at rest nothing is held; the force is the gradient of the energy, the stiffness that of the force. Central
-// differences over 1e-6 m of energies with 16 digits leave 3e-8, those of forces 1e-7 (in float, with 7 digits: 1e-4).
+// differences over 1e-6 m of energies with 16 digits leave 3e-8, those of forces 1e-7.
 TEST_P(RoundTools, HaveForcesThatAreGradients) {
   if (!has_energy) return;
   for (const auto& held : {tool(3, 5, 8, 0.5, 0.3, d[0], d[1], d[2]), tool(8, 5, 12, 0.2, 0.5, d[0], d[1], d[2])}) {
@@ -328,8 +327,7 @@ TEST_P(RoundTools, HaveForcesThatAreGradients) {
       const Answer more = at(covered, moved(held, h * Eigen::Vector3d::Unit(k))),
                    less = at(covered, moved(held, -h * Eigen::Vector3d::Unit(k)));
       EXPECT_NEAR((more.energy - less.energy) / (2 * h), here.force[k], 1e-7 * here.force.norm());
-      EXPECT_LT(((more.force - less.force) / (2 * h) - here.stiffness.col(k)).norm(),
-                (in_float ? 1e-3 : 1e-6) * here.stiffness.norm());
+      EXPECT_LT(((more.force - less.force) / (2 * h) - here.stiffness.col(k)).norm(), 1e-6 * here.stiffness.norm());
     }
   }
 }
@@ -340,7 +338,7 @@ TEST_P(RoundTools, SlideOverEdges) {
   const phn_tool sides[2] = {tool(3, 5, 8, 0.4, 0.6 - beside, d[0], d[1], d[2]),
                              tool(5, 3, 0, 0.6 - beside, 0.4, d[0], d[1], d[2])};
   const Answer a = at(sides[0]), b = at(sides[1]);
-  // The weights differ by 1e-9; the factor 100 leaves room for the gradients and, in float, for its seven digits.
+  // The weights differ by 1e-9; the factor 100 leaves room for the gradients.
   EXPECT_LT((a.force - b.force).norm(), 100 * beside * a.force.norm());
 }
 

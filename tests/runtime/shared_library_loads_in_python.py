@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Claim: another language loads the shared library by its file and gets forces from it, with nothing but phynness.h at hand.
 
-Usage: shared_library_loads_in_python.py LIBRARY MODEL_TXT PREFIX
+Usage: shared_library_loads_in_python.py LIBRARY MODEL_TXT
 
 The model is of family linear: energy = force . displacement / 2 to rounding (1e-12), and a stiffness that gives the force.
 """
@@ -9,13 +9,13 @@ The model is of family linear: energy = force . displacement / 2 to rounding (1e
 import ctypes
 import sys
 
-library, file, prefix = sys.argv[1:]
+library, file = sys.argv[1:]
 text = open(file, "rb").read()
 lib = ctypes.CDLL(library)
 
 
 def function(name):
-    return getattr(lib, prefix + name)
+    return getattr(lib, "phn_" + name)
 
 
 def doubles(*values):
@@ -39,7 +39,7 @@ class Info(ctypes.Structure):
         + [("triangles", ctypes.POINTER(ctypes.c_int32))]
         + [(name, ctypes.c_char_p * 8) for name in ("field_names", "field_units")]
         + [(name, ctypes.c_int32) for name in ("n_nodes", "n_active", "n_output", "n_fixed", "n_triangles", "n_fields",
-                                               "n_levels", "has_energy", "precision_bits")]
+                                               "n_levels", "has_energy")]
         + [("provenance", Provenance)]
     )
 
@@ -66,7 +66,6 @@ data_memory, data = built(
 info = Info()
 assert function("model_info")(model, ctypes.byref(info)) == 0
 assert info.family == b"linear" and info.n_active == 4 and info.has_energy == 1 and info.n_levels == 1
-assert info.precision_bits == (32 if prefix == "phnf_" else 64)
 assert info.provenance.mesh_hash == info.mesh_hash and len(info.provenance.physics_hash) == 16
 assert len(info.mesh_hash) == 16 and b"title " + info.title + b"\n" in text
 

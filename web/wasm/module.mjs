@@ -31,8 +31,8 @@ export function check(status, what) {
 }
 
 // phn_info in 32-bit memory: words before its numbers (three texts and a gap, a double of two words, six lists and
-// twice eight texts of fields), then nine numbers: nodes, active, output ... and a gap.
-const infoNumbers = 3 + 1 + 2 + 6 + 2 * 8, infoBytes = 4 * (infoNumbers + 9 + 1);
+// twice eight texts of fields), then numbers: nodes, active, output ...; less than infoBytes with its provenance.
+const infoNumbers = 3 + 1 + 2 + 6 + 2 * 8, infoBytes = 256;
 
 // Loads model.txt into the whole runtime.
 export function loadModel(wasm, text) {

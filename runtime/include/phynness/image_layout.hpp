@@ -98,12 +98,34 @@ struct ActiveNode {
   uint32_t response;        ///< offset of the family's response
 };
 
+/// Where tools can be between active nodes, in images of models of round tools, and the bounds of their forces' errors.
+struct Surface {
+  Table triangle;   ///< uint16: 6 each: its vertices, normals outward, then the triangles across from them; none: 65535
+  Table vertex;     ///< VertexCorners
+  Table point;      ///< Real: 3 per vertex [m]
+  Table begin;      ///< uint32: n_active + 1: first of each active node in the next two
+  Table neighbour;  ///< uint16: an active neighbour
+  Table slope;      ///< Real: 3 each [1/m]: part of the weight of the node that the neighbour takes
+  Table bound;      ///< int16: n_active x displacements; empty: no bounds
+  Table bound_scale;  ///< Real: n_active [N]
+  Table coupled;  ///< Real: schema::n_coupled_terms, of one tool between nodes; empty: the largest bound of the nodes
+};
+/// The active nodes between which a vertex lies, and two weights in parts of schema::whole_weight, as in model.txt.
+struct VertexCorners {
+  uint16_t active[3], first, second;
+};
+inline constexpr uint16_t none = 0xffff;  ///< no triangle; the first active node of a fixed vertex
+/// Largest number of active nodes around a place, and of neighbours of each.
+inline constexpr uint32_t most_corners = 9, most_neighbours = 17;
+inline constexpr double largest_exponent = 1e3;  ///< of `coupled`
+
 /// Where the model comes from, as phn_provenance. Strings end in zeros. Numbers are the halves of doubles, low and
 /// high, in images of floats too, which are aligned to 4 bytes.
 struct Provenance {
   char mesh_hash[20], physics_hash[20], element[20], reference[20];
   uint32_t shear_modulus_Pa[2], finer_mean[2], finer_p95[2], finer_tool_radius_m[2];
-  int32_t finer_probes, finer_nodes, element_revision, reserved;
+  int32_t finer_probes, finer_nodes, element_revision;
+  uint32_t surface;  ///< offset of a Surface; 0: none, as in images of before. The header has no room for it
 };
 
 template <class Real>

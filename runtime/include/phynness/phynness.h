@@ -111,9 +111,8 @@ typedef struct phn_info {
   const char *field_names[PHN_MOST_FIELDS], *field_units[PHN_MOST_FIELDS]; /* "von-mises-stress", "Pa"; unused: null */
   int32_t n_nodes;                                                         /* of the mesh */
   int32_t n_active, n_output, n_fixed, n_triangles, n_fields;
-  int32_t n_levels;       /* 1 or more: phynness_levels.h */
-  int32_t has_energy;     /* 1, or 0 in family rbfn */
-  int32_t precision_bits; /* of the inner loops: 64, or 32 in the library in float; also set for a null model */
+  int32_t n_levels;   /* 1 or more: phynness_levels.h */
+  int32_t has_energy; /* 1, or 0 in family rbfn */
   phn_provenance provenance;
 } phn_info;
 PHN_API int phn_model_info(const phn_model* model, phn_info* info);
@@ -132,8 +131,7 @@ PHN_API int phn_data_init(void* memory, size_t bytes, const phn_model* model, in
  * bounds of the force's error and stress fields by k; displacements stay the same.
  *
  * Cost in family modal, 78 centers, AVX2 or AVX-512: a force with stiffness takes 1.5 times a force (without AVX2 2.1
- * times), with the energy as well 1.6 times, in the library in float 2.5 times. A force with energy takes no longer
- * than a force; in the library in float twice as long.
+ * times), with the energy as well 1.6 times. A force with energy takes no longer than a force.
  *
  * The stiffness may be indefinite inside the trained range: in the demo's model in 2 % of all directions at 10 mm and
  * in 15 % at 20 mm, with eigenvalues down to -4 N/m. That is the body, not an error of the model: finite elements have

@@ -22,12 +22,6 @@
 #endif
 
 namespace phynness::rt {
-// The namespaces differ so that a program can use both libraries in different files.
-#ifdef PHYNNESS_FLOAT
-inline namespace in_float {
-#else
-inline namespace in_double {
-#endif
 
 /// Status of a function of phynness.h: 0 success, > 0 warnings (PHN_WARNING_*), < 0 an error, with zeros as outputs.
 class [[nodiscard]] Status {
@@ -375,7 +369,6 @@ class Tools : public Data {
   }
 };
 
-}  // inline namespace
 }  // namespace phynness::rt
 
 #endif

@@ -1,5 +1,4 @@
-/* Included by every header of phynness: visibility of symbols in a shared library, and the names of the library in
- * float.
+/* Included by every header of phynness: visibility of symbols in a shared library.
  *
  * Programs that use the shared library on Windows must define PHYNNESS_SHARED; its CMake target defines it. */
 #ifndef PHYNNESS_API_H
@@ -16,10 +15,6 @@
 #define PHN_API __attribute__((visibility("default")))
 #else
 #define PHN_API
-#endif
-
-#ifdef PHYNNESS_FLOAT
-#include <phynness/phynness_float.h>
 #endif
 
 #endif

@@ -6,11 +6,6 @@
 #include <phynness/phynness.hpp>
 
 namespace phynness::rt {
-#ifdef PHYNNESS_FLOAT
-inline namespace in_float {
-#else
-inline namespace in_double {
-#endif
 
 /// Contact of tools with a model; each thread that moves tools has its own. @pre the model outlives this object
 class Contact : public detail::Built<phn_contact, detail::FieldSize> {
@@ -55,7 +50,6 @@ class Contact : public detail::Built<phn_contact, detail::FieldSize> {
   }
 };
 
-}  // inline namespace
 }  // namespace phynness::rt
 
 #endif

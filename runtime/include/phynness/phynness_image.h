@@ -9,8 +9,8 @@
  *
  * Units, signs, frames and statuses are those of phynness.h: after a status < 0 outputs are zeros, a status > 0 is a
  * sum of PHN_WARNING_*, and no output of an opened image is ever NaN or infinite. Components of displacements are
- * clamped to 1e6 times the largest trained displacement R. Only phynness.h has tools between nodes, several tools,
- * surfaces and fields. Inputs are read before outputs are written, so a force may overlap its displacement in memory.
+ * clamped to 1e6 times the largest trained displacement R. Only phynness.h has several tools, fields, and deformations
+ * under a tool between nodes. Inputs are read before outputs are written, so a force may overlap its displacement.
  */
 #ifndef PHYNNESS_IMAGE_H
 #define PHYNNESS_IMAGE_H
@@ -82,6 +82,52 @@ PHN_API size_t phn_imagef_scratch_size(const phn_imagef* image);
  * or the node has forces only. */
 PHN_API int phn_image_deform(const phn_image* image, double* scratch, int32_t node, const double d[3], double* out);
 PHN_API int phn_imagef_deform(const phn_imagef* image, float* scratch, int32_t node, const float d[3], float* out);
+
+/* A place on the surface: a triangle of the image and barycentric weights of its corners, >= 0 and with the sum 1. */
+typedef struct phn_image_place {
+  double weights[3];
+  int32_t triangle;
+} phn_image_place;
+typedef struct phn_imagef_place {
+  float weights[3];
+  int32_t triangle;
+} phn_imagef_place;
+
+/* The place nearest to x [m] on that part of the undeformed surface where round tools can be, and its point [m], which
+ * may be null. A place at the border of this part is also returned for an x far beyond it, so compare x and the point.
+ * `from` < 0: all triangles are searched. Otherwise a walk from triangle `from` over neighbouring triangles comes
+ * nearer to x until none is nearer: it stays on its side of a thin body. It crosses 32 triangles at most, then
+ * PHN_WARNING_UNSETTLED says that it must go on from the returned place. PHN_ERROR_UNDEFINED: the image has no surface:
+ * its tools are not round (phynness_tools.h), or it was exported with --nodes-only or by an older version.
+ * PHN_ERROR_OVERLAP: `place` and `point` overlap. After an error the triangle is -1. */
+PHN_API int phn_image_nearest(const phn_image* image, int32_t from, const double x[3], phn_image_place* place,
+                              double point[3]);
+PHN_API int phn_imagef_nearest(const phn_imagef* image, int32_t from, const float x[3], phn_imagef_place* place,
+                               float point[3]);
+
+/* Force [N], energy [J] and stiffness [N/m] of one round tool at a place, displaced by d [m], as in phn_force_at; a
+ * place at an active node has the force of the node. Cost: forces of about 12 nodes between nodes. PHN_ERROR_UNDEFINED:
+ * no surface; no energy in family rbfn. PHN_ERROR_ARGUMENT: no such triangle or weights. PHN_ERROR_NOT_ACTIVE: all
+ * corners with weights are fixed. */
+PHN_API int phn_image_force_at(const phn_image* image, const phn_image_place* place, const double d[3],
+                               double force[3]);
+PHN_API int phn_imagef_force_at(const phn_imagef* image, const phn_imagef_place* place, const float d[3],
+                                float force[3]);
+PHN_API int phn_image_energy_at(const phn_image* image, const phn_image_place* place, const double d[3],
+                                double* energy);
+PHN_API int phn_imagef_energy_at(const phn_imagef* image, const phn_imagef_place* place, const float d[3],
+                                 float* energy);
+PHN_API int phn_image_stiffness_at(const phn_image* image, const phn_image_place* place, const double d[3],
+                                   double stiffness[9]);
+PHN_API int phn_imagef_stiffness_at(const phn_imagef* image, const phn_imagef_place* place, const float d[3],
+                                    float stiffness[9]);
+
+/* The bound [N] of the error of that force, as in phn_bound_at. PHN_IMAGE_NO_BOUND: nothing is known there, above all
+ * with PHN_WARNING_OUTSIDE. PHN_ERROR_UNDEFINED: no surface, or the model was not calibrated. Cost: forces and trained
+ * depths of the active nodes around the place, mostly three. */
+#define PHN_IMAGE_NO_BOUND 1e30f
+PHN_API int phn_image_bound_at(const phn_image* image, const phn_image_place* place, const double d[3], double* bound);
+PHN_API int phn_imagef_bound_at(const phn_imagef* image, const phn_imagef_place* place, const float d[3], float* bound);
 
 #ifdef __cplusplus
 }

@@ -9,11 +9,6 @@
 #include <phynness/phynness_contact.hpp>
 
 namespace phynness::rt {
-#ifdef PHYNNESS_FLOAT
-inline namespace in_float {
-#else
-inline namespace in_double {
-#endif
 
 /// The defaults of phynness_loop.h.
 inline phn_loop_settings loop_defaults() noexcept {
@@ -137,7 +132,6 @@ inline Status place_above(const Model& model, std::int32_t node, double height, 
   return PHN_OK;
 }
 
-}  // inline namespace
 }  // namespace phynness::rt
 
 #endif

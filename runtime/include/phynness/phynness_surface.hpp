@@ -6,11 +6,6 @@
 #include <phynness/phynness.hpp>
 
 namespace phynness::rt {
-#ifdef PHYNNESS_FLOAT
-inline namespace in_float {
-#else
-inline namespace in_double {
-#endif
 
 /// The subdivided surface. It is constant and does not use its model after construction.
 class Surface : public detail::Built<const phn_surface, detail::FieldSize> {
@@ -50,7 +45,6 @@ class Surface : public detail::Built<const phn_surface, detail::FieldSize> {
   std::size_t n_numbers() const noexcept { return 3 * static_cast<std::size_t>(n_vertices()); }
 };
 
-}  // inline namespace
 }  // namespace phynness::rt
 
 #endif

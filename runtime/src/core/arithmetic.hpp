@@ -1,5 +1,5 @@
-// What every file of the runtime and of images computes with: the namespace of a precision, IEEE 754 arithmetic, and a
-// square root. No header of a C++ library is used, because the compiler of a device may have none.
+// What every file of the runtime and of images computes with: the namespace, IEEE 754 arithmetic, and a square root. No
+// header of a C++ library is used, because the compiler of a device may have none.
 #pragma once
 
 // The runtime detects NaN and infinite inputs and gives bitwise the same results on every machine. With -ffast-math a
@@ -13,17 +13,7 @@ inputs. Remove it for these files, or add -fno-fast-math (/fp:precise) after it.
 may use it."
 #endif
 
-// The namespace of the internals. Each precision has its own, so that a program can link both libraries. Images, which
-// do not depend on this precision, are in the namespace of double.
-#ifdef PHYNNESS_FLOAT
-#define PHN_RUNTIME phynness::runtime_float
-namespace phynness {
-namespace runtime_float {}
-namespace runtime = runtime_float;
-}  // namespace phynness
-#else
 #define PHN_RUNTIME phynness::runtime
-#endif
 
 #ifdef __GNUC__
 #define PHN_INLINE inline __attribute__((always_inline))

@@ -22,7 +22,7 @@ PreparedNodes lay_out_prepared(Arena& arena, const phn_model& model, std::int32_
   const auto m = static_cast<std::size_t>(model.prepared_modes);
   for (std::int32_t i = 0; i < prepared.n; ++i) {
     PreparedNode entry = {-1, 0, nullptr, nullptr, nullptr};
-    if (model.prepared_neurons > 0) entry.gaussians = arena.take<Real>(node_count(model), model.prepared_neurons);
+    if (model.prepared_neurons > 0) entry.gaussians = arena.take<double>(node_count(model), model.prepared_neurons);
     if (model.prepared_modes > 0) {
       entry.near_mode = arena.take<double>(model.prepared_near);
       entry.modes = arena.take<float>(prepared_rows(model), m);

@@ -17,7 +17,7 @@ struct PreparedNode {
   double* near_mode;  ///< n_columns x 3 n_near
   float* modes;       ///< blocks of rows_per_block of the 3 n_output rows; in each block mode after mode
   // Family rbfn; null in others.
-  Real* gaussians;  ///< blocks of nodes_per_block output nodes; in each block neuron after neuron
+  double* gaussians;  ///< blocks of nodes_per_block output nodes; in each block neuron after neuron
 };
 struct PreparedNodes {
   std::int32_t n;

@@ -60,8 +60,8 @@ const Kernels& best_of(const Kernels* const (&of_sets)[n]) {
 }
 
 /// Adds up the lanes of three vectors of partial sums.
-PHN_INLINE void add_up(const Real (&sums)[3][at_once], double* total) {
-  Real sum[3][at_once];
+PHN_INLINE void add_up(const double (&sums)[3][at_once], double* total) {
+  double sum[3][at_once];
   for (int k = 0; k < 3; ++k) {
     for (std::int32_t i = 0; i < at_once; ++i) sum[k][i] = sums[k][i];
   }
@@ -88,10 +88,6 @@ PHN_INLINE void add_up_many(T (&sum)[n][at_once], double* total) {
   }
 }
 
-/// Whether energy and force are summed in one pass over the centers. In the library in float the energy is summed in
-/// double, in a pass of its own: an energy in float would have steps.
-inline constexpr bool energy_in_pass = sizeof(Real) == sizeof(double);
-
 /// Force, energy and stiffness of a node of family modal: sums over its centers.
 struct ForceKernels {
   const char* name;
@@ -112,7 +108,7 @@ const ForceKernels& best_force_kernels();
 /// Fills the table of a force and sets the constants that make force and energy at rest exactly 0.
 /// @pre all other members of node are set, and node.table
 /// @param table  node.table; null: the terms are gathered
-void set_rest(ModalForce& node, Real* table);
+void set_rest(ModalForce& node, double* table);
 
 struct PreparedNode;
 
@@ -160,14 +156,14 @@ struct NetworkKernels {
   /// Gaussians of the last three inputs for all output nodes, in blocks of nodes_per_block nodes, in each block neuron
   /// after neuron. @pre net of the full level
   /// @param table  whole blocks; the last block is padded with values of the last node
-  void (*of_coordinates)(const Network& net, std::int32_t n_output, const double* points, Real* table);
+  void (*of_coordinates)(const Network& net, std::int32_t n_output, const double* points, double* table);
   /// Displacements of all output nodes; nodes that the probe moves are set later.
   /// @param table    from of_coordinates
   /// @param factor   n_neurons, from of_inputs
   /// @param share    factor of the constants
   /// @param scratch  3 n_neurons
   /// @param field    n_output x 3 [m]
-  void (*field)(const Network& net, std::int32_t n_output, const Real* table, const double* factor, double share,
+  void (*field)(const Network& net, std::int32_t n_output, const double* table, const double* factor, double share,
                 double* scratch, double* field);
 };
 inline constexpr std::int32_t nodes_per_block = 16;

@@ -102,7 +102,7 @@ class ModelLoader {
   int finish(phn_model* placed);
 
  private:
-  void within(const Row<3>& center, const Row<3>& half_range, const Row<3>& bias, const Weights& weights, bool deforms);
+  void within(const Row<3>& center, const Row<3>& half_range, const Row<3>& bias, const Weights& weights);
   void respond(schema::RbfnGrammar, NodeStore& node, ActiveNode& made, ActiveNode* smaller);
   void respond(schema::LinearGrammar, NodeStore& node, ActiveNode& made, ActiveNode* smaller);
   void respond(schema::ModalGrammar, NodeStore& node, ActiveNode& made, ActiveNode* smaller);
@@ -151,27 +151,23 @@ void ModelLoader::shape(const char*, Nodes& nodes, std::int64_t rows, std::int64
 }
 
 /// Requires that sums over a network's neurons stay within the range of their type.
-void ModelLoader::within(const Row<3>& center, const Row<3>& half_range, const Row<3>& bias, const Weights& weights,
-                         bool deforms) {
+void ModelLoader::within(const Row<3>& center, const Row<3>& half_range, const Row<3>& bias, const Weights& weights) {
   for (int k = 0; k < 3; ++k) {
     const double largest = std::fabs(bias.at[k]) + weights.size[k];
     const double bound = std::fabs(center.at[k]) + half_range.at[k] * largest;
     require(bound < largest_output, nullptr);
-    // Displacements are scaled before they are summed in Real; forces are scaled afterwards in double.
-    if (deforms) require(bound <= largest_displacement_sum, nullptr);
   }
 }
 
 void ModelLoader::done(NetworkStore& net) {
   const bool deforms = net.input_center.n == 6;
-  within(net.output_center, net.output_half_range, net.bias, net.weights, deforms);
+  within(net.output_center, net.output_half_range, net.bias, net.weights);
   Network& made = net.made;
   made.n_neurons = made.n_prepared = static_cast<std::int32_t>(net.weights.n);
   made.n_inputs = deforms ? 6 : 3;
   for (int k = 0; k < made.n_inputs; ++k) {
     made.input_center[k] = net.input_center.at[k];
     made.input_half_range[k] = net.input_half_range.at[k];
-    made.inverse_half_range[k] = std::fmin(1 / net.input_half_range.at[k], DBL_MAX);
     made.center[k] = net.center[k];
   }
   for (int k = 0; k < 3; ++k) {
@@ -188,7 +184,7 @@ void ModelLoader::done(NetworkStore& net) {
 
 void ModelLoader::done(FirstNeurons& first) {
   const NetworkStore& full = *first.full;
-  within(full.output_center, full.output_half_range, first.bias, first.weights, full.made.n_inputs == 6);
+  within(full.output_center, full.output_half_range, first.bias, first.weights);
   first.made = full.made;
   first.made.n_neurons = static_cast<std::int32_t>(first.weights.n);
   for (int k = 0; k < 3; ++k) {
@@ -232,7 +228,7 @@ void ModelLoader::done(ForceStore& store) {
   made.short_coefficient = store.coefficients.short_values;
   made.coefficient = store.coefficients.values;
   const bool in_table = made.n_centers > most_gathered;
-  auto* table = _arena.take<Real>(in_table ? 6 * static_cast<std::size_t>(whole_blocks(made.n_centers + 1)) : 0);
+  auto* table = _arena.take<double>(in_table ? 6 * static_cast<std::size_t>(whole_blocks(made.n_centers + 1)) : 0);
   if (!in_table) table = nullptr;
   made.table = table;
   if (_load.has_memory() && good()) set_rest(made, table);

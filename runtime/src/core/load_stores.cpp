@@ -8,9 +8,9 @@ namespace PHN_RUNTIME {
 namespace {
 
 /// Memory for n numbers, padded with zeros to whole blocks.
-Real* blocks(Load& load, std::int64_t n) {
+double* blocks(Load& load, std::int64_t n) {
   const std::int32_t n_whole = whole_blocks(static_cast<std::int32_t>(n));
-  auto* at = load.arena.take<Real>(static_cast<std::size_t>(n_whole));
+  auto* at = load.arena.take<double>(static_cast<std::size_t>(n_whole));
   for (std::int64_t i = n; load.has_memory() && i < n_whole; ++i) at[i] = 0;
   return at;
 }
@@ -81,8 +81,8 @@ void Centers::set(Load& load, std::int64_t i, std::int64_t, std::int32_t row) {
   for (int k = 0; k < 3; ++k) {
     const int input = first_input + k;
     const double scaled = (table[3 * row + k] - net->input_center.at[input]) / net->input_half_range.at[input];
-    load.require(std::fabs(scaled) <= largest_input);
-    net->center[input][i] = static_cast<Real>(scaled);
+    load.require(std::isfinite(scaled));
+    net->center[input][i] = scaled;
   }
 }
 

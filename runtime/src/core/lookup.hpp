@@ -1,5 +1,6 @@
-// Functions for models in memory and for images: products, clamping, search of a node in a list, trained depth in a
-// direction, overlap of memory. No header of a C++ library is used, because images are evaluated without one.
+// Functions for models in memory and for images: products, clamping, the nearest point of a triangle, search of a node
+// in a list, trained depth in a direction, overlap of memory. No header of a C++ library is used, because images are
+// evaluated without one.
 #pragma once
 
 #include <stddef.h>
@@ -36,6 +37,11 @@ template <class Real>
 inline constexpr Real depth_slack = sizeof(Real) == sizeof(float) ? static_cast<Real>(1 + 1e-6f)
                                                                   : static_cast<Real>(1 + 1e-9);
 
+/// Weight of the fixed corners of a triangle from which on the free ones do not answer for a round tool there
+/// (docs/decisions/between-points.md).
+template <class Real>
+inline constexpr Real largest_fixed_weight = static_cast<Real>(0.3);
+
 /// @pre value is not NaN
 template <class Real>
 Real cut(Real value, Real largest) {
@@ -45,6 +51,47 @@ Real cut(Real value, Real largest) {
 template <class Real>
 bool finite(const Real* d) {
   return d[0] - d[0] == 0 && d[1] - d[1] == 0 && d[2] - d[2] == 0;
+}
+
+/// The point of a triangle nearest to x, by the regions of Ericson, Real-Time Collision Detection (2005), 5.1.5.
+/// @param w  barycentric weights, >= 0, sum 1
+template <class Real>
+void nearest_weights(const Real* const corner[3], const Real* x, Real* w) {
+  const Real *a = corner[0], *b = corner[1], *c = corner[2];
+  Real ab[3], ac[3], ax[3], bx[3], cx[3];
+  for (int k = 0; k < 3; ++k) {
+    ab[k] = b[k] - a[k];
+    ac[k] = c[k] - a[k];
+    ax[k] = x[k] - a[k];
+    bx[k] = x[k] - b[k];
+    cx[k] = x[k] - c[k];
+    w[k] = 0;
+  }
+  const Real d1 = dot(ab, ax), d2 = dot(ac, ax), d3 = dot(ab, bx), d4 = dot(ac, bx), d5 = dot(ab, cx), d6 = dot(ac, cx);
+  const Real va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+  const auto share = [](Real part, Real rest) { return part + rest > 0 ? part / (part + rest) : 0; };
+  const auto between = [](Real value, Real most) { return value > 0 ? value < most ? value : most : 0; };
+  if (d1 <= 0 && d2 <= 0) {
+    w[0] = 1;
+  } else if (d3 >= 0 && d4 <= d3) {
+    w[1] = 1;
+  } else if (d6 >= 0 && d5 <= d6) {
+    w[2] = 1;
+  } else if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+    w[1] = share(d1, -d3);
+    w[0] = 1 - w[1];
+  } else if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+    w[2] = share(d2, -d6);
+    w[0] = 1 - w[2];
+  } else if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    w[2] = share(d4 - d3, d5 - d6);
+    w[1] = 1 - w[2];
+  } else {
+    const Real sum = va + vb + vc;
+    w[1] = sum != 0 ? between(vb / sum, 1) : 0;
+    w[2] = sum != 0 ? between(vc / sum, 1 - w[1]) : 0;
+    w[0] = 1 - w[1] - w[2];
+  }
 }
 
 /// Position of `node` in an ascending list of n, or -1.

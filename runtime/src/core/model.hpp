@@ -15,25 +15,6 @@
 
 namespace PHN_RUNTIME {
 
-/// Number type of the loops of forces and of family rbfn: double in phynness::runtime, float in
-/// phynness::runtime_float, which is built from the same files. The stiffness of family modal is summed together with
-/// the force. Arguments, results, energies, amplitudes, coupled tools and contact are double in both libraries; modes
-/// and fine surfaces are float in both.
-#ifdef PHYNNESS_FLOAT
-using Real = float;
-/// Largest weight or coefficient of a model, and the value to which inputs of networks are clamped. Sums of their
-/// products with kernels are finite.
-inline constexpr double largest_weight = 1e25, largest_input = 1e15;
-/// Largest sum of absolute coefficients of a force; kernels of clamped inputs are below 1e7.
-inline constexpr double largest_weight_sum = 1e30;
-/// Largest displacement [m] that a deformation network could produce when summed in Real.
-inline constexpr double largest_displacement_sum = 1e37;
-#else
-using Real = double;
-inline constexpr double largest_weight = DBL_MAX, largest_input = DBL_MAX;
-inline constexpr double largest_weight_sum = DBL_MAX, largest_displacement_sum = DBL_MAX;
-#endif
-
 /// Neurons or centers per block, independent of the width of registers, so that sums are the same on every processor.
 /// Arrays are padded to whole blocks with entries that contribute nothing.
 inline constexpr std::int32_t at_once = 16;
@@ -47,13 +28,12 @@ using schema::largest_level_count;
 struct Network {
   std::int32_t n_neurons, n_inputs;  ///< n_inputs: 3 or 6
   double input_center[6], input_half_range[6];
-  double inverse_half_range[6];  ///< the inverse, because a division has five times the latency of a product
   double output_center[3], output_half_range[3];
   double bias[3];
   double inverse_square_spread;  ///< 1 / r^2
   std::int32_t n_prepared;       ///< neurons of prepared tables: all of the full level, which begin with these
-  const Real* center[6];         ///< per input: n_neurons, scaled; whole blocks of the full level
-  const Real* weight[3];         ///< per output: n_neurons, padded with 0 to whole blocks
+  const double* center[6];       ///< per input: n_neurons, scaled; whole blocks of the full level
+  const double* weight[3];       ///< per output: n_neurons, padded with 0 to whole blocks
 };
 
 /// at = d / unit, with components clamped to `largest`. @param d, at  3
@@ -91,8 +71,8 @@ struct ModalTables {
   const std::int16_t* near_mode;  ///< 3 n_near rows (field: n_near) of n_columns
 };
 
-/// Forces with more centers than this read them from a separate table, which takes 48 bytes per center (24 in float)
-/// and saves half of the time. Forces with fewer centers gather them, so that small models remain small.
+/// Forces with more centers than this read them from a separate table, which takes 48 bytes per center and
+/// saves half of the time. Forces with fewer centers gather them, so that small models remain small.
 inline constexpr std::int32_t most_gathered = 2 * at_once - 1;
 
 /// Force of family modal. With x = d / R, q(y) = sqrt(|y|^2 + shape^2) and b_i the coefficients:
@@ -112,7 +92,7 @@ struct ModalForce {
   double total[3];  ///< sum_i b_i
   /// Terms in whole blocks: x, y and z of the centers, then of the coefficients. After the centers follow the center at
   /// 0 with the coefficient -sum_i b_i, and zeros. Null: they are gathered.
-  const Real* table;
+  const double* table;
   double force_at_rest[3];                  ///< added so that the sum of a force, in its order, is 0 at d = 0 [N]
   double slope_at_rest[3], energy_at_rest;  ///< the same for the energy and its gradient [N], [J / R]
 };

@@ -144,7 +144,6 @@ int phn_model_init(void* memory, size_t bytes, const char* text, size_t length, 
 int phn_model_info(const phn_model* model, phn_info* info) {
   if (info == nullptr) return PHN_ERROR_ARGUMENT;
   *info = {};
-  info->precision_bits = 8 * static_cast<int32_t>(sizeof(Real));
   if (model == nullptr) return PHN_ERROR_ARGUMENT;
   info->family = phynness::schema::word(model->family);
   info->title = model->title;

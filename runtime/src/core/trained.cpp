@@ -1,6 +1,7 @@
 // The training data of a node: distances from it, and bounds of errors.
 #include <cmath>
 
+#include "core/bound.hpp"
 #include "core/evaluate.hpp"
 
 namespace PHN_RUNTIME {
@@ -93,25 +94,8 @@ double error_bound(const phn_model& model, const ActiveNode& node, const double*
   const std::int32_t first = nearest_direction(model, d) * n_increments;
   // Rows are in units of max_displacement in a family with modes, in m in the others.
   const double unit = schema::traits(model.family).has_modes ? model.max_displacement : 1;
-  const double square = dot(d, d) / (unit * unit);
-  const double* at = model.displacements + 3 * static_cast<std::size_t>(first);
-  std::int32_t j = 0;
-  double next = dot(at, at), before = 0;
-  while (square >= next && j + 1 < n_increments) {
-    at += 3;
-    before = next;
-    next = dot(at, at);
-    ++j;
-  }
-  const auto value = [&](std::int32_t row) {
-    if (row < first) return node.bound_at_rest;
-    const double entry = node.bound[row];
-    return entry > 0 ? node.bound_scale * entry : 0.0;
-  };
-  const double deeper = value(first + j);
-  if (square >= next) return deeper;
-  const double shallower = value(first + j - 1), from = std::sqrt(before);
-  return shallower + (deeper - shallower) * ((std::sqrt(square) - from) / (std::sqrt(next) - from));
+  return bound_along(model.displacements + 3 * static_cast<std::size_t>(first), n_increments, node.bound + first,
+                     node.bound_scale, dot(d, d) / (unit * unit), [&] { return node.bound_at_rest; });
 }
 
 double trained_distance(const phn_model& model, const ActiveNode& node, const double* d) {

@@ -3,7 +3,7 @@
 // what the responses need.
 #pragma once
 
-#include "image/image.hpp"
+#include "image/place.hpp"
 
 // What follows runs once and is optimized for size, up to the end of open.cpp. It computes nothing but comparisons.
 #if defined(__GNUC__) && !defined(__clang__)
@@ -114,6 +114,38 @@ class ImageCheck {
     const uint32_t* const numbers[] = {origin.shear_modulus_Pa, origin.finer_mean, origin.finer_p95,
                                        origin.finer_tool_radius_m};
     for (const uint32_t* number : numbers) require(number[1] < 0x7ff00000);  // not negative, infinite or NaN
+    if (origin.surface == 0) return;
+    require(inside<image::Surface>(origin.surface, 1));
+    if (_good) surface(*surface_of(_image));
+  }
+
+  void surface(const image::Surface& surface) {
+    const uint32_t n_active = _image.active_nodes.n, n_triangles = surface.triangle.n / 6, n = surface.vertex.n;
+    const bool bounded = surface.bound.n > 0;
+    require(n_active > 0 && n_triangles > 0 && _image.directions.n > 0);
+    require(!bounded || _n_displacements >= _image.directions.n / 3);
+    if (!_good) return;
+    table<uint16_t>(surface.triangle, n_triangles, 6);
+    table<image::VertexCorners>(surface.vertex, n);
+    reals(surface.point, n, 3);
+    table<uint32_t>(surface.begin, n_active + 1);
+    indices(surface.neighbour, n_active);
+    reals(surface.slope, surface.neighbour.n, 3);
+    table<int16_t>(surface.bound, bounded ? _n_displacements : 0, n_active);
+    reals(surface.bound_scale, bounded ? n_active : 0);
+    reals(surface.coupled, surface.coupled.n > 0 ? schema::n_coupled_terms : 0, 1, image::largest_exponent);
+    if (!_good) return;
+    const auto* triangle = at<uint16_t>(_image, surface.triangle);
+    for (uint32_t i = 0; i < 6 * n_triangles; ++i)
+      require(i % 6 < 3 ? triangle[i] < n : triangle[i] < n_triangles || triangle[i] == image::none);
+    const auto* vertex = at<image::VertexCorners>(_image, surface.vertex);
+    for (uint32_t v = 0; v < n; ++v) {
+      for (const uint16_t active : vertex[v].active) require(active < n_active || vertex[v].active[0] == image::none);
+    }
+    const auto* begin = at<uint32_t>(_image, surface.begin);
+    for (uint32_t i = 0; i < n_active; ++i)
+      require(begin[i] <= begin[i + 1] && begin[i + 1] - begin[i] <= image::most_neighbours);
+    require(begin[n_active] == surface.neighbour.n);
   }
 
   template <int n_inputs>

@@ -1,5 +1,5 @@
 // The C interface of phynness_image.h: argument checks and statuses, for doubles and for floats.
-#include "image/image.hpp"
+#include "image/place.hpp"
 
 using namespace PHN_RUNTIME;
 
@@ -89,6 +89,138 @@ int deform(const ImageHeader<Real>* image, Real* scratch, int32_t node, const Re
   return answered(*image, query);
 }
 
+/// A place and a displacement, and the status of their check.
+template <class Real>
+struct PlaceQuery {
+  Around<Real> around;
+  Real d[3] = {0, 0, 0};  ///< clamped
+  int status = PHN_OK;
+
+  const phynness::image::ActiveNode<Real>& node(const ImageHeader<Real>& image, uint32_t i) const {
+    return at<phynness::image::ActiveNode<Real>>(image, image.active)[around.active[i]];
+  }
+};
+
+/// @param query  its status holds the warnings
+template <class Real, class Place>
+int ask_at(const ImageHeader<Real>* image, const Place* place, const Real* d, const Real* out,
+           PlaceQuery<Real>& query) {
+  if (image == nullptr || place == nullptr || d == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
+  const auto* surface = surface_of(*image);
+  if (surface == nullptr) return PHN_ERROR_UNDEFINED;
+  const int refused =
+      find_corners(*image, *surface, static_cast<uint32_t>(place->triangle), place->weights, query.around);
+  if (refused != PHN_OK) return refused;
+  if (!finite(d)) return PHN_ERROR_NOT_FINITE;
+  const bool whole = cut_displacement(*image, d, query.d);
+  query.status = query.around.fixed_weight > largest_fixed_weight<Real> ? PHN_WARNING_OUTSIDE : PHN_OK;
+  for (uint32_t i = 0; i < query.around.n_corners; ++i)
+    query.status |= image_warnings(*image, query.node(*image, i), whole, query.d);
+  return PHN_OK;
+}
+
+/// Calls one(response, d, result) for every node around a place and sums the results by their weights.
+template <int n, bool of_energy, class Real, class Place, class One>
+int sum_at(const ImageHeader<Real>* image, const Place* place, const Real* d, Real* out, One one) {
+  PlaceQuery<Real> query;
+  const int refused = ask_at(image, place, d, out, query);
+  if (refused != PHN_OK) return refuse(refused, out, n);
+  if (of_energy && !traits(*image).has_energy) return refuse(PHN_ERROR_UNDEFINED, out, n);
+  add_neighbours(*image, *surface_of(*image), query.around);
+  Real result[n], sum[n] = {};
+  for (uint32_t i = 0; i < query.around.n; ++i) {
+    with_response(*image, query.node(*image, i), [&](const auto& response) { one(*image, response, query.d, result); });
+    for (int k = 0; k < n; ++k) sum[k] += query.around.weight[i] * result[k];
+  }
+  bool all_finite = true;
+  for (int k = 0; k < n; ++k) all_finite = all_finite && sum[k] - sum[k] == 0;
+  for (int k = 0; k < n; ++k) out[k] = all_finite ? sum[k] : 0;
+  return query.status;
+}
+
+template <class Real, class Place>
+int force_at(const ImageHeader<Real>* image, const Place* place, const Real* d, Real* out) {
+  return sum_at<3, false>(image, place, d, out, [](const auto& in, const auto& response, const Real* at, Real* force) {
+    response_force(in, response, at, force);
+  });
+}
+
+template <class Real, class Place>
+int energy_at(const ImageHeader<Real>* image, const Place* place, const Real* d, Real* out) {
+  return sum_at<1, true>(image, place, d, out, [](const auto& in, const auto& response, const Real* at, Real* energy) {
+    *energy = response_energy(in, response, at);
+  });
+}
+
+template <class Real, class Place>
+int stiffness_at(const ImageHeader<Real>* image, const Place* place, const Real* d, Real* out) {
+  return sum_at<9, true>(image, place, d, out, [](const auto& in, const auto& response, const Real* at, Real* matrix) {
+    response_stiffness(in, response, at, matrix);
+  });
+}
+
+/// As bound_at in tools/bounds.cpp.
+template <class Real, class Place>
+int bound_at(const ImageHeader<Real>* image, const Place* place, const Real* d, Real* out) {
+  PlaceQuery<Real> query;
+  const int refused = ask_at(image, place, d, out, query);
+  if (refused != PHN_OK) return refuse(refused, out, 1);
+  const auto& surface = *surface_of(*image);
+  if (surface.bound.n == 0) return refuse(PHN_ERROR_UNDEFINED, out, 1);
+  *out = PHN_IMAGE_NO_BOUND;
+  if ((query.status & PHN_WARNING_OUTSIDE) != 0) return query.status;
+  const Around<Real>& around = query.around;
+  Real force[phynness::image::most_corners][3], mean[3] = {0, 0, 0}, largest = 0, spread = 0;
+  for (uint32_t i = 0; i < around.n_corners; ++i) {
+    const Real bound = bound_at_node(*image, surface, around.active[i], query.d);
+    largest = bound > largest ? bound : largest;
+    with_response(*image, query.node(*image, i),
+                  [&](const auto& response) { response_force(*image, response, query.d, force[i]); });
+    for (int k = 0; k < 3; ++k) mean[k] += around.share[i] * force[i][k];
+  }
+  for (uint32_t i = 0; i < around.n_corners; ++i) {
+    const Real away[3] = {force[i][0] - mean[0], force[i][1] - mean[1], force[i][2] - mean[2]};
+    spread += around.share[i] * square_root(dot(away, away));
+  }
+  if (around.n_corners > 1 && surface.coupled.n > 0) {
+    const Real x[] = {largest + spread, spread, square_root(dot(mean, mean))};
+    *out = coupled_bound(at<Real>(*image, surface.coupled), x, Real(PHN_IMAGE_NO_BOUND));
+  } else if (largest < *out) {
+    *out = largest;
+  }
+  return query.status;
+}
+
+template <class Real, class Place>
+int nearest(const ImageHeader<Real>* image, int32_t from, const Real* x, Place* place, Real* point) {
+  Nearest<Real> found = {phynness::image::none, {0, 0, 0}, {0, 0, 0}, 0};
+  int status = PHN_ERROR_ARGUMENT;
+  const auto* surface = image != nullptr ? surface_of(*image) : nullptr;
+  const uint32_t n_triangles = surface == nullptr ? 0 : surface->triangle.n / 6;
+  if (image != nullptr && x != nullptr && place != nullptr &&
+      (surface == nullptr || from < static_cast<int32_t>(n_triangles))) {
+    status = surface == nullptr                                        ? PHN_ERROR_UNDEFINED
+             : overlap(place, sizeof *place, point, 3 * sizeof *point) ? PHN_ERROR_OVERLAP
+             : !finite(x)                                              ? PHN_ERROR_NOT_FINITE
+                                                                       : PHN_OK;
+  }
+  if (status == PHN_OK) {
+    Real asked[3];
+    for (int k = 0; k < 3; ++k) asked[k] = cut(x[k], Real(phynness::image::Bounds<Real>::value));
+    const Search<Real> search(*image, *surface, asked);
+    if (from < 0) {
+      found = search.everywhere(n_triangles);
+    } else {
+      found = search.on(static_cast<uint32_t>(from));
+      if (!search.walk(found)) status = PHN_WARNING_UNSETTLED;
+    }
+  }
+  for (int k = 0; k < 3 && place != nullptr; ++k) place->weights[k] = found.weight[k];
+  if (place != nullptr) place->triangle = status < 0 ? -1 : static_cast<int32_t>(found.triangle);
+  for (int k = 0; k < 3 && point != nullptr; ++k) point[k] = found.point[k];
+  return status;
+}
+
 void copy_number(const uint32_t (&from)[2], double& to) { __builtin_memcpy(&to, from, sizeof to); }
 
 template <class Real>
@@ -118,46 +250,61 @@ int provenance(const ImageHeader<Real>* image, phn_provenance* out) {
 
 // NAME is phn_image or phn_imagef. Both are incomplete types that stand for a Header, so that C compilers distinguish
 // them.
-#define PHN_IMAGE_FUNCTIONS(NAME, Real)                                                                         \
-  static const ImageHeader<Real>* header(const NAME* image) {                                                   \
-    return reinterpret_cast<const ImageHeader<Real>*>(image);                                                   \
-  }                                                                                                             \
-  extern "C" {                                                                                                  \
-  int32_t NAME##_n_active(const NAME* image) {                                                                  \
-    return image ? static_cast<int32_t>(header(image)->active_nodes.n) : 0;                                     \
-  }                                                                                                             \
-  const int32_t* NAME##_active_nodes(const NAME* image) {                                                       \
-    return image ? at<int32_t>(*header(image), header(image)->active_nodes) : nullptr;                          \
-  }                                                                                                             \
-  const Real* NAME##_active_points(const NAME* image) {                                                         \
-    return image ? at<Real>(*header(image), header(image)->active_points) : nullptr;                            \
-  }                                                                                                             \
-  int NAME##_provenance(const NAME* image, phn_provenance* out) { return provenance(header(image), out); }      \
-  int32_t NAME##_n_output(const NAME* image) {                                                                  \
-    return image ? static_cast<int32_t>(header(image)->output_nodes.n) : 0;                                     \
-  }                                                                                                             \
-  const int32_t* NAME##_output_nodes(const NAME* image) {                                                       \
-    return image ? at<int32_t>(*header(image), header(image)->output_nodes) : nullptr;                          \
-  }                                                                                                             \
-  const Real* NAME##_output_points(const NAME* image) {                                                         \
-    return image ? at<Real>(*header(image), header(image)->output_points) : nullptr;                            \
-  }                                                                                                             \
-  int NAME##_force(const NAME* image, int32_t node, const Real d[3], Real force_N[3]) {                         \
-    return force(header(image), node, d, force_N);                                                              \
-  }                                                                                                             \
-  int NAME##_energy(const NAME* image, int32_t node, const Real d[3], Real* energy_J) {                         \
-    return energy(header(image), node, d, energy_J);                                                            \
-  }                                                                                                             \
-  int NAME##_stiffness(const NAME* image, int32_t node, const Real d[3], Real stiffness_N_per_m[9]) {           \
-    return stiffness(header(image), node, d, stiffness_N_per_m);                                                \
-  }                                                                                                             \
-  int NAME##_trained_depth(const NAME* image, int32_t node, const Real d[3], Real* depth_m) {                   \
-    return depth(header(image), node, d, depth_m);                                                              \
-  }                                                                                                             \
-  size_t NAME##_scratch_size(const NAME* image) { return image ? header(image)->n_scratch * sizeof(Real) : 0; } \
-  int NAME##_deform(const NAME* image, Real* scratch, int32_t node, const Real d[3], Real* out) {               \
-    return deform(header(image), scratch, node, d, out);                                                        \
-  }                                                                                                             \
+#define PHN_IMAGE_FUNCTIONS(NAME, Real)                                                                               \
+  static const ImageHeader<Real>* header(const NAME* image) {                                                         \
+    return reinterpret_cast<const ImageHeader<Real>*>(image);                                                         \
+  }                                                                                                                   \
+  extern "C" {                                                                                                        \
+  int32_t NAME##_n_active(const NAME* image) {                                                                        \
+    return image ? static_cast<int32_t>(header(image)->active_nodes.n) : 0;                                           \
+  }                                                                                                                   \
+  const int32_t* NAME##_active_nodes(const NAME* image) {                                                             \
+    return image ? at<int32_t>(*header(image), header(image)->active_nodes) : nullptr;                                \
+  }                                                                                                                   \
+  const Real* NAME##_active_points(const NAME* image) {                                                               \
+    return image ? at<Real>(*header(image), header(image)->active_points) : nullptr;                                  \
+  }                                                                                                                   \
+  int NAME##_provenance(const NAME* image, phn_provenance* out) { return provenance(header(image), out); }            \
+  int32_t NAME##_n_output(const NAME* image) {                                                                        \
+    return image ? static_cast<int32_t>(header(image)->output_nodes.n) : 0;                                           \
+  }                                                                                                                   \
+  const int32_t* NAME##_output_nodes(const NAME* image) {                                                             \
+    return image ? at<int32_t>(*header(image), header(image)->output_nodes) : nullptr;                                \
+  }                                                                                                                   \
+  const Real* NAME##_output_points(const NAME* image) {                                                               \
+    return image ? at<Real>(*header(image), header(image)->output_points) : nullptr;                                  \
+  }                                                                                                                   \
+  int NAME##_force(const NAME* image, int32_t node, const Real d[3], Real force_N[3]) {                               \
+    return force(header(image), node, d, force_N);                                                                    \
+  }                                                                                                                   \
+  int NAME##_energy(const NAME* image, int32_t node, const Real d[3], Real* energy_J) {                               \
+    return energy(header(image), node, d, energy_J);                                                                  \
+  }                                                                                                                   \
+  int NAME##_stiffness(const NAME* image, int32_t node, const Real d[3], Real stiffness_N_per_m[9]) {                 \
+    return stiffness(header(image), node, d, stiffness_N_per_m);                                                      \
+  }                                                                                                                   \
+  int NAME##_trained_depth(const NAME* image, int32_t node, const Real d[3], Real* depth_m) {                         \
+    return depth(header(image), node, d, depth_m);                                                                    \
+  }                                                                                                                   \
+  size_t NAME##_scratch_size(const NAME* image) { return image ? header(image)->n_scratch * sizeof(Real) : 0; }       \
+  int NAME##_deform(const NAME* image, Real* scratch, int32_t node, const Real d[3], Real* out) {                     \
+    return deform(header(image), scratch, node, d, out);                                                              \
+  }                                                                                                                   \
+  int NAME##_nearest(const NAME* image, int32_t from, const Real x[3], NAME##_place* place, Real point[3]) {          \
+    return nearest(header(image), from, x, place, point);                                                             \
+  }                                                                                                                   \
+  int NAME##_force_at(const NAME* image, const NAME##_place* place, const Real d[3], Real force_N[3]) {               \
+    return force_at(header(image), place, d, force_N);                                                                \
+  }                                                                                                                   \
+  int NAME##_energy_at(const NAME* image, const NAME##_place* place, const Real d[3], Real* energy_J) {               \
+    return energy_at(header(image), place, d, energy_J);                                                              \
+  }                                                                                                                   \
+  int NAME##_stiffness_at(const NAME* image, const NAME##_place* place, const Real d[3], Real stiffness_N_per_m[9]) { \
+    return stiffness_at(header(image), place, d, stiffness_N_per_m);                                                  \
+  }                                                                                                                   \
+  int NAME##_bound_at(const NAME* image, const NAME##_place* place, const Real d[3], Real* bound_N) {                 \
+    return bound_at(header(image), place, d, bound_N);                                                                \
+  }                                                                                                                   \
   }
 
 PHN_IMAGE_FUNCTIONS(phn_image, double)

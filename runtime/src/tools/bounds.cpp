@@ -3,24 +3,13 @@
 
 #include <cmath>
 
+#include "core/bound.hpp"
 #include "core/evaluate.hpp"
 #include "tools/coupled.hpp"
 
 using namespace PHN_RUNTIME;
 
 namespace {
-
-/// Added to what a bound is computed from [N]: its logarithms are finite.
-constexpr double smallest = 1e-12;
-
-/// Natural logarithm of x > 0, error 1e-15: the C library's takes 5 kB of tables. NaN for what is not finite.
-double logarithm(double x) {
-  int exponent = 0;
-  const double m = std::frexp(x, &exponent), z = (m - 0.75) / (m + 0.75);  // 0.5 <= m < 1, and x = m 2^exponent
-  double sum = 0;
-  for (int k = 23; k >= 1; k -= 2) sum = sum * z * z + 1.0 / k;               // atanh(z) / z, |z| <= 1/5
-  return 0.69314718055994531 * exponent - 0.28768207245178093 + 2 * z * sum;  // ln 2, ln 0.75
-}
 
 /// One tool alone: the largest bound of its nodes, and how far their forces differ from their mean.
 struct Alone {
@@ -50,15 +39,10 @@ int alone_at(const phn_model& model, const Place& place, const Vector& d, Alone&
   return status;
 }
 
-/// @param kind     0: one tool; 1: several
-/// @param own      bound and spread of the tools alone, as they reach the force
-/// @param bending  difference to the linear force
-/// @param size     of the forces. All in N
+/// @param kind  0: one tool; 1: several. The others as in coupled_bound
 double bound_of(const phn_model& model, int kind, double own, double bending, double size) {
-  const double* c = model.coupled_bound + kind * phynness::schema::n_coupled_terms;
-  const double bound = std::exp(c[0] + c[1] * logarithm(own + smallest) + c[2] * logarithm(bending + smallest) +
-                                c[3] * logarithm(size + smallest));
-  return bound < PHN_NO_BOUND ? bound : PHN_NO_BOUND;
+  const double x[] = {own, bending, size};
+  return coupled_bound(model.coupled_bound + kind * phynness::schema::n_coupled_terms, x, PHN_NO_BOUND);
 }
 
 /// The bound of one tool that is not coupled. @param status  of all tools

@@ -12,14 +12,6 @@ constexpr double weight_slack = 1e-6;
 /// Weights up to this are rounding, as phn_nearest leaves on the corner opposite to an edge, whose tool need not exist.
 constexpr double no_weight = 1e-12;
 
-/// Weight of the fixed corners of a triangle from which on the free ones do not answer for a round tool there
-/// (docs/decisions/between-points.md).
-constexpr double largest_fixed_weight = 0.3;
-
-/// Added to the squares of the edges at a node, as a fraction of their sum: a gradient across the surface, in which
-/// direction there are hardly any differences, is small. Values from 0.003 to 0.03 give the same errors.
-constexpr double across = 0.03;
-
 /// Adds a weight to that of an active node, which becomes the last of n if it is new.
 [[gnu::noinline]] void add(std::int32_t node, double weight, std::int32_t& n, std::int32_t* active, double* weights) {
   std::int32_t i = 0;
@@ -88,7 +80,7 @@ bool is_round(const phn_model& model, const Place& place) {
 }
 
 bool is_beside_fixed(const phn_model& model, const Place& place) {
-  return place.fixed_weight > largest_fixed_weight && is_round(model, place);
+  return place.fixed_weight > largest_fixed_weight<double> && is_round(model, place);
 }
 
 Neighbours find_neighbours(Arena& arena, const phn_model& model) {
@@ -153,7 +145,7 @@ Mean mean_at(const phn_model& model, const Neighbours& neighbours, const Place& 
       edge[i] = vector_at(model.active[neighbours.active[begin + i]].point) - middle;
       moment += outer(edge[i], edge[i]);
     }
-    moment += diagonal(across * (moment(0, 0) + moment(1, 1) + moment(2, 2)));
+    moment += diagonal(schema::gradient_across * (moment(0, 0) + moment(1, 1) + moment(2, 2)));
     const Vector half = 0.5 * mean.share[k] * (inverse_of(moment) * (x - middle));
     for (std::int32_t i = 0; i < n; ++i) {
       const double part = dot(half, edge[i]);

@@ -3,6 +3,8 @@
 
 #include <phynness/phynness_tools.h>
 
+#include <phynness/schema/bounds.hpp>
+
 #include "core/arena.hpp"
 #include "tools/vectors.hpp"
 
@@ -51,8 +53,7 @@ struct Neighbours {
 };
 Neighbours find_neighbours(Arena& arena, const phn_model& model);
 
-/// The energies around a node with more neighbours than these get no gradient; a vertex of a surface has 12 on average.
-inline constexpr std::int32_t most_neighbours = 32;
+using schema::most_neighbours;
 
 /// Nodes whose energies, each times its weight, are added to the energy of one tool: E(d) = sum w_i E_i(d / lever).
 struct Mean {

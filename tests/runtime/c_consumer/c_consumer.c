@@ -7,12 +7,6 @@
 #include <phynness/phynness_surface.h>
 #include <stdio.h>
 
-#ifdef PHYNNESS_FLOAT
-#define PRECISION 32
-#else
-#define PRECISION 64
-#endif
-
 int main(void) {
   size_t bytes = 1, of_contact = 1, wrong_byte = 0;
   const double words[] = {1, 2, 3};
@@ -21,8 +15,8 @@ int main(void) {
   const int status = phn_model_size("hello", 5, &bytes, &wrong_byte),
             of_image = phn_image_open(words, sizeof words, &image);
   if (phn_contact_size(NULL, 1, &of_contact) != PHN_ERROR_ARGUMENT || of_contact != 0) return 1;
-  if (phn_model_info(NULL, &info) != PHN_ERROR_ARGUMENT || info.precision_bits != PRECISION) return 1;
-  printf("phynness %s, %d bits: %s\n", phn_version(), (int)info.precision_bits, phn_status_message(status));
+  if (phn_model_info(NULL, &info) != PHN_ERROR_ARGUMENT) return 1;
+  printf("phynness %s: %s\n", phn_version(), phn_status_message(status));
   return status == PHN_ERROR_NOT_A_MODEL && bytes == 0 && wrong_byte == 1 && of_image == PHN_ERROR_NOT_A_MODEL &&
                  image == NULL
              ? 0

@@ -1,7 +1,7 @@
 // A model for devices: an image (formats/image.md), C source that contains it, and golden queries for tests of devices.
 #pragma once
 
-#include <phynness/phynness.h>
+#include <phynness/phynness_image.h>
 #include <cstddef>
 #include <cstdint>
 #include <phynness/formats/model.hpp>
@@ -15,13 +15,15 @@ class LoadedModel;
 struct ImageOptions {
   bool force_only = false;  ///< without deformation
   bool floats = false;      ///< store and compute in float
+  bool nodes_only = false;  ///< without surface and bounds: tools at active nodes only
 };
 
 struct ModelImage {
   std::vector<std::byte> bytes;
   ImageOptions options;
   std::size_t n_active = 0, n_output = 0;
-  std::size_t n_scratch = 0;  ///< numbers that a deformation needs besides its result
+  std::size_t n_triangles = 0;  ///< on which a tool can be; 0: at nodes only
+  std::size_t n_scratch = 0;    ///< numbers that a deformation needs besides its result
 
   std::size_t real_bytes() const { return options.floats ? sizeof(float) : sizeof(double); }
   /// Bytes for a deformation: scratch and result. A force needs no memory.
@@ -51,15 +53,28 @@ struct GoldenQuery {
   Vec3 deformation_m{0, 0, 0}, image_deformation_m{0, 0, 0};  ///< of that node; 0 if there are forces only
 };
 
+/// A round tool at a place between active nodes, with the responses of both.
+struct GoldenPlace {
+  Vec3 point_m{0, 0, 0};  ///< on a triangle; the image finds its place there
+  std::int32_t triangle = -1;
+  Vec3 weights{0, 0, 0};
+  Vec3 displacement_m{0, 0, 0};
+  Vec3 force_N{0, 0, 0}, image_force_N{0, 0, 0};
+  double bound_N = PHN_NO_BOUND, image_bound_N = PHN_IMAGE_NO_BOUND;
+  int status = 0;  ///< of the force of the image
+};
+
 struct GoldenQueries {
   std::vector<GoldenQuery> query;
+  std::vector<GoldenPlace> place;
   /// Largest difference between image and runtime, over the largest component of all responses.
   double force_deviation = 0, deformation_deviation = 0;
 };
 
 /// `n` queries at all active nodes in turn: rest, both directions along each axis, then random directions and depths
 /// inside the trained range. Every fourth query is outside of it, up to a factor of 1.43, and every sixteenth has a
-/// factor of 3. The queries are reproducible. Displacements are numbers that the image can represent.
+/// factor of 3. On the surface of an image there are a quarter as many places, too. The queries are reproducible.
+/// Displacements and points are numbers that the image can represent.
 GoldenQueries golden_queries(const LoadedModel& model, const ModelImage& image, std::size_t n);
 
 struct CSource {

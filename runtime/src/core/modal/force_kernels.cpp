@@ -5,33 +5,33 @@ namespace {
 
 double coefficient_of(const ModalForce& node, std::int32_t i, int k) {
   const std::size_t at = 3 * static_cast<std::size_t>(i) + static_cast<std::size_t>(k);
-  return node.short_coefficient ? static_cast<double>(node.short_coefficient[at]) : node.coefficient[at];
+  return node.short_coefficient ? node.short_coefficient[at] : node.coefficient[at];
 }
 
 /// @param table  6 whole_blocks(n_centers + 1), as ModalForce::table
-void fill_force_table(const ModalForce& node, Real* table) {
+void fill_force_table(const ModalForce& node, double* table) {
   const std::int32_t n = node.n_centers, n_whole = whole_blocks(n + 1);
   for (int k = 0; k < 3; ++k) {
-    Real *center = table + k * n_whole, *coefficient = table + (3 + k) * n_whole;
+    double *center = table + k * n_whole, *coefficient = table + (3 + k) * n_whole;
     for (std::int32_t i = 0; i < n_whole; ++i) {
       center[i] = coefficient[i] = 0;
       if (i >= n) continue;
-      center[i] = static_cast<Real>(node.displacements[3 * static_cast<std::size_t>(node.center[i]) + k]);
-      coefficient[i] = static_cast<Real>(coefficient_of(node, i, k));
+      center[i] = node.displacements[3 * static_cast<std::size_t>(node.center[i]) + k];
+      coefficient[i] = coefficient_of(node, i, k);
     }
-    coefficient[n] = static_cast<Real>(-node.total[k]);
+    coefficient[n] = -node.total[k];
   }
 }
 
 /// The terms of a force in whole blocks: centers, then coefficients.
 struct ForceTerms {
-  const Real *center[3], *coefficient[3];
+  const double *center[3], *coefficient[3];
   std::int32_t n;  ///< with the center at 0
 };
 
 /// @param few  for the terms of a node that has no table
-PHN_INLINE ForceTerms terms_of(const ModalForce& node, Real (&few)[6 * (most_gathered + 1)]) {
-  const Real* from = node.table;
+PHN_INLINE ForceTerms terms_of(const ModalForce& node, double (&few)[6 * (most_gathered + 1)]) {
+  const double* from = node.table;
   if (from == nullptr) {
     fill_force_table(node, few);
     from = few;
@@ -74,19 +74,19 @@ PHN_INLINE void finish_stiffness(const ModalForce& node, const double* total, do
 }
 
 PHN_INLINE void force_of_centers(const ModalForce& node, const double* x, double* force) {
-  const Real shape = static_cast<Real>(node.shape), s2 = shape * shape;
-  const Real x0 = static_cast<Real>(x[0]), x1 = static_cast<Real>(x[1]), x2 = static_cast<Real>(x[2]);
-  Real few[6 * (most_gathered + 1)];
+  const double s2 = node.shape * node.shape;
+  const double x0 = x[0], x1 = x[1], x2 = x[2];
+  double few[6 * (most_gathered + 1)];
   const ForceTerms terms = terms_of(node, few);
-  const Real *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
-             *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
-  Real sum[3][at_once] = {};
+  const double *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
+               *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
+  double sum[3][at_once] = {};
   const std::int32_t n_centers = node.n_centers;
   for (std::int32_t begin = 0; begin <= n_centers; begin += at_once) {
     for (std::int32_t i = 0; i < at_once; ++i) {
       const std::int32_t j = begin + i;
-      const Real y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j], b0 = w0[j], b1 = w1[j], b2 = w2[j];
-      const Real q = square_root(y0 * y0 + y1 * y1 + y2 * y2 + s2), along = (y0 * b0 + y1 * b1 + y2 * b2) / q;
+      const double y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j], b0 = w0[j], b1 = w1[j], b2 = w2[j];
+      const double q = square_root(y0 * y0 + y1 * y1 + y2 * y2 + s2), along = (y0 * b0 + y1 * b1 + y2 * b2) / q;
       sum[0][i] += q * b0 + along * y0;
       sum[1][i] += q * b1 + along * y1;
       sum[2][i] += q * b2 + along * y2;
@@ -102,33 +102,33 @@ PHN_INLINE void force_of_centers(const ModalForce& node, const double* x, double
 ///   (p y^T + y (q b)^T) / q^2 + a I
 /// @param lanes  which are summed at once: each lane has a sum of its own, so that the sums do not depend on it
 template <std::int32_t lanes, bool with_stiffness, bool with_energy>
-PHN_INLINE void sum_derivatives(const ForceTerms& terms, const Real* x, Real s2,
-                                Real (&sums)[n_sums(with_stiffness, with_energy)][at_once]) {
+PHN_INLINE void sum_derivatives(const ForceTerms& terms, const double* x, double s2,
+                                double (&sums)[n_sums(with_stiffness, with_energy)][at_once]) {
   constexpr std::int32_t n = n_sums(with_stiffness, with_energy);
-  const Real *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
-             *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
-  const Real x0 = x[0], x1 = x[1], x2 = x[2];
-  Real zero = 0;
+  const double *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
+               *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
+  const double x0 = x[0], x1 = x[1], x2 = x[2];
+  double zero = 0;
   PHN_HIDE(zero);
   for (std::int32_t first = 0; first < at_once; first += lanes) {
-    Real sum[n][lanes];
+    double sum[n][lanes];
     for (std::int32_t k = 0; k < n; ++k) {
       for (std::int32_t i = 0; i < lanes; ++i) sum[k][i] = zero;
     }
     for (std::int32_t begin = 0; begin < terms.n; begin += at_once) {
       for (std::int32_t i = 0; i < lanes; ++i) {
         const std::int32_t j = begin + first + i;
-        const Real y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j], b0 = w0[j], b1 = w1[j], b2 = w2[j];
-        const Real square = y0 * y0 + y1 * y1 + y2 * y2 + s2, q = square_root(square);
-        const Real product = y0 * b0 + y1 * b1 + y2 * b2, along = product / q;
-        const Real t0 = q * b0, t1 = q * b1, t2 = q * b2, a0 = along * y0, a1 = along * y1, a2 = along * y2;
+        const double y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j], b0 = w0[j], b1 = w1[j], b2 = w2[j];
+        const double square = y0 * y0 + y1 * y1 + y2 * y2 + s2, q = square_root(square);
+        const double product = y0 * b0 + y1 * b1 + y2 * b2, along = product / q;
+        const double t0 = q * b0, t1 = q * b1, t2 = q * b2, a0 = along * y0, a1 = along * y1, a2 = along * y2;
         sum[0][i] += t0 + a0;
         sum[1][i] += t1 + a1;
         sum[2][i] += t2 + a2;
         if constexpr (with_energy) sum[n - 1][i] += q * product;
         if constexpr (with_stiffness) {
-          const Real inverse = 1 / square, g0 = y0 * inverse, g1 = y1 * inverse, g2 = y2 * inverse;
-          const Real p0 = t0 - a0, p1 = t1 - a1, p2 = t2 - a2;
+          const double inverse = 1 / square, g0 = y0 * inverse, g1 = y1 * inverse, g2 = y2 * inverse;
+          const double p0 = t0 - a0, p1 = t1 - a1, p2 = t2 - a2;
           sum[stiffness_row][i] += (p0 + t0) * g0;
           sum[stiffness_row + 1][i] += p0 * g1 + t1 * g0;
           sum[stiffness_row + 2][i] += p0 * g2 + t2 * g0;
@@ -145,21 +145,18 @@ PHN_INLINE void sum_derivatives(const ForceTerms& terms, const Real* x, Real s2,
   }
 }
 
-/// The energy in double, also where forces are in float: an energy in float would have steps.
 PHN_INLINE double energy_of_centers(const ModalForce& node, const double* x) {
-  Real few[6 * (most_gathered + 1)];
+  double few[6 * (most_gathered + 1)];
   const ForceTerms terms = terms_of(node, few);
-  const Real *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
-             *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
+  const double *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
+               *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
   const double x0 = x[0], x1 = x[1], x2 = x[2], s2 = node.shape * node.shape;
   double sums[1][at_once] = {}, total;
   for (std::int32_t begin = 0; begin < terms.n; begin += at_once) {
     for (std::int32_t i = 0; i < at_once; ++i) {
       const std::int32_t j = begin + i;
-      const double y0 = x0 - static_cast<double>(c0[j]), y1 = x1 - static_cast<double>(c1[j]),
-                   y2 = x2 - static_cast<double>(c2[j]);
-      const double product =
-          y0 * static_cast<double>(w0[j]) + y1 * static_cast<double>(w1[j]) + y2 * static_cast<double>(w2[j]);
+      const double y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j];
+      const double product = y0 * w0[j] + y1 * w1[j] + y2 * w2[j];
       sums[0][i] += square_root(y0 * y0 + y1 * y1 + y2 * y2 + s2) * product;
     }
   }
@@ -170,12 +167,10 @@ PHN_INLINE double energy_of_centers(const ModalForce& node, const double* x) {
 template <std::int32_t lanes, bool with_stiffness, bool with_energy>
 PHN_INLINE void derivatives_of_centers(const ModalForce& node, const double* x, double* force, double* energy,
                                        double* stiffness) {
-  const Real shape = static_cast<Real>(node.shape);
-  const Real at[3] = {static_cast<Real>(x[0]), static_cast<Real>(x[1]), static_cast<Real>(x[2])};
   constexpr std::int32_t n = n_sums(with_stiffness, with_energy);
-  Real few[6 * (most_gathered + 1)], sums[n][at_once];
+  double few[6 * (most_gathered + 1)], sums[n][at_once];
   double total[n];
-  sum_derivatives<lanes, with_stiffness, with_energy>(terms_of(node, few), at, shape * shape, sums);
+  sum_derivatives<lanes, with_stiffness, with_energy>(terms_of(node, few), x, node.shape * node.shape, sums);
   add_up_many(sums, total);
   finish_force(node, x, total, force);
   if constexpr (with_energy) *energy = finish_energy(node, x, total[n - 1]);
@@ -186,7 +181,7 @@ PHN_INLINE void derivatives_of_centers(const ModalForce& node, const double* x, 
 /// as operations of whole registers; other compilers may not.
 constexpr std::int32_t lanes_of([[maybe_unused]] std::int32_t bytes) {
 #if defined(__GNUC__) && !defined(__clang__)
-  return bytes > 0 ? bytes / static_cast<std::int32_t>(sizeof(Real)) : at_once;
+  return bytes > 0 ? bytes / static_cast<std::int32_t>(sizeof(double)) : at_once;
 #else
   return at_once;
 #endif
@@ -207,14 +202,8 @@ constexpr bool small_code = false;
   attributes double energy(const ModalForce& node, const double* x) { return energy_of_centers(node, x); }             \
   template <bool with_stiffness, bool with_energy>                                                                     \
   attributes void derivatives(const ModalForce& node, const double* x, double* sum, double* work, double* stiffness) { \
-    if constexpr (with_energy && !energy_in_pass) {                                                                    \
-      *work = energy(node, x);                                                                                         \
-      if constexpr (with_stiffness) return derivatives<true, false>(node, x, sum, nullptr, stiffness);                 \
-      return force(node, x, sum);                                                                                      \
-    } else {                                                                                                           \
-      constexpr std::int32_t lanes = with_stiffness ? lanes_of(bytes) : at_once;                                       \
-      derivatives_of_centers<lanes, with_stiffness, with_energy>(node, x, sum, work, stiffness);                       \
-    }                                                                                                                  \
+    constexpr std::int32_t lanes = with_stiffness ? lanes_of(bytes) : at_once;                                         \
+    derivatives_of_centers<lanes, with_stiffness, with_energy>(node, x, sum, work, stiffness);                         \
   }                                                                                                                    \
   constexpr ForceKernels kernels = {#name,                                                                             \
                                     force,                                                                             \
@@ -231,7 +220,7 @@ PHN_FOR_EACH_SET(PHN_FORCE_KERNELS, ForceKernels)
 const ForceKernels* force_kernels(int set) { return kernels_for(kernels_of_sets, set); }
 const ForceKernels& best_force_kernels() { return best_of(kernels_of_sets); }
 
-void set_rest(ModalForce& node, Real* table) {
+void set_rest(ModalForce& node, double* table) {
   const double rest[3] = {0, 0, 0};
   double force[3];
   for (int k = 0; k < 3; ++k) {
@@ -243,14 +232,14 @@ void set_rest(ModalForce& node, Real* table) {
   const ForceKernels& kernels = best_force_kernels();
   kernels.force(node, rest, force);
   for (int k = 0; k < 3; ++k) node.force_at_rest[k] = -force[k];
-  Real few[6 * (most_gathered + 1)];
+  double few[6 * (most_gathered + 1)];
   const ForceTerms terms = terms_of(node, few);
   const double s2 = node.shape * node.shape;
   for (std::int32_t i = 0; i < terms.n; ++i) {
     double c[3], b[3];
     for (int k = 0; k < 3; ++k) {
-      c[k] = static_cast<double>(terms.center[k][i]);
-      b[k] = static_cast<double>(terms.coefficient[k][i]);
+      c[k] = terms.center[k][i];
+      b[k] = terms.coefficient[k][i];
     }
     const double q = square_root(dot(c, c) + s2), along = dot(c, b) / q;
     for (int k = 0; k < 3; ++k) node.slope_at_rest[k] -= q * b[k] + along * c[k];

@@ -8,40 +8,24 @@ namespace {
 
 PHN_INLINE std::int32_t smaller(std::int32_t a, std::int32_t b) { return a < b ? a : b; }
 
-PHN_INLINE Real scaled(const Network& net, int input, double value) {
-#ifdef PHYNNESS_FLOAT
-  const double x = (value - net.input_center[input]) * net.inverse_half_range[input];
-#else
-  const double x = (value - net.input_center[input]) / net.input_half_range[input];
-#endif
-  return static_cast<Real>(x < -largest_input ? -largest_input : x > largest_input ? largest_input : x);
+PHN_INLINE double scaled(const Network& net, int input, double value) {
+  return cut((value - net.input_center[input]) / net.input_half_range[input], DBL_MAX);
 }
 
-#ifdef PHYNNESS_FLOAT
-/// Factor log2(e) of squared distances, because the exponential has base 2.
-constexpr double unit_of_square = 1.4426950408889634;
-PHN_INLINE Real exp_of(Real square) { return power_of_half(square); }
-#else
-constexpr double unit_of_square = 1;
-PHN_INLINE Real exp_of(Real square) { return exp_of_negative(-square); }
-#endif
-
-PHN_INLINE Real gaussian(Real x0, Real x1, Real x2, Real c0, Real c1, Real c2, Real spread) {
-  const Real t0 = x0 - c0, t1 = x1 - c1, t2 = x2 - c2;
-  return exp_of((t0 * t0 + t1 * t1 + t2 * t2) * spread);
+PHN_INLINE double gaussian(double x0, double x1, double x2, double c0, double c1, double c2, double spread) {
+  const double t0 = x0 - c0, t1 = x1 - c1, t2 = x2 - c2;
+  return exp_of_negative(-((t0 * t0 + t1 * t1 + t2 * t2) * spread));
 }
-
-PHN_INLINE Real spread_of(const Network& net) { return static_cast<Real>(net.inverse_square_spread * unit_of_square); }
 
 PHN_INLINE void force_of(const Network& net, const double* d, double* force) {
-  const Real x[3] = {scaled(net, 0, d[0]), scaled(net, 1, d[1]), scaled(net, 2, d[2])};
-  const Real spread = spread_of(net);
-  Real sum[3][at_once] = {};
+  const double x[3] = {scaled(net, 0, d[0]), scaled(net, 1, d[1]), scaled(net, 2, d[2])};
+  const double spread = net.inverse_square_spread;
+  double sum[3][at_once] = {};
   for (std::int32_t begin = 0; begin < net.n_neurons; begin += at_once) {
-    const Real *c0 = net.center[0] + begin, *c1 = net.center[1] + begin, *c2 = net.center[2] + begin;
-    const Real *w0 = net.weight[0] + begin, *w1 = net.weight[1] + begin, *w2 = net.weight[2] + begin;
+    const double *c0 = net.center[0] + begin, *c1 = net.center[1] + begin, *c2 = net.center[2] + begin;
+    const double *w0 = net.weight[0] + begin, *w1 = net.weight[1] + begin, *w2 = net.weight[2] + begin;
     for (std::int32_t i = 0; i < at_once; ++i) {
-      const Real h = gaussian(x[0], x[1], x[2], c0[i], c1[i], c2[i], spread);
+      const double h = gaussian(x[0], x[1], x[2], c0[i], c1[i], c2[i], spread);
       sum[0][i] += w0[i] * h;
       sum[1][i] += w1[i] * h;
       sum[2][i] += w2[i] * h;
@@ -53,29 +37,30 @@ PHN_INLINE void force_of(const Network& net, const double* d, double* force) {
 }
 
 PHN_INLINE void gaussians_of_inputs(const Network& net, int first, const double* values, double* out) {
-  Real x[3];
+  double x[3];
   for (int k = 0; k < 3; ++k) x[k] = scaled(net, first + k, values[k]);
-  const Real spread = spread_of(net);
-  Real h[at_once];
+  const double spread = net.inverse_square_spread;
+  double h[at_once];
   for (std::int32_t begin = 0; begin < net.n_neurons; begin += at_once) {
-    const Real *c0 = net.center[first] + begin, *c1 = net.center[first + 1] + begin,
-               *c2 = net.center[first + 2] + begin;
+    const double *c0 = net.center[first] + begin, *c1 = net.center[first + 1] + begin,
+                 *c2 = net.center[first + 2] + begin;
     for (std::int32_t i = 0; i < at_once; ++i) h[i] = gaussian(x[0], x[1], x[2], c0[i], c1[i], c2[i], spread);
     const std::int32_t size = smaller(at_once, net.n_neurons - begin);
-    for (std::int32_t i = 0; i < size; ++i) out[begin + i] = static_cast<double>(h[i]);
+    for (std::int32_t i = 0; i < size; ++i) out[begin + i] = h[i];
   }
 }
 
-PHN_INLINE void gaussians_of_coordinates(const Network& net, std::int32_t n_output, const double* points, Real* table) {
-  const Real spread = spread_of(net);
+PHN_INLINE void gaussians_of_coordinates(const Network& net, std::int32_t n_output, const double* points,
+                                         double* table) {
+  const double spread = net.inverse_square_spread;
   for (std::int32_t begin = 0; begin < n_output; begin += nodes_per_block) {
-    Real x[3][nodes_per_block];
+    double x[3][nodes_per_block];
     for (std::int32_t o = 0; o < nodes_per_block; ++o) {
       const double* point = points + 3 * smaller(begin + o, n_output - 1);
       for (int k = 0; k < 3; ++k) x[k][o] = scaled(net, 3 + k, point[k]);
     }
     for (std::int32_t i = 0; i < net.n_neurons; ++i, table += nodes_per_block) {
-      const Real c0 = net.center[3][i], c1 = net.center[4][i], c2 = net.center[5][i];
+      const double c0 = net.center[3][i], c1 = net.center[4][i], c2 = net.center[5][i];
       for (std::int32_t o = 0; o < nodes_per_block; ++o)
         table[o] = gaussian(x[0][o], x[1][o], x[2][o], c0, c1, c2, spread);
     }
@@ -85,7 +70,7 @@ PHN_INLINE void gaussians_of_coordinates(const Network& net, std::int32_t n_outp
 /// @tparam by_nodes  hide the address of the next neuron's row from the compiler; otherwise GCC 12 vectorizes over
 ///                   neurons for AVX-512, which takes four times as long
 template <bool by_nodes>
-PHN_INLINE void field_of_table(const Network& net, std::int32_t n_output, const Real* table, const double* factor,
+PHN_INLINE void field_of_table(const Network& net, std::int32_t n_output, const double* table, const double* factor,
                                double share, double* scratch, double* field) {
   const std::int32_t n = net.n_neurons;
   double constant[3], range[3];
@@ -94,46 +79,46 @@ PHN_INLINE void field_of_table(const Network& net, std::int32_t n_output, const 
     range[k] = net.output_half_range[k];
   }
   const std::size_t rest = static_cast<std::size_t>(net.n_prepared - n) * nodes_per_block;
-  Real* __restrict amount = reinterpret_cast<Real*>(scratch);
+  double* __restrict amount = reinterpret_cast<double*>(scratch);
   for (std::int32_t i = 0; i < n; ++i) {
-    for (int k = 0; k < 3; ++k) amount[3 * i + k] = static_cast<Real>(range[k] * net.weight[k][i] * factor[i]);
+    for (int k = 0; k < 3; ++k) amount[3 * i + k] = range[k] * net.weight[k][i] * factor[i];
   }
   for (std::int32_t begin = 0; begin < n_output; begin += nodes_per_block) {
-    Real sum[3][nodes_per_block];
+    double sum[3][nodes_per_block];
     for (int k = 0; k < 3; ++k) {
-      for (std::int32_t o = 0; o < nodes_per_block; ++o) sum[k][o] = static_cast<Real>(constant[k]);
+      for (std::int32_t o = 0; o < nodes_per_block; ++o) sum[k][o] = constant[k];
     }
     for (std::int32_t i = 0; i < n; ++i, table += nodes_per_block) {
 #ifdef PHN_X86_64
       if constexpr (by_nodes) __asm__("" : "+r"(table));
 #endif
       for (int k = 0; k < 3; ++k) {
-        const Real a = amount[3 * i + k];
+        const double a = amount[3 * i + k];
         for (std::int32_t o = 0; o < nodes_per_block; ++o) sum[k][o] += a * table[o];
       }
     }
     table += rest;
     const std::int32_t size = smaller(nodes_per_block, n_output - begin);
     for (std::int32_t o = 0; o < size; ++o) {
-      for (int k = 0; k < 3; ++k) field[3 * (begin + o) + k] = static_cast<double>(sum[k][o]);
+      for (int k = 0; k < 3; ++k) field[3 * (begin + o) + k] = sum[k][o];
     }
   }
 }
 
-#define PHN_NETWORK_KERNELS(name, bytes, attributes)                                                             \
-  namespace name {                                                                                               \
-  attributes void force(const Network& net, const double* d, double* out) { force_of(net, d, out); }             \
-  attributes void of_inputs(const Network& net, int first, const double* values, double* out) {                  \
-    gaussians_of_inputs(net, first, values, out);                                                                \
-  }                                                                                                              \
-  attributes void of_coordinates(const Network& net, std::int32_t n_output, const double* points, Real* table) { \
-    gaussians_of_coordinates(net, n_output, points, table);                                                      \
-  }                                                                                                              \
-  attributes void field(const Network& net, std::int32_t n_output, const Real* table, const double* factor,      \
-                        double share, double* scratch, double* out) {                                            \
-    field_of_table<(bytes > 0)>(net, n_output, table, factor, share, scratch, out);                              \
-  }                                                                                                              \
-  constexpr NetworkKernels kernels = {#name, force, of_inputs, of_coordinates, field};                           \
+#define PHN_NETWORK_KERNELS(name, bytes, attributes)                                                               \
+  namespace name {                                                                                                 \
+  attributes void force(const Network& net, const double* d, double* out) { force_of(net, d, out); }               \
+  attributes void of_inputs(const Network& net, int first, const double* values, double* out) {                    \
+    gaussians_of_inputs(net, first, values, out);                                                                  \
+  }                                                                                                                \
+  attributes void of_coordinates(const Network& net, std::int32_t n_output, const double* points, double* table) { \
+    gaussians_of_coordinates(net, n_output, points, table);                                                        \
+  }                                                                                                                \
+  attributes void field(const Network& net, std::int32_t n_output, const double* table, const double* factor,      \
+                        double share, double* scratch, double* out) {                                              \
+    field_of_table<(bytes > 0)>(net, n_output, table, factor, share, scratch, out);                                \
+  }                                                                                                                \
+  constexpr NetworkKernels kernels = {#name, force, of_inputs, of_coordinates, field};                             \
   }
 
 PHN_FOR_EACH_SET(PHN_NETWORK_KERNELS, NetworkKernels)

@@ -1,0 +1,202 @@
+// One round tool between active nodes (docs/theory.md, (x)): places on the surface, the nodes around them, and bounds.
+#pragma once
+
+#include "core/bound.hpp"
+#include "image/image.hpp"
+
+namespace PHN_RUNTIME {
+
+/// Null: the image has none.
+template <class Real>
+const image::Surface* surface_of(const ImageHeader<Real>& image) {
+  if (image.provenance == 0) return nullptr;
+  const uint32_t found = at<image::Provenance>(image, image.provenance)->surface;
+  return found == 0 ? nullptr : at<image::Surface>(image, found);
+}
+
+/// Triangles that a walk crosses at most, and triangles around a vertex that it looks at.
+inline constexpr uint32_t most_crossings = 32, most_around_vertex = 64;
+
+template <class Real>
+struct Nearest {
+  uint32_t triangle;
+  Real weight[3], point[3], square;  ///< square of the distance
+};
+
+/// Finds the place nearest to x on the surface.
+template <class Real>
+class Search {
+ public:
+  Search(const ImageHeader<Real>& image, const image::Surface& surface, const Real* x)
+      : _triangle(at<uint16_t>(image, surface.triangle)), _point(at<Real>(image, surface.point)), _x(x) {}
+
+  Nearest<Real> everywhere(uint32_t n_triangles) const {
+    Nearest<Real> best = on(0);
+    for (uint32_t t = 1; t < n_triangles; ++t) improve(t, best);
+    return best;
+  }
+
+  /// @param best  where the walk starts, then ends. @return whether it arrived
+  bool walk(Nearest<Real>& best) const {
+    for (uint32_t crossed = 0; crossed <= most_crossings; ++crossed) {
+      if (!step(best)) return true;
+    }
+    return false;
+  }
+
+  [[gnu::noinline]] Nearest<Real> on(uint32_t t) const {
+    Nearest<Real> found;
+    const Real* corner[3];
+    found.triangle = t;
+    found.square = 0;
+    for (int k = 0; k < 3; ++k) corner[k] = _point + 3 * static_cast<size_t>(vertex(t, k));
+    nearest_weights(corner, _x, found.weight);
+    for (int k = 0; k < 3; ++k) {
+      found.point[k] = found.weight[0] * corner[0][k] + found.weight[1] * corner[1][k] + found.weight[2] * corner[2][k];
+      found.square += (_x[k] - found.point[k]) * (_x[k] - found.point[k]);
+    }
+    return found;
+  }
+
+ private:
+  uint16_t vertex(uint32_t t, int k) const { return _triangle[6 * t + static_cast<uint32_t>(k)]; }
+  uint16_t across(uint32_t t, int k) const { return vertex(t, 3 + k); }
+
+  bool improve(uint32_t t, Nearest<Real>& best) const {
+    const Nearest<Real> found = on(t);
+    const bool nearer = found.square < best.square;
+    if (nearer) best = found;
+    return nearer;
+  }
+
+  /// To a nearer triangle at the edge or the vertex on which the nearest point is. Distances only decrease, so that no
+  /// triangle is entered twice.
+  bool step(Nearest<Real>& best) const {
+    const Real* w = best.weight;
+    for (int k = 0; k < 3; ++k) {
+      if (w[k] == 1) return around(k, 1, best) || around(k, 2, best);
+    }
+    for (int k = 0; k < 3; ++k) {
+      const uint16_t next = across(best.triangle, k);
+      if (w[k] == 0 && next != image::none && improve(next, best)) return true;
+    }
+    return false;
+  }
+
+  /// Looks at the triangles around corner k, from that across the edge opposite to the corner k + turn.
+  bool around(int k, int turn, Nearest<Real>& best) const {
+    const uint16_t middle = vertex(best.triangle, k);
+    uint32_t t = best.triangle;
+    for (uint32_t i = 0; i < most_around_vertex; ++i) {
+      t = across(t, (k + turn) % 3);
+      if (t == image::none || t == best.triangle) return false;
+      if (improve(t, best)) return true;
+      for (k = 0; k < 3 && vertex(t, k) != middle;) ++k;
+      if (k == 3) return false;
+    }
+    return false;
+  }
+
+  const uint16_t* _triangle;
+  const Real *_point, *_x;
+};
+
+/// The active nodes at a place come first; all with their weights in (x).
+template <class Real>
+struct Around {
+  uint32_t n_corners = 0, n = 0;
+  Real share[image::most_corners];  ///< of the first, with the sum 1
+  Real fixed_weight = 0;
+  uint16_t active[image::most_corners * (1 + image::most_neighbours)];
+  Real weight[image::most_corners * (1 + image::most_neighbours)];
+
+  void add(uint16_t node, Real by) {
+    uint32_t i = 0;
+    while (i < n && active[i] != node) ++i;
+    if (i == n) {
+      active[n++] = node;
+      weight[i] = 0;
+    }
+    weight[i] += by;
+  }
+};
+
+/// Finds the active nodes at a place and checks it. @return a status of phynness.h
+template <class Real>
+int find_corners(const ImageHeader<Real>& image, const image::Surface& surface, uint32_t triangle, const Real* weights,
+                 Around<Real>& around) {
+  constexpr Real slack = Real(1e-6), whole = schema::whole_weight;
+  if (triangle >= surface.triangle.n / 6) return PHN_ERROR_ARGUMENT;
+  Real sum = 0, movable = 0;
+  for (uint32_t k = 0; k < 3; ++k) {
+    const Real w = weights[k];
+    if (!(w >= 0 && w <= 1 + slack)) return PHN_ERROR_ARGUMENT;
+    sum += w;
+    const auto& corner =
+        at<image::VertexCorners>(image, surface.vertex)[at<uint16_t>(image, surface.triangle)[6 * triangle + k]];
+    if (w == 0 || corner.active[0] == image::none) continue;
+    movable += w;
+    const Real first = corner.first, second = corner.second, rest = (whole - first) / whole;
+    const Real part[3] = {first / whole, rest * (second / whole), rest * ((whole - second) / whole)};
+    for (int i = 0; i < 3; ++i) {
+      if (part[i] > 0) around.add(corner.active[i], w * part[i]);
+    }
+  }
+  if (!(sum >= 1 - slack && sum <= 1 + slack)) return PHN_ERROR_ARGUMENT;
+  if (!(movable > slack)) return PHN_ERROR_NOT_ACTIVE;
+  around.fixed_weight = sum - movable;
+  around.n_corners = around.n;
+  sum = 0;
+  for (uint32_t i = 0; i < around.n; ++i) sum += around.weight[i];
+  for (uint32_t i = 0; i < around.n; ++i) around.share[i] = around.weight[i] /= sum;
+  return PHN_OK;
+}
+
+/// Adds the neighbours, by the gradients of the energies over the surface: mean_at in tools/round_tool.cpp.
+template <class Real>
+void add_neighbours(const ImageHeader<Real>& image, const image::Surface& surface, Around<Real>& around) {
+  const Real* points = at<Real>(image, image.active_points);
+  const auto point = [&](uint32_t i) { return points + 3 * static_cast<size_t>(around.active[i]); };
+  Real x[3] = {0, 0, 0};
+  for (uint32_t i = 0; i < around.n_corners; ++i) {
+    for (int k = 0; k < 3; ++k) x[k] += around.share[i] * point(i)[k];
+  }
+  for (uint32_t i = 0; i < around.n_corners && around.n_corners > 1; ++i) {
+    const uint32_t* begin = at<uint32_t>(image, surface.begin) + around.active[i];
+    const Real away[3] = {x[0] - point(i)[0], x[1] - point(i)[1], x[2] - point(i)[2]};
+    for (uint32_t m = begin[0]; m < begin[1]; ++m) {
+      const Real part = around.share[i] * dot(away, at<Real>(image, surface.slope) + 3 * static_cast<size_t>(m));
+      around.add(at<uint16_t>(image, surface.neighbour)[m], part);
+      around.weight[i] -= part;
+    }
+  }
+}
+
+/// Bound of the force at one active node. @param d  clamped, inside the trained range
+template <class Real>
+Real bound_at_node(const ImageHeader<Real>& image, const image::Surface& surface, uint32_t active, const Real* d) {
+  const uint32_t n_rows = image.displacements.n / 3, n = n_rows / (image.directions.n / 3);
+  const Real* directions = at<Real>(image, image.directions);
+  uint32_t nearest = 0;
+  for (uint32_t i = 1; i < image.directions.n / 3; ++i) {
+    if (dot(d, directions + 3 * i) > dot(d, directions + 3 * nearest)) nearest = i;
+  }
+  const size_t first = static_cast<size_t>(nearest) * n;
+  const bool modal = traits(image).has_modes;
+  const Real x[3] = {modal ? d[0] / image.max_displacement : d[0], modal ? d[1] / image.max_displacement : d[1],
+                     modal ? d[2] / image.max_displacement : d[2]};
+  const auto rest = [&] {  // the size of the force
+    const Real none[3] = {0, 0, 0};
+    Real force[3] = {0, 0, 0};
+    if (!modal) {
+      with_response(image, at<image::ActiveNode<Real>>(image, image.active)[active],
+                    [&](const auto& response) { response_force(image, response, none, force); });
+    }
+    return square_root(dot(force, force));
+  };
+  return bound_along(at<Real>(image, image.displacements) + 3 * first, static_cast<int32_t>(n),
+                     at<int16_t>(image, surface.bound) + static_cast<size_t>(active) * n_rows + first,
+                     at<Real>(image, surface.bound_scale)[active], dot(x, x), rest);
+}
+
+}  // namespace PHN_RUNTIME
