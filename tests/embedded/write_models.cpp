@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "../runtime/small_model.hpp"
 #include "round_sample.hpp"
 
 namespace phynness::test {

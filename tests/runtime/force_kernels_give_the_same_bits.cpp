@@ -85,7 +85,6 @@ TEST(ForceKernels, GiveTheSameBitsAloneAndTogether) {
         const ForceValues together = force.by(*kernels, x);
         ForceValues alone = together, with_energy = together, with_stiffness = together;
         kernels->force(force.net, x, alone.force.data());
-        alone.energy = kernels->energy(force.net, x);
         kernels->with_energy(force.net, x, with_energy.force.data(), &with_energy.energy, nullptr);
         kernels->with_stiffness(force.net, x, with_stiffness.force.data(), nullptr, with_stiffness.stiffness.data());
         EXPECT_EQ(alone, together) << kernels->name << ", " << n_centers << " centers, " << depth;

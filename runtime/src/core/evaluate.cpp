@@ -107,10 +107,6 @@ void evaluate_force(const phn_model& model, const ActiveNode& node, const double
   with_response(model, node, [&](const auto& response) { response_force(response, d, force); });
 }
 
-double evaluate_energy(const phn_model& model, const ActiveNode& node, const double* d) {
-  return with_response(model, node, [&](const auto& response) { return response_energy(response, d); });
-}
-
 void evaluate_derivatives(const phn_model& model, const ActiveNode& node, const double* d, double* force,
                           double* energy, double* stiffness) {
   with_response(model, node,

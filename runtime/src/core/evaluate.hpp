@@ -65,12 +65,9 @@ void evaluate_force(const phn_model& model, const ActiveNode& node, const double
 
 /// Whether the family has an energy. The force is its gradient and the stiffness the derivative of the force.
 bool has_energy(const phn_model& model);
-/// @pre has_energy(model)
-/// @return the work from rest to d [J]
-double evaluate_energy(const phn_model& model, const ActiveNode& node, const double* d);
 /// The same bits of the force, and with it energy and stiffness.
-/// @pre has_energy(model)
-/// @param energy     may be null
+/// @pre has_energy(model), or neither is asked for
+/// @param energy     the work from rest to d [J]; may be null
 /// @param stiffness  3 x 3 [N/m]: derivative of the force; may be null
 void evaluate_derivatives(const phn_model& model, const ActiveNode& node, const double* d, double* force,
                           double* energy, double* stiffness);

@@ -20,14 +20,10 @@ PHN_INLINE decltype(auto) with_response(const phn_model& model, const ActiveNode
   return f(*node.modal);
 }
 
-// Force, energy, and the force with any of energy and stiffness. Family rbfn has forces only.
+// Force, alone or with any of energy and stiffness. Family rbfn has forces only.
 void response_force(const Networks& nets, const double* d, double* force);
 void response_force(const LinearResponse& linear, const double* d, double* force);
 void response_force(const ModalResponse& node, const double* d, double* force);
-
-inline double response_energy(const Networks&, const double*) { return 0; }
-double response_energy(const LinearResponse& linear, const double* d);
-double response_energy(const ModalResponse& node, const double* d);
 
 inline void response_derivatives(const Networks& nets, const double* d, double* force, double*, double*) {
   response_force(nets, d, force);

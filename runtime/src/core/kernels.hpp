@@ -94,10 +94,8 @@ struct ForceKernels {
   /// @param x      d / max_displacement, clamped
   /// @param force  3 [N]
   void (*force)(const ModalForce& node, const double* x, double* force);
-  /// @return the work from rest to x [J]
-  double (*energy)(const ModalForce& node, const double* x);
-  /// The same bits of force and energy, and the stiffness, together in less time.
-  /// @param energy     [J]; with_stiffness may leave it as it is
+  /// The same bits of the force, with energy, stiffness or both.
+  /// @param energy     the work from rest to x [J]; with_stiffness may leave it as it is
   /// @param stiffness  3 x 3 [N/m], bitwise symmetric; not used by with_energy
   using Derivatives = void(const ModalForce& node, const double* x, double* force, double* energy, double* stiffness);
   Derivatives *with_energy, *with_stiffness, *with_both;

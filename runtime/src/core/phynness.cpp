@@ -40,16 +40,6 @@ int check_derivatives(const phn_model& model, const double* force, const double*
   return has_energy(model) ? PHN_OK : PHN_ERROR_UNDEFINED;
 }
 
-/// Force, energy and stiffness of one node, of which any may be null but not all.
-void respond(const phn_model& model, const Asked& asked, double* force, double* energy, double* stiffness) {
-  double unused[3];
-  if (force == nullptr && stiffness == nullptr) {
-    *energy = evaluate_energy(model, *asked.node, asked.d);
-  } else {
-    evaluate_derivatives(model, *asked.node, asked.d, force != nullptr ? force : unused, energy, stiffness);
-  }
-}
-
 /// In a family that is exact at any depth, the distance from the training data is 0.
 void measure_trust(const phn_model& model, const ActiveNode& node, const double* d, phn_trusted& trusted) {
   trusted.trained_depth = trained_depth(model, node, d);
@@ -191,11 +181,8 @@ int phn_force(const phn_model* model, phn_data* data, int32_t node, const double
     zero(energy, 1);
     return refuse(status, stiffness, 9);
   }
-  if (derivatives) {
-    respond(*data->level, asked, force, energy, stiffness);
-  } else {
-    evaluate_force(*data->level, *asked.node, asked.d, force);
-  }
+  double unused[3];
+  evaluate_derivatives(*data->level, *asked.node, asked.d, force != nullptr ? force : unused, energy, stiffness);
   return warnings(*model, *asked.node, asked.d);
 }
 

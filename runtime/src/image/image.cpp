@@ -5,13 +5,8 @@ using namespace PHN_RUNTIME;
 
 namespace {
 
-/// The node and the displacement of a call, and the status of their check.
-template <class Real>
-struct Query {
-  const phynness::image::ActiveNode<Real>* node = nullptr;
-  Real d[3] = {0, 0, 0};  ///< clamped
-  bool whole = true;      ///< whether d was not clamped
-};
+namespace image = phynness::image;
+using image::ActiveNode;
 
 /// Sets the outputs of a refused call to zeros. They are written last because they may overlap the displacement.
 template <class Real>
@@ -20,117 +15,102 @@ int refuse(int status, Real* out, size_t n) {
   return status;
 }
 
+/// A tool at a node: its clamped displacement and the warnings.
 template <class Real>
-int ask(const ImageHeader<Real>* image, int32_t node, const Real* d, const Real* out, Query<Real>& query) {
-  if (image == nullptr || d == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
-  query.node = find_active(*image, node);
-  if (query.node == nullptr) return PHN_ERROR_NOT_ACTIVE;
-  if (!finite(d)) return PHN_ERROR_NOT_FINITE;
-  query.whole = cut_displacement(*image, d, query.d);
-  return PHN_OK;
-}
+struct NodeQuery {
+  const ActiveNode<Real>* found = nullptr;
+  Real d[3] = {0, 0, 0};
+  int status = PHN_OK;
 
-template <class Real>
-int answered(const ImageHeader<Real>& image, const Query<Real>& query) {
-  return image_warnings(image, *query.node, query.whole, query.d);
-}
+  /// @return a status of phynness.h; warnings are in `status`
+  int ask(const ImageHeader<Real>& image, int32_t node, const Real* by) {
+    found = find_active(image, node);
+    if (found == nullptr) return PHN_ERROR_NOT_ACTIVE;
+    if (!finite(by)) return PHN_ERROR_NOT_FINITE;
+    const bool whole = cut_displacement(image, by, d);
+    status = image_warnings(image, *found, whole, d);
+    return PHN_OK;
+  }
+  void add_others(const ImageHeader<Real>&) {}
+  uint32_t n() const { return 1; }
+  Real weight(uint32_t) const { return 1; }
+  const ActiveNode<Real>& node(const ImageHeader<Real>&, uint32_t) const { return *found; }
+};
 
-template <class Real>
-int force(const ImageHeader<Real>* image, int32_t node, const Real* d, Real* out) {
-  Query<Real> query;
-  const int refused = ask(image, node, d, out, query);
-  if (refused != PHN_OK) return refuse(refused, out, 3);
-  with_response(*image, *query.node, [&](const auto& response) { response_force(*image, response, query.d, out); });
-  return answered(*image, query);
-}
-
-template <class Real>
-int energy(const ImageHeader<Real>* image, int32_t node, const Real* d, Real* out) {
-  Query<Real> query;
-  const int refused = ask(image, node, d, out, query);
-  if (refused != PHN_OK) return refuse(refused, out, 1);
-  if (!traits(*image).has_energy) return refuse(PHN_ERROR_UNDEFINED, out, 1);
-  *out = with_response(*image, *query.node,
-                       [&](const auto& response) { return response_energy(*image, response, query.d); });
-  return answered(*image, query);
-}
-
-template <class Real>
-int stiffness(const ImageHeader<Real>* image, int32_t node, const Real* d, Real* out) {
-  Query<Real> query;
-  const int refused = ask(image, node, d, out, query);
-  if (refused != PHN_OK) return refuse(refused, out, 9);
-  if (!traits(*image).has_energy) return refuse(PHN_ERROR_UNDEFINED, out, 9);
-  with_response(*image, *query.node, [&](const auto& response) { response_stiffness(*image, response, query.d, out); });
-  return answered(*image, query);
-}
-
-template <class Real>
-int depth(const ImageHeader<Real>* image, int32_t node, const Real* d, Real* out) {
-  Query<Real> query;
-  const int refused = ask(image, node, d, out, query);
-  if (refused != PHN_OK) return refuse(refused, out, 1);
-  *out = trained_depth(*image, *query.node, query.d);
-  return answered(*image, query) & PHN_WARNING_OUTSIDE;
-}
-
-template <class Real>
-int deform(const ImageHeader<Real>* image, Real* scratch, int32_t node, const Real* d, Real* out) {
-  if (image == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
-  const size_t n = 3 * static_cast<size_t>(image->output_nodes.n);
-  if (scratch == nullptr && image->n_scratch > 0) return refuse(PHN_ERROR_ARGUMENT, out, n);
-  if (overlap(scratch, image->n_scratch * sizeof(Real), out, n * sizeof(Real)))
-    return refuse(PHN_ERROR_OVERLAP, out, n);
-  Query<Real> query;
-  const int refused = ask(image, node, d, out, query);
-  if (refused != PHN_OK) return refuse(refused, out, n);
-  if (!image_has_deformation(*image, *query.node)) return refuse(PHN_ERROR_UNDEFINED, out, n);
-  image_field_at(*image, *query.node, query.d, scratch, out);
-  return answered(*image, query);
-}
-
-/// A place and a displacement, and the status of their check.
+/// A round tool at a place: the same, with the nodes around it.
 template <class Real>
 struct PlaceQuery {
   Around<Real> around;
-  Real d[3] = {0, 0, 0};  ///< clamped
+  Real d[3] = {0, 0, 0};
   int status = PHN_OK;
 
-  const phynness::image::ActiveNode<Real>& node(const ImageHeader<Real>& image, uint32_t i) const {
-    return at<phynness::image::ActiveNode<Real>>(image, image.active)[around.active[i]];
+  template <class Place>
+  int ask(const ImageHeader<Real>& image, const Place* place, const Real* by) {
+    if (place == nullptr) return PHN_ERROR_ARGUMENT;
+    const auto* surface = surface_of(image);
+    if (surface == nullptr) return PHN_ERROR_UNDEFINED;
+    const int refused = find_corners(image, *surface, static_cast<uint32_t>(place->triangle), place->weights, around);
+    if (refused != PHN_OK) return refused;
+    if (!finite(by)) return PHN_ERROR_NOT_FINITE;
+    const bool whole = cut_displacement(image, by, d);
+    status = around.fixed_weight > largest_fixed_weight<Real> ? PHN_WARNING_OUTSIDE : PHN_OK;
+    for (uint32_t i = 0; i < around.n; ++i) status |= image_warnings(image, node(image, i), whole, d);
+    return PHN_OK;
+  }
+  void add_others(const ImageHeader<Real>& image) { add_neighbours(image, *surface_of(image), around); }
+  uint32_t n() const { return around.n; }
+  Real weight(uint32_t i) const { return around.weight[i]; }
+  const ActiveNode<Real>& node(const ImageHeader<Real>& image, uint32_t i) const {
+    return at<ActiveNode<Real>>(image, image.active)[around.active[i]];
   }
 };
 
-/// @param query  its status holds the warnings
-template <class Real, class Place>
-int ask_at(const ImageHeader<Real>* image, const Place* place, const Real* d, const Real* out,
-           PlaceQuery<Real>& query) {
-  if (image == nullptr || place == nullptr || d == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
-  const auto* surface = surface_of(*image);
-  if (surface == nullptr) return PHN_ERROR_UNDEFINED;
-  const int refused =
-      find_corners(*image, *surface, static_cast<uint32_t>(place->triangle), place->weights, query.around);
-  if (refused != PHN_OK) return refused;
-  if (!finite(d)) return PHN_ERROR_NOT_FINITE;
-  const bool whole = cut_displacement(*image, d, query.d);
-  query.status = query.around.fixed_weight > largest_fixed_weight<Real> ? PHN_WARNING_OUTSIDE : PHN_OK;
-  for (uint32_t i = 0; i < query.around.n_corners; ++i)
-    query.status |= image_warnings(*image, query.node(*image, i), whole, query.d);
-  return PHN_OK;
+template <class Real>
+NodeQuery<Real> query_of(int32_t) {
+  return {};
+}
+template <class Real>
+PlaceQuery<Real> query_of(const void*) {
+  return {};
 }
 
-/// Calls one(response, d, result) for every node around a place and sums the results by their weights.
-template <int n, bool of_energy, class Real, class Place, class One>
-int sum_at(const ImageHeader<Real>* image, const Place* place, const Real* d, Real* out, One one) {
-  PlaceQuery<Real> query;
-  const int refused = ask_at(image, place, d, out, query);
+struct Force {
+  static constexpr int n = 3;
+  template <class Real, class Response>
+  void operator()(const ImageHeader<Real>& image, const Response& response, const Real* d, Real* out) const {
+    response_force(image, response, d, out);
+  }
+};
+struct Energy {
+  static constexpr int n = 1;
+  template <class Real, class Response>
+  void operator()(const ImageHeader<Real>& image, const Response& response, const Real* d, Real* out) const {
+    *out = response_energy(image, response, d);
+  }
+};
+struct Stiffness {
+  static constexpr int n = 9;
+  template <class Real, class Response>
+  void operator()(const ImageHeader<Real>& image, const Response& response, const Real* d, Real* out) const {
+    response_stiffness(image, response, d, out);
+  }
+};
+
+/// @tparam What  Force, Energy or Stiffness
+/// @param where  a node, or a place
+template <class What, class Real, class Where>
+int evaluate(const ImageHeader<Real>* image, Where where, const Real* d, Real* out) {
+  constexpr int n = What::n;
+  auto query = query_of<Real>(where);
+  int refused = image != nullptr && d != nullptr && out != nullptr ? query.ask(*image, where, d) : PHN_ERROR_ARGUMENT;
+  if (refused == PHN_OK && n != Force::n && !traits(*image).has_energy) refused = PHN_ERROR_UNDEFINED;
   if (refused != PHN_OK) return refuse(refused, out, n);
-  if (of_energy && !traits(*image).has_energy) return refuse(PHN_ERROR_UNDEFINED, out, n);
-  add_neighbours(*image, *surface_of(*image), query.around);
+  query.add_others(*image);
   Real result[n], sum[n] = {};
-  for (uint32_t i = 0; i < query.around.n; ++i) {
-    with_response(*image, query.node(*image, i), [&](const auto& response) { one(*image, response, query.d, result); });
-    for (int k = 0; k < n; ++k) sum[k] += query.around.weight[i] * result[k];
+  for (uint32_t i = 0; i < query.n(); ++i) {
+    with_response(*image, query.node(*image, i),
+                  [&](const auto& response) { What()(*image, response, query.d, result); });
+    for (int k = 0; k < n; ++k) sum[k] += query.weight(i) * result[k];
   }
   bool all_finite = true;
   for (int k = 0; k < n; ++k) all_finite = all_finite && sum[k] - sum[k] == 0;
@@ -138,39 +118,43 @@ int sum_at(const ImageHeader<Real>* image, const Place* place, const Real* d, Re
   return query.status;
 }
 
-template <class Real, class Place>
-int force_at(const ImageHeader<Real>* image, const Place* place, const Real* d, Real* out) {
-  return sum_at<3, false>(image, place, d, out, [](const auto& in, const auto& response, const Real* at, Real* force) {
-    response_force(in, response, at, force);
-  });
+template <class Real>
+int depth(const ImageHeader<Real>* image, int32_t node, const Real* d, Real* out) {
+  NodeQuery<Real> query;
+  const int refused =
+      image != nullptr && d != nullptr && out != nullptr ? query.ask(*image, node, d) : PHN_ERROR_ARGUMENT;
+  if (refused != PHN_OK) return refuse(refused, out, 1);
+  *out = trained_depth(*image, *query.found, query.d);
+  return query.status & PHN_WARNING_OUTSIDE;
 }
 
-template <class Real, class Place>
-int energy_at(const ImageHeader<Real>* image, const Place* place, const Real* d, Real* out) {
-  return sum_at<1, true>(image, place, d, out, [](const auto& in, const auto& response, const Real* at, Real* energy) {
-    *energy = response_energy(in, response, at);
-  });
-}
-
-template <class Real, class Place>
-int stiffness_at(const ImageHeader<Real>* image, const Place* place, const Real* d, Real* out) {
-  return sum_at<9, true>(image, place, d, out, [](const auto& in, const auto& response, const Real* at, Real* matrix) {
-    response_stiffness(in, response, at, matrix);
-  });
+template <class Real>
+int deform(const ImageHeader<Real>* image, Real* scratch, int32_t node, const Real* d, Real* out) {
+  if (image == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
+  const size_t n = 3 * static_cast<size_t>(image->output_nodes.n);
+  if (d == nullptr || (scratch == nullptr && image->n_scratch > 0)) return refuse(PHN_ERROR_ARGUMENT, out, n);
+  if (overlap(scratch, image->n_scratch * sizeof(Real), out, n * sizeof(Real)))
+    return refuse(PHN_ERROR_OVERLAP, out, n);
+  NodeQuery<Real> query;
+  const int refused = query.ask(*image, node, d);
+  if (refused != PHN_OK) return refuse(refused, out, n);
+  if (!image_has_deformation(*image, *query.found)) return refuse(PHN_ERROR_UNDEFINED, out, n);
+  image_field_at(*image, *query.found, query.d, scratch, out);
+  return query.status;
 }
 
 /// As bound_at in tools/bounds.cpp.
 template <class Real, class Place>
 int bound_at(const ImageHeader<Real>* image, const Place* place, const Real* d, Real* out) {
   PlaceQuery<Real> query;
-  const int refused = ask_at(image, place, d, out, query);
+  int refused = image != nullptr && d != nullptr && out != nullptr ? query.ask(*image, place, d) : PHN_ERROR_ARGUMENT;
+  if (refused == PHN_OK && surface_of(*image)->bound.n == 0) refused = PHN_ERROR_UNDEFINED;
   if (refused != PHN_OK) return refuse(refused, out, 1);
-  const auto& surface = *surface_of(*image);
-  if (surface.bound.n == 0) return refuse(PHN_ERROR_UNDEFINED, out, 1);
+  const image::Surface& surface = *surface_of(*image);
   *out = PHN_IMAGE_NO_BOUND;
   if ((query.status & PHN_WARNING_OUTSIDE) != 0) return query.status;
   const Around<Real>& around = query.around;
-  Real force[phynness::image::most_corners][3], mean[3] = {0, 0, 0}, largest = 0, spread = 0;
+  Real force[image::most_corners][3], mean[3] = {0, 0, 0}, largest = 0, spread = 0;
   for (uint32_t i = 0; i < around.n_corners; ++i) {
     const Real bound = bound_at_node(*image, surface, around.active[i], query.d);
     largest = bound > largest ? bound : largest;
@@ -193,7 +177,7 @@ int bound_at(const ImageHeader<Real>* image, const Place* place, const Real* d, 
 
 template <class Real, class Place>
 int nearest(const ImageHeader<Real>* image, int32_t from, const Real* x, Place* place, Real* point) {
-  Nearest<Real> found = {phynness::image::none, {0, 0, 0}, {0, 0, 0}, 0};
+  Nearest<Real> found = {image::none, {0, 0, 0}, {0, 0, 0}, 0};
   int status = PHN_ERROR_ARGUMENT;
   const auto* surface = image != nullptr ? surface_of(*image) : nullptr;
   const uint32_t n_triangles = surface == nullptr ? 0 : surface->triangle.n / 6;
@@ -206,7 +190,7 @@ int nearest(const ImageHeader<Real>* image, int32_t from, const Real* x, Place* 
   }
   if (status == PHN_OK) {
     Real asked[3];
-    for (int k = 0; k < 3; ++k) asked[k] = cut(x[k], Real(phynness::image::Bounds<Real>::value));
+    for (int k = 0; k < 3; ++k) asked[k] = cut(x[k], Real(image::Bounds<Real>::value));
     const Search<Real> search(*image, *surface, asked);
     if (from < 0) {
       found = search.everywhere(n_triangles);
@@ -229,7 +213,7 @@ int provenance(const ImageHeader<Real>* image, phn_provenance* out) {
   phn_provenance found = {};
   found.mesh_hash = found.physics_hash = found.element = found.reference = "";
   if (image != nullptr && image->provenance != 0) {
-    const auto& from = *at<phynness::image::Provenance>(*image, image->provenance);
+    const auto& from = *at<image::Provenance>(*image, image->provenance);
     found.mesh_hash = from.mesh_hash;
     found.physics_hash = from.physics_hash;
     found.element = from.element;
@@ -275,13 +259,13 @@ int provenance(const ImageHeader<Real>* image, phn_provenance* out) {
     return image ? at<Real>(*header(image), header(image)->output_points) : nullptr;                                  \
   }                                                                                                                   \
   int NAME##_force(const NAME* image, int32_t node, const Real d[3], Real force_N[3]) {                               \
-    return force(header(image), node, d, force_N);                                                                    \
+    return evaluate<Force>(header(image), node, d, force_N);                                                          \
   }                                                                                                                   \
   int NAME##_energy(const NAME* image, int32_t node, const Real d[3], Real* energy_J) {                               \
-    return energy(header(image), node, d, energy_J);                                                                  \
+    return evaluate<Energy>(header(image), node, d, energy_J);                                                        \
   }                                                                                                                   \
   int NAME##_stiffness(const NAME* image, int32_t node, const Real d[3], Real stiffness_N_per_m[9]) {                 \
-    return stiffness(header(image), node, d, stiffness_N_per_m);                                                      \
+    return evaluate<Stiffness>(header(image), node, d, stiffness_N_per_m);                                            \
   }                                                                                                                   \
   int NAME##_trained_depth(const NAME* image, int32_t node, const Real d[3], Real* depth_m) {                         \
     return depth(header(image), node, d, depth_m);                                                                    \
@@ -294,13 +278,13 @@ int provenance(const ImageHeader<Real>* image, phn_provenance* out) {
     return nearest(header(image), from, x, place, point);                                                             \
   }                                                                                                                   \
   int NAME##_force_at(const NAME* image, const NAME##_place* place, const Real d[3], Real force_N[3]) {               \
-    return force_at(header(image), place, d, force_N);                                                                \
+    return evaluate<Force>(header(image), place, d, force_N);                                                         \
   }                                                                                                                   \
   int NAME##_energy_at(const NAME* image, const NAME##_place* place, const Real d[3], Real* energy_J) {               \
-    return energy_at(header(image), place, d, energy_J);                                                              \
+    return evaluate<Energy>(header(image), place, d, energy_J);                                                       \
   }                                                                                                                   \
   int NAME##_stiffness_at(const NAME* image, const NAME##_place* place, const Real d[3], Real stiffness_N_per_m[9]) { \
-    return stiffness_at(header(image), place, d, stiffness_N_per_m);                                                  \
+    return evaluate<Stiffness>(header(image), place, d, stiffness_N_per_m);                                           \
   }                                                                                                                   \
   int NAME##_bound_at(const NAME* image, const NAME##_place* place, const Real d[3], Real* bound_N) {                 \
     return bound_at(header(image), place, d, bound_N);                                                                \

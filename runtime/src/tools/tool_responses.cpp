@@ -328,8 +328,12 @@ bool ToolResponses::is_beyond(std::int32_t s, double times) const {
 
 double ToolResponses::energy_of_nodes(const HeldPoint& point) const {
   double energy = 0;
-  for (std::int32_t i = 0; i < point.n_nodes && has_energy(_model); ++i)
-    energy += point.share[i] * evaluate_energy(_model, node(point, i), (point.reach[i] * point.own).x);
+  for (std::int32_t i = 0; i < point.n_nodes && has_energy(_model); ++i) {
+    Vector force;
+    double one = 0;
+    evaluate_derivatives(_model, node(point, i), (point.reach[i] * point.own).x, force.x, &one, nullptr);
+    energy += point.share[i] * one;
+  }
   return energy;
 }
 

@@ -16,12 +16,6 @@ void response_force(const LinearResponse& linear, const double* d, double* force
   response_derivatives(linear, d, force, nullptr, nullptr);
 }
 
-double response_energy(const LinearResponse& linear, const double* d) {
-  double force[3], energy;
-  response_derivatives(linear, d, force, &energy, nullptr);
-  return energy;
-}
-
 void response_basis(const phn_model&, const LinearResponse&, const double* d, double* basis, double*) {
   cut(d, 1, largest_linear, basis);
 }

@@ -145,25 +145,6 @@ PHN_INLINE void sum_derivatives(const ForceTerms& terms, const double* x, double
   }
 }
 
-PHN_INLINE double energy_of_centers(const ModalForce& node, const double* x) {
-  double few[6 * (most_gathered + 1)];
-  const ForceTerms terms = terms_of(node, few);
-  const double *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
-               *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
-  const double x0 = x[0], x1 = x[1], x2 = x[2], s2 = node.shape * node.shape;
-  double sums[1][at_once] = {}, total;
-  for (std::int32_t begin = 0; begin < terms.n; begin += at_once) {
-    for (std::int32_t i = 0; i < at_once; ++i) {
-      const std::int32_t j = begin + i;
-      const double y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j];
-      const double product = y0 * w0[j] + y1 * w1[j] + y2 * w2[j];
-      sums[0][i] += square_root(y0 * y0 + y1 * y1 + y2 * y2 + s2) * product;
-    }
-  }
-  add_up_many(sums, &total);
-  return finish_energy(node, x, total);
-}
-
 template <std::int32_t lanes, bool with_stiffness, bool with_energy>
 PHN_INLINE void derivatives_of_centers(const ModalForce& node, const double* x, double* force, double* energy,
                                        double* stiffness) {
@@ -199,16 +180,12 @@ constexpr bool small_code = false;
 #define PHN_FORCE_KERNELS(name, bytes, attributes)                                                                     \
   namespace name {                                                                                                     \
   attributes void force(const ModalForce& node, const double* x, double* sum) { force_of_centers(node, x, sum); }      \
-  attributes double energy(const ModalForce& node, const double* x) { return energy_of_centers(node, x); }             \
   template <bool with_stiffness, bool with_energy>                                                                     \
   attributes void derivatives(const ModalForce& node, const double* x, double* sum, double* work, double* stiffness) { \
     constexpr std::int32_t lanes = with_stiffness ? lanes_of(bytes) : at_once;                                         \
     derivatives_of_centers<lanes, with_stiffness, with_energy>(node, x, sum, work, stiffness);                         \
   }                                                                                                                    \
-  constexpr ForceKernels kernels = {#name,                                                                             \
-                                    force,                                                                             \
-                                    energy,                                                                            \
-                                    derivatives<false, true>,                                                          \
+  constexpr ForceKernels kernels = {#name, force, derivatives<false, true>,                                            \
                                     small_code ? derivatives<true, true> : derivatives<true, false>,                   \
                                     derivatives<true, true>};                                                          \
   }
@@ -247,7 +224,9 @@ void set_rest(ModalForce& node, double* table) {
   node.energy_at_rest = 0;
   ModalForce unit = node;
   unit.max_displacement = 1;
-  node.energy_at_rest = -kernels.energy(unit, rest);
+  double energy = 0;
+  kernels.with_energy(unit, rest, force, &energy, nullptr);
+  node.energy_at_rest = -energy;
 }
 
 }  // namespace PHN_RUNTIME

@@ -23,12 +23,6 @@ void response_force(const ModalResponse& node, const double* d, double* force) {
   best_force_kernels().force(node.force, x, force);
 }
 
-double response_energy(const ModalResponse& node, const double* d) {
-  double x[3];
-  cut(d, node.force.max_displacement, largest_modal, x);
-  return best_force_kernels().energy(node.force, x);
-}
-
 void response_derivatives(const ModalResponse& node, const double* d, double* force, double* energy,
                           double* stiffness) {
   double x[3];
