@@ -1,5 +1,6 @@
 #include "image_surface.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <map>

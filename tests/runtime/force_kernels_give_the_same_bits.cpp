@@ -48,7 +48,7 @@ struct RandomForce {
 
   std::vector<std::int32_t> center;
   std::vector<double> displacements, coefficients;
-  std::vector<Real> terms;
+  std::vector<double> terms;
   ModalForce net = {};
 };
 

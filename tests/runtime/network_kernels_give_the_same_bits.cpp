@@ -13,7 +13,7 @@ using namespace phynness::runtime;
 
 struct Values {
   std::vector<double> force = std::vector<double>(3), of_displacement, of_point, field;
-  std::vector<Real> table;
+  std::vector<double> table;
   bool operator==(const Values&) const = default;
 };
 
@@ -28,8 +28,7 @@ struct RandomNetwork {
     for (int k = 0; k < 6; ++k) {
       net.input_center[k] = 0.1 * between(random);
       net.input_half_range[k] = 0.5;
-      net.inverse_half_range[k] = 2;
-      for (std::int32_t i = 0; i < n_neurons; ++i) center[k].push_back(static_cast<Real>(between(random)));
+      for (std::int32_t i = 0; i < n_neurons; ++i) center[k].push_back(between(random));
       center[k].resize(static_cast<std::size_t>(whole_blocks(n_neurons)));
       net.center[k] = center[k].data();
     }
@@ -37,7 +36,7 @@ struct RandomNetwork {
       net.output_center[k] = 0.01 * k;
       net.output_half_range[k] = 0.3;
       net.bias[k] = 0.2;
-      for (std::int32_t i = 0; i < n_neurons; ++i) weight[k].push_back(static_cast<Real>(between(random)));
+      for (std::int32_t i = 0; i < n_neurons; ++i) weight[k].push_back(between(random));
       weight[k].resize(static_cast<std::size_t>(whole_blocks(n_neurons)));
       net.weight[k] = weight[k].data();
     }
@@ -62,7 +61,7 @@ struct RandomNetwork {
 
   std::mt19937 random{1};
   std::vector<double> points;
-  std::vector<Real> center[6], weight[3];
+  std::vector<double> center[6], weight[3];
   Network net{};
 };
 
