@@ -1,8 +1,8 @@
 #!/bin/bash
 # Claims, on a Cortex-M4F and a Cortex-M7 in QEMU: every golden query has the bits that the same image has on the host and
 # is as near to the runtime's double as examples/firmware/main.c states; a force of 60 neurons takes less than 5,000
-# instructions, the code that forces need less than 8 kB of flash, no RAM but the stack. A tool between nodes needs less than 16
-# kB of code and 3 kB of stack, a walk to its next place less than 5,000 instructions.
+# instructions, the code that forces need less than 8 kB of flash, no RAM but the stack. A tool between nodes, its bound and
+# deformations need less than 17 kB of code and 3 kB of stack, a walk to its next place less than 5,000 instructions.
 # Usage: firmware_agrees_with_the_host.sh CMAKE FIRMWARE_SOURCE PHYNNESS WRITE_MODELS WORK_DIR     (77: tools are absent)
 set -euo pipefail
 cmake=$1
@@ -43,7 +43,7 @@ try() {
     n = 0; for (i = 1; i <= length($2); ++i) n = 16 * n + index("0123456789abcdef", substr($2, i, 1)) - 1; sum += n } END {print sum}')
   ram=$(arm-none-eabi-size "$build/firmware.elf" | awk 'NR == 2 {print $2 + $3}')
   if [ "$family" = round ]; then
-    limit "bytes of code" "$code" 16384
+    limit "bytes of code" "$code" 17408
     for use in force_at bound_at walk; do limit "bytes of stack of $use" "$(figure ${use}_stack)" 3072; done
     limit "instructions of a walk" "$(figure walk_instructions_at_most)" 5000
   else
