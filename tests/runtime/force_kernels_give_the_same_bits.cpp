@@ -84,7 +84,7 @@ TEST(ForceKernels, GiveTheSameBitsAloneAndTogether) {
         const double x[] = {depth, -0.4 * depth, 0.2 * depth};
         const ForceValues together = force.by(*kernels, x);
         ForceValues alone = together, with_energy = together, with_stiffness = together;
-        kernels->force(force.net, x, alone.force.data());
+        kernels->force(force.net, x, alone.force.data(), nullptr, nullptr);
         kernels->with_energy(force.net, x, with_energy.force.data(), &with_energy.energy, nullptr);
         kernels->with_stiffness(force.net, x, with_stiffness.force.data(), nullptr, with_stiffness.stiffness.data());
         EXPECT_EQ(alone, together) << kernels->name << ", " << n_centers << " centers, " << depth;

@@ -103,12 +103,8 @@ double length(const double* d) {
   return std::ldexp(std::sqrt(sum), exponent);
 }
 
-void evaluate_force(const phn_model& model, const ActiveNode& node, const double* d, double* force) {
-  with_response(model, node, [&](const auto& response) { response_force(response, d, force); });
-}
-
-void evaluate_derivatives(const phn_model& model, const ActiveNode& node, const double* d, double* force,
-                          double* energy, double* stiffness) {
+void evaluate_force(const phn_model& model, const ActiveNode& node, const double* d, double* force, double* energy,
+                    double* stiffness) {
   with_response(model, node,
                 [&](const auto& response) { response_derivatives(response, d, force, energy, stiffness); });
 }

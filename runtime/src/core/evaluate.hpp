@@ -58,19 +58,17 @@ std::int32_t find_active(const phn_model& model, std::int32_t node);
 /// Vertex of a mesh node: its position among the output nodes, or n_output + its position among the fixed nodes, or -1.
 std::int32_t find_vertex(const phn_model& model, std::int32_t node);
 
-/// In all functions below `model` may be the model of any level.
-/// @param d      3 [m], finite
-/// @param force  3 [N]
-void evaluate_force(const phn_model& model, const ActiveNode& node, const double* d, double* force);
-
 /// Whether the family has an energy. The force is its gradient and the stiffness the derivative of the force.
 bool has_energy(const phn_model& model);
-/// The same bits of the force, and with it energy and stiffness.
-/// @pre has_energy(model), or neither is asked for
+/// In all functions below `model` may be the model of any level. The force has the same bits with and without the
+/// others.
+/// @pre has_energy(model), or neither energy nor stiffness is asked for
+/// @param d          3 [m], finite
+/// @param force      3 [N]
 /// @param energy     the work from rest to d [J]; may be null
 /// @param stiffness  3 x 3 [N/m]: derivative of the force; may be null
-void evaluate_derivatives(const phn_model& model, const ActiveNode& node, const double* d, double* force,
-                          double* energy, double* stiffness);
+void evaluate_force(const phn_model& model, const ActiveNode& node, const double* d, double* force,
+                    double* energy = nullptr, double* stiffness = nullptr);
 
 /// Whether the node has a deformation; a modal model may have forces only.
 bool has_deformation(const phn_model& model, const ActiveNode& node);

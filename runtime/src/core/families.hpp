@@ -21,13 +21,7 @@ PHN_INLINE decltype(auto) with_response(const phn_model& model, const ActiveNode
 }
 
 // Force, alone or with any of energy and stiffness. Family rbfn has forces only.
-void response_force(const Networks& nets, const double* d, double* force);
-void response_force(const LinearResponse& linear, const double* d, double* force);
-void response_force(const ModalResponse& node, const double* d, double* force);
-
-inline void response_derivatives(const Networks& nets, const double* d, double* force, double*, double*) {
-  response_force(nets, d, force);
-}
+void response_derivatives(const Networks& nets, const double* d, double* force, double*, double*);
 void response_derivatives(const LinearResponse& linear, const double* d, double* force, double* energy,
                           double* stiffness);
 void response_derivatives(const ModalResponse& node, const double* d, double* force, double* energy, double* stiffness);

@@ -59,22 +59,7 @@ const Kernels& best_of(const Kernels* const (&of_sets)[n]) {
   return *of_sets[0];
 }
 
-/// Adds up the lanes of three vectors of partial sums.
-PHN_INLINE void add_up(const double (&sums)[3][at_once], double* total) {
-  double sum[3][at_once];
-  for (int k = 0; k < 3; ++k) {
-    for (std::int32_t i = 0; i < at_once; ++i) sum[k][i] = sums[k][i];
-  }
-  PHN_KEEP_IN_MEMORY(sum);
-  for (int k = 0; k < 3; ++k) {
-    for (std::int32_t half = at_once / 2; half > 0; half /= 2) {
-      for (std::int32_t i = 0; i < half; ++i) sum[k][i] += sum[k][i + half];
-    }
-    total[k] = static_cast<double>(sum[k][0]);
-  }
-}
-
-/// The same for n vectors, which it overwrites; quicker for many.
+/// Adds up the lanes of n vectors of partial sums, which it overwrites.
 template <class T, std::size_t n>
 PHN_INLINE void add_up_many(T (&sum)[n][at_once], double* total) {
   static_assert(at_once == 16);
@@ -91,14 +76,13 @@ PHN_INLINE void add_up_many(T (&sum)[n][at_once], double* total) {
 /// Force, energy and stiffness of a node of family modal: sums over its centers.
 struct ForceKernels {
   const char* name;
-  /// @param x      d / max_displacement, clamped
-  /// @param force  3 [N]
-  void (*force)(const ModalForce& node, const double* x, double* force);
-  /// The same bits of the force, with energy, stiffness or both.
+  /// The force alone or, with the same bits, together with energy, stiffness or both.
+  /// @param x          d / max_displacement, clamped
+  /// @param force      3 [N]
   /// @param energy     the work from rest to x [J]; with_stiffness may leave it as it is
-  /// @param stiffness  3 x 3 [N/m], bitwise symmetric; not used by with_energy
+  /// @param stiffness  3 x 3 [N/m], bitwise symmetric; used with it only
   using Derivatives = void(const ModalForce& node, const double* x, double* force, double* energy, double* stiffness);
-  Derivatives *with_energy, *with_stiffness, *with_both;
+  Derivatives *force, *with_energy, *with_stiffness, *with_both;
 };
 const ForceKernels* force_kernels(int set);
 const ForceKernels& best_force_kernels();

@@ -182,7 +182,7 @@ int phn_force(const phn_model* model, phn_data* data, int32_t node, const double
     return refuse(status, stiffness, 9);
   }
   double unused[3];
-  evaluate_derivatives(*data->level, *asked.node, asked.d, force != nullptr ? force : unused, energy, stiffness);
+  evaluate_force(*data->level, *asked.node, asked.d, force != nullptr ? force : unused, energy, stiffness);
   return warnings(*model, *asked.node, asked.d);
 }
 

@@ -141,7 +141,7 @@ Matrix stiffness_at_rest(const phn_model& model, const ActiveNode& node) {
   Matrix secant;
   if (schema::traits(model.family).proportional) {
     Vector none;
-    evaluate_derivatives(model, node, Vector{}.x, none.x, nullptr, secant.a);
+    evaluate_force(model, node, Vector{}.x, none.x, nullptr, secant.a);
     return secant;
   }
   const double h = step_at_rest(model, node);

@@ -168,8 +168,7 @@ void respond_alone(const phn_model& model, const Mean& mean, const Vector& d, Ve
     Vector f;
     double e = 0;
     Matrix k = {};
-    evaluate_derivatives(model, model.active[mean.active[i]], at.x, f.x, energy ? &e : nullptr,
-                         stiffness ? k.a : nullptr);
+    evaluate_force(model, model.active[mean.active[i]], at.x, f.x, energy ? &e : nullptr, stiffness ? k.a : nullptr);
     force += mean.weight[i] * f / mean.lever;
     if (energy) *energy += mean.weight[i] * e;
     if (stiffness) *stiffness += mean.weight[i] / (mean.lever * mean.lever) * k;

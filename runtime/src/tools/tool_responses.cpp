@@ -331,7 +331,7 @@ double ToolResponses::energy_of_nodes(const HeldPoint& point) const {
   for (std::int32_t i = 0; i < point.n_nodes && has_energy(_model); ++i) {
     Vector force;
     double one = 0;
-    evaluate_derivatives(_model, node(point, i), (point.reach[i] * point.own).x, force.x, &one, nullptr);
+    evaluate_force(_model, node(point, i), (point.reach[i] * point.own).x, force.x, &one, nullptr);
     energy += point.share[i] * one;
   }
   return energy;

@@ -12,10 +12,6 @@ void response_derivatives(const LinearResponse& linear, const double* d, double*
   if (stiffness != nullptr) fill_symmetric(linear.stiffness, stiffness);
 }
 
-void response_force(const LinearResponse& linear, const double* d, double* force) {
-  response_derivatives(linear, d, force, nullptr, nullptr);
-}
-
 void response_basis(const phn_model&, const LinearResponse&, const double* d, double* basis, double*) {
   cut(d, 1, largest_linear, basis);
 }

@@ -73,32 +73,8 @@ PHN_INLINE void finish_stiffness(const ModalForce& node, const double* total, do
   for (int k = 0; k < 9; ++k) stiffness[k] = rows[k];
 }
 
-PHN_INLINE void force_of_centers(const ModalForce& node, const double* x, double* force) {
-  const double s2 = node.shape * node.shape;
-  const double x0 = x[0], x1 = x[1], x2 = x[2];
-  double few[6 * (most_gathered + 1)];
-  const ForceTerms terms = terms_of(node, few);
-  const double *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
-               *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
-  double sum[3][at_once] = {};
-  const std::int32_t n_centers = node.n_centers;
-  for (std::int32_t begin = 0; begin <= n_centers; begin += at_once) {
-    for (std::int32_t i = 0; i < at_once; ++i) {
-      const std::int32_t j = begin + i;
-      const double y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j], b0 = w0[j], b1 = w1[j], b2 = w2[j];
-      const double q = square_root(y0 * y0 + y1 * y1 + y2 * y2 + s2), along = (y0 * b0 + y1 * b1 + y2 * b2) / q;
-      sum[0][i] += q * b0 + along * y0;
-      sum[1][i] += q * b1 + along * y1;
-      sum[2][i] += q * b2 + along * y2;
-    }
-  }
-  double total[3];
-  add_up(sum, total);
-  finish_force(node, x, total, force);
-}
-
-/// Adds the terms of all centers: the force as force_of_centers, in its order, and of the same square roots and
-/// quotients stiffness and energy. With q^2 = |y|^2 + shape^2, a = y . b / q, p = q b - a y the stiffness is the sum of
+/// Adds the terms of all centers: the force and, of the same square roots and quotients, stiffness and energy. With q^2
+/// = |y|^2 + shape^2, a = y . b / q, p = q b - a y the stiffness is the sum of
 ///   (p y^T + y (q b)^T) / q^2 + a I
 /// @param lanes  which are summed at once: each lane has a sum of its own, so that the sums do not depend on it
 template <std::int32_t lanes, bool with_stiffness, bool with_energy>
@@ -179,13 +155,12 @@ constexpr bool small_code = false;
 /// @param bytes  of a register that keeps sums; with few registers all sums are kept in memory
 #define PHN_FORCE_KERNELS(name, bytes, attributes)                                                                     \
   namespace name {                                                                                                     \
-  attributes void force(const ModalForce& node, const double* x, double* sum) { force_of_centers(node, x, sum); }      \
   template <bool with_stiffness, bool with_energy>                                                                     \
   attributes void derivatives(const ModalForce& node, const double* x, double* sum, double* work, double* stiffness) { \
     constexpr std::int32_t lanes = with_stiffness ? lanes_of(bytes) : at_once;                                         \
     derivatives_of_centers<lanes, with_stiffness, with_energy>(node, x, sum, work, stiffness);                         \
   }                                                                                                                    \
-  constexpr ForceKernels kernels = {#name, force, derivatives<false, true>,                                            \
+  constexpr ForceKernels kernels = {#name, derivatives<false, false>, derivatives<false, true>,                        \
                                     small_code ? derivatives<true, true> : derivatives<true, false>,                   \
                                     derivatives<true, true>};                                                          \
   }
@@ -207,7 +182,7 @@ void set_rest(ModalForce& node, double* table) {
   if (table != nullptr) fill_force_table(node, table);
   // The functions that later add these values also compute them, so that the results at rest are exactly 0.
   const ForceKernels& kernels = best_force_kernels();
-  kernels.force(node, rest, force);
+  kernels.force(node, rest, force, nullptr, nullptr);
   for (int k = 0; k < 3; ++k) node.force_at_rest[k] = -force[k];
   double few[6 * (most_gathered + 1)];
   const ForceTerms terms = terms_of(node, few);

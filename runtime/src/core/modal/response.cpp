@@ -17,23 +17,17 @@ void even_basis(const double* x, std::int32_t degree, double* e) {
 
 }  // namespace
 
-void response_force(const ModalResponse& node, const double* d, double* force) {
-  double x[3];
-  cut(d, node.force.max_displacement, largest_modal, x);
-  best_force_kernels().force(node.force, x, force);
-}
-
 void response_derivatives(const ModalResponse& node, const double* d, double* force, double* energy,
                           double* stiffness) {
   double x[3];
   cut(d, node.force.max_displacement, largest_modal, x);
   const ForceKernels& kernels = best_force_kernels();
-  if (energy == nullptr && stiffness == nullptr) return kernels.force(node.force, x, force);
-  auto* derivatives = energy == nullptr      ? kernels.with_stiffness
-                      : stiffness == nullptr ? kernels.with_energy
-                                             : kernels.with_both;
   double unused;
-  derivatives(node.force, x, force, energy == nullptr ? &unused : energy, stiffness);
+  if (stiffness == nullptr)
+    (energy == nullptr ? kernels.force : kernels.with_energy)(node.force, x, force, energy, nullptr);
+  else
+    (energy == nullptr ? kernels.with_stiffness : kernels.with_both)(node.force, x, force, energy ? energy : &unused,
+                                                                     stiffness);
 }
 
 void response_basis(const phn_model& model, const ModalResponse& node, const double* d, double* basis,

@@ -32,7 +32,7 @@ PHN_INLINE void force_of(const Network& net, const double* d, double* force) {
     }
   }
   double total[3];
-  add_up(sum, total);
+  add_up_many(sum, total);
   for (int k = 0; k < 3; ++k) force[k] = net.output_center[k] + net.output_half_range[k] * (net.bias[k] + total[k]);
 }
 
@@ -128,7 +128,7 @@ PHN_FOR_EACH_SET(PHN_NETWORK_KERNELS, NetworkKernels)
 const NetworkKernels* network_kernels(int set) { return kernels_for(kernels_of_sets, set); }
 const NetworkKernels& best_network_kernels() { return best_of(kernels_of_sets); }
 
-void response_force(const Networks& nets, const double* d, double* force) {
+void response_derivatives(const Networks& nets, const double* d, double* force, double*, double*) {
   best_network_kernels().force(nets.force, d, force);
 }
 
