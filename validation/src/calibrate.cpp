@@ -26,13 +26,13 @@ namespace {
 constexpr std::size_t states_per_ray = 3, rays_per_node = 10;
 /// The distance to a finer solution is a property of the place more than of the state.
 constexpr std::size_t finer_rays_per_node = 2;
-/// Of the rays of nodes, as many are solved of one tool between nodes, and of two tools.
-constexpr std::int64_t coupled_part = 5;
-/// More than bounds need: some rays fail.
-constexpr std::int64_t fewest_coupled = 30;
+/// A state of one tool between nodes or of two tools is a ray of its own, because errors at one place are alike, and
+/// takes about as long as two of three states of a ray.
+constexpr double increments_per_coupled = 2;
 /// The nodes are a sample of clusters: with fewer, 0.95 (1 + 1 / n) is above 1 and nothing is known of the next node.
 constexpr std::size_t fewest_nodes = 20;
-std::int64_t coupled_rays_per_kind(std::int64_t rays) { return std::max(fewest_coupled, rays / coupled_part); }
+/// Of one tool between nodes, and of two tools. 90 places hold 95 % to 2 %: docs/decisions/finer-bounds.md
+std::int64_t coupled_rays_per_kind(std::int64_t rays) { return 60 + 3 * rays / 10; }
 
 /// Over unknowns^(4/3): 55, 150 and 400 MB more than at start for Taylor-Hood on livers of 320, 736 and 1,477 nodes.
 constexpr double bytes_per_factor = 350;
@@ -217,7 +217,8 @@ FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSp
 }
 
 double calibration_increments(std::int64_t rays, int coupled_kinds) {
-  return static_cast<double>(states_per_ray) * static_cast<double>(rays + coupled_kinds * coupled_rays_per_kind(rays));
+  return static_cast<double>(states_per_ray) * static_cast<double>(rays) +
+         increments_per_coupled * static_cast<double>(coupled_kinds * coupled_rays_per_kind(rays));
 }
 
 Model calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, const BoundSpec& spec,
@@ -283,14 +284,14 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
                                     coupled.draw(of_ray, number, n_tools, drawn[static_cast<std::size_t>(n_tools - 1)]);
                                 if (ray.parts.empty()) return;
                                 const auto forces = rays.forces(ray);
-                                const auto n = static_cast<std::size_t>(n_tools);
-                                failed_coupled += forces.size() < n * ray.parts.size();
-                                for (std::size_t at = 0; at < forces.size(); at += n) {
-                                  CoupledState state{number, n_tools, {}, {}};
-                                  std::ranges::copy(tools_at(ray, ray.parts[at / n]), state.tools.begin());
-                                  std::copy_n(&forces[at], n, state.force_N.begin());
-                                  pack(coupled_rows, state);
+                                if (forces.empty()) {
+                                  ++failed_coupled;
+                                  return;
                                 }
+                                CoupledState state{number, n_tools, {}, {}};
+                                std::ranges::copy(ray.tools, state.tools.begin());
+                                std::ranges::copy(forces, state.force_N.begin());
+                                pack(coupled_rows, state);
                               });
   });
   rays.close();

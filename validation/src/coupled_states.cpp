@@ -8,7 +8,6 @@
 namespace phynness {
 namespace {
 
-constexpr std::size_t states_of_ray = 3;
 /// Of a ray. A draw takes less than a thousandth of a solve.
 constexpr int most_draws = 200;
 /// Pairs that are near are no farther from each other than this, in radii of the tool.
@@ -56,33 +55,24 @@ double CoupledRays::trained_depth(const phn_tool& tool, const Vec3& e) const {
   return depth;
 }
 
-double CoupledRays::displace(std::mt19937_64& random, phn_tool& tool) const {
+bool CoupledRays::displace(std::mt19937_64& random, phn_tool& tool) const {
   for (int attempt = 0; attempt < 1000; ++attempt) {
     const Vec3 e = on_sphere(random);
-    const double trained = trained_depth(tool, e), part = 1 - uniform(random);
-    for (std::size_t k = 0; k < 3; ++k) tool.displacement[k] = trained * part * e[k];
-    if (trained > 0) return part;
+    const double depth = trained_depth(tool, e) * (1 - uniform(random));
+    for (std::size_t k = 0; k < 3; ++k) tool.displacement[k] = depth * e[k];
+    if (depth > 0) return true;
   }
-  return 0;
+  return false;
 }
 
 ToolRay CoupledRays::draw_any(std::mt19937_64& random, std::int32_t n_tools, bool at_nodes, bool near) const {
-  ToolRay ray;
-  double deepest = 0;
+  ToolRay ray{{}, {1}};
   for (int attempt = 0; attempt < 1000 && std::ssize(ray.tools) < n_tools; ++attempt) {
     phn_tool tool = random_tool(random, at_nodes);
     const double away = ray.tools.empty() ? 1 : (place(tool) - place(ray.tools[0])).norm();
     if (!(away > 0 && (ray.tools.empty() || !near || away < _near_m))) continue;
-    const double part = displace(random, tool);
-    deepest = std::max(deepest, part);
-    if (part > 0) ray.tools.push_back(tool);
+    if (displace(random, tool)) ray.tools.push_back(tool);
   }
-  // The ray leads to the full depth of one tool, and the parts of it are such that each tool's depth is uniform: the
-  // largest of n uniform numbers is the nth root of one.
-  for (auto& tool : ray.tools)
-    for (double& x : tool.displacement) x /= deepest;
-  for (std::size_t i = 0; i < states_of_ray; ++i) ray.parts.push_back(std::pow(1 - uniform(random), 1.0 / n_tools));
-  std::sort(ray.parts.begin(), ray.parts.end());
   return ray;
 }
 
@@ -92,17 +82,13 @@ ToolRay CoupledRays::draw(std::mt19937_64& random, std::int32_t number, std::int
   for (int attempt = 0; attempt < most_draws; ++attempt) {
     ToolRay ray = draw_any(random, n_tools, at_nodes, near && attempt < most_draws / 2);
     if (std::ssize(ray.tools) < n_tools) continue;
-    DrawnStates here{static_cast<double>(ray.parts.size()), 0};
     try {
-      here.flagged = static_cast<double>(std::erase_if(ray.parts, [&](double part) {
-        return (_model.couple(tools_at(ray, part)).status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED)) != 0;
-      }));
+      const bool flagged = (_model.couple(ray.tools).status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED)) != 0;
+      drawn.all += 1;
+      drawn.flagged += flagged;
+      if (!flagged) return ray;
     } catch (const Error&) {  // of a model of forces only, or a node without output
-      continue;
     }
-    drawn.all += here.all;
-    drawn.flagged += here.flagged;
-    if (!ray.parts.empty()) return ray;
   }
   return {};
 }

@@ -9,7 +9,7 @@
 
 namespace phynness {
 
-/// States of rays that were drawn, and those that the runtime flags, which have no bound.
+/// States that were drawn, and those that the runtime flags, which have no bound.
 struct DrawnStates {
   double all = 0, flagged = 0;
 };
@@ -19,15 +19,15 @@ class CoupledRays {
   explicit CoupledRays(const LoadedModel& model, const ProbeSpec& probe);
   /// Whether there are places for one tool between nodes, or for two.
   bool possible(int n_tools) const;
-  /// Draws rays until one has states that are not flagged, and leaves out its other states. Of pairs every second one
-  /// is at nodes, and every third one near if half of the draws find such a pair. @return without parts: none was found
+  /// Draws rays of one state until one is not flagged. Of pairs every second one is at nodes, and every third one near
+  /// if half of the draws find such a pair. @return without parts: none was found
   ToolRay draw(std::mt19937_64& random, std::int32_t ray, std::int32_t n_tools, DrawnStates& drawn) const;
 
  private:
   phn_tool random_tool(std::mt19937_64& random, bool at_node) const;
   double trained_depth(const phn_tool& tool, const Vec3& direction) const;
-  /// Draws a displacement inside the trained range. @return its part of the trained depth; 0: nothing is trained there
-  double displace(std::mt19937_64& random, phn_tool& tool) const;
+  /// Draws a displacement inside the trained range. @return false: nothing is trained there
+  bool displace(std::mt19937_64& random, phn_tool& tool) const;
   Eigen::RowVector3d place(const phn_tool& tool) const;
   /// Fewer tools if there is no such place.
   ToolRay draw_any(std::mt19937_64& random, std::int32_t n_tools, bool at_nodes, bool near) const;

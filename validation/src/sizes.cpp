@@ -52,8 +52,10 @@ CheckSizes sizes_of_checks(const Scene& scene, const DatabaseHeader& header, boo
   CheckSizes sizes;
   if (bounded) {
     const int kinds = coupled_kinds(scene, header);
-    const double per_ray = calibration_increments(1000, kinds) / 1000;
-    sizes.calibration_rays = given.calibration_rays.value_or(between(100, part_of_calibration * half / per_ray, 1000));
+    const double without = calibration_increments(0, kinds),
+                 per_ray = (calibration_increments(1000, kinds) - without) / 1000;
+    sizes.calibration_rays =
+        given.calibration_rays.value_or(between(100, (part_of_calibration * half - without) / per_ray, 1000));
     sizes.calibration_increments = calibration_increments(sizes.calibration_rays, kinds);
   }
   const double per_probe = increments_per_probe(scene.probe.increments);
