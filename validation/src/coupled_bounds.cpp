@@ -14,6 +14,8 @@ constexpr double holds_nearly = 0.04;
 constexpr double least_error = 1e-5;
 /// The rays are a sample of clusters.
 constexpr std::int64_t fewest_of_kind = 20;
+/// A prediction is made without each of these parts of the rays.
+constexpr int n_parts = 10;
 constexpr int n_coefficients = schema::n_coupled_terms;
 /// Of a kind that is not known: the bound is PHN_NO_BOUND.
 constexpr double unknown = 1e3;
@@ -67,44 +69,62 @@ std::int64_t rays_of(const Samples& samples) {
 }
 
 /// What must be added to c_0 for the bound to hold for the share `coverage` of those that belong.
-double missing(const Samples& samples, const Eigen::Vector4d& c, double coverage, const auto& belongs) {
-  Samples those;
-  std::ranges::copy_if(samples, std::back_inserter(those), belongs);
+/// @param scores  of each sample, the logarithm of its error over the prediction
+double missing(const Samples& samples, const std::vector<double>& scores, double coverage, const auto& belongs) {
+  std::vector<double> those;
+  std::set<std::int32_t> rays;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (belongs(samples[i])) {
+      those.push_back(scores[i]);
+      rays.insert(samples[i].ray);
+    }
   if (those.empty()) return -std::numeric_limits<double>::infinity();
-  std::vector<double> scores;
-  for (const auto& sample : those) scores.push_back(std::log(std::max(sample.error_N, 1e-300)) - sample.times(c));
-  std::sort(scores.begin(), scores.end());
-  const double share = coverage * (1 + 1 / static_cast<double>(rays_of(those)));
-  const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(scores.size())));
-  return scores[std::min(at, scores.size()) - 1];
+  std::sort(those.begin(), those.end());
+  const double share = coverage * (1 + 1 / static_cast<double>(rays.size()));
+  const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(those.size())));
+  return those[std::min(at, those.size()) - 1];
 }
 
-/// Adds to c_0 what makes the bound hold for the share `coverage`, and nearly so in each third of the depth.
-Eigen::Vector4d raised(const Samples& samples, Eigen::Vector4d c, double coverage, double range_m) {
-  double more = missing(samples, c, coverage, [](const Sample&) { return true; });
+/// The same for the share `coverage`, and nearly so in each third of the depth.
+double missing(const Samples& samples, const std::vector<double>& scores, double coverage, double range_m) {
+  double more = missing(samples, scores, coverage, [](const Sample&) { return true; });
   for (int third = 0; third < 3; ++third)
-    more = std::max(more, missing(samples, c, coverage - holds_nearly, [&](const Sample& s) {
+    more = std::max(more, missing(samples, scores, coverage - holds_nearly, [&](const Sample& s) {
                       return std::min(2, static_cast<int>(3 * s.depth_m / range_m)) == third;
                     }));
-  c[0] += more;
-  return c;
+  return more;
 }
 
-/// Coefficients of the logarithm of a bound that holds for the share `coverage` of samples like these. Of the exponents
-/// of the predicted error the narrowest bound is taken that holds at every third of the depth.
-Eigen::Vector4d fit(const Samples& samples, double coverage, double range_m) {
-  Eigen::MatrixXd terms(std::ssize(samples), n_coefficients);
-  Eigen::VectorXd errors(std::ssize(samples));
+/// Coefficients of the logarithm of the error. @param left_out  part of the rays that does not count; n_parts: all
+/// count
+Eigen::Vector4d predicted(const Samples& samples, int left_out) {
+  Eigen::MatrixXd terms = Eigen::MatrixXd::Zero(std::ssize(samples), n_coefficients);
+  Eigen::VectorXd errors = Eigen::VectorXd::Zero(std::ssize(samples));
   for (Eigen::Index i = 0; i < errors.size(); ++i) {
     const auto& sample = samples[static_cast<std::size_t>(i)];
+    if (sample.ray % n_parts == left_out) continue;
     terms.row(i) = Eigen::Map<const Eigen::RowVector4d>(sample.terms.data());
     errors[i] = std::log(sample.error_N + least_error * std::exp(sample.terms[n_coefficients - 1]));
   }
-  const Eigen::Vector4d all = terms.completeOrthogonalDecomposition().solve(errors);
+  return terms.completeOrthogonalDecomposition().solve(errors);
+}
+
+/// Coefficients of the logarithm of a bound that holds for the share `coverage` of samples like these: each is scored
+/// by a prediction without its part of the rays (Barber et al. 2021, doi 10.1214/20-AOS1965). Of the exponents of the
+/// predicted error the narrowest bound is taken that holds at every third of the depth.
+Eigen::Vector4d fit(const Samples& samples, double coverage, double range_m) {
+  const Eigen::Vector4d all = predicted(samples, n_parts);
+  std::array<Eigen::Vector4d, n_parts> without;
+  for (int part = 0; part < n_parts; ++part) without[static_cast<std::size_t>(part)] = predicted(samples, part);
   Eigen::Vector4d best = all;
   double least = std::numeric_limits<double>::infinity();
   for (const double exponent : {0.4, 0.6, 0.8, 1.0}) {
-    const Eigen::Vector4d c = raised(samples, exponent * all, coverage, range_m);
+    std::vector<double> scores;
+    for (const auto& s : samples)
+      scores.push_back(std::log(std::max(s.error_N, 1e-300)) -
+                       exponent * s.times(without[static_cast<std::size_t>(s.ray % n_parts)]));
+    Eigen::Vector4d c = exponent * all;
+    c[0] += missing(samples, scores, coverage, range_m);
     double sum = 0;
     for (const auto& sample : samples) sum += std::exp(sample.times(c));
     if (sum >= least) continue;
@@ -123,15 +143,15 @@ BoundCoverage coverage_if(const std::vector<std::pair<bool, BoundedError>>& erro
 }
 
 CoupledCoverage left_out(const Samples& samples, double coverage, double range_m) {
-  constexpr int n_parts = 5;
+  constexpr int n_fifths = 5;
   std::vector<std::pair<bool, BoundedError>> errors;
-  for (int part = 0; part < n_parts; ++part) {
+  for (int part = 0; part < n_fifths; ++part) {
     Samples kept;
-    std::ranges::copy_if(samples, std::back_inserter(kept), [&](const auto& s) { return s.ray % n_parts != part; });
+    std::ranges::copy_if(samples, std::back_inserter(kept), [&](const auto& s) { return s.ray % n_fifths != part; });
     if (kept.empty()) continue;
     const Eigen::Vector4d c = fit(kept, coverage, range_m);
     for (const auto& s : samples)
-      if (s.ray % n_parts == part)
+      if (s.ray % n_fifths == part)
         errors.push_back({s.between, {s.ray, s.depth_m, s.error_N, std::exp(s.times(c)), 1}});
   }
   return {rays_of(samples), coverage_if(errors, range_m, [](bool between) { return !between; }),
