@@ -41,7 +41,8 @@ TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
   EXPECT_EQ(c.at("between").at("rays"), 0);
   EXPECT_GE(c.at("two").at("rays"), 100);
   // Errors at one place are alike: each pair is solved at one depth.
-  EXPECT_EQ(c.at("two").at("all").at("states"), 2 * c.at("two").at("rays").get<int>());
+  const int pairs = c.at("two").at("rays").get<int>();
+  expect_names(unbroken(done.out), {"of " + std::to_string(2 * pairs) + " errors of rays left out are below"});
   EXPECT_NEAR(c.at("two").at("all").at("coverage").get<double>(), 0.95, 0.09);
 
   auto [plain, mesh] = read_model_dir(folder / "m");
@@ -221,7 +222,7 @@ TEST_F(Calibrate, FlaggedPairsAreDrawnAgain) {
   succeed("train scene.toml two.h5 -o two --family modal --force-centers 8");
   const auto done = succeed("calibrate two two.h5 -o b --rays 100 --json c.json");
   const auto pairs = json("c.json").at("two");
-  // A bound needs 20; of 90 states drawn once, fewer than 27 are not flagged.
+  // Of 90 states drawn once, about 10 are not flagged, where a bound needs 20.
   EXPECT_GT(pairs.at("flagged").get<double>(), 0.7);
   EXPECT_LT(pairs.at("flagged").get<double>(), 1);
   EXPECT_GE(pairs.at("rays"), 75);  // finite elements do not solve all
