@@ -94,21 +94,13 @@ void write_flags(hdf5::File& file, const char* dataset, const CodeRow<Code> (&ro
 }
 
 void create_column(hdf5::File& file, const StoredColumn& column, const DatabaseHeader& header) {
-  const hsize_t n_directions = header.directions.size();
-  hdf5::Shape shape{header.sets.active.size(), n_directions}, chunk{nodes_per_chunk(header), n_directions};
-  if (column.of == ColumnOf::output_node && column.count > 0) {
-    // A chunk has one active node and as many directions as fit into a megabyte.
-    constexpr hsize_t chunk_bytes = 1024 * 1024;
-    const hsize_t per_direction = column.count * (column.float32 ? sizeof(float) : sizeof(double));
-    chunk = {1, std::clamp<hsize_t>(chunk_bytes / per_direction, 1, n_directions)};
-  }
+  hdf5::Shape shape{header.sets.active.size(), header.directions.size()};
   shape.insert(shape.end(), column.shape.begin(), column.shape.end());
-  chunk.insert(chunk.end(), column.shape.begin(), column.shape.end());
-  if (column.count == 0) chunk.clear();  // without output nodes
   const hid_t type =
       std::visit([](auto member) { return hdf5::type_of(ValueOf<decltype(member)>{}).stored; }, column.member);
   const bool is_field = std::holds_alternative<RayColumn::FieldIndex>(column.member);
-  file.create_dataset(column.path, column.float32 ? hdf5::type_of(float{}).stored : type, shape, chunk, column.unit,
+  file.create_dataset(column.path, column.float32 ? hdf5::type_of(float{}).stored : type, shape,
+                      chunk_shape(column, header), column.unit,
                       std::string(column.description) + (is_field ? ", at the output nodes" : ""));
 }
 
@@ -288,6 +280,20 @@ hsize_t nodes_per_chunk(const DatabaseHeader& header) {
   constexpr hsize_t chunk_bytes = 64 * 1024;
   const hsize_t per_node = header.directions.size() * header.magnitudes_m.size() * 3 * sizeof(double);
   return std::clamp<hsize_t>(chunk_bytes / per_node, 1, header.sets.active.size());
+}
+
+hdf5::Shape chunk_shape(const StoredColumn& column, const DatabaseHeader& header) {
+  if (column.count == 0) return {};  // without output nodes
+  const hsize_t n_directions = header.directions.size();
+  hdf5::Shape chunk{nodes_per_chunk(header), n_directions};
+  if (column.of == ColumnOf::output_node) {
+    // A chunk has one active node and as many directions as fit into a megabyte.
+    constexpr hsize_t chunk_bytes = 1024 * 1024;
+    const hsize_t per_direction = column.count * (column.float32 ? sizeof(float) : sizeof(double));
+    chunk = {1, std::clamp<hsize_t>(chunk_bytes / per_direction, 1, n_directions)};
+  }
+  chunk.insert(chunk.end(), column.shape.begin(), column.shape.end());
+  return chunk;
 }
 
 void create_responses(hdf5::File& file, const DatabaseHeader& header) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hdf5_file.hpp"
+#include "ray_columns.hpp"
 
 namespace phynness::database_layout {
 
@@ -40,5 +41,7 @@ std::int32_t read_minor(const hdf5::File& file);
 /// Creates the datasets under /responses. A chunk of those without an axis of output nodes has several active nodes.
 void create_responses(hdf5::File& file, const DatabaseHeader& header);
 hsize_t nodes_per_chunk(const DatabaseHeader& header);
+/// Shape of the chunks of a column; empty if it has no values.
+hdf5::Shape chunk_shape(const StoredColumn& column, const DatabaseHeader& header);
 
 }  // namespace phynness::database_layout

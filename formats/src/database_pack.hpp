@@ -23,10 +23,13 @@ std::vector<database_log::Entry> one_record_per_ray(const database_log::Index& i
 std::vector<std::pair<std::int32_t, std::int32_t>> missing_rays(const std::vector<database_log::Entry>& records,
                                                                 const MirroredRays& mirrored);
 
-/// Writes FILE.packing, forces it to the disk and renames it to FILE. After a failure FILE.packing is removed.
-/// @pre no record is missing
+/// Writes FILE.packing, forces it to the disk and renames it to FILE. After a failure FILE.packing is removed. The
+/// bytes do not depend on the number of ranks. Each compresses and writes its share of the nodes; only rank 0 has the
+/// file open in HDF5, which tells where the compressed chunks belong.
+/// @pre no record is missing; FILE is on a file system that all ranks share
 /// @throws Error (failure)
 void write_packed(const std::filesystem::path& file, const DatabaseHeader& header, const database_log::Index& index,
-                  const std::vector<database_log::Entry>& records, const MirroredRays& mirrored);
+                  const std::vector<database_log::Entry>& records, const MirroredRays& mirrored,
+                  const PackingRanks& ranks = {});
 
 }  // namespace phynness

@@ -126,15 +126,42 @@ std::vector<std::filesystem::path> logs_of(const std::filesystem::path& file) {
   return logs;
 }
 
-void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index& index) {
-  const auto opening = encode_opening(header);
-  const Layout layout(header);
-  const double farthest_m = largest_displacement(header.mesh);
-  for (const auto& log : logs_of(file)) {
-    const auto number = static_cast<std::int32_t>(index.logs.size());
-    index.logs.push_back(log);
-    LogScan{log, number, opening, layout, farthest_m, index}.run();
+void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index& index, const PackingRanks& ranks) {
+  Index found;  // by this process; its numbers of logs are those of `index`
+  const auto first = index.logs.size();
+  std::vector<std::int64_t> names;
+  ranks.together([&] {
+    // One list for all: a network file system may show new files of others late.
+    if (ranks.rank != 0) return;
+    for (const auto& log : logs_of(file))
+      for (const char c : log.filename().string() + '/') names.push_back(c);
+  });
+  std::string name;
+  for (const auto c : ranks.gathered(names))
+    if (c != '/')
+      name += static_cast<char>(c);
+    else
+      index.logs.push_back(folder(file) / std::exchange(name, ""));
+  ranks.together([&] {
+    const auto opening = encode_opening(header);
+    const Layout layout(header);
+    const double farthest_m = largest_displacement(header.mesh);
+    const auto n_ranks = static_cast<std::size_t>(ranks.size);
+    for (auto i = first + static_cast<std::size_t>(ranks.rank); i < index.logs.size(); i += n_ranks)
+      LogScan{index.logs[i], static_cast<std::int32_t>(i), opening, layout, farthest_m, found}.run();
+  });
+  index.damage.insert(index.damage.end(), found.damage.begin(), found.damage.end());
+  std::vector<std::int64_t> numbers;
+  for (const auto& entry : found.entries)
+    numbers.insert(numbers.end(), {entry.active, entry.direction, entry.log, entry.offset});
+  numbers = ranks.gathered(numbers);
+  const auto end = static_cast<std::ptrdiff_t>(index.entries.size());
+  for (std::size_t i = 0; i < numbers.size(); i += 4) {
+    const auto of_32_bits = [&](std::size_t k) { return static_cast<std::int32_t>(numbers[i + k]); };
+    index.entries.push_back({of_32_bits(0), of_32_bits(1), of_32_bits(2), numbers[i + 3]});
   }
+  std::stable_sort(index.entries.begin() + end, index.entries.end(),
+                   [](const Entry& a, const Entry& b) { return a.log < b.log; });
 }
 
 Ray RayReader::read(const Entry& entry) {

@@ -20,7 +20,7 @@ struct Entry {
 struct Index {
   std::vector<std::filesystem::path> logs;  ///< sorted by name within each database
   std::vector<Entry> entries;               ///< in the order of the logs
-  std::vector<LogDamage> damage;
+  std::vector<LogDamage> damage;            ///< of the logs that this process has read
 };
 
 /// Sorted names of the logs in the folder of a database.
@@ -28,11 +28,13 @@ std::vector<std::filesystem::path> logs_of(const std::filesystem::path& file);
 
 /// Checks every record of every log of the database `file` and adds it to `index`. Torn and corrupted records are
 /// skipped, and reading continues at the next complete record.
+/// @param ranks  share the logs, and all get all entries
 /// @throws Error (input) if a log belongs to another physics or mesh than `header`
-void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index& index);
-inline Index scan(const std::filesystem::path& file, const DatabaseHeader& header) {
+void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index& index,
+          const PackingRanks& ranks = {});
+inline Index scan(const std::filesystem::path& file, const DatabaseHeader& header, const PackingRanks& ranks = {}) {
   Index index;
-  scan(file, header, index);
+  scan(file, header, index, ranks);
   return index;
 }
 

@@ -24,6 +24,15 @@ DatabaseHeader with_hashes(DatabaseHeader header) {
   return header;
 }
 
+/// As rank 0 sees it: a network file system may show a new file late.
+bool is_complete(const fs::path& file, const PackingRanks& ranks) {
+  std::vector<std::int64_t> complete;
+  ranks.together([&] {
+    if (ranks.rank == 0) complete = {Database::is_complete(file)};
+  });
+  return ranks.gathered(complete).front() != 0;
+}
+
 }  // namespace
 
 bool DatabaseWriter::refuse_begun(const fs::path& file, bool resume) {
@@ -76,14 +85,14 @@ void DatabaseWriter::create(const fs::path& file, const DatabaseHeader& given, b
   }
 }
 
-std::vector<char> DatabaseWriter::logged(const fs::path& file, const DatabaseHeader& given) {
+std::vector<char> DatabaseWriter::logged(const fs::path& file, const DatabaseHeader& given, const PackingRanks& ranks) {
   const DatabaseHeader header = with_hashes(given);
   std::vector<char> flags(header.sets.active.size() * header.directions.size(), 0);
-  if (Database::is_complete(file)) {
+  if (is_complete(file, ranks)) {
     std::fill(flags.begin(), flags.end(), char{1});
     return flags;
   }
-  const auto records = one_record_per_ray(dl::scan(file, header), header, MirroredRays(header));
+  const auto records = one_record_per_ray(dl::scan(file, header, ranks), header, MirroredRays(header));
   std::transform(records.begin(), records.end(), flags.begin(),
                  [](const dl::Entry& record) { return char{!is_missing(record)}; });
   return flags;
@@ -135,11 +144,11 @@ void DatabaseWriter::append(const Ray& ray) {
 void DatabaseWriter::close() { _impl->log.close(); }
 
 void DatabaseWriter::take(const fs::path& file, const DatabaseHeader& given, const fs::path& from,
-                          const std::vector<char>& wanted) {
+                          const std::vector<char>& wanted, int rank) {
   const DatabaseHeader header = with_hashes(given);
   const auto database = Database::open(from, header);
   const auto n = static_cast<std::ptrdiff_t>(header.directions.size());
-  DatabaseWriter log(file, header, 0);
+  DatabaseWriter log(file, header, rank);
   for (auto node = wanted.begin(); node != wanted.end(); node += n) {
     if (std::find(node, node + n, char{1}) == node + n) continue;
     for (const Ray& ray : database.rays(static_cast<std::int32_t>((node - wanted.begin()) / n)))
@@ -150,20 +159,24 @@ void DatabaseWriter::take(const fs::path& file, const DatabaseHeader& given, con
 
 void DatabaseWriter::replace(const fs::path& by, const fs::path& file) { replace_durably(by, file); }
 
-void DatabaseWriter::pack(const fs::path& file, const DatabaseHeader& given) {
+void DatabaseWriter::pack(const fs::path& file, const DatabaseHeader& given, const PackingRanks& ranks) {
   const DatabaseHeader header = with_hashes(given);
-  refuse_other_work(read_database_header(file), header, file);
-  if (!Database::is_complete(file)) {
-    const auto index = dl::scan(file, header);
+  ranks.together([&] {
+    if (ranks.rank == 0) refuse_other_work(read_database_header(file), header, file);
+  });
+  if (!is_complete(file, ranks)) {
+    const auto index = dl::scan(file, header, ranks);
     const MirroredRays mirrored(header);
     const auto records = one_record_per_ray(index, header, mirrored);
-    if (const auto missing = missing_rays(records, mirrored); !missing.empty())
-      throw failure("the database " + file.string() + " cannot be packed: rays are missing",
-                    std::to_string(missing.size()) + " of " + std::to_string(mirrored.n_solved()),
-                    "solve them with: phynness precompute SCENE -o " + file.string() + " --resume");
-    write_packed(file, header, index, records, mirrored);
+    ranks.together([&] {
+      if (const auto missing = missing_rays(records, mirrored); !missing.empty())
+        throw failure("the database " + file.string() + " cannot be packed: rays are missing",
+                      std::to_string(missing.size()) + " of " + std::to_string(mirrored.n_solved()),
+                      "solve them with: phynness precompute SCENE -o " + file.string() + " --resume");
+    });
+    write_packed(file, header, index, records, mirrored, ranks);
   }
-  remove_logs(file);
+  if (ranks.rank == 0) remove_logs(file);
 }
 
 DatabaseProgress database_progress(const fs::path& file) {

@@ -19,11 +19,29 @@ namespace {
   throw failure(std::string(what) + " " + path.string(), std::generic_category().message(code), remedy);
 }
 
-void sync_path(const std::filesystem::path& path, int flags) {
-  const Descriptor file(::open(path.c_str(), flags | O_CLOEXEC));
+Descriptor opened(const std::filesystem::path& path, int flags) {
+  Descriptor file(::open(path.c_str(), flags | O_CLOEXEC));
   if (!file.is_open()) fail("cannot open", path, errno);
+  return file;
+}
+
+void sync_path(const std::filesystem::path& path, int flags) {
+  const auto file = opened(path, flags);
   // Some network file systems cannot sync a folder; the rename is then only as durable as the file system makes it.
   if (::fsync(file.get()) != 0 && errno != EINVAL && errno != ENOTSUP) fail("cannot sync", path, errno);
+}
+
+/// @return errno, or 0
+int write_all(const Descriptor& file, std::int64_t offset, const void* bytes, std::size_t size) {
+  const auto* from = static_cast<const char*>(bytes);
+  for (std::size_t done = 0; done < size;) {
+    const auto written = ::pwrite(file.get(), from + done, size - done, offset + static_cast<std::int64_t>(done));
+    if (written > 0)
+      done += static_cast<std::size_t>(written);
+    else if (written == 0 || errno != EINTR)
+      return written < 0 ? errno : ENOSPC;
+  }
+  return 0;
 }
 
 }  // namespace
@@ -41,16 +59,7 @@ AppendFile AppendFile::create(const std::filesystem::path& path) {
 }
 
 void AppendFile::append(const void* bytes, std::size_t size) {
-  const auto* from = static_cast<const char*>(bytes);
-  std::size_t done = 0;
-  while (done < size) {
-    const auto written = ::pwrite(_descriptor.get(), from + done, size - done, _end + static_cast<std::int64_t>(done));
-    if (written > 0) {
-      done += static_cast<std::size_t>(written);
-      continue;
-    }
-    if (written < 0 && errno == EINTR) continue;
-    const int code = written < 0 ? errno : ENOSPC;
+  if (const int code = write_all(_descriptor, _end, bytes, size)) {
     // Without truncation a torn record would precede records that are appended later.
     if (::ftruncate(_descriptor.get(), _end) != 0)
       fail("cannot write, and cannot truncate to the last complete record,", _path, code);
@@ -71,11 +80,15 @@ void AppendFile::close() {
   if (::close(_descriptor.release()) != 0 && errno != EINTR) fail("cannot close", _path, errno);
 }
 
-Descriptor open_for_reading(const std::filesystem::path& path) {
-  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!file.is_open()) fail("cannot open", path, errno);
-  return file;
+Descriptor open_for_reading(const std::filesystem::path& path) { return opened(path, O_RDONLY); }
+Descriptor open_for_writing(const std::filesystem::path& path) { return opened(path, O_WRONLY); }
+
+void write_at(const Descriptor& file, const std::filesystem::path& path, std::int64_t offset, const void* bytes,
+              std::size_t size) {
+  if (const int code = write_all(file, offset, bytes, size)) fail("cannot write", path, code);
 }
+
+void sync_file(const std::filesystem::path& path) { sync_path(path, O_RDONLY); }
 
 std::size_t read_at(const Descriptor& file, const std::filesystem::path& path, std::int64_t offset, void* bytes,
                     std::size_t size) {

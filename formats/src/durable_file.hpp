@@ -65,6 +65,14 @@ std::size_t read_at(const Descriptor& file, const std::filesystem::path& path, s
                     std::size_t size);
 Descriptor open_for_reading(const std::filesystem::path& path);
 
+/// Writes all bytes at `offset` of an existing file. @throws Error (failure)
+void write_at(const Descriptor& file, const std::filesystem::path& path, std::int64_t offset, const void* bytes,
+              std::size_t size);
+Descriptor open_for_writing(const std::filesystem::path& path);
+
+/// Forces what this machine has written to the disk. @throws Error (failure)
+void sync_file(const std::filesystem::path& path);
+
 /// Forces `from` to the disk, renames it to `to` atomically, and forces the rename to the disk. @throws Error (failure)
 void replace_durably(const std::filesystem::path& from, const std::filesystem::path& to);
 

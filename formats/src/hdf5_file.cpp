@@ -67,6 +67,17 @@ File File::create(const std::filesystem::path& path) {
   return file;
 }
 
+File File::create_in_memory() {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  File file({}, "in memory", true);
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  constexpr std::size_t growth = 1 << 20;
+  file.check(H5Pset_fapl_core(access.id(), growth, false), "choosing the file driver");
+  file._file = Handle(H5Fcreate("in memory", H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose);
+  file.check(file._file.id(), "creating the file");
+  return file;
+}
+
 File::~File() {
   _datasets.clear();
   _file.close();
@@ -121,6 +132,33 @@ void File::write_slab_raw(const std::string& name, hsize_t first, hsize_t count,
   check(H5Dwrite(dataset.id(), type, memory.id(), space.id(), H5P_DEFAULT, values),
         name + ", entry " + std::to_string(first));
   check(dataset.close(), name);
+}
+
+std::uint32_t File::read_chunk(const Chunk& chunk, std::vector<unsigned char>& bytes) const {
+  const Handle dataset(H5Dopen2(_file.id(), chunk.dataset.c_str(), H5P_DEFAULT), H5Dclose);
+  check(dataset.id(), chunk.dataset);
+  hsize_t size = 0;
+  check(H5Dget_chunk_storage_size(dataset.id(), chunk.first.data(), &size), chunk.dataset);
+  const auto end = bytes.size();
+  bytes.resize(end + size);
+  std::uint32_t filter_mask = 0;
+  check(H5Dread_chunk(dataset.id(), H5P_DEFAULT, chunk.first.data(), &filter_mask, bytes.data() + end), chunk.dataset);
+  return filter_mask;
+}
+
+std::int64_t File::reserve_chunk(const Chunk& chunk, std::uint32_t size, std::uint32_t filter_mask) {
+  Handle dataset(H5Dopen2(_file.id(), chunk.dataset.c_str(), H5P_DEFAULT), H5Dclose);
+  check(dataset.id(), chunk.dataset);
+  const std::vector<unsigned char> not_written(size);
+  haddr_t place = HADDR_UNDEF;
+  leave_raw_data_out(&place);
+  const auto code =
+      H5Dwrite_chunk(dataset.id(), H5P_DEFAULT, filter_mask, chunk.first.data(), size, not_written.data());
+  leave_raw_data_out(nullptr);
+  check(code, chunk.dataset);
+  check(dataset.close(), chunk.dataset);
+  if (place == HADDR_UNDEF) fail(chunk.dataset + " has no place");
+  return static_cast<std::int64_t>(place);
 }
 
 void File::write_attribute_raw(const std::string& object, const std::string& name, hid_t stored, hid_t memory,

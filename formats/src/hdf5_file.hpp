@@ -23,6 +23,8 @@ herr_t use_steady_driver(hid_t access, const char* path);
 /// errno of the first failed write since forget_write_error(); 0: none. Only one file may be written at a time.
 int write_error();
 void forget_write_error();
+/// Until it is called with nullptr, raw data of the file that is written are not, and `place` is set to their offset.
+void leave_raw_data_out(haddr_t* place);
 
 /// HDF5's message about the last failure, from the innermost frame that has one.
 std::string last_message();
@@ -75,6 +77,7 @@ inline constexpr const char* damaged = "the file is damaged: restore it from a c
 class File {
  public:
   static File create(const std::filesystem::path& path);
+  static File create_in_memory();
   /// @throws Error (input) if the file is missing, not an HDF5 file, or truncated
   static File open(const std::filesystem::path& path);
 
@@ -101,6 +104,16 @@ class File {
   void write_slab(const std::string& name, hsize_t first, hsize_t count, const T* values) {
     write_slab_raw(name, first, count, type_of(T{}).memory, values);
   }
+
+  /// A compressed chunk, named by the indices of its first value.
+  struct Chunk {
+    std::string dataset;
+    Shape first;
+  };
+  /// Appends a chunk to `bytes` as it is stored. @return the filters that were not applied, one bit for each
+  std::uint32_t read_chunk(const Chunk& chunk, std::vector<unsigned char>& bytes) const;
+  /// Makes room for a chunk whose bytes others write. @return its offset in the file
+  std::int64_t reserve_chunk(const Chunk& chunk, std::uint32_t size, std::uint32_t filter_mask);
 
   /// The shape of a dataset, after a check that its values are stored.
   const Shape& shape(const std::string& name) const { return dataset(name).shape; }

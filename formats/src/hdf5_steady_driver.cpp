@@ -1,6 +1,7 @@
 // A driver for writing HDF5 files to a disk that may become full. After a failed write HDF5 (1.10 to 1.14) cannot close
 // the file and crashes at exit or in MPI_Finalize. Therefore this driver wraps the one for plain files: it stores the
-// first error and reports success to HDF5; the caller checks write_error() and deletes the file.
+// first error and reports success to HDF5; the caller checks write_error() and deletes the file. It also tells where
+// HDF5 would write raw data that other processes write.
 #include <cerrno>
 
 #include "hdf5_file.hpp"
@@ -12,6 +13,7 @@ namespace phynness::hdf5 {
 namespace {
 
 int first_error = 0;
+haddr_t* place_of_raw_data = nullptr;
 H5FD_class_t plain_to_write{};  // HDF5's driver for plain files
 
 void remember() {
@@ -20,7 +22,9 @@ void remember() {
 }
 
 herr_t write(H5FD_t* file, H5FD_mem_t type, hid_t transfer, haddr_t at, std::size_t size, const void* bytes) {
-  if (first_error == 0) {
+  if (place_of_raw_data && type == H5FD_MEM_DRAW) {
+    *place_of_raw_data = at;
+  } else if (first_error == 0) {
     errno = 0;
     if (plain_to_write.write(file, type, transfer, at, size, bytes) < 0) remember();
   }
@@ -71,5 +75,6 @@ herr_t use_steady_driver(hid_t access, const char* path) {
 
 int write_error() { return first_error; }
 void forget_write_error() { first_error = 0; }
+void leave_raw_data_out(haddr_t* place) { place_of_raw_data = place; }
 
 }  // namespace phynness::hdf5

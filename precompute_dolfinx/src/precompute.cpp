@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
@@ -283,14 +284,30 @@ void count_finished(const std::filesystem::path& file, const DatabaseHeader& hea
   }
 }
 
-/// Copies what another database has to a log, and adds it to `logged`. @return number of rays
-std::int64_t take_rays(const Scene& scene, const Mesh& mesh, const DatabaseHeader& header,
-                       const PrecomputeTarget& target, std::vector<char>& logged) {
-  const auto flags = rays_to_take(scene, mesh, header, target.from, logged);
-  const auto n = std::count(flags.begin(), flags.end(), char{1});
-  if (n == 0) return 0;
-  DatabaseWriter::take(target.file, header, target.from, flags);
-  logged = DatabaseWriter::logged(target.file, header);
+/// The numbers of all ranks, one after another, on all.
+std::vector<std::int64_t> gathered(const std::vector<std::int64_t>& own, int n_ranks) {
+  const int n = static_cast<int>(own.size());
+  std::vector<int> counts(static_cast<std::size_t>(n_ranks)), offsets(counts.size());
+  MPI_Allgather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, MPI_COMM_WORLD);
+  std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
+  std::vector<std::int64_t> all(static_cast<std::size_t>(offsets.back() + counts.back()));
+  MPI_Allgatherv(own.data(), n, MPI_INT64_T, all.data(), counts.data(), offsets.data(), MPI_INT64_T, MPI_COMM_WORLD);
+  return all;
+}
+
+/// Copies what another database has to logs: each rank the rays of its share of the nodes. @return number of rays
+std::int64_t take_rays(const SolverSession& session, const Scene& scene, const Mesh& mesh, const DatabaseHeader& header,
+                       const PrecomputeTarget& target, const std::vector<char>& logged) {
+  std::int64_t n = 0;
+  session.together([&] {
+    auto flags = rays_to_take(scene, mesh, header, target.from, logged);
+    n = std::count(flags.begin(), flags.end(), char{1});
+    for (std::size_t ray = 0; ray < flags.size(); ++ray)
+      if (static_cast<int>(ray / header.directions.size() % static_cast<std::size_t>(session.size())) != session.rank())
+        flags[ray] = 0;
+    if (std::count(flags.begin(), flags.end(), char{1}) > 0)
+      DatabaseWriter::take(target.file, header, target.from, flags, session.rank());
+  });
   return n;
 }
 
@@ -342,6 +359,15 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   const auto log_file = target.file.string() + ".solver.log";
   SolverLog::instance().open(log_file, session.rank());
 
+  const PackingRanks ranks{session.rank(), session.size(),
+                           [&](const auto& work) {
+                             session.together([&] {
+                               core.start();
+                               work();
+                               core.stop();
+                             });
+                           },
+                           [&](const auto& own) { return gathered(own, session.size()); }};
   std::vector<char> logged(header.sets.active.size() * header.directions.size(), 0);
   const auto rays_in_all = static_cast<std::int64_t>(rays_left(header, logged).size());
   std::int64_t taken = 0;
@@ -356,14 +382,13 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
       std::error_code none;
       if (!target.resume) std::filesystem::remove(log_file, none);  // of the database that was there before
       complete = Database::is_complete(target.file) ? 1 : 0;
-      logged = DatabaseWriter::logged(target.file, header);
-      if (!target.from.empty() && !complete) taken = take_rays(scene, mesh, header, target, logged);
     }
     core.stop();
   });
   MPI_Bcast(&complete, 1, MPI_INT, 0, MPI_COMM_WORLD);
-  MPI_Bcast(&taken, 1, MPI_INT64_T, 0, MPI_COMM_WORLD);
-  MPI_Bcast(logged.data(), static_cast<int>(logged.size()), MPI_CHAR, 0, MPI_COMM_WORLD);
+  logged = DatabaseWriter::logged(target.file, header, ranks);
+  if (!target.from.empty() && !complete) taken = take_rays(session, scene, mesh, header, target, logged);
+  if (taken > 0) logged = DatabaseWriter::logged(target.file, header, ranks);
   const auto rays = rays_left(header, logged);
 
   PrecomputeReport report;
@@ -405,11 +430,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   report.interrupted = on_any_rank(share.interrupted);
   const bool packs = !report.interrupted && !complete && !target.shard;
   const auto pack_start = Clock::now();
-  session.together([&] {
-    core.start();
-    if (packs && session.rank() == 0) DatabaseWriter::pack(target.file, header);
-    core.stop();
-  });
+  if (packs) DatabaseWriter::pack(target.file, header, ranks);
   report.pack_seconds = seconds_since(pack_start);
 
   add_up(session, share, core.seconds(), report);

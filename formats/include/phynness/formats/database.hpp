@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -185,7 +186,18 @@ Coverage coverage(const DatabaseHeader& on_disk, const DatabaseHeader& wanted);
 /// @throws Error (input) if the file is not a database, of another version, or damaged
 DatabaseHeader read_database_header(const std::filesystem::path& file);
 
-/// Writer of a database. Rank 0 creates the header file and packs. Every rank appends to its own log,
+/// The processes that pack a database, by default one. All of them call the functions at once.
+struct PackingRanks {
+  int rank = 0, size = 1;
+  /// Runs the work of each. What one throws is thrown on all.
+  std::function<void(const std::function<void()>& work)> together = [](const auto& work) { work(); };
+  /// The numbers of all, one after another, on all.
+  std::function<std::vector<std::int64_t>(const std::vector<std::int64_t>&)> gathered = [](const auto& own) {
+    return own;
+  };
+};
+
+/// Writer of a database. Rank 0 creates the header file; all pack. Every rank appends to its own log,
 /// FILE.log/rank-NNNN, so that ranks need no common lock and a killed process loses at most one record.
 class DatabaseWriter {
  public:
@@ -202,13 +214,14 @@ class DatabaseWriter {
   static bool refuse_begun(const std::filesystem::path& file, bool resume);
   /// Flags, n_active x n_directions, of the rays that are in the logs or are mirror images of such rays. Torn and
   /// corrupted records are ignored.
-  static std::vector<char> logged(const std::filesystem::path& file, const DatabaseHeader& header);
+  static std::vector<char> logged(const std::filesystem::path& file, const DatabaseHeader& header,
+                                  const PackingRanks& ranks = {});
 
-  /// Copies the rays with a flag from a finished database into a log of FILE.
+  /// Copies the rays with a flag from a finished database into a log of FILE, that of this rank.
   /// @param wanted  n_active x n_directions, of rays that Database::rays_for() has found
   /// @throws Error as Database::rays_for() and append()
   static void take(const std::filesystem::path& file, const DatabaseHeader& header, const std::filesystem::path& from,
-                   const std::vector<char>& wanted);
+                   const std::vector<char>& wanted, int rank = 0);
 
   /// Puts a finished database in the place of another one, at once. @throws Error (failure)
   static void replace(const std::filesystem::path& by, const std::filesystem::path& file);
@@ -226,10 +239,10 @@ class DatabaseWriter {
   /// Forces the log to the disk and closes it. @throws Error (failure), which the destructor cannot do
   void close();
 
-  /// Packs all logs into a new file, renames it to FILE, and removes FILE.log. Must be called in one process, after all
-  /// processes have closed their logs.
+  /// Packs all logs into a new file, renames it to FILE, and removes FILE.log. The bytes do not depend on the number of
+  /// ranks. Must be called after all processes have closed their logs.
   /// @throws Error (failure) if rays are missing
-  static void pack(const std::filesystem::path& file, const DatabaseHeader& header);
+  static void pack(const std::filesystem::path& file, const DatabaseHeader& header, const PackingRanks& ranks = {});
 
  private:
   struct Impl;
