@@ -113,10 +113,14 @@ std::vector<unsigned char> encode(const Ray& ray, const Layout& layout, const st
   return bytes;
 }
 
-Ray decode(const unsigned char* payload, const Layout& layout) {
+Ray decode(const unsigned char* payload, const Layout& layout, std::optional<bool> of_output_nodes) {
   Ray ray;
   for (std::int32_t* index : {&ray.active, &ray.direction}) take(payload, false, std::span(index, 1));
   for (const auto& column : layout.columns) {
+    if (of_output_nodes && *of_output_nodes != (column.of == ColumnOf::output_node)) {
+      payload += bytes_of(column);
+      continue;
+    }
     clear_values(ray, column, column.count);
     std::visit([&](auto member) { take(payload, column.float32, values_of(ray, member)); }, column.member);
   }

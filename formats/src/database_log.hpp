@@ -41,8 +41,9 @@ std::vector<unsigned char> encode(const Ray& ray, const Layout& layout, const st
 /// Checksum of the opening and the record, so that a record can be assigned to its physics and mesh even if the opening
 /// of its log is damaged.
 std::uint64_t record_checksum(const std::vector<unsigned char>& opening, const unsigned char* bytes, std::size_t n);
+/// @param of_output_nodes  if given, the ray has these columns only, or all others
 /// @pre `payload` has layout.payload_bytes bytes
-Ray decode(const unsigned char* payload, const Layout& layout);
+Ray decode(const unsigned char* payload, const Layout& layout, std::optional<bool> of_output_nodes = {});
 
 }  // namespace phynness::database_log
 

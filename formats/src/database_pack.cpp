@@ -44,153 +44,158 @@ class Collected {
   std::vector<std::vector<std::byte>> _bytes;
 };
 
-/// A part of the active nodes, which begins and ends with chunks.
-struct Nodes {
-  hsize_t first, end;
+/// Neighbouring chunks of the file, which one rank compresses: those of the output nodes of one active node, or those
+/// of all other columns of as many active nodes as a chunk holds.
+struct Item {
+  bool of_output_nodes;
+  hsize_t first, end;  ///< active nodes
 };
 
-/// The chunks of some nodes in the order in which they lie in the file.
-std::vector<hdf5::File::Chunk> chunks_of(const DatabaseHeader& header, Nodes nodes) {
-  std::vector<hdf5::File::Chunk> chunks;
-  const auto add = [&](const StoredColumn& column, hsize_t active) {
-    const auto shape = layout::chunk_shape(column, header);
-    if (shape.empty()) return;
-    for (hsize_t direction = 0; direction < header.directions.size(); direction += shape[1]) {
-      chunks.push_back({column.path, hdf5::Shape(shape.size(), 0)});
-      chunks.back().first[0] = active;
-      chunks.back().first[1] = direction;
-    }
-  };
-  const auto of_node = columns_of(header, ColumnOf::output_node), of_batch = columns_of(header, ColumnOf::increment),
-             ends = columns_of(header, ColumnOf::ray);
-  const auto batch = layout::nodes_per_chunk(header);
-  for (auto first = nodes.first; first < nodes.end; first += batch) {
-    for (auto active = first; active < std::min(first + batch, nodes.end); ++active)
-      for (const auto& column : of_node) add(column, active);
-    for (const auto* columns : {&of_batch, &ends})
-      for (const auto& column : *columns) add(column, first);
+/// In their order in the file.
+std::vector<Item> items_of(const DatabaseHeader& header) {
+  const hsize_t batch = layout::nodes_per_chunk(header), n = header.sets.active.size();
+  std::vector<Item> items;
+  for (hsize_t first = 0; first < n; first += batch) {
+    const auto end = std::min(first + batch, n);
+    for (auto active = first; active < end; ++active) items.push_back({true, active, active + 1});
+    items.push_back({false, first, end});
   }
-  return chunks;
+  return items;
+}
+
+std::vector<StoredColumn> columns_of(const DatabaseHeader& header, const Item& item) {
+  if (item.of_output_nodes) return columns_of(header, ColumnOf::output_node);
+  auto columns = columns_of(header, ColumnOf::increment);
+  for (auto& column : columns_of(header, ColumnOf::ray)) columns.push_back(std::move(column));
+  return columns;
 }
 
 class Packing {
  public:
   Packing(const DatabaseHeader& header, const dl::Index& index, const std::vector<dl::Entry>& records,
-          const MirroredRays& mirrored)
-      : _header(header), _records(records), _mirrored(mirrored), _reader(index, header) {}
+          const MirroredRays& mirrored, const PackingRanks& ranks)
+      : _header(header),
+        _records(records),
+        _mirrored(mirrored),
+        _ranks(ranks),
+        _reader(index, header),
+        _items(items_of(header)) {}
 
   /// Writes FILE and makes it durable, collectively.
-  void write(const std::filesystem::path& file, const PackingRanks& ranks);
+  void write(const std::filesystem::path& file);
 
  private:
-  /// Compressed chunks of some nodes, one after another.
-  struct Chunks {
+  /// Compressed chunks, one after another.
+  struct Compressed {
     std::vector<unsigned char> bytes;
     std::vector<std::int64_t> sizes;  ///< in the lower 32 bits, and above them the filters that were not applied
   };
   static std::uint32_t lower(std::int64_t size) { return static_cast<std::uint32_t>(size); }
 
-  Chunks compress(Nodes nodes);
-  std::vector<std::int64_t> reserve(hdf5::File& out, const std::filesystem::path& file, Nodes nodes,
-                                    const std::vector<std::int64_t>& sizes) const;
-  hsize_t nodes_per_round(const PackingRanks& ranks) const;
+  std::vector<hdf5::File::Chunk> chunks_of(std::size_t first, std::size_t end) const;
+  Compressed compress(std::size_t first, std::size_t end);
+  std::size_t items_per_round() const;
 
   const DatabaseHeader& _header;
   const std::vector<dl::Entry>& _records;
   const MirroredRays& _mirrored;
+  const PackingRanks& _ranks;
   dl::RayReader _reader;
+  std::vector<Item> _items;
 };
 
-/// As HDF5 does it, in a file in memory.
-Packing::Chunks Packing::compress(Nodes nodes) {
-  const auto batch = layout::nodes_per_chunk(_header);
-  const auto n_directions = _header.directions.size();
-  Collected of_node(columns_of(_header, ColumnOf::output_node)), of_batch(columns_of(_header, ColumnOf::increment)),
-      ends(columns_of(_header, ColumnOf::ray));
-  Chunks chunks;
-  if (nodes.first >= nodes.end) return chunks;
-  auto memory = hdf5::File::create_in_memory();
-  layout::create_responses(memory, _header);
-  for (auto first = nodes.first; first < nodes.end; first += batch) {
-    const auto count = std::min(batch, nodes.end - first);
-    for (auto active = first; active < first + count; ++active) {
-      for (std::size_t d = 0; d < n_directions; ++d) {
-        Ray ray = _reader.read(_records[active * n_directions + d]);
-        const auto a = static_cast<std::int32_t>(active), direction = static_cast<std::int32_t>(d);
-        if (!_mirrored.is_solved(a, direction)) ray = _mirrored.image(ray, a, direction);
-        for (auto* collected : {&of_node, &of_batch, &ends}) collected->add(ray);
+/// The chunks of some items in the order in which they lie in the file.
+std::vector<hdf5::File::Chunk> Packing::chunks_of(std::size_t first, std::size_t end) const {
+  std::vector<hdf5::File::Chunk> chunks;
+  for (auto i = first; i < end; ++i)
+    for (const auto& column : columns_of(_header, _items[i])) {
+      const auto shape = layout::chunk_shape(column, _header);
+      if (shape.empty()) continue;
+      for (hsize_t direction = 0; direction < _header.directions.size(); direction += shape[1]) {
+        chunks.push_back({column.path, hdf5::Shape(shape.size(), 0)});
+        chunks.back().first[0] = _items[i].first;
+        chunks.back().first[1] = direction;
       }
-      of_node.write(memory, active, 1);
     }
-    of_batch.write(memory, first, count);
-    ends.write(memory, first, count);
-  }
-  for (const auto& chunk : chunks_of(_header, nodes)) {
-    const auto before = chunks.bytes.size();
-    const std::int64_t filters = memory.read_chunk(chunk, chunks.bytes);
-    chunks.sizes.push_back(static_cast<std::int64_t>(chunks.bytes.size() - before) | filters << 32);
-  }
   return chunks;
 }
 
-/// @return offsets in the file
-std::vector<std::int64_t> Packing::reserve(hdf5::File& out, const std::filesystem::path& file, Nodes nodes,
-                                           const std::vector<std::int64_t>& sizes) const {
-  std::vector<std::int64_t> places;
-  std::int64_t end = 0;
-  for (const auto& chunk : chunks_of(_header, nodes)) {
-    const auto size = sizes[places.size()];
-    places.push_back(out.reserve_chunk(chunk, lower(size), static_cast<std::uint32_t>(size >> 32)));
-    end = std::max(end, places.back() + lower(size));
+/// As HDF5 does it, in a file in memory.
+Packing::Compressed Packing::compress(std::size_t first, std::size_t end) {
+  Compressed compressed;
+  if (first == end) return compressed;
+  auto memory = hdf5::File::create_in_memory();
+  layout::create_responses(memory, _header);
+  const auto n_directions = _header.directions.size();
+  for (auto i = first; i < end; ++i) {
+    const auto& item = _items[i];
+    Collected collected(columns_of(_header, item));
+    for (auto active = item.first; active < item.end; ++active)
+      for (std::size_t d = 0; d < n_directions; ++d) {
+        Ray ray = _reader.read(_records[active * n_directions + d], item.of_output_nodes);
+        const auto a = static_cast<std::int32_t>(active), direction = static_cast<std::int32_t>(d);
+        if (!_mirrored.is_solved(a, direction)) ray = _mirrored.image(ray, a, direction);
+        if (!item.of_output_nodes) _ranks.packed(ray);
+        collected.add(ray);
+      }
+    collected.write(memory, item.first, item.end - item.first);
   }
-  // So that no machine of a network file system takes what others write for the empty rest of its last page.
-  if (end > static_cast<std::int64_t>(std::filesystem::file_size(file)))
-    std::filesystem::resize_file(file, static_cast<std::uintmax_t>(end));
-  return places;
+  for (const auto& chunk : chunks_of(first, end)) {
+    const auto before = compressed.bytes.size();
+    const std::int64_t filters = memory.read_chunk(chunk, compressed.bytes);
+    compressed.sizes.push_back(static_cast<std::int64_t>(compressed.bytes.size() - before) | filters << 32);
+  }
+  return compressed;
 }
 
-/// Of one rank. Memory limits it, and that all ranks have something to do.
-hsize_t Packing::nodes_per_round(const PackingRanks& ranks) const {
-  constexpr double round_bytes = 64e6;
-  const auto batch = layout::nodes_per_chunk(_header), n_ranks = static_cast<hsize_t>(ranks.size);
-  const auto n_batches = (_header.sets.active.size() + batch - 1) / batch;
-  const double batch_bytes =
-      static_cast<double>(batch * _header.directions.size()) * static_cast<double>(dl::Layout(_header).record_bytes());
-  return batch * std::clamp<hsize_t>(static_cast<hsize_t>(round_bytes / batch_bytes), 1,
-                                     std::max<hsize_t>(1, (n_batches + n_ranks - 1) / n_ranks));
+/// Of all ranks. The limit is memory.
+std::size_t Packing::items_per_round() const {
+  constexpr std::size_t bytes_of_rank = 32 << 20;
+  const auto bytes_of_node = _header.directions.size() * dl::Layout(_header).record_bytes();
+  return static_cast<std::size_t>(_ranks.size) * std::max<std::size_t>(1, bytes_of_rank / bytes_of_node);
 }
 
-void Packing::write(const std::filesystem::path& file, const PackingRanks& ranks) {
+void Packing::write(const std::filesystem::path& file) {
   std::optional<hdf5::File> out;
-  ranks.together([&] {
-    if (ranks.rank != 0) return;
+  _ranks.together([&] {
+    if (_ranks.rank != 0) return;
     layout::write_header(out.emplace(hdf5::File::create(file)), _header, true);
     layout::create_responses(*out, _header);
   });
-  const hsize_t n = _header.sets.active.size(), share = nodes_per_round(ranks);
-  for (hsize_t first = 0; first < n; first += share * static_cast<hsize_t>(ranks.size)) {
-    const auto part = [&](hsize_t rank) { return std::min(n, first + rank * share); };
-    const auto rank = static_cast<hsize_t>(ranks.rank);
-    Chunks own;
-    ranks.together([&] { own = compress({part(rank), part(rank + 1)}); });
-    const auto sizes = ranks.gathered(own.sizes);
+  const auto share = items_per_round(), n_ranks = static_cast<std::size_t>(_ranks.size),
+             rank = static_cast<std::size_t>(_ranks.rank);
+  for (std::size_t first = 0, end = 0; first < _items.size(); first = end) {
+    end = std::min(first + share, _items.size());
+    const auto part = [&](std::size_t r) { return first + ((end - first) * r + n_ranks - 1) / n_ranks; };
+    Compressed own;
+    _ranks.together([&] { own = compress(part(rank), part(rank + 1)); });
+    const auto sizes = _ranks.gathered(own.sizes);
     std::vector<std::int64_t> places;
-    ranks.together([&] {
-      if (out) places = reserve(*out, file, {first, part(static_cast<hsize_t>(ranks.size))}, sizes);
+    _ranks.together([&] {
+      if (!out) return;
+      std::int64_t needed = 0;
+      for (const auto& chunk : chunks_of(first, end)) {
+        const auto size = sizes[places.size()];
+        places.push_back(out->reserve_chunk(chunk, lower(size), static_cast<std::uint32_t>(size >> 32)));
+        needed = std::max(needed, places.back() + lower(size));
+      }
+      // HDF5 writes first, and the file has its size, so that on a network file system, which writes whole pages where
+      // it can, no machine writes over what another one has written.
+      if (end == _items.size())
+        out->close();
+      else if (needed > static_cast<std::int64_t>(std::filesystem::file_size(file)))
+        std::filesystem::resize_file(file, static_cast<std::uintmax_t>(needed));
     });
-    places = ranks.gathered(places);
-    const auto before = chunks_of(_header, {first, part(rank)}).size();
-    ranks.together([&] {
+    places = _ranks.gathered(places);
+    const auto before = chunks_of(first, part(rank)).size();
+    _ranks.together([&] {
       const auto target = open_for_writing(file);
       const auto* bytes = own.bytes.data();
       for (std::size_t i = 0; i < own.sizes.size(); bytes += lower(own.sizes[i++]))
         write_at(target, file, places[before + i], bytes, lower(own.sizes[i]));
     });
   }
-  ranks.together([&] {
-    if (out) out->close();
-    sync_file(file);
-  });
+  _ranks.together([&] { sync_file(file); });
 }
 
 }  // namespace
@@ -231,7 +236,7 @@ void write_packed(const std::filesystem::path& file, const DatabaseHeader& heade
                   const std::vector<dl::Entry>& records, const MirroredRays& mirrored, const PackingRanks& ranks) {
   const std::filesystem::path packing = file.string() + ".packing";
   try {
-    Packing(header, index, records, mirrored).write(packing, ranks);
+    Packing(header, index, records, mirrored, ranks).write(packing);
     ranks.together([&] {
       if (ranks.rank == 0) replace_durably(packing, file);
     });

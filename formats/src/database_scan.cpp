@@ -164,7 +164,7 @@ void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index
                    [](const Entry& a, const Entry& b) { return a.log < b.log; });
 }
 
-Ray RayReader::read(const Entry& entry) {
+Ray RayReader::read(const Entry& entry, bool of_output_nodes) {
   const auto& log = _index.logs[static_cast<std::size_t>(entry.log)];
   auto file = _open.find(entry.log);
   if (file == _open.end()) {
@@ -176,7 +176,7 @@ Ray RayReader::read(const Entry& entry) {
   if (read_at(file->second, log, entry.offset, _payload.data(), _payload.size()) < _payload.size())
     throw failure("a log became shorter while it was packed", log.string(),
                   "make sure that only one process uses the database");
-  return decode(_payload.data(), _layout);
+  return decode(_payload.data(), _layout, of_output_nodes);
 }
 
 }  // namespace phynness::database_log

@@ -93,7 +93,8 @@ RayCosts costs_of(const std::vector<RayChoice>& rays, const std::vector<double>&
 double wall_seconds(const RunCosts& costs, int ranks) {
   const double solving =
       static_cast<double>(costs.rays) * costs.ray_s + static_cast<double>(costs.nodes + ranks - 1) * costs.setup_s;
-  return costs.start_s + std::max(solving / ranks, costs.longest_s + costs.setup_s) + costs.packing_s;
+  return costs.start_s + std::max(solving / ranks, costs.longest_s + costs.setup_s) +
+         costs.packing_s / static_cast<double>(std::clamp<std::int64_t>(costs.nodes, 1, ranks));
 }
 
 int ranks_of_use(const RunCosts& costs) {

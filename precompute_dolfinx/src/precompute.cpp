@@ -12,6 +12,7 @@
 #include <phynness/formats/version.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
+#include <span>
 
 #include "solve_ray.hpp"
 #include "solver_log.hpp"
@@ -260,28 +261,47 @@ void add_up(const SolverSession& session, const Share& share, double core_second
                             figures[i + 2], figures[i + 3], figures[i + 4], figures[i + 5]});
 }
 
-/// Counts the rays and increments of the finished file, including those of earlier runs.
-void count_finished(const std::filesystem::path& file, const DatabaseHeader& header, const MirroredRays& mirrored,
-                    PrecomputeReport& report) {
+/// Figures of the finished database, including those of earlier runs.
+struct Finished {
+  std::int64_t increments = 0, solved = 0, after_end = 0, failed = 0, iterations = 0;
+
+  void count(std::span<const Status> statuses, std::span<const std::int32_t> iterations_of, bool is_solved) {
+    for (const auto status : statuses) {
+      const bool is_tried = status != Status::not_requested && status != Status::after_end;
+      increments += is_tried;
+      solved += is_tried && is_solved;
+      after_end += status == Status::after_end;
+      failed += static_cast<int>(status) < 0;
+    }
+    iterations = std::accumulate(iterations_of.begin(), iterations_of.end(), iterations);
+  }
+};
+
+/// Of a file that this run has not packed.
+Finished count_finished(const std::filesystem::path& file, const MirroredRays& mirrored) {
   const auto database = Database::open(file);
-  const auto summary = summarize(database);
-  report.increments = report.increments_solved = report.failed = 0;
-  for (const auto& [status, count] : summary.states) {
-    if (status != Status::not_requested && status != Status::after_end) report.increments += count;
-    if (status == Status::after_end) report.after_end += count;
-    if (static_cast<int>(status) < 0) report.failed += count;
-  }
-  report.iterations = summary.newton_iterations;
   const auto statuses = database.statuses();
-  const auto n_increments = static_cast<std::int64_t>(header.magnitudes_m.size());
-  const auto n_directions = static_cast<std::int64_t>(header.directions.size());
-  for (std::int64_t i = 0; i < static_cast<std::int64_t>(statuses.size()); ++i) {
-    const auto ray = i / n_increments;
-    const Status status = statuses[static_cast<std::size_t>(i)];
-    report.increments_solved += status != Status::not_requested && status != Status::after_end &&
-                                mirrored.is_solved(static_cast<std::int32_t>(ray / n_directions),
-                                                   static_cast<std::int32_t>(ray % n_directions));
-  }
+  std::vector<std::int32_t> iterations(statuses.size());
+  database.read("iterations", 0, database.header().sets.active.size(), iterations.data());
+  const auto n = database.header().magnitudes_m.size();
+  Finished finished;
+  for (std::size_t ray = 0; ray * n < statuses.size(); ++ray)
+    finished.count({&statuses[ray * n], n}, {&iterations[ray * n], n},
+                   mirrored.is_solved(static_cast<std::int32_t>(ray / mirrored.n_directions()),
+                                      static_cast<std::int32_t>(ray % mirrored.n_directions())));
+  return finished;
+}
+
+/// Sets the figures of the whole database. @param finished  what this rank has packed
+void add_up(const Finished& finished, PrecomputeReport& report) {
+  std::int64_t totals[] = {finished.increments, finished.solved, finished.after_end, finished.failed,
+                           finished.iterations};
+  MPI_Allreduce(MPI_IN_PLACE, totals, 5, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+  report.increments = totals[0];
+  report.increments_solved = totals[1];
+  report.after_end = totals[2];
+  report.failed = totals[3];
+  report.iterations = totals[4];
 }
 
 /// The numbers of all ranks, one after another, on all.
@@ -359,6 +379,8 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   const auto log_file = target.file.string() + ".solver.log";
   SolverLog::instance().open(log_file, session.rank());
 
+  const MirroredRays mirrored(header);
+  Finished finished;
   const PackingRanks ranks{session.rank(), session.size(),
                            [&](const auto& work) {
                              session.together([&] {
@@ -367,7 +389,10 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
                                core.stop();
                              });
                            },
-                           [&](const auto& own) { return gathered(own, session.size()); }};
+                           [&](const auto& own) { return gathered(own, session.size()); },
+                           [&](const Ray& ray) {
+                             finished.count(ray.status, ray.iterations, mirrored.is_solved(ray.active, ray.direction));
+                           }};
   std::vector<char> logged(header.sets.active.size() * header.directions.size(), 0);
   const auto rays_in_all = static_cast<std::int64_t>(rays_left(header, logged).size());
   std::int64_t taken = 0;
@@ -394,7 +419,6 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   PrecomputeReport report;
   report.rays_taken = taken;
   report.rays_resumed = rays_in_all - static_cast<std::int64_t>(rays.size()) - taken;
-  const MirroredRays mirrored(header);
   if (!target.shard) report.rays_mirrored = static_cast<std::int64_t>(logged.size()) - mirrored.n_solved();
   report.setup_seconds = seconds_since(start);
   const auto solve_start = Clock::now();
@@ -436,8 +460,8 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   add_up(session, share, core.seconds(), report);
   report.rays_compared = static_cast<std::int64_t>(session.sum(static_cast<double>(shallower->n_compared)));
   report.other_branches = shallower->unpacked(session.gather(shallower->found));
-  if (!report.interrupted && !target.shard && session.rank() == 0)
-    count_finished(target.file, header, mirrored, report);
+  if (complete && session.rank() == 0) finished = count_finished(target.file, mirrored);
+  if (packs || complete) add_up(finished, report);
   report.wall_seconds = seconds_since(start);
   return report;
 }

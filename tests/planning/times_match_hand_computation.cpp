@@ -7,12 +7,17 @@
 namespace phynness {
 namespace {
 
-TEST(RunTime, ranks_share_the_rays_but_not_start_and_packing) {
-  const RunCosts costs{.start_s = 2, .ray_s = 0.5, .longest_s = 0.5, .packing_s = 4, .rays = 80, .nodes = 8};
-  EXPECT_EQ(wall_seconds(costs, 1), 2 + 40 + 4);
-  EXPECT_EQ(wall_seconds(costs, 8), 2 + 5 + 4);
-  // One rank takes 46 s. Eight spend 88 s, less than twice as much, and nine 94 s, more than twice as much.
-  EXPECT_EQ(ranks_of_use(costs), 8);
+TEST(RunTime, ranks_share_rays_and_packing_but_not_the_start) {
+  const RunCosts costs{.start_s = 6, .ray_s = 0.5, .longest_s = 0.5, .packing_s = 4, .rays = 80, .nodes = 8};
+  EXPECT_EQ(wall_seconds(costs, 1), 6 + 40 + 4);
+  EXPECT_EQ(wall_seconds(costs, 8), 6 + 5 + 0.5);
+  // One rank takes 50 s. Nine spend 98.5 s, less than twice as much, and ten 105 s, more than twice as much.
+  EXPECT_EQ(ranks_of_use(costs), 9);
+}
+
+TEST(RunTime, a_node_is_packed_by_one_rank) {
+  const RunCosts costs{.packing_s = 4, .nodes = 8};
+  EXPECT_EQ(wall_seconds(costs, 16), 0.5);
 }
 
 TEST(RunTime, the_longest_ray_is_solved_by_one_rank) {

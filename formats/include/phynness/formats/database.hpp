@@ -195,6 +195,8 @@ struct PackingRanks {
   std::function<std::vector<std::int64_t>(const std::vector<std::int64_t>&)> gathered = [](const auto& own) {
     return own;
   };
+  /// Called with every ray that this process packs, without the columns of output nodes.
+  std::function<void(const Ray&)> packed = [](const Ray&) {};
 };
 
 /// Writer of a database. Rank 0 creates the header file; all pack. Every rank appends to its own log,
