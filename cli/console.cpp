@@ -47,19 +47,26 @@ std::atomic<bool> stop{false};
 std::atomic<bool> second_kills{true};
 const char* last_words = nullptr;
 bool clears_line = false;  // of a progress bar
-extern "C" void end_now(int /*signal*/) {
-  for (const char* text : {clears_line ? "\r\033[K" : "", "error: ", last_words})
+void say(const char* kind) {
+  for (const char* text : {clears_line ? "\r\033[K" : "", kind, last_words})
     if (write(STDERR_FILENO, text, std::strlen(text)) < 0) break;
+}
+extern "C" void end_now(int /*signal*/) {
+  say("error: ");
   _exit(1);
 }
 extern "C" void on_signal(int signal) {
-  if (stop.exchange(true) && second_kills && signal != SIGUSR1) {
+  if (!stop.exchange(true)) {
+    if (last_words) say("");
+  } else if (second_kills && signal != SIGUSR1) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }
 }
 
-void handle_signals(void (*handler)(int)) {
+void handle_signals(void (*handler)(int), const char* words) {
+  last_words = words;
+  clears_line = isatty(STDERR_FILENO) != 0;
   // Without SA_RESTART, so that a signal ends the wait for a child process.
   struct sigaction action {};
   action.sa_handler = handler;
@@ -76,16 +83,12 @@ void handle_signals(void (*handler)(int)) {
 
 bool stop_requested() { return stop.load(std::memory_order_relaxed); }
 
-void install_stop_handler(bool second_signal_kills) {
+void install_stop_handler(bool second_signal_kills, const char* words) {
   second_kills = second_signal_kills;
-  handle_signals(on_signal);
+  handle_signals(on_signal, words);
 }
 
-void end_at_signals(const char* words) {
-  last_words = words;
-  clears_line = isatty(STDERR_FILENO) != 0;
-  handle_signals(end_now);
-}
+void end_at_signals(const char* words) { handle_signals(end_now, words); }
 
 std::string duration(double seconds) {
   if (seconds < 10) return fmt::format("{:.1f} s", seconds);

@@ -35,7 +35,8 @@ class Progress {
 bool stop_requested();
 /// For commands that poll stop_requested(). In other commands a signal ends the process at once.
 /// @param second_signal_kills  false for a process that must outlive its children
-void install_stop_handler(bool second_signal_kills = true);
+/// @param words  printed at the first signal; they stay valid
+void install_stop_handler(bool second_signal_kills = true, const char* words = nullptr);
 
 /// For work that writes nothing before its end: a signal prints "error: " and `words` and ends the process with status
 /// 1, also inside of a long computation. @param words  stays valid

@@ -167,7 +167,12 @@ void run(const Options& options) {
     grow_beside(target, loaded);
     if (first) lock.emplace(begin(target, loaded));
   });
-  install_stop_handler();  // a signal before ends the program: there is nothing to keep yet
+  // A signal before ends the program: there is nothing to keep yet. mpirun kills its ranks a second after it has told
+  // them to stop, which may be before they finish their rays; and the first may be dead when it tells the second.
+  const bool says_so = session.size() > 1 && session.rank() < 2;
+  install_stop_handler(true, says_so ? "note: told to stop; finished rays are kept: run the command again with "
+                                       "--resume to continue\n"
+                                     : nullptr);
   const auto warn = [&](const std::string& text) {
     // The error at the end repeats it, with its remedy; one rank has reached the end already.
     if (session.size() > 1)

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/formats/ray_tasks.hpp>
 
@@ -11,14 +12,21 @@ std::vector<RayIndex> rays_left(const DatabaseHeader& header, const std::vector<
   for (std::size_t ray = 0; ray < owners.size(); ++ray)
     if (owners[ray] == shard.index && !logged[ray])
       rays.push_back({static_cast<std::int32_t>(ray / n_directions), static_cast<std::int32_t>(ray % n_directions)});
+  if (header.sets.fixed.empty()) return rays;
+  const Points fixed = header.mesh.nodes(header.sets.fixed, Eigen::all);
+  std::vector<double> distance;
+  for (const auto node : header.sets.active)
+    distance.push_back((fixed.rowwise() - header.mesh.nodes.row(node)).rowwise().squaredNorm().minCoeff());
+  std::ranges::stable_sort(rays, {},
+                           [&](const RayIndex& ray) { return distance[static_cast<std::size_t>(ray.active)]; });
   return rays;
 }
 
 std::vector<std::int64_t> ray_tasks(const std::vector<RayIndex>& rays, int n_ranks) {
   const auto n = static_cast<std::int64_t>(rays.size());
-  // Each task is a full share of the remaining rays. Half a share, as for loops without a start-up cost, does not end
-  // earlier, because each task may have to prepare its node again.
-  const std::int64_t shares = n_ranks;
+  // An eighth of a rank's share of the remaining rays: some rays take ten times as long as others, and the preparation
+  // of a node takes a twentieth of a ray.
+  const std::int64_t shares = std::int64_t{8} * n_ranks;
   std::vector<std::int64_t> starts{0};
   while (starts.back() < n) {
     const auto begin = starts.back();

@@ -196,7 +196,10 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
   const auto n_tasks = static_cast<std::int64_t>(tasks.size()) - 1;
   RaysOfNodes nodes(solver, header);
   RayLog ray_log(log);
-  solver.set_stop(stop);
+  solver.set_stop([&] {
+    counter.serve();
+    return stop && stop();
+  });
   for (auto task = counter.next(); task < n_tasks; task = counter.next()) {
     const auto start = Clock::now();
     ++share.tasks;
@@ -219,6 +222,7 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
     share.busy_seconds += seconds_since(start);
     if (share.interrupted) break;
   }
+  solver.set_stop({});
   SolverLog::instance().set_context("");
   if (!share.interrupted) ray_log.flush(share);
 }
@@ -316,17 +320,17 @@ std::vector<std::int64_t> gathered(const std::vector<std::int64_t>& own, int n_r
 }
 
 /// Copies what another database has to logs: each rank the rays of its share of the nodes. @return number of rays
-std::int64_t take_rays(const SolverSession& session, const Scene& scene, const Mesh& mesh, const DatabaseHeader& header,
+std::int64_t take_rays(const PackingRanks& ranks, const Scene& scene, const Mesh& mesh, const DatabaseHeader& header,
                        const PrecomputeTarget& target, const std::vector<char>& logged) {
   std::int64_t n = 0;
-  session.together([&] {
+  ranks.together([&] {
     auto flags = rays_to_take(scene, mesh, header, target.from, logged);
     n = std::count(flags.begin(), flags.end(), char{1});
     for (std::size_t ray = 0; ray < flags.size(); ++ray)
-      if (static_cast<int>(ray / header.directions.size() % static_cast<std::size_t>(session.size())) != session.rank())
+      if (static_cast<int>(ray / header.directions.size() % static_cast<std::size_t>(ranks.size)) != ranks.rank)
         flags[ray] = 0;
     if (std::count(flags.begin(), flags.end(), char{1}) > 0)
-      DatabaseWriter::take(target.file, header, target.from, flags, session.rank());
+      DatabaseWriter::take(target.file, header, target.from, flags, ranks.rank);
   });
   return n;
 }
@@ -412,7 +416,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   });
   MPI_Bcast(&complete, 1, MPI_INT, 0, MPI_COMM_WORLD);
   logged = DatabaseWriter::logged(target.file, header, ranks);
-  if (!target.from.empty() && !complete) taken = take_rays(session, scene, mesh, header, target, logged);
+  if (!target.from.empty() && !complete) taken = take_rays(ranks, scene, mesh, header, target, logged);
   if (taken > 0) logged = DatabaseWriter::logged(target.file, header, ranks);
   const auto rays = rays_left(header, logged);
 

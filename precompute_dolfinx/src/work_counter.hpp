@@ -1,5 +1,5 @@
 // Counter of the next free task for all ranks: a number on rank 0, accessed by fetch-and-add. On a network without
-// hardware support for this, a rank waits until rank 0 has finished its ray.
+// hardware support for this, a rank waits until rank 0 calls MPI, which serve() does between iterations.
 #pragma once
 
 #include <mpi.h>
@@ -35,6 +35,11 @@ class WorkCounter {
   void add_done(std::int64_t n) {
     MPI_Accumulate(&n, 1, MPI_INT64_T, 0, 1, 1, MPI_INT64_T, MPI_SUM, _window);
     MPI_Win_flush_local(0, _window);
+  }
+  /// Lets MPI answer the fetches of other ranks.
+  void serve() {
+    int arrived = 0;
+    MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, _comm, &arrived, MPI_STATUS_IGNORE);
   }
   /// Finished work of all ranks, as recorded on rank 0.
   std::int64_t done() { return add(1, 0); }

@@ -14,7 +14,8 @@ struct RayIndex {
 };
 
 /// The rays of a database that belong to its shard (without a shard: all), are not mirror images of others and are not
-/// yet logged, node by node.
+/// yet logged, node by node: first those near fixed nodes, which take longest, so that no rank begins a long ray when the
+/// others end.
 /// @param logged  n_active x n_directions flags
 std::vector<RayIndex> rays_left(const DatabaseHeader& header, const std::vector<char>& logged);
 
@@ -25,7 +26,7 @@ double record_bytes(const DatabaseHeader& header);
 /// factorization. While many rays are left a task has all rays of the node, later a share of the remaining rays, at the
 /// end a single ray, so that all ranks end at about the same time (guided self-scheduling: Polychronopoulos & Kuck
 /// 1987, doi 10.1109/TC.1987.5009495).
-/// @param rays  sorted by active node
+/// @param rays  node by node
 /// @pre n_ranks > 0
 std::vector<std::int64_t> ray_tasks(const std::vector<RayIndex>& rays, int n_ranks);
 

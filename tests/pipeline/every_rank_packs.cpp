@@ -1,0 +1,116 @@
+// Claims: any number of ranks packs the same logs to the same bytes, also where a log is damaged, and an error of one
+// rank ends all, with its message, and keeps the logs. What ends a run under mpirun is said with the remedy.
+#include <phynness/formats/database.hpp>
+
+#include "command_line.hpp"
+#include "same_results.hpp"
+
+namespace phynness::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class EveryRankPacks : public CommandLine {
+ protected:
+  static constexpr int n_logs = 4;
+
+  /// whole.h5, and its rays in the logs of an unfinished database.
+  void SetUp() override {
+    CommandLine::SetUp();
+    auto text = small_scene("P1", 12);
+    text.replace(text.find("0.025"), 5, "0.05");
+    const auto active = text.find("active = ");
+    text.replace(active, text.find("[probe]") - active, "active = \"free-surface\"\n");
+    write_file(folder / "scene.toml", text);
+    succeed("precompute scene.toml -o whole.h5");
+    const auto whole = Database::open(folder / "whole.h5");
+    const auto& header = whole.header();
+    const auto n = static_cast<std::int32_t>(header.sets.active.size());
+    ASSERT_GT(n, 16) << "too few for a part for each of three ranks";
+    DatabaseWriter::create(folder / "logged.h5", header, false);
+    std::vector<DatabaseWriter> logs;
+    for (int rank = 0; rank < n_logs; ++rank) logs.emplace_back(folder / "logged.h5", header, rank);
+    for (std::int32_t active_node = 0; active_node < n; ++active_node)
+      for (const auto& ray : whole.rays(active_node))
+        logs[static_cast<std::size_t>(ray.direction % n_logs)].append(ray);
+    for (auto& log : logs) log.close();
+  }
+
+  /// A copy of the unfinished database.
+  fs::path copy(const std::string& name) const {
+    fs::copy_file(folder / "logged.h5", folder / name);
+    fs::copy(folder / "logged.h5.log", folder / (name + ".log"));
+    return folder / name;
+  }
+  Outcome resume(int n_ranks, const std::string& name) const {
+    return shell("timeout 120 mpirun --oversubscribe -n " + std::to_string(n_ranks) +
+                 " \"$PHYNNESS\" precompute scene.toml --resume -o " + name + " --json " + name + ".json");
+  }
+};
+
+TEST_F(EveryRankPacks, to_the_same_bytes) {
+  for (const int n : {1, 2, 3}) {
+    const auto name = "by" + std::to_string(n) + ".h5";
+    const auto file = copy(name);
+    const auto outcome = resume(n, name);
+    ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
+    EXPECT_EQ(read_file(file), read_file(folder / "whole.h5")) << n;
+    EXPECT_FALSE(fs::exists(file.string() + ".log"));
+    // Each rank counts what it packs.
+    const auto counted = json(name + ".json"), read = [&] {
+      succeed("precompute scene.toml --resume -o whole.h5 --json read.json");
+      return json("read.json");
+    }();
+    for (const char* figure : {"increments", "increments_after_end", "failed", "newton_iterations"})
+      EXPECT_EQ(counted.at(figure), read.at(figure)) << figure;
+    EXPECT_GT(counted.at("newton_iterations"), 0);
+  }
+}
+
+TEST_F(EveryRankPacks, what_another_rank_finds_damaged_is_solved_again) {
+  const auto log = copy("damaged.h5").string() + ".log/rank-0001";
+  auto bytes = read_file(log);
+  bytes[bytes.size() / 2] ^= 1;
+  write_file(log, bytes);
+  const auto outcome = resume(3, "damaged.h5");
+  ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
+  EXPECT_EQ(json("damaged.h5.json").at("rays_resumed").get<int>() + 1, json("damaged.h5.json").at("rays").get<int>());
+  expect_same_results(folder / "damaged.h5", folder / "whole.h5");
+}
+
+TEST_F(EveryRankPacks, a_full_disk_of_one_ends_all_and_keeps_the_logs) {
+  const auto file = copy("full.h5");
+  const std::string one = " : -n 1 \"$PHYNNESS\" precompute scene.toml --resume -o full.h5";
+  const auto outcome =
+      shell("timeout 120 mpirun --oversubscribe" + one.substr(2) +
+            " : -n 1 sh -c 'ulimit -f 100; exec \"$0\" precompute scene.toml --resume -o full.h5' \"$PHYNNESS\"" + one);
+  EXPECT_EQ(outcome.exit_status, 1) << outcome.err;
+  expect_names(outcome.err, {"cannot write", "full.h5.packing", "--resume"});
+  EXPECT_FALSE(fs::exists(file.string() + ".packing"));
+  ASSERT_FALSE(Database::is_complete(file));
+  ASSERT_EQ(resume(2, "full.h5").exit_status, 0);
+  EXPECT_EQ(read_file(file), read_file(folder / "whole.h5"));
+}
+
+/// Starts two ranks, and runs `kill` with the process of mpirun in $pid as soon as rays are logged.
+std::string two_ranks_and(const std::string& kill) {
+  return "mpirun --oversubscribe -n 2 \"$PHYNNESS\" precompute scene.toml -o killed.h5 & pid=$!; "
+         "for i in $(seq 3000); do size=$(cat killed.h5.log/rank-* 2>/dev/null | wc -c); "
+         "[ \"$size\" -gt 20000 ] && break; sleep 0.01; done; " +
+         kill + "; wait $pid";
+}
+
+TEST_F(EveryRankPacks, what_ends_a_run_is_said) {
+  const std::string rank_of_mpirun = "kill -9 $(pgrep -P $pid phynness | ";
+  for (const auto& kill : {std::string("kill -INT $pid"), std::string("kill -TERM $pid"), rank_of_mpirun + "head -n 1)",
+                           rank_of_mpirun + "tail -n 1)"}) {
+    fs::remove(folder / "killed.h5");
+    fs::remove_all(folder / "killed.h5.log");
+    const auto outcome = shell(two_ranks_and(kill));
+    EXPECT_NE(outcome.exit_status, 0) << kill << ": it finished before: the scene is too small for this test";
+    expect_names(outcome.err, {"finished rays are kept", "--resume"});
+  }
+}
+
+}  // namespace
+}  // namespace phynness::test
