@@ -159,6 +159,8 @@ void Packing::write(const std::filesystem::path& file) {
   std::optional<hdf5::File> out;
   _ranks.together([&] {
     if (_ranks.rank != 0) return;
+    std::error_code none;
+    std::filesystem::remove(file, none);  // a rank of a run that was killed may still write there
     layout::write_header(out.emplace(hdf5::File::create(file)), _header, true);
     layout::create_responses(*out, _header);
   });
