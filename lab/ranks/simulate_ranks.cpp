@@ -1,10 +1,10 @@
 // A run of `phynness precompute` on 1 to 10,000 ranks, simulated from measured parts: every rank, task and fetch of the
 // counter, with the tasks of the program itself. Packing is that of every rank and, for comparison, that of one rank.
 //
-//   phynness_simulate_ranks SAMPLE.h5 SCENE_HEADER.h5 --start 0.4 --setup 0.05 ...
+//   phynness_simulate_ranks SAMPLE.h5 WHOLE.h5 [--start 0.75 --node-setup 0.005 --disk-rate 1e9 ...]
 //
-// SAMPLE.h5 gives the CPU seconds of rays; a node of the whole scene has the rays of a node of the sample that is drawn
-// nearest. SCENE_HEADER.h5, finished or not, gives the nodes, directions and increments of the whole scene.
+// SAMPLE.h5 gives the CPU seconds of rays: a node of the whole scene has those of the nearest node of the sample.
+// WHOLE.h5, finished or just begun, gives the nodes, directions and increments of the whole scene.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
