@@ -17,6 +17,8 @@ constexpr std::int64_t fewest_of_kind = 20;
 /// A prediction is made without each of these parts of the rays.
 constexpr int n_parts = 10;
 constexpr int n_coefficients = schema::n_coupled_terms;
+/// The term of the spread of the nodes' forces, or of the difference to the linear force.
+constexpr int bending = 2;
 /// Of a kind that is not known: the bound is PHN_NO_BOUND.
 constexpr double unknown = 1e3;
 
@@ -106,7 +108,13 @@ Eigen::Vector4d predicted(const Samples& samples, int left_out) {
     terms.row(i) = Eigen::Map<const Eigen::RowVector4d>(sample.terms.data());
     errors[i] = std::log(sample.error_N + least_error * std::exp(sample.terms[n_coefficients - 1]));
   }
-  return terms.completeOrthogonalDecomposition().solve(errors);
+  Eigen::Vector4d c = terms.completeOrthogonalDecomposition().solve(errors);
+  if (c[bending] >= 0) return c;
+  // What vanishes beside a node would make the bound infinite there.
+  terms.col(bending).setZero();
+  c = terms.completeOrthogonalDecomposition().solve(errors);
+  c[bending] = 0;
+  return c;
 }
 
 /// Coefficients of the logarithm of a bound that holds for the share `coverage` of samples like these: each is scored
