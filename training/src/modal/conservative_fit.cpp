@@ -47,6 +47,12 @@ Matrix3d anchored_kernel(const Vector3d& x, const Vector3d& c, double shape) {
          force_kernel(Vector3d::Zero(), shape);
 }
 
+/// The energy whose gradient is anchored_kernel() w is e . w: q(y) y has the gradient Phi(y).
+Vector3d anchored_energy(const Vector3d& x, const Vector3d& c, double shape) {
+  const auto of = [shape](const Vector3d& y) -> Vector3d { return multiquadric(y, shape) * y; };
+  return of(x - c) - of(x) - force_kernel(c, shape) * x + shape * x + of(c);
+}
+
 /// Force for each entry of a symmetric stiffness xx xy xz yy yz zz.
 Eigen::Matrix<double, 3, 6> stiffness_columns(const Vector3d& x) {
   Eigen::Matrix<double, 3, 6> k = Eigen::Matrix<double, 3, 6>::Zero();
@@ -57,13 +63,18 @@ Eigen::Matrix<double, 3, 6> stiffness_columns(const Vector3d& x) {
 }
 
 Columns columns_of(const ForceStates& states, double shape) {
-  const Index n = states.x.rows();
-  Columns columns{MatrixXd(3 * n, 3 * n), MatrixXd(3 * n, 6)};
+  const Index n = states.x.rows(), n_energies = states.energy.size();
+  Columns columns{MatrixXd(3 * n + n_energies, 3 * n), MatrixXd(3 * n + n_energies, 6)};
   for (Index i = 0; i < n; ++i) {
     const Vector3d x = states.x.row(i);
     columns.stiffness.middleRows<3>(3 * i) = stiffness_columns(x);
     for (Index j = 0; j < n; ++j)
       columns.centers.block<3, 3>(3 * i, 3 * j) = anchored_kernel(x, states.x.row(j).transpose(), shape);
+    if (n_energies == 0) continue;
+    columns.stiffness.row(3 * n + i) = x.transpose() * stiffness_columns(x) / 2;
+    for (Index j = 0; j < n; ++j)
+      columns.centers.block<1, 3>(3 * n + i, 3 * j) =
+          anchored_energy(x, states.x.row(j).transpose(), shape).transpose();
   }
   return columns;
 }
@@ -72,6 +83,13 @@ VectorXd stacked(const ForceStates& states) {
   VectorXd f(3 * states.force.rows());
   for (Index i = 0; i < states.force.rows(); ++i) f.segment<3>(3 * i) = states.force.row(i);
   return f;
+}
+
+/// Forces, then energies over R that are known.
+VectorXd targets(const ForceStates& states) {
+  VectorXd all(3 * states.force.rows() + states.energy.size());
+  all << stacked(states), states.energy.array().isNaN().select(0.0, states.energy.array()).matrix();
+  return all;
 }
 
 double mean_length(const VectorXd& stacked_vectors) {
@@ -90,6 +108,20 @@ VectorXd weights_of(const ForceStates& states) {
   return usual > 0 ? VectorXd(usual / (usual + size.array())) : VectorXd(VectorXd::Ones(size.size()));
 }
 
+/// Weight of an energy over R, beside the forces of its state. Of 1, 3 and 10 all give the same errors within 5 %
+/// (docs/decisions/adaptive-probes.md).
+constexpr double energy_weight = 3;
+
+/// Weights of the rows of columns_of(); 0 for an energy that is not known.
+VectorXd row_weights(const ForceStates& states) {
+  const VectorXd of_state = weights_of(states);
+  VectorXd all(3 * of_state.size() + states.energy.size());
+  all.head(3 * of_state.size()) = of_state.replicate(1, 3).reshaped<Eigen::RowMajor>();
+  for (Index i = 0; i < states.energy.size(); ++i)
+    all[3 * of_state.size() + i] = std::isnan(states.energy[i]) ? 0 : energy_weight * of_state[i];
+  return all;
+}
+
 double largest_force(const ForceStates& states) { return std::sqrt(states.force.rowwise().squaredNorm().maxCoeff()); }
 
 /// Every `stride`-th state of each direction, including the deepest.
@@ -103,6 +135,7 @@ ForceStates thinned(const ForceStates& states, std::size_t stride) {
   ForceStates some;
   some.x = rows_of(states.x, kept);
   some.force = rows_of(states.force, kept);
+  if (states.energy.size() > 0) some.energy = states.energy(kept);
   for (const auto i : kept) {
     some.row.push_back(states.row[static_cast<std::size_t>(i)]);
     some.direction.push_back(states.direction[static_cast<std::size_t>(i)]);
@@ -130,6 +163,7 @@ ForceStates merged(const ForceStates& states) {
   if (first.size() == states.row.size()) return states;
   some.x = rows_of(states.x, first);
   some.force = MatrixXd::Zero(static_cast<Index>(first.size()), 3);
+  if (states.energy.size() > 0) some.energy = states.energy(first);
   for (std::size_t k = 0; k < first.size(); ++k) {
     some.row.push_back(states.row[static_cast<std::size_t>(first[k])]);
     some.direction.push_back(states.direction[static_cast<std::size_t>(first[k])]);
@@ -208,19 +242,19 @@ struct Problem {
   const ForceStates& states;
   double max_displacement_m, shape;
   Columns columns;
-  VectorXd force, weights;
+  VectorXd target, weights;  ///< of their rows
 };
 
 /// Least squares with the given centers, in ascending order. @param left_out_error  output, may be null
 ConservativeFit fit_centers(const Problem& problem, const std::vector<Index>& chosen, double* left_out_error) {
-  const auto& [states, max_displacement_m, shape, columns, force, weights] = problem;
-  const auto m = static_cast<Index>(chosen.size());
-  MatrixXd a(force.size(), 3 * m + 6);
+  const auto& [states, max_displacement_m, shape, columns, targets, weights] = problem;
+  const auto m = static_cast<Index>(chosen.size()), n_forces = 3 * states.x.rows();
+  MatrixXd a(targets.size(), 3 * m + 6);
   for (Index j = 0; j < m; ++j)
     a.middleCols<3>(3 * j) = columns.centers.middleCols<3>(3 * chosen[static_cast<std::size_t>(j)]);
   a.rightCols<6>() = columns.stiffness;
   const MatrixXd weighted = weights.asDiagonal() * a;
-  const VectorXd target = weights.cwiseProduct(force);
+  const VectorXd target = weights.cwiseProduct(targets);
   VectorXd solution = damped_solution(weighted, target, 3 * m);
   Index n_free = a.cols();
   // At large displacements only this stiffness remains; it must not push the tool away.
@@ -247,28 +281,29 @@ ConservativeFit fit_centers(const Problem& problem, const std::vector<Index>& ch
   network.stiffness << k(0), k(1), k(2), k(1), k(3), k(4), k(2), k(4), k(5);
   const double largest = largest_force(states);
   if (largest > 0) {
-    fit.training_error = mean_length(a * solution - force) / largest;
-    fit.cancellation = (a.cwiseAbs() * solution.cwiseAbs()).maxCoeff() / largest;
+    fit.training_error = mean_length((a * solution - targets).head(n_forces)) / largest;
+    fit.cancellation = (a.topRows(n_forces).cwiseAbs() * solution.cwiseAbs()).maxCoeff() / largest;
   }
   if (largest > 0 && left_out_error) {
     const MatrixXd free = weighted.leftCols(n_free);
-    const MatrixXd errors = left_out_of_fit(damped_columns(free, column_sizes(free), 3 * m),
-                                            target - weighted * solution, target, groups_of_equal(states.row, 3, 0));
-    *left_out_error = mean_length(errors.col(0).cwiseQuotient(weights)) / largest;
+    auto groups = groups_of_equal(states.row, 3, 0);
+    for (Index i = 0; i < states.energy.size(); ++i) groups[static_cast<std::size_t>(i)].push_back(n_forces + i);
+    const MatrixXd errors =
+        left_out_of_fit(damped_columns(free, column_sizes(free), 3 * m), target - weighted * solution, target, groups);
+    *left_out_error = mean_length(errors.col(0).head(n_forces).cwiseQuotient(weights.head(n_forces))) / largest;
   }
   return fit;
 }
 
 ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, int max_centers, double shape,
                           int n_levels) {
-  const Problem problem{states,          max_displacement_m,
-                        shape,           columns_of(states, shape),
-                        stacked(states), weights_of(states).replicate(1, 3).reshaped<Eigen::RowMajor>()};
+  const Problem problem{states,          max_displacement_m, shape, columns_of(states, shape),
+                        targets(states), row_weights(states)};
   const auto& columns = problem.columns;
-  const int allowed = static_cast<int>(largest_center_share * static_cast<double>(states.x.rows()));
+  const int allowed = static_cast<int>(largest_center_share * static_cast<double>(problem.target.size() / 3));
   const auto order =
       choose_centers({problem.weights.asDiagonal() * columns.centers, problem.weights.asDiagonal() * columns.stiffness},
-                     problem.weights.cwiseProduct(problem.force), std::min(max_centers, allowed));
+                     problem.weights.cwiseProduct(problem.target), std::min(max_centers, allowed));
   const auto first = [&](int n) {
     std::vector<Index> some(order.begin(), order.begin() + n);
     std::sort(some.begin(), some.end());
@@ -288,6 +323,21 @@ ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, 
 
 std::vector<double> force_shape_candidates() { return {0.03, 0.1, 0.3, 0.6, 1.0}; }
 
+ShapeChoice choose_force_shape(const ForceStates& states) {
+  const ForceStates some = thinned(states, (states.row.size() + max_search_states - 1) / max_search_states);
+  ShapeChoice best{force_shape_candidates().front(), std::numeric_limits<double>::infinity()};
+  for (const double shape : force_shape_candidates()) {
+    const double error = largest_force(some) > 0 ? left_out_error(some, shape) : 0;
+    if (error < best.left_out_error) best = {shape, error};
+  }
+  return best;
+}
+
+double left_out_force_error(const DatabaseHeader& header, const std::vector<Ray>& rays) {
+  const auto states = merged(force_states(training_tables(header), rays));
+  return states.row.empty() ? 0 : choose_force_shape(states).left_out_error;
+}
+
 ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& rays) {
   const NetworkPoints points = force_points(tables, rays);
   ForceStates states;
@@ -300,22 +350,26 @@ ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& r
     states.x.row(i) = tables.displacements.row(row) / tables.magnitudes_m.back();
     states.direction.push_back(row / tables.n_increments);
   }
+  // Imported energies may have another zero; beyond a fold energy is lost.
+  if (tables.scattered) return states;
+  states.energy.resize(n);
+  for (Index i = 0; i < n; ++i) {
+    const auto row = states.row[static_cast<std::size_t>(i)];
+    const auto increment = static_cast<std::size_t>(row % tables.n_increments);
+    const Ray& ray = rays[static_cast<std::size_t>(row / tables.n_increments)];
+    const bool known = increment < ray.energy.size() &&
+                       !(ray.end.fold_depth_m > 0 && tables.magnitudes_m[increment] >= ray.end.fold_depth_m);
+    states.energy[i] = known ? ray.energy[increment] / tables.magnitudes_m.back() : std::nan("");
+  }
+  if (!(states.energy.array() > 0).any()) states.energy.resize(0);
   return states;
 }
 
 ConservativeFit fit_conservative(const ForceStates& all, double max_displacement_m, int max_centers, int n_levels) {
   const ForceStates once = merged(all);
   const ForceStates states = thinned(once, (once.row.size() + max_fit_states - 1) / max_fit_states);
-  const ForceStates some = thinned(states, (states.row.size() + max_search_states - 1) / max_search_states);
+  auto [shape, left_out] = choose_force_shape(states);
   const auto candidates = force_shape_candidates();
-  double shape = candidates.front(), left_out = std::numeric_limits<double>::infinity();
-  for (const double candidate : candidates) {
-    const double error = largest_force(some) > 0 ? left_out_error(some, candidate) : 0;
-    if (error < left_out) {
-      left_out = error;
-      shape = candidate;
-    }
-  }
   auto fit = fit_shape(states, max_displacement_m, max_centers, shape, n_levels);
   // Flat kernels cause cancellation; use the next sharper one.
   while (fit.cancellation > largest_cancellation && shape > candidates.front()) {
@@ -334,7 +388,7 @@ ConservativeFit fit_conservative_of_shape(const ForceStates& states, double max_
 double condition_number(const ForceStates& states, const ConservativeNetwork& network) {
   const Columns columns = columns_of(states, network.shape);
   const auto m = static_cast<Index>(network.centers.size());
-  MatrixXd a(3 * states.x.rows(), 3 * m + 6);
+  MatrixXd a(columns.stiffness.rows(), 3 * m + 6);
   for (Index j = 0; j < m; ++j) {
     const auto state =
         std::lower_bound(states.row.begin(), states.row.end(), network.centers[static_cast<std::size_t>(j)]) -
@@ -342,7 +396,7 @@ double condition_number(const ForceStates& states, const ConservativeNetwork& ne
     a.middleCols<3>(3 * j) = columns.centers.middleCols<3>(3 * state);
   }
   a.rightCols<6>() = columns.stiffness;
-  const MatrixXd weighted = VectorXd(weights_of(states).replicate(1, 3).reshaped<Eigen::RowMajor>()).asDiagonal() * a;
+  const MatrixXd weighted = row_weights(states).asDiagonal() * a;
   const MatrixXd damped = damped_columns(weighted, column_sizes(weighted), 3 * m);
   const VectorXd squares = symmetric_eigen(damped.transpose() * damped).values;
   return squares[squares.size() - 1] / squares[0];

@@ -15,6 +15,8 @@ struct ForceStates {
   Eigen::Matrix<double, Eigen::Dynamic, 3> force;  ///< [N]
   std::vector<std::int32_t> row;                   ///< row of TrainingTables::displacements
   std::vector<std::int32_t> direction;             ///< exploratory direction
+  /// [N] energy over max_displacement_m, whose gradient is the force; NaN: not known. Empty: none is.
+  Eigen::VectorXd energy = {};
 };
 /// @throws Error (failure) if the force of a converged increment is not finite
 ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& rays);
@@ -42,15 +44,25 @@ struct ConservativeFit {
 /// Shapes that the search tries, in ascending order.
 std::vector<double> force_shape_candidates();
 
-/// Largest number of centers as a fraction of the states. With a center for nearly every state the network is arbitrary
-/// between the states, and K is undetermined.
+/// The shape with the smallest left-out error, and this error, as ConservativeFit::left_out_error.
+struct ShapeChoice {
+  double shape = 0, left_out_error = 0;
+};
+ShapeChoice choose_force_shape(const ForceStates& states);
+
+/// The left-out error of the forces of a node's converged increments; 0 without any. Errors of a model of these
+/// increments at fresh probes are smaller in the mean (docs/decisions/adaptive-probes.md).
+double left_out_force_error(const DatabaseHeader& header, const std::vector<Ray>& rays);
+
+/// Largest share of centers in a third of the equations: half as many as states, two thirds where energies are known.
+/// With a center for nearly every state the network is arbitrary between the states, and K is undetermined.
 inline constexpr double largest_center_share = 0.5;
 
 /// With a larger cancellation, energy would not be conserved in float32; then a smaller shape is used.
 inline constexpr double largest_cancellation = 1e3;
 
 /// Centers are selected from the states by orthogonal least squares: the next center is the state whose three columns
-/// explain most of the remaining forces, with larger weights for small forces (Chen, Cowan & Grant 1991,
+/// explain most of the remaining forces and energies, with larger weights for small forces (Chen, Cowan & Grant 1991,
 /// doi 10.1109/72.80341). Generalized cross-validation determines their number (Golub, Heath & Wahba 1979,
 /// doi 10.1080/00401706.1979.10489751). The shape is the candidate with the smallest left-out error. Coefficients are
 /// rounded to float32. Cost: about 5 (3 n)^2 m flops for n states and m centers, and (3 n)^3 / 3 for each tried shape.
