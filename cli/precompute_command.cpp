@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <phynness/formats/database_lock.hpp>
 #include <phynness/precompute/precompute.hpp>
+#include <phynness/training/conservative_fit.hpp>
 
 #include "commands.hpp"
 
@@ -91,6 +93,10 @@ void warn_of_branches(const PrecomputeReport& report, const std::filesystem::pat
       report.other_branches.size(), from.string(), lines);
 }
 
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const PrecomputeReport& report) {
   json ranks = json::array();
   for (const auto& rank : report.ranks)
@@ -105,6 +111,12 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
                     report.wall_seconds, "setup_seconds", report.setup_seconds, "solve_seconds", report.solve_seconds,
                     "pack_seconds", report.pack_seconds, "core_seconds", report.core_seconds, "per_rank", ranks);
   out["rays_mirrored"] = report.rays_mirrored;
+  if (!report.predicted_errors.empty()) {
+    out["rays_left_out"] = report.rays_left_out;
+    out["nodes_refined"] = report.refined_nodes;
+    out["predicted_error"] =
+        record("mean", mean(report.predicted_errors), "max", *std::ranges::max_element(report.predicted_errors));
+  }
   out["rays_compared"] = report.rays_compared;
   out["rays_on_another_branch"] = report.other_branches.size();
   if (target.shard)
@@ -145,7 +157,8 @@ void print_work(const SolverSession& session, const LoadedScene& loaded, const P
 }
 
 void run(const Options& options) {
-  PrecomputeTarget target{options.output, options.resume, {}, options.from};
+  PrecomputeTarget target{options.output, options.resume,          {},
+                          options.from,   options.ranks_per_solve, left_out_force_error};
   if (!options.shard.empty()) {
     target.shard = parse_shard(options.shard);
     target.file = shard_file(options.output, *target.shard);
@@ -153,7 +166,6 @@ void run(const Options& options) {
   }
   const SolverSession session;
   const bool first = session.rank() == 0;
-  target.ranks_per_solve = options.ranks_per_solve;
   session.together([&] {
     if (session.size() % target.ranks_per_solve != 0)
       throw input_error("the number of ranks is not a multiple of --ranks-per-solve",
@@ -164,6 +176,9 @@ void run(const Options& options) {
   std::optional<DatabaseLock> lock;
   session.together([&] {
     loaded = load_scene(options.scene, !first);
+    if (target.shard && loaded.scene.probe.target_error)
+      throw input_error("[probe] target_error needs all rays of a node, but a shard has some",
+                        "--shard " + options.shard, "solve with mpirun and without --shard, or remove target_error");
     grow_beside(target, loaded);
     if (first) lock.emplace(begin(target, loaded));
   });
@@ -193,6 +208,12 @@ void run(const Options& options) {
     std::filesystem::rename(log, target.file.string() + ".solver.log", code);  // there is none without messages
   }
   print_work(session, loaded, target, report);
+  if (const auto& errors = report.predicted_errors; !errors.empty())
+    message(
+        "note: target_error leaves {} rays out; {} of {} nodes have more than 14 directions; the error of left-out "
+        "directions, predicted from the others, is {:.2g} % in the mean and at most {:.2g} %\n",
+        report.rays_left_out, report.refined_nodes, errors.size(), 100 * mean(errors),
+        100 * *std::ranges::max_element(errors));
   warn_of_branches(report, target.from);
   if (report.library_errors > 0)
     message("warning: {} rays ended because a library call failed; its messages are in {}\n", report.library_errors,

@@ -23,8 +23,9 @@ struct StageRow {
 };
 const std::vector<StageRow>& stage_rows() {
   static const std::vector<StageRow> rows{
-      {"precompute", nullptr, {"physics", "database."}},  // physics: all keys of the physics hash, [mesh] among them
-      {"check", nullptr, {"validation.check_probes"}},    // which training writes into the model
+      // physics: all keys of the physics hash, [mesh] among them
+      {"precompute", nullptr, {"physics", "probe.target_error", "database."}},
+      {"check", nullptr, {"validation.check_probes"}},  // which training writes into the model
       {"train", "train.json", {"title", "training."}},
       {"calibrate", "calibrate.json", {"validation.calibration_rays"}},
       {"validate", "validate.json", {"validation.probes", "validation.seed"}},

@@ -132,9 +132,8 @@ Packing::Compressed Packing::compress(std::size_t first, std::size_t end) {
     Collected collected(columns_of(_header, item));
     for (auto active = item.first; active < item.end; ++active)
       for (std::size_t d = 0; d < n_directions; ++d) {
-        Ray ray = _reader.read(_records[active * n_directions + d], item.of_output_nodes);
-        const auto a = static_cast<std::int32_t>(active), direction = static_cast<std::int32_t>(d);
-        if (!_mirrored.is_solved(a, direction)) ray = _mirrored.image(ray, a, direction);
+        const auto at = active * n_directions + d;
+        const Ray ray = ray_of(_reader.read(_records[at], item.of_output_nodes), at, _mirrored);
         if (!item.of_output_nodes) _ranks.packed(ray);
         collected.add(ray);
       }

@@ -18,6 +18,13 @@ inline bool is_missing(const database_log::Entry& entry) { return entry.log < 0;
 std::vector<database_log::Entry> one_record_per_ray(const database_log::Index& index, const DatabaseHeader& header,
                                                     const MirroredRays& mirrored);
 
+/// The ray `at`, [active][direction] flattened, from the one that is solved in its place.
+inline Ray ray_of(Ray solved, std::size_t at, const MirroredRays& mirrored) {
+  const auto active = static_cast<std::int32_t>(at / mirrored.n_directions());
+  const auto direction = static_cast<std::int32_t>(at % mirrored.n_directions());
+  return mirrored.is_solved(active, direction) ? std::move(solved) : mirrored.image(solved, active, direction);
+}
+
 /// (active, direction) of the rays that must be solved and have no record, in the order of the database.
 /// @param records  from one_record_per_ray
 std::vector<std::pair<std::int32_t, std::int32_t>> missing_rays(const std::vector<database_log::Entry>& records,

@@ -112,6 +112,17 @@ Ray rounded(Ray ray, const std::vector<double>& magnitudes_m, int bits) {
 
 }  // namespace
 
+void DatabaseWriter::read_logs(const fs::path& file, const DatabaseHeader& given,
+                               const std::function<void(const Ray&)>& use) {
+  const DatabaseHeader header = with_hashes(given);
+  const auto index = dl::scan(file, header);
+  const MirroredRays mirrored(header);
+  dl::RayReader reader(index, header);
+  const auto records = one_record_per_ray(index, header, mirrored);
+  for (std::size_t i = 0; i < records.size(); ++i)
+    if (!is_missing(records[i])) use(ray_of(reader.read(records[i], false), i, mirrored));
+}
+
 struct DatabaseWriter::Impl {
   AppendFile log;
   dl::Layout sizes;

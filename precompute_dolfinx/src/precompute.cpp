@@ -14,6 +14,7 @@
 #include <phynness/precompute/sample_rays.hpp>
 #include <span>
 
+#include "direction_rounds.hpp"
 #include "solve_ray.hpp"
 #include "solver_log.hpp"
 #include "team.hpp"
@@ -186,12 +187,10 @@ class RayLog {
 };
 
 /// Fetches and solves tasks until none is left or `stop` returns true.
-/// @param requested  flags, n_active x n_directions
-/// @param done       called after every ray
+/// @param done  called after every ray
 void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader& header,
-                 const std::vector<char>& requested, const std::vector<RayIndex>& rays, WorkCounter& counter,
-                 int n_teams, ShallowerRays& shallower, const std::function<void()>& done,
-                 const std::function<bool()>& stop, Share& share) {
+                 const std::vector<RayIndex>& rays, WorkCounter& counter, int n_teams, ShallowerRays& shallower,
+                 const std::function<void()>& done, const std::function<bool()>& stop, Share& share) {
   const auto tasks = ray_tasks(rays, n_teams);
   const auto n_tasks = static_cast<std::int64_t>(tasks.size()) - 1;
   RaysOfNodes nodes(solver, header);
@@ -204,12 +203,9 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
     const auto start = Clock::now();
     ++share.tasks;
     for (auto i = tasks[static_cast<std::size_t>(task)]; i < tasks[static_cast<std::size_t>(task) + 1]; ++i) {
-      const auto ray = rays[static_cast<std::size_t>(i)];
-      const bool asked_for = requested[static_cast<std::size_t>(ray.active) * header.directions.size() +
-                                       static_cast<std::size_t>(ray.direction)] != 0;
       try {
-        auto solved = asked_for ? nodes.solve(ray) : empty_ray(header, ray.active, ray.direction);
-        if (asked_for) shallower.compare(solved);
+        auto solved = nodes.solve(rays[static_cast<std::size_t>(i)]);
+        shallower.compare(solved);
         ray_log.append(std::move(solved), share);
       } catch (const Interrupted&) {
         share.interrupted = true;
@@ -418,11 +414,10 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   logged = DatabaseWriter::logged(target.file, header, ranks);
   if (!target.from.empty() && !complete) taken = take_rays(ranks, scene, mesh, header, target, logged);
   if (taken > 0) logged = DatabaseWriter::logged(target.file, header, ranks);
-  const auto rays = rays_left(header, logged);
 
   PrecomputeReport report;
   report.rays_taken = taken;
-  report.rays_resumed = rays_in_all - static_cast<std::int64_t>(rays.size()) - taken;
+  report.rays_resumed = rays_in_all - std::ssize(rays_left(header, logged)) - taken;
   if (!target.shard) report.rays_mirrored = static_cast<std::int64_t>(logged.size()) - mirrored.n_solved();
   report.setup_seconds = seconds_since(start);
   const auto solve_start = Clock::now();
@@ -430,32 +425,54 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   std::exception_ptr trouble;
   std::optional<ShallowerRays> shallower;
   session.together([&] { shallower.emplace(target.from, header); });
-  if (!rays.empty()) {
+  DirectionRounds rounds(scene, header, requested_rays(scene, mesh, header), target.predict);
+  std::int64_t before = report.rays_found();  // rays of earlier runs and rounds
+  const auto solve_round = [&](const std::vector<RayIndex>& rays) {
     WorkCounter counter(MPI_COMM_WORLD);
     if (team.leads()) {
       core.start();
       const auto done = [&] {
         counter.add_done(1);
-        if (progress && session.rank() == 0) progress(report.rays_found() + counter.done(), rays_in_all);
+        if (progress && session.rank() == 0) progress(before + counter.done(), before + std::ssize(rays));
       };
       trouble = guarded(counter, session.rank(), warn, [&] {
         DatabaseWriter log(target.file, header, session.rank());
-        solve_tasks(*probe_solver, log, header, requested_rays(scene, mesh, header), rays, counter,
-                    session.size() / team.size(), *shallower, done, stop, share);
+        solve_tasks(*probe_solver, log, header, rays, counter, session.size() / team.size(), *shallower, done, stop,
+                    share);
         log.close();
       });
       core.stop();
       if (team.size() > 1) team.dismiss();
     } else {
       const auto served = team.serve();
-      share.busy_seconds = served.busy_seconds;
+      share.busy_seconds += served.busy_seconds;
       core.add(served.core_seconds);
     }
+    session.together([&] { rethrow(trouble); });
+    report.interrupted = on_any_rank(share.interrupted);
+    before += std::ssize(rays);
+    for (const auto& [active, direction] : rays)
+      logged[static_cast<std::size_t>(active) * header.directions.size() + static_cast<std::size_t>(direction)] = 1;
+  };
+  if (!complete) {
+    do {
+      if (const auto rays = rounds.left(logged); !rays.empty()) solve_round(rays);
+    } while (!report.interrupted && rounds.next(session, target.file));
+    rounds.report(report);
   }
+  session.together([&] {
+    const auto rays = rays_left(header, logged);
+    if (report.interrupted || session.rank() != 0 || rays.empty()) return;
+    DatabaseWriter log(target.file, header, 0);
+    for (const auto& ray : rays) {
+      const auto left_out = rounds.left_out(ray);
+      log.append(left_out);
+      share.count(left_out);
+      report.rays_left_out += left_out.end.depth_m > 0;
+    }
+    log.close();
+  });
   report.solve_seconds = seconds_since(solve_start);
-
-  session.together([&] { rethrow(trouble); });
-  report.interrupted = on_any_rank(share.interrupted);
   const bool packs = !report.interrupted && !complete && !target.shard;
   const auto pack_start = Clock::now();
   if (packs) DatabaseWriter::pack(target.file, header, ranks);

@@ -107,8 +107,12 @@ ActiveNodeModel describe_node(const TrainingTables& tables, std::int32_t node, c
     const auto stopped =
         std::find_if(ray.status.begin(), ray.status.end(), [](Status s) { return s != Status::converged; });
     const auto n_good = stopped - ray.status.begin();
+    if (stopped != ray.status.end() && ray.status.front() == Status::not_requested) {
+      model.trained_depth_m.push_back(std::min(ray.end.depth_m, tables.magnitudes_m.back()));
+      continue;
+    }
     model.trained_depth_m.push_back(n_good == 0 ? 0 : tables.magnitudes_m[n_good - 1]);
-    if (stopped != ray.status.end() && ray.status.front() != Status::not_requested) ++model.n_incomplete;
+    if (stopped != ray.status.end()) ++model.n_incomplete;
   }
   return model;
 }

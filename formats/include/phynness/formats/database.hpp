@@ -219,6 +219,12 @@ class DatabaseWriter {
   static std::vector<char> logged(const std::filesystem::path& file, const DatabaseHeader& header,
                                   const PackingRanks& ranks = {});
 
+  /// Reads the rays of an unfinished database and their mirror images, in the order of the database, without what is
+  /// stored at output nodes.
+  /// @throws Error as logged()
+  static void read_logs(const std::filesystem::path& file, const DatabaseHeader& header,
+                        const std::function<void(const Ray&)>& use);
+
   /// Copies the rays with a flag from a finished database into a log of FILE, that of this rank.
   /// @param wanted  n_active x n_directions, of rays that Database::rays_for() has found
   /// @throws Error as Database::rays_for() and append()

@@ -11,6 +11,10 @@
 
 namespace phynness {
 
+/// Predicts the error of the forces of a node between the directions of its converged rays, as a share of its largest
+/// force.
+using ErrorPrediction = std::function<double(const DatabaseHeader&, const std::vector<Ray>&)>;
+
 /// Output of the responses, and number of ranks for each solve.
 struct PrecomputeTarget {
   std::filesystem::path file;
@@ -18,6 +22,7 @@ struct PrecomputeTarget {
   std::optional<Shard> shard;  ///< solve only the rays of this shard, and leave them in the log of `file` for a merge
   std::filesystem::path from;  ///< finished database, of which the rays that the scene wants are taken; may be empty
   int ranks_per_solve = 1;     ///< number of consecutive ranks that share factorizations, for large meshes
+  ErrorPrediction predict;     ///< for [probe] target_error; empty: all directions are solved
 };
 
 /// Figures of one rank.
@@ -44,6 +49,9 @@ struct PrecomputeReport {
   std::int64_t rays_compared = 0;           ///< solved in this run, with a shallower ray in that database
   std::vector<OtherBranch> other_branches;  ///< of those, by node and direction; on rank 0
   std::int64_t rays_mirrored = 0;           ///< mirror images of other rays; 0 in a shard
+  std::int64_t rays_left_out = 0;           ///< by [probe] target_error, in this run; on rank 0
+  std::int64_t refined_nodes = 0;           ///< nodes with more than the 14 directions
+  std::vector<double> predicted_errors;     ///< per node that is not a mirror image
   /// Of the whole database or, for a shard or an interrupted run, of this run. `failed` includes after_failure.
   std::int64_t increments = 0, failed = 0, iterations = 0;
   std::int64_t after_end = 0;       ///< of the whole database: increments beyond the ends of their rays; 0 in a shard
@@ -68,6 +76,9 @@ using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 /// others are solved again, and their first increments are compared with those there.
 /// @pre ranks_per_solve divides the number of ranks
 /// @pre rank 0 holds the DatabaseLock of the file
+/// With [probe] target_error rays are solved in rounds, between which all ranks predict errors; what is left out is
+/// recorded as not requested.
+/// @pre there is no shard if the scene has a target_error
 /// @param stop  polled between rays, and between iterations of a solve, on every rank; true ends the run and keeps
 /// finished rays
 /// @param warn  called immediately on a rank that cannot continue, for example because its file system is full; the
