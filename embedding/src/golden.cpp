@@ -120,7 +120,7 @@ class Deviation {
 
 /// A random point of the surface, away from the edges, where the runtime may take a triangle that cannot be touched.
 Vec3 point_on(const ImageSurface& surface, Numbers& numbers) {
-  const double n = 0.5 * static_cast<double>(surface.triangle.size() / 6);
+  const double n = 0.5 * static_cast<double>(surface.triangle.size()) / 6;
   const auto triangle = static_cast<std::size_t>(n + n * numbers.next());
   Eigen::Vector3d weight;
   for (double& w : weight) w = 1.1 + numbers.next();

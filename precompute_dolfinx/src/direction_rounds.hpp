@@ -3,6 +3,7 @@
 #pragma once
 
 #include <phynness/formats/mirrored_rays.hpp>
+#include <phynness/formats/ray_tasks.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <vector>
 

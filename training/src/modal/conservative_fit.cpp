@@ -95,7 +95,7 @@ VectorXd targets(const ForceStates& states) {
 double mean_length(const VectorXd& stacked_vectors) {
   double sum = 0;
   for (Index i = 0; i < stacked_vectors.size(); i += 3) sum += stacked_vectors.segment<3>(i).norm();
-  return sum / std::max(1.0, static_cast<double>(stacked_vectors.size() / 3));
+  return sum / std::max(1.0, static_cast<double>(stacked_vectors.size()) / 3);
 }
 
 /// Weights of the states: 1 for small forces, less for large ones. Next to a fixed part a body may snap through, with
@@ -300,7 +300,7 @@ ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, 
   const Problem problem{states,          max_displacement_m, shape, columns_of(states, shape),
                         targets(states), row_weights(states)};
   const auto& columns = problem.columns;
-  const int allowed = static_cast<int>(largest_center_share * static_cast<double>(problem.target.size() / 3));
+  const int allowed = static_cast<int>(largest_center_share * static_cast<double>(problem.target.size()) / 3);
   const auto order =
       choose_centers({problem.weights.asDiagonal() * columns.centers, problem.weights.asDiagonal() * columns.stiffness},
                      problem.weights.cwiseProduct(problem.target), std::min(max_centers, allowed));

@@ -53,8 +53,9 @@ struct RunCosts {
   std::int64_t rays = 0, nodes = 0;
 };
 
-/// start + max((rays ray + (nodes + ranks - 1) setup) / ranks, longest + setup) + packing / min(ranks, nodes): ranks take
-/// small tasks until the end, where they share nodes and may wait for one long ray; then each packs some nodes. Reading, writing and launching are not in it.
+/// start + max((rays ray + (nodes + ranks - 1) setup) / ranks, longest + setup) + packing / min(ranks, nodes): ranks
+/// take small tasks until the end, where they share nodes and may wait for one long ray; then each packs some nodes.
+/// Reading, writing and launching are not in it.
 double wall_seconds(const RunCosts& costs, int ranks);
 
 /// The largest number of ranks, at most one per ray, that spend at least half of their time as usefully as one rank.
