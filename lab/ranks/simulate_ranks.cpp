@@ -1,5 +1,5 @@
 // A run of `phynness precompute` on 1 to 10,000 ranks, simulated from measured parts: every rank, task and fetch of the
-// counter, with the tasks of the program itself. Packing is that of every rank and, for comparison, that of one rank.
+// counter, with the tasks of the program itself.
 //
 //   phynness_simulate_ranks SAMPLE.h5 WHOLE.h5 [--start 0.75 --node-setup 0.005 --disk-rate 1e9 ...]
 //
@@ -40,32 +40,9 @@ struct Scene {
   double log_bytes = 0;
 };
 
-/// As before: in the order of the database, and a task is a rank's whole share of the remaining rays.
-void order_as_before(std::vector<RayIndex>& rays, std::vector<double>& seconds) {
-  std::vector<std::size_t> order(rays.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return rays[i].active; });
-  const auto rays_then = std::exchange(rays, {});
-  const auto seconds_then = std::exchange(seconds, {});
-  for (const auto i : order) rays.push_back(rays_then[i]), seconds.push_back(seconds_then[i]);
-}
-std::vector<std::int64_t> whole_shares(const std::vector<RayIndex>& rays, int n_ranks) {
-  const auto n = std::ssize(rays);
-  std::vector<std::int64_t> starts{0};
-  while (starts.back() < n) {
-    const auto begin = starts.back(), longest = begin + (n - begin + n_ranks - 1) / n_ranks;
-    auto end = begin + 1;
-    while (end < longest && rays[static_cast<std::size_t>(end)].active == rays[static_cast<std::size_t>(begin)].active)
-      ++end;
-    starts.push_back(end);
-  }
-  return starts;
-}
-
 /// @return seconds until the last rank has solved its last ray
-double solving_s(const Scene& scene, const Parts& parts, int n_ranks, bool as_before,
-                 std::vector<double>& rays_of_rank) {
-  const auto tasks = as_before ? whole_shares(scene.rays, n_ranks) : ray_tasks(scene.rays, n_ranks);
+double solving_s(const Scene& scene, const Parts& parts, int n_ranks, std::vector<double>& rays_of_rank) {
+  const auto tasks = ray_tasks(scene.rays, n_ranks);
   using Free = std::pair<double, int>;
   std::priority_queue<Free, std::vector<Free>, std::greater<>> ranks;
   for (int r = 0; r < n_ranks; ++r) ranks.emplace(parts.start_s, r);
@@ -92,14 +69,14 @@ struct Packing {
   double sum() const { return scan_s + compress_s + exchange_s + serial_s + disk_s; }
 };
 
-Packing packing_s(const Scene& scene, const Parts& parts, int n_ranks, double most_rays, bool by_every_rank) {
+/// @param most_rays  that a rank has solved
+Packing packing_s(const Scene& scene, const Parts& parts, int n_ranks, double most_rays) {
   const auto n_nodes = static_cast<double>(scene.header.sets.active.size());
   const double chunks = 2.5 * n_nodes;  // those of output nodes, and of other columns of several nodes
   Packing packing;
-  const double n_workers = by_every_rank ? n_ranks : 1;
-  packing.scan_s = (by_every_rank ? most_rays * record_bytes(scene.header) : scene.log_bytes) / parts.scan_B_per_s;
-  packing.compress_s = std::ceil(n_nodes / n_workers) * scene.log_bytes / n_nodes / parts.pack_B_per_s;
-  if (n_workers > 1)
+  packing.scan_s = most_rays * record_bytes(scene.header) / parts.scan_B_per_s;
+  packing.compress_s = std::ceil(n_nodes / n_ranks) * scene.log_bytes / n_nodes / parts.pack_B_per_s;
+  if (n_ranks > 1)
     packing.exchange_s = (32 * static_cast<double>(scene.rays.size()) + 16 * chunks) / parts.exchange_B_per_s;
   packing.serial_s = parts.reserve_s * chunks + parts.end_s;
   packing.disk_s = 0.82 * scene.log_bytes / parts.disk_B_per_s;
@@ -136,29 +113,21 @@ Scene drawn(const std::string& sample, const std::string& whole) {
 
 void run(const std::string& sample, const std::string& whole, const Parts& parts) {
   const auto scene = drawn(sample, whole);
-  auto before = scene;
-  order_as_before(before.rays, before.seconds);
   fmt::print("{} rays, {:.0f} core-s, longest {:.2f} s; {:.0f} MB of logs\n", scene.rays.size(),
              std::accumulate(scene.seconds.begin(), scene.seconds.end(), 0.0), *std::ranges::max_element(scene.seconds),
              scene.log_bytes / 1e6);
-  fmt::print("{:>6} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>10} | {:>9} {:>9} {:>10}\n", "ranks", "solved s",
-             "scan s", "compr. s", "exch. s", "serial s", "disk s", "total s", "efficiency", "solved s", "packed s",
-             "before");
+  fmt::print("{:>6} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>10}\n", "ranks", "solved s", "scan s", "compr. s",
+             "exch. s", "serial s", "disk s", "total s", "efficiency");
   double of_one = 0;
   for (const int n : {1, 2, 10, 50, 100, 158, 200, 300, 400, 500, 1000, 2000, 5000, 10000}) {
     std::vector<double> rays;
-    const double solved_before = solving_s(before, parts, n, true, rays),
-                 solved = solving_s(scene, parts, n, false, rays);
-    const auto packing = packing_s(scene, parts, n, *std::ranges::max_element(rays), true),
-               packing_before = packing_s(scene, parts, n, 0, false);
-    if (n == 1) of_one = solved_before + packing_before.sum();
-    const auto efficiency = [&](double total) { return 100 * of_one / (n * total); };
-    fmt::print(
-        "{:>6} {:>9.2f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.2f} {:>8.1f} % | {:>9.2f} {:>9.2f} "
-        "{:>8.1f} %\n",
-        n, solved, packing.scan_s, packing.compress_s, packing.exchange_s, packing.serial_s, packing.disk_s,
-        solved + packing.sum(), efficiency(solved + packing.sum()), solved_before, packing_before.sum(),
-        efficiency(solved_before + packing_before.sum()));
+    const double solved = solving_s(scene, parts, n, rays);
+    const auto packing = packing_s(scene, parts, n, *std::ranges::max_element(rays));
+    const double total = solved + packing.sum();
+    if (n == 1) of_one = total;
+    fmt::print("{:>6} {:>9.2f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.2f} {:>8.1f} %\n", n, solved,
+               packing.scan_s, packing.compress_s, packing.exchange_s, packing.serial_s, packing.disk_s, total,
+               100 * of_one / (n * total));
   }
 }
 

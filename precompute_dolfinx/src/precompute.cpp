@@ -2,8 +2,6 @@
 #include <sys/resource.h>
 
 #include <chrono>
-#include <cmath>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <phynness/formats/error.hpp>
@@ -15,6 +13,7 @@
 #include <span>
 
 #include "direction_rounds.hpp"
+#include "shallower_rays.hpp"
 #include "solve_ray.hpp"
 #include "solver_log.hpp"
 #include "team.hpp"
@@ -61,61 +60,6 @@ struct Share {
       iterations += ray.iterations[i];
     }
   }
-};
-
-/// The rays of a shallower database, with which those of a deeper one must begin.
-class ShallowerRays {
- public:
-  ShallowerRays(const std::filesystem::path& from, const DatabaseHeader& header) : _header(header) {
-    if (from.empty()) return;
-    _n_common = read_database_header(from).magnitudes_m.size();
-    if (_n_common < header.magnitudes_m.size()) _database.emplace(Database::open(from, header));
-  }
-  void compare(const Ray& now) {
-    if (!_database) return;
-    if (_active != now.active) _rays = _database->rays(_active = now.active);
-    const Ray& then = _rays.at(static_cast<std::size_t>(now.direction));
-    if (!(then.seconds.front() > 0)) return;  // not there, or a mirror image
-    ++n_compared;
-    for (std::size_t i = 0; i < _n_common; ++i) {
-      if (then.status[i] == Status::library_error || now.status[i] == Status::library_error) return;
-      const double difference = difference_at(then, now, i);
-      if (difference <= most) continue;
-      for (const double x : {double(now.active), double(now.direction), _header.magnitudes_m[i], difference})
-        found.push_back(x);
-      return;
-    }
-  }
-  std::vector<OtherBranch> unpacked(const std::vector<double>& of_all_ranks) const {
-    std::vector<OtherBranch> all;
-    for (std::size_t i = 0; i + 3 < of_all_ranks.size(); i += 4)
-      all.push_back({_header.sets.active[static_cast<std::size_t>(of_all_ranks[i])],
-                     static_cast<std::int32_t>(of_all_ranks[i + 1]), of_all_ranks[i + 2], of_all_ranks[i + 3]});
-    std::ranges::sort(all, {}, [](const auto& ray) { return std::pair{ray.node, ray.direction}; });
-    return all;
-  }
-
-  std::int64_t n_compared = 0;
-  std::vector<double> found;  ///< active node, direction, depth and difference of each
-
- private:
-  /// Both are solved from rest along the same increments, so that the same program on the same processor has the same
-  /// bits; other processors differ by the rounding of a converged solve.
-  static constexpr double most = 1e-9;
-
-  static double difference_at(const Ray& then, const Ray& now, std::size_t i) {
-    if (then.status[i] != now.status[i]) return std::numeric_limits<double>::infinity();
-    if (now.status[i] != Status::converged) return 0;
-    const auto force = [i](const Ray& ray) { return Eigen::Vector3d::Map(&ray.force[3 * i]); };
-    const double of_force = (force(now) - force(then)).norm() / force(then).norm();
-    return std::max(of_force, std::abs(now.energy[i] - then.energy[i]) / std::abs(then.energy[i]));
-  }
-
-  const DatabaseHeader& _header;
-  std::optional<Database> _database;
-  std::size_t _n_common = 0;
-  std::int32_t _active = -1;
-  std::vector<Ray> _rays;
 };
 
 /// Solves rays node by node.
@@ -221,6 +165,22 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
   solver.set_stop({});
   SolverLog::instance().set_context("");
   if (!share.interrupted) ray_log.flush(share);
+}
+
+/// Logs the rays that are not solved. @return how many of them target_error has left out
+std::int64_t log_left_out(const std::filesystem::path& file, const DatabaseHeader& header,
+                          const DirectionRounds& rounds, const std::vector<RayIndex>& rays, Share& share) {
+  std::int64_t n = 0;
+  if (rays.empty()) return n;
+  DatabaseWriter log(file, header, 0);
+  for (const auto& ray : rays) {
+    const auto left_out = rounds.left_out(ray);
+    log.append(left_out);
+    share.count(left_out);
+    n += left_out.end.depth_m > 0;
+  }
+  log.close();
+  return n;
 }
 
 /// Throws the error of this rank with the note that finished rays are kept. @throws Error if `trouble` is set
@@ -461,16 +421,8 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
     rounds.report(report);
   }
   session.together([&] {
-    const auto rays = rays_left(header, logged);
-    if (report.interrupted || session.rank() != 0 || rays.empty()) return;
-    DatabaseWriter log(target.file, header, 0);
-    for (const auto& ray : rays) {
-      const auto left_out = rounds.left_out(ray);
-      log.append(left_out);
-      share.count(left_out);
-      report.rays_left_out += left_out.end.depth_m > 0;
-    }
-    log.close();
+    if (!report.interrupted && session.rank() == 0)
+      report.rays_left_out = log_left_out(target.file, header, rounds, rays_left(header, logged), share);
   });
   report.solve_seconds = seconds_since(solve_start);
   const bool packs = !report.interrupted && !complete && !target.shard;
