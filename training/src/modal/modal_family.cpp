@@ -22,8 +22,8 @@ struct Size {
 };
 
 // In ascending order. On the liver of docs/howto/own-organ.md memory and time of a deformation grow by factors of 1.1
-// to 1.7 between successive sizes. The number of force centers is limited to half of the states of a database, which is
-// 78 for 26 directions with 6 increments; larger numbers only take effect with more increments.
+// to 1.7 between successive sizes. The number of force centers is limited to two thirds of the states of a database,
+// which is 104 for 26 directions with 6 increments; larger numbers only take effect with more increments.
 constexpr Size candidate_sizes[] = {{3, 12, 8, 20, 20},   {4, 24, 16, 26, 24},    {4, 40, 20, 30, 30},
                                     {6, 40, 20, 52, 40},  {8, 64, 24, 52, 60},    {12, 64, 24, 80, 80},
                                     {16, 64, 40, 80, 80}, {20, 96, 60, 104, 100}, {24, 120, 80, 156, 120}};
