@@ -16,7 +16,7 @@ using NodeReader = std::function<SearchNode(std::int64_t active)>;
 struct NodeOutcome {
   bool trained = false;
   ActiveNodeModel model;
-  double force_mse = 0, deformation_mse = 0, diagonal_ratio = 1;
+  double force_mse = 0, deformation_mse = 0;
   LinearQuality linear;
   ConservativeFit conservative;
   ModalFit modal;

@@ -7,7 +7,6 @@
 
 #include "amplitude_features.hpp"
 #include "dense_solvers.hpp"
-#include "fixed_shapes.hpp"
 #include "left_out.hpp"
 #include "multiquadric.hpp"
 #include "search_states.hpp"
@@ -122,8 +121,6 @@ void remove(Chooser& c, Index candidate) {
 
 }  // namespace
 
-std::vector<double> amplitude_shape_candidates() { return {0.03, 0.1, 0.3, 0.6, 1.0}; }
-
 Eigen::Matrix<double, 6, 1> even_features(const Vector3d& x, int degree) {
   const double size = x.norm();
   if (!(size > 0)) return Eigen::Matrix<double, 6, 1>::Zero();
@@ -138,7 +135,7 @@ AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const st
   AmplitudeCenters chosen;
   if (std::all_of(nodes.begin(), nodes.end(), [](const auto& node) { return node.row.empty(); })) return chosen;
   chosen.left_out_error = std::numeric_limits<double>::infinity();
-  for (const double candidate : amplitude_shape_candidates()) {
+  for (const double candidate : shape_candidates) {
     // The median is used because a node where the body snaps through is not predicted by any shape and would dominate a
     // mean.
     std::vector<double> errors;
@@ -150,16 +147,6 @@ AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const st
       chosen.shape = candidate;
     }
   }
-  const auto centers = amplitude_centers_of_shape(tables, nodes, max_centers, chosen.shape);
-  chosen.row = centers.row;
-  chosen.order = centers.order;
-  return chosen;
-}
-
-AmplitudeCenters amplitude_centers_of_shape(const TrainingTables& tables, const std::vector<NodeModes>& nodes,
-                                            int max_centers, double shape) {
-  AmplitudeCenters chosen;
-  chosen.shape = shape;
   std::set<std::int32_t> every;
   for (const auto& node : nodes) every.insert(node.row.begin(), node.row.end());
   // Candidates are the states of all nodes, because nodes with different normals have different states.
@@ -167,7 +154,7 @@ AmplitudeCenters amplitude_centers_of_shape(const TrainingTables& tables, const 
   const auto x = scaled_rows(tables, rows);
   std::vector<Chooser> choosers;
   for (const auto& node : nodes)
-    if (!node.row.empty()) choosers.push_back(chooser(tables, node, x, shape));
+    if (!node.row.empty()) choosers.push_back(chooser(tables, node, x, chosen.shape));
   std::vector<char> open(rows.size(), 1);
   while (!rows.empty() && static_cast<int>(chosen.row.size()) < max_centers) {
     VectorXd sum = VectorXd::Zero(x.rows());

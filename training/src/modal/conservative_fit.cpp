@@ -6,7 +6,6 @@
 
 #include "conservative_centers.hpp"
 #include "dense_solvers.hpp"
-#include "fixed_shapes.hpp"
 #include "left_out.hpp"
 #include "levels.hpp"
 #include "modal/multiquadric.hpp"
@@ -321,12 +320,10 @@ ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, 
 
 }  // namespace
 
-std::vector<double> force_shape_candidates() { return {0.03, 0.1, 0.3, 0.6, 1.0}; }
-
 ShapeChoice choose_force_shape(const ForceStates& states) {
   const ForceStates some = thinned(states, (states.row.size() + max_search_states - 1) / max_search_states);
-  ShapeChoice best{force_shape_candidates().front(), std::numeric_limits<double>::infinity()};
-  for (const double shape : force_shape_candidates()) {
+  ShapeChoice best{shape_candidates.front(), std::numeric_limits<double>::infinity()};
+  for (const double shape : shape_candidates) {
     const double error = largest_force(some) > 0 ? left_out_error(some, shape) : 0;
     if (error < best.left_out_error) best = {shape, error};
   }
@@ -369,37 +366,14 @@ ConservativeFit fit_conservative(const ForceStates& all, double max_displacement
   const ForceStates once = merged(all);
   const ForceStates states = thinned(once, (once.row.size() + max_fit_states - 1) / max_fit_states);
   auto [shape, left_out] = choose_force_shape(states);
-  const auto candidates = force_shape_candidates();
   auto fit = fit_shape(states, max_displacement_m, max_centers, shape, n_levels);
   // Flat kernels cause cancellation; use the next sharper one.
-  while (fit.cancellation > largest_cancellation && shape > candidates.front()) {
-    shape = *std::prev(std::lower_bound(candidates.begin(), candidates.end(), shape));
+  while (fit.cancellation > largest_cancellation && shape > shape_candidates.front()) {
+    shape = *std::prev(std::ranges::lower_bound(shape_candidates, shape));
     fit = fit_shape(states, max_displacement_m, max_centers, shape, n_levels);
   }
   fit.left_out_error = left_out;
   return fit;
-}
-
-ConservativeFit fit_conservative_of_shape(const ForceStates& states, double max_displacement_m, int max_centers,
-                                          double shape) {
-  return fit_shape(merged(states), max_displacement_m, max_centers, shape, 1);
-}
-
-double condition_number(const ForceStates& states, const ConservativeNetwork& network) {
-  const Columns columns = columns_of(states, network.shape);
-  const auto m = static_cast<Index>(network.centers.size());
-  MatrixXd a(columns.stiffness.rows(), 3 * m + 6);
-  for (Index j = 0; j < m; ++j) {
-    const auto state =
-        std::lower_bound(states.row.begin(), states.row.end(), network.centers[static_cast<std::size_t>(j)]) -
-        states.row.begin();
-    a.middleCols<3>(3 * j) = columns.centers.middleCols<3>(3 * state);
-  }
-  a.rightCols<6>() = columns.stiffness;
-  const MatrixXd weighted = row_weights(states).asDiagonal() * a;
-  const MatrixXd damped = damped_columns(weighted, column_sizes(weighted), 3 * m);
-  const VectorXd squares = symmetric_eigen(damped.transpose() * damped).values;
-  return squares[squares.size() - 1] / squares[0];
 }
 
 Vector3d evaluate_force(const ConservativeNetwork& network, const Points& displacements, double max_displacement_m,

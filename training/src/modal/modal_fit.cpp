@@ -8,7 +8,6 @@
 
 #include "amplitude_features.hpp"
 #include "dense_solvers.hpp"
-#include "fixed_shapes.hpp"
 #include "left_out.hpp"
 #include "sampling.hpp"
 
@@ -242,13 +241,6 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
   fit.regression_error = mean_share((f * modal.weights.values() - node.amplitudes) * stored.transpose(), node);
   for (const auto& level : levels) fit.levels.push_back(fit_level(tables, level, shared.shape, degree, node, stored));
   return fit;
-}
-
-double condition_number(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node) {
-  const AmplitudeProblem problem(
-      features(scaled_rows(tables, node.row), scaled_rows(tables, shared.centers), shared.shape));
-  const VectorXd values = symmetric_eigen(problem.normal).values;
-  return values[values.size() - 1] / values[0];
 }
 
 }  // namespace phynness

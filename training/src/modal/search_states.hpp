@@ -1,9 +1,13 @@
-// Limits of the searches for centers of forces and amplitudes.
+// What the searches for centers of forces and amplitudes have in common.
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 namespace phynness {
+
+/// Shapes of the kernel that a search tries.
+inline constexpr std::array shape_candidates{0.03, 0.1, 0.3, 0.6, 1.0};
 
 /// Largest number of states in a search. With more states, which would not give better centers, complete directions are
 /// omitted.

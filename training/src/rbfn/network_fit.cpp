@@ -203,23 +203,15 @@ class NetworkBuilder {
     _qr.accept_next();
     project_out();
     int dependent_in_a_row = 0;
-    while (static_cast<int>(_fit.centers.size()) < _max_neurons) {
-      if (_fit.mse.back() <= _options.target_mse) {
-        _fit.stop = FitStop::target_mse;
-        break;
-      }
+    while (static_cast<int>(_fit.centers.size()) < _max_neurons && dependent_in_a_row < max_dependent_in_a_row &&
+           _fit.mse.back() > _options.target_mse) {
       const std::int32_t worst = worst_untried(_error, tried);
-      if (worst < 0) {
-        _fit.stop = FitStop::all_points_tried;
-        break;
-      }
+      if (worst < 0) break;
       tried[worst] = 1;
       _basis.fill(worst, _qr.next());
       if (!_qr.accept_next()) {
-        ++_fit.n_dependent;
-        if (++dependent_in_a_row < max_dependent_in_a_row) continue;
-        _fit.stop = FitStop::dependent;
-        break;
+        ++dependent_in_a_row;
+        continue;
       }
       dependent_in_a_row = 0;
       _fit.centers.push_back(worst);
@@ -243,8 +235,6 @@ class NetworkBuilder {
     RbfNetwork& net = _fit.network;
     const int size = _qr.size();
     const Eigen::MatrixXd solution = solve(size);
-    const auto diagonal = _qr.r().diagonal().head(size);
-    _fit.diagonal_ratio = diagonal.maxCoeff() / diagonal.minCoeff();
     net.bias = solution.row(0).transpose();
     net.weights = solution.bottomRows(size - 1);
     net.centers.resize(size - 1, _points.n_inputs());

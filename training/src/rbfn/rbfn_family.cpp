@@ -53,7 +53,6 @@ class RbfnTraining : public FamilyTraining {
     outcome.trained = true;
     outcome.force_mse = training.force.mse.back();
     outcome.deformation_mse = training.deformation.mse.back();
-    outcome.diagonal_ratio = std::max(training.force.diagonal_ratio, training.deformation.diagonal_ratio);
     for (const auto& level : training.force.levels)
       if (estimate_errors) outcome.force_errors.push_back(level.left_out_error);
     for (const auto& level : training.deformation.levels)
@@ -64,7 +63,6 @@ class RbfnTraining : public FamilyTraining {
   void add(TrainingReport& report, const NodeOutcome& outcome) const override {
     report.mean_force_mse += outcome.force_mse;
     report.mean_deformation_mse += outcome.deformation_mse;
-    report.largest_diagonal_ratio = std::max(report.largest_diagonal_ratio, outcome.diagonal_ratio);
   }
 
   void finish(Model&, TrainingReport& report) const override {

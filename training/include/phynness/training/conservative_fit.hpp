@@ -41,9 +41,6 @@ struct ConservativeFit {
   std::vector<ForceLevel> levels;  ///< smallest first, the last is the full network; empty with a single level
 };
 
-/// Shapes that the search tries, in ascending order.
-std::vector<double> force_shape_candidates();
-
 /// The shape with the smallest left-out error, and this error, as ConservativeFit::left_out_error.
 struct ShapeChoice {
   double shape = 0, left_out_error = 0;

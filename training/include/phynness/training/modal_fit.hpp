@@ -55,8 +55,6 @@ struct AmplitudeCenters {
 /// with the smallest left-out error.
 AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const std::vector<NodeModes>& nodes,
                                           int max_centers);
-/// Shapes that the search tries, in ascending order.
-std::vector<double> amplitude_shape_candidates();
 
 /// A level of the amplitudes: its centers, and its number of modes of each node.
 struct AmplitudeLevel {

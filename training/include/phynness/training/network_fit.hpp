@@ -40,18 +40,11 @@ struct NetworkLevel {
   double left_out_error = 0;
 };
 
-/// Reason for the end of growth.
-enum class FitStop { max_neurons, target_mse, all_points_tried, dependent };
-
 struct NetworkFit {
   RbfNetwork network;                 ///< centers, weights and transforms complete
   std::vector<std::int32_t> centers;  ///< selected training points in order of growth, without repeats
   /// MSE (14) after 0, 1, 2, ... neurons: mean of the squared scaled error over points and outputs.
   std::vector<double> mse;
-  int n_dependent = 0;  ///< candidates skipped because their column was numerically dependent
-  /// Largest over smallest diagonal entry of the triangular factor, a lower bound of the condition number of the basis.
-  double diagonal_ratio = 1;
-  FitStop stop = FitStop::max_neurons;
   std::vector<NetworkLevel> levels;  ///< smallest first, the last is the full network; empty with a single level
 };
 

@@ -34,8 +34,7 @@ struct TrainingReport {
   std::int32_t n_skipped = 0;                           ///< active nodes without a converged increment
   double deformation_spread = 0, force_spread = 0;      ///< used, in scaled inputs
   double mean_deformation_mse = 0, mean_force_mse = 0;  ///< of scaled outputs, on the training points
-  double largest_diagonal_ratio = 1;  ///< largest NetworkFit::diagonal_ratio, a measure of cancellation of weights
-  LinearQuality linear;               ///< worst of all nodes
+  LinearQuality linear;                                 ///< worst of all nodes
   ModalQuality modal;
   std::int64_t n_increments_used = 0;       ///< converged increments of the trained nodes
   std::int64_t n_increments_fitted = 0;     ///< of these, the training states (node_training.hpp)
