@@ -49,7 +49,8 @@ void run(const Options& options) {
   const LoadedModel loaded(options.model);
   const Model& model = loaded.model();
   ImageOptions kind = options.image;
-  kind.force_only = kind.force_only || !operations(model.family).has_deformation(model);
+  const bool deforms = !schema::traits(model.family).has_modes || sizes_of(model).modes > 0;
+  kind.force_only = kind.force_only || model.output.empty() || !deforms;
   const ModelImage image = model_image(model, kind);
   auto queries = golden_queries(loaded, image, std::max(options.golden, least_queries));
   const std::size_t n_measured = queries.query.size();

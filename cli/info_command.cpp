@@ -261,14 +261,8 @@ json about_model(const std::filesystem::path& dir) {
   const LoadedModel model(dir);
   const auto& m = model.model();
   std::vector<std::int32_t> active;
-  std::size_t neurons = 0, force_neurons = 0, centers = 0, modes = 0;
-  for (const auto& node : m.nodes) {
-    centers = std::max(centers, node.conservative.centers.size());
-    modes = std::max(modes, static_cast<std::size_t>(node.modal.weights.cols()));
-    active.push_back(node.node);
-    neurons = std::max(neurons, static_cast<std::size_t>(node.deformation.weights.rows()));
-    force_neurons = std::max(force_neurons, static_cast<std::size_t>(node.force.weights.rows()));
-  }
+  for (const auto& node : m.nodes) active.push_back(node.node);
+  const auto sizes = sizes_of(m);
   print_result("model     {}: family {}, {} \n", dir.string(), name(m.family), m.software_version);
   print_result("scene     {}, physics {}\n", m.title, m.physics_hash);
   const json worst = print_mesh(model.mesh(), {m.fixed, active, m.output});
@@ -311,10 +305,11 @@ json about_model(const std::filesystem::path& dir) {
   print_result("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n", bytes(model.text_bytes()),
                bytes(model.mesh_text_bytes()), bytes(model.memory_bytes()));
   return record("kind", "model", "family", name(m.family), "model_hash", model.hash(), "mesh_hash", m.mesh_hash,
-                "physics_hash", m.physics_hash, "worst_cells", worst, "active", active, "deformation_neurons", neurons,
-                "force_neurons", force_neurons, "force_centers", centers, "modes", modes, "levels", levels, "fields",
-                fields, "bounds", bounds, "finer", finer, "provenance", provenance, "points", points,
-                "model_text_bytes", model.text_bytes(), "memory_bytes", model.memory_bytes());
+                "physics_hash", m.physics_hash, "worst_cells", worst, "active", active, "deformation_neurons",
+                sizes.deformation_neurons, "force_neurons", sizes.force_neurons, "force_centers", sizes.force_centers,
+                "modes", sizes.modes, "levels", levels, "fields", fields, "bounds", bounds, "finer", finer,
+                "provenance", provenance, "points", points, "model_text_bytes", model.text_bytes(), "memory_bytes",
+                model.memory_bytes());
 }
 
 json about_scene(const std::filesystem::path& file) {

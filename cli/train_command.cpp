@@ -124,8 +124,6 @@ struct Trained {
   TrainingReport report;
   std::vector<Field> stored;  ///< fields of the database
   DatabaseErrors errors;
-  /// Largest numbers of a node. They may be below the specified ones if a node has few responses.
-  std::int64_t neurons = 0, force_neurons = 0;
 };
 
 Trained trained(const Options& options) {
@@ -152,10 +150,6 @@ Trained trained(const Options& options) {
     model.title = scene.title;
     model.finer = finer;
     t.loaded.emplace(std::move(model), header.mesh, options.output.string());
-  }
-  for (const auto& node : t.loaded->model().nodes) {
-    t.neurons = std::max<std::int64_t>(t.neurons, node.deformation.weights.rows());
-    t.force_neurons = std::max<std::int64_t>(t.force_neurons, node.force.weights.rows());
   }
   t.errors = errors_on_database(*t.loaded, database);
   t.stored = header.fields;
@@ -212,13 +206,14 @@ void print(const Trained& t, const std::filesystem::path& output) {
 json to_json(const Trained& t) {
   const Model& model = t.loaded->model();
   const TrainingReport& report = t.report;
-  json out =
-      record("family", name(model.family), "networks", report.n_networks, "skipped", report.n_skipped, "increments",
-             report.n_increments_used, "increments_fitted", report.n_increments_fitted, "deformation_neurons",
-             t.neurons, "force_neurons", t.force_neurons, "deformation_spread", report.deformation_spread,
-             "force_spread", report.force_spread, "mean_deformation_mse", report.mean_deformation_mse, "mean_force_mse",
-             report.mean_force_mse, "training_errors", t.errors, "seconds", report.seconds, "model_bytes",
-             t.loaded->text_bytes(), "mesh_bytes", t.loaded->mesh_text_bytes());
+  const auto sizes = sizes_of(model);  // below the specified ones if a node has few responses
+  json out = record("family", name(model.family), "networks", report.n_networks, "skipped", report.n_skipped,
+                    "increments", report.n_increments_used, "increments_fitted", report.n_increments_fitted,
+                    "deformation_neurons", sizes.deformation_neurons, "force_neurons", sizes.force_neurons,
+                    "deformation_spread", report.deformation_spread, "force_spread", report.force_spread,
+                    "mean_deformation_mse", report.mean_deformation_mse, "mean_force_mse", report.mean_force_mse,
+                    "training_errors", t.errors, "seconds", report.seconds, "model_bytes", t.loaded->text_bytes(),
+                    "mesh_bytes", t.loaded->mesh_text_bytes());
   for (const auto& figure : operations(model.family).figures(report))
     out[name(model.family)][figure.key] = figure.value;
   for (const auto& level : model.levels)

@@ -148,6 +148,22 @@ class Training {
 
 }  // namespace
 
+TrainingSpec sizes_of(const Model& model) {
+  TrainingSpec spec;
+  spec.family = model.family;
+  spec.modes = spec.near_nodes = spec.force_centers = spec.deformation_neurons = spec.force_neurons = 0;
+  spec.shared_modes = static_cast<int>(model.shared.modes.cols());
+  spec.amplitude_centers = static_cast<int>(model.shared.centers.size());
+  for (const auto& node : model.nodes) {
+    spec.modes = std::max(spec.modes, static_cast<int>(node.modal.weights.cols()));
+    spec.near_nodes = std::max(spec.near_nodes, static_cast<int>(node.modal.near.size()));
+    spec.force_centers = std::max(spec.force_centers, static_cast<int>(node.conservative.centers.size()));
+    spec.deformation_neurons = std::max(spec.deformation_neurons, static_cast<int>(node.deformation.weights.rows()));
+    spec.force_neurons = std::max(spec.force_neurons, static_cast<int>(node.force.weights.rows()));
+  }
+  return spec;
+}
+
 const std::vector<const FamilyOperations*>& every_family() {
   static const std::vector<const FamilyOperations*> all = {&linear_operations, &modal_operations, &rbfn_operations};
   return all;

@@ -13,24 +13,6 @@ namespace {
 /// probes.
 constexpr std::int64_t probed_nodes = 10;
 
-/// The sizes of a model: the largest of all nodes.
-TrainingSpec sizes_of(const Model& model) {
-  TrainingSpec spec;
-  spec.family = model.family;
-  spec.modes = spec.near_nodes = spec.force_centers = spec.deformation_neurons = spec.force_neurons = 0;
-  spec.shared_modes = static_cast<int>(model.shared.modes.cols());
-  spec.amplitude_centers = static_cast<int>(model.shared.centers.size());
-  for (const auto& node : model.nodes) {
-    spec.modes = std::max(spec.modes, static_cast<int>(node.modal.weights.cols()));
-    spec.near_nodes = std::max(spec.near_nodes, static_cast<int>(node.modal.near.size()));
-    spec.force_centers = std::max(spec.force_centers, static_cast<int>(node.conservative.centers.size()));
-    spec.deformation_neurons =
-        std::max(spec.deformation_neurons, static_cast<int>(node.deformation.center_displacement.size()));
-    spec.force_neurons = std::max(spec.force_neurons, static_cast<int>(node.force.center_displacement.size()));
-  }
-  return spec;
-}
-
 }  // namespace
 
 TuningReport tune(const SolverSession& session, const Scene& scene, const Database& database,

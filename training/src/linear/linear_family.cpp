@@ -62,7 +62,6 @@ const FamilyOperations linear_operations = {
     },
     [](const TrainingSpec&) { return std::string("linear"); },
     [](const TrainingSpec&) { return std::vector<std::pair<std::string, int>>{}; },
-    [](const Model& model) { return !model.output.empty(); },
     describe_linear,
     figures_of_linear};
 

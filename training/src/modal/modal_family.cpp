@@ -196,23 +196,11 @@ std::vector<std::pair<std::string, int>> sizes(const TrainingSpec& spec) {
           {"force_centers", spec.force_centers}};
 }
 
-/// Largest sizes of all nodes.
-struct Largest {
-  std::size_t centers = 0, modes = 0;
-};
-Largest largest(const Model& model) {
-  Largest found;
-  for (const auto& node : model.nodes) {
-    found.centers = std::max(found.centers, node.conservative.centers.size());
-    found.modes = std::max(found.modes, static_cast<std::size_t>(node.modal.weights.cols()));
-  }
-  return found;
-}
-
 std::string describe_modal(const Model& model) {
-  const auto [centers, modes] = largest(model);
+  const auto size = sizes_of(model);
   return fmt::format("{} force centers and {} modes each, {} shared modes, {} amplitude centers; trained to {:.4g} m",
-                     centers, modes, model.shared.modes.cols(), model.shared.centers.size(), model.max_displacement_m);
+                     size.force_centers, size.modes, size.shared_modes, size.amplitude_centers,
+                     model.max_displacement_m);
 }
 
 std::vector<TrainingFigure> figures_of_modal(const TrainingReport& report) {
@@ -230,18 +218,18 @@ std::vector<TrainingFigure> figures_of_modal(const TrainingReport& report) {
 
 }  // namespace
 
-const FamilyOperations modal_operations = {
-    Family::modal,
-    "conservative forces and modes",
-    "modes and centers",
-    check_modal,
-    [](const DatabaseHeader& header, const TrainingTables& tables, const TrainingSpec& spec)
-        -> std::unique_ptr<FamilyTraining> { return std::make_unique<ModalTraining>(header, tables, spec); },
-    candidates,
-    model_name,
-    sizes,
-    [](const Model& model) { return !model.output.empty() && largest(model).modes > 0; },
-    describe_modal,
-    figures_of_modal};
+const FamilyOperations modal_operations = {Family::modal,
+                                           "conservative forces and modes",
+                                           "modes and centers",
+                                           check_modal,
+                                           [](const DatabaseHeader& header, const TrainingTables& tables,
+                                              const TrainingSpec& spec) -> std::unique_ptr<FamilyTraining> {
+                                             return std::make_unique<ModalTraining>(header, tables, spec);
+                                           },
+                                           candidates,
+                                           model_name,
+                                           sizes,
+                                           describe_modal,
+                                           figures_of_modal};
 
 }  // namespace phynness

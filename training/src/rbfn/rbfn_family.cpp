@@ -97,20 +97,13 @@ std::vector<std::pair<std::string, int>> sizes(const TrainingSpec& spec) {
   return {{"deformation_neurons", spec.deformation_neurons}, {"force_neurons", spec.force_neurons}};
 }
 
-/// Largest numbers of neurons of all nodes: for deformation and for force.
-std::pair<Eigen::Index, Eigen::Index> most_neurons(const Model& model) {
-  std::pair<Eigen::Index, Eigen::Index> most{0, 0};
-  for (const auto& node : model.nodes)
-    most = {std::max(most.first, node.deformation.weights.rows()), std::max(most.second, node.force.weights.rows())};
-  return most;
-}
-
 std::string describe_rbfn(const Model& model) {
-  const auto [neurons, force_neurons] = most_neurons(model);
+  const auto size = sizes_of(model);
   const auto spreads = model.nodes.empty() ? std::pair{0.0, 0.0}
                                            : std::pair{model.nodes[0].deformation.spread, model.nodes[0].force.spread};
-  return fmt::format("{} neurons for deformation, {} for force, spread {:.3g} and {:.3g}; trained to {:.4g} m", neurons,
-                     force_neurons, spreads.first, spreads.second, model.max_displacement_m);
+  return fmt::format("{} neurons for deformation, {} for force, spread {:.3g} and {:.3g}; trained to {:.4g} m",
+                     size.deformation_neurons, size.force_neurons, spreads.first, spreads.second,
+                     model.max_displacement_m);
 }
 
 }  // namespace
@@ -126,7 +119,6 @@ const FamilyOperations rbfn_operations = {Family::rbfn,
                                           candidates,
                                           model_name,
                                           sizes,
-                                          [](const Model& model) { return !model.output.empty(); },
                                           describe_rbfn,
                                           [](const TrainingReport&) { return std::vector<TrainingFigure>{}; }};
 

@@ -33,13 +33,14 @@ struct FamilyOperations {
   std::vector<TrainingSpec> (*candidates)(const TrainingSpec& spec);
   std::string (*model_name)(const TrainingSpec& spec);
   std::vector<std::pair<std::string, int>> (*sizes)(const TrainingSpec& spec);
-  /// Whether any node has a deformation; a modal model may have forces only.
-  bool (*has_deformation)(const Model& model);
   /// Sizes of a model in one line.
   std::string (*describe)(const Model& model);
   /// Of a trained model; empty in family rbfn, whose figures are part of every report.
   std::vector<TrainingFigure> (*figures)(const TrainingReport& report);
 };
+
+/// The sizes of a model: the largest of all nodes, 0 for those of other families.
+TrainingSpec sizes_of(const Model& model);
 
 const FamilyOperations& operations(Family family);
 /// All families, the recommended ones first.
