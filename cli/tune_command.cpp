@@ -96,15 +96,13 @@ TuningLimits limits_of(const Options& options) {
   return limits;
 }
 
-std::vector<SpacingRow> spacings_of(const Options& options, const Scene& scene) {
-  if (!options.spacings) return {};
-  std::optional<Progress> progress;
-  std::string doing;
-  return compare_spacings(scene, options.database, [&](const std::string& what, std::int64_t done, std::int64_t total) {
-    if (what != doing) progress.emplace(doing = what, "nodes");
-    progress->update(done, total);
-    return true;
-  });
+/// A line of progress for each work.
+TuningProgress shown_progress() {
+  return [progress = std::make_shared<std::optional<Progress>>(), doing = std::string()](
+             const std::string& what, std::int64_t done, std::int64_t total) mutable {
+    if (what != doing) progress->emplace(doing = what, what == "solve probes" ? "rays" : "nodes");
+    (*progress)->update(done, total);
+  };
 }
 
 void print(const std::vector<SpacingRow>& rows, const TuningLimits& limits) {
@@ -132,18 +130,6 @@ void check_plot(const Options& options) {
   if (options.plot_file && options.plot_file->extension() != ".html")
     throw input_error("the format of the plot is unknown", options.plot_file->string(),
                       "give --plot a name that ends in .html");
-}
-
-TuningReport tuned(const Options& options, const SolverSession& session, const Scene& scene, const Database& database) {
-  std::optional<Progress> progress;
-  std::string doing;
-  return tune(session, scene, database, tuning_candidates(scene), options.probes,
-              static_cast<std::uint64_t>(options.seed),
-              [&](const std::string& what, std::int64_t done, std::int64_t total) {
-                if (what != doing) progress.emplace(doing = what, what == "solve probes" ? "rays" : "nodes");
-                progress->update(done, total);
-                return true;
-              });
 }
 
 void print(const Scene& scene, const TuningReport& report, const TuningChoice& choice, const TuningLimits& limits) {
@@ -189,8 +175,10 @@ void run(const Options& options) {
     throw input_error("the database was solved with equations of an earlier version", options.database.string(),
                       "precompute again");
   end_at_signals("tuning was interrupted\n  remedy: run the same command again; nothing was written\n");
-  const auto spacings = spacings_of(options, scene);
-  TuningReport report = tuned(options, session, scene, database);
+  const auto spacings =
+      options.spacings ? compare_spacings(scene, options.database, shown_progress()) : std::vector<SpacingRow>();
+  TuningReport report =
+      tune(session, scene, database, options.probes, static_cast<std::uint64_t>(options.seed), shown_progress());
   install_stop_handler();  // the outputs are written
   mark_front(report.models, limits.statistic);
   const auto choice = choose_model(report.models, limits);

@@ -1,7 +1,8 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <phynness/tuning/spacing.hpp>
 
@@ -24,55 +25,36 @@ constexpr StatisticRow statistics[] = {{&ErrorStatistics::mean, "mean error"},
                                        {&ErrorStatistics::p95, "95 % quantile of the error"}};
 const StatisticRow& row_of(ErrorStatistic statistic) { return statistics[static_cast<std::size_t>(statistic)]; }
 
-std::string text(int what, double value) {
-  char buffer[64];
-  if (what == 0)
-    std::snprintf(buffer, sizeof buffer, "%.3g %%", 100 * value);
-  else if (what == 1)
-    std::snprintf(buffer, sizeof buffer, "%.3g us", value);
-  else
-    std::snprintf(buffer, sizeof buffer, "%.3g MB", value / 1e6);
-  return buffer;
+std::string text(std::size_t what, double value) {
+  return what == 0   ? fmt::format("{:.3g} %", 100 * value)
+         : what == 1 ? fmt::format("{:.3g} us", value)
+                     : fmt::format("{:.3g} MB", value / 1e6);
 }
 
 std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs& limit, ErrorStatistic statistic) {
   const std::array<const char*, 3> what_of{row_of(statistic).name, "time of a deformation", "memory"};
-  const auto costs_of = [&](const MeasuredModel& m) { return costs(m, statistic); };
-  if (std::none_of(models.begin(), models.end(), [&](const auto& m) { return std::isfinite(m.error(statistic)); }))
+  if (std::ranges::none_of(models, [&](const auto& m) { return std::isfinite(m.error(statistic)); }))
     return "no probe inside the trained range was solved, so that the errors are unknown";
   std::string said;
-  for (int k = 0; k < 3; ++k) {
-    const auto best = std::min_element(models.begin(), models.end(), [&](const auto& a, const auto& b) {
-      return costs_of(a)[static_cast<std::size_t>(k)] < costs_of(b)[static_cast<std::size_t>(k)];
-    });
-    const double least = costs_of(*best)[static_cast<std::size_t>(k)], allowed = limit[static_cast<std::size_t>(k)];
-    if (least <= allowed) continue;
-    char times[32];
-    std::snprintf(times, sizeof times, "%.3g", least / allowed);
-    if (!said.empty()) said.append("; ");
-    said.append(what_of[static_cast<std::size_t>(k)]).append(": the smallest is ").append(text(k, least));
-    said.append(" (").append(best->candidate.name).append("), ").append(times);
-    said.append(" times the limit of ").append(text(k, allowed));
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto best = std::ranges::min_element(models, {}, [&](const auto& m) { return costs(m, statistic)[k]; });
+    const double least = costs(*best, statistic)[k];
+    if (least > limit[k])
+      said += fmt::format("{}{}: the smallest is {} ({}), {:.3g} times the limit of {}", said.empty() ? "" : "; ",
+                          what_of[k], text(k, least), best->candidate.name, least / limit[k], text(k, limit[k]));
   }
   if (!said.empty()) return said;
   // Each limit can be met by some model. The model with the smallest factor above its limits is reported.
-  const auto worst = [&](const MeasuredModel& m) {
+  const auto nearest = std::ranges::min_element(models, {}, [&](const MeasuredModel& m) {
     double ratio = 0;
-    for (std::size_t k = 0; k < 3; ++k) ratio = std::max(ratio, costs_of(m)[k] / limit[k]);
+    for (std::size_t k = 0; k < 3; ++k) ratio = std::max(ratio, costs(m, statistic)[k] / limit[k]);
     return ratio;
-  };
-  const auto nearest =
-      std::min_element(models.begin(), models.end(), [&](const auto& a, const auto& b) { return worst(a) < worst(b); });
-  said.append("each limit can be met, but not all of them by the same model; the nearest model is ");
-  said.append(nearest->candidate.name).append(":");
-  for (int k = 0; k < 3; ++k)
-    if (const double cost = costs_of(*nearest)[static_cast<std::size_t>(k)];
-        cost > limit[static_cast<std::size_t>(k)]) {
-      said.append(" ").append(what_of[static_cast<std::size_t>(k)]).append(" ").append(text(k, cost));
-      said.append(", limit ").append(text(k, limit[static_cast<std::size_t>(k)])).append(";");
-    }
-  said.pop_back();
-  return said;
+  });
+  for (std::size_t k = 0; k < 3; ++k)
+    if (const double cost = costs(*nearest, statistic)[k]; cost > limit[k])
+      said += fmt::format("{} {} {}, limit {}", said.empty() ? "" : ";", what_of[k], text(k, cost), text(k, limit[k]));
+  return fmt::format("each limit can be met, but not all of them by the same model; the nearest model is {}:{}",
+                     nearest->candidate.name, said);
 }
 
 }  // namespace
@@ -87,12 +69,7 @@ void mark_front(std::vector<MeasuredModel>& models, ErrorStatistic statistic) {
   for (auto& m : models) {
     m.on_front = std::none_of(models.begin(), models.end(), [&](const MeasuredModel& other) {
       const auto a = costs(other, statistic), b = costs(m, statistic);
-      bool as_good = true, better = false;
-      for (std::size_t k = 0; k < 3; ++k) {
-        as_good = as_good && a[k] <= b[k];
-        better = better || a[k] < b[k];
-      }
-      return as_good && better;
+      return a != b && a[0] <= b[0] && a[1] <= b[1] && a[2] <= b[2];
     });
   }
 }

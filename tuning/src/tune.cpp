@@ -15,25 +15,32 @@ constexpr std::int64_t probed_nodes = 10;
 
 }  // namespace
 
-TuningReport tune(const SolverSession& session, const Scene& scene, const Database& database,
-                  const std::vector<Candidate>& candidates, std::int64_t probes, std::uint64_t seed,
-                  const TuningProgress& progress) {
+std::vector<Candidate> tuning_candidates(const Scene& scene) {
+  std::vector<Candidate> candidates;
+  for (const auto* family : every_family()) {
+    if (schema::traits(family->family).proportional && !scene.material.law->linear) continue;
+    for (const auto& spec : family->candidates(scene.training)) candidates.push_back({family->model_name(spec), spec});
+  }
+  return candidates;
+}
+
+TuningReport tune(const SolverSession& session, const Scene& scene, const Database& database, std::int64_t probes,
+                  std::uint64_t seed, const TuningProgress& progress) {
   const auto start = std::chrono::steady_clock::now();
   const auto& mesh = database.header().mesh;
   TuningReport report;
   report.probes = probes;
   std::vector<NodeProbes> solved;
-  for (const auto& candidate : candidates) {
+  for (const auto& candidate : tuning_candidates(scene)) {
     MeasuredModel measured;
     measured.candidate = candidate;
     TrainingReport training;
-    bool going = true;
     try {
       measured.model = train(database, candidate.spec, training, [&](std::int64_t done, std::int64_t total) {
-        return going = !progress || progress("train " + candidate.name, done, total);
+        progress("train " + candidate.name, done, total);
+        return true;
       });
     } catch (const Error& error) {
-      if (!going) throw;
       report.left_out.push_back(candidate.name + ": " + error.what());
       continue;
     }
@@ -44,18 +51,14 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
     const LoadedModel model(measured.model, mesh, candidate.name);
     if (solved.empty()) {
       const auto plan = plan_probes(model, scene.probe.directions, probes, seed, probed_nodes);
-      const auto share = solve_probes(
+      solve_probes(
           session, scene, model, plan,
-          [&](std::int64_t done, std::int64_t total) { going = !progress || progress("solve probes", done, total); },
-          [&] { return !going; },
+          [&](std::int64_t done, std::int64_t total) { progress("solve probes", done, total); }, {},
           [&](std::size_t, NodeProbes&& found) {
             report.nodes.push_back(found.node);
             report.failed += found.failed;
             solved.push_back(std::move(found));
           });
-      if (share.stopped)
-        throw failure("tuning was interrupted", std::to_string(share.rays) + " rays of the validation are solved",
-                      "run the command again");
       report.linear = linear_errors(solved);
     }
     measured.errors = model_errors(model, solved);

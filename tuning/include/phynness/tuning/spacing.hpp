@@ -19,9 +19,9 @@ struct SpacingRow {
 /// Trains the scene's model on fewer and fewer points of the database, spread evenly, and compares its forces at all
 /// states of the points that are left out. Nothing is solved. The spacings are a quarter to the whole of the tool's
 /// radius, as far as they leave points out.
-/// @throws Error (input) if the scene has no round tools or no point can be left out, (failure) if it is interrupted
+/// @throws Error (input) if the scene has no round tools or no point can be left out
 std::vector<SpacingRow> compare_spacings(const Scene& scene, const std::filesystem::path& database,
-                                         const TuningProgress& progress = {});
+                                         const TuningProgress& progress);
 
 /// The largest spacing with an error of at most `error` and at most 5 % of the nodes unanswered; null: none.
 const SpacingRow* sparsest(const std::vector<SpacingRow>& rows, double error, ErrorStatistic statistic);

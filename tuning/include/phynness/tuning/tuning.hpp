@@ -67,16 +67,14 @@ struct TuningReport {
   double seconds = 0;
 };
 
-/// Called with a description of the present work, the finished and the total number. If it returns false, tune throws
-/// an Error.
-using TuningProgress = std::function<bool(const std::string&, std::int64_t, std::int64_t)>;
+/// Called with a description of the present work, the finished and the total number.
+using TuningProgress = std::function<void(const std::string&, std::int64_t, std::int64_t)>;
 
 /// Trains each candidate on the whole database and measures it by `probes` new solves with random directions and
 /// depths, half of them inside the trained range, at ten active nodes (selected as in validation.hpp). The solves are
 /// the same for all candidates. Must run as one process.
-/// @throws Error (input) if the database belongs to another scene, (failure) if it is interrupted
-TuningReport tune(const SolverSession& session, const Scene& scene, const Database& database,
-                  const std::vector<Candidate>& candidates, std::int64_t probes, std::uint64_t seed,
-                  const TuningProgress& progress = {});
+/// @throws Error (input) if the database belongs to another scene
+TuningReport tune(const SolverSession& session, const Scene& scene, const Database& database, std::int64_t probes,
+                  std::uint64_t seed, const TuningProgress& progress);
 
 }  // namespace phynness
