@@ -263,7 +263,7 @@ std::vector<SurfacePoint> ToolOptions::places(const Mesh& mesh) const {
     if (node < 0 || node >= mesh.n_nodes())
       throw input_error("the mesh has no such node", "--node " + std::to_string(node),
                         "give a number from 0 to " + std::to_string(mesh.n_nodes() - 1));
-    SurfacePoint place{{node, -1, -1}, {1, 0, 0}, {}, 0};
+    SurfacePoint place = at_node(node);
     for (int k = 0; k < 3; ++k) place.point[static_cast<std::size_t>(k)] = mesh.nodes(node, k);
     found.push_back(place);
   }

@@ -80,14 +80,7 @@ std::int32_t write_fine_surface(const LoadedModel& model, const Points& displace
 
 std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places, const std::vector<Vec3>& displacements) {
   std::vector<phn_tool> tools;
-  for (std::size_t t = 0; t < places.size(); ++t) {
-    phn_tool& tool = tools.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      tool.nodes[k] = places[t].nodes[k];
-      tool.weights[k] = places[t].weights[k];
-      tool.displacement[k] = displacements[t][k];
-    }
-  }
+  for (std::size_t t = 0; t < places.size(); ++t) tools.push_back(tool_at(places[t], displacements[t]));
   return tools;
 }
 

@@ -83,12 +83,8 @@ Answer answer_of(const LoadedModel& model, const Motion& motion, const std::stri
   for (std::size_t i = 0; i < motion.time_s.size(); ++i) try {
       tools.clear();
       for (std::size_t t = 0; t < motion.tools.size(); ++t) {
-        const auto& d = motion.displacement_m[i][t];
-        if (!d) continue;
-        auto& tool = tools.emplace_back();
-        std::copy_n(motion.tools[t].nodes.begin(), 3, tool.nodes);
-        std::copy_n(motion.tools[t].weights.begin(), 3, tool.weights);
-        std::copy_n(d->begin(), 3, tool.displacement);
+        const auto& [nodes, weights] = motion.tools[t];
+        if (const auto& d = motion.displacement_m[i][t]) tools.push_back(tool_at({nodes, weights}, *d));
       }
       double energy = 0;
       answer.status.push_back(ask(model, tools, forces, energy));

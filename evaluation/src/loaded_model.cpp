@@ -6,12 +6,21 @@
 namespace phynness {
 namespace {
 
+constexpr std::int32_t most_tools = 16;
+
 rt::Span<double> span(Points& points) { return {points.data(), static_cast<std::size_t>(points.size())}; }
 
 }  // namespace
 
-LoadedModel::LoadedModel(const std::filesystem::path& dir, std::int32_t max_tools)
-    : _name((dir / "model.txt").string()), _max_tools(max_tools) {
+phn_tool tool_at(const SurfacePoint& place, const Vec3& displacement_m) {
+  phn_tool tool{};
+  std::ranges::copy(place.nodes, tool.nodes);
+  std::ranges::copy(place.weights, tool.weights);
+  std::ranges::copy(displacement_m, tool.displacement);
+  return tool;
+}
+
+LoadedModel::LoadedModel(const std::filesystem::path& dir) : _name((dir / "model.txt").string()) {
   ModelTexts texts = read_model_texts(dir);
   _text = std::move(texts.model);
   _mesh_text_bytes = texts.mesh.size();
@@ -20,13 +29,12 @@ LoadedModel::LoadedModel(const std::filesystem::path& dir, std::int32_t max_tool
   require_mesh(_mesh, _runtime.info().mesh_hash);
 }
 
-LoadedModel::LoadedModel(Model model, Mesh mesh, const std::string& name, std::int32_t max_tools)
+LoadedModel::LoadedModel(Model model, Mesh mesh, const std::string& name)
     : _name(name),
       _text(write_model_text(model)),
       _mesh_text_bytes(write_mesh_text(mesh).size()),
       _model(std::move(model)),
-      _mesh(std::move(mesh)),
-      _max_tools(max_tools) {
+      _mesh(std::move(mesh)) {
   load();
 }
 
@@ -37,7 +45,7 @@ std::string LoadedModel::hash() const {
 
 void LoadedModel::load() {
   _runtime = rt::Model(_text);
-  if (_runtime) _data = rt::Tools(_runtime, _max_tools);
+  if (_runtime) _data = rt::Tools(_runtime, most_tools);
   const rt::Status status = _runtime ? _data.status() : _runtime.status();
   if (status.ok()) return;
   model();  // throws an error with the line and the value if the text is invalid
@@ -116,9 +124,9 @@ std::optional<double> LoadedModel::error_bound(std::int32_t node, const Vec3& di
 ModelResponse LoadedModel::respond(const std::vector<std::int32_t>& nodes,
                                    const std::vector<Vec3>& displacement_m) const {
   const std::size_t n_tools = nodes.size();
-  if (n_tools > static_cast<std::size_t>(_max_tools))
+  if (n_tools > static_cast<std::size_t>(most_tools))
     throw input_error("there are too many tools", std::to_string(n_tools),
-                      "give at most " + std::to_string(_max_tools) + " tools");
+                      "give at most " + std::to_string(most_tools) + " tools");
   ModelResponse response;
   response.displacement_m.resize(_runtime.n_output(), 3);
   std::vector<double> d;

@@ -33,15 +33,6 @@ std::vector<State> states_of(const Database& database, std::size_t active, doubl
   return states;
 }
 
-phn_tool tool_at(std::int32_t node, const Vec3& d) {
-  phn_tool tool{};
-  tool.nodes[0] = node;
-  tool.nodes[1] = tool.nodes[2] = -1;
-  tool.weights[0] = 1;
-  std::copy(d.begin(), d.end(), tool.displacement);
-  return tool;
-}
-
 std::int32_t nearest(const Points& nodes, const std::vector<std::int32_t>& points, std::int32_t node) {
   return *std::min_element(points.begin(), points.end(), [&](auto a, auto b) {
     return (nodes.row(a) - nodes.row(node)).squaredNorm() < (nodes.row(b) - nodes.row(node)).squaredNorm();
@@ -63,7 +54,7 @@ void compare(const Database& all, const LoadedModel& model, SpacingRow& row) {
     const auto point = nearest(header.mesh.nodes, points, node);
     try {
       for (const auto& [d, f] : states) {
-        const auto said = model.couple({tool_at(node, d)});
+        const auto said = model.couple({tool_at(at_node(node), d)});
         between.push_back((to_eigen(*said.force_N[0]) - to_eigen(f)).norm() / largest);
         at_nearest.push_back((to_eigen(model.force(point, d)) - to_eigen(f)).norm() / largest);
       }

@@ -109,7 +109,7 @@ class PairComparison {
       return;  // counts as not solved
     }
     std::vector<phn_tool> tools;
-    for (std::size_t t = 0; t < 2; ++t) tools.push_back({{nodes[t], -1, -1}, {1, 0, 0}, {d[t][0], d[t][1], d[t][2]}});
+    for (std::size_t t = 0; t < 2; ++t) tools.push_back(tool_at(at_node(nodes[t]), d[t]));
     const auto coupled = _model.couple(tools);
     pair.status = coupled.status;
     const auto truth = _solver.solve(d, _increments);

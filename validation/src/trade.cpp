@@ -123,7 +123,7 @@ void Trade::solve(TradeRow& row) {
   auto& all = _forces[static_cast<std::size_t>(&row - _report.rows.data())];
   const std::clock_t before = std::clock();
   ProbeSolver solver(row.scene, row.body->mesh, {row.body->sets.fixed, row.body->sets.active, row.body->sets.active});
-  solver.set_stop(_stop ? _stop : [] { return false; });
+  solver.set_stop(_stop);
   for (const auto& place : _places) {
     auto& forces = all.emplace_back();
     try {

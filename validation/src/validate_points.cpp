@@ -14,9 +14,7 @@
 namespace phynness {
 namespace {
 
-struct Place {
-  std::array<std::int32_t, 3> nodes{};
-  std::array<double, 3> weights{};
+struct Place : SurfacePoint {
   std::vector<Vec3> displacements;
 
   std::int32_t nearest_corner() const {
@@ -135,22 +133,12 @@ class PointComparison {
   }
 
  private:
-  ModelResponse couple(const Place& place, const Vec3& d) const {
-    phn_tool held{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      held.nodes[k] = place.nodes[k];
-      held.weights[k] = place.weights[k];
-      held.displacement[k] = d[k];
-    }
-    return _model.couple({held});
-  }
-
   /// Without errors, not solved.
   JudgedProbe probe(std::size_t point, const Place& place, const Vec3& d) const {
     JudgedProbe made;
     made.node = static_cast<std::int32_t>(point);
     made.displacement_m = d;
-    made.flagged = is_flagged(couple(place, d).status);
+    made.flagged = is_flagged(_model.couple({tool_at(place, d)}).status);
     made.reached_m = -1;
     return made;
   }
@@ -158,7 +146,7 @@ class PointComparison {
   void at(std::size_t point, const Place& place, PointReport& report) {
     std::vector<Compared> coupled, linear, at_node;
     std::vector<JudgedProbe> probes;
-    _solver.touch_points({{place.nodes, place.weights}});
+    _solver.touch_points({place});
     for (const auto& d : place.displacements) {
       const auto truth = _solver.solve({d}, _increments);
       probes.push_back(probe(point, place, d));
@@ -169,7 +157,7 @@ class PointComparison {
       }
       const auto& output = _model.model().output;
       const Points u = rows_of(truth.displacement_m, output);
-      const auto said = couple(place, d);
+      const auto said = _model.couple({tool_at(place, d)});
       report.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
       report.largest_residual_m = std::max(report.largest_residual_m, said.coupled.residual);
       coupled.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m, u});

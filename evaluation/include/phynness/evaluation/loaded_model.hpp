@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <phynness/formats/model.hpp>
+#include <phynness/formats/tool.hpp>
 #include <phynness/phynness.hpp>
 #include <vector>
 
@@ -22,14 +23,16 @@ struct ModelResponse {
   std::vector<std::optional<double>> bound_N;
 };
 
+phn_tool tool_at(const SurfacePoint& place, const Vec3& displacement_m);
+
 /// Must not be used by several threads at the same time.
 class LoadedModel {
  public:
   /// Loads a model directory. Until model() is called, only the runtime parses the text.
   /// @throws Error (input) if a file is missing or invalid, or if mesh.txt does not belong to model.txt
-  explicit LoadedModel(const std::filesystem::path& dir, std::int32_t max_tools = 16);
+  explicit LoadedModel(const std::filesystem::path& dir);
   /// Loads a model that is not in files. @param name  for messages
-  LoadedModel(Model model, Mesh mesh, const std::string& name, std::int32_t max_tools = 16);
+  LoadedModel(Model model, Mesh mesh, const std::string& name);
 
   /// The coefficients of the model, parsed from its text at the first call.
   const Model& model() const;
@@ -76,7 +79,6 @@ class LoadedModel {
   Mesh _mesh;
   rt::Model _runtime;
   mutable rt::Tools _data;
-  std::int32_t _max_tools = 0;
 };
 
 }  // namespace phynness
