@@ -1,6 +1,7 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <phynness/evaluation/database_errors.hpp>
 #include <phynness/validation/surface_points.hpp>
@@ -59,46 +60,41 @@ std::string WorseThanLinear::sentence() const {
                       : of == "outside" ? "beyond the trained range"
                       : of == "points"  ? "for tools between nodes"
                                         : "for two tools";
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "the model is worse than the linear predictor %s: mean error of the %s %.2f %%, of the linear "
-                "predictor %.2f %%",
-                where, what, 100 * model, 100 * linear);
-  return text;
+  return fmt::format(
+      "the model is worse than the linear predictor {}: mean error of the {} {:.2f} %, of the linear predictor {:.2f} "
+      "%",
+      where, what, 100 * model, 100 * linear);
 }
 
 namespace {
 
-/// Adds a comparison of the means of force and displacement.
+/// Comparisons of the means of force and displacement in which the model is worse.
 template <class Errors>
-void compare(const char* range, const Errors& model, const Errors& linear, std::vector<WorseThanLinear>& worse) {
+std::vector<WorseThanLinear> worse_in(const char* range, const Errors& model, const Errors& linear) {
+  std::vector<WorseThanLinear> worse;
   const auto add = [&](const char* what, const ErrorStatistics& a, const ErrorStatistics& b) {
     if (a.n > 0 && b.n > 0 && is_worse_than_linear(a.mean, b.mean)) worse.push_back({what, range, a.mean, b.mean});
   };
   add("force", model.force, linear.force);
   add("displacement", model.displacement, linear.displacement);
+  return worse;
 }
 
 }  // namespace
 
 std::vector<WorseThanLinear> worse_than_linear(const ValidationReport& report) {
-  std::vector<WorseThanLinear> worse;
   const auto &model = report.of(Predictor::model), &linear = report.of(Predictor::linear);
-  compare("inside", model.inside, linear.inside, worse);
-  compare("outside", model.outside, linear.outside, worse);
+  auto worse = worse_in("inside", model.inside, linear.inside);
+  std::ranges::copy(worse_in("outside", model.outside, linear.outside), std::back_inserter(worse));
   return worse;
 }
 
 std::vector<WorseThanLinear> worse_than_linear(const PointReport& report) {
-  std::vector<WorseThanLinear> worse;
-  compare("points", report.coupled, report.linear, worse);
-  return worse;
+  return worse_in("points", report.coupled, report.linear);
 }
 
 std::vector<WorseThanLinear> worse_than_linear(const PairReport& report) {
-  std::vector<WorseThanLinear> worse;
-  compare("pairs", report.all.of(PairPredictor::coupled), report.all.of(PairPredictor::linear), worse);
-  return worse;
+  return worse_in("pairs", report.all.of(PairPredictor::coupled), report.all.of(PairPredictor::linear));
 }
 
 std::optional<double> rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {

@@ -47,21 +47,14 @@ ProbedState state_of(const Model& model, const ProbeSolver& solver, const Vec3& 
   const Eigen::Vector3d dd(d[0], d[1], d[2]);
   const Eigen::Vector3d linear_force = solver.rest().stiffness_N_per_m * dd;
   state.force_linear = {linear_force[0], linear_force[1], linear_force[2]};
-  state.u_FE.resize(n, 3);
+  state.u_FE = response.displacement_m(output, Eigen::all);
   state.u_linear.resize(n, 3);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto j = output[static_cast<std::size_t>(i)];
-    state.u_FE.row(i) = response.displacement_m.row(j);
-    state.u_linear.row(i) = (solver.rest().sensitivity.middleRows(3 * j, 3) * dd).transpose();
-  }
+  for (Eigen::Index i = 0; i < n; ++i)
+    state.u_linear.row(i) =
+        (solver.rest().sensitivity.middleRows(3 * output[static_cast<std::size_t>(i)], 3) * dd).transpose();
   if (model.fields.empty()) return state;
-  const Eigen::MatrixXd linear = solver.linear_fields({d});
-  state.fields_FE.resize(n, response.fields.cols());
-  state.fields_linear.resize(n, response.fields.cols());
-  for (Eigen::Index i = 0; i < n; ++i) {
-    state.fields_FE.row(i) = response.fields.row(output[static_cast<std::size_t>(i)]);
-    state.fields_linear.row(i) = linear.row(output[static_cast<std::size_t>(i)]);
-  }
+  state.fields_FE = response.fields(output, Eigen::all);
+  state.fields_linear = solver.linear_fields({d})(output, Eigen::all);
   return state;
 }
 

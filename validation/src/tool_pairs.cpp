@@ -118,12 +118,7 @@ class PairComparison {
     if (!pair.solved) return;
     const auto& output = _model.model().output;
     const auto counts = counted_nodes(_model.model(), nodes);
-    const auto rows = [&](const auto& of_node) {
-      Points u(static_cast<Eigen::Index>(output.size()), 3);
-      for (std::size_t o = 0; o < output.size(); ++o) u.row(static_cast<Eigen::Index>(o)) = of_node(output[o]);
-      return u;
-    };
-    const Points u_FE = rows([&](std::int32_t i) { return truth.displacement_m.row(i); });
+    const Points u_FE = truth.displacement_m(output, Eigen::all);
     const auto judge = [&](PairPredictor p, const std::vector<std::optional<Vec3>>& force, const Points& u) {
       pair.errors[static_cast<std::size_t>(p)] = errors_of(force, u, truth, u_FE, counts);
     };
@@ -139,7 +134,7 @@ class PairComparison {
     q << to_eigen(d[0]), to_eigen(d[1]);
     const Eigen::VectorXd f = _solver.rest().stiffness_N_per_m * q, u = _solver.rest().sensitivity * q;
     judge(PairPredictor::linear, {Vec3{f[0], f[1], f[2]}, Vec3{f[3], f[4], f[5]}},
-          rows([&](std::int32_t i) { return u.segment<3>(3 * i).transpose(); }));
+          Eigen::Map<const Points>(u.data(), u.size() / 3, 3)(output, Eigen::all));
     pair.single_force =
         std::max(single_force(nodes[0], d[0], *first.force_N[0]), single_force(nodes[1], d[1], *second.force_N[0]));
   }

@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <ctime>
@@ -180,11 +182,10 @@ TradeReport Trade::run() {
       if (row.is_reference)
         throw input_error(
             "the finer solution needs more time than it may take",
-            std::to_string(std::lround(expected)) + " s are expected for " + std::to_string(_places.size()) +
-                " probes of " + name(row.scene.solver.element) + " on " + std::to_string(row.body->mesh.n_nodes()) +
-                " nodes",
-            "give --seconds " + std::to_string(std::lround(4 * expected + 60)) + ", fewer --probes, or a coarser mesh");
-      row.left_out = "time: about " + std::to_string(std::lround(expected)) + " s";
+            fmt::format("{} s are expected for {} probes of {} on {} nodes", std::lround(expected), _places.size(),
+                        name(row.scene.solver.element), row.body->mesh.n_nodes()),
+            fmt::format("give --seconds {}, fewer --probes, or a coarser mesh", std::lround(4 * expected + 60)));
+      row.left_out = fmt::format("time: about {} s", std::lround(expected));
       continue;
     }
     solve(row);

@@ -142,10 +142,6 @@ PredictorErrors statistics(const Samples& samples, const std::vector<FieldModes>
   return {of(samples[inside]), of(samples[outside])};
 }
 
-}  // namespace
-
-namespace {
-
 PredictorErrors errors_of(const Predict& predict, const std::vector<NodeProbes>& probes) {
   std::size_t n_fields = 0;
   for (const auto& node : probes)

@@ -22,15 +22,9 @@ struct Place : SurfacePoint {
   }
 };
 
-std::vector<std::int32_t> active_nodes(const LoadedModel& model) {
-  std::vector<std::int32_t> active;
-  for (const auto& node : model.model().nodes) active.push_back(node.node);
-  return active;
-}
-
 /// The nearest corner, or, if it only lies between active nodes, the active node nearest to the point.
 std::int32_t nearest_active(const LoadedModel& model, const Place& place) {
-  const auto active = active_nodes(model);
+  const auto active = model.runtime().active_nodes();
   const auto corner = place.nearest_corner();
   if (std::binary_search(active.begin(), active.end(), corner)) return corner;
   const Points& nodes = model.mesh().nodes;
@@ -95,12 +89,6 @@ void collect(const std::vector<Compared>& compared, const std::vector<char>& cou
   }
 }
 
-Points rows_of(const Points& all, const std::vector<std::int32_t>& nodes) {
-  Points rows(static_cast<Eigen::Index>(nodes.size()), 3);
-  for (std::size_t i = 0; i < nodes.size(); ++i) rows.row(static_cast<Eigen::Index>(i)) = all.row(nodes[i]);
-  return rows;
-}
-
 class PointComparison {
  public:
   PointComparison(const Scene& scene, const LoadedModel& model, const std::function<bool()>& stop)
@@ -156,7 +144,7 @@ class PointComparison {
         continue;
       }
       const auto& output = _model.model().output;
-      const Points u = rows_of(truth.displacement_m, output);
+      const Points u = truth.displacement_m(output, Eigen::all);
       const auto said = _model.couple({tool_at(place, d)});
       report.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
       report.largest_residual_m = std::max(report.largest_residual_m, said.coupled.residual);
@@ -165,7 +153,7 @@ class PointComparison {
       const Eigen::VectorXd linear_u = _solver.rest().sensitivity * to_eigen(d);
       linear.push_back({{f[0], f[1], f[2]},
                         truth.force_N[0],
-                        rows_of(Eigen::Map<const Points>(linear_u.data(), linear_u.size() / 3, 3), output),
+                        Eigen::Map<const Points>(linear_u.data(), linear_u.size() / 3, 3)(output, Eigen::all),
                         u});
     }
     const auto corner = nearest_active(_model, place);
@@ -175,7 +163,7 @@ class PointComparison {
       if (truth.status != Status::converged) continue;
       const auto said = _model.respond({corner}, {d});
       at_node.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m,
-                         rows_of(truth.displacement_m, _model.model().output)});
+                         truth.displacement_m(_model.model().output, Eigen::all)});
     }
     judge(point, probes, coupled, linear);
     collect(coupled, {}, _coupled);
