@@ -18,30 +18,13 @@ const char* const check_version =
       printable("Haply Inverse service: " + what + (value.empty() ? "" : ": " + value) + "; " + remedy));
 }
 
-/// Whether brackets outside of strings are nested deeper than any documented message: functions of the JSON library
-/// call themselves for each level.
-bool is_nested_deeply(const std::string& message) {
-  constexpr int deepest = 32;
-  int depth = 0;
-  bool in_string = false, escaped = false;
-  for (const char c : message) {
-    if (in_string) {
-      in_string = escaped || c != '"';
-      escaped = !escaped && c == '\\';
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '[' || c == '{') {
-      if (++depth > deepest) return true;
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-  return false;
-}
-
 json parsed(const std::string& message) {
-  if (is_nested_deeply(message)) refuse("a message is nested too deeply", beginning_of(message), check_version);
-  json result = json::parse(message, nullptr, false);
+  constexpr int deepest = 32;  // far deeper than any documented message
+  const auto check_depth = [&](int depth, json::parse_event_t, const json&) {
+    if (depth >= deepest) refuse("a message is nested too deeply", beginning_of(message), check_version);
+    return true;
+  };
+  json result = json::parse(message, check_depth, false);
   if (!result.is_object()) refuse("a message is not a JSON object", beginning_of(message), check_version);
   return result;
 }
