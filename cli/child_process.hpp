@@ -1,7 +1,6 @@
 // Child processes for the stages of `phynness run`. Solver stages run in parallel under mpirun, training uses threads.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,5 @@
 #include "run_stages.hpp"
 
-#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <phynness/formats/hash.hpp>

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/tool.hpp>
 #include <phynness/formats/vtk.hpp>

@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <phynness/formats/printable.hpp>
-#include <string>
 #include <string_view>
 #include <type_traits>
 

@@ -1,7 +1,6 @@
 // C source of an image and of golden queries.
 #include <cctype>
 #include <charconv>
-#include <cstring>
 #include <phynness/embedding/embedding.hpp>
 
 namespace phynness {

@@ -194,31 +194,22 @@ void add_column(py::module_& module) {
 }
 
 void add_arrays(py::class_<OpenDatabase>& database) {
-  const auto property = [&](const char* name, auto&& get, const char* doc) {
+  const auto property = [&](const char* name, const char* doc, auto&& get) {
     database.def_property_readonly(
         name, [get](const OpenDatabase& d) { return get(d.header()); }, doc);
   };
   using Header = const DatabaseHeader&;
-  property(
-      "mesh_hash", [](Header h) { return h.mesh_hash; }, "16 hexadecimal digits.");
-  property(
-      "physics_hash", [](Header h) { return h.physics_hash; }, "Of the scene.");
-  property(
-      "software_version", [](Header h) { return h.software_version; }, "That solved it.");
-  property(
-      "nodes", [](Header h) { return copy_of_matrix(h.mesh.nodes); }, "(n_nodes, 3) [m], undeformed.");
-  property(
-      "cells", [](Header h) { return copy_of_matrix(h.mesh.cells); }, "(n, 4), of shells (n, 3).");
-  property(
-      "triangles", [](Header h) { return copy_of_matrix(h.mesh.surface); }, "Of the surface, (n, 3), normals outward.");
-  property(
-      "active_nodes", [](Header h) { return copy(h.sets.active); }, "Nodes that are probed, ascending.");
-  property(
-      "output_nodes", [](Header h) { return copy(h.sets.output); }, "Nodes whose displacement is stored.");
-  property(
-      "fixed_nodes", [](Header h) { return copy(h.sets.fixed); }, "Nodes that do not move.");
-  property(
-      "magnitudes_m", [](Header h) { return copy(h.magnitudes_m); }, "Of the increments, ascending [m].");
+  property("mesh_hash", "16 hexadecimal digits.", [](Header h) { return h.mesh_hash; });
+  property("physics_hash", "Of the scene.", [](Header h) { return h.physics_hash; });
+  property("software_version", "That solved it.", [](Header h) { return h.software_version; });
+  property("nodes", "(n_nodes, 3) [m], undeformed.", [](Header h) { return copy_of_matrix(h.mesh.nodes); });
+  property("cells", "(n, 4), of shells (n, 3).", [](Header h) { return copy_of_matrix(h.mesh.cells); });
+  property("triangles", "Of the surface, (n, 3), normals outward.",
+           [](Header h) { return copy_of_matrix(h.mesh.surface); });
+  property("active_nodes", "Nodes that are probed, ascending.", [](Header h) { return copy(h.sets.active); });
+  property("output_nodes", "Nodes whose displacement is stored.", [](Header h) { return copy(h.sets.output); });
+  property("fixed_nodes", "Nodes that do not move.", [](Header h) { return copy(h.sets.fixed); });
+  property("magnitudes_m", "Of the increments, ascending [m].", [](Header h) { return copy(h.magnitudes_m); });
 }
 
 }  // namespace

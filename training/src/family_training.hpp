@@ -38,4 +38,10 @@ class FamilyTraining {
   virtual void finish(Model& model, TrainingReport& report) const = 0;
 };
 
+template <class Training>
+std::unique_ptr<FamilyTraining> made(const DatabaseHeader& header, const TrainingTables& tables,
+                                     const TrainingSpec& spec) {
+  return std::make_unique<Training>(header, tables, spec);
+}
+
 }  // namespace phynness

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/probe_points.hpp>

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/locking.hpp>
 #include <phynness/meshes/meshes.hpp>
@@ -102,8 +101,8 @@ void add_states(const LoadedModel& model, std::size_t index, const ToolRay& ray,
 }
 
 /// Of each node with a solution: its index, and the columns of its stiffness [N/m]. Collective.
-std::vector<double> stiffnesses_at_rest(const SolverSession& session, const LoadedModel& model,
-                                        const std::function<bool()>& stop, KeptRays& rays) {
+std::vector<double> stiffnesses_at_rest(const SolverSession& session, const LoadedModel& model, const ShouldStop& stop,
+                                        KeptRays& rays) {
   std::vector<double> at_rest;
   session.together([&] {
     share_out(session, std::ssize(model.model().nodes), {}, stop, [&](std::size_t i) {
@@ -222,8 +221,7 @@ double calibration_increments(std::int64_t rays, int coupled_kinds) {
 }
 
 Model calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, const BoundSpec& spec,
-                const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop,
-                BoundReport& report) {
+                const OnProgress& progress, const ShouldStop& stop, BoundReport& report) {
   const auto begin = std::chrono::steady_clock::now();
   const auto& header = database.header();
   BoundPredictors predictors;

@@ -1,7 +1,6 @@
 #include "coupled_states.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/probe_plan.hpp>
 

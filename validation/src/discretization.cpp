@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <deque>
 #include <limits>
@@ -197,7 +196,7 @@ struct Times {
 class Check {
  public:
   Check(const Scene& scene, const Mesh& mesh, const NodeSets& sets, const DiscretizationOptions& options,
-        const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop)
+        const OnProgress& progress, const ShouldStop& stop)
       : _options(options), _progress(progress), _stop(stop) {
     set_up(scene, mesh, sets);
   }
@@ -219,8 +218,8 @@ class Check {
   const Body& body(Variant v) const { return _bodies[static_cast<std::size_t>(v)]; }
 
   const DiscretizationOptions& _options;
-  const std::function<void(std::int64_t, std::int64_t)>& _progress;
-  const std::function<bool()>& _stop;
+  const OnProgress& _progress;
+  const ShouldStop& _stop;
   double _start = _options.clock();
   std::int64_t _done = 0;
   DiscretizationReport _report;
@@ -385,9 +384,8 @@ DiscretizationReport Check::run() {
 }  // namespace
 
 DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, const NodeSets& sets,
-                                          const DiscretizationOptions& options,
-                                          const std::function<void(std::int64_t, std::int64_t)>& progress,
-                                          const std::function<bool()>& stop) {
+                                          const DiscretizationOptions& options, const OnProgress& progress,
+                                          const ShouldStop& stop) {
   return Check(scene, mesh, sets, options, progress, stop).run();
 }
 

@@ -126,7 +126,7 @@ std::vector<phn_tool> tools_at(const ToolRay& ray, double part) {
 }
 
 KeptRays::KeptRays(const SolverSession& session, const DatabaseHeader& header, Variant reference, const fs::path& file,
-                   std::function<bool()> stop)
+                   ShouldStop stop)
     : _session(session),
       _header(header),
       _body(body_of(header, reference)),

@@ -31,7 +31,7 @@ class KeptRays {
   /// the physics but the choice of nodes, directions and depths. Collective. @throws Error
   /// @param reference  the finite elements that solve; places are those of the database's mesh
   KeptRays(const SolverSession& session, const DatabaseHeader& header, Variant reference,
-           const std::filesystem::path& file, std::function<bool()> stop);
+           const std::filesystem::path& file, ShouldStop stop);
 
   /// Forces [N] of the finite elements, for each part those of all tools; fewer if the ray ends early.
   /// @throws Interrupted

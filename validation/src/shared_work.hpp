@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <phynness/formats/progress.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 
 namespace phynness {
@@ -13,9 +14,8 @@ namespace phynness {
 /// finished.
 /// @param progress  receives the finished items of all ranks, as estimated by rank 0, and n
 /// @return number of items that this rank finished
-inline std::int64_t share_out(const SolverSession& session, std::int64_t n,
-                              const std::function<void(std::int64_t, std::int64_t)>& progress,
-                              const std::function<bool()>& stop, const std::function<void(std::size_t)>& work) {
+inline std::int64_t share_out(const SolverSession& session, std::int64_t n, const OnProgress& progress,
+                              const ShouldStop& stop, const std::function<void(std::size_t)>& work) {
   std::int64_t finished = 0;
   for (std::int64_t i = session.rank(); i < n; i += session.size()) {
     try {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <ctime>
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/precompute.hpp>
@@ -151,7 +150,7 @@ class RayProbes {
 
 /// Solves the probes of one node. `go_on` is called after every ray.
 NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& entry, double increment_m,
-                      const std::function<bool()>& go_on) {
+                      const ShouldStop& go_on) {
   NodeProbes found;
   found.node = entry.node;
   try {
@@ -188,9 +187,7 @@ NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& e
 }  // namespace
 
 SolvedShare solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
-                         const std::vector<NodePlan>& plan,
-                         const std::function<void(std::int64_t, std::int64_t)>& progress,
-                         const std::function<bool()>& stop,
+                         const std::vector<NodePlan>& plan, const OnProgress& progress, const ShouldStop& stop,
                          const std::function<void(std::size_t, NodeProbes&&)>& take) {
   // The physics hash does not depend on stored fields, so that the fields of the model are solved for in place of the
   // scene's.

@@ -92,7 +92,7 @@ PairErrors errors_of(const std::vector<std::optional<Vec3>>& force, const Points
 
 class PairComparison {
  public:
-  PairComparison(const Scene& scene, const LoadedModel& model, const std::function<bool()>& stop)
+  PairComparison(const Scene& scene, const LoadedModel& model, const ShouldStop& stop)
       : _model(model),
         _increments(scene.probe.increments),
         _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {
@@ -198,9 +198,8 @@ std::vector<JudgedProbe> judged_pairs(const std::vector<PairRecord>& records) {
 }  // namespace
 
 PairReport validate_pairs(const SolverSession& session, const Scene& scene, const LoadedModel& model,
-                          std::int64_t pairs, double depth_m, std::uint64_t seed,
-                          const std::function<void(std::int64_t, std::int64_t)>& progress,
-                          const std::function<bool()>& stop) {
+                          std::int64_t pairs, double depth_m, std::uint64_t seed, const OnProgress& progress,
+                          const ShouldStop& stop) {
   const auto start = std::chrono::steady_clock::now();
   PairReport report;
   report.pairs = pairs;

@@ -36,7 +36,7 @@ Scene resized(Scene scene, double factor) {
 class Trade {
  public:
   Trade(const Scene& scene, const Mesh& mesh, const NodeSets& sets, const DiscretizationOptions& options,
-        const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop);
+        const OnProgress& progress, const ShouldStop& stop);
   TradeReport run();
 
  private:
@@ -50,8 +50,8 @@ class Trade {
   }
 
   const DiscretizationOptions& _options;
-  const std::function<void(std::int64_t, std::int64_t)>& _progress;
-  const std::function<bool()>& _stop;
+  const OnProgress& _progress;
+  const ShouldStop& _stop;
   double _start = _options.clock();
   std::vector<TradePlace> _places;
   std::vector<double> _depths;
@@ -63,7 +63,7 @@ class Trade {
 };
 
 Trade::Trade(const Scene& scene, const Mesh& mesh, const NodeSets& sets, const DiscretizationOptions& options,
-             const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop)
+             const OnProgress& progress, const ShouldStop& stop)
     : _options(options), _progress(progress), _stop(stop) {
   const Scene common = compared_scene(scene, mesh, sets);
   _report.tool_radius_m = common.probe.tool_radius_m;
@@ -204,9 +204,8 @@ TradeReport Trade::run() {
 }  // namespace
 
 TradeReport compare_discretizations(const Scene& scene, const Mesh& mesh, const NodeSets& sets,
-                                    const DiscretizationOptions& options,
-                                    const std::function<void(std::int64_t, std::int64_t)>& progress,
-                                    const std::function<bool()>& stop) {
+                                    const DiscretizationOptions& options, const OnProgress& progress,
+                                    const ShouldStop& stop) {
   return Trade(scene, mesh, sets, options, progress, stop).run();
 }
 

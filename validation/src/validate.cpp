@@ -162,9 +162,8 @@ PredictorErrors model_errors(const LoadedModel& model, const std::vector<NodePro
 PredictorErrors linear_errors(const std::vector<NodeProbes>& probes) { return errors_of(by_linear, probes); }
 
 ValidationReport validate(const SolverSession& session, const Scene& scene, const LoadedModel& model,
-                          std::int64_t probes, std::uint64_t seed,
-                          const std::function<void(std::int64_t, std::int64_t)>& progress,
-                          const std::function<bool()>& stop, std::int64_t nodes) {
+                          std::int64_t probes, std::uint64_t seed, const OnProgress& progress, const ShouldStop& stop,
+                          std::int64_t nodes) {
   const auto start = std::chrono::steady_clock::now();
   std::vector<NodePlan> plan;
   SolvedShare share;

@@ -91,7 +91,7 @@ void collect(const std::vector<Compared>& compared, const std::vector<char>& cou
 
 class PointComparison {
  public:
-  PointComparison(const Scene& scene, const LoadedModel& model, const std::function<bool()>& stop)
+  PointComparison(const Scene& scene, const LoadedModel& model, const ShouldStop& stop)
       : _model(model),
         _increments(scene.probe.increments),
         _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {
@@ -236,8 +236,7 @@ class PointComparison {
 
 PointReport validate_points(const SolverSession& session, const Scene& scene, const LoadedModel& model,
                             std::int64_t points, std::int64_t displacements, std::uint64_t seed,
-                            const std::function<void(std::int64_t, std::int64_t)>& progress,
-                            const std::function<bool()>& stop) {
+                            const OnProgress& progress, const ShouldStop& stop) {
   const auto start = std::chrono::steady_clock::now();
   PointReport report;
   report.points = points;

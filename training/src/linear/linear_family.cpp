@@ -8,7 +8,7 @@ namespace {
 
 class LinearFamilyTraining : public FamilyTraining {
  public:
-  explicit LinearFamilyTraining(const TrainingTables& tables) : _tables(tables) {}
+  LinearFamilyTraining(const DatabaseHeader&, const TrainingTables& tables, const TrainingSpec&) : _tables(tables) {}
 
   void train(const SearchNode& read, const Vec3& point, bool, NodeOutcome& outcome) const override {
     LinearTraining training = train_linear_node(_tables, read.node, point, read.tool, read.rays);
@@ -52,9 +52,7 @@ const FamilyOperations linear_operations = {
     "unit responses, for the linear law",
     "",
     [](const TrainingSpec&) {},
-    [](const DatabaseHeader&, const TrainingTables& tables, const TrainingSpec&) -> std::unique_ptr<FamilyTraining> {
-      return std::make_unique<LinearFamilyTraining>(tables);
-    },
+    made<LinearFamilyTraining>,
     [](const TrainingSpec& given) {
       TrainingSpec spec = given;
       spec.family = Family::linear;

@@ -218,18 +218,10 @@ std::vector<TrainingFigure> figures_of_modal(const TrainingReport& report) {
 
 }  // namespace
 
-const FamilyOperations modal_operations = {Family::modal,
-                                           "conservative forces and modes",
-                                           "modes and centers",
-                                           check_modal,
-                                           [](const DatabaseHeader& header, const TrainingTables& tables,
-                                              const TrainingSpec& spec) -> std::unique_ptr<FamilyTraining> {
-                                             return std::make_unique<ModalTraining>(header, tables, spec);
-                                           },
-                                           candidates,
-                                           model_name,
-                                           sizes,
-                                           describe_modal,
-                                           figures_of_modal};
+const FamilyOperations modal_operations = {Family::modal,       "conservative forces and modes",
+                                           "modes and centers", check_modal,
+                                           made<ModalTraining>, candidates,
+                                           model_name,          sizes,
+                                           describe_modal,      figures_of_modal};
 
 }  // namespace phynness

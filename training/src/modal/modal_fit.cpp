@@ -1,6 +1,5 @@
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <phynness/formats/error.hpp>
 #include <phynness/training/modal_fit.hpp>

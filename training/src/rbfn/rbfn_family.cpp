@@ -112,10 +112,7 @@ const FamilyOperations rbfn_operations = {Family::rbfn,
                                           "the paper's networks",
                                           "neurons and spreads",
                                           check_rbfn,
-                                          [](const DatabaseHeader& header, const TrainingTables& tables,
-                                             const TrainingSpec& spec) -> std::unique_ptr<FamilyTraining> {
-                                            return std::make_unique<RbfnTraining>(header, tables, spec);
-                                          },
+                                          made<RbfnTraining>,
                                           candidates,
                                           model_name,
                                           sizes,

@@ -2,7 +2,6 @@
 // paper's Figure 9.
 #pragma once
 
-#include <functional>
 #include <phynness/training/node_training.hpp>
 #include <vector>
 

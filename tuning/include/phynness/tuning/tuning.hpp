@@ -1,9 +1,7 @@
 // Selection of a model for a scene: families and sizes are trained on one database and measured by the same new solves.
 #pragma once
 
-#include <algorithm>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/model.hpp>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <phynness/formats/described.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/coupled_bounds.hpp>
@@ -62,7 +61,6 @@ FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSp
 /// @param stop  asked between solves; ends the calibration, and the bounds are those of the finished nodes and rays
 /// @throws Error (failure) if it ended with fewer than 20 nodes
 Model calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, const BoundSpec& spec,
-                const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop,
-                BoundReport& report);
+                const OnProgress& progress, const ShouldStop& stop, BoundReport& report);
 
 }  // namespace phynness

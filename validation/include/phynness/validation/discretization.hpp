@@ -12,6 +12,7 @@
 #include <phynness/formats/described.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/model.hpp>
+#include <phynness/formats/progress.hpp>
 #include <phynness/formats/scene.hpp>
 #include <string>
 #include <string_view>
@@ -172,8 +173,7 @@ std::vector<std::pair<std::int32_t, std::int32_t>> choose_checked_rays(const Dat
 /// @param progress  finished rays and their largest possible number
 /// @throws Error if the scene cannot be solved
 DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, const NodeSets& sets,
-                                          const DiscretizationOptions& options,
-                                          const std::function<void(std::int64_t, std::int64_t)>& progress = {},
-                                          const std::function<bool()>& stop = {});
+                                          const DiscretizationOptions& options, const OnProgress& progress = {},
+                                          const ShouldStop& stop = {});
 
 }  // namespace phynness

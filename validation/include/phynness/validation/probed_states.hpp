@@ -50,9 +50,8 @@ struct SolvedShare {
 /// Solves the part of the plan of this rank. `take` receives each solved entry with its position in the plan. If `stop`
 /// returns true, solving ends after the present ray; the last entry then has fewer probes than planned.
 SolvedShare solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
-                         const std::vector<NodePlan>& plan,
-                         const std::function<void(std::int64_t, std::int64_t)>& progress,
-                         const std::function<bool()>& stop, const std::function<void(std::size_t, NodeProbes&&)>& take);
+                         const std::vector<NodePlan>& plan, const OnProgress& progress, const ShouldStop& stop,
+                         const std::function<void(std::size_t, NodeProbes&&)>& take);
 
 /// Errors of the model for these probes.
 PredictorErrors model_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes);

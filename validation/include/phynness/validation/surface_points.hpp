@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <phynness/validation/validation.hpp>
 #include <string>
 
@@ -54,7 +53,6 @@ std::vector<WorseThanLinear> worse_than_linear(const PointReport& report);
 
 PointReport validate_points(const SolverSession& session, const Scene& scene, const LoadedModel& model,
                             std::int64_t points, std::int64_t displacements, std::uint64_t seed,
-                            const std::function<void(std::int64_t, std::int64_t)>& progress = {},
-                            const std::function<bool()>& stop = {});
+                            const OnProgress& progress = {}, const ShouldStop& stop = {});
 
 }  // namespace phynness

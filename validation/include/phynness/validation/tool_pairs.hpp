@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <phynness/validation/validation.hpp>
 #include <vector>
 
@@ -115,8 +114,7 @@ inline constexpr double far_fraction = 0.3;
 /// @throws Error (input) if the model has no two active nodes that can be touched at the same time, or if it has forces
 ///   only
 PairReport validate_pairs(const SolverSession& session, const Scene& scene, const LoadedModel& model,
-                          std::int64_t pairs, double depth_m, std::uint64_t seed,
-                          const std::function<void(std::int64_t, std::int64_t)>& progress = {},
-                          const std::function<bool()>& stop = {});
+                          std::int64_t pairs, double depth_m, std::uint64_t seed, const OnProgress& progress = {},
+                          const ShouldStop& stop = {});
 
 }  // namespace phynness

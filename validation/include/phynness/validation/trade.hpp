@@ -54,8 +54,7 @@ struct TradeReport {
 /// @throws Error (input) if there is one body only, as of shells, and if the reference needs more than
 /// options.seconds, before it is solved
 TradeReport compare_discretizations(const Scene& scene, const Mesh& mesh, const NodeSets& sets,
-                                    const DiscretizationOptions& options,
-                                    const std::function<void(std::int64_t, std::int64_t)>& progress = {},
-                                    const std::function<bool()>& stop = {});
+                                    const DiscretizationOptions& options, const OnProgress& progress = {},
+                                    const ShouldStop& stop = {});
 
 }  // namespace phynness

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <optional>
 #include <phynness/evaluation/runtime_speed.hpp>
+#include <phynness/formats/progress.hpp>
 #include <phynness/validation/errors_to_range.hpp>
 #include <string>
 #include <vector>
@@ -176,8 +176,7 @@ class SolverSession;
 ///               response of the probes of a node, so that few probes per node result in large errors
 /// @throws Error (input) if physics or mesh of the scene differ from those of the model
 ValidationReport validate(const SolverSession& session, const Scene& scene, const LoadedModel& model,
-                          std::int64_t probes, std::uint64_t seed,
-                          const std::function<void(std::int64_t, std::int64_t)>& progress = {},
-                          const std::function<bool()>& stop = {}, std::int64_t nodes = 0);
+                          std::int64_t probes, std::uint64_t seed, const OnProgress& progress = {},
+                          const ShouldStop& stop = {}, std::int64_t nodes = 0);
 
 }  // namespace phynness
