@@ -74,42 +74,25 @@ PlaceQuery<Real> query_of(const void*) {
   return {};
 }
 
-struct Force {
-  static constexpr int n = 3;
-  template <class Real, class Response>
-  void operator()(const ImageHeader<Real>& image, const Response& response, const Real* d, Real* out) const {
-    response_force(image, response, d, out);
-  }
-};
-struct Energy {
-  static constexpr int n = 1;
-  template <class Real, class Response>
-  void operator()(const ImageHeader<Real>& image, const Response& response, const Real* d, Real* out) const {
-    *out = response_energy(image, response, d);
-  }
-};
-struct Stiffness {
-  static constexpr int n = 9;
-  template <class Real, class Response>
-  void operator()(const ImageHeader<Real>& image, const Response& response, const Real* d, Real* out) const {
-    response_stiffness(image, response, d, out);
-  }
-};
+/// What is asked for, and how many numbers it has.
+enum : int { Force = 3, Energy = 1, Stiffness = 9 };
 
-/// @tparam What  Force, Energy or Stiffness
+/// @tparam n  Force, Energy or Stiffness
 /// @param where  a node, or a place
-template <class What, class Real, class Where>
+template <int n, class Real, class Where>
 int evaluate(const ImageHeader<Real>* image, Where where, const Real* d, Real* out) {
-  constexpr int n = What::n;
   auto query = query_of<Real>(where);
   int refused = image != nullptr && d != nullptr && out != nullptr ? query.ask(*image, where, d) : PHN_ERROR_ARGUMENT;
-  if (refused == PHN_OK && n != Force::n && !traits(*image).has_energy) refused = PHN_ERROR_UNDEFINED;
+  if (refused == PHN_OK && n != Force && !traits(*image).has_energy) refused = PHN_ERROR_UNDEFINED;
   if (refused != PHN_OK) return refuse(refused, out, n);
   query.add_others(*image);
   Real result[n], sum[n] = {};
   for (uint32_t i = 0; i < query.n(); ++i) {
-    with_response(*image, query.node(*image, i),
-                  [&](const auto& response) { What()(*image, response, query.d, result); });
+    with_response(*image, query.node(*image, i), [&](const auto& response) {
+      if constexpr (n == Force) response_force(*image, response, query.d, result);
+      if constexpr (n == Energy) *result = response_energy(*image, response, query.d);
+      if constexpr (n == Stiffness) response_stiffness(*image, response, query.d, result);
+    });
     for (int k = 0; k < n; ++k) sum[k] += query.weight(i) * result[k];
   }
   bool all_finite = true;
