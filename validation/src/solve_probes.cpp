@@ -186,32 +186,29 @@ NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& e
 
 }  // namespace
 
-SolvedShare solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
-                         const std::vector<NodePlan>& plan, const OnProgress& progress, const ShouldStop& stop,
-                         const std::function<void(std::size_t, NodeProbes&&)>& take) {
+std::int64_t solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+                          const std::vector<NodePlan>& plan, const OnProgress& progress, const ShouldStop& stop,
+                          const std::function<void(std::size_t, NodeProbes&&)>& take) {
   // The physics hash does not depend on stored fields, so that the fields of the model are solved for in place of the
   // scene's.
   Scene with_fields = scene;
   with_fields.database.fields = fields_of(model.model());
   ProbeSolver solver(with_fields, model.mesh(), {model.model().fixed, {}, model.model().output});
   solver.set_stop(stop);
-  SolvedShare share;
+  std::int64_t solved = 0;
+  bool stopped = false;
   std::int64_t rays = 0;
   for (const auto& entry : plan) rays += static_cast<std::int64_t>(entry.pairs.size());
+  const auto stops = [&] { return stopped = stopped || (stop && stop()); };
   const auto go_on = [&] {
-    ++share.rays;
-    if (progress && session.rank() == 0) progress(std::min(rays, share.rays * session.size()), rays);
-    share.stopped = share.stopped || (stop && stop());
-    return !share.stopped;
+    ++solved;
+    if (progress && session.rank() == 0) progress(std::min(rays, solved * session.size()), rays);
+    return !stops();
   };
-  share_out(
-      session, static_cast<std::int64_t>(plan.size()), {},
-      [&] { return share.stopped = share.stopped || (stop && stop()); },
-      [&](std::size_t e) {
-        take(e, probe_node(model.model(), solver, plan[e], scene.probe.max_displacement_m / scene.probe.increments,
-                           go_on));
-      });
-  return share;
+  share_out(session, static_cast<std::int64_t>(plan.size()), {}, stops, [&](std::size_t e) {
+    take(e, probe_node(model.model(), solver, plan[e], scene.probe.max_displacement_m / scene.probe.increments, go_on));
+  });
+  return solved;
 }
 
 }  // namespace phynness

@@ -166,7 +166,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
                           std::int64_t nodes) {
   const auto start = std::chrono::steady_clock::now();
   std::vector<NodePlan> plan;
-  SolvedShare share;
+  std::int64_t rays = 0;
   const std::array<Predict, n_predictors> predict{by_model(model), by_linear, by_zero};  // by Predictor
   std::array<Samples, n_predictors> samples;
   samples.fill(no_samples(model.model().fields.size()));
@@ -178,7 +178,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   session.together([&] {
     check_same_scene(scene, model);
     plan = plan_probes(model, scene.probe.directions, probes, seed, nodes, scene.probe.max_displacement_m);
-    share = solve_probes(session, scene, model, plan, progress, stop, [&](std::size_t e, NodeProbes&& found) {
+    rays = solve_probes(session, scene, model, plan, progress, stop, [&](std::size_t e, NodeProbes&& found) {
       for (const Group g : {inside, outside}) {
         for (std::size_t p = 0; p < n_predictors; ++p) collect(predict[p], found, g, samples[p]);
         // Only for errors of forces: a node without any force has none.
@@ -200,7 +200,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   ValidationReport report;
   report.probes = probes;
   for (const auto& entry : plan) report.rays += static_cast<std::int64_t>(entry.pairs.size());
-  report.rays_finished = static_cast<std::int64_t>(session.sum(static_cast<double>(share.rays)));
+  report.rays_finished = static_cast<std::int64_t>(session.sum(static_cast<double>(rays)));
   report.failed = static_cast<std::int64_t>(session.sum(failed));
   report.solved_inside = static_cast<std::int64_t>(session.sum(solved[inside]));
   report.solved_outside = static_cast<std::int64_t>(session.sum(solved[outside]));

@@ -41,11 +41,8 @@ double best_spread(const std::vector<Split>& splits, const std::vector<double>& 
 NetworkPoints subset(const NetworkPoints& points, const std::vector<std::int32_t>& rows) {
   NetworkPoints part;
   part.displacements = points.displacements;
-  part.outputs.resize(static_cast<Eigen::Index>(rows.size()), 3);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    part.displacement.push_back(points.displacement[rows[i]]);
-    part.outputs.row(static_cast<Eigen::Index>(i)) = points.outputs.row(rows[i]);
-  }
+  part.outputs = points.outputs(rows, Eigen::all);
+  for (const auto row : rows) part.displacement.push_back(points.displacement[row]);
   return part;
 }
 

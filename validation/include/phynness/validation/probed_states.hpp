@@ -41,17 +41,12 @@ struct NodeProbes {
   double cpu_s = 0;  ///< of the solves of the rays, without the preparation of the node
 };
 
-/// Work of one rank.
-struct SolvedShare {
-  std::int64_t rays = 0;
-  bool stopped = false;
-};
-
 /// Solves the part of the plan of this rank. `take` receives each solved entry with its position in the plan. If `stop`
 /// returns true, solving ends after the present ray; the last entry then has fewer probes than planned.
-SolvedShare solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
-                         const std::vector<NodePlan>& plan, const OnProgress& progress, const ShouldStop& stop,
-                         const std::function<void(std::size_t, NodeProbes&&)>& take);
+/// @return number of solved rays of this rank
+std::int64_t solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+                          const std::vector<NodePlan>& plan, const OnProgress& progress, const ShouldStop& stop,
+                          const std::function<void(std::size_t, NodeProbes&&)>& take);
 
 /// Errors of the model for these probes.
 PredictorErrors model_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes);

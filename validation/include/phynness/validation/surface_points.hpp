@@ -43,14 +43,14 @@ struct PointReport {
   }
 };
 
+/// For tools between nodes.
+std::vector<WorseThanLinear> worse_than_linear(const PointReport& report);
+
 /// Random points are distributed uniformly in triangles whose corners are all active; each such triangle has the same
 /// probability. Directions are uniform on the sphere, or in scenes with hemispheres on the inward half of it.
 /// Magnitudes are uniform up to the scene's R, whatever was trained. Collective; the result is the same
 /// for any number of ranks and complete on rank 0. If `stop` returns true, the function returns the finished points.
 /// @throws Error (input) if no triangle has three active corners, or if the model has forces only
-/// For tools between nodes.
-std::vector<WorseThanLinear> worse_than_linear(const PointReport& report);
-
 PointReport validate_points(const SolverSession& session, const Scene& scene, const LoadedModel& model,
                             std::int64_t points, std::int64_t displacements, std::uint64_t seed,
                             const OnProgress& progress = {}, const ShouldStop& stop = {});

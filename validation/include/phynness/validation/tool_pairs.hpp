@@ -97,10 +97,10 @@ struct PairReport {
   }
 };
 
-/// Default depth of both tools as a fraction of the trained depth: 12 mm of the paper's 28.
 /// For two tools, over all pairs.
 std::vector<WorseThanLinear> worse_than_linear(const PairReport& report);
 
+/// Default depth of both tools as a fraction of the trained depth: 12 mm of the paper's 28.
 inline constexpr double pair_depth_fraction = 12.0 / 28;
 /// Largest error of force of a tool alone for which the error of a pair is attributed to coupling.
 inline constexpr double right_alone = 0.02;
