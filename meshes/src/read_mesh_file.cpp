@@ -3,6 +3,7 @@
 #include <phynness/formats/mesh_files.hpp>
 
 #include "raw_mesh.hpp"
+#include "scanner.hpp"
 
 namespace phynness::meshes {
 namespace {
