@@ -3,6 +3,7 @@
 and of one between nodes (docs/decisions/reduced-body.md).
 
 Usage: study.py DATABASE.h5 --radius METRES [--pairs PAIRS.npz] [--points POINTS.npz] [--modes N ...] [--cells N ...]
+                [--path PATH.bin]     the last of --modes and --cells on a path of two tools, for phynness_follow_path
 DATABASE.h5 has the element p1-p1 or es-p1-p1, a neo-Hookean law, round tools and output = "free"; PAIRS.npz and POINTS.npz are those
 of `lab/study between-points`. Errors are those of that study, in %. Needs numpy and h5py.
 
@@ -39,7 +40,7 @@ class Body:
             solved = h["responses/status"][:] == 0
             self.fields = h["responses/displacement"][:][solved].astype(float)
         material = scene["material"]
-        self.radius, self.mu = radius, 2 * material["c10_Pa"]
+        self.radius, self.depth, self.mu = radius, scene["probe"]["max_displacement_m"], 2 * material["c10_Pa"]
         self.kappa = material["bulk_modulus_Pa"] - 2 / 3 * self.mu
         n = len(self.nodes)
         self.free = np.setdiff1d(np.arange(n), self.fixed)
@@ -119,6 +120,11 @@ class Body:
         mean[self.fixed] = 0
         return mean / mean.sum()
 
+    def nearest(self, point):
+        """The nearest place of the surface."""
+        t, weights = self.triangle(point)
+        return weights @ self.nodes[self.surface[t]]
+
     def triangle(self, point):
         """The triangle of the surface at a point, and its barycentric weights."""
         corners = self.nodes[self.surface]
@@ -127,7 +133,7 @@ class Body:
         ac, bc = np.einsum("ti,ti->t", a, c), np.einsum("ti,ti->t", b, c)
         bary = np.stack([bb * ac - ab * bc, aa * bc - ab * ac], axis=1) / (aa * bb - ab ** 2)[:, None]
         bary = np.concatenate([1 - bary.sum(axis=1, keepdims=True), bary], axis=1)
-        held = np.clip(bary, 0, None)
+        held = np.clip(bary, 0, None)  # the nearest point, but for triangles with obtuse angles
         held /= held.sum(axis=1, keepdims=True)
         t = np.argmin(np.linalg.norm(np.einsum("tk,tkd->td", held, corners) - point, axis=1))
         return t, np.where(held[t] > 1e-7, held[t], 0)
@@ -294,6 +300,42 @@ def truth_of(body, file):
     return truth
 
 
+def path_of(body, seconds=2.0, speed=0.05, seed=1):
+    """Weights (moments, 2, nodes) and displacements (moments, 6) of two tools in steps of a millisecond. They slide over the
+    surface to nodes at random, farther than the radius from each other, and press to a third of the trained depth."""
+    random, moments = np.random.default_rng(seed), []
+    n = int(1000 * seconds)
+    nodes = body.active[np.isin(body.active, body.surface)]
+    ends = []
+    while len(ends) < 2:
+        a = body.nodes[random.choice(nodes, 2, replace=False)]
+        if np.linalg.norm(a[0] - a[1]) > 1.5 * body.radius:
+            ends.append(a)
+    depth, turn = body.depth / 3, 2 * np.pi * random.random((2, 3))
+    for k in range(n):
+        share = min(1.0, k / 1000 * speed / max(np.linalg.norm(ends[1] - ends[0], axis=1)))
+        if k % 10 == 0:  # the weights between are interpolated
+            here = [body.tool(body.nearest(x)) for x in ends[0] + share * (ends[1] - ends[0])]
+            moments.append(np.array(here))
+    weights = np.array([moments[k // 10] * (1 - k % 10 / 10) + moments[min(k // 10 + 1, len(moments) - 1)] * (k % 10 / 10)
+                        for k in range(n)])
+    t = np.arange(n)[:, None, None] / 1000
+    d = depth * np.minimum(1, 5 * t) * np.sin(2 * np.pi * np.array([1.0, 1.7])[None, :, None] * t + turn) / np.sqrt(3)
+    return weights, d.reshape(n, 6)
+
+
+def save_path(file, body, reduced):
+    weights, d = path_of(body)
+    rows = np.einsum("ktn,nim->ktim", weights, reduced.modes).reshape(len(d), 6, -1)
+    with open(file, "wb") as f:
+        np.array([len(reduced.shear), rows.shape[2], reduced.psi.shape[1], 6, len(d), reduced.mu]).tofile(f)
+        for a in (reduced.G, reduced.shear, reduced.volume, reduced.psi, reduced.soft):
+            np.ascontiguousarray(a, float).tofile(f)
+        for r, x in zip(rows, d):
+            np.ascontiguousarray(r).tofile(f)
+            np.ascontiguousarray(x).tofile(f)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("database")
@@ -302,6 +344,7 @@ def main():
     parser.add_argument("--points")
     parser.add_argument("--modes", type=int, nargs="+", default=[80, 120, 160])
     parser.add_argument("--cells", type=int, nargs="+", default=[100, 200, 400])
+    parser.add_argument("--path")
     parser.add_argument("--states", type=int, default=300, help="for the cubature")
     options = parser.parse_args()
     body = Body(options.database, options.radius)
@@ -327,7 +370,10 @@ def main():
         for size, reduced in [(len(body.shear), whole)] + [(s, Reduced(body, modes, pressures, *f)) for s, f in found.items()]:
             began = time.time()
             compare("%d modes, %d points" % (n, size), lambda kind, k: reduced.press(truths[kind]["tools"][k], truths[kind]["d"][k]), truths)
+            last = reduced
             print("  %.1f iterations an increment, %.0f s" % (reduced.iterations / max(reduced.solves, 1), time.time() - began))
+    if options.path:
+        save_path(options.path, body, last)
 
 
 if __name__ == "__main__":
