@@ -47,9 +47,7 @@ std::string values_of(const StageRow& row, const Scene& scene) {
 
 std::string hash_of_file(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
-  Fnv1a64 hash;
-  hash.add(std::string(std::istreambuf_iterator<char>(in), {}));
-  return hash.hex();
+  return hash_of(std::string(std::istreambuf_iterator<char>(in), {}));
 }
 
 }  // namespace

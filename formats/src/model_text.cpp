@@ -1,48 +1,34 @@
 // Reading and writing of model.txt by the grammar of models (phynness/schema/model_grammar.hpp; formats/model.md).
 #include <algorithm>
 #include <cmath>
-#include <phynness/formats/hash.hpp>
 #include <phynness/formats/model.hpp>
 
-#include "model_reader.hpp"
-#include "model_writer.hpp"
+#include "text_lines_reader.hpp"
+#include "text_lines_writer.hpp"
 
 namespace phynness {
 namespace {
 
-/// The text between first and last line.
-std::string_view checked_body(std::string_view text, const std::string& source) {
-  std::size_t length = text.size(), wrong_byte = 0;
-  const int status = schema::check_envelope(text.data(), length, wrong_byte);
-  if (status == PHN_OK) return text.substr(0, length);
-  const auto refuse = [&](const char* what, std::string value, const char* remedy) {
-    throw input_error(source + ": " + what, std::move(value), remedy);
-  };
-  if (status == PHN_ERROR_NOT_A_MODEL)
-    refuse("not a phynness model", std::string(text.substr(0, 20)), "give a model.txt or a model directory");
-  if (status == PHN_ERROR_VERSION) {
-    const std::string line(text.substr(0, std::min(text.find('\n'), std::size_t{40})));
-    if (!line.empty() && line.back() == '\r')
-      refuse("the line endings of the model file were changed", "CR LF", "copy it again in binary mode");
-    refuse("the model file has another version", line,
-           "train again with this version, or use the version that wrote it");
+class ModelReader : public TextLinesReader {
+ public:
+  ModelReader(std::string_view lines, const std::string& source, const Model& model)
+      : TextLinesReader(lines, source,
+                        "write the model again with `phynness train`; the format is described in formats/model.md"),
+        _model(model) {}
+  using ModelStores::done;
+  void done(RbfNetwork& network) {
+    fill_centers(_model, network);
+    if (!network.centers.allFinite()) refuse("a scaled center is not finite", "");
   }
-  if (status == PHN_ERROR_TRUNCATED)
-    refuse("the model file is truncated", std::to_string(text.size()) + " bytes without a checksum line at the end",
-           "copy it again");
-  Fnv1a64 hash;
-  const std::size_t end = text.size() - schema::checksum_line_length;
-  hash.add(text.substr(0, end));
-  refuse("the model file is corrupted: its checksum is wrong",
-         std::string(text.substr(end + 9, 16)) + " instead of " + hash.hex(),
-         "copy it again; it cannot be edited by hand");
-  return {};
-}
+
+ private:
+  const Model& _model;
+};
 
 /// Checks that data of a model that the text does not contain follow from its numbers.
 void require_consistent(const Model& model) {
   const auto require = [](bool condition, const char* what) {
-    if (!condition) ModelWriter::refuse(what);
+    if (!condition) TextLinesWriter::refuse(what);
   };
   require(model.levels.empty() || schema::traits(model.family).has_levels, "levels in a family that has none");
   require(model.bounds.empty() || !schema::traits(model.family).proportional, "bounds in a family that is exact");
@@ -69,30 +55,16 @@ void require_consistent(const Model& model) {
 
 }  // namespace
 
-void ModelReader::family(Family& family) {
-  const auto found = _in.rest_of_line();
-  const std::string_view word{found.begin, found.length()};
-  for (std::uint32_t f = 0; f < schema::n_families; ++f)
-    if (word == schema::family_words[f]) {
-      family = static_cast<Family>(f);
-      return;
-    }
-  refuse("the family of the model is unknown to this version", word);
-}
-
 std::string write_model_text(const Model& model) {
   require_consistent(model);
-  ModelWriter writer;
-  writer.out() = schema::model_first_line;
+  TextLinesWriter writer(schema::model_first_line);
   schema::model(writer, model);
-  Fnv1a64 hash;
-  hash.add(writer.out());
-  return std::move(writer.out()) + "checksum " + hash.hex() + "\n";
+  return writer.finished();
 }
 
 Model read_model_text(const std::string& text, const std::string& source_name) {
   Model model;
-  ModelReader reader(checked_body(text, source_name), source_name, model);
+  ModelReader reader(checked_lines(schema::model_first_line, text, source_name, "model"), source_name, model);
   schema::model(reader, model);
   reader.require_end();
   return model;

@@ -241,11 +241,7 @@ std::string other_settings(const Scene& scene) {
   return lines;
 }
 
-std::string physics_hash(const Scene& scene) {
-  Fnv1a64 hash;
-  hash.add(physics_summary(scene));
-  return hash.hex();
-}
+std::string physics_hash(const Scene& scene) { return hash_of(physics_summary(scene)); }
 
 Scene as_hashed(const Scene& scene, const std::string& hash) {
   Scene meant = scene;

@@ -13,11 +13,7 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-std::string with_checksum(const std::string& body) {
-  Fnv1a64 hash;
-  hash.add(body);
-  return body + "checksum " + hash.hex() + "\n";
-}
+std::string with_checksum(const std::string& body) { return body + "checksum " + hash_of(body) + "\n"; }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);

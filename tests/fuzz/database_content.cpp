@@ -97,7 +97,7 @@ void check_model(const Database& database, int how) {
   const Model model = train(database, spec, report, {}, 1);
   const std::string text = write_model_text(model);
   require(write_model_text(read_model_text(text, "model.txt")) == text, "a model that can be read");
-  const std::string mesh = write_mesh_text(database.header().mesh, database.header().sets.fixed);
+  const std::string mesh = write_mesh_text(database.header().mesh);
   read_mesh_text(mesh, "mesh.txt");
 }
 

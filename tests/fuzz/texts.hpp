@@ -12,9 +12,7 @@ namespace phynness::fuzz {
 inline std::string sealed(std::string_view text) {
   const std::size_t last = text.rfind("checksum ");
   std::string body(text.substr(0, last));
-  Fnv1a64 hash;
-  hash.add(body);
-  return body + "checksum " + hash.hex() + "\n";
+  return body + "checksum " + hash_of(body) + "\n";
 }
 
 /// The words between the bars of a list.

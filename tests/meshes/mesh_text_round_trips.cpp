@@ -3,6 +3,7 @@
 #include <clocale>
 #include <cstring>
 #include <limits>
+#include <phynness/formats/hash.hpp>
 
 #include "mesh_under_test.hpp"
 
@@ -32,13 +33,18 @@ void expect_same(const Mesh& a, const Mesh& b) {
 
 TEST(MeshText, RoundTripsBitForBit) {
   const Mesh mesh = awkward_mesh();
-  const std::string text = write_mesh_text(mesh, {0, 4});
-  std::vector<std::int32_t> fixed;
-  const Mesh back = read_mesh_text(text, "mesh.txt", &fixed);
+  const std::string text = write_mesh_text(mesh);
+  const Mesh back = read_mesh_text(text, "mesh.txt");
   expect_same(mesh, back);
-  EXPECT_EQ(fixed, (std::vector<std::int32_t>{0, 4}));
-  EXPECT_EQ(write_mesh_text(back, fixed), text);
+  EXPECT_EQ(write_mesh_text(back), text);
   EXPECT_EQ(mesh_hash(back), mesh_hash(mesh));
+}
+
+TEST(MeshText, FixedNodesOfOtherProgramsAreRead) {
+  std::string body = write_mesh_text(awkward_mesh());
+  body.erase(body.find("checksum "));
+  body.replace(body.find("fixed 0\n"), 8, "fixed 2\n0\n4\n");
+  expect_same(awkward_mesh(), read_mesh_text(body + "checksum " + hash_of(body) + "\n", "mesh.txt"));
 }
 
 TEST(MeshText, DoesNotCareAboutTheLocale) {
@@ -86,7 +92,7 @@ TEST(MeshText, EachKindOfDamageHasItsOwnMessage) {
   corrupted[text.size() / 2] ^= 1;
   versioned.replace(versioned.find(" 1\n"), 3, " 2\n");
   EXPECT_TRUE(contains(error_of([&] { read_mesh_text(corrupted, "m"); }), "corrupted"));
-  EXPECT_TRUE(contains(error_of([&] { read_mesh_text(versioned, "m"); }), "another version: 2"));
+  EXPECT_TRUE(contains(error_of([&] { read_mesh_text(versioned, "m"); }), "another version: phynness-mesh 2"));
   EXPECT_TRUE(contains(error_of([&] { read_mesh_text("solid x\n", "m"); }), "not a phynness mesh"));
   EXPECT_TRUE(contains(error_of([&] { read_mesh_text("", "m"); }), "not a phynness mesh"));
 }

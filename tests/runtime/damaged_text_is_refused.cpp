@@ -17,11 +17,7 @@ int size_status(const std::string& text) {
   return phn_model_size(text.data(), text.size(), &bytes, nullptr);
 }
 
-std::string with_checksum(const std::string& body) {
-  Fnv1a64 hash;
-  hash.add(body);
-  return body + "checksum " + hash.hex() + "\n";
-}
+std::string with_checksum(const std::string& body) { return body + "checksum " + hash_of(body) + "\n"; }
 
 std::string body_of(const std::string& text) { return text.substr(0, text.rfind("checksum ")); }
 

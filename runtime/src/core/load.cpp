@@ -397,7 +397,7 @@ int ModelLoader::finish(phn_model* placed) {
 
 int load_model(const char* text, std::size_t length, Arena& arena, const phn_model** result, std::size_t& wrong_byte) {
   *result = nullptr;
-  const int envelope = schema::check_envelope(text, length, wrong_byte);
+  const int envelope = schema::check_envelope(schema::model_first_line, text, length, wrong_byte);
   if (envelope != PHN_OK) return envelope;
   TextReader in(text, length);
   in.rest_of_line();  // identity and version are already checked

@@ -27,4 +27,11 @@ class Fnv1a64 {
   std::uint64_t _state = 0xcbf29ce484222325ULL;
 };
 
+/// hex() of a text.
+inline std::string hash_of(std::string_view text) {
+  Fnv1a64 hash;
+  hash.add(text);
+  return hash.hex();
+}
+
 }  // namespace phynness

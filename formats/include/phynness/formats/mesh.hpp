@@ -66,13 +66,11 @@ std::string mesh_hash(const Mesh& mesh);
 inline constexpr std::string_view mesh_text_magic = "phynness-mesh";
 
 /// Text of mesh.txt with hexadecimal floats, which are read back exactly (formats/mesh.md).
-/// @param fixed  fixed nodes, stored for display
+/// @pre cells have 3 or 4 corners
 /// @throws Error (input) if a group's name is empty or contains a line break
-std::string write_mesh_text(const Mesh& mesh, const std::vector<std::int32_t>& fixed = {});
-/// @param fixed  output for the stored fixed nodes; may be null
+std::string write_mesh_text(const Mesh& mesh);
 /// @throws Error (input) if the text is truncated, corrupted (checksum), of another version, or malformed (with the
 /// line)
-Mesh read_mesh_text(const std::string& text, const std::string& source_name,
-                    std::vector<std::int32_t>* fixed = nullptr);
+Mesh read_mesh_text(const std::string& text, const std::string& source_name);
 
 }  // namespace phynness

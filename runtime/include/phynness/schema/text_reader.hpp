@@ -15,9 +15,11 @@ inline constexpr size_t checksum_line_length = sizeof("checksum 0123456789abcdef
 
 /// Checks identity, version, completeness and checksum. On success `length` becomes the length before the checksum
 /// line.
+/// @param first_line  a word and the version, one digit
 /// @param wrong_byte  position of the first error, counted from 1; 0 for a valid text
 /// @return a status of phynness.h
-int check_envelope(const char* text, size_t& length, size_t& wrong_byte);
+template <size_t size>
+int check_envelope(const char (&first_line)[size], const char* text, size_t& length, size_t& wrong_byte);
 
 /// Reads tokens until the first error, which status() keeps. After an error every read returns 0 and consumes nothing.
 class TextReader {
@@ -81,18 +83,19 @@ class TextReader {
   bool _line_start = true;
 };
 
-inline int check_envelope(const char* text, size_t& length, size_t& wrong_byte) {
-  constexpr size_t first = sizeof model_first_line - 1, magic_length = sizeof model_magic - 1;
+template <size_t size>
+int check_envelope(const char (&first_line)[size], const char* text, size_t& length, size_t& wrong_byte) {
+  constexpr size_t first = size - 1, magic_length = first - 2;
   const auto refuse = [&](int status, size_t at) {
     wrong_byte = at + 1;
     return status;
   };
   if (length < first) {
-    const bool start_of_one = length > 0 && memcmp(text, model_first_line, length) == 0;
+    const bool start_of_one = length > 0 && memcmp(text, first_line, length) == 0;
     return start_of_one ? refuse(PHN_ERROR_TRUNCATED, length) : refuse(PHN_ERROR_NOT_A_MODEL, 0);
   }
-  if (memcmp(text, model_magic, magic_length) != 0) return refuse(PHN_ERROR_NOT_A_MODEL, 0);
-  if (memcmp(text, model_first_line, first) != 0) return refuse(PHN_ERROR_VERSION, magic_length);
+  if (memcmp(text, first_line, magic_length) != 0) return refuse(PHN_ERROR_NOT_A_MODEL, 0);
+  if (memcmp(text, first_line, first) != 0) return refuse(PHN_ERROR_VERSION, magic_length);
   if (length < first + checksum_line_length || text[length - 1] != '\n') return refuse(PHN_ERROR_TRUNCATED, length);
   const size_t end = length - checksum_line_length;
   if (memcmp(text + end, "checksum ", 9) != 0) return refuse(PHN_ERROR_TRUNCATED, length);

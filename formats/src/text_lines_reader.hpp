@@ -1,8 +1,9 @@
-// Reads a model.txt by the grammar of models. Every error names the file, the line, what is wrong, and the value.
+// Reads a model.txt or a mesh.txt by its grammar. Every error names the file, the line, what is wrong, and the value.
 #pragma once
 
 #include <algorithm>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/hash.hpp>
 #include <phynness/formats/model_stores.hpp>
 #include <phynness/schema/model_grammar.hpp>
 #include <phynness/schema/text_reader.hpp>
@@ -10,14 +11,43 @@
 
 namespace phynness {
 
-class ModelReader : public ModelStores {
- public:
-  /// @param body  the text before the checksum line; must outlive the reader
-  ModelReader(std::string_view body, std::string source, const Model& model)
-      : _body(body), _source(std::move(source)), _model(model), _in(body.data(), body.size()) {
-    _in.rest_of_line();  // magic and version have already been checked
-    end();
+/// The lines between the first and the last one, if these are as they should be.
+/// @param kind  "model" or "mesh", for messages
+/// @throws Error (input) if the text is of another kind or version, truncated, or corrupted
+template <std::size_t size>
+std::string_view checked_lines(const char (&first_line)[size], std::string_view text, const std::string& source,
+                               const std::string& kind) {
+  std::size_t length = text.size(), wrong_byte = 0;
+  const int status = schema::check_envelope(first_line, text.data(), length, wrong_byte);
+  if (status == PHN_OK) return text.substr(size - 1, length - (size - 1));
+  const auto refuse = [&](const std::string& what, std::string value, const std::string& remedy) {
+    throw input_error(source + ": " + what, std::move(value), remedy);
+  };
+  if (status == PHN_ERROR_NOT_A_MODEL)
+    refuse("not a phynness " + kind, std::string(text.substr(0, 20)), "give a " + kind + ".txt or a model directory");
+  if (status == PHN_ERROR_VERSION) {
+    const std::string line(text.substr(0, std::min(text.find('\n'), std::size_t{40})));
+    if (!line.empty() && line.back() == '\r')
+      refuse("the line endings of the " + kind + " file were changed", "CR LF", "copy it again in binary mode");
+    refuse("the " + kind + " file has another version", line,
+           "train again with this version, or use the version that wrote it");
   }
+  if (status == PHN_ERROR_TRUNCATED)
+    refuse("the " + kind + " file is truncated",
+           std::to_string(text.size()) + " bytes without a checksum line at the end", "copy it again");
+  const std::size_t end = text.size() - schema::checksum_line_length;
+  refuse("the " + kind + " file is corrupted: its checksum is wrong",
+         std::string(text.substr(end + 9, 16)) + " instead of " + hash_of(text.substr(0, end)),
+         "copy it again; it cannot be edited by hand");
+  return {};
+}
+
+class TextLinesReader : public ModelStores {
+ public:
+  /// @param lines   checked_lines(); must outlive the reader
+  /// @param remedy  for lines that the grammar does not have
+  TextLinesReader(std::string_view lines, std::string source, const char* remedy)
+      : _lines(lines), _source(std::move(source)), _remedy(remedy), _in(lines.data(), lines.size()) {}
 
   void keyword(const char* word) {
     _in.keyword(word);
@@ -25,7 +55,7 @@ class ModelReader : public ModelStores {
   }
   void end() {
     _in.end_line();
-    if (!_in.good()) refuse("unexpected text at the end of the line", _body.substr(_in.token_at(), 20));
+    if (!_in.good()) refuse("unexpected text at the end of the line", _lines.substr(_in.token_at(), 20));
   }
   void text(std::string& line) {
     const auto found = _in.rest_of_line();
@@ -37,7 +67,13 @@ class ModelReader : public ModelStores {
     if (!_in.good()) refuse(std::string(what) + " is longer than 40 characters or not ASCII", token());
     word.assign(found.begin, found.end);
   }
-  void family(Family& family);
+  void family(Family& family) {
+    const auto found = _in.rest_of_line();
+    const std::string_view word{found.begin, found.length()};
+    const auto* const known = std::find(std::begin(schema::family_words), std::end(schema::family_words), word);
+    if (known == std::end(schema::family_words)) refuse("the family of the model is unknown to this version", word);
+    family = static_cast<Family>(known - schema::family_words);
+  }
   void real(const char* what, double& value, const schema::Bound& bound) {
     value = _in.real();
     if (!_in.good()) malformed();
@@ -80,19 +116,14 @@ class ModelReader : public ModelStores {
   void set(Eigen::Matrix3d& symmetric, std::int64_t i, std::int64_t k, double value) {
     symmetric(i, k) = symmetric(k, i) = value;
   }
-  using ModelStores::done;
-  void done(RbfNetwork& network) {
-    fill_centers(_model, network);
-    if (!network.centers.allFinite()) refuse("a scaled center is not finite", "");
-  }
   void require_end() {
-    if (!_in.at_end()) refuse("unexpected text after the last line of the model", "");
+    if (!_in.at_end()) refuse("unexpected text after the last line", "");
   }
 
   [[noreturn]] void refuse(const std::string& what, std::string_view value) const {
-    const auto line = 1 + std::count(_body.begin(), _body.begin() + static_cast<std::ptrdiff_t>(_in.token_at()), '\n');
-    throw input_error(_source + ":" + std::to_string(line) + ": " + what, std::string(value),
-                      "write the model again with `phynness train`; the format is described in formats/model.md");
+    const auto line =
+        2 + std::count(_lines.begin(), _lines.begin() + static_cast<std::ptrdiff_t>(_in.token_at()), '\n');
+    throw input_error(_source + ":" + std::to_string(line) + ": " + what, std::string(value), _remedy);
   }
 
  private:
@@ -112,9 +143,9 @@ class ModelReader : public ModelStores {
     refuse("malformed number", found);
   }
 
-  std::string_view _body;
+  std::string_view _lines;
   std::string _source;
-  const Model& _model;
+  const char* _remedy;
   schema::TextReader _in;
 };
 

@@ -1,19 +1,25 @@
-// Writes a model.txt by the grammar of models: exact, independent of the locale, and without text that a reader would
-// refuse.
+// Writes a model.txt or a mesh.txt by its grammar: exact, independent of the locale, and without text that a reader
+// would refuse.
 #pragma once
 
 #include <charconv>
 #include <cmath>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/hash.hpp>
 #include <phynness/formats/model_stores.hpp>
 #include <phynness/schema/model_grammar.hpp>
 #include <string_view>
 
 namespace phynness {
 
-class ModelWriter : public ModelStores {
+class TextLinesWriter : public ModelStores {
  public:
-  std::string& out() { return _out; }
+  explicit TextLinesWriter(std::string first_line) : _out(std::move(first_line)) {}
+  /// The whole text, with its checksum.
+  std::string finished() {
+    const std::string hash = hash_of(_out);
+    return std::move(_out) + "checksum " + hash + "\n";
+  }
 
   void keyword(std::string_view word) { put(word); }
   void end() {
@@ -35,7 +41,7 @@ class ModelWriter : public ModelStores {
   void family(Family family) { put(name(family)); }
   void real(const char* what, double value, const schema::Bound& bound) {
     if (!std::isfinite(value))
-      throw failure("the model contains a number that is not finite", what,
+      throw failure("a number of the model or its mesh is not finite", what,
                     "train again; if the error persists, please report it");
     if (!(value >= bound.low && value <= bound.high)) refuse(std::string(what) + " " + bound.outside);
     char buffer[40];
@@ -63,12 +69,14 @@ class ModelWriter : public ModelStores {
     throw failure("the model cannot be written: " + what, "", "this is a defect of the program; please report it");
   }
 
- private:
+ protected:
   void put(std::string_view text) {
     if (!_line_start) _out += ' ';
     _line_start = false;
     _out += text;
   }
+
+ private:
   std::string _out;
   bool _line_start = true;
 };
