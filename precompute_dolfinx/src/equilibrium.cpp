@@ -5,139 +5,145 @@
 #include <limits>
 #include <utility>
 
-#include "equilibrium_impl.hpp"
-
 namespace phynness {
+namespace {
+
+/// Numbers of the unknowns that belong to these dofs.
+std::vector<std::int32_t> unknowns_of(const TangentMatrix& tangent, std::span<const std::int32_t> dofs) {
+  std::vector<std::int32_t> unknowns;
+  for (const auto dof : dofs) unknowns.push_back(tangent.unknown_of()[dof]);
+  return unknowns;
+}
+
+}  // namespace
 
 Equilibrium::Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& options,
                          LinearSolver* shared)
-    : _impl(std::make_unique<Impl>(body, fixed_dofs, options, shared)) {
+    : _body(body),
+      _options(options),
+      _own(shared ? nullptr : serial_factorization()),
+      _linear(shared ? shared : _own.get()),
+      _tangent(body, fixed_dofs),
+      _pressures(unknowns_of(_tangent, body.pressure_dofs())) {
+  set_up_solver();
+  _rounding = residual_of_rounding();
   prescribe({});
 }
-Equilibrium::~Equilibrium() = default;
-Equilibrium::Equilibrium(Equilibrium&&) noexcept = default;
 
 void Equilibrium::prescribe(Constraint constraint) {
-  auto& s = *_impl;
-  s.constraint = std::move(constraint);
-  s.is_free.assign(s.body.n_dofs(), 1);
-  for (int dof = 0; dof < s.body.n_dofs(); ++dof)
-    if (s.tangent.unknown_of()[dof] < 0) s.is_free[dof] = 0;
-  for (const auto dof : s.constraint.dofs) s.is_free[dof] = 0;
-  if (!s.tangent.constrain(s.constraint)) return;
+  _constraint = std::move(constraint);
+  _is_free.assign(_body.n_dofs(), 1);
+  for (int dof = 0; dof < _body.n_dofs(); ++dof)
+    if (_tangent.unknown_of()[dof] < 0) _is_free[dof] = 0;
+  for (const auto dof : _constraint.dofs) _is_free[dof] = 0;
+  if (!_tangent.constrain(_constraint)) return;
   // The sparsity pattern has changed, and with it everything that libraries have made of it.
-  s.usable = false;
+  _usable = false;
   recover();
 }
 
 void Equilibrium::recover() {
-  auto& s = *_impl;
-  s.usable = false;
-  s.snes = {};
-  s.x = {};
-  s.r = {};
-  s.quasi_newton.clear();
-  s.pressures = PressureBlock(unknowns_of(s.tangent, s.body.pressure_dofs()));
-  s.linear->reset();
-  s.set_up_solver();
-  s.usable = true;
+  _usable = false;
+  _snes = {};
+  _x = {};
+  _r = {};
+  _quasi_newton.clear();
+  _pressures = PressureBlock(unknowns_of(_tangent, _body.pressure_dofs()));
+  _linear->reset();
+  set_up_solver();
+  _usable = true;
 }
 
-bool Equilibrium::is_usable() const { return _impl->usable; }
-
-SolverCounts Equilibrium::counts() const { return _impl->counts; }
-const Constraint& Equilibrium::constraint() const { return _impl->constraint; }
-
 void Equilibrium::set_load(std::vector<double> load) {
-  _impl->load_norm = Eigen::Map<const Eigen::VectorXd>(load.data(), static_cast<Eigen::Index>(load.size())).norm();
-  _impl->load = std::move(load);
+  _load_norm = Eigen::Map<const Eigen::VectorXd>(load.data(), static_cast<Eigen::Index>(load.size())).norm();
+  _load = std::move(load);
 }
 
 void Equilibrium::set_stop(std::function<bool()> stop, double patience_s) {
-  _impl->stop = std::move(stop);
-  _impl->patience_s = patience_s;
-  _impl->asked_to_end.reset();
+  _stop = std::move(stop);
+  _patience_s = patience_s;
+  _asked_to_end.reset();
 }
 
-bool Equilibrium::Impl::must_end() {
-  if (!stop || !stop()) return false;
+bool Equilibrium::must_end() {
+  if (!_stop || !_stop()) return false;
   const auto now = std::chrono::steady_clock::now();
-  if (!asked_to_end) asked_to_end = now;
-  return std::chrono::duration<double>(now - *asked_to_end).count() >= patience_s;
+  if (!_asked_to_end) _asked_to_end = now;
+  return std::chrono::duration<double>(now - *_asked_to_end).count() >= _patience_s;
 }
 
-SNESConvergedReason Equilibrium::Impl::iterate(bool from_convex, int most_iterations, int& iterations) {
+SNESConvergedReason Equilibrium::iterate(bool from_convex, int most_iterations, int& iterations) {
   if (must_end()) throw Interrupted();
-  PHYNNESS_PETSC(SNESSetTolerances(snes, 0, 0, 0, most_iterations, 100 * most_iterations));
+  PHYNNESS_PETSC(SNESSetTolerances(_snes, 0, 0, 0, most_iterations, 100 * most_iterations));
   hold();
-  spread(x);
-  refresh = true;
-  convex = from_convex;
-  strictly = false;
-  linear_failed = false;
-  trouble = nullptr;
-  const auto code = SNESSolve(snes, nullptr, x);
-  if (trouble) std::rethrow_exception(std::exchange(trouble, nullptr));
+  spread(_x);
+  _refresh = true;
+  _convex = from_convex;
+  _strictly = false;
+  _linear_failed = false;
+  _trouble = nullptr;
+  const auto code = SNESSolve(_snes, nullptr, _x);
+  if (_trouble) std::rethrow_exception(std::exchange(_trouble, nullptr));
   petsc_check(code, "SNESSolve");
   if (must_end()) throw Interrupted();
   SNESConvergedReason reason;
   PetscInt n = 0;
-  PHYNNESS_PETSC(SNESGetConvergedReason(snes, &reason));
-  PHYNNESS_PETSC(SNESGetIterationNumber(snes, &n));
+  PHYNNESS_PETSC(SNESGetConvergedReason(_snes, &reason));
+  PHYNNESS_PETSC(SNESGetIterationNumber(_snes, &n));
   iterations += static_cast<int>(n);
   // The latest residual belongs to the last trial, and a line search ends with the accepted trial.
-  gather(x);
-  return linear_failed && reason < 0 ? SNES_DIVERGED_LINEAR_SOLVE : reason;
+  gather(_x);
+  return _linear_failed && reason < 0 ? SNES_DIVERGED_LINEAR_SOLVE : reason;
 }
 
-bool Equilibrium::Impl::factorize_exact() {
-  tangent.assemble(body, state);
-  ++counts.tangents;
-  factors_are_convex = false;
-  quasi_newton.clear();
+bool Equilibrium::factorize_exact() {
+  _tangent.assemble(_body, _state);
+  ++_counts.tangents;
+  _factors_are_convex = false;
+  _quasi_newton.clear();
   return factorize();
 }
 
-bool Equilibrium::Impl::stays_at_saddle(SNESConvergedReason reason, bool check) {
+bool Equilibrium::stays_at_saddle(SNESConvergedReason reason, bool check) {
   // Near a saddle point, to which Newton's method would converge, a line search fails because of rounding.
   const bool search_failed = reason == SNES_DIVERGED_LINE_SEARCH || reason == SNES_DIVERGED_LOCAL_MIN;
-  if (reason < 0 ? !search_failed || !factors_are_convex : !check) return false;
+  if (reason < 0 ? !search_failed || !_factors_are_convex : !check) return false;
   // The present factors may belong to an earlier state.
-  return factorize_exact() && negative_pivots() > 0 && (!body.forms().checks_jacobian || body.min_jacobian(state) > 0);
+  return factorize_exact() && negative_pivots() > 0 &&
+         (!_body.forms().checks_jacobian || _body.min_jacobian(_state) > 0);
 }
 
 Equilibrium::Outcome Equilibrium::solve(std::span<double> state, bool check_stability) {
   constexpr int most_saddles = 4;
-  auto& s = *_impl;
   Outcome outcome;
-  s.met_instability = false;
-  const int most = static_cast<int>(s.most_iterations);
+  _met_instability = false;
+  const int most = static_cast<int>(_most_iterations);
   SNESConvergedReason reason = SNES_DIVERGED_LINEAR_SOLVE;
   // If the true tangent cannot be factorized, element tangents are made positive semidefinite.
   for (const bool convex : {false, true}) {
     if (reason != SNES_DIVERGED_LINEAR_SOLVE) break;
-    s.state.assign(state.begin(), state.end());
-    s.pressures.forget();
-    reason = s.iterate(convex, most, outcome.iterations);
+    _state.assign(state.begin(), state.end());
+    _pressures.forget();
+    reason = iterate(convex, most, outcome.iterations);
   }
   for (int i = 0; i < most_saddles; ++i) {
-    if (!s.stays_at_saddle(reason, check_stability || s.met_instability)) break;
-    const auto saddle = s.state;
-    if (!s.leave_saddle()) {  // the state remains, with its own factors
-      s.state = saddle;
-      s.evaluate_residual();
-      s.factorize_exact();
+    if (!stays_at_saddle(reason, check_stability || _met_instability)) break;
+    const auto saddle = _state;
+    if (!leave_saddle()) {  // the state remains, with its own factors
+      _state = saddle;
+      evaluate_residual();
+      factorize_exact();
       break;
     }
     outcome.left_saddle = true;
-    reason = s.iterate(false, 5 * most, outcome.iterations);
+    reason = iterate(false, 5 * most, outcome.iterations);
   }
-  outcome.met_instability = s.met_instability || outcome.left_saddle;
+  outcome.met_instability = _met_instability || outcome.left_saddle;
   if (reason > 0) {
-    std::copy(s.state.begin(), s.state.end(), state.begin());
-    const double scale = s.reaction_norm + s.load_norm;
-    outcome.relative_residual = scale > 0 ? s.free_norm() / scale : 0;
-    outcome.force = s.reaction();
+    std::copy(_state.begin(), _state.end(), state.begin());
+    const double scale = _reaction_norm + _load_norm;
+    outcome.relative_residual = scale > 0 ? free_norm() / scale : 0;
+    outcome.force = reaction();
     return outcome;
   }
   switch (reason) {
@@ -155,30 +161,29 @@ Equilibrium::Outcome Equilibrium::solve(std::span<double> state, bool check_stab
 }
 
 Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state, const Eigen::MatrixXd& directions) {
-  auto& s = *_impl;
-  if (s.must_end()) throw Interrupted();
-  s.state.assign(state.begin(), state.end());
-  const auto coupling = s.tangent.assemble(s.body, s.state);
-  ++s.counts.tangents;
-  s.factors_are_convex = false;
-  s.quasi_newton.clear();
-  s.counts.substitutions += directions.cols();
+  if (must_end()) throw Interrupted();
+  _state.assign(state.begin(), state.end());
+  const auto coupling = _tangent.assemble(_body, _state);
+  ++_counts.tangents;
+  _factors_are_convex = false;
+  _quasi_newton.clear();
+  _counts.substitutions += directions.cols();
   Linearization out;
   out.status = Status::factorization;
-  if (!s.factorize()) return out;
-  out.negative_pivots = s.negative_pivots();
+  if (!factorize()) return out;
+  out.negative_pivots = negative_pivots();
 
   const Eigen::Index k = directions.cols();
-  out.sensitivity = Eigen::MatrixXd::Zero(s.body.n_dofs(), k);
+  out.sensitivity = Eigen::MatrixXd::Zero(_body.n_dofs(), k);
   out.tangent = coupling.corner * directions;
   for (Eigen::Index c = 0; c < k; ++c) {
-    WriteValues(s.r).map() = -coupling.columns * directions.col(c);
-    if (!s.linear->solve(s.r, s.x)) return out;
-    const ReadValues dx(s.x);
+    WriteValues(_r).map() = -coupling.columns * directions.col(c);
+    if (!_linear->solve(_r, _x)) return out;
+    const ReadValues dx(_x);
     out.tangent.col(c) += coupling.columns.transpose() * dx.map();
-    for (int i = 0; i < s.tangent.n_unknowns(); ++i) out.sensitivity(s.tangent.dof_of()[i], c) = dx[i];
-    s.constraint.complete({out.sensitivity.col(c).data(), static_cast<std::size_t>(out.sensitivity.rows())},
-                          s.constraint.G * directions.col(c));
+    for (int i = 0; i < _tangent.n_unknowns(); ++i) out.sensitivity(_tangent.dof_of()[i], c) = dx[i];
+    _constraint.complete({out.sensitivity.col(c).data(), static_cast<std::size_t>(out.sensitivity.rows())},
+                         _constraint.G * directions.col(c));
   }
   out.status = Status::converged;
   return out;
@@ -186,59 +191,56 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
 
 Equilibrium::Velocity Equilibrium::velocity(std::span<const double> state, const Eigen::VectorXd& direction,
                                             Eigen::VectorXd guess) {
-  auto& s = *_impl;
-  const Eigen::VectorXd held = s.constraint.G * direction;
-  s.constraint.complete({guess.data(), static_cast<std::size_t>(guess.size())}, held);
+  const Eigen::VectorXd held = _constraint.G * direction;
+  _constraint.complete({guess.data(), static_cast<std::size_t>(guess.size())}, held);
   const Eigen::Map<const Eigen::VectorXd> x0(state.data(), static_cast<Eigen::Index>(state.size()));
   // K guess by a central difference. Its truncation error is proportional to the square of the step, and rounding to
   // its inverse; with a step of 1e-5 of the body both leave about ten digits.
   const double epsilon = 1e-5 / guess.lpNorm<Eigen::Infinity>();
   std::vector<double> forward;
   for (const double sign : {1.0, -1.0}) {
-    Eigen::Map<Eigen::VectorXd>(s.state.data(), x0.size()) = x0 + sign * epsilon * guess;
-    s.evaluate_residual();
-    if (sign > 0) forward = s.condensed;
+    Eigen::Map<Eigen::VectorXd>(_state.data(), x0.size()) = x0 + sign * epsilon * guess;
+    evaluate_residual();
+    if (sign > 0) forward = _condensed;
   }
   {
-    const WriteValues rates(s.r);
-    for (int i = 0; i < s.tangent.n_unknowns(); ++i) {
-      const auto dof = s.tangent.dof_of()[i];
-      rates[i] = s.is_free[dof] ? (forward[dof] - s.condensed[dof]) / (2 * epsilon) : 0.0;
+    const WriteValues rates(_r);
+    for (int i = 0; i < _tangent.n_unknowns(); ++i) {
+      const auto dof = _tangent.dof_of()[i];
+      rates[i] = _is_free[dof] ? (forward[dof] - _condensed[dof]) / (2 * epsilon) : 0.0;
     }
   }
   // The masters' rows contain the work of dependent dofs except for that of G q.
   Eigen::VectorXd rate = guess;
-  for (std::size_t i = 0; i < s.constraint.dofs.size(); ++i)
-    rate[s.constraint.dofs[i]] = held[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < _constraint.dofs.size(); ++i)
+    rate[_constraint.dofs[i]] = held[static_cast<Eigen::Index>(i)];
   double stiffness = 0;
   for (Eigen::Index dof = 0; dof < rate.size(); ++dof)
-    stiffness += rate[dof] * (forward[dof] - s.condensed[dof]) / (2 * epsilon);
-  ++s.counts.substitutions;
-  if (!s.linear->solve(s.r, s.x)) return {Eigen::VectorXd::Constant(guess.size(), std::nan("")), stiffness};
-  s.quasi_newton.apply(s.x);
-  const ReadValues correction(s.x);
-  for (int i = 0; i < s.tangent.n_unknowns(); ++i) {
-    const auto dof = s.tangent.dof_of()[i];
-    if (s.is_free[dof]) guess[dof] -= correction[i];
+    stiffness += rate[dof] * (forward[dof] - _condensed[dof]) / (2 * epsilon);
+  ++_counts.substitutions;
+  if (!_linear->solve(_r, _x)) return {Eigen::VectorXd::Constant(guess.size(), std::nan("")), stiffness};
+  _quasi_newton.apply(_x);
+  const ReadValues correction(_x);
+  for (int i = 0; i < _tangent.n_unknowns(); ++i) {
+    const auto dof = _tangent.dof_of()[i];
+    if (_is_free[dof]) guess[dof] -= correction[i];
   }
-  s.constraint.complete({guess.data(), static_cast<std::size_t>(guess.size())}, held);
+  _constraint.complete({guess.data(), static_cast<std::size_t>(guess.size())}, held);
   return {std::move(guess), stiffness};
 }
 
 std::optional<int> Equilibrium::negative_pivots(std::span<const double> state) {
-  auto& s = *_impl;
   // A convex tangent has no negative pivots in any state.
-  if (!s.factors_are_convex) return s.negative_pivots();
-  const auto exact = linearize(state, Eigen::MatrixXd(s.constraint.n_parameters(), 0));
+  if (!_factors_are_convex) return negative_pivots();
+  const auto exact = linearize(state, Eigen::MatrixXd(_constraint.n_parameters(), 0));
   if (exact.status != Status::converged) return std::nullopt;
   return exact.negative_pivots;
 }
 
 Eigen::VectorXd Equilibrium::force(std::span<const double> state) {
-  auto& s = *_impl;
-  s.state.assign(state.begin(), state.end());
-  s.evaluate_residual();
-  return s.reaction();
+  _state.assign(state.begin(), state.end());
+  evaluate_residual();
+  return reaction();
 }
 
 }  // namespace phynness

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <chrono>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -14,6 +16,10 @@
 #include "constraint.hpp"
 #include "discretization.hpp"
 #include "linear_solver.hpp"
+#include "petsc_check.hpp"
+#include "pressure_block.hpp"
+#include "quasi_newton.hpp"
+#include "tangent_matrix.hpp"
 
 namespace phynness {
 
@@ -25,12 +31,11 @@ class Equilibrium {
   /// @param shared  solver that factorizes together with other ranks; null: this process factorizes alone
   Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& options,
               LinearSolver* shared = nullptr);
-  ~Equilibrium();
-  Equilibrium(Equilibrium&&) noexcept;
+  Equilibrium(const Equilibrium&) = delete;  // callbacks refer to this object
 
   /// Sets the prescribed dofs of later solves. @pre none of them is fixed
   void prescribe(Constraint constraint);
-  const Constraint& constraint() const;
+  const Constraint& constraint() const { return _constraint; }
   /// Sets a dead load: nodal forces, n_dofs, dimensionless.
   void set_load(std::vector<double> load);
 
@@ -83,16 +88,109 @@ class Equilibrium {
   /// Must be called after an exception: recreates all objects of libraries, whose state is then unknown.
   void recover();
   /// False after a recover() that threw; recover() must then be called again.
-  bool is_usable() const;
+  bool is_usable() const { return _usable; }
 
   /// See ProbeSolver::set_stop(). solve() and linearize() then throw Interrupted.
   void set_stop(std::function<bool()> stop, double patience_s);
 
-  SolverCounts counts() const;
+  SolverCounts counts() const { return _counts; }
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> _impl;
+  void set_up_solver();
+  /// Runs a callback and catches its exceptions. @return an error code of PETSc
+  template <typename Work>
+  PetscErrorCode contain(Work&& work) noexcept {
+    try {
+      work();
+      return 0;
+    } catch (...) {
+      _trouble = std::current_exception();
+      return PETSC_ERR_LIB;
+    }
+  }
+  /// Whether the user has waited long enough for an end.
+  bool must_end();
+  /// Newton's method from `state`, which receives the result. @param from_convex  make the first tangent convex
+  SNESConvergedReason iterate(bool from_convex, int most_iterations, int& iterations);
+  /// Whether iterate() ended at or near an equilibrium that is not a minimum of the energy.
+  /// @param check  factorize the tangent of a converged state to check this
+  bool stays_at_saddle(SNESConvergedReason reason, bool check);
+  /// Moves `state` along the direction of most negative curvature as far as the energy decreases (leave_saddle.cpp).
+  /// @return false if it does not decrease
+  bool leave_saddle();
+  /// Factorizes the true tangent at `state`. @return false if it has no factors
+  bool factorize_exact();
+  /// Adds a tiny vector to a step, which only matters where rounding would otherwise determine the direction of
+  /// buckling.
+  /// @return false if the factors give no finite solution
+  bool break_symmetry(Vec step);
+  /// LDL^T of the last assembled tangent. @return false if it cannot be factorized
+  bool factorize();
+  double residual_of_rounding();
+  void evaluate_residual();
+  double free_norm() const;
+  Convexity convexity() const {
+    return !_convex ? Convexity::none : _strictly ? Convexity::strictly : Convexity::nearly;
+  }
+  /// Energy at `state` minus the work of the load.
+  double energy_and_load();
+  /// The function that steps decrease, at `state`: the stored energy with pressures in equilibrium with the
+  /// displacements.
+  /// @pre `residual` belongs to `state`
+  double merit();
+  /// G^T r_c of the latest residual.
+  Eigen::VectorXd reaction() const { return _constraint.G.transpose() * at_dependent(_residual); }
+  Eigen::VectorXd at_dependent(std::span<const double> values) const;
+  /// Keeps G q of `state` as `held`.
+  void hold();
+  /// Copies unknowns to `state`, with the dependent dofs that belong to them, and back; the condensed residual's free
+  /// rows, with zeros in the other rows.
+  void gather(Vec from);
+  void spread(Vec to) const;
+  void scatter(Vec to) const;
+  /// Norm of the residual at which a state is converged.
+  double goal() const { return _options.relative_tolerance * (_reaction_norm + _load_norm) + _rounding; }
+  int negative_pivots();
+
+  static PetscErrorCode form_function(SNES, Vec, Vec, void*);
+  static PetscErrorCode form_jacobian(SNES, Vec, Mat, Mat, void*);
+  static PetscErrorCode test_convergence(SNES, PetscInt, PetscReal, PetscReal, PetscReal, SNESConvergedReason*, void*);
+  static PetscErrorCode set_up_factors(PC);
+  static PetscErrorCode apply_factors(PC, Vec, Vec);
+  /// A step along the direction that SNES has computed (newton_step.cpp).
+  class Step;
+  static PetscErrorCode step(SNESLineSearch, void*);
+
+  Discretization& _body;
+  SolverSpec _options;
+  std::unique_ptr<LinearSolver> _own;  ///< null if a team factorizes
+  LinearSolver* _linear;               ///< the solver in use
+  TangentMatrix _tangent;
+  Constraint _constraint;
+  std::vector<char> _is_free;  ///< per dof: neither fixed nor dependent
+  std::vector<double> _load, _state, _residual;
+  std::vector<double> _condensed;  ///< the residual with the rows of dependent dofs added to those of their masters
+  Eigen::VectorXd _held;           ///< G q of the solve
+  double _reaction_norm = 0, _load_norm = 0;  ///< of the latest residual
+  double _rounding = 0;                       ///< norm of a residual that is caused by rounding
+  SolverCounts _counts;
+  PressureBlock _pressures;          ///< of the latest tangent
+  QuasiNewton _quasi_newton;         ///< corrections since the latest factorization
+  bool _refresh = true;              ///< assemble and factorize in the next iteration
+  bool _fresh = false;               ///< the factors belong to the state from which the step starts
+  bool _convex = false;              ///< make element tangents positive semidefinite
+  bool _strictly = false;            ///< in this solve, nearly convex element tangents did not suffice
+  bool _factors_are_convex = false;  ///< the latest factorization is of a convex tangent
+  bool _usable = true;               ///< false during recover()
+  PetscInt _most_iterations = 0;     ///< of Newton's method, including PETSC_OPTIONS
+  bool _met_instability = false;     ///< a tangent of the latest solve had negative pivots
+  bool _linear_failed = false;       ///< in the latest solve there were no factors, or no finite solution
+  std::function<bool()> _stop;       ///< says that the user wants an end
+  double _patience_s = 0;            ///< a solve may go on for so long
+  std::optional<std::chrono::steady_clock::time_point> _asked_to_end;
+  std::exception_ptr _trouble;  ///< exception of a callback, because exceptions must not pass through PETSc
+  PetscVec _x, _r;
+  PetscSnes _snes;
 };
 
 }  // namespace phynness

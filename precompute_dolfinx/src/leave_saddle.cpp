@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "equilibrium_impl.hpp"
+#include "equilibrium.hpp"
 #include "negative_curvature.hpp"
 
 namespace phynness {
@@ -33,15 +33,15 @@ Eigen::VectorXd generic_force(const Discretization& body, const TangentMatrix& t
 
 }  // namespace
 
-bool Equilibrium::Impl::break_symmetry(Vec step) {
+bool Equilibrium::break_symmetry(Vec step) {
   constexpr double share = 1e-6;
-  const auto force = generic_force(body, tangent, constraint, is_free);
+  const auto force = generic_force(_body, _tangent, _constraint, _is_free);
   PetscVec b, z;
   PHYNNESS_PETSC(VecDuplicate(step, b.address()));
   PHYNNESS_PETSC(VecDuplicate(step, z.address()));
   WriteValues(b).map() = force;
-  if (!linear->solve(b, z)) return false;
-  ++counts.substitutions;
+  if (!_linear->solve(b, z)) return false;
+  ++_counts.substitutions;
   PetscReal of_step = 0, of_z = 0;
   PHYNNESS_PETSC(VecNorm(step, NORM_INFINITY, &of_step));
   PHYNNESS_PETSC(VecNorm(z, NORM_INFINITY, &of_z));
@@ -49,30 +49,31 @@ bool Equilibrium::Impl::break_symmetry(Vec step) {
   return true;
 }
 
-bool Equilibrium::Impl::leave_saddle() {
-  const auto saddle = state;
-  const double size = size_of(body);
-  tangent.assemble(body, state, Convexity::strictly);
-  ++counts.tangents;
-  factors_are_convex = true;
-  quasi_newton.clear();
-  pressures.set(tangent.matrix());
-  if (!factorize() || (!pressures.empty() && !pressures.is_definite())) return false;
+bool Equilibrium::leave_saddle() {
+  const auto saddle = _state;
+  const double size = size_of(_body);
+  _tangent.assemble(_body, _state, Convexity::strictly);
+  ++_counts.tangents;
+  _factors_are_convex = true;
+  _quasi_newton.clear();
+  _pressures.set(_tangent.matrix());
+  if (!factorize() || (!_pressures.empty() && !_pressures.is_definite())) return false;
   const auto found =
-      most_negative_curvature(*linear, tangent.exact(), generic_force(body, tangent, constraint, is_free));
+      most_negative_curvature(*_linear, _tangent.exact(), generic_force(_body, _tangent, _constraint, _is_free));
   if (found.direction.size() == 0) return false;
 
   double largest = 0;
-  for (int p = 0; p < body.n_points(); ++p)
-    for (const auto dof : body.dofs(p))
-      if (dof >= 0 && is_free[dof]) largest = std::max(largest, std::abs(found.direction[tangent.unknown_of()[dof]]));
+  for (int p = 0; p < _body.n_points(); ++p)
+    for (const auto dof : _body.dofs(p))
+      if (dof >= 0 && _is_free[dof]) largest = std::max(largest, std::abs(found.direction[_tangent.unknown_of()[dof]]));
   if (!(largest > 0)) return false;
   const auto merit_at = [&](double length) {
-    state = saddle;
-    for (int i = 0; i < tangent.n_unknowns(); ++i) state[tangent.dof_of()[i]] += length / largest * found.direction[i];
-    constraint.complete(state, held);
+    _state = saddle;
+    for (int i = 0; i < _tangent.n_unknowns(); ++i)
+      _state[_tangent.dof_of()[i]] += length / largest * found.direction[i];
+    _constraint.complete(_state, _held);
     evaluate_residual();
-    const bool valid = std::isfinite(free_norm()) && (!body.forms().checks_jacobian || body.min_jacobian(state) > 0);
+    const bool valid = std::isfinite(free_norm()) && (!_body.forms().checks_jacobian || _body.min_jacobian(_state) > 0);
     return valid ? merit() : std::numeric_limits<double>::infinity();
   };
   // Lengths in units of the body: from far above rounding to visible bending.

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "equilibrium_impl.hpp"
+#include "equilibrium.hpp"
 #include "newton_cg.hpp"
 
 namespace phynness {
@@ -21,18 +21,19 @@ constexpr double good_newton_step = 0.1;
 // The usual constant of Armijo's rule, which accepts any significant decrease.
 constexpr double decrease = 1e-4;
 
-/// The step x <- x - length * y. (The functions are templates because Impl is private to Equilibrium.)
-class Step {
+}  // namespace
+
+/// The step x <- x - length * y.
+class Equilibrium::Step {
  public:
-  explicit Step(SNESLineSearch search) : _search(search) {
+  Step(Equilibrium& solver, SNESLineSearch search) : _solver(solver), _search(search) {
     PHYNNESS_PETSC(SNESLineSearchGetVecs(search, &_x, &_f, &_y, &_trial, &_trial_f));
     _before = norm(_f);
   }
 
-  template <typename Impl>
-  void take(Impl& s) {
-    const double reactions = s.reaction_norm;
-    const double length = s.fresh ? newton(s) : cheap(s);
+  void take() {
+    const double reactions = _solver._reaction_norm;
+    const double length = _solver._fresh ? newton() : cheap();
     if (length < 0) {
       PHYNNESS_PETSC(SNESLineSearchSetReason(_search, SNES_LINESEARCH_FAILED_REDUCT));
       return;
@@ -40,10 +41,10 @@ class Step {
     if (length > 0) {
       PHYNNESS_PETSC(VecCopy(_trial, _x));
       PHYNNESS_PETSC(VecCopy(_trial_f, _f));
-      s.quasi_newton.remember(_y, length);
+      _solver._quasi_newton.remember(_y, length);
     } else if (!_settled) {
       _after = _before;
-      s.reaction_norm = reactions;
+      _solver._reaction_norm = reactions;
     }
     PHYNNESS_PETSC(SNESLineSearchSetNorms(_search, norm(_x), _after, norm(_y)));
     PHYNNESS_PETSC(SNESLineSearchSetReason(_search, SNES_LINESEARCH_SUCCEEDED));
@@ -52,52 +53,50 @@ class Step {
  private:
   /// A full step, or none, with old factors that are corrected by the steps since (quasi-Newton).
   /// This and the following functions return the length; 0: stay and compute a new tangent; negative: the solve fails.
-  template <typename Impl>
-  double cheap(Impl& s) {
-    s.quasi_newton.correct(_y);
-    const bool finite = try_length(s, 1);
-    s.refresh = !finite || _after > cheap_step_worth * _before || wants_tangent(s);
+  double cheap() {
+    _solver._quasi_newton.correct(_y);
+    const bool finite = try_length(1);
+    _solver._refresh = !finite || _after > cheap_step_worth * _before || wants_tangent();
     return finite && _after < _before ? 1 : 0;
   }
 
-  template <typename Impl>
-  double newton(Impl& s) {
+  double newton() {
     // Newton's method would converge to a saddle point.
-    if (!s.convex && s.negative_pivots() > 0) {
-      s.met_instability = true;
-      return make_convex(s);
+    if (!_solver._convex && _solver.negative_pivots() > 0) {
+      _solver._met_instability = true;
+      return make_convex();
     }
     bool negative_curvature = false;
-    if (s.convex && !s.strictly && s.negative_pivots() > 0) {
-      s.strictly = s.refresh = true;
+    if (_solver._convex && !_solver._strictly && _solver.negative_pivots() > 0) {
+      _solver._strictly = _solver._refresh = true;
       return 0;
     }
-    if (s.convex) {
-      const auto cg = newton_cg(*s.linear, s.tangent.exact(), _f, _y);
-      s.counts.substitutions += cg.iterations;
+    if (_solver._convex) {
+      const auto cg = newton_cg(*_solver._linear, _solver._tangent.exact(), _f, _y);
+      _solver._counts.substitutions += cg.iterations;
       negative_curvature = cg.negative_curvature;
-      if (cg.failed || (s.met_instability && !s.break_symmetry(_y))) {
-        s.linear_failed = true;
+      if (cg.failed || (_solver._met_instability && !_solver.break_symmetry(_y))) {
+        _solver._linear_failed = true;
         return -1;
       }
     }
-    const bool calm = !s.convex && !s.met_instability && !s.pressures.empty();
-    if (calm && try_length(s, 1) && _after <= good_newton_step * _before) {
-      s.refresh = wants_tangent(s);
+    const bool calm = !_solver._convex && !_solver._met_instability && !_solver._pressures.empty();
+    if (calm && try_length(1) && _after <= good_newton_step * _before) {
+      _solver._refresh = wants_tangent();
       return 1;
     }
-    look_at_pressures(s);
+    look_at_pressures();
     // The negative derivative of the merit function along the step, whose pressures aim at r_p = 0.
     const double slope = dot(_f, _y) + 2 * _gap_before;
     // Without a definite pressure block the merit function is not defined, and the norm of the residual is used.
-    _has_merit = s.pressures.empty() || s.pressures.is_definite();
-    if (_has_merit && !(slope > 0)) return s.convex ? -1 : make_convex(s);
+    _has_merit = _solver._pressures.empty() || _solver._pressures.is_definite();
+    if (_has_merit && !(slope > 0)) return _solver._convex ? -1 : make_convex();
 
     double low = 0, high = std::numeric_limits<double>::infinity(), low_slope = slope, length = 1;
     for (int trial = 0; trial < 20; ++trial) {
-      const bool finite = try_length(s, length);
-      const double here = finite ? slope_of_trial(s) : 0;
-      if (finite && good_enough(s, length, slope, here)) {
+      const bool finite = try_length(length);
+      const double here = finite ? slope_of_trial() : 0;
+      if (finite && good_enough(length, slope, here)) {
         // With negative curvature at the start, a slope of more than half of the initial one means that the minimum is
         // farther away.
         if (negative_curvature && here > 0.5 * slope && length < 100 && !std::isfinite(high)) {
@@ -106,9 +105,9 @@ class Step {
           length *= 2;
           continue;
         }
-        if (negative_curvature) settle_pressures(s, _trial, _trial_f);
-        s.refresh = s.convex || wants_tangent(s);
-        s.convex = negative_curvature;
+        if (negative_curvature) settle_pressures(_trial, _trial_f);
+        _solver._refresh = _solver._convex || wants_tangent();
+        _solver._convex = negative_curvature;
         return length;
       }
       high = length;
@@ -117,90 +116,84 @@ class Step {
       length = low + fraction * (high - low);
     }
     // Longer steps were worse; take the longest good one.
-    if (low > 0 && try_length(s, low)) {
-      settle_pressures(s, _trial, _trial_f);
-      s.refresh = true;
+    if (low > 0 && try_length(low)) {
+      settle_pressures(_trial, _trial_f);
+      _solver._refresh = true;
       return low;
     }
-    return !s.convex ? make_convex(s) : -1;
+    return !_solver._convex ? make_convex() : -1;
   }
 
   /// Makes no step and requests a convex tangent; conjugate gradients then need pressures in equilibrium.
-  template <typename Impl>
-  double make_convex(Impl& s) {
-    settle_pressures(s, _x, _f);
-    s.convex = s.refresh = true;
+  double make_convex() {
+    settle_pressures(_x, _f);
+    _solver._convex = _solver._refresh = true;
     return 0;
   }
 
   /// Iterates p <- p + C^-1 r_p until the change is negligible or the residual no longer decreases.
-  template <typename Impl>
-  void settle_pressures(Impl& s, Vec x, Vec f) {
-    if (s.pressures.empty()) return;
-    s.gather(x);
+  void settle_pressures(Vec x, Vec f) {
+    if (_solver._pressures.empty()) return;
+    _solver.gather(x);
     double gap = std::numeric_limits<double>::infinity(), first = 0;
-    auto best = s.state;
+    auto best = _solver._state;
     for (int i = 0; i < 8; ++i) {
-      s.evaluate_residual();
-      s.scatter(f);
-      const auto r_p = s.pressures.part(f);
-      const Eigen::VectorXd change = s.pressures.solve(r_p);
+      _solver.evaluate_residual();
+      _solver.scatter(f);
+      const auto r_p = _solver._pressures.part(f);
+      const Eigen::VectorXd change = _solver._pressures.solve(r_p);
       const double now = r_p.dot(change);
       if (!(now < gap)) break;
       if (i == 0) first = now;
       gap = now;
-      best = s.state;
+      best = _solver._state;
       if (gap <= 1e-8 * first) break;
-      const auto& dofs = s.body.pressure_dofs();
-      for (std::size_t k = 0; k < dofs.size(); ++k) s.state[dofs[k]] += change[static_cast<Eigen::Index>(k)];
+      const auto& dofs = _solver._body.pressure_dofs();
+      for (std::size_t k = 0; k < dofs.size(); ++k) _solver._state[dofs[k]] += change[static_cast<Eigen::Index>(k)];
     }
-    s.state = best;
-    s.evaluate_residual();
-    s.spread(x);
-    s.scatter(f);
-    _after = s.free_norm();
+    _solver._state = best;
+    _solver.evaluate_residual();
+    _solver.spread(x);
+    _solver.scatter(f);
+    _after = _solver.free_norm();
     _settled = true;
   }
 
   /// Distance of the pressures from their equilibrium at the start of the step.
-  template <typename Impl>
-  void look_at_pressures(Impl& s) {
-    if (s.pressures.empty()) return;
-    const auto r_p = s.pressures.part(_f);
-    _pressure_change = s.pressures.solve(r_p);
+  void look_at_pressures() {
+    if (_solver._pressures.empty()) return;
+    const auto r_p = _solver._pressures.part(_f);
+    _pressure_change = _solver._pressures.solve(r_p);
     _gap_before = r_p.dot(_pressure_change) / 2;
   }
 
   /// The negative derivative of the merit function along the step at the trial point.
-  template <typename Impl>
-  double slope_of_trial(const Impl& s) const {
+  double slope_of_trial() const {
     const double slope = dot(_trial_f, _y);
-    return s.pressures.empty() ? slope : slope + s.pressures.part(_trial_f).dot(_pressure_change);
+    return _solver._pressures.empty() ? slope : slope + _solver._pressures.part(_trial_f).dot(_pressure_change);
   }
 
   /// @return false if the residual at the trial point is not finite (J <= 0 in a law with ln J)
-  template <typename Impl>
-  bool try_length(Impl& s, double length) {
+  bool try_length(double length) {
     PHYNNESS_PETSC(VecWAXPY(_trial, -length, _y, _x));
-    s.gather(_trial);
-    s.evaluate_residual();
-    _after = s.free_norm();
-    s.scatter(_trial_f);
+    _solver.gather(_trial);
+    _solver.evaluate_residual();
+    _after = _solver.free_norm();
+    _solver.scatter(_trial_f);
     return std::isfinite(_after);
   }
 
-  template <typename Impl>
-  bool good_enough(Impl& s, double length, double slope, double here) {
+  bool good_enough(double length, double slope, double here) {
     const bool shorter = _after <= (1 - decrease * length) * _before;
     // The step mainly changes the pressures, which are already in equilibrium in the merit function.
     if (!_has_merit || _gap_before > slope) return shorter;
     if (std::abs(here) <= 0.5 * slope) return true;
-    const double after = s.merit();
+    const double after = _solver.merit();
     if (std::isnan(_merit_before)) {
-      const auto moved = s.state;
-      s.gather(_x);
-      _merit_before = s.energy_and_load() + _gap_before;
-      s.state = moved;
+      const auto moved = _solver._state;
+      _solver.gather(_x);
+      _merit_before = _solver.energy_and_load() + _gap_before;
+      _solver._state = moved;
     }
     // If the change of the energy is below rounding, the residual decides.
     if (slope * length < 1e-9 * std::abs(_merit_before)) return shorter;
@@ -208,13 +201,13 @@ class Step {
   }
 
   /// Whether steps with old factors, at the rate of this one, would cost more in total than a new tangent.
-  template <typename Impl>
-  bool wants_tangent(const Impl& s) const {
-    const double goal = s.goal(), rate = _after / _before;
+  bool wants_tangent() const {
+    const double goal = _solver.goal(), rate = _after / _before;
     if (!(_after > goal)) return false;
     return std::log(goal / _after) / std::log(std::min(rate, 0.99)) > price_of_a_tangent;
   }
 
+  Equilibrium& _solver;
   SNESLineSearch _search;
   Vec _x = nullptr, _f = nullptr, _y = nullptr, _trial = nullptr, _trial_f = nullptr;
   double _before = 0, _after = 0, _merit_before = std::numeric_limits<double>::quiet_NaN();
@@ -224,11 +217,9 @@ class Step {
   Eigen::VectorXd _pressure_change;  ///< C^-1 r_p
 };
 
-}  // namespace
-
-PetscErrorCode Equilibrium::Impl::step(SNESLineSearch search, void* context) {
-  auto& self = *static_cast<Impl*>(context);
-  return self.contain([&] { Step(search).take(self); });
+PetscErrorCode Equilibrium::step(SNESLineSearch search, void* context) {
+  auto& self = *static_cast<Equilibrium*>(context);
+  return self.contain([&] { Step(self, search).take(); });
 }
 
 }  // namespace phynness

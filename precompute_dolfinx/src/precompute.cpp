@@ -44,22 +44,38 @@ class WorkClock {
   double _start = 0, _seconds = 0;
 };
 
-/// Figures of one rank, as numbers that can be gathered.
+/// Sums over rays: of one rank or of all, of this run or of the whole database.
+struct Counts {
+  std::int64_t rays = 0, rays_solved = 0, increments = 0, increments_solved = 0, after_end = 0, failed = 0,
+               iterations = 0, library_errors = 0;
+
+  /// @param is_solved  false: a mirror image
+  void add(std::span<const Status> statuses, std::span<const std::int32_t> iterations_of, bool is_solved = true) {
+    ++rays;
+    rays_solved += !statuses.empty() && statuses.front() != Status::not_requested;
+    for (const auto status : statuses) {
+      const bool is_tried = status != Status::not_requested && status != Status::after_end;
+      increments += is_tried;
+      increments_solved += is_tried && is_solved;
+      after_end += status == Status::after_end;
+      failed += static_cast<int>(status) < 0;
+      library_errors += status == Status::library_error;
+    }
+    iterations = std::accumulate(iterations_of.begin(), iterations_of.end(), iterations);
+  }
+  Counts of_all_ranks() const {
+    Counts all = *this;
+    MPI_Allreduce(MPI_IN_PLACE, &all, sizeof all / sizeof all.rays, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+    return all;
+  }
+};
+
+/// Figures of one rank.
 struct Share {
-  std::int64_t rays = 0, solved = 0, tasks = 0, increments = 0, failed = 0, iterations = 0, library_errors = 0;
+  Counts counts;
+  std::int64_t tasks = 0;
   double busy_seconds = 0;
   bool interrupted = false;
-
-  void count(const Ray& ray) {
-    ++rays;
-    solved += !ray.status.empty() && ray.status.front() != Status::not_requested;
-    for (std::size_t i = 0; i < ray.status.size(); ++i) {
-      if (ray.status[i] != Status::not_requested && ray.status[i] != Status::after_end) ++increments;
-      if (static_cast<int>(ray.status[i]) < 0) ++failed;
-      if (ray.status[i] == Status::library_error) ++library_errors;
-      iterations += ray.iterations[i];
-    }
-  }
 };
 
 /// Solves rays node by node.
@@ -120,7 +136,7 @@ class RayLog {
   void flush(Share& share) {
     for (const auto& ray : _held_back) {
       _log.append(ray);
-      share.count(ray);
+      share.counts.add(ray.status, ray.iterations);
     }
     _held_back.clear();
   }
@@ -176,7 +192,7 @@ std::int64_t log_left_out(const std::filesystem::path& file, const DatabaseHeade
   for (const auto& ray : rays) {
     const auto left_out = rounds.left_out(ray);
     log.append(left_out);
-    share.count(left_out);
+    share.counts.add(left_out.status, left_out.iterations);
     n += left_out.end.depth_m > 0;
   }
   log.close();
@@ -203,65 +219,45 @@ bool on_any_rank(bool here) {
 
 /// Sets the figures of all ranks.
 void add_up(const SolverSession& session, const Share& share, double core_seconds, PrecomputeReport& report) {
-  std::int64_t totals[] = {share.rays,       share.increments,     share.failed,
-                           share.iterations, share.library_errors, share.solved};
-  MPI_Allreduce(MPI_IN_PLACE, totals, 6, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
-  report.rays = totals[0];
-  report.increments = report.increments_solved = report.increments_of_run = totals[1];
-  report.failed = totals[2];
-  report.iterations = totals[3];
-  report.library_errors = totals[4];
-  report.rays_solved = totals[5];
+  const Counts all = share.counts.of_all_ranks();
+  report.rays = all.rays;
+  report.rays_solved = all.rays_solved;
+  report.increments = report.increments_solved = report.increments_of_run = all.increments;
+  report.failed = all.failed;
+  report.iterations = all.iterations;
+  report.library_errors = all.library_errors;
   report.core_seconds = session.sum(core_seconds);
   const auto figures =
-      session.gather({static_cast<double>(share.rays), static_cast<double>(share.tasks), share.busy_seconds,
+      session.gather({static_cast<double>(share.counts.rays), static_cast<double>(share.tasks), share.busy_seconds,
                       report.solve_seconds - share.busy_seconds, core_seconds, peak_memory_bytes()});
   for (std::size_t i = 0; i + 5 < figures.size(); i += 6)
     report.ranks.push_back({static_cast<std::int64_t>(figures[i]), static_cast<std::int64_t>(figures[i + 1]),
                             figures[i + 2], figures[i + 3], figures[i + 4], figures[i + 5]});
 }
 
-/// Figures of the finished database, including those of earlier runs.
-struct Finished {
-  std::int64_t increments = 0, solved = 0, after_end = 0, failed = 0, iterations = 0;
-
-  void count(std::span<const Status> statuses, std::span<const std::int32_t> iterations_of, bool is_solved) {
-    for (const auto status : statuses) {
-      const bool is_tried = status != Status::not_requested && status != Status::after_end;
-      increments += is_tried;
-      solved += is_tried && is_solved;
-      after_end += status == Status::after_end;
-      failed += static_cast<int>(status) < 0;
-    }
-    iterations = std::accumulate(iterations_of.begin(), iterations_of.end(), iterations);
-  }
-};
-
 /// Of a file that this run has not packed.
-Finished count_finished(const std::filesystem::path& file, const MirroredRays& mirrored) {
+Counts count_finished(const std::filesystem::path& file, const MirroredRays& mirrored) {
   const auto database = Database::open(file);
   const auto statuses = database.statuses();
   std::vector<std::int32_t> iterations(statuses.size());
   database.read("iterations", 0, database.header().sets.active.size(), iterations.data());
   const auto n = database.header().magnitudes_m.size();
-  Finished finished;
+  Counts finished;
   for (std::size_t ray = 0; ray * n < statuses.size(); ++ray)
-    finished.count({&statuses[ray * n], n}, {&iterations[ray * n], n},
-                   mirrored.is_solved(static_cast<std::int32_t>(ray / mirrored.n_directions()),
-                                      static_cast<std::int32_t>(ray % mirrored.n_directions())));
+    finished.add({&statuses[ray * n], n}, {&iterations[ray * n], n},
+                 mirrored.is_solved(static_cast<std::int32_t>(ray / mirrored.n_directions()),
+                                    static_cast<std::int32_t>(ray % mirrored.n_directions())));
   return finished;
 }
 
 /// Sets the figures of the whole database. @param finished  what this rank has packed
-void add_up(const Finished& finished, PrecomputeReport& report) {
-  std::int64_t totals[] = {finished.increments, finished.solved, finished.after_end, finished.failed,
-                           finished.iterations};
-  MPI_Allreduce(MPI_IN_PLACE, totals, 5, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
-  report.increments = totals[0];
-  report.increments_solved = totals[1];
-  report.after_end = totals[2];
-  report.failed = totals[3];
-  report.iterations = totals[4];
+void add_up(const Counts& finished, PrecomputeReport& report) {
+  const Counts all = finished.of_all_ranks();
+  report.increments = all.increments;
+  report.increments_solved = all.increments_solved;
+  report.after_end = all.after_end;
+  report.failed = all.failed;
+  report.iterations = all.iterations;
 }
 
 /// The numbers of all ranks, one after another, on all.
@@ -340,19 +336,18 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   SolverLog::instance().open(log_file, session.rank());
 
   const MirroredRays mirrored(header);
-  Finished finished;
-  const PackingRanks ranks{session.rank(), session.size(),
-                           [&](const auto& work) {
-                             session.together([&] {
-                               core.start();
-                               work();
-                               core.stop();
-                             });
-                           },
-                           [&](const auto& own) { return gathered(own, session.size()); },
-                           [&](const Ray& ray) {
-                             finished.count(ray.status, ray.iterations, mirrored.is_solved(ray.active, ray.direction));
-                           }};
+  Counts finished;  // what this rank has packed, including rays of earlier runs
+  const PackingRanks ranks{
+      session.rank(), session.size(),
+      [&](const auto& work) {
+        session.together([&] {
+          core.start();
+          work();
+          core.stop();
+        });
+      },
+      [&](const auto& own) { return gathered(own, session.size()); },
+      [&](const Ray& ray) { finished.add(ray.status, ray.iterations, mirrored.is_solved(ray.active, ray.direction)); }};
   std::vector<char> logged(header.sets.active.size() * header.directions.size(), 0);
   const auto rays_in_all = static_cast<std::int64_t>(rays_left(header, logged).size());
   std::int64_t taken = 0;
