@@ -29,15 +29,11 @@ def volumetric(F):
 
 
 def coupling(F, p, lmbda, couples_J):
-    """p e^(-p/lambda) J - p + p^2 / (2 lambda), which is stationary at p = lambda ln J with the value lambda/2 (ln
-    J)^2.
+    """p e^(-p/lambda) J - p + p^2 / (2 lambda), which is stationary at p = lambda ln J with the value lambda/2 (ln J)^2.
 
-    The coupling p ln J - p^2 / (2 lambda) has the same stationary point and value. But its second variation contains
-    -p tr((F^-1 dF)^2), which for constant pressure is -p (div)^2. From p = 2 mu on, under moderate tension, changes of
-    volume that the pressure space does not resolve then outweigh the shear stiffness, and Taylor-Hood and p1-p1 become
-    unstable although the body is stable. The integral of the second variation of J for constant pressure is zero. The
-    exponential coupling is limited to J < e, where it is concave in p; the logarithmic coupling is stable up to
-    J = e^(2 mu / lambda), which is the larger limit for lambda < 2 mu.
+    p ln J - p^2 / (2 lambda) has the same stationary point and value, but under tension Taylor-Hood and p1-p1 are then
+    unstable from p = 2 mu on (docs/decisions/pressure-multiplies-J.md). The exponential coupling is limited to J < e,
+    where it is concave in p; the logarithmic one is stable up to J = e^(2 mu / lambda), more for lambda < 2 mu.
     """
     with_J = p * exp(-p / lmbda) * det(F) - p + p**2 / (2 * lmbda)
     with_ln_J = p * ln(det(F)) - p**2 / (2 * lmbda)

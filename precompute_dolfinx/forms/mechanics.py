@@ -1,35 +1,16 @@
-"""Kinematics of the paper, and the derivation of the forms of all elements from a strain energy density.
+"""The forms of all tetrahedra from a law's shape(F), volumetric(F) = g(F) and kappa: W = shape + kappa/2 g^2, F = I + grad u.
 
-A law file (law.py) defines two functions of the deformation gradient F = I + grad u (equation (3)):
+Equations (b), (c) and (z) of docs/theory.md, Elements. For every element of element_table.py, in this order:
 
-    shape(F)        energy density without its volumetric part
-    volumetric(F)   g(F); the energy density is  W = shape + kappa/2 g^2
-
-and the coefficient kappa. From these the following are derived for every element of element_table.py, in this order:
-
-    energy      Pi(w)                 stored energy; stationary at equilibrium without loads
+    energy      Pi(w)                 stored energy; stationary at equilibrium without loads; w = u, or (u, p)
     residual    dPi(w; v)             the weak form (5); assembled, it is the nodal force that holds the state
     tangent     d2Pi(w; v, dw)        its derivative, symmetric
     von_mises   int sigma_v           of the Cauchy stress sigma = P F^T / J, P = dW/dF at fixed p
     stored      int W                 the energy of each cell (mixed elements: see mixed())
     jacobian    J = det F             at the quadrature points of the forms; -1 where the law is not defined
 
-Displacement elements: w = u, Pi = int W. Mixed elements: w = (u, p), perturbed Lagrangian
-
-    Pi = int shape + p g - p^2 / (2 kappa)
-
-At the solution p = kappa g, and Pi is int W with a weakly averaged g. A law may define another coupling of F and p with
-the same stationary point and value (for the reason see laws/neo_hookean.py). The equal-order element (p1-p1) has in
-addition the stabilization of Klaas, Maniatty & Shephard (1999), doi 10.1016/S0045-7825(99)00059-6:
-
-    - alpha h^2 / (2 mu) |F^-T grad p|^2,   h the cell diameter.
-
-In the edge-smoothed element (es-p1-p1) shape is a function of the mean gradients F_e of the cells at each edge, and only
-its part cell_share of the gradients of the cells. Its forms of edges, edge_energy and so on, are functions of F_e;
-src/edge_patches.hpp sums them. If kappa is the bulk modulus, shape does not see changes of volume, and those that p does
-not resolve would cost nothing: there shape takes (mu/3) g^2 of the volumetric energy, as in laws whose kappa is lambda.
-
-All lengths and moduli are dimensionless (see scaling.hpp).
+The forms of the edges of the edge-smoothed element, edge_energy and so on, are functions of F_e; src/edge_patches.hpp
+sums them. All lengths and moduli are dimensionless (see scaling.hpp).
 """
 
 import basix

@@ -1,30 +1,14 @@
-"""Kinematics of the shell, and the derivation of its forms from a plane-stress energy density.
+"""The forms of the shell from a plane-stress energy density: equations (w) and (y) of docs/theory.md, Shells.
 
-A point at height zeta over the midsurface, |zeta| <= t/2, moves from X + zeta D to x + zeta d. Here x = X + u with
-quadratic u; the directors D and d have their dofs at the middles of edges and are linear in a triangle. The spaces are
-those of Campello, Pimenta & Wriggers 2003, doi 10.1007/s00466-003-0458-8, with directors instead of rotations. The
-convected base vectors are G_a = X,a + zeta D,a and g_a = x,a + zeta d,a. The third base vector G_3 is the layer's
-normal N, and g_3 is its image, so that D = c N + s^a G_a and d = c g_3 + s^a g_a:
-
-    C = g_ij G^i x G^j,     I1 = G^ij g_ij,     I2 = G_ij cof(g)_ij / det G,     J^2 = det g / det G.
-
-The component g_33 = x is not computed from the director but from the condition that the stress across the shell
-vanishes, S^33 = 2 dW/dx = 0. The law condenses it (plane_stress of the files in ../laws). Therefore there is no
-thickness locking, for any K/mu. The invariants are linear in x:
+The component g_33 = x of the metric is not computed from the director but from the condition that the stress across the
+shell vanishes, which the law condenses (plane_stress of the files in ../laws). The invariants are linear in x:
 
     I1 = A + x,     I2 = P + A x,     x = s + r J^2,
 
-where A = G^ab g_ab, s is the part of the shear strains, and r = det G / det g_ab. The shear strains g_a3 are scaled by
-sqrt(5/6), which gives the usual factor 5/6 of the shear energy.
+where A = G^ab g_ab, s is the part of the shear strains, and r = det G / det g_ab.
 
-The energy of the midsurface, t W(zeta = 0), from stretching and shear, is integrated with the weight alpha at the same
-three points as the other terms and with 1 - alpha at one point, where alpha = c t^2 / (c t^2 + h^2). Without this a
-thin flat triangle could not bend as part of a curved surface (membrane locking). Half of the shear energy is integrated
-in the same way, which improves thin plates; with all of it, a shell under a point force would be hard to solve. Partial
-selective reduced integration: Arnold & Brezzi 1997, doi 10.1090/S0025-5718-97-00785-0; measurements:
-docs/decisions/shell.md.
-
-The length of a director has no physical meaning. A penalty at the middles of edges, `gauge`, keeps it constant.
+The exchange of the integrals of the midsurface is a partial selective reduced integration: Arnold & Brezzi 1997, doi
+10.1090/S0025-5718-97-00785-0; measurements: docs/decisions/shell.md.
 
 `src/form_set.cpp` sets these constants for each pass over the forms:
     zeta, thickness    height, t
