@@ -100,20 +100,16 @@ inline std::shared_ptr<DolfinxMesh> create_mesh(const Points& nodes, const Cells
 #endif
 }
 
-inline int n_vertices_per_cell(const DolfinxMesh& mesh) {
+inline const dolfinx::mesh::Topology& topology(const DolfinxMesh& mesh) {
 #if PHYNNESS_DOLFINX == 5
-  return mesh.topology().dim() + 1;
+  return mesh.topology();
 #else
-  return mesh.topology()->dim() + 1;
+  return *mesh.topology();
 #endif
 }
 
 inline std::int32_t n_cells(const DolfinxMesh& mesh) {
-#if PHYNNESS_DOLFINX == 5
-  return mesh.topology().index_map(mesh.topology().dim())->size_local();
-#else
-  return mesh.topology()->index_map(mesh.topology()->dim())->size_local();
-#endif
+  return topology(mesh).index_map(topology(mesh).dim())->size_local();
 }
 
 /// Indices of a cell's vertices in the arrays of the mesh geometry.
@@ -121,7 +117,7 @@ inline std::span<const std::int32_t> vertices(const DolfinxMesh& mesh, std::int3
 #if PHYNNESS_DOLFINX == 5
   return mesh.geometry().dofmap().links(cell);
 #else
-  const auto n = n_vertices_per_cell(mesh);
+  const int n = topology(mesh).dim() + 1;
 #if PHYNNESS_DOLFINX <= 10
   return {mesh.geometry().dofmap().data_handle() + n * std::ptrdiff_t{cell}, static_cast<std::size_t>(n)};
 #else
@@ -158,18 +154,13 @@ inline std::shared_ptr<Space> space_of(const std::shared_ptr<DolfinxMesh>& mesh,
 #endif
 }
 
-/// The space of forms/shell_elements.py.
-inline std::shared_ptr<Space> shell_space(const std::shared_ptr<DolfinxMesh>& mesh) {
-  using FiniteElement = dolfinx::fem::FiniteElement<double>;
-  const auto vector = [](const BasixElement& scalar) {
+/// Three components of a scalar element.
+inline std::shared_ptr<const dolfinx::fem::FiniteElement<double>> vector_of(const BasixElement& scalar) {
 #if PHYNNESS_DOLFINX == 9
-    return std::make_shared<const FiniteElement>(scalar, 3);
+  return std::make_shared<const dolfinx::fem::FiniteElement<double>>(scalar, 3);
 #else
-    return std::make_shared<const FiniteElement>(scalar, std::vector<std::size_t>{3});
+  return std::make_shared<const dolfinx::fem::FiniteElement<double>>(scalar, std::vector<std::size_t>{3});
 #endif
-  };
-  return space_of(mesh, std::make_shared<const FiniteElement>(std::vector<std::shared_ptr<const FiniteElement>>{
-                            vector(lagrange(2, basix::cell::type::triangle)), vector(crouzeix_raviart())}));
 }
 #endif
 
@@ -186,18 +177,18 @@ inline std::shared_ptr<Space> create_space([[maybe_unused]] Element element, [[m
                                      mesh->comm(), layout, mesh->topology(), nullptr, *chosen)));
 #else
   using FiniteElement = dolfinx::fem::FiniteElement<double>;
-  if (element->is_shell) return shell_space(mesh);
-  const int degree = element->displacement_degree;
+  using Parts = std::vector<std::shared_ptr<const FiniteElement>>;
+  if (element->is_shell)
+    return space_of(mesh, std::make_shared<const FiniteElement>(Parts{
+                              vector_of(lagrange(2, basix::cell::type::triangle)), vector_of(crouzeix_raviart())}));
+  const auto displacement = vector_of(lagrange(element->displacement_degree));
+  if (!element->mixed) return space_of(mesh, displacement);
 #if PHYNNESS_DOLFINX == 9
-  auto chosen = std::make_shared<const FiniteElement>(lagrange(degree), 3);
   const auto pressure = std::make_shared<const FiniteElement>(lagrange(1), 1);
 #else
-  auto chosen = std::make_shared<const FiniteElement>(lagrange(degree), std::vector<std::size_t>{3});
   const auto pressure = std::make_shared<const FiniteElement>(lagrange(1));
 #endif
-  if (element->mixed)
-    chosen = std::make_shared<const FiniteElement>(std::vector<std::shared_ptr<const FiniteElement>>{chosen, pressure});
-  return space_of(mesh, chosen);
+  return space_of(mesh, std::make_shared<const FiniteElement>(Parts{displacement, pressure}));
 #endif
 }
 

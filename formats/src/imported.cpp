@@ -217,20 +217,15 @@ std::string scene_text(const GivenResponses& given, double largest_m) {
   return text + "max_displacement_m = " + number(largest_m) + "\n";
 }
 
-std::vector<std::int32_t> sorted(std::vector<std::int32_t> nodes) {
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  return nodes;
-}
-
 DatabaseHeader header_of(const GivenResponses& given, const std::vector<NodeStates>& nodes,
                          const DisplacementTable& table, double largest_m) {
   DatabaseHeader header;
   header.mesh.nodes = given.points_m;
   header.mesh.cells = given.cells;
   header.mesh.surface = given.cells.cols() == 4 ? boundary_triangles(given.cells) : Triangles(given.cells);
-  header.sets.fixed = sorted(given.fixed);
-  header.sets.output = sorted(given.output);
+  header.sets.fixed = given.fixed;
+  header.sets.output = given.output;
+  for (auto* nodes : {&header.sets.fixed, &header.sets.output}) sort_unique(*nodes);
   for (const auto& node : nodes) header.sets.active.push_back(node.node);
   header.directions = exploratory_directions(Directions::twenty_six);
   const auto n = table.increments();

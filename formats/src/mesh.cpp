@@ -53,10 +53,14 @@ Triangles boundary_triangles(const Cells& cells) {
   return triangles;
 }
 
-std::vector<std::int32_t> surface_nodes(const Triangles& surface) {
-  std::vector<std::int32_t> nodes(surface.data(), surface.data() + surface.size());
+void sort_unique(std::vector<std::int32_t>& nodes) {
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+}
+
+std::vector<std::int32_t> surface_nodes(const Triangles& surface) {
+  std::vector<std::int32_t> nodes(surface.data(), surface.data() + surface.size());
+  sort_unique(nodes);
   return nodes;
 }
 

@@ -14,13 +14,6 @@ namespace {
 // Relative to the diagonal of the bounding box: a node on the face of a box, up to rounding, is in the box.
 constexpr double on_the_border = 1e-9;
 
-std::string at(const SourceLocation& where) { return where.file.empty() ? "" : where.str() + ": "; }
-
-void sort_unique(NodeList& nodes) {
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-}
-
 NodeList picked(const Selector& selector, const SelectableBody& body, const PickRequest& request) {
   NodeList nodes = selector.choice->pick(body, request);
   sort_unique(nodes);
@@ -94,7 +87,7 @@ NodeList union_of(const Selection& selection, const SelectableBody& body, const 
   NodeList nodes;
   for (const Selector& selector : selection) {
     const PickRequest own{selector.surface_only ? body.surface : every_node, request.nodes,
-                          selector.where.file.empty() ? request.place : at(selector.where)};
+                          selector.where.file.empty() ? request.place : selector.where.prefix()};
     const NodeList more = picked(selector, body, own);
     if (more.empty())
       throw input_error(own.place + "a selector of the " + own.nodes + " selects no node", description(selector),
@@ -112,9 +105,9 @@ NodeList select_nodes(const Selection& selection, const SelectableBody& body, co
                       const SourceLocation& where) {
   const std::string what_nodes = std::string(what) + " nodes";
   if (selection.empty())
-    throw input_error(at(where) + "there are no " + what_nodes, "the selection is empty",
+    throw input_error(where.prefix() + "there are no " + what_nodes, "the selection is empty",
                       std::string("add a selector to ") + what);
-  return scene_detail::union_of(selection, body, {all_nodes(body), what_nodes, at(where)});
+  return scene_detail::union_of(selection, body, {all_nodes(body), what_nodes, where.prefix()});
 }
 
 }  // namespace phynness

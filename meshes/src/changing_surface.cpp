@@ -30,7 +30,7 @@ ChangingSurface::ChangingSurface(const Surface& surface, double sharp_cosine)
 }
 
 void ChangingSurface::set_feature(Edge edge, bool on) {
-  edge = sorted(edge);
+  edge = edge_of(edge[0], edge[1]);
   const bool changed = on ? _features.insert(edge).second : _features.erase(edge) > 0;
   if (changed)
     for (const std::int32_t node : edge) _feature_degree[node] += on ? 1 : -1;

@@ -22,7 +22,7 @@ class ChangingSurface {
   std::vector<Edge> edges() const;
   /// The two triangles of an edge; empty if the edge no longer exists.
   std::optional<std::array<std::int32_t, 2>> triangles_of(const Edge& edge) const;
-  bool is_feature(const Edge& edge) const { return _features.count(sorted(edge)) > 0; }
+  bool is_feature(const Edge& edge) const { return _features.count(edge_of(edge[0], edge[1])) > 0; }
   /// Number of feature edges that meet at a node.
   int feature_degree(std::int32_t node) const { return _feature_degree[node]; }
   const std::vector<std::int32_t>& triangles_at(std::int32_t node) const { return _at[node]; }
@@ -59,7 +59,6 @@ class ChangingSurface {
   Surface surface() const;
 
  private:
-  static Edge sorted(Edge e) { return e[0] < e[1] ? e : Edge{e[1], e[0]}; }
   bool can_collapse(std::int32_t gone, std::int32_t kept) const;
   void replace(std::int32_t triangle, std::int32_t old_node, std::int32_t new_node);
   void set_feature(Edge edge, bool on);

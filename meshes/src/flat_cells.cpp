@@ -42,8 +42,6 @@ Triangle face_of(const Tetrahedron& cell, int opposite) {
   return face;
 }
 
-Edge edge_of(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
-
 std::array<Edge, 6> edges_of(const Tetrahedron& c) {
   return {edge_of(c[0], c[1]), edge_of(c[0], c[2]), edge_of(c[0], c[3]),
           edge_of(c[1], c[2]), edge_of(c[1], c[3]), edge_of(c[2], c[3])};

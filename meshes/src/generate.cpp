@@ -67,20 +67,18 @@ RawMesh fill(const Surface& surface) {
   return raw;
 }
 
-RawMesh mesh_solid(const Solid& solid, double edge_m) {
-  const double unit = edge_m;
+RawMesh mesh_solid(const MeshSpec& solid, int axis, double edge_m) {
   const bool round = solid.shape != Shape::block;
   // gmsh's mesh of a symmetric shape is not symmetric, so that a half is meshed and mirrored.
-  const int axis = solid.mirror_axis;
   Vec3 size_m = round ? Vec3{solid.radius_m, solid.radius_m, solid.length_m} : solid.size_m;
   if (axis >= 0 && !(round && axis < 2)) size_m[axis] /= 2;
   // Regular shapes have many points at equal distances, among which gmsh selects by rounding errors. With dimensions
   // rounded to seven digits the mesh does not depend on the unit of length. The nodes are then scaled to the exact
   // size.
-  const auto in_edges = [unit](double length_m) {
+  const auto in_edges = [edge_m](double length_m) {
     constexpr int bits = 24;
     int exponent = 0;
-    const double fraction = std::frexp(length_m / unit, &exponent);
+    const double fraction = std::frexp(length_m / edge_m, &exponent);
     return std::ldexp(std::round(std::ldexp(fraction, bits)), exponent - bits);
   };
   const Vec3 size{in_edges(size_m[0]), in_edges(size_m[1]), in_edges(size_m[2])};
@@ -91,11 +89,11 @@ RawMesh mesh_solid(const Solid& solid, double edge_m) {
   if (round && axis == 0)
     for (auto& x : raw.nodes) x = {x[1], -x[0], x[2]};  // rotation by 90 degrees: the half x >= 0
   // Round halves begin at the axis of the shape; all others lie in [0, middle].
-  return completed(std::move(raw), axis, round && axis < 2 ? 0 : size_m[std::max(axis, 0)], unit, "the built-in shape");
+  return completed(std::move(raw), axis, round && axis < 2 ? 0 : size_m[std::max(axis, 0)], edge_m,
+                   "the built-in shape");
 }
 
-RawMesh mesh_drain(const Drain& drain, double edge_m) {
-  const int axis = drain.mirror_axis;
+RawMesh mesh_drain(const MeshSpec& drain, int axis, double edge_m) {
   RawMesh raw = gmsh().drain({drain.radius_m / edge_m, drain.length_m / edge_m, drain.slit_length_m / edge_m,
                               drain.slit_width_m / edge_m, axis});
   for (auto& x : raw.nodes)

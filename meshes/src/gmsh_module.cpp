@@ -153,7 +153,7 @@ RawMesh solid(Shape shape, const Vec3& size, double inner_radius, double angle) 
 }
 
 RawMesh drain(const Drain& drain) {
-  const double radius = drain.radius_m, length = drain.length_m;
+  const double radius = drain.radius, length = drain.length;
   constexpr double quarter_turn = std::numbers::pi / 2;
   const int axis = drain.mirror_axis;
   return in_gmsh("mesh the drain", [&] {
@@ -165,7 +165,7 @@ RawMesh drain(const Drain& drain) {
     for (const auto& entity : walls)
       if (entity.first == 2) tube.push_back(entity);
     // An ellipse with its long axis along the tube, extruded through the upper wall only.
-    const gmsh::vectorpair disk{{2, occ::addDisk(0, 0, 0, drain.slit_length_m / 2, drain.slit_width_m / 2)}};
+    const gmsh::vectorpair disk{{2, occ::addDisk(0, 0, 0, drain.slit_length / 2, drain.slit_width / 2)}};
     occ::rotate(disk, 0, 0, 0, 0, 1, 0, quarter_turn);
     occ::rotate(disk, 0, 0, 0, 0, 0, 1, quarter_turn);
     occ::translate(disk, 0, 0, length / 2);

@@ -6,6 +6,11 @@
 
 namespace phynness::meshes {
 
+struct Drain {
+  double radius, length, slit_length, slit_width;
+  int mirror_axis;  ///< as in mesh_drain()
+};
+
 /// gmsh compares with absolute tolerances, so that all lengths are given in edge lengths. Each function throws an Error
 /// with what gmsh says.
 struct GmshModule {

@@ -21,8 +21,7 @@ Surface unit_sphere() {
   for (int level = 0; level < subdivisions; ++level) {
     std::map<Edge, std::int32_t> middles;
     const auto middle = [&](std::int32_t a, std::int32_t b) {
-      const auto [found, is_new] =
-          middles.emplace(Edge{std::min(a, b), std::max(a, b)}, static_cast<std::int32_t>(x.size()));
+      const auto [found, is_new] = middles.emplace(edge_of(a, b), static_cast<std::int32_t>(x.size()));
       if (is_new) x.push_back((x[a] + x[b]).normalized());
       return found->second;
     };

@@ -18,7 +18,7 @@ namespace {
 
 using namespace meshes;
 
-std::string place(const MeshSpec& spec) { return spec.where.file.empty() ? "mesh" : spec.where.str() + ": mesh"; }
+std::string place(const MeshSpec& spec) { return spec.where.prefix() + "mesh"; }
 
 /// The coordinate axis normal to the plane of symmetry of the scene, or -1.
 int mirror_axis(const MeshSpec& spec) {
@@ -83,9 +83,8 @@ MeshResult from_shape(const MeshSpec& spec) {
   const int axis = mirror_axis(spec);
   if (spec.shape == Shape::drain) {
     // The slit is above, so that the drain is not symmetric across y.
-    const Drain drain{spec.radius_m, spec.length_m, spec.slit_length_m, spec.slit_width_m, axis == 1 ? -1 : axis};
-    MeshResult result = sized(spec, {0, drain.area_m2()}, [&](double edge_m) {
-      RawMesh raw = mesh_drain(drain, edge_m);
+    MeshResult result = sized(spec, extent_of_shape(spec), [&](double edge_m) {
+      RawMesh raw = mesh_drain(spec, axis == 1 ? -1 : axis, edge_m);
       return generated([&] { return checked_shell(std::move(raw), 1, false, source); },
                        "try a smaller mesh.target_size_m or more mesh.target_nodes");
     });
@@ -97,9 +96,8 @@ MeshResult from_shape(const MeshSpec& spec) {
     const Extent extent{enclosed_volume(liver.nodes, liver.triangles), area(liver.nodes, liver.triangles)};
     return sized(spec, extent, [&](double edge_m) { return filled_at(liver, edge_m, source); });
   }
-  const Solid solid{spec.shape, spec.size_m, spec.radius_m, spec.inner_radius_m, spec.length_m, axis};
-  return sized(spec, {solid.volume_m3(), solid.area_m2()},
-               [&](double edge_m) { return generated_body(mesh_solid(solid, edge_m), source, axis >= 0); });
+  return sized(spec, extent_of_shape(spec),
+               [&](double edge_m) { return generated_body(mesh_solid(spec, axis, edge_m), source, axis >= 0); });
 }
 
 /// Edges that are too long for a body cut off what is thinner or narrower than they are.

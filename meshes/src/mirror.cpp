@@ -15,8 +15,6 @@ namespace {
 
 using Vector = Eigen::RowVector3d;
 
-std::string place(const SymmetryPlane& plane) { return plane.where.file.empty() ? "" : plane.where.str() + ": "; }
-
 /// The node nearest to x, or -1 if no node lies within the tolerance.
 /// @param by_x  the nodes in ascending order of their first coordinate
 std::int32_t nearest(const Points& nodes, const std::vector<std::int32_t>& by_x, const Vector& x, double tolerance) {
@@ -50,7 +48,7 @@ std::vector<std::int32_t> pair_nodes(const Mesh& mesh, const SymmetryPlane& plan
   }
   if (!alone.empty()) {
     const double off = (mesh.nodes.rowwise() - reflected(alone.front())).rowwise().norm().minCoeff();
-    throw input_error(place(plane) + "the mesh is not symmetric",
+    throw input_error(plane.where.prefix() + "the mesh is not symmetric",
                       counted(alone.size(), "node has", "nodes have") + " no mirror image within " + metres(tolerance) +
                           " (" + first_few(alone) + "); the first misses by " + metres(off),
                       "move the plane, set tolerance_m, give a mesh that is symmetric (half = true makes one from its "
@@ -58,7 +56,7 @@ std::vector<std::int32_t> pair_nodes(const Mesh& mesh, const SymmetryPlane& plan
   }
   for (std::int32_t i = 0; i < mesh.n_nodes(); ++i)
     if (image[image[i]] != i)
-      throw input_error(place(plane) + "two nodes have the same mirror image",
+      throw input_error(plane.where.prefix() + "two nodes have the same mirror image",
                         "nodes " + std::to_string(i) + " and " + std::to_string(image[image[i]]),
                         "make tolerance_m smaller than the distance between nodes");
   return image;
@@ -80,7 +78,7 @@ void check_cells(const Mesh& mesh, const SymmetryPlane& plane, const std::vector
   for (Eigen::Index c = 0; c < mesh.cells.rows(); ++c)
     if (!cells.count(corners(c, true))) alone.push_back(static_cast<std::int32_t>(c));
   if (!alone.empty())
-    throw input_error(place(plane) + "the nodes are symmetric, but the cells between them are not",
+    throw input_error(plane.where.prefix() + "the nodes are symmetric, but the cells between them are not",
                       counted(alone.size(), "cell has", "cells have") + " no mirror image: " + first_few(alone),
                       "mesh one half and give it with half = true, or remove mesh.symmetry");
 }
@@ -90,7 +88,7 @@ void check_set(const std::vector<std::int32_t>& nodes, const char* what, const S
   for (const auto node : nodes)
     if (!std::binary_search(nodes.begin(), nodes.end(), image[node]))
       throw input_error(
-          place(plane) + "the " + what + " nodes are not symmetric",
+          plane.where.prefix() + "the " + what + " nodes are not symmetric",
           "node " + std::to_string(node) + " is selected, its mirror image " + std::to_string(image[node]) + " is not",
           "widen the selection to both sides of the plane, or remove mesh.symmetry");
 }

@@ -32,12 +32,6 @@ struct RawMesh {
   }
 };
 
-/// In ascending order without repeats.
-inline void sort_unique(std::vector<std::int32_t>& nodes) {
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-}
-
 /// Readers. Each throws an Error with the file, the place and the defect. `bytes` is the whole file.
 RawMesh read_msh(const std::string& bytes, const std::string& source);
 RawMesh read_vtk(const std::string& bytes, const std::string& source);

@@ -3,19 +3,19 @@
 #include <limits>
 #include <phynness/meshes/meshes.hpp>
 
+#include "topology.hpp"
+
 namespace phynness {
 namespace {
 
-using Edge = std::array<std::int32_t, 2>;
-
-Edge ordered(std::int32_t a, std::int32_t b) { return a < b ? Edge{a, b} : Edge{b, a}; }
+using meshes::Edge, meshes::edge_of;
 
 /// Numbers of the nodes at the midpoints of edges.
 class Middles {
  public:
   Middles(const std::vector<Edge>& edges, std::int32_t n_nodes) : _edges(edges), _n_nodes(n_nodes) {}
   std::int32_t operator()(std::int32_t a, std::int32_t b) const {
-    const auto at = std::lower_bound(_edges.begin(), _edges.end(), ordered(a, b));
+    const auto at = std::lower_bound(_edges.begin(), _edges.end(), edge_of(a, b));
     return _n_nodes + static_cast<std::int32_t>(at - _edges.begin());
   }
 
@@ -83,7 +83,7 @@ std::vector<std::array<std::int32_t, 2>> mesh_edges(const Mesh& mesh) {
   for (Eigen::Index c = 0; c < mesh.cells.rows(); ++c)
     for (Eigen::Index i = 0; i < mesh.cells.cols(); ++i)
       for (Eigen::Index j = i + 1; j < mesh.cells.cols(); ++j)
-        edges.push_back(ordered(mesh.cells(c, i), mesh.cells(c, j)));
+        edges.push_back(edge_of(mesh.cells(c, i), mesh.cells(c, j)));
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   return edges;

@@ -10,7 +10,6 @@ namespace phynness {
 namespace {
 
 using Nodes = NodeList;
-std::string at(const SourceLocation& where) { return where.file.empty() ? "" : where.str() + ": "; }
 
 std::string listed(const Nodes& nodes) {
   return std::to_string(nodes.size()) + " nodes: " + meshes::first_few(nodes, 5);
@@ -28,7 +27,7 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
   if (mesh.nodes.rows() == 0) throw input_error("cannot select nodes: the mesh is empty", "", "give a mesh with cells");
   for (const Selector& selector : scene.fixed)
     if (selector.choice->needs_fixed())
-      throw input_error(at(selector.where) + "the selector of the fixed nodes depends on the fixed nodes",
+      throw input_error(selector.where.prefix() + "the selector of the fixed nodes depends on the fixed nodes",
                         "\"free-surface\" or \"free\"", "use \"surface\" or a box");
   SelectableBody body(mesh);
   sets.fixed = select_nodes(scene.fixed, body, "fixed", scene.fixed_where);
@@ -37,10 +36,10 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
   if (scene.mesh.symmetry && (spreads(scene.active) || spreads(scene.output)))
     body.image = meshes::mirror_images(scene, mesh);
   if (!hold_the_body(mesh, sets.fixed))
-    throw input_error(at(scene.fixed_where) + "the fixed nodes do not prevent rotations of the body",
+    throw input_error(scene.fixed_where.prefix() + "the fixed nodes do not prevent rotations of the body",
                       listed(sets.fixed), "fix at least three nodes that are not on one line");
   if (std::includes(sets.fixed.begin(), sets.fixed.end(), body.surface.begin(), body.surface.end()))
-    throw input_error(at(scene.fixed_where) + "every node of the surface is fixed, so that nothing can be touched",
+    throw input_error(scene.fixed_where.prefix() + "every node of the surface is fixed, so that nothing can be touched",
                       std::to_string(sets.fixed.size()) + " of " + std::to_string(mesh.n_nodes()) + " nodes",
                       "fix a part of the body only");
   sets.active = select_nodes(scene.active, body, "active", scene.active_where);
@@ -50,7 +49,7 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
                         std::back_inserter(both));
   if (!both.empty())
     throw input_error(
-        at(scene.active_where) + "active nodes that are also fixed cannot be displaced", listed(both),
+        scene.active_where.prefix() + "active nodes that are also fixed cannot be displaced", listed(both),
         both.size() == sets.active.size()
             ? "they are all active nodes: select others, such as \"free-surface\", or fix fewer nodes"
             : "remove them by active = { difference = [ SELECTION, \"fixed\" ] }, or use \"free-surface\"");
@@ -58,7 +57,7 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
   std::set_difference(sets.active.begin(), sets.active.end(), body.surface.begin(), body.surface.end(),
                       std::back_inserter(inside));
   if (!inside.empty())
-    throw input_error(at(scene.active_where) + "active nodes inside the body cannot be touched", listed(inside),
+    throw input_error(scene.active_where.prefix() + "active nodes inside the body cannot be touched", listed(inside),
                       inside.size() == sets.active.size()
                           ? "they are all active nodes: select nodes of the surface, such as \"free-surface\""
                           : "add surface_only = true to the selector, or use \"free-surface\"");

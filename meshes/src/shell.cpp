@@ -68,9 +68,8 @@ void require_areas(const Mesh& mesh, const std::string& source) {
                       counted(flat.size(), "triangle", "triangles") + ": " + first_few(flat), "mesh the surface again");
 }
 
-Edge edge_of(const Mesh& mesh, Eigen::Index t, int i) {
-  const auto [a, b] = std::minmax(mesh.cells(t, i), mesh.cells(t, (i + 1) % 3));
-  return {a, b};
+Edge cell_edge(const Mesh& mesh, Eigen::Index t, int i) {
+  return edge_of(mesh.cells(t, i), mesh.cells(t, (i + 1) % 3));
 }
 
 /// Unit normals of the triangles at each edge.
@@ -78,7 +77,7 @@ std::map<Edge, std::vector<Eigen::RowVector3d>> normals_at_edges(const Mesh& mes
   std::map<Edge, std::vector<Eigen::RowVector3d>> normals;
   for (Eigen::Index t = 0; t < mesh.cells.rows(); ++t) {
     const auto [a, b, c] = corners_of(mesh.nodes, mesh.cells, t);
-    for (int i = 0; i < 3; ++i) normals[edge_of(mesh, t, i)].push_back((b - a).cross(c - a).normalized());
+    for (int i = 0; i < 3; ++i) normals[cell_edge(mesh, t, i)].push_back((b - a).cross(c - a).normalized());
   }
   return normals;
 }
@@ -160,7 +159,7 @@ void check_wall(MeshResult& result, double thickness_m, const std::string& sourc
     const auto [a, b, c] = corners_of(mesh.nodes, mesh.cells, t);
     const Eigen::RowVector3d u = b - a, v = c - a;
     std::array<Eigen::RowVector3d, 3> D;
-    for (int i = 0; i < 3; ++i) D[static_cast<std::size_t>(i)] = directors.at(edge_of(mesh, t, i));
+    for (int i = 0; i < 3; ++i) D[static_cast<std::size_t>(i)] = directors.at(cell_edge(mesh, t, i));
     // Linear in the triangle, given at the midpoints of its edges 0-1, 1-2, 2-0.
     const Eigen::RowVector3d along_u = 2 * (D[1] - D[2]), along_v = 2 * (D[1] - D[0]);
     const Eigen::RowVector3d middle = (D[0] + D[1] + D[2]) / 3;

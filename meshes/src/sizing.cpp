@@ -6,7 +6,6 @@
 #include <phynness/formats/error.hpp>
 #include <sstream>
 
-#include "generate.hpp"
 #include "sizing.hpp"
 
 namespace phynness::meshes {
@@ -96,20 +95,14 @@ MeshResult meet_node_target(int target, const Extent& extent, const std::string&
   return std::move(*best);
 }
 
-double Solid::volume_m3() const {
-  if (shape == Shape::block) return size_m[0] * size_m[1] * size_m[2];
-  const double hole = shape == Shape::tube ? inner_radius_m : 0;
-  return std::numbers::pi * (radius_m * radius_m - hole * hole) * length_m;
-}
-
-double Drain::area_m2() const {
-  return 2 * std::numbers::pi * radius_m * length_m - std::numbers::pi / 4 * slit_length_m * slit_width_m;
-}
-
-double Solid::area_m2() const {
-  if (shape == Shape::block) return 2 * (size_m[0] * size_m[1] + size_m[1] * size_m[2] + size_m[2] * size_m[0]);
-  const double hole = shape == Shape::tube ? inner_radius_m : 0;
-  return 2 * std::numbers::pi * ((radius_m + hole) * length_m + radius_m * radius_m - hole * hole);
+Extent extent_of_shape(const MeshSpec& s) {
+  using std::numbers::pi;
+  const auto& [x, y, z] = s.size_m;
+  if (s.shape == Shape::block) return {x * y * z, 2 * (x * y + y * z + z * x)};
+  if (s.shape == Shape::drain) return {0, 2 * pi * s.radius_m * s.length_m - pi / 4 * s.slit_length_m * s.slit_width_m};
+  const double hole = s.shape == Shape::tube ? s.inner_radius_m : 0;
+  return {pi * (s.radius_m * s.radius_m - hole * hole) * s.length_m,
+          2 * pi * ((s.radius_m + hole) * s.length_m + s.radius_m * s.radius_m - hole * hole)};
 }
 
 }  // namespace phynness::meshes

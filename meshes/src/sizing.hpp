@@ -10,6 +10,8 @@ namespace phynness::meshes {
 struct Extent {
   double volume_m3 = 0, area_m2 = 0;
 };
+/// Of a built-in shape from all of its dimensions. @pre it is not the liver
+Extent extent_of_shape(const MeshSpec& shape);
 
 /// @throws Error if a mesh of this edge length would be so large that it is probably a mistake
 void require_affordable(const Extent& extent, double edge_m, const std::string& place);

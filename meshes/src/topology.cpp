@@ -58,7 +58,7 @@ std::vector<HalfEdge> half_edges(const Triangles& triangles) {
   for (std::int32_t t = 0; t < triangles.rows(); ++t)
     for (int k = 0; k < 3; ++k) {
       const std::int32_t a = triangles(t, k), b = triangles(t, (k + 1) % 3);
-      edges.push_back({{std::min(a, b), std::max(a, b)}, t, a < b});
+      edges.push_back({edge_of(a, b), t, a < b});
     }
   std::sort(edges.begin(), edges.end(), [](const HalfEdge& p, const HalfEdge& q) {
     return std::tie(p.key, p.triangle) < std::tie(q.key, q.triangle);

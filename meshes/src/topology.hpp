@@ -9,6 +9,7 @@
 namespace phynness::meshes {
 
 using Edge = std::array<std::int32_t, 2>;  ///< smaller node first
+inline Edge edge_of(std::int32_t a, std::int32_t b) { return a < b ? Edge{a, b} : Edge{b, a}; }
 
 /// A row of three node numbers for each triangle.
 Triangles to_matrix(const std::vector<std::array<std::int32_t, 3>>& list);

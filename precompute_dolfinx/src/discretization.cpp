@@ -237,13 +237,14 @@ std::array<std::int32_t, 4> Discretization::cell_nodes(int cell) const {
   return {nodes[0], nodes[1], nodes[2], nodes.at(3)};
 }
 
-double Discretization::cell_volume(int cell) const {
+Eigen::Matrix3d Discretization::cell_sides(int cell) const {
   std::array<double, 12> x;
   api::cell_coordinates(*_dolfinx->mesh, cell, x);
   const auto corner = Eigen::Map<const Points>(x.data(), 4, 3);
-  const Eigen::Matrix3d edges = corner.bottomRows<3>().rowwise() - corner.row(0);
-  return std::abs(edges.determinant()) / 6;
+  return corner.bottomRows<3>().rowwise() - corner.row(0);
 }
+
+double Discretization::cell_volume(int cell) const { return std::abs(cell_sides(cell).determinant()) / 6; }
 
 void Discretization::put_gradient(int cell, const EdgePatches::Gradient& F, std::span<const double, 12> x,
                                   std::vector<double>& w) const {
@@ -260,15 +261,11 @@ void Discretization::find_edge_patches() {
   std::vector<std::array<std::int32_t, 4>> nodes;
   std::vector<double> volumes;
   std::vector<Eigen::Matrix<double, 4, 3>> slopes;
-  std::array<double, 12> x;
   for (int cell = 0; cell < _n_cells; ++cell) {
     nodes.push_back(cell_nodes(cell));
     volumes.push_back(cell_volume(cell));
-    api::cell_coordinates(*_dolfinx->mesh, cell, x);
-    const auto corner = Eigen::Map<const Points>(x.data(), 4, 3);
-    const Eigen::Matrix3d sides = corner.bottomRows<3>().rowwise() - corner.row(0);
     Eigen::Matrix<double, 4, 3> slope;
-    slope.bottomRows<3>() = sides.inverse().transpose();
+    slope.bottomRows<3>() = cell_sides(cell).inverse().transpose();
     slope.row(0) = -slope.bottomRows<3>().colwise().sum();
     slopes.push_back(slope);
   }

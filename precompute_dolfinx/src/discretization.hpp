@@ -82,6 +82,8 @@ class Discretization {
   struct Dolfinx;
   void number_points(const Mesh& mesh);
   void find_edge_patches();
+  /// The edges from the first node of a tetrahedron, as rows.
+  Eigen::Matrix3d cell_sides(int cell) const;
   /// Replaces the displacements of a cell by F X - X. @param x  coordinates of the cell; @param w  its dofs
   void put_gradient(int cell, const EdgePatches::Gradient& F, std::span<const double, 12> x,
                     std::vector<double>& w) const;

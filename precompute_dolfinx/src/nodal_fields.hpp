@@ -15,8 +15,6 @@ class NodalFields {
  public:
   NodalFields(const Discretization& body, std::vector<Field> fields);
 
-  bool empty() const { return _fields.empty(); }
-
   /// Means over the cells in units of Scaling::modulus_Pa: the integral of the field by the element's quadrature rule,
   /// divided by the volume at rest. At equilibrium the sum of energy density times volume is Discretization::energy
   /// (forms/mechanics.py, mixed()).

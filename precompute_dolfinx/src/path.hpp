@@ -32,7 +32,6 @@ struct Prediction {
 
 class Path {
  public:
-  void clear() { _points.clear(); }
   void append(PathPoint point);
   const PathPoint& last() const { return _points.back(); }
   PathPoint& last() { return _points.back(); }

@@ -22,7 +22,6 @@ class SolverLog {
   void write(const std::string& text) noexcept;
   /// The latest entry.
   const std::string& last() const { return _last; }
-  bool is_written() const { return _bytes > 0; }
 
  private:
   SolverLog();

@@ -19,6 +19,9 @@ using Cells = Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen:
 
 inline Eigen::Vector3d to_eigen(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
+/// Brings a list into ascending order without repeats.
+void sort_unique(std::vector<std::int32_t>& nodes);
+
 /// A body made of tetrahedra (4 columns in `cells`), or a shell made of triangles (3 columns). Nodes have the order of
 /// the mesh file without its unreferenced nodes.
 struct Mesh {

@@ -17,6 +17,8 @@ struct SourceLocation {
   std::string file;
   int line = 0;
   std::string str() const { return file + ":" + std::to_string(line); }
+  /// "file.toml:12: " for the beginning of a message; empty without a file.
+  std::string prefix() const { return file.empty() ? "" : str() + ": "; }
 };
 
 using Vec3 = std::array<double, 3>;
