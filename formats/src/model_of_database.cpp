@@ -10,12 +10,6 @@
 namespace phynness {
 namespace {
 
-Points rows_of(const Points& points, const std::vector<std::int32_t>& nodes) {
-  Points rows(static_cast<Eigen::Index>(nodes.size()), 3);
-  for (std::size_t i = 0; i < nodes.size(); ++i) rows.row(static_cast<Eigen::Index>(i)) = points.row(nodes[i]);
-  return rows;
-}
-
 /// The triangles whose corners are all fixed or output nodes, so that the model gives their displacement.
 Triangles known_triangles(const Mesh& mesh, const Model& model) {
   std::vector<char> known(static_cast<std::size_t>(mesh.n_nodes()), 0);
@@ -59,8 +53,8 @@ Model model_of_database(const DatabaseHeader& header, Family family, const std::
   model.n_mesh_nodes = header.mesh.n_nodes();
   model.fixed = header.sets.fixed;
   model.output = header.sets.output;
-  model.fixed_points = rows_of(header.mesh.nodes, model.fixed);
-  model.output_points = rows_of(header.mesh.nodes, model.output);
+  model.fixed_points = header.mesh.nodes(model.fixed, Eigen::all);
+  model.output_points = header.mesh.nodes(model.output, Eigen::all);
   model.surface = known_triangles(header.mesh, model);
   return model;
 }

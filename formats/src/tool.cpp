@@ -215,14 +215,12 @@ bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed) {
   for (Eigen::Index c = 0; mesh.cells.cols() == 3 && c < mesh.cells.rows(); ++c)
     if (is_held(c, 0) + is_held(c, 1) + is_held(c, 2) > 1) return true;
   if (fixed.size() < 3) return false;
-  const Points& nodes = mesh.nodes;
-  Points at(static_cast<Eigen::Index>(fixed.size()), 3);
-  for (std::size_t i = 0; i < fixed.size(); ++i) at.row(static_cast<Eigen::Index>(i)) = nodes.row(fixed[i]);
+  Points at = mesh.nodes(fixed, Eigen::all);
   at.rowwise() -= Eigen::RowVector3d(at.colwise().mean());
   // Eigenvalues: mean square distances from the best plane, within this plane from the best line, and along this line.
   const Eigen::Matrix3d spread = at.transpose() * at / static_cast<double>(fixed.size());
   const auto squares = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
-  const Eigen::RowVector3d extent = nodes.colwise().maxCoeff() - nodes.colwise().minCoeff();
+  const Eigen::RowVector3d extent = mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff();
   return squares[1] > 1e-12 * extent.squaredNorm();
 }
 

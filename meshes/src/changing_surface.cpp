@@ -175,14 +175,10 @@ Surface ChangingSurface::surface() const {
   result.nodes.resize(n, 3);
   for (std::size_t i = 0; i < _x.size(); ++i)
     if (position[i] >= 0) result.nodes.row(position[i]) = _x[i];
-  const auto alive = std::count_if(_triangles.begin(), _triangles.end(), [](const Triangle& t) { return t[0] >= 0; });
-  result.triangles.resize(alive, 3);
-  Eigen::Index row = 0;
-  for (const Triangle& t : _triangles) {
-    if (t[0] < 0) continue;
-    for (int k = 0; k < 3; ++k) result.triangles(row, k) = position[t[k]];
-    ++row;
-  }
+  std::vector<Triangle> alive;
+  for (const Triangle& t : _triangles)
+    if (t[0] >= 0) alive.push_back({position[t[0]], position[t[1]], position[t[2]]});
+  result.triangles = to_matrix(alive);
   return result;
 }
 

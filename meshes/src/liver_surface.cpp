@@ -35,9 +35,7 @@ Surface unit_sphere() {
   Surface sphere;
   sphere.nodes.resize(static_cast<Eigen::Index>(x.size()), 3);
   for (std::size_t i = 0; i < x.size(); ++i) sphere.nodes.row(static_cast<Eigen::Index>(i)) = x[i];
-  sphere.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
-  for (std::size_t i = 0; i < triangles.size(); ++i)
-    for (int k = 0; k < 3; ++k) sphere.triangles(static_cast<Eigen::Index>(i), k) = triangles[i][k];
+  sphere.triangles = to_matrix(triangles);
   return sphere;
 }
 

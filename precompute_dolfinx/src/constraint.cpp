@@ -9,22 +9,18 @@ namespace phynness {
 
 Eigen::VectorXd Constraint::dependent(std::span<const double> state, const Eigen::VectorXd& held) const {
   if (masters.empty()) return held;
-  Eigen::VectorXd x(static_cast<Eigen::Index>(masters.size()));
-  for (std::size_t i = 0; i < masters.size(); ++i) x[static_cast<Eigen::Index>(i)] = state[masters[i]];
+  const Eigen::VectorXd x = as_vector(state)(masters);
   return held + M * x;
 }
 
 void Constraint::complete(std::span<double> state, const Eigen::VectorXd& held) const {
-  const Eigen::VectorXd values = dependent(state, held);
-  for (std::size_t i = 0; i < dofs.size(); ++i) state[dofs[i]] = values[static_cast<Eigen::Index>(i)];
+  as_vector(state)(dofs) = dependent(state, held);
 }
 
 void Constraint::condense(std::span<double> residual) const {
   if (masters.empty()) return;
-  Eigen::VectorXd r(static_cast<Eigen::Index>(dofs.size()));
-  for (std::size_t i = 0; i < dofs.size(); ++i) r[static_cast<Eigen::Index>(i)] = residual[dofs[i]];
-  const Eigen::VectorXd moved = M.transpose() * r;
-  for (std::size_t i = 0; i < masters.size(); ++i) residual[masters[i]] += moved[static_cast<Eigen::Index>(i)];
+  const Eigen::VectorXd r = as_vector(residual)(dofs), moved = M.transpose() * r;
+  as_vector(residual)(masters) += moved;
 }
 
 namespace {

@@ -12,6 +12,14 @@
 
 namespace phynness {
 
+/// The values of a state or a residual as a vector of Eigen, of which `vector(dofs)` are some.
+template <class Values>
+auto as_vector(Values&& values) {
+  using Scalar = std::remove_pointer_t<decltype(values.data())>;
+  using Vector = std::conditional_t<std::is_const_v<Scalar>, const Eigen::VectorXd, Eigen::VectorXd>;
+  return Eigen::Map<Vector>(values.data(), std::ssize(values));
+}
+
 /// Dependent dofs x_c = G q + M x_m, where q are the parameters of the path, three displacement components per tool,
 /// and x_m are other dofs, which remain unknown. A tool that prescribes displacements has no such dofs. One that
 /// prescribes a mean sum w_i u_i = d has one dependent point, whose displacement follows from d and from the other

@@ -55,7 +55,7 @@ void Equilibrium::recover() {
 }
 
 void Equilibrium::set_load(std::vector<double> load) {
-  _load_norm = Eigen::Map<const Eigen::VectorXd>(load.data(), static_cast<Eigen::Index>(load.size())).norm();
+  _load_norm = as_vector(load).norm();
   _load = std::move(load);
 }
 
@@ -193,13 +193,13 @@ Equilibrium::Velocity Equilibrium::velocity(std::span<const double> state, const
                                             Eigen::VectorXd guess) {
   const Eigen::VectorXd held = _constraint.G * direction;
   _constraint.complete({guess.data(), static_cast<std::size_t>(guess.size())}, held);
-  const Eigen::Map<const Eigen::VectorXd> x0(state.data(), static_cast<Eigen::Index>(state.size()));
+  const auto x0 = as_vector(state);
   // K guess by a central difference. Its truncation error is proportional to the square of the step, and rounding to
   // its inverse; with a step of 1e-5 of the body both leave about ten digits.
   const double epsilon = 1e-5 / guess.lpNorm<Eigen::Infinity>();
   std::vector<double> forward;
   for (const double sign : {1.0, -1.0}) {
-    Eigen::Map<Eigen::VectorXd>(_state.data(), x0.size()) = x0 + sign * epsilon * guess;
+    as_vector(_state) = x0 + sign * epsilon * guess;
     evaluate_residual();
     if (sign > 0) forward = _condensed;
   }
@@ -212,8 +212,7 @@ Equilibrium::Velocity Equilibrium::velocity(std::span<const double> state, const
   }
   // The masters' rows contain the work of dependent dofs except for that of G q.
   Eigen::VectorXd rate = guess;
-  for (std::size_t i = 0; i < _constraint.dofs.size(); ++i)
-    rate[_constraint.dofs[i]] = held[static_cast<Eigen::Index>(i)];
+  rate(_constraint.dofs) = held;
   double stiffness = 0;
   for (Eigen::Index dof = 0; dof < rate.size(); ++dof)
     stiffness += rate[dof] * (forward[dof] - _condensed[dof]) / (2 * epsilon);

@@ -140,7 +140,7 @@ class Equilibrium {
   double merit();
   /// G^T r_c of the latest residual.
   Eigen::VectorXd reaction() const { return _constraint.G.transpose() * at_dependent(_residual); }
-  Eigen::VectorXd at_dependent(std::span<const double> values) const;
+  Eigen::VectorXd at_dependent(std::span<const double> values) const { return as_vector(values)(_constraint.dofs); }
   /// Keeps G q of `state` as `held`.
   void hold();
   /// Copies unknowns to `state`, with the dependent dofs that belong to them, and back; the condensed residual's free

@@ -116,13 +116,6 @@ void Equilibrium::evaluate_residual() {
   _constraint.condense(_condensed);
 }
 
-Eigen::VectorXd Equilibrium::at_dependent(std::span<const double> values) const {
-  Eigen::VectorXd out(static_cast<Eigen::Index>(_constraint.dofs.size()));
-  for (std::size_t i = 0; i < _constraint.dofs.size(); ++i)
-    out[static_cast<Eigen::Index>(i)] = values[_constraint.dofs[i]];
-  return out;
-}
-
 double Equilibrium::free_norm() const {
   double sum = 0;
   for (int dof = 0; dof < _body.n_dofs(); ++dof)
@@ -139,9 +132,7 @@ double Equilibrium::energy_and_load() {
 double Equilibrium::merit() {
   const double energy = energy_and_load();
   if (_pressures.empty()) return energy;
-  const auto& dofs = _body.pressure_dofs();
-  Eigen::VectorXd r_p(static_cast<Eigen::Index>(dofs.size()));
-  for (std::size_t i = 0; i < dofs.size(); ++i) r_p[static_cast<Eigen::Index>(i)] = _residual[dofs[i]];
+  const Eigen::VectorXd r_p = as_vector(_residual)(_body.pressure_dofs());
   return energy + r_p.dot(_pressures.solve(r_p)) / 2;
 }
 

@@ -52,11 +52,6 @@ Eigen::VectorXd PressureBlock::solve(const Eigen::VectorXd& r_p) {
   return _factors->solve(r_p);
 }
 
-Eigen::VectorXd PressureBlock::part(Vec unknowns) const {
-  const ReadValues values(unknowns);
-  Eigen::VectorXd out(static_cast<Eigen::Index>(_unknowns.size()));
-  for (std::size_t i = 0; i < _unknowns.size(); ++i) out[static_cast<Eigen::Index>(i)] = values[_unknowns[i]];
-  return out;
-}
+Eigen::VectorXd PressureBlock::part(Vec unknowns) const { return ReadValues(unknowns).map()(_unknowns); }
 
 }  // namespace phynness

@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "ray_solver.hpp"
-#include "solver_log.hpp"
 
 namespace phynness {
 namespace {
@@ -67,17 +66,10 @@ double depth_of(double limit, const PathPoint& a, const PathPoint& b) {
 void RaySolver::make_stiffness_exact(const Eigen::VectorXd& direction, PathPoint& point) {
   if (point.exact_stiffness) return;
   point.exact_stiffness = true;  // otherwise the estimate is as good as it gets
-  try {
-    if (!_equilibrium.is_usable()) _equilibrium.recover();
+  contain([&] {
     const auto linear = _equilibrium.linearize(point.state, direction);
     if (linear.status == Status::converged) point.stiffness = direction.dot(linear.tangent.col(0));
-    return;
-  } catch (const Interrupted&) {
-    throw;
-  } catch (const std::exception& error) {
-    SolverLog::instance().write(error.what());
-  }
-  _equilibrium.recover();
+  });
 }
 
 bool RaySolver::loses_energy(PathPoint& from, PathPoint& to, const Eigen::VectorXd& direction, double resolution) {

@@ -104,19 +104,23 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
   return step;
 }
 
-PathStep RaySolver::attempt(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents,
-                            PathPoint& to) {
+void RaySolver::contain(const std::function<void()>& work) {
   try {
     if (!_equilibrium.is_usable()) _equilibrium.recover();
-    return advance(path, direction, s, all_tangents, to);
+    return work();
   } catch (const Interrupted&) {
     throw;
   } catch (const std::exception& error) {
     SolverLog::instance().write(error.what());
   }
   _equilibrium.recover();
+}
+
+PathStep RaySolver::attempt(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents,
+                            PathPoint& to) {
   PathStep step;
   step.status = Status::library_error;
+  contain([&] { step = advance(path, direction, s, all_tangents, to); });
   return step;
 }
 

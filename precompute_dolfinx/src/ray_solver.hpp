@@ -79,6 +79,8 @@ class RaySolver {
   Status linearize(const Eigen::VectorXd& direction, const Prediction& predicted, bool all_tangents, PathPoint& to);
   /// One step from the last point of `path` to parameter s; `to` is only complete if the step converged.
   PathStep advance(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents, PathPoint& to);
+  /// Runs work with a usable solver. An exception other than Interrupted goes to the log, and the solver recovers.
+  void contain(const std::function<void()>& work);
   /// As advance(), but an exception gives a status, because the next, shorter step may succeed.
   PathStep attempt(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents, PathPoint& to);
 
