@@ -79,21 +79,31 @@ void require_same_model(const std::filesystem::path& file, const json& whole, co
 }
 
 /// The mean errors by node from a file of `validate --json`.
-json errors_json(const std::filesystem::path& file, const LoadedModel& loaded) try {
+json errors_json(const std::filesystem::path& file, const LoadedModel& loaded) {
   const InputFile about{"the file of errors", "give the file that phynness validate --json wrote", 1ULL << 30};
-  const auto whole = json::parse(read_input_file(file, about));
+  const auto whole = json::parse(read_input_file(file, about), nullptr, false);
+  if (!whole.is_object()) throw wrong_errors(file, "it contains no JSON object");
+  const auto by_node = whole.find("by_node");
+  if (by_node == whole.end() || !by_node->is_object()) throw wrong_errors(file, "it has no by_node");
   require_same_model(file, whole, loaded);
   constexpr double largest = 1e6;  // times the largest response: such a file is damaged
+  const auto check_error = [&](const json& node, const json& error) {
+    if (!(error.is_number() && error.get<double>() >= 0 && error.get<double>() <= largest))
+      throw wrong_errors(
+          file, fmt::format("the error {} of node {} is no number from 0 to {:g}", error.dump(), node.dump(), largest));
+  };
   json known{{"nodes", json::array()},
              {"force_error", json::array()},
              {"displacement_error", json::array()},
              {"unit", "fraction"},
              {"source", file.filename().string()}};
-  const auto& by_node = whole.at("by_node");
-  const auto& nodes = by_node.at("nodes");
-  const std::pair<const char*, const json&> both[]{{"force_error", by_node.at("force_error")},
-                                                   {"displacement_error", by_node.at("displacement_error")}};
-  for (const auto& [key, values] : by_node.items())
+  const auto list = [&](const char* key) -> const json& {
+    const auto found = by_node->find(key);
+    if (found == by_node->end() || !found->is_array()) throw wrong_errors(file, fmt::format("by_node has no {}", key));
+    return *found;
+  };
+  const json &nodes = list("nodes"), &force = list("force_error"), &displacement = list("displacement_error");
+  for (const auto& [key, values] : by_node->items())
     if (values.size() != nodes.size())
       throw wrong_errors(file,
                          fmt::format("by_node has {} nodes, but {} numbers in {}", nodes.size(), values.size(), key));
@@ -101,20 +111,14 @@ json errors_json(const std::filesystem::path& file, const LoadedModel& loaded) t
     const auto is_this = [&](const auto& one) { return one.node == nodes[i]; };
     if (!nodes[i].is_number_integer() || std::ranges::none_of(loaded.model().nodes, is_this))
       throw wrong_errors(file, "node " + nodes[i].dump() + " is no active node of the model");
-    if (std::ranges::any_of(both, [&](const auto& errors) { return errors.second[i].is_null(); }))
-      continue;  // nothing was solved there
+    if (force[i].is_null() || displacement[i].is_null()) continue;  // nothing was solved there
+    check_error(nodes[i], force[i]);
+    check_error(nodes[i], displacement[i]);
     known["nodes"].push_back(nodes[i]);
-    for (const auto& [key, errors] : both) {
-      const auto& error = errors[i];
-      if (!(error.is_number() && error.get<double>() >= 0 && error.get<double>() <= largest))
-        throw wrong_errors(file, fmt::format("the error {} of node {} is no number from 0 to {:g}", error.dump(),
-                                             nodes[i].dump(), largest));
-      known[key].push_back(error);
-    }
+    known["force_error"].push_back(force[i]);
+    known["displacement_error"].push_back(displacement[i]);
   }
   return known;
-} catch (const json::exception& error) {
-  throw wrong_errors(file, fmt::format("its by_node: {}", error.what()));
 }
 
 std::string page_json(const Options& options, const LoadedModel& loaded) {

@@ -63,7 +63,7 @@ void mesh_lines(IO& io, AnyMesh& mesh, std::string& hash) {
   auto n_corners = static_cast<std::int32_t>(mesh.cells.cols());
   io.keyword("cells");
   io.count("cells", n_cells, 0);
-  io.integer("number of corners", n_corners, n_cells > 0 ? 3 : 0, 4);
+  io.integer("number of corners", n_corners, 3, 4);
   io.end();
   rows_of_nodes(io, "corner of a cell", mesh.cells, n_cells, n_corners, mesh);
   const auto n_triangles = schema::count_line(io, "surface", mesh.surface.rows());

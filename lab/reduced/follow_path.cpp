@@ -206,7 +206,7 @@ std::vector<Vector> converged(const Path& path) {
       force = body.step(moment);
       body.renew();
     } while (++n < most && (!force || body.unbalanced(moment, *force) > 1e-9));
-    if (!force) throw std::runtime_error(fmt::format("moment {} has no equilibrium", forces.size()));
+    if (n == most) throw std::runtime_error(fmt::format("moment {} has no converged forces", forces.size()));
     forces.push_back(*force);
   }
   return forces;

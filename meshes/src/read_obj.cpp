@@ -2,6 +2,19 @@
 #include "scanner.hpp"
 
 namespace phynness::meshes {
+namespace {
+
+std::string_view next_field(std::string_view& rest) {
+  const std::size_t begin = std::min(rest.find_first_not_of(" \t"), rest.size());
+  rest.remove_prefix(begin);
+  const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
+  const std::string_view field = rest.substr(0, end);
+  rest.remove_prefix(end);
+  return field;
+}
+
+}  // namespace
+
 RawMesh read_obj(const std::string& bytes, const std::string& source) {
   Scanner scanner(bytes, source);
   RawMesh raw;
@@ -9,18 +22,18 @@ RawMesh read_obj(const std::string& bytes, const std::string& source) {
   std::vector<std::int32_t> corners;
   while (!scanner.at_end()) {
     const Scanner here = scanner;  // errors name this line, not the next one
-    Scanner fields(scanner.line(), source);
-    const std::string_view word = fields.word_or_end();
+    std::string_view rest = scanner.line();
+    const std::string_view word = next_field(rest);
     if (word == "v") {
       auto& x = raw.nodes.emplace_back();
       for (double& value : x) {
-        const std::string_view field = fields.word_or_end();
+        const std::string_view field = next_field(rest);
         if (field.empty()) here.fail("a vertex has fewer than three coordinates");
         value = here.parse<double>(field, "a vertex coordinate");
       }
     } else if (word == "f") {
       corners.clear();
-      for (auto field = fields.word_or_end(); !field.empty(); field = fields.word_or_end()) {
+      for (std::string_view field = next_field(rest); !field.empty(); field = next_field(rest)) {
         const auto index = here.parse<std::int64_t>(field.substr(0, field.find('/')), "a face's vertex");
         const auto n = static_cast<std::int64_t>(raw.nodes.size());
         const std::int64_t position = index > 0 ? index - 1 : n + index;  // negative: relative to the last vertex

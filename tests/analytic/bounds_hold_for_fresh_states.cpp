@@ -18,6 +18,12 @@ namespace {
 
 using namespace phynness;
 
+Mesh no_cells() {
+  Mesh mesh;
+  mesh.cells.resize(0, 4);
+  return mesh;
+}
+
 double uniform_in(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 /// Of mean 0 and variance 1: the sum of twelve uniform numbers.
 double scatter(std::mt19937_64& random) {
@@ -96,7 +102,7 @@ TEST(ErrorBounds, HoldForStatesOfOtherNodes) {
   const Model bounded = add_bounds(model, predictors, seen, 1000, 0.95);
   ASSERT_EQ(bounded.bounds.size(), 1u);
   EXPECT_EQ(bounded.bounds[0].n_nodes, 30);
-  const LoadedModel loaded(bounded, Mesh{}, "model");
+  const LoadedModel loaded(bounded, no_cells(), "model");
   const auto coverage = coverage_of(bounded_errors(loaded, predictors, fresh), model.max_displacement_m);
   // The level is 0.95 (1 + 1/30). Quantiles of 3000 states scatter by 0.004, shares of 6000 by 0.003.
   EXPECT_GT(coverage.all, 0.95);
@@ -124,7 +130,7 @@ TEST(ErrorBounds, TooFewStatesAreRefused) {
 TEST(ErrorBounds, HoldForTheForceOfNetworksAtRest) {
   std::mt19937_64 random(7);
   const Model model = test::small_model();
-  const LoadedModel plain(model, Mesh{}, "model");
+  const LoadedModel plain(model, no_cells(), "model");
   const double first = model.displacements.row(0).norm(), small_N = 1e-4;
   const BoundPredictors predictors{{1, 1, 1, 1}, std::vector<std::vector<double>>(4, std::vector<double>(8, -1))};
   std::vector<BoundState> states;
@@ -140,7 +146,7 @@ TEST(ErrorBounds, HoldForTheForceOfNetworksAtRest) {
   }
   const Model bounded = add_bounds(model, predictors, states, 250, 0.95);
   int held = 0;
-  for (const auto& b : bounded_errors(LoadedModel(bounded, Mesh{}, "model"), predictors, states))
+  for (const auto& b : bounded_errors(LoadedModel(bounded, no_cells(), "model"), predictors, states))
     held += b.error_N <= b.bound_N ? 1 : 0;
   EXPECT_GE(held, 950);
   // The fit of the logarithms of all errors gives the shape, which need not be flat: a factor of 3.
@@ -188,13 +194,13 @@ std::vector<CoupledState> between_nodes(const LoadedModel& loaded, std::mt19937_
 TEST(CoupledBounds, HoldInTheMeanForFreshPlaces) {
   std::mt19937_64 random(7);
   const Model model = test::with_coupled_bounds(test::small_modal_model());
-  const LoadedModel loaded(model, Mesh{}, "model");
+  const LoadedModel loaded(model, no_cells(), "model");
   double held = 0, all = 0;
   for (int calibration = 0; calibration < 300; ++calibration) {
     Model bounded = model;
-    const auto coverage = add_coupled_bounds(bounded, Mesh{}, between_nodes(loaded, random, 20));
+    const auto coverage = add_coupled_bounds(bounded, no_cells(), between_nodes(loaded, random, 20));
     EXPECT_EQ(coverage[0].rays, 20);
-    const LoadedModel with(bounded, Mesh{}, "model");
+    const LoadedModel with(bounded, no_cells(), "model");
     for (const auto& state : between_nodes(loaded, random, 60)) {
       const auto said = with.couple({state.tools[0]});
       all += 1;

@@ -96,7 +96,9 @@ ScaledTable table_of(const Model& model, std::size_t node, const BoundPredictors
 std::vector<double> forces_at_rest(const Model& model) {
   std::vector<double> sizes(model.nodes.size(), 0.0);
   if (schema::traits(model.family).has_energy) return sizes;
-  const LoadedModel loaded(model, Mesh{}, "the model");
+  Mesh mesh;  // forces need none
+  mesh.cells.resize(0, 4);
+  const LoadedModel loaded(model, mesh, "the model");
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     const Vec3 force = loaded.force(model.nodes[i].node, {0, 0, 0});
     sizes[i] = std::hypot(force[0], force[1], force[2]);
