@@ -197,6 +197,7 @@ Path read(const std::string& file) {
 /// Forces of all moments by steps until they are converged.
 std::vector<Vector> converged(const Path& path) {
   constexpr int most = 40;
+  constexpr double converged_to = 1e-6;  // a tenth of the smallest errors that are compared
   Follower body(path.body);
   std::vector<Vector> forces;
   for (const auto& moment : path.moments) {
@@ -205,8 +206,10 @@ std::vector<Vector> converged(const Path& path) {
     do {
       force = body.step(moment);
       body.renew();
-    } while (++n < most && (!force || body.unbalanced(moment, *force) > 1e-9));
-    if (n == most) throw std::runtime_error(fmt::format("moment {} has no converged forces", forces.size()));
+    } while (++n < most && (!force || body.unbalanced(moment, *force) > converged_to));
+    if (n == most)
+      throw std::runtime_error(fmt::format("moment {} has no converged forces; {:.1g} of them are unbalanced",
+                                           forces.size(), force ? body.unbalanced(moment, *force) : 1.0));
     forces.push_back(*force);
   }
   return forces;
@@ -261,5 +264,10 @@ int main(int argc, char** argv) {
   app.add_option("--steps", steps)->check(CLI::Range(1, 100));
   app.add_option("--keep", keep)->check(CLI::Range(1, 1000));
   CLI11_PARSE(app, argc, argv);
-  phynness::run(file, steps, keep);
+  try {
+    phynness::run(file, steps, keep);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return 1;
+  }
 }
