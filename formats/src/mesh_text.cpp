@@ -36,6 +36,7 @@ void group_lines(IO& io, Name& name, Nodes& nodes, const Mesh& mesh) {
   io.keyword("group");
   io.count("nodes of a group", n, 0);
   io.text(name);
+  io.require(!name.empty(), "a group has no name");
   rows_of_nodes(io, "node of a group", nodes, n, 1, mesh);
 }
 void groups(MeshWriter& io, const Mesh& mesh) {
@@ -46,7 +47,6 @@ void groups(TextLinesReader& io, Mesh& mesh) {
     std::string name;
     std::vector<std::int32_t> nodes;
     group_lines(io, name, nodes, mesh);
-    if (name.empty()) io.refuse("a group has no name", "");
     mesh.groups[name] = std::move(nodes);
   }
 }

@@ -52,7 +52,6 @@ class State {
   /// Forces of the modes at q; false where a point is turned inside out.
   bool set(const Vector& q, Vector& forces) {
     _strain.noalias() = _body.gradients * q;
-    Vector b = Vector::Zero(_body.psi.cols());
     _J.resize(_points);
     for (Eigen::Index c = 0; c < _points; ++c) {
       const Eigen::Matrix3d F = at(c) + Eigen::Matrix3d::Identity();
@@ -116,10 +115,7 @@ class State {
 /// The body under tools that move.
 class Follower {
  public:
-  explicit Follower(const ReducedBody& body) : _state(body), _q(Vector::Zero(body.gradients.cols())) { start(); }
-
-  void start() {
-    _q.setZero();
+  explicit Follower(const ReducedBody& body) : _state(body), _q(Vector::Zero(body.gradients.cols())) {
     _state.set(_q, _forces);
     renew();
   }
@@ -144,7 +140,7 @@ class Follower {
   /// Factorizes the stiffness of the present state; where it is not positive definite, with a multiple of 1.
   void renew() {
     _state.stiffness(_K);
-    for (double more = 0; more<1e3; more = more> 0 ? 4 * more : 1e-4) {
+    for (double more = 0; more < 1e3; more = std::max(4 * more, 1e-4)) {
       Matrix K = _K;
       K.diagonal().array() += more * _K.diagonal().mean();
       _factor.compute(K);
@@ -183,7 +179,7 @@ Path read(const std::string& file) {
   path.body = {sizes[5],       Matrix(9 * points, modes), Vector(points),
                Vector(points), Matrix(points, pressures), Matrix(pressures, pressures)};
   auto& b = path.body;
-  for (auto* m : {&b.gradients}) numbers(m->data(), m->size());
+  numbers(b.gradients.data(), b.gradients.size());
   for (auto* v : {&b.shear, &b.bulk}) numbers(v->data(), v->size());
   for (auto* m : {&b.psi, &b.soft}) numbers(m->data(), m->size());
   path.moments.assign(static_cast<std::size_t>(sizes[4]), {Matrix(rows, modes), Vector(rows)});
@@ -233,6 +229,7 @@ void run(const std::string& file, int steps, int keep) {
     lost += !force;
     if (force) errors.push_back((*force - truth[k]).norm() / largest);
   }
+  if (errors.empty()) throw std::runtime_error("no moment has forces");
   std::sort(errors.begin(), errors.end());
   std::sort(microseconds.begin(), microseconds.end());
   const auto at = [](const std::vector<double>& sorted, double share) {

@@ -4,8 +4,10 @@ and of one between nodes (docs/decisions/reduced-body.md).
 
 Usage: study.py DATABASE.h5 --radius METRES [--pairs PAIRS.npz] [--points POINTS.npz] [--modes N ...] [--cells N ...]
                 [--path PATH.bin]     the last of --modes and --cells on a path of two tools, for phynness_follow_path
-DATABASE.h5 has the element p1-p1 or es-p1-p1, a neo-Hookean law, round tools and output = "free"; PAIRS.npz and POINTS.npz are those
-of `lab/study between-points`. Errors are those of that study, in %. Needs numpy and h5py.
+DATABASE.h5 has the element p1-p1 or es-p1-p1, a neo-Hookean law, round tools and output = "free"; PAIRS.npz and POINTS.npz
+are those of `lab/study between-points`. Errors are those of that study, in %. First the energies of stored fields, and the
+means of their displacements under the tools, are compared with the database: elements and tools are written again here.
+Needs numpy and h5py.
 
 The state is q, with displacements u = Phi q at the nodes. Energy: sum over the points c of a cubature, which are cells and
 edges with the element's volumes S_c of shear and V_c of the pressure (0 at edges), and weights w_c,
@@ -39,6 +41,9 @@ class Body:
             scene = tomllib.loads(h["scene"][()].decode())
             solved = h["responses/status"][:] == 0
             self.fields = h["responses/displacement"][:][solved].astype(float)
+            self.energies = h["responses/energy"][:][solved]
+            self.places, along, step = np.nonzero(solved)
+            self.moved = h["directions"][:][along] * h["magnitudes"][:][step][:, None]
         material = scene["material"]
         self.radius, self.depth, self.mu = radius, scene["probe"]["max_displacement_m"], 2 * material["c10_Pa"]
         self.kappa = material["bulk_modulus_Pa"] - 2 / 3 * self.mu
@@ -214,6 +219,20 @@ class Reduced:
         return force.reshape(-1, 3)
 
 
+def check(body, which):
+    """Prints the largest differences of this file's elements and tools from the database for some stored fields."""
+    energy, moved = [], []
+    for k in which:
+        u = np.zeros_like(body.nodes)
+        u[body.output] = body.fields[k]
+        here = Reduced(body, u[:, :, None], np.eye(len(body.nodes))).forces(np.ones(1))[0]
+        energy.append(abs(here / body.energies[k] - 1))
+        mean = body.tool(body.nodes[body.active[body.places[k]]]) @ u
+        moved.append(np.linalg.norm(mean - body.moved[k]) / np.linalg.norm(body.moved[k]))
+    print("of %d stored fields: energy %.2g %%, displacement under the tool %.2g %% from the database" % (
+        len(energy), 100 * max(energy), 100 * max(moved)))
+
+
 def modes_of(rows, metric, n):
     """Leading proper orthogonal modes (columns) of rows, orthonormal in the metric."""
     factor = np.linalg.cholesky(metric)
@@ -269,7 +288,7 @@ def row(name, errors):
 
 
 def compare(name, answer, truths):
-    """Rows of errors of answer(tools, d) -> forces; a state without an answer counts as an error of 1."""
+    """Rows of errors of answer(kind of truth, state) -> forces; a state without an answer counts as an error of 1."""
     for kind, truth in truths.items():
         said = [answer(kind, k) for k in range(len(truth["d"]))]
         errors = np.array([1.0 if f is None else np.linalg.norm(f - g, axis=1).max() / s
@@ -302,7 +321,7 @@ def truth_of(body, file):
 
 def path_of(body, seconds=2.0, speed=0.05, seed=1):
     """Weights (moments, 2, nodes) and displacements (moments, 6) of two tools in steps of a millisecond. They slide over the
-    surface to nodes at random, farther than the radius from each other, and press to a third of the trained depth."""
+    surface between nodes at random, at both ends 1.5 radii and more apart, and press to a third of the trained depth."""
     random, moments = np.random.default_rng(seed), []
     n = int(1000 * seconds)
     nodes = body.active[np.isin(body.active, body.surface)]
@@ -351,6 +370,7 @@ def main():
     body = Body(options.database, options.radius)
     truths = {kind: truth_of(body, file) for kind, file in (("pairs", options.pairs), ("between", options.points)) if file}
     print("%d nodes, %d cells, %d fields\n%-40s    n    mean    p95    max   [%%]" % (len(body.nodes), len(body.cells), len(body.fields), ""))
+    check(body, np.random.default_rng(2).permutation(len(body.fields))[:10])
     compare("linear predictor", lambda kind, k: truths[kind]["linear"][k], truths)
 
     place = np.searchsorted(body.output, body.free)
