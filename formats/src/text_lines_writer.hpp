@@ -66,7 +66,8 @@ class TextLinesWriter : public ModelStores {
   }
 
   [[noreturn]] static void refuse(const std::string& what) {
-    throw failure("the model or its mesh cannot be written: " + what, "", "this is a defect of the program; please report it");
+    throw failure("the model or its mesh cannot be written: " + what, "",
+                  "this is a defect of the program; please report it");
   }
 
  protected:
