@@ -1,0 +1,34 @@
+// A reduced body (formats/body.md): what `phynness reduce` writes and phynness_body.h reads.
+#pragma once
+
+#include <cstdint>
+#include <phynness/formats/mesh.hpp>
+#include <phynness/formats/model.hpp>
+#include <string>
+#include <vector>
+
+namespace phynness {
+
+/// Energy [J] of a state q: sum_c shear_c (shape(F_c) + bulk/2 g(F_c)^2) + b . b / 2,
+/// b = sum_c bulk_c g(F_c) pressures_c, F_c = I + gradients_c q. shape and g are those of the law file.
+struct ReducedBody {
+  std::string mesh_hash, physics_hash, law;
+  std::vector<double> parameters;   ///< of the law, in the order of its file [Pa or 1]
+  double bulk_in_shape_Pa = 0;      ///< bulk above
+  double tool_radius_m = 0;         ///< 0: node probes
+  double depth_m = 0;               ///< largest displacement of the training data
+  std::vector<std::int32_t> nodes;  ///< of the surface, ascending numbers in the mesh
+  std::vector<std::int32_t> kinds;  ///< body_node_* of schema/body_grammar.hpp
+  Points points;                    ///< n x 3 [m]
+  Triangles surface;                ///< positions among the nodes, normals outward
+  ScaledTable modes;                ///< 3 n x n_modes: displacements [m], row 3 i + k
+  std::vector<double> shear_m3;     ///< of the cells, with their weights
+  std::vector<double> bulk_rJ;      ///< [sqrt(J)]
+  ScaledTable gradients;            ///< 9 n_cells x n_modes: du_i/dX_j in row 9 c + 3 i + j
+  ScaledTable pressures;            ///< n_cells x n_pressures
+};
+
+/// The text of a body.txt. @throws Error (failure) if a number is out of the range of the format
+std::string write_body_text(const ReducedBody& body);
+
+}  // namespace phynness

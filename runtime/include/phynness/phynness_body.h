@@ -1,0 +1,72 @@
+/* phynness: a reduced body, on which round tools act anywhere, several at once and near to each other.
+ *
+ * A model (phynness.h) knows what one tool does and couples several by their linear interaction. A body has the elements
+ * of the training itself: their strain energy is summed over a few cells and minimized in a few hundred modes of
+ * displacement (docs/theory.md, Reduced body). It is `phynness reduce DATABASE` that makes a body.txt. It takes 0.1 to 1
+ * ms for a step on a processor of a desktop and is not meant for microcontrollers.
+ *
+ * Memory, statuses, units, frames, overlap, the sign of the force, and phn_tool are those of phynness.h and
+ * phynness_tools.h. A tool is the round tool of the training with its middle at the point; the mean displacement under
+ * it is prescribed. In a body of node probes it is the point itself.
+ */
+#ifndef PHYNNESS_BODY_H
+#define PHYNNESS_BODY_H
+
+#include <phynness/phynness.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct phn_body phn_body;             /* constant; may be shared between threads */
+typedef struct phn_body_state phn_body_state; /* the present deformation and working memory; of one thread */
+
+/* As phn_model_size and phn_model_init, for the text of a body.txt. PHN_ERROR_FAMILY: this version does not know the
+ * law. */
+PHN_API int phn_body_size(const char* text, size_t length, size_t* bytes, size_t* wrong_byte);
+PHN_API int phn_body_init(void* memory, size_t bytes, const char* text, size_t length, const phn_body** body,
+                          size_t* wrong_byte);
+
+/* The pointers refer to memory of the body. */
+typedef struct phn_body_info {
+  const char *mesh_hash, *physics_hash, *law;
+  double tool_radius_m;         /* 0: node probes */
+  double max_displacement_m;    /* largest displacement of the training data */
+  const int32_t* nodes;         /* n_nodes numbers of the surface's nodes in the mesh, ascending */
+  const double* points;         /* n_nodes x 3 [m] */
+  const int32_t* triangles;     /* n_triangles x 3, positions among the nodes, normals outward */
+  int32_t n_nodes, n_triangles, n_modes, n_pressures, n_cells;
+} phn_body_info;
+PHN_API int phn_body_describe(const phn_body* body, phn_body_info* info);
+
+/* Working memory for up to `max_tools` (1 ... 8) tools, at rest. The body must outlive it. */
+PHN_API int phn_body_state_size(const phn_body* body, int32_t max_tools, size_t* bytes);
+PHN_API int phn_body_state_init(void* memory, size_t bytes, const phn_body* body, int32_t max_tools,
+                                phn_body_state** state);
+
+typedef struct phn_body_pressed {
+  double energy;      /* [J] */
+  double unbalanced;  /* size of the next step over that of the deformation, in the norm of the energy: 0 at equilibrium */
+  double behind_m;    /* largest distance of a tool from the mean displacement that it holds */
+  int32_t steps;      /* that were made */
+  int32_t renewed;    /* stiffness matrices that were computed */
+} phn_body_pressed;
+
+/* Forces [N] that hold the tools, n_tools x 3, after at most `steps` (>= 1) steps of Newton's method from the deformation
+ * that the state has. Steps are shortened until they lower the energy, so that tools that move by fractions of a
+ * millimetre need two in each millisecond and any motion ends at an equilibrium. The stiffness matrix is kept between
+ * calls while it serves. Unlike those of a model, forces depend on the motion before. _OUTSIDE: a displacement is larger
+ * than trained, or no probed point is within a radius of the tool. _UNSETTLED: `unbalanced` is above 1e-3 or a tool is
+ * ahead; call again with the same tools to come closer. PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0
+ * tools the body is released. `pressed` may be null. */
+PHN_API int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools,
+                           int32_t steps, double* forces, phn_body_pressed* pressed);
+
+/* Displacements [m] of the surface's nodes, n_nodes x 3, after the last phn_body_press; zeros before. */
+PHN_API int phn_body_deform(const phn_body* body, const phn_body_state* state, double* out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

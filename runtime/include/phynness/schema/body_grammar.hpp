@@ -1,0 +1,64 @@
+// The sections of a body.txt in their order (formats/body.md): the only definition in code of its grammar. `io` is
+// described in model_grammar.hpp; done(store) is called where later lines refer to a store.
+#pragma once
+
+#include <phynness/schema/grammar_lines.hpp>
+
+namespace phynness::schema {
+
+inline constexpr char body_first_line[] = "phynness-body 1\n";
+inline constexpr int32_t largest_parameter_count = 8, most_body_modes = 1024;
+/// What a tool does at a node of the surface.
+inline constexpr int32_t body_node_fixed = 0, body_node_moves = 1, body_node_touchable = 2, n_body_node_kinds = 3;
+
+template <class IO, class Body>
+void body(IO& io, Body& b) {
+  for (auto [key, hash] : {std::pair{"mesh", &b.mesh_hash}, std::pair{"physics", &b.physics_hash}}) {
+    io.keyword(key);
+    io.word(key, *hash);
+    io.end();
+  }
+  io.keyword("law");
+  io.word("law", b.law);
+  io.end();
+  const int32_t n_parameters = size_line(io, "parameters", io.rows(b.parameters), 1, largest_parameter_count);
+  row_line(io, "values", b.parameters, n_parameters, any_number);
+  real_line(io, "bulk", b.bulk_in_shape_Pa, not_negative);
+  real_line(io, "radius", b.tool_radius_m, not_negative);
+  real_line(io, "depth", b.depth_m, positive);
+
+  const int32_t n_nodes = count_line(io, "nodes", io.rows(b.nodes), 1);
+  io.shape("nodes", b.nodes, n_nodes, 1);
+  io.shape("kinds", b.kinds, n_nodes, 1);
+  io.shape("points", b.points, n_nodes, 3);
+  int32_t previous = -1;
+  for (int32_t i = 0; i < n_nodes && io.good(); ++i) {
+    require_ascending(io, integer(io, "node number", b.nodes, i, 0, 0, largest_integer), previous,
+                      "node numbers must ascend");
+    integer(io, "kind of a node", b.kinds, i, 0, 0, n_body_node_kinds - 1);
+    for (int32_t k = 0; k < 3; ++k) number(io, "coordinate", b.points, i, k, coordinate);
+    io.end();
+  }
+  const int32_t n_triangles = count_line(io, "surface", io.rows(b.surface), 1);
+  io.shape("surface", b.surface, n_triangles, 3);
+  for (int32_t t = 0; t < n_triangles && io.good(); ++t) {
+    for (int32_t k = 0; k < 3; ++k) integer(io, "corner", b.surface, t, k, 0, n_nodes - 1);
+    io.end();
+  }
+
+  const int32_t n_modes = size_line(io, "modes", io.cols(b.modes.entries), 1, most_body_modes);
+  table(io, "displacements", b.modes, 3 * static_cast<int64_t>(n_nodes), n_modes);
+  const int32_t n_points = count_line(io, "cells", io.rows(b.shear_m3), 1);
+  io.shape("cells", b.shear_m3, n_points, 1);
+  io.shape("cells", b.bulk_rJ, n_points, 1);
+  for (int32_t c = 0; c < n_points && io.good(); ++c) {
+    number(io, "volume", b.shear_m3, c, 0, not_negative);
+    number(io, "weight of the change of volume", b.bulk_rJ, c, 0, not_negative);
+    io.end();
+  }
+  table(io, "gradients", b.gradients, 9 * static_cast<int64_t>(n_points), n_modes);
+  const int32_t n_pressures = size_line(io, "pressures", io.cols(b.pressures.entries), 1, most_body_modes);
+  table(io, "pressures-at-cells", b.pressures, n_points, n_pressures);
+}
+
+}  // namespace phynness::schema
