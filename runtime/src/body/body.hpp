@@ -65,15 +65,19 @@ struct phn_body_state {
   const PHN_RUNTIME::BodyKernels* kernels;
   std::int32_t max_tools;
   PHN_RUNTIME::ToolScratch scratch;
-  double *q, *forces;  ///< accepted state, and the gradient of its energy
-  double energy;
-  double *trial, *trial_forces;
+  /// A state: amplitudes of the modes, and of its energy the gradient, and the sums b of the pressures.
+  struct Point {
+    double *q, *forces, *sums, energy;
+  } at, trial;
   double *strain, *stress;      ///< 9 n_cells each, of the state that was evaluated last
   double *change, *bulk_slope;  ///< g, and dg/dF, of the cells
-  double* pressure_sums;        ///< b; and of the cells, products with it
-  double* pressure_at;
-  double *rows, *moved;  ///< 3 max_tools rows: means of the modes under the tools; products with the compliance
+  double* pressure_at;          ///< of the cells: products of their pressures with b
+  double *rows, *moved;         ///< 3 max_tools rows: means of the modes under the tools; products with the compliance
   double *alone, *step;
-  float *stiffness, *panel, *turned, *bulk_rows;
-  bool is_stale;  ///< the stiffness is to be renewed before the next step
+  float* factor;  ///< of the stiffness
+  bool is_stale;  ///< the factor serves badly
+  // The next stiffness, at a state that is kept.
+  float *next, *bulk_rows, *panel;
+  double *next_q, *next_sums;
+  std::int32_t next_cells;  ///< that were added
 };

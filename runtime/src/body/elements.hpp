@@ -8,11 +8,13 @@ namespace PHN_RUNTIME {
 /// Cells whose rows are multiplied at once.
 inline constexpr std::int32_t cells_of_panel = 8;
 
-/// The energy at q, and its gradient. @return false where the law is not defined in a cell
-bool evaluate_body(phn_body_state& state, const double* q, double& energy, double* forces);
+/// Energy, its gradient and b at point.q. @return false where the law is not defined in a cell
+bool evaluate_body(phn_body_state& state, phn_body_state::Point& point);
 
-/// Factor of the second derivative at state.q; where it is not positive definite, of one with larger diagonals.
-/// @pre evaluate_body() was successful at state.q before. @return false if no such factor is found
-bool renew_stiffness(phn_body_state& state);
+/// Adds the second derivatives of some cells to the next stiffness; with those of the last cell it becomes the factor.
+/// Where it is not positive definite, its diagonal is raised.
+/// @param n_cells  0: of all cells, at the present state
+/// @return false if there is no factor
+bool renew_stiffness(phn_body_state& state, std::int32_t n_cells);
 
 }  // namespace PHN_RUNTIME

@@ -16,6 +16,8 @@ constexpr double slow = 0.3;
 /// Part of the decrease of energy that a step promises and must bring (Armijo 1966, doi 10.2140/pjm.1966.16.1).
 constexpr double sufficient = 1e-4;
 constexpr int most_halvings = 20;
+/// A new stiffness takes about as long as this many steps, in which it is made if a call has fewer.
+constexpr std::int32_t steps_of_renewal = 8;
 
 struct Tools {
   std::int32_t n_rows;
@@ -44,25 +46,26 @@ class Equilibrium {
   Equilibrium(phn_body_state& state, const Tools& tools)
       : _s(state), _body(*state.body), _tools(tools), _n(state.body->info.n_modes), _stride(state.body->stride) {}
 
-  /// @return false if there is no step
-  bool step(phn_body_pressed& pressed) {
-    if (_s.is_stale || !_has_factor()) {
-      if (!renew_stiffness(_s)) return false;
-      ++pressed.renewed;
-      _s.is_stale = false;
-      _moved = false;
-      _last = 0;
+  /// @param budget  steps that may be made; a new stiffness takes as long as `steps_of_renewal`
+  void settle(std::int32_t budget, phn_body_pressed& pressed) {
+    move_rows();
+    double last = 0;
+    while (budget > 0) {
+      if (_s.is_stale && budget > steps_of_renewal) {
+        if (!renew_stiffness(_s, 0)) return;
+        budget -= steps_of_renewal;
+        ++pressed.renewed;
+        move_rows();
+        last = 0;
+      }
+      pressed.unbalanced = direction();
+      if (pressed.unbalanced <= settled) return;
+      _s.is_stale = _s.is_stale || (last > 0 && pressed.unbalanced > slow * last);
+      last = pressed.unbalanced;
+      if (!search()) _s.is_stale = true;
+      ++pressed.steps;
+      --budget;
     }
-    if (!_moved) move_rows();
-    const double size = direction();
-    pressed.unbalanced = size;
-    if (size <= settled) return false;
-    const bool fresh = pressed.renewed > 0 && _last == 0;
-    if (_last > 0 && size > slow * _last) _s.is_stale = true;
-    _last = size;
-    const bool whole = search();
-    if (!whole && !fresh) _s.is_stale = true;
-    return true;
   }
 
   void copy_forces(double* forces) const {
@@ -70,14 +73,13 @@ class Equilibrium {
   }
 
  private:
-  bool _has_factor() const { return _s.stiffness[0] > 0; }
   double* row(double* of, std::int32_t r) const { return of + static_cast<std::int64_t>(r) * _stride; }
 
   /// Compliance of the tools: rows K^-1 rows^T, factorized as L L^T.
   void move_rows() {
     for (std::int32_t r = 0; r < _tools.n_rows; ++r) {
       for (std::int32_t m = 0; m < _stride; ++m) row(_s.moved, r)[m] = row(_s.rows, r)[m];
-      _s.kernels->solve(_s.stiffness, _n, _stride, row(_s.moved, r));
+      _s.kernels->solve(_s.factor, _n, _stride, row(_s.moved, r));
     }
     const std::int32_t n = _tools.n_rows;
     for (std::int32_t r = 0; r < n; ++r)
@@ -89,16 +91,15 @@ class Equilibrium {
       // Tools at one place hold the same point; the second one follows the first.
       _compliance[r][r] = pivot > 1e-12 * _compliance[r][r] ? std::sqrt(pivot) : HUGE_VAL;
     }
-    _moved = true;
   }
 
   /// _s.step, and the forces of the tools. @return unbalanced
   double direction() {
-    for (std::int32_t m = 0; m < _stride; ++m) _s.alone[m] = m < _n ? _s.forces[m] : 0;
-    _s.kernels->solve(_s.stiffness, _n, _stride, _s.alone);
+    for (std::int32_t m = 0; m < _stride; ++m) _s.alone[m] = m < _n ? _s.at.forces[m] : 0;
+    _s.kernels->solve(_s.factor, _n, _stride, _s.alone);
     const std::int32_t n = _tools.n_rows;
     for (std::int32_t r = 0; r < n; ++r)
-      _force[r] = _tools.wanted[r] - product(row(_s.rows, r), _s.q, _n) + product(row(_s.rows, r), _s.alone, _n);
+      _force[r] = _tools.wanted[r] - product(row(_s.rows, r), _s.at.q, _n) + product(row(_s.rows, r), _s.alone, _n);
     for (std::int32_t r = 0; r < n; ++r)
       _force[r] = (_force[r] - product(_compliance[r], _force, r)) / _compliance[r][r];
     for (std::int32_t r = n - 1; r >= 0; --r) {
@@ -118,37 +119,31 @@ class Equilibrium {
         of_tools += _force[r] * row(_s.rows, r)[m];
         moved += _force[r] * row(_s.moved, r)[m];
       }
-      _decrease += _s.step[m] * (of_tools - _s.forces[m]);
+      _decrease += _s.step[m] * (of_tools - _s.at.forces[m]);
       held += of_tools * moved;
     }
-    const double whole = held + 2 * _s.energy;
+    const double whole = held + 2 * _s.at.energy;
     return whole > 0 ? std::sqrt(std::fmax(_decrease, 0) / whole) : 0;
   }
 
   /// The part of the step after which energy - forces . means is lower. @return whether it is the whole step
   bool search() {
-    double at_start = _s.energy;
-    for (std::int32_t r = 0; r < _tools.n_rows; ++r) at_start -= _force[r] * product(row(_s.rows, r), _s.q, _n);
+    double at_start = _s.at.energy;
+    for (std::int32_t r = 0; r < _tools.n_rows; ++r) at_start -= _force[r] * product(row(_s.rows, r), _s.at.q, _n);
     double part = 1;
     for (int halving = 0; halving < most_halvings; ++halving, part /= 2) {
-      for (std::int32_t m = 0; m < _stride; ++m) _s.trial[m] = _s.q[m] + part * _s.step[m];
-      double energy;
-      if (!evaluate_body(_s, _s.trial, energy, _s.trial_forces)) continue;
-      double here = energy;
-      for (std::int32_t r = 0; r < _tools.n_rows; ++r) here -= _force[r] * product(row(_s.rows, r), _s.trial, _n);
+      for (std::int32_t m = 0; m < _stride; ++m) _s.trial.q[m] = _s.at.q[m] + part * _s.step[m];
+      if (!evaluate_body(_s, _s.trial)) continue;
+      double here = _s.trial.energy;
+      for (std::int32_t r = 0; r < _tools.n_rows; ++r) here -= _force[r] * product(row(_s.rows, r), _s.trial.q, _n);
       // Differences of energies are rounded.
-      const double rounding = 1e-13 * (std::fabs(at_start) + std::fabs(here) + energy);
+      const double rounding = 1e-13 * (std::fabs(at_start) + std::fabs(here) + _s.trial.energy);
       if (here > at_start - sufficient * part * _decrease + rounding) continue;
-      double* q = _s.q;
-      double* forces = _s.forces;
-      _s.q = _s.trial;
-      _s.forces = _s.trial_forces;
-      _s.trial = q;
-      _s.trial_forces = forces;
-      _s.energy = energy;
+      const auto before = _s.at;
+      _s.at = _s.trial;
+      _s.trial = before;
       return part == 1;
     }
-    _s.is_stale = true;
     return false;
   }
 
@@ -157,8 +152,7 @@ class Equilibrium {
   const Tools& _tools;
   std::int32_t _n, _stride;
   double _compliance[3 * most_tools][3 * most_tools], _force[3 * most_tools] = {};
-  double _decrease = 0, _last = 0;
-  bool _moved = false;
+  double _decrease = 0;
 };
 
 template <class... Array>
@@ -183,20 +177,19 @@ struct Layout {
     s.max_tools = max_tools;
     s.scratch = {arena.take<double>(nodes), arena.take<std::int32_t>(nodes), arena.take<std::int32_t>(triangles),
                  arena.take<char>(triangles)};
-    take(arena, 1, stride, s.q, s.forces, s.trial, s.trial_forces, s.alone, s.step);
+    take(arena, 1, stride, s.at.q, s.at.forces, s.trial.q, s.trial.forces, s.alone, s.step, s.next_q);
     take(arena, 9, cells, s.strain, s.stress, s.bulk_slope);
     take(arena, 1, cells, s.change, s.pressure_at);
-    s.pressure_sums = arena.take<double>(static_cast<std::size_t>(body.pressure_stride));
+    take(arena, 1, static_cast<std::size_t>(body.pressure_stride), s.at.sums, s.trial.sums, s.next_sums);
     take(arena, 3 * static_cast<std::size_t>(max_tools), stride, s.rows, s.moved);
-    s.stiffness = arena.take<float>(stride, stride);
-    s.panel = arena.take<float>(9 * cells_of_panel, stride);
-    s.turned = arena.take<float>(stride);
+    s.factor = arena.take<float>(stride, stride);
+    s.next = arena.take<float>(stride, stride);
     s.bulk_rows = arena.take<float>(static_cast<std::size_t>(body.info.n_pressures), stride);
+    s.panel = arena.take<float>(9 * cells_of_panel, stride);
     if (state == nullptr || arena.overflow()) return;
     set_zero(s.scratch.weight, nodes);
     for (std::size_t t = 0; t < triangles; ++t) s.scratch.taken[t] = 0;
-    zero(stride, s.q, s.forces, s.trial, s.trial_forces, s.alone, s.step);
-    s.stiffness[0] = 0;
+    zero(stride, s.at.q, s.trial.q, s.alone, s.step);
     *state = s;
   }
 };
@@ -268,9 +261,8 @@ int phn_body_state_init(void* memory, size_t bytes, const phn_body* body, int32_
   Arena arena(memory, bytes);
   const Layout layout(arena, *body, max_tools);
   if (layout.state == nullptr || arena.overflow()) return PHN_ERROR_BUFFER;
-  // The laws are defined at rest; a body of which the cells are not is no body.
-  if (!evaluate_body(*layout.state, layout.state->q, layout.state->energy, layout.state->forces))
-    return PHN_ERROR_RANGE;
+  // Where the law is not defined at rest, or nothing resists, the numbers are not those of a body.
+  if (!evaluate_body(*layout.state, layout.state->at) || !renew_stiffness(*layout.state, 0)) return PHN_ERROR_RANGE;
   *state = layout.state;
   return PHN_OK;
 }
@@ -304,26 +296,34 @@ int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools,
     for (int k = 0; k < 3; ++k) held.wanted[held.n_rows++] = tools[t].displacement[k];
   }
   Equilibrium equilibrium(*state, held);
-  while (made.steps < steps && equilibrium.step(made)) ++made.steps;
+  equilibrium.settle(steps, made);
   equilibrium.copy_forces(forces);
-  made.energy = state->energy;
+  made.energy = state->at.energy;
   for (std::int32_t t = 0; t < n_tools; ++t) {
     double behind[3];
     for (int k = 0; k < 3; ++k)
       behind[k] =
           tools[t].displacement[k] -
-          product(state->rows + (3 * static_cast<std::int64_t>(t) + k) * body->stride, state->q, body->info.n_modes);
+          product(state->rows + (3 * static_cast<std::int64_t>(t) + k) * body->stride, state->at.q, body->info.n_modes);
     made.behind_m = std::fmax(made.behind_m, length(behind));
+  }
+  if (!all_finite(forces, 3 * n)) {
+    set_zero(forces, 3 * n);
+    made.unbalanced = HUGE_VAL;
   }
   if (!(made.unbalanced <= unsettled) || !(made.behind_m <= unsettled * body->info.max_displacement_m))
     status |= PHN_WARNING_UNSETTLED;
+  // Tools that move go on to need a new stiffness, of which each call makes a part.
+  if (made.unbalanced > settled && made.renewed == 0 &&
+      renew_stiffness(*state, (body->info.n_cells - 1) / steps_of_renewal + 1) && state->next_cells == 0)
+    ++made.renewed;
   if (pressed != nullptr) *pressed = made;
   return status;
 }
 
 int phn_body_deform(const phn_body* body, const phn_body_state* state, double* out) {
   if (body == nullptr || state == nullptr || state->body != body || out == nullptr) return PHN_ERROR_ARGUMENT;
-  state->kernels->times(body->modes, 3 * static_cast<std::int64_t>(body->info.n_nodes), body->stride, state->q, out);
+  state->kernels->times(body->modes, 3 * static_cast<std::int64_t>(body->info.n_nodes), body->stride, state->at.q, out);
   return PHN_OK;
 }
 
