@@ -96,6 +96,12 @@ void print_examples(const ValidationReport& report) {
   }
 }
 
+void print_warnings(const std::optional<BodyWarnings>& of_body) {
+  if (of_body)
+    print_result("the reduced body: {} unsettled, {} outside of its trained range\n", of_body->unsettled,
+                 of_body->outside);
+}
+
 void print_points(const PointReport& report) {
   print_result("{} points of the surface, {} displacements each; {} not solved, {} unsettled in the model\n",
                report.finished, report.displacements, report.failed, report.unsettled);
@@ -105,15 +111,19 @@ void print_points(const PointReport& report) {
     print_result("  {} of those not solved did not converge; --increments of phynness solve helps to see why\n",
                  report.failed - report.refused);
   TableCells rows{{"tools between nodes, error in %", "mean", "median", "p95", "max"}};
-  const auto coupled = titled(report.coupled), linear = titled(report.linear), at_nodes = titled(report.at_nodes);
-  for (std::size_t i = 0; i < coupled.size(); ++i)
-    for (const auto& [who, errors] : {std::pair{"coupled model", &coupled}, std::pair{"linear predictor", &linear},
-                                      std::pair{"model at the nearest nodes", &at_nodes}}) {
-      const auto& [what, s] = (*errors)[i];
+  std::vector<std::pair<const char*, decltype(titled(report.coupled))>> predictors{
+      {"coupled model", titled(report.coupled)},
+      {"linear predictor", titled(report.linear)},
+      {"model at the nearest nodes", titled(report.at_nodes)}};
+  if (report.body) predictors.emplace_back("reduced body", titled(*report.body));
+  for (std::size_t i = 0; i < predictors.front().second.size(); ++i)
+    for (const auto& [who, errors] : predictors) {
+      const auto& [what, s] = errors[i];
       rows.push_back({fmt::format("  {}, {}", what, who), in_percent(s.mean), in_percent(s.median), in_percent(s.p95),
                       in_percent(s.max)});
     }
   print_cells(rows);
+  print_warnings(report.body_warnings);
   print_to_range(report.to_range);
   print_result("largest distance of a tool from its point in the field: {:.1e} m; {}\n", report.largest_residual_m,
                duration(report.seconds));
@@ -140,6 +150,7 @@ void print_pairs(const PairReport& report) {
       const char* who = p == PairPredictor::coupled ? "coupled model"
                         : p == PairPredictor::alone ? "each tool alone"
                         : p == PairPredictor::paper ? "weights (15)-(16)"
+                        : p == PairPredictor::body  ? "reduced body"
                                                     : "linear predictor";
       print_result("    {:<20} | {}  {} {} {}", who, percent(all.mean), percent(all.median), percent(all.p95),
                    percent(all.max));
@@ -156,7 +167,9 @@ void print_pairs(const PairReport& report) {
       print_result("\n");
     }
   }
+  print_warnings(report.body_warnings);
   print_cells(table_cells("two tools, in %", report.by_warning));
+  if (report.body_by_warning) print_cells(table_cells("reduced body, in %", *report.body_by_warning));
   if (const auto why = reasons(report.by_warning.unreached); !why.empty())
     print_result("not reached by the finite elements: {}\n", why);
   const auto& alone = report.single_force;

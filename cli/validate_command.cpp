@@ -23,22 +23,39 @@ struct Options {
   std::int64_t nodes = 0, points = 0, pairs = 0;
   std::optional<double> pair_depth_m;
   std::optional<std::int32_t> level;
-  OptionalPath json_file, report_file;
+  OptionalPath body, json_file, report_file;
   bool details = false;
 };
 
-/// Scene and model, loaded on every rank and checked by the first.
+/// @throws Error (input) if the body is not one of the model's mesh and physics
+LoadedBody load_body(const std::filesystem::path& file, const Model& model) {
+  LoadedBody body(file);
+  for (const auto& [what, own, others] :
+       {std::tuple{"mesh", std::string(body.info().mesh_hash), model.mesh_hash},
+        std::tuple{"physics", std::string(body.info().physics_hash), model.physics_hash}})
+    if (own != others)
+      throw input_error(fmt::format("the body has another {} than the model", what),
+                        fmt::format("hash {} in {}, in the model {}", own, file.string(), others),
+                        "give the body that phynness reduce makes of the model's database");
+  return body;
+}
+
+/// Scene, model and body, loaded on every rank and checked by the first.
 Validated load(const Options& options, const SolverSession& session) {
   Scene scene;
   std::optional<LoadedModel> loaded;
+  std::optional<LoadedBody> body;
   session.together([&] {
     scene = open_scene(options.scene);
     loaded.emplace(options.model);
     if (options.level) loaded->set_level(*options.level);
+    if (options.body) body = load_body(*options.body, loaded->model());
     if (session.rank() == 0) check_mesh(scene, loaded->model().mesh_hash, options.model.string());
   });
   const auto seed = options.seed ? static_cast<std::uint64_t>(*options.seed) : scene.validation.seed;
-  return {std::move(scene), std::move(*loaded), seed};
+  Validated v{std::move(scene), std::move(*loaded), seed};
+  v.body = std::move(body);
+  return v;
 }
 
 /// @throws Error (input) if the model has forces only
@@ -70,6 +87,7 @@ DatabaseHeader header_of(const Scene& scene, const LoadedModel& model) {
 void measure(const Options& options, const SolverSession& session, Validated& v) {
   const auto& scene = v.scene;
   const auto& model = v.model;
+  LoadedBody* const body = v.body ? &*v.body : nullptr;
   const bool bounded = !schema::traits(model.model().family).proportional;
   const auto probes = options.probes.value_or(sizes_of_checks(scene, header_of(scene, model), bounded).probes);
   v.report = validate(session, scene, model, probes, v.seed, Progress("validate", "rays").counter(), stop_requested,
@@ -77,13 +95,13 @@ void measure(const Options& options, const SolverSession& session, Validated& v)
   if (options.points > 0 && !v.interrupted())
     v.no_points = try_part([&] {
       require_deformations(options, model);
-      v.points = validate_points(session, scene, model, options.points, displacements_per_point, v.seed,
+      v.points = validate_points(session, scene, model, body, options.points, displacements_per_point, v.seed,
                                  Progress("validate", "points").counter(), stop_requested);
     });
   if (options.pairs > 0 && !v.interrupted())
     v.no_pairs = try_part([&] {
       require_deformations(options, model);
-      v.pairs = validate_pairs(session, scene, model, options.pairs,
+      v.pairs = validate_pairs(session, scene, model, body, options.pairs,
                                options.pair_depth_m.value_or(pair_depth_fraction * scene.probe.max_displacement_m),
                                v.seed, Progress("validate", "pairs").counter(), stop_requested);
     });
@@ -106,6 +124,9 @@ void write_report(const Options& options, const Validated& v) {
 }
 
 void run(const Options& options) {
+  if (options.body && options.points == 0 && options.pairs == 0)
+    throw input_error("--body is compared at tools of --points and --pairs only", options.body->string(),
+                      "add one of these options, or omit --body");
   if (options.report_file) report::require_page();
   const SolverSession session;
   Validated v = load(options, session);
@@ -139,6 +160,8 @@ void add(CLI::App& app) {
   add_number(command, "--pair-depth", options.pair_depth_m, 1e-12, 1e3,
              "displacement of both tools of a pair [m] (default: 3/7 of the scene's max_displacement_m, as in\n"
              "the paper, 12 mm of 28 mm)");
+  add_path(command, "--body", options.body, PathKind::input,
+           "a reduced body (body.txt), whose forces are also compared at --points and --pairs");
   command.add_option("--level", options.level, "level of the model; 0 is the smallest (default: the full one)");
   add_count(command, "--seed", options.seed, 0, largest_seed, "seed of random directions, magnitudes and nodes");
   add_json(command, options.json_file);

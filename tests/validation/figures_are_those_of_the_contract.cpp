@@ -53,7 +53,12 @@ Validated results() {
   v.points.linear.force = ErrorStatistics::of({0.1});
   v.pairs.pairs = v.pairs.finished = 2;
   v.pairs.records.resize(2);
-  v.pairs.records[0].solved = true;
+  v.pairs.records[0].solved = v.pairs.records[0].has_body = true;
+  v.pairs.all.has_body = true;
+  v.points.body.emplace();
+  v.points.body_warnings.emplace();
+  v.pairs.body_warnings.emplace();
+  v.pairs.body_by_warning.emplace();
   return v;
 }
 

@@ -8,6 +8,7 @@
 #include <phynness/validation/probed_states.hpp>
 #include <phynness/validation/tool_pairs.hpp>
 
+#include "body_predictions.hpp"
 #include "measures.hpp"
 #include "packed.hpp"
 #include "shared_work.hpp"
@@ -15,7 +16,7 @@
 namespace phynness {
 
 const char* name(PairPredictor p) {
-  return std::array{"coupled", "alone", "paper", "linear"}[static_cast<std::size_t>(p)];
+  return std::array{"coupled", "alone", "paper", "linear", "body"}[static_cast<std::size_t>(p)];
 }
 
 namespace {
@@ -92,11 +93,12 @@ PairErrors errors_of(const std::vector<std::optional<Vec3>>& force, const Points
 
 class PairComparison {
  public:
-  PairComparison(const Scene& scene, const LoadedModel& model, const ShouldStop& stop)
+  PairComparison(const Scene& scene, const LoadedModel& model, LoadedBody* body, const ShouldStop& stop)
       : _model(model),
         _increments(scene.probe.increments),
         _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {
     _solver.set_stop(stop);
+    if (body) _body.emplace(*body, model, _increments);
   }
 
   void at(PairRecord& pair) {
@@ -112,6 +114,10 @@ class PairComparison {
     for (std::size_t t = 0; t < 2; ++t) tools.push_back(tool_at(at_node(nodes[t]), d[t]));
     const auto coupled = _model.couple(tools);
     pair.status = coupled.status;
+    std::optional<BodyResponse> of_body;
+    if (_body) of_body = _body->at(tools);
+    pair.has_body = of_body.has_value();
+    if (of_body) pair.body_status = of_body->status;
     const auto truth = _solver.solve(d, _increments);
     pair.ended = truth.status;
     pair.solved = truth.status == Status::converged;
@@ -119,7 +125,8 @@ class PairComparison {
     const auto& output = _model.model().output;
     const auto counts = counted_nodes(_model.model(), nodes);
     const Points u_FE = truth.displacement_m(output, Eigen::all);
-    const auto judge = [&](PairPredictor p, const std::vector<std::optional<Vec3>>& force, const Points& u) {
+    using Forces = std::vector<std::optional<Vec3>>;
+    const auto judge = [&](PairPredictor p, const Forces& force, const Points& u) {
       pair.errors[static_cast<std::size_t>(p)] = errors_of(force, u, truth, u_FE, counts);
     };
 
@@ -135,6 +142,10 @@ class PairComparison {
     const Eigen::VectorXd f = _solver.rest().stiffness_N_per_m * q, u = _solver.rest().sensitivity * q;
     judge(PairPredictor::linear, {Vec3{f[0], f[1], f[2]}, Vec3{f[3], f[4], f[5]}},
           Eigen::Map<const Points>(u.data(), u.size() / 3, 3)(output, Eigen::all));
+    if (of_body)
+      pair.errors[static_cast<std::size_t>(PairPredictor::body)] =
+          errors_of(Forces(of_body->force_N.begin(), of_body->force_N.end()), of_body->displacement_m, truth,
+                    _body->shared(u_FE), _body->shared(counts));
     pair.single_force =
         std::max(single_force(nodes[0], d[0], *first.force_N[0]), single_force(nodes[1], d[1], *second.force_N[0]));
   }
@@ -151,6 +162,7 @@ class PairComparison {
   const LoadedModel& _model;
   int _increments;
   ProbeSolver _solver;
+  std::optional<BodyPredictions> _body;
 };
 
 /// A pair and its place in the order of the seed.
@@ -161,15 +173,19 @@ struct Numbered {
 
 PairGroup group_of(const std::vector<PairRecord>& records, const std::function<bool(const PairRecord&)>& belongs) {
   PairGroup group;
-  for (const auto& pair : records) group.pairs += pair.solved && belongs(pair);
-  for (std::size_t p = 0; p < pair_predictors.size(); ++p) {
+  for (const auto& pair : records) {
+    group.pairs += pair.solved && belongs(pair);
+    group.has_body = group.has_body || pair.has_body;
+  }
+  for (const auto p : pair_predictors) {
+    if (p == PairPredictor::body && !group.has_body) continue;
     PairMeasures<std::vector<double>> samples;
     for (const auto& pair : records)
       if (pair.solved && belongs(pair))
-        member_by_member(samples, pair.errors[p], [](auto& list, double error) {
+        member_by_member(samples, pair.of(p), [](auto& list, double error) {
           if (!std::isnan(error)) list.push_back(error);
         });
-    group.errors[p] = statistics(samples);
+    group.errors[static_cast<std::size_t>(p)] = statistics(samples);
   }
   return group;
 }
@@ -180,16 +196,17 @@ ProbeErrors of_worse_tool(const PairErrors& errors) {
   return out;
 }
 
-std::vector<JudgedProbe> judged_pairs(const std::vector<PairRecord>& records) {
+/// @param by  coupled or body
+std::vector<JudgedProbe> judged_pairs(const std::vector<PairRecord>& records, PairPredictor by) {
   std::vector<JudgedProbe> probes;
   for (const auto& pair : records) {
     JudgedProbe& made = probes.emplace_back();
     made.node = static_cast<std::int32_t>(probes.size() - 1);
     made.displacement_m = pair.displacement_m[0];
-    made.flagged = is_flagged(pair.status);
+    made.flagged = is_flagged(by == PairPredictor::body ? pair.body_status : pair.status);
     made.status = pair.ended;
     made.reached_m = -1;
-    made.model = of_worse_tool(pair.of(PairPredictor::coupled));
+    made.model = of_worse_tool(pair.of(by));
     made.linear = of_worse_tool(pair.of(PairPredictor::linear));
   }
   return probes;
@@ -197,7 +214,7 @@ std::vector<JudgedProbe> judged_pairs(const std::vector<PairRecord>& records) {
 
 }  // namespace
 
-PairReport validate_pairs(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+PairReport validate_pairs(const SolverSession& session, const Scene& scene, const LoadedModel& model, LoadedBody* body,
                           std::int64_t pairs, double depth_m, std::uint64_t seed, const OnProgress& progress,
                           const ShouldStop& stop) {
   const auto start = std::chrono::steady_clock::now();
@@ -210,7 +227,7 @@ PairReport validate_pairs(const SolverSession& session, const Scene& scene, cons
   std::int64_t finished = 0;
   session.together([&] {
     auto chosen = choose_pairs(scene, model, pairs, depth_m, seed);
-    PairComparison comparison(scene, model, stop);
+    PairComparison comparison(scene, model, body, stop);
     finished = share_out(session, pairs, progress, stop, [&](std::size_t i) {
       comparison.at(chosen[i]);
       pack(rows, Numbered{i, chosen[i]});
@@ -231,7 +248,13 @@ PairReport validate_pairs(const SolverSession& session, const Scene& scene, cons
   report.far = group_of(report.records, [&](const PairRecord& p) { return p.distance_m > report.far_m; });
   report.unflagged = group_of(report.records, [](const PairRecord& p) { return !is_flagged(p.status); });
   report.right = group_of(report.records, [](const PairRecord& p) { return p.single_force <= right_alone; });
-  report.by_warning = errors_by_warning(judged_pairs(report.records));
+  report.by_warning = errors_by_warning(judged_pairs(report.records, PairPredictor::coupled));
+  if (body) {
+    report.body_warnings.emplace();
+    for (const auto& pair : report.records)
+      if (pair.solved) report.body_warnings->take(pair.body_status);
+    report.body_by_warning = errors_by_warning(judged_pairs(report.records, PairPredictor::body));
+  }
   std::vector<double> alone;
   for (const auto& pair : report.records) {
     if (pair.solved && std::isfinite(pair.single_force)) alone.push_back(pair.single_force);

@@ -7,6 +7,7 @@
 #include <phynness/validation/surface_points.hpp>
 #include <random>
 
+#include "body_predictions.hpp"
 #include "measures.hpp"
 #include "range_records.hpp"
 #include "shared_work.hpp"
@@ -91,11 +92,12 @@ void collect(const std::vector<Compared>& compared, const std::vector<char>& cou
 
 class PointComparison {
  public:
-  PointComparison(const Scene& scene, const LoadedModel& model, const ShouldStop& stop)
+  PointComparison(const Scene& scene, const LoadedModel& model, LoadedBody* body, const ShouldStop& stop)
       : _model(model),
         _increments(scene.probe.increments),
         _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {
     _solver.set_stop(stop);
+    if (body) _body.emplace(*body, model, _increments);
   }
 
   /// A place that the solver refuses counts as not solved, with the reason of the first one.
@@ -132,7 +134,7 @@ class PointComparison {
   }
 
   void at(std::size_t point, const Place& place, PointReport& report) {
-    std::vector<Compared> coupled, linear, at_node;
+    std::vector<Compared> coupled, linear, at_node, of_body;
     std::vector<JudgedProbe> probes;
     _solver.touch_points({place});
     for (const auto& d : place.displacements) {
@@ -155,6 +157,10 @@ class PointComparison {
                         truth.force_N[0],
                         Eigen::Map<const Points>(linear_u.data(), linear_u.size() / 3, 3)(output, Eigen::all),
                         u});
+      if (!_body) continue;
+      auto answer = _body->at({tool_at(place, d)});
+      report.body_warnings->take(answer.status);
+      of_body.push_back({answer.force_N[0], truth.force_N[0], std::move(answer.displacement_m), _body->shared(u)});
     }
     const auto corner = nearest_active(_model, place);
     _solver.touch({corner});
@@ -168,6 +174,7 @@ class PointComparison {
     judge(point, probes, coupled, linear);
     collect(coupled, {}, _coupled);
     collect(linear, {}, _linear);
+    collect(of_body, {}, _of_body);
     const auto& output = _model.model().output;
     std::vector<char> counts(output.size() + 1, 1);
     counts[static_cast<std::size_t>(std::lower_bound(output.begin(), output.end(), corner) - output.begin())] = 0;
@@ -201,8 +208,10 @@ class PointComparison {
     report.coupled = statistics(session, _coupled);
     report.linear = statistics(session, _linear);
     report.at_nodes = statistics(session, _at_nodes);
-    for (auto* count : {&report.finished, &report.failed, &report.refused, &report.unsettled})
-      *count = static_cast<std::int64_t>(session.sum(static_cast<double>(*count)));
+    if (_body) report.body = statistics(session, _of_body);
+    std::vector counts{&report.finished, &report.failed, &report.refused, &report.unsettled};
+    if (_body) counts.insert(counts.end(), {&report.body_warnings->unsettled, &report.body_warnings->outside});
+    for (auto* count : counts) *count = static_cast<std::int64_t>(session.sum(static_cast<double>(*count)));
     report.first_refusal = refusal_of_any_rank(session);
     for (const double r : session.gather({report.largest_residual_m}))
       report.largest_residual_m = std::max(report.largest_residual_m, r);
@@ -226,7 +235,8 @@ class PointComparison {
   const LoadedModel& _model;
   int _increments;
   ProbeSolver _solver;
-  PointSamples _coupled, _linear, _at_nodes;
+  std::optional<BodyPredictions> _body;
+  PointSamples _coupled, _linear, _at_nodes, _of_body;
   JudgedRows _rows;
   std::int64_t _refused = 0;
   std::optional<Error> _first_refusal;
@@ -235,16 +245,17 @@ class PointComparison {
 }  // namespace
 
 PointReport validate_points(const SolverSession& session, const Scene& scene, const LoadedModel& model,
-                            std::int64_t points, std::int64_t displacements, std::uint64_t seed,
+                            LoadedBody* body, std::int64_t points, std::int64_t displacements, std::uint64_t seed,
                             const OnProgress& progress, const ShouldStop& stop) {
   const auto start = std::chrono::steady_clock::now();
   PointReport report;
   report.points = points;
   report.displacements = displacements;
+  if (body) report.body_warnings.emplace();
   std::optional<PointComparison> comparison;
   session.together([&] {
     const auto places = choose_places(scene, model, points, displacements, seed);
-    comparison.emplace(scene, model, stop);
+    comparison.emplace(scene, model, body, stop);
     report.finished =
         share_out(session, points, progress, stop, [&](std::size_t i) { comparison->try_at(i, places[i], report); });
   });

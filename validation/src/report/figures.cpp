@@ -29,6 +29,7 @@ std::string validate_again(const Validated& in) {
     line += fmt::format(" --level {}", in.model.data().level());
   if (in.points.finished > 0) line += fmt::format(" --points {}", in.points.finished);
   if (in.pairs.finished > 0) line += fmt::format(" --pairs {} --pair-depth {}", in.pairs.finished, in.pairs.depth_m);
+  if (in.body) line += " --body BODY.txt";
   return line;
 }
 

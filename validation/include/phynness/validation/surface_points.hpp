@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <phynness/evaluation/loaded_body.hpp>
+#include <phynness/validation/body_warnings.hpp>
 #include <phynness/validation/validation.hpp>
 #include <string>
 
@@ -29,9 +31,11 @@ struct PointReport {
   std::string first_refusal;                   ///< the reason of one of them
   std::int64_t unsettled = 0;  ///< solved displacements for which the model returns PHN_WARNING_UNSETTLED
   double largest_residual_m = 0;
-  PointErrors coupled;     ///< the model at the points
-  PointErrors linear;      ///< unit responses of the undeformed body at the points
-  PointErrors at_nodes;    ///< the model at the corner nearest to each point, with the same displacements
+  PointErrors coupled;              ///< the model at the points
+  PointErrors linear;               ///< unit responses of the undeformed body at the points
+  PointErrors at_nodes;             ///< the model at the corner nearest to each point, with the same displacements
+  std::optional<PointErrors> body;  ///< a reduced body at the points; empty without one
+  std::optional<BodyWarnings> body_warnings;  ///< of solved displacements
   ErrorsToRange to_range;  ///< the model at the points, by warnings of phn_couple; its nodes are points, by number
   double seconds = 0;
   bool interrupted() const { return finished < points; }
@@ -39,6 +43,8 @@ struct PointReport {
     PHYNNESS_SEE(points, finished, displacements, failed, refused);
     see("first_refusal", result.refused > 0 ? std::optional(result.first_refusal) : std::nullopt);
     PHYNNESS_SEE(unsettled, largest_residual_m, coupled, linear, at_nodes);
+    if (result.body) see("body", *result.body);
+    if (result.body_warnings) see("body_warnings", *result.body_warnings);
     ErrorsToRange::describe(result.to_range, see);
   }
 };
@@ -50,9 +56,10 @@ std::vector<WorseThanLinear> worse_than_linear(const PointReport& report);
 /// probability. Directions are uniform on the sphere, or in scenes with hemispheres on the inward half of it.
 /// Magnitudes are uniform up to the scene's R, whatever was trained. Collective; the result is the same
 /// for any number of ranks and complete on rank 0. If `stop` returns true, the function returns the finished points.
+/// @param body  of the same mesh and physics; null: none
 /// @throws Error (input) if no triangle has three active corners, or if the model has forces only
 PointReport validate_points(const SolverSession& session, const Scene& scene, const LoadedModel& model,
-                            std::int64_t points, std::int64_t displacements, std::uint64_t seed,
+                            LoadedBody* body, std::int64_t points, std::int64_t displacements, std::uint64_t seed,
                             const OnProgress& progress = {}, const ShouldStop& stop = {});
 
 }  // namespace phynness

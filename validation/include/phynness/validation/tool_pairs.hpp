@@ -3,16 +3,19 @@
 
 #include <array>
 #include <cstdint>
+#include <phynness/evaluation/loaded_body.hpp>
+#include <phynness/validation/body_warnings.hpp>
 #include <phynness/validation/validation.hpp>
 #include <vector>
 
 namespace phynness {
 
 /// alone: the force of each tool without the other one, and the sum of the two fields. paper: the weights (15)-(16),
-/// which define no force. linear: the response of the undeformed body to both tools.
-enum class PairPredictor { coupled, alone, paper, linear };
-inline constexpr std::array<PairPredictor, 4> pair_predictors{PairPredictor::coupled, PairPredictor::alone,
-                                                              PairPredictor::paper, PairPredictor::linear};
+/// which define no force. linear: the response of the undeformed body to both tools. body: a reduced body, if one is
+/// given; its displacements are compared at the nodes that it has.
+enum class PairPredictor { coupled, alone, paper, linear, body };
+inline constexpr std::array<PairPredictor, 5> pair_predictors{
+    PairPredictor::coupled, PairPredictor::alone, PairPredictor::paper, PairPredictor::linear, PairPredictor::body};
 const char* name(PairPredictor);
 
 /// Fractions of one pair, or their statistics. Of the errors of force of the two tools the larger one counts.
@@ -36,6 +39,12 @@ struct PairErrors : PairMeasures<double> {
   double force_floored = 0;  ///< force_own with a denominator of at least force_floor * the larger force
 };
 
+/// @param result  has_body: whether there are errors of a reduced body
+void see_errors(const auto& result, auto&& see) {
+  for (const auto p : pair_predictors)
+    if (p != PairPredictor::body || result.has_body) see(name(p), result.of(p));
+}
+
 struct PairRecord {
   std::array<std::int32_t, 2> nodes{};
   std::array<Vec3, 2> displacement_m{};
@@ -43,6 +52,8 @@ struct PairRecord {
   bool solved = false;                ///< by the finite elements; if false, the members behind `status` are 0
   Status ended = Status::not_solved;  ///< converged, or why it was not solved
   int status = 0;                     ///< of phn_couple: warnings
+  bool has_body = false;
+  int body_status = 0;  ///< of phn_body_press: warnings
   double residual_m = 0;
   /// Larger error of the model for each tool alone compared with a solve for this tool alone, over the finite element
   /// force; infinite if a tool alone was not solved. This part of the error of a pair is not caused by coupling.
@@ -59,18 +70,20 @@ struct PairRecord {
     see("unsettled", (result.status & PHN_WARNING_UNSETTLED) != 0);
     see("outside", (result.status & PHN_WARNING_OUTSIDE) != 0);
     see("single_force", result.single_force);
-    for (const auto p : pair_predictors) see(name(p), result.of(p));
+    see_errors(result, see);
+    if (result.has_body) see("body_flagged", is_flagged(result.body_status));
   }
 };
 
 /// Pairs of one kind: all pairs, pairs of a range of distance, or pairs by convergence of the model.
 struct PairGroup {
   std::int64_t pairs = 0;
+  bool has_body = false;
   std::array<PairStatistics, pair_predictors.size()> errors;  ///< by PairPredictor
   const PairStatistics& of(PairPredictor p) const { return errors[static_cast<std::size_t>(p)]; }
   static void describe(const auto& result, auto&& see) {
     see("pairs", result.pairs);
-    for (const auto p : pair_predictors) see(name(p), result.of(p));
+    see_errors(result, see);
   }
 };
 
@@ -85,8 +98,10 @@ struct PairReport {
   PairGroup unflagged;  ///< pairs without _OUTSIDE and _UNSETTLED
   PairGroup right;      ///< pairs for which single_force is at most `right_alone`
   ErrorStatistics single_force;
-  ErrorsByWarning by_warning;       ///< force of the worse tool, displacement as PairErrors::displacement
-  std::vector<PairRecord> records;  ///< finished pairs, in the order of the seed
+  ErrorsByWarning by_warning;                 ///< force of the worse tool, displacement as PairErrors::displacement
+  std::optional<BodyWarnings> body_warnings;  ///< of solved pairs; empty without a body
+  std::optional<ErrorsByWarning> body_by_warning;  ///< as by_warning
+  std::vector<PairRecord> records;                 ///< finished pairs, in the order of the seed
   double seconds = 0;
   bool interrupted() const { return finished < pairs; }
   static void describe(const auto& result, auto&& see) {
@@ -94,6 +109,8 @@ struct PairReport {
     see("unflagged", result.unflagged);
     see("right_alone", result.right);
     PHYNNESS_SEE(single_force, records, by_warning);
+    if (result.body_warnings) see("body_warnings", *result.body_warnings);
+    if (result.body_by_warning) see("body_by_warning", *result.body_by_warning);
   }
 };
 
@@ -111,9 +128,10 @@ inline constexpr double far_fraction = 0.3;
 /// or in scenes with hemispheres on the inward half of it. Both tools have the depth `depth_m`. Collective; the result
 /// is the same for any number of ranks and complete on rank 0. If `stop` returns true, the function returns the
 /// finished pairs.
+/// @param body  of the same mesh and physics; null: none
 /// @throws Error (input) if the model has no two active nodes that can be touched at the same time, or if it has forces
 ///   only
-PairReport validate_pairs(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+PairReport validate_pairs(const SolverSession& session, const Scene& scene, const LoadedModel& model, LoadedBody* body,
                           std::int64_t pairs, double depth_m, std::uint64_t seed, const OnProgress& progress = {},
                           const ShouldStop& stop = {});
 

@@ -23,6 +23,7 @@ struct Validated {
   ValidationReport report{};
   PointReport points{};
   PairReport pairs{};
+  std::optional<LoadedBody> body{};              ///< with which points and pairs are compared, too
   std::optional<Error> no_points{}, no_pairs{};  ///< why this requested part was not done
   bool interrupted() const { return report.interrupted() || points.interrupted() || pairs.interrupted(); }
   /// Requested parts that were not done, and why.

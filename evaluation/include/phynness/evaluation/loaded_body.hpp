@@ -1,0 +1,44 @@
+// A reduced body loaded into the runtime (phynness_body.h), with the memory that it needs.
+#pragma once
+
+#include <phynness/phynness_body.h>
+#include <cstddef>
+#include <filesystem>
+#include <phynness/formats/mesh.hpp>
+#include <string>
+#include <vector>
+
+namespace phynness {
+
+struct BodyResponse {
+  int status = PHN_OK;         ///< PHN_OK or warnings
+  std::vector<Vec3> force_N;   ///< per tool
+  Points displacement_m;       ///< of the nodes of the body's surface
+  phn_body_pressed pressed{};  ///< of the last call of the runtime
+};
+
+/// Must not be used by several threads at the same time.
+class LoadedBody {
+ public:
+  /// Loads a body.txt.
+  /// @throws Error (input) if the file is missing or the runtime refuses it
+  explicit LoadedBody(const std::filesystem::path& file);
+
+  const phn_body_info& info() const { return _info; }
+  /// Back to rest.
+  void reset();
+  /// At most `steps` steps from the present deformation.
+  /// @throws Error (input) if the runtime refuses the tools
+  BodyResponse press(const std::vector<phn_tool>& tools, std::int32_t steps);
+  /// From rest to `tools` in equal increments of the displacement. @param steps  of each, at most
+  BodyResponse press_from_rest(const std::vector<phn_tool>& tools, int increments, std::int32_t steps);
+
+ private:
+  std::string _name;
+  std::vector<std::byte> _body_memory, _state_memory;
+  const phn_body* _body = nullptr;
+  phn_body_state* _state = nullptr;
+  phn_body_info _info{};
+};
+
+}  // namespace phynness

@@ -1,0 +1,65 @@
+#include <phynness/evaluation/loaded_body.hpp>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/input_file.hpp>
+#include <phynness/phynness.hpp>
+
+namespace phynness {
+namespace {
+
+void require_good(int status, const std::string& what, const std::string& where, const char* remedy) {
+  if (status < 0) throw input_error(what, phn_status_message(status) + where, remedy);
+}
+
+}  // namespace
+
+LoadedBody::LoadedBody(const std::filesystem::path& file) : _name(file.string()) {
+  const std::string text = read_input_file(file, {"the body", "give a body.txt of phynness reduce", 1ULL << 32});
+  std::size_t bytes = 0, wrong = 0;
+  const auto require = [&](int status) {
+    require_good(status, "the runtime cannot load " + _name, wrong > 0 ? " (byte " + std::to_string(wrong) + ")" : "",
+                 "make it again with phynness reduce of this version");
+  };
+  require(phn_body_size(text.data(), text.size(), &bytes, &wrong));
+  _body_memory.resize(bytes);
+  require(phn_body_init(_body_memory.data(), bytes, text.data(), text.size(), &_body, &wrong));
+  require(phn_body_describe(_body, &_info));
+  require(phn_body_state_size(_body, PHN_MOST_COUPLED, &bytes));
+  _state_memory.resize(bytes);
+  reset();
+}
+
+void LoadedBody::reset() {
+  require_good(phn_body_state_init(_state_memory.data(), _state_memory.size(), _body, PHN_MOST_COUPLED, &_state),
+               "the runtime cannot prepare " + _name, "", "make it again with phynness reduce of this version");
+}
+
+BodyResponse LoadedBody::press(const std::vector<phn_tool>& tools, std::int32_t steps) {
+  BodyResponse response;
+  response.force_N.resize(tools.size());
+  double forces[3 * PHN_MOST_COUPLED];
+  response.status = phn_body_press(_body, _state, static_cast<std::int32_t>(tools.size()), tools.data(), steps, forces,
+                                   &response.pressed);
+  require_good(response.status, "the runtime refuses tools on " + _name,
+               tools.empty() ? "" : " (first node " + std::to_string(tools[0].nodes[0]) + ")",
+               "touch a part of its surface that can move, with finite displacements and at most eight tools");
+  for (std::size_t t = 0; t < tools.size(); ++t)
+    response.force_N[t] = {forces[3 * t], forces[3 * t + 1], forces[3 * t + 2]};
+  response.displacement_m.resize(_info.n_nodes, 3);
+  require_good(phn_body_deform(_body, _state, response.displacement_m.data()), "the runtime cannot deform " + _name, "",
+               "make it again with phynness reduce of this version");
+  return response;
+}
+
+BodyResponse LoadedBody::press_from_rest(const std::vector<phn_tool>& tools, int increments, std::int32_t steps) {
+  reset();
+  BodyResponse response;
+  for (int i = 1; i <= increments; ++i) {
+    auto moved = tools;
+    for (std::size_t t = 0; t < tools.size(); ++t)
+      for (int k = 0; k < 3; ++k) moved[t].displacement[k] = tools[t].displacement[k] * i / increments;
+    response = press(moved, steps);
+  }
+  return response;
+}
+
+}  // namespace phynness
