@@ -5,6 +5,7 @@ Usage: tables.py FOLDER
     FOLDER/tables.cpp           laws() and elements() of formats/include/phynness/formats/law.hpp
     FOLDER/compiled_forms.cpp   compiled_forms() of precompute_dolfinx/src/form_set.hpp: the forms that ffcx compiles from the files below
     FOLDER/declared_laws.cpp    energies and examples with which tests compare the compiled forms
+    FOLDER/body_laws.cpp        find_body_law() of runtime/src/body/laws.hpp
     FOLDER/forms/*.py           a file for ffcx for each law, and one for each law of shells
 
 Prints two lines with the names of these files, for solids and for shells, each as a CMake list. A file is only written
@@ -15,6 +16,7 @@ import sys
 from pathlib import Path
 
 from cpp import Formula, code, literal, number
+from derivative import with_derivative
 from element_table import ELEMENTS, FIELDS, JACOBIANS, SOLIDS
 from law import LawError, call, every_law
 
@@ -184,6 +186,26 @@ def declared_laws(laws):
     )  # fmt: skip
 
 
+def body_laws(laws):
+    text, rows = "", []
+    for law in laws:
+        word, values, known, F = law.identifier, _values(law.parameters, "p"), _formulas(law.parameters), Formula("F")
+        for part in ("shape", "volumetric"):
+            text += _function(f"template <class T>\nT {part}_of_{word}(const Tensor<T>& F, const double* p, Tensor<T>& first)",
+                              values + with_derivative(call(getattr(law, part), F, **known)))  # fmt: skip
+        inside = [f"return {code(call(law.inside, F, **known)) if law.inside else 1};"]
+        text += _function(f"double inside_of_{word}([[maybe_unused]] const Tensor<double>& F, const double* p)",
+                          values + ["if (!(det(F) > 0)) return 0;"] * law.finite + inside)  # fmt: skip
+        parts = [f"derivatives<{part}_of_{word}, {part}_of_{word}, inside_of_{word}>" for part in ("shape", "volumetric")]
+        rows.append(f"{{{literal(law.name)}, {len(law.parameters)}, {', '.join(parts)}}}")
+    return (
+        NOTE + '#include "body/laws.hpp"\n\n#include <string.h>\n\n#include "body/dual.hpp"\n\nnamespace PHN_RUNTIME {\nnamespace {\n\n'
+        + text + _array("BodyLaw", "every_law", rows)[0]
+        + "\n}  // namespace\n\nconst BodyLaw* find_body_law(const char* name) {\n  for (const auto& law : every_law)\n"
+        "    if (strcmp(law.name, name) == 0) return &law;\n  return nullptr;\n}\n\n}  // namespace PHN_RUNTIME\n"
+    )  # fmt: skip
+
+
 def _write(path, text):
     if not path.exists() or path.read_text() != text:
         path.write_text(text)
@@ -194,8 +216,8 @@ def main(folder):
     shells = [law.identifier for law in laws if law.plane_stress]
     folder = Path(folder)
     (folder / "forms").mkdir(parents=True, exist_ok=True)
-    for name, text in {"tables.cpp": tables, "compiled_forms.cpp": compiled_forms, "declared_laws.cpp": declared_laws}.items():
-        _write(folder / name, text(laws))
+    for text in (tables, compiled_forms, declared_laws, body_laws):
+        _write(folder / f"{text.__name__}.cpp", text(laws))
     for kind, prefix, chosen in (("solids", "", [law.identifier for law in laws]), ("shells", "shell_", shells)):
         for identifier in chosen:
             _write(folder / "forms" / f"{prefix}{identifier}.py",

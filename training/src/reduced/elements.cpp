@@ -1,9 +1,12 @@
 #include "elements.hpp"
 
 #include <Eigen/LU>
+#include <cassert>
 #include <cmath>
 #include <map>
 #include <utility>
+
+#include "body/laws.hpp"
 
 namespace phynness::reduced {
 namespace {
@@ -13,39 +16,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-/// @return false where the law is not defined. `second` may be null.
-using Energy = bool (*)(const double* F, const double* parameters, double& value, double* first, double* second);
-struct BodyLaw {
-  Energy shape, volumetric;
-};
-
-bool neo_hookean_shape(const double* f, const double* p, double& value, double* first, double* second) {
-  using Tensor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  const Eigen::Map<const Tensor> F(f);
-  const double J = F.determinant();
-  if (!(J > 0)) return false;
-  const Tensor C = F.inverse().transpose();
-  value = p[0] / 2 * (F.squaredNorm() - 3) - p[0] * std::log(J);
-  Eigen::Map<Tensor>{first} = p[0] * (F - C);
-  for (int a = 0; second && a < 81; ++a) {
-    const int i = a / 27, j = a / 9 % 3, k = a / 3 % 3, l = a % 3;
-    second[a] = p[0] * ((i == k && j == l) + C(i, l) * C(k, j));
-  }
-  return true;
+const runtime::BodyLaw& law_of(const Elements& elements) {
+  const auto* law = runtime::find_body_law(name(elements.material.law));
+  assert(law);  // the build makes all of them from the same files
+  return *law;
 }
-bool neo_hookean_volumetric(const double* f, const double*, double& value, double* first, double* second) {
-  using Tensor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  const Eigen::Map<const Tensor> F(f);
-  const double J = F.determinant();
-  if (!(J > 0)) return false;
-  const Tensor C = F.inverse().transpose();
-  value = std::log(J);
-  Eigen::Map<Tensor>{first} = C;
-  for (int a = 0; second && a < 81; ++a) second[a] = -C(a / 27, a % 3) * C(a / 3 % 3, a / 9 % 3);
-  return true;
-}
-constexpr BodyLaw neo_hookean{neo_hookean_shape, neo_hookean_volumetric};
-const BodyLaw& law_of(const Elements&) { return neo_hookean; }
 
 Sparse sparse(Index rows, Index cols, const Entries& entries) {
   Sparse matrix(rows, cols);
@@ -148,7 +123,7 @@ std::array<MatrixXd, 9> gradients(const std::array<Sparse, 3>& slope, const Matr
 }
 
 std::optional<Strained> strained(const Elements& elements, const VectorXd& u) {
-  const BodyLaw& law = law_of(elements);
+  const runtime::BodyLaw& law = law_of(elements);
   const double* parameters = elements.material.parameters.data();
   const Index n = elements.n_points;
   AtPoints F(9, n);
@@ -166,7 +141,7 @@ std::optional<Strained> strained(const Elements& elements, const VectorXd& u) {
 }
 
 Rest at_rest(const Elements& elements) {
-  const BodyLaw& law = law_of(elements);
+  const runtime::BodyLaw& law = law_of(elements);
   const double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, *parameters = elements.material.parameters.data();
   Rest rest;
   double value = 0, first[9];

@@ -11,16 +11,18 @@ inline constexpr int32_t largest_parameter_count = 8, most_body_modes = 1024;
 /// What a tool does at a node of the surface.
 inline constexpr int32_t body_node_fixed = 0, body_node_moves = 1, body_node_touchable = 2, n_body_node_kinds = 3;
 
+template <class IO, class Word>
+void word_line(IO& io, const char* key, Word& word) {
+  io.keyword(key);
+  io.word(key, word);
+  io.end();
+}
+
 template <class IO, class Body>
 void body(IO& io, Body& b) {
-  for (auto [key, hash] : {std::pair{"mesh", &b.mesh_hash}, std::pair{"physics", &b.physics_hash}}) {
-    io.keyword(key);
-    io.word(key, *hash);
-    io.end();
-  }
-  io.keyword("law");
-  io.word("law", b.law);
-  io.end();
+  word_line(io, "mesh", b.mesh_hash);
+  word_line(io, "physics", b.physics_hash);
+  word_line(io, "law", b.law);
   const int32_t n_parameters = size_line(io, "parameters", io.rows(b.parameters), 1, largest_parameter_count);
   row_line(io, "values", b.parameters, n_parameters, any_number);
   real_line(io, "bulk", b.bulk_in_shape_Pa, not_negative);

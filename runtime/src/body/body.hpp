@@ -1,0 +1,83 @@
+// A reduced body in memory, the tools on it, and its state (docs/theory.md, Reduced body).
+#pragma once
+
+#include <phynness/phynness_body.h>
+
+#include "body/laws.hpp"
+#include "core/arena.hpp"
+#include "core/model.hpp"
+#include "tools/vectors.hpp"
+
+/// Rows of modes and of pressures are padded with zeros to whole blocks.
+struct phn_body {
+  phn_body_info info;
+  const PHN_RUNTIME::BodyLaw* law;
+  double parameters[8];
+  double bulk;          ///< of the shape: bulk/2 g^2
+  std::int32_t stride;  ///< of rows of modes
+  std::int32_t pressure_stride;
+  const std::int32_t* kinds;   ///< of nodes
+  const std::int32_t* across;  ///< n_triangles x 3: the triangle at the edge from corner k to k + 1; -1: none
+  const double* normals;       ///< unit normals of nodes
+  const float* modes;          ///< 3 n_nodes rows
+  const double *shear, *bulk_of_cell;
+  const float* gradients;  ///< 9 n_cells rows
+  const float* pressures;  ///< n_cells rows
+};
+
+namespace PHN_RUNTIME {
+
+/// @return a status of phynness.h; *result is null on failure and when only counting
+int load_body(const char* text, std::size_t length, Arena& arena, const phn_body** result, std::size_t& wrong_byte);
+
+/// Working memory of tool_weights().
+struct ToolScratch {
+  double* weight;                   ///< per node; zeros between calls
+  std::int32_t *touched, *reached;  ///< nodes with a weight; triangles
+  char* taken;                      ///< per triangle; zeros between calls
+};
+
+/// Weights of the mean displacement under a tool: scratch.weight at the first n of scratch.touched. @param n  output
+/// @return PHN_OK, PHN_WARNING_OUTSIDE or an error
+int tool_weights(const phn_body& body, const phn_tool& tool, ToolScratch& scratch, std::int32_t& n);
+
+/// Dense loops, for several instruction sets (core/kernels.hpp). Strides and numbers of columns are whole blocks.
+struct BodyKernels {
+  const char* name;
+  /// out[r] = rows[r] . x
+  void (*times)(const float* rows, std::int64_t n, std::int32_t stride, const double* x, double* out);
+  /// out += sum_r factor[r] rows[r]
+  void (*add)(const float* rows, std::int64_t n, std::int32_t stride, const double* factor, double* out);
+  /// Lower triangle, in blocks, of out += a^T b. @param n  rows of a and b
+  void (*add_products)(const float* a, const float* b, std::int64_t n, std::int32_t stride, float* out);
+  /// Cholesky factor in place of the lower triangle; diagonals become their inverses. @return whether it is definite
+  bool (*factorize)(float* a, std::int32_t n, std::int32_t stride);
+  /// x = A^-1 x
+  void (*solve)(const float* factor, std::int32_t n, std::int32_t stride, double* x);
+};
+const BodyKernels* body_kernels(int set);
+const BodyKernels& best_body_kernels();
+
+}  // namespace PHN_RUNTIME
+
+struct phn_body_state {
+  const phn_body* body;
+  const PHN_RUNTIME::BodyKernels* kernels;
+  std::int32_t max_tools;
+  PHN_RUNTIME::ToolScratch scratch;
+  /// A state: amplitudes of the modes, and of its energy the gradient, and the sums b of the pressures.
+  struct Point {
+    double *q, *forces, *sums, energy;
+  } at, trial;
+  double *strain, *stress;      ///< 9 n_cells each, of the state that was evaluated last
+  double *change, *bulk_slope;  ///< g, and dg/dF, of the cells
+  double* pressure_at;          ///< of the cells: products of their pressures with b
+  double *rows, *moved;         ///< 3 max_tools rows: means of the modes under the tools; products with the compliance
+  double *alone, *step;
+  float* factor;  ///< of the stiffness
+  bool is_stale;  ///< the factor serves badly
+  // The next stiffness, at a state that is kept.
+  float *next, *bulk_rows, *panel;
+  double *next_q, *next_sums;
+  std::int32_t next_cells;  ///< that were added
+};

@@ -1,0 +1,156 @@
+#include <cstring>
+
+#include "body/body.hpp"
+#include "core/kernels.hpp"
+
+namespace PHN_RUNTIME {
+namespace {
+
+PHN_INLINE void add_up(double (&sum)[at_once], double& total) {
+  double many[1][at_once];
+  for (std::int32_t i = 0; i < at_once; ++i) many[0][i] = sum[i];
+  add_up_many(many, &total);
+}
+
+/// a . x
+template <class X>
+PHN_INLINE double row_times(const float* a, const X* x, std::int32_t n_whole) {
+  double sum[at_once] = {}, total;
+  for (std::int32_t m = 0; m < n_whole; m += at_once)
+    for (std::int32_t i = 0; i < at_once; ++i) sum[i] += static_cast<double>(a[m + i]) * static_cast<double>(x[m + i]);
+  add_up(sum, total);
+  return total;
+}
+
+PHN_INLINE void times_rows(const float* rows, std::int64_t n, std::int32_t stride, const double* x, double* out) {
+  for (std::int64_t r = 0; r < n; ++r) out[r] = row_times(rows + r * stride, x, stride);
+}
+
+PHN_INLINE void add_rows(const float* rows, std::int64_t n, std::int32_t stride, const double* factor, double* out) {
+  constexpr int several = 4;  // so that `out` is read and written less often
+  std::int64_t r = 0;
+  for (; r + several <= n; r += several) {
+    const float *a = rows + r * stride, *b = a + stride, *c = b + stride, *d = c + stride;
+    const double fa = factor[r], fb = factor[r + 1], fc = factor[r + 2], fd = factor[r + 3];
+    for (std::int32_t m = 0; m < stride; ++m) out[m] += (fa * a[m] + fb * b[m]) + (fc * c[m] + fd * d[m]);
+  }
+  for (; r < n; ++r)
+    for (std::int32_t m = 0; m < stride; ++m) out[m] += factor[r] * rows[r * stride + m];
+}
+
+/// A few floats; GCC 12 keeps arrays of them in registers, but not arrays of floats.
+#ifdef __GNUC__
+template <int bytes>
+struct LanesOf {
+  typedef float type __attribute__((vector_size(bytes)));
+};
+#else
+template <int bytes>
+struct LanesOf {
+  struct type {
+    float at[bytes / sizeof(float)];
+    type& operator+=(const type& b) {
+      for (std::size_t i = 0; i < bytes / sizeof(float); ++i) at[i] += b.at[i];
+      return *this;
+    }
+    friend type operator*(float a, type b) {
+      for (float& x : b.at) x *= a;
+      return b;
+    }
+  };
+};
+#endif
+
+/// A tile of 4 x 2 registers of the product stays in registers.
+template <int bytes>
+PHN_INLINE void add_products_of(const float* a, const float* b, std::int64_t n, std::int32_t stride, float* out) {
+  using Lanes = typename LanesOf<bytes>::type;
+  constexpr std::int32_t height = 4, width = sizeof(Lanes) / sizeof(float), wide = at_once / width > 1 ? 2 : 1;
+  for (std::int32_t i = 0; i < stride; i += height)
+    for (std::int32_t j = 0; j < i + height; j += wide * width) {
+      Lanes tile[height][wide] = {}, right;
+      for (std::int64_t r = 0; r < n; ++r) {
+        const float* left = a + r * stride + i;
+        for (std::int32_t l = 0; l < wide; ++l) {
+          memcpy(&right, b + r * stride + j + l * width, sizeof right);
+          for (std::int32_t k = 0; k < height; ++k) tile[k][l] += left[k] * right;
+        }
+      }
+      for (std::int32_t k = 0; k < height; ++k)
+        for (std::int32_t l = 0; l < wide; ++l) {
+          float* to = out + (i + k) * stride + j + l * width;
+          memcpy(&right, to, sizeof right);
+          right += tile[k][l];
+          memcpy(to, &right, sizeof right);
+        }
+    }
+}
+
+/// a . b in floats; only the stiffness, which need not be exact, is computed so.
+PHN_INLINE float product(const float* a, const float* b, std::int32_t n) {
+  float sum[at_once] = {};
+  std::int32_t m = 0;
+  for (; m + at_once <= n; m += at_once)
+    for (std::int32_t i = 0; i < at_once; ++i) sum[i] += a[m + i] * b[m + i];
+  float total = 0;
+  for (; m < n; ++m) total += a[m] * b[m];
+  for (std::int32_t half = at_once / 2; half > 0; half /= 2)
+    for (std::int32_t i = 0; i < half; ++i) sum[i] += sum[i + half];
+  return total + sum[0];
+}
+
+PHN_INLINE bool factorize_rows(float* a, std::int32_t n, std::int32_t stride) {
+  for (std::int32_t i = 0; i < n; ++i) {
+    float* row = a + static_cast<std::int64_t>(i) * stride;
+    for (std::int32_t j = 0; j < i; ++j) {
+      const float* other = a + static_cast<std::int64_t>(j) * stride;
+      row[j] = (row[j] - product(row, other, j)) * other[j];
+    }
+    const float pivot = row[i] - product(row, row, i);
+    if (!(pivot > 1e-6f * row[i])) return false;
+    row[i] = 1 / square_root(pivot);
+  }
+  return true;
+}
+
+PHN_INLINE void solve_rows(const float* factor, std::int32_t n, std::int32_t stride, double* x) {
+  for (std::int32_t i = 0; i < n; ++i) {
+    const float* row = factor + static_cast<std::int64_t>(i) * stride;
+    const std::int32_t n_whole = i / at_once * at_once;
+    double sum = row_times(row, x, n_whole);
+    for (std::int32_t m = n_whole; m < i; ++m) sum += row[m] * x[m];
+    x[i] = (x[i] - sum) * row[i];
+  }
+  for (std::int32_t i = n - 1; i >= 0; --i) {
+    const float* row = factor + static_cast<std::int64_t>(i) * stride;
+    const double value = x[i] *= row[i];
+    for (std::int32_t m = 0; m < i; ++m) x[m] -= value * row[m];
+  }
+}
+
+#define PHN_BODY_KERNELS(name, bytes, attributes)                                                                   \
+  namespace name {                                                                                                  \
+  attributes void times(const float* rows, std::int64_t n, std::int32_t stride, const double* x, double* out) {     \
+    times_rows(rows, n, stride, x, out);                                                                            \
+  }                                                                                                                 \
+  attributes void add(const float* rows, std::int64_t n, std::int32_t stride, const double* factor, double* out) {  \
+    add_rows(rows, n, stride, factor, out);                                                                         \
+  }                                                                                                                 \
+  attributes void add_products(const float* a, const float* b, std::int64_t n, std::int32_t stride, float* out) {   \
+    add_products_of<bytes ? bytes : 16>(a, b, n, stride, out);                                                      \
+  }                                                                                                                 \
+  attributes bool factorize(float* a, std::int32_t n, std::int32_t stride) { return factorize_rows(a, n, stride); } \
+  attributes void solve(const float* factor, std::int32_t n, std::int32_t stride, double* x) {                      \
+    solve_rows(factor, n, stride, x);                                                                               \
+  }                                                                                                                 \
+  constexpr BodyKernels kernels = {#name, times, add, add_products, factorize, solve};                              \
+  }
+
+PHN_FOR_EACH_SET(PHN_BODY_KERNELS, BodyKernels)
+
+}  // namespace
+
+const BodyKernels* body_kernels(int set) { return kernels_for(kernels_of_sets, set); }
+const BodyKernels& best_body_kernels() { return best_of(kernels_of_sets); }
+
+}  // namespace PHN_RUNTIME

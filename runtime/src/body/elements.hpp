@@ -1,0 +1,20 @@
+// Energy, forces and stiffness of the cells of a reduced body in its modes.
+#pragma once
+
+#include "body/body.hpp"
+
+namespace PHN_RUNTIME {
+
+/// Cells whose rows are multiplied at once.
+inline constexpr std::int32_t cells_of_panel = 8;
+
+/// Energy, its gradient and b at point.q. @return false where the law is not defined in a cell
+bool evaluate_body(phn_body_state& state, phn_body_state::Point& point);
+
+/// Adds the second derivatives of some cells to the next stiffness; with those of the last cell it becomes the factor.
+/// Where it is not positive definite, its diagonal is raised.
+/// @param n_cells  0: of all cells, at the present state
+/// @return false if there is no factor
+bool renew_stiffness(phn_body_state& state, std::int32_t n_cells);
+
+}  // namespace PHN_RUNTIME

@@ -1,0 +1,220 @@
+// Reads a body.txt by the grammar of phynness/schema/body_grammar.hpp.
+#include <cfloat>
+#include <phynness/schema/body_grammar.hpp>
+#include <phynness/schema/text_reader.hpp>
+
+#include "body/body.hpp"
+#include "core/evaluate.hpp"
+
+namespace PHN_RUNTIME {
+namespace {
+
+using schema::TextReader;
+
+/// Numbers in the body's memory; without memory they are only counted.
+template <class T>
+struct Numbers {
+  T* at = nullptr;
+  std::int64_t n = 0, n_cols = 1;
+  void shape(Arena& arena, std::int64_t rows, std::int64_t cols) {
+    n = rows;
+    n_cols = cols;
+    at = arena.take<T>(static_cast<std::size_t>(rows), static_cast<std::size_t>(cols));
+  }
+  template <class V>
+  void set(std::int64_t i, std::int64_t k, V value) {
+    if (at) at[i * n_cols + k] = static_cast<T>(value);
+  }
+};
+
+/// Rows of floats, padded to whole blocks.
+struct PaddedRows {
+  const Numbers<double>* scale = nullptr;
+  float* at = nullptr;
+  std::int64_t n = 0, n_cols = 0;
+  std::int32_t stride = 0;
+  void shape(Arena& arena, std::int64_t rows, std::int64_t cols) {
+    n = rows;
+    n_cols = cols;
+    stride = whole_blocks(static_cast<std::int32_t>(cols));
+    at = arena.take<float>(static_cast<std::size_t>(rows), static_cast<std::size_t>(stride));
+  }
+  void set(std::int64_t i, std::int64_t k, std::int32_t entry) {
+    if (at == nullptr) return;
+    if (k == 0)
+      for (std::int64_t pad = n_cols; pad < stride; ++pad) at[i * stride + pad] = 0;
+    at[i * stride + k] = static_cast<float>(scale->at[k] * entry);
+  }
+};
+
+struct ScaledRows {
+  Numbers<double> scale;
+  PaddedRows entries;
+  ScaledRows() { entries.scale = &scale; }
+  ScaledRows(const ScaledRows&) = delete;
+};
+
+struct Parameters {
+  double at[schema::largest_parameter_count] = {};
+  std::int64_t n = 0;
+  void shape(Arena&, std::int64_t rows, std::int64_t) { n = rows; }
+  void set(std::int64_t i, std::int64_t, double value) { at[i] = value; }
+};
+
+struct BodyStore {
+  const char *mesh_hash = "", *physics_hash = "", *law = "";
+  Parameters parameters;
+  double bulk_in_shape_Pa = 0, tool_radius_m = 0, depth_m = 0;
+  Numbers<std::int32_t> nodes, kinds, surface;
+  Numbers<double> points, shear_m3, bulk_rJ;
+  ScaledRows modes, gradients, pressures;
+};
+
+/// The `io` of the grammar for reading.
+class BodyLoader {
+ public:
+  BodyLoader(TextReader& in, Arena& arena) : _in(in), _arena(arena) {}
+
+  void keyword(const char* word) { _in.keyword(word); }
+  void end() { _in.end_line(); }
+  void word(const char*, const char*& word) {
+    const auto token = _in.word(static_cast<std::size_t>(schema::longest_word));
+    char* to = _arena.take<char>(token.length() + 1);
+    if (to == nullptr) return;
+    memcpy(to, token.begin, token.length());
+    to[token.length()] = 0;
+    word = to;
+  }
+  void real(const char*, double& value, const schema::Bound& bound) {
+    const double read = _in.real();
+    require(read >= bound.low && read <= bound.high, nullptr);
+    if (good()) value = read;
+  }
+  void integer(const char*, std::int32_t& value, std::int32_t low, std::int32_t high) {
+    const std::int32_t read = _in.integer(low, high);
+    if (good()) value = read;
+  }
+  void count(const char*, std::int32_t& n, std::int32_t low) { n = _in.count(low); }
+  void room(const char*, std::uint64_t n) { _in.require_room(n); }
+  void require(bool condition, const char*) {
+    if (!condition) _in.fail(PHN_ERROR_RANGE);
+  }
+  bool good() const { return _in.good(); }
+  template <class Store>
+  static std::int64_t rows(const Store& store) {
+    return store.n;
+  }
+  template <class Store>
+  static std::int64_t cols(const Store& store) {
+    return store.n_cols;
+  }
+  template <class Store>
+  static double get(const Store&, std::int64_t, std::int64_t) {
+    return 0;
+  }
+  template <class Store, class Value>
+  static void set(Store& store, std::int64_t i, std::int64_t k, Value value) {
+    store.set(i, k, value);
+  }
+  template <class Store>
+  void shape(const char*, Store& store, std::int64_t rows, std::int64_t cols) {
+    store.shape(_arena, good() ? rows : 0, good() ? cols : 0);
+  }
+
+ private:
+  TextReader& _in;
+  Arena& _arena;
+};
+
+/// Unit normals of the nodes, means of those of their triangles by area.
+void set_normals(const phn_body& body, double* normals) {
+  const auto n_nodes = static_cast<std::size_t>(body.info.n_nodes);
+  set_zero(normals, 3 * n_nodes);
+  for (std::int32_t t = 0; t < body.info.n_triangles; ++t) {
+    const std::int32_t* corner = body.info.triangles + 3 * static_cast<std::size_t>(t);
+    Vector x[3];
+    for (int k = 0; k < 3; ++k) x[k] = vector_at(body.info.points + 3 * static_cast<std::size_t>(corner[k]));
+    const Vector normal = cross(x[1] - x[0], x[2] - x[0]);
+    for (int k = 0; k < 3; ++k) add_scaled(1, normal.x, 3, normals + 3 * static_cast<std::size_t>(corner[k]));
+  }
+  for (std::size_t i = 0; i < n_nodes; ++i) {
+    const double size = length(normals + 3 * i);
+    for (std::size_t k = 0; k < 3 && size > 0; ++k) normals[3 * i + k] /= size;
+  }
+}
+
+/// The triangles at both sides of each edge. Of an edge of more than two triangles, two are joined.
+void set_across(const phn_body& body, std::int32_t* last_at, std::int32_t* before, std::int32_t* across) {
+  const std::int32_t *corner = body.info.triangles, n_corners = 3 * body.info.n_triangles;
+  // Corners at each node, as lists: the last one, and the one before each.
+  for (std::int32_t i = 0; i < body.info.n_nodes; ++i) last_at[i] = -1;
+  for (std::int32_t c = 0; c < n_corners; ++c) {
+    across[c] = -1;
+    before[c] = last_at[corner[c]];
+    last_at[corner[c]] = c;
+  }
+  const auto next = [](std::int32_t c) { return c % 3 == 2 ? c - 2 : c + 1; };
+  for (std::int32_t c = 0; c < n_corners; ++c) {
+    for (std::int32_t other = last_at[corner[next(c)]]; other >= 0 && across[c] < 0; other = before[other])
+      if (corner[next(other)] == corner[c]) across[c] = other / 3;
+  }
+}
+
+}  // namespace
+
+int load_body(const char* text, std::size_t length, Arena& arena, const phn_body** result, std::size_t& wrong_byte) {
+  *result = nullptr;
+  const int envelope = schema::check_envelope(schema::body_first_line, text, length, wrong_byte);
+  if (envelope != PHN_OK) return envelope;
+  TextReader in(text, length);
+  in.rest_of_line();
+  in.end_line();
+  auto* body = arena.take<phn_body>(1);
+  BodyStore store;
+  BodyLoader loader(in, arena);
+  schema::body(loader, store);
+  if (!in.at_end()) in.fail_next(PHN_ERROR_SYNTAX);
+  auto* across = arena.take<std::int32_t>(static_cast<std::size_t>(store.surface.n), 3);
+  auto* before = arena.take<std::int32_t>(static_cast<std::size_t>(store.surface.n), 3);
+  auto* last_at = arena.take<std::int32_t>(static_cast<std::size_t>(store.nodes.n));
+  auto* normals = arena.take<double>(static_cast<std::size_t>(store.nodes.n), 3);
+  wrong_byte = in.wrong_byte();
+  if (!in.good()) return in.status();
+  if (arena.overflow()) return PHN_ERROR_BUFFER;
+  if (arena.counting()) return PHN_OK;
+  *body = {};
+  phn_body_info& info = body->info;
+  info.mesh_hash = store.mesh_hash;
+  info.physics_hash = store.physics_hash;
+  info.law = store.law;
+  info.tool_radius_m = store.tool_radius_m;
+  info.max_displacement_m = store.depth_m;
+  info.nodes = store.nodes.at;
+  info.points = store.points.at;
+  info.triangles = store.surface.at;
+  info.n_nodes = static_cast<std::int32_t>(store.nodes.n);
+  info.n_triangles = static_cast<std::int32_t>(store.surface.n);
+  info.n_modes = static_cast<std::int32_t>(store.modes.entries.n_cols);
+  info.n_pressures = static_cast<std::int32_t>(store.pressures.entries.n_cols);
+  info.n_cells = static_cast<std::int32_t>(store.shear_m3.n);
+  body->law = find_body_law(store.law);
+  if (body->law == nullptr || body->law->n_parameters != store.parameters.n) return PHN_ERROR_FAMILY;
+  for (int k = 0; k < schema::largest_parameter_count; ++k) body->parameters[k] = store.parameters.at[k];
+  body->bulk = store.bulk_in_shape_Pa;
+  body->stride = store.modes.entries.stride;
+  body->pressure_stride = store.pressures.entries.stride;
+  body->kinds = store.kinds.at;
+  body->modes = store.modes.entries.at;
+  body->shear = store.shear_m3.at;
+  body->bulk_of_cell = store.bulk_rJ.at;
+  body->gradients = store.gradients.entries.at;
+  body->pressures = store.pressures.entries.at;
+  set_across(*body, last_at, before, across);
+  set_normals(*body, normals);
+  body->across = across;
+  body->normals = normals;
+  *result = body;
+  return PHN_OK;
+}
+
+}  // namespace PHN_RUNTIME

@@ -1,0 +1,330 @@
+// The C interface of phynness_body.h: equilibrium of a reduced body under tools.
+#include "body/elements.hpp"
+#include "core/evaluate.hpp"
+
+using namespace PHN_RUNTIME;
+
+namespace {
+
+constexpr std::int32_t most_tools = PHN_MOST_COUPLED;
+/// Steps are at an end where the next one, in the norm of the energy, is smaller than the deformation by this factor.
+constexpr double settled = 1e-7;
+/// From here on the forces are not those of an equilibrium.
+constexpr double unsettled = 1e-3;
+/// A step that shrinks less than by this factor calls for a new stiffness.
+constexpr double slow = 0.3;
+/// Part of the decrease of energy that a step promises and must bring (Armijo 1966, doi 10.2140/pjm.1966.16.1).
+constexpr double sufficient = 1e-4;
+constexpr int most_halvings = 20;
+/// A new stiffness takes about as long as this many steps, in which it is made if a call has fewer.
+constexpr std::int32_t steps_of_renewal = 8;
+
+struct Tools {
+  std::int32_t n_rows;
+  double wanted[3 * most_tools];
+};
+
+void means_of_modes(const phn_body& body, const ToolScratch& scratch, std::int32_t n, double* rows) {
+  set_zero(rows, 3 * static_cast<std::size_t>(body.stride));
+  for (std::int32_t t = 0; t < n; ++t) {
+    const std::int32_t node = scratch.touched[t];
+    const float* modes = body.modes + 3 * static_cast<std::int64_t>(node) * body.stride;
+    for (std::int32_t m = 0; m < 3 * body.stride; ++m) rows[m] += scratch.weight[node] * modes[m];
+    scratch.weight[node] = 0;
+  }
+}
+
+double product(const double* a, const double* b, std::int32_t n) {
+  double sum = 0;
+  for (std::int32_t i = 0; i < n; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+/// Steps of Newton's method for the energy with the mean displacements under the tools prescribed.
+class Equilibrium {
+ public:
+  Equilibrium(phn_body_state& state, const Tools& tools)
+      : _s(state), _body(*state.body), _tools(tools), _n(state.body->info.n_modes), _stride(state.body->stride) {}
+
+  /// @param budget  steps that may be made; a new stiffness takes as long as `steps_of_renewal`
+  void settle(std::int32_t budget, phn_body_pressed& pressed) {
+    move_rows();
+    double last = 0;
+    while (budget > 0) {
+      if (_s.is_stale && budget > steps_of_renewal) {
+        if (!renew_stiffness(_s, 0)) return;
+        budget -= steps_of_renewal;
+        ++pressed.renewed;
+        move_rows();
+        last = 0;
+      }
+      pressed.unbalanced = direction();
+      if (pressed.unbalanced <= settled) return;
+      _s.is_stale = _s.is_stale || (last > 0 && pressed.unbalanced > slow * last);
+      last = pressed.unbalanced;
+      if (!search()) _s.is_stale = true;
+      ++pressed.steps;
+      --budget;
+    }
+  }
+
+  void copy_forces(double* forces) const {
+    for (std::int32_t r = 0; r < _tools.n_rows; ++r) forces[r] = _force[r];
+  }
+
+ private:
+  double* row(double* of, std::int32_t r) const { return of + static_cast<std::int64_t>(r) * _stride; }
+
+  /// Compliance of the tools: rows K^-1 rows^T, factorized as L L^T.
+  void move_rows() {
+    for (std::int32_t r = 0; r < _tools.n_rows; ++r) {
+      for (std::int32_t m = 0; m < _stride; ++m) row(_s.moved, r)[m] = row(_s.rows, r)[m];
+      _s.kernels->solve(_s.factor, _n, _stride, row(_s.moved, r));
+    }
+    const std::int32_t n = _tools.n_rows;
+    for (std::int32_t r = 0; r < n; ++r)
+      for (std::int32_t k = 0; k <= r; ++k) _compliance[r][k] = product(row(_s.rows, r), row(_s.moved, k), _n);
+    for (std::int32_t r = 0; r < n; ++r) {
+      for (std::int32_t k = 0; k < r; ++k)
+        _compliance[r][k] = (_compliance[r][k] - product(_compliance[r], _compliance[k], k)) / _compliance[k][k];
+      const double pivot = _compliance[r][r] - product(_compliance[r], _compliance[r], r);
+      // Tools at one place hold the same point; the second one follows the first.
+      _compliance[r][r] = pivot > 1e-12 * _compliance[r][r] ? std::sqrt(pivot) : HUGE_VAL;
+    }
+  }
+
+  /// _s.step, and the forces of the tools. @return unbalanced
+  double direction() {
+    for (std::int32_t m = 0; m < _stride; ++m) _s.alone[m] = m < _n ? _s.at.forces[m] : 0;
+    _s.kernels->solve(_s.factor, _n, _stride, _s.alone);
+    const std::int32_t n = _tools.n_rows;
+    for (std::int32_t r = 0; r < n; ++r)
+      _force[r] = _tools.wanted[r] - product(row(_s.rows, r), _s.at.q, _n) + product(row(_s.rows, r), _s.alone, _n);
+    for (std::int32_t r = 0; r < n; ++r)
+      _force[r] = (_force[r] - product(_compliance[r], _force, r)) / _compliance[r][r];
+    for (std::int32_t r = n - 1; r >= 0; --r) {
+      for (std::int32_t k = r + 1; k < n; ++k) _force[r] -= _compliance[k][r] * _force[k];
+      _force[r] /= _compliance[r][r];
+    }
+    for (std::int32_t m = 0; m < _stride; ++m) {
+      _s.step[m] = -_s.alone[m];
+      for (std::int32_t r = 0; r < n; ++r) _s.step[m] += _force[r] * row(_s.moved, r)[m];
+    }
+    // K step = rows^T force - forces; force . rows K^-1 rows^T . force is the square of what the tools hold.
+    double held = 0;
+    _decrease = 0;
+    for (std::int32_t m = 0; m < _n; ++m) {
+      double of_tools = 0, moved = 0;
+      for (std::int32_t r = 0; r < n; ++r) {
+        of_tools += _force[r] * row(_s.rows, r)[m];
+        moved += _force[r] * row(_s.moved, r)[m];
+      }
+      _decrease += _s.step[m] * (of_tools - _s.at.forces[m]);
+      held += of_tools * moved;
+    }
+    const double whole = held + 2 * _s.at.energy;
+    return whole > 0 ? std::sqrt(std::fmax(_decrease, 0) / whole) : 0;
+  }
+
+  /// The part of the step after which energy - forces . means is lower. @return whether it is the whole step
+  bool search() {
+    double at_start = _s.at.energy;
+    for (std::int32_t r = 0; r < _tools.n_rows; ++r) at_start -= _force[r] * product(row(_s.rows, r), _s.at.q, _n);
+    double part = 1;
+    for (int halving = 0; halving < most_halvings; ++halving, part /= 2) {
+      for (std::int32_t m = 0; m < _stride; ++m) _s.trial.q[m] = _s.at.q[m] + part * _s.step[m];
+      if (!evaluate_body(_s, _s.trial)) continue;
+      double here = _s.trial.energy;
+      for (std::int32_t r = 0; r < _tools.n_rows; ++r) here -= _force[r] * product(row(_s.rows, r), _s.trial.q, _n);
+      // Differences of energies are rounded.
+      const double rounding = 1e-13 * (std::fabs(at_start) + std::fabs(here) + _s.trial.energy);
+      if (here > at_start - sufficient * part * _decrease + rounding) continue;
+      const auto before = _s.at;
+      _s.at = _s.trial;
+      _s.trial = before;
+      return part == 1;
+    }
+    return false;
+  }
+
+  phn_body_state& _s;
+  const phn_body& _body;
+  const Tools& _tools;
+  std::int32_t _n, _stride;
+  double _compliance[3 * most_tools][3 * most_tools], _force[3 * most_tools] = {};
+  double _decrease = 0;
+};
+
+template <class... Array>
+void take(Arena& arena, std::size_t n, std::size_t per, Array&... arrays) {
+  ((arrays = arena.take<double>(n, per)), ...);
+}
+template <class... Array>
+void zero(std::size_t n, Array... arrays) {
+  (set_zero(arrays, n), ...);
+}
+
+struct Layout {
+  phn_body_state* state;
+  explicit Layout(Arena& arena, const phn_body& body, std::int32_t max_tools) {
+    const auto stride = static_cast<std::size_t>(body.stride), cells = static_cast<std::size_t>(body.info.n_cells);
+    const auto nodes = static_cast<std::size_t>(body.info.n_nodes),
+               triangles = static_cast<std::size_t>(body.info.n_triangles);
+    state = arena.take<phn_body_state>(1);
+    phn_body_state s = {};
+    s.body = &body;
+    s.kernels = &best_body_kernels();
+    s.max_tools = max_tools;
+    s.scratch = {arena.take<double>(nodes), arena.take<std::int32_t>(nodes), arena.take<std::int32_t>(triangles),
+                 arena.take<char>(triangles)};
+    take(arena, 1, stride, s.at.q, s.at.forces, s.trial.q, s.trial.forces, s.alone, s.step, s.next_q);
+    take(arena, 9, cells, s.strain, s.stress, s.bulk_slope);
+    take(arena, 1, cells, s.change, s.pressure_at);
+    take(arena, 1, static_cast<std::size_t>(body.pressure_stride), s.at.sums, s.trial.sums, s.next_sums);
+    take(arena, 3 * static_cast<std::size_t>(max_tools), stride, s.rows, s.moved);
+    s.factor = arena.take<float>(stride, stride);
+    s.next = arena.take<float>(stride, stride);
+    s.bulk_rows = arena.take<float>(static_cast<std::size_t>(body.info.n_pressures), stride);
+    s.panel = arena.take<float>(9 * cells_of_panel, stride);
+    if (state == nullptr || arena.overflow()) return;
+    set_zero(s.scratch.weight, nodes);
+    for (std::size_t t = 0; t < triangles; ++t) s.scratch.taken[t] = 0;
+    zero(stride, s.at.q, s.trial.q, s.alone, s.step);
+    *state = s;
+  }
+};
+
+bool are_tools(std::int32_t n) { return n >= 1 && n <= most_tools; }
+
+}  // namespace
+
+extern "C" {
+
+int phn_body_size(const char* text, size_t length, size_t* bytes, size_t* wrong_byte) {
+  Arena arena;
+  const phn_body* none = nullptr;
+  std::size_t wrong = 0;
+  int status = PHN_ERROR_ARGUMENT;
+  if (overlap(bytes, sizeof *bytes, wrong_byte, sizeof *wrong_byte)) {
+    status = PHN_ERROR_OVERLAP;
+  } else if (text != nullptr && bytes != nullptr) {
+    status = load_body(text, length, arena, &none, wrong);
+    if (arena.overflow()) status = PHN_ERROR_TOO_LARGE;
+  }
+  if (bytes != nullptr) *bytes = status == PHN_OK ? arena.needed() : 0;
+  if (wrong_byte != nullptr) *wrong_byte = wrong;
+  return status;
+}
+
+int phn_body_init(void* memory, size_t bytes, const char* text, size_t length, const phn_body** body,
+                  size_t* wrong_byte) {
+  const phn_body* loaded = nullptr;
+  std::size_t wrong = 0;
+  int status = PHN_ERROR_ARGUMENT;
+  if (overlap(memory, bytes, text, length) || overlap(memory, bytes, body, sizeof *body) ||
+      overlap(memory, bytes, wrong_byte, sizeof *wrong_byte) ||
+      overlap(body, sizeof *body, wrong_byte, sizeof *wrong_byte)) {
+    status = PHN_ERROR_OVERLAP;
+  } else if (memory != nullptr && text != nullptr && body != nullptr) {
+    Arena arena(memory, bytes);
+    status = load_body(text, length, arena, &loaded, wrong);
+  }
+  if (body != nullptr) *body = loaded;
+  if (wrong_byte != nullptr) *wrong_byte = wrong;
+  return status;
+}
+
+int phn_body_describe(const phn_body* body, phn_body_info* info) {
+  if (info == nullptr) return PHN_ERROR_ARGUMENT;
+  *info = {};
+  if (body == nullptr) return PHN_ERROR_ARGUMENT;
+  *info = body->info;
+  return PHN_OK;
+}
+
+int phn_body_state_size(const phn_body* body, int32_t max_tools, size_t* bytes) {
+  if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
+  *bytes = 0;
+  if (body == nullptr || !are_tools(max_tools)) return PHN_ERROR_ARGUMENT;
+  Arena arena;
+  Layout(arena, *body, max_tools);
+  if (arena.overflow()) return PHN_ERROR_TOO_LARGE;
+  *bytes = arena.needed();
+  return PHN_OK;
+}
+
+int phn_body_state_init(void* memory, size_t bytes, const phn_body* body, int32_t max_tools, phn_body_state** state) {
+  if (state == nullptr) return PHN_ERROR_ARGUMENT;
+  *state = nullptr;
+  if (memory == nullptr || body == nullptr || !are_tools(max_tools)) return PHN_ERROR_ARGUMENT;
+  if (overlap(memory, bytes, state, sizeof *state)) return PHN_ERROR_OVERLAP;
+  Arena arena(memory, bytes);
+  const Layout layout(arena, *body, max_tools);
+  if (layout.state == nullptr || arena.overflow()) return PHN_ERROR_BUFFER;
+  // Where the law is not defined at rest, or nothing resists, the numbers are not those of a body.
+  if (!evaluate_body(*layout.state, layout.state->at) || !renew_stiffness(*layout.state, 0)) return PHN_ERROR_RANGE;
+  *state = layout.state;
+  return PHN_OK;
+}
+
+int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools, int32_t steps,
+                   double* forces, phn_body_pressed* pressed) {
+  const auto n = static_cast<std::size_t>(n_tools > 0 ? n_tools : 0);
+  phn_body_pressed made = {};
+  if (pressed != nullptr) *pressed = made;
+  if (body == nullptr || state == nullptr || state->body != body || n_tools < 0 || steps < 1 ||
+      (n_tools > 0 && (tools == nullptr || forces == nullptr)))
+    return PHN_ERROR_ARGUMENT;
+  if (n_tools > PHN_MOST_COUPLED) return PHN_ERROR_TOO_MANY_TOOLS;
+  if (n_tools > state->max_tools) return PHN_ERROR_TOOLS;
+  if (overlap(forces, 3 * n * sizeof(double), pressed, sizeof *pressed)) return PHN_ERROR_OVERLAP;
+  int status = PHN_OK;
+  Tools held = {};
+  for (std::int32_t t = 0; t < n_tools; ++t) {
+    std::int32_t n_touched = 0;
+    const int of_tool = tool_weights(*body, tools[t], state->scratch, n_touched);
+    if (of_tool >= 0) {
+      status |= of_tool;
+      if (!(length(tools[t].displacement) <= body->info.max_displacement_m * depth_slack<double>))
+        status |= PHN_WARNING_OUTSIDE;
+    }
+    means_of_modes(*body, state->scratch, n_touched, state->rows + 3 * static_cast<std::int64_t>(t) * body->stride);
+    if (of_tool < 0) {
+      set_zero(forces, 3 * n);
+      return of_tool;
+    }
+    for (int k = 0; k < 3; ++k) held.wanted[held.n_rows++] = tools[t].displacement[k];
+  }
+  Equilibrium equilibrium(*state, held);
+  equilibrium.settle(steps, made);
+  equilibrium.copy_forces(forces);
+  made.energy = state->at.energy;
+  for (std::int32_t t = 0; t < n_tools; ++t) {
+    double behind[3];
+    for (int k = 0; k < 3; ++k)
+      behind[k] =
+          tools[t].displacement[k] -
+          product(state->rows + (3 * static_cast<std::int64_t>(t) + k) * body->stride, state->at.q, body->info.n_modes);
+    made.behind_m = std::fmax(made.behind_m, length(behind));
+  }
+  if (!all_finite(forces, 3 * n)) {
+    set_zero(forces, 3 * n);
+    made.unbalanced = HUGE_VAL;
+  }
+  if (!(made.unbalanced <= unsettled) || !(made.behind_m <= unsettled * body->info.max_displacement_m))
+    status |= PHN_WARNING_UNSETTLED;
+  // Tools that move go on to need a new stiffness, of which each call makes a part.
+  if (made.unbalanced > settled && made.renewed == 0 &&
+      renew_stiffness(*state, (body->info.n_cells - 1) / steps_of_renewal + 1) && state->next_cells == 0)
+    ++made.renewed;
+  if (pressed != nullptr) *pressed = made;
+  return status;
+}
+
+int phn_body_deform(const phn_body* body, const phn_body_state* state, double* out) {
+  if (body == nullptr || state == nullptr || state->body != body || out == nullptr) return PHN_ERROR_ARGUMENT;
+  state->kernels->times(body->modes, 3 * static_cast<std::int64_t>(body->info.n_nodes), body->stride, state->at.q, out);
+  return PHN_OK;
+}
+
+}  // extern "C"
