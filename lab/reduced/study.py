@@ -25,7 +25,7 @@ import h5py
 import numpy as np
 
 DISTANCES = ((0, 99), (0, 1), (1, 2), (2, 3.5), (3.5, 99))  # of two tools, in radii
-ALPHA, SMOOTHED_ALPHA, CELL_SHARE = 0.05, 0.1, 0.1  # of the elements (precompute_dolfinx/src/form_set.hpp)
+ALPHA, SMOOTHED_ALPHA, CELL_SHARE = 0.05, 0.1, 0.1  # of the elements (formats/include/phynness/formats/law.hpp)
 STEPS = 4  # to the displacement of a state
 CUTBACKS, ITERATIONS = 6, 25
 TOLERANCE = 1e-6  # of the residual, over the forces of the tools

@@ -44,16 +44,6 @@ struct FormSet : CompiledForms {
   bool checks_jacobian = true;  ///< false for the linear theory, in which J has no meaning
 };
 
-/// Coefficient alpha of the p1-p1 stabilization (formula: forms/mechanics.py). On coarse meshes forces depend on it:
-/// those of round tools are off by 15 % in the median, with 0.5 by 7 %, but pressures and displacements by more than
-/// with 0.05 (docs/decisions/element.md).
-inline constexpr double stabilization_alpha = 0.05;
-
-/// Of edge-smoothed elements: alpha, and the share of the shear energy that remains in the cells. Without it one deep
-/// ray of nine ends in crushed cells, whose neighbors keep the mean gradients regular; with it forces at rest are 2 %
-/// larger (docs/decisions/element.md).
-inline constexpr double smoothed_alpha = 0.1, cell_share = 0.1;
-
 /// @param modulus_Pa  the unit of moduli (Scaling::modulus_Pa)
 /// @param thickness   of a shell, in units of length (Scaling::length_m)
 FormSet form_set(const Material& material, Element element, double modulus_Pa, double thickness = 0);

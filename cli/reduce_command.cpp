@@ -1,0 +1,51 @@
+#include <phynness/formats/text_file.hpp>
+#include <phynness/schema/body_grammar.hpp>
+#include <phynness/training/reduction.hpp>
+
+#include "commands.hpp"
+
+namespace phynness::cli::reduce_command {
+namespace {
+
+struct Options {
+  std::filesystem::path database, output;
+  ReductionSpec spec;
+  OptionalPath json_file;
+};
+
+void run(const Options& options) {
+  const auto database = Database::open(options.database);
+  // Nothing is written before all long work is done, so that a signal may end it at any time.
+  end_at_signals("the reduction was interrupted\n  remedy: run the same command again; nothing was written\n");
+  ReductionReport report;
+  std::string text;
+  {
+    Progress progress("reduce", "steps");
+    text = write_body_text(reduce(database, options.spec, report, progress.counter()));
+  }
+  install_stop_handler();  // the file is written, or not at all
+  json out = figures(report);
+  out["body_bytes"] = text.size();
+  write_each({[&] { write_text_file(options.output, text); }, [&] { write_json(options.json_file, out); }});
+  print_result("{} fields in {}: {} modes have {:.4g} % of them, and there are {} of the pressure\n", report.fields,
+               duration(report.seconds), report.modes, 100 * report.captured, report.pressures);
+  print_result("{} of {} points, cells and edges, have weights", report.cells, report.points);
+  if (report.states > 0)
+    print_result("; forces and volumes of {} states are off by {:.3g} %", report.states, 100 * report.residual);
+  print_result("\n{} -> {}\n", bytes(text.size()), options.output.string());
+}
+
+}  // namespace
+
+void add(CLI::App& app) {
+  auto [command, options] =
+      add_command(app, "reduce", "Reduce the finite elements of a database to modes and a few cells -> BODY.txt", run);
+  add_database(command, options.database, "database.h5 of phynness precompute, with output = \"free\"");
+  add_output(command, options.output, PathKind::file, "file to write (formats/body.md)");
+  add_count(command, "--modes", options.spec.modes, 1, schema::most_body_modes, "modes of the displacement");
+  add_count(command, "--cells", options.spec.cells, 1, 1'000'000,
+            "cells and edges with weights; from the number of all on these with weight 1");
+  add_json(command, options.json_file);
+}
+
+}  // namespace phynness::cli::reduce_command

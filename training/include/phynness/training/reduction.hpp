@@ -1,0 +1,40 @@
+// A reduced body from a database: the finite elements in the leading modes of the solved fields, summed over a few
+// cells with weights (docs/decisions/reduced-body.md).
+#pragma once
+
+#include <cstdint>
+#include <phynness/formats/body.hpp>
+#include <phynness/formats/database.hpp>
+#include <phynness/formats/described.hpp>
+#include <phynness/formats/progress.hpp>
+
+namespace phynness {
+
+struct ReductionSpec {
+  int modes = 160;   ///< of the displacement; there are a quarter as many of the pressure
+  int cells = 300;   ///< points of the sum, cells and edges. All of them, with weight 1, if there are not more.
+  int states = 300;  ///< random states of the database from which pressures and weights follow
+  std::uint64_t seed = 1;
+};
+
+struct ReductionReport {
+  std::int64_t fields = 0;                ///< converged increments of the database
+  std::int64_t states = 0;                ///< that the weights fit; 0 if all points have weight 1
+  std::int64_t modes = 0, pressures = 0;  ///< at most as many as the fields and states span
+  std::int64_t points = 0, cells = 0;     ///< of the whole sum, and those with a weight
+  double captured = 0;                    ///< share of all fields' int |grad u|^2 dV that the modes have
+  double residual = 0;                    ///< of the weights: error of forces and volumes over their size
+  double seconds = 0;
+  PHYNNESS_FIGURES(fields, states, modes, pressures, points, cells, captured, residual, seconds)
+};
+
+/// @param report    output
+/// @param progress  called with what is done and of how much, never concurrently
+/// @param threads   0: the number of cores; the result is bitwise independent of it
+/// @throws Error (input) if the responses are imported, of another element than p1-p1 and es-p1-p1 or of earlier
+///   equations, of a tool that is no longer solved, without the displacements inside of the body (output = "free"), or
+///   without a converged increment; (failure) if the database has values that are not finite
+ReducedBody reduce(const Database& database, const ReductionSpec& spec, ReductionReport& report,
+                   const OnProgress& progress = {}, int threads = 0);
+
+}  // namespace phynness

@@ -1,0 +1,154 @@
+#include "elements.hpp"
+
+#include <Eigen/LU>
+#include <cassert>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "body/laws.hpp"
+
+namespace phynness::reduced {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+const runtime::BodyLaw& law_of(const Elements& elements) {
+  const auto* law = runtime::find_body_law(name(elements.material.law));
+  assert(law);  // the build makes all of them from the same files
+  return *law;
+}
+
+Sparse sparse(Index rows, Index cols, const Entries& entries) {
+  Sparse matrix(rows, cols);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+/// n x n_points: picks some points.
+Sparse chosen(const std::vector<std::int32_t>& points, Index n_points) {
+  Entries entries;
+  for (std::size_t i = 0; i < points.size(); ++i) entries.emplace_back(static_cast<int>(i), points[i], 1.0);
+  return sparse(static_cast<Index>(points.size()), n_points, entries);
+}
+
+}  // namespace
+
+Elements::Elements(const Mesh& mesh, const Material& its_material, Element element)
+    : n_nodes(mesh.n_nodes()), n_cells(mesh.n_cells()), material(its_material) {
+  const bool smoothed = element == element_named("es-p1-p1");
+  const double mu = material.shear_modulus_Pa;
+  const double kappa = material.law->isochoric ? material.bulk_modulus_Pa : material.lame_lambda_Pa;
+  if (smoothed && material.law->isochoric) bulk_in_shape_Pa = 2 * mu / 3;
+  const double left = 1 - bulk_in_shape_Pa / kappa, alpha = smoothed ? smoothed_alpha : stabilization_alpha;
+
+  VectorXd volume(n_cells);
+  std::array<Entries, 3> slopes;
+  Entries middles, stiffness, soft, shares;
+  std::map<std::pair<std::int32_t, std::int32_t>, int> edges;
+  std::vector<double> size_of_edge;
+  for (int c = 0; c < static_cast<int>(n_cells); ++c) {
+    Eigen::Matrix<double, 4, 3> x, slope_of;
+    for (int a = 0; a < 4; ++a) x.row(a) = mesh.nodes.row(mesh.cells(c, a));
+    const Eigen::Matrix3d sides = x.bottomRows<3>().rowwise() - x.row(0);
+    volume[c] = std::abs(sides.determinant()) / 6;
+    slope_of.bottomRows<3>() = sides.inverse().transpose();
+    slope_of.row(0) = -slope_of.bottomRows<3>().colwise().sum();
+    double longest2 = 0;
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < a; ++b) {
+        longest2 = std::max(longest2, (x.row(a) - x.row(b)).squaredNorm());
+        if (!smoothed) continue;
+        const auto [edge, is_new] =
+            edges.try_emplace(std::minmax(mesh.cells(c, a), mesh.cells(c, b)), static_cast<int>(edges.size()));
+        if (is_new) size_of_edge.push_back(0);
+        size_of_edge[static_cast<std::size_t>(edge->second)] += volume[c] / 6;
+        shares.emplace_back(edge->second, c, volume[c] / 6);
+      }
+    for (int a = 0; a < 4; ++a) {
+      const int node = mesh.cells(c, a);
+      for (int j = 0; j < 3; ++j) slopes[static_cast<std::size_t>(j)].emplace_back(c, node, slope_of(a, j));
+      middles.emplace_back(c, node, 0.25);
+      for (int b = 0; b < 4; ++b) {
+        const double dots = volume[c] * slope_of.row(a).dot(slope_of.row(b));
+        stiffness.emplace_back(node, mesh.cells(c, b), dots);
+        soft.emplace_back(node, mesh.cells(c, b),
+                          left / kappa * volume[c] * (a == b ? 2 : 1) / 20 + alpha * longest2 / mu * dots);
+      }
+    }
+  }
+  const auto n_edges = static_cast<Index>(size_of_edge.size());
+  n_points = n_cells + n_edges;
+  const Eigen::Map<const VectorXd> of_edges(size_of_edge.data(), n_edges);
+  shear.resize(n_points);
+  shear << (smoothed ? cell_share : 1) * volume, (1 - cell_share) * of_edges;
+  bulk.resize(n_points);
+  bulk << left * volume, VectorXd::Zero(n_edges);
+  // Cells, then means of the cells at each edge.
+  Entries means;
+  for (int c = 0; c < static_cast<int>(n_cells); ++c) means.emplace_back(c, c, 1.0);
+  for (const auto& s : shares)
+    means.emplace_back(static_cast<int>(n_cells) + s.row(), s.col(), s.value() / of_edges[s.row()]);
+  const Sparse mean = sparse(n_points, n_cells, means);
+  for (std::size_t j = 0; j < 3; ++j) slope[j] = mean * sparse(n_cells, n_nodes, slopes[j]);
+  middle = sparse(n_points, n_nodes, middles);
+  laplace = sparse(n_nodes, n_nodes, stiffness);
+  compressibility = sparse(n_nodes, n_nodes, soft);
+}
+
+std::array<Sparse, 3> Elements::slope_at(const std::vector<std::int32_t>& points) const {
+  const Sparse rows = chosen(points, n_points);
+  return {Sparse(rows * slope[0]), Sparse(rows * slope[1]), Sparse(rows * slope[2])};
+}
+
+Sparse Elements::middle_at(const std::vector<std::int32_t>& points) const { return chosen(points, n_points) * middle; }
+
+MatrixXd Elements::laplace_of(const MatrixXd& fields) const {
+  MatrixXd out(fields.rows(), fields.cols());
+  Eigen::Map<MatrixXd>(out.data(), n_nodes, 3 * fields.cols()) =
+      laplace * Eigen::Map<const MatrixXd>(fields.data(), n_nodes, 3 * fields.cols());
+  return out;
+}
+
+std::array<MatrixXd, 9> gradients(const std::array<Sparse, 3>& slope, const MatrixXd& fields) {
+  const Index n = slope[0].cols();
+  std::array<MatrixXd, 9> out;
+  for (Index i = 0; i < 3; ++i)
+    for (Index j = 0; j < 3; ++j)
+      out[static_cast<std::size_t>(3 * i + j)] = slope[static_cast<std::size_t>(j)] * fields.middleRows(i * n, n);
+  return out;
+}
+
+std::optional<Strained> strained(const Elements& elements, const VectorXd& u) {
+  const runtime::BodyLaw& law = law_of(elements);
+  const double* parameters = elements.material.parameters.data();
+  const Index n = elements.n_points;
+  AtPoints F(9, n);
+  const auto gradient = gradients(elements.slope, u);
+  for (Index k = 0; k < 9; ++k) F.row(k) = gradient[static_cast<std::size_t>(k)].transpose().array() + (k % 4 == 0);
+  Strained out{VectorXd(n), VectorXd(n), AtPoints(9, n), AtPoints(9, n)};
+  for (Index p = 0; p < n; ++p) {
+    if (!law.shape(F.col(p).data(), parameters, out.shape[p], out.shape_first.col(p).data(), nullptr) ||
+        !law.volumetric(F.col(p).data(), parameters, out.g[p], out.g_first.col(p).data(), nullptr))
+      return std::nullopt;
+    out.shape[p] += elements.bulk_in_shape_Pa / 2 * out.g[p] * out.g[p];
+    out.shape_first.col(p) += elements.bulk_in_shape_Pa * out.g[p] * out.g_first.col(p);
+  }
+  return out;
+}
+
+Rest at_rest(const Elements& elements) {
+  const runtime::BodyLaw& law = law_of(elements);
+  const double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, *parameters = elements.material.parameters.data();
+  Rest rest;
+  double value = 0, first[9];
+  law.shape(F, parameters, value, first, rest.shape.data());
+  law.volumetric(F, parameters, value, rest.g.data(), nullptr);
+  rest.shape += elements.bulk_in_shape_Pa * rest.g * rest.g.transpose();
+  return rest;
+}
+
+}  // namespace phynness::reduced

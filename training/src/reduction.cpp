@@ -1,0 +1,351 @@
+#include <Eigen/Cholesky>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <numeric>
+#include <phynness/formats/error.hpp>
+#include <phynness/schema/body_grammar.hpp>
+#include <phynness/training/reduction.hpp>
+
+#include "reduced/cubature.hpp"
+#include "reduced/elements.hpp"
+#include "reduced/modes.hpp"
+#include "sampling.hpp"
+#include "threads.hpp"
+
+namespace phynness {
+namespace {
+
+using namespace reduced;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double lost_of_a_node = 1e-4;         ///< share of int |grad u|^2 that the modes of a node leave out
+constexpr std::size_t most_candidates = 8'000;  ///< points among which those with a weight are
+/// The forces and changes of volume of a state are so many random sums of all of them.
+constexpr int sums_of_a_state = 16;
+constexpr double share_of_volumes = 0.1;  ///< of the equations of the two volumes, relative to all others
+
+/// The scene of a database that can be reduced. @throws Error (input), as reduce()
+Scene checked_scene(const DatabaseHeader& header) {
+  require_scene(header);
+  Scene scene = stored_scene(header);
+  const auto element = scene.solver.element;
+  if (element != element_named("p1-p1") && element != element_named("es-p1-p1"))
+    throw input_error("only the elements p1-p1 and es-p1-p1 can be reduced", std::string("element ") + name(element),
+                      "give one of them in [solver] element, and precompute again");
+  if (scene.solver.earlier_revision)
+    throw input_error("the database has the equations of an earlier version",
+                      "revision " + std::to_string(*scene.solver.earlier_revision), "precompute it again");
+  if (scene.probe.kind == ProbeKind::rigid_patch || scene.probe.whole)
+    throw input_error("the database has tools of an earlier version",
+                      scene.probe.whole ? "patches that press what does not face them" : "rigid patches",
+                      "precompute it again");
+  const auto& sets = header.sets;
+  for (std::int32_t i = 0; i < header.mesh.n_nodes(); ++i)
+    if (!std::ranges::binary_search(sets.fixed, i) && !std::ranges::binary_search(sets.output, i))
+      throw input_error("the database does not have the displacements of all nodes",
+                        "node " + std::to_string(i) + " is neither fixed nor an output node",
+                        "give output = \"free\" in [nodes], and precompute again");
+  return scene;
+}
+
+class Reduction {
+ public:
+  Reduction(const Database& database, const ReductionSpec& spec, ReductionReport& report, const OnProgress& progress,
+            int threads)
+      : _database(database),
+        _header(database.header()),
+        _scene(checked_scene(_header)),
+        _spec(spec),
+        _report(report),
+        _progress(progress),
+        _threads(threads),
+        _elements(_header.mesh, _scene.material, _scene.solver.element) {}
+
+  ReducedBody run() {
+    draw_states();
+    find_modes();
+    find_pressures();
+    find_weights();
+    return body();
+  }
+
+ private:
+  void step(std::int64_t cells = 0) {
+    const std::lock_guard lock(_mutex);
+    if (cells == 0) ++_done;
+    if (_progress) _progress(_done + cells, n_active() + static_cast<std::int64_t>(_drawn.size()) + _spec.cells);
+  }
+  std::int32_t n_active() const { return static_cast<std::int32_t>(_header.sets.active.size()); }
+
+  /// Numbers, [active][direction][increment] flattened, of the states from which pressures and weights follow.
+  void draw_states() {
+    std::vector<std::size_t> converged;
+    const auto statuses = _database.statuses();
+    for (std::size_t i = 0; i < statuses.size(); ++i)
+      if (statuses[i] == Status::converged) converged.push_back(i);
+    if (converged.empty())
+      throw input_error("no active node has a converged increment", _header.scene_name,
+                        "see the reasons with `phynness info`, and precompute with a smaller displacement");
+    SplitMix64 random(_spec.seed);
+    for (const auto i : draw_without_replacement(converged.size(), static_cast<std::size_t>(_spec.states), random))
+      _drawn.push_back(converged[static_cast<std::size_t>(i)]);
+    std::ranges::sort(_drawn);
+    _states.setZero(3 * _elements.n_nodes, static_cast<Index>(_drawn.size()));
+    _report.fields = static_cast<std::int64_t>(converged.size());
+  }
+
+  /// The converged fields of a node, 3 n_nodes x any. Keeps those that are drawn.
+  MatrixXd fields_of(std::int32_t active) {
+    std::vector<Ray> rays;
+    {
+      const std::lock_guard lock(_mutex);
+      rays = _database.rays(active);
+    }
+    const auto& output = _header.sets.output;
+    const std::size_t n = _header.magnitudes_m.size();
+    MatrixXd fields = MatrixXd::Zero(3 * _elements.n_nodes, static_cast<Index>(rays.size() * n));
+    Index count = 0;
+    for (std::size_t r = 0; r < rays.size(); ++r)
+      for (std::size_t k = 0; k < n; ++k) {
+        if (rays[r].status[k] != Status::converged) continue;
+        auto u = fields.col(count++);
+        const double* values = &rays[r].displacement[3 * k * output.size()];
+        for (std::size_t o = 0; o < output.size(); ++o)
+          for (Index i = 0; i < 3; ++i) u[i * _elements.n_nodes + output[o]] = *values++;
+        const auto number = (static_cast<std::size_t>(active) * rays.size() + r) * n + k;
+        const auto drawn = std::ranges::lower_bound(_drawn, number);
+        if (drawn != _drawn.end() && *drawn == number) _states.col(drawn - _drawn.begin()) = u;
+      }
+    fields.conservativeResize(Eigen::NoChange, count);
+    if (!fields.allFinite())
+      throw failure("the database has a displacement that is not finite in a converged increment",
+                    "active node " + std::to_string(_header.sets.active[static_cast<std::size_t>(active)]),
+                    "precompute this database again");
+    return fields;
+  }
+
+  MatrixXd laplace_of(const MatrixXd& fields) const { return _elements.laplace_of(fields); }
+
+  /// Hierarchical: modes of the modes of each node (Himpe, Leibner, Rave 2018, doi 10.1137/16M1085413).
+  void find_modes() {
+    const Metric metric = [this](const MatrixXd& u) { return laplace_of(u); };
+    std::vector<MatrixXd> modes(static_cast<std::size_t>(n_active()));
+    std::vector<double> energies(modes.size());
+    for_each_index(n_active(), _threads, [&](std::int32_t a) {
+      const auto i = static_cast<std::size_t>(a);
+      modes[i] = scaled_modes(metric, fields_of(a), lost_of_a_node, energies[i]);
+      step();
+    });
+    Index n = 0;
+    for (const auto& m : modes) n += m.cols();
+    MatrixXd all(3 * _elements.n_nodes, n);
+    n = 0;
+    for (auto& m : modes) {
+      all.middleCols(n, m.cols()) = m;
+      n += std::exchange(m, {}).cols();
+    }
+    double captured = 0;
+    _modes = leading_modes(metric, all, _spec.modes, _spec.seed, _threads, captured);
+    _report.captured = captured / std::accumulate(energies.begin(), energies.end(), 0.0);
+    _report.modes = _modes.cols();
+  }
+
+  /// Of the pressures C^-1 b of the drawn states, b = int g(F) N dV.
+  void find_pressures() {
+    const Eigen::SparseMatrix<double> soft = _elements.compressibility;
+    const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> solver(soft);
+    MatrixXd right = MatrixXd::Zero(_elements.n_nodes, _states.cols());
+    for_each_index(static_cast<std::int32_t>(_states.cols()), _threads, [&](std::int32_t s) {
+      if (const auto here = strained(_elements, _states.col(s)))
+        right.col(s) = _elements.middle.transpose() * _elements.bulk.cwiseProduct(here->g);
+    });
+    double captured = 0;
+    _pressures = leading_modes([&](const MatrixXd& p) { return MatrixXd(soft * p); }, solver.solve(right),
+                               std::max(1, _spec.modes / 4), _spec.seed, _threads, captured);
+    _report.pressures = _pressures.cols();
+  }
+
+  /// The inverse of the lower Cholesky factor of the stiffness at rest.
+  MatrixXd inverse_of_rest() const {
+    const Rest rest = at_rest(_elements);
+    const Index n = _elements.n_nodes, m = _modes.cols();
+    MatrixXd stiffness = MatrixXd::Zero(m, m), changes = MatrixXd::Zero(_pressures.cols(), m);
+    for (Index i = 0; i < 3; ++i)
+      for (Index k = 0; k < 3; ++k) {
+        Sparse part(n, n);
+        for (Index j = 0; j < 3; ++j)
+          for (Index l = 0; l < 3; ++l)
+            part += rest.shape(3 * i + j, 3 * k + l) *
+                    Sparse(_elements.slope[static_cast<std::size_t>(j)].transpose() * _elements.shear.asDiagonal() *
+                           _elements.slope[static_cast<std::size_t>(l)]);
+        stiffness += _modes.middleRows(i * n, n).transpose() * (part * _modes.middleRows(k * n, n));
+      }
+    const auto gradient = gradients(_elements.slope, _modes);
+    for (std::size_t k = 0; k < 9; ++k)
+      changes += rest.g[static_cast<Index>(k)] * (_elements.middle * _pressures).transpose() *
+                 _elements.bulk.asDiagonal() * gradient[k];
+    stiffness += changes.transpose() * changes;
+    return stiffness.llt().matrixL().solve(MatrixXd::Identity(m, m));
+  }
+
+  /// Weights for the forces and changes of volume of the drawn states in the modes (equations of lab/reduced/study.py),
+  /// of which random sums are taken.
+  void find_weights() {
+    const Index n_points = _elements.n_points;
+    _report.points = n_points;
+    if (_spec.cells >= n_points) {
+      _cubature.points.resize(static_cast<std::size_t>(n_points));
+      std::iota(_cubature.points.begin(), _cubature.points.end(), 0);
+      _cubature.weights = VectorXd::Ones(n_points);
+      return;
+    }
+    SplitMix64 random(_spec.seed + 1);
+    const auto signs = [&](Index rows) {
+      MatrixXd out(rows, sums_of_a_state);
+      for (Index i = 0; i < out.size(); ++i)
+        out.data()[i] = (random.next() >> 63 ? 1 : -1) / std::sqrt(sums_of_a_state);
+      return out;
+    };
+    auto candidates = draw_without_replacement(static_cast<std::size_t>(n_points), most_candidates, random);
+    std::ranges::sort(candidates);
+    const auto slope = _elements.slope_at(candidates);
+    const Sparse middle = _elements.middle_at(candidates);
+    const auto n = static_cast<Index>(candidates.size());
+    const MatrixXd inverse = inverse_of_rest();
+    const MatrixXd states = (_modes.transpose() * laplace_of(_states)).eval();
+    std::vector<std::pair<MatrixXd, MatrixXd>> sums;
+    for (Index s = 0; s < states.cols(); ++s) sums.emplace_back(signs(_modes.cols()), signs(_pressures.cols()));
+
+    Eigen::MatrixXf parts = Eigen::MatrixXf::Zero(sums_of_a_state * states.cols() + 2, n);
+    VectorXd wanted = VectorXd::Zero(parts.rows());
+    std::atomic<std::int64_t> fitted = 0;
+    for_each_index(static_cast<std::int32_t>(states.cols()), _threads, [&](std::int32_t s) {
+      step();
+      const auto here = strained(_elements, _modes * states.col(s));
+      if (!here) return;
+      ++fitted;
+      const auto& [of_forces, of_volumes] = sums[static_cast<std::size_t>(s)];
+      const double size = inverse.transpose().triangularView<Eigen::Upper>().solve(states.col(s)).norm();
+      const MatrixXd tests = _modes * (inverse.transpose() * of_forces / size);
+      const MatrixXd test_pressures = _pressures * (of_volumes / size);
+      const VectorXd volumes = _elements.bulk.cwiseProduct(here->g);
+      const VectorXd pressure =
+          _elements.middle * (_pressures * (_pressures.transpose() * (_elements.middle.transpose() * volumes)));
+      const AtPoints stress = here->shape_first * _elements.shear.asDiagonal() +
+                              here->g_first * _elements.bulk.cwiseProduct(pressure).asDiagonal();
+      VectorXd nodal = test_pressures.transpose() * (_elements.middle.transpose() * volumes);
+      MatrixXd of_points = volumes(candidates).asDiagonal() * (middle * test_pressures);
+      const auto gradient = gradients(slope, tests);
+      for (Index k = 0; k < 9; ++k) {
+        const VectorXd component = stress.row(k).transpose();
+        const auto& d = _elements.slope[static_cast<std::size_t>(k % 3)];
+        nodal +=
+            tests.middleRows(k / 3 * _elements.n_nodes, _elements.n_nodes).transpose() * (d.transpose() * component);
+        of_points += component(candidates).asDiagonal() * gradient[static_cast<std::size_t>(k)];
+      }
+      parts.middleRows(sums_of_a_state * s, sums_of_a_state) = of_points.transpose().cast<float>();
+      wanted.segment(sums_of_a_state * s, sums_of_a_state) = nodal;
+    });
+    const double scale = share_of_volumes * wanted.norm();
+    for (Index row = parts.rows() - 2; const VectorXd* size : {&_elements.shear, &_elements.bulk}) {
+      parts.row(row) = ((*size)(candidates) * (scale / size->sum())).cast<float>();
+      wanted[row++] = scale;
+    }
+    _cubature = nonnegative_weights(parts, wanted, _spec.cells, _threads, [this](Index n) { step(n); });
+    for (auto& point : _cubature.points) point = candidates[static_cast<std::size_t>(point)];
+    _report.states = fitted;
+  }
+
+  ReducedBody body() {
+    ReducedBody out;
+    out.mesh_hash = _header.mesh_hash;
+    out.physics_hash = _header.physics_hash;
+    out.law = name(_scene.material.law);
+    out.parameters = _scene.material.parameters;
+    out.bulk_in_shape_Pa = _elements.bulk_in_shape_Pa;
+    out.tool_radius_m = _scene.probe.kind == ProbeKind::node ? 0 : _scene.probe.tool_radius_m;
+    out.depth_m = _header.magnitudes_m.back();
+    set_cells(out);
+    set_surface(out);
+    _report.cells = static_cast<std::int64_t>(_cubature.points.size());
+    _report.residual = _cubature.residual;
+    return out;
+  }
+
+  /// Scales modes so that their largest gradient is 1, and pressures so that the largest is 1.
+  void set_cells(ReducedBody& out) {
+    const auto& [points, weights, residual] = _cubature;
+    const auto n = static_cast<Index>(points.size());
+    const auto gradient = gradients(_elements.slope_at(points), _modes);
+    MatrixXd rows(9 * n, _modes.cols());
+    for (Index k = 0; k < 9; ++k) rows(Eigen::seqN(k, n, 9), Eigen::all) = gradient[static_cast<std::size_t>(k)];
+    for (Index m = 0; m < _modes.cols(); ++m) {
+      const double largest = rows.col(m).cwiseAbs().maxCoeff();
+      rows.col(m) /= largest;
+      _modes.col(m) /= largest;
+    }
+    out.gradients = scaled_table(rows);
+    MatrixXd pressures = _elements.middle_at(points) * _pressures;
+    const double largest = pressures.cwiseAbs().maxCoeff();
+    out.pressures = scaled_table(pressures / largest);
+    for (Index c = 0; c < n; ++c) {
+      out.shear_m3.push_back(weights[c] * _elements.shear[points[static_cast<std::size_t>(c)]]);
+      out.bulk_rJ.push_back(weights[c] * _elements.bulk[points[static_cast<std::size_t>(c)]] * largest);
+    }
+  }
+
+  void set_surface(ReducedBody& out) const {
+    const auto& [fixed, active, output, mirror] = _header.sets;
+    const auto& nodes = _header.mesh.nodes;
+    out.nodes = surface_nodes(_header.mesh.surface);
+    const auto n = static_cast<Index>(out.nodes.size());
+    out.points = nodes(out.nodes, Eigen::all);
+    MatrixXd modes(3 * n, _modes.cols());
+    for (Index i = 0; i < n; ++i) {
+      const std::int32_t node = out.nodes[static_cast<std::size_t>(i)];
+      const auto near = [&](std::int32_t a) { return (nodes.row(a) - nodes.row(node)).norm() <= out.tool_radius_m; };
+      out.kinds.push_back(std::ranges::binary_search(fixed, node) ? schema::body_node_fixed
+                          : std::ranges::any_of(active, near)     ? schema::body_node_touchable
+                                                                  : schema::body_node_moves);
+      for (Index k = 0; k < 3; ++k) modes.row(3 * i + k) = _modes.row(k * _elements.n_nodes + node);
+    }
+    out.modes = scaled_table(modes);
+    out.surface = _header.mesh.surface.unaryExpr([&](std::int32_t node) {
+      return static_cast<std::int32_t>(std::ranges::lower_bound(out.nodes, node) - out.nodes.begin());
+    });
+  }
+
+  const Database& _database;
+  const DatabaseHeader& _header;
+  const Scene _scene;
+  const ReductionSpec& _spec;
+  ReductionReport& _report;
+  const OnProgress& _progress;
+  const int _threads;
+  const Elements _elements;
+  std::mutex _mutex;
+  std::int64_t _done = 0;
+  std::vector<std::size_t> _drawn;
+  MatrixXd _states;             ///< 3 n_nodes x states that are drawn
+  MatrixXd _modes, _pressures;  ///< orthonormal in laplace and in compressibility
+  Cubature _cubature;
+};
+
+}  // namespace
+
+ReducedBody reduce(const Database& database, const ReductionSpec& spec, ReductionReport& report,
+                   const OnProgress& progress, int threads) {
+  const auto start = std::chrono::steady_clock::now();
+  report = {};
+  if (threads <= 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  ReducedBody body = Reduction(database, spec, report, progress, threads).run();
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return body;
+}
+
+}  // namespace phynness
