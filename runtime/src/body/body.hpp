@@ -67,17 +67,23 @@ struct phn_body_state {
   PHN_RUNTIME::ToolScratch scratch;
   /// A state: amplitudes of the modes, and of its energy the gradient, and the sums b of the pressures.
   struct Point {
-    double *q, *forces, *sums, energy;
+    double *q, *forces, *sums, shape, energy;  ///< shape: the energy without that of the pressures
   } at, trial;
+  /// b as the last step expected it. With it in the next stiffness, and not with b, Newton's method is that of the
+  /// mixed problem: b is off by the square of a step, times a bulk modulus.
+  double *expected, *change_of_sums;
   double *strain, *stress;      ///< 9 n_cells each, of the state that was evaluated last
   double *change, *bulk_slope;  ///< g, and dg/dF, of the cells
   double* pressure_at;          ///< of the cells: products of their pressures with b
   double *rows, *moved;         ///< 3 max_tools rows: means of the modes under the tools; products with the compliance
   double *alone, *step;
-  float* factor;  ///< of the stiffness
-  bool is_stale;  ///< the factor serves badly
+  float* factor;                      ///< of the stiffness
+  float* bulk_rows;                   ///< db/dq of the state of the factor, n_pressures rows
+  double held[3 * PHN_MOST_COUPLED];  ///< multiples of the squares of what the tools displace that the factor has [N/m]
+  std::int32_t n_rows;                ///< of the tools that are held
+  bool is_stale;                      ///< the factor serves badly
   // The next stiffness, at a state that is kept.
-  float *next, *bulk_rows, *panel;
+  float *next, *next_bulk_rows, *panel, *change_row;
   double *next_q, *next_sums;
   std::int32_t next_cells;  ///< that were added
 };

@@ -19,17 +19,18 @@ const float* pressures_of(const phn_body& body, std::int32_t cell) {
 }
 
 /// dg/dq of a cell, times its weight, is added to the rows of its pressures.
-void add_change(phn_body_state& state, std::int32_t cell, const double* slope, float* change) {
+void add_change(phn_body_state& state, std::int32_t cell, const double* slope) {
   const phn_body& body = *state.body;
   const float *rows = body.gradients + static_cast<std::int64_t>(9 * cell) * body.stride,
               *psi = pressures_of(body, cell);
+  float* change = state.change_row;
   for (std::int32_t m = 0; m < body.stride; ++m) change[m] = 0;
   for (int k = 0; k < 9; ++k) {
     const auto factor = static_cast<float>(body.bulk_of_cell[cell] * slope[k]);
     for (std::int32_t m = 0; m < body.stride; ++m) change[m] += factor * rows[k * body.stride + m];
   }
   for (std::int32_t k = 0; k < body.info.n_pressures; ++k)
-    for (std::int32_t m = 0; m < body.stride; ++m) state.bulk_rows[k * body.stride + m] += psi[k] * change[m];
+    for (std::int32_t m = 0; m < body.stride; ++m) state.next_bulk_rows[k * body.stride + m] += psi[k] * change[m];
 }
 
 /// Adds the second derivatives of cells to the next stiffness. @return false where a law is not defined
@@ -51,7 +52,7 @@ bool add_panel(phn_body_state& state, std::int32_t first, std::int32_t end) {
       const double bulk = body.shear[c] * body.bulk, p = bulk * value + body.bulk_of_cell[c] * pressure;
       for (int i = 0; i < 9; ++i)
         for (int j = 0; j < 9; ++j) A[9 * i + j] += bulk * slope[i] * slope[j] + p * second[9 * i + j];
-      if (body.bulk_of_cell[c] > 0) add_change(state, c, slope, state.panel);
+      if (body.bulk_of_cell[c] > 0) add_change(state, c, slope);
     }
     float* out = state.panel + static_cast<std::int64_t>(9 * (c - first)) * stride;
     for (int i = 0; i < 9; ++i, out += stride) {
@@ -66,16 +67,40 @@ bool add_panel(phn_body_state& state, std::int32_t first, std::int32_t end) {
   return true;
 }
 
+/// Adds a multiple of the squares of the displacements under the tools, which does not change where the energy is
+/// stationary with these prescribed, and makes the sum definite where the body is stable under the tools only.
+void hold_tools(phn_body_state& state) {
+  const phn_body& body = *state.body;
+  const std::int32_t stride = body.stride;
+  constexpr double stiff = 30;  // over the stiffness that the modes alone have under a tool
+  for (std::int32_t r = 0; r < state.n_rows; ++r) {
+    const double* row = state.rows + static_cast<std::int64_t>(r) * stride;
+    double compliance = 0;
+    for (std::int32_t m = 0; m < body.info.n_modes; ++m) {
+      const double diagonal = state.next[static_cast<std::int64_t>(m) * (stride + 1)];
+      if (diagonal > 0) compliance += row[m] * row[m] / diagonal;
+    }
+    state.held[r] = compliance > 0 ? stiff / compliance : 0;
+    const double root = std::sqrt(state.held[r]);
+    for (std::int32_t m = 0; m < stride; ++m) state.change_row[m] = static_cast<float>(root * row[m]);
+    state.kernels->add_products(state.change_row, state.change_row, 1, stride, state.next);
+  }
+}
+
 bool factorize(phn_body_state& state) {
   const std::int32_t n = state.body->info.n_modes, stride = state.body->stride;
   state.kernels->add_products(state.bulk_rows, state.bulk_rows, state.body->info.n_pressures, stride, state.next);
-  for (float shift = 0; shift <= largest_shift; shift = shift == 0 ? 1e-3f : 4 * shift) {
+  set_zero(state.held, sizeof state.held / sizeof *state.held);
+  float shift = 0;
+  for (int attempt = 0; shift <= largest_shift; ++attempt) {
     memcpy(state.factor, state.next, static_cast<std::size_t>(stride) * static_cast<std::size_t>(n) * sizeof(float));
     for (std::int32_t i = 0; i < n; ++i) {
       float& diagonal = state.factor[static_cast<std::int64_t>(i) * (stride + 1)];
       diagonal += shift * (diagonal > 0 ? diagonal : -diagonal);
     }
     if (state.kernels->factorize(state.factor, n, stride)) return true;
+    if (attempt == 0) hold_tools(state);
+    if (attempt > 0) shift = shift > 0 ? 4 * shift : 1e-3f;
   }
   return false;
 }
@@ -86,7 +111,7 @@ bool evaluate_body(phn_body_state& state, phn_body_state::Point& point) {
   const phn_body& body = *state.body;
   const std::int32_t n = body.info.n_cells;
   state.kernels->times(body.gradients, 9 * static_cast<std::int64_t>(n), body.stride, point.q, state.strain);
-  point.energy = 0;
+  point.shape = 0;
   for (std::int32_t c = 0; c < n; ++c) {
     double F[9], shape;
     const std::size_t at = 9 * static_cast<std::size_t>(c);
@@ -95,12 +120,13 @@ bool evaluate_body(phn_body_state& state, phn_body_state::Point& point) {
     if (!body.law->shape(F, body.parameters, shape, stress, nullptr)) return false;
     change = 0;
     if (changes_volume(body, c) && !body.law->volumetric(F, body.parameters, change, slope, nullptr)) return false;
-    point.energy += body.shear[c] * (shape + body.bulk / 2 * change * change);
+    point.shape += body.shear[c] * (shape + body.bulk / 2 * change * change);
     state.pressure_at[c] = body.bulk_of_cell[c] * change;
   }
   set_zero(point.sums, static_cast<std::size_t>(body.pressure_stride));
   state.kernels->add(body.pressures, n, body.pressure_stride, state.pressure_at, point.sums);
   state.kernels->times(body.pressures, n, body.pressure_stride, point.sums, state.pressure_at);
+  point.energy = point.shape;
   for (std::int32_t k = 0; k < body.info.n_pressures; ++k) point.energy += point.sums[k] * point.sums[k] / 2;
   for (std::int32_t c = 0; c < n; ++c) {
     const std::size_t at = 9 * static_cast<std::size_t>(c);
@@ -123,9 +149,10 @@ bool renew_stiffness(phn_body_state& state, std::int32_t n_cells) {
   }
   if (state.next_cells == 0) {
     memcpy(state.next_q, state.at.q, stride * sizeof(double));
-    memcpy(state.next_sums, state.at.sums, static_cast<std::size_t>(body.pressure_stride) * sizeof(double));
+    memcpy(state.next_sums, state.expected, static_cast<std::size_t>(body.pressure_stride) * sizeof(double));
     for (std::size_t i = 0; i < stride * stride; ++i) state.next[i] = 0;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(body.info.n_pressures) * stride; ++i) state.bulk_rows[i] = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(body.info.n_pressures) * stride; ++i)
+      state.next_bulk_rows[i] = 0;
   }
   const auto cut_to_all = [&](std::int32_t c) { return c < body.info.n_cells ? c : body.info.n_cells; };
   for (const std::int32_t end = cut_to_all(state.next_cells + n_cells); state.next_cells < end;) {
@@ -138,6 +165,9 @@ bool renew_stiffness(phn_body_state& state, std::int32_t n_cells) {
   if (state.next_cells < body.info.n_cells) return true;
   state.next_cells = 0;
   state.is_stale = false;
+  float* before = state.bulk_rows;
+  state.bulk_rows = state.next_bulk_rows;
+  state.next_bulk_rows = before;
   return factorize(state);
 }
 

@@ -49,27 +49,29 @@ class Equilibrium {
   /// @param budget  steps that may be made; a new stiffness takes as long as `steps_of_renewal`
   void settle(std::int32_t budget, phn_body_pressed& pressed) {
     move_rows();
-    double last = 0;
+    double last = HUGE_VAL;
+    bool is_fresh = false;
     while (budget > 0) {
-      if (_s.is_stale && budget > steps_of_renewal) {
+      pressed.unbalanced = direction();
+      if (pressed.unbalanced <= settled) return;
+      if (!is_fresh && (_s.is_stale || pressed.unbalanced > slow * last) && budget > steps_of_renewal) {
         if (!renew_stiffness(_s, 0)) return;
         budget -= steps_of_renewal;
         ++pressed.renewed;
         move_rows();
-        last = 0;
+        is_fresh = true;
+        continue;
       }
-      pressed.unbalanced = direction();
-      if (pressed.unbalanced <= settled) return;
-      _s.is_stale = _s.is_stale || (last > 0 && pressed.unbalanced > slow * last);
       last = pressed.unbalanced;
-      if (!search()) _s.is_stale = true;
+      _s.is_stale = !search();
+      is_fresh = false;
       ++pressed.steps;
       --budget;
     }
   }
 
   void copy_forces(double* forces) const {
-    for (std::int32_t r = 0; r < _tools.n_rows; ++r) forces[r] = _force[r];
+    for (std::int32_t r = 0; r < _tools.n_rows; ++r) forces[r] = _force[r] - _s.held[r] * _behind[r];
   }
 
  private:
@@ -99,7 +101,8 @@ class Equilibrium {
     _s.kernels->solve(_s.factor, _n, _stride, _s.alone);
     const std::int32_t n = _tools.n_rows;
     for (std::int32_t r = 0; r < n; ++r)
-      _force[r] = _tools.wanted[r] - product(row(_s.rows, r), _s.at.q, _n) + product(row(_s.rows, r), _s.alone, _n);
+      _force[r] = (_behind[r] = _tools.wanted[r] - product(row(_s.rows, r), _s.at.q, _n)) +
+                  product(row(_s.rows, r), _s.alone, _n);
     for (std::int32_t r = 0; r < n; ++r)
       _force[r] = (_force[r] - product(_compliance[r], _force, r)) / _compliance[r][r];
     for (std::int32_t r = n - 1; r >= 0; --r) {
@@ -126,19 +129,45 @@ class Equilibrium {
     return whole > 0 ? std::sqrt(std::fmax(_decrease, 0) / whole) : 0;
   }
 
-  /// The part of the step after which energy - forces . means is lower. @return whether it is the whole step
+  /// What a step has to lower: the energy less the work of the tools, or the same with the pressures that the step
+  /// expects, which ignores the changes of volume that the next step mends.
+  struct Merit {
+    double energy, mixed;
+  };
+  Merit merit(const phn_body_state::Point& point) const {
+    Merit merit = {point.energy, point.shape};
+    for (std::int32_t k = 0; k < _body.info.n_pressures; ++k)
+      merit.mixed += (_s.expected[k] + _s.change_of_sums[k]) * point.sums[k];
+    for (std::int32_t r = 0; r < _tools.n_rows; ++r) {
+      const double work = _force[r] * product(row(_s.rows, r), point.q, _n);
+      merit.energy -= work;
+      merit.mixed -= work;
+    }
+    return merit;
+  }
+
+  /// Goes the part of the step that lowers one of them. @return whether it is the whole step
   bool search() {
-    double at_start = _s.at.energy;
-    for (std::int32_t r = 0; r < _tools.n_rows; ++r) at_start -= _force[r] * product(row(_s.rows, r), _s.at.q, _n);
+    const std::int32_t n_pressures = _body.info.n_pressures;
+    _s.kernels->times(_s.bulk_rows, n_pressures, _stride, _s.step, _s.change_of_sums);
+    double of_volume = 0;
+    for (std::int32_t k = 0; k < n_pressures; ++k) {
+      _s.expected[k] = _s.at.sums[k];
+      of_volume += _s.change_of_sums[k] * _s.change_of_sums[k];
+    }
+    const Merit start = merit(_s.at);
+    // Differences of energies are rounded.
+    const double rounding = 1e-13 * (std::fabs(start.energy) + std::fabs(start.mixed) + _s.at.energy);
     double part = 1;
     for (int halving = 0; halving < most_halvings; ++halving, part /= 2) {
       for (std::int32_t m = 0; m < _stride; ++m) _s.trial.q[m] = _s.at.q[m] + part * _s.step[m];
       if (!evaluate_body(_s, _s.trial)) continue;
-      double here = _s.trial.energy;
-      for (std::int32_t r = 0; r < _tools.n_rows; ++r) here -= _force[r] * product(row(_s.rows, r), _s.trial.q, _n);
-      // Differences of energies are rounded.
-      const double rounding = 1e-13 * (std::fabs(at_start) + std::fabs(here) + _s.trial.energy);
-      if (here > at_start - sufficient * part * _decrease + rounding) continue;
+      const Merit here = merit(_s.trial);
+      const double promised = sufficient * part;
+      if (here.energy > start.energy - promised * _decrease + rounding &&
+          here.mixed > start.mixed - promised * std::fmax(_decrease - of_volume, 0) + rounding)
+        continue;
+      for (std::int32_t k = 0; k < n_pressures; ++k) _s.expected[k] += part * _s.change_of_sums[k];
       const auto before = _s.at;
       _s.at = _s.trial;
       _s.trial = before;
@@ -151,7 +180,7 @@ class Equilibrium {
   const phn_body& _body;
   const Tools& _tools;
   std::int32_t _n, _stride;
-  double _compliance[3 * most_tools][3 * most_tools], _force[3 * most_tools] = {};
+  double _compliance[3 * most_tools][3 * most_tools], _force[3 * most_tools] = {}, _behind[3 * most_tools] = {};
   double _decrease = 0;
 };
 
@@ -180,16 +209,20 @@ struct Layout {
     take(arena, 1, stride, s.at.q, s.at.forces, s.trial.q, s.trial.forces, s.alone, s.step, s.next_q);
     take(arena, 9, cells, s.strain, s.stress, s.bulk_slope);
     take(arena, 1, cells, s.change, s.pressure_at);
-    take(arena, 1, static_cast<std::size_t>(body.pressure_stride), s.at.sums, s.trial.sums, s.next_sums);
+    take(arena, 1, static_cast<std::size_t>(body.pressure_stride), s.at.sums, s.trial.sums, s.next_sums, s.expected,
+         s.change_of_sums);
     take(arena, 3 * static_cast<std::size_t>(max_tools), stride, s.rows, s.moved);
     s.factor = arena.take<float>(stride, stride);
     s.next = arena.take<float>(stride, stride);
     s.bulk_rows = arena.take<float>(static_cast<std::size_t>(body.info.n_pressures), stride);
+    s.next_bulk_rows = arena.take<float>(static_cast<std::size_t>(body.info.n_pressures), stride);
     s.panel = arena.take<float>(9 * cells_of_panel, stride);
+    s.change_row = arena.take<float>(stride);
     if (state == nullptr || arena.overflow()) return;
     set_zero(s.scratch.weight, nodes);
     for (std::size_t t = 0; t < triangles; ++t) s.scratch.taken[t] = 0;
     zero(stride, s.at.q, s.trial.q, s.alone, s.step);
+    set_zero(s.expected, static_cast<std::size_t>(body.pressure_stride));
     *state = s;
   }
 };
@@ -295,6 +328,7 @@ int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools,
     }
     for (int k = 0; k < 3; ++k) held.wanted[held.n_rows++] = tools[t].displacement[k];
   }
+  state->n_rows = held.n_rows;
   Equilibrium equilibrium(*state, held);
   equilibrium.settle(steps, made);
   equilibrium.copy_forces(forces);
