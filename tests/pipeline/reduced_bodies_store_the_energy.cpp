@@ -32,9 +32,9 @@ double energy(const ReducedBody& body, const Eigen::VectorXd& q, double mu) {
   double sum = 0;
   for (Eigen::Index c = 0; c < pressures.rows(); ++c) {
     const Eigen::Matrix3d f = Eigen::Matrix3d::Identity() + Eigen::Map<const Eigen::Matrix3d>(F.data() + 9 * c);
-    const double log_J = std::log(f.determinant());
-    sum += body.shear_m3[static_cast<std::size_t>(c)] * mu * ((f.squaredNorm() - 3) / 2 - log_J);
-    b += body.bulk_rJ[static_cast<std::size_t>(c)] * log_J * pressures.row(c).transpose();
+    const double J = f.determinant();
+    sum += body.shear_m3[static_cast<std::size_t>(c)] * mu * ((f.squaredNorm() - 3) / 2 - std::log(J));
+    b += body.bulk_rJ[static_cast<std::size_t>(c)] * (J - 1) * pressures.row(c).transpose();
   }
   return sum + b.squaredNorm() / 2;
 }
