@@ -40,6 +40,10 @@ def coupling(F, p, lmbda, couples_J):
     return couples_J * with_J + (1 - couples_J) * with_ln_J
 
 
+def of_pressure(F, couples_J):
+    return couples_J * (det(F) - 1) + (1 - couples_J) * ln(det(F))
+
+
 shell_from = 1
 
 

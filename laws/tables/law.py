@@ -18,6 +18,7 @@ and optionally
     accepted            sets of keys that a scene may give (Accepted); default: all parameters by their own keys
     derived             functions of the parameters that become dimensionless constants of the forms
     coupling(F, p)      coupling of displacement and pressure in mixed elements; default: p g - p^2 / (2 kappa)
+    of_pressure(F)      what a small pressure multiplies in the coupling, its d/dp at p = 0; default: volumetric(F)
     inside(F)           positive where the energy is defined, in addition to J > 0; other states count as J <= 0
     plane_stress(metric)        energy density of a shell's layer with S^33 condensed (precompute_dolfinx/forms/shell.py)
     squared_thickness(metric)   for laws that are defined for J <= 0: positive unless the wall is turned inside out
@@ -158,7 +159,7 @@ class Law:
         self.isochoric = self.kappa == BULK.symbol  # shape does not see changes of volume
         self.finite = getattr(module, "finite", True)
         self.derived = tuple(getattr(module, "derived", ()))
-        for word in ("coupling", "inside", "plane_stress", "squared_thickness", "calculix"):
+        for word in ("coupling", "of_pressure", "inside", "plane_stress", "squared_thickness", "calculix"):
             setattr(self, word, getattr(module, word, None))
         self.shell_from = getattr(module, "shell_from", 0)
         given = tuple(getattr(module, "accepted", (Accepted(tuple(self.parameters)),)))
@@ -176,7 +177,7 @@ class Law:
             if p.key.endswith("_per_Pa"):
                 raise self._error("a parameter must be a modulus or dimensionless", p.key, "give it in Pa")
         known = set(symbols) | {f.__name__ for f in self.derived}
-        leading_of = {"shape": 1, "volumetric": 1, "coupling": 2, "inside": 1, "plane_stress": 1, "squared_thickness": 1,
+        leading_of = {"shape": 1, "volumetric": 1, "coupling": 2, "of_pressure": 1, "inside": 1, "plane_stress": 1, "squared_thickness": 1,
                   "shear_modulus": 0, "bulk_modulus": 0, "calculix": 0}  # fmt: skip
         for word, leading in leading_of.items():
             if function := getattr(self, word):

@@ -190,9 +190,12 @@ def body_laws(laws):
     text, rows = "", []
     for law in laws:
         word, values, known, F = law.identifier, _values(law.parameters, "p"), _formulas(law.parameters), Formula("F")
-        for part in ("shape", "volumetric"):
+        for f in law.derived:
+            values.append(f"{DOUBLE}{f.__name__} = {code(call(f, **known))};")
+        known |= {f.__name__: Formula(f.__name__) for f in law.derived}
+        for part, function in {"shape": law.shape, "volumetric": law.of_pressure or law.volumetric}.items():
             text += _function(f"template <class T>\nT {part}_of_{word}(const Tensor<T>& F, const double* p, Tensor<T>& first)",
-                              values + with_derivative(call(getattr(law, part), F, **known)))  # fmt: skip
+                              values + with_derivative(call(function, F, **known)))  # fmt: skip
         inside = [f"return {code(call(law.inside, F, **known)) if law.inside else 1};"]
         text += _function(f"double inside_of_{word}([[maybe_unused]] const Tensor<double>& F, const double* p)",
                           values + ["if (!(det(F) > 0)) return 0;"] * law.finite + inside)  # fmt: skip

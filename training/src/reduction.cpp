@@ -185,10 +185,10 @@ class Reduction {
                            _elements.slope[static_cast<std::size_t>(l)]);
         stiffness += _modes.middleRows(i * n, n).transpose() * (part * _modes.middleRows(k * n, n));
       }
-    const auto gradient = gradients(_elements.slope, _modes);
-    for (std::size_t k = 0; k < 9; ++k)
-      changes += rest.g[static_cast<Index>(k)] * (_elements.middle * _pressures).transpose() *
-                 _elements.bulk.asDiagonal() * gradient[k];
+    const MatrixXd volumes = _elements.bulk.asDiagonal() * (_elements.middle * _pressures);
+    for (Index k = 0; k < 9; ++k)
+      changes += rest.g[k] * (_elements.slope[static_cast<std::size_t>(k % 3)].transpose() * volumes).transpose() *
+                 _modes.middleRows(k / 3 * n, n);
     stiffness += changes.transpose() * changes;
     return stiffness.llt().matrixL().solve(MatrixXd::Identity(m, m));
   }

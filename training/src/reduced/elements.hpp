@@ -16,7 +16,8 @@ using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 /// dW/dF at each point, row by row of F.
 using AtPoints = Eigen::Matrix<double, 9, Eigen::Dynamic>;
 
-/// The energy density is shape + bulk_in_shape_Pa/2 g^2 at every point, and the pressure's in the cells.
+/// The energy density is shape + bulk_in_shape_Pa/2 g^2 at every point, and the pressure's in the cells. g is that of
+/// body/laws.hpp.
 struct Elements {
   Elements(const Mesh& mesh, const Material& material, Element element);
 

@@ -1,0 +1,168 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <Eigen/LU>
+#include <filesystem>
+#include <phynness/formats/error.hpp>
+#include <phynness/training/reduction.hpp>
+
+#include "../block_mesh.hpp"
+
+namespace phynness::test {
+namespace {
+
+/// A database of a block whose smooth fields nobody has solved, with round tools at two nodes of its top.
+class ReducedBodies : public testing::Test {
+ protected:
+  ~ReducedBodies() override { std::filesystem::remove(file); }
+
+  static std::string scene(const std::string& element = "es-p1-p1", const std::string& law = "neo-hookean") {
+    return "[mesh]\nshape = \"block\"\n[material]\nlaw = \"" + law + "\"\nc10_Pa = 250.0\nbulk_modulus_Pa = 5e3\n" +
+           (law == "mooney-rivlin" ? "c01_Pa = 50.0\n" : "") + "[solver]\nelement = \"" + element +
+           "\"\n[nodes]\nfixed = { nodes = [0] }\noutput = \"free\"\n[probe]\nkind = \"patch\"\ntool_radius_m = "
+           "0.04\nmax_displacement_m = 0.01\nincrements = 2\n";
+  }
+
+  Database written(const std::string& text = scene(), const std::function<void(DatabaseHeader&)>& change = {},
+                   Status status = Status::converged) {
+    DatabaseHeader header;
+    header.mesh = block_mesh({3, 3, 2}, {0.09, 0.09, 0.06});
+    for (std::int32_t i = 0; i < header.mesh.n_nodes(); ++i)
+      (i < 16 ? header.sets.fixed : header.sets.output).push_back(i);
+    header.sets.active = {37, 42};
+    header.directions = exploratory_directions(Directions::fourteen);
+    header.magnitudes_m = {0.005, 0.01};
+    header.float64 = true;
+    header.scene_text = text;
+    header.scene_name = "block.toml";
+    header.scene_folder = "/";
+    header.mesh_hash = mesh_hash(header.mesh);
+    if (change) change(header);
+    std::filesystem::remove(file);
+    DatabaseWriter::create(file, header, false);
+    DatabaseWriter writer(file, header, 0);
+    for (std::int32_t a = 0; a < 2; ++a)
+      for (std::int32_t d = 0; d < static_cast<std::int32_t>(header.directions.size()); ++d) {
+        Ray ray = empty_ray(header, a, d);
+        std::ranges::fill(ray.status, status);
+        for (std::size_t k = 0, at = 0; k < 2 && status == Status::converged; ++k)
+          for (const auto node : header.sets.output)
+            for (const double e : header.directions[static_cast<std::size_t>(d)]) {
+              const auto x =
+                  header.mesh.nodes.row(node) - header.mesh.nodes.row(header.sets.active[static_cast<std::size_t>(a)]);
+              ray.displacement[at++] = header.magnitudes_m[k] * e * header.mesh.nodes(node, 2) / 0.06 *
+                                       std::exp(-x.squaredNorm() / 0.002 - 20 * x.dot(Eigen::RowVector3d(e, 0, e)));
+            }
+        writer.append(ray);
+      }
+    writer.close();
+    DatabaseWriter::pack(file, header);
+    return Database::open(file);
+  }
+
+  static ReducedBody reduced(const Database& database, const ReductionSpec& spec, int threads = 1) {
+    ReductionReport report;
+    return reduce(database, spec, report, {}, threads);
+  }
+
+  void expect_refused(const std::string& words, const std::string& text,
+                      const std::function<void(DatabaseHeader&)>& change = {}, Status status = Status::converged) {
+    try {
+      const auto database = written(text, change, status);
+      reduced(database, {});
+      ADD_FAILURE() << "accepted: " << words;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), Error::Kind::input);
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+  }
+
+  std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("phynness_reduced_" + std::to_string(getpid()) + ".h5");
+};
+
+const ReductionSpec small{12, 40, 30, 1};
+
+// Claim: the same bytes on one and two threads. The weights are positive, of as many points as wanted, and have the
+// volumes of all points to a percent, of which they were equations; pressures have volumes in cells only.
+TEST_F(ReducedBodies, HaveFewPositiveWeights) {
+  const auto database = written();
+  ReductionReport report;
+  const auto body = reduce(database, small, report, {}, 1);
+  EXPECT_EQ(write_body_text(body), write_body_text(reduced(database, small, 2)));
+  EXPECT_EQ(report.fields, 56);
+  EXPECT_EQ(report.states, 30);
+  ASSERT_EQ(body.shear_m3.size(), 40u);
+  EXPECT_EQ(body.modes.cols(), 12);
+  EXPECT_EQ(body.pressures.cols(), 3);
+  double shear = 0;
+  std::size_t edges = 0;
+  for (std::size_t c = 0; c < 40; ++c) {
+    EXPECT_GT(body.shear_m3[c], 0);
+    EXPECT_GE(body.bulk_rJ[c], 0);
+    shear += body.shear_m3[c];
+    edges += body.bulk_rJ[c] == 0;
+  }
+  EXPECT_NEAR(shear / volume(database.header().mesh), 1, 0.01);
+  EXPECT_GT(edges, 0u);
+  EXPECT_LT(edges, 40u);
+}
+
+// Claim: with all points the volumes are those of the body, and with all modes the surface's displacements of a stored
+// field are a sum of the modes to the rounding of tables and to what the modes of one node leave out (1e-4, squared).
+TEST_F(ReducedBodies, SpanTheFields) {
+  const auto database = written(scene("p1-p1"));
+  const auto body = reduced(database, {200, 1'000'000, 30, 1});
+  const auto& header = database.header();
+  EXPECT_EQ(body.shear_m3.size(), static_cast<std::size_t>(header.mesh.n_cells()));
+  EXPECT_NEAR(std::accumulate(body.shear_m3.begin(), body.shear_m3.end(), 0.0), volume(header.mesh), 1e-12);
+  const Eigen::MatrixXd modes = body.modes.values();
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(modes.rows());
+  const auto ray = database.rays(1)[5];
+  for (std::size_t i = 0; i < body.nodes.size(); ++i) {
+    const auto& output = header.sets.output;
+    const auto place = std::ranges::lower_bound(output, body.nodes[i]) - output.begin();
+    for (Eigen::Index k = 0; k < 3 && body.nodes[i] >= 16; ++k)
+      u[3 * static_cast<Eigen::Index>(i) + k] =
+          ray.displacement[3 * (output.size() + static_cast<std::size_t>(place)) + static_cast<std::size_t>(k)];
+    EXPECT_EQ(body.kinds[i] == 0, body.nodes[i] < 16);
+    if (body.nodes[i] == 37) {
+      EXPECT_EQ(body.kinds[i], 2);
+    }
+  }
+  const Eigen::VectorXd q = (modes.transpose() * modes).ldlt().solve(modes.transpose() * u);
+  EXPECT_LT((modes * q - u).norm(), 0.02 * u.norm());
+}
+
+// Claim: what isochoric laws of es-p1-p1 keep in the shape is 2 mu / 3, mu = 2 (c10 + c01); elsewhere nothing.
+TEST_F(ReducedBodies, KeepAPartOfTheBulkModulusInTheShape) {
+  EXPECT_DOUBLE_EQ(reduced(written(scene("es-p1-p1", "mooney-rivlin")), small).bulk_in_shape_Pa, 400);
+  EXPECT_EQ(reduced(written(scene("p1-p1", "mooney-rivlin")), small).bulk_in_shape_Pa, 0);
+  EXPECT_EQ(reduced(written(), small).bulk_in_shape_Pa, 0);
+}
+
+// Claim: a database that cannot be reduced is refused with what is wrong.
+TEST_F(ReducedBodies, NeedTheRightDatabase) {
+  expect_refused("element P1", scene("P1"));
+  expect_refused("element taylor-hood", scene("taylor-hood"));
+  expect_refused("node 40 is neither fixed nor an output node", scene(),
+                 [](DatabaseHeader& header) { std::erase(header.sets.output, 40); });
+  expect_refused("no active node has a converged increment", scene(), {}, Status::diverged);
+  const auto meant = [](const std::function<void(Scene&)>& change) {
+    return [change](DatabaseHeader& header) {
+      Scene earlier = parse_scene(header.scene_text, "block.toml", "/", MeshFile::may_be_absent);
+      change(earlier);
+      header.physics_hash = physics_hash(earlier);
+    };
+  };
+  expect_refused("rigid patches", scene(), meant([](Scene& s) { s.probe.kind = ProbeKind::rigid_patch; }));
+  expect_refused("press what does not face them", scene(), meant([](Scene& s) { s.probe.whole = true; }));
+  expect_refused("revision 1", scene("es-p1-p1", "mooney-rivlin"),
+                 meant([](Scene& s) { s.solver.earlier_revision = 1; }));
+  expect_refused("imported", "[probe]\nmax_displacement_m = 0.01\n", [](DatabaseHeader& header) {
+    header.displacements_m = Points::Ones(static_cast<Eigen::Index>(2 * header.directions.size()), 3);
+  });
+}
+
+}  // namespace
+}  // namespace phynness::test
