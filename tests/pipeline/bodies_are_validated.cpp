@@ -43,11 +43,11 @@ TEST_F(Bodies, AreComparedBesideTheModel) {
     EXPECT_EQ(with.at(part).at("body_warnings").at("outside"), 0);
   }
   const auto all = with.at("pairs").at("all");
-  std::cout << all.dump(1) << with.at("points").at("body").dump(1) << with.at("points").at("coupled").dump(1);
   EXPECT_EQ(all.at("body").at("force").at("n"), all.at("coupled").at("force").at("n"));
-  EXPECT_LT(all.at("body").at("force").at("mean"), all.at("coupled").at("force").at("mean"));
-  EXPECT_LT(all.at("body").at("displacement_all").at("max"), 0.05);
-  EXPECT_LT(with.at("points").at("body").at("force").at("max"), 0.05);
+  // Measured: forces of pairs to 0.8 % (the model: 25 %), of points to 0.5 %, displacements of pairs to 0.5 %.
+  EXPECT_LT(all.at("body").at("force").at("max"), 0.02);
+  EXPECT_LT(all.at("body").at("displacement_all").at("max"), 0.02);
+  EXPECT_LT(with.at("points").at("body").at("force").at("max"), 0.02);
 
   const auto ranks = shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" " + validate + "ranks.json --body body.txt");
   ASSERT_EQ(ranks.exit_status, 0) << ranks.err;
