@@ -1,268 +1,211 @@
-// A reduced body (lab/reduced/study.py) that follows tools in real time: a few steps of Newton's method in every
-// millisecond, with a stiffness matrix that is several milliseconds old.
+// A reduced body under two tools in real time: a few steps in every millisecond, against converged forces.
 //
-//   phynness_follow_path PATH.bin [--steps 2 --keep 4]
+//   phynness_follow_path BODY.txt [--steps 2 3 4 --gaps 2 1 0.6 --speed 0.05 --depth 0.33 --seconds 2]
 //
-// PATH.bin is written by study.py --path. Prints times of the parts, and errors of the forces against converged ones in
-// per cent of the largest force on the way.
+// Two round tools slide over the surface, at a distance that stays near the gap, and press in turning directions.
+// Errors of the force of the worse tool are in per cent of the largest force on the way; times are of this thread.
 #include <fmt/core.h>
+#include <phynness/phynness_body.h>
 
 #include <CLI/CLI.hpp>
 #include <Eigen/Dense>
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
+#include <iterator>
+#include <limits>
 #include <median_time.hpp>
-#include <optional>
+#include <random>
 #include <stdexcept>
-#include <vector>
 
 namespace phynness {
 namespace {
 
-using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Vector = Eigen::VectorXd;
-using Tensor = Eigen::Matrix<double, 9, 9>;
+using Eigen::Vector3d;
 
-/// Energy, forces and stiffness in the space of the modes; symbols as in study.py.
-struct ReducedBody {
-  double mu = 0;
-  Matrix gradients;    ///< G: (9 points) x modes
-  Vector shear, bulk;  ///< w S and w V of the points
-  Matrix psi;          ///< points x pressures
-  Matrix soft;         ///< inverse of C
+struct Options {
+  std::string file;
+  std::vector<int> steps{2, 3, 4};
+  std::vector<double> gaps{2, 1, 0.6};
+  double speed_m_per_s = 0.05, depth = 1.0 / 3, seconds = 2;
 };
 
-/// Where tools are in one millisecond: rows (3 tools) x modes, whose products with q are the means under the tools.
-struct Moment {
-  Matrix rows;
-  Vector displacement;
+void require(int status, const char* what) {
+  if (status < 0) throw std::runtime_error(fmt::format("{}: {}", what, phn_status_message(status)));
+}
+
+class Body {
+ public:
+  explicit Body(const std::string& file) {
+    std::ifstream in(file, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    std::size_t bytes = 0;
+    require(phn_body_size(text.data(), text.size(), &bytes, nullptr), file.c_str());
+    _memory.resize(bytes);
+    require(phn_body_init(_memory.data(), bytes, text.data(), text.size(), &_body, nullptr), file.c_str());
+    require(phn_body_describe(_body, &info), "phn_body_describe");
+  }
+  const phn_body* get() const { return _body; }
+  Vector3d point(int node) const { return Eigen::Map<const Vector3d>(info.points + 3 * node); }
+  /// The nearest place of the surface.
+  phn_tool nearest(const Vector3d& x) const;
+
+  phn_body_info info{};
+
+ private:
+  std::vector<char> _memory;
+  const phn_body* _body = nullptr;
 };
 
-struct Path {
-  ReducedBody body;
-  std::vector<Moment> moments;
-};
+phn_tool Body::nearest(const Vector3d& x) const {
+  phn_tool best{{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}};
+  double least = std::numeric_limits<double>::infinity();
+  for (int t = 0; t < info.n_triangles; ++t) {
+    const int* corner = info.triangles + 3 * t;
+    Eigen::Matrix3d at;
+    for (int k = 0; k < 3; ++k) at.col(k) = point(corner[k]);
+    const Vector3d normal = (at.col(1) - at.col(0)).cross(at.col(2) - at.col(0)).normalized();
+    // Weights of the foot of x, cut to the triangle: near enough to the nearest point of a smooth surface.
+    Vector3d weights = at.colPivHouseholderQr().solve(x - normal.dot(x - at.col(0)) * normal).cwiseMax(0);
+    weights /= weights.sum();
+    const double distance = (at * weights - x).norm();
+    if (!(distance < least)) continue;
+    least = distance;
+    for (int k = 0; k < 3; ++k) {
+      best.nodes[k] = info.nodes[corner[k]];
+      best.weights[k] = weights[k];
+    }
+  }
+  return best;
+}
 
-/// The kinematics of a state, which forces and stiffness share.
 class State {
  public:
-  explicit State(const ReducedBody& body) : _body(body), _points(body.shear.size()), _inverse(_points) {}
-
-  /// Forces of the modes at q; false where a point is turned inside out.
-  bool set(const Vector& q, Vector& forces) {
-    _strain.noalias() = _body.gradients * q;
-    _J.resize(_points);
-    for (Eigen::Index c = 0; c < _points; ++c) {
-      const Eigen::Matrix3d F = at(c) + Eigen::Matrix3d::Identity();
-      _J[c] = F.determinant();
-      if (!(_J[c] > 0)) return false;
-      _inverse[static_cast<std::size_t>(c)] = F.inverse().transpose();
-    }
-    _pressure.noalias() =
-        _body.psi * (_body.soft * (_body.psi.transpose() * (_body.bulk.array() * (_J.array() - 1)).matrix()));
-    _pressure.array() *= _body.bulk.array() * _J.array();
-    _stress.resize(9 * _points);
-    for (Eigen::Index c = 0; c < _points; ++c) {
-      const double shear = _body.mu * _body.shear[c];
-      const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> P =
-          shear * (at(c) + Eigen::Matrix3d::Identity()) +
-          (_pressure[c] - shear) * _inverse[static_cast<std::size_t>(c)];
-      _stress.segment<9>(9 * c) = Eigen::Map<const Eigen::Matrix<double, 9, 1>>(P.data());
-    }
-    forces.noalias() = _body.gradients.transpose() * _stress;
-    return true;
+  explicit State(const Body& body) : _body(body) {
+    std::size_t bytes = 0;
+    require(phn_body_state_size(body.get(), 2, &bytes), "phn_body_state_size");
+    _memory.resize(bytes);
+    require(phn_body_state_init(_memory.data(), bytes, body.get(), 2, &_state), "phn_body_state_init");
+  }
+  int press(const std::array<phn_tool, 2>& tools, int steps) {
+    const int status = phn_body_press(_body.get(), _state, 2, tools.data(), steps, forces[0].data(), &pressed);
+    require(status, "phn_body_press");
+    return status;
   }
 
-  /// Stiffness matrix of the modes at the state that was set last.
-  void stiffness(Matrix& K) {
-    _turned.resize(_body.gradients.rows(), _body.gradients.cols());
-    _volumes.resize(_points, _body.gradients.cols());
-    for (Eigen::Index c = 0; c < _points; ++c) {
-      const Eigen::Matrix3d& C = _inverse[static_cast<std::size_t>(c)];
-      const double shear = _body.mu * _body.shear[c], p = _pressure[c];
-      Tensor A;
-      Eigen::Matrix<double, 9, 1> change;
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-          change[3 * i + j] = _body.bulk[c] * _J[c] * C(i, j);
-          for (int k = 0; k < 3; ++k)
-            for (int l = 0; l < 3; ++l)
-              A(3 * i + j, 3 * k + l) =
-                  (shear - p) * C(i, l) * C(k, j) + p * C(i, j) * C(k, l) + (i == k && j == l ? shear : 0);
-        }
-      const auto G = _body.gradients.middleRows<9>(9 * c);
-      _turned.middleRows<9>(9 * c).noalias() = A * G;
-      _volumes.row(c).noalias() = change.transpose() * G;
-    }
-    const Matrix of_pressures = _body.psi.transpose() * _volumes;
-    K.noalias() = _body.gradients.transpose() * _turned;
-    K.noalias() += of_pressures.transpose() * (_body.soft * of_pressures);
-  }
+  phn_body_state* raw() { return _state; }
+
+  std::array<Vector3d, 2> forces{};
+  phn_body_pressed pressed{};
 
  private:
-  Eigen::Matrix3d at(Eigen::Index c) const {
-    return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(_strain.data() + 9 * c);
-  }
-
-  const ReducedBody& _body;
-  Eigen::Index _points;
-  std::vector<Eigen::Matrix3d> _inverse;  ///< F^-T
-  Vector _strain, _J, _pressure, _stress;
-  Matrix _turned, _volumes;
+  const Body& _body;
+  std::vector<char> _memory;
+  phn_body_state* _state = nullptr;
 };
 
-/// The body under tools that move.
-class Follower {
- public:
-  explicit Follower(const ReducedBody& body) : _state(body), _q(Vector::Zero(body.gradients.cols())) {
-    _state.set(_q, _forces);
-    renew();
+/// Tools in every millisecond.
+std::vector<std::array<phn_tool, 2>> path(const Body& body, const Options& options, double gap) {
+  std::mt19937 random(1);
+  const auto any = [&] { return static_cast<int>(random() % static_cast<unsigned>(body.info.n_nodes)); };
+  const double radius = body.info.tool_radius_m;
+  State state(body);
+  const auto trained = [&](int node) {
+    const phn_tool tool{{body.info.nodes[node], -1, -1}, {1, 0, 0}, {0, 0, 0}};
+    Vector3d force;
+    return phn_body_press(body.get(), state.raw(), 1, &tool, 1, force.data(), nullptr) == PHN_OK;
+  };
+  std::array<Vector3d, 2> from, to;
+  for (auto* ends : {&from, &to})
+    for (int attempt = 0;; ++attempt) {
+      if (attempt == 100'000) throw std::runtime_error("no two nodes have this gap between them");
+      const int a = any(), b = any();
+      const double apart = (body.point(a) - body.point(b)).norm() / radius;
+      if (std::abs(apart - gap) > 0.15 * gap + 0.05 || !trained(a) || !trained(b)) continue;
+      if (ends == &to &&
+          ((body.point(a) - from[0]).norm() > 2 * radius || (body.point(b) - from[1]).norm() > 2 * radius))
+        continue;
+      *ends = {body.point(a), body.point(b)};
+      break;
+    }
+  const double way = std::max((to[0] - from[0]).norm(), (to[1] - from[1]).norm());
+  std::vector<std::array<phn_tool, 2>> moments;
+  const double pi = std::acos(-1.0);
+  for (int k = 0; k < 1000 * options.seconds; ++k) {
+    const double t = k / 1000.0, gone = std::fmod(t * options.speed_m_per_s / std::max(way, 1e-9), 2.0);
+    const double share = gone < 1 ? gone : 2 - gone;  // to and fro
+    std::array<phn_tool, 2> tools;
+    for (std::size_t i = 0; i < 2; ++i) {
+      tools[i] = body.nearest((1 - share) * from[i] + share * to[i]);
+      for (int j = 0; j < 3; ++j)
+        tools[i].displacement[j] = options.depth * body.info.max_displacement_m * std::min(1.0, 5 * t) /
+                                   std::sqrt(3.0) *
+                                   std::sin(2 * pi * (i == 0 ? 1.0 : 1.7) * t + 2.1 * j + static_cast<double>(i));
+    }
+    moments.push_back(tools);
   }
+  return moments;
+}
 
-  /// One step towards equilibrium, which is kept as short as it takes for all points to remain right side out.
-  /// @return the forces of the tools; nothing if no step does
-  std::optional<Vector> step(const Moment& moment) {
-    const Matrix moved = _factor.solve(moment.rows.transpose());
-    const Vector alone = _factor.solve(_forces);
-    const Matrix compliance = moment.rows * moved;
-    const Vector force = compliance.ldlt().solve(moment.displacement - moment.rows * _q + moment.rows * alone);
-    const Vector step = moved * force - alone;
-    for (double part = 1; part > 1e-3; part /= 2)
-      if (const Vector q = _q + part * step; _state.set(q, _forces)) {
-        _q = q;
-        return force;
+double at(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+void run(const Options& options) {
+  const Body body(options.file);
+  fmt::print("{} modes, {} cells; errors [%] and times [us]: median, 99 %, largest\n", body.info.n_modes,
+             body.info.n_cells);
+  for (const double gap : options.gaps) {
+    const auto moments = path(body, options, gap);
+    std::vector<std::array<Vector3d, 2>> truth;
+    std::vector<char> known;
+    double largest = 0;
+    State slow(body);
+    for (const auto& tools : moments) {
+      constexpr int plenty = 400;
+      known.push_back(!(slow.press(tools, plenty) & PHN_WARNING_UNSETTLED));
+      truth.push_back(slow.forces);
+      for (const auto& f : slow.forces) largest = std::max(largest, f.norm());
+    }
+    for (const int steps : options.steps) {
+      State state(body);
+      std::vector<double> errors, us;
+      int unsettled = 0, renewed = 0;
+      for (std::size_t k = 0; k < moments.size(); ++k) {
+        us.push_back(bench::time_of(
+            1, [&](int) { unsettled += (state.press(moments[k], steps) & PHN_WARNING_UNSETTLED) != 0; }));
+        renewed += state.pressed.renewed;
+        if (known[k])
+          errors.push_back(100 / largest *
+                           std::max((state.forces[0] - truth[k][0]).norm(), (state.forces[1] - truth[k][1]).norm()));
       }
-    _state.set(_q, _forces);
-    return std::nullopt;
-  }
-
-  /// Factorizes the stiffness of the present state; where it is not positive definite, with a multiple of 1.
-  void renew() {
-    _state.stiffness(_K);
-    for (double more = 0; more < 1e3; more = std::max(4 * more, 1e-4)) {
-      Matrix K = _K;
-      K.diagonal().array() += more * _K.diagonal().mean();
-      _factor.compute(K);
-      if (_factor.info() == Eigen::Success) return;
+      fmt::print(
+          "gap {:.1f} R, {} steps: errors {:.2g} {:.2g} {:.2g}; times {:.0f} {:.0f} {:.0f}; stiffness of every {:.0f} "
+          "ms; "
+          "unsettled {} of {}, not known {}\n",
+          gap, steps, at(errors, 0.5), at(errors, 0.99), at(errors, 1), at(us, 0.5), at(us, 0.99), at(us, 1),
+          static_cast<double>(moments.size()) / std::max(renewed, 1), unsettled, moments.size(),
+          std::count(known.begin(), known.end(), 0));
     }
-    throw std::runtime_error("the stiffness cannot be factorized");
   }
-
-  State& state() { return _state; }
-  const Vector& q() const { return _q; }
-
-  /// Norm of the forces that the tools do not balance, over that of the tools' own.
-  double unbalanced(const Moment& moment, const Vector& force) const {
-    const Vector held = moment.rows.transpose() * force;
-    return (_forces - held).norm() / std::max(held.norm(), 1e-30);
-  }
-
- private:
-  State _state;
-  Vector _q, _forces;
-  Matrix _K;
-  Eigen::LLT<Matrix> _factor;
-};
-
-Path read(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  const auto numbers = [&](double* to, Eigen::Index n) {
-    in.read(reinterpret_cast<char*>(to), static_cast<std::streamsize>(n) * 8);
-    if (!in) throw std::runtime_error("the file ends early: " + file);
-  };
-  double sizes[6];  // points, modes, pressures, rows, moments, mu
-  numbers(sizes, 6);
-  const auto points = static_cast<Eigen::Index>(sizes[0]), modes = static_cast<Eigen::Index>(sizes[1]),
-             pressures = static_cast<Eigen::Index>(sizes[2]), rows = static_cast<Eigen::Index>(sizes[3]);
-  Path path;
-  path.body = {sizes[5],       Matrix(9 * points, modes), Vector(points),
-               Vector(points), Matrix(points, pressures), Matrix(pressures, pressures)};
-  auto& b = path.body;
-  numbers(b.gradients.data(), b.gradients.size());
-  for (auto* v : {&b.shear, &b.bulk}) numbers(v->data(), v->size());
-  for (auto* m : {&b.psi, &b.soft}) numbers(m->data(), m->size());
-  path.moments.assign(static_cast<std::size_t>(sizes[4]), {Matrix(rows, modes), Vector(rows)});
-  for (auto& moment : path.moments) {
-    numbers(moment.rows.data(), moment.rows.size());
-    numbers(moment.displacement.data(), rows);
-  }
-  return path;
-}
-
-/// Forces of all moments by steps until they are converged.
-std::vector<Vector> converged(const Path& path) {
-  constexpr int most = 40;
-  constexpr double converged_to = 1e-6;  // a tenth of the smallest errors that are compared
-  Follower body(path.body);
-  std::vector<Vector> forces;
-  for (const auto& moment : path.moments) {
-    std::optional<Vector> force;
-    int n = 0;
-    do {
-      force = body.step(moment);
-      body.renew();
-    } while (++n < most && (!force || body.unbalanced(moment, *force) > converged_to));
-    if (n == most)
-      throw std::runtime_error(fmt::format("moment {} has no converged forces; {:.1g} of them are unbalanced",
-                                           forces.size(), force ? body.unbalanced(moment, *force) : 1.0));
-    forces.push_back(*force);
-  }
-  return forces;
-}
-
-void run(const std::string& file, int steps, int keep) {
-  const Path path = read(file);
-  const auto truth = converged(path);
-  double largest = 0;
-  for (const auto& f : truth) largest = std::max(largest, f.norm());
-
-  Follower body(path.body);
-  std::vector<double> errors, microseconds;
-  int lost = 0;
-  for (std::size_t k = 0; k < path.moments.size(); ++k) {
-    std::optional<Vector> force;
-    microseconds.push_back(bench::time_of(1, [&](int) {
-      if (k % static_cast<std::size_t>(keep) == 0) body.renew();
-      for (int n = 0; n < steps; ++n) force = body.step(path.moments[k]);
-    }));
-    lost += !force;
-    if (force) errors.push_back((*force - truth[k]).norm() / largest);
-  }
-  if (errors.empty()) throw std::runtime_error("no moment has forces");
-  std::sort(errors.begin(), errors.end());
-  std::sort(microseconds.begin(), microseconds.end());
-  const auto at = [](const std::vector<double>& sorted, double share) {
-    return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
-  };
-  fmt::print("{} moments, {} points, {} modes; {} steps, stiffness of every {} ms\n", path.moments.size(),
-             path.body.shear.size(), path.body.gradients.cols(), steps, keep);
-  fmt::print("error median {:.2g} %, 99 % {:.2g} %, largest {:.2g} %; {} moments without forces\n",
-             100 * at(errors, 0.5), 100 * at(errors, 0.99), 100 * errors.back(), lost);
-  fmt::print("processor time in a millisecond: median {:.0f} us, 99 % {:.0f} us\n", at(microseconds, 0.5),
-             at(microseconds, 0.99));
-  Vector forces;
-  Matrix K;
-  const double force_us = bench::median_us([&](int) { body.state().set(body.q(), forces); });
-  const double stiffness_us = bench::median_us([&](int) { body.state().stiffness(K); });
-  const double factor_us = bench::median_us([&](int) { body.renew(); });
-  fmt::print("processor time: forces {:.0f} us, stiffness {:.0f} us, with factorization {:.0f} us\n", force_us,
-             stiffness_us, factor_us);
 }
 
 }  // namespace
 }  // namespace phynness
 
 int main(int argc, char** argv) {
-  CLI::App app("A reduced body that follows tools in real time");
-  std::string file;
-  int steps = 2, keep = 4;
-  app.add_option("path", file)->required();
-  app.add_option("--steps", steps)->check(CLI::Range(1, 100));
-  app.add_option("--keep", keep)->check(CLI::Range(1, 1000));
+  CLI::App app("A reduced body that follows two tools in real time");
+  phynness::Options options;
+  app.add_option("body", options.file)->required();
+  app.add_option("--steps", options.steps);
+  app.add_option("--gaps", options.gaps, "between the tools, in radii");
+  app.add_option("--speed", options.speed_m_per_s);
+  app.add_option("--depth", options.depth, "over that of the training");
+  app.add_option("--seconds", options.seconds);
   CLI11_PARSE(app, argc, argv);
   try {
-    phynness::run(file, steps, keep);
+    phynness::run(options);
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return 1;

@@ -56,7 +56,7 @@ typedef struct phn_body_pressed {
  * that the state has. Steps are shortened until they lower the energy, so that tools that move by fractions of a
  * millimetre need two in each millisecond and any motion ends at an equilibrium. The stiffness matrix is kept between
  * calls while it serves. Unlike those of a model, forces depend on the motion before. _OUTSIDE: a displacement is larger
- * than trained, or no probed point is within a radius of the tool. _UNSETTLED: `unbalanced` is above 1e-3 or a tool is
+ * than trained, or no probed point is within a radius of the tool. _UNSETTLED: `unbalanced` is above 0.01 or a tool is
  * ahead; call again with the same tools to come closer. PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0
  * tools the body is released. `pressed` may be null. */
 PHN_API int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools,
