@@ -15,10 +15,23 @@ struct Moments {
   double area = 0, x = 0, y = 0;
 };
 
+/// The angle from a to b of plane vectors, between -pi and pi.
+double angle_between(const double* a, const double* b, double lengths) {
+  const double across = a[0] * b[1] - a[1] * b[0], along = a[0] * b[0] + a[1] * b[1];
+  if (!(lengths + along > 1e-15 * lengths)) return across < 0 ? -3.14159265358979323846 : 3.14159265358979323846;
+  double t = across / (lengths + along);  // of half the angle; halved until atan(t) is its series
+  int doublings = 1;
+  for (; t > 0.1 || t < -0.1; ++doublings) t /= 1 + std::sqrt(1 + t * t);
+  double sum = 0;
+  for (int k = 15; k >= 1; k -= 2) sum = 1.0 / k - t * t * sum;
+  for (sum *= t; doublings > 0; --doublings) sum *= 2;
+  return sum;
+}
+
 void add_sector(double radius, const double* a, const double* b, Moments& sum) {
   const double length_a = std::sqrt(a[0] * a[0] + a[1] * a[1]), length_b = std::sqrt(b[0] * b[0] + b[1] * b[1]);
   if (!(length_a > 0 && length_b > 0)) return;
-  const double angle = std::atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
+  const double angle = angle_between(a, b, length_a * length_b);
   const double third = radius * radius * radius / 3;
   sum.area += radius * radius * angle / 2;
   sum.x += third * (b[1] / length_b - a[1] / length_a);
