@@ -1,0 +1,303 @@
+// A reduced body whose modes are all displacements of the nodes of a block and whose cells are all tetrahedra, each
+// with its pressure, is the body of linear elements itself: energies, forces and tools are known without the runtime.
+#include <gtest/gtest.h>
+#include <phynness/phynness_body.h>
+
+#include <Eigen/Dense>
+#include <phynness/formats/body.hpp>
+#include <phynness/formats/hash.hpp>
+#include <phynness/formats/tool.hpp>
+#include <phynness/schema/body_grammar.hpp>
+
+#include "../block_mesh.hpp"
+#include "../closed_forms.hpp"
+
+namespace phynness::test {
+namespace {
+
+constexpr double radius = 0.035, depth = 0.02;
+/// Tables of 16 bits round a value by up to 1/65534 of the largest of its column.
+constexpr double rounding = 2e-4;
+
+class Block {
+ public:
+  explicit Block(const char* law = "mooney-rivlin")
+      : material(material_of(law_named(law),
+                             law == std::string("gent")
+                                 ? std::vector<std::pair<std::string_view, double>>{{"shear_modulus_Pa", 500},
+                                                                                    {"j_m", 5},
+                                                                                    {"bulk_modulus_Pa", 5e3}}
+                                 : std::vector<std::pair<std::string_view, double>>{{"c10_Pa", 200},
+                                                                                    {"c01_Pa", 50},
+                                                                                    {"bulk_modulus_Pa", 5e3}})),
+        mesh(block_mesh({4, 4, 1}, {0.12, 0.12, 0.03})) {
+    const Eigen::Index n = mesh.n_nodes(), cells = mesh.n_cells();
+    for (std::int32_t i = 0; i < n; ++i) {
+      body.nodes.push_back(i);
+      const bool is_fixed = mesh.nodes(i, 0) == 0;
+      body.kinds.push_back(is_fixed ? schema::body_node_fixed : schema::body_node_touchable);
+      if (is_fixed) fixed.push_back(i);
+    }
+    Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(3 * n, 3 * (n - std::ssize(fixed)));
+    for (Eigen::Index i = 0, m = 0; i < n; ++i)
+      for (Eigen::Index k = 0; k < 3 && body.kinds[static_cast<std::size_t>(i)] != schema::body_node_fixed; ++k)
+        modes(3 * i + k, m++) = 0.01;
+    Eigen::MatrixXd gradients(9 * cells, modes.cols());
+    for (Eigen::Index c = 0; c < cells; ++c) {
+      for (Eigen::Index m = 0; m < modes.cols(); ++m) {
+        const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> G = gradient(c, modes.col(m));
+        gradients.block<9, 1>(9 * c, m) = Eigen::Map<const Eigen::Matrix<double, 9, 1>>(G.data());
+      }
+      body.shear_m3.push_back(volume_of(c));
+      body.bulk_rJ.push_back(std::sqrt(material.bulk_modulus_Pa * volume_of(c)));
+    }
+    body.mesh_hash = body.physics_hash = "0123456789abcdef";
+    body.law = law;
+    body.parameters = material.parameters;
+    body.tool_radius_m = radius;
+    body.depth_m = depth;
+    body.points = mesh.nodes;
+    body.surface = mesh.surface;
+    body.modes = scaled_table(modes);
+    body.gradients = scaled_table(gradients);
+    body.pressures = scaled_table(Eigen::MatrixXd::Identity(cells, cells));
+  }
+
+  Eigen::Matrix3d corners(Eigen::Index c) const {
+    Eigen::Matrix3d edges;
+    for (int k = 0; k < 3; ++k)
+      edges.col(k) = (mesh.nodes.row(mesh.cells(c, k + 1)) - mesh.nodes.row(mesh.cells(c, 0))).transpose();
+    return edges;
+  }
+  double volume_of(Eigen::Index c) const { return corners(c).determinant() / 6; }
+  /// Of displacements of all nodes, 3 n.
+  Eigen::Matrix3d gradient(Eigen::Index c, const Eigen::VectorXd& u) const {
+    Eigen::Matrix3d moved;
+    for (int k = 0; k < 3; ++k)
+      moved.col(k) = u.segment<3>(3 * mesh.cells(c, k + 1)) - u.segment<3>(3 * mesh.cells(c, 0));
+    return moved * corners(c).inverse();
+  }
+  double energy(const Eigen::VectorXd& u) const {
+    double sum = 0;
+    for (Eigen::Index c = 0; c < mesh.n_cells(); ++c)
+      sum += volume_of(c) * energy_density(material, Eigen::Matrix3d::Identity() + gradient(c, u));
+    return sum;
+  }
+
+  Material material;
+  Mesh mesh;
+  std::vector<std::int32_t> fixed;
+  ReducedBody body;
+};
+
+struct Loaded {
+  explicit Loaded(const std::string& text, std::int32_t max_tools = 3) {
+    std::size_t bytes = 0, wrong = 0;
+    status = phn_body_size(text.data(), text.size(), &bytes, &wrong);
+    if (status != PHN_OK) return;
+    memory.resize(bytes);
+    status = phn_body_init(memory.data(), bytes, text.data(), text.size(), &body, &wrong);
+    if (status != PHN_OK || phn_body_state_size(body, max_tools, &bytes) != PHN_OK) return;
+    state_memory.resize(bytes);
+    status = phn_body_state_init(state_memory.data(), bytes, body, max_tools, &state);
+  }
+  int press(const std::vector<phn_tool>& tools, int steps = 200) {
+    return phn_body_press(body, state, static_cast<std::int32_t>(tools.size()), tools.data(), steps, force[0].data(),
+                          &pressed);
+  }
+  Eigen::VectorXd deformation() const {
+    phn_body_info info;
+    phn_body_describe(body, &info);
+    Eigen::VectorXd u(3 * info.n_nodes);
+    EXPECT_EQ(phn_body_deform(body, state, u.data()), PHN_OK);
+    return u;
+  }
+
+  int status;
+  std::vector<char> memory, state_memory;
+  const phn_body* body = nullptr;
+  phn_body_state* state = nullptr;
+  std::array<Eigen::Vector3d, 3> force{};
+  phn_body_pressed pressed{};
+};
+
+/// On the top, around (0.06, 0.06, 0.03) and 1.2 radii from it.
+std::vector<phn_tool> two_tools(const Mesh& mesh, double scale) {
+  std::vector<phn_tool> tools;
+  for (const auto& [x, d] :
+       {std::pair{Vec3{0.055, 0.06, 0.03}, Vec3{0.2, 0.1, -0.6}}, {Vec3{0.09, 0.08, 0.03}, Vec3{-0.3, 0.2, 0.4}}}) {
+    const auto at = nearest_on_surface(mesh.nodes, mesh.surface, x);
+    phn_tool tool;
+    for (std::size_t k = 0; k < 3; ++k) {
+      tool.nodes[k] = at.nodes[k];
+      tool.weights[k] = at.weights[k];
+      tool.displacement[k] = scale * depth * d[k];
+    }
+    tools.push_back(tool);
+  }
+  return tools;
+}
+
+// Claim: the energy is that of the law file in all tetrahedra, and forces are its derivatives by the displacements of
+// the tools; of linear elements with isochoric laws.
+TEST(Bodies, HaveTheEnergyOfTheirElements) {
+  for (const char* law : {"mooney-rivlin", "gent"}) {
+    const Block block(law);
+    Loaded loaded(write_body_text(block.body));
+    ASSERT_EQ(loaded.status, PHN_OK) << phn_status_message(loaded.status);
+    const auto tools = two_tools(block.mesh, 1);
+    ASSERT_EQ(loaded.press(tools), PHN_OK);
+    EXPECT_NEAR(block.energy(loaded.deformation()), loaded.pressed.energy, rounding * loaded.pressed.energy);
+    const auto forces = loaded.force;
+    for (std::size_t t = 0; t < 2; ++t)
+      for (std::size_t k = 0; k < 3; ++k) {
+        constexpr double h = 1e-3 * depth;  // the error is of its square, and rounding far below
+        double energy[2];
+        for (const int side : {0, 1}) {
+          auto moved = tools;
+          moved[t].displacement[k] += side == 0 ? -h : h;
+          ASSERT_EQ(loaded.press(moved), PHN_OK);
+          energy[side] = loaded.pressed.energy;
+        }
+        EXPECT_NEAR((energy[1] - energy[0]) / (2 * h), forces[t][static_cast<Eigen::Index>(k)],
+                    1e-4 * forces[0].norm());
+      }
+  }
+}
+
+// Claim: a tool holds the mean of the surface under it with the weights of the host, which halves triangles at the rim
+// down to 0.4 % of the radius; also beside fixed nodes and over an edge of the block.
+TEST(Bodies, HoldTheMeanUnderATool) {
+  const Block block;
+  Loaded loaded(write_body_text(block.body));
+  Random random(1);
+  for (int draw = 0; draw < 30; ++draw) {
+    const auto at = nearest_on_surface(block.mesh.nodes, block.mesh.surface,
+                                       {0.06 + 0.06 * random(), 0.06 + 0.06 * random(), 0.015 + 0.03 * random()});
+    phn_tool tool;
+    Eigen::Vector3d d(random(), random(), random());
+    d *= 0.2 * depth;
+    for (std::size_t k = 0; k < 3; ++k) {
+      tool.nodes[k] = at.nodes[k];
+      tool.weights[k] = at.weights[k];
+      tool.displacement[k] = d[static_cast<Eigen::Index>(k)];
+    }
+    if (!(at.point[0] > 1e-6)) continue;
+    ASSERT_GE(loaded.press({tool}), 0);
+    const auto touched = touched_nodes(block.mesh.nodes, block.mesh.surface, block.fixed, at, radius);
+    const Eigen::VectorXd u = loaded.deformation();
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < touched.nodes.size(); ++i)
+      mean += touched.weights[i] * u.segment<3>(3 * touched.nodes[i]);
+    EXPECT_LT((mean - d).norm(), 2e-3 * u.lpNorm<Eigen::Infinity>()) << draw;
+  }
+}
+
+// Claim: whatever tools do, with two steps a call nothing is infinite; held at last, they have the forces of a body
+// that was not moved before. A release ends at rest.
+TEST(Bodies, FindTheirWayBack) {
+  const Block block;
+  const std::string text = write_body_text(block.body);
+  Loaded loaded(text), fresh(text);
+  Random random(2);
+  for (int moment = 0; moment < 200; ++moment) {
+    auto tools = two_tools(block.mesh, 1 + random());
+    for (auto& tool : tools)
+      for (double& d : tool.displacement) d += 0.4 * depth * random();
+    if (random() < 0) tools.pop_back();
+    ASSERT_GE(loaded.press(tools, 2), 0);
+    ASSERT_TRUE(loaded.force[0].allFinite() && loaded.force[1].allFinite() && loaded.deformation().allFinite());
+    EXPECT_LE(loaded.pressed.steps, 2);
+  }
+  const auto tools = two_tools(block.mesh, 0.5);
+  ASSERT_EQ(loaded.press(tools), PHN_OK);
+  ASSERT_EQ(fresh.press(tools), PHN_OK);
+  for (std::size_t t = 0; t < 2; ++t)
+    EXPECT_LT((loaded.force[t] - fresh.force[t]).norm(), 1e-5 * fresh.force[0].norm());
+  ASSERT_EQ(loaded.press({}), PHN_OK);
+  EXPECT_LT(loaded.deformation().norm(), 1e-6 * depth);
+}
+
+// Claim: tools farther than trained, or at places that no probe was near to, are outside; with too few steps they are
+// unsettled.
+TEST(Bodies, WarnOfWhatTheyDoNotKnow) {
+  Block block;
+  Loaded loaded(write_body_text(block.body));
+  EXPECT_EQ(loaded.press(two_tools(block.mesh, 1.3)), PHN_OK);
+  auto far = two_tools(block.mesh, 1);
+  far[0].displacement[2] = -1.01 * depth;
+  EXPECT_EQ(loaded.press(far), PHN_WARNING_OUTSIDE);
+  Loaded other(write_body_text(block.body));
+  EXPECT_EQ(other.press(two_tools(block.mesh, 1), 1), PHN_WARNING_UNSETTLED);
+  block.body.kinds.assign(block.body.kinds.size(), schema::body_node_moves);
+  Loaded unknown(write_body_text(block.body));
+  EXPECT_EQ(unknown.press(two_tools(block.mesh, 0.5)), PHN_WARNING_OUTSIDE);
+}
+
+// Claim: wrong calls are refused, with forces of zero.
+TEST(Bodies, RefuseWrongCalls) {
+  const Block block;
+  Loaded loaded(write_body_text(block.body), 2);
+  const auto tools = two_tools(block.mesh, 1);
+  const auto refused = [&](const std::vector<phn_tool>& those) {
+    loaded.force.fill(Eigen::Vector3d::Ones());
+    const int status = loaded.press(those);
+    if (status < 0 && status != PHN_ERROR_TOOLS) {
+      EXPECT_EQ(loaded.force[0].norm(), 0);
+    }
+    return status;
+  };
+  const auto with = [&](const auto& change) {
+    auto changed = tools;
+    change(changed[1]);
+    return refused(changed);
+  };
+  EXPECT_EQ(with([](phn_tool& t) { t.displacement[1] = std::nan(""); }), PHN_ERROR_NOT_FINITE);
+  EXPECT_EQ(with([](phn_tool& t) { t.weights[0] = std::nan(""); }), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(with([](phn_tool& t) { t.weights[0] += 0.5; }), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(with([](phn_tool& t) { t.nodes[0] = t.nodes[1] = t.nodes[2] = 99; }), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(refused({tools[0], tools[1], tools[0]}), PHN_ERROR_TOOLS);
+  Block held;
+  held.body.tool_radius_m = 0;
+  Loaded nodes(write_body_text(held.body));
+  EXPECT_EQ(nodes.press({{{0, -1, -1}, {1, 0, 0}, {0, 0, 0}}}), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(phn_body_press(loaded.body, nodes.state, 0, nullptr, 1, nullptr, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_body_press(loaded.body, loaded.state, 1, tools.data(), 0, loaded.force[0].data(), nullptr),
+            PHN_ERROR_ARGUMENT);
+  std::size_t bytes = 0;
+  EXPECT_EQ(phn_body_state_size(loaded.body, 9, &bytes), PHN_ERROR_ARGUMENT);
+  ASSERT_EQ(phn_body_state_size(loaded.body, 2, &bytes), PHN_OK);
+  phn_body_state* state = nullptr;
+  std::vector<char> memory(bytes);
+  EXPECT_EQ(phn_body_state_init(memory.data(), bytes / 2, loaded.body, 2, &state), PHN_ERROR_BUFFER);
+  EXPECT_EQ(state, nullptr);
+}
+
+// Claim: every truncation is refused; a text with other digits and a right checksum is refused, or its forces are
+// finite.
+TEST(Bodies, SurviveDamagedTexts) {
+  const Block block;
+  const std::string text = write_body_text(block.body);
+  for (std::size_t n = 0; n < text.size(); n += 997) EXPECT_LT(Loaded(text.substr(0, n)).status, 0) << n;
+  Random random(3);
+  const std::size_t end = text.rfind("checksum ");
+  int accepted = 0;
+  for (int draw = 0; draw < 150; ++draw) {
+    std::string changed = text.substr(0, end);
+    // Half of the changes are in the first lines, where all but the tables is.
+    const std::size_t within = draw % 2 == 0 ? 6000 : changed.size();
+    for (int k = 0; k < 3; ++k) changed[random.below(within)] = "0189-. p"[random.below(8)];
+    Loaded loaded(changed + "checksum " + hash_of(changed) + "\n");
+    if (loaded.status != PHN_OK) continue;
+    ++accepted;
+    loaded.press(two_tools(block.mesh, 1), 3);
+    EXPECT_TRUE(loaded.force[0].allFinite() && loaded.force[1].allFinite());
+  }
+  EXPECT_GT(accepted, 10);
+  std::string strange = text.substr(0, end);
+  strange.replace(strange.find("mooney-rivlin"), 13, "nobodys-law");
+  EXPECT_EQ(Loaded(strange + "checksum " + hash_of(strange) + "\n").status, PHN_ERROR_FAMILY);
+}
+
+}  // namespace
+}  // namespace phynness::test
