@@ -166,7 +166,7 @@ int tool_weights(const phn_body& body, const phn_tool& tool, ToolScratch& scratc
   n = 0;
   for (int k = 0; k < 3; ++k) {
     const double w = tool.weights[k];
-    if (!(w >= 0 && w <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;
+    if (!(w >= -weight_slack && w <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;
     sum += w;
     share[k] = w > no_weight ? w : 0;
     corner[k] = share[k] > 0 ? find_sorted(body.info.nodes, body.info.n_nodes, tool.nodes[k]) : 0;
