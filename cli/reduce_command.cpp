@@ -42,9 +42,11 @@ void add(CLI::App& app) {
       add_command(app, "reduce", "Reduce the finite elements of a database to modes and a few cells -> BODY.txt", run);
   add_database(command, options.database, "database.h5 of phynness precompute, with output = \"free\"");
   add_output(command, options.output, PathKind::file, "file to write (formats/body.md)");
-  add_count(command, "--modes", options.spec.modes, 1, schema::most_body_modes, "modes of the displacement");
+  add_count(command, "--modes", options.spec.modes, 1, schema::most_body_modes, "modes of the displacement")
+      ->capture_default_str();
   add_count(command, "--cells", options.spec.cells, 1, 1'000'000,
-            "cells and edges with weights; from the number of all on these with weight 1");
+            "cells and edges with weights; all of them, with weight 1, if there are not more")
+      ->capture_default_str();
   add_json(command, options.json_file);
 }
 

@@ -84,7 +84,7 @@ class ReducedBodies : public testing::Test {
 const ReductionSpec small{12, 40, 30, 1};
 
 // Claim: the same bytes on one and two threads. The weights are positive, of as many points as wanted, and have the
-// volumes of all points to a percent, of which they were equations; pressures have volumes in cells only.
+// volume of the body to a percent, which is one of their equations; pressures have weights in cells only.
 TEST_F(ReducedBodies, HaveFewPositiveWeights) {
   const auto database = written();
   ReductionReport report;
@@ -160,7 +160,7 @@ TEST_F(ReducedBodies, NeedTheRightDatabase) {
   expect_refused("revision 1", scene("es-p1-p1", "mooney-rivlin"),
                  meant([](Scene& s) { s.solver.earlier_revision = 1; }));
   expect_refused("imported", "[probe]\nmax_displacement_m = 0.01\n", [](DatabaseHeader& header) {
-    header.displacements_m = Points::Ones(static_cast<Eigen::Index>(2 * header.directions.size()), 3);
+    header.displacements_m = Points::Constant(static_cast<Eigen::Index>(2 * header.directions.size()), 3, 0.001);
   });
 }
 

@@ -27,7 +27,6 @@ constexpr double lost_of_a_node = 1e-4;         ///< share of int |grad u|^2 tha
 constexpr std::size_t most_candidates = 8'000;  ///< points among which those with a weight are
 /// The forces and changes of volume of a state are so many random sums of all of them.
 constexpr int sums_of_a_state = 16;
-constexpr double share_of_volumes = 0.1;  ///< of the equations of the two volumes, relative to all others
 
 /// The scene of a database that can be reduced. @throws Error (input), as reduce()
 Scene checked_scene(const DatabaseHeader& header) {
@@ -41,9 +40,10 @@ Scene checked_scene(const DatabaseHeader& header) {
     throw input_error("the database has the equations of an earlier version",
                       "revision " + std::to_string(*scene.solver.earlier_revision), "precompute it again");
   if (scene.probe.kind == ProbeKind::rigid_patch || scene.probe.whole)
-    throw input_error("the database has tools of an earlier version",
-                      scene.probe.whole ? "patches that press what does not face them" : "rigid patches",
-                      "precompute it again");
+    throw input_error(
+        "the database has tools of an earlier version",
+        scene.probe.kind == ProbeKind::rigid_patch ? "rigid patches" : "patches that press what does not face them",
+        "precompute it again");
   const auto& sets = header.sets;
   for (std::int32_t i = 0; i < header.mesh.n_nodes(); ++i)
     if (!std::ranges::binary_search(sets.fixed, i) && !std::ranges::binary_search(sets.output, i))
@@ -251,12 +251,14 @@ class Reduction {
       parts.middleRows(sums_of_a_state * s, sums_of_a_state) = of_points.transpose().cast<float>();
       wanted.segment(sums_of_a_state * s, sums_of_a_state) = nodal;
     });
-    const double scale = share_of_volumes * wanted.norm();
+    // As heavy as all others together, the two totals are met.
+    const double scale = wanted.norm();
     for (Index row = parts.rows() - 2; const VectorXd* size : {&_elements.shear, &_elements.bulk}) {
       parts.row(row) = ((*size)(candidates) * (scale / size->sum())).cast<float>();
       wanted[row++] = scale;
     }
     _cubature = nonnegative_weights(parts, wanted, _spec.cells, _threads, [this](Index n) { step(n); });
+    _report.residual = _cubature.left.head(parts.rows() - 2).norm() / scale;
     for (auto& point : _cubature.points) point = candidates[static_cast<std::size_t>(point)];
     _report.states = fitted;
   }
@@ -273,13 +275,12 @@ class Reduction {
     set_cells(out);
     set_surface(out);
     _report.cells = static_cast<std::int64_t>(_cubature.points.size());
-    _report.residual = _cubature.residual;
     return out;
   }
 
   /// Scales modes so that their largest gradient is 1, and pressures so that the largest is 1.
   void set_cells(ReducedBody& out) {
-    const auto& [points, weights, residual] = _cubature;
+    const auto& [points, weights, left] = _cubature;
     const auto n = static_cast<Index>(points.size());
     const auto gradient = gradients(_elements.slope_at(points), _modes);
     MatrixXd rows(9 * n, _modes.cols());

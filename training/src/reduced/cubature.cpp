@@ -114,7 +114,7 @@ Cubature nonnegative_weights(const Eigen::MatrixXf& parts, const VectorXd& wante
     out.points.push_back(chosen.points()[order[k]]);
     out.weights[static_cast<Index>(k)] = chosen.weights()[static_cast<Index>(order[k])];
   }
-  out.residual = chosen.left().norm() / wanted.norm();
+  out.left = chosen.left();
   return out;
 }
 

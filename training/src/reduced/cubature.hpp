@@ -12,7 +12,7 @@ namespace phynness::reduced {
 struct Cubature {
   std::vector<std::int32_t> points;  ///< ascending
   Eigen::VectorXd weights;           ///< positive
-  double residual = 0;               ///< |parts weights - wanted| / |wanted|
+  Eigen::VectorXd left;              ///< wanted - parts weights
 };
 
 /// Nonnegative least squares, parts weights = wanted, by the active set method of Lawson and Hanson, which ends with
