@@ -59,7 +59,7 @@ TEST_F(ReducedBodyCommand, StoresTheEnergyOfSolvedStates) {
             u[static_cast<Eigen::Index>(3 * i + j)] = ray.displacement[3 * (k * header.sets.output.size() + place) + j];
         }
         const Eigen::VectorXd q = modes.completeOrthogonalDecomposition().solve(u);
-        EXPECT_NEAR(energy(body, q, mu) / ray.energy[k], 1, 0.03) << active << " " << ray.direction << " " << k;
+        EXPECT_NEAR(energy(body, q, mu) / ray.energy[k], 1, 0.016) << active << " " << ray.direction << " " << k;
       }
     }
 }
