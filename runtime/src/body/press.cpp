@@ -49,14 +49,23 @@ struct Compliance {
 
   /// @param factor  of K. state.moved receives K^-1 rows^T
   void set(const phn_body_state& state, const float* factor) {
-    const std::int32_t n = state.n_rows, n_modes = state.body->info.n_modes, stride = state.body->stride;
-    const auto at = [stride](double* of, std::int32_t r) { return of + static_cast<std::int64_t>(r) * stride; };
-    for (std::int32_t r = 0; r < n; ++r) {
-      for (std::int32_t m = 0; m < stride; ++m) at(state.moved, r)[m] = at(state.rows, r)[m];
-      state.kernels->solve(factor, n_modes, stride, at(state.moved, r));
-    }
+    const std::int32_t stride = state.body->stride;
+    memcpy(state.moved, state.rows,
+           static_cast<std::size_t>(state.n_rows) * static_cast<std::size_t>(stride) * sizeof(double));
+    for (std::int32_t r = 0; r < state.n_rows; ++r)
+      state.kernels->solve(factor, state.body->info.n_modes, stride,
+                           state.moved + static_cast<std::int64_t>(r) * stride);
+    take(state, 0, state.n_rows);
+  }
+
+  /// Of n rows from `first` on, with state.moved of a call of set().
+  void take(const phn_body_state& state, std::int32_t first, std::int32_t n) {
+    const auto at = [&](const double* of, std::int32_t r) {
+      return of + static_cast<std::int64_t>(first + r) * state.body->stride;
+    };
     for (std::int32_t r = 0; r < n; ++r)
-      for (std::int32_t k = 0; k <= r; ++k) lower[r][k] = product(at(state.rows, r), at(state.moved, k), n_modes);
+      for (std::int32_t k = 0; k <= r; ++k)
+        lower[r][k] = product(at(state.rows, r), at(state.moved, k), state.body->info.n_modes);
     for (std::int32_t r = 0; r < n; ++r) {
       for (std::int32_t k = 0; k < r; ++k) lower[r][k] = (lower[r][k] - product(lower[r], lower[k], k)) / lower[k][k];
       const double pivot = lower[r][r] - product(lower[r], lower[r], r);
@@ -367,15 +376,21 @@ int phn_body_bound(const phn_body* body, const phn_body_state* state, double* bo
   double linear[3 * most_tools], size = 0;
   memcpy(linear, state->wanted, sizeof linear);
   at_rest.solve(n, linear);
-  for (std::int32_t r = 0; r < n; r += 3) size += length(state->force + r);
+  for (std::int32_t r = 0; r < n; r += 3) size += length(linear + r);
+  const double* c = body->bounds + (n > 3 ? phynness::schema::n_coupled_terms : 0);
   for (std::int32_t r = 0; r < n; r += 3) {
-    const double* f = state->force + r;
-    const double beside[3] = {f[0] - linear[r], f[1] - linear[r + 1], f[2] - linear[r + 2]};
-    const double x[] = {length(f), length(beside), size};
-    bounds[r / 3] =
-        (state->status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED)) != 0
-            ? PHN_NO_BOUND
-            : coupled_bound(body->bounds + (n > 3 ? phynness::schema::n_coupled_terms : 0), x, PHN_NO_BOUND);
+    double alone[3], of_others[3], curved[3];
+    memcpy(alone, state->wanted + r, sizeof alone);
+    at_rest.take(*state, r, 3);
+    at_rest.solve(3, alone);
+    for (int k = 0; k < 3; ++k) {
+      of_others[k] = linear[r + k] - alone[k];
+      curved[k] = state->force[r + k] - linear[r + k];
+    }
+    const double x[] = {length(of_others) + size, length(curved), size};
+    bounds[r / 3] = (state->status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED)) != 0
+                        ? PHN_NO_BOUND
+                        : coupled_bound(c, x, PHN_NO_BOUND);
   }
   return state->status;
 }
