@@ -1,5 +1,7 @@
 #include <unistd.h>
 
+#include <phynness/formats/input_file.hpp>
+#include <phynness/formats/text_file.hpp>
 #include <phynness/validation/calibrate.hpp>
 #include <phynness/validation/force_unit.hpp>
 #include <phynness/validation/sizes.hpp>
@@ -14,7 +16,7 @@ constexpr std::int64_t rays_of_finer = 100;
 
 struct Options {
   std::filesystem::path model, database, output;
-  OptionalPath json_file, scene;
+  OptionalPath json_file, scene, body;
   std::optional<std::int64_t> rays;
   std::int64_t seed = 1;
   std::string reference = "scene";
@@ -25,6 +27,20 @@ void print_coverage(const BoundCoverage& c) {
   print_result(
       "by thirds of the depth {:.1f}, {:.1f} and {:.1f} % are below; mean bound {:.2f} of the best constant one\n",
       100 * c.thirds[0], 100 * c.thirds[1], 100 * c.thirds[2], c.width);
+}
+
+void print_coupled(const BoundReport& report, bool details) {
+  for (const auto& [name, kind] : {std::pair{"one tool between nodes", report.between}, {"two tools", report.two}}) {
+    const auto flagged = fmt::format("{:.0f} % of the states drawn are flagged and have none", 100 * kind.flagged);
+    if (kind.all.states == 0) {
+      if (report.planned_coupled_rays > 0)
+        print_result("{}: no bound, because only {} of their rays were solved; {}\n", name, kind.rays, flagged);
+      continue;
+    }
+    print_result("{}: {:.1f} % of {} errors of rays left out are below their bound; {}\n", name, 100 * kind.all.all,
+                 kind.all.states, flagged);
+    if (details) print_coverage(kind.all);
+  }
 }
 
 void print(const BoundReport& report, const Model& model, const Options& options) {
@@ -47,22 +63,12 @@ void print(const BoundReport& report, const Model& model, const Options& options
         "says nothing of the displacements behind\n",
         failed, report.rays + report.coupled_rays);
   if (options.details) print_coverage(c);
-  for (const auto& [name, kind] : {std::pair{"one tool between nodes", report.between}, {"two tools", report.two}}) {
-    const auto flagged = fmt::format("{:.0f} % of the states drawn are flagged and have none", 100 * kind.flagged);
-    if (kind.all.states == 0) {
-      if (report.planned_coupled_rays > 0)
-        print_result("{}: no bound, because only {} of their rays were solved; {}\n", name, kind.rays, flagged);
-      continue;
-    }
-    print_result("{}: {:.1f} % of {} errors of rays left out are below their bound; {}\n", name, 100 * kind.all.all,
-                 kind.all.states, flagged);
-    if (options.details) print_coverage(kind.all);
-  }
+  print_coupled(report, options.details);
   print_result("model with bounds -> {}\n", options.output.string());
 }
 
-json as_json(const BoundReport& report, const Model& model) {
-  json out = record("coverage", model.bounds.at(0).coverage);
+json as_json(const BoundReport& report, double coverage) {
+  json out = record("coverage", coverage);
   out.update(figures(report));
   return out;
 }
@@ -83,9 +89,43 @@ void check_reference(const Database& database, const Scene& scene, const BoundSp
             name(spec.reference), duration(cost.seconds), bytes(cost.memory_bytes));
 }
 
+void require_all(const BoundReport& report) {
+  if (report.interrupted())
+    throw failure("calibrate was interrupted; the bounds are those of the finished nodes, and hold, but are less exact",
+                  fmt::format("{} of {} nodes, {} of {} rays of coupled tools", report.nodes, report.planned_nodes,
+                              report.coupled_rays, report.planned_coupled_rays),
+                  "run it again for all of them: what is solved is kept");
+}
+
+/// Bounds of the body in place of the model's.
+void run_for_body(const SolverSession& session, const Database& database, const LoadedModel& model,
+                  const BoundSpec& spec, const Options& options) {
+  ReducedBody body;
+  session.together([&] {
+    body =
+        read_body_text(read_input_file(*options.body, {"the body", "give a body.txt of phynness reduce", 1ULL << 32}),
+                       options.body->string());
+    check_body(*options.body, body.mesh_hash, body.physics_hash, model.model());
+    check_body(options.database, database.header().mesh_hash, database.header().physics_hash, model.model());
+  });
+  BoundReport report;
+  calibrate(session, database, model, body, spec, Progress("calibrate", "rays").counter(), stop_requested, report);
+  session.together([&] {
+    if (session.rank() != 0) return;
+    write_text_file(*options.body, write_body_text(body));
+    print_coupled(report, true);
+    print_result("body with bounds -> {}, in {}\n", options.body->string(), duration(report.seconds));
+    write_json(options.json_file, as_json(report, body.coverage));
+    require_all(report);
+  });
+}
+
 void run(const Options& given) {
   Options options = given;
-  if (options.output.empty()) check_place("MODEL_DIR", options.output = options.model, PathKind::model);
+  if (options.body)
+    check_place("--body", *options.body, PathKind::file);
+  else if (options.output.empty())
+    check_place("MODEL_DIR", options.output = options.model, PathKind::model);
   install_stop_handler();
   const SolverSession session;
   std::optional<LoadedModel> model;
@@ -94,7 +134,7 @@ void run(const Options& given) {
     model.emplace(options.model);
     database.emplace(options.scene ? open_database(open_scene(*options.scene), options.database)
                                    : Database::open(options.database));
-    if (schema::traits(model->model().family).proportional)
+    if (!options.body && schema::traits(model->model().family).proportional)
       throw input_error("a linear model is exact and needs no bounds", options.model.string(),
                         "omit phynness calibrate");
   });
@@ -125,19 +165,15 @@ void run(const Options& given) {
     if (session.rank() == 0 && is_of_another_body(spec.file, database->header(), spec.reference))
       message("warning: the solved rays in {} are of another body, and are replaced\n", spec.file.string());
   });
+  if (options.body) return run_for_body(session, *database, *model, spec, options);
   const Model bounded =
       calibrate(session, *database, *model, spec, Progress("calibrate", "places").counter(), stop_requested, report);
   session.together([&] {
     if (session.rank() != 0) return;
     write_model_dir(options.output, bounded, model->mesh());
     print(report, bounded, options);
-    write_json(options.json_file, as_json(report, bounded));
-    if (report.interrupted())
-      throw failure(
-          "calibrate was interrupted; the bounds are those of the finished nodes, and hold, but are less exact",
-          fmt::format("{} of {} nodes, {} of {} rays of coupled tools", report.nodes, report.planned_nodes,
-                      report.coupled_rays, report.planned_coupled_rays),
-          "run it again for all of them: what is solved is kept");
+    write_json(options.json_file, as_json(report, bounded.bounds.at(0).coverage));
+    require_all(report);
   });
 }
 
@@ -148,19 +184,25 @@ void add(CLI::App& app) {
       add_command(app, "calibrate", "Add bounds of the force's error to a model: solves random rays", run);
   add_model(command, options.model);
   add_database(command, options.database, "database.h5 on which the model was trained");
-  add_path(command, "-o,--output", options.output, PathKind::model,
-           "model directory to write (default: MODEL_DIR, whose model.txt is replaced at the end)");
+  auto* output = add_path(command, "-o,--output", options.output, PathKind::model,
+                          "model directory to write (default: MODEL_DIR, whose model.txt is replaced at the end)");
+  add_path(command, "--body", options.body, PathKind::input,
+           "a reduced body (body.txt) of the database, which gets bounds in place of the model, and is replaced at the "
+           "end")
+      ->excludes(output);
   add_path(command, "--scene", options.scene, PathKind::input,
            "scene of the model, if it takes only some nodes of the database");
   add_count(command, "--rays", options.rays, 100, 1'000'000,
             "random rays, ten at each of a tenth as many nodes, but at least 20 (default: validation.calibration_rays "
             "of the scene; 100 with another --reference)");
+  auto* body = command.get_option("--body");
   command
       .add_option("--reference", options.reference,
                   "the solution from which bounds state the distance of forces: the scene's own finite elements, or a "
                   "finer one; finer: taylor-hood, or half-size where the scene has none")
       ->check(CLI::IsMember({name(Variant::scene), "finer", name(Variant::taylor_hood), name(Variant::half_size)}))
-      ->capture_default_str();
+      ->capture_default_str()
+      ->excludes(body);
   add_count(command, "--seed", options.seed, 0, std::int64_t{1} << 53, "of the random numbers")->capture_default_str();
   add_json(command, options.json_file);
   command.add_flag("--details", options.details, "print shares by depth and the width of the bounds");

@@ -100,6 +100,8 @@ void print_warnings(const std::optional<BodyWarnings>& of_body) {
   if (of_body)
     print_result("the reduced body: {} unsettled, {} outside of its trained range\n", of_body->unsettled,
                  of_body->outside);
+  if (of_body && of_body->bounded > 0)
+    print_result("{} of {} errors of its forces are below their bound\n", of_body->covered, of_body->bounded);
 }
 
 void print_points(const PointReport& report) {

@@ -27,19 +27,6 @@ struct Options {
   bool details = false;
 };
 
-/// @throws Error (input) if the body is not one of the model's mesh and physics
-LoadedBody load_body(const std::filesystem::path& file, const Model& model) {
-  LoadedBody body(file);
-  for (const auto& [what, own, others] :
-       {std::tuple{"mesh", std::string(body.info().mesh_hash), model.mesh_hash},
-        std::tuple{"physics", std::string(body.info().physics_hash), model.physics_hash}})
-    if (own != others)
-      throw input_error(fmt::format("the body has another {} than the model", what),
-                        fmt::format("hash {} in {}, in the model {}", own, file.string(), others),
-                        "give the body that phynness reduce makes of the model's database");
-  return body;
-}
-
 /// Scene, model and body, loaded on every rank and checked by the first.
 Validated load(const Options& options, const SolverSession& session) {
   Scene scene;
@@ -49,7 +36,10 @@ Validated load(const Options& options, const SolverSession& session) {
     scene = open_scene(options.scene);
     loaded.emplace(options.model);
     if (options.level) loaded->set_level(*options.level);
-    if (options.body) body = load_body(*options.body, loaded->model());
+    if (options.body) {
+      body.emplace(*options.body);
+      check_body(*options.body, body->info().mesh_hash, body->info().physics_hash, loaded->model());
+    }
     if (session.rank() == 0) check_mesh(scene, loaded->model().mesh_hash, options.model.string());
   });
   const auto seed = options.seed ? static_cast<std::uint64_t>(*options.seed) : scene.validation.seed;

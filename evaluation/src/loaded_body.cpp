@@ -12,8 +12,11 @@ void require_good(int status, const std::string& what, const std::string& where,
 
 }  // namespace
 
-LoadedBody::LoadedBody(const std::filesystem::path& file) : _name(file.string()) {
-  const std::string text = read_input_file(file, {"the body", "give a body.txt of phynness reduce", 1ULL << 32});
+LoadedBody::LoadedBody(const std::filesystem::path& file)
+    : LoadedBody(read_input_file(file, {"the body", "give a body.txt of phynness reduce", 1ULL << 32}), file.string()) {
+}
+
+LoadedBody::LoadedBody(const std::string& text, std::string name) : _name(std::move(name)) {
   std::size_t bytes = 0, wrong = 0;
   const auto require = [&](int status) {
     require_good(status, "the runtime cannot load " + _name, wrong > 0 ? " (byte " + std::to_string(wrong) + ")" : "",
@@ -44,6 +47,11 @@ BodyResponse LoadedBody::press(const std::vector<phn_tool>& tools, std::int32_t 
                "touch a part of its surface that can move, with finite displacements and at most eight tools");
   for (std::size_t t = 0; t < tools.size(); ++t)
     response.force_N[t] = {forces[3 * t], forces[3 * t + 1], forces[3 * t + 2]};
+  double bounds[PHN_MOST_COUPLED];
+  response.bound_N.resize(tools.size());
+  if (phn_body_bound(_body, _state, bounds) >= 0)
+    for (std::size_t t = 0; t < tools.size(); ++t)
+      if (bounds[t] < PHN_NO_BOUND) response.bound_N[t] = bounds[t];
   response.displacement_m.resize(_info.n_nodes, 3);
   require_good(phn_body_deform(_body, _state, response.displacement_m.data()), "the runtime cannot deform " + _name, "",
                "make it again with phynness reduce of this version");

@@ -1,5 +1,10 @@
 // Claims: validate --body compares a reduced body at the same states as the model, for any number of ranks, and changes
-// nothing else; a body of another scene or a damaged one is refused.
+// nothing else; a body of another scene or a damaged one is refused. calibrate --body adds bounds to the body, the same
+// for any number of ranks, and changes nothing else in it and nothing in the model; they hold for the states of
+// validate.
+#include <phynness/formats/body.hpp>
+#include <phynness/formats/hash.hpp>
+
 #include "command_line.hpp"
 
 namespace phynness::test {
@@ -73,6 +78,62 @@ TEST_F(Bodies, AreComparedBesideTheModel) {
   succeed("precompute other.toml -o other.h5");
   succeed("reduce other.h5 -o other.txt");
   expect_error(be_refused(validate + "v.json --body other.txt").err, {"another physics", "other.txt"});
+}
+
+TEST_F(Bodies, GetBounds) {
+  write_file(folder / "scene.toml", round_tools());
+  succeed("precompute scene.toml -o d.h5");
+  succeed("train scene.toml d.h5 -o m");
+  succeed("reduce d.h5 -o body.txt");
+  const auto plain = read_file(folder / "body.txt"), model = read_file(folder / "m" / "model.txt");
+  EXPECT_EQ(write_body_text(read_body_text(plain, "body.txt")), plain);
+  write_file(folder / "ranks.txt", plain);
+  const std::string calibrate = "calibrate m d.h5 --rays 100 --json c.json --body ";
+  const auto done = succeed(calibrate + "body.txt");
+  expect_names(done.out, {"one tool between nodes: ", "two tools: ", "mean bound ", "body with bounds -> body.txt"});
+  EXPECT_EQ(json("c.json").at("planned_coupled_rays"), 180);
+  EXPECT_FALSE(json("c.json").contains("median_bound_N"));
+  for (const char* kind : {"between", "two"})
+    EXPECT_NEAR(json("c.json").at(kind).at("all").at("coverage").get<double>(), 0.95, 0.06);
+  EXPECT_EQ(read_file(folder / "m" / "model.txt"), model);
+  const auto text = read_file(folder / "body.txt");
+  auto body = read_body_text(text, "body.txt");
+  EXPECT_EQ(write_body_text(body), text);
+  EXPECT_EQ(body.bounds.rows(), 2);
+  EXPECT_EQ(body.coverage, 0.95);
+  body.bounds.resize(0, 4);
+  EXPECT_EQ(write_body_text(body), plain);
+
+  std::filesystem::remove(folder / "d.h5.calibration");
+  ASSERT_EQ(shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" " + calibrate + "ranks.txt").exit_status, 0);
+  EXPECT_EQ(read_file(folder / "ranks.txt"), text);
+
+  const auto checked =
+      succeed("validate scene.toml m --probes 2 --points 20 --pairs 40 --json v.json --details --body body.txt");
+  expect_names(checked.out, {" errors of its forces are below their bound"});
+  for (const auto& [part, forces] : {std::pair{"points", 20}, {"pairs", 80}}) {
+    const auto counts = json("v.json").at(part).at("body_warnings");
+    EXPECT_GE(counts.at("bounded").get<int>(), forces) << part;
+    EXPECT_GT(counts.at("covered").get<double>(), 0.85 * counts.at("bounded").get<double>()) << part;
+  }
+
+  be_refused(calibrate + "body.txt -o other");
+  be_refused(calibrate + "body.txt --reference finer");
+  write_file(folder / "other.toml", std::regex_replace(round_tools(), std::regex("0\\.45"), "0.44"));
+  succeed("precompute other.toml -o other.h5");
+  succeed("reduce other.h5 -o other.txt");
+  expect_error(be_refused(calibrate + "other.txt").err, {"another physics", "other.txt"});
+  const auto damaged = [&](const std::string& from, const std::string& to) {
+    auto lines = text.substr(0, text.rfind("checksum "));
+    lines.replace(lines.rfind(from), from.size(), to);
+    return lines + "checksum " + hash_of(lines) + "\n";
+  };
+  for (const auto& [from, to, words] : {std::tuple{"\nbounds 2\n", "\nbounds 3\n", "bounds is out of range 2 ... 2"},
+                                        {"\nrays ", "\nrays -", "rays is out of range"}}) {
+    write_file(folder / "bad.txt", damaged(from, to));
+    expect_error(be_refused(calibrate + "bad.txt").err, {words, "bad.txt:"});
+    expect_error(be_refused("validate scene.toml m --probes 2 --points 2 --body bad.txt").err, {"bad.txt", "byte"});
+  }
 }
 
 }  // namespace

@@ -220,6 +220,95 @@ double calibration_increments(std::int64_t rays, int coupled_kinds) {
          increments_per_coupled * static_cast<double>(coupled_kinds * coupled_rays_per_kind(rays));
 }
 
+namespace {
+
+/// Numbers of the rays of coupled tools, and of their tools.
+std::vector<std::pair<std::int32_t, std::int32_t>> planned_rays(const CoupledRays& coupled, std::int64_t rays) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> planned;
+  const std::int64_t per_kind = coupled_rays_per_kind(rays);
+  for (std::int32_t ray = 0; ray < per_kind; ++ray)
+    for (const std::int32_t n_tools : {1, 2})
+      if (coupled.possible(n_tools)) planned.emplace_back(ray, n_tools);
+  return planned;
+}
+
+std::int64_t total(const SolverSession& session, std::int64_t of_rank) {
+  return static_cast<std::int64_t>(session.sum(static_cast<double>(of_rank)));
+}
+
+/// Solves these rays. Collective. @param seed  of the first one. @return on rank 0, all states
+std::vector<CoupledState> solve_coupled(const SolverSession& session, const CoupledRays& coupled,
+                                        const std::vector<std::pair<std::int32_t, std::int32_t>>& planned,
+                                        std::uint64_t seed, const OnProgress& progress, const ShouldStop& stop,
+                                        KeptRays& rays, BoundReport& report) {
+  std::array<DrawnStates, 2> drawn;
+  std::vector<double> rows;
+  std::int64_t finished = 0, failed = 0;
+  const bool go_on = session.sum(stop && stop() ? 1 : 0) == 0;
+  session.together([&] {
+    finished = share_out(session, go_on ? std::ssize(planned) : 0, progress, stop, [&](std::size_t i) {
+      const auto [number, n_tools] = planned[i];
+      std::mt19937_64 of_ray(seed + i);
+      const auto ray = coupled.draw(of_ray, number, n_tools, drawn[static_cast<std::size_t>(n_tools - 1)]);
+      if (ray.parts.empty()) return;
+      const auto forces = rays.forces(ray);
+      if (forces.empty()) {
+        ++failed;
+        return;
+      }
+      CoupledState state{number, n_tools, {}, {}};
+      std::ranges::copy(ray.tools, state.tools.begin());
+      std::ranges::copy(forces, state.force_N.begin());
+      pack(rows, state);
+    });
+  });
+  report.planned_coupled_rays = std::ssize(planned);
+  report.coupled_rays = total(session, finished);
+  report.failed_coupled_rays = total(session, failed);
+  for (std::size_t kind = 0; kind < 2; ++kind) {
+    const double all = session.sum(drawn[kind].all), flagged = session.sum(drawn[kind].flagged);
+    (kind == 0 ? report.between : report.two).flagged = all > 0 ? flagged / all : 0;
+  }
+  auto states = unpacked<CoupledState>(session.gather(rows));
+  std::ranges::stable_sort(states, {}, [](const auto& s) { return std::pair{s.ray, s.n_tools}; });
+  return states;
+}
+
+void tell_coverages(const std::array<CoupledCoverage, 2>& coverages, BoundReport& report) {
+  for (auto [kind, to] : {std::pair{coverages[0], &report.between}, {coverages[1], &report.two}}) {
+    kind.flagged = to->flagged;
+    *to = kind;
+  }
+}
+
+}  // namespace
+
+void calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, ReducedBody& body,
+               const BoundSpec& spec, const OnProgress& progress, const ShouldStop& stop, BoundReport& report) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto& header = database.header();
+  std::optional<LoadedBody> loaded;
+  session.together([&] {
+    require_scene(header);
+    loaded.emplace(write_body_text(body), "body");
+  });
+  const ProbeSpec probe = stored_scene(header).probe;
+  KeptRays rays(session, header, Variant::scene, spec.file, stop);
+  const CoupledRays coupled(model, probe, &*loaded);
+  const auto states = solve_coupled(session, coupled, planned_rays(coupled, spec.rays), spec.seed * 1000003, progress,
+                                    stop, rays, report);
+  rays.close();
+  report.taken_rays = total(session, rays.taken());
+  session.together([&] {
+    if (session.rank() == 0) tell_coverages(add_coupled_bounds(body, probe.increments, spec.coverage, states), report);
+    if (session.rank() == 0 && body.bounds.rows() == 0)
+      throw failure("too few rays were solved for bounds of the body",
+                    fmt::format("{} of {} rays", states.size(), report.planned_coupled_rays),
+                    "run it again; nothing was written");
+  });
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
 Model calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, const BoundSpec& spec,
                 const OnProgress& progress, const ShouldStop& stop, BoundReport& report) {
   const auto begin = std::chrono::steady_clock::now();
@@ -238,23 +327,16 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
   const auto sample = sampled_nodes(n_nodes, n_active, random);
   KeptRays rays(session, header, spec.reference, spec.file, stop);
   const CoupledRays coupled(model, stored_scene(header).probe);
-  const std::int64_t per_kind = coupled_rays_per_kind(spec.rays);
-  std::vector<std::pair<std::int32_t, std::int32_t>> coupled_rays;  // number of the ray, and of tools
-  for (std::int32_t ray = 0; ray < per_kind; ++ray)
-    for (const std::int32_t n_tools : {1, 2})
-      if (coupled.possible(n_tools)) coupled_rays.emplace_back(ray, n_tools);
-  report.planned_coupled_rays = std::ssize(coupled_rays);
+  const auto coupled_rays = planned_rays(coupled, spec.rays);
   report.reference = spec.reference;
-  const auto n_items = static_cast<std::int64_t>(n_nodes) + report.planned_coupled_rays;
+  const auto n_items = static_cast<std::int64_t>(n_nodes) + std::ssize(coupled_rays);
   const auto counted = [&](std::int64_t before) {
     return [&, before](std::int64_t done, std::int64_t) {
       if (progress) progress(before + done, n_items);
     };
   };
   NodeRays solved;
-  std::array<DrawnStates, 2> drawn;
-  std::vector<double> coupled_rows;
-  std::int64_t finished = 0, finished_rays = 0, failed_coupled = 0;
+  std::int64_t finished = 0;
   session.together([&] {
     finished = share_out(session, static_cast<std::int64_t>(n_nodes), counted(0), stop, [&](std::size_t i) {
       // The rays of a node do not depend on the number of ranks, nor on how many follow.
@@ -272,46 +354,16 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
   });
   const auto at_rest =
       spec.reference == Variant::scene ? std::vector<double>() : stiffnesses_at_rest(session, model, stop, rays);
-  const bool go_on = session.sum(stop && stop() ? 1 : 0) == 0;
-  session.together([&] {
-    finished_rays = share_out(session, go_on ? report.planned_coupled_rays : 0,
-                              counted(static_cast<std::int64_t>(n_nodes)), stop, [&](std::size_t i) {
-                                const auto [number, n_tools] = coupled_rays[i];
-                                std::mt19937_64 of_ray(spec.seed * 1000003 + n_active + i);
-                                const auto ray =
-                                    coupled.draw(of_ray, number, n_tools, drawn[static_cast<std::size_t>(n_tools - 1)]);
-                                if (ray.parts.empty()) return;
-                                const auto forces = rays.forces(ray);
-                                if (forces.empty()) {
-                                  ++failed_coupled;
-                                  return;
-                                }
-                                CoupledState state{number, n_tools, {}, {}};
-                                std::ranges::copy(ray.tools, state.tools.begin());
-                                std::ranges::copy(forces, state.force_N.begin());
-                                pack(coupled_rows, state);
-                              });
-  });
+  const auto coupled_states = solve_coupled(session, coupled, coupled_rays, spec.seed * 1000003 + n_active,
+                                            counted(static_cast<std::int64_t>(n_nodes)), stop, rays, report);
   rays.close();
-  const auto total = [&](std::int64_t of_rank) {
-    return static_cast<std::int64_t>(session.sum(static_cast<double>(of_rank)));
-  };
-  report.nodes = total(finished);
+  report.nodes = total(session, finished);
   report.planned_nodes = static_cast<std::int64_t>(n_nodes);
-  report.rays = total(solved.rays);
-  report.failed_rays = total(solved.failed);
-  report.coupled_rays = total(finished_rays);
-  report.failed_coupled_rays = total(failed_coupled);
-  report.taken_rays = total(rays.taken());
-  std::array<double, 2> flagged{};
-  for (std::size_t kind = 0; kind < 2; ++kind) {
-    const double all = session.sum(drawn[kind].all), left_out_states = session.sum(drawn[kind].flagged);
-    flagged[kind] = all > 0 ? left_out_states / all : 0;
-  }
+  report.rays = total(session, solved.rays);
+  report.failed_rays = total(session, solved.failed);
+  report.taken_rays = total(session, rays.taken());
   const auto states = states_of(session.gather(solved.states));
   predict_by_rest(model, session.gather(at_rest), predictors);
-  auto coupled_states = unpacked<CoupledState>(session.gather(coupled_rows));
-  std::ranges::stable_sort(coupled_states, {}, [](const auto& s) { return std::pair{s.ray, s.n_tools}; });
   Model bounded = model.model();
   session.together([&] {
     if (report.nodes < static_cast<std::int64_t>(std::min(n_nodes, fewest_nodes)))
@@ -323,11 +375,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     report.all_nodes = static_cast<std::size_t>(report.nodes) == n_active;
     const double range_m = bounded.max_displacement_m;
     report.left_out = coverage_of(left_out(model, predictors, states, report.rays, spec.coverage), range_m);
-    const auto coverages = add_coupled_bounds(bounded, model.mesh(), coupled_states);
-    report.between = coverages[0];
-    report.two = coverages[1];
-    report.between.flagged = flagged[0];
-    report.two.flagged = flagged[1];
+    tell_coverages(add_coupled_bounds(bounded, model.mesh(), coupled_states), report);
     bounded.bounds[0].reference = static_cast<std::int32_t>(spec.reference);
     tell_medians(LoadedModel(bounded, model.mesh(), "model"), predictors, states, report);
   });

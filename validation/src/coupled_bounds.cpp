@@ -2,8 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <phynness/validation/coupled_bounds.hpp>
 #include <set>
+
+#include "body_predictions.hpp"
 
 namespace phynness {
 namespace {
@@ -33,18 +36,26 @@ struct Sample {
 };
 using Samples = std::vector<Sample>;
 
+/// Forces of tools, and their bounds where there are some.
+struct Said {
+  std::vector<std::optional<Vec3>> force_N;
+  std::vector<std::optional<double>> bound_N;
+};
+using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, n_coefficients>;
+/// Loads a model or a body with these coefficients.
+using Load = std::function<std::function<Said(const std::vector<phn_tool>&)>(const Coefficients&)>;
+
 /// The samples of a kind. What bounds are computed from are bounds of which one coefficient is 1 and the others are 0.
-Samples samples_of(const Model& model, const Mesh& mesh, const std::vector<CoupledState>& states, int n_tools) {
+Samples samples_of(const Load& load, const std::vector<CoupledState>& states, int n_tools) {
   std::vector<Sample> samples;
   for (int term = 1; term < n_coefficients; ++term) {
-    Model unit = model;
-    unit.bounds[0].coupled = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_coefficients);
-    unit.bounds[0].coupled.col(term).setOnes();
-    const LoadedModel loaded(std::move(unit), mesh, "model");
+    Coefficients unit = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_coefficients);
+    unit.col(term).setOnes();
+    const auto loaded = load(unit);
     std::size_t at = 0;
     for (const auto& state : states) {
       if (state.n_tools != n_tools) continue;
-      const auto said = loaded.couple({state.tools.begin(), state.tools.begin() + n_tools});
+      const auto said = loaded({state.tools.begin(), state.tools.begin() + n_tools});
       for (std::size_t t = 0; t < said.bound_N.size(); ++t) {
         if (!said.bound_N[t]) continue;
         if (term == 1) {
@@ -167,24 +178,53 @@ CoupledCoverage left_out(const Samples& samples, double coverage, double range_m
           coverage_if(errors, range_m, [](bool) { return true; }), 0};
 }
 
+/// @param found  the coefficients; empty if there are none
+std::array<CoupledCoverage, 2> fit_kinds(const Load& load, const std::vector<CoupledState>& states, double coverage,
+                                         double range_m, Coefficients& found) {
+  std::array<CoupledCoverage, 2> coverages;
+  Coefficients rows = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_coefficients);
+  rows.col(0).setConstant(unknown);
+  for (int kind = 0; kind < schema::n_coupled_kinds; ++kind) {
+    const Samples samples = samples_of(load, states, kind + 1);
+    auto& out = coverages[static_cast<std::size_t>(kind)];
+    out.rays = rays_of(samples);
+    if (out.rays < fewest_of_kind) continue;
+    rows.row(kind) = fit(samples, coverage, range_m).transpose();
+    out = left_out(samples, coverage, range_m);
+  }
+  if ((rows.col(0).array() < unknown).any()) found = rows;
+  return coverages;
+}
+
 }  // namespace
 
 std::array<CoupledCoverage, 2> add_coupled_bounds(Model& model, const Mesh& mesh,
                                                   const std::vector<CoupledState>& states) {
-  std::array<CoupledCoverage, 2> coverages;
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_coefficients);
-  rows.col(0).setConstant(unknown);
-  const double coverage = model.bounds.at(0).coverage;
-  for (int kind = 0; kind < schema::n_coupled_kinds; ++kind) {
-    const Samples samples = samples_of(model, mesh, states, kind + 1);
-    auto& out = coverages[static_cast<std::size_t>(kind)];
-    out.rays = rays_of(samples);
-    if (out.rays < fewest_of_kind) continue;
-    rows.row(kind) = fit(samples, coverage, model.max_displacement_m).transpose();
-    out = left_out(samples, coverage, model.max_displacement_m);
-  }
-  if ((rows.col(0).array() < unknown).any()) model.bounds[0].coupled = rows;
-  return coverages;
+  const Load load = [&](const Coefficients& coefficients) {
+    Model with = model;
+    with.bounds[0].coupled = coefficients;
+    return [loaded = std::make_shared<LoadedModel>(std::move(with), mesh, "model")](const auto& tools) {
+      const auto said = loaded->couple(tools);
+      return Said{said.force_N, said.bound_N};
+    };
+  };
+  return fit_kinds(load, states, model.bounds.at(0).coverage, model.max_displacement_m, model.bounds[0].coupled);
+}
+
+std::array<CoupledCoverage, 2> add_coupled_bounds(ReducedBody& body, int increments, double coverage,
+                                                  const std::vector<CoupledState>& states) {
+  body.bounds.resize(0, n_coefficients);
+  body.coverage = coverage;
+  body.n_rays = static_cast<std::int32_t>(states.size());
+  const Load load = [&](const Coefficients& coefficients) {
+    ReducedBody with = body;
+    with.bounds = coefficients;
+    return [loaded = std::make_shared<LoadedBody>(write_body_text(with), "body"), increments](const auto& tools) {
+      const auto said = loaded->press_from_rest(tools, increments, steps_of_increment);
+      return Said{{said.force_N.begin(), said.force_N.end()}, said.bound_N};
+    };
+  };
+  return fit_kinds(load, states, coverage, body.depth_m, body.bounds);
 }
 
 }  // namespace phynness

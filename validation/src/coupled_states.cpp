@@ -4,6 +4,8 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/probe_plan.hpp>
 
+#include "body_predictions.hpp"
+
 namespace phynness {
 namespace {
 
@@ -14,8 +16,12 @@ constexpr double near_radii = 2.5;
 
 }  // namespace
 
-CoupledRays::CoupledRays(const LoadedModel& model, const ProbeSpec& probe)
-    : _model(model), _triangles(answered_triangles(model)), _near_m(near_radii * probe.tool_radius_m) {}
+CoupledRays::CoupledRays(const LoadedModel& model, const ProbeSpec& probe, LoadedBody* body)
+    : _model(model),
+      _body(body),
+      _increments(probe.increments),
+      _triangles(answered_triangles(model)),
+      _near_m(near_radii * probe.tool_radius_m) {}
 
 bool CoupledRays::possible(int n_tools) const {
   return n_tools == 1 ? !_triangles.empty() : _model.model().nodes.size() > 1;
@@ -57,11 +63,18 @@ double CoupledRays::trained_depth(const phn_tool& tool, const Vec3& e) const {
 bool CoupledRays::displace(std::mt19937_64& random, phn_tool& tool) const {
   for (int attempt = 0; attempt < 1000; ++attempt) {
     const Vec3 e = on_sphere(random);
-    const double depth = trained_depth(tool, e) * (1 - uniform(random));
+    const double trained = trained_depth(tool, e), all = _model.model().max_displacement_m;
+    const double depth = (_body && trained > 0 ? all : trained) * (1 - uniform(random));
     for (std::size_t k = 0; k < 3; ++k) tool.displacement[k] = depth * e[k];
     if (depth > 0) return true;
   }
   return false;
+}
+
+bool CoupledRays::is_flagged(const std::vector<phn_tool>& tools) const {
+  const int status =
+      _body ? _body->press_from_rest(tools, _increments, steps_of_increment).status : _model.couple(tools).status;
+  return (status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED)) != 0;
 }
 
 ToolRay CoupledRays::draw_any(std::mt19937_64& random, std::int32_t n_tools, bool at_nodes, bool near) const {
@@ -82,7 +95,7 @@ ToolRay CoupledRays::draw(std::mt19937_64& random, std::int32_t number, std::int
     ToolRay ray = draw_any(random, n_tools, at_nodes, near && attempt < most_draws / 2);
     if (std::ssize(ray.tools) < n_tools) continue;
     try {
-      const bool flagged = (_model.couple(ray.tools).status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED)) != 0;
+      const bool flagged = is_flagged(ray.tools);
       drawn.all += 1;
       drawn.flagged += flagged;
       if (!flagged) return ray;

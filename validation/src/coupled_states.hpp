@@ -1,6 +1,7 @@
 // Random rays of one tool between nodes and of two tools, for the calibration of bounds.
 #pragma once
 
+#include <phynness/evaluation/loaded_body.hpp>
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/scene.hpp>
 #include <random>
@@ -16,7 +17,8 @@ struct DrawnStates {
 
 class CoupledRays {
  public:
-  explicit CoupledRays(const LoadedModel& model, const ProbeSpec& probe);
+  /// @param body  whose flags and depth count, where the model is trained; null: those of the model
+  CoupledRays(const LoadedModel& model, const ProbeSpec& probe, LoadedBody* body = nullptr);
   /// Whether there are places for one tool between nodes, or for two.
   bool possible(int n_tools) const;
   /// Draws rays of one state until one is not flagged. Of pairs every second one is at nodes, and every third one near
@@ -25,6 +27,7 @@ class CoupledRays {
 
  private:
   phn_tool random_tool(std::mt19937_64& random, bool at_node) const;
+  bool is_flagged(const std::vector<phn_tool>& tools) const;
   double trained_depth(const phn_tool& tool, const Vec3& direction) const;
   /// Draws a displacement inside the trained range. @return false: nothing is trained there
   bool displace(std::mt19937_64& random, phn_tool& tool) const;
@@ -33,6 +36,8 @@ class CoupledRays {
   ToolRay draw_any(std::mt19937_64& random, std::int32_t n_tools, bool at_nodes, bool near) const;
 
   const LoadedModel& _model;
+  LoadedBody* _body;
+  int _increments;
   std::vector<Eigen::Index> _triangles;
   double _near_m;
 };

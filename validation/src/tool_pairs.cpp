@@ -142,6 +142,7 @@ class PairComparison {
     const Eigen::VectorXd f = _solver.rest().stiffness_N_per_m * q, u = _solver.rest().sensitivity * q;
     judge(PairPredictor::linear, {Vec3{f[0], f[1], f[2]}, Vec3{f[3], f[4], f[5]}},
           Eigen::Map<const Points>(u.data(), u.size() / 3, 3)(output, Eigen::all));
+    if (of_body) std::tie(pair.body_bounded, pair.body_covered) = covered(*of_body, truth.force_N);
     if (of_body)
       pair.errors[static_cast<std::size_t>(PairPredictor::body)] =
           errors_of(Forces(of_body->force_N.begin(), of_body->force_N.end()), of_body->displacement_m, truth,
@@ -252,7 +253,7 @@ PairReport validate_pairs(const SolverSession& session, const Scene& scene, cons
   if (body) {
     report.body_warnings.emplace();
     for (const auto& pair : report.records)
-      if (pair.solved) report.body_warnings->take(pair.body_status);
+      if (pair.solved) report.body_warnings->take(pair.body_status, pair.body_bounded, pair.body_covered);
     report.body_by_warning = errors_by_warning(judged_pairs(report.records, PairPredictor::body));
   }
   std::vector<double> alone;

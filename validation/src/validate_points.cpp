@@ -159,7 +159,8 @@ class PointComparison {
                         u});
       if (!_body) continue;
       auto answer = _body->at({tool_at(place, d)});
-      report.body_warnings->take(answer.status);
+      const auto [bounded, below] = covered(answer, truth.force_N);
+      report.body_warnings->take(answer.status, bounded, below);
       of_body.push_back({answer.force_N[0], truth.force_N[0], std::move(answer.displacement_m), _body->shared(u)});
     }
     const auto corner = nearest_active(_model, place);
@@ -210,7 +211,10 @@ class PointComparison {
     report.at_nodes = statistics(session, _at_nodes);
     if (_body) report.body = statistics(session, _of_body);
     std::vector counts{&report.finished, &report.failed, &report.refused, &report.unsettled};
-    if (_body) counts.insert(counts.end(), {&report.body_warnings->unsettled, &report.body_warnings->outside});
+    if (_body) {
+      auto& of_body = *report.body_warnings;
+      counts.insert(counts.end(), {&of_body.unsettled, &of_body.outside, &of_body.bounded, &of_body.covered});
+    }
     for (auto* count : counts) *count = static_cast<std::int64_t>(session.sum(static_cast<double>(*count)));
     report.first_refusal = refusal_of_any_rank(session);
     for (const double r : session.gather({report.largest_residual_m}))

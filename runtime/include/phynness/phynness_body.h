@@ -62,6 +62,11 @@ typedef struct phn_body_pressed {
 PHN_API int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools,
                            int32_t steps, double* forces, phn_body_pressed* pressed);
 
+/* Bounds [N] of the errors of the forces of the last phn_body_press, one for each of its tools, from the finite elements
+ * of the body (formats/body.md, Bounds). Where that warned _OUTSIDE or _UNSETTLED they are PHN_NO_BOUND.
+ * PHN_ERROR_UNDEFINED: a body without bounds (phynness calibrate --body), or no tool. @return its status otherwise */
+PHN_API int phn_body_bound(const phn_body* body, const phn_body_state* state, double* bounds);
+
 /* Displacements [m] of the surface's nodes, n_nodes x 3, after the last phn_body_press; zeros before. */
 PHN_API int phn_body_deform(const phn_body* body, const phn_body_state* state, double* out);
 

@@ -23,6 +23,7 @@ struct phn_body {
   const double *shear, *bulk_of_cell;
   const float* gradients;  ///< 9 n_cells rows
   const float* pressures;  ///< n_cells rows
+  const double* bounds;    ///< coefficients of core/bound.hpp, n_coupled_kinds x n_coupled_terms; null: none
 };
 
 namespace PHN_RUNTIME {
@@ -77,11 +78,13 @@ struct phn_body_state {
   double* pressure_at;          ///< of the cells: products of their pressures with b
   double *rows, *moved;         ///< 3 max_tools rows: means of the modes under the tools; products with the compliance
   double *alone, *step;
-  float* factor;                      ///< of the stiffness
+  float *factor, *factor_at_rest;     ///< of the stiffness
   float* bulk_rows;                   ///< db/dq of the state of the factor, n_pressures rows
   double held[3 * PHN_MOST_COUPLED];  ///< multiples of the squares of what the tools displace that the factor has [N/m]
   std::int32_t n_rows;                ///< of the tools that are held
-  bool is_stale;                      ///< the factor serves badly
+  double wanted[3 * PHN_MOST_COUPLED], force[3 * PHN_MOST_COUPLED];  ///< of these tools
+  int status;                                                        ///< of the last press
+  bool is_stale;                                                     ///< the factor serves badly
   // The next stiffness, at a state that is kept.
   float *next, *next_bulk_rows, *panel, *change_row;
   double *next_q, *next_sums;

@@ -68,6 +68,9 @@ struct BodyStore {
   Numbers<std::int32_t> nodes, kinds, surface;
   Numbers<double> points, shear_m3, bulk_rJ;
   ScaledRows modes, gradients, pressures;
+  double coverage = 0;
+  std::int32_t n_rays = 0;
+  Numbers<double> bounds;
 };
 
 /// The `io` of the grammar for reading.
@@ -94,6 +97,7 @@ class BodyLoader {
     const std::int32_t read = _in.integer(low, high);
     if (good()) value = read;
   }
+  bool optional(const char* word, bool) const { return _in.next_is(word); }
   void count(const char*, std::int32_t& n, std::int32_t low) { n = _in.count(low); }
   void room(const char*, std::uint64_t n) { _in.require_room(n); }
   void require(bool condition, const char*) {
@@ -209,6 +213,7 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   body->bulk_of_cell = store.bulk_rJ.at;
   body->gradients = store.gradients.entries.at;
   body->pressures = store.pressures.entries.at;
+  body->bounds = store.bounds.n > 0 ? store.bounds.at : nullptr;
   set_across(*body, last_at, before, across);
   set_normals(*body, normals);
   body->across = across;

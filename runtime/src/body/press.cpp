@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "body/elements.hpp"
+#include "core/bound.hpp"
 #include "core/evaluate.hpp"
 
 using namespace PHN_RUNTIME;
@@ -42,6 +43,47 @@ double product(const double* a, const double* b, std::int32_t n) {
   return sum;
 }
 
+/// Compliance of the tools: rows K^-1 rows^T, factorized as L L^T.
+struct Compliance {
+  double lower[3 * most_tools][3 * most_tools];
+
+  /// @param factor  of K. state.moved receives K^-1 rows^T
+  void set(const phn_body_state& state, const float* factor) {
+    const std::int32_t stride = state.body->stride;
+    memcpy(state.moved, state.rows,
+           static_cast<std::size_t>(state.n_rows) * static_cast<std::size_t>(stride) * sizeof(double));
+    for (std::int32_t r = 0; r < state.n_rows; ++r)
+      state.kernels->solve(factor, state.body->info.n_modes, stride,
+                           state.moved + static_cast<std::int64_t>(r) * stride);
+    take(state, 0, state.n_rows);
+  }
+
+  /// Of n rows from `first` on, with state.moved of a call of set().
+  void take(const phn_body_state& state, std::int32_t first, std::int32_t n) {
+    const auto at = [&](const double* of, std::int32_t r) {
+      return of + static_cast<std::int64_t>(first + r) * state.body->stride;
+    };
+    for (std::int32_t r = 0; r < n; ++r)
+      for (std::int32_t k = 0; k <= r; ++k)
+        lower[r][k] = product(at(state.rows, r), at(state.moved, k), state.body->info.n_modes);
+    for (std::int32_t r = 0; r < n; ++r) {
+      for (std::int32_t k = 0; k < r; ++k) lower[r][k] = (lower[r][k] - product(lower[r], lower[k], k)) / lower[k][k];
+      const double pivot = lower[r][r] - product(lower[r], lower[r], r);
+      // Tools at one place hold the same point; the second one follows the first.
+      lower[r][r] = pivot > 1e-12 * lower[r][r] ? std::sqrt(pivot) : HUGE_VAL;
+    }
+  }
+
+  /// The forces that move n rows by x, in place of x.
+  void solve(std::int32_t n, double* x) const {
+    for (std::int32_t r = 0; r < n; ++r) x[r] = (x[r] - product(lower[r], x, r)) / lower[r][r];
+    for (std::int32_t r = n - 1; r >= 0; --r) {
+      for (std::int32_t k = r + 1; k < n; ++k) x[r] -= lower[k][r] * x[k];
+      x[r] /= lower[r][r];
+    }
+  }
+};
+
 /// Steps of Newton's method for the energy with the mean displacements under the tools prescribed.
 class Equilibrium {
  public:
@@ -50,7 +92,7 @@ class Equilibrium {
 
   /// @param budget  steps that may be made; a new stiffness takes as long as `steps_of_renewal`
   void settle(std::int32_t budget, phn_body_pressed& pressed) {
-    move_rows();
+    _compliance.set(_s, _s.factor);
     double last = HUGE_VAL;
     bool is_fresh = false;
     while (budget > 0) {
@@ -60,7 +102,7 @@ class Equilibrium {
         if (!renew_stiffness(_s, 0)) return;
         budget -= steps_of_renewal;
         ++pressed.renewed;
-        move_rows();
+        _compliance.set(_s, _s.factor);
         is_fresh = true;
         continue;
       }
@@ -79,24 +121,6 @@ class Equilibrium {
  private:
   double* row(double* of, std::int32_t r) const { return of + static_cast<std::int64_t>(r) * _stride; }
 
-  /// Compliance of the tools: rows K^-1 rows^T, factorized as L L^T.
-  void move_rows() {
-    for (std::int32_t r = 0; r < _tools.n_rows; ++r) {
-      for (std::int32_t m = 0; m < _stride; ++m) row(_s.moved, r)[m] = row(_s.rows, r)[m];
-      _s.kernels->solve(_s.factor, _n, _stride, row(_s.moved, r));
-    }
-    const std::int32_t n = _tools.n_rows;
-    for (std::int32_t r = 0; r < n; ++r)
-      for (std::int32_t k = 0; k <= r; ++k) _compliance[r][k] = product(row(_s.rows, r), row(_s.moved, k), _n);
-    for (std::int32_t r = 0; r < n; ++r) {
-      for (std::int32_t k = 0; k < r; ++k)
-        _compliance[r][k] = (_compliance[r][k] - product(_compliance[r], _compliance[k], k)) / _compliance[k][k];
-      const double pivot = _compliance[r][r] - product(_compliance[r], _compliance[r], r);
-      // Tools at one place hold the same point; the second one follows the first.
-      _compliance[r][r] = pivot > 1e-12 * _compliance[r][r] ? std::sqrt(pivot) : HUGE_VAL;
-    }
-  }
-
   /// _s.step, and the forces of the tools. @return unbalanced
   double direction() {
     for (std::int32_t m = 0; m < _stride; ++m) _s.alone[m] = m < _n ? _s.at.forces[m] : 0;
@@ -105,12 +129,7 @@ class Equilibrium {
     for (std::int32_t r = 0; r < n; ++r)
       _force[r] = (_behind[r] = _tools.wanted[r] - product(row(_s.rows, r), _s.at.q, _n)) +
                   product(row(_s.rows, r), _s.alone, _n);
-    for (std::int32_t r = 0; r < n; ++r)
-      _force[r] = (_force[r] - product(_compliance[r], _force, r)) / _compliance[r][r];
-    for (std::int32_t r = n - 1; r >= 0; --r) {
-      for (std::int32_t k = r + 1; k < n; ++k) _force[r] -= _compliance[k][r] * _force[k];
-      _force[r] /= _compliance[r][r];
-    }
+    _compliance.solve(n, _force);
     for (std::int32_t m = 0; m < _stride; ++m) {
       _s.step[m] = -_s.alone[m];
       for (std::int32_t r = 0; r < n; ++r) _s.step[m] += _force[r] * row(_s.moved, r)[m];
@@ -165,7 +184,8 @@ class Equilibrium {
   const phn_body& _body;
   const Tools& _tools;
   std::int32_t _n, _stride;
-  double _compliance[3 * most_tools][3 * most_tools], _force[3 * most_tools] = {}, _behind[3 * most_tools] = {};
+  Compliance _compliance;
+  double _force[3 * most_tools] = {}, _behind[3 * most_tools] = {};
   double _decrease = 0;
 };
 
@@ -198,6 +218,7 @@ struct Layout {
          s.change_of_sums);
     take(arena, 3 * static_cast<std::size_t>(max_tools), stride, s.rows, s.moved);
     s.factor = arena.take<float>(stride, stride);
+    s.factor_at_rest = arena.take<float>(stride, stride);
     s.next = arena.take<float>(stride, stride);
     s.bulk_rows = arena.take<float>(static_cast<std::size_t>(body.info.n_pressures), stride);
     s.next_bulk_rows = arena.take<float>(static_cast<std::size_t>(body.info.n_pressures), stride);
@@ -281,6 +302,8 @@ int phn_body_state_init(void* memory, size_t bytes, const phn_body* body, int32_
   if (layout.state == nullptr || arena.overflow()) return PHN_ERROR_BUFFER;
   // Where the law is not defined at rest, or nothing resists, the numbers are not those of a body.
   if (!evaluate_body(*layout.state, layout.state->at) || !renew_stiffness(*layout.state, 0)) return PHN_ERROR_RANGE;
+  const auto stride = static_cast<std::size_t>(body->stride);
+  memcpy(layout.state->factor_at_rest, layout.state->factor, stride * stride * sizeof(float));
   *state = layout.state;
   return PHN_OK;
 }
@@ -298,6 +321,7 @@ int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools,
   if (overlap(forces, 3 * n * sizeof(double), pressed, sizeof *pressed)) return PHN_ERROR_OVERLAP;
   int status = PHN_OK;
   Tools held = {};
+  state->n_rows = 0;
   for (std::int32_t t = 0; t < n_tools; ++t) {
     std::int32_t n_touched = 0;
     const int of_tool = tool_weights(*body, tools[t], state->scratch, n_touched);
@@ -337,7 +361,38 @@ int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools,
       renew_stiffness(*state, (body->info.n_cells - 1) / steps_of_renewal + 1) && state->next_cells == 0)
     ++made.renewed;
   if (pressed != nullptr) *pressed = made;
+  memcpy(state->wanted, held.wanted, sizeof held.wanted);
+  for (std::size_t r = 0; r < 3 * n; ++r) state->force[r] = forces[r];
+  state->status = status;
   return status;
+}
+
+int phn_body_bound(const phn_body* body, const phn_body_state* state, double* bounds) {
+  if (body == nullptr || state == nullptr || state->body != body || bounds == nullptr) return PHN_ERROR_ARGUMENT;
+  const std::int32_t n = state->n_rows;
+  if (body->bounds == nullptr || n == 0) return PHN_ERROR_UNDEFINED;
+  Compliance at_rest;
+  at_rest.set(*state, state->factor_at_rest);
+  double linear[3 * most_tools], size = 0;
+  memcpy(linear, state->wanted, sizeof linear);
+  at_rest.solve(n, linear);
+  for (std::int32_t r = 0; r < n; r += 3) size += length(linear + r);
+  const double* c = body->bounds + (n > 3 ? phynness::schema::n_coupled_terms : 0);
+  for (std::int32_t r = 0; r < n; r += 3) {
+    double alone[3], of_others[3], curved[3];
+    memcpy(alone, state->wanted + r, sizeof alone);
+    at_rest.take(*state, r, 3);
+    at_rest.solve(3, alone);
+    for (int k = 0; k < 3; ++k) {
+      of_others[k] = linear[r + k] - alone[k];
+      curved[k] = state->force[r + k] - linear[r + k];
+    }
+    const double x[] = {length(of_others) + size, length(curved), size};
+    bounds[r / 3] = (state->status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED)) != 0
+                        ? PHN_NO_BOUND
+                        : coupled_bound(c, x, PHN_NO_BOUND);
+  }
+  return state->status;
 }
 
 int phn_body_deform(const phn_body* body, const phn_body_state* state, double* out) {

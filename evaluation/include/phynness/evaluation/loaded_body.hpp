@@ -4,17 +4,20 @@
 #include <phynness/phynness_body.h>
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <phynness/formats/mesh.hpp>
+#include <phynness/formats/selector.hpp>
 #include <string>
 #include <vector>
 
 namespace phynness {
 
 struct BodyResponse {
-  int status = PHN_OK;         ///< PHN_OK or warnings
-  std::vector<Vec3> force_N;   ///< per tool
-  Points displacement_m;       ///< of the nodes of the body's surface
-  phn_body_pressed pressed{};  ///< of the last call of the runtime
+  int status = PHN_OK;                         ///< PHN_OK or warnings
+  std::vector<Vec3> force_N;                   ///< per tool
+  std::vector<std::optional<double>> bound_N;  ///< of their errors, where there is one
+  Points displacement_m;                       ///< of the nodes of the body's surface
+  phn_body_pressed pressed{};                  ///< of the last call of the runtime
 };
 
 /// Must not be used by several threads at the same time.
@@ -23,6 +26,8 @@ class LoadedBody {
   /// Loads a body.txt.
   /// @throws Error (input) if the file is missing or the runtime refuses it
   explicit LoadedBody(const std::filesystem::path& file);
+  /// @param name  for messages
+  LoadedBody(const std::string& text, std::string name);
 
   const phn_body_info& info() const { return _info; }
   /// Back to rest.

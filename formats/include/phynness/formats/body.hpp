@@ -27,9 +27,15 @@ struct ReducedBody {
   std::vector<double> bulk_rJ;      ///< [sqrt(J)]
   ScaledTable gradients;            ///< 9 n_cells x n_modes: du_i/dX_j in row 9 c + 3 i + j
   ScaledTable pressures;            ///< n_cells x n_pressures
+  double coverage = 0;              ///< of the bounds
+  std::int32_t n_rays = 0;          ///< from which they are
+  /// Empty, or schema::n_coupled_kinds rows of coefficients: one tool, several tools.
+  Eigen::Matrix<double, Eigen::Dynamic, schema::n_coupled_terms> bounds{};
 };
 
 /// The text of a body.txt. @throws Error (failure) if a number is out of the range of the format
 std::string write_body_text(const ReducedBody& body);
+/// @param source_name  for messages. @throws Error (input) if the text is not a body.txt of this version
+ReducedBody read_body_text(const std::string& text, const std::string& source_name);
 
 }  // namespace phynness

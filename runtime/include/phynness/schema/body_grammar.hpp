@@ -18,6 +18,16 @@ void word_line(IO& io, const char* key, Word& word) {
   io.end();
 }
 
+/// Coefficients of the bounds of errors, as those of coupled tools in a model.
+template <class IO, class Body>
+void body_bounds(IO& io, Body& b) {
+  if (!io.optional("bounds", io.rows(b.bounds) > 0)) return;
+  const int32_t kinds = size_line(io, "bounds", io.rows(b.bounds), n_coupled_kinds, n_coupled_kinds);
+  real_line(io, "coverage", b.coverage, probability);
+  integer_line(io, "rays", b.n_rays, 1, largest_integer);
+  rows_of_numbers(io, "coefficient", b.bounds, kinds, n_coupled_terms, exponent);
+}
+
 template <class IO, class Body>
 void body(IO& io, Body& b) {
   word_line(io, "mesh", b.mesh_hash);
@@ -61,6 +71,7 @@ void body(IO& io, Body& b) {
   table(io, "gradients", b.gradients, 9 * static_cast<int64_t>(n_points), n_modes);
   const int32_t n_pressures = size_line(io, "pressures", io.cols(b.pressures.entries), 1, most_body_modes);
   table(io, "pressures-at-cells", b.pressures, n_points, n_pressures);
+  body_bounds(io, b);
 }
 
 }  // namespace phynness::schema

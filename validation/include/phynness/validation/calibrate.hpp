@@ -40,9 +40,11 @@ struct BoundReport {
 
   bool interrupted() const { return nodes < planned_nodes || coupled_rays < planned_coupled_rays; }
   static void describe(const auto& result, auto&& see) {
-    see("reference", name(result.reference));
-    PHYNNESS_SEE(rays, failed_rays, nodes, planned_nodes, all_nodes, states, median_bound_N, median_share, left_out,
-                 coupled_rays, planned_coupled_rays, failed_coupled_rays, taken_rays, between, two, seconds);
+    if (result.planned_nodes > 0) {  // none for a body
+      see("reference", name(result.reference));
+      PHYNNESS_SEE(rays, failed_rays, nodes, planned_nodes, all_nodes, states, median_bound_N, median_share, left_out);
+    }
+    PHYNNESS_SEE(coupled_rays, planned_coupled_rays, failed_coupled_rays, taken_rays, between, two, seconds);
   }
 };
 
@@ -62,5 +64,11 @@ FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSp
 /// @throws Error (failure) if it ended with fewer than 20 nodes
 Model calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, const BoundSpec& spec,
                 const OnProgress& progress, const ShouldStop& stop, BoundReport& report);
+
+/// The same for the body, where one tool or two act as the model is trained; every depth counts. Only rank 0 has
+/// bounds.
+/// @throws Error (failure) if fewer than 20 rays of either kind are solved
+void calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, ReducedBody& body,
+               const BoundSpec& spec, const OnProgress& progress, const ShouldStop& stop, BoundReport& report);
 
 }  // namespace phynness

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/formats/body.hpp>
 #include <phynness/validation/bound_coverage.hpp>
 #include <vector>
 
@@ -35,6 +36,9 @@ struct CoupledCoverage {
 /// @param mesh    of the model
 /// @param states  of both kinds. @return one tool between nodes; two tools
 std::array<CoupledCoverage, 2> add_coupled_bounds(Model& model, const Mesh& mesh,
+                                                  const std::vector<CoupledState>& states);
+/// The same for a body, at every place. @param increments  in which it is pressed
+std::array<CoupledCoverage, 2> add_coupled_bounds(ReducedBody& body, int increments, double coverage,
                                                   const std::vector<CoupledState>& states);
 
 }  // namespace phynness

@@ -53,7 +53,8 @@ struct PairRecord {
   Status ended = Status::not_solved;  ///< converged, or why it was not solved
   int status = 0;                     ///< of phn_couple: warnings
   bool has_body = false;
-  int body_status = 0;  ///< of phn_body_press: warnings
+  int body_status = 0;                              ///< of phn_body_press: warnings
+  std::int64_t body_bounded = 0, body_covered = 0;  ///< of BodyWarnings
   double residual_m = 0;
   /// Larger error of the model for each tool alone compared with a solve for this tool alone, over the finite element
   /// force; infinite if a tool alone was not solved. This part of the error of a pair is not caused by coupling.
