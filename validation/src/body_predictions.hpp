@@ -23,7 +23,7 @@ class BodyPredictions {
 
   /// Displacements are those of the shared nodes.
   BodyResponse at(const std::vector<phn_tool>& tools) const {
-    constexpr std::int32_t steps = 60;
+    constexpr std::int32_t steps = 600;
     BodyResponse said = _body.press_from_rest(tools, _increments, steps);
     said.displacement_m = Points(said.displacement_m(_shared_nodes, Eigen::all));
     return said;
