@@ -23,7 +23,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double lost_of_a_node = 1e-4;         ///< share of int |grad u|^2 that the modes of a node leave out
+constexpr double lost_of_a_node = 1e-6;         ///< share of int |grad u|^2 that the modes of a node leave out
 constexpr std::size_t most_candidates = 8'000;  ///< points among which those with a weight are
 /// The forces and changes of volume of a state are so many random sums of all of them.
 constexpr int sums_of_a_state = 16;
