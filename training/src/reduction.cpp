@@ -23,10 +23,16 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double lost_of_a_node = 1e-4;         ///< share of int |grad u|^2 that the modes of a node leave out
+constexpr double lost_of_a_node = 1e-6;         ///< share of int |grad u|^2 that the modes of a node leave out
 constexpr std::size_t most_candidates = 8'000;  ///< points among which those with a weight are
 /// The forces and changes of volume of a state are so many random sums of all of them.
 constexpr int sums_of_a_state = 16;
+
+/// The largest magnitude; 1 if there is none, as of pressures where all chosen points are edges.
+double scale_of(const MatrixXd& values) {
+  const double largest = values.cwiseAbs().maxCoeff();
+  return largest > 0 ? largest : 1;
+}
 
 /// The scene of a database that can be reduced. @throws Error (input), as reduce()
 Scene checked_scene(const DatabaseHeader& header) {
@@ -286,13 +292,13 @@ class Reduction {
     MatrixXd rows(9 * n, _modes.cols());
     for (Index k = 0; k < 9; ++k) rows(Eigen::seqN(k, n, 9), Eigen::all) = gradient[static_cast<std::size_t>(k)];
     for (Index m = 0; m < _modes.cols(); ++m) {
-      const double largest = rows.col(m).cwiseAbs().maxCoeff();
+      const double largest = scale_of(rows.col(m));
       rows.col(m) /= largest;
       _modes.col(m) /= largest;
     }
     out.gradients = scaled_table(rows);
     MatrixXd pressures = _elements.middle_at(points) * _pressures;
-    const double largest = pressures.cwiseAbs().maxCoeff();
+    const double largest = scale_of(pressures);
     out.pressures = scaled_table(pressures / largest);
     for (Index c = 0; c < n; ++c) {
       out.shear_m3.push_back(weights[c] * _elements.shear[points[static_cast<std::size_t>(c)]]);

@@ -9,7 +9,7 @@
 namespace phynness {
 
 /// Steps that a body may make in each increment.
-inline constexpr std::int32_t steps_of_increment = 60;
+inline constexpr std::int32_t steps_of_increment = 600;
 
 /// Numbers of forces with a bound, and of these, with an error that is not above it.
 inline std::pair<std::int64_t, std::int64_t> covered(const BodyResponse& said, const std::vector<Vec3>& truth) {

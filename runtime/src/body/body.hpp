@@ -76,6 +76,7 @@ struct phn_body_state {
   double *strain, *stress;      ///< 9 n_cells each, of the state that was evaluated last
   double *change, *bulk_slope;  ///< g, and dg/dF, of the cells
   double* pressure_at;          ///< of the cells: products of their pressures with b
+  double rounding;              ///< of energies near rest [J]
   double *rows, *moved;         ///< 3 max_tools rows: means of the modes under the tools; products with the compliance
   double *alone, *step;
   float *factor, *factor_at_rest;     ///< of the stiffness

@@ -1,5 +1,6 @@
 #include "body/elements.hpp"
 
+#include <cfloat>
 #include <cstring>
 
 namespace PHN_RUNTIME {
@@ -138,6 +139,17 @@ bool evaluate_body(phn_body_state& state, phn_body_state::Point& point) {
   set_zero(point.forces, static_cast<std::size_t>(body.stride));
   state.kernels->add(body.gradients, 9 * static_cast<std::int64_t>(n), body.stride, state.stress, point.forces);
   return std::isfinite(point.energy) && all_finite(point.forces, static_cast<std::size_t>(body.info.n_modes));
+}
+
+bool find_rounding(phn_body_state& state) {
+  const phn_body& body = *state.body;
+  const double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  double value, stress[9], A[81], volume = 0, modulus = 0;
+  if (!body.law->shape(F, body.parameters, value, stress, A)) return false;
+  for (std::int32_t c = 0; c < body.info.n_cells; ++c) volume += body.shear[c];
+  for (const double a : A) modulus = std::fmax(modulus, std::fabs(a));
+  state.rounding = DBL_EPSILON * volume * modulus;  // a law is a difference of numbers near 3 times its modulus
+  return state.rounding > 0 && state.rounding <= DBL_MAX;
 }
 
 bool renew_stiffness(phn_body_state& state, std::int32_t n_cells) {

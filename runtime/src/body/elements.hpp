@@ -11,6 +11,9 @@ inline constexpr std::int32_t cells_of_panel = 8;
 /// Energy, its gradient and b at point.q. @return false where the law is not defined in a cell
 bool evaluate_body(phn_body_state& state, phn_body_state::Point& point);
 
+/// Sets state.rounding. @return false where the law is not defined at rest
+bool find_rounding(phn_body_state& state);
+
 /// Adds the second derivatives of some cells to the next stiffness; with those of the last cell it becomes the factor.
 /// Where it is not positive definite, its diagonal is raised.
 /// @param n_cells  0: of all cells, at the present state

@@ -14,11 +14,15 @@ constexpr std::int32_t most_tools = PHN_MOST_COUPLED;
 constexpr double settled = 1e-7;
 /// From here on the forces are not those of an equilibrium.
 constexpr double unsettled = 1e-2;
+/// Part of a tool's compliance that the tools before it leave; at 0.2 radii it is 7e-4 and more.
+constexpr double nearly_one = 1e-4;
 /// A step that shrinks less than by this factor calls for a new stiffness.
 constexpr double slow = 0.3;
 /// Part of the decrease of energy that a step promises and must bring (Armijo 1966, doi 10.2140/pjm.1966.16.1).
 constexpr double sufficient = 1e-4;
 constexpr int most_halvings = 20;
+/// Components of displacements are clamped to so many times the depth.
+constexpr double most_depths = 1000;
 /// A new stiffness takes about as long as this many steps, in which it is made if a call has fewer.
 constexpr std::int32_t steps_of_renewal = 8;
 
@@ -69,8 +73,9 @@ struct Compliance {
     for (std::int32_t r = 0; r < n; ++r) {
       for (std::int32_t k = 0; k < r; ++k) lower[r][k] = (lower[r][k] - product(lower[r], lower[k], k)) / lower[k][k];
       const double pivot = lower[r][r] - product(lower[r], lower[r], r);
-      // Tools at one place hold the same point; the second one follows the first.
-      lower[r][r] = pivot > 1e-12 * lower[r][r] ? std::sqrt(pivot) : HUGE_VAL;
+      // Of tools at nearly one place the later ones follow only in part, as if held by a spring of this compliance.
+      const double least = nearly_one * lower[r][r];
+      lower[r][r] = least > 0 ? std::sqrt(std::fmax(pivot, least)) : HUGE_VAL;
     }
   }
 
@@ -146,8 +151,7 @@ class Equilibrium {
       _decrease += _s.step[m] * (of_tools - _s.at.forces[m]);
       held += of_tools * moved;
     }
-    const double whole = held + 2 * _s.at.energy;
-    return whole > 0 ? std::sqrt(std::fmax(_decrease, 0) / whole) : 0;
+    return std::sqrt(std::fmax(_decrease, 0) / (held + 2 * std::fmax(_s.at.energy, _s.rounding)));
   }
 
   /// What a step has to lower: the energy less the work of the tools.
@@ -169,7 +173,8 @@ class Equilibrium {
       if (!evaluate_body(_s, _s.trial)) continue;
       const double here = merit(_s.trial);
       // Differences of energies are rounded.
-      const double rounding = 1e-13 * (std::fabs(start) + std::fabs(here) + _s.at.energy + _s.trial.energy);
+      const double rounding =
+          1e-13 * (std::fabs(start) + std::fabs(here) + _s.at.energy + _s.trial.energy) + _s.rounding;
       if (here > start - sufficient * part * _decrease + rounding) continue;
       for (std::int32_t k = 0; k < n_pressures; ++k) _s.expected[k] += part * _s.change_of_sums[k];
       const auto before = _s.at;
@@ -232,6 +237,80 @@ struct Layout {
     *state = s;
   }
 };
+
+/// phn_body_press, of which neither output is written yet.
+/// Cuts forces that are far larger than those of the tools, each alone, at the stiffness at rest: of tools that work
+/// against each other so closely that steps do not settle.
+void cut_forces(const phn_body_state& state, double* forces) {
+  constexpr double most = 10;  // settled pairs have up to 4 times the sum
+  Compliance at_rest;
+  at_rest.set(state, state.factor_at_rest);
+  double sum = 0;
+  for (std::int32_t r = 0; r < state.n_rows; r += 3) {
+    double alone[3];
+    memcpy(alone, state.wanted + r, sizeof alone);
+    at_rest.take(state, r, 3);
+    at_rest.solve(3, alone);
+    sum += length(alone);
+  }
+  for (std::int32_t r = 0; r < state.n_rows; r += 3) {
+    const double size = length(forces + r);
+    for (int k = 0; k < 3 && size > most * sum; ++k) forces[r + k] *= most * sum / size;
+  }
+}
+
+int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, const phn_tool* tools, std::int32_t steps,
+          const double* forces, double* held_by, phn_body_pressed& made) {
+  if (body == nullptr || state == nullptr || state->body != body || n_tools < 0 || steps < 1 ||
+      (n_tools > 0 && (tools == nullptr || forces == nullptr)))
+    return PHN_ERROR_ARGUMENT;
+  if (n_tools > most_tools) return PHN_ERROR_TOO_MANY_TOOLS;
+  if (n_tools > state->max_tools) return PHN_ERROR_TOOLS;
+  const double depth = body->info.max_displacement_m, farthest = most_depths * depth;
+  int status = PHN_OK;
+  Tools held = {};
+  state->n_rows = 0;
+  for (std::int32_t t = 0; t < n_tools; ++t) {
+    std::int32_t n_touched = 0;
+    const int of_tool = tool_weights(*body, tools[t], state->scratch, n_touched);
+    means_of_modes(*body, state->scratch, n_touched, state->rows + 3 * static_cast<std::int64_t>(t) * body->stride);
+    if (of_tool < 0) return of_tool;
+    status |= of_tool;
+    if (!(length(tools[t].displacement) <= depth * depth_slack<double>)) status |= PHN_WARNING_OUTSIDE;
+    for (const double d : tools[t].displacement)
+      held.wanted[held.n_rows++] = std::fmin(std::fmax(d, -farthest), farthest);
+  }
+  state->n_rows = held.n_rows;
+  Equilibrium equilibrium(*state, held);
+  equilibrium.settle(steps, made);
+  equilibrium.copy_forces(held_by);
+  made.energy = state->at.energy;
+  for (std::int32_t t = 0; t < n_tools; ++t) {
+    double behind[3];
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t r = 3 * t + k;
+      const double* row = state->rows + static_cast<std::int64_t>(r) * body->stride;
+      behind[k] = held.wanted[r] - product(row, state->at.q, body->info.n_modes);
+    }
+    made.behind_m = std::fmax(made.behind_m, length(behind));
+  }
+  if (!all_finite(held_by, 3 * most_tools) || !all_finite(&made.unbalanced, 1)) {
+    set_zero(held_by, 3 * most_tools);
+    made.unbalanced = 1;
+  }
+  memcpy(state->wanted, held.wanted, sizeof held.wanted);
+  if (made.unbalanced > unsettled || !(made.behind_m <= unsettled * depth)) {
+    status |= PHN_WARNING_UNSETTLED;
+    cut_forces(*state, held_by);
+  }
+  memcpy(state->force, held_by, sizeof state->force);
+  state->status = status;
+  // Tools that move go on to need a new stiffness, of which each call makes a part.
+  if (made.unbalanced > settled && made.renewed == 0 &&
+      renew_stiffness(*state, (body->info.n_cells - 1) / steps_of_renewal + 1) && state->next_cells == 0)
+    ++made.renewed;
+  return status;
+}
 
 bool are_tools(std::int32_t n) { return n >= 1 && n <= most_tools; }
 
@@ -301,7 +380,9 @@ int phn_body_state_init(void* memory, size_t bytes, const phn_body* body, int32_
   const Layout layout(arena, *body, max_tools);
   if (layout.state == nullptr || arena.overflow()) return PHN_ERROR_BUFFER;
   // Where the law is not defined at rest, or nothing resists, the numbers are not those of a body.
-  if (!evaluate_body(*layout.state, layout.state->at) || !renew_stiffness(*layout.state, 0)) return PHN_ERROR_RANGE;
+  if (!find_rounding(*layout.state) || !evaluate_body(*layout.state, layout.state->at) ||
+      !renew_stiffness(*layout.state, 0))
+    return PHN_ERROR_RANGE;
   const auto stride = static_cast<std::size_t>(body->stride);
   memcpy(layout.state->factor_at_rest, layout.state->factor, stride * stride * sizeof(float));
   *state = layout.state;
@@ -310,60 +391,15 @@ int phn_body_state_init(void* memory, size_t bytes, const phn_body* body, int32_
 
 int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools, int32_t steps,
                    double* forces, phn_body_pressed* pressed) {
-  const auto n = static_cast<std::size_t>(n_tools > 0 ? n_tools : 0);
+  double held_by[3 * most_tools] = {};
   phn_body_pressed made = {};
+  const std::size_t n = forces != nullptr && n_tools > 0 ? 3 * static_cast<std::size_t>(n_tools) : 0;
+  const int status = overlap(forces, n * sizeof(double), pressed, sizeof *pressed)
+                         ? PHN_ERROR_OVERLAP
+                         : press(body, state, n_tools, tools, steps, forces, held_by, made);
+  // The tools have been read; the outputs may overlap them.
+  for (std::size_t r = 0; r < n; ++r) forces[r] = status < 0 ? 0 : held_by[r];
   if (pressed != nullptr) *pressed = made;
-  if (body == nullptr || state == nullptr || state->body != body || n_tools < 0 || steps < 1 ||
-      (n_tools > 0 && (tools == nullptr || forces == nullptr)))
-    return PHN_ERROR_ARGUMENT;
-  if (n_tools > PHN_MOST_COUPLED) return PHN_ERROR_TOO_MANY_TOOLS;
-  if (n_tools > state->max_tools) return PHN_ERROR_TOOLS;
-  if (overlap(forces, 3 * n * sizeof(double), pressed, sizeof *pressed)) return PHN_ERROR_OVERLAP;
-  int status = PHN_OK;
-  Tools held = {};
-  state->n_rows = 0;
-  for (std::int32_t t = 0; t < n_tools; ++t) {
-    std::int32_t n_touched = 0;
-    const int of_tool = tool_weights(*body, tools[t], state->scratch, n_touched);
-    if (of_tool >= 0) {
-      status |= of_tool;
-      if (!(length(tools[t].displacement) <= body->info.max_displacement_m * depth_slack<double>))
-        status |= PHN_WARNING_OUTSIDE;
-    }
-    means_of_modes(*body, state->scratch, n_touched, state->rows + 3 * static_cast<std::int64_t>(t) * body->stride);
-    if (of_tool < 0) {
-      set_zero(forces, 3 * n);
-      return of_tool;
-    }
-    for (int k = 0; k < 3; ++k) held.wanted[held.n_rows++] = tools[t].displacement[k];
-  }
-  state->n_rows = held.n_rows;
-  Equilibrium equilibrium(*state, held);
-  equilibrium.settle(steps, made);
-  equilibrium.copy_forces(forces);
-  made.energy = state->at.energy;
-  for (std::int32_t t = 0; t < n_tools; ++t) {
-    double behind[3];
-    for (int k = 0; k < 3; ++k)
-      behind[k] =
-          tools[t].displacement[k] -
-          product(state->rows + (3 * static_cast<std::int64_t>(t) + k) * body->stride, state->at.q, body->info.n_modes);
-    made.behind_m = std::fmax(made.behind_m, length(behind));
-  }
-  if (!all_finite(forces, 3 * n)) {
-    set_zero(forces, 3 * n);
-    made.unbalanced = HUGE_VAL;
-  }
-  if (!(made.unbalanced <= unsettled) || !(made.behind_m <= unsettled * body->info.max_displacement_m))
-    status |= PHN_WARNING_UNSETTLED;
-  // Tools that move go on to need a new stiffness, of which each call makes a part.
-  if (made.unbalanced > settled && made.renewed == 0 &&
-      renew_stiffness(*state, (body->info.n_cells - 1) / steps_of_renewal + 1) && state->next_cells == 0)
-    ++made.renewed;
-  if (pressed != nullptr) *pressed = made;
-  memcpy(state->wanted, held.wanted, sizeof held.wanted);
-  for (std::size_t r = 0; r < 3 * n; ++r) state->force[r] = forces[r];
-  state->status = status;
   return status;
 }
 
