@@ -53,14 +53,14 @@ typedef struct phn_body_pressed {
 } phn_body_pressed;
 
 /* Forces [N] that hold the tools, n_tools x 3, after at most `steps` (>= 1) steps of Newton's method from the deformation
- * that the state has. Steps are shortened until they lower the energy; tools that move by fractions of a
- * millimetre need two in each millisecond. The stiffness matrix is kept between calls while it serves; a new one counts
- * as eight steps, and is made in one call only if `steps` is more. Displacements are clamped to 1000 max_displacement_m.
- * Tools that pull apart within some tenths of a radius may have no equilibrium; _UNSETTLED is then all that is said, and
- * forces may be many times too large. Unlike those of a model, forces depend on the motion before. _OUTSIDE: a displacement is larger
- * than trained, or no probed point is within a radius of the tool. _UNSETTLED: `unbalanced` is above 0.01 or a tool is
- * ahead; call again with the same tools to come closer. PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0
- * tools the body is released. `pressed` may be null. */
+ * that the state has. Steps are shortened until they lower the energy; tools that move by fractions of a millimetre need
+ * two in each millisecond. The stiffness matrix is kept between calls while it serves; a new one counts as eight steps,
+ * and is made in one call only if `steps` is more. Displacements are clamped to 1000 max_displacement_m. Unlike those of
+ * a model, forces depend on the motion before. _OUTSIDE: a displacement is larger than trained, or no probed point is
+ * within a radius of the tool. _UNSETTLED: `unbalanced` is above 0.01 or a tool is ahead; call again with the same tools to
+ * come closer. Tools that pull apart within some tenths of a radius may have no equilibrium; each force is then at most
+ * ten times what all tools have alone at the stiffness at rest. PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed.
+ * With 0 tools the body is released. `pressed` may be null. */
 PHN_API int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools,
                            int32_t steps, double* forces, phn_body_pressed* pressed);
 

@@ -242,7 +242,7 @@ struct Layout {
 /// Cuts forces that are far larger than those of the tools, each alone, at the stiffness at rest: of tools that work
 /// against each other so closely that steps do not settle.
 void cut_forces(const phn_body_state& state, double* forces) {
-  constexpr double most = 10;  // settled pairs have up to 4 times the sum
+  constexpr double most = 10;  // times their sum; a body that stiffens has a few times as much
   Compliance at_rest;
   at_rest.set(state, state.factor_at_rest);
   double sum = 0;
