@@ -33,6 +33,11 @@ void run(const Options& options) {
   if (report.states > 0)
     print_result("; forces and volumes of {} states are off by {:.3g} %", report.states, 100 * report.residual);
   print_result("\n{} -> {}\n", bytes(text.size()), options.output.string());
+  // Bodies of a tenth had errors of 2 to 4 % (docs/decisions/reduced-body.md), those of nine tenths of 100 %.
+  if (report.residual > 0.2)
+    message("warning: the forces of the cells are off by {:.3g} %; give more --cells\n", 100 * report.residual);
+  if (report.captured < 0.99)
+    message("warning: the modes leave out {:.3g} % of the fields; give more --modes\n", 100 - 100 * report.captured);
 }
 
 }  // namespace
