@@ -122,6 +122,10 @@ void run_for_body(const SolverSession& session, const Database& database, const 
 
 void run(const Options& given) {
   Options options = given;
+  if (options.body && (!options.output.empty() || options.reference != name(Variant::scene)))
+    throw input_error(
+        "--body excludes --output and --reference: the body is replaced, with the distance from its elements",
+        options.body->string(), "omit them");
   if (options.body)
     check_place("--body", *options.body, PathKind::file);
   else if (options.output.empty())
@@ -181,28 +185,25 @@ void run(const Options& given) {
 
 void add(CLI::App& app) {
   auto [command, options] =
-      add_command(app, "calibrate", "Add bounds of the force's error to a model: solves random rays", run);
+      add_command(app, "calibrate", "Add bounds of the force's error to a model or a body: solves random rays", run);
   add_model(command, options.model);
   add_database(command, options.database, "database.h5 on which the model was trained");
-  auto* output = add_path(command, "-o,--output", options.output, PathKind::model,
-                          "model directory to write (default: MODEL_DIR, whose model.txt is replaced at the end)");
+  add_path(command, "-o,--output", options.output, PathKind::model,
+           "model directory to write (default: MODEL_DIR, whose model.txt is replaced at the end)");
   add_path(command, "--body", options.body, PathKind::input,
            "a reduced body (body.txt) of the database, which gets bounds in place of the model, and is replaced at the "
-           "end")
-      ->excludes(output);
+           "end");
   add_path(command, "--scene", options.scene, PathKind::input,
            "scene of the model, if it takes only some nodes of the database");
   add_count(command, "--rays", options.rays, 100, 1'000'000,
             "random rays, ten at each of a tenth as many nodes, but at least 20 (default: validation.calibration_rays "
             "of the scene; 100 with another --reference)");
-  auto* body = command.get_option("--body");
   command
       .add_option("--reference", options.reference,
                   "the solution from which bounds state the distance of forces: the scene's own finite elements, or a "
                   "finer one; finer: taylor-hood, or half-size where the scene has none")
       ->check(CLI::IsMember({name(Variant::scene), "finer", name(Variant::taylor_hood), name(Variant::half_size)}))
-      ->capture_default_str()
-      ->excludes(body);
+      ->capture_default_str();
   add_count(command, "--seed", options.seed, 0, std::int64_t{1} << 53, "of the random numbers")->capture_default_str();
   add_json(command, options.json_file);
   command.add_flag("--details", options.details, "print shares by depth and the width of the bounds");

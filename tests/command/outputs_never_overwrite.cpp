@@ -59,6 +59,7 @@ class Overwriting : public CommandLine {
                    ", \"distance\": {\"element\": \"P1\", \"revision\": 1, \"reference\": " +
                    "\"half-size\", \"probes\": 0, \"tool_radius_m\": 0.01, \"mean\": 0, \"p95\": 0, " +
                    "\"nodes\": 100, \"solved\": 0}}\n");
+    write_file(folder / "body.txt", "phynness-body 1\n");
     write_file(folder / "motion.json", "{\"format\": \"phynness motion 1\", \"tools\": [{\"node\": " + node +
                                            "}], \"time_s\": [0], \"displacement_m\": [[[0, 0, -0.001]]]}\n");
   }
@@ -102,6 +103,7 @@ class Overwriting : public CommandLine {
     if (option == "FILE") return {{"d.h5", database}};
     if (option == "--from") return {{"--from d.h5", database}};
     if (option == "--scene") return {{"--scene scenes/scene.toml", scene}};
+    if (option == "--body") return {{"--body body.txt", {"body.txt"}}};
     if (option == "--errors") return {{"--errors errors.json", {"errors.json"}}};
     if (option == "--check") return {{"--check check.json", {"check.json"}}};
     if (option == "MODEL_DIR") return {{"model", model}};
