@@ -136,7 +136,7 @@ class Overwriting : public CommandLine {
         for (const auto& [words, read] : values(either ? "SCENE or database" : option.name)) {
           if (exclusive && use.exclusive) continue;
           longer.push_back(use);
-          longer.back().inputs += " " + words;
+          longer.back().inputs += " " + words + (command == "validate" && option.name == "--body" ? " --points 1" : "");
           longer.back().read.insert(longer.back().read.end(), read.begin(), read.end());
           longer.back().exclusive = use.exclusive || exclusive;
         }
