@@ -1,9 +1,9 @@
 /* phynness: a reduced body, on which round tools act anywhere, several at once and near to each other.
  *
- * A model (phynness.h) knows what one tool does and couples several by their linear interaction. A body has the elements
- * of the training itself: their strain energy is summed over a few cells and minimized in a few hundred modes of
- * displacement (docs/theory.md, Reduced body). It is `phynness reduce DATABASE` that makes a body.txt. It takes 0.1 to 1
- * ms for a step on a processor of a desktop and is not meant for microcontrollers.
+ * A model (phynness.h) knows what one tool does and couples several by their linear interaction. A body has the
+ * elements of the training itself: their strain energy is summed over a few cells and minimized in a few hundred modes
+ * of displacement (docs/theory.md, Reduced body). It is `phynness reduce DATABASE` that makes a body.txt. It takes 0.1
+ * to 1 ms for a step on a processor of a desktop and is not meant for microcontrollers.
  *
  * Memory, statuses, units, frames, overlap, the sign of the force, and phn_tool are those of phynness.h and
  * phynness_tools.h. A tool is the round tool of the training with its middle at the point; the mean displacement under
@@ -30,11 +30,11 @@ PHN_API int phn_body_init(void* memory, size_t bytes, const char* text, size_t l
 /* The pointers refer to memory of the body. */
 typedef struct phn_body_info {
   const char *mesh_hash, *physics_hash, *law;
-  double tool_radius_m;         /* 0: node probes */
-  double max_displacement_m;    /* largest displacement of the training data */
-  const int32_t* nodes;         /* n_nodes numbers of the surface's nodes in the mesh, ascending */
-  const double* points;         /* n_nodes x 3 [m] */
-  const int32_t* triangles;     /* n_triangles x 3, positions among the nodes, normals outward */
+  double tool_radius_m;      /* 0: node probes */
+  double max_displacement_m; /* largest displacement of the training data */
+  const int32_t* nodes;      /* n_nodes numbers of the surface's nodes in the mesh, ascending */
+  const double* points;      /* n_nodes x 3 [m] */
+  const int32_t* triangles;  /* n_triangles x 3, positions among the nodes, normals outward */
   int32_t n_nodes, n_triangles, n_modes, n_pressures, n_cells;
 } phn_body_info;
 PHN_API int phn_body_describe(const phn_body* body, phn_body_info* info);
@@ -45,27 +45,29 @@ PHN_API int phn_body_state_init(void* memory, size_t bytes, const phn_body* body
                                 phn_body_state** state);
 
 typedef struct phn_body_pressed {
-  double energy;      /* [J] */
-  double unbalanced;  /* size of the next step over that of the deformation, in the norm of the energy: 0 at equilibrium */
-  double behind_m;    /* largest distance of a tool from the mean displacement that it holds */
-  int32_t steps;      /* that were made */
-  int32_t renewed;    /* stiffness matrices that were computed */
+  double energy; /* [J] */
+  double
+      unbalanced;  /* size of the next step over that of the deformation, in the norm of the energy: 0 at equilibrium */
+  double behind_m; /* largest distance of a tool from the mean displacement that it holds */
+  int32_t steps;   /* that were made */
+  int32_t renewed; /* stiffness matrices that were computed */
 } phn_body_pressed;
 
-/* Forces [N] that hold the tools, n_tools x 3, after at most `steps` (>= 1) steps of Newton's method from the deformation
- * that the state has. Steps are shortened until they lower the energy; tools that move by fractions of a millimetre need
- * two in each millisecond. The stiffness matrix is kept between calls while it serves; a new one counts as eight steps,
- * and is made in one call only if `steps` is more. Displacements are clamped to 1000 max_displacement_m. Unlike those of
- * a model, forces depend on the motion before. _OUTSIDE: a displacement is larger than trained, or no probed point is
- * within a radius of the tool. _UNSETTLED: `unbalanced` is above 0.01 or a tool is ahead; call again with the same tools to
- * come closer. Tools that pull apart within some tenths of a radius may have no equilibrium; each force is then at most
- * ten times what all tools have alone at the stiffness at rest. PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed.
- * With 0 tools the body is released. `pressed` may be null. */
+/* Forces [N] that hold the tools, n_tools x 3, after at most `steps` (>= 1) steps of Newton's method from the
+ * deformation that the state has. Steps are shortened until they lower the energy; tools that move by fractions of a
+ * millimetre need two in each millisecond. The stiffness matrix is kept between calls while it serves; a new one counts
+ * as eight steps, and is made in one call only if `steps` is more. Displacements are clamped to 1000
+ * max_displacement_m. Unlike those of a model, forces depend on the motion before. _OUTSIDE: a displacement is larger
+ * than trained, or no probed point is within a radius of the tool. _UNSETTLED: `unbalanced` is above 0.01 or a tool is
+ * ahead; call again with the same tools to come closer. Tools that pull apart within some tenths of a radius may have
+ * no equilibrium; each force is then at most ten times what all tools have alone at the stiffness at rest.
+ * PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0 tools the body is released. `pressed` may be null.
+ */
 PHN_API int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools,
                            int32_t steps, double* forces, phn_body_pressed* pressed);
 
-/* Bounds [N] of the errors of the forces of the last phn_body_press, one for each of its tools, from the finite elements
- * of the body (formats/body.md, Bounds). Where that warned _OUTSIDE or _UNSETTLED they are PHN_NO_BOUND.
+/* Bounds [N] of the errors of the forces of the last phn_body_press, one for each of its tools, from the finite
+ * elements of the body (formats/body.md, Bounds). Where that warned _OUTSIDE or _UNSETTLED they are PHN_NO_BOUND.
  * PHN_ERROR_UNDEFINED: a body without bounds (phynness calibrate --body), or no tool. @return its status otherwise */
 PHN_API int phn_body_bound(const phn_body* body, const phn_body_state* state, double* bounds);
 

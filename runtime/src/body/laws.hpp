@@ -17,8 +17,8 @@ namespace PHN_RUNTIME {
 ///                    then undefined
 using BodyEnergy = bool (*)(const double* F, const double* parameters, double& value, double* first, double* second);
 
-/// W = shape + kappa/2 g^2. `volumetric` is g or, in a law that has it, of_pressure (laws/tables/law.py), which a pressure
-/// sees in mixed elements.
+/// W = shape + kappa/2 g^2. `volumetric` is g or, in a law that has it, of_pressure (laws/tables/law.py), which a
+/// pressure sees in mixed elements.
 struct BodyLaw {
   const char* name;
   int32_t n_parameters;
