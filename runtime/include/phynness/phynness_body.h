@@ -45,12 +45,11 @@ PHN_API int phn_body_state_init(void* memory, size_t bytes, const phn_body* body
                                 phn_body_state** state);
 
 typedef struct phn_body_pressed {
-  double energy; /* [J] */
-  double
-      unbalanced;  /* size of the next step over that of the deformation, in the norm of the energy: 0 at equilibrium */
-  double behind_m; /* largest distance of a tool from the mean displacement that it holds */
-  int32_t steps;   /* that were made */
-  int32_t renewed; /* stiffness matrices that were computed */
+  double energy;     /* [J] */
+  double unbalanced; /* size of the next step over that of the deformation, in the norm of the energy */
+  double behind_m;   /* largest distance of a tool from the mean displacement that it holds */
+  int32_t steps;     /* that were made */
+  int32_t renewed;   /* stiffness matrices that were computed */
 } phn_body_pressed;
 
 /* Forces [N] that hold the tools, n_tools x 3, after at most `steps` (>= 1) steps of Newton's method from the
