@@ -12,6 +12,8 @@
 
 #include "../block_mesh.hpp"
 #include "../closed_forms.hpp"
+#include "body/body.hpp"
+#include "core/kernels.hpp"
 
 namespace phynness::test {
 namespace {
@@ -272,6 +274,32 @@ TEST(Bodies, RefuseWrongCalls) {
   std::vector<char> memory(bytes);
   EXPECT_EQ(phn_body_state_init(memory.data(), bytes / 2, loaded.body, 2, &state), PHN_ERROR_BUFFER);
   EXPECT_EQ(state, nullptr);
+}
+
+// Claim: the loops of each instruction set give the same bits; sizes that are no whole blocks, too.
+TEST(Bodies, HaveKernelsWithTheSameBits) {
+  using namespace runtime;
+  constexpr std::int32_t n = 41, stride = whole_blocks(n), rows = 72;
+  Random random(4);
+  std::vector<float> a(static_cast<std::size_t>(rows * stride));
+  for (std::int32_t i = 0; i < rows * stride; ++i)
+    a[static_cast<std::size_t>(i)] = i % stride < n ? static_cast<float>(random()) : 0;
+  std::vector<std::vector<double>> results;
+  for (int set = 0; set < n_instruction_sets; ++set) {
+    const BodyKernels* kernels = body_kernels(set);
+    if (!kernels) continue;
+    std::vector<double> x(stride), out(rows);
+    for (std::size_t i = 0; i < n; ++i) x[i] = 1 / (1.5 + static_cast<double>(i));
+    kernels->times(a.data(), rows, stride, x.data(), out.data());
+    kernels->add(a.data(), rows - 1, stride, out.data(), x.data());
+    std::vector<float> square(static_cast<std::size_t>(stride * stride));
+    kernels->add_products(a.data(), a.data(), rows, stride, square.data());
+    ASSERT_TRUE(kernels->factorize(square.data(), n, stride)) << kernels->name;
+    kernels->solve(square.data(), n, stride, x.data());
+    out.insert(out.end(), x.begin(), x.begin() + n);
+    results.push_back(out);
+    EXPECT_EQ(out, results[0]) << kernels->name;
+  }
 }
 
 // Claim: every truncation is refused; a text with other digits and a right checksum is refused, or its forces are

@@ -3,6 +3,8 @@
 
 #include <phynness/phynness_body.h>
 
+#include <phynness/schema/body_grammar.hpp>
+
 #include "body/laws.hpp"
 #include "core/arena.hpp"
 #include "core/model.hpp"
@@ -12,7 +14,7 @@
 struct phn_body {
   phn_body_info info;
   const PHN_RUNTIME::BodyLaw* law;
-  double parameters[8];
+  double parameters[phynness::schema::largest_parameter_count];
   double bulk;          ///< of the shape: bulk/2 g^2
   std::int32_t stride;  ///< of rows of modes
   std::int32_t pressure_stride;
@@ -68,7 +70,7 @@ struct phn_body_state {
   PHN_RUNTIME::ToolScratch scratch;
   /// A state: amplitudes of the modes, and of its energy the gradient, and the sums b of the pressures.
   struct Point {
-    double *q, *forces, *sums, shape, energy;  ///< shape: the energy without that of the pressures
+    double *q, *forces, *sums, energy;
   } at, trial;
   /// b as the last step expected it. With it in the next stiffness, and not with b, Newton's method is that of the
   /// mixed problem: b is off by the square of a step, times a bulk modulus.

@@ -112,7 +112,7 @@ bool evaluate_body(phn_body_state& state, phn_body_state::Point& point) {
   const phn_body& body = *state.body;
   const std::int32_t n = body.info.n_cells;
   state.kernels->times(body.gradients, 9 * static_cast<std::int64_t>(n), body.stride, point.q, state.strain);
-  point.shape = 0;
+  point.energy = 0;
   for (std::int32_t c = 0; c < n; ++c) {
     double F[9], shape;
     const std::size_t at = 9 * static_cast<std::size_t>(c);
@@ -121,13 +121,12 @@ bool evaluate_body(phn_body_state& state, phn_body_state::Point& point) {
     if (!body.law->shape(F, body.parameters, shape, stress, nullptr)) return false;
     change = 0;
     if (changes_volume(body, c) && !body.law->volumetric(F, body.parameters, change, slope, nullptr)) return false;
-    point.shape += body.shear[c] * (shape + body.bulk / 2 * change * change);
+    point.energy += body.shear[c] * (shape + body.bulk / 2 * change * change);
     state.pressure_at[c] = body.bulk_of_cell[c] * change;
   }
   set_zero(point.sums, static_cast<std::size_t>(body.pressure_stride));
   state.kernels->add(body.pressures, n, body.pressure_stride, state.pressure_at, point.sums);
   state.kernels->times(body.pressures, n, body.pressure_stride, point.sums, state.pressure_at);
-  point.energy = point.shape;
   for (std::int32_t k = 0; k < body.info.n_pressures; ++k) point.energy += point.sums[k] * point.sums[k] / 2;
   for (std::int32_t c = 0; c < n; ++c) {
     const std::size_t at = 9 * static_cast<std::size_t>(c);

@@ -1,15 +1,12 @@
 // Reads a body.txt by the grammar of phynness/schema/body_grammar.hpp.
 #include <cfloat>
-#include <phynness/schema/body_grammar.hpp>
-#include <phynness/schema/text_reader.hpp>
 
 #include "body/body.hpp"
 #include "core/evaluate.hpp"
+#include "core/text_lines.hpp"
 
 namespace PHN_RUNTIME {
 namespace {
-
-using schema::TextReader;
 
 /// Numbers in the body's memory; without memory they are only counted.
 template <class T>
@@ -74,12 +71,10 @@ struct BodyStore {
 };
 
 /// The `io` of the grammar for reading.
-class BodyLoader {
+class BodyLoader : public LinesReader {
  public:
-  BodyLoader(TextReader& in, Arena& arena) : _in(in), _arena(arena) {}
+  BodyLoader(TextReader& in, Arena& arena) : LinesReader(in), _arena(arena) {}
 
-  void keyword(const char* word) { _in.keyword(word); }
-  void end() { _in.end_line(); }
   void word(const char*, const char*& word) {
     const auto token = _in.word(static_cast<std::size_t>(schema::longest_word));
     char* to = _arena.take<char>(token.length() + 1);
@@ -88,22 +83,6 @@ class BodyLoader {
     to[token.length()] = 0;
     word = to;
   }
-  void real(const char*, double& value, const schema::Bound& bound) {
-    const double read = _in.real();
-    require(read >= bound.low && read <= bound.high, nullptr);
-    if (good()) value = read;
-  }
-  void integer(const char*, std::int32_t& value, std::int32_t low, std::int32_t high) {
-    const std::int32_t read = _in.integer(low, high);
-    if (good()) value = read;
-  }
-  bool optional(const char* word, bool) const { return _in.next_is(word); }
-  void count(const char*, std::int32_t& n, std::int32_t low) { n = _in.count(low); }
-  void room(const char*, std::uint64_t n) { _in.require_room(n); }
-  void require(bool condition, const char*) {
-    if (!condition) _in.fail(PHN_ERROR_RANGE);
-  }
-  bool good() const { return _in.good(); }
   template <class Store>
   static std::int64_t rows(const Store& store) {
     return store.n;
@@ -111,10 +90,6 @@ class BodyLoader {
   template <class Store>
   static std::int64_t cols(const Store& store) {
     return store.n_cols;
-  }
-  template <class Store>
-  static double get(const Store&, std::int64_t, std::int64_t) {
-    return 0;
   }
   template <class Store, class Value>
   static void set(Store& store, std::int64_t i, std::int64_t k, Value value) {
@@ -126,7 +101,6 @@ class BodyLoader {
   }
 
  private:
-  TextReader& _in;
   Arena& _arena;
 };
 

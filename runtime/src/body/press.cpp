@@ -4,6 +4,7 @@
 #include "body/elements.hpp"
 #include "core/bound.hpp"
 #include "core/evaluate.hpp"
+#include "core/text_lines.hpp"
 
 using namespace PHN_RUNTIME;
 
@@ -25,11 +26,6 @@ constexpr int most_halvings = 20;
 constexpr double most_depths = 1000;
 /// A new stiffness takes about as long as this many steps, in which it is made if a call has fewer.
 constexpr std::int32_t steps_of_renewal = 8;
-
-struct Tools {
-  std::int32_t n_rows;
-  double wanted[3 * most_tools];
-};
 
 void means_of_modes(const phn_body& body, const ToolScratch& scratch, std::int32_t n, double* rows) {
   set_zero(rows, 3 * static_cast<std::size_t>(body.stride));
@@ -92,8 +88,8 @@ struct Compliance {
 /// Steps of Newton's method for the energy with the mean displacements under the tools prescribed.
 class Equilibrium {
  public:
-  Equilibrium(phn_body_state& state, const Tools& tools)
-      : _s(state), _body(*state.body), _tools(tools), _n(state.body->info.n_modes), _stride(state.body->stride) {}
+  explicit Equilibrium(phn_body_state& state)
+      : _s(state), _body(*state.body), _n(state.body->info.n_modes), _stride(state.body->stride) {}
 
   /// @param budget  steps that may be made; a new stiffness takes as long as `steps_of_renewal`
   void settle(std::int32_t budget, phn_body_pressed& pressed) {
@@ -120,7 +116,7 @@ class Equilibrium {
   }
 
   void copy_forces(double* forces) const {
-    for (std::int32_t r = 0; r < _tools.n_rows; ++r) forces[r] = _force[r] - _s.held[r] * _behind[r];
+    for (std::int32_t r = 0; r < _s.n_rows; ++r) forces[r] = _force[r] - _s.held[r] * _behind[r];
   }
 
  private:
@@ -130,10 +126,10 @@ class Equilibrium {
   double direction() {
     for (std::int32_t m = 0; m < _stride; ++m) _s.alone[m] = m < _n ? _s.at.forces[m] : 0;
     _s.kernels->solve(_s.factor, _n, _stride, _s.alone);
-    const std::int32_t n = _tools.n_rows;
+    const std::int32_t n = _s.n_rows;
     for (std::int32_t r = 0; r < n; ++r)
-      _force[r] = (_behind[r] = _tools.wanted[r] - product(row(_s.rows, r), _s.at.q, _n)) +
-                  product(row(_s.rows, r), _s.alone, _n);
+      _force[r] =
+          (_behind[r] = _s.wanted[r] - product(row(_s.rows, r), _s.at.q, _n)) + product(row(_s.rows, r), _s.alone, _n);
     _compliance.solve(n, _force);
     for (std::int32_t m = 0; m < _stride; ++m) {
       _s.step[m] = -_s.alone[m];
@@ -157,7 +153,7 @@ class Equilibrium {
   /// What a step has to lower: the energy less the work of the tools.
   double merit(const phn_body_state::Point& point) const {
     double merit = point.energy;
-    for (std::int32_t r = 0; r < _tools.n_rows; ++r) merit -= _force[r] * product(row(_s.rows, r), point.q, _n);
+    for (std::int32_t r = 0; r < _s.n_rows; ++r) merit -= _force[r] * product(row(_s.rows, r), point.q, _n);
     return merit;
   }
 
@@ -187,7 +183,6 @@ class Equilibrium {
 
   phn_body_state& _s;
   const phn_body& _body;
-  const Tools& _tools;
   std::int32_t _n, _stride;
   Compliance _compliance;
   double _force[3 * most_tools] = {}, _behind[3 * most_tools] = {};
@@ -238,7 +233,6 @@ struct Layout {
   }
 };
 
-/// phn_body_press, of which neither output is written yet.
 /// Cuts forces that are far larger than those of the tools, each alone, at the stiffness at rest: of tools that work
 /// against each other so closely that steps do not settle.
 void cut_forces(const phn_body_state& state, double* forces) {
@@ -259,6 +253,7 @@ void cut_forces(const phn_body_state& state, double* forces) {
   }
 }
 
+/// phn_body_press, of which neither output is written yet.
 int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, const phn_tool* tools, std::int32_t steps,
           const double* forces, double* held_by, phn_body_pressed& made) {
   if (body == nullptr || state == nullptr || state->body != body || n_tools < 0 || steps < 1 ||
@@ -268,8 +263,8 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
   if (n_tools > state->max_tools) return PHN_ERROR_TOOLS;
   const double depth = body->info.max_displacement_m, farthest = most_depths * depth;
   int status = PHN_OK;
-  Tools held = {};
   state->n_rows = 0;
+  std::int32_t n_rows = 0;
   for (std::int32_t t = 0; t < n_tools; ++t) {
     std::int32_t n_touched = 0;
     const int of_tool = tool_weights(*body, tools[t], state->scratch, n_touched);
@@ -277,11 +272,10 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
     if (of_tool < 0) return of_tool;
     status |= of_tool;
     if (!(length(tools[t].displacement) <= depth * depth_slack<double>)) status |= PHN_WARNING_OUTSIDE;
-    for (const double d : tools[t].displacement)
-      held.wanted[held.n_rows++] = std::fmin(std::fmax(d, -farthest), farthest);
+    for (const double d : tools[t].displacement) state->wanted[n_rows++] = std::fmin(std::fmax(d, -farthest), farthest);
   }
-  state->n_rows = held.n_rows;
-  Equilibrium equilibrium(*state, held);
+  state->n_rows = n_rows;
+  Equilibrium equilibrium(*state);
   equilibrium.settle(steps, made);
   equilibrium.copy_forces(held_by);
   made.energy = state->at.energy;
@@ -290,7 +284,7 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
     for (int k = 0; k < 3; ++k) {
       const std::int32_t r = 3 * t + k;
       const double* row = state->rows + static_cast<std::int64_t>(r) * body->stride;
-      behind[k] = held.wanted[r] - product(row, state->at.q, body->info.n_modes);
+      behind[k] = state->wanted[r] - product(row, state->at.q, body->info.n_modes);
     }
     made.behind_m = std::fmax(made.behind_m, length(behind));
   }
@@ -298,7 +292,6 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
     set_zero(held_by, 3 * most_tools);
     made.unbalanced = 1;
   }
-  memcpy(state->wanted, held.wanted, sizeof held.wanted);
   if (made.unbalanced > unsettled || !(made.behind_m <= unsettled * depth)) {
     status |= PHN_WARNING_UNSETTLED;
     cut_forces(*state, held_by);
@@ -319,37 +312,12 @@ bool are_tools(std::int32_t n) { return n >= 1 && n <= most_tools; }
 extern "C" {
 
 int phn_body_size(const char* text, size_t length, size_t* bytes, size_t* wrong_byte) {
-  Arena arena;
-  const phn_body* none = nullptr;
-  std::size_t wrong = 0;
-  int status = PHN_ERROR_ARGUMENT;
-  if (overlap(bytes, sizeof *bytes, wrong_byte, sizeof *wrong_byte)) {
-    status = PHN_ERROR_OVERLAP;
-  } else if (text != nullptr && bytes != nullptr) {
-    status = load_body(text, length, arena, &none, wrong);
-    if (arena.overflow()) status = PHN_ERROR_TOO_LARGE;
-  }
-  if (bytes != nullptr) *bytes = status == PHN_OK ? arena.needed() : 0;
-  if (wrong_byte != nullptr) *wrong_byte = wrong;
-  return status;
+  return size_of_text<phn_body>(load_body, text, length, bytes, wrong_byte);
 }
 
 int phn_body_init(void* memory, size_t bytes, const char* text, size_t length, const phn_body** body,
                   size_t* wrong_byte) {
-  const phn_body* loaded = nullptr;
-  std::size_t wrong = 0;
-  int status = PHN_ERROR_ARGUMENT;
-  if (overlap(memory, bytes, text, length) || overlap(memory, bytes, body, sizeof *body) ||
-      overlap(memory, bytes, wrong_byte, sizeof *wrong_byte) ||
-      overlap(body, sizeof *body, wrong_byte, sizeof *wrong_byte)) {
-    status = PHN_ERROR_OVERLAP;
-  } else if (memory != nullptr && text != nullptr && body != nullptr) {
-    Arena arena(memory, bytes);
-    status = load_body(text, length, arena, &loaded, wrong);
-  }
-  if (body != nullptr) *body = loaded;
-  if (wrong_byte != nullptr) *wrong_byte = wrong;
-  return status;
+  return init_of_text<phn_body>(load_body, memory, bytes, text, length, body, wrong_byte);
 }
 
 int phn_body_describe(const phn_body* body, phn_body_info* info) {

@@ -1,6 +1,5 @@
 // The mean displacement under a round tool anywhere on the surface (docs/decisions/round-tool.md), as
 // formats/include/phynness/formats/tool.hpp defines it, by integrals in closed form.
-#include <phynness/schema/body_grammar.hpp>
 
 #include "body/body.hpp"
 

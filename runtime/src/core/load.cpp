@@ -3,6 +3,7 @@
 
 #include "core/evaluate.hpp"
 #include "core/load_stores.hpp"
+#include "core/text_lines.hpp"
 
 namespace PHN_RUNTIME {
 namespace {
@@ -11,13 +12,11 @@ namespace {
 constexpr double largest_output = 1e300;
 
 /// The `io` of the grammar for reading, which prepares each part for evaluation once it is read.
-class ModelLoader {
+class ModelLoader : public LinesReader {
  public:
   ModelLoader(TextReader& in, Arena& arena, phn_model& model, ModelStore& store)
-      : _load{in, arena, model}, _in(in), _arena(arena), _model(model), _store(store) {}
+      : LinesReader(in), _load{in, arena, model}, _arena(arena), _model(model), _store(store) {}
 
-  void keyword(const char* word) { _in.keyword(word); }
-  void end() { _in.end_line(); }
   template <class Line>
   void text(Line& line) {
     line.set(_load, _in.rest_of_line());
@@ -28,20 +27,6 @@ class ModelLoader {
     word.set(_load, _in.word(static_cast<std::size_t>(schema::longest_word)));
   }
   void family(Family& family);
-  void real(const char*, double& value, const schema::Bound& bound) {
-    const double read = _in.real();
-    require(read >= bound.low && read <= bound.high, nullptr);
-    if (good()) value = read;
-  }
-  void integer(const char*, std::int32_t& value, std::int32_t low, std::int32_t high) {
-    const std::int32_t read = _in.integer(low, high);
-    if (good()) value = read;
-  }
-  void count(const char*, std::int32_t& n, std::int32_t low) { n = _in.count(low); }
-  void room(const char*, std::uint64_t n) { _in.require_room(n); }
-  bool optional(const char* word, bool) { return good() && _in.next_is(word); }
-  void require(bool condition, const char*) { _load.require(condition); }
-  bool good() const { return _in.good(); }
   /// Always true here, because the stores of corners and covered nodes look up the vertices themselves.
   static bool has_place(const ModelStore&, std::int32_t) { return true; }
   static bool has_output(const ModelStore&, std::int32_t) { return true; }
@@ -57,10 +42,6 @@ class ModelLoader {
   template <class Store>
   static auto& item(Store& store, std::int64_t i) {
     return store.item(i);
-  }
-  template <class Store>
-  static double get(const Store&, std::int64_t, std::int64_t) {
-    return 0;
   }
   template <class Store, class Value>
   void set(Store& store, std::int64_t i, std::int64_t k, Value value) {
@@ -110,7 +91,6 @@ class ModelLoader {
   std::int64_t n_smaller() const { return _store.levels.n > 0 ? _store.levels.n - 1 : 0; }
 
   Load _load;
-  TextReader& _in;
   Arena& _arena;
   phn_model& _model;
   ModelStore& _store;

@@ -5,14 +5,12 @@
 #include <cmath>
 #include <new>
 #include <phynness/schema/model_grammar.hpp>
-#include <phynness/schema/text_reader.hpp>
+#include "core/text_lines.hpp"
 
 #include "core/arena.hpp"
 #include "core/kernels.hpp"
 
 namespace PHN_RUNTIME {
-
-using schema::TextReader;
 
 inline bool has_memory(const Arena& arena) { return !arena.counting() && !arena.overflow(); }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/families.hpp"
+#include "core/text_lines.hpp"
 
 using namespace PHN_RUNTIME;
 
@@ -98,37 +99,12 @@ const char* phn_status_message(int status) {
 }
 
 int phn_model_size(const char* text, size_t length, size_t* bytes, size_t* wrong_byte) {
-  Arena arena;
-  const phn_model* none = nullptr;
-  std::size_t wrong = 0;
-  int status = PHN_ERROR_ARGUMENT;
-  if (overlap(bytes, sizeof *bytes, wrong_byte, sizeof *wrong_byte)) {
-    status = PHN_ERROR_OVERLAP;
-  } else if (text != nullptr && bytes != nullptr) {
-    status = load_model(text, length, arena, &none, wrong);
-    if (arena.overflow()) status = PHN_ERROR_TOO_LARGE;
-  }
-  if (bytes != nullptr) *bytes = status == PHN_OK ? arena.needed() : 0;
-  if (wrong_byte != nullptr) *wrong_byte = wrong;
-  return status;
+  return size_of_text<phn_model>(load_model, text, length, bytes, wrong_byte);
 }
 
 int phn_model_init(void* memory, size_t bytes, const char* text, size_t length, const phn_model** model,
                    size_t* wrong_byte) {
-  const phn_model* loaded = nullptr;
-  std::size_t wrong = 0;
-  int status = PHN_ERROR_ARGUMENT;
-  if (overlap(memory, bytes, text, length) || overlap(memory, bytes, model, sizeof *model) ||
-      overlap(memory, bytes, wrong_byte, sizeof *wrong_byte) ||
-      overlap(model, sizeof *model, wrong_byte, sizeof *wrong_byte)) {
-    status = PHN_ERROR_OVERLAP;
-  } else if (memory != nullptr && text != nullptr && model != nullptr) {
-    Arena arena(memory, bytes);
-    status = load_model(text, length, arena, &loaded, wrong);
-  }
-  if (model != nullptr) *model = loaded;
-  if (wrong_byte != nullptr) *wrong_byte = wrong;
-  return status;
+  return init_of_text<phn_model>(load_model, memory, bytes, text, length, model, wrong_byte);
 }
 
 int phn_model_info(const phn_model* model, phn_info* info) {
