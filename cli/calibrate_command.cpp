@@ -29,8 +29,9 @@ void print_coverage(const BoundCoverage& c) {
       100 * c.thirds[0], 100 * c.thirds[1], 100 * c.thirds[2], c.width);
 }
 
-void print_coupled(const BoundReport& report, bool details) {
-  for (const auto& [name, kind] : {std::pair{"one tool between nodes", report.between}, {"two tools", report.two}}) {
+/// @param one  name of the states of one tool
+void print_coupled(const BoundReport& report, const char* one, bool details) {
+  for (const auto& [name, kind] : {std::pair{one, report.between}, {"two tools", report.two}}) {
     const auto flagged = fmt::format("{:.0f} % of the states drawn are flagged and have none", 100 * kind.flagged);
     if (kind.all.states == 0) {
       if (report.planned_coupled_rays > 0)
@@ -63,7 +64,7 @@ void print(const BoundReport& report, const Model& model, const Options& options
         "says nothing of the displacements behind\n",
         failed, report.rays + report.coupled_rays);
   if (options.details) print_coverage(c);
-  print_coupled(report, options.details);
+  print_coupled(report, "one tool between nodes", options.details);
   print_result("model with bounds -> {}\n", options.output.string());
 }
 
@@ -113,7 +114,7 @@ void run_for_body(const SolverSession& session, const Database& database, const 
   session.together([&] {
     if (session.rank() != 0) return;
     write_text_file(*options.body, write_body_text(body));
-    print_coupled(report, true);
+    print_coupled(report, "one tool", true);
     print_result("body with bounds -> {}, in {}\n", options.body->string(), duration(report.seconds));
     write_json(options.json_file, as_json(report, body.coverage));
     require_all(report);

@@ -90,7 +90,7 @@ TEST_F(Bodies, GetBounds) {
   write_file(folder / "ranks.txt", plain);
   const std::string calibrate = "calibrate m d.h5 --rays 100 --json c.json --body ";
   const auto done = succeed(calibrate + "body.txt");
-  expect_names(done.out, {"one tool between nodes: ", "two tools: ", "mean bound ", "body with bounds -> body.txt"});
+  expect_names(done.out, {"one tool: ", "two tools: ", "mean bound ", "body with bounds -> body.txt"});
   EXPECT_EQ(json("c.json").at("planned_coupled_rays"), 180);
   EXPECT_FALSE(json("c.json").contains("median_bound_N"));
   for (const char* kind : {"between", "two"})
