@@ -2,6 +2,7 @@
 // with its pressure, is the body of linear elements itself: energies, forces and tools are known without the runtime.
 #include <gtest/gtest.h>
 #include <phynness/phynness_body.h>
+#include <phynness/phynness_contact.h>
 
 #include <Eigen/Dense>
 #include <cctype>
@@ -14,6 +15,8 @@
 #include "../closed_forms.hpp"
 #include "body/body.hpp"
 #include "core/kernels.hpp"
+#include "loaded_model.hpp"
+#include "small_model.hpp"
 
 namespace phynness::test {
 namespace {
@@ -274,6 +277,114 @@ TEST(Bodies, RefuseWrongCalls) {
   std::vector<char> memory(bytes);
   EXPECT_EQ(phn_body_state_init(memory.data(), bytes / 2, loaded.body, 2, &state), PHN_ERROR_BUFFER);
   EXPECT_EQ(state, nullptr);
+}
+
+/// A model of springs at the free nodes of the block, which knows nothing of their neighbours.
+Model springs_on(const Block& block) {
+  Model model = small_linear_model();
+  const ActiveNodeModel spring = model.nodes[0];
+  model.mesh_hash = block.body.mesh_hash;
+  model.physics_hash = block.body.physics_hash;
+  model.n_mesh_nodes = static_cast<std::int32_t>(block.mesh.n_nodes());
+  model.fixed = block.fixed;
+  model.output.clear();
+  model.nodes.clear();
+  std::vector<std::int32_t> vertex(static_cast<std::size_t>(block.mesh.n_nodes()));
+  for (std::int32_t i = 0; i < block.mesh.n_nodes(); ++i)
+    if (block.body.kinds[static_cast<std::size_t>(i)] != schema::body_node_fixed) {
+      vertex[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(model.output.size());
+      model.output.push_back(i);
+    }
+  const auto n = static_cast<std::int32_t>(model.output.size());
+  for (std::size_t i = 0; i < block.fixed.size(); ++i)
+    vertex[static_cast<std::size_t>(block.fixed[i])] = n + static_cast<std::int32_t>(i);
+  model.output_points = block.mesh.nodes(model.output, Eigen::all);
+  model.fixed_points = block.mesh.nodes(block.fixed, Eigen::all);
+  model.surface = block.mesh.surface.unaryExpr([&](std::int32_t i) { return vertex[static_cast<std::size_t>(i)]; });
+  for (std::int32_t i = 0; i < n; ++i) {
+    ActiveNodeModel& node = model.nodes.emplace_back(spring);
+    node.node = model.output[static_cast<std::size_t>(i)];
+    for (int k = 0; k < 3; ++k) node.point[static_cast<std::size_t>(k)] = model.output_points(i, k);
+    node.prescribed = {node.node};
+    node.prescribed_weight = {1};
+    node.linear.stiffness = 10 * Eigen::Matrix3d::Identity();
+    node.linear.unit_responses = Eigen::MatrixXd::Zero(n, 9);
+    for (int axis = 0; axis < 3; ++axis) node.linear.unit_responses(i, 4 * axis) = 1;
+  }
+  return model;
+}
+
+// Claim: a body that is attached answers for coupled tools: forces, deformation and warnings are those of
+// phn_body_press; without it the model answers again. Bodies of another mesh or physics are refused.
+TEST(Bodies, AnswerForAModel) {
+  const Block block;
+  Loaded loaded(write_body_text(block.body)), beside(write_body_text(block.body));
+  const auto text = write_model_text(springs_on(block));
+  LoadedModel model(text, 3);
+  const auto tools = two_tools(block.mesh, 1);
+  ASSERT_EQ(phn_body_attach(model.data, loaded.body, loaded.state, 200), PHN_OK);
+  std::array<Eigen::Vector3d, 2> forces, of_model;
+  phn_coupled coupled;
+  ASSERT_EQ(phn_couple(model.model, model.data, 2, tools.data(), forces[0].data(), &coupled), PHN_OK);
+  ASSERT_EQ(beside.press(tools), PHN_OK);
+  EXPECT_EQ(forces[0], beside.force[0]);
+  EXPECT_EQ(forces[1], beside.force[1]);
+  EXPECT_EQ(coupled.energy, beside.pressed.energy);
+  const auto n = info_of(model.model).n_output;
+  Eigen::VectorXd field(3 * n);
+  ASSERT_EQ(phn_coupled_deform(model.model, model.data, field.data()), PHN_OK);
+  const Eigen::VectorXd u = beside.deformation();
+  for (std::int32_t i = 0; i < n; ++i)
+    EXPECT_EQ(field.segment<3>(3 * i), u.segment<3>(3 * info_of(model.model).output_nodes[i]));
+  double bounds[PHN_MOST_COUPLED];
+  EXPECT_EQ(phn_coupled_bound(model.model, model.data, bounds), PHN_ERROR_UNDEFINED);
+  ASSERT_EQ(phn_couple(model.model, model.data, 0, nullptr, nullptr, nullptr), PHN_OK);
+  ASSERT_EQ(phn_coupled_deform(model.model, model.data, field.data()), PHN_OK);
+  EXPECT_EQ(field.norm(), 0);
+
+  ASSERT_EQ(phn_body_attach(model.data, nullptr, nullptr, 0), PHN_OK);
+  ASSERT_GE(phn_couple(model.model, model.data, 2, tools.data(), of_model[0].data(), nullptr), 0);
+  EXPECT_GT((of_model[0] - forces[0]).norm(), 0.01 * forces[0].norm());
+
+  EXPECT_EQ(phn_body_attach(model.data, loaded.body, loaded.state, 0), PHN_ERROR_ARGUMENT);
+  Loaded few(write_body_text(block.body), 2);
+  EXPECT_EQ(phn_body_attach(model.data, few.body, few.state, 2), PHN_ERROR_TOOLS);
+  ReducedBody other = block.body;
+  other.physics_hash = "1123456789abcdef";
+  Loaded stranger(write_body_text(other), 3);
+  EXPECT_EQ(phn_body_attach(model.data, stranger.body, stranger.state, 2), PHN_ERROR_ARGUMENT);
+}
+
+// Claim: a sphere that presses the block and goes sideways slides: the body's force remains in the friction cone, is
+// nearly normal without friction, and settles on that of the body held at the touched point.
+TEST(Bodies, AreTouched) {
+  const Block block;
+  Loaded loaded(write_body_text(block.body)), beside(write_body_text(block.body));
+  LoadedModel model(write_model_text(springs_on(block)), 3);
+  ASSERT_EQ(phn_body_attach(model.data, loaded.body, loaded.state, 2), PHN_OK);
+  std::size_t bytes = 0;
+  LoadedModel::check(phn_contact_size(model.model, 2, &bytes));
+  std::vector<char> memory(bytes);
+  phn_contact* contact = nullptr;
+  LoadedModel::check(phn_contact_init(memory.data(), bytes, model.model, 2, &contact));
+  phn_contact_state state{};
+  for (int moment = 0; moment < 300; ++moment) {
+    const double way = std::min(moment, 200) / 200.0;
+    const phn_contact_tool tool{{0.05 + 0.03 * way, 0.06, 0.03 + 0.005 + 0.002 - 0.5 * depth * std::min(1.0, 3 * way)},
+                                0.005,
+                                0,
+                                PHN_TOOL_PRESS};
+    ASSERT_GE(phn_contact_step(contact, model.data, 1, &tool, &state, nullptr), 0);
+    const Eigen::Map<const Eigen::Vector3d> force(state.force), normal(state.normal);
+    if (!state.in_contact) continue;
+    EXPECT_LE(force.dot(normal), 0) << moment;
+    EXPECT_LE((force - force.dot(normal) * normal).norm(), 1e-9 * force.norm() + 1e-15) << moment;
+  }
+  ASSERT_EQ(state.in_contact, 1);
+  const Eigen::Map<const Eigen::Vector3d> force(state.force);
+  EXPECT_LT(state.unbalanced, 1e-3 * force.norm());
+  ASSERT_EQ(beside.press({state.held}), PHN_OK);
+  EXPECT_LT((state.scale * beside.force[0] - force).norm(), 1e-3 * force.norm());
 }
 
 // Claim: the loops of each instruction set give the same bits; sizes that are no whole blocks, too.

@@ -60,7 +60,7 @@ typedef struct phn_body_pressed {
  * than trained, or no probed point is within a radius of the tool. _UNSETTLED: `unbalanced` is above 0.01 or a tool is
  * ahead; call again with the same tools to come closer. Tools that pull apart within some tenths of a radius may have
  * no equilibrium; each force is then at most ten times what all tools have alone at the stiffness at rest.
- * PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0 tools the body is released. `pressed` may be null.
+ * PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0 tools the body is at rest. `pressed` may be null.
  */
 PHN_API int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools,
                            int32_t steps, double* forces, phn_body_pressed* pressed);
@@ -69,6 +69,15 @@ PHN_API int phn_body_press(const phn_body* body, phn_body_state* state, int32_t 
  * elements of the body (formats/body.md, Bounds). Where that warned _OUTSIDE or _UNSETTLED they are PHN_NO_BOUND.
  * PHN_ERROR_UNDEFINED: a body without bounds (phynness calibrate --body), or no tool. @return its status otherwise */
 PHN_API int phn_body_bound(const phn_body* body, const phn_body_state* state, double* bounds);
+
+/* From here on the body answers for coupled tools: phn_couple, phn_coupled_deform, phn_coupled_bound and with them
+ * phn_contact_step ask it, and no longer the model, whenever they get this `data`, which phn_tools_init made. Each
+ * phn_couple is one phn_body_press with `steps`, has its warnings, and its `residual` is behind_m. Displacements, and
+ * the tools that may be at one place, are those of phn_body_press. Other functions still ask the model. A null `body`
+ * gives phn_couple back to the model. Body and state must outlive `data`. PHN_ERROR_ARGUMENT: mesh or physics are not
+ * those of the model. _TOOLS: the state holds fewer tools than `data`. _UNDEFINED: an output node is inside of the
+ * body, of which a body has the surface (phynness train --surface). */
+PHN_API int phn_body_attach(phn_data* data, const phn_body* body, phn_body_state* state, int32_t steps);
 
 /* Displacements [m] of the surface's nodes, n_nodes x 3, after the last phn_body_press; zeros before. */
 PHN_API int phn_body_deform(const phn_body* body, const phn_body_state* state, double* out);

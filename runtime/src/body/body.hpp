@@ -81,8 +81,8 @@ struct phn_body_state {
   double rounding;              ///< of energies near rest [J]
   double *rows, *moved;         ///< 3 max_tools rows: means of the modes under the tools; products with the compliance
   double *alone, *step;
-  float *factor, *factor_at_rest;     ///< of the stiffness
-  float* bulk_rows;                   ///< db/dq of the state of the factor, n_pressures rows
+  float *factor, *factor_at_rest;        ///< of the stiffness
+  float *bulk_rows, *bulk_rows_at_rest;  ///< db/dq of the states of these factors, n_pressures rows
   double held[3 * PHN_MOST_COUPLED];  ///< multiples of the squares of what the tools displace that the factor has [N/m]
   std::int32_t n_rows;                ///< of the tools that are held
   double wanted[3 * PHN_MOST_COUPLED], force[3 * PHN_MOST_COUPLED];  ///< of these tools

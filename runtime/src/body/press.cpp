@@ -1,6 +1,7 @@
 // The C interface of phynness_body.h: equilibrium of a reduced body under tools.
 #include <cstring>
 
+#include "body/compliance.hpp"
 #include "body/elements.hpp"
 #include "core/bound.hpp"
 #include "core/evaluate.hpp"
@@ -10,13 +11,10 @@ using namespace PHN_RUNTIME;
 
 namespace {
 
-constexpr std::int32_t most_tools = PHN_MOST_COUPLED;
 /// Steps are at an end where the next one, in the norm of the energy, is smaller than the deformation by this factor.
 constexpr double settled = 1e-7;
 /// From here on the forces are not those of an equilibrium.
 constexpr double unsettled = 1e-2;
-/// Part of a tool's compliance that the tools before it leave; at 0.2 radii it is 7e-4 and more.
-constexpr double nearly_one = 1e-4;
 /// A step that shrinks less than by this factor calls for a new stiffness.
 constexpr double slow = 0.3;
 /// Part of the decrease of energy that a step promises and must bring (Armijo 1966, doi 10.2140/pjm.1966.16.1).
@@ -36,54 +34,6 @@ void means_of_modes(const phn_body& body, const ToolScratch& scratch, std::int32
     scratch.weight[node] = 0;
   }
 }
-
-double product(const double* a, const double* b, std::int32_t n) {
-  double sum = 0;
-  for (std::int32_t i = 0; i < n; ++i) sum += a[i] * b[i];
-  return sum;
-}
-
-/// Compliance of the tools: rows K^-1 rows^T, factorized as L L^T.
-struct Compliance {
-  double lower[3 * most_tools][3 * most_tools];
-
-  /// @param factor  of K. state.moved receives K^-1 rows^T
-  void set(const phn_body_state& state, const float* factor) {
-    const std::int32_t stride = state.body->stride;
-    memcpy(state.moved, state.rows,
-           static_cast<std::size_t>(state.n_rows) * static_cast<std::size_t>(stride) * sizeof(double));
-    for (std::int32_t r = 0; r < state.n_rows; ++r)
-      state.kernels->solve(factor, state.body->info.n_modes, stride,
-                           state.moved + static_cast<std::int64_t>(r) * stride);
-    take(state, 0, state.n_rows);
-  }
-
-  /// Of n rows from `first` on, with state.moved of a call of set().
-  void take(const phn_body_state& state, std::int32_t first, std::int32_t n) {
-    const auto at = [&](const double* of, std::int32_t r) {
-      return of + static_cast<std::int64_t>(first + r) * state.body->stride;
-    };
-    for (std::int32_t r = 0; r < n; ++r)
-      for (std::int32_t k = 0; k <= r; ++k)
-        lower[r][k] = product(at(state.rows, r), at(state.moved, k), state.body->info.n_modes);
-    for (std::int32_t r = 0; r < n; ++r) {
-      for (std::int32_t k = 0; k < r; ++k) lower[r][k] = (lower[r][k] - product(lower[r], lower[k], k)) / lower[k][k];
-      const double pivot = lower[r][r] - product(lower[r], lower[r], r);
-      // Of tools at nearly one place the later ones follow only in part, as if held by a spring of this compliance.
-      const double least = nearly_one * lower[r][r];
-      lower[r][r] = least > 0 ? std::sqrt(std::fmax(pivot, least)) : HUGE_VAL;
-    }
-  }
-
-  /// The forces that move n rows by x, in place of x.
-  void solve(std::int32_t n, double* x) const {
-    for (std::int32_t r = 0; r < n; ++r) x[r] = (x[r] - product(lower[r], x, r)) / lower[r][r];
-    for (std::int32_t r = n - 1; r >= 0; --r) {
-      for (std::int32_t k = r + 1; k < n; ++k) x[r] -= lower[k][r] * x[k];
-      x[r] /= lower[r][r];
-    }
-  }
-};
 
 /// Steps of Newton's method for the energy with the mean displacements under the tools prescribed.
 class Equilibrium {
@@ -185,7 +135,7 @@ class Equilibrium {
   const phn_body& _body;
   std::int32_t _n, _stride;
   Compliance _compliance;
-  double _force[3 * most_tools] = {}, _behind[3 * most_tools] = {};
+  double _force[3 * most_body_tools] = {}, _behind[3 * most_body_tools] = {};
   double _decrease = 0;
 };
 
@@ -221,14 +171,14 @@ struct Layout {
     s.factor_at_rest = arena.take<float>(stride, stride);
     s.next = arena.take<float>(stride, stride);
     s.bulk_rows = arena.take<float>(static_cast<std::size_t>(body.info.n_pressures), stride);
+    s.bulk_rows_at_rest = arena.take<float>(static_cast<std::size_t>(body.info.n_pressures), stride);
     s.next_bulk_rows = arena.take<float>(static_cast<std::size_t>(body.info.n_pressures), stride);
     s.panel = arena.take<float>(9 * cells_of_panel, stride);
     s.change_row = arena.take<float>(stride);
     if (state == nullptr || arena.overflow()) return;
     set_zero(s.scratch.weight, nodes);
     for (std::size_t t = 0; t < triangles; ++t) s.scratch.taken[t] = 0;
-    zero(stride, s.at.q, s.trial.q, s.alone, s.step);
-    set_zero(s.expected, static_cast<std::size_t>(body.pressure_stride));
+    zero(stride, s.trial.q, s.alone, s.step);
     *state = s;
   }
 };
@@ -253,13 +203,39 @@ void cut_forces(const phn_body_state& state, double* forces) {
   }
 }
 
+bool start_at_rest(phn_body_state& state) {
+  const auto stride = static_cast<std::size_t>(state.body->stride);
+  set_zero(state.at.q, stride);
+  set_zero(state.expected, static_cast<std::size_t>(state.body->pressure_stride));
+  return evaluate_body(state, state.at);
+}
+
+/// After start_at_rest() and the first stiffness.
+void keep_rest(phn_body_state& state) {
+  const auto stride = static_cast<std::size_t>(state.body->stride);
+  memcpy(state.factor_at_rest, state.factor, stride * stride * sizeof(float));
+  memcpy(state.bulk_rows_at_rest, state.bulk_rows,
+         static_cast<std::size_t>(state.body->info.n_pressures) * stride * sizeof(float));
+}
+
+void release(phn_body_state& state) {
+  const auto stride = static_cast<std::size_t>(state.body->stride);
+  start_at_rest(state);
+  memcpy(state.factor, state.factor_at_rest, stride * stride * sizeof(float));
+  memcpy(state.bulk_rows, state.bulk_rows_at_rest,
+         static_cast<std::size_t>(state.body->info.n_pressures) * stride * sizeof(float));
+  set_zero(state.held, sizeof state.held / sizeof *state.held);
+  state.is_stale = false;
+  state.next_cells = 0;
+}
+
 /// phn_body_press, of which neither output is written yet.
 int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, const phn_tool* tools, std::int32_t steps,
           const double* forces, double* held_by, phn_body_pressed& made) {
   if (body == nullptr || state == nullptr || state->body != body || n_tools < 0 || steps < 1 ||
       (n_tools > 0 && (tools == nullptr || forces == nullptr)))
     return PHN_ERROR_ARGUMENT;
-  if (n_tools > most_tools) return PHN_ERROR_TOO_MANY_TOOLS;
+  if (n_tools > most_body_tools) return PHN_ERROR_TOO_MANY_TOOLS;
   if (n_tools > state->max_tools) return PHN_ERROR_TOOLS;
   const double depth = body->info.max_displacement_m, farthest = most_depths * depth;
   int status = PHN_OK;
@@ -275,6 +251,11 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
     for (const double d : tools[t].displacement) state->wanted[n_rows++] = std::fmin(std::fmax(d, -farthest), farthest);
   }
   state->n_rows = n_rows;
+  if (n_tools == 0) {
+    release(*state);
+    state->status = PHN_OK;
+    return PHN_OK;
+  }
   Equilibrium equilibrium(*state);
   equilibrium.settle(steps, made);
   equilibrium.copy_forces(held_by);
@@ -288,8 +269,8 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
     }
     made.behind_m = std::fmax(made.behind_m, length(behind));
   }
-  if (!all_finite(held_by, 3 * most_tools) || !all_finite(&made.unbalanced, 1)) {
-    set_zero(held_by, 3 * most_tools);
+  if (!all_finite(held_by, 3 * most_body_tools) || !all_finite(&made.unbalanced, 1)) {
+    set_zero(held_by, 3 * most_body_tools);
     made.unbalanced = 1;
   }
   if (made.unbalanced > unsettled || !(made.behind_m <= unsettled * depth)) {
@@ -305,7 +286,7 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
   return status;
 }
 
-bool are_tools(std::int32_t n) { return n >= 1 && n <= most_tools; }
+bool are_tools(std::int32_t n) { return n >= 1 && n <= most_body_tools; }
 
 }  // namespace
 
@@ -348,18 +329,16 @@ int phn_body_state_init(void* memory, size_t bytes, const phn_body* body, int32_
   const Layout layout(arena, *body, max_tools);
   if (layout.state == nullptr || arena.overflow()) return PHN_ERROR_BUFFER;
   // Where the law is not defined at rest, or nothing resists, the numbers are not those of a body.
-  if (!find_rounding(*layout.state) || !evaluate_body(*layout.state, layout.state->at) ||
-      !renew_stiffness(*layout.state, 0))
+  if (!find_rounding(*layout.state) || !start_at_rest(*layout.state) || !renew_stiffness(*layout.state, 0))
     return PHN_ERROR_RANGE;
-  const auto stride = static_cast<std::size_t>(body->stride);
-  memcpy(layout.state->factor_at_rest, layout.state->factor, stride * stride * sizeof(float));
+  keep_rest(*layout.state);
   *state = layout.state;
   return PHN_OK;
 }
 
 int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools, int32_t steps,
                    double* forces, phn_body_pressed* pressed) {
-  double held_by[3 * most_tools] = {};
+  double held_by[3 * most_body_tools] = {};
   phn_body_pressed made = {};
   const std::size_t n = forces != nullptr && n_tools > 0 ? 3 * static_cast<std::size_t>(n_tools) : 0;
   const int status = overlap(forces, n * sizeof(double), pressed, sizeof *pressed)
@@ -377,7 +356,7 @@ int phn_body_bound(const phn_body* body, const phn_body_state* state, double* bo
   if (body->bounds == nullptr || n == 0) return PHN_ERROR_UNDEFINED;
   Compliance at_rest;
   at_rest.set(*state, state->factor_at_rest);
-  double linear[3 * most_tools], size = 0;
+  double linear[3 * most_body_tools], size = 0;
   memcpy(linear, state->wanted, sizeof linear);
   at_rest.solve(n, linear);
   for (std::int32_t r = 0; r < n; r += 3) size += length(linear + r);

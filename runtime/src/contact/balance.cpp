@@ -5,7 +5,7 @@
 namespace PHN_RUNTIME {
 namespace {
 
-constexpr int most_slides = 8, fewest_slides = 2;  // with one tool; with many tools, whose slides cost more
+constexpr int most_slides = 8, fewest_slides = 2;  // with one tool; with many tools or a body, whose slides cost more
 constexpr double cone_tolerance = 1e-4;            ///< of the force
 constexpr double longest_slide = 2;                ///< in displacements of the touched point
 constexpr double same_place = 1e-4;                ///< tools closer than this, in sizes of the body, are at one point
@@ -47,6 +47,7 @@ class Balance {
       warned |= separate();
       status = couple(coupled);
       if (status < 0) return status;
+      if (step == 0 && has_body()) n_slides = 0;
       if (step == 0 && _n_active > 1) n_slides = most_slides / _n_active;
       if (n_slides < fewest_slides) n_slides = fewest_slides;
       bool again = false;
@@ -69,7 +70,8 @@ class Balance {
   /// Scales the force so that the returned work does not exceed the work done. Work is the mean of two successive
   /// forces times the motion between them.
   void guard(ToolContact& tool, const ToolInput& input, double energy) {
-    const bool guarded = input.mode == PHN_TOOL_PRESS && _contact.guarded && has_energy(*_contact.model),
+    const bool guarded =
+                   input.mode == PHN_TOOL_PRESS && _contact.guarded && (has_body() || has_energy(*_contact.model)),
                was_alone = tool.alone;
     const double so_far = tool.taken + dot(tool.given, tool.moved) / 2, now = dot(tool.force, tool.moved) / 2;
     tool.alone = guarded && _n_active == 1;
@@ -243,7 +245,11 @@ class Balance {
     return false;
   }
 
+  bool has_body() const { return _data.coupling->attached.body != nullptr; }
+
   Matrix stiffness_of(std::int32_t i) const {
+    const AttachedBody& attached = _data.coupling->attached;
+    if (has_body()) return attached.stiffness(attached, i);
     const HeldPoint& point = _data.coupling->point[i];
     const phn_model& model = *_contact.model;
     if (_n_active > 1 || !answers_alone(model, point)) return point.stiffness;

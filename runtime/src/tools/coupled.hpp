@@ -3,6 +3,7 @@
 
 #include <phynness/phynness_tools.h>
 
+#include "tools/attached_body.hpp"
 #include "tools/local_response.hpp"
 #include "tools/round_tool.hpp"
 #include "tools/surface_turn.hpp"
@@ -50,6 +51,7 @@ struct Coupling {
   bool settled;
   bool beyond;             ///< a round tool's force is beyond those that it was trained to alone
   const phn_model* model;  ///< the level of the latest tools
+  AttachedBody attached;   ///< that answers instead
   Neighbours neighbours;
   std::int32_t n_corners;  ///< largest number of nodes of a point
   HeldPoint* point;        ///< max_tools

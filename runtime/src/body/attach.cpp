@@ -1,0 +1,57 @@
+// A body that answers for the coupled tools of a model.
+#include "body/compliance.hpp"
+#include "core/evaluate.hpp"
+#include "core/lookup.hpp"
+#include "tools/coupled.hpp"
+
+using namespace PHN_RUNTIME;
+
+namespace {
+
+int deform(const AttachedBody& attached, std::int32_t n, const std::int32_t* nodes, double* out) {
+  const phn_body& body = *attached.body;
+  const phn_body_state& state = *attached.state;
+  for (std::int32_t i = 0; i < n; ++i) {
+    const std::int64_t row = 3 * find_sorted(body.info.nodes, body.info.n_nodes, nodes[i]);
+    state.kernels->times(body.modes + row * body.stride, 3, body.stride, state.at.q, out + 3 * i);
+  }
+  return state.status;
+}
+
+Matrix stiffness(const AttachedBody& attached, std::int32_t tool) {
+  Compliance compliance;
+  compliance.set(*attached.state, attached.state->factor, 3 * tool, 3);
+  Matrix result;
+  for (int k = 0; k < 3; ++k) {
+    double moved[3] = {};
+    moved[k] = 1;
+    compliance.solve(3, moved);
+    for (int j = 0; j < 3; ++j) result.a[3 * j + k] = moved[j];
+  }
+  return result;
+}
+
+/// Models of older versions do not say which solves they come from.
+bool is_same(const char* recorded, const char* of_body) { return *recorded == 0 || strcmp(recorded, of_body) == 0; }
+
+}  // namespace
+
+extern "C" int phn_body_attach(phn_data* data, const phn_body* body, phn_body_state* state, int32_t steps) {
+  if (data == nullptr) return PHN_ERROR_ARGUMENT;
+  if (data->coupling == nullptr) return PHN_ERROR_TOOLS;
+  AttachedBody attached = {};
+  if (body != nullptr) {
+    const phn_model& model = *data->model;
+    if (state == nullptr || state->body != body || steps < 1 ||
+        !is_same(model.provenance.mesh_hash, body->info.mesh_hash) ||
+        !is_same(model.provenance.physics_hash, body->info.physics_hash))
+      return PHN_ERROR_ARGUMENT;
+    if (state->max_tools < data->coupling->max_tools) return PHN_ERROR_TOOLS;
+    for (std::int32_t i = 0; i < model.n_output; ++i)
+      if (find_sorted(body->info.nodes, body->info.n_nodes, model.output_nodes[i]) < 0) return PHN_ERROR_UNDEFINED;
+    attached = {body, state, steps, phn_body_press, phn_body_bound, deform, stiffness};
+  }
+  data->coupling->attached = attached;
+  data->coupling->n_tools = 0;
+  return PHN_OK;
+}
