@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <phynness/evaluation/loaded_body.hpp>
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/text_file.hpp>
@@ -12,7 +13,7 @@ namespace {
 
 struct Options {
   std::filesystem::path model, output;
-  OptionalPath database, errors;
+  OptionalPath database, errors, body;
 };
 
 /// Without trailing digits that no picture shows: 6 significant digits are 1e-6 of a force.
@@ -121,8 +122,23 @@ json errors_json(const std::filesystem::path& file, const LoadedModel& loaded) {
   return known;
 }
 
+/// The text of a body that may be attached to the model. @throws Error (input) with the reason if it may not
+std::string body_text(const std::filesystem::path& file, const LoadedModel& loaded) {
+  auto text = read_input_file(file, {"the body", "give a body.txt of phynness reduce", 1ULL << 32});
+  const LoadedBody body(text, file.string());
+  const auto& info = body.info();
+  check_body(file, info.mesh_hash, info.physics_hash, loaded.model());
+  for (const auto node : loaded.model().output)
+    if (!std::binary_search(info.nodes, info.nodes + info.n_nodes, node))
+      throw input_error("output nodes of the model are inside of the body, of which a body has the surface",
+                        fmt::format("node {} is not in {}", node, file.string()),
+                        "make a model of the same database with phynness train --surface");
+  return text;
+}
+
 std::string page_json(const Options& options, const LoadedModel& loaded) {
   json page = record("format", "phynness view 1", "model", loaded.text());
+  if (options.body) page["body"] = body_text(*options.body, loaded);
   if (options.errors) page["validation"] = errors_json(*options.errors, loaded);
   if (options.database) {
     const auto database = Database::open(*options.database);
@@ -165,6 +181,8 @@ void add(CLI::App& app) {
            "database.h5 of the model; the page then shows the stored finite element forces beside the model's");
   add_path(command, "--errors", options.errors, PathKind::input,
            "file of validate --json; the page then shows the errors on the surface");
+  add_path(command, "--body", options.body, PathKind::input,
+           "body.txt of reduce; it then answers for all tools and the sphere, several and near to each other, too");
   add_output(command, options.output, PathKind::file, "HTML file to write");
 }
 

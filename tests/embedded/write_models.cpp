@@ -1,10 +1,13 @@
 // Writes model directories for tests of devices: write_models DIR makes DIR/rbfn, DIR/linear and DIR/modal with 60
-// neurons or centers of force and 26 directions, as in the paper; DIR/round has round tools and places between nodes.
+// neurons or centers of force and 26 directions, as in the paper; DIR/round has round tools and places between nodes;
+// DIR/block has springs and body.txt, a body to attach.
 #include <cmath>
 #include <cstdio>
 #include <exception>
 
-#include "../runtime/small_model.hpp"
+#include <phynness/formats/text_file.hpp>
+
+#include "../block_body.hpp"
 #include "round_sample.hpp"
 
 namespace phynness::test {
@@ -69,6 +72,13 @@ int main(int argc, char** argv) {
     }
     const auto sample = read_model_dir(PHYNNESS_SOURCE_DIR "/examples/model");
     write_model_dir(std::filesystem::path(argv[1]) / "round", test::sample_of_round_tools(0.025), sample.mesh);
+    test::Block block;
+    block.body.mesh_hash = mesh_hash(block.mesh);
+    block.body.coverage = 0.95;
+    block.body.n_rays = 100;
+    block.body.bounds = Eigen::MatrixXd::Constant(schema::n_coupled_kinds, schema::n_coupled_terms, 0.01);
+    write_model_dir(std::filesystem::path(argv[1]) / "block", test::springs_on(block), block.mesh);
+    write_text_file(std::filesystem::path(argv[1]) / "block/body.txt", write_body_text(block.body));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

@@ -1,4 +1,5 @@
 /* Sizes of the structs of the C interface and offsets of their members in 32-bit memory, by name, for JavaScript. */
+#include <phynness/phynness_body.h>
 #include <phynness/phynness_contact.h>
 #include <phynness/phynness_levels.h>
 #include <stddef.h>
@@ -38,6 +39,9 @@ static const entry entries[] = {
     SIZE(phn_contact_state), MEMBER(phn_contact_state, force), MEMBER(phn_contact_state, proxy),
     MEMBER(phn_contact_state, normal), MEMBER(phn_contact_state, scale), MEMBER(phn_contact_state, unbalanced),
     MEMBER(phn_contact_state, held), MEMBER(phn_contact_state, in_contact),
+    SIZE(phn_body_info), MEMBER(phn_body_info, mesh_hash), MEMBER(phn_body_info, physics_hash),
+    MEMBER(phn_body_info, law), MEMBER(phn_body_info, tool_radius_m), MEMBER(phn_body_info, max_displacement_m),
+    MEMBER(phn_body_info, n_modes), MEMBER(phn_body_info, n_cells),
     {0, 0}};
 /* clang-format on */
 

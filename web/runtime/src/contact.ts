@@ -1,5 +1,6 @@
 // Spheres that touch, slide on, press and grasp the object.
-import { bytesOf, copied, few, Owner, type Engine } from './engine.js';
+import { Touching } from './body.js';
+import { bytesOf, copied, few, type Engine, type Owner } from './engine.js';
 import { warningsOf, type Warning } from './status.js';
 import { putVector, toolFrom, type Tool, type Vector } from './tool.js';
 
@@ -31,10 +32,10 @@ export interface Touch {
   readonly held: Tool | null;
 }
 
-export class Contact extends Owner {
+export class Contact extends Touching {
   protected readonly what = 'contact';
   private readonly contact: number;
-  private readonly data: number;
+  protected readonly data: number;
   private readonly tools: number;
   private readonly states: number;
   private readonly result: number;
@@ -44,7 +45,7 @@ export class Contact extends Owner {
     engine: Engine,
     parent: Owner,
     private readonly model: number,
-    private readonly max: number,
+    protected readonly max: number,
     private readonly nOutput: number,
   ) {
     super(engine, parent);

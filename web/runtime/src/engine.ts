@@ -142,6 +142,25 @@ function release(engine: Engine, blocks: number[]): void {
   for (const block of blocks.splice(0)) engine.heap.give(block);
 }
 
+/** A model or a body from its text. @throws PhynnessError with the reason and the byte */
+export function loaded(engine: Engine, what: 'model' | 'body', text: Uint8Array): Block {
+  const bytes = engine.heap.take(text.byteLength), wrong = engine.heap.take(4);
+  engine.bytes(bytes, text.byteLength).set(text);
+  const call = (name: string, ...args: number[]) => {
+    const status = engine.f[`phn_${what}_${name}`]!(...args);
+    if (status < 0) throw engine.error(status, `${what}.txt`, engine.size(wrong));
+  };
+  try {
+    return engine.made(
+      (result) => call('size', bytes, text.byteLength, result, wrong),
+      (memory, size, result) => call('init', memory, size, bytes, text.byteLength, result, wrong),
+    );
+  } finally {
+    engine.heap.give(wrong);
+    engine.heap.give(bytes);
+  }
+}
+
 /** `out` filled with the values, or a copy of them. */
 export function copied<Values extends Float64Array | Float32Array>(values: Values, out?: Values): Values {
   if (!out) return values.slice() as Values;

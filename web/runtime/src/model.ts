@@ -1,8 +1,10 @@
 // A trained model and its working memory.
+import { Body } from './body.js';
 import { Contact } from './contact.js';
-import { bytesOf, copied, Engine, integer, Owner } from './engine.js';
+import { bytesOf, copied, Engine, integer, loaded, Owner } from './engine.js';
 import { undefinedHere, warningsOf, type Warning } from './status.js';
 import { Surface } from './surface.js';
+import { bytesOfText, type ModelText } from './text.js';
 import { putVector, toolFrom, type Tool, type Vector } from './tool.js';
 import { Tools } from './tools.js';
 
@@ -93,7 +95,7 @@ export class Model extends Owner {
   private constructor(engine: Engine, text: Uint8Array) {
     super(engine);
     try {
-      const model = loaded(engine, text);
+      const model = loaded(engine, 'model', text);
       this.own(model.memory);
       this.model = model.object;
       this.data = this.made('phn_data', this.model, 1);
@@ -188,6 +190,11 @@ export class Model extends Owner {
     this.alive();
     return new Tools(this.engine, this, this.model, max, this.info.outputNodes.length);
   }
+  /** A reduced body, which can answer for tools() and contact() of this model. @param text  contents of body.txt */
+  body(text: ModelText): Body {
+    this.alive();
+    return new Body(this.engine, this, bytesOfText(text));
+  }
   /** The surface subdivided 0 to 6 times, for drawing. */
   surface(levels: number): Surface {
     this.alive();
@@ -202,24 +209,6 @@ export class Model extends Owner {
   private put(d: Vector): void {
     this.alive();
     putVector(this.engine, this.args + at.d, d, 'a vector');
-  }
-}
-
-function loaded(engine: Engine, text: Uint8Array): { memory: number; object: number } {
-  const bytes = engine.heap.take(text.byteLength), wrong = engine.heap.take(4);
-  engine.bytes(bytes, text.byteLength).set(text);
-  const call = (name: string, ...args: number[]) => {
-    const status = engine.f[name]!(...args);
-    if (status < 0) throw engine.error(status, 'model.txt', engine.size(wrong));
-  };
-  try {
-    return engine.made(
-      (result) => call('phn_model_size', bytes, text.byteLength, result, wrong),
-      (memory, size, result) => call('phn_model_init', memory, size, bytes, text.byteLength, result, wrong),
-    );
-  } finally {
-    engine.heap.give(wrong);
-    engine.heap.give(bytes);
   }
 }
 

@@ -1,5 +1,6 @@
 // Several tools at the same time, at nodes or between them.
-import { bytesOf, copied, few, integer, Owner, type Engine } from './engine.js';
+import { Touching, type Body } from './body.js';
+import { bytesOf, copied, few, integer, type Engine, type Owner } from './engine.js';
 import { noBound, undefinedHere, warningsOf, type Warning } from './status.js';
 import { putTool, type Tool } from './tool.js';
 
@@ -14,9 +15,9 @@ export interface Coupled {
   readonly residual: number;
 }
 
-export class Tools extends Owner {
+export class Tools extends Touching {
   protected readonly what = 'tools';
-  private readonly data: number;
+  protected readonly data: number;
   private readonly tools: number;
   private readonly forces: number;
   private readonly result: number;
@@ -28,7 +29,7 @@ export class Tools extends Owner {
     engine: Engine,
     parent: Owner,
     private readonly model: number,
-    private readonly max: number,
+    protected readonly max: number,
     private readonly nOutput: number,
   ) {
     super(engine, parent);
@@ -62,6 +63,11 @@ export class Tools extends Owner {
       energy: engine.real(this.result + bytesOf('phn_coupled.energy')),
       residual: engine.real(this.result + bytesOf('phn_coupled.residual')),
     };
+  }
+
+  override attach(body: Body | null, steps?: number): void {
+    super.attach(body, steps);
+    this.held = 0;
   }
 
   /** Bounds [N] of the errors of the forces of the last set(); null where there is none: outside of the trained range, too close

@@ -7,7 +7,7 @@ import { layoutOf } from '../../wasm/layout.mjs';
 import { Heap } from '../src/heap.js';
 import { loader, PhynnessError, toolAt } from '../src/index.js';
 import { layout } from '../src/layout.js';
-import { built, load, loadText, sample, textOf } from './setup.js';
+import { block, bodyText, built, load, loadText, sample, textOf } from './setup.js';
 
 describe('Heap', () => {
   it('never gives two blocks that overlap, and joins free ones', () => {
@@ -115,6 +115,40 @@ describe('Model', () => {
     expect(() => surface.deform(field)).toThrow('model was disposed');
     for (const object of [tools, contact, surface]) object.dispose();
     expect(heapOf(model).used).toBe(0);
+  });
+
+  it('takes and gives bodies, whose memory comes back', async () => {
+    const model = await load(block), heap = heapOf(model), before = heap.used, tools = model.tools(2), contact = model.contact(1);
+    const idle = heap.used, body = model.body(bodyText()), loaded = heap.used;
+    for (let i = 0; i < 3; ++i) {
+      tools.attach(body);
+      contact.attach(body, 2);
+      expect(heap.used).toBeGreaterThan(loaded);
+      tools.attach(null);
+      contact.attach(null);
+      expect(heap.used).toBe(loaded);
+    }
+    expect(() => tools.attach(body, 0)).toThrow(PhynnessError);
+    tools.attach(body);
+    body.dispose();
+    expect(() => tools.set([])).toThrow('body was disposed');
+    expect(() => contact.attach(body)).toThrow('body was disposed');
+    tools.attach(null);
+    tools.set([]);
+    expect(heap.used).toBe(idle);
+    tools.attach(model.body(new TextDecoder().decode(bodyText())));
+    const other = await load(sample);
+    expect(() => other.tools(1).attach(other.body(bodyText()))).toThrow('phn_body_attach');
+    expect(() => other.tools(1).attach(model.body(bodyText()))).toThrow('another model');
+    const damaged = bodyText();
+    damaged[damaged.length >> 1] = 0x7a;
+    expect(() => model.body(damaged)).toThrow(PhynnessError);
+    expect(() => model.body('no body')).toThrow(/byte [1-9]/);
+    contact.dispose();
+    tools.dispose();
+    expect(heap.used).toBeGreaterThan(before); // two bodies, which are collected later
+    model.dispose();
+    expect(() => tools.attach(null)).toThrow('disposed');
   });
 
   it('refuses numbers and modes that JavaScript would convert to others', async () => {

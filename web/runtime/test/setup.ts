@@ -24,6 +24,9 @@ const module = new WebAssembly.Module(new Uint8Array(readFileSync(built.wasm)));
 export const textOf = (folder: string) => new Uint8Array(readFileSync(join(folder, 'model.txt')));
 export const load = (folder: string) => Model.create(module, textOf(folder));
 export const loadText = (text: Uint8Array) => Model.create(module, text);
+/** A block of springs, and its reduced body. */
+export const block = join(built.models, 'block');
+export const bodyText = () => new Uint8Array(readFileSync(join(block, 'body.txt')));
 export const sample = join(built.models, 'sample');
 
 export interface Golden {

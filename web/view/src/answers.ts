@@ -1,5 +1,5 @@
 // What the runtime answers for tools and spheres, with the times it takes.
-import type { Contact, Level, Model, Sphere, Surface, Tools, Touch, Warning } from '../../runtime/src/index.js';
+import type { Body, Contact, Level, Model, Sphere, Surface, Tools, Touch, Warning } from '../../runtime/src/index.js';
 import { PhynnessError } from '../../runtime/src/status.js';
 import { add, row, scale, zero, type V3 } from '../../shared/src/vectors.js';
 import { nodeOf, placeAt, toolOf, type Place } from './places.js';
@@ -30,9 +30,19 @@ export interface Answer {
 }
 
 export const mostTools = 2;
+/** Of a body for one picture; what then is not settled goes on in the next one. */
+const stepsOfPicture = 4;
+/** Of a body for questions beside the picture. */
+const manySteps = 60;
 
 export class Runtime {
   private readonly tools: Tools;
+  /** for questions beside the picture */
+  private readonly asked: Tools;
+  /** answers for tools and spheres, instead of the model */
+  readonly body: Body | null;
+  /** of the body in one picture [ms] */
+  pressed = 0;
   private readonly contact_: Contact | null;
   private surface_: Surface | null = null;
   private surfaceLevels = -1;
@@ -42,13 +52,18 @@ export class Runtime {
   /** displacements of the output nodes after answer() or touch(), n x 3 [m] */
   readonly field: Float64Array;
 
-  constructor(readonly model: Model) {
+  constructor(readonly model: Model, bodyText: string | null = null) {
     const { info } = model;
     this.active = new Set(info.activeNodes);
     this.rows = new Map([...info.outputNodes, ...info.fixedNodes].map((node, i) => [node, i]));
     this.field = new Float64Array(3 * info.outputNodes.length);
     this.tools = model.tools(mostTools);
+    this.asked = model.tools(mostTools);
     this.contact_ = unlessRefused(['PHN_ERROR_UNDEFINED', 'PHN_ERROR_GEOMETRY'], () => model.contact(1));
+    this.body = bodyText === null ? null : model.body(bodyText);
+    this.tools.attach(this.body, stepsOfPicture);
+    this.contact_?.attach(this.body, stepsOfPicture);
+    this.asked.attach(this.body, manySteps);
   }
   get hasContact(): boolean {
     return this.contact_ !== null;
@@ -64,7 +79,7 @@ export class Runtime {
   setLevel(level: number | null): void {
     const index = Math.min(level ?? this.levels.length - 1, this.levels.length - 1);
     this.model.level = index;
-    this.tools.level = index;
+    this.tools.level = this.asked.level = index;
   }
   surface(levels: number): Surface {
     if (this.surfaceLevels !== levels || !this.surface_) {
@@ -89,23 +104,33 @@ export class Runtime {
     return nodes.reduce<V3>((sum, node, i) => add(sum, scale(weights[i]!, this.displacement(node))), zero);
   }
 
-  /** Whether a place between nodes moves with a tool. The forces of tools before are lost. */
+  /** Whether a place moves with a tool. */
   canHold(place: Place): boolean {
     const rest = [toolOf(place, zero)];
-    return unlessRefused(['PHN_ERROR_NOT_ACTIVE', 'PHN_ERROR_UNDEFINED'], () => this.tools.set(rest)) !== null;
+    if (this.body) this.asked.set([]);
+    return unlessRefused(['PHN_ERROR_NOT_ACTIVE', 'PHN_ERROR_UNDEFINED'], () => this.asked.set(rest)) !== null;
   }
   /** Forces and, in `field`, displacements under tools that hold their points. @throws PhynnessError */
   answer(tools: readonly HeldTool[]): Answer {
-    const node = tools.length === 1 ? nodeOf(tools[0]!.place) : null;
+    const node = tools.length === 1 && !this.body ? nodeOf(tools[0]!.place) : null;
     if (node !== null) return this.atNode(node, tools[0]!.displacement);
-    if (tools.length === 0) this.field.fill(0);
-    if (tools.length === 0) return { ...nothing, energy: this.model.info.hasEnergy ? 0 : null };
-    const { status, warnings, forces, energy, residual } = this.tools.set(tools.map(({ place, displacement }) => toolOf(place, displacement)));
+    if (tools.length === 0 && !this.body) this.field.fill(0);
+    if (tools.length === 0 && !this.body) return { ...nothing, energy: this.hasEnergy ? 0 : null };
+    const all = tools.map(({ place, displacement }) => toolOf(place, displacement));
+    const { status, warnings, forces, energy, residual } = this.timed(() => this.tools.set(all));
     this.tools.deform(this.field);
     return {
       ...nothing, status, warnings, residual, forces: tools.map((_, i) => row(forces, i)),
-      energy: this.model.info.hasEnergy ? energy : null, bound: this.tools.bounds().at(-1) ?? null,
+      energy: this.hasEnergy ? energy : null, bound: this.tools.bounds().at(-1) ?? null,
     };
+  }
+  get hasEnergy(): boolean {
+    return this.body !== null || this.model.info.hasEnergy;
+  }
+  private timed<T>(press: () => T): T {
+    const begin = performance.now(), result = press();
+    this.pressed = 0.9 * this.pressed + 0.1 * (performance.now() - begin);
+    return result;
   }
 
   private atNode(node: number, d: V3): Answer {
@@ -122,27 +147,28 @@ export class Runtime {
   /** Forces and field under a sphere. */
   touch(sphere: Sphere): Answer {
     if (!this.contact_) return nothing;
-    const { status, warnings, energy, touches } = this.contact_.step([sphere]);
-    this.contact_.deform(this.field);
+    const contact = this.contact_, { status, warnings, energy, touches } = this.timed(() => contact.step([sphere]));
+    contact.deform(this.field);
     return {
       ...nothing, status, warnings, touches, forces: touches.map(({ force }) => row(force, 0)),
-      energy: this.model.info.hasEnergy ? energy : null,
+      energy: this.hasEnergy ? energy : null,
     };
   }
   endContact(): void {
     this.contact_?.reset();
   }
 
-  /** Force alone, for curves and work. At a node between active ones the forces of tools before are lost. */
+  /** Force of the model alone, for curves, work and maps. */
   forceAt(node: number, d: V3): V3 {
-    return row(this.active.has(node) ? this.model.force(node, d).force : this.tools.set([toolOf(placeAt(node), d)]).forces, 0);
+    return row(this.active.has(node) ? this.model.force(node, d).force : this.asked.set([toolOf(placeAt(node), d)]).forces, 0);
   }
   forceOf(tool: HeldTool, others: readonly HeldTool[]): (d: V3) => V3 {
     const node = nodeOf(tool.place);
-    if (node !== null && others.length === 0) return (d) => this.forceAt(node, d);
+    if (node !== null && others.length === 0 && !this.body) return (d) => this.forceAt(node, d);
+    if (this.body) this.asked.set([]);
     return (d) => {
       const all = [{ ...tool, displacement: d }, ...others].map(({ place, displacement }) => toolOf(place, displacement));
-      return row(this.tools.set(all).forces, 0);
+      return row(this.asked.set(all).forces, 0);
     };
   }
 
@@ -159,6 +185,8 @@ export class Runtime {
   dispose(): void {
     this.surface_?.dispose();
     this.tools.dispose();
+    this.asked.dispose();
+    this.body?.dispose();
     this.contact_?.dispose();
     this.model.dispose();
   }

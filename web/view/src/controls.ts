@@ -136,7 +136,7 @@ export class Controls {
     this.map.value = state.map;
     const level = state.level ?? runtime.levels.length - 1, stated = runtime.levels[level];
     this.level.value = String(level);
-    setText(byId('level-note', HTMLElement), stated && stated.errorForce > 0
+    setText(byId('level-note', HTMLElement), runtime.body ? 'Of maps and fields; the reduced body has no levels.' : stated && stated.errorForce > 0
       ? `Stated error inside the trained range: ${significant(100 * stated.errorForce, 2)} % of the largest force, ${significant(100 * stated.errorDisplacement, 2)} % of the largest displacement.`
       : 'This model states no error of its levels.');
     byId('palpation-row', HTMLElement).hidden = state.map !== 'palpation';
@@ -154,7 +154,7 @@ export class Controls {
       ['Family', info.family],
       ['Surface nodes, that can be held', `${info.outputNodes.length + info.fixedNodes.length}, ${info.activeNodes.length}`],
       ['Trained to at most', `${significant(1e3 * info.maxDisplacement, 3)} mm`],
-      ['Time of a force; a deformation', this.times],
+      runtime.body ? ['Steps of the body in a picture', `${significant(runtime.pressed, 2)} ms`] : ['Time of a force; a deformation', this.times],
       ['Vertices drawn', drawn.nVertices.toLocaleString('en')],
       ['Picture', frames ? `${significant(frames.work, 2)} ms, ${Math.round(frames.perSecond)} per second` : 'still'],
     ]);

@@ -40,22 +40,26 @@ class Page {
     if (document.createElement('canvas').getContext('webgl2') === null)
       return this.refuse('This browser cannot draw the body: WebGL 2 is missing or turned off. Turn on hardware acceleration in its settings, or open the page in another browser.');
     if (this.data.model === null) return this.refuse('This page contains no model. Drop a model.txt here, or open one.');
-    await this.open(this.data.model, this.data, stateOf(location.hash));
+    const state = stateOf(location.hash);
+    if (location.hash === '' && this.data.body !== null) state.atNodes = false;
+    await this.open(this.data.model, this.data, state);
     window.addEventListener('hashchange', () => void this.open(this.text, this.shown, stateOf(location.hash)));
   }
   /** @param bytes  of the file, if they are no valid text; errors name a byte of them */
   private async open(text: string, data: PageData, state: State, bytes?: Uint8Array): Promise<void> {
-    let model: Model;
+    let model: Model | null = null, runtime: Runtime;
     try {
       model = await modelFromText(bytes ?? text);
+      if (model.info.triangles.length === 0) return this.refuse('This model has no triangles, and nothing can be drawn.');
+      runtime = new Runtime(model, data.body);
     } catch (error) {
       if (!(error instanceof PhynnessError)) throw error;
+      const file = model ? 'body.txt' : 'model.txt';
       const byte = error.wrongByte ? ` The first wrong byte is number ${error.wrongByte.toLocaleString('en')}.` : '';
-      return this.refuse(`This model.txt is refused (${error.statusName}): ${error.reason}.${byte}`);
+      return this.refuse(`This ${file} is refused (${error.statusName}): ${error.reason}.${byte}`);
     }
-    if (model.info.triangles.length === 0) return this.refuse('This model has no triangles, and nothing can be drawn.');
     const before = this.view?.session;
-    const session = new Session(new Runtime(model), data, state);
+    const session = new Session(runtime, data, state);
     byId('problem', HTMLElement).hidden = true;
     if (this.view) this.view.open(session);
     else {
@@ -103,7 +107,7 @@ class Page {
     const bytes = new Uint8Array(await file.arrayBuffer()), text = new TextDecoder().decode(bytes);
     if (text.trimStart().startsWith('{')) this.recording?.open(text);
     // Rays and errors in the page belong to its own model.
-    else await this.open(text, text === this.data.model ? this.data : { ...this.data, model: null, rays: [], validation: null, sceneTitle: '', organ: '' }, initialState(), bytes);
+    else await this.open(text, text === this.data.model ? this.data : { ...this.data, model: null, body: null, rays: [], validation: null, sceneTitle: '', organ: '' }, initialState(), bytes);
   }
 
   private async savePng(): Promise<void> {
@@ -127,6 +131,7 @@ class Page {
         get model() { return view.session.runtime.model; },
         get state() { return view.session.state; },
         get answer() { return view.session.answer; },
+        get restless() { return view.session.restless; },
         get work() { return view.session.work?.closed ?? null; },
         /** Holds nodes: [{node, displacement}, ...] */
         hold: (tools: { node: number; displacement: V3 }[]) => {

@@ -79,8 +79,8 @@ export function mapsOf(runtime: Runtime, errors: NodeErrors | null, palpationDep
     };
   };
 
-  /** Active nodes and, where tools are answered between them, the others there. */
-  const touched = () => outputNodes.filter((node) => runtime.active.has(node) || runtime.canHold(placeAt(node)));
+  /** Active nodes and, where the model answers tools between them, the others there. */
+  const touched = () => outputNodes.filter((node) => runtime.active.has(node) || (!runtime.body && runtime.canHold(placeAt(node))));
   const grey = 'Grey: not trained', unprobed = 'Mean of the probes of a node. Grey: none';
   return [
     atNodes('palpation', 'Stiffness under a finger', 'N/m', touched(),

@@ -19,6 +19,8 @@ export interface NodeErrors {
 }
 export interface PageData {
   readonly model: string | null;
+  /** text of a reduced body */
+  readonly body: string | null;
   readonly sceneTitle: string;
   readonly organ: string;
   readonly validation: NodeErrors | null;
@@ -63,6 +65,7 @@ export function pageDataOf(json: string): PageData {
   const rays = Array.isArray(page['rays']) ? page['rays'].map(rayOf).filter((ray) => ray !== null) : [];
   return {
     model: typeof page['model'] === 'string' ? page['model'] : null,
+    body: typeof page['body'] === 'string' ? page['body'] : null,
     sceneTitle: text(page['scene_title']),
     organ: text(page['organ']),
     validation: errorsOf(page['validation']),

@@ -26,6 +26,7 @@ export class Readouts {
   private readonly newtons = byId('newtons', HTMLElement);
   private readonly trust = byId('trust', HTMLElement);
   private readonly reason = byId('trust-reason', HTMLElement);
+  private readonly note = byId('body-note', HTMLElement);
   private readonly table = byId('forces', HTMLTableElement);
   private readonly quantities = byId('quantities', HTMLElement);
   private readonly plotElement = byId('plot', HTMLElement);
@@ -37,10 +38,13 @@ export class Readouts {
     const touching = state.mode === 'hold' ? tools.length > 0 : (answer.touches[0]?.inContact ?? false);
     const last = forces.at(-1);
     setText(this.newtons, last ? significant(norm(last), 6) : '0');
-    const verdict = verdictOf(answer.warnings, answer.trust, last && answer.bound !== null ? answer.bound / norm(last) : null);
+    const { body } = session.runtime;
+    const verdict = verdictOf(answer.warnings, answer.trust, last && answer.bound !== null ? answer.bound / norm(last) : null, body !== null);
     this.trust.dataset['kind'] = touching ? verdict.kind : 'unknown';
     setText(this.trust, touching ? verdict.word : state.mode === 'sphere' ? 'no contact' : 'at rest');
     setText(this.reason, touching ? this.reasonOf(session, verdict.reason) : 'Nothing touches the body.');
+    this.note.hidden = body === null;
+    if (body) setText(this.note, `Forces and deformation come from the reduced body (${body.info.nModes} modes, ${body.info.nCells} cells).`);
     this.showTable(session, forces);
     setFacts(this.quantities, this.facts(session));
   }
@@ -48,7 +52,7 @@ export class Readouts {
   private reasonOf({ answer, runtime, state }: Session, reason: string): string {
     const level = runtime.levels[state.level ?? runtime.levels.length - 1];
     const figure = answer.trust ? `Trust figure ${significant(answer.trust.relative, 2)} (0 at data, above 1 beyond): ` : '';
-    const bound = level && level.errorForce > 0 ? `; stated error of this level: ${withUnit(level.errorForce, 'fraction', 2)} of the largest force` : '';
+    const bound = level && level.errorForce > 0 && !runtime.body ? `; stated error of this level: ${withUnit(level.errorForce, 'fraction', 2)} of the largest force` : '';
     return figure + (figure ? reason : reason.charAt(0).toUpperCase() + reason.slice(1)) + bound + '.';
   }
 
@@ -75,7 +79,8 @@ export class Readouts {
       if (middle > 1.001 * depth) facts.push(['Its middle moves', withUnit(middle, 'm', 4)]);
       const { trainedDepth } = answer.trust ?? {};
       if (trainedDepth !== undefined) facts.push(['Trained to', withUnit(trainedDepth, 'm', 3)]);
-      const finer = ['', ', from Taylor-Hood', ', from half-size cells'][runtime.model.info.provenance.boundReference] ?? '';
+      const reference = runtime.body ? 0 : runtime.model.info.provenance.boundReference;
+      const finer = ['', ', from Taylor-Hood', ', from half-size cells'][reference] ?? '';
       if (answer.bound !== null) facts.push([`Error of the force (95 %)${finer}`, `below ${withUnit(answer.bound, 'N', 2)}`]);
     }
     const [touch] = answer.touches;
@@ -86,11 +91,11 @@ export class Readouts {
       if (touch.scale < 1) facts.push(['Force scaled by', significant(touch.scale, 3)]);
     }
     facts.push(['Stored energy', answer.energy === null ? 'not in this family' : withUnit(answer.energy, 'J', 4)]);
-    if (state.mode === 'hold') facts.push(['Work of the closed path', this.closedWork(session)]);
+    if (state.mode === 'hold' && !runtime.body) facts.push(['Work of the closed path', this.closedWork(session)]);
     if (state.ellipsoid) {
       const stiffness = answer.stiffness ? principalOf(answer.stiffness).values : null;
       facts.push(['Principal stiffness', stiffness ? `${stiffness.map((k) => significant(k, 3)).join(', ')} N/m`
-        : runtime.model.info.hasEnergy ? 'one tool at a node only' : 'not in this family']);
+        : runtime.body ? 'not of a reduced body' : runtime.hasEnergy ? 'one tool at a node only' : 'not in this family']);
     }
     if (answer.residual > 1e-9) facts.push(['Points follow within', withUnit(answer.residual, 'm', 2)]);
     if (work === null && state.tools.length > 1) facts.push(['Distance of the tools', withUnit(distance(session), 'm', 4)]);
@@ -125,7 +130,7 @@ export class Readouts {
       : null;
     this.plot.show({ curve: { depths, forces }, stored, now: { depth, force: norm(force) } } satisfies PlotData);
     const angle = near ? Math.round((near.angle * 180) / Math.PI) : 0;
-    setText(this.plotNote, `Line: model along this direction.${near ? ` Dots: finite elements; dashed: model; both in the nearest trained direction, ${angle}° away.` : ''}`);
+    setText(this.plotNote, `Line: ${runtime.body ? 'body' : 'model'} along this direction.${near ? ` Dots: finite elements; dashed: ${runtime.body ? 'body' : 'model'}; both in the nearest trained direction, ${angle}° away.` : ''}`);
     this.plotElement.setAttribute('aria-label', `Force against depth along the present direction; now ${withUnit(norm(force), 'N', 4)} at ${withUnit(depth, 'm', 4)}`);
   }
 }

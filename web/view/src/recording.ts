@@ -12,6 +12,7 @@ import type { View } from './view.js';
 export function evaluated(session: Session, motion: Motion): Step[] {
   const refused = motion.tools.find((place) => !session.canHold(place));
   if (refused) throw new Error(`nodes ${refused.nodes.join(', ')} cannot be held in this model`);
+  session.runtime.answer([]);
   return motion.steps.map((step) => {
     const { answer, indices } = answerOf(session, motion, step);
     const forces: (V3 | null)[] = motion.tools.map(() => null);

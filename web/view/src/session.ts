@@ -25,6 +25,11 @@ export class Session {
   cursor: number;
   /** of a single tool since it was at rest */
   work: PathWork | null = null;
+  /** forces of a body still change: the next picture goes on with its steps */
+  restless = false;
+  /** pictures since something moved */
+  private waited = 0;
+  private moved = '';
   private readonly numbers: number[] = [];
   private next = 1;
 
@@ -53,7 +58,7 @@ export class Session {
 
   /** Computes the answer to the present tools. */
   update(): void {
-    const { state, runtime } = this;
+    const { state, runtime } = this, before = this.answer.forces, moved = JSON.stringify([state.mode, state.tools, state.sphere]);
     try {
       if (state.mode === 'hold') {
         if (state.tools.length === 1) this.work?.moveTo(state.tools[0]!.displacement);
@@ -67,13 +72,18 @@ export class Session {
       if (!(error instanceof PhynnessError)) throw error;
       this.problem = `These tools are refused: ${error.reason}.`;
     }
+    this.waited = moved === this.moved ? this.waited + 1 : 0;
+    this.moved = moved;
+    const { forces } = this.answer, largest = Math.max(0, ...forces.map(norm));
+    this.restless = runtime.body !== null && this.waited < 100
+      && (forces.length !== before.length || forces.some((force, i) => norm(sub(force, before[i]!)) > 1e-9 * largest));
   }
 
   // ---- places -----------------------------------------------------------------------------------------------------
 
   canHold(place: Place): boolean {
     const { runtime } = this, node = nodeOf(place);
-    if (node !== null) return runtime.active.has(node);
+    if (node !== null && !runtime.body) return runtime.active.has(node);
     return place.nodes.every((n) => runtime.rows.has(n)) && runtime.canHold(place);
   }
   /** The place that a tool holds which touches the undeformed surface at x [m]; null: nothing near was trained. */
@@ -175,10 +185,10 @@ export class Session {
     this.numbers.splice(index, 1);
     this.startWork();
   }
-  /** Work is counted for one tool, along a straight line to where it is now. */
+  /** Work is counted for one tool of the model, along a straight line to where it is now. */
   private startWork(): void {
     const [tool, ...others] = this.state.tools;
-    this.work = tool && others.length === 0 ? new PathWork(this.runtime.forceOf(tool, []), this.limit / 20) : null;
+    this.work = tool && others.length === 0 && !this.runtime.body ? new PathWork(this.runtime.forceOf(tool, []), this.limit / 20) : null;
     if (tool) this.work?.moveTo(tool.displacement);
   }
 

@@ -121,6 +121,7 @@ export class View implements Sight, ControlActions {
     const stepped = this.physics;
     if (this.physics) session.update();
     this.physics = false;
+    if (session.restless) this.changed(true);
     this.drawSurface();
     this.drawMarks();
     picture.showEdges = state.edges;
@@ -137,7 +138,7 @@ export class View implements Sight, ControlActions {
     window.clearTimeout(this.slow);
     // The curve and the address of the page rest while things move fast.
     this.slow = window.setTimeout(() => this.settle(), 60);
-    if (this.frames.length % 4 === 0) this.readouts.showPlot(session);
+    if (this.frames.length % 4 === 0 && !session.runtime.body) this.readouts.showPlot(session);
   }
   private settle(): void {
     this.readouts.showPlot(this.session);

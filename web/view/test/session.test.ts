@@ -2,8 +2,8 @@
 import { join } from 'node:path';
 import { describe, expect, test } from 'vitest';
 import type { Model } from '../../runtime/src/index.js';
-import { built, load, sample } from '../../runtime/test/setup.js';
-import { add, norm, scale, type V3 } from '../../shared/src/vectors.js';
+import { block, bodyText, built, load, sample } from '../../runtime/test/setup.js';
+import { add, norm, scale, sub, type V3 } from '../../shared/src/vectors.js';
 import { Runtime } from '../src/answers.js';
 import { mapsOf, onSurface } from '../src/maps.js';
 import { MotionError, motionOf, Recorder, stepAt, textOf } from '../src/motion.js';
@@ -93,6 +93,37 @@ describe('session', () => {
       if (map.known[i] === 1) expect(Math.abs(drawn.values[i]! - value)).toBeLessThan(1e-6 * map.scale.high); // single precision
     });
   });
+});
+
+test('a body answers for all tools, goes on until it rests, and curves do not disturb it', async () => {
+  const runtime = new Runtime(await load(block), new TextDecoder().decode(bodyText())), s = new Session(runtime, empty, initialState());
+  s.setTools([tool(26, [0.002, 0, -0.006]), tool(48, [0, 0, 0.004])]);
+  s.update();
+  expect(s.restless).toBe(true);
+  let pictures = 1;
+  for (; s.restless; ++pictures) s.update();
+  expect(pictures).toBeLessThan(20);
+  expect(s.problem).toBeNull();
+  expect(s.answer.warnings).toEqual([]);
+  expect(s.answer.bound).toBeGreaterThan(0);
+  const { forces } = s.answer, [a, b] = s.state.tools, curve = runtime.forceOf(b!, [a!]);
+  expect(norm(sub(curve([0, 0, 0.004]), forces[1]!))).toBeLessThan(1e-5 * norm(forces[1]!));
+  s.update();
+  expect(s.answer.forces).toEqual(forces);
+  s.letGoAll();
+  s.update();
+  expect(Math.max(...runtime.field.map(Math.abs))).toBe(0);
+  s.setTools([tool(26, [0, 0, -0.001])]);
+  s.update();
+  expect(norm(sub(s.answer.forces[0]!, runtime.model.force(26, [0, 0, -0.001]).force as unknown as V3))).toBeGreaterThan(0);
+  s.setMode('sphere');
+  const place = placeAt(37), normal = s.normalAt(place), { radius } = s.state.sphere;
+  s.putSphere(s.restPoint(place), normal);
+  for (let i = 0; i < 20; ++i) {
+    s.move(sphereTool, add(s.restPoint(place), scale(radius - 1e-4 * i, normal)));
+    s.update();
+  }
+  expect(norm(s.answer.forces[0]!)).toBeGreaterThan(0.01);
 });
 
 describe('motions', () => {
