@@ -30,8 +30,8 @@ export interface Answer {
 }
 
 export const mostTools = 2;
-/** Of a body for one picture; what then is not settled goes on in the next one. */
-const stepsOfPicture = 4;
+/** Of a body for one picture, with a new stiffness (phynness_body.h); what then is not settled goes on in the next one. */
+const stepsOfPicture = 12;
 /** Of a body for questions beside the picture. */
 const manySteps = 60;
 
