@@ -1,9 +1,10 @@
 // Claims: the page of `phynness view` contains the text of the model, every converged increment of the database and the
 // errors of the nodes, whatever the texts in them are: no text ends the element that holds it. It refers to nothing
-// outside. Files of other models are refused with their reason, and a refused page is not written. Without pages in
-// the build the command says how to get them.
+// outside. With --body it contains the body. Files of other models are refused with their reason, and a refused page is
+// not written. Without pages in the build the command says how to get them.
 #include <regex>
 
+#include "../block_body.hpp"
 #include "../pipeline/command_line.hpp"
 
 namespace phynness::test {
@@ -90,6 +91,27 @@ TEST_F(Page, RefersToNothingOutside) {
   EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
   EXPECT_LT(page.size(), 1000000 + std::filesystem::file_size(folder / "model/model.txt") * 5 / 4)
       << "the page takes at most 1 MB beside the model; line ends of the model take two bytes in JSON";
+}
+
+TEST_F(Page, HoldsABodyOfTheModel) {
+  Block block;
+  block.body.mesh_hash = mesh_hash(block.mesh);
+  write_model_dir(folder / "block", springs_on(block), block.mesh);
+  const auto body = write_body_text(block.body);
+  write_file(folder / "body.txt", body);
+  succeed("view block --body body.txt -o organ.html");
+  EXPECT_EQ(Json::parse(element(read_file(folder / "organ.html"))).at("body").get<std::string>(), body);
+  expect_refused("--body body.txt", {"another mesh", "body.txt", "phynness reduce"});
+  write_file(folder / "body.txt", body.substr(0, body.size() / 2));
+  expect_refused("--body body.txt", {"body.txt", "phynness reduce"});
+  expect_refused("--body none.txt", {"none.txt"});
+  auto all = small_scene();
+  all.replace(all.find("[probe]"), 7, "output = \"free\"\n[probe]");
+  write_file(folder / "all.toml", all);
+  std::filesystem::remove_all(folder / "model");
+  for (const char* line : {"precompute all.toml -o all.h5", "train all.h5 -o model", "reduce all.h5 -o all.txt"})
+    succeed(line);
+  expect_refused("--body all.txt", {"inside", "all.txt", "train --surface"});
 }
 
 TEST_F(Page, FilesOfOtherModelsAreRefused) {

@@ -1,10 +1,10 @@
 #!/bin/bash
 # Claims: the tests beside this file hold in a browser.
-# Usage: run.sh BROWSER PHYNNESS SOURCE_DIR BUILD_DIR     (chromium, firefox or webkit)
+# Usage: run.sh BROWSER PHYNNESS WRITE_MODELS SOURCE_DIR BUILD_DIR     (chromium, firefox or webkit)
 # Exit status 77 if the browser is not installed, unless the environment variable CI is set: then it fails.
 set -euo pipefail
-export PHYNNESS_BROWSER=$1 PHYNNESS=$2 PHYNNESS_SOURCE=$3 PHYNNESS_SAMPLE_MODEL=$3/examples/model
-build=$4
+export PHYNNESS_BROWSER=$1 PHYNNESS=$2 PHYNNESS_WRITE_MODELS=$3 PHYNNESS_SOURCE=$4 PHYNNESS_SAMPLE_MODEL=$4/examples/model
+build=$5
 case $1 in
   chromium) programs=(chromium google-chrome) ;;
   firefox) programs=(firefox-esr firefox) ;;

@@ -2,6 +2,7 @@
 // prints and moves the vertex to the pointer; so do two tools, levels and the keyboard alone; a recorded motion is
 // answered by eval with the same numbers; the saved surface is valid glTF; nothing is logged, requested or executed
 // from the texts in the model.
+import { execFileSync } from 'node:child_process';
 import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import axe from 'axe-core';
@@ -169,6 +170,31 @@ describe(`the page in ${browserName}`, () => {
     expect(held.map(({ node }) => node)).toEqual([front, other]);
     const cells = await ask<string[]>(page, "[...document.querySelectorAll('#forces tbody td:last-child')].map((cell) => cell.textContent)");
     expect(cells).toEqual(evaluated(held).map((force) => six(size(force))));
+  });
+
+  it('answers two tools that are dragged with the reduced body', async () => {
+    execFileSync(built.writeModels, [folder]);
+    const file = join(folder, 'block.html'), block = join(folder, 'block');
+    phynness('view', block, '--body', join(block, 'body.txt'), '-o', file);
+    const page = await view({}, file), rest = () => page.waitForFunction('!phynness.restless', { timeout: 5000 });
+    expect(await textAt(page, '#body-note')).toMatch(/reduced body \(120 modes, 96 cells\)/);
+    await page.click('#most-2');
+    await drag(page, 32, -30, 20);
+    await drag(page, 42, 25, -30);
+    await rest();
+    const held = await tools(page);
+    expect(held.length).toBe(2);
+    held.forEach(({ displacement }) => expect(size(displacement)).toBeGreaterThan(0.002));
+    expect(await textAt(page, '#trust')).toBe('inside range');
+    expect(await textAt(page, '#quantities')).toMatch(/Error of the force \(95 %\)\s*below [0-9.]+ m?N/);
+    // The same tools from rest, in one go.
+    const forces = await ask<V3[]>(page, 'phynness.answer.forces');
+    await ask(page, `(() => { const held = phynness.state.tools; phynness.set({ tools: [] }); phynness.set({ tools: held }); })()`);
+    await rest();
+    (await ask<V3[]>(page, 'phynness.answer.forces')).forEach((force, i) =>
+      expect(size(force.map((x, k) => x - forces[i]![k]!))).toBeLessThan(1e-4 * size(forces[i]!)));
+    expect(await ask<number>(page, "Math.max(...phynness.model.tools(2).set(phynness.state.tools.map(({ place, displacement }) => ({ ...place, displacement }))).forces.map((f, i) => Math.abs(f - phynness.answer.forces.flat()[i])))")).toBeGreaterThan(0.05 * size(forces[0]!));
+    if (process.env['PHYNNESS_PICTURES']) await page.screenshot({ path: join(process.env['PHYNNESS_PICTURES'], `body-${browserName}.png`) });
   });
 
   it('changes the level', async () => {
