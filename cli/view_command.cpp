@@ -182,7 +182,7 @@ void add(CLI::App& app) {
   add_path(command, "--errors", options.errors, PathKind::input,
            "file of validate --json; the page then shows the errors on the surface");
   add_path(command, "--body", options.body, PathKind::input,
-           "body.txt of reduce; it then answers for all tools and the sphere, several and near to each other, too");
+           "body.txt of reduce, which then answers for tools and sphere");
   add_output(command, options.output, PathKind::file, "HTML file to write");
 }
 
