@@ -105,7 +105,7 @@ TEST_F(Page, HoldsABodyOfTheModel) {
   write_file(folder / "body.txt", body.substr(0, body.size() / 2));
   expect_refused("--body body.txt", {"body.txt", "phynness reduce"});
   expect_refused("--body none.txt", {"none.txt"});
-  auto all = small_scene();
+  auto all = small_scene("p1-p1");
   all.replace(all.find("[probe]"), 7, "output = \"free\"\n[probe]");
   write_file(folder / "all.toml", all);
   std::filesystem::remove_all(folder / "model");

@@ -20,7 +20,8 @@ const withUnit = (x: number, unitName: string, digits: number): string => {
   const { unit, factor } = shown(unitName, x);
   return `${significant(x * factor, digits)} ${unit}`;
 };
-const curvePoints = 40;
+/** Pieces of the curve, of a model and of a body. */
+const pieces = 40, piecesOfBody = 12;
 
 export class Readouts {
   private readonly newtons = byId('newtons', HTMLElement);
@@ -122,7 +123,7 @@ export class Readouts {
     const depth = norm(tool.displacement), node = nodeOf(tool.place);
     const most = Math.min(limit, Math.max(runtime.model.info.maxDisplacement, 1.1 * depth));
     const others = state.tools.slice(0, -1), at = runtime.forceOf(tool, others);
-    const depths = Array.from({ length: curvePoints + 1 }, (_, i) => (i / curvePoints) * most);
+    const n = runtime.body ? piecesOfBody : pieces, depths = Array.from({ length: n + 1 }, (_, i) => (i / n) * most);
     const forces = forcesAlong(at, tool.displacement, depths);
     const near = node !== null && others.length === 0 ? nearestRay(data.rays, node, tool.displacement) : null;
     const stored = near

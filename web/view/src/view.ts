@@ -136,8 +136,8 @@ export class View implements Sight, ControlActions {
     this.controls.show(this.frameTimes());
     if (stepped) this.onStep?.();
     window.clearTimeout(this.slow);
-    // The curve and the address of the page rest while things move fast.
-    this.slow = window.setTimeout(() => this.settle(), 60);
+    // The curve, which takes tenths of a second of a body, and the address of the page rest while things move fast.
+    this.slow = window.setTimeout(() => this.settle(), session.runtime.body ? 500 : 60);
     if (this.frames.length % 4 === 0 && !session.runtime.body) this.readouts.showPlot(session);
   }
   private settle(): void {
