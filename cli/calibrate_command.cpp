@@ -106,8 +106,9 @@ void run_for_body(const SolverSession& session, const Database& database, const 
     body =
         read_body_text(read_input_file(*options.body, {"the body", "give a body.txt of phynness reduce", 1ULL << 32}),
                        options.body->string());
-    check_body(*options.body, body.mesh_hash, body.physics_hash, model.model());
-    check_body(options.database, database.header().mesh_hash, database.header().physics_hash, model.model());
+    model.require_same("the body " + options.body->string(), body.mesh_hash, body.physics_hash);
+    model.require_same("the database " + options.database.string(), database.header().mesh_hash,
+                       database.header().physics_hash, "give the database of this model");
   });
   BoundReport report;
   calibrate(session, database, model, body, spec, Progress("calibrate", "rays").counter(), stop_requested, report);

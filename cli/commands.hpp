@@ -137,9 +137,6 @@ void warn_of_patch(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 /// @param where  the file with `mesh_hash`, for messages
 /// @throws Error (input) if the hashes differ
 void check_mesh(const Scene& scene, const std::string& mesh_hash, const std::string& where);
-/// @throws Error (input) if the body of this file is not one of the model's mesh and physics
-void check_body(const std::filesystem::path& file, const std::string& mesh_hash, const std::string& physics_hash,
-                const Model& model);
 
 /// Opens the database of a scene, or the part of another scene's database that has all its rays: those of some of the
 /// active and output nodes. header() is that of the scene's own database.

@@ -154,16 +154,6 @@ void check_mesh(const Scene& scene, const std::string& hash, const std::string& 
                       "use the scene and mesh file from which it was made, or precompute again");
 }
 
-void check_body(const std::filesystem::path& file, const std::string& mesh, const std::string& physics,
-                const Model& model) {
-  for (const auto& [what, own, others] :
-       {std::tuple{"mesh", mesh, model.mesh_hash}, std::tuple{"physics", physics, model.physics_hash}})
-    if (own != others)
-      throw input_error(fmt::format("the body has another {} than the model", what),
-                        fmt::format("hash {} in {}, in the model {}", own, file.string(), others),
-                        "give the body that phynness reduce makes of the model's database");
-}
-
 Database open_database(const Scene& scene, const std::filesystem::path& file) {
   auto database = Database::open(file);
   const auto& header = database.header();

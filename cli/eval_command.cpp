@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/formats/body.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/motion.hpp>
 #include <phynness/formats/text_file.hpp>
@@ -22,8 +23,18 @@ struct Options {
   std::optional<std::int32_t> level;
   double modulus_factor = 1;
   QueryOptions queries;
-  OptionalPath motion;
+  OptionalPath motion, body;
 };
+
+/// Newton's steps of a body for each increment from rest and each step of a motion.
+constexpr std::int32_t body_steps = 60;
+
+LoadedModel loaded(const Options& options) {
+  LoadedModel model(options.model);
+  if (options.level) model.set_level(*options.level);
+  if (options.body) model.attach(LoadedBody(*options.body), body_steps);
+  return model;
+}
 
 std::string obj_text(const VtkGrid& grid, const Eigen::MatrixXd& displacement, const std::string& title) {
   std::string text = "# " + title + "\n";
@@ -90,6 +101,13 @@ std::string lengths_outside(const LoadedModel& model, int status, const std::vec
                             const std::vector<Vec3>& displacements) {
   std::string text;
   if ((status & PHN_WARNING_OUTSIDE) == 0) return text;
+  if (const auto* body = model.body()) {
+    const double trained_m = body->info().max_displacement_m;
+    for (const Vec3& d : displacements)
+      if (const double length_m = std::hypot(d[0], d[1], d[2]); length_m > trained_m)
+        text += fmt::format("\n  {:.4g} m, the body was trained to {:.4g} m", length_m, trained_m);
+    return text.empty() ? "\n  no displacement is longer: near a tool there is no probed point" : text;
+  }
   const auto active = model.runtime().active_nodes();
   for (std::size_t t = 0; t < places.size(); ++t) {
     const Vec3& d = displacements[t];
@@ -112,6 +130,13 @@ std::string lengths_outside(const LoadedModel& model, int status, const std::vec
 /// @param k  all moduli over those of the training
 std::string answer_of(const LoadedModel& model, const Query& query, bool has_energy, bool has_bounds, double k) {
   const auto& [node, d] = query;
+  if (model.body()) {
+    const auto said = model.couple({tool_at(at_node(node), d)});
+    const Vec3& f = *said.force_N[0];
+    auto text = fmt::format(",{},{},{},{},{}", k * f[0], k * f[1], k * f[2], k * *said.energy_J, said.status);
+    if (has_bounds) text += said.bound_N[0] ? fmt::format(",{}", k * *said.bound_N[0]) : ",";
+    return text;
+  }
   Vec3 f{};
   double energy = 0;
   const rt::Status status = has_energy ? model.data().force(node, d, f, energy) : model.data().force(node, d, f);
@@ -126,16 +151,18 @@ std::string answer_of(const LoadedModel& model, const Query& query, bool has_ene
 
 /// --queries replaces the options of a single query, and its result is a table.
 void run_queries(const Options& options) {
-  LoadedModel model(options.model);
-  if (options.level) model.set_level(*options.level);
-  const bool has_energy = model.runtime().info().has_energy != 0, has_bounds = model.has_bounds();
+  const LoadedModel model = loaded(options);
+  const auto* body = model.body();
+  const bool has_energy = model.couples_with_energy(), has_bounds = body ? body->has_bounds() : model.has_bounds();
   const auto active = model.runtime().active_nodes();
   QueryAnswers answers;
   answers.command = "eval";
-  answers.columns = fmt::format(",fx_N,fy_N,fz_N{},status,trained_depth_m{}", has_energy ? ",energy_J" : "",
-                                has_bounds ? ",bound_N" : "");
+  answers.columns = fmt::format(",fx_N,fy_N,fz_N{},status{}{}", has_energy ? ",energy_J" : "",
+                                body ? "" : ",trained_depth_m", has_bounds ? ",bound_N" : "");
   answers.check = [&](const Query& query) {
-    if (!std::binary_search(active.begin(), active.end(), query.node))
+    if (body)
+      model.couple({tool_at(at_node(query.node), {0, 0, 0})});  // throws an error if nothing there can move
+    else if (!std::binary_search(active.begin(), active.end(), query.node))
       model.force(query.node, {0, 0, 0});  // throws an error with the nearest active nodes
   };
   answers.answer = [&](const Query& query) {
@@ -149,16 +176,17 @@ void run_motion(const Options& options) {
   const auto name = options.motion->string();
   const InputFile about{"the motion", "give a JSON file as formats/motion.md describes it", Motion::most_bytes, true};
   const auto motion = read_motion_text(read_input_file(*options.motion, about), name);
-  LoadedModel model(options.model);
-  if (options.level) model.set_level(*options.level);
+  const LoadedModel model = loaded(options);
   answer_motion(model, motion, name, options.tool.json_file);
 }
 
 void print_bound(const LoadedModel& model, int status, const std::optional<double>& bound_N) {
-  const auto& bound = model.model().bounds.at(0);
+  const auto* body = model.body();
   if (bound_N)
-    print_result("error of the force{}: at most {:.3g} N for {:g} % of random displacements\n", bound.from(), *bound_N,
-                 100 * bound.coverage);
+    print_result(
+        "error of the force{}: at most {:.3g} N for {:g} % of random displacements\n",
+        body ? " from the elements of the body" : model.model().bounds.at(0).from(), *bound_N,
+        100 * (body ? read_body_text(body->text(), body->name()).coverage : model.model().bounds.at(0).coverage));
   else if ((status & PHN_WARNING_OUTSIDE) != 0)
     print_result("error of the force: unknown outside of the trained range\n");
   else if ((status & PHN_WARNING_UNSETTLED) != 0)
@@ -186,10 +214,10 @@ void run_single(const Options& options) {
   if (options.tools == "paper" && !options.tool.points.empty())
     throw input_error("--tools paper is only defined for tools at nodes", "--point " + options.tool.points.front(),
                       "use --tools coupled, or use --node");
-  LoadedModel model(options.model);
-  if (options.level) model.set_level(*options.level);
+  const LoadedModel model = loaded(options);
   const auto places = options.tool.places(model.mesh());
-  const bool coupled = options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty());
+  const bool coupled =
+      options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty() || model.body());
   const double k = options.modulus_factor;
   auto response =
       coupled ? model.couple(tools_at(places, displacements)) : model.respond(options.tool.nodes, displacements);
@@ -211,6 +239,7 @@ void run_single(const Options& options) {
     if (bounded) bound_N = model.error_bound(node, displacements.front());
     if (bound_N) *bound_N *= k;
   }
+  if (options.body) extra["body"] = options.body->string();
   if (k != 1) extra["modulus_factor"] = k;
   if (bounded) extra["bound_N"] = bound_N ? json(*bound_N) : json(nullptr);
   const auto& bounds = response.bound_N;  // of coupled tools
@@ -234,6 +263,9 @@ void run_single(const Options& options) {
 }
 
 void run(const Options& options) {
+  if (options.body && (options.tools == "paper" || options.level))
+    throw input_error("a body has neither the paper's method nor levels", "--body " + options.body->string(),
+                      "omit --tools paper and --level, or --body");
   if (options.motion)
     run_motion(options);
   else if (options.queries.file)
@@ -262,6 +294,8 @@ void add(CLI::App& app) {
                            "write the surface: undeformed with its displacement (.vtu) or deformed (.obj)");
   add_count(command, "--subdivide", options.levels, 0, 6, "levels of subdivision of that surface (Loop's scheme)")
       ->needs(surface);
+  add_path(command, "--body", options.body, PathKind::input,
+           "a reduced body (body.txt) of the model's database, which answers every tool");
   std::vector<std::string> single{"--node", "--point", "--displacement", "--deformation", "--surface", "--tools"};
   auto* motion = add_path(
       command, "--motion", options.motion, PathKind::input,

@@ -54,20 +54,21 @@ struct Answer {
   }
 };
 
-/// A tool at a node alone has phn_force, which models without modes answer, too; all others are coupled.
+/// A tool at a node alone has phn_force, which models without modes answer, too; all others are coupled, as are those
+/// of a body, which goes on from its deformation in the step before.
 /// @throws Error (input) if the model cannot answer
 int ask(const LoadedModel& model, const std::vector<phn_tool>& tools, std::vector<double>& forces, double& energy) {
   energy = 0;
   forces.assign(3 * tools.size(), 0.0);
-  if (tools.empty()) return PHN_OK;
-  const auto& [first, d] = std::pair{tools[0].nodes[0], std::to_array(tools[0].displacement)};
-  if (tools.size() > 1 || tools[0].weights[0] != 1) {
+  if (model.body() || tools.size() > 1 || (tools.size() == 1 && tools[0].weights[0] != 1)) {
     phn_coupled coupled{};
     const int status = model.data().couple(tools, forces, &coupled);
     if (status < 0) model.couple(tools);  // throws an error with the reason
     energy = coupled.energy;
     return status;
   }
+  if (tools.empty()) return PHN_OK;
+  const auto& [first, d] = std::pair{tools[0].nodes[0], std::to_array(tools[0].displacement)};
   const bool has_energy = model.runtime().info().has_energy != 0;
   Vec3 f{};
   const int status = has_energy ? model.data().force(first, d, f, energy) : model.data().force(first, d, f);
@@ -88,7 +89,7 @@ Answer answer_of(const LoadedModel& model, const Motion& motion, const std::stri
       }
       double energy = 0;
       answer.status.push_back(ask(model, tools, forces, energy));
-      if (model.runtime().info().has_energy != 0) answer.energy_J.push_back(energy);
+      if (model.couples_with_energy()) answer.energy_J.push_back(energy);
       auto& row = answer.force_N.emplace_back(motion.tools.size());
       for (std::size_t t = 0, at = 0; t < row.size(); ++t)
         if (motion.displacement_m[i][t]) std::copy_n(&forces[3 * at++], 3, row[t].emplace().begin());
@@ -155,6 +156,7 @@ void answer_motion(const LoadedModel& model, const Motion& motion, const std::st
   json out = record("format", std::string(motion_format), "mesh_hash", hash, "level", model.data().level(), "family",
                     model.runtime().info().family, "tools", tools, "time_s", motion.time_s, "displacement_m",
                     figures(motion.displacement_m), "force_N", figures(answer.force_N));
+  if (model.body()) out["body"] = model.body()->name();
   if (!answer.energy_J.empty()) out["energy_J"] = answer.energy_J;
   out["status"] = answer.status;
   if (compared.forces > 0) {

@@ -2,11 +2,13 @@
 #include <fstream>
 #include <phynness/embedding/embedding.hpp>
 #include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/formats/body.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/formats/printable.hpp>
 #include <phynness/formats/probe_points.hpp>
 #include <phynness/meshes/meshes.hpp>
+#include <phynness/schema/body_grammar.hpp>
 #include <phynness/training/families.hpp>
 #include <set>
 
@@ -312,6 +314,41 @@ json about_model(const std::filesystem::path& dir) {
                 model.memory_bytes());
 }
 
+/// By the first word, whatever the name of the file.
+bool is_body(const std::filesystem::path& file) {
+  const std::string_view first(schema::body_first_line, sizeof "phynness-body " - 1);
+  std::string begin(first.size(), '\0');
+  return std::filesystem::is_regular_file(file) &&
+         std::ifstream(file, std::ios::binary).read(begin.data(), std::ssize(begin)) && begin == first;
+}
+
+json about_body(const std::filesystem::path& file) {
+  const LoadedBody body(file);
+  const auto& info = body.info();
+  const auto text = read_body_text(body.text(), file.string());
+  const auto state_bytes = body.state_bytes(2);
+  print_result("body      {}: law {}, {} modes, {} cells, {} pressures\n", file.string(), info.law, info.n_modes,
+               info.n_cells, info.n_pressures);
+  print_result("mesh      {}, physics {}: {} nodes and {} triangles of the surface\n", info.mesh_hash,
+               info.physics_hash, info.n_nodes, info.n_triangles);
+  print_result("tools     {}, to {:.4g} m in training\n",
+               info.tool_radius_m > 0 ? fmt::format("of {:.4g} m radius", info.tool_radius_m) : "at points",
+               info.max_displacement_m);
+  if (body.has_bounds())
+    print_result("bounds    of the force's error, for {:g} % of random displacements; from {} rays\n",
+                 100 * text.coverage, text.n_rays);
+  else
+    print_result("bounds    none; phynness calibrate --body adds them\n");
+  print_result("size      {}, {} in the runtime's memory, {} for a state of 2 tools\n", bytes(body.text().size()),
+               bytes(body.memory_bytes()), bytes(state_bytes));
+  const json bounds = body.has_bounds() ? record("coverage", text.coverage, "rays", text.n_rays) : json(nullptr);
+  return record("kind", "body", "mesh_hash", info.mesh_hash, "physics_hash", info.physics_hash, "law", info.law,
+                "nodes", info.n_nodes, "triangles", info.n_triangles, "modes", info.n_modes, "cells", info.n_cells,
+                "pressures", info.n_pressures, "tool_radius_m", info.tool_radius_m, "max_displacement_m",
+                info.max_displacement_m, "bounds", bounds, "body_bytes", body.text().size(), "memory_bytes",
+                body.memory_bytes(), "state_bytes", state_bytes);
+}
+
 json about_scene(const std::filesystem::path& file) {
   const auto loaded = load_scene(file);
   print_result("scene     {}: {}\n", file.string(), loaded.scene.title);
@@ -354,7 +391,7 @@ void run(const Options& options) {
   const auto& what = options.what;
   if (!std::filesystem::exists(what))
     throw input_error("there is no such file or directory", what.string(),
-                      "give a scene, a mesh, a database, a model directory or an image");
+                      "give a scene, a mesh, a database, a model directory, an image or a body");
   json out;
   const auto extension = what.extension();
   if (options.failed && extension != ".h5" && extension != ".hdf5")
@@ -368,6 +405,8 @@ void run(const Options& options) {
     out = about_database(what, options.failed);
   else if (extension == ".bin")
     out = about_image(what);
+  else if (is_body(what))
+    out = about_body(what);
   else
     out = about_mesh(what);
   write_json(options.json_file, out);
@@ -377,9 +416,9 @@ void run(const Options& options) {
 
 void add(CLI::App& app) {
   auto [command, options] =
-      add_command(app, "info", "Print the contents of a scene, mesh, database, model directory or image", run);
+      add_command(app, "info", "Print the contents of a scene, mesh, database, model directory, image or body", run);
   add_path(command, "FILE_OR_DIR", options.what, PathKind::input,
-           "scene.toml, mesh file, database.h5, MODEL_DIR, or NAME.bin of export")
+           "scene.toml, mesh file, database.h5, MODEL_DIR, NAME.bin of export, or body.txt")
       ->required();
   command.set_version_flag("--keys", scene_key_tables, "print the tables of a scene's keys in Markdown and exit");
   command.add_flag("--failed", options.failed,

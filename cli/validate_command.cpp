@@ -38,7 +38,7 @@ Validated load(const Options& options, const SolverSession& session) {
     if (options.level) loaded->set_level(*options.level);
     if (options.body) {
       body.emplace(*options.body);
-      check_body(*options.body, body->info().mesh_hash, body->info().physics_hash, loaded->model());
+      loaded->require_same("the body " + body->name(), body->info().mesh_hash, body->info().physics_hash);
     }
     if (session.rank() == 0) check_mesh(scene, loaded->model().mesh_hash, options.model.string());
   });

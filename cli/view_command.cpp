@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <phynness/evaluation/loaded_body.hpp>
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/text_file.hpp>
@@ -122,23 +121,9 @@ json errors_json(const std::filesystem::path& file, const LoadedModel& loaded) {
   return known;
 }
 
-/// The text of a body that may be attached to the model. @throws Error (input) with the reason if it may not
-std::string body_text(const std::filesystem::path& file, const LoadedModel& loaded) {
-  auto text = read_input_file(file, {"the body", "give a body.txt of phynness reduce", 1ULL << 32});
-  const LoadedBody body(text, file.string());
-  const auto& info = body.info();
-  check_body(file, info.mesh_hash, info.physics_hash, loaded.model());
-  for (const auto node : loaded.model().output)
-    if (!std::binary_search(info.nodes, info.nodes + info.n_nodes, node))
-      throw input_error("output nodes of the model are inside of the body, of which a body has the surface",
-                        fmt::format("node {} is not in {}", node, file.string()),
-                        "make a model of the same database with phynness train --surface");
-  return text;
-}
-
 std::string page_json(const Options& options, const LoadedModel& loaded) {
   json page = record("format", "phynness view 1", "model", loaded.text());
-  if (options.body) page["body"] = body_text(*options.body, loaded);
+  if (loaded.body()) page["body"] = loaded.body()->text();
   if (options.errors) page["validation"] = errors_json(*options.errors, loaded);
   if (options.database) {
     const auto database = Database::open(*options.database);
@@ -157,7 +142,8 @@ std::string page_json(const Options& options, const LoadedModel& loaded) {
 void run(const Options& options) {
   const auto page = embedded_page("view.html");
   if (!page) throw input_error("this build has no page", "phynness view", missing_pages_remedy());
-  const LoadedModel loaded(options.model);
+  LoadedModel loaded(options.model);
+  if (options.body) loaded.attach(LoadedBody(*options.body), 1);
   if (loaded.model().surface.rows() == 0)
     throw input_error("the model has no surface, and nothing can be drawn", options.model.string(),
                       "train it again with output nodes, so that model.txt contains triangles");

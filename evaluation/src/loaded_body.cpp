@@ -1,7 +1,7 @@
 #include <phynness/evaluation/loaded_body.hpp>
+#include <phynness/formats/body.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/input_file.hpp>
-#include <phynness/phynness.hpp>
 
 namespace phynness {
 namespace {
@@ -16,19 +16,28 @@ LoadedBody::LoadedBody(const std::filesystem::path& file)
     : LoadedBody(read_input_file(file, {"the body", "give a body.txt of phynness reduce", 1ULL << 32}), file.string()) {
 }
 
-LoadedBody::LoadedBody(const std::string& text, std::string name) : _name(std::move(name)) {
+LoadedBody::LoadedBody(std::string text, std::string name) : _name(std::move(name)), _text(std::move(text)) {
   std::size_t bytes = 0, wrong = 0;
   const auto require = [&](int status) {
+    if (status < 0) read_body_text(_text, _name);  // throws an error with the line and the value
     require_good(status, "the runtime cannot load " + _name, wrong > 0 ? " (byte " + std::to_string(wrong) + ")" : "",
                  "make it again with phynness reduce of this version");
   };
-  require(phn_body_size(text.data(), text.size(), &bytes, &wrong));
+  require(phn_body_size(_text.data(), _text.size(), &bytes, &wrong));
   _body_memory.resize(bytes);
-  require(phn_body_init(_body_memory.data(), bytes, text.data(), text.size(), &_body, &wrong));
+  require(phn_body_init(_body_memory.data(), bytes, _text.data(), _text.size(), &_body, &wrong));
   require(phn_body_describe(_body, &_info));
-  require(phn_body_state_size(_body, PHN_MOST_COUPLED, &bytes));
-  _state_memory.resize(bytes);
+  _state_memory.resize(state_bytes(PHN_MOST_COUPLED));
   reset();
+}
+
+bool LoadedBody::has_bounds() const { return _text.find("\nbounds ") != std::string::npos; }
+
+std::size_t LoadedBody::state_bytes(std::int32_t max_tools) const {
+  std::size_t bytes = 0;
+  require_good(phn_body_state_size(_body, max_tools, &bytes), "the runtime cannot prepare " + _name, "",
+               "make it again with phynness reduce of this version");
+  return bytes;
 }
 
 void LoadedBody::reset() {

@@ -1,4 +1,5 @@
-// Reads a model.txt or a mesh.txt by its grammar. Every error names the file, the line, what is wrong, and the value.
+// Reads a model.txt, mesh.txt or body.txt by its grammar. Every error names the file, the line, what is wrong, and the
+// value.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +13,7 @@
 namespace phynness {
 
 /// The lines between the first and the last one, if these are as they should be.
-/// @param kind  "model" or "mesh", for messages
+/// @param kind  "model", "mesh" or "body", for messages
 /// @throws Error (input) if the text is of another kind or version, truncated, or corrupted
 template <std::size_t size>
 std::string_view checked_lines(const char (&first_line)[size], std::string_view text, const std::string& source,
@@ -20,17 +21,19 @@ std::string_view checked_lines(const char (&first_line)[size], std::string_view 
   std::size_t length = text.size(), wrong_byte = 0;
   const int status = schema::check_envelope(first_line, text.data(), length, wrong_byte);
   if (status == PHN_OK) return text.substr(size - 1, length - (size - 1));
+  const bool is_body = kind == "body";
   const auto refuse = [&](const std::string& what, std::string value, const std::string& remedy) {
     throw input_error(source + ": " + what, std::move(value), remedy);
   };
   if (status == PHN_ERROR_NOT_A_MODEL)
-    refuse("not a phynness " + kind, std::string(text.substr(0, 20)), "give a " + kind + ".txt or a model directory");
+    refuse("not a phynness " + kind, std::string(text.substr(0, 20)),
+           "give a " + kind + ".txt" + (is_body ? " of phynness reduce" : " or a model directory"));
   if (status == PHN_ERROR_VERSION) {
     const std::string line(text.substr(0, std::min(text.find('\n'), std::size_t{40})));
     if (!line.empty() && line.back() == '\r')
       refuse("the line endings of the " + kind + " file were changed", "CR LF", "copy it again in binary mode");
     refuse("the " + kind + " file has another version", line,
-           "train again with this version, or use the version that wrote it");
+           std::string(is_body ? "reduce" : "train") + " again with this version, or use the version that wrote it");
   }
   if (status == PHN_ERROR_TRUNCATED)
     refuse("the " + kind + " file is truncated",

@@ -116,6 +116,7 @@ class Overwriting : public CommandLine {
               {"d.h5", database},
               {"model", model},
               {"parts/body.msh", {"parts/body.msh"}},
+              {"body.txt", {"body.txt"}},
               {"s.shard-0-of-2.h5", {"s.shard-0-of-2.h5", "s.shard-0-of-2.h5.log/rank-0000"}}};
     if (option == "--node") return {{"--node " + node, {}}};
     if (option == "--displacement") return {{"--node " + node + " --displacement 0,0,-0.001", {}}};

@@ -1,7 +1,9 @@
 // Claims: validate --body compares a reduced body at the same states as the model, for any number of ranks, and changes
 // nothing else; a body of another scene or a damaged one is refused. calibrate --body adds bounds to the body, the same
 // for any number of ranks, and changes nothing else in it and nothing in the model; they hold for the states of
-// validate.
+// validate. train --surface makes a model of a database of all nodes to which its body can be attached. eval --body
+// then answers every tool by the body: single ones, rows of a file, and motions, which go on from step to step.
+#include <cmath>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/hash.hpp>
 
@@ -132,8 +134,127 @@ TEST_F(Bodies, GetBounds) {
                                         {"\nrays ", "\nrays -", "rays is out of range"}}) {
     write_file(folder / "bad.txt", damaged(from, to));
     expect_error(be_refused(calibrate + "bad.txt").err, {words, "bad.txt:"});
-    expect_error(be_refused("validate scene.toml m --probes 2 --points 2 --body bad.txt").err, {"bad.txt", "byte"});
+    expect_error(be_refused("validate scene.toml m --probes 2 --points 2 --body bad.txt").err, {words, "bad.txt:"});
   }
+}
+
+/// A model of the surface and a body of one database.
+class AttachedBodies : public Bodies {
+ protected:
+  void SetUp() override {
+    Bodies::SetUp();
+    write_file(folder / "scene.toml", round_tools());
+    succeed("precompute scene.toml -o d.h5");
+    succeed("train d.h5 --surface -o m");
+    succeed("reduce d.h5 -o body.txt --cells 1000000");
+    succeed("info m --json info.json");
+    nodes = json("info.json").at("active").get<std::vector<int>>();
+  }
+  std::string tool(std::size_t node, const std::string& displacement) const {
+    return " --node " + std::to_string(nodes.at(node)) + " --displacement " + displacement;
+  }
+  nlohmann::json answer(const std::string& command) const {
+    EXPECT_EQ(phynness(command + " --json a.json").exit_status, 0) << command;
+    return json("a.json");
+  }
+
+  std::vector<int> nodes;
+};
+
+TEST_F(AttachedBodies, NeedAModelOfTheSurface) {
+  const auto said = succeed("train scene.toml d.h5 -o same --surface");
+  expect_names(said.err, {"output nodes lie on the surface"});
+  EXPECT_EQ(read_file(folder / "same/model.txt"), read_file(folder / "m/model.txt"));
+  succeed("train d.h5 -o whole");
+  const auto one = tool(0, "0,0,-0.004");
+  const auto of_whole = answer("eval whole" + one), of_surface = answer("eval m" + one);
+  EXPECT_EQ(of_whole.at("tools"), of_surface.at("tools")) << "forces do not depend on the output nodes";
+  succeed("info whole --json whole.json");
+  for (const char* hash : {"mesh_hash", "physics_hash"})
+    EXPECT_EQ(json("info.json").at(hash), json("whole.json").at(hash));
+  succeed("validate scene.toml m --probes 2 --json v.json");
+  expect_error(be_refused("eval whole --body body.txt" + one).err, {"whole/model.txt", "body.txt", "train --surface"});
+
+  write_file(folder / "other.toml", std::regex_replace(round_tools(), std::regex("0\\.45"), "0.44"));
+  succeed("precompute other.toml -o other.h5");
+  succeed("reduce other.h5 -o other.txt");
+  expect_error(be_refused("eval m --body other.txt" + one).err,
+               {"other.txt", "another physics", "m/model.txt", "phynness reduce of the database of this model"});
+  const auto foreign = be_refused("eval m --body scene.toml" + one).err;
+  expect_error(foreign, {"scene.toml", "not a phynness body", "phynness reduce"});
+  EXPECT_EQ(foreign.find("not a phynness model"), std::string::npos) << foreign;
+  for (const char* wrong : {" --level 0", " --tools paper"})
+    expect_error(be_refused("eval m --body body.txt" + one + wrong).err, {"--body", "omit"});
+}
+
+TEST_F(AttachedBodies, AnswerEveryToolOfEval) {
+  const auto pair = tool(0, "0,0,-0.004") + tool(1, "0,0.002,0.003");
+  const auto body = answer("eval m --body body.txt" + pair), model = answer("eval m" + pair),
+             solved = answer("solve d.h5" + pair);
+  EXPECT_EQ(body.at("body"), "body.txt");
+  EXPECT_EQ(body.at("status"), 0);
+  const auto off = [&](const nlohmann::json& of) {
+    double error = 0, size = 0;
+    for (std::size_t t = 0; t < 2; ++t)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double f = solved.at("tools")[t].at("force")[k];
+        error += std::pow(of.at("tools")[t].at("force")[k].get<double>() - f, 2), size += f * f;
+      }
+    return std::sqrt(error / size);
+  };
+  EXPECT_LT(off(body), 0.02);  // measured: 0.8 %
+  EXPECT_NE(body.at("tools"), model.at("tools"));
+  EXPECT_NEAR(body.at("energy").get<double>() / solved.at("energy").get<double>(), 1, 0.03);
+  EXPECT_EQ(answer("eval m --modulus-factor 2 --body body.txt" + pair).at("energy").get<double>(),
+            2 * body.at("energy").get<double>());
+
+  // A tool alone and a row of a file are the same. Steps of a motion go on from those before, here within the rounding
+  // of what has settled; a tool that does not touch lets the body go back to rest.
+  const auto one = answer("eval m --body body.txt" + tool(1, "0.001,0,-0.006"));
+  EXPECT_LT(one.at("residual").get<double>(), 1e-5);
+  const auto node = std::to_string(nodes.at(1));
+  write_file(folder / "q.csv", "node,ux_m,uy_m,uz_m\n" + node + ",0,0,0.003\n" + node + ",0.001,0,-0.006\n");
+  const auto table = succeed("eval m --body body.txt --queries q.csv").out;
+  EXPECT_EQ(table.substr(0, table.find('\n')), "node,ux_m,uy_m,uz_m,fx_N,fy_N,fz_N,energy_J,status");
+  std::istringstream last(table.substr(table.rfind('\n', table.size() - 2) + 1));
+  std::vector<double> row;
+  for (std::string field; std::getline(last, field, ',');) row.push_back(std::stod(field));
+  const auto force = one.at("tools")[0].at("force").get<std::vector<double>>();
+  EXPECT_EQ(std::vector(row.begin() + 4, row.begin() + 7), force);
+  EXPECT_EQ(row.at(7), one.at("energy").get<double>());
+  write_file(folder / "motion.json", R"({"format": "phynness motion 1", "tools": [{"node": )" + node +
+                                         R"(}], "time_s": [0, 1, 2, 3], "displacement_m": [[[0.001, 0, -0.006]],
+                                         [[0.001, 0, -0.006]], [null], [[0.001, 0, -0.006]]]})");
+  const auto motion = answer("eval m --body body.txt --motion motion.json").at("force_N");
+  EXPECT_EQ(motion[0], motion[3]);
+  for (const std::size_t step : {0, 1})
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(motion[step][0][k].get<double>(), force[k], 1e-5) << step;
+  EXPECT_TRUE(motion[2][0].is_null());
+
+  const auto deep = succeed("eval m --body body.txt" + tool(0, "0,0,-0.009"));
+  expect_names(deep.err, {"warning: ", "0.009 m, the body was trained to 0.008 m"});
+}
+
+TEST_F(AttachedBodies, AreDescribed) {
+  const auto said = succeed("info body.txt --json b.json");
+  expect_names(said.out, {"neo-hookean", "0.0375 m radius", "0.008 m", "bounds    none", "a state of 2 tools"});
+  const auto b = json("b.json");
+  EXPECT_EQ(b.at("kind"), "body");
+  for (const char* hash : {"mesh_hash", "physics_hash"}) EXPECT_EQ(b.at(hash), json("info.json").at(hash));
+  EXPECT_TRUE(b.at("bounds").is_null());
+  for (const char* size : {"nodes", "modes", "cells", "pressures", "body_bytes", "memory_bytes", "state_bytes"})
+    EXPECT_GT(b.at(size).get<int>(), 0) << size;
+  succeed("calibrate m d.h5 --rays 100 --body body.txt");
+  expect_names(succeed("info body.txt").out, {"for 95 % of random displacements; from "});
+  const auto one = tool(0, "0,0,-0.004");
+  expect_names(succeed("eval m --body body.txt" + one).out,
+               {"error of the force from the elements of the body: at most"});
+  EXPECT_GT(answer("eval m --body body.txt" + one).at("bounds_N").at(0).get<double>(), 0);
+  const auto row = std::to_string(nodes.at(0)) + ",0,0,-0.004";
+  write_file(folder / "q.csv", "node,ux_m,uy_m,uz_m\n" + row + "\n");
+  const auto bound = answer("eval m --body body.txt" + one).at("bounds_N").at(0).get<double>();
+  const auto table = succeed("eval m --body body.txt --queries q.csv").out;
+  EXPECT_EQ(std::stod(table.substr(table.rfind(',') + 1)), bound);
 }
 
 }  // namespace

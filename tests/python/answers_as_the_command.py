@@ -370,6 +370,42 @@ class Solves(unittest.TestCase):
         self.assertIn("srcdoc=", page._repr_html_())
         self.assertIn(b"A small block", page.path.read_bytes())
 
+    def test_a_body_answers_couple(self):
+        scene = work / "free.toml"
+        scene.write_text(SMALL.replace("[probe]", 'output = "free"\n[probe]').replace("= 56", "= 140"))
+        phynness.precompute(scene, work / "free.h5").close()
+        run(COMMAND, "train", work / "free.h5", "--surface", "-o", work / "surface")
+        run(COMMAND, "train", work / "free.h5", "-o", work / "free")
+        body = work / "body.txt"
+        run(COMMAND, "reduce", work / "free.h5", "-o", body)
+        model = phynness.Model(work / "surface")
+        at, d = [int(n) for n in model.active_nodes], np.array([[0, 0.001, -0.004], [0.002, 0, -0.003]])
+        alone = model.couple(at, d)
+        model.attach(body)
+        both = model.couple(at, d)
+        tools = [word for n, x in zip(at, d) for word in ("--node", n, "--displacement", ",".join(map(repr, x.tolist())))]
+        run(COMMAND, "eval", work / "surface", "--body", body, *tools, "--json", work / "both.json")
+        said = json.loads((work / "both.json").read_text())
+        self.assertEqual(both.forces.tolist(), [tool["force"] for tool in said["tools"]])
+        self.assertEqual((both.energy, both.residual), (said["energy"], said["residual"]))
+        self.assertEqual(np.linalg.norm(both.deform(), axis=1).max(), said["max_displacement"])
+        self.assertRaises(phynness.Error, both.bounds)
+        self.assertEqual(model.force(at[0], d[0]).tobytes(), phynness.Model(work / "surface").force(at[0], d[0]).tobytes())
+        self.assertEqual(pickle.loads(pickle.dumps(model)).couple(at, d).forces.tobytes(), both.forces.tobytes())
+        run(COMMAND, "calibrate", work / "surface", work / "free.h5", "--rays", 100, "--body", body)
+        model.attach(body.read_bytes(), steps=60)
+        self.assertEqual(model.couple(at, d).forces.tobytes(), both.forces.tobytes())
+        self.assertTrue((model.couple(at, d).bounds() > 0).all())
+        model.detach()
+        self.assertEqual(model.couple(at, d).forces.tobytes(), alone.forces.tobytes())
+        self.assertGreater(np.abs(both.forces - alone.forces).max(), 0)
+        self.assertGreater(np.abs(both.deform()).max(), 0)  # of the body that it has
+        for words, of, to in (("another mesh or physics", phynness.Model(MODEL), body), ("--surface", phynness.Model(work / "free"), body),
+                              ("not a phynness body", model, scene), ("does not exist", model, work / "none.txt")):
+            self.assertRaisesRegex(phynness.Error, words, of.attach, to)
+        self.assertRaises(ValueError, model.attach, body, 0)
+        self.assertEqual(model.couple(at, d).forces.tobytes(), alone.forces.tobytes())
+
     def test_what_the_command_refuses_is_an_error_in_words(self):
         self.assertRaisesRegex(phynness.Error, "does not exist", phynness.precompute, work / "none.toml", work / "none.h5")
         self.assertRaisesRegex(phynness.Error, "shape", phynness.solve, self.scene, 1, [1, 2])

@@ -7,6 +7,7 @@
 #include <optional>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/selector.hpp>
+#include <phynness/phynness.hpp>
 #include <string>
 #include <vector>
 
@@ -27,19 +28,28 @@ class LoadedBody {
   /// @throws Error (input) if the file is missing or the runtime refuses it
   explicit LoadedBody(const std::filesystem::path& file);
   /// @param name  for messages
-  LoadedBody(const std::string& text, std::string name);
+  LoadedBody(std::string text, std::string name);
 
   const phn_body_info& info() const { return _info; }
+  const std::string& name() const { return _name; }
+  /// The content of body.txt.
+  const std::string& text() const { return _text; }
+  bool has_bounds() const;
+  /// Bytes of the body, and of a state of up to `max_tools` tools, in the runtime's memory.
+  std::size_t memory_bytes() const { return _body_memory.size(); }
+  std::size_t state_bytes(std::int32_t max_tools) const;
   /// Back to rest.
   void reset();
   /// At most `steps` steps from the present deformation.
   /// @throws Error (input) if the runtime refuses the tools
   BodyResponse press(const std::vector<phn_tool>& tools, std::int32_t steps);
+  /// phn_body_attach, with the state of press(). This object, which may be moved, must outlive `data`.
+  int attach_to(rt::Tools& data, std::int32_t steps) const { return data.attach(_body, _state, steps); }
   /// From rest to `tools` in equal increments of the displacement. @param steps  of each, at most
   BodyResponse press_from_rest(const std::vector<phn_tool>& tools, int increments, std::int32_t steps);
 
  private:
-  std::string _name;
+  std::string _name, _text;
   std::vector<std::byte> _body_memory, _state_memory;
   const phn_body* _body = nullptr;
   phn_body_state* _state = nullptr;
