@@ -103,7 +103,7 @@ TEST_F(Page, HoldsABodyOfTheModel) {
   EXPECT_EQ(Json::parse(element(read_file(folder / "organ.html"))).at("body").get<std::string>(), body);
   expect_refused("--body body.txt", {"another mesh", "body.txt", "phynness reduce"});
   write_file(folder / "body.txt", body.substr(0, body.size() / 2));
-  expect_refused("--body body.txt", {"body.txt", "phynness reduce"});
+  expect_refused("--body body.txt", {"body.txt", "truncated"});
   expect_refused("--body none.txt", {"none.txt"});
   auto all = small_scene("p1-p1");
   all.replace(all.find("[probe]"), 7, "output = \"free\"\n[probe]");
