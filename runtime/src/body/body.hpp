@@ -51,9 +51,9 @@ struct BodyKernels {
   void (*times)(const float* rows, std::int64_t n, std::int32_t stride, const double* x, double* out);
   /// out += sum_r factor[r] rows[r]
   void (*add)(const float* rows, std::int64_t n, std::int32_t stride, const double* factor, double* out);
-  /// Lower triangle, in blocks, of out += a^T b. @param n  rows of a and b
+  /// Upper triangle, in blocks, of out += a^T b. @param n  rows of a and b
   void (*add_products)(const float* a, const float* b, std::int64_t n, std::int32_t stride, float* out);
-  /// Cholesky factor in place of the lower triangle; diagonals become their inverses. @return whether it is definite
+  /// Cholesky factor in place of the upper triangle; diagonals become their inverses. @return whether it is definite
   bool (*factorize)(float* a, std::int32_t n, std::int32_t stride);
   /// x = A^-1 x
   void (*solve)(const float* factor, std::int32_t n, std::int32_t stride, double* x);
