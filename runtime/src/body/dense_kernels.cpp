@@ -61,17 +61,19 @@ struct LanesOf {
 };
 #endif
 
-/// out += sign a^T b, in rows and columns from `first` on. A tile of 4 x 2 registers of the product stays in registers.
-template <int bytes, int sign>
-PHN_INLINE void add_products_of(const float* a, const float* b, std::int64_t n, std::int32_t first, std::int32_t stride,
-                                float* out) {
+/// out += sign a^T b: rows from `first` to `end` of the product of n rows each. A tile of 4 x 2 registers of it stays in
+/// registers.
+/// @tparam upper  columns from the diagonal on, in blocks
+template <int bytes, int sign, bool upper>
+PHN_INLINE void add_products_of(const float* a, std::int32_t a_stride, const float* b, std::int64_t n, std::int32_t first,
+                                std::int32_t end, std::int32_t stride, float* out) {
   using Lanes = typename LanesOf<bytes>::type;
   constexpr std::int32_t height = 4, width = sizeof(Lanes) / sizeof(float), wide = at_once / width > 1 ? 2 : 1;
-  for (std::int32_t i = first; i < stride; i += height)
-    for (std::int32_t j = i / (wide * width) * (wide * width); j < stride; j += wide * width) {
+  for (std::int32_t i = first; i < end; i += height)
+    for (std::int32_t j = upper ? i / (wide * width) * (wide * width) : 0; j < stride; j += wide * width) {
       Lanes tile[height][wide] = {}, right;
       for (std::int64_t r = 0; r < n; ++r) {
-        const float* left = a + r * stride + i;
+        const float* left = a + r * a_stride + i;
         for (std::int32_t l = 0; l < wide; ++l) {
           memcpy(&right, b + r * stride + j + l * width, sizeof right);
           for (std::int32_t k = 0; k < height; ++k) tile[k][l] += left[k] * right;
@@ -85,6 +87,15 @@ PHN_INLINE void add_products_of(const float* a, const float* b, std::int64_t n, 
           memcpy(to, &right, sizeof right);
         }
     }
+}
+
+/// out = sum_k factor[k] rows[k], of the nine rows of a cell
+PHN_INLINE void mix_rows(const float* rows, std::int32_t stride, const float* factor, float* out) {
+  for (std::int32_t m = 0; m < stride; ++m) {
+    float sum = factor[0] * rows[m];
+    for (std::int32_t k = 1; k < 9; ++k) sum += factor[k] * rows[k * stride + m];
+    out[m] = sum;
+  }
 }
 
 /// A block of rows of the factor, then what it leaves of the rows below.
@@ -107,7 +118,7 @@ PHN_INLINE bool factorize_rows(float* a, std::int32_t n, std::int32_t stride) {
       for (std::int32_t m = first; m < stride; ++m) row[m] *= inverse;
       row[first + i] = inverse;
     }
-    add_products_of<bytes, -1>(block, block, height, first + at_once, stride, a);
+    add_products_of<bytes, -1, true>(block, stride, block, height, first + at_once, stride, stride, a);
   }
   return true;
 }
@@ -136,7 +147,14 @@ PHN_INLINE void solve_rows(const float* factor, std::int32_t n, std::int32_t str
     add_rows(rows, n, stride, factor, out);                                                                         \
   }                                                                                                                 \
   attributes void add_products(const float* a, const float* b, std::int64_t n, std::int32_t stride, float* out) {   \
-    add_products_of<bytes ? bytes : 16, 1>(a, b, n, 0, stride, out);                                                \
+    add_products_of<bytes ? bytes : 16, 1, true>(a, stride, b, n, 0, stride, stride, out);                          \
+  }                                                                                                                 \
+  attributes void multiply(const float* a, std::int32_t a_stride, const float* b, std::int64_t n,                   \
+                           std::int32_t stride, float* out) {                                                       \
+    add_products_of<bytes ? bytes : 16, 1, false>(a, a_stride, b, n, 0, a_stride, stride, out);                     \
+  }                                                                                                                 \
+  attributes void mix(const float* rows, std::int32_t stride, const float* factor, float* out) {                    \
+    mix_rows(rows, stride, factor, out);                                                                            \
   }                                                                                                                 \
   attributes bool factorize(float* a, std::int32_t n, std::int32_t stride) {                                        \
     return factorize_rows<bytes ? bytes : 16>(a, n, stride);                                                        \
@@ -144,7 +162,7 @@ PHN_INLINE void solve_rows(const float* factor, std::int32_t n, std::int32_t str
   attributes void solve(const float* factor, std::int32_t n, std::int32_t stride, double* x) {                      \
     solve_rows(factor, n, stride, x);                                                                               \
   }                                                                                                                 \
-  constexpr BodyKernels kernels = {#name, times, add, add_products, factorize, solve};                              \
+  constexpr BodyKernels kernels = {#name, times, add, add_products, multiply, mix, factorize, solve};               \
   }
 
 PHN_FOR_EACH_SET(PHN_BODY_KERNELS, BodyKernels)

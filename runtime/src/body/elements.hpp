@@ -14,9 +14,12 @@ bool evaluate_body(phn_body_state& state, phn_body_state::Point& point);
 /// Sets state.rounding. @return false where the law is not defined at rest
 bool find_rounding(phn_body_state& state);
 
-/// Adds the second derivatives of some cells to the next stiffness; with those of the last cell it becomes the factor.
-/// Where it is not positive definite, its diagonal is raised.
-/// @param n_cells  0: of all cells, at the present state
+/// An empty stiffness.
+void forget_stiffness(phn_body_state& state);
+
+/// Puts the second derivatives of the cells that changed most into the stiffness, and makes its factor. Where it is not
+/// positive definite, its diagonal is raised.
+/// @param n_cells  at most
 /// @return false if there is no factor
 bool renew_stiffness(phn_body_state& state, std::int32_t n_cells);
 

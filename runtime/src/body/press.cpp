@@ -9,6 +9,14 @@
 
 using namespace PHN_RUNTIME;
 
+#ifdef NW_DEBUG
+double nw[32], nwp[32];
+#define NW(i, e) (nw[i] += (e))
+#define NWP(i, d) (nwp[i])
+#else
+#define NW(i, e) ((void)0)
+#define NWP(i, d) (d)
+#endif
 namespace {
 
 /// Steps are at an end where the next one, in the norm of the energy, is smaller than the deformation by this factor.
@@ -43,14 +51,16 @@ class Equilibrium {
 
   /// @param budget  steps that may be made; a new stiffness takes as long as `steps_of_renewal`
   void settle(std::int32_t budget, phn_body_pressed& pressed) {
+    if (!renew_stiffness(_s, static_cast<std::int32_t>(NWP(0, 24)))) return;
     _compliance.set(_s, _s.factor);
     double last = HUGE_VAL;
     bool is_fresh = false;
-    while (budget > 0) {
+    while (true) {
       pressed.unbalanced = direction();
-      if (pressed.unbalanced <= settled) return;
+      NW(7 + (pressed.steps<4?pressed.steps:4), pressed.unbalanced);
+      if (pressed.unbalanced <= settled || budget <= 0) return;
       if (!is_fresh && (_s.is_stale || pressed.unbalanced > slow * last) && budget > steps_of_renewal) {
-        if (!renew_stiffness(_s, 0)) return;
+        if (!renew_stiffness(_s, _body.info.n_cells)) return;
         budget -= steps_of_renewal;
         ++pressed.renewed;
         _compliance.set(_s, _s.factor);
@@ -116,7 +126,8 @@ class Equilibrium {
     double part = 1;
     for (int halving = 0; halving < most_halvings; ++halving, part /= 2) {
       for (std::int32_t m = 0; m < _stride; ++m) _s.trial.q[m] = _s.at.q[m] + part * _s.step[m];
-      if (!evaluate_body(_s, _s.trial)) continue;
+      if (halving) NW(0,1);
+      if (!evaluate_body(_s, _s.trial)) {NW(2,1); continue;}
       const double here = merit(_s.trial);
       // Differences of energies are rounded.
       const double rounding =
@@ -128,6 +139,7 @@ class Equilibrium {
       _s.trial = before;
       return part == 1;
     }
+    NW(3,1);
     return false;
   }
 
@@ -161,20 +173,22 @@ struct Layout {
     s.max_tools = max_tools;
     s.scratch = {arena.take<double>(nodes), arena.take<std::int32_t>(nodes), arena.take<std::int32_t>(triangles),
                  arena.take<char>(triangles)};
-    take(arena, 1, stride, s.at.q, s.at.forces, s.trial.q, s.trial.forces, s.alone, s.step, s.next_q);
-    take(arena, 9, cells, s.strain, s.stress, s.bulk_slope);
-    take(arena, 1, cells, s.change, s.pressure_at);
-    take(arena, 1, static_cast<std::size_t>(body.pressure_stride), s.at.sums, s.trial.sums, s.next_sums, s.expected,
+    take(arena, 1, stride, s.at.q, s.at.forces, s.trial.q, s.trial.forces, s.alone, s.step);
+    take(arena, 9, cells, s.at.strain, s.trial.strain);
+    take(arena, 1, cells, s.changed, s.pressure_at, s.size_of_rows);
+    s.at.changes = arena.take<float>(static_cast<std::size_t>(body.n_pressed), stride);
+    s.trial.changes = arena.take<float>(static_cast<std::size_t>(body.n_pressed), stride);
+    s.cells = arena.take<phn_body_state::Cell>(cells);
+    take(arena, 1, static_cast<std::size_t>(body.pressure_stride), s.at.sums, s.trial.sums, s.expected,
          s.change_of_sums);
     take(arena, 3 * static_cast<std::size_t>(max_tools), stride, s.rows, s.moved);
     s.factor = arena.take<float>(stride, stride);
     s.factor_at_rest = arena.take<float>(stride, stride);
-    s.next = arena.take<float>(stride, stride);
-    s.bulk_rows = arena.take<float>(static_cast<std::size_t>(body.info.n_pressures), stride);
-    s.bulk_rows_at_rest = arena.take<float>(static_cast<std::size_t>(body.info.n_pressures), stride);
-    s.next_bulk_rows = arena.take<float>(static_cast<std::size_t>(body.info.n_pressures), stride);
-    s.panel = arena.take<float>(9 * cells_of_panel, stride);
-    s.change_row = arena.take<float>(stride);
+    s.sum = arena.take<float>(stride, stride);
+    s.bulk_rows = arena.take<float>(static_cast<std::size_t>(body.pressure_stride), stride);
+    s.bulk_rows_at_rest = arena.take<float>(static_cast<std::size_t>(body.pressure_stride), stride);
+    s.panel = arena.take<float>(2 * 9 * cells_of_panel, stride);
+    s.row_of_tool = arena.take<float>(stride);
     if (state == nullptr || arena.overflow()) return;
     set_zero(s.scratch.weight, nodes);
     for (std::size_t t = 0; t < triangles; ++t) s.scratch.taken[t] = 0;
@@ -226,7 +240,6 @@ void release(phn_body_state& state) {
          static_cast<std::size_t>(state.body->info.n_pressures) * stride * sizeof(float));
   set_zero(state.held, sizeof state.held / sizeof *state.held);
   state.is_stale = false;
-  state.next_cells = 0;
 }
 
 /// phn_body_press, of which neither output is written yet.
@@ -259,6 +272,7 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
   Equilibrium equilibrium(*state);
   equilibrium.settle(steps, made);
   equilibrium.copy_forces(held_by);
+  NW(1, state->held[0]>0); NW(6, made.unbalanced);
   made.energy = state->at.energy;
   for (std::int32_t t = 0; t < n_tools; ++t) {
     double behind[3];
@@ -279,10 +293,6 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
   }
   memcpy(state->force, held_by, sizeof state->force);
   state->status = status;
-  // Tools that move go on to need a new stiffness, of which each call makes a part.
-  if (made.unbalanced > settled && made.renewed == 0 &&
-      renew_stiffness(*state, (body->info.n_cells - 1) / steps_of_renewal + 1) && state->next_cells == 0)
-    ++made.renewed;
   return status;
 }
 
@@ -329,7 +339,7 @@ int phn_body_state_init(void* memory, size_t bytes, const phn_body* body, int32_
   const Layout layout(arena, *body, max_tools);
   if (layout.state == nullptr || arena.overflow()) return PHN_ERROR_BUFFER;
   // Where the law is not defined at rest, or nothing resists, the numbers are not those of a body.
-  if (!find_rounding(*layout.state) || !start_at_rest(*layout.state) || !renew_stiffness(*layout.state, 0))
+  if (!find_rounding(*layout.state) || !start_at_rest(*layout.state) || (forget_stiffness(*layout.state), false) || !renew_stiffness(*layout.state, body->info.n_cells))
     return PHN_ERROR_RANGE;
   keep_rest(*layout.state);
   *state = layout.state;
