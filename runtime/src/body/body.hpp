@@ -27,7 +27,7 @@ struct phn_body {
   std::int32_t n_pressed;           ///< cells with a pressure
   const std::int32_t* pressed_row;  ///< of the cells: their rows of `pressures`, ascending; -1: none
   const float* pressures;           ///< n_pressed rows
-  const double* bounds;    ///< coefficients of core/bound.hpp, n_coupled_kinds x n_coupled_terms; null: none
+  const double* bounds;             ///< coefficients of core/bound.hpp, n_coupled_kinds x n_coupled_terms; null: none
 };
 
 namespace PHN_RUNTIME {
@@ -82,23 +82,24 @@ struct phn_body_state {
   } at, trial;
   /// b as the last step expected it. With it in the next stiffness, and not with b, Newton's method is that of the
   /// mixed problem: b is off by the square of a step, times a bulk modulus.
-  double *expected, *change_of_sums;
-  double* pressure_at;          ///< of the cells with a pressure: products with b
-  double rounding;              ///< of energies near rest [J]
-  double *rows, *moved;         ///< 3 max_tools rows: means of the modes under the tools; products with the compliance
+  double* expected;
+  double* pressure_at;   ///< of the cells with a pressure: products with b
+  double rounding;       ///< of energies near rest [J]
+  double *rows, *moved;  ///< 3 max_tools rows: means of the modes under the tools; products with the compliance
   double *alone, *step;
-  float *factor, *factor_at_rest;        ///< of the stiffness
-  float *bulk_rows, *bulk_rows_at_rest;  ///< db/dq of the states of these factors, n_pressures rows
+  float *factor, *factor_at_rest;     ///< of the stiffness
+  float* bulk_rows;                   ///< db/dq of the state of the factor, n_pressures rows
   double held[3 * PHN_MOST_COUPLED];  ///< multiples of the squares of what the tools displace that the factor has [N/m]
   std::int32_t n_rows;                ///< of the tools that are held
   double wanted[3 * PHN_MOST_COUPLED], force[3 * PHN_MOST_COUPLED];  ///< of these tools
   int status;                                                        ///< of the last press
-  bool is_stale;                                                     ///< the factor serves badly
-  /// What the stiffness has of a cell.
+  double part;                                                       ///< of the next step
+  /// What the stiffness has of a cell: its strain, pressure and second derivatives.
   struct Cell {
     double strain[9], pressure;
     float tangent[81];
-  }* cells;
-  float *sum, *panel, *row_of_tool;
-  double *size_of_rows, *changed, modulus;
+  } * cells;
+  float *sum, *sum_at_rest, *panel;  ///< of the cells, without that of b; rows of some of them
+  double *size_of_rows, *changed;    ///< of the cells: squares of their rows; how much they changed
+  double modulus;                    ///< largest second derivative at rest
 };

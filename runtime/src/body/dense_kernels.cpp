@@ -61,12 +61,12 @@ struct LanesOf {
 };
 #endif
 
-/// out += sign a^T b: rows from `first` to `end` of the product of n rows each. A tile of 4 x 2 registers of it stays in
-/// registers.
+/// out += sign a^T b: rows from `first` to `end` of the product of n rows each. A tile of 4 x 2 registers of it stays
+/// in registers.
 /// @tparam upper  columns from the diagonal on, in blocks
 template <int bytes, int sign, bool upper>
-PHN_INLINE void add_products_of(const float* a, std::int32_t a_stride, const float* b, std::int64_t n, std::int32_t first,
-                                std::int32_t end, std::int32_t stride, float* out) {
+PHN_INLINE void add_products_of(const float* a, std::int32_t a_stride, const float* b, std::int64_t n,
+                                std::int32_t first, std::int32_t end, std::int32_t stride, float* out) {
   using Lanes = typename LanesOf<bytes>::type;
   constexpr std::int32_t height = 4, width = sizeof(Lanes) / sizeof(float), wide = at_once / width > 1 ? 2 : 1;
   for (std::int32_t i = first; i < end; i += height)
@@ -90,13 +90,22 @@ PHN_INLINE void add_products_of(const float* a, std::int32_t a_stride, const flo
 }
 
 /// out = sum_k factor[k] rows[k], of the nine rows of a cell
+template <int bytes>
 PHN_INLINE void mix_rows(const float* rows, std::int32_t stride, const float* factor, float* out) {
-  for (std::int32_t m = 0; m < stride; ++m) {
-    float sum = factor[0] * rows[m];
-    for (std::int32_t k = 1; k < 9; ++k) sum += factor[k] * rows[k * stride + m];
-    out[m] = sum;
+  using Lanes = typename LanesOf<bytes>::type;
+  constexpr std::int32_t width = sizeof(Lanes) / sizeof(float);
+  for (std::int32_t m = 0; m < stride; m += width) {
+    Lanes sum = {}, row;
+    for (std::int32_t k = 0; k < 9; ++k) {
+      memcpy(&row, rows + k * stride + m, sizeof row);
+      sum += factor[k] * row;
+    }
+    memcpy(out + m, &sum, sizeof sum);
   }
 }
+
+/// Smaller pivots, over the diagonal, are mostly rounding, and with them the softest direction.
+constexpr float least_pivot = 1e-4f;
 
 /// A block of rows of the factor, then what it leaves of the rows below.
 template <int bytes>
@@ -113,7 +122,7 @@ PHN_INLINE bool factorize_rows(float* a, std::int32_t n, std::int32_t stride) {
         for (std::int32_t m = first; m < stride; ++m) row[m] -= factor * above[m];
       }
       const float pivot = row[first + i];
-      if (!(pivot > 1e-6f * diagonal[first + i])) return false;
+      if (!(pivot > least_pivot * diagonal[first + i])) return false;
       const float inverse = 1 / square_root(pivot);
       for (std::int32_t m = first; m < stride; ++m) row[m] *= inverse;
       row[first + i] = inverse;
@@ -138,31 +147,31 @@ PHN_INLINE void solve_rows(const float* factor, std::int32_t n, std::int32_t str
   }
 }
 
-#define PHN_BODY_KERNELS(name, bytes, attributes)                                                                   \
-  namespace name {                                                                                                  \
-  attributes void times(const float* rows, std::int64_t n, std::int32_t stride, const double* x, double* out) {     \
-    times_rows(rows, n, stride, x, out);                                                                            \
-  }                                                                                                                 \
-  attributes void add(const float* rows, std::int64_t n, std::int32_t stride, const double* factor, double* out) {  \
-    add_rows(rows, n, stride, factor, out);                                                                         \
-  }                                                                                                                 \
-  attributes void add_products(const float* a, const float* b, std::int64_t n, std::int32_t stride, float* out) {   \
-    add_products_of<bytes ? bytes : 16, 1, true>(a, stride, b, n, 0, stride, stride, out);                          \
-  }                                                                                                                 \
-  attributes void multiply(const float* a, std::int32_t a_stride, const float* b, std::int64_t n,                   \
-                           std::int32_t stride, float* out) {                                                       \
-    add_products_of<bytes ? bytes : 16, 1, false>(a, a_stride, b, n, 0, a_stride, stride, out);                     \
-  }                                                                                                                 \
-  attributes void mix(const float* rows, std::int32_t stride, const float* factor, float* out) {                    \
-    mix_rows(rows, stride, factor, out);                                                                            \
-  }                                                                                                                 \
-  attributes bool factorize(float* a, std::int32_t n, std::int32_t stride) {                                        \
-    return factorize_rows<bytes ? bytes : 16>(a, n, stride);                                                        \
-  }                                                                                                                 \
-  attributes void solve(const float* factor, std::int32_t n, std::int32_t stride, double* x) {                      \
-    solve_rows(factor, n, stride, x);                                                                               \
-  }                                                                                                                 \
-  constexpr BodyKernels kernels = {#name, times, add, add_products, multiply, mix, factorize, solve};               \
+#define PHN_BODY_KERNELS(name, bytes, attributes)                                                                      \
+  namespace name {                                                                                                     \
+  attributes void times(const float* rows, std::int64_t n, std::int32_t stride, const double* x, double* out) {        \
+    times_rows(rows, n, stride, x, out);                                                                               \
+  }                                                                                                                    \
+  attributes void add(const float* rows, std::int64_t n, std::int32_t stride, const double* factor, double* out) {     \
+    add_rows(rows, n, stride, factor, out);                                                                            \
+  }                                                                                                                    \
+  attributes void add_products(const float* a, const float* b, std::int64_t n, std::int32_t stride, float* out) {      \
+    add_products_of<bytes ? bytes : 16, 1, true>(a, stride, b, n, 0, stride, stride, out);                             \
+  }                                                                                                                    \
+  attributes void multiply(const float* a, std::int32_t a_stride, const float* b, std::int64_t n, std::int32_t stride, \
+                           float* out) {                                                                               \
+    add_products_of<bytes ? bytes : 16, 1, false>(a, a_stride, b, n, 0, a_stride, stride, out);                        \
+  }                                                                                                                    \
+  attributes void mix(const float* rows, std::int32_t stride, const float* factor, float* out) {                       \
+    mix_rows<bytes ? bytes : 16>(rows, stride, factor, out);                                                           \
+  }                                                                                                                    \
+  attributes bool factorize(float* a, std::int32_t n, std::int32_t stride) {                                           \
+    return factorize_rows < bytes ? bytes : 16 > (a, n, stride);                                                       \
+  }                                                                                                                    \
+  attributes void solve(const float* factor, std::int32_t n, std::int32_t stride, double* x) {                         \
+    solve_rows(factor, n, stride, x);                                                                                  \
+  }                                                                                                                    \
+  constexpr BodyKernels kernels = {#name, times, add, add_products, multiply, mix, factorize, solve};                  \
   }
 
 PHN_FOR_EACH_SET(PHN_BODY_KERNELS, BodyKernels)

@@ -3,19 +3,14 @@
 #include <cfloat>
 #include <cstring>
 
-#ifdef NW_DEBUG
-extern double nw[32], nwp[32];
-#define NWP(i, d) (nwp[i])
-#define NW(i, e) (nw[i] += (e))
-#else
-#define NW(i, e) ((void)0)
-#define NWP(i, d) (d)
-#endif
 namespace PHN_RUNTIME {
 namespace {
 
 /// A diagonal is at most raised to this many times itself.
 constexpr float largest_shift = 1e9f;
+/// Second derivatives of a cell count as at most this many times those at rest, so that the rounding of a sum of which
+/// they were a part does not matter.
+constexpr double stiffest = 1e3;
 
 double pressure_of(const phn_body_state& state, std::int32_t cell) {
   const std::int32_t row = state.body->pressed_row[cell];
@@ -26,40 +21,47 @@ void gradient_at(const double* strain, double F[9]) {
   for (int k = 0; k < 9; ++k) F[k] = strain[k] + (k % 4 == 0 ? 1 : 0);
 }
 
-/// Puts cells into the stiffness, in place of what it has of them. @return false where a law is not defined
-bool replace(phn_body_state& state, const std::int32_t* cells, std::int32_t n) {
+/// The second derivatives of a cell at its strain and pressure, with its weights; where the law is not defined they
+/// stay.
+void find_tangent(const phn_body_state& state, std::int32_t c, phn_body_state::Cell& cell) {
+  const phn_body& body = *state.body;
+  double F[9], value, stress[9], A[81];
+  gradient_at(cell.strain, F);
+  if (!body.law->shape(F, body.parameters, value, stress, A)) return;
+  for (double& a : A) a *= body.shear[c];
+  const double bulk = body.shear[c] * body.bulk;
+  if (bulk > 0 || body.pressed_row[c] >= 0) {
+    double slope[9], second[81];
+    if (!body.law->volumetric(F, body.parameters, value, slope, second)) return;
+    const double p = bulk * value + body.bulk_of_cell[c] * cell.pressure;
+    for (int k = 0; k < 9; ++k)
+      for (int l = 0; l < 9; ++l) A[9 * k + l] += bulk * slope[k] * slope[l] + p * second[9 * k + l];
+  }
+  double largest = 0;
+  for (const double a : A) largest = std::fmax(largest, std::fabs(a));
+  const double most = stiffest * state.modulus * body.shear[c], factor = largest > most ? most / largest : 1;
+  for (int k = 0; k < 81; ++k) cell.tangent[k] = static_cast<float>(factor * A[k]);
+}
+
+/// Puts the present state of cells into the stiffness, in place of what it has of them.
+void replace(phn_body_state& state, const std::int32_t* cells, std::int32_t n) {
   const phn_body& body = *state.body;
   const std::int32_t stride = body.stride;
-  float *const products = state.panel + static_cast<std::int64_t>(9 * cells_of_panel) * stride;
+  float* const products = state.panel + static_cast<std::int64_t>(9 * cells_of_panel) * stride;
   for (std::int32_t i = 0; i < n; ++i) {
     const std::int32_t c = cells[i];
-    phn_body_state::Cell& cell = state.cells[c];
-    double F[9], value, stress[9], A[81];
-    memcpy(cell.strain, state.at.strain + 9 * static_cast<std::int64_t>(c), sizeof cell.strain);
-    cell.pressure = pressure_of(state, c);
-    gradient_at(cell.strain, F);
-    if (!body.law->shape(F, body.parameters, value, stress, A)) return false;
-    for (double& a : A) a *= body.shear[c];
-    const double bulk = body.shear[c] * body.bulk;
-    if (bulk > 0 || body.pressed_row[c] >= 0) {
-      double slope[9], second[81];
-      if (!body.law->volumetric(F, body.parameters, value, slope, second)) return false;
-      const double p = bulk * value + body.bulk_of_cell[c] * cell.pressure;
-      for (int k = 0; k < 9; ++k)
-        for (int l = 0; l < 9; ++l) A[9 * k + l] += bulk * slope[k] * slope[l] + p * second[9 * k + l];
-    }
+    phn_body_state::Cell now = state.cells[c];
+    memcpy(now.strain, state.at.strain + 9 * static_cast<std::int64_t>(c), sizeof now.strain);
+    now.pressure = pressure_of(state, c);
+    find_tangent(state, c, now);
     float change[81];
-    for (int k = 0; k < 81; ++k) {
-      const auto now = static_cast<float>(A[k]);
-      change[k] = now - cell.tangent[k];
-      cell.tangent[k] = now;
-    }
+    for (int k = 0; k < 81; ++k) change[k] = now.tangent[k] - state.cells[c].tangent[k];
+    state.cells[c] = now;
     const float* rows = body.gradients + static_cast<std::int64_t>(9 * c) * stride;
     memcpy(state.panel + 9 * i * stride, rows, 9 * static_cast<std::size_t>(stride) * sizeof(float));
     for (int k = 0; k < 9; ++k) state.kernels->mix(rows, stride, change + 9 * k, products + (9 * i + k) * stride);
   }
   state.kernels->add_products(state.panel, products, 9 * n, stride, state.sum);
-  return true;
 }
 
 /// Adds a multiple of the squares of the displacements under the tools, which does not change where the energy is
@@ -68,7 +70,8 @@ void hold_tools(phn_body_state& state) {
   const phn_body& body = *state.body;
   const std::int32_t stride = body.stride;
   constexpr double stiff = 30;  // over the stiffness that the modes alone have under a tool
-  for (std::int32_t r = 0; r < state.n_rows; ++r) {
+  float* scaled = state.panel;
+  for (std::int32_t r = 0; r < state.n_rows; ++r, scaled += stride) {
     const double* row = state.rows + static_cast<std::int64_t>(r) * stride;
     double compliance = 0;
     for (std::int32_t m = 0; m < body.info.n_modes; ++m) {
@@ -77,26 +80,22 @@ void hold_tools(phn_body_state& state) {
     }
     state.held[r] = compliance > 0 ? stiff / compliance : 0;
     const double root = std::sqrt(state.held[r]);
-    for (std::int32_t m = 0; m < stride; ++m) state.row_of_tool[m] = static_cast<float>(root * row[m]);
-    state.kernels->add_products(state.row_of_tool, state.row_of_tool, 1, stride, state.factor);
+    for (std::int32_t m = 0; m < stride; ++m) scaled[m] = static_cast<float>(root * row[m]);
   }
+  state.kernels->add_products(state.panel, state.panel, state.n_rows, stride, state.factor);
 }
 
 bool factorize(phn_body_state& state) {
   const std::int32_t n = state.body->info.n_modes, stride = state.body->stride;
-  set_zero(state.held, sizeof state.held / sizeof *state.held);
-  float shift = 0;
-  for (int attempt = 0; shift <= largest_shift; ++attempt) {
+  for (float shift = 0; shift <= largest_shift; shift = shift > 0 ? 4 * shift : 1e-3f) {
     memcpy(state.factor, state.sum, static_cast<std::size_t>(stride) * static_cast<std::size_t>(n) * sizeof(float));
     state.kernels->add_products(state.bulk_rows, state.bulk_rows, state.body->info.n_pressures, stride, state.factor);
-    if (attempt > 0) hold_tools(state);
+    hold_tools(state);
     for (std::int32_t i = 0; i < n; ++i) {
       float& diagonal = state.factor[static_cast<std::int64_t>(i) * (stride + 1)];
       diagonal += shift * (diagonal > 0 ? diagonal : -diagonal);
     }
     if (state.kernels->factorize(state.factor, n, stride)) return true;
-    NW(4, attempt > 0);
-    if (attempt > 0) shift = shift > 0 ? 4 * shift : 1e-3f;
   }
   return false;
 }
@@ -155,7 +154,8 @@ bool find_rounding(phn_body_state& state) {
 bool renew_stiffness(phn_body_state& state, std::int32_t n_cells) {
   const phn_body& body = *state.body;
   const std::int32_t n = body.info.n_cells;
-  for (std::int64_t i = 0; i < static_cast<std::int64_t>(body.pressure_stride) * body.stride; ++i) state.bulk_rows[i] = 0;
+  for (std::int64_t i = 0; i < static_cast<std::int64_t>(body.pressure_stride) * body.stride; ++i)
+    state.bulk_rows[i] = 0;
   state.kernels->multiply(body.pressures, body.pressure_stride, state.at.changes, body.n_pressed, body.stride,
                           state.bulk_rows);
   state.kernels->times(body.pressures, body.n_pressed, body.pressure_stride, state.expected, state.pressure_at);
@@ -179,23 +179,34 @@ bool renew_stiffness(phn_body_state& state, std::int32_t n_cells) {
         if (state.changed[c] > state.changed[cells[i]]) cells[i] = c;
       state.changed[cells[i]] = -1;
     }
-    if (!replace(state, cells, i)) return false;
+    replace(state, cells, i);
   }
-  state.is_stale = false;
   return factorize(state);
 }
 
-void forget_stiffness(phn_body_state& state) {
+bool start_stiffness(phn_body_state& state) {
   const phn_body& body = *state.body;
   const auto stride = static_cast<std::size_t>(body.stride);
-  for (std::int32_t c = 0; c < body.info.n_cells; ++c) state.cells[c] = {};
   for (std::size_t i = 0; i < stride * stride; ++i) state.sum[i] = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(body.info.n_pressures) * stride; ++i) state.bulk_rows[i] = 0;
   for (std::int32_t c = 0; c < body.info.n_cells; ++c) {
-    double size = 0;
+    state.cells[c] = {};
+    state.size_of_rows[c] = 0;
     const float* rows = body.gradients + static_cast<std::int64_t>(9 * c) * body.stride;
-    for (std::size_t m = 0; m < 9 * stride; ++m) size += static_cast<double>(rows[m]) * rows[m];
-    state.size_of_rows[c] = size;
+    for (std::size_t m = 0; m < 9 * stride; ++m) state.size_of_rows[c] += static_cast<double>(rows[m]) * rows[m];
+  }
+  if (!renew_stiffness(state, body.info.n_cells)) return false;
+  memcpy(state.sum_at_rest, state.sum, stride * stride * sizeof(float));
+  memcpy(state.factor_at_rest, state.factor, stride * stride * sizeof(float));
+  return true;
+}
+
+void release_stiffness(phn_body_state& state) {
+  const auto stride = static_cast<std::size_t>(state.body->stride);
+  memcpy(state.sum, state.sum_at_rest, stride * stride * sizeof(float));
+  for (std::int32_t c = 0; c < state.body->info.n_cells; ++c) {
+    set_zero(state.cells[c].strain, 9);
+    state.cells[c].pressure = 0;
+    find_tangent(state, c, state.cells[c]);
   }
 }
 
