@@ -4,7 +4,8 @@
 //
 // Two round tools slide over the surface towards places that go to and fro, near the gap from each other, and press in
 // turning directions. With --leap they are at the nearest places of the surface, which leap where it is curved.
-// Errors of the force of the worse tool are in per cent of the largest force on the way; times are of this thread.
+// Errors of the force of the worse tool are in per cent of the largest force on the way, those of unsettled moments
+// apart; times are of this thread.
 #include <fmt/core.h>
 #include <phynness/phynness_body.h>
 
