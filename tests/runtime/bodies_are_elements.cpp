@@ -151,6 +151,41 @@ TEST(Bodies, FindTheirWayBack) {
   EXPECT_LT(loaded.deformation().norm(), 1e-6 * depth);
 }
 
+// Claim: two tools that slide over the block by 5 cm/s and turn are followed by one step in each millisecond. Forces
+// are then within 0.1 % of those of many steps.
+TEST(Bodies, FollowToolsThatMove) {
+  const Block block;
+  const std::string text = write_body_text(block.body);
+  Loaded loaded(text), slow(text);
+  int unsettled = 0;
+  double largest = 0, off = 0;
+  for (int moment = 0; moment < 600; ++moment) {
+    const double t = moment / 1000.0, way = 0.05 * std::abs(0.3 - t);
+    std::vector<phn_tool> tools;
+    for (const int i : {0, 1}) {
+      const auto at = nearest_on_surface(block.mesh.nodes, block.mesh.surface, {0.05 + 0.04 * i + way, 0.06, 0.03});
+      phn_tool tool;
+      for (std::size_t k = 0; k < 3; ++k) {
+        tool.nodes[k] = at.nodes[k];
+        tool.weights[k] = at.weights[k];
+        tool.displacement[k] =
+            0.15 * depth * std::min(1.0, 5 * t) * std::sin(6.28 * (1 + 0.7 * i) * t + 2.1 * static_cast<double>(k) + i);
+      }
+      tools.push_back(tool);
+    }
+    unsettled += loaded.press(tools, 1) == PHN_WARNING_UNSETTLED;
+    EXPECT_LE(loaded.pressed.steps, 1);
+    if (moment % 10 != 9) continue;
+    ASSERT_EQ(slow.press(tools), PHN_OK) << moment;
+    for (std::size_t i = 0; i < 2; ++i) {
+      largest = std::max(largest, slow.force[i].norm());
+      off = std::max(off, (loaded.force[i] - slow.force[i]).norm());
+    }
+  }
+  EXPECT_LE(unsettled, 6);
+  EXPECT_LT(off, 1e-3 * largest);
+}
+
 // Claim: tools farther than trained, or at places that no probe was near to, are outside; with too few steps they are
 // unsettled.
 TEST(Bodies, WarnOfWhatTheyDoNotKnow) {
@@ -303,6 +338,11 @@ TEST(Bodies, HaveKernelsWithTheSameBits) {
     ASSERT_TRUE(kernels->factorize(square.data(), n, stride)) << kernels->name;
     kernels->solve(square.data(), n, stride, x.data());
     out.insert(out.end(), x.begin(), x.begin() + n);
+    std::vector<float> product(static_cast<std::size_t>(stride * stride)), mixed(stride);
+    kernels->multiply(a.data(), stride, a.data(), rows, stride, product.data());
+    kernels->mix(a.data(), stride, a.data() + stride, mixed.data());
+    out.insert(out.end(), product.begin(), product.end());
+    out.insert(out.end(), mixed.begin(), mixed.end());
     results.push_back(out);
     EXPECT_EQ(out, results[0]) << kernels->name;
   }

@@ -48,19 +48,20 @@ typedef struct phn_body_pressed {
   double energy;     /* [J] */
   double unbalanced; /* size of the next step over that of the deformation, in the norm of the energy */
   double behind_m;   /* largest distance of a tool from the mean displacement that it holds */
-  int32_t steps;     /* that were made */
-  int32_t renewed;   /* stiffness matrices that were computed */
+  int32_t steps;     /* that were made or undone */
+  int32_t renewed;   /* factors of the stiffness matrix that were computed */
 } phn_body_pressed;
 
 /* Forces [N] that hold the tools, n_tools x 3, after at most `steps` (>= 1) steps of Newton's method from the
- * deformation that the state has. Steps are shortened until they lower the energy; tools that move by fractions of a
- * millimetre need two in each millisecond. The stiffness matrix is kept between calls while it serves; a new one counts
- * as eight steps, and is made in one call only if `steps` is more. Displacements are clamped to 1000
- * max_displacement_m. Unlike those of a model, forces depend on the motion before. _OUTSIDE: a displacement is larger
- * than trained, or no probed point is within a radius of the tool. _UNSETTLED: `unbalanced` is above 0.01 or a tool is
- * ahead; call again with the same tools to come closer. Tools that pull apart within some tenths of a radius may have
- * no equilibrium; each force is then at most ten times what all tools have alone at the stiffness at rest.
- * PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0 tools the body is at rest. `pressed` may be null.
+ * deformation that the state has. Each step renews the stiffness matrix where the body changed most, and takes about
+ * the same time; for tools that move by fractions of a millimetre one in each millisecond is enough. A step that does
+ * not lower the energy is undone and tried again by a quarter, in the next call if it was the last. Displacements are
+ * clamped to 1000 max_displacement_m. Unlike those of a model, forces depend on the motion before. _OUTSIDE: a
+ * displacement is larger than trained, or no probed point is within a radius of the tool. _UNSETTLED: `unbalanced` is
+ * above 0.01 or a tool is ahead; call again with the same tools to come closer. Tools that pull apart within some
+ * tenths of a radius may have no equilibrium; each force is then at most 10, or 1 / unbalanced if that is more, times
+ * what all tools have alone at the stiffness at rest. PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0
+ * tools the body is at rest. `pressed` may be null.
  */
 PHN_API int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools,
                            int32_t steps, double* forces, phn_body_pressed* pressed);

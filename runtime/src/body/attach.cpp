@@ -26,6 +26,7 @@ Matrix stiffness(const AttachedBody& attached, std::int32_t tool) {
     double moved[3] = {};
     moved[k] = 1;
     compliance.solve(3, moved);
+    moved[k] -= attached.state->held[3 * tool + k];
     for (int j = 0; j < 3; ++j) result.a[3 * j + k] = moved[j];
   }
   return result;

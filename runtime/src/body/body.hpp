@@ -23,9 +23,11 @@ struct phn_body {
   const double* normals;       ///< unit normals of nodes
   const float* modes;          ///< 3 n_nodes rows
   const double *shear, *bulk_of_cell;
-  const float* gradients;  ///< 9 n_cells rows
-  const float* pressures;  ///< n_cells rows
-  const double* bounds;    ///< coefficients of core/bound.hpp, n_coupled_kinds x n_coupled_terms; null: none
+  const float* gradients;           ///< 9 n_cells rows
+  std::int32_t n_pressed;           ///< cells with a pressure
+  const std::int32_t* pressed_row;  ///< of the cells: their rows of `pressures`, ascending; -1: none
+  const float* pressures;           ///< n_pressed rows
+  const double* bounds;             ///< coefficients of core/bound.hpp, n_coupled_kinds x n_coupled_terms; null: none
 };
 
 namespace PHN_RUNTIME {
@@ -51,9 +53,14 @@ struct BodyKernels {
   void (*times)(const float* rows, std::int64_t n, std::int32_t stride, const double* x, double* out);
   /// out += sum_r factor[r] rows[r]
   void (*add)(const float* rows, std::int64_t n, std::int32_t stride, const double* factor, double* out);
-  /// Lower triangle, in blocks, of out += a^T b. @param n  rows of a and b
+  /// Upper triangle, in blocks, of out += a^T b. @param n  rows of a and b
   void (*add_products)(const float* a, const float* b, std::int64_t n, std::int32_t stride, float* out);
-  /// Cholesky factor in place of the lower triangle; diagonals become their inverses. @return whether it is definite
+  /// out += a^T b, a_stride x stride
+  void (*multiply)(const float* a, std::int32_t a_stride, const float* b, std::int64_t n, std::int32_t stride,
+                   float* out);
+  /// out = factor . rows, of the nine rows of a cell
+  void (*mix)(const float* rows, std::int32_t stride, const float* factor, float* out);
+  /// Cholesky factor in place of the upper triangle; diagonals become their inverses. @return whether it is definite
   bool (*factorize)(float* a, std::int32_t n, std::int32_t stride);
   /// x = A^-1 x
   void (*solve)(const float* factor, std::int32_t n, std::int32_t stride, double* x);
@@ -70,26 +77,29 @@ struct phn_body_state {
   PHN_RUNTIME::ToolScratch scratch;
   /// A state: amplitudes of the modes, and of its energy the gradient, and the sums b of the pressures.
   struct Point {
-    double *q, *forces, *sums, energy;
+    double *q, *forces, *sums, *strain, energy;
+    float* changes;  ///< v dg/dq of the cells with a pressure
   } at, trial;
   /// b as the last step expected it. With it in the next stiffness, and not with b, Newton's method is that of the
   /// mixed problem: b is off by the square of a step, times a bulk modulus.
-  double *expected, *change_of_sums;
-  double *strain, *stress;      ///< 9 n_cells each, of the state that was evaluated last
-  double *change, *bulk_slope;  ///< g, and dg/dF, of the cells
-  double* pressure_at;          ///< of the cells: products of their pressures with b
-  double rounding;              ///< of energies near rest [J]
-  double *rows, *moved;         ///< 3 max_tools rows: means of the modes under the tools; products with the compliance
+  double* expected;
+  double* pressure_at;   ///< of the cells with a pressure: products with b
+  double rounding;       ///< of energies near rest [J]
+  double *rows, *moved;  ///< 3 max_tools rows: means of the modes under the tools; products with the compliance
   double *alone, *step;
-  float *factor, *factor_at_rest;        ///< of the stiffness
-  float *bulk_rows, *bulk_rows_at_rest;  ///< db/dq of the states of these factors, n_pressures rows
+  float *factor, *factor_at_rest;     ///< of the stiffness
+  float* bulk_rows;                   ///< db/dq of the state of the factor, n_pressures rows
   double held[3 * PHN_MOST_COUPLED];  ///< multiples of the squares of what the tools displace that the factor has [N/m]
   std::int32_t n_rows;                ///< of the tools that are held
   double wanted[3 * PHN_MOST_COUPLED], force[3 * PHN_MOST_COUPLED];  ///< of these tools
   int status;                                                        ///< of the last press
-  bool is_stale;                                                     ///< the factor serves badly
-  // The next stiffness, at a state that is kept.
-  float *next, *next_bulk_rows, *panel, *change_row;
-  double *next_q, *next_sums;
-  std::int32_t next_cells;  ///< that were added
+  double part;                                                       ///< of the next step
+  /// What the stiffness has of a cell: its strain, pressure and second derivatives.
+  struct Cell {
+    double strain[9], pressure;
+    float tangent[81];
+  } * cells;
+  float *sum, *sum_at_rest, *panel;  ///< of the cells, without that of b; rows of some of them
+  double *size_of_rows, *changed;    ///< of the cells: squares of their rows; how much they changed
+  double modulus;                    ///< largest second derivative at rest
 };

@@ -61,16 +61,19 @@ struct LanesOf {
 };
 #endif
 
-/// A tile of 4 x 2 registers of the product stays in registers.
-template <int bytes>
-PHN_INLINE void add_products_of(const float* a, const float* b, std::int64_t n, std::int32_t stride, float* out) {
+/// out += sign a^T b: rows from `first` to `end` of the product of n rows each. A tile of 4 x 2 registers of it stays
+/// in registers.
+/// @tparam upper  columns from the diagonal on, in blocks
+template <int bytes, int sign, bool upper>
+PHN_INLINE void add_products_of(const float* a, std::int32_t a_stride, const float* b, std::int64_t n,
+                                std::int32_t first, std::int32_t end, std::int32_t stride, float* out) {
   using Lanes = typename LanesOf<bytes>::type;
   constexpr std::int32_t height = 4, width = sizeof(Lanes) / sizeof(float), wide = at_once / width > 1 ? 2 : 1;
-  for (std::int32_t i = 0; i < stride; i += height)
-    for (std::int32_t j = 0; j < i + height; j += wide * width) {
+  for (std::int32_t i = first; i < end; i += height)
+    for (std::int32_t j = upper ? i / (wide * width) * (wide * width) : 0; j < stride; j += wide * width) {
       Lanes tile[height][wide] = {}, right;
       for (std::int64_t r = 0; r < n; ++r) {
-        const float* left = a + r * stride + i;
+        const float* left = a + r * a_stride + i;
         for (std::int32_t l = 0; l < wide; ++l) {
           memcpy(&right, b + r * stride + j + l * width, sizeof right);
           for (std::int32_t k = 0; k < height; ++k) tile[k][l] += left[k] * right;
@@ -80,35 +83,51 @@ PHN_INLINE void add_products_of(const float* a, const float* b, std::int64_t n, 
         for (std::int32_t l = 0; l < wide; ++l) {
           float* to = out + (i + k) * stride + j + l * width;
           memcpy(&right, to, sizeof right);
-          right += tile[k][l];
+          right += static_cast<float>(sign) * tile[k][l];
           memcpy(to, &right, sizeof right);
         }
     }
 }
 
-/// a . b in floats; only the stiffness, which need not be exact, is computed so.
-PHN_INLINE float product(const float* a, const float* b, std::int32_t n) {
-  float sum[at_once] = {};
-  std::int32_t m = 0;
-  for (; m + at_once <= n; m += at_once)
-    for (std::int32_t i = 0; i < at_once; ++i) sum[i] += a[m + i] * b[m + i];
-  float total = 0;
-  for (; m < n; ++m) total += a[m] * b[m];
-  for (std::int32_t half = at_once / 2; half > 0; half /= 2)
-    for (std::int32_t i = 0; i < half; ++i) sum[i] += sum[i + half];
-  return total + sum[0];
+/// out = sum_k factor[k] rows[k], of the nine rows of a cell
+template <int bytes>
+PHN_INLINE void mix_rows(const float* rows, std::int32_t stride, const float* factor, float* out) {
+  using Lanes = typename LanesOf<bytes>::type;
+  constexpr std::int32_t width = sizeof(Lanes) / sizeof(float);
+  for (std::int32_t m = 0; m < stride; m += width) {
+    Lanes sum = {}, row;
+    for (std::int32_t k = 0; k < 9; ++k) {
+      memcpy(&row, rows + k * stride + m, sizeof row);
+      sum += factor[k] * row;
+    }
+    memcpy(out + m, &sum, sizeof sum);
+  }
 }
 
+/// Smaller pivots, over the diagonal, are mostly rounding, and with them the softest direction.
+constexpr float least_pivot = 1e-4f;
+
+/// A block of rows of the factor, then what it leaves of the rows below.
+template <int bytes>
 PHN_INLINE bool factorize_rows(float* a, std::int32_t n, std::int32_t stride) {
-  for (std::int32_t i = 0; i < n; ++i) {
-    float* row = a + static_cast<std::int64_t>(i) * stride;
-    for (std::int32_t j = 0; j < i; ++j) {
-      const float* other = a + static_cast<std::int64_t>(j) * stride;
-      row[j] = (row[j] - product(row, other, j)) * other[j];
+  float diagonal[schema::most_body_modes];
+  for (std::int32_t i = 0; i < n; ++i) diagonal[i] = a[static_cast<std::int64_t>(i) * (stride + 1)];
+  for (std::int32_t first = 0; first < n; first += at_once) {
+    float* block = a + static_cast<std::int64_t>(first) * stride;
+    const std::int32_t height = n - first < at_once ? n - first : at_once;
+    for (std::int32_t i = 0; i < height; ++i) {
+      float* row = block + i * stride;
+      for (std::int32_t k = 0; k < i; ++k) {
+        const float *above = block + k * stride, factor = above[first + i];
+        for (std::int32_t m = first; m < stride; ++m) row[m] -= factor * above[m];
+      }
+      const float pivot = row[first + i];
+      if (!(pivot > least_pivot * diagonal[first + i])) return false;
+      const float inverse = 1 / square_root(pivot);
+      for (std::int32_t m = first; m < stride; ++m) row[m] *= inverse;
+      row[first + i] = inverse;
     }
-    const float pivot = row[i] - product(row, row, i);
-    if (!(pivot > 1e-6f * row[i])) return false;
-    row[i] = 1 / square_root(pivot);
+    add_products_of<bytes, -1, true>(block, stride, block, height, first + at_once, stride, stride, a);
   }
   return true;
 }
@@ -116,34 +135,43 @@ PHN_INLINE bool factorize_rows(float* a, std::int32_t n, std::int32_t stride) {
 PHN_INLINE void solve_rows(const float* factor, std::int32_t n, std::int32_t stride, double* x) {
   for (std::int32_t i = 0; i < n; ++i) {
     const float* row = factor + static_cast<std::int64_t>(i) * stride;
-    const std::int32_t n_whole = i / at_once * at_once;
-    double sum = row_times(row, x, n_whole);
-    for (std::int32_t m = n_whole; m < i; ++m) sum += row[m] * x[m];
-    x[i] = (x[i] - sum) * row[i];
+    const double value = x[i] *= row[i];
+    for (std::int32_t m = i + 1; m < n; ++m) x[m] -= value * row[m];
   }
   for (std::int32_t i = n - 1; i >= 0; --i) {
     const float* row = factor + static_cast<std::int64_t>(i) * stride;
-    const double value = x[i] *= row[i];
-    for (std::int32_t m = 0; m < i; ++m) x[m] -= value * row[m];
+    const std::int32_t whole = whole_blocks(i + 1);
+    double sum = row_times(row + whole, x + whole, stride - whole);
+    for (std::int32_t m = i + 1; m < n && m < whole; ++m) sum += row[m] * x[m];
+    x[i] = (x[i] - sum) * row[i];
   }
 }
 
-#define PHN_BODY_KERNELS(name, bytes, attributes)                                                                   \
-  namespace name {                                                                                                  \
-  attributes void times(const float* rows, std::int64_t n, std::int32_t stride, const double* x, double* out) {     \
-    times_rows(rows, n, stride, x, out);                                                                            \
-  }                                                                                                                 \
-  attributes void add(const float* rows, std::int64_t n, std::int32_t stride, const double* factor, double* out) {  \
-    add_rows(rows, n, stride, factor, out);                                                                         \
-  }                                                                                                                 \
-  attributes void add_products(const float* a, const float* b, std::int64_t n, std::int32_t stride, float* out) {   \
-    add_products_of<bytes ? bytes : 16>(a, b, n, stride, out);                                                      \
-  }                                                                                                                 \
-  attributes bool factorize(float* a, std::int32_t n, std::int32_t stride) { return factorize_rows(a, n, stride); } \
-  attributes void solve(const float* factor, std::int32_t n, std::int32_t stride, double* x) {                      \
-    solve_rows(factor, n, stride, x);                                                                               \
-  }                                                                                                                 \
-  constexpr BodyKernels kernels = {#name, times, add, add_products, factorize, solve};                              \
+#define PHN_BODY_KERNELS(name, bytes, attributes)                                                                      \
+  namespace name {                                                                                                     \
+  attributes void times(const float* rows, std::int64_t n, std::int32_t stride, const double* x, double* out) {        \
+    times_rows(rows, n, stride, x, out);                                                                               \
+  }                                                                                                                    \
+  attributes void add(const float* rows, std::int64_t n, std::int32_t stride, const double* factor, double* out) {     \
+    add_rows(rows, n, stride, factor, out);                                                                            \
+  }                                                                                                                    \
+  attributes void add_products(const float* a, const float* b, std::int64_t n, std::int32_t stride, float* out) {      \
+    add_products_of<bytes ? bytes : 16, 1, true>(a, stride, b, n, 0, stride, stride, out);                             \
+  }                                                                                                                    \
+  attributes void multiply(const float* a, std::int32_t a_stride, const float* b, std::int64_t n, std::int32_t stride, \
+                           float* out) {                                                                               \
+    add_products_of<bytes ? bytes : 16, 1, false>(a, a_stride, b, n, 0, a_stride, stride, out);                        \
+  }                                                                                                                    \
+  attributes void mix(const float* rows, std::int32_t stride, const float* factor, float* out) {                       \
+    mix_rows<bytes ? bytes : 16>(rows, stride, factor, out);                                                           \
+  }                                                                                                                    \
+  attributes bool factorize(float* a, std::int32_t n, std::int32_t stride) {                                           \
+    return factorize_rows < bytes ? bytes : 16 > (a, n, stride);                                                       \
+  }                                                                                                                    \
+  attributes void solve(const float* factor, std::int32_t n, std::int32_t stride, double* x) {                         \
+    solve_rows(factor, n, stride, x);                                                                                  \
+  }                                                                                                                    \
+  constexpr BodyKernels kernels = {#name, times, add, add_products, multiply, mix, factorize, solve};                  \
   }
 
 PHN_FOR_EACH_SET(PHN_BODY_KERNELS, BodyKernels)

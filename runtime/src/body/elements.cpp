@@ -8,64 +8,60 @@ namespace {
 
 /// A diagonal is at most raised to this many times itself.
 constexpr float largest_shift = 1e9f;
+/// Second derivatives of a cell count as at most this many times those at rest, so that the rounding of a sum of which
+/// they were a part does not matter.
+constexpr double stiffest = 1e3;
+
+double pressure_of(const phn_body_state& state, std::int32_t cell) {
+  const std::int32_t row = state.body->pressed_row[cell];
+  return row >= 0 ? state.pressure_at[row] : 0;
+}
 
 void gradient_at(const double* strain, double F[9]) {
   for (int k = 0; k < 9; ++k) F[k] = strain[k] + (k % 4 == 0 ? 1 : 0);
 }
 
-bool changes_volume(const phn_body& body, std::int32_t cell) { return body.bulk > 0 || body.bulk_of_cell[cell] > 0; }
-
-const float* pressures_of(const phn_body& body, std::int32_t cell) {
-  return body.pressures + static_cast<std::int64_t>(cell) * body.pressure_stride;
-}
-
-/// dg/dq of a cell, times its weight, is added to the rows of its pressures.
-void add_change(phn_body_state& state, std::int32_t cell, const double* slope) {
+/// The second derivatives of a cell at its strain and pressure, with its weights; where the law is not defined they
+/// stay.
+void find_tangent(const phn_body_state& state, std::int32_t c, phn_body_state::Cell& cell) {
   const phn_body& body = *state.body;
-  const float *rows = body.gradients + static_cast<std::int64_t>(9 * cell) * body.stride,
-              *psi = pressures_of(body, cell);
-  float* change = state.change_row;
-  for (std::int32_t m = 0; m < body.stride; ++m) change[m] = 0;
-  for (int k = 0; k < 9; ++k) {
-    const auto factor = static_cast<float>(body.bulk_of_cell[cell] * slope[k]);
-    for (std::int32_t m = 0; m < body.stride; ++m) change[m] += factor * rows[k * body.stride + m];
+  double F[9], value, stress[9], A[81];
+  gradient_at(cell.strain, F);
+  if (!body.law->shape(F, body.parameters, value, stress, A)) return;
+  for (double& a : A) a *= body.shear[c];
+  const double bulk = body.shear[c] * body.bulk;
+  if (bulk > 0 || body.pressed_row[c] >= 0) {
+    double slope[9], second[81];
+    if (!body.law->volumetric(F, body.parameters, value, slope, second)) return;
+    const double p = bulk * value + body.bulk_of_cell[c] * cell.pressure;
+    for (int k = 0; k < 9; ++k)
+      for (int l = 0; l < 9; ++l) A[9 * k + l] += bulk * slope[k] * slope[l] + p * second[9 * k + l];
   }
-  for (std::int32_t k = 0; k < body.info.n_pressures; ++k)
-    for (std::int32_t m = 0; m < body.stride; ++m) state.next_bulk_rows[k * body.stride + m] += psi[k] * change[m];
+  double largest = 0;
+  for (const double a : A) largest = std::fmax(largest, std::fabs(a));
+  const double most = stiffest * state.modulus * body.shear[c], factor = largest > most ? most / largest : 1;
+  for (int k = 0; k < 81; ++k) cell.tangent[k] = static_cast<float>(factor * A[k]);
 }
 
-/// Adds the second derivatives of cells to the next stiffness. @return false where a law is not defined
-bool add_panel(phn_body_state& state, std::int32_t first, std::int32_t end) {
+/// Puts the present state of cells into the stiffness, in place of what it has of them.
+void replace(phn_body_state& state, const std::int32_t* cells, std::int32_t n) {
   const phn_body& body = *state.body;
   const std::int32_t stride = body.stride;
-  const float* gradients = body.gradients + static_cast<std::int64_t>(9 * first) * stride;
-  double strain[9 * cells_of_panel];
-  state.kernels->times(gradients, 9 * (end - first), stride, state.next_q, strain);
-  for (std::int32_t c = first; c < end; ++c, gradients += 9 * stride) {
-    double F[9], value, stress[9], A[81];
-    gradient_at(strain + 9 * (c - first), F);
-    if (!body.law->shape(F, body.parameters, value, stress, A)) return false;
-    for (double& a : A) a *= body.shear[c];
-    if (changes_volume(body, c)) {
-      double slope[9], second[81], pressure;
-      if (!body.law->volumetric(F, body.parameters, value, slope, second)) return false;
-      state.kernels->times(pressures_of(body, c), 1, body.pressure_stride, state.next_sums, &pressure);
-      const double bulk = body.shear[c] * body.bulk, p = bulk * value + body.bulk_of_cell[c] * pressure;
-      for (int i = 0; i < 9; ++i)
-        for (int j = 0; j < 9; ++j) A[9 * i + j] += bulk * slope[i] * slope[j] + p * second[9 * i + j];
-      if (body.bulk_of_cell[c] > 0) add_change(state, c, slope);
-    }
-    float* out = state.panel + static_cast<std::int64_t>(9 * (c - first)) * stride;
-    for (int i = 0; i < 9; ++i, out += stride) {
-      for (std::int32_t m = 0; m < stride; ++m) out[m] = 0;
-      for (int j = 0; j < 9; ++j)
-        for (std::int32_t m = 0; m < stride; ++m)
-          out[m] += static_cast<float>(A[9 * i + j]) * gradients[j * stride + m];
-    }
+  float* const products = state.panel + static_cast<std::int64_t>(9 * cells_of_panel) * stride;
+  for (std::int32_t i = 0; i < n; ++i) {
+    const std::int32_t c = cells[i];
+    phn_body_state::Cell now = state.cells[c];
+    memcpy(now.strain, state.at.strain + 9 * static_cast<std::int64_t>(c), sizeof now.strain);
+    now.pressure = pressure_of(state, c);
+    find_tangent(state, c, now);
+    float change[81];
+    for (int k = 0; k < 81; ++k) change[k] = now.tangent[k] - state.cells[c].tangent[k];
+    state.cells[c] = now;
+    const float* rows = body.gradients + static_cast<std::int64_t>(9 * c) * stride;
+    memcpy(state.panel + 9 * i * stride, rows, 9 * static_cast<std::size_t>(stride) * sizeof(float));
+    for (int k = 0; k < 9; ++k) state.kernels->mix(rows, stride, change + 9 * k, products + (9 * i + k) * stride);
   }
-  state.kernels->add_products(body.gradients + static_cast<std::int64_t>(9 * first) * stride, state.panel,
-                              9 * (end - first), stride, state.next);
-  return true;
+  state.kernels->add_products(state.panel, products, 9 * n, stride, state.sum);
 }
 
 /// Adds a multiple of the squares of the displacements under the tools, which does not change where the energy is
@@ -74,34 +70,32 @@ void hold_tools(phn_body_state& state) {
   const phn_body& body = *state.body;
   const std::int32_t stride = body.stride;
   constexpr double stiff = 30;  // over the stiffness that the modes alone have under a tool
-  for (std::int32_t r = 0; r < state.n_rows; ++r) {
+  float* scaled = state.panel;
+  for (std::int32_t r = 0; r < state.n_rows; ++r, scaled += stride) {
     const double* row = state.rows + static_cast<std::int64_t>(r) * stride;
     double compliance = 0;
     for (std::int32_t m = 0; m < body.info.n_modes; ++m) {
-      const double diagonal = state.next[static_cast<std::int64_t>(m) * (stride + 1)];
+      const double diagonal = state.factor[static_cast<std::int64_t>(m) * (stride + 1)];
       if (diagonal > 0) compliance += row[m] * row[m] / diagonal;
     }
     state.held[r] = compliance > 0 ? stiff / compliance : 0;
     const double root = std::sqrt(state.held[r]);
-    for (std::int32_t m = 0; m < stride; ++m) state.change_row[m] = static_cast<float>(root * row[m]);
-    state.kernels->add_products(state.change_row, state.change_row, 1, stride, state.next);
+    for (std::int32_t m = 0; m < stride; ++m) scaled[m] = static_cast<float>(root * row[m]);
   }
+  state.kernels->add_products(state.panel, state.panel, state.n_rows, stride, state.factor);
 }
 
 bool factorize(phn_body_state& state) {
   const std::int32_t n = state.body->info.n_modes, stride = state.body->stride;
-  state.kernels->add_products(state.bulk_rows, state.bulk_rows, state.body->info.n_pressures, stride, state.next);
-  set_zero(state.held, sizeof state.held / sizeof *state.held);
-  float shift = 0;
-  for (int attempt = 0; shift <= largest_shift; ++attempt) {
-    memcpy(state.factor, state.next, static_cast<std::size_t>(stride) * static_cast<std::size_t>(n) * sizeof(float));
+  for (float shift = 0; shift <= largest_shift; shift = shift > 0 ? 4 * shift : 1e-3f) {
+    memcpy(state.factor, state.sum, static_cast<std::size_t>(stride) * static_cast<std::size_t>(n) * sizeof(float));
+    state.kernels->add_products(state.bulk_rows, state.bulk_rows, state.body->info.n_pressures, stride, state.factor);
+    hold_tools(state);
     for (std::int32_t i = 0; i < n; ++i) {
       float& diagonal = state.factor[static_cast<std::int64_t>(i) * (stride + 1)];
       diagonal += shift * (diagonal > 0 ? diagonal : -diagonal);
     }
     if (state.kernels->factorize(state.factor, n, stride)) return true;
-    if (attempt == 0) hold_tools(state);
-    if (attempt > 0) shift = shift > 0 ? 4 * shift : 1e-3f;
   }
   return false;
 }
@@ -110,40 +104,46 @@ bool factorize(phn_body_state& state) {
 
 bool evaluate_body(phn_body_state& state, phn_body_state::Point& point) {
   const phn_body& body = *state.body;
-  const std::int32_t n = body.info.n_cells;
-  state.kernels->times(body.gradients, 9 * static_cast<std::int64_t>(n), body.stride, point.q, state.strain);
+  const BodyKernels& kernels = *state.kernels;
+  const std::int32_t n = body.info.n_cells, stride = body.stride;
   point.energy = 0;
-  for (std::int32_t c = 0; c < n; ++c) {
-    double F[9], shape;
-    const std::size_t at = 9 * static_cast<std::size_t>(c);
-    gradient_at(state.strain + at, F);
-    double *stress = state.stress + at, *slope = state.bulk_slope + at, &change = state.change[c];
-    if (!body.law->shape(F, body.parameters, shape, stress, nullptr)) return false;
-    change = 0;
-    if (changes_volume(body, c) && !body.law->volumetric(F, body.parameters, change, slope, nullptr)) return false;
-    point.energy += body.shear[c] * (shape + body.bulk / 2 * change * change);
-    state.pressure_at[c] = body.bulk_of_cell[c] * change;
+  set_zero(point.forces, static_cast<std::size_t>(stride));
+  // Rows of a few cells stay in the cache while they are used.
+  constexpr std::int32_t several = 4;
+  for (std::int32_t first = 0; first < n; first += several) {
+    const std::int32_t end = first + several < n ? first + several : n;
+    const float* rows = body.gradients + static_cast<std::int64_t>(9 * first) * stride;
+    double *strain = point.strain + 9 * static_cast<std::int64_t>(first), stress[9 * several];
+    kernels.times(rows, 9 * (end - first), stride, point.q, strain);
+    for (std::int32_t c = first; c < end; ++c) {
+      const std::int32_t i = 9 * (c - first), pressed = body.pressed_row[c];
+      double F[9], shape, change = 0, slope[9] = {};
+      gradient_at(strain + i, F);
+      if (!body.law->shape(F, body.parameters, shape, stress + i, nullptr)) return false;
+      if ((body.bulk > 0 || pressed >= 0) && !body.law->volumetric(F, body.parameters, change, slope, nullptr))
+        return false;
+      point.energy += body.shear[c] * (shape + body.bulk / 2 * change * change);
+      for (int k = 0; k < 9; ++k) stress[i + k] = body.shear[c] * (stress[i + k] + body.bulk * change * slope[k]);
+      if (pressed < 0) continue;
+      state.pressure_at[pressed] = body.bulk_of_cell[c] * change;
+      float factor[9];
+      for (int k = 0; k < 9; ++k) factor[k] = static_cast<float>(body.bulk_of_cell[c] * slope[k]);
+      kernels.mix(rows + i * stride, stride, factor, point.changes + static_cast<std::int64_t>(pressed) * stride);
+    }
+    kernels.add(rows, 9 * (end - first), stride, stress, point.forces);
   }
   set_zero(point.sums, static_cast<std::size_t>(body.pressure_stride));
-  state.kernels->add(body.pressures, n, body.pressure_stride, state.pressure_at, point.sums);
-  state.kernels->times(body.pressures, n, body.pressure_stride, point.sums, state.pressure_at);
+  kernels.add(body.pressures, body.n_pressed, body.pressure_stride, state.pressure_at, point.sums);
   for (std::int32_t k = 0; k < body.info.n_pressures; ++k) point.energy += point.sums[k] * point.sums[k] / 2;
-  for (std::int32_t c = 0; c < n; ++c) {
-    const std::size_t at = 9 * static_cast<std::size_t>(c);
-    const double p = body.shear[c] * body.bulk * state.change[c] + body.bulk_of_cell[c] * state.pressure_at[c];
-    const bool changes = changes_volume(body, c);
-    for (std::size_t k = at; k < at + 9; ++k)
-      state.stress[k] = body.shear[c] * state.stress[k] + (changes ? p * state.bulk_slope[k] : 0);
-  }
-  set_zero(point.forces, static_cast<std::size_t>(body.stride));
-  state.kernels->add(body.gradients, 9 * static_cast<std::int64_t>(n), body.stride, state.stress, point.forces);
+  kernels.times(body.pressures, body.n_pressed, body.pressure_stride, point.sums, state.pressure_at);
+  kernels.add(point.changes, body.n_pressed, stride, state.pressure_at, point.forces);
   return std::isfinite(point.energy) && all_finite(point.forces, static_cast<std::size_t>(body.info.n_modes));
 }
 
 bool find_rounding(phn_body_state& state) {
   const phn_body& body = *state.body;
   const double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  double value, stress[9], A[81], volume = 0, modulus = 0;
+  double value, stress[9], A[81], volume = 0, &modulus = state.modulus = 0;
   if (!body.law->shape(F, body.parameters, value, stress, A)) return false;
   for (std::int32_t c = 0; c < body.info.n_cells; ++c) volume += body.shear[c];
   for (const double a : A) modulus = std::fmax(modulus, std::fabs(a));
@@ -153,33 +153,61 @@ bool find_rounding(phn_body_state& state) {
 
 bool renew_stiffness(phn_body_state& state, std::int32_t n_cells) {
   const phn_body& body = *state.body;
-  const auto stride = static_cast<std::size_t>(body.stride);
-  if (n_cells == 0) {
-    state.next_cells = 0;
-    n_cells = body.info.n_cells;
+  const std::int32_t n = body.info.n_cells;
+  for (std::int64_t i = 0; i < static_cast<std::int64_t>(body.pressure_stride) * body.stride; ++i)
+    state.bulk_rows[i] = 0;
+  state.kernels->multiply(body.pressures, body.pressure_stride, state.at.changes, body.n_pressed, body.stride,
+                          state.bulk_rows);
+  state.kernels->times(body.pressures, body.n_pressed, body.pressure_stride, state.expected, state.pressure_at);
+  for (std::int32_t c = 0; c < n; ++c) {
+    const phn_body_state::Cell& cell = state.cells[c];
+    double square = 0;
+    for (int k = 0; k < 9; ++k) {
+      const double d = state.at.strain[9 * c + k] - cell.strain[k];
+      square += d * d;
+    }
+    state.changed[c] = (body.shear[c] * state.modulus * std::sqrt(square) +
+                        body.bulk_of_cell[c] * std::fabs(pressure_of(state, c) - cell.pressure)) *
+                       state.size_of_rows[c];
   }
-  if (state.next_cells == 0) {
-    memcpy(state.next_q, state.at.q, stride * sizeof(double));
-    memcpy(state.next_sums, state.expected, static_cast<std::size_t>(body.pressure_stride) * sizeof(double));
-    for (std::size_t i = 0; i < stride * stride; ++i) state.next[i] = 0;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(body.info.n_pressures) * stride; ++i)
-      state.next_bulk_rows[i] = 0;
+  std::int32_t cells[cells_of_panel];
+  for (std::int32_t done = 0; done < n_cells && done < n;) {
+    std::int32_t i = 0;
+    for (; i < cells_of_panel && done < n_cells && done < n; ++i, ++done) {
+      cells[i] = 0;
+      for (std::int32_t c = 1; c < n; ++c)
+        if (state.changed[c] > state.changed[cells[i]]) cells[i] = c;
+      state.changed[cells[i]] = -1;
+    }
+    replace(state, cells, i);
   }
-  const auto cut_to_all = [&](std::int32_t c) { return c < body.info.n_cells ? c : body.info.n_cells; };
-  for (const std::int32_t end = cut_to_all(state.next_cells + n_cells); state.next_cells < end;) {
-    const std::int32_t first = state.next_cells;
-    state.next_cells = cut_to_all(first + cells_of_panel);
-    if (add_panel(state, first, state.next_cells)) continue;
-    state.next_cells = 0;
-    return false;
-  }
-  if (state.next_cells < body.info.n_cells) return true;
-  state.next_cells = 0;
-  state.is_stale = false;
-  float* before = state.bulk_rows;
-  state.bulk_rows = state.next_bulk_rows;
-  state.next_bulk_rows = before;
   return factorize(state);
+}
+
+bool start_stiffness(phn_body_state& state) {
+  const phn_body& body = *state.body;
+  const auto stride = static_cast<std::size_t>(body.stride);
+  for (std::size_t i = 0; i < stride * stride; ++i) state.sum[i] = 0;
+  for (std::int32_t c = 0; c < body.info.n_cells; ++c) {
+    state.cells[c] = {};
+    state.size_of_rows[c] = 0;
+    const float* rows = body.gradients + static_cast<std::int64_t>(9 * c) * body.stride;
+    for (std::size_t m = 0; m < 9 * stride; ++m) state.size_of_rows[c] += static_cast<double>(rows[m]) * rows[m];
+  }
+  if (!renew_stiffness(state, body.info.n_cells)) return false;
+  memcpy(state.sum_at_rest, state.sum, stride * stride * sizeof(float));
+  memcpy(state.factor_at_rest, state.factor, stride * stride * sizeof(float));
+  return true;
+}
+
+void release_stiffness(phn_body_state& state) {
+  const auto stride = static_cast<std::size_t>(state.body->stride);
+  memcpy(state.sum, state.sum_at_rest, stride * stride * sizeof(float));
+  for (std::int32_t c = 0; c < state.body->info.n_cells; ++c) {
+    set_zero(state.cells[c].strain, 9);
+    state.cells[c].pressure = 0;
+    find_tangent(state, c, state.cells[c]);
+  }
 }
 
 }  // namespace PHN_RUNTIME

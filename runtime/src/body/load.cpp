@@ -1,5 +1,6 @@
 // Reads a body.txt by the grammar of phynness/schema/body_grammar.hpp.
 #include <cfloat>
+#include <cstring>
 
 #include "body/body.hpp"
 #include "core/evaluate.hpp"
@@ -138,6 +139,19 @@ void set_across(const phn_body& body, std::int32_t* last_at, std::int32_t* befor
   }
 }
 
+/// Moves the rows of cells that have a pressure together.
+void keep_pressed(phn_body& body, float* pressures, std::int32_t* pressed_row) {
+  const auto stride = static_cast<std::size_t>(body.pressure_stride);
+  body.pressures = pressures;
+  body.pressed_row = pressed_row;
+  for (std::int32_t c = 0; c < body.info.n_cells; ++c) {
+    pressed_row[c] = body.bulk_of_cell[c] > 0 ? body.n_pressed++ : -1;
+    if (pressed_row[c] >= 0)
+      memmove(pressures + static_cast<std::size_t>(pressed_row[c]) * stride,
+              pressures + static_cast<std::size_t>(c) * stride, stride * sizeof(float));
+  }
+}
+
 }  // namespace
 
 int load_body(const char* text, std::size_t length, Arena& arena, const phn_body** result, std::size_t& wrong_byte) {
@@ -155,6 +169,7 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   auto* across = arena.take<std::int32_t>(static_cast<std::size_t>(store.surface.n), 3);
   auto* before = arena.take<std::int32_t>(static_cast<std::size_t>(store.surface.n), 3);
   auto* last_at = arena.take<std::int32_t>(static_cast<std::size_t>(store.nodes.n));
+  auto* pressed_row = arena.take<std::int32_t>(static_cast<std::size_t>(store.shear_m3.n));
   auto* normals = arena.take<double>(static_cast<std::size_t>(store.nodes.n), 3);
   wrong_byte = in.wrong_byte();
   if (!in.good()) return in.status();
@@ -186,7 +201,7 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   body->shear = store.shear_m3.at;
   body->bulk_of_cell = store.bulk_rJ.at;
   body->gradients = store.gradients.entries.at;
-  body->pressures = store.pressures.entries.at;
+  keep_pressed(*body, store.pressures.entries.at, pressed_row);
   body->bounds = store.bounds.n > 0 ? store.bounds.at : nullptr;
   set_across(*body, last_at, before, across);
   set_normals(*body, normals);

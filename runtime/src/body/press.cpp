@@ -15,15 +15,16 @@ namespace {
 constexpr double settled = 1e-7;
 /// From here on the forces are not those of an equilibrium.
 constexpr double unsettled = 1e-2;
-/// A step that shrinks less than by this factor calls for a new stiffness.
+/// Where a step shrinks less than by this factor, or was cut, more of the stiffness is renewed.
 constexpr double slow = 0.3;
+constexpr std::int32_t many_panels = 4;
 /// Part of the decrease of energy that a step promises and must bring (Armijo 1966, doi 10.2140/pjm.1966.16.1).
 constexpr double sufficient = 1e-4;
-constexpr int most_halvings = 20;
+/// A step that does not bring it is tried again with a smaller part, in the next call if need be. A step that brings it
+/// is followed by one with a larger part.
+constexpr double cut = 4, growth = 2, least_part = 1e-6;
 /// Components of displacements are clamped to so many times the depth.
 constexpr double most_depths = 1000;
-/// A new stiffness takes about as long as this many steps, in which it is made if a call has fewer.
-constexpr std::int32_t steps_of_renewal = 8;
 
 void means_of_modes(const phn_body& body, const ToolScratch& scratch, std::int32_t n, double* rows) {
   set_zero(rows, 3 * static_cast<std::size_t>(body.stride));
@@ -41,27 +42,26 @@ class Equilibrium {
   explicit Equilibrium(phn_body_state& state)
       : _s(state), _body(*state.body), _n(state.body->info.n_modes), _stride(state.body->stride) {}
 
-  /// @param budget  steps that may be made; a new stiffness takes as long as `steps_of_renewal`
-  void settle(std::int32_t budget, phn_body_pressed& pressed) {
-    _compliance.set(_s, _s.factor);
+  void settle(std::int32_t steps, phn_body_pressed& pressed) {
     double last = HUGE_VAL;
-    bool is_fresh = false;
-    while (budget > 0) {
-      pressed.unbalanced = direction();
-      if (pressed.unbalanced <= settled) return;
-      if (!is_fresh && (_s.is_stale || pressed.unbalanced > slow * last) && budget > steps_of_renewal) {
-        if (!renew_stiffness(_s, 0)) return;
-        budget -= steps_of_renewal;
+    bool is_new = true;  // the state, for its stiffness
+    while (true) {
+      if (is_new && pressed.steps < steps) {
+        const bool much = _s.part < 1 || pressed.unbalanced > slow * last;
+        if (!renew_stiffness(_s, (much ? many_panels : 1) * cells_of_panel)) {
+          pressed.unbalanced = 1;
+          return;
+        }
         ++pressed.renewed;
         _compliance.set(_s, _s.factor);
-        is_fresh = true;
-        continue;
       }
-      last = pressed.unbalanced;
-      _s.is_stale = !search();
-      is_fresh = false;
+      if (is_new) {
+        last = pressed.steps > 0 ? pressed.unbalanced : HUGE_VAL;
+        pressed.unbalanced = direction();
+      }
+      if (pressed.unbalanced <= settled || pressed.steps >= steps) return;
+      is_new = step();
       ++pressed.steps;
-      --budget;
     }
   }
 
@@ -107,28 +107,27 @@ class Equilibrium {
     return merit;
   }
 
-  /// Goes the part of the step that lowers it. @return whether it is the whole step
-  bool search() {
-    const std::int32_t n_pressures = _body.info.n_pressures;
-    _s.kernels->times(_s.bulk_rows, n_pressures, _stride, _s.step, _s.change_of_sums);
-    memcpy(_s.expected, _s.at.sums, static_cast<std::size_t>(n_pressures) * sizeof(double));
-    const double start = merit(_s.at);
-    double part = 1;
-    for (int halving = 0; halving < most_halvings; ++halving, part /= 2) {
-      for (std::int32_t m = 0; m < _stride; ++m) _s.trial.q[m] = _s.at.q[m] + part * _s.step[m];
-      if (!evaluate_body(_s, _s.trial)) continue;
-      const double here = merit(_s.trial);
+  /// Goes a part of the step, if that lowers it enough; otherwise the next part is smaller. @return whether it went
+  bool step() {
+    const double part = _s.part;
+    for (std::int32_t m = 0; m < _stride; ++m) _s.trial.q[m] = _s.at.q[m] + part * _s.step[m];
+    bool is_lower = evaluate_body(_s, _s.trial);
+    if (is_lower) {
+      const double start = merit(_s.at), here = merit(_s.trial);
       // Differences of energies are rounded.
       const double rounding =
           1e-13 * (std::fabs(start) + std::fabs(here) + _s.at.energy + _s.trial.energy) + _s.rounding;
-      if (here > start - sufficient * part * _decrease + rounding) continue;
-      for (std::int32_t k = 0; k < n_pressures; ++k) _s.expected[k] += part * _s.change_of_sums[k];
-      const auto before = _s.at;
-      _s.at = _s.trial;
-      _s.trial = before;
-      return part == 1;
+      is_lower = here <= start - sufficient * part * _decrease + rounding;
     }
-    return false;
+    _s.part = is_lower ? std::fmin(growth * part, 1) : std::fmax(part / cut, least_part);
+    if (!is_lower) return false;
+    const std::int32_t n_pressures = _body.info.n_pressures;
+    _s.kernels->times(_s.bulk_rows, n_pressures, _stride, _s.step, _s.expected);
+    for (std::int32_t k = 0; k < n_pressures; ++k) _s.expected[k] = _s.at.sums[k] + part * _s.expected[k];
+    const auto before = _s.at;
+    _s.at = _s.trial;
+    _s.trial = before;
+    return true;
   }
 
   phn_body_state& _s;
@@ -159,22 +158,23 @@ struct Layout {
     s.body = &body;
     s.kernels = &best_body_kernels();
     s.max_tools = max_tools;
+    s.part = 1;
     s.scratch = {arena.take<double>(nodes), arena.take<std::int32_t>(nodes), arena.take<std::int32_t>(triangles),
                  arena.take<char>(triangles)};
-    take(arena, 1, stride, s.at.q, s.at.forces, s.trial.q, s.trial.forces, s.alone, s.step, s.next_q);
-    take(arena, 9, cells, s.strain, s.stress, s.bulk_slope);
-    take(arena, 1, cells, s.change, s.pressure_at);
-    take(arena, 1, static_cast<std::size_t>(body.pressure_stride), s.at.sums, s.trial.sums, s.next_sums, s.expected,
-         s.change_of_sums);
+    take(arena, 1, stride, s.at.q, s.at.forces, s.trial.q, s.trial.forces, s.alone, s.step);
+    take(arena, 9, cells, s.at.strain, s.trial.strain);
+    take(arena, 1, cells, s.changed, s.pressure_at, s.size_of_rows);
+    s.at.changes = arena.take<float>(static_cast<std::size_t>(body.n_pressed), stride);
+    s.trial.changes = arena.take<float>(static_cast<std::size_t>(body.n_pressed), stride);
+    s.cells = arena.take<phn_body_state::Cell>(cells);
+    take(arena, 1, static_cast<std::size_t>(body.pressure_stride), s.at.sums, s.trial.sums, s.expected);
     take(arena, 3 * static_cast<std::size_t>(max_tools), stride, s.rows, s.moved);
     s.factor = arena.take<float>(stride, stride);
     s.factor_at_rest = arena.take<float>(stride, stride);
-    s.next = arena.take<float>(stride, stride);
-    s.bulk_rows = arena.take<float>(static_cast<std::size_t>(body.info.n_pressures), stride);
-    s.bulk_rows_at_rest = arena.take<float>(static_cast<std::size_t>(body.info.n_pressures), stride);
-    s.next_bulk_rows = arena.take<float>(static_cast<std::size_t>(body.info.n_pressures), stride);
-    s.panel = arena.take<float>(9 * cells_of_panel, stride);
-    s.change_row = arena.take<float>(stride);
+    s.sum = arena.take<float>(stride, stride);
+    s.sum_at_rest = arena.take<float>(stride, stride);
+    s.bulk_rows = arena.take<float>(static_cast<std::size_t>(body.pressure_stride), stride);
+    s.panel = arena.take<float>(2 * 9 * cells_of_panel, stride);
     if (state == nullptr || arena.overflow()) return;
     set_zero(s.scratch.weight, nodes);
     for (std::size_t t = 0; t < triangles; ++t) s.scratch.taken[t] = 0;
@@ -185,8 +185,9 @@ struct Layout {
 
 /// Cuts forces that are far larger than those of the tools, each alone, at the stiffness at rest: of tools that work
 /// against each other so closely that steps do not settle.
-void cut_forces(const phn_body_state& state, double* forces) {
-  constexpr double most = 10;  // times their sum; a body that stiffens has a few times as much
+void cut_forces(const phn_body_state& state, double unbalanced, double* forces) {
+  // Times their sum. A body that stiffens between tools has tens of times as much, and is nearly balanced.
+  const double most = std::fmax(10, 1 / unbalanced);
   Compliance at_rest;
   at_rest.set(state, state.factor_at_rest);
   double sum = 0;
@@ -210,23 +211,10 @@ bool start_at_rest(phn_body_state& state) {
   return evaluate_body(state, state.at);
 }
 
-/// After start_at_rest() and the first stiffness.
-void keep_rest(phn_body_state& state) {
-  const auto stride = static_cast<std::size_t>(state.body->stride);
-  memcpy(state.factor_at_rest, state.factor, stride * stride * sizeof(float));
-  memcpy(state.bulk_rows_at_rest, state.bulk_rows,
-         static_cast<std::size_t>(state.body->info.n_pressures) * stride * sizeof(float));
-}
-
 void release(phn_body_state& state) {
-  const auto stride = static_cast<std::size_t>(state.body->stride);
   start_at_rest(state);
-  memcpy(state.factor, state.factor_at_rest, stride * stride * sizeof(float));
-  memcpy(state.bulk_rows, state.bulk_rows_at_rest,
-         static_cast<std::size_t>(state.body->info.n_pressures) * stride * sizeof(float));
-  set_zero(state.held, sizeof state.held / sizeof *state.held);
-  state.is_stale = false;
-  state.next_cells = 0;
+  release_stiffness(state);
+  state.part = 1;
 }
 
 /// phn_body_press, of which neither output is written yet.
@@ -275,14 +263,10 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
   }
   if (made.unbalanced > unsettled || !(made.behind_m <= unsettled * depth)) {
     status |= PHN_WARNING_UNSETTLED;
-    cut_forces(*state, held_by);
+    cut_forces(*state, made.unbalanced, held_by);
   }
   memcpy(state->force, held_by, sizeof state->force);
   state->status = status;
-  // Tools that move go on to need a new stiffness, of which each call makes a part.
-  if (made.unbalanced > settled && made.renewed == 0 &&
-      renew_stiffness(*state, (body->info.n_cells - 1) / steps_of_renewal + 1) && state->next_cells == 0)
-    ++made.renewed;
   return status;
 }
 
@@ -329,9 +313,8 @@ int phn_body_state_init(void* memory, size_t bytes, const phn_body* body, int32_
   const Layout layout(arena, *body, max_tools);
   if (layout.state == nullptr || arena.overflow()) return PHN_ERROR_BUFFER;
   // Where the law is not defined at rest, or nothing resists, the numbers are not those of a body.
-  if (!find_rounding(*layout.state) || !start_at_rest(*layout.state) || !renew_stiffness(*layout.state, 0))
+  if (!find_rounding(*layout.state) || !start_at_rest(*layout.state) || !start_stiffness(*layout.state))
     return PHN_ERROR_RANGE;
-  keep_rest(*layout.state);
   *state = layout.state;
   return PHN_OK;
 }
