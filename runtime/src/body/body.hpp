@@ -24,6 +24,8 @@ struct phn_body {
   const float* modes;          ///< 3 n_nodes rows
   const double *shear, *bulk_of_cell;
   const float* gradients;  ///< 9 n_cells rows
+  /// n_modes rows: second derivatives of the shape's energy at rest, of the cells and what they lack; null: not known.
+  const float *cells_at_rest, *lack_at_rest;
   const float* pressures;  ///< n_cells rows
   const double* bounds;    ///< coefficients of core/bound.hpp, n_coupled_kinds x n_coupled_terms; null: none
 };
@@ -81,6 +83,7 @@ struct phn_body_state {
   double rounding;              ///< of energies near rest [J]
   double *rows, *moved;         ///< 3 max_tools rows: means of the modes under the tools; products with the compliance
   double *alone, *step;
+  double *linear, *lacking;              ///< the products of these derivatives with q
   float *factor, *factor_at_rest;        ///< of the stiffness
   float *bulk_rows, *bulk_rows_at_rest;  ///< db/dq of the states of these factors, n_pressures rows
   double held[3 * PHN_MOST_COUPLED];  ///< multiples of the squares of what the tools displace that the factor has [N/m]

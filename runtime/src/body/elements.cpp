@@ -106,13 +106,31 @@ bool factorize(phn_body_state& state) {
   return false;
 }
 
+double product_of(const double* a, const double* b, std::int32_t n) {
+  double sum = 0;
+  for (std::int32_t i = 0; i < n; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+/// The energy of the shape over that of the cells, in a linear body.
+double ratio_at_rest(phn_body_state& state, const double* q) {
+  const phn_body& body = *state.body;
+  const std::int32_t n = body.info.n_modes;
+  if (body.cells_at_rest == nullptr) return 1;
+  state.kernels->times(body.cells_at_rest, n, body.stride, q, state.linear);
+  state.kernels->times(body.lack_at_rest, n, body.stride, q, state.lacking);
+  const double of_cells = product_of(q, state.linear, n);
+  return of_cells > 0 ? 1 + product_of(q, state.lacking, n) / of_cells : 1;
+}
+
 }  // namespace
 
 bool evaluate_body(phn_body_state& state, phn_body_state::Point& point) {
   const phn_body& body = *state.body;
   const std::int32_t n = body.info.n_cells;
   state.kernels->times(body.gradients, 9 * static_cast<std::int64_t>(n), body.stride, point.q, state.strain);
-  point.energy = 0;
+  double energy = 0;
+  const double ratio = ratio_at_rest(state, point.q);
   for (std::int32_t c = 0; c < n; ++c) {
     double F[9], shape;
     const std::size_t at = 9 * static_cast<std::size_t>(c);
@@ -121,22 +139,29 @@ bool evaluate_body(phn_body_state& state, phn_body_state::Point& point) {
     if (!body.law->shape(F, body.parameters, shape, stress, nullptr)) return false;
     change = 0;
     if (changes_volume(body, c) && !body.law->volumetric(F, body.parameters, change, slope, nullptr)) return false;
-    point.energy += body.shear[c] * (shape + body.bulk / 2 * change * change);
+    energy += body.shear[c] * (shape + body.bulk / 2 * change * change);
     state.pressure_at[c] = body.bulk_of_cell[c] * change;
   }
   set_zero(point.sums, static_cast<std::size_t>(body.pressure_stride));
   state.kernels->add(body.pressures, n, body.pressure_stride, state.pressure_at, point.sums);
   state.kernels->times(body.pressures, n, body.pressure_stride, point.sums, state.pressure_at);
+  point.energy = ratio * energy;
   for (std::int32_t k = 0; k < body.info.n_pressures; ++k) point.energy += point.sums[k] * point.sums[k] / 2;
   for (std::int32_t c = 0; c < n; ++c) {
     const std::size_t at = 9 * static_cast<std::size_t>(c);
-    const double p = body.shear[c] * body.bulk * state.change[c] + body.bulk_of_cell[c] * state.pressure_at[c];
+    const double shear = ratio * body.shear[c],
+                 p = shear * body.bulk * state.change[c] + body.bulk_of_cell[c] * state.pressure_at[c];
     const bool changes = changes_volume(body, c);
     for (std::size_t k = at; k < at + 9; ++k)
-      state.stress[k] = body.shear[c] * state.stress[k] + (changes ? p * state.bulk_slope[k] : 0);
+      state.stress[k] = shear * state.stress[k] + (changes ? p * state.bulk_slope[k] : 0);
   }
   set_zero(point.forces, static_cast<std::size_t>(body.stride));
   state.kernels->add(body.gradients, 9 * static_cast<std::int64_t>(n), body.stride, state.stress, point.forces);
+  if (ratio != 1) {
+    const double size = product_of(point.q, state.linear, body.info.n_modes);
+    for (std::int32_t m = 0; m < body.info.n_modes; ++m)
+      point.forces[m] += 2 * energy / size * (state.lacking[m] - (ratio - 1) * state.linear[m]);
+  }
   return std::isfinite(point.energy) && all_finite(point.forces, static_cast<std::size_t>(body.info.n_modes));
 }
 
@@ -162,6 +187,8 @@ bool renew_stiffness(phn_body_state& state, std::int32_t n_cells) {
     memcpy(state.next_q, state.at.q, stride * sizeof(double));
     memcpy(state.next_sums, state.expected, static_cast<std::size_t>(body.pressure_stride) * sizeof(double));
     for (std::size_t i = 0; i < stride * stride; ++i) state.next[i] = 0;
+    if (body.cells_at_rest != nullptr)
+      memcpy(state.next, body.lack_at_rest, static_cast<std::size_t>(body.info.n_modes) * stride * sizeof(float));
     for (std::size_t i = 0; i < static_cast<std::size_t>(body.info.n_pressures) * stride; ++i)
       state.next_bulk_rows[i] = 0;
   }

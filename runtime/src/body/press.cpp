@@ -161,7 +161,8 @@ struct Layout {
     s.max_tools = max_tools;
     s.scratch = {arena.take<double>(nodes), arena.take<std::int32_t>(nodes), arena.take<std::int32_t>(triangles),
                  arena.take<char>(triangles)};
-    take(arena, 1, stride, s.at.q, s.at.forces, s.trial.q, s.trial.forces, s.alone, s.step, s.next_q);
+    take(arena, 1, stride, s.at.q, s.at.forces, s.trial.q, s.trial.forces, s.alone, s.step, s.next_q, s.linear,
+         s.lacking);
     take(arena, 9, cells, s.strain, s.stress, s.bulk_slope);
     take(arena, 1, cells, s.change, s.pressure_at);
     take(arena, 1, static_cast<std::size_t>(body.pressure_stride), s.at.sums, s.trial.sums, s.next_sums, s.expected,
