@@ -70,7 +70,8 @@ class Reduction {
         _report(report),
         _progress(progress),
         _threads(threads),
-        _elements(_header.mesh, _scene.material, _scene.solver.element) {}
+        _elements(_header.mesh, _scene.material, _scene.solver.element),
+        _rest(at_rest(_elements)) {}
 
   ReducedBody run() {
     draw_states();
@@ -177,8 +178,8 @@ class Reduction {
   }
 
   /// The inverse of the lower Cholesky factor of the stiffness at rest.
-  MatrixXd inverse_of_rest() const {
-    const Rest rest = at_rest(_elements);
+  MatrixXd inverse_of_rest() {
+    const Rest& rest = _rest;
     const Index n = _elements.n_nodes, m = _modes.cols();
     MatrixXd stiffness = MatrixXd::Zero(m, m), changes = MatrixXd::Zero(_pressures.cols(), m);
     for (Index i = 0; i < 3; ++i)
@@ -191,6 +192,7 @@ class Reduction {
                            _elements.slope[static_cast<std::size_t>(l)]);
         stiffness += _modes.middleRows(i * n, n).transpose() * (part * _modes.middleRows(k * n, n));
       }
+    _shape_at_rest = stiffness;
     const MatrixXd volumes = _elements.bulk.asDiagonal() * (_elements.middle * _pressures);
     for (Index k = 0; k < 9; ++k)
       changes += rest.g[k] * (_elements.slope[static_cast<std::size_t>(k % 3)].transpose() * volumes).transpose() *
@@ -291,12 +293,25 @@ class Reduction {
     const auto gradient = gradients(_elements.slope_at(points), _modes);
     MatrixXd rows(9 * n, _modes.cols());
     for (Index k = 0; k < 9; ++k) rows(Eigen::seqN(k, n, 9), Eigen::all) = gradient[static_cast<std::size_t>(k)];
+    VectorXd largest_of(_modes.cols());
     for (Index m = 0; m < _modes.cols(); ++m) {
-      const double largest = scale_of(rows.col(m));
+      const double largest = largest_of[m] = scale_of(rows.col(m));
       rows.col(m) /= largest;
       _modes.col(m) /= largest;
     }
     out.gradients = scaled_table(rows);
+    if (_shape_at_rest.size() > 0) {
+      const MatrixXd scaled =
+          largest_of.cwiseInverse().asDiagonal() * _shape_at_rest * largest_of.cwiseInverse().asDiagonal();
+      MatrixXd of_cells = MatrixXd::Zero(_modes.cols(), _modes.cols());
+      for (Index c = 0; c < n; ++c) {
+        const MatrixXd cell = rows.middleRows(9 * c, 9);
+        of_cells +=
+            weights[c] * _elements.shear[points[static_cast<std::size_t>(c)]] * cell.transpose() * (_rest.shape * cell);
+      }
+      out.cells_at_rest = scaled_table(of_cells);
+      out.lack_at_rest = scaled_table(scaled - of_cells);
+    }
     MatrixXd pressures = _elements.middle_at(points) * _pressures;
     const double largest = scale_of(pressures);
     out.pressures = scaled_table(pressures / largest);
@@ -335,10 +350,12 @@ class Reduction {
   const OnProgress& _progress;
   const int _threads;
   const Elements _elements;
+  const Rest _rest;
   std::mutex _mutex;
   std::int64_t _done = 0;
   std::vector<std::size_t> _drawn;
   MatrixXd _states;             ///< 3 n_nodes x states that are drawn
+  MatrixXd _shape_at_rest;      ///< stiffness of the shape in the modes
   MatrixXd _modes, _pressures;  ///< orthonormal in laplace and in compressibility
   Cubature _cubature;
 };

@@ -23,7 +23,9 @@ struct phn_body {
   const double* normals;       ///< unit normals of nodes
   const float* modes;          ///< 3 n_nodes rows
   const double *shear, *bulk_of_cell;
-  const float* gradients;           ///< 9 n_cells rows
+  const float* gradients;  ///< 9 n_cells rows
+  /// n_modes rows: second derivatives of the shape's energy at rest, of the cells and what they lack; null: not known.
+  const float *cells_at_rest, *lack_at_rest;
   std::int32_t n_pressed;           ///< cells with a pressure
   const std::int32_t* pressed_row;  ///< of the cells: their rows of `pressures`, ascending; -1: none
   const float* pressures;           ///< n_pressed rows
@@ -87,6 +89,7 @@ struct phn_body_state {
   double rounding;       ///< of energies near rest [J]
   double *rows, *moved;  ///< 3 max_tools rows: means of the modes under the tools; products with the compliance
   double *alone, *step;
+  double *of_cells, *lacking;         ///< products of these derivatives with q
   float *factor, *factor_at_rest;     ///< of the stiffness
   float* bulk_rows;                   ///< db/dq of the state of the factor, n_pressures rows
   double held[3 * PHN_MOST_COUPLED];  ///< multiples of the squares of what the tools displace that the factor has [N/m]

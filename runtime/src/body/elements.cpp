@@ -100,6 +100,25 @@ bool factorize(phn_body_state& state) {
   return false;
 }
 
+/// Multiplies the energy of the cells by the ratio that makes it that of all elements in a linear body.
+void scale_as_linear(phn_body_state& state, phn_body_state::Point& point) {
+  const phn_body& body = *state.body;
+  const std::int32_t n = body.info.n_modes;
+  if (body.cells_at_rest == nullptr) return;
+  state.kernels->times(body.cells_at_rest, n, body.stride, point.q, state.of_cells);
+  state.kernels->times(body.lack_at_rest, n, body.stride, point.q, state.lacking);
+  double of_cells = 0, lacking = 0;
+  for (std::int32_t m = 0; m < n; ++m) {
+    of_cells += point.q[m] * state.of_cells[m];
+    lacking += point.q[m] * state.lacking[m];
+  }
+  if (!(of_cells > 0)) return;
+  const double more = lacking / of_cells, slope = 2 * point.energy / of_cells;
+  for (std::int32_t m = 0; m < n; ++m)
+    point.forces[m] += more * point.forces[m] + slope * (state.lacking[m] - more * state.of_cells[m]);
+  point.energy += more * point.energy;
+}
+
 }  // namespace
 
 bool evaluate_body(phn_body_state& state, phn_body_state::Point& point) {
@@ -132,6 +151,7 @@ bool evaluate_body(phn_body_state& state, phn_body_state::Point& point) {
     }
     kernels.add(rows, 9 * (end - first), stride, stress, point.forces);
   }
+  scale_as_linear(state, point);
   set_zero(point.sums, static_cast<std::size_t>(body.pressure_stride));
   kernels.add(body.pressures, body.n_pressed, body.pressure_stride, state.pressure_at, point.sums);
   for (std::int32_t k = 0; k < body.info.n_pressures; ++k) point.energy += point.sums[k] * point.sums[k] / 2;
@@ -188,6 +208,8 @@ bool start_stiffness(phn_body_state& state) {
   const phn_body& body = *state.body;
   const auto stride = static_cast<std::size_t>(body.stride);
   for (std::size_t i = 0; i < stride * stride; ++i) state.sum[i] = 0;
+  if (body.cells_at_rest != nullptr)
+    memcpy(state.sum, body.lack_at_rest, static_cast<std::size_t>(body.info.n_modes) * stride * sizeof(float));
   for (std::int32_t c = 0; c < body.info.n_cells; ++c) {
     state.cells[c] = {};
     state.size_of_rows[c] = 0;

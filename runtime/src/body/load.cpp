@@ -65,7 +65,7 @@ struct BodyStore {
   double bulk_in_shape_Pa = 0, tool_radius_m = 0, depth_m = 0;
   Numbers<std::int32_t> nodes, kinds, surface;
   Numbers<double> points, shear_m3, bulk_rJ;
-  ScaledRows modes, gradients, pressures;
+  ScaledRows modes, gradients, cells_at_rest, lack_at_rest, pressures;
   double coverage = 0;
   std::int32_t n_rays = 0;
   Numbers<double> bounds;
@@ -202,6 +202,8 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   body->bulk_of_cell = store.bulk_rJ.at;
   body->gradients = store.gradients.entries.at;
   keep_pressed(*body, store.pressures.entries.at, pressed_row);
+  body->cells_at_rest = store.cells_at_rest.entries.n > 0 ? store.cells_at_rest.entries.at : nullptr;
+  body->lack_at_rest = store.lack_at_rest.entries.at;
   body->bounds = store.bounds.n > 0 ? store.bounds.at : nullptr;
   set_across(*body, last_at, before, across);
   set_normals(*body, normals);

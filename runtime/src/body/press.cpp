@@ -161,7 +161,7 @@ struct Layout {
     s.part = 1;
     s.scratch = {arena.take<double>(nodes), arena.take<std::int32_t>(nodes), arena.take<std::int32_t>(triangles),
                  arena.take<char>(triangles)};
-    take(arena, 1, stride, s.at.q, s.at.forces, s.trial.q, s.trial.forces, s.alone, s.step);
+    take(arena, 1, stride, s.at.q, s.at.forces, s.trial.q, s.trial.forces, s.alone, s.step, s.of_cells, s.lacking);
     take(arena, 9, cells, s.at.strain, s.trial.strain);
     take(arena, 1, cells, s.changed, s.pressure_at, s.size_of_rows);
     s.at.changes = arena.take<float>(static_cast<std::size_t>(body.n_pressed), stride);

@@ -9,7 +9,8 @@
 
 namespace phynness {
 
-/// Energy [J] of a state q: sum_c shear_c (shape(F_c) + bulk/2 g(F_c)^2) + b . b / 2,
+/// Energy [J] of a state q: sum_c shear_c (shape(F_c) + bulk/2 g(F_c)^2) r + b . b / 2,
+/// r = 1 + q . lack_at_rest q / q . cells_at_rest q,
 /// b = sum_c bulk_c g(F_c) pressures_c, F_c = I + gradients_c q. shape is that of the law file, and g its
 /// of_pressure or, without one, its volumetric (laws/tables/law.py).
 struct ReducedBody {
@@ -26,6 +27,8 @@ struct ReducedBody {
   std::vector<double> shear_m3;     ///< of the cells, with their weights
   std::vector<double> bulk_rJ;      ///< [sqrt(J)]
   ScaledTable gradients;            ///< 9 n_cells x n_modes: du_i/dX_j in row 9 c + 3 i + j
+  /// n_modes x n_modes, symmetric [J]: the second derivative of the first sum at rest, and what it lacks; or none.
+  ScaledTable cells_at_rest, lack_at_rest;
   ScaledTable pressures;            ///< n_cells x n_pressures
   double coverage = 0;              ///< of the bounds
   std::int32_t n_rays = 0;          ///< from which they are

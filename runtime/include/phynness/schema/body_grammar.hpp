@@ -69,6 +69,10 @@ void body(IO& io, Body& b) {
     io.end();
   }
   table(io, "gradients", b.gradients, 9 * static_cast<int64_t>(n_points), n_modes);
+  if (io.optional("cells-at-rest", io.rows(b.cells_at_rest.entries) > 0)) {
+    table(io, "cells-at-rest", b.cells_at_rest, n_modes, n_modes);
+    table(io, "lack-at-rest", b.lack_at_rest, n_modes, n_modes);
+  }
   const int32_t n_pressures = size_line(io, "pressures", io.cols(b.pressures.entries), 1, most_body_modes);
   table(io, "pressures-at-cells", b.pressures, n_points, n_pressures);
   body_bounds(io, b);
