@@ -71,6 +71,23 @@ std::vector<phn_tool> two_tools(const Mesh& mesh, double scale) {
   return tools;
 }
 
+/// That forces are those of the energy, at the tools that are pressed.
+void expect_derivatives(Loaded& loaded, const std::vector<phn_tool>& tools) {
+  const auto forces = loaded.force;
+  for (std::size_t t = 0; t < 2; ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      constexpr double h = 1e-3 * depth;  // the error is of its square, and rounding far below
+      double energy[2];
+      for (const int side : {0, 1}) {
+        auto moved = tools;
+        moved[t].displacement[k] += side == 0 ? -h : h;
+        ASSERT_EQ(loaded.press(moved), PHN_OK);
+        energy[side] = loaded.pressed.energy;
+      }
+      EXPECT_NEAR((energy[1] - energy[0]) / (2 * h), forces[t][static_cast<Eigen::Index>(k)], 1e-4 * forces[0].norm());
+    }
+}
+
 // Claim: the energy is that of the law file in all tetrahedra, and forces are its derivatives by the displacements of
 // the tools; of linear elements with isochoric laws.
 TEST(Bodies, HaveTheEnergyOfTheirElements) {
@@ -81,21 +98,44 @@ TEST(Bodies, HaveTheEnergyOfTheirElements) {
     const auto tools = two_tools(block.mesh, 1);
     ASSERT_EQ(loaded.press(tools), PHN_OK);
     EXPECT_NEAR(block.energy(loaded.deformation()), loaded.pressed.energy, rounding * loaded.pressed.energy);
-    const auto forces = loaded.force;
-    for (std::size_t t = 0; t < 2; ++t)
-      for (std::size_t k = 0; k < 3; ++k) {
-        constexpr double h = 1e-3 * depth;  // the error is of its square, and rounding far below
-        double energy[2];
-        for (const int side : {0, 1}) {
-          auto moved = tools;
-          moved[t].displacement[k] += side == 0 ? -h : h;
-          ASSERT_EQ(loaded.press(moved), PHN_OK);
-          energy[side] = loaded.pressed.energy;
-        }
-        EXPECT_NEAR((energy[1] - energy[0]) / (2 * h), forces[t][static_cast<Eigen::Index>(k)],
-                    1e-4 * forces[0].norm());
-      }
+    expect_derivatives(loaded, tools);
   }
+}
+
+// Claim: tables of the energy at rest make a body whose cells have wrong weights the one with right ones where it is
+// hardly deformed, and elsewhere forces are derivatives of the energy.
+TEST(Bodies, AreExactNearRest) {
+  Block block;
+  Loaded right(write_body_text(block.body));
+  Random random(5);
+  const Eigen::MatrixXd gradients = block.body.gradients.values();
+  const double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  double value, first[9];
+  Eigen::Matrix<double, 9, 9> second;
+  ASSERT_TRUE(
+      runtime::find_body_law("mooney-rivlin")->shape(F, block.material.parameters.data(), value, first, second.data()));
+  Eigen::MatrixXd of_cells = Eigen::MatrixXd::Zero(gradients.cols(), gradients.cols()), of_all = of_cells;
+  for (Eigen::Index c = 0; c < block.mesh.n_cells(); ++c) {
+    double& weight = block.body.shear_m3[static_cast<std::size_t>(c)];
+    const auto rows = gradients.middleRows(9 * c, 9);
+    const Eigen::MatrixXd product = rows.transpose() * second * rows;
+    of_all += weight * product;
+    weight *= 1 + 0.5 * random();
+    of_cells += weight * product;
+  }
+  Loaded wrong(write_body_text(block.body));
+  block.body.cells_at_rest = scaled_table(of_cells);
+  block.body.lack_at_rest = scaled_table(of_all - of_cells);
+  Loaded scaled(write_body_text(block.body));
+  ASSERT_EQ(scaled.status, PHN_OK);
+  const auto tools = two_tools(block.mesh, 1e-3);
+  for (Loaded* loaded : {&right, &wrong, &scaled}) ASSERT_EQ(loaded->press(tools), PHN_OK);
+  // What is curved is some thousandths of what is not, and half of it is wrong.
+  EXPECT_LT((scaled.force[0] - right.force[0]).norm(), 2e-3 * right.force[0].norm());
+  EXPECT_GT((wrong.force[0] - right.force[0]).norm(), 1e-2 * right.force[0].norm());
+  const auto far = two_tools(block.mesh, 1);
+  ASSERT_EQ(scaled.press(far), PHN_OK);
+  expect_derivatives(scaled, far);
 }
 
 // Claim: a tool holds the mean of the surface under it with the weights of the host, which halves triangles at the rim
