@@ -109,7 +109,8 @@ test('a body answers for all tools, goes on until it rests, and curves do not di
   const { forces } = s.answer, [a, b] = s.state.tools, curve = runtime.forceOf(b!, [a!]);
   expect(norm(sub(curve([0, 0, 0.004]), forces[1]!))).toBeLessThan(1e-5 * norm(forces[1]!));
   s.update();
-  expect(s.answer.forces).toEqual(forces);
+  // A body comes closer to rest with every call.
+  s.answer.forces.forEach((force, i) => expect(norm(sub(force, forces[i]!))).toBeLessThan(1e-9 * norm(forces[i]!)));
   s.letGoAll();
   s.update();
   expect(Math.max(...runtime.field.map(Math.abs))).toBe(0);

@@ -29,9 +29,9 @@ struct ReducedBody {
   ScaledTable gradients;            ///< 9 n_cells x n_modes: du_i/dX_j in row 9 c + 3 i + j
   /// n_modes x n_modes, symmetric [J]: the second derivative of the first sum at rest, and what it lacks; or none.
   ScaledTable cells_at_rest, lack_at_rest;
-  ScaledTable pressures;            ///< n_cells x n_pressures
-  double coverage = 0;              ///< of the bounds
-  std::int32_t n_rays = 0;          ///< from which they are
+  ScaledTable pressures;    ///< n_cells x n_pressures
+  double coverage = 0;      ///< of the bounds
+  std::int32_t n_rays = 0;  ///< from which they are
   /// Empty, or schema::n_coupled_kinds rows of coefficients: one tool, several tools.
   Eigen::Matrix<double, Eigen::Dynamic, schema::n_coupled_terms> bounds{};
 };
