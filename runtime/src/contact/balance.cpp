@@ -47,9 +47,8 @@ class Balance {
       warned |= separate();
       status = couple(coupled);
       if (status < 0) return status;
-      if (step == 0 && has_body()) n_slides = 0;
       if (step == 0 && _n_active > 1) n_slides = most_slides / _n_active;
-      if (n_slides < fewest_slides) n_slides = fewest_slides;
+      if (n_slides < fewest_slides || has_body()) n_slides = fewest_slides;
       bool again = false;
       for (std::int32_t i = 0; i < _n_active; ++i) {
         if (_inputs[_active[i]].mode == PHN_TOOL_PRESS && step <= n_slides) again |= judge(i, step < n_slides);

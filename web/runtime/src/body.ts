@@ -78,8 +78,7 @@ export abstract class Touching extends Owner {
   protected abstract readonly max: number;
   private attached: Attachment | null = null;
 
-  /** From here on the body answers, with at most so many of its steps for one call; null: the model again.
-   * A new stiffness, which counts as 8 of them, is made within one call only if there are more. */
+  /** From here on the body answers, with at most so many of its steps for one call; null: the model again. */
   attach(body: Body | null, steps = 12): void {
     super.alive();
     const { engine, data } = this;
