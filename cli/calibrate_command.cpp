@@ -1,6 +1,6 @@
 #include <unistd.h>
 
-#include <phynness/formats/input_file.hpp>
+#include <phynness/formats/body.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/validation/calibrate.hpp>
 #include <phynness/validation/force_unit.hpp>
@@ -103,9 +103,7 @@ void run_for_body(const SolverSession& session, const Database& database, const 
                   const BoundSpec& spec, const Options& options) {
   ReducedBody body;
   session.together([&] {
-    body =
-        read_body_text(read_input_file(*options.body, {"the body", "give a body.txt of phynness reduce", 1ULL << 32}),
-                       options.body->string());
+    body = read_body_text(read_body_file(*options.body), options.body->string());
     model.require_same("the body " + options.body->string(), body.mesh_hash, body.physics_hash);
     model.require_same("the database " + options.database.string(), database.header().mesh_hash,
                        database.header().physics_hash, "give the database of this model");

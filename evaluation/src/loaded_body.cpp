@@ -1,7 +1,6 @@
 #include <phynness/evaluation/loaded_body.hpp>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/input_file.hpp>
 
 namespace phynness {
 namespace {
@@ -12,9 +11,7 @@ void require_good(int status, const std::string& what, const std::string& where,
 
 }  // namespace
 
-LoadedBody::LoadedBody(const std::filesystem::path& file)
-    : LoadedBody(read_input_file(file, {"the body", "give a body.txt of phynness reduce", 1ULL << 32}), file.string()) {
-}
+LoadedBody::LoadedBody(const std::filesystem::path& file) : LoadedBody(read_body_file(file), file.string()) {}
 
 LoadedBody::LoadedBody(std::string text, std::string name) : _name(std::move(name)), _text(std::move(text)) {
   std::size_t bytes = 0, wrong = 0;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/formats/body.hpp>
 #include <phynness/formats/error.hpp>
 #include <tuple>
 
@@ -7,9 +8,6 @@ namespace phynness {
 namespace {
 
 constexpr std::int32_t most_tools = 16;
-/// Increments of a body from rest. Measured on a gallbladder, pairs of tools of random directions to the full depth
-/// that have not settled after 60 steps for each: 36 % in one increment, 2 % in four, 0.8 % in eight and in 32.
-constexpr int body_increments = 8;
 
 rt::Span<double> span(Points& points) { return {points.data(), static_cast<std::size_t>(points.size())}; }
 
@@ -207,10 +205,10 @@ ModelResponse LoadedModel::couple(const std::vector<phn_tool>& tools) const {
   int status = PHN_OK;
   if (_body) {
     _data.couple({}, {}).ignore();  // lets it go
-    for (int i = 1; i <= body_increments && status >= 0; ++i) {
+    for (int i = 1; i <= increments_from_rest && status >= 0; ++i) {
       auto moved = tools;
       for (auto& tool : moved)
-        for (double& d : tool.displacement) d *= static_cast<double>(i) / body_increments;
+        for (double& d : tool.displacement) d *= static_cast<double>(i) / increments_from_rest;
       status = _data.couple(moved, forces, &response.coupled);
     }
   } else {

@@ -160,11 +160,7 @@ void ModelObject::attach(const py::object& of, std::int32_t steps) {
   if (steps < 1) throw py::value_error("steps must be 1 or more");
   const bool is_text = py::isinstance<py::bytes>(of);
   const auto name = is_text ? "the text" : path_of(of).string();
-  auto made = std::make_shared<const Body>(
-      name,
-      is_text ? py::bytes(of)
-              : py::bytes(read_input_file(name, {"the body", "give a body.txt of phynness reduce", 1ULL << 32, true})),
-      steps);
+  auto made = std::make_shared<const Body>(name, is_text ? py::bytes(of) : py::bytes(read_body_file(name)), steps);
   std::vector<std::byte> state;
   rt::Tools data(_model, 1);
   const int status = data ? made->attach_to(data, 1, state) : int{data.status()};
@@ -315,11 +311,10 @@ Coupled::Coupled(py::object owner, const std::vector<Place>& at, py::handle disp
   {
     const py::gil_scoped_release release;
     const rt::Span<double> to(f, 3 * tools.size());
-    // As LoadedModel::couple of evaluation/: a body comes from rest in eight increments.
-    for (int i = 1; i < (_body ? 8 : 1); ++i) {
+    for (int i = 1; i < (_body ? increments_from_rest : 1); ++i) {
       auto moved = tools;
       for (auto& tool : moved)
-        for (double& x : tool.displacement) x *= i / 8.;
+        for (double& x : tool.displacement) x *= static_cast<double>(i) / increments_from_rest;
       _data.couple(moved, to, &result).ignore();
     }
     tally.add(0, _data.couple(tools, to, &result));

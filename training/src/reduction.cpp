@@ -177,9 +177,8 @@ class Reduction {
     _report.pressures = _pressures.cols();
   }
 
-  /// The inverse of the lower Cholesky factor of the stiffness at rest.
+  /// The inverse of the lower Cholesky factor of the stiffness at rest, of which it keeps that of the shape.
   MatrixXd inverse_of_rest() {
-    const Rest& rest = _rest;
     const Index n = _elements.n_nodes, m = _modes.cols();
     MatrixXd stiffness = MatrixXd::Zero(m, m), changes = MatrixXd::Zero(_pressures.cols(), m);
     for (Index i = 0; i < 3; ++i)
@@ -187,7 +186,7 @@ class Reduction {
         Sparse part(n, n);
         for (Index j = 0; j < 3; ++j)
           for (Index l = 0; l < 3; ++l)
-            part += rest.shape(3 * i + j, 3 * k + l) *
+            part += _rest.shape(3 * i + j, 3 * k + l) *
                     Sparse(_elements.slope[static_cast<std::size_t>(j)].transpose() * _elements.shear.asDiagonal() *
                            _elements.slope[static_cast<std::size_t>(l)]);
         stiffness += _modes.middleRows(i * n, n).transpose() * (part * _modes.middleRows(k * n, n));
@@ -195,7 +194,7 @@ class Reduction {
     _shape_at_rest = stiffness;
     const MatrixXd volumes = _elements.bulk.asDiagonal() * (_elements.middle * _pressures);
     for (Index k = 0; k < 9; ++k)
-      changes += rest.g[k] * (_elements.slope[static_cast<std::size_t>(k % 3)].transpose() * volumes).transpose() *
+      changes += _rest.g[k] * (_elements.slope[static_cast<std::size_t>(k % 3)].transpose() * volumes).transpose() *
                  _modes.middleRows(k / 3 * n, n);
     stiffness += changes.transpose() * changes;
     return stiffness.llt().matrixL().solve(MatrixXd::Identity(m, m));

@@ -96,6 +96,7 @@ struct phn_body_state {
   std::int32_t n_rows;                ///< of the tools that are held
   double wanted[3 * PHN_MOST_COUPLED], force[3 * PHN_MOST_COUPLED];  ///< of these tools
   int status;                                                        ///< of the last press
+  bool is_at_rest;                                                   ///< no tool was held since the start or a release
   double part;                                                       ///< of the next step
   /// What the stiffness has of a cell: its strain, pressure and second derivatives.
   struct Cell {

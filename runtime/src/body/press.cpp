@@ -159,6 +159,7 @@ struct Layout {
     s.kernels = &best_body_kernels();
     s.max_tools = max_tools;
     s.part = 1;
+    s.is_at_rest = true;
     s.scratch = {arena.take<double>(nodes), arena.take<std::int32_t>(nodes), arena.take<std::int32_t>(triangles),
                  arena.take<char>(triangles)};
     take(arena, 1, stride, s.at.q, s.at.forces, s.trial.q, s.trial.forces, s.alone, s.step, s.of_cells, s.lacking);
@@ -212,6 +213,8 @@ bool start_at_rest(phn_body_state& state) {
 }
 
 void release(phn_body_state& state) {
+  if (state.is_at_rest) return;
+  state.is_at_rest = true;
   start_at_rest(state);
   release_stiffness(state);
   state.part = 1;
@@ -244,6 +247,7 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
     state->status = PHN_OK;
     return PHN_OK;
   }
+  state->is_at_rest = false;
   Equilibrium equilibrium(*state);
   equilibrium.settle(steps, made);
   equilibrium.copy_forces(held_by);

@@ -30,9 +30,7 @@ export interface Answer {
 }
 
 export const mostTools = 2;
-/** Of a body for one picture, with a new stiffness (phynness_body.h); what then is not settled goes on in the next one. */
-const stepsOfPicture = 12;
-/** Of a body for questions beside the picture. */
+/** Steps of a body for questions beside the picture. */
 const manySteps = 60;
 
 export class Runtime {
@@ -61,8 +59,8 @@ export class Runtime {
     this.asked = model.tools(mostTools);
     this.contact_ = unlessRefused(['PHN_ERROR_UNDEFINED', 'PHN_ERROR_GEOMETRY'], () => model.contact(1));
     this.body = bodyText === null ? null : model.body(bodyText);
-    this.tools.attach(this.body, stepsOfPicture);
-    this.contact_?.attach(this.body, stepsOfPicture);
+    this.tools.attach(this.body);  // what its steps leave goes on in the next picture
+    this.contact_?.attach(this.body);
     this.asked.attach(this.body, manySteps);
   }
   get hasContact(): boolean {

@@ -49,8 +49,8 @@ class LoadedModel {
   const rt::Model& runtime() const { return _runtime; }
   rt::Tools& data() const { return _data; }
 
-  /// A body answers for coupled tools from here on, with at most `steps` steps of each phn_couple. couple() makes eight
-  /// of them, in equal increments from rest.
+  /// A body answers for coupled tools from here on, with at most `steps` steps of each phn_couple. couple() makes
+  /// increments_from_rest (formats/body.hpp) of them, in equal increments.
   /// @throws Error (input) with both names if the body is not of the model's database, or an output node is inside of
   /// it
   void attach(LoadedBody body, std::int32_t steps);
