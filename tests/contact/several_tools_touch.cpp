@@ -1,3 +1,6 @@
+#include <array>
+#include <cmath>
+
 #include "touched_body.hpp"
 
 namespace {
@@ -138,6 +141,45 @@ TEST(SeveralTools, AreCaughtByASurfaceThatComesBack) {
     EXPECT_EQ(states[0].in_contact, 0);
     EXPECT_EQ(states[1].in_contact, 1) << refitted;
     EXPECT_LT(vector(states[1].force).dot(vector(states[1].normal)), -0.01);
+  }
+}
+
+/// From outside to 3.8 mm deep and back, twice a second, while the tool goes to and fro over the surface.
+Vector3d pressed_at(const Vector3d& from, const Vector3d& to, double time, double phase) {
+  const Vector3d at = (from + (1 - std::cos(2 * time)) / 2 * (to - from)).normalized();
+  const double press = std::min(1.0, 10 * time) * std::pow(std::sin(std::acos(-1.0) * (time + phase)), 2);
+  return (0.0542 - 0.004 * press) * at;
+}
+
+// Claim: two tools that press in turn near each other stay where they touch, also while the one has pushed the surface
+// away from the other: what they displace is at most three times their depth below the undeformed surface, or that of
+// the other, and one that is deepest by far is in contact. The body is a third as stiff at depth, so that responses to
+// both are far from linear.
+TEST(SeveralTools, StayWhereTheyTouch) {
+  Numbers numbers;
+  for (const double friction : {0.0, 0.2}) {
+    for (int path = 0; path < 12; ++path) {
+      Touch touch(bent_ball());
+      std::array<Vector3d, 4> end;
+      const Vector3d middle = random_direction(numbers);
+      for (Vector3d& x : end) x = middle + 0.35 * random_direction(numbers);
+      for (int k = 0; k < 1000; ++k) {
+        const double time = k / 500.0;
+        const std::vector<phn_contact_tool> tools = {
+            tool_at(pressed_at(end[0], end[1], time, 0), 0.004, PHN_TOOL_PRESS, friction),
+            tool_at(pressed_at(end[2], end[3], time, 0.3), 0.004, PHN_TOOL_PRESS, friction)};
+        const auto states = touch.step(tools);
+        double depth[2];
+        for (std::size_t t = 0; t < 2; ++t) depth[t] = 0.054 - vector(tools[t].center).norm();
+        for (std::size_t t = 0; t < 2; ++t) {
+          ASSERT_LT(vector(states[t].held.displacement).norm(), 3 * std::max(std::max(depth[0], depth[1]), 0.0) + 5e-4)
+              << friction << " " << path << " " << k << " " << t;
+          if (depth[t] > 0.001 + depth[1 - t]) {
+            ASSERT_EQ(states[t].in_contact, 1) << friction << " " << path << " " << k << " " << t;
+          }
+        }
+      }
+    }
   }
 }
 

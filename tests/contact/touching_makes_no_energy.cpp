@@ -123,6 +123,28 @@ TEST(Energy, UnguardedToolsGainWithoutFriction) {
   EXPECT_LT(least, -1e-2);
 }
 
+// Claim: a tool that enters sideways over the surface, where its force is normal to the smooth surface and its way is
+// not that of the triangles, has its whole force once it is deep: it is scaled only while hardly any work was done.
+TEST(Energy, ToolsThatEnterSidewaysAreFelt) {
+  Numbers numbers;
+  for (const double friction : {0.0, 0.1, 0.2}) {
+    int scaled = 0, deep = 0;
+    for (int path = 0; path < 30; ++path) {
+      Touch touch(bent_ball());
+      const Vector3d at = random_direction(numbers), aside = at.cross(random_direction(numbers)).normalized();
+      for (int i = 0; i <= 800; ++i) {
+        const double depth = -0.0002 + 0.004 * i / 800;
+        const Vector3d direction = (at + 1.2 * i / 800 * aside).normalized();
+        const auto state = touch.step(tool_at((0.054 - depth) * direction, 0.004, PHN_TOOL_PRESS, friction));
+        if (depth < 0.001) continue;
+        ++deep;
+        scaled += state.scale < 0.9;
+      }
+    }
+    EXPECT_LE(scaled, 0.01 * deep) << friction;
+  }
+}
+
 // Claim: nothing in the interface takes the guard away. A tool has these four fields and no other, whatever its bytes
 // between and behind them contain changes nothing, and a contact that was made, reset or refitted has its guard. That
 // the library has no function beside those of its headers is a test of its symbols.

@@ -18,16 +18,22 @@ int deform(const AttachedBody& attached, std::int32_t n, const std::int32_t* nod
   return state.status;
 }
 
+void displacement(const AttachedBody& attached, const phn_tool& tool, double* mean) {
+  mean_displacement(*attached.state, tool, mean);
+}
+
+/// @pre the compliance of the last factor is that of the last press
 Matrix stiffness(const AttachedBody& attached, std::int32_t tool) {
+  const phn_body_state& state = *attached.state;
   Compliance compliance;
-  compliance.set(*attached.state, attached.state->factor, 3 * tool, 3);
+  compliance.take(state, 0, state.n_rows);
   Matrix result;
   for (int k = 0; k < 3; ++k) {
-    double moved[3] = {};
-    moved[k] = 1;
-    compliance.solve(3, moved);
-    moved[k] -= attached.state->held[3 * tool + k];
-    for (int j = 0; j < 3; ++j) result.a[3 * j + k] = moved[j];
+    double forces[3 * most_body_tools] = {};
+    forces[3 * tool + k] = 1;
+    compliance.solve(state.n_rows, forces);
+    forces[3 * tool + k] -= state.held[3 * tool + k];
+    for (int j = 0; j < 3; ++j) result(j, k) = forces[3 * tool + j];
   }
   return result;
 }
@@ -50,7 +56,7 @@ extern "C" int phn_body_attach(phn_data* data, const phn_body* body, phn_body_st
     if (state->max_tools < data->coupling->max_tools) return PHN_ERROR_TOOLS;
     for (std::int32_t i = 0; i < model.n_output; ++i)
       if (find_sorted(body->info.nodes, body->info.n_nodes, model.output_nodes[i]) < 0) return PHN_ERROR_UNDEFINED;
-    attached = {body, state, steps, phn_body_press, phn_body_bound, deform, stiffness};
+    attached = {body, state, steps, 0, phn_body_press, phn_body_bound, deform, displacement, stiffness};
   }
   data->coupling->attached = attached;
   data->coupling->n_tools = 0;

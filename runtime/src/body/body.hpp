@@ -37,16 +37,18 @@ namespace PHN_RUNTIME {
 /// @return a status of phynness.h; *result is null on failure and when only counting
 int load_body(const char* text, std::size_t length, Arena& arena, const phn_body** result, std::size_t& wrong_byte);
 
-/// Working memory of tool_weights().
+/// Working memory of the means below.
 struct ToolScratch {
   double* weight;                   ///< per node; zeros between calls
   std::int32_t *touched, *reached;  ///< nodes with a weight; triangles
   char* taken;                      ///< per triangle; zeros between calls
 };
 
-/// Weights of the mean displacement under a tool: scratch.weight at the first n of scratch.touched. @param n  output
-/// @return PHN_OK, PHN_WARNING_OUTSIDE or an error
-int tool_weights(const phn_body& body, const phn_tool& tool, ToolScratch& scratch, std::int32_t& n);
+/// Mean displacements of the modes under a tool: three rows. @return PHN_OK, PHN_WARNING_OUTSIDE or an error
+int means_of_modes(phn_body_state& state, const phn_tool& tool, double* rows);
+
+/// Mean displacement under a tool in the present state [m]; zeros where that is not defined.
+void mean_displacement(phn_body_state& state, const phn_tool& tool, double mean[3]);
 
 /// Dense loops, for several instruction sets (core/kernels.hpp). Strides and numbers of columns are whole blocks.
 struct BodyKernels {

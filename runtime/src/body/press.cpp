@@ -26,16 +26,6 @@ constexpr double cut = 4, growth = 2, least_part = 1e-6;
 /// Components of displacements are clamped to so many times the depth.
 constexpr double most_depths = 1000;
 
-void means_of_modes(const phn_body& body, const ToolScratch& scratch, std::int32_t n, double* rows) {
-  set_zero(rows, 3 * static_cast<std::size_t>(body.stride));
-  for (std::int32_t t = 0; t < n; ++t) {
-    const std::int32_t node = scratch.touched[t];
-    const float* modes = body.modes + 3 * static_cast<std::int64_t>(node) * body.stride;
-    for (std::int32_t m = 0; m < 3 * body.stride; ++m) rows[m] += scratch.weight[node] * modes[m];
-    scratch.weight[node] = 0;
-  }
-}
-
 /// Steps of Newton's method for the energy with the mean displacements under the tools prescribed.
 class Equilibrium {
  public:
@@ -233,9 +223,7 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
   state->n_rows = 0;
   std::int32_t n_rows = 0;
   for (std::int32_t t = 0; t < n_tools; ++t) {
-    std::int32_t n_touched = 0;
-    const int of_tool = tool_weights(*body, tools[t], state->scratch, n_touched);
-    means_of_modes(*body, state->scratch, n_touched, state->rows + 3 * static_cast<std::int64_t>(t) * body->stride);
+    const int of_tool = means_of_modes(*state, tools[t], state->rows + 3 * static_cast<std::int64_t>(t) * body->stride);
     if (of_tool < 0) return of_tool;
     status |= of_tool;
     if (!(length(tools[t].displacement) <= depth * depth_slack<double>)) status |= PHN_WARNING_OUTSIDE;

@@ -156,8 +156,8 @@ class Integration {
   std::int32_t _n_reached = 0, _n_touched = 0;
 };
 
-}  // namespace
-
+/// Weights of the mean displacement under a tool: scratch.weight at the first n of scratch.touched. @param n  output
+/// @return PHN_OK, PHN_WARNING_OUTSIDE or an error
 int tool_weights(const phn_body& body, const phn_tool& tool, ToolScratch& scratch, std::int32_t& n) {
   std::int32_t corner[3];
   double share[3], sum = 0, fixed = 0;
@@ -187,6 +187,39 @@ int tool_weights(const phn_body& body, const phn_tool& tool, ToolScratch& scratc
   if (!(total > 0)) return PHN_ERROR_NOT_ACTIVE;
   for (std::int32_t i = 0; i < n; ++i) scratch.weight[scratch.touched[i]] /= total;
   return is_trained && fixed <= largest_fixed_weight<double> ? PHN_OK : PHN_WARNING_OUTSIDE;
+}
+
+}  // namespace
+
+int means_of_modes(phn_body_state& state, const phn_tool& tool, double* rows) {
+  const phn_body& body = *state.body;
+  const ToolScratch& scratch = state.scratch;
+  std::int32_t n = 0;
+  const int status = tool_weights(body, tool, state.scratch, n);
+  set_zero(rows, 3 * static_cast<std::size_t>(body.stride));
+  for (std::int32_t t = 0; t < n; ++t) {
+    const std::int32_t node = scratch.touched[t];
+    const float* modes = body.modes + 3 * static_cast<std::int64_t>(node) * body.stride;
+    for (std::int32_t m = 0; m < 3 * body.stride; ++m) rows[m] += scratch.weight[node] * modes[m];
+    scratch.weight[node] = 0;
+  }
+  return status;
+}
+
+void mean_displacement(phn_body_state& state, const phn_tool& tool, double mean[3]) {
+  const phn_body& body = *state.body;
+  const ToolScratch& scratch = state.scratch;
+  std::int32_t n = 0;
+  tool_weights(body, tool, state.scratch, n);
+  set_zero(mean, 3);
+  for (std::int32_t t = 0; t < n; ++t) {
+    double moved[3];
+    const std::int32_t node = scratch.touched[t];
+    state.kernels->times(body.modes + 3 * static_cast<std::int64_t>(node) * body.stride, 3, body.stride, state.at.q,
+                         moved);
+    for (int k = 0; k < 3; ++k) mean[k] += scratch.weight[node] * moved[k];
+    scratch.weight[node] = 0;
+  }
 }
 
 }  // namespace PHN_RUNTIME

@@ -5,11 +5,14 @@
 namespace PHN_RUNTIME {
 namespace {
 
-constexpr int most_slides = 8, fewest_slides = 2;  // with one tool; with many tools or a body, whose slides cost more
+constexpr int most_slides = 8, fewest_slides = 2;  // with one tool; with many tools, whose slides cost more
 constexpr double cone_tolerance = 1e-4;            ///< of the force
 constexpr double longest_slide = 2;                ///< in displacements of the touched point
 constexpr double same_place = 1e-4;                ///< tools closer than this, in sizes of the body, are at one point
-constexpr int most_shortened = 3, most_pulling = 3;
+constexpr int most_shortened = 3, most_fallen = 3, most_falls = 12;
+constexpr double shortening = 0.3;
+constexpr double shallow_part = 0.01;       ///< of the depth, whose energy is a credit
+constexpr double energy_covered = 1.0 / 3;  ///< by the work that was done
 
 /// Solves M x = b if -M has a positive trace and determinant. @return whether it has
 bool solve_two(const double m[2][2], const double* b, double* x) {
@@ -37,59 +40,195 @@ class Balance {
     for (std::int32_t t = 0; t < _n; ++t) {
       ToolContact& tool = _contact.tool[t];
       tool.active = tool.anchored;
-      tool.excess = -1;
-      tool.n_shortened = tool.n_pulling = 0;
       tool.unbalanced = 0;
+      tool.pulls = false;
       for (int k = 0; k < 3; ++k) tool.force[k] = tool.normal[k] = 0;
+      start_slides(tool);
     }
-    int warned = PHN_OK, status = PHN_OK, n_slides = most_slides;
-    for (int step = 0;; ++step) {
-      warned |= separate();
-      status = couple(coupled);
-      if (status < 0) return status;
-      if (step == 0 && _n_active > 1) n_slides = most_slides / _n_active;
-      if (n_slides < fewest_slides || has_body()) n_slides = fewest_slides;
-      bool again = false;
-      for (std::int32_t i = 0; i < _n_active; ++i) {
-        if (_inputs[_active[i]].mode == PHN_TOOL_PRESS && step <= n_slides) again |= judge(i, step < n_slides);
-      }
-      if (!again) break;
-    }
+    int warned = PHN_OK;
+    const int status = has_body() ? press(coupled, warned) : respond(coupled, warned);
+    if (status < 0) return status;
     for (std::int32_t t = 0; t < _n; ++t) _contact.tool[t].felt = false;
     for (std::int32_t i = 0; i < _n_active; ++i) finish(i);
     for (std::int32_t t = 0; t < _n; ++t) {
       ToolContact& tool = _contact.tool[t];
       if (tool.anchored && !tool.felt) let_go(tool);
-      guard(tool, _inputs[t], coupled.energy);
-      for (int k = 0; k < 3; ++k) tool.given[k] = tool.force[k];
+      tool.loose = tool.anchored && !tool.felt;
     }
+    guard(coupled.energy);
     return status | warned;
   }
 
-  /// Scales the force so that the returned work does not exceed the work done. Work is the mean of two successive
-  /// forces times the motion between them.
-  void guard(ToolContact& tool, const ToolInput& input, double energy) {
-    const bool guarded =
-                   input.mode == PHN_TOOL_PRESS && _contact.guarded && (has_body() || has_energy(*_contact.model)),
-               was_alone = tool.alone;
-    const double so_far = tool.taken + dot(tool.given, tool.moved) / 2, now = dot(tool.force, tool.moved) / 2;
-    tool.alone = guarded && _n_active == 1;
-    if (!tool.felt) {
-      tool.scale = 0;
+  /// Balance with the responses of a model, each of which is computed for proxies that slide by the one before.
+  int respond(phn_coupled& coupled, int& warned) {
+    for (int step = 0, n_slides = most_slides;; ++step) {
+      warned |= separate();
+      int status = couple(coupled);
+      if (status < 0) return status;
+      if (step == 0 && _n_active > 1) n_slides = most_slides / _n_active;
+      if (n_slides < fewest_slides) n_slides = fewest_slides;
+      for (std::int32_t i = 0; step == 0 && i < _n_active; ++i) start(_active[i]);
+      bool again = false;
+      for (std::int32_t i = 0; i < _n_active; ++i) again |= step <= n_slides && judge(_active[i], step < n_slides);
+      if (release()) step = -1;
+      if (again) continue;
+      // Slides of several tools may disturb each other. Those that did not help are undone.
+      for (std::int32_t i = 0; i < _n_active; ++i) {
+        ToolContact& tool = _contact.tool[_active[i]];
+        if (_n_active == 1 || !(outside_of_cone(_active[i]) > tool.first_outside)) continue;
+        tool.at = tool.first;
+        again = true;
+      }
+      if (again) {
+        warned |= separate();
+        status = couple(coupled);
+      }
+      return status;
+    }
+  }
+
+  void start(std::int32_t t) {
+    ToolContact& tool = _contact.tool[t];
+    start_slides(tool);
+    tool.first = tool.at;
+    tool.first_outside = outside_of_cone(t);
+  }
+
+  /// Leaves out one of the tools that pull: the shallowest, as the deepest pushes without it. Where others slid by what
+  /// it pulled is undone. @return whether there was one
+  bool release() {
+    ToolContact* shallowest = nullptr;
+    double depth = 0;
+    for (std::int32_t t = 0; t < _n; ++t) {
+      ToolContact& tool = _contact.tool[t];
+      const double here = -dot(tool.displacement, tool.normal);
+      if (!tool.active || !tool.pulls || (shallowest != nullptr && here >= depth)) continue;
+      shallowest = &tool;
+      depth = here;
+    }
+    if (shallowest == nullptr) return false;
+    shallowest->active = false;
+    for (std::int32_t t = 0; t < _n; ++t) {
+      ToolContact& tool = _contact.tool[t];
+      tool.pulls = false;
+      if (tool.active && !has_body()) tool.at = tool.first;
+    }
+    return true;
+  }
+
+  /// Length of the smallest change that brings the force into the friction cone without friction's part [N].
+  double outside_of_cone(std::int32_t t) const {
+    const ToolContact& tool = _contact.tool[t];
+    if (_inputs[t].mode != PHN_TOOL_PRESS) return 0;
+    double tangential[3];
+    const double push = split(tool, tangential);
+    return push > 0 ? std::fmax(0.0, excess_of(t, push, tangential)) : norm(tool.force);
+  }
+
+  /// Balance with a body. A response costs steps of Newton's method, so proxies slide by forces that are predicted from
+  /// the last response: with one step the body moves and the tools slide by one and the same linearization.
+  int press(phn_coupled& coupled, int& warned) {
+    AttachedBody& attached = _data.coupling->attached;
+    const std::int32_t steps = attached.steps;
+    int status = PHN_OK;
+    for (int pass = 0; pass < most_slides; ++pass) {
+      release();
+      for (std::int32_t t = 0; t < _n; ++t) {
+        if (_contact.tool[t].active && _inputs[t].mode == PHN_TOOL_PRESS) predict(t, attached);
+      }
+      release();
+      warned |= separate();
+      status = couple(coupled);
+      attached.steps -= attached.used;
+      _contact.is_settled = status >= 0 && (status & PHN_WARNING_UNSETTLED) == 0;
+      bool again = false;
+      for (std::int32_t i = 0; i < _n_active && status >= 0; ++i) {
+        ToolContact& tool = _contact.tool[_active[i]];
+        tool.stiffness = attached.stiffness(attached, i);
+        tool.is_pressed = true;
+        for (int k = 0; k < 3; ++k) {
+          tool.pressed[k] = tool.force[k];
+          tool.pressed_by[k] = tool.displacement[k];
+        }
+        start_slides(tool);
+        double tangential[3];
+        const double push = split(tool, tangential);
+        tool.pulls = push <= 0;
+        tool.loose = false;
+        again |= _inputs[_active[i]].mode == PHN_TOOL_PRESS &&
+                 (push <= 0 || excess_of(_active[i], push, tangential) > cone_tolerance * norm(tool.force));
+      }
+      if (!again || !_contact.is_settled || attached.steps < 1) break;
+    }
+    attached.steps = steps;
+    for (std::int32_t t = 0; t < _n; ++t) _contact.tool[t].is_pressed &= _contact.tool[t].active;
+    return status;
+  }
+
+  /// Lets the proxy slide as the linearized response demands, or leaves the tool out where it would not push.
+  void predict(std::int32_t t, const AttachedBody& attached) {
+    ToolContact& tool = _contact.tool[t];
+    find_displacement(t);
+    if (!tool.is_pressed || tool.loose) {
+      double moved[3], gap[3];
+      attached.displacement(attached, held_by(_contact, tool), moved);
+      // No force holds a proxy that was left out, and a tool that arrives touches what the others have moved there.
+      if (tool.loose || norm(moved) > 0) fall(t, moved);
+      subtract(tool.displacement, moved, gap);
+      tool.active = dot(gap, tool.normal) < 0;
       return;
     }
-    if (!guarded || tool.scale == 0) {
-      tool.scale = 1;
-      tool.taken = energy;
-    } else if (!tool.alone || !was_alone) {
-      tool.taken = tool.scale * energy;
+    // Forces of a body that is far from its equilibrium say nothing of those in the next step.
+    for (int step = 0; _contact.is_settled; ++step) {
+      double ahead[3];
+      subtract(tool.displacement, tool.pressed_by, ahead);
+      const Vector more = tool.stiffness * vector_at(ahead);
+      for (int k = 0; k < 3; ++k) tool.force[k] = tool.pressed[k] + more[k];
+      if (!judge(t, step < most_slides) || tool.pulls) return;
+      find_displacement(t);
+    }
+  }
+
+  /// Scales the forces of tools that press, so that all tools together do not get back more work than they did, and a
+  /// credit: the energy of the present displacements at a small part of the depth. Work is the mean of two successive
+  /// forces times the motion between them. It is less than the energy of the body where a tool slides uphill, as one
+  /// that enters does. Forces are scaled where the work falls below a part of the energy; on the way back they then
+  /// vanish before the work is returned, however small that part, and on the way in they grow back. What the next step
+  /// may return is covered, too.
+  void guard(double energy) {
+    const phn_model& model = *_contact.model;
+    const bool guarded = _contact.guarded && (has_body() || has_energy(model));
+    double so_far = _contact.taken, of_grasps = 0, of_presses = 0, next = 0, deepest = 0;
+    bool any = false;
+    for (std::int32_t t = 0; t < _n; ++t) {
+      const ToolContact& tool = _contact.tool[t];
+      const double now = dot(tool.force, tool.moved) / 2;
+      so_far += dot(tool.given, tool.moved) / 2;
+      (_inputs[t].mode == PHN_TOOL_PRESS ? of_presses : of_grasps) += now;
+      if (!tool.felt) continue;
+      any = true;
+      next += norm(tool.force) * norm(tool.moved);
+      deepest = std::fmax(deepest, norm(tool.displacement));
+    }
+    double& scale = _contact.scale;
+    if (!any || !guarded || scale == 0) {
+      scale = any ? 1 : 0;
+      _contact.taken = any ? energy : 0;
     } else {
       constexpr double least = 1e-12;  // positive, because 0 means no contact
-      const bool covered = so_far + now >= energy;
-      tool.scale = covered ? 1 : energy > now ? std::fmin(1.0, std::fmax(least, so_far / (energy - now))) : least;
-      tool.taken = std::fmax(0.0, so_far + tool.scale * now);
+      const double shallow = shallow_part * model.max_displacement / deepest,
+                   credit = energy * std::fmin(1, shallow * shallow), there = so_far + of_grasps + credit,
+                   needed = std::fmin(energy, energy_covered * energy + next);
+      scale = there + of_presses >= needed ? 1
+              : needed > of_presses        ? std::fmin(1.0, std::fmax(least, there / (needed - of_presses)))
+                                           : least;
+      _contact.taken = std::fmax(-credit, so_far + of_grasps + scale * of_presses);
     }
-    for (double& f : tool.force) f *= tool.scale;
+    for (std::int32_t t = 0; t < _n; ++t) {
+      ToolContact& tool = _contact.tool[t];
+      tool.scale = tool.felt ? _inputs[t].mode == PHN_TOOL_PRESS ? scale : 1 : 0;
+      for (int k = 0; k < 3; ++k) tool.given[k] = tool.force[k] *= tool.scale;
+    }
   }
 
   /// Sets the displacement that the tool prescribes at its point.
@@ -101,6 +240,32 @@ class Balance {
     point_at(_surface, _surface.rest, tool.at, grasps ? 0 : input.radius, x);
     for (int k = 0; k < 3; ++k) tool.displacement[k] = input.center[k] - x[k] - (grasps ? tool.grip[k] : 0);
     normal_at(_surface, tool.at, tool.normal);
+  }
+
+  /// Moves the proxy downhill to the nearest point of the offset surface to the tool's centre. @param moved
+  /// displacement that the surface has there [m]
+  void fall(std::int32_t t, const double* moved) {
+    ToolContact& tool = _contact.tool[t];
+    if (_inputs[t].mode != PHN_TOOL_PRESS) return;
+    double part = 1;
+    for (int attempt = 0; attempt < most_falls; ++attempt) {
+      double apart[3], step[3], closer[3];
+      find_displacement(t);
+      subtract(tool.displacement, moved, apart);
+      const double out = dot(apart, tool.normal);
+      for (int k = 0; k < 3; ++k) step[k] = apart[k] - out * tool.normal[k];
+      if (norm(step) <= cone_tolerance * norm(apart)) return;
+      const SurfacePoint before = tool.at;
+      for (double& s : step) s *= part;
+      walk(_surface, tool.at, step);
+      find_displacement(t);
+      subtract(tool.displacement, moved, closer);
+      part = std::fmin(1, part / shortening);
+      if (norm(closer) < norm(apart)) continue;
+      tool.at = before;
+      part *= shortening * shortening;
+    }
+    find_displacement(t);
   }
 
   /// The only active node that moves the point; -1: there are several.
@@ -166,27 +331,51 @@ class Balance {
     return push;
   }
 
+  static void start_slides(ToolContact& tool) {
+    tool.excess = -1;
+    tool.n_shortened = tool.n_fallen = 0;
+  }
+
+  /// Force in excess of the friction cone [N].
+  double excess_of(std::int32_t t, double push, const double* tangential) const {
+    return norm(tangential) - (push > 0 ? _inputs[t].friction * push : 0);
+  }
+
+  /// Of the surface at the tool's point, by the other tools alone: at most that of the deepest of them [m].
+  Vector displacement_without(std::int32_t t) const {
+    const ToolContact& tool = _contact.tool[t];
+    double deepest = 0;
+    for (std::int32_t i = 0; i < _n_active; ++i) {
+      if (_active[i] != t) deepest = std::fmax(deepest, norm(_contact.tool[_active[i]].displacement));
+    }
+    const Vector moved = vector_at(tool.displacement) - inverse_of(stiffness_among_others(t)) * vector_at(tool.force);
+    const double size = norm(moved.x);
+    return size > deepest ? deepest / size * moved : moved;
+  }
+
   /// @return whether the balance changes because the tool slides or is released
-  bool judge(std::int32_t i, bool may_slide) {
-    const std::int32_t t = _active[i];
+  bool judge(std::int32_t t, bool may_slide) {
     ToolContact& tool = _contact.tool[t];
+    if (_inputs[t].mode != PHN_TOOL_PRESS) return false;
     double tangential[3];
-    const double push = split(tool, tangential), friction = _inputs[t].friction;
-    const double sideways = norm(tangential), excess = sideways - (push > 0 ? friction * push : 0),
-                 tolerance = cone_tolerance * norm(tool.force);
-    if (push > 0 && excess <= tolerance) return false;
-    if (push <= 0 && (sideways <= tolerance || tool.n_pulling >= most_pulling || !may_slide)) {
-      tool.active = false;
+    const double push = split(tool, tangential), friction = _inputs[t].friction,
+                 excess = excess_of(t, push, tangential);
+    if (push <= 0) {
+      const bool may_fall = may_slide && norm(tangential) > cone_tolerance * norm(tool.force);
+      if (may_fall && tool.n_fallen < most_fallen) fall(t, displacement_without(t).x);
+      tool.pulls = tool.loose || !may_fall || tool.n_fallen >= most_fallen;
+      tool.excess = -1;
+      tool.n_shortened = 0;
+      ++tool.n_fallen;
       return true;
     }
-    if (!may_slide) return false;
-    tool.n_pulling += push <= 0;
+    if (!may_slide || excess <= cone_tolerance * norm(tool.force)) return false;
     if (tool.excess >= 0 && excess > tool.excess && tool.n_shortened < most_shortened) {
       ++tool.n_shortened;
-      for (double& s : tool.slide) s *= 0.3;
+      for (double& s : tool.slide) s *= shortening;
       tool.at = tool.before;
     } else {
-      if (!find_slide(i, push, tangential, push > 0 ? friction : 0)) return false;
+      if (!find_slide(t, push, tangential, friction)) return false;
       tool.n_shortened = 0;
       tool.excess = excess;
       tool.before = tool.at;
@@ -195,22 +384,23 @@ class Balance {
     return true;
   }
 
-  /// Newton's step to the friction cone, with the stiffness of the point at rest, scaled to the present stiffness along
-  /// the displacement.
-  bool find_slide(std::int32_t i, double push, const double* tangential, double friction) {
-    const std::int32_t t = _active[i];
+  /// Newton's step to the friction cone. A body gives its present stiffness; that of a model is the stiffness of the
+  /// point at rest, scaled to the present one along the displacement.
+  bool find_slide(std::int32_t t, double push, const double* tangential, double friction) {
     ToolContact& tool = _contact.tool[t];
-    Matrix stiffness = stiffness_of(i);
     const Vector p = vector_at(tool.displacement);
-    const double linear = dot(stiffness * p, p), scale = linear > 0 ? dot(tool.force, p.x) / linear : 1;
-    stiffness *= std::fmin(8.0, std::fmax(0.25, scale));
+    Matrix stiffness = stiffness_among_others(t);
+    if (!has_body() && _n_active == 1) {
+      const double linear = dot(stiffness * p, p), scale = linear > 0 ? dot(tool.force, p.x) / linear : 1;
+      stiffness *= std::fmin(8.0, std::fmax(0.25, scale));
+    }
 
     double axes[6], offset_gradient[9], normal_gradient[9];
     gradients_at(_surface, tool.at, axes, offset_gradient, normal_gradient);
     const double sideways = norm(tangential);
     // The second attempt uses a flat surface without friction. It is needed where the full matrix is not definite, as
-    // where a tool slips off, and where no force pushes into the body.
-    for (int attempt = push > 0 ? 0 : 1; attempt < 2; ++attempt) {
+    // where a tool slips off.
+    for (int attempt = 0; attempt < 2; ++attempt) {
       const bool curved = attempt == 0;
       const double mu = curved ? friction : 0;
       double m[2][2], right[2], x[2];
@@ -236,7 +426,8 @@ class Balance {
       if (!solve_two(m, right, x)) continue;
       double slide[3];
       for (int k = 0; k < 3; ++k) slide[k] = x[0] * axes[k] + x[1] * axes[3 + k];
-      const double size = norm(slide), longest = longest_slide * norm(p.x);
+      const double size = norm(slide), longest = _n_active > 1 && !has_body() ? norm(tool.moved) + 0.1 * norm(p.x)
+                                                                              : longest_slide * norm(p.x);
       if (!(size > 0)) return false;
       for (int k = 0; k < 3; ++k) tool.slide[k] = slide[k] * std::fmin(1.0, longest / size);
       return true;
@@ -246,9 +437,23 @@ class Balance {
 
   bool has_body() const { return _data.coupling->attached.body != nullptr; }
 
-  Matrix stiffness_of(std::int32_t i) const {
-    const AttachedBody& attached = _data.coupling->attached;
-    if (has_body()) return attached.stiffness(attached, i);
+  std::int32_t position_of(std::int32_t t) const {
+    std::int32_t i = 0;
+    while (_active[i] != t) ++i;
+    return i;
+  }
+
+  Matrix stiffness_among_others(std::int32_t t) const {
+    const Coupling& coupling = *_data.coupling;
+    if (has_body() || _n_active == 1) return stiffness_of(t);
+    const std::int32_t i = position_of(t);
+    return coupling.stiffness[i * coupling.max_tools + i];
+  }
+
+  /// Of a body at present and with the other tools held, of a model at rest and alone.
+  Matrix stiffness_of(std::int32_t t) const {
+    if (has_body()) return _contact.tool[t].stiffness;
+    const std::int32_t i = position_of(t);
     const HeldPoint& point = _data.coupling->point[i];
     const phn_model& model = *_contact.model;
     if (_n_active > 1 || !answers_alone(model, point)) return point.stiffness;

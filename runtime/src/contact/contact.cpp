@@ -127,7 +127,7 @@ int phn_contact_init(void* memory, size_t bytes, const phn_model* model, int32_t
   const int status = build_contact_surface(*model, parts.scratch, parts.surface);
   if (status != PHN_OK) return status;
   build_volumes(parts.surface, parts.volumes);
-  *parts.contact = {model, max_tools, true, parts.surface, parts.volumes, {}};
+  *parts.contact = {model, max_tools, true, 0, 0, false, parts.surface, parts.volumes, {}};
   *contact = parts.contact;
   return PHN_OK;
 }
@@ -149,6 +149,7 @@ int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_tools, cons
 int phn_contact_reset(phn_contact* contact) {
   if (contact == nullptr) return PHN_ERROR_ARGUMENT;
   for (ToolContact& tool : contact->tool) tool = {};
+  contact->taken = contact->scale = 0;
   return PHN_OK;
 }
 

@@ -25,16 +25,22 @@ struct ToolContact {
   double displacement[3];   ///< of the touched point [m]
   double moved[3];          ///< in the last step [m]
   double given[3];          ///< the last force [N]
-  double taken;             ///< mode press: work done by the tool since contact began [J]
   double scale;             ///< factor of the force that limits the returned work; 0: not in contact
-  bool alone;               ///< the only tool in contact, so that the energy belongs to it
+  bool loose;               ///< anchored without a force in the last step
+  /// On a body: it was held in the last step, by these forces at these displacements, with this stiffness.
+  bool is_pressed;
+  double pressed[3], pressed_by[3];
+  Matrix stiffness;
   // Quantities of one step.
   bool active;
   double normal[3], force[3];
   double unbalanced;        ///< removed part of the force [N]
+  SurfacePoint first;       ///< the proxy before all slides
+  double first_outside;     ///< part of the force outside of the cone there [N]
   SurfacePoint before;      ///< the proxy before the latest slide
   double slide[3], excess;  ///< that slide [m]; force in excess of the cone before it [N], -1: no slide yet
-  std::int32_t n_shortened, n_pulling;
+  std::int32_t n_shortened, n_fallen;
+  bool pulls;  ///< and should be left out
 };
 
 }  // namespace PHN_RUNTIME
@@ -42,7 +48,10 @@ struct ToolContact {
 struct phn_contact {
   const phn_model* model;
   std::int32_t max_tools;
-  bool guarded;  ///< true, except where tests measure what the guard is worth
+  bool guarded;     ///< true, except where tests measure what the guard is worth
+  double taken;     ///< work done by all tools since one of them is in contact [J]
+  double scale;     ///< of the forces of tools that press; 0: none is in contact
+  bool is_settled;  ///< the body at the last step
   PHN_RUNTIME::ContactSurface surface;
   PHN_RUNTIME::BoundingVolumes volumes;
   PHN_RUNTIME::ToolContact tool[PHN_RUNTIME::most_coupled];

@@ -121,6 +121,7 @@ int couple_by_body(Coupling& c, std::int32_t n_tools, const phn_tool* tools, phn
   c.n_tools = 0;
   const int status =
       c.attached.press(c.attached.body, c.attached.state, n_tools, tools, c.attached.steps, forces, &pressed);
+  c.attached.used = pressed.steps;
   if (status < 0) return status;
   c.n_tools = n_tools;
   for (std::int32_t t = 0; t < n_tools; ++t) c.point[t].force = vector_at(forces + 3 * t);
