@@ -27,8 +27,10 @@ void run(const Options& options) {
   json out = figures(report);
   out["body_bytes"] = text.size();
   write_each({[&] { write_text_file(options.output, text); }, [&] { write_json(options.json_file, out); }});
-  print_result("{} fields in {}: {} modes have {:.4g} % of them, and there are {} of the pressure\n", report.fields,
-               duration(report.seconds), report.modes, 100 * report.captured, report.pressures);
+  print_result(
+      "{} fields, and {} of pairs, in {}: {} modes have {:.4g} % of the first, and there are {} of the pressure\n",
+      report.fields, report.pair_fields, duration(report.seconds), report.modes, 100 * report.captured,
+      report.pressures);
   print_result("{} of {} points, cells and edges, have weights", report.cells, report.points);
   if (report.states > 0)
     print_result("; forces and volumes of {} states are off by {:.3g} %", report.states, 100 * report.residual);

@@ -43,7 +43,7 @@ TEST_F(ReducedBodyCommand, StoresTheEnergyOfSolvedStates) {
   const auto database = Database::open(folder / "d.h5");
   const auto& header = database.header();
   ReductionReport report;
-  const auto body = reduce(database, {400, 1'000'000, 300, 1}, report);
+  const auto body = reduce(database, {400, 1'000'000, 300, 1, 0}, report);
   const auto modes = body.modes.values();
   const double mu = body.parameters.at(0);
   for (const std::int32_t active : {0, 1})

@@ -81,7 +81,7 @@ class ReducedBodies : public testing::Test {
       std::filesystem::temp_directory_path() / ("phynness_reduced_" + std::to_string(getpid()) + ".h5");
 };
 
-const ReductionSpec small{12, 40, 30, 1};
+const ReductionSpec small{12, 40, 30, 1, 5};
 
 // Claim: the same bytes on one and two threads. The weights are positive, of as many points as wanted, and have the
 // volume of the body to a percent, which is one of their equations; pressures have weights in cells only.
@@ -92,6 +92,8 @@ TEST_F(ReducedBodies, HaveFewPositiveWeights) {
   EXPECT_EQ(write_body_text(body), write_body_text(reduced(database, small, 2)));
   EXPECT_EQ(report.fields, 56);
   EXPECT_EQ(report.states, 30);
+  EXPECT_GT(report.pair_fields, 0);
+  EXPECT_LE(report.pair_fields, 20);
   ASSERT_EQ(body.shear_m3.size(), 40u);
   EXPECT_EQ(body.modes.cols(), 12);
   EXPECT_EQ(body.pressures.cols(), 3);
@@ -112,7 +114,7 @@ TEST_F(ReducedBodies, HaveFewPositiveWeights) {
 // field are a sum of the modes to the rounding of tables and to what the modes of one node leave out (1e-4, squared).
 TEST_F(ReducedBodies, SpanTheFields) {
   const auto database = written(scene("p1-p1"));
-  const auto body = reduced(database, {200, 1'000'000, 30, 1});
+  const auto body = reduced(database, {200, 1'000'000, 30, 1, 0});
   const auto& header = database.header();
   EXPECT_EQ(body.shear_m3.size(), static_cast<std::size_t>(header.mesh.n_cells()));
   EXPECT_NEAR(std::accumulate(body.shear_m3.begin(), body.shear_m3.end(), 0.0), volume(header.mesh), 1e-12);

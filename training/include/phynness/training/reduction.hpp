@@ -12,20 +12,22 @@ namespace phynness {
 
 struct ReductionSpec {
   int modes = 160;   ///< of the displacement; there are a quarter as many of the pressure
-  int cells = 300;   ///< points of the sum, cells and edges. All of them, with weight 1, if there are not more.
+  int cells = 400;   ///< points of the sum, cells and edges. All of them, with weight 1, if there are not more.
   int states = 300;  ///< random states of the database from which pressures and weights follow
   std::uint64_t seed = 1;
+  int pairs = 300;  ///< random pairs of tools on a larger body, whose fields the modes have, too; 0: none
 };
 
 struct ReductionReport {
   std::int64_t fields = 0;                ///< converged increments of the database
+  std::int64_t pair_fields = 0;           ///< of pairs of tools
   std::int64_t states = 0;                ///< that the weights fit; 0 if all points have weight 1
   std::int64_t modes = 0, pressures = 0;  ///< at most as many as the fields and states span
   std::int64_t points = 0, cells = 0;     ///< of the whole sum, and those with a weight
   double captured = 0;                    ///< share of all fields' int |grad u|^2 dV that the modes have
   double residual = 0;                    ///< of the weights: error of forces and volumes over their size
   double seconds = 0;
-  PHYNNESS_FIGURES(fields, states, modes, pressures, points, cells, captured, residual, seconds)
+  PHYNNESS_FIGURES(fields, pair_fields, states, modes, pressures, points, cells, captured, residual, seconds)
 };
 
 /// @param report    output
