@@ -27,6 +27,14 @@ class Bodies : public CommandLine {
     scene.insert(scene.find("directions = 26"), "kind = \"patch\"\ntool_radius_m = 0.0375\n");
     return scene;
   }
+  /// The same block of another material, of which one node is probed.
+  static std::string other_physics() {
+    auto scene = std::regex_replace(round_tools(), std::regex("0\\.45"), "0.44");
+    const auto active = scene.find("active = ");
+    scene.replace(active, scene.find('\n', active) - active,
+                  "active = { nearest = { point_fraction = [0.3, 0.4, 1.0] }, surface_only = true }");
+    return scene;
+  }
   /// Figures without times.
   nlohmann::json figures(const std::string& file) const {
     auto all = json(file);
@@ -76,7 +84,7 @@ TEST_F(Bodies, AreComparedBesideTheModel) {
   text[at] = text[at] == '0' ? '1' : '0';
   write_file(folder / "body.txt", text);
   expect_error(be_refused(validate + "v.json --body body.txt").err, {"body.txt", "checksum"});
-  write_file(folder / "other.toml", std::regex_replace(round_tools(), std::regex("0\\.45"), "0.44"));
+  write_file(folder / "other.toml", other_physics());
   succeed("precompute other.toml -o other.h5");
   succeed("reduce other.h5 -o other.txt");
   expect_error(be_refused(validate + "v.json --body other.txt").err, {"another physics", "other.txt"});
@@ -121,7 +129,7 @@ TEST_F(Bodies, GetBounds) {
 
   be_refused(calibrate + "body.txt -o other");
   be_refused(calibrate + "body.txt --reference finer");
-  write_file(folder / "other.toml", std::regex_replace(round_tools(), std::regex("0\\.45"), "0.44"));
+  write_file(folder / "other.toml", other_physics());
   succeed("precompute other.toml -o other.h5");
   succeed("reduce other.h5 -o other.txt");
   expect_error(be_refused(calibrate + "other.txt").err, {"another physics", "other.txt"});
@@ -175,7 +183,7 @@ TEST_F(AttachedBodies, NeedAModelOfTheSurface) {
   succeed("validate scene.toml m --probes 2 --json v.json");
   expect_error(be_refused("eval whole --body body.txt" + one).err, {"whole/model.txt", "body.txt", "train --surface"});
 
-  write_file(folder / "other.toml", std::regex_replace(round_tools(), std::regex("0\\.45"), "0.44"));
+  write_file(folder / "other.toml", other_physics());
   succeed("precompute other.toml -o other.h5");
   succeed("reduce other.h5 -o other.txt");
   expect_error(be_refused("eval m --body other.txt" + one).err,

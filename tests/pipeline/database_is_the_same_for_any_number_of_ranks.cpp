@@ -15,14 +15,14 @@ class Ranks : public CommandLine {
                  options);
   }
 
-  void expect_equal(const std::string& file, const Database& one) {
+  void expect_equal(const std::string& file, const Database& one, std::size_t n_directions = 26) {
     const auto other = Database::open(folder / file);
     EXPECT_EQ(other.header().mesh_hash, one.header().mesh_hash);
     EXPECT_EQ(other.statuses(), one.statuses());
     for (std::int32_t a = 0; a < 2; ++a) {
       const auto expected = one.rays(a), got = other.rays(a);
-      ASSERT_EQ(got.size(), 26u);
-      for (std::size_t d = 0; d < 26; ++d) {
+      ASSERT_EQ(got.size(), n_directions);
+      for (std::size_t d = 0; d < n_directions; ++d) {
         double force_scale = 0, u_scale = 0;
         for (const double f : expected[d].force) force_scale = std::max(force_scale, std::abs(f));
         for (const double u : expected[d].displacement) u_scale = std::max(u_scale, std::abs(u));
@@ -52,7 +52,9 @@ TEST_F(Ranks, OneTwoAndFourGiveTheSameDatabase) {
 // A team's factors are summed in another order: rounding, which Newton's method does not pass on.
 TEST_F(Ranks, TeamsGiveTheSameDatabase) {
   for (const char* element : {"P1", "taylor-hood"}) {
-    write_file(folder / "scene.toml", small_scene(element));
+    auto scene = small_scene(element);
+    scene.replace(scene.find("directions = 26") + 13, 2, "14");
+    write_file(folder / "scene.toml", scene);
     for (const char* file : {"alone.h5", "team.h5", "teams.h5"}) std::filesystem::remove(folder / file);
     const auto alone = precompute(1, "-o alone.h5"), team = precompute(2, "-o team.h5 --ranks-per-solve 2"),
                teams = precompute(4, "-o teams.h5 --ranks-per-solve 2 --json teams.json");
@@ -60,8 +62,8 @@ TEST_F(Ranks, TeamsGiveTheSameDatabase) {
     ASSERT_EQ(team.exit_status, 0) << team.err;
     ASSERT_EQ(teams.exit_status, 0) << teams.err;
     const auto one = Database::open(folder / "alone.h5");
-    expect_equal("team.h5", one);
-    expect_equal("teams.h5", one);
+    expect_equal("team.h5", one, 14);
+    expect_equal("teams.h5", one, 14);
     const auto ranks = json("teams.json").at("per_rank");
     ASSERT_EQ(ranks.size(), 4u);
     EXPECT_GT(ranks[0].at("rays"), 0);
