@@ -43,7 +43,7 @@ typedef struct phn_contact_state {
   double force[3];    /* on the body [N]; a device renders its negative. Zeros without contact */
   double proxy[3];    /* centre of the sphere on the undeformed surface [m]; without contact the tool's position */
   double normal[3];   /* outward unit normal; zeros without contact */
-  double scale;       /* factor of the force: 1, or less where the tool would gain energy; 0 without contact */
+  double scale;       /* factor of the force: 1, or less where tools would gain energy; 0 without contact */
   double unbalanced;  /* mode press: |force of phn_couple - force / scale| [N], not yet relieved by sliding */
   phn_tool held;      /* argument of phn_couple; nodes are -1 without contact */
   int32_t in_contact; /* 1 or 0 */
@@ -71,12 +71,14 @@ PHN_API int phn_contact_init(void* memory, size_t bytes, const phn_model* model,
  * phn_couple is inside this friction cone, the touched point sticks. Otherwise the point slides over the triangles
  * until the force is within 1e-4 of the cone, in at most 8 steps per call (4 with two tools in contact, 2 with more).
  * If these steps do not suffice, the force is projected onto the cone and `unbalanced` is the difference. Contact ends
- * where the force would pull. Of several tools that press at one point, only the deepest has a force.
+ * where the force would pull. A tool that others have pushed the surface away from follows it without a force. Of
+ * several tools that press at one point, only the deepest has a force.
  *
  * A tool that slides with little friction from soft to stiff tissue would return more work than was done on it, because
- * its force is normal and sideways motion does no work. In families with an energy the force is therefore always scaled
- * down, continuously, so that the returned work does not exceed the work done. With several tools in contact the scales
- * keep their values. With friction the scale is seldom below 1 (docs/decisions/contact.md).
+ * its force is normal and sideways motion does no work. In families with an energy, and with a body, the forces of tools
+ * that press are therefore scaled down, continuously and by one factor, so that all tools together do not get back more
+ * work than they did. The factor is below 1 only where they did less work than a third of the energy, and grows back as
+ * they press on (docs/decisions/contact.md).
  *
  * Grasp: the tool holds its point, and the force is that of phn_couple. A tool that starts to grasp holds the nearest
  * point if the surface is within its radius, and the point does not move. A tool in contact holds the touched point.
@@ -85,7 +87,8 @@ PHN_API int phn_contact_init(void* memory, size_t bytes, const phn_model* model,
  * deformation of this cycle. A refused call does not move the tools. PHN_ERROR_NOT_FINITE: a centre, radius or friction
  * is NaN or infinite. Cost: for each tool without contact a sweep, less than a microsecond for 1,000 triangles; for the
  * tools in contact 1 phn_couple if they stick and 2 to 4 while they slide, at most 10 with one tool, 6 with two tools
- * and 4 with more. */
+ * and 4 with more, and as many again for each tool that is left out. With phn_body_attach tools slide by a prediction
+ * before the first of them, and all of them together make at most the `steps` of that function. */
 PHN_API int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_tools, const phn_contact_tool* tools,
                              phn_contact_state* states, phn_coupled* result);
 
