@@ -151,12 +151,12 @@ class Balance {
           tool.pressed_by[k] = tool.displacement[k];
         }
         start_slides(tool);
+        tool.loose = false;
+        if (_inputs[_active[i]].mode != PHN_TOOL_PRESS) continue;
         double tangential[3];
         const double push = split(tool, tangential);
         tool.pulls = push <= 0;
-        tool.loose = false;
-        again |= _inputs[_active[i]].mode == PHN_TOOL_PRESS &&
-                 (push <= 0 || excess_of(_active[i], push, tangential) > cone_tolerance * norm(tool.force));
+        again |= tool.pulls || excess_of(_active[i], push, tangential) > cone_tolerance * norm(tool.force);
       }
       if (!again || !_contact.is_settled || attached.steps < 1) break;
     }
