@@ -357,6 +357,30 @@ TEST(Bodies, AreTouched) {
   EXPECT_LT((state.scale * beside.force[0] - force).norm(), 1e-3 * force.norm());
 }
 
+// Claim: a tool that grasps a body holds it while it pulls, with few steps and with many.
+TEST(Bodies, AreGrasped) {
+  const Block block;
+  LoadedModel model(write_model_text(springs_on(block)), 3);
+  for (const int steps : {1, 60}) {
+    Loaded loaded(write_body_text(block.body));
+    ASSERT_EQ(phn_body_attach(model.data, loaded.body, loaded.state, steps), PHN_OK);
+    std::size_t bytes = 0;
+    LoadedModel::check(phn_contact_size(model.model, 1, &bytes));
+    std::vector<char> memory(bytes);
+    phn_contact* contact = nullptr;
+    LoadedModel::check(phn_contact_init(memory.data(), bytes, model.model, 1, &contact));
+    for (int moment = 0; moment < 200; ++moment) {
+      const phn_contact_tool tool{{0.05, 0.06, 0.031 + 0.002 * moment / 200}, 0.005, 0, PHN_TOOL_GRASP};
+      phn_contact_state state;
+      ASSERT_GE(phn_contact_step(contact, model.data, 1, &tool, &state, nullptr), 0);
+      ASSERT_EQ(state.in_contact, 1) << steps << " " << moment;
+      if (moment > 0) {
+        ASSERT_GT(state.force[2], 0) << steps << " " << moment;
+      }
+    }
+  }
+}
+
 // Claim: two spheres that slide near each other, press in turn and leave are followed by one step in each millisecond:
 // forces are those of the same motion with steps until all is settled, to 2 % of the largest, in 99 of 100 moments.
 // The others are those in which a sphere takes over what another held.
