@@ -37,7 +37,7 @@ void grip(const phn_contact& contact, const double* center, ToolContact& tool) {
 
 void approach(const phn_contact& contact, const ToolInput& input, ToolContact& tool) {
   const ContactSurface& surface = contact.surface;
-  const double* c = input.center;
+  const double *c = input.center, was[3] = {tool.place[0], tool.place[1], tool.place[2]};
   if (tool.anchored && tool.mode != input.mode) {
     if (input.mode == PHN_TOOL_OFF) {
       tool.anchored = false;
@@ -76,7 +76,7 @@ void approach(const phn_contact& contact, const ToolInput& input, ToolContact& t
   tool.mode = input.mode;
   tool.radius = input.radius;
   for (int k = 0; k < 3; ++k) {
-    tool.moved[k] = c[k] - tool.place[k];
+    tool.moved[k] = c[k] - was[k];
     tool.place[k] = c[k];
   }
 }

@@ -79,11 +79,17 @@ class Balance {
         tool.at = tool.first;
         again = true;
       }
-      if (again) {
-        warned |= separate();
-        status = couple(coupled);
+      if (!again) return status;
+      warned |= separate();
+      status = couple(coupled);
+      if (status < 0) return status;
+      for (std::int32_t i = 0; i < _n_active; ++i) {
+        ToolContact& tool = _contact.tool[_active[i]];
+        double tangential[3];
+        tool.pulls = _inputs[_active[i]].mode == PHN_TOOL_PRESS && split(tool, tangential) <= 0;
       }
-      return status;
+      if (!release()) return status;
+      step = -1;
     }
   }
 
@@ -198,7 +204,7 @@ class Balance {
   void guard(double energy) {
     const phn_model& model = *_contact.model;
     const bool guarded = _contact.guarded && (has_body() || has_energy(model));
-    double so_far = _contact.taken, of_grasps = 0, of_presses = 0, next = 0, deepest = 0;
+    double so_far = _contact.taken, of_grasps = 0, of_presses = 0, next = 0, deepest = 0, kept = 0;
     bool any = false;
     for (std::int32_t t = 0; t < _n; ++t) {
       const ToolContact& tool = _contact.tool[t];
@@ -208,6 +214,8 @@ class Balance {
       if (!tool.felt) continue;
       any = true;
       next += norm(tool.force) * norm(tool.moved);
+      // Nothing limits the force of a grasp, so that all that it has stored must be covered.
+      if (_inputs[t].mode == PHN_TOOL_GRASP) kept += std::fmax(0.0, dot(tool.force, tool.displacement) / 2);
       deepest = std::fmax(deepest, norm(tool.displacement));
     }
     double& scale = _contact.scale;
@@ -218,7 +226,8 @@ class Balance {
       constexpr double least = 1e-12;  // positive, because 0 means no contact
       const double shallow = shallow_part * model.max_displacement / deepest,
                    credit = energy * std::fmin(1, shallow * shallow), there = so_far + of_grasps + credit,
-                   needed = std::fmin(energy, energy_covered * energy + next);
+                   covered = energy_covered * energy + (1 - energy_covered) * kept,
+                   needed = std::fmin(energy, covered + next);
       scale = there + of_presses >= needed ? 1
               : needed > of_presses        ? std::fmin(1.0, std::fmax(least, there / (needed - of_presses)))
                                            : least;
@@ -345,8 +354,8 @@ class Balance {
   Vector displacement_without(std::int32_t t) const {
     const ToolContact& tool = _contact.tool[t];
     double deepest = 0;
-    for (std::int32_t i = 0; i < _n_active; ++i) {
-      if (_active[i] != t) deepest = std::fmax(deepest, norm(_contact.tool[_active[i]].displacement));
+    for (std::int32_t s = 0; s < _n; ++s) {
+      if (s != t && _contact.tool[s].active) deepest = std::fmax(deepest, norm(_contact.tool[s].displacement));
     }
     const Vector moved = vector_at(tool.displacement) - inverse_of(stiffness_among_others(t)) * vector_at(tool.force);
     const double size = norm(moved.x);
@@ -363,7 +372,7 @@ class Balance {
     if (push <= 0) {
       const bool may_fall = may_slide && norm(tangential) > cone_tolerance * norm(tool.force);
       if (may_fall && tool.n_fallen < most_fallen) fall(t, displacement_without(t).x);
-      tool.pulls = tool.loose || !may_fall || tool.n_fallen >= most_fallen;
+      tool.pulls = (tool.loose && _n_active > 1) || !may_fall || tool.n_fallen >= most_fallen;
       tool.excess = -1;
       tool.n_shortened = 0;
       ++tool.n_fallen;
