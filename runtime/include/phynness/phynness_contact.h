@@ -77,8 +77,10 @@ PHN_API int phn_contact_init(void* memory, size_t bytes, const phn_model* model,
  * A tool that slides with little friction from soft to stiff tissue would return more work than was done on it, because
  * its force is normal and sideways motion does no work. In families with an energy, and with a body, the forces of
  * tools that press are therefore scaled down, continuously and by one factor, so that all tools together do not get
- * back more work than they did. The factor is below 1 only where they did less work than a third of the energy, and
- * grows back as they press on (docs/decisions/contact.md).
+ * back more work than they did. The factor is below 1 only where they did less work than a third of the energy and
+ * what grasps may return, and grows back as they press on. It is late where a force itself jumps within a cycle: of
+ * tools that squeeze a thin body, of a body that is _UNSETTLED, of motion by millimetres in a cycle
+ * (docs/decisions/contact.md).
  *
  * Grasp: the tool holds its point, and the force is that of phn_couple. A tool that starts to grasp holds the nearest
  * point if the surface is within its radius, and the point does not move. A tool in contact holds the touched point.
