@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <phynness/phynness_body.h>
 
+#include <CLI/CLI.hpp>
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -73,6 +74,19 @@ inline phn_tool Body::nearest(Vector3d& x, Vector3d& normal) const {
 inline double at(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+/// Parses the command line and calls run(). @return the exit status
+template <class Run>
+int run_study(CLI::App& app, int argc, char** argv, const Run& run) {
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return 1;
+  }
+  return 0;
 }
 
 }  // namespace phynness

@@ -151,11 +151,5 @@ int main(int argc, char** argv) {
   app.add_option("--depth", options.depth, "over that of the training");
   app.add_option("--seconds", options.seconds);
   app.add_flag("--leap", options.leap);
-  CLI11_PARSE(app, argc, argv);
-  try {
-    phynness::run(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
-    return 1;
-  }
+  return phynness::run_study(app, argc, argv, [&] { phynness::run(options); });
 }

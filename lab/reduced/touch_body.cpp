@@ -223,11 +223,5 @@ int main(int argc, char** argv) {
   app.add_option("--gap", options.gap, "between the spheres, in radii of the tool");
   app.add_flag("--without-body", options.without_body, "the model answers, as a comparison");
   app.add_option("--seed", options.seed);
-  CLI11_PARSE(app, argc, argv);
-  try {
-    phynness::run(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
-    return 1;
-  }
+  return phynness::run_study(app, argc, argv, [&] { phynness::run(options); });
 }

@@ -12,6 +12,7 @@
 #include <phynness/schema/body_grammar.hpp>
 
 #include "../block_body.hpp"
+#include "../contact/touched_body.hpp"
 #include "body/body.hpp"
 #include "core/kernels.hpp"
 #include "loaded_model.hpp"
@@ -332,11 +333,7 @@ TEST(Bodies, AreTouched) {
   Loaded loaded(write_body_text(block.body)), beside(write_body_text(block.body));
   LoadedModel model(write_model_text(springs_on(block)), 3);
   ASSERT_EQ(phn_body_attach(model.data, loaded.body, loaded.state, 2), PHN_OK);
-  std::size_t bytes = 0;
-  LoadedModel::check(phn_contact_size(model.model, 2, &bytes));
-  std::vector<char> memory(bytes);
-  phn_contact* contact = nullptr;
-  LoadedModel::check(phn_contact_init(memory.data(), bytes, model.model, 2, &contact));
+  const Touch touch(model, 2);
   phn_contact_state state{};
   for (int moment = 0; moment < 300; ++moment) {
     const double way = std::min(moment, 200) / 200.0;
@@ -344,7 +341,7 @@ TEST(Bodies, AreTouched) {
                                 0.005,
                                 0,
                                 PHN_TOOL_PRESS};
-    ASSERT_GE(phn_contact_step(contact, model.data, 1, &tool, &state, nullptr), 0) << moment;
+    ASSERT_GE(phn_contact_step(touch.contact, model.data, 1, &tool, &state, nullptr), 0) << moment;
     const Eigen::Map<const Eigen::Vector3d> force(state.force), normal(state.normal);
     if (!state.in_contact) continue;
     EXPECT_LE(force.dot(normal), 0) << moment;
@@ -364,15 +361,11 @@ TEST(Bodies, AreGrasped) {
   for (const int steps : {1, 60}) {
     Loaded loaded(write_body_text(block.body));
     ASSERT_EQ(phn_body_attach(model.data, loaded.body, loaded.state, steps), PHN_OK);
-    std::size_t bytes = 0;
-    LoadedModel::check(phn_contact_size(model.model, 1, &bytes));
-    std::vector<char> memory(bytes);
-    phn_contact* contact = nullptr;
-    LoadedModel::check(phn_contact_init(memory.data(), bytes, model.model, 1, &contact));
+    const Touch touch(model, 1);
     for (int moment = 0; moment < 200; ++moment) {
       const phn_contact_tool tool{{0.05, 0.06, 0.031 + 0.002 * moment / 200}, 0.005, 0, PHN_TOOL_GRASP};
       phn_contact_state state;
-      ASSERT_GE(phn_contact_step(contact, model.data, 1, &tool, &state, nullptr), 0);
+      ASSERT_GE(phn_contact_step(touch.contact, model.data, 1, &tool, &state, nullptr), 0);
       ASSERT_EQ(state.in_contact, 1) << steps << " " << moment;
       if (moment > 0) {
         ASSERT_GT(state.force[2], 0) << steps << " " << moment;
@@ -394,11 +387,7 @@ TEST(Bodies, FollowTwoSpheresWithOneStepEach) {
       LoadedModel model(model_text, 3);
       Loaded loaded(body_text);
       ASSERT_EQ(phn_body_attach(model.data, loaded.body, loaded.state, is_slow ? 400 : 1), PHN_OK);
-      std::size_t bytes = 0;
-      LoadedModel::check(phn_contact_size(model.model, 2, &bytes));
-      std::vector<char> memory(bytes);
-      phn_contact* contact = nullptr;
-      LoadedModel::check(phn_contact_init(memory.data(), bytes, model.model, 2, &contact));
+      const Touch touch(model, 2);
       for (int k = 0; k < 1000; ++k) {
         phn_contact_tool tools[2];
         for (int t = 0; t < 2; ++t) {
@@ -409,7 +398,7 @@ TEST(Bodies, FollowTwoSpheresWithOneStepEach) {
                       PHN_TOOL_PRESS};
         }
         phn_contact_state states[2];
-        const int status = phn_contact_step(contact, model.data, 2, tools, states, nullptr);
+        const int status = phn_contact_step(touch.contact, model.data, 2, tools, states, nullptr);
         ASSERT_GE(status, 0) << k;
         unsettled += (status & PHN_WARNING_UNSETTLED) != 0;
         for (const auto& state : states) forces[is_slow].emplace_back(state.force);

@@ -74,11 +74,11 @@ PHN_API int phn_body_bound(const phn_body* body, const phn_body_state* state, do
 /* From here on the body answers for coupled tools: phn_couple, phn_coupled_deform, phn_coupled_bound and with them
  * phn_contact_step ask it, and no longer the model, whenever they get this `data`, which phn_tools_init made. Each
  * phn_couple is one phn_body_press with `steps`, which are also those of a whole phn_contact_step, has its warnings,
- * and its `residual` is behind_m. Displacements, and
- * the tools that may be at one place, are those of phn_body_press. Other functions still ask the model. A null `body`
- * gives phn_couple back to the model. Body and state must outlive `data`. PHN_ERROR_ARGUMENT: mesh or physics are not
- * those of the model. _TOOLS: the state holds fewer tools than `data`. _UNDEFINED: an output node is inside of the
- * body, of which a body has the surface (phynness train --surface). */
+ * and its `residual` is behind_m. Displacements, and the tools that may be at one place, are those of phn_body_press.
+ * Other functions still ask the model. A null `body` gives phn_couple back to the model. Body and state must outlive
+ * `data`. PHN_ERROR_ARGUMENT: mesh or physics are not those of the model. _TOOLS: the state holds fewer tools than
+ * `data`. _UNDEFINED: an output node is inside of the body, of which a body has the surface (phynness train --surface).
+ */
 PHN_API int phn_body_attach(phn_data* data, const phn_body* body, phn_body_state* state, int32_t steps);
 
 /* Displacements [m] of the surface's nodes, n_nodes x 3, after the last phn_body_press; zeros before. */

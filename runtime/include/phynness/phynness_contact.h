@@ -77,8 +77,8 @@ PHN_API int phn_contact_init(void* memory, size_t bytes, const phn_model* model,
  * A tool that slides with little friction from soft to stiff tissue would return more work than was done on it, because
  * its force is normal and sideways motion does no work. In families with an energy, and with a body, the forces of
  * tools that press are therefore scaled down, continuously and by one factor, so that all tools together do not get
- * back more work than they did. The factor is below 1 only where they did less work than a third of the energy and
- * what grasps may return, and grows back as they press on. It is late where a force itself jumps within a cycle: of
+ * back more work than they did. The factor is below 1 only where they did less work than a third of the energy, and
+ * grows back as they press on. It is late where a force itself jumps within a cycle: of
  * tools that squeeze a thin body, of a body that is _UNSETTLED, of motion by millimetres in a cycle
  * (docs/decisions/contact.md).
  *
@@ -88,8 +88,8 @@ PHN_API int phn_contact_init(void* memory, size_t bytes, const phn_model* model,
  * `result` may be null; it is that of the last phn_couple. Afterwards phn_coupled_deform with `data` gives the
  * deformation of this cycle. A refused call does not move the tools. PHN_ERROR_NOT_FINITE: a centre, radius or friction
  * is NaN or infinite. Cost: for each tool without contact a sweep, less than a microsecond for 1,000 triangles; for the
- * tools in contact 1 phn_couple if they stick and 2 to 4 while they slide, at most 10 with one tool, 6 with two tools
- * and 4 with more, and as many again for each tool that is left out. With phn_body_attach tools slide by a prediction
+ * tools in contact 1 phn_couple if they stick and 2 to 4 while they slide, at most 9 with one tool, 5 with two tools
+ * and 3 with more, and as many again for each tool that is left out. With phn_body_attach tools slide by a prediction
  * before the first of them, and all of them together make at most the `steps` of that function. */
 PHN_API int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_tools, const phn_contact_tool* tools,
                              phn_contact_state* states, phn_coupled* result);

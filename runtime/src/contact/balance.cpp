@@ -9,10 +9,10 @@ constexpr int most_slides = 8, fewest_slides = 2;  // with one tool; with many t
 constexpr double cone_tolerance = 1e-4;            ///< of the force
 constexpr double longest_slide = 2;                ///< in displacements of the touched point
 constexpr double same_place = 1e-4;                ///< tools closer than this, in sizes of the body, are at one point
-constexpr int most_shortened = 3, most_fallen = 3, most_falls = 12;
-constexpr double shortening = 0.3;
-constexpr double shallow_part = 0.01;       ///< of the depth, whose energy is a credit
-constexpr double energy_covered = 1.0 / 3;  ///< by the work that was done
+constexpr int most_shortened = 3;                  ///< tries of a slide that worsens the excess
+constexpr double shortening = 0.3;                 ///< of each
+constexpr int most_fallen = 3;                     ///< responses in a step to the falls of a tool
+constexpr int most_falls = 12;                     ///< steps of a fall
 
 /// Solves M x = b if -M has a positive trace and determinant. @return whether it has
 bool solve_two(const double m[2][2], const double* b, double* x) {
@@ -43,6 +43,7 @@ class Balance {
       tool.unbalanced = 0;
       tool.pulls = false;
       for (int k = 0; k < 3; ++k) tool.force[k] = tool.normal[k] = 0;
+      tool.first = tool.at;
       start_slides(tool);
     }
     int warned = PHN_OK;
@@ -55,80 +56,48 @@ class Balance {
       if (tool.anchored && !tool.felt) let_go(tool);
       tool.loose = tool.anchored && !tool.felt;
     }
-    guard(coupled.energy);
+    guard(_contact, _n, _inputs, _contact.guarded && (has_body() || has_energy(*_contact.model)), coupled.energy);
     return status | warned;
   }
 
   /// Balance with the responses of a model, each of which is computed for proxies that slide by the one before.
   int respond(phn_coupled& coupled, int& warned) {
-    for (int step = 0, n_slides = most_slides;; ++step) {
+    for (int step = 0, n_slides = 0;; ++step) {
       warned |= separate();
-      int status = couple(coupled);
+      const int status = couple(coupled);
       if (status < 0) return status;
-      if (step == 0 && _n_active > 1) n_slides = most_slides / _n_active;
+      if (step == 0) n_slides = _n_active > 1 ? most_slides / _n_active : most_slides;
       if (n_slides < fewest_slides) n_slides = fewest_slides;
-      for (std::int32_t i = 0; step == 0 && i < _n_active; ++i) start(_active[i]);
       bool again = false;
       for (std::int32_t i = 0; i < _n_active; ++i) again |= step <= n_slides && judge(_active[i], step < n_slides);
-      if (release()) step = -1;
-      if (again) continue;
-      // Slides of several tools may disturb each other. Those that did not help are undone.
-      for (std::int32_t i = 0; i < _n_active; ++i) {
-        ToolContact& tool = _contact.tool[_active[i]];
-        if (_n_active == 1 || !(outside_of_cone(_active[i]) > tool.first_outside)) continue;
-        tool.at = tool.first;
-        again = true;
-      }
       if (!again) return status;
-      warned |= separate();
-      status = couple(coupled);
-      if (status < 0) return status;
-      for (std::int32_t i = 0; i < _n_active; ++i) {
-        ToolContact& tool = _contact.tool[_active[i]];
-        double tangential[3];
-        tool.pulls = _inputs[_active[i]].mode == PHN_TOOL_PRESS && split(tool, tangential) <= 0;
-      }
-      if (!release()) return status;
+      if (!release()) continue;
       step = -1;
+      // The others slid by forces that the released tool changed.
+      for (std::int32_t t = 0; t < _n; ++t) {
+        ToolContact& tool = _contact.tool[t];
+        if (tool.active) tool.at = tool.first;
+        start_slides(tool);
+      }
     }
   }
 
-  void start(std::int32_t t) {
-    ToolContact& tool = _contact.tool[t];
-    start_slides(tool);
-    tool.first = tool.at;
-    tool.first_outside = outside_of_cone(t);
-  }
-
-  /// Leaves out one of the tools that pull: the shallowest, as the deepest pushes without it. Where others slid by what
-  /// it pulled is undone. @return whether there was one
+  /// Leaves out one of the tools that pull: the shallowest, as the deepest pushes without it. @return whether there was
+  /// one
   bool release() {
     ToolContact* shallowest = nullptr;
     double depth = 0;
     for (std::int32_t t = 0; t < _n; ++t) {
       ToolContact& tool = _contact.tool[t];
       const double here = -dot(tool.displacement, tool.normal);
-      if (!tool.active || !tool.pulls || (shallowest != nullptr && here >= depth)) continue;
-      shallowest = &tool;
-      depth = here;
-    }
-    if (shallowest == nullptr) return false;
-    shallowest->active = false;
-    for (std::int32_t t = 0; t < _n; ++t) {
-      ToolContact& tool = _contact.tool[t];
+      if (tool.active && tool.pulls && (shallowest == nullptr || here < depth)) {
+        shallowest = &tool;
+        depth = here;
+      }
       tool.pulls = false;
-      if (tool.active && !has_body()) tool.at = tool.first;
     }
-    return true;
-  }
-
-  /// Length of the smallest change that brings the force into the friction cone without friction's part [N].
-  double outside_of_cone(std::int32_t t) const {
-    const ToolContact& tool = _contact.tool[t];
-    if (_inputs[t].mode != PHN_TOOL_PRESS) return 0;
-    double tangential[3];
-    const double push = split(tool, tangential);
-    return push > 0 ? std::fmax(0.0, excess_of(t, push, tangential)) : norm(tool.force);
+    if (shallowest != nullptr) shallowest->active = false;
+    return shallowest != nullptr;
   }
 
   /// Balance with a body. A response costs steps of Newton's method, so proxies slide by forces that are predicted from
@@ -192,51 +161,6 @@ class Balance {
       for (int k = 0; k < 3; ++k) tool.force[k] = tool.pressed[k] + more[k];
       if (!judge(t, step < most_slides) || tool.pulls) return;
       find_displacement(t);
-    }
-  }
-
-  /// Scales the forces of tools that press, so that all tools together do not get back more work than they did, and a
-  /// credit: the energy of the present displacements at a small part of the depth. Work is the mean of two successive
-  /// forces times the motion between them. It is less than the energy of the body where a tool slides uphill, as one
-  /// that enters does. Forces are scaled where the work falls below a part of the energy; on the way back they then
-  /// vanish before the work is returned, however small that part, and on the way in they grow back. What the next step
-  /// may return is covered, too.
-  void guard(double energy) {
-    const phn_model& model = *_contact.model;
-    const bool guarded = _contact.guarded && (has_body() || has_energy(model));
-    double so_far = _contact.taken, of_grasps = 0, of_presses = 0, next = 0, deepest = 0, kept = 0;
-    bool any = false;
-    for (std::int32_t t = 0; t < _n; ++t) {
-      const ToolContact& tool = _contact.tool[t];
-      const double now = dot(tool.force, tool.moved) / 2;
-      so_far += dot(tool.given, tool.moved) / 2;
-      (_inputs[t].mode == PHN_TOOL_PRESS ? of_presses : of_grasps) += now;
-      if (!tool.felt) continue;
-      any = true;
-      next += norm(tool.force) * norm(tool.moved);
-      // Nothing limits the force of a grasp, so that all that it has stored must be covered.
-      if (_inputs[t].mode == PHN_TOOL_GRASP) kept += std::fmax(0.0, dot(tool.force, tool.displacement) / 2);
-      deepest = std::fmax(deepest, norm(tool.displacement));
-    }
-    double& scale = _contact.scale;
-    if (!any || !guarded || scale == 0) {
-      scale = any ? 1 : 0;
-      _contact.taken = any ? energy : 0;
-    } else {
-      constexpr double least = 1e-12;  // positive, because 0 means no contact
-      const double shallow = shallow_part * model.max_displacement / deepest,
-                   credit = energy * std::fmin(1, shallow * shallow), there = so_far + of_grasps + credit,
-                   covered = energy_covered * energy + (1 - energy_covered) * kept,
-                   needed = std::fmin(energy, covered + next);
-      scale = there + of_presses >= needed ? 1
-              : needed > of_presses        ? std::fmin(1.0, std::fmax(least, there / (needed - of_presses)))
-                                           : least;
-      _contact.taken = std::fmax(-credit, so_far + of_grasps + scale * of_presses);
-    }
-    for (std::int32_t t = 0; t < _n; ++t) {
-      ToolContact& tool = _contact.tool[t];
-      tool.scale = tool.felt ? _inputs[t].mode == PHN_TOOL_PRESS ? scale : 1 : 0;
-      for (int k = 0; k < 3; ++k) tool.given[k] = tool.force[k] *= tool.scale;
     }
   }
 
@@ -357,7 +281,7 @@ class Balance {
     for (std::int32_t s = 0; s < _n; ++s) {
       if (s != t && _contact.tool[s].active) deepest = std::fmax(deepest, norm(_contact.tool[s].displacement));
     }
-    const Vector moved = vector_at(tool.displacement) - inverse_of(stiffness_among_others(t)) * vector_at(tool.force);
+    const Vector moved = vector_at(tool.displacement) - inverse_of(stiffness_of(t)) * vector_at(tool.force);
     const double size = norm(moved.x);
     return size > deepest ? deepest / size * moved : moved;
   }
@@ -393,12 +317,12 @@ class Balance {
     return true;
   }
 
-  /// Newton's step to the friction cone. A body gives its present stiffness; that of a model is the stiffness of the
-  /// point at rest, scaled to the present one along the displacement.
+  /// Newton's step to the friction cone. The stiffness of the only tool on a model is that at rest, scaled to the
+  /// present one along the displacement.
   bool find_slide(std::int32_t t, double push, const double* tangential, double friction) {
     ToolContact& tool = _contact.tool[t];
     const Vector p = vector_at(tool.displacement);
-    Matrix stiffness = stiffness_among_others(t);
+    Matrix stiffness = stiffness_of(t);
     if (!has_body() && _n_active == 1) {
       const double linear = dot(stiffness * p, p), scale = linear > 0 ? dot(tool.force, p.x) / linear : 1;
       stiffness *= std::fmin(8.0, std::fmax(0.25, scale));
@@ -435,8 +359,7 @@ class Balance {
       if (!solve_two(m, right, x)) continue;
       double slide[3];
       for (int k = 0; k < 3; ++k) slide[k] = x[0] * axes[k] + x[1] * axes[3 + k];
-      const double size = norm(slide), longest = _n_active > 1 && !has_body() ? norm(tool.moved) + 0.1 * norm(p.x)
-                                                                              : longest_slide * norm(p.x);
+      const double size = norm(slide), longest = longest_slide * norm(p.x);
       if (!(size > 0)) return false;
       for (int k = 0; k < 3; ++k) tool.slide[k] = slide[k] * std::fmin(1.0, longest / size);
       return true;
@@ -446,26 +369,16 @@ class Balance {
 
   bool has_body() const { return _data.coupling->attached.body != nullptr; }
 
-  std::int32_t position_of(std::int32_t t) const {
-    std::int32_t i = 0;
-    while (_active[i] != t) ++i;
-    return i;
-  }
-
-  Matrix stiffness_among_others(std::int32_t t) const {
-    const Coupling& coupling = *_data.coupling;
-    if (has_body() || _n_active == 1) return stiffness_of(t);
-    const std::int32_t i = position_of(t);
-    return coupling.stiffness[i * coupling.max_tools + i];
-  }
-
-  /// Of a body at present and with the other tools held, of a model at rest and alone.
+  /// With the other tools held; of a body at present, of a model at rest.
   Matrix stiffness_of(std::int32_t t) const {
     if (has_body()) return _contact.tool[t].stiffness;
-    const std::int32_t i = position_of(t);
-    const HeldPoint& point = _data.coupling->point[i];
+    std::int32_t i = 0;
+    while (_active[i] != t) ++i;
+    const Coupling& coupling = *_data.coupling;
     const phn_model& model = *_contact.model;
-    if (_n_active > 1 || !answers_alone(model, point)) return point.stiffness;
+    if (_n_active > 1) return coupling.stiffness[i * coupling.max_tools + i];
+    const HeldPoint& point = coupling.point[i];
+    if (!answers_alone(model, point)) return point.stiffness;
     // phn_couple computes no coupling stiffness for a tool that it answers alone.
     const Mean mean = mean_at(model, {}, point);
     Matrix sum = {};

@@ -36,7 +36,6 @@ struct ToolContact {
   double normal[3], force[3];
   double unbalanced;        ///< removed part of the force [N]
   SurfacePoint first;       ///< the proxy before all slides
-  double first_outside;     ///< part of the force outside of the cone there [N]
   SurfacePoint before;      ///< the proxy before the latest slide
   double slide[3], excess;  ///< that slide [m]; force in excess of the cone before it [N], -1: no slide yet
   std::int32_t n_shortened, n_fallen;
@@ -71,6 +70,15 @@ void carry(const phn_contact& contact, const SurfacePoint& at, const double* fro
 
 /// The argument of phn_couple for a tool.
 phn_tool held_by(const phn_contact& contact, const ToolContact& tool);
+
+/// Scales the forces of tools that press, so that all tools together do not get back more work than they did, and a
+/// credit. Work is the mean of two successive forces times the motion between them. It is less than the energy of the
+/// body where a tool slides uphill, as one that enters does. Forces are scaled where the work falls below a part of the
+/// energy; on the way back they then vanish before the work is returned, however small that part, and on the way in
+/// they grow back. What the next step may return is covered, too.
+/// @param guarded  false: forces are kept
+/// @param energy   of the body [J]
+void guard(phn_contact& contact, std::int32_t n_tools, const ToolInput* inputs, bool guarded, double energy);
 
 /// Computes the forces of all anchored tools: lets points slide, and ends contacts that would pull.
 /// @return a status of phynness.h
