@@ -56,7 +56,7 @@ class Balance {
       if (tool.anchored && !tool.felt) let_go(tool);
       tool.loose = tool.anchored && !tool.felt;
     }
-    guard(_contact, _n, _inputs, _contact.guarded && (has_body() || has_energy(*_contact.model)), coupled.energy);
+    guard(_contact, _n, _inputs, _contact.guarded && (has_body() || _contact.model->has_energy), coupled.energy);
     return status | warned;
   }
 

@@ -31,7 +31,7 @@ void guard(phn_contact& contact, std::int32_t n_tools, const ToolInput* inputs, 
     contact.taken = any ? energy : 0;
   } else {
     constexpr double least = 1e-12;  // positive, because 0 means no contact
-    const double shallow = shallow_part * contact.model->max_displacement / deepest,
+    const double shallow = shallow_part * contact.model->max_displacement_m / deepest,
                  credit = energy * std::fmin(1, shallow * shallow), there = so_far + of_grasps + credit,
                  needed = std::fmin(energy, energy_covered * energy + next);
     scale = there + of_presses >= needed ? 1

@@ -109,8 +109,6 @@ void evaluate_force(const phn_model& model, const ActiveNode& node, const double
                 [&](const auto& response) { response_derivatives(response, d, force, energy, stiffness); });
 }
 
-bool has_energy(const phn_model& model) { return schema::traits(model.family).has_energy; }
-
 bool has_deformation(const phn_model& model, const ActiveNode& node) {
   return with_response(model, node, [](const auto& response) { return has_deformation(response); });
 }
@@ -165,7 +163,7 @@ void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t a
 }
 
 bool outside(const phn_model& model, const ActiveNode& node, const double* d) {
-  if (schema::traits(model.family).proportional) return length(d) > largest_linear;
+  if (schema::traits(model.kind).proportional) return length(d) > largest_linear;
   // Most displacements need no square root. Squares that overflow or underflow are handled below.
   if (dot(d, d) < node.least_depth * node.least_depth) return false;
   const double size = length(d), slack = depth_slack<double>;
@@ -182,7 +180,7 @@ double trained_depth(const phn_model& model, const ActiveNode& node, const doubl
   const bool extreme = size > 0 && (size < 1e-290 || size > 1e290);
   const double e[3] = {extreme ? d[0] / size : d[0], extreme ? d[1] / size : d[1], extreme ? d[2] / size : d[2]};
   return depth_along(model.directions, node.trained_depth, model.n_directions, e, extreme ? 1 : size,
-                     model.max_displacement);
+                     model.max_displacement_m);
 }
 
 }  // namespace PHN_RUNTIME

@@ -58,11 +58,10 @@ std::int32_t find_active(const phn_model& model, std::int32_t node);
 /// Vertex of a mesh node: its position among the output nodes, or n_output + its position among the fixed nodes, or -1.
 std::int32_t find_vertex(const phn_model& model, std::int32_t node);
 
-/// Whether the family has an energy. The force is its gradient and the stiffness the derivative of the force.
-bool has_energy(const phn_model& model);
+/// The force is the gradient of the energy and the stiffness the derivative of the force, in families with an energy.
 /// In all functions below `model` may be the model of any level. The force has the same bits with and without the
 /// others.
-/// @pre has_energy(model), or neither energy nor stiffness is asked for
+/// @pre model.has_energy, or neither energy nor stiffness is asked for
 /// @param d          3 [m], finite
 /// @param force      3 [N]
 /// @param energy     the work from rest to d [J]; may be null

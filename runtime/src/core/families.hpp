@@ -9,7 +9,7 @@ namespace PHN_RUNTIME {
 /// Calls f with the node's response in the type of its family.
 template <class Function>
 PHN_INLINE decltype(auto) with_response(const phn_model& model, const ActiveNode& node, Function&& f) {
-  switch (model.family) {
+  switch (model.kind) {
     case Family::rbfn:
       return f(*node.networks);
     case Family::linear:

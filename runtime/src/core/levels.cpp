@@ -84,7 +84,7 @@ std::int32_t modes(const ActiveNode& node) { return node.modal ? node.modal->n_m
 
 /// A different displacement for each call, as of a moving hand, inside the trained range of most nodes.
 void displacement(const phn_model& model, std::int32_t call, double* d) {
-  for (int k = 0; k < 3; ++k) d[k] = model.max_displacement * 0.01 * static_cast<double>(call % 64 * (k + 3) % 50);
+  for (int k = 0; k < 3; ++k) d[k] = model.max_displacement_m * 0.01 * static_cast<double>(call % 64 * (k + 3) % 50);
 }
 
 /// Measures the times of all levels. @return a status of phynness.h
@@ -157,7 +157,7 @@ int phn_level_info(const phn_model* model, int32_t level, phn_level* info) {
   const phn_model& of_level = level_of(*model, level);
   info->force_centers = most(of_level, force_centers);
   info->deformation_centers =
-      phynness::schema::traits(model->family).has_modes ? of_level.shared.n_centers : most(of_level, neurons);
+      phynness::schema::traits(model->kind).has_modes ? of_level.shared.n_centers : most(of_level, neurons);
   info->modes = most(of_level, modes);
   info->error_force = of_level.errors.force;
   info->error_displacement = of_level.errors.displacement;

@@ -57,22 +57,22 @@ void Corners::set(Load& load, std::int64_t i, std::int64_t k, std::int32_t node)
 }
 
 void Depths::shape(Load& load, std::int64_t rows, std::int64_t) {
-  const bool same = known->n == rows && same_depths(load.in, known->text, rows);
-  known->text = load.in;
-  known->n = static_cast<std::int32_t>(rows);
+  const bool same = known.n == rows && same_depths(load.in, known.text, rows);
+  known.text = load.in;
+  known.n = static_cast<std::int32_t>(rows);
   own = same ? nullptr : load.arena.take<double>(static_cast<std::size_t>(rows));
-  if (!same) known->values = own;
+  if (!same) known.values = own;
 }
 
 void Depths::set(Load& load, std::int64_t i, std::int64_t, double value) {
-  known->least = i == 0 ? value : std::fmin(value, known->least);
+  known.least = i == 0 ? value : std::fmin(value, known.least);
   if (own == nullptr) return;
   own[i] = value;
-  if (i + 1 == known->n && load.has_memory()) known->fill_distance = fill_distance(load.model, own);
+  if (i + 1 == known.n && load.has_memory()) known.fill_distance = fill_distance(load.model, own);
 }
 
 void Centers::shape(Load& load, std::int64_t rows, std::int64_t) {
-  for (int k = first_input; k < first_input + 3; ++k) net->center[k] = blocks(load, rows);
+  for (int k = 0; k < 3; ++k) net.center[first_input + k] = at[k] = blocks(load, rows);
 }
 
 void Centers::set(Load& load, std::int64_t i, std::int64_t, std::int32_t row) {
@@ -80,19 +80,19 @@ void Centers::set(Load& load, std::int64_t i, std::int64_t, std::int32_t row) {
   const double* table = first_input == 0 ? load.model.displacements : load.model.output_points;
   for (int k = 0; k < 3; ++k) {
     const int input = first_input + k;
-    const double scaled = (table[3 * row + k] - net->input_center.at[input]) / net->input_half_range.at[input];
+    const double scaled = (table[3 * row + k] - net.input_center[input]) / net.input_half_range[input];
     load.require(std::isfinite(scaled));
-    net->center[input][i] = scaled;
+    at[k][i] = scaled;
   }
 }
 
 void Weights::shape(Load& load, std::int64_t rows, std::int64_t) {
-  n = rows;
-  for (auto& column : at) column = blocks(load, rows);
+  net.n_neurons = static_cast<std::int32_t>(rows);
+  for (int k = 0; k < 3; ++k) net.weight[k] = at[k] = blocks(load, rows);
 }
 
 void LinearStore::UnitResponses::shape(Load& load, std::int64_t rows, std::int64_t) {
-  for (auto& axis : at) axis = load.arena.take<double>(static_cast<std::size_t>(rows), 3);
+  for (int k = 0; k < 3; ++k) made[k] = at[k] = load.arena.take<double>(static_cast<std::size_t>(rows), 3);
 }
 
 void SharedTableStore::Entries::shape(Load& load, std::int64_t rows, std::int64_t cols) {
@@ -132,26 +132,14 @@ void ForceCenters::set(Load& load, std::int64_t i, std::int64_t, std::int32_t ro
 }
 
 void Coefficients::shape(Load& load, std::int64_t rows, std::int64_t cols) {
-  floats = coefficients_are_floats(load.in, rows);
+  const bool floats = coefficients_are_floats(load.in, rows);
   const auto n = static_cast<std::size_t>(rows * cols);
   short_values = load.arena.take<float>(floats ? n : 0);
   values = load.arena.take<double>(floats ? 0 : n);
   if (floats) values = nullptr;
   if (!floats) short_values = nullptr;
-}
-
-ModalTables ModesStore::made() const {
-  ModalTables tables = {};
-  tables.n_modes = tables.n_columns = static_cast<std::int32_t>(weights.entries.cols());
-  tables.n_near = static_cast<std::int32_t>(near.rows());
-  tables.weight_scale = weights.scale.at;
-  tables.weight = weights.entries.at;
-  tables.mixing_scale = mixing.scale.at;
-  tables.mixing = mixing.entries.at;
-  tables.near = near.at;
-  tables.near_mode_scale = near_modes.scale.at;
-  tables.near_mode = near_modes.entries.at;
-  return tables;
+  made.short_coefficient = short_values;
+  made.coefficient = values;
 }
 
 }  // namespace PHN_RUNTIME

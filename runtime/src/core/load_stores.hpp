@@ -34,9 +34,12 @@ struct Load {
   }
 };
 
-/// A table, row by row.
+/// A table, row by row. A part of the model refers to it if it is given.
 template <class T>
 struct Table {
+  Table() = default;
+  explicit Table(const T*& made, std::int32_t* made_n = nullptr) : _made(&made), _made_n(made_n) {}
+
   T* at = nullptr;
   std::int64_t n = 0, n_cols = 1;
 
@@ -46,31 +49,28 @@ struct Table {
     n = rows;
     n_cols = cols;
     at = load.arena.take<T>(static_cast<std::size_t>(rows), static_cast<std::size_t>(cols));
+    if (_made != nullptr) *_made = at;
+    if (_made_n != nullptr) *_made_n = static_cast<std::int32_t>(n);
   }
   template <class V>
   void set(Load&, std::int64_t i, std::int64_t k, V value) {
     if (at) at[i * n_cols + k] = static_cast<T>(value);
   }
-};
 
-/// A few numbers that are not stored in the model's memory.
-template <std::int32_t most>
-struct Row {
-  double at[most] = {};
-  std::int32_t n = 0;
-  void shape(Load&, std::int64_t rows, std::int64_t) { n = static_cast<std::int32_t>(rows); }
-  void set(Load&, std::int64_t i, std::int64_t, double value) { at[i] = value; }
+ private:
+  const T** _made = nullptr;
+  std::int32_t* _made_n = nullptr;
 };
 
 /// A symmetric matrix: xx xy xz yy yz zz.
 struct Stiffness {
-  double at[6] = {};
+  double* at;
   void set(Load&, std::int64_t i, std::int64_t k, double value) { at[i == 0 ? k : i + k + 1] = value; }
 };
 
 /// A null-terminated string.
 struct Text {
-  const char* at = nullptr;
+  const char*& at;
   void set(Load& load, const TextReader::Token& token) {
     char* to = load.arena.take<char>(token.length() + 1);
     at = to;
@@ -85,6 +85,7 @@ struct SkippedText {
 
 /// Displacements [m]; in family modal divided by max_displacement_m.
 struct Displacements : Table<double> {
+  using Table::Table;
   double divisor = 1;
   void set(Load&, std::int64_t i, std::int64_t k, double value) {
     if (at) at[i * n_cols + k] = value / divisor;
@@ -93,11 +94,13 @@ struct Displacements : Table<double> {
 
 /// Corners of triangles, converted from node numbers to vertices. Without memory they are not looked up.
 struct Corners : Table<std::int32_t> {
+  using Table::Table;
   void set(Load& load, std::int64_t i, std::int64_t k, std::int32_t node);
 };
 
 /// Covered nodes, by their position among the output nodes.
 struct Covered : Table<std::int32_t> {
+  using Table::Table;
   void set(Load& load, std::int64_t i, std::int64_t k, std::int32_t value) {
     if (!load.has_memory()) return;
     const phn_model& model = load.model;
@@ -107,30 +110,22 @@ struct Covered : Table<std::int32_t> {
 };
 
 /// Output nodes that a probe moves, by their position. Other moved nodes have no results and are not stored.
-struct Prescribed {
-  std::int32_t* position = nullptr;
-  std::int32_t n_kept = 0, last = -1;
-  std::int64_t n = 0;
-  std::int64_t rows() const { return n; }
-  void shape(Load& load, std::int64_t rows, std::int64_t) {
-    n = rows;
-    position = load.arena.take<std::int32_t>(static_cast<std::size_t>(rows));
-  }
+struct Prescribed : Table<std::int32_t> {
+  explicit Prescribed(ActiveNode& made) : Table(made.prescribed), n_kept(made.n_prescribed) {}
+  std::int32_t& n_kept;
+  std::int32_t last = -1;
   void set(Load& load, std::int64_t, std::int64_t, std::int32_t node) {
     const phn_model& model = load.model;
     last = model.output_nodes ? find_sorted(model.output_nodes, model.n_output, node) : -1;
-    if (last >= 0 && position) position[n_kept] = last;
+    if (last >= 0 && at) at[n_kept] = last;
     if (last >= 0) ++n_kept;
   }
 };
-struct PrescribedWeight {
-  const Prescribed* of = nullptr;
-  double* weight = nullptr;
-  void shape(Load& load, std::int64_t rows, std::int64_t) {
-    weight = load.arena.take<double>(static_cast<std::size_t>(rows));
-  }
+struct PrescribedWeight : Table<double> {
+  PrescribedWeight(ActiveNode& made, const Prescribed& nodes) : Table(made.prescribed_weight), of(nodes) {}
+  const Prescribed& of;
   void set(Load&, std::int64_t, std::int64_t, double value) {
-    if (of->last >= 0 && weight) weight[of->n_kept - 1] = value;
+    if (of.last >= 0 && at) at[of.n_kept - 1] = value;
   }
 };
 
@@ -142,7 +137,7 @@ struct Depths {
     std::int32_t n = -1;
     double least = 0, fill_distance = 0;
   };
-  Known* known = nullptr;  ///< depths of the node before; updated to this node's
+  Known& known;  ///< depths of the node before; updated to this node's
   double* own = nullptr;
   void shape(Load& load, std::int64_t rows, std::int64_t);
   void set(Load& load, std::int64_t i, std::int64_t, double value);
@@ -150,21 +145,21 @@ struct Depths {
 
 // Family rbfn.
 
-struct NetworkStore;
 /// Scaled coordinates of centers, taken from the rows of a table.
 struct Centers {
-  NetworkStore* net = nullptr;
-  std::int32_t first_input = 0;
+  Network& net;
+  std::int32_t first_input;
+  double* at[3] = {};
   void shape(Load& load, std::int64_t rows, std::int64_t cols);
   void set(Load& load, std::int64_t i, std::int64_t k, std::int32_t row);
 };
 
 /// Weights of neurons for each output, padded with 0 to whole blocks.
 struct Weights {
+  Network& net;
   double* at[3] = {};
   double size[3] = {};  ///< sums of absolute values
-  std::int64_t n = 0;
-  std::int64_t rows() const { return n; }
+  std::int64_t rows() const { return net.n_neurons; }
   void shape(Load& load, std::int64_t rows, std::int64_t);
   void set(Load&, std::int64_t i, std::int64_t k, double value) {
     size[k] += std::fabs(value);
@@ -172,42 +167,35 @@ struct Weights {
   }
 };
 
-struct NetworkStore {
-  Row<6> input_center, input_half_range;
-  Row<3> output_center, output_half_range, bias;
+struct NetworkStore : Network {
   double spread = 1;
-  Centers center_displacement, center_output;
-  Weights weights;
-  double* center[6] = {};
-  Network made = {};
-
-  NetworkStore() {
-    center_displacement.net = center_output.net = this;
-    center_output.first_input = 3;
-  }
+  Centers center_displacement{*this, 0}, center_output{*this, 3};
+  Weights weights{*this};
+  explicit NetworkStore(std::int32_t inputs) : Network{} { n_inputs = inputs; }
   NetworkStore(const NetworkStore&) = delete;
 };
 
 /// Bias and weights of a level, which uses the first neurons of a network.
-struct FirstNeurons {
+struct FirstNeurons : Network {
   const NetworkStore* full = nullptr;
-  Row<3> bias;
-  Weights weights;
-  Network made = {};
+  Weights weights{*this};
+  FirstNeurons() : Network{} {}
+  FirstNeurons(const FirstNeurons&) = delete;
 };
 
 // Family linear.
 
 struct LinearStore {
-  Stiffness stiffness;
+  LinearResponse made = {};
+  Stiffness stiffness{made.stiffness};
   struct UnitResponses {
+    const double** made;
     double* at[3] = {};
     void shape(Load& load, std::int64_t rows, std::int64_t);
     void set(Load&, std::int64_t i, std::int64_t k, double value) {
       if (at[k / 3]) at[k / 3][3 * i + k % 3] = value;
     }
-  } unit_responses;
-  const LinearResponse* made = nullptr;
+  } unit_responses{made.unit_response};
 };
 
 // Family modal.
@@ -255,27 +243,28 @@ struct AmplitudeCenters {
 };
 
 struct SharedStore {
-  SharedTableStore modes;
-  AmplitudeCenters centers;
-  double shape = 1;
+  double& shape;
+  SharedTableStore modes = {};
+  AmplitudeCenters centers = {};
 };
 
-struct FieldStore {
-  Text name, unit;
-  std::int32_t degree = 1;
-  double scale = 1;
+struct FieldStore : SharedField {
+  const char *label = nullptr, *label_of_unit = nullptr;
+  Text name{label}, unit{label_of_unit};
   SharedTableStore modes;
+  FieldStore() : SharedField{} {}
 };
 
 /// Rows of the displacements, which must be within largest_center.
 struct ForceCenters : Table<std::int32_t> {
+  using Table::Table;
   void set(Load& load, std::int64_t i, std::int64_t k, std::int32_t row);
 };
 /// Coefficients, stored as floats if all of them are exact in float, else as doubles.
 struct Coefficients {
+  ModalForce& made;
   float* short_values = nullptr;
   double* values = nullptr;
-  bool floats = false;
   double size = 0;
   void shape(Load& load, std::int64_t rows, std::int64_t cols);
   void set(Load& load, std::int64_t i, std::int64_t k, double value) {
@@ -285,18 +274,21 @@ struct Coefficients {
     if (values) values[3 * i + k] = value;
   }
 };
-struct ForceStore {
-  double shape = 1;
-  Stiffness stiffness;
-  ForceCenters centers;
-  Coefficients coefficients;
-  ModalForce made = {};
+struct ForceStore : ModalForce {
+  Stiffness stiffness{ModalForce::stiffness};
+  ForceCenters centers{center, &n_centers};
+  Coefficients coefficients{*this};
+  ForceStore() : ModalForce{} {}
+  ForceStore(const ForceStore&) = delete;
 };
 
-struct ModesStore {
-  ScaledTable weights, mixing, near_modes;
-  Table<std::int32_t> near;
-  ModalTables made() const;
+struct ModesStore : ModalTables {
+  ScaledTable weights{Table<double>(weight_scale, &n_modes), Table<std::int16_t>(weight)};
+  ScaledTable mixing{Table<double>(mixing_scale, &n_columns), Table<std::int16_t>(ModalTables::mixing)};
+  Table<std::int32_t> near{ModalTables::near, &n_near};
+  ScaledTable near_modes{Table<double>(near_mode_scale), Table<std::int16_t>(near_mode)};
+  ModesStore() : ModalTables{} {}
+  ModesStore(const ModesStore&) = delete;
 };
 
 // Lists of items.
@@ -318,17 +310,21 @@ struct BoundStore {
 
 /// Of the finite elements, which no answer depends on.
 struct SolvedBody {
+  phn_provenance& made;
   bool is_recorded = false;
-  Text element;
-  std::int32_t revision = 0;
-  double shear_modulus_Pa = 0;
+  Text element{made.element};
+  std::int32_t& revision = made.element_revision;
+  double& shear_modulus_Pa = made.shear_modulus_Pa;
 };
 
 struct FinerDistance {
+  phn_provenance& made;
   bool is_measured = false;
-  Text element, reference;
-  std::int32_t revision = 0, probes = 0, nodes = 0, solved = 0;
-  double tool_radius_m = 0, mean = 0, p95 = 0;
+  const char* its_element = "";
+  Text element{its_element}, reference{made.reference};
+  std::int32_t revision = 0, solved = 0;
+  std::int32_t &probes = made.finer_probes, &nodes = made.finer_nodes;
+  double &tool_radius_m = made.finer_tool_radius_m, &mean = made.finer_mean, &p95 = made.finer_p95;
 };
 
 struct LevelStore {
@@ -345,13 +341,14 @@ struct NodeLevelStore {
 };
 
 struct NodeStore {
+  ActiveNode made = {};
   std::int32_t node = -1, n_incomplete = 0;
-  bool moves_mean = false;
-  Row<3> point;
-  Prescribed prescribed;
-  PrescribedWeight prescribed_weight;
+  bool& moves_mean = made.moves_mean;
+  double (&point)[3] = made.point;
+  Prescribed prescribed{made};
+  PrescribedWeight prescribed_weight{made, prescribed};
   Depths trained_depth_m;
-  NetworkStore force, deformation;  // rbfn
+  NetworkStore force{3}, deformation{6};  // rbfn
   LinearStore linear;
   ForceStore conservative;  // modal, and the members below
   ModesStore modal;
@@ -359,51 +356,56 @@ struct NodeStore {
   Parts<NodeLevelStore, largest_level_count - 1> levels;
   Parts<ScaledTable, schema::largest_bound_count> bounds;
 
-  explicit NodeStore(Depths::Known& known) {
-    prescribed_weight.of = &prescribed;
-    trained_depth_m.known = &known;
-    for (std::int32_t l = 0; l + 1 < largest_level_count; ++l) {
-      levels.part[l].force.full = &force;
-      levels.part[l].deformation.full = &deformation;
+  explicit NodeStore(Depths::Known& known) : trained_depth_m{known} {
+    for (auto& level : levels.part) {
+      level.force.full = &force;
+      level.deformation.full = &deformation;
     }
   }
 };
 
 /// The active nodes, which are built one after the other.
 struct Nodes {
-  Depths::Known known;
+  phn_model& made;
+  Depths::Known known = {};
   alignas(NodeStore) unsigned char memory[sizeof(NodeStore)];
-  std::int32_t* numbers = nullptr;
-  ActiveNode* active = nullptr;
+  Table<std::int32_t> numbers{made.active_nodes, &made.n_active};
+  Table<ActiveNode> active{made.active};
   ActiveNode* at_level[largest_level_count - 1] = {};  ///< smaller levels
-  std::int64_t n = 0, in_work = -1;
+  std::int64_t in_work = -1;
 
-  std::int64_t rows() const { return n; }
+  explicit Nodes(phn_model& model) : made(model) {}
+  std::int64_t rows() const { return numbers.n; }
   NodeStore& item(std::int64_t i) {
     in_work = i;
     return *new (memory) NodeStore(known);
   }
 };
 
+/// Sections of the text, most of which go into the model at once.
 struct ModelStore {
-  Family family{};
-  Text title, mesh_hash, physics_hash;
+  phn_model& made;
+  Family& family = made.kind;
+  Text title{made.title}, mesh_hash{made.provenance.mesh_hash}, physics_hash{made.provenance.physics_hash};
   SkippedText software_version;
-  double max_displacement_m = 1;
-  std::int32_t n_mesh_nodes = 0;
-  Table<double> directions, fixed_points, output_points;
-  Displacements displacements;
-  Table<std::int32_t> fixed, output;
-  Corners surface;
-  SharedStore shared;
+  double& max_displacement_m = made.max_displacement_m;
+  std::int32_t& n_mesh_nodes = made.n_nodes;
+  Table<double> directions{made.directions, &made.n_directions};
+  Displacements displacements{made.displacements, &made.n_displacements};
+  Table<std::int32_t> fixed{made.fixed_nodes, &made.n_fixed}, output{made.output_nodes, &made.n_output};
+  Table<double> fixed_points{made.fixed_points}, output_points{made.output_points};
+  Corners surface{made.triangles, &made.n_triangles};
+  SharedStore shared{made.shared.shape};
   Parts<FieldStore, largest_field_count> fields;
   Parts<LevelStore, largest_level_count> levels;
   Parts<BoundStore, schema::largest_bound_count> bounds;
-  SolvedBody solved;
-  FinerDistance finer;
-  Nodes nodes;
-  Table<std::int32_t> probe_triangles;
-  Covered covered;
+  SolvedBody solved{made.provenance};
+  FinerDistance finer{made.provenance};
+  Nodes nodes{made};
+  Table<std::int32_t> probe_triangles{made.probe_triangles, &made.n_probe_triangles};
+  Covered covered{made.covered, &made.n_covered};
+
+  explicit ModelStore(phn_model& model) : made(model) {}
 };
 
 }  // namespace PHN_RUNTIME

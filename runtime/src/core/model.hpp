@@ -116,7 +116,6 @@ struct SharedTable {
 
 /// The part of a field that all nodes of a modal model share.
 struct SharedField : SharedTable {
-  const char *name, *unit;  ///< null-terminated
   std::int32_t degree;
   double scale;
 };
@@ -166,35 +165,26 @@ struct LevelErrors {
 }  // namespace PHN_RUNTIME
 
 /// Each level of a model is a phn_model. Levels share all arrays except centers of amplitudes and responses of the
-/// active nodes. The last level is the full model, to which the others belong.
-struct phn_model {
+/// active nodes. The last level is the full model, to which the others belong. Vertices of triangles are output nodes,
+/// then, from n_output on, fixed ones.
+struct phn_model : phn_info {
   const phn_model* full;     ///< the last level
   const phn_model* smaller;  ///< the other levels, n_levels - 1
   std::size_t bytes;         ///< of memory that the model occupies from here on
-  std::int32_t n_levels;
   PHN_RUNTIME::LevelErrors errors;
-  phynness::Family family;
-  const char* title;  ///< null-terminated
-  phn_provenance provenance;
-  std::int32_t n_nodes, n_active, n_output, n_fixed, n_triangles, n_directions;
+  phynness::Family kind;         ///< the family
   std::size_t n_scratch;         ///< doubles of working memory of a deformation; its basis is at the end
   std::size_t n_field_scratch;   ///< doubles of working memory of a field
   std::size_t n_basis;           ///< largest basis_size of a node
   std::size_t prepared_neurons;  ///< largest number of neurons of a deformation; 0 in families other than rbfn
   std::int32_t prepared_modes;   ///< largest number of modes of a node that is prepared (evaluate.hpp); modal only
   std::size_t prepared_near;     ///< largest number of entries of near_mode of such a node
-  const std::int32_t *active_nodes, *output_nodes;
-  const double* output_points;  ///< n_output x 3
-  const std::int32_t* fixed_nodes;
-  const double* fixed_points;     ///< n_fixed x 3
-  const std::int32_t* triangles;  ///< n_triangles x 3 vertices: output nodes, then, from n_output on, fixed ones
-  const double* directions;       ///< n_directions x 3
-  double max_displacement;
-  double first_increment;  ///< [m]: length of the first row of displacements
+  std::int32_t n_directions;
+  const double* directions;  ///< n_directions x 3
+  double first_increment;    ///< [m]: length of the first row of displacements
   std::int32_t n_displacements;
   const double* displacements;  ///< rows of 3; in family modal over max_displacement
   PHN_RUNTIME::SharedModes shared;
-  std::int32_t n_fields;
   PHN_RUNTIME::SharedField fields[PHN_RUNTIME::largest_field_count];
   const PHN_RUNTIME::ActiveNode* active;
   /// Coordinates of output nodes between active nodes: triangles of positions among the active nodes, and rows of

@@ -38,15 +38,15 @@ int check_derivatives(const phn_model& model, const double* force, const double*
   if (overlap(force, vector_bytes, energy, sizeof *energy) || overlap(force, vector_bytes, stiffness, matrix_bytes) ||
       overlap(energy, sizeof *energy, stiffness, matrix_bytes))
     return PHN_ERROR_OVERLAP;
-  return has_energy(model) ? PHN_OK : PHN_ERROR_UNDEFINED;
+  return model.has_energy ? PHN_OK : PHN_ERROR_UNDEFINED;
 }
 
 /// In a family that is exact at any depth, the distance from the training data is 0.
 void measure_trust(const phn_model& model, const ActiveNode& node, const double* d, phn_trusted& trusted) {
   trusted.trained_depth = trained_depth(model, node, d);
-  if (phynness::schema::traits(model.family).proportional) return;
+  if (phynness::schema::traits(model.kind).proportional) return;
   const double x = trained_distance(model, node, d);
-  trusted.distance = std::fmin(1e300, model.max_displacement * x);
+  trusted.distance = std::fmin(1e300, model.max_displacement_m * x);
   trusted.relative = std::fmin(1e300, x / node.fill_distance);
 }
 
@@ -111,29 +111,7 @@ int phn_model_info(const phn_model* model, phn_info* info) {
   if (info == nullptr) return PHN_ERROR_ARGUMENT;
   *info = {};
   if (model == nullptr) return PHN_ERROR_ARGUMENT;
-  info->family = phynness::schema::word(model->family);
-  info->title = model->title;
-  info->mesh_hash = model->provenance.mesh_hash;
-  info->max_displacement_m = model->max_displacement;
-  info->active_nodes = model->active_nodes;
-  info->output_nodes = model->output_nodes;
-  info->fixed_nodes = model->fixed_nodes;
-  info->output_points = model->output_points;
-  info->fixed_points = model->fixed_points;
-  info->triangles = model->triangles;
-  for (std::int32_t f = 0; f < model->n_fields; ++f) {
-    info->field_names[f] = model->fields[f].name;
-    info->field_units[f] = model->fields[f].unit;
-  }
-  info->n_nodes = model->n_nodes;
-  info->n_active = model->n_active;
-  info->n_output = model->n_output;
-  info->n_fixed = model->n_fixed;
-  info->n_triangles = model->n_triangles;
-  info->n_fields = model->n_fields;
-  info->n_levels = model->n_levels;
-  info->has_energy = has_energy(*model) ? 1 : 0;
-  info->provenance = model->provenance;
+  *info = *model;
   return PHN_OK;
 }
 

@@ -28,7 +28,7 @@ void cube_direction(int i, double* e) {
 
 /// A row of the displacements, over max_displacement.
 void row_of(const phn_model& model, std::int32_t row, double* x) {
-  const double unit = schema::traits(model.family).has_modes ? 1 : model.max_displacement;
+  const double unit = schema::traits(model.kind).has_modes ? 1 : model.max_displacement_m;
   for (int k = 0; k < 3; ++k) x[k] = model.displacements[3 * static_cast<std::size_t>(row) + k] / unit;
 }
 
@@ -69,12 +69,12 @@ double fill_distance(const phn_model& model, const double* depths) {
   for (int i = 0; i < 6 * side * side; ++i) {
     double e[3], cosine[most_increments];
     cube_direction(i, e);
-    const double unit = 1, R = model.max_displacement;
+    const double unit = 1, R = model.max_displacement_m;
     const double depth = depth_along(model.directions, depths, model.n_directions, e, unit, R) / R;
     for (std::int32_t j = 0; j < n; ++j) cosine[j] = -2;
     for (std::int32_t k = 0; k < model.n_directions; ++k) {
       const double along = dot(e, model.directions + 3 * static_cast<std::size_t>(k));
-      const double reach = depth_slack<double> * depths[k] / model.max_displacement;
+      const double reach = depth_slack<double> * depths[k] / model.max_displacement_m;
       for (std::int32_t j = 0; j < n && length_of[j] <= reach; ++j) cosine[j] = std::fmax(cosine[j], along);
     }
     for (const double part : parts) {
@@ -93,7 +93,7 @@ double error_bound(const phn_model& model, const ActiveNode& node, const double*
   const std::int32_t n_increments = model.n_displacements / model.n_directions;
   const std::int32_t first = nearest_direction(model, d) * n_increments;
   // Rows are in units of max_displacement in a family with modes, in m in the others.
-  const double unit = schema::traits(model.family).has_modes ? model.max_displacement : 1;
+  const double unit = schema::traits(model.kind).has_modes ? model.max_displacement_m : 1;
   return bound_along(model.displacements + 3 * static_cast<std::size_t>(first), n_increments, node.bound + first,
                      node.bound_scale, dot(d, d) / (unit * unit), [&] { return node.bound_at_rest; });
 }
@@ -101,10 +101,10 @@ double error_bound(const phn_model& model, const ActiveNode& node, const double*
 double trained_distance(const phn_model& model, const ActiveNode& node, const double* d) {
   const std::int32_t n_increments = model.n_displacements / model.n_directions;
   double x[3];
-  cut(d, model.max_displacement, largest_component, x);
+  cut(d, model.max_displacement_m, largest_component, x);
   double square = dot(x, x);  // from rest
   for (std::int32_t k = 0; k < model.n_directions; ++k) {
-    const double reach = depth_slack<double> * node.trained_depth[k] / model.max_displacement;
+    const double reach = depth_slack<double> * node.trained_depth[k] / model.max_displacement_m;
     for (std::int32_t j = 0; j < n_increments; ++j) {
       double at[3];
       row_of(model, k * n_increments + j, at);

@@ -47,7 +47,7 @@ class Solver : private CoupledField {
   CoupledResult run() {
     const std::int32_t n = _c.n_tools;
     double far = 0;
-    _c.n_sets = n > 1 && !schema::traits(_model.family).proportional ? 1 + n : 1;
+    _c.n_sets = n > 1 && !schema::traits(_model.kind).proportional ? 1 + n : 1;
     for (std::int32_t s = 0; s < n; ++s) {
       prepare(s);
       far = std::fmax(far, length(_targets[s].x));
@@ -73,7 +73,7 @@ class Solver : private CoupledField {
     result.settled = result.residual <= follows * far;
     for (std::int32_t t = 0; t < n && n > 1; ++t)
       result.beyond = result.beyond || is_beyond(t, 1 + beyond_training * _compliance);
-    if (!has_energy(_model)) result.energy = 0;
+    if (!_model.has_energy) result.energy = 0;
     for (std::int32_t s = 0; s < n; ++s) _c.point[s].own = _targets[s];
     return finite() ? result : give_up(far);
   }
@@ -86,7 +86,7 @@ class Solver : private CoupledField {
   /// @return energy
   double combine_orders() {
     const std::int32_t n = _c.n_tools;
-    const bool linear = schema::traits(_model.family).proportional;
+    const bool linear = schema::traits(_model.kind).proportional;
     for (std::int32_t i = 0; i < n; ++i) {
       _c.energy[i] = respond(i, _targets[i]);
       _c.alone[i] = _c.point[i].force;
@@ -106,7 +106,7 @@ class Solver : private CoupledField {
       add_order_to_forces(i);
       energy += _c.weight[i] * _c.energy[i];
     }
-    if (has_energy(_model) && !linear) add_change_of_weights(energy);
+    if (_model.has_energy && !linear) add_change_of_weights(energy);
     for (std::int32_t i = 0; i < n; ++i) _c.point[i].force = _c.forces[i];
     return energy;
   }
@@ -133,7 +133,7 @@ class Solver : private CoupledField {
       const Vector& pulled = _c.pulled[at(i, j)];
       _c.energy[i] += dot(_c.rest[at(i, j)], pulled) / 2;
       force[j] = j == i ? Vector{} : pulled;
-      if (j != i && !schema::traits(_model.family).proportional) _c.energy[i] += bend(i, j, force[j]);
+      if (j != i && !schema::traits(_model.kind).proportional) _c.energy[i] += bend(i, j, force[j]);
     }
     carry_back(i, force);
     force[i] += _c.alone[i];

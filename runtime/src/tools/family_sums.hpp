@@ -28,7 +28,7 @@ inline void response_gradient(const phn_model&, const LinearResponse&, const dou
 }
 inline void response_gradient(const phn_model& model, const ModalResponse& node, const double* d, double* basis,
                               double* gradient, double* scratch) {
-  const double R = model.max_displacement, x[3] = {d[0] / R, d[1] / R, d[2] / R};
+  const double R = model.max_displacement_m, x[3] = {d[0] / R, d[1] / R, d[2] / R};
   const std::int32_t n_basis = model.shared.n_centers + 3;
   const ModalKernels& kernels = best_modal_kernels();
   kernels.basis(model.shared, x, scratch);

@@ -45,7 +45,7 @@ double step_at_rest(const phn_model& model, const ActiveNode& node) {
 void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, double* gradient, double* scratch,
                             double* other) {
   const std::int32_t n = basis_size(model, node);
-  const double h = schema::traits(model.family).proportional ? 1 : step_at_rest(model, node);
+  const double h = schema::traits(model.kind).proportional ? 1 : step_at_rest(model, node);
   for (int k = 0; k < 3; ++k) {
     basis_of(model, node, unit_vector(k, h).x, gradient + k * n, scratch);
     basis_of(model, node, (-1 * unit_vector(k, h)).x, other, scratch);
@@ -127,7 +127,7 @@ Vector local_displacement(const LocalResponse& local, double share, const Vector
 double curvature(const phn_model& model, const ActiveNode& node, const Matrix& stiffness) {
   double apart = 0, all = 0;
   for (int k = 0; k < 6; ++k) {
-    const Vector d = unit_vector(k / 2, (k % 2 - 0.5) * 2 * model.max_displacement), linear = stiffness * d;
+    const Vector d = unit_vector(k / 2, (k % 2 - 0.5) * 2 * model.max_displacement_m), linear = stiffness * d;
     Vector force;
     evaluate_force(model, node, d.x, force.x);
     force -= linear;
@@ -139,7 +139,7 @@ double curvature(const phn_model& model, const ActiveNode& node, const Matrix& s
 
 Matrix stiffness_at_rest(const phn_model& model, const ActiveNode& node) {
   Matrix secant;
-  if (schema::traits(model.family).proportional) {
+  if (schema::traits(model.kind).proportional) {
     Vector none;
     evaluate_force(model, node, Vector{}.x, none.x, nullptr, secant.a);
     return secant;

@@ -69,7 +69,7 @@ double lever_of(const phn_model& model, const Place& place);
 Mean mean_at(const phn_model& model, const Neighbours& neighbours, const Place& place);
 
 /// E(d) of one tool, its gradient and its second derivative.
-/// @param energy, stiffness  may be null; if not, has_energy(model)
+/// @param energy, stiffness  may be null; if not, model.has_energy
 void respond_alone(const phn_model& model, const Mean& mean, const Vector& d, Vector& force, double* energy,
                    Matrix* stiffness);
 

@@ -314,7 +314,7 @@ void ToolResponses::set_rest_matrix() {
 
 bool ToolResponses::is_beyond(std::int32_t s, double times) const {
   const HeldPoint& point = _c.point[s];
-  if (!_round || schema::traits(_model.family).proportional) return false;
+  if (!_round || schema::traits(_model.kind).proportional) return false;
   const Vector p = point.compliance * point.force;
   const double size = length(p.x);
   double depth = size;
@@ -328,7 +328,7 @@ bool ToolResponses::is_beyond(std::int32_t s, double times) const {
 
 double ToolResponses::energy_of_nodes(const HeldPoint& point) const {
   double energy = 0;
-  for (std::int32_t i = 0; i < point.n_nodes && has_energy(_model); ++i) {
+  for (std::int32_t i = 0; i < point.n_nodes && _model.has_energy; ++i) {
     Vector force;
     double one = 0;
     evaluate_force(_model, node(point, i), (point.reach[i] * point.own).x, force.x, &one, nullptr);
@@ -340,8 +340,8 @@ double ToolResponses::energy_of_nodes(const HeldPoint& point) const {
 void ToolResponses::pull(std::int32_t s) {
   HeldPoint& point = _c.point[s];
   if (_round) {
-    respond_alone(_model, point.mean, point.own, point.force, has_energy(_model) ? &point.energy : nullptr, nullptr);
-    if (!has_energy(_model)) point.energy = 0;
+    respond_alone(_model, point.mean, point.own, point.force, _model.has_energy ? &point.energy : nullptr, nullptr);
+    if (!_model.has_energy) point.energy = 0;
     return;
   }
   const Vector linear = point.stiffness * point.own;

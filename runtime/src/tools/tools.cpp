@@ -34,7 +34,7 @@ CoupledResult alone(const phn_model& model, Coupling& c, const Vector& target) {
   c.field_turn[0] = {};
   point.own = target;
   double energy = 0;
-  respond_alone(model, mean, target, point.force, has_energy(model) ? &energy : nullptr, nullptr);
+  respond_alone(model, mean, target, point.force, model.has_energy ? &energy : nullptr, nullptr);
   const Vector d = target / mean.lever;
   for (std::int32_t i = 0; i < point.n_nodes; ++i) {
     const ActiveNode& node = model.active[point.active[i]];
@@ -50,8 +50,8 @@ CoupledResult alone(const phn_model& model, Coupling& c, const Vector& target) {
 
 /// Components of displacements are clamped to this [m].
 double largest_displacement(const phn_model& model) {
-  return phynness::schema::traits(model.family).proportional ? largest_linear
-                                                             : largest_coupled * model.max_displacement;
+  return phynness::schema::traits(model.kind).proportional ? largest_linear
+                                                           : largest_coupled * model.max_displacement_m;
 }
 
 /// Warnings of all nodes at the displacements at which their responses are evaluated.
@@ -101,7 +101,7 @@ int force_at(const phn_model* model, const phn_data* data, const phn_tool* tool,
              Matrix* stiffness) {
   if (model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
   if (data->coupling == nullptr) return PHN_ERROR_TOOLS;
-  if ((energy || stiffness) && !has_energy(*model)) return PHN_ERROR_UNDEFINED;
+  if ((energy || stiffness) && !model->has_energy) return PHN_ERROR_UNDEFINED;
   Place place;
   const int refused = find_alone(model, tool, place);
   if (refused != PHN_OK) return refused;
