@@ -137,6 +137,19 @@ class Built {
     _status = init(place, own.data() ? own.size() : bytes, &_object);
     return _status.ok() ? bytes : 0;
   }
+  /// The same for functions of a model and a number.
+  template <class Size, class Init>
+  std::size_t build(const phn_model* model, std::int32_t number, Span<std::byte> own, Size&& size, Init&& init) {
+    return build(
+        own, [&](std::size_t* bytes) { return size(model, number, bytes); },
+        [&](void* place, std::size_t bytes, Object** object) { return init(place, bytes, model, number, object); });
+  }
+  /// @return the bytes that `size` tells; 0 if there is no object of these arguments
+  template <class Size, class... Arguments>
+  static std::size_t bytes_of(Size&& size, Arguments... arguments) noexcept {
+    std::size_t bytes = 0;
+    return size(arguments..., &bytes) == PHN_OK ? bytes : 0;
+  }
   More& more() noexcept { return _more; }
   const More& more() const noexcept { return _more; }
 
@@ -271,8 +284,7 @@ class Data : public detail::Built<phn_data, detail::DataSizes> {
   Data(const Model& model, std::int32_t max_tools, Span<std::byte> own = {})
       : Data(model, max_tools, own, phn_data_size, phn_data_init) {}
   static std::size_t bytes_for(const Model& model, std::int32_t max_tools) noexcept {
-    std::size_t bytes = 0;
-    return phn_data_size(model.get(), max_tools, &bytes) == PHN_OK ? bytes : 0;
+    return bytes_of(phn_data_size, model.get(), max_tools);
   }
 
   Status force(std::int32_t node, In3 d, Out3 force_N) noexcept {
@@ -330,11 +342,7 @@ class Data : public detail::Built<phn_data, detail::DataSizes> {
   Data(const Model& model, std::int32_t max_tools, Span<std::byte> own, decltype(phn_data_size) data_size,
        decltype(phn_data_init) data_init) {
     more().model = model.get();
-    const auto size = [&](std::size_t* bytes) { return data_size(model.get(), max_tools, bytes); };
-    const auto init = [&](void* place, std::size_t bytes, phn_data** data) {
-      return data_init(place, bytes, model.get(), max_tools, data);
-    };
-    if (build(own, size, init) == 0) return;
+    if (build(model.get(), max_tools, own, data_size, data_init) == 0) return;
     more().n_field = 3 * static_cast<std::size_t>(model.n_output());
     more().n_levels = static_cast<std::size_t>(model.n_levels());
   }
@@ -347,8 +355,7 @@ class Tools : public Data {
   Tools(const Model& model, std::int32_t max_tools, Span<std::byte> own = {})
       : Data(model, max_tools, own, phn_tools_size, phn_tools_init) {}
   static std::size_t bytes_for(const Model& model, std::int32_t max_tools) noexcept {
-    std::size_t bytes = 0;
-    return phn_tools_size(model.get(), max_tools, &bytes) == PHN_OK ? bytes : 0;
+    return bytes_of(phn_tools_size, model.get(), max_tools);
   }
 
   /// @param forces_N  tools.size() x 3

@@ -13,15 +13,10 @@ class Contact : public detail::Built<phn_contact, detail::FieldSize> {
   Contact() = default;
   Contact(const Model& model, std::int32_t max_tools, Span<std::byte> own = {}) {
     more().n_field = 3 * static_cast<std::size_t>(model.n_output());
-    const auto size = [&](std::size_t* bytes) { return phn_contact_size(model.get(), max_tools, bytes); };
-    const auto init = [&](void* place, std::size_t bytes, phn_contact** contact) {
-      return phn_contact_init(place, bytes, model.get(), max_tools, contact);
-    };
-    build(own, size, init);
+    build(model.get(), max_tools, own, phn_contact_size, phn_contact_init);
   }
   static std::size_t bytes_for(const Model& model, std::int32_t max_tools) noexcept {
-    std::size_t bytes = 0;
-    return phn_contact_size(model.get(), max_tools, &bytes) == PHN_OK ? bytes : 0;
+    return bytes_of(phn_contact_size, model.get(), max_tools);
   }
 
   /// @param data    of the same thread and model

@@ -13,15 +13,10 @@ class Surface : public detail::Built<const phn_surface, detail::FieldSize> {
   Surface() = default;
   Surface(const Model& model, std::int32_t levels, Span<std::byte> own = {}) {
     more().n_field = 3 * static_cast<std::size_t>(model.n_output());
-    const auto size = [&](std::size_t* bytes) { return phn_surface_size(model.get(), levels, bytes); };
-    const auto init = [&](void* place, std::size_t bytes, const phn_surface** surface) {
-      return phn_surface_init(place, bytes, model.get(), levels, surface);
-    };
-    build(own, size, init);
+    build(model.get(), levels, own, phn_surface_size, phn_surface_init);
   }
   static std::size_t bytes_for(const Model& model, std::int32_t levels) noexcept {
-    std::size_t bytes = 0;
-    return phn_surface_size(model.get(), levels, &bytes) == PHN_OK ? bytes : 0;
+    return bytes_of(phn_surface_size, model.get(), levels);
   }
 
   std::int32_t n_vertices() const noexcept { return phn_surface_n_vertices(get()); }
