@@ -23,8 +23,7 @@ const SelectorKind& kind_named(std::string_view name) {
                        [&](const SelectorKind& kind) { return kind.name == name; });
 }
 
-std::shared_ptr<const NodeChoice> parse_word(const toml::node& node, const std::string& word, const SceneTable& nodes,
-                                             std::string_view key) {
+NodeChoice parse_word(const toml::node& node, const std::string& word, const SceneTable& nodes, std::string_view key) {
   const auto names = names_of(true);
   if (std::find(names.begin(), names.end(), word) == names.end()) {
     const auto near = nearest(word, names);
@@ -36,8 +35,7 @@ std::shared_ptr<const NodeChoice> parse_word(const toml::node& node, const std::
 }
 
 /// The selector of a table such as { sphere = { ... }, surface_only = true }.
-std::shared_ptr<const NodeChoice> parse_table(const toml::node& node, const SceneTable& table, const SceneTable& nodes,
-                                              std::string_view key) {
+NodeChoice parse_table(const toml::node& node, const SceneTable& table, const SceneTable& nodes, std::string_view key) {
   std::string_view name;
   for (const auto candidate : names_of(false)) {
     if (!table.has(candidate)) continue;
@@ -66,10 +64,10 @@ std::shared_ptr<const NodeChoice> parse_table(const toml::node& node, const Scen
 Selector parse_selector(const toml::node& node, const SceneTable& nodes, std::string_view key) {
   Selector s;
   if (const auto* word = node.as_string()) {
-    s.choice = parse_word(node, word->get(), nodes, key);
+    s.choice = std::make_shared<const NodeChoice>(parse_word(node, word->get(), nodes, key));
   } else if (const auto* inner = node.as_table()) {
     const SceneTable table(*inner, "selector", nodes.file());
-    s.choice = parse_table(node, table, nodes, key);
+    s.choice = std::make_shared<const NodeChoice>(parse_table(node, table, nodes, key));
     s.surface_only = table.flag_or("surface_only", false);
   } else {
     refuse(nodes.where(node), nodes.label(key) + " must be text, a selector table or an array of them", shown(node),
@@ -80,12 +78,12 @@ Selector parse_selector(const toml::node& node, const SceneTable& nodes, std::st
 }
 
 void check_fixed(const Selector& selector) {
-  if (selector.choice->needs_fixed())
+  if (selector.choice->needs_fixed)
     refuse(selector.where, "[nodes] fixed cannot use a selection that depends on the fixed nodes",
-           selector.choice->description(),
+           selector.choice->description,
            "select the fixed nodes by a box, sphere, plane, half_space, group or list of nodes");
-  if (selector.choice->selects_all())
-    refuse(selector.where, "[nodes] fixed selects all nodes, so that no node can move", selector.choice->description(),
+  if (selector.choice->selects_all)
+    refuse(selector.where, "[nodes] fixed selects all nodes, so that no node can move", selector.choice->description,
            "fix a part of the body only");
 }
 

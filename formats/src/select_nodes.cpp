@@ -25,7 +25,7 @@ NodeList picked(const Selector& selector, const SelectableBody& body, const Pick
 }
 
 std::string description(const Selector& selector) {
-  return selector.choice->description() + (selector.surface_only ? ", surface nodes only" : "");
+  return selector.choice->description + (selector.surface_only ? ", surface nodes only" : "");
 }
 
 NodeList all_nodes(const SelectableBody& body) {
@@ -51,14 +51,8 @@ SelectableBody::SelectableBody(const Mesh& of) : mesh(of), surface(surface_nodes
   slack_m = on_the_border * (most - least).norm();
 }
 
-std::string NodeChoice::remedy_if_empty(const SelectableBody&, const PickRequest&) const {
-  return "select by other nodes or places";
-}
-
-std::string NodeChoice::warning(const SelectableBody&, const NodeList&) const { return {}; }
-
 bool spreads(const Selection& selection) {
-  return std::any_of(selection.begin(), selection.end(), [](const Selector& s) { return s.choice->spreads(); });
+  return std::any_of(selection.begin(), selection.end(), [](const Selector& s) { return s.choice->spreads; });
 }
 
 namespace scene_detail {
@@ -66,7 +60,7 @@ namespace scene_detail {
 std::string selection_text(const Selection& selection) {
   std::string result;
   for (const auto& s : selection)
-    result += (result.empty() ? "" : " + ") + s.choice->text() + (s.surface_only ? " surface_only" : "");
+    result += (result.empty() ? "" : " + ") + s.choice->text + (s.surface_only ? " surface_only" : "");
   return result;
 }
 

@@ -12,7 +12,7 @@ namespace phynness::scene_detail {
 namespace {
 
 bool any_needs_fixed(const Selection& selection) {
-  return std::any_of(selection.begin(), selection.end(), [](const Selector& s) { return s.choice->needs_fixed(); });
+  return std::any_of(selection.begin(), selection.end(), [](const Selector& s) { return s.choice->needs_fixed; });
 }
 
 std::string counted_nodes(const Selection& selection, std::size_t n) {
@@ -37,24 +37,27 @@ constexpr Combination combinations[] = {
      },
      "nothing is left of the first of ", ": widen the first or narrow the others"}};
 
-/// A selector whose value is an array of selections.
-struct OfSeveral final : NodeChoice {
-  const Combination& kind;
-  std::vector<Selection> parts;
+std::string joined(const std::vector<Selection>& parts, std::string (*of)(const Selection&), const char* begin,
+                   const char* between, const char* end) {
+  std::string all;
+  for (const auto& part : parts) all.append(all.empty() ? begin : between).append(of(part));
+  return all + end;
+}
 
-  OfSeveral(const SceneTable& table, const Combination& of) : kind(of) {
-    const std::string name = of.name;
-    const auto* list = table.find(name)->as_array();
-    if (!list || list->size() < 2)
-      table.reject(name, "must be an array of at least two selections",
-                   "write for example " + name + " = [{ sphere = { ... } }, \"free-surface\"]");
-    for (const auto& item : *list) parts.push_back(parse_selection(item, table, name));
-  }
-  std::string text() const override { return joined(selection_text, " { ", ", ", " }"); }
-  std::string description() const override { return joined(selection_description, " of [", "] and [", "]"); }
-  bool needs_fixed() const override { return std::any_of(parts.begin(), parts.end(), any_needs_fixed); }
-  bool spreads() const override { return std::any_of(parts.begin(), parts.end(), phynness::spreads); }
-  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
+/// A selector whose value is an array of selections.
+NodeChoice of_several(const SceneTable& table, const Combination& kind) {
+  const std::string name = kind.name;
+  const auto* list = table.find(name)->as_array();
+  if (!list || list->size() < 2)
+    table.reject(name, "must be an array of at least two selections",
+                 "write for example " + name + " = [{ sphere = { ... } }, \"free-surface\"]");
+  std::vector<Selection> parts;
+  for (const auto& item : *list) parts.push_back(parse_selection(item, table, name));
+  NodeChoice choice{name + joined(parts, selection_text, " { ", ", ", " }"),
+                    name + joined(parts, selection_description, " of [", "] and [", "]")};
+  choice.needs_fixed = std::any_of(parts.begin(), parts.end(), any_needs_fixed);
+  choice.spreads = std::any_of(parts.begin(), parts.end(), phynness::spreads);
+  choice.pick = choice.candidates = [parts, &kind](const SelectableBody& body, const PickRequest& request) {
     NodeList nodes = union_of(parts.front(), body, request);
     for (std::size_t i = 1; i < parts.size(); ++i) {
       NodeList rest;
@@ -62,41 +65,29 @@ struct OfSeveral final : NodeChoice {
       nodes = std::move(rest);
     }
     return nodes;
-  }
-  std::string remedy_if_empty(const SelectableBody& body, const PickRequest& request) const override {
+  };
+  choice.remedy_if_empty = [parts, &kind](const SelectableBody& body, const PickRequest& request) {
     std::string all;
     for (const auto& part : parts)
       all.append(all.empty() ? "" : ", ").append(counted_nodes(part, union_of(part, body, request).size()));
     return kind.nothing + all + kind.remedy;
-  }
+  };
+  return choice;
+}
 
- private:
-  std::string joined(std::string (*of)(const Selection&), const char* begin, const char* between,
-                     const char* end) const {
-    std::string all;
-    for (const auto& part : parts) all.append(all.empty() ? begin : between).append(of(part));
-    return kind.name + all + end;
-  }
-};
-
-struct Not final : NodeChoice {
-  Selection selection;
-
-  explicit Not(const SceneTable& table) : selection(parse_selection(*table.find("not"), table, "not")) {}
-  std::string text() const override { return "not { " + selection_text(selection) + " }"; }
-  std::string description() const override { return "not [" + selection_description(selection) + "]"; }
-  bool needs_fixed() const override { return any_needs_fixed(selection); }
-  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
-    const NodeList nodes = union_of(selection, body, request);
-    NodeList others;
-    std::set_difference(request.candidates.begin(), request.candidates.end(), nodes.begin(), nodes.end(),
-                        std::back_inserter(others));
-    return others;
-  }
-  std::string remedy_if_empty(const SelectableBody&, const PickRequest&) const override {
-    return "every node is in what it excludes: exclude less";
-  }
-};
+NodeChoice all_but(const SceneTable& table) {
+  const Selection selection = parse_selection(*table.find("not"), table, "not");
+  return {"not { " + selection_text(selection) + " }", "not [" + selection_description(selection) + "]",
+          [selection](const SelectableBody& body, const PickRequest& request) {
+            const NodeList nodes = union_of(selection, body, request);
+            NodeList others;
+            std::set_difference(request.candidates.begin(), request.candidates.end(), nodes.begin(), nodes.end(),
+                                std::back_inserter(others));
+            return others;
+          },
+          [](const SelectableBody&, const PickRequest&) { return "every node is in what it excludes: exclude less"; },
+          any_needs_fixed(selection)};
+}
 
 /// The `candidates`, in their order, within `distance` of one of `targets`.
 NodeList near_nodes(const Points& nodes, const NodeList& candidates, NodeList targets, double distance) {
@@ -114,35 +105,26 @@ NodeList near_nodes(const Points& nodes, const NodeList& candidates, NodeList ta
   return near;
 }
 
-struct Near final : NodeChoice {
-  Selection selection;
-  double distance_m = 0;
-
-  explicit Near(const SceneTable& table) {
-    if (!table.has("to")) table.missing("to", "", "add a selection, such as to = \"fixed\"");
-    selection = parse_selection(*table.find("to"), table, "to");
-    const auto given = table.number("distance_m", length);
-    if (!given) table.missing("distance_m", "", "add distance_m in metres");
-    distance_m = *given;
-  }
-  std::string text() const override {
-    return "near { to = " + selection_text(selection) + ", distance_m = " + shortest(distance_m) + " }";
-  }
-  std::string description() const override {
-    return "within " + length_text(distance_m) + " of [" + selection_description(selection) + "]";
-  }
-  bool needs_fixed() const override { return any_needs_fixed(selection); }
-  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
-    return near_nodes(body.mesh.nodes, request.candidates, union_of(selection, body, request),
-                      distance_m + body.slack_m);
-  }
-};
+NodeChoice near_to(const SceneTable& table) {
+  if (!table.has("to")) table.missing("to", "", "add a selection, such as to = \"fixed\"");
+  const Selection selection = parse_selection(*table.find("to"), table, "to");
+  const auto distance_m = table.number("distance_m", length);
+  if (!distance_m) table.missing("distance_m", "", "add distance_m in metres");
+  NodeChoice choice{"near { to = " + selection_text(selection) + ", distance_m = " + shortest(*distance_m) + " }",
+                    "within " + length_text(*distance_m) + " of [" + selection_description(selection) + "]",
+                    [=](const SelectableBody& body, const PickRequest& request) {
+                      return near_nodes(body.mesh.nodes, request.candidates, union_of(selection, body, request),
+                                        *distance_m + body.slack_m);
+                    }};
+  choice.needs_fixed = any_needs_fixed(selection);
+  return choice;
+}
 
 constexpr const char* spread_names[] = {"spacing_m", "spacing", "count"};
 
 /// Nodes that are spread evenly over a part of the surface, at given distances, at those that the tool needs, or a
 /// given number of them.
-struct Spread final : NodeChoice {
+struct Spread {
   std::optional<double> spacing_m;  ///< absent: `count`, or as the tool needs
   std::size_t count = 0;
   Selection within = free_surface();
@@ -155,17 +137,7 @@ struct Spread final : NodeChoice {
     if (table.has("within")) within = parse_selection(*table.find("within"), table, "within");
     if (const auto given = table.number("from_fixed_m", length)) from_fixed_m = *given;
   }
-  std::string text() const override {
-    return "spread { " + size() + ", within = " + selection_text(within) +
-           (from_fixed_m > 0 ? ", from_fixed_m = " + shortest(from_fixed_m) : "") + " }";
-  }
-  std::string description() const override {
-    return "points with " + size() + " on [" + selection_description(within) + "]";
-  }
-  bool needs_fixed() const override { return from_fixed_m > 0 || any_needs_fixed(within); }
-  bool spreads() const override { return true; }
-
-  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
+  NodeList pick(const SelectableBody& body, const PickRequest& request) const {
     const NodeList nodes = candidates(body, request);
     for (const auto i : nodes)
       if (!body.image.empty() &&
@@ -191,7 +163,7 @@ struct Spread final : NodeChoice {
                             ", or count = " + std::to_string(chosen.size()) + " if so few points are meant");
     return chosen;
   }
-  NodeList candidates(const SelectableBody& body, const PickRequest& request) const override {
+  NodeList candidates(const SelectableBody& body, const PickRequest& request) const {
     const NodeList nodes = union_of(within, body, request);
     NodeList on_surface, far;
     std::set_intersection(nodes.begin(), nodes.end(), body.surface.begin(), body.surface.end(),
@@ -201,18 +173,12 @@ struct Spread final : NodeChoice {
     std::set_difference(on_surface.begin(), on_surface.end(), near.begin(), near.end(), std::back_inserter(far));
     return far;
   }
-  std::string remedy_if_empty(const SelectableBody&, const PickRequest&) const override {
-    return from_fixed_m > 0 ? "make from_fixed_m smaller, or `within` larger"
-                            : "give a part of the surface in `within`";
-  }
-  std::string warning(const SelectableBody& body, const NodeList& picked) const override {
+  std::string warning(const SelectableBody& body, const NodeList& picked) const {
     const NodeList nodes = candidates(body, {body.surface, "active nodes", ""});
     if (!spacing_m || !std::includes(picked.begin(), picked.end(), nodes.begin(), nodes.end())) return {};
     return "spacing_m = " + shortest(*spacing_m) + " is below the edges of the mesh, so that each of the " +
            std::to_string(nodes.size()) + " nodes is probed; give a larger spacing, or spacing = \"auto\"";
   }
-
- private:
   std::string size() const {
     return spacing_m   ? "spacing_m = " + shortest(*spacing_m)
            : count > 0 ? "count = " + std::to_string(count)
@@ -228,20 +194,34 @@ struct Spread final : NodeChoice {
   }
 };
 
+NodeChoice spread_over(const SceneTable& table) {
+  const Spread spread(table);
+  const bool apart = spread.from_fixed_m > 0;
+  NodeChoice choice{"spread { " + spread.size() + ", within = " + selection_text(spread.within) +
+                        (apart ? ", from_fixed_m = " + shortest(spread.from_fixed_m) : "") + " }",
+                    "points with " + spread.size() + " on [" + selection_description(spread.within) + "]",
+                    std::bind_front(&Spread::pick, spread)};
+  choice.needs_fixed = apart || any_needs_fixed(spread.within);
+  choice.spreads = true;
+  choice.candidates = std::bind_front(&Spread::candidates, spread);
+  choice.warning = std::bind_front(&Spread::warning, spread);
+  choice.remedy_if_empty = [apart](const SelectableBody&, const PickRequest&) {
+    return apart ? "make from_fixed_m smaller, or `within` larger" : "give a part of the surface in `within`";
+  };
+  return choice;
+}
+
 }  // namespace
 
 std::vector<SelectorKind> selector_combinations() {
   std::vector<SelectorKind> kinds;
   for (const auto& kind : combinations)
-    kinds.push_back({kind.name, SelectorForm::value, {}, [&kind](const SceneTable& table) {
-                       return std::make_shared<const OfSeveral>(table, kind);
-                     }});
-  kinds.push_back(row<Not>("not"));
-  kinds.push_back(row<Near>("near", {"to", "distance_m"}));
-  for (const char* name : spread_names) {
-    kinds.push_back(row<Spread>(name));
-    kinds.back().keys = {"within", "from_fixed_m"};
-  }
+    kinds.push_back(
+        {kind.name, SelectorForm::value, {}, [&kind](const SceneTable& table) { return of_several(table, kind); }});
+  kinds.push_back({"not", SelectorForm::value, {}, all_but});
+  kinds.push_back({"near", SelectorForm::table, {"to", "distance_m"}, near_to});
+  for (const char* name : spread_names)
+    kinds.push_back({name, SelectorForm::value, {"within", "from_fixed_m"}, spread_over});
   return kinds;
 }
 

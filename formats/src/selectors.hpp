@@ -1,4 +1,4 @@
-// The selectors of a scene. Each is a struct and a row of a table.
+// The selectors of a scene. Each is a function and a row of a table.
 #pragma once
 
 #include <functional>
@@ -21,15 +21,8 @@ struct SelectorKind {
   std::vector<std::string_view> keys;  ///< of its table; for SelectorForm::value further keys beside it
   /// @param table  the table of the selector; for SelectorForm::value the table that contains the selector
   /// @throws Error (input) with file and line
-  std::function<std::shared_ptr<const NodeChoice>(const SceneTable& table)> parse;
+  std::function<NodeChoice(const SceneTable& table)> parse;
 };
-
-/// A selector that is a table if it has `keys`, otherwise a value.
-template <class Choice>
-SelectorKind row(std::string_view name, std::vector<std::string_view> keys = {}) {
-  const auto form = keys.empty() ? SelectorForm::value : SelectorForm::table;
-  return {name, form, std::move(keys), [](const SceneTable& table) { return std::make_shared<const Choice>(table); }};
-}
 
 /// Selectors that are made of other selections.
 std::vector<SelectorKind> selector_combinations();

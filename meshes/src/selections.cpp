@@ -26,7 +26,7 @@ NodeSets resolve_selections(const Scene& scene, const Mesh& mesh) {
 void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
   if (mesh.nodes.rows() == 0) throw input_error("cannot select nodes: the mesh is empty", "", "give a mesh with cells");
   for (const Selector& selector : scene.fixed)
-    if (selector.choice->needs_fixed())
+    if (selector.choice->needs_fixed)
       throw input_error(selector.where.prefix() + "the selector of the fixed nodes depends on the fixed nodes",
                         "\"free-surface\" or \"free\"", "use \"surface\" or a box");
   SelectableBody body(mesh);

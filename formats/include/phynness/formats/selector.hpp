@@ -1,9 +1,10 @@
-// Selection of mesh nodes by a scene. Each selector is a struct in formats/src/selectors.cpp or
+// Selection of mesh nodes by a scene. Each selector is a function in formats/src/selectors.cpp or
 // formats/src/selector_combinations.cpp.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -46,30 +47,25 @@ struct PickRequest {
 };
 
 /// A selector without the keys that are common to all selectors.
-class NodeChoice {
- public:
-  virtual ~NodeChoice() = default;
-  /// Text in the physics summary. It is hashed and must therefore never change.
-  virtual std::string text() const = 0;
-  /// Text in messages.
-  virtual std::string description() const = 0;
+struct NodeChoice {
+  using Pick = std::function<NodeList(const SelectableBody& body, const PickRequest& request)>;
+
+  std::string text = {};         ///< in the physics summary. It is hashed and must therefore never change
+  std::string description = {};  ///< in messages
   /// The selected nodes in any order.
   /// @throws Error (input) if the body does not have the named group or node
-  virtual NodeList pick(const SelectableBody& body, const PickRequest& request) const = 0;
-  /// The nodes from which it spreads its points over a part of the surface; of other selectors pick().
-  virtual NodeList candidates(const SelectableBody& body, const PickRequest& request) const {
-    return pick(body, request);
-  }
+  Pick pick = {};
   /// What to do if it selects no node of this body, for messages.
-  virtual std::string remedy_if_empty(const SelectableBody& body, const PickRequest& request) const;
-  /// Whether the selection depends on the fixed nodes; if so, it cannot define them.
-  virtual bool needs_fixed() const { return false; }
-  /// Whether it selects every node of any body; if so, it cannot define the fixed nodes.
-  virtual bool selects_all() const { return false; }
-  /// Whether it selects nodes that are spread over a part of the surface, between which a round tool is interpolated.
-  virtual bool spreads() const { return false; }
+  std::function<std::string(const SelectableBody& body, const PickRequest& request)> remedy_if_empty =
+      [](const SelectableBody&, const PickRequest&) { return "select by other nodes or places"; };
+  bool needs_fixed = false;  ///< depends on the fixed nodes; if so, it cannot define them
+  bool selects_all = false;  ///< selects every node of any body; if so, it cannot define the fixed nodes
+  bool spreads = false;  ///< its nodes are spread over a part of the surface; a round tool is interpolated between them
+  /// The nodes from which it spreads its points over a part of the surface; of other selectors `pick`.
+  Pick candidates = pick;
   /// A sentence about a choice that is possible but probably not meant; empty: none. @param picked  by the selection
-  virtual std::string warning(const SelectableBody&, const NodeList& picked) const;
+  std::function<std::string(const SelectableBody&, const NodeList& picked)> warning =
+      [](const SelectableBody&, const NodeList&) { return ""; };
 };
 
 /// One selector; a selection is the union of a list of them.
