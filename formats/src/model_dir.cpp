@@ -44,12 +44,4 @@ void require_mesh(const Mesh& mesh, const std::string& hash) {
                       "copy both files of one model directory");
 }
 
-ModelDir read_model_dir(const fs::path& dir) {
-  const ModelTexts texts = read_model_texts(dir);
-  ModelDir found{read_model_text(texts.model, (dir / "model.txt").string()),
-                 read_mesh_text(texts.mesh, (dir / "mesh.txt").string())};
-  require_mesh(found.mesh, found.model.mesh_hash);
-  return found;
-}
-
 }  // namespace phynness

@@ -10,6 +10,7 @@
 
 #include "../as_nobody.hpp"
 #include "../formats/database_under_test.hpp"
+#include "../model_dir.hpp"
 
 namespace phynness::test {
 namespace {

@@ -5,6 +5,8 @@
 #include <phynness/formats/model.hpp>
 #include <phynness/formats/probe_points.hpp>
 
+#include "../model_dir.hpp"
+
 namespace phynness::test {
 
 /// The sample model with its mesh, as if its tools were round, and with bounds between nodes. Errors do not matter

@@ -8,6 +8,7 @@
 #include <phynness/formats/text_file.hpp>
 
 #include "../block_body.hpp"
+#include "../model_dir.hpp"
 #include "round_sample.hpp"
 
 namespace phynness::test {

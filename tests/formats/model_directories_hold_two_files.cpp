@@ -7,6 +7,7 @@
 #include <phynness/formats/model.hpp>
 #include <random>
 
+#include "../model_dir.hpp"
 #include "small_model.hpp"
 
 namespace {

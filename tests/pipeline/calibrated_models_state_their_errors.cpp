@@ -11,6 +11,7 @@
 #include <cmath>
 #include <phynness/formats/model.hpp>
 
+#include "../model_dir.hpp"
 #include "command_line.hpp"
 
 namespace phynness::test {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <phynness/formats/model.hpp>
 
+#include "../model_dir.hpp"
 #include "command_line.hpp"
 
 namespace phynness::test {

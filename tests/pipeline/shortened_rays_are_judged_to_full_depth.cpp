@@ -6,6 +6,7 @@
 // 1e-6 is two orders above.
 #include <phynness/formats/model.hpp>
 
+#include "../model_dir.hpp"
 #include "command_line.hpp"
 
 namespace phynness::test {

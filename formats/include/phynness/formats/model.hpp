@@ -242,11 +242,4 @@ ModelTexts read_model_texts(const std::filesystem::path& dir);
 /// @param hash  mesh hash of a model. @throws Error (input) if it is not the hash of the mesh
 void require_mesh(const Mesh& mesh, const std::string& hash);
 
-struct ModelDir {
-  Model model;
-  Mesh mesh;
-};
-/// @throws Error (input) if a file is missing or damaged, or if the mesh is not the mesh of the model
-ModelDir read_model_dir(const std::filesystem::path& dir);
-
 }  // namespace phynness
