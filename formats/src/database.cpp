@@ -170,10 +170,7 @@ struct Database::Impl {
   }
 };
 
-Database::Database(std::unique_ptr<Impl> impl) : _impl(std::move(impl)) {}
-Database::~Database() = default;
-Database::Database(Database&&) noexcept = default;
-Database& Database::operator=(Database&&) noexcept = default;
+Database::Database(std::shared_ptr<Impl> impl) : _impl(std::move(impl)) {}
 
 bool Database::is_complete(const std::filesystem::path& file) { return layout::read_complete(hdf5::File::open(file)); }
 
@@ -192,7 +189,7 @@ Database Database::open(const std::filesystem::path& file) {
         "finish it with: phynness precompute SCENE -o " + file.string() + " --resume");
   }
   auto header = layout::read_header(opened);
-  auto impl = std::make_unique<Impl>(Impl{std::move(opened), std::move(header)});
+  auto impl = std::make_shared<Impl>(Impl{std::move(opened), std::move(header)});
   impl->check_shapes();
   impl->check_mirror();
   return Database(std::move(impl));

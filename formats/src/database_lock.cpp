@@ -55,7 +55,7 @@ struct DatabaseLock::Impl {
   }
 };
 
-DatabaseLock::DatabaseLock(const std::filesystem::path& file) : _impl(std::make_unique<Impl>()) {
+DatabaseLock::DatabaseLock(const std::filesystem::path& file) : _impl(std::make_shared<Impl>()) {
   check_folder_of(file);
   make_log_folder(file);
   const auto path = database_log::folder(file) / "lock";
@@ -86,10 +86,6 @@ DatabaseLock::DatabaseLock(const std::filesystem::path& file) : _impl(std::make_
       ::ftruncate(_impl->file.get(), 0) == 0 &&
       ::pwrite(_impl->file.get(), name.data(), name.size(), 0) == static_cast<ssize_t>(name.size());
 }
-
-DatabaseLock::~DatabaseLock() = default;
-DatabaseLock::DatabaseLock(DatabaseLock&&) noexcept = default;
-DatabaseLock& DatabaseLock::operator=(DatabaseLock&&) noexcept = default;
 
 std::string DatabaseLock::holder(const std::filesystem::path& file) {
   const auto path = database_log::folder(file) / "lock";

@@ -99,7 +99,7 @@ struct ColumnArray {
   const char* type;  ///< "int8", "int32", "float32" or "float64"
 };
 
-/// A finished database, read by active node in any order. h5py reads the same arrays.
+/// A finished database, read by active node in any order. h5py reads the same arrays. Copies share the open file.
 class Database {
  public:
   /// @throws Error (input) if the file is not a database, of another version, damaged, or unfinished; the remedy of an
@@ -119,9 +119,6 @@ class Database {
   static std::vector<char> rays_for(const std::filesystem::path& file, const DatabaseHeader& wanted);
   /// True if all rays have been packed into the file.
   static bool is_complete(const std::filesystem::path& file);
-  ~Database();
-  Database(Database&&) noexcept;
-  Database& operator=(Database&&) noexcept;
 
   const DatabaseHeader& header() const;
   /// All rays of one active node (index into sets.active), one per direction, in order.
@@ -144,8 +141,8 @@ class Database {
 
  private:
   struct Impl;
-  explicit Database(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> _impl;
+  explicit Database(std::shared_ptr<Impl> impl);
+  std::shared_ptr<Impl> _impl;
 };
 
 /// Reads all datasets except those of the output nodes.

@@ -7,18 +7,15 @@
 
 namespace phynness {
 
-/// A lock on FILE.log/lock during the lifetime of the object. The operating system releases it when the process ends in
-/// any way. It is needed by the process that creates and packs a database, but not by readers and by ranks that append.
+/// A lock on FILE.log/lock during the lifetime of the object and its copies, the last of which removes the lock file,
+/// and FILE.log/ if it is empty then. The operating system releases it when the process ends in any way. It is needed
+/// by the process that creates and packs a database, but not by readers and by ranks that append.
 class DatabaseLock {
  public:
   /// Creates FILE.log/ if it does not exist.
   /// @throws Error (input) if another process, which the message names, holds the lock, or if the folder is not
   /// writable
   explicit DatabaseLock(const std::filesystem::path& file);
-  /// Removes the lock file, and FILE.log/ if it is empty then.
-  ~DatabaseLock();
-  DatabaseLock(DatabaseLock&&) noexcept;
-  DatabaseLock& operator=(DatabaseLock&&) noexcept;
 
   /// The process that holds the lock of `file`; empty if there is none or if the file system has no locks.
   static std::string holder(const std::filesystem::path& file);
@@ -28,7 +25,7 @@ class DatabaseLock {
 
  private:
   struct Impl;
-  std::unique_ptr<Impl> _impl;
+  std::shared_ptr<Impl> _impl;
 };
 
 }  // namespace phynness
