@@ -6,7 +6,6 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
 
-#include "database_checks.hpp"
 #include "database_layout.hpp"
 #include "database_log.hpp"
 #include "database_scan.hpp"

@@ -1,4 +1,5 @@
-#include "database_checks.hpp"
+// Checks of the header of a database: of its numbers, when it is read and when it is written, because other code uses
+// them as indices, counts and divisors; and whether the present run can continue it.
 
 #include <algorithm>
 #include <charconv>

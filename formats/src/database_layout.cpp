@@ -7,7 +7,6 @@
 #include <phynness/formats/mirrored_rays.hpp>
 #include <sstream>
 
-#include "database_checks.hpp"
 #include "ray_columns.hpp"
 
 namespace phynness::database_layout {

@@ -5,7 +5,7 @@
 #include <phynness/formats/hash.hpp>
 #include <string_view>
 
-#include "database_checks.hpp"
+#include "database_layout.hpp"
 
 namespace phynness::database_log {
 namespace {

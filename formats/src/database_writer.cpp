@@ -5,7 +5,6 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
 
-#include "database_checks.hpp"
 #include "database_layout.hpp"
 #include "database_pack.hpp"
 #include "database_scan.hpp"

@@ -7,7 +7,6 @@
 #include <system_error>
 
 #include "hdf5_file.hpp"
-#include "hdf5_text.hpp"
 
 namespace phynness::hdf5 {
 namespace {

@@ -1,4 +1,8 @@
-#include "hdf5_text.hpp"
+// Texts of variable length, read without HDF5's own code. A file stores the length of such a text, the address of a
+// global heap, and an index in this heap; see "Global Heap" in HDF5's file format specification. A heap has no
+// checksum, and HDF5 1.10 does not validate it: a zeroed block causes an infinite loop, and wrong sizes cause copies
+// beyond buffers.
+#include "hdf5_file.hpp"
 
 #include <algorithm>
 #include <cstring>
