@@ -1,7 +1,7 @@
 // C source of an image and of golden queries.
 #include <cctype>
-#include <charconv>
 #include <phynness/embedding/embedding.hpp>
+#include <phynness/formats/printable.hpp>
 
 namespace phynness {
 namespace {
@@ -37,9 +37,7 @@ constexpr const char* end_c = "#ifdef __cplusplus\n}\n#endif\n";
 
 /// Exact, and independent of the locale.
 std::string number(double value) {
-  char buffer[40];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
-  std::string text(buffer, end);
+  const std::string text = number_text(value);
   return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
 }
 

@@ -2,10 +2,10 @@
 // them as indices, counts and divisors; and whether the present run can continue it.
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/printable.hpp>
 
 #include "database_layout.hpp"
 #include "database_log.hpp"
@@ -24,11 +24,6 @@ constexpr std::size_t most_directions = 10000, most_increments = 10000, most_ray
 constexpr double smallest_diagonal = 1e-9, largest_diagonal = 1e9;
 // Tolerances of the squared lengths of directions and of the plane's normal.
 constexpr double direction_rounding = 1e-9, normal_rounding = 1e-12;
-
-std::string text(double value) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
 
 class HeaderChecks {
  public:
@@ -84,10 +79,10 @@ class HeaderChecks {
       for (int k = 0; k < 3; ++k)
         if (!std::isfinite(mesh.nodes(i, k)))
           refuse_entry(path::nodes, "contains a coordinate that is not finite",
-                       std::to_string(i) + ", " + std::to_string(k), text(mesh.nodes(i, k)));
+                       std::to_string(i) + ", " + std::to_string(k), number_text(mesh.nodes(i, k)));
     const double diagonal = (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).norm();
     if (!(diagonal >= smallest_diagonal && diagonal <= largest_diagonal))
-      refuse(path::nodes, "define a body of impossible size", "a diagonal of " + text(diagonal) + " m");
+      refuse(path::nodes, "define a body of impossible size", "a diagonal of " + number_text(diagonal) + " m");
     if (mesh.cells.cols() != 3 && mesh.cells.cols() != 4)
       refuse(path::cells, "must have 3 or 4 nodes per cell", std::to_string(mesh.cells.cols()));
     check_corners(mesh.cells, path::cells);
@@ -129,7 +124,7 @@ class HeaderChecks {
     }
     const double length = Eigen::Vector3d::Map(mirror.normal.data()).squaredNorm();
     if (!(std::abs(length - 1) < normal_rounding))
-      refuse(path::mirror_normal, "must have the length 1", "its square is " + text(length));
+      refuse(path::mirror_normal, "must have the length 1", "its square is " + number_text(length));
   }
 
   void check_probes() const {
@@ -137,7 +132,7 @@ class HeaderChecks {
       const double length = Eigen::Vector3d::Map(_header.directions[d].data()).norm();
       if (!(std::abs(length - 1) < direction_rounding))
         refuse(path::directions, "must hold vectors of length 1",
-               "that of entry [" + std::to_string(d) + "] is " + text(length));
+               "that of entry [" + std::to_string(d) + "] is " + number_text(length));
     }
     double before = 0;
     const double most = largest_displacement(_header.mesh);
@@ -145,14 +140,15 @@ class HeaderChecks {
       const double magnitude = _header.magnitudes_m[i];
       if (!(magnitude > before) || !(magnitude <= most))
         refuse_entry(path::magnitudes,
-                     "must be positive, ascending, and at most 100 diagonals of the body, " + text(most) + " m",
-                     std::to_string(i), text(magnitude));
+                     "must be positive, ascending, and at most 100 diagonals of the body, " + number_text(most) + " m",
+                     std::to_string(i), number_text(magnitude));
       before = magnitude;
     }
     for (Eigen::Index i = 0; i < _header.displacements_m.rows(); ++i)
       if (!(_header.displacements_m.row(i).norm() <= before * (1 + direction_rounding)))
-        refuse_entry(path::displacements, "must be finite and at most the last magnitude, " + text(before) + " m",
-                     std::to_string(i), text(_header.displacements_m.row(i).norm()) + " m");
+        refuse_entry(path::displacements,
+                     "must be finite and at most the last magnitude, " + number_text(before) + " m", std::to_string(i),
+                     number_text(_header.displacements_m.row(i).norm()) + " m");
   }
 
   void check_sizes() const {

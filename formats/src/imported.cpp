@@ -2,13 +2,13 @@
 #include <phynness/formats/imported.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <memory>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/hash.hpp>
+#include <phynness/formats/printable.hpp>
 #include <phynness/formats/version.hpp>
 
 #include "database_log.hpp"
@@ -208,10 +208,7 @@ std::string quoted(const std::string& text) {
 std::string scene_text(const GivenResponses& given, double largest_m) {
   std::string text = "# Imported responses: body and material are those of their source.\ntitle = " +
                      quoted(given.title.empty() ? given.source : given.title) + "\n[probe]\n";
-  const auto number = [](double x) {
-    char digits[40];
-    return std::string(digits, std::to_chars(digits, digits + sizeof digits, x, std::chars_format::scientific).ptr);
-  };
+  const auto number = [](double x) { return number_text(x, std::chars_format::scientific); };
   text += given.tool_radius_m > 0 ? "kind = \"patch\"\ntool_radius_m = " + number(given.tool_radius_m) + "\n"
                                   : "kind = \"node\"\n";
   return text + "max_displacement_m = " + number(largest_m) + "\n";

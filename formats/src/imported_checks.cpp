@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <phynness/formats/error.hpp>
@@ -264,11 +263,6 @@ void check_path(const std::vector<NodeStates>& nodes, ImportReport& report) {
 }
 
 }  // namespace
-
-std::string brief(double value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 4).ptr};
-}
 
 void check_shapes(GivenResponses& given, ImportReport& report) {
   check_rows(given);

@@ -2,11 +2,12 @@
 #pragma once
 
 #include <phynness/formats/imported.hpp>
+#include <phynness/formats/printable.hpp>
 
 namespace phynness::imported {
 
 /// A number with four digits, for messages.
-std::string brief(double value);
+inline std::string brief(double value) { return number_text(value, std::chars_format::general, 4); }
 
 /// Rows of an active node with the same displacement; most have one row.
 struct State {

@@ -1,18 +1,14 @@
 #include <phynness/formats/locking.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <phynness/formats/model.hpp>
+#include <phynness/formats/printable.hpp>
 
 namespace phynness {
 namespace {
 
-/// In C notation, independent of the locale.
-std::string fixed(double value, int decimals) {
-  char text[330];  // the largest double has 309 digits
-  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr};
-}
+std::string fixed(double value, int decimals) { return number_text(value, std::chars_format::fixed, decimals); }
 
 /// Logarithm of the ratio of a row, interpolated over the logarithm of |d|, without extrapolation.
 double log_ratio(const ForceRatio& row, ProbeKind kind, double probe) {

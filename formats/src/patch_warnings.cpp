@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
+#include <phynness/formats/printable.hpp>
 #include <phynness/formats/probe_points.hpp>
 #include <phynness/formats/tool.hpp>
 
@@ -14,8 +14,7 @@ std::string three_digits(double value, Round round = Round::nearest) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2);
   const double units = value / unit;
   const double rounded = round == Round::down ? std::floor(units) : round == Round::up ? std::ceil(units) : units;
-  char text[64];
-  return {text, std::to_chars(text, text + sizeof text, rounded * unit, std::chars_format::general, 3).ptr};
+  return number_text(rounded * unit, std::chars_format::general, 3);
 }
 
 }  // namespace

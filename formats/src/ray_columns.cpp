@@ -1,10 +1,10 @@
 #include "ray_columns.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <phynness/formats/printable.hpp>
 
 namespace phynness {
 namespace {
@@ -22,10 +22,12 @@ void clear(Ray& ray, RayColumn::FieldIndex field, std::size_t count) {
   ray.fields[field.index].assign(count, 0.0);
 }
 
+constexpr const char* unknown = "unknown";
+
 template <class Code, std::size_t n>
 CodeRow<Code> row_of(const CodeRow<Code> (&rows)[n], Code code) {
   const auto found = std::find_if(rows, rows + n, [code](const auto& row) { return row.code == code; });
-  return found == rows + n ? CodeRow<Code>{code, "unknown", "unknown"} : *found;
+  return found == rows + n ? CodeRow<Code>{code, unknown, unknown} : *found;
 }
 
 StoredColumn stored(const RayColumn& column, const DatabaseHeader& header, const char* folder) {
@@ -98,13 +100,6 @@ Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t di
 
 namespace {
 
-template <class Code, std::size_t n>
-bool is_one_of(const CodeRow<Code> (&rows)[n], Code code) {
-  return std::any_of(rows, rows + n, [code](const auto& row) { return row.code == code; });
-}
-bool is_known(Status code) { return is_one_of(every_status, code); }
-bool is_known(EndReason code) { return is_one_of(every_end, code); }
-
 /// Whether values are within the bounds of a column's kind.
 struct Possible {
   double least, most;
@@ -116,7 +111,7 @@ struct Possible {
   template <class T>
   bool operator()(T value) const {
     if constexpr (std::is_enum_v<T>)
-      return is_known(value);
+      return name(value) != unknown;
     else
       return static_cast<double>(value) >= least && static_cast<double>(value) <= most;
   }
@@ -125,12 +120,10 @@ struct Possible {
 template <class T>
 std::string tell(const StoredColumn& column, std::size_t increment, T value) {
   std::string number;
-  if constexpr (std::is_enum_v<T>) {
+  if constexpr (std::is_enum_v<T>)
     number = std::to_string(static_cast<int>(value));
-  } else {
-    char buffer[32];
-    number.assign(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
-  }
+  else
+    number = number_text(value);
   const bool of_ray = column.of == ColumnOf::ray;
   return column.path + (of_ray ? "" : ", increment " + std::to_string(increment) + ",") + " is " + number;
 }

@@ -1,12 +1,11 @@
 #include "scene_table.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <locale>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/printable.hpp>
 #include <sstream>
 
 #include "scene_keys.hpp"
@@ -67,16 +66,11 @@ std::string exact_text(const Vec3& v) {
 }
 
 std::string shown_text(const Vec3& v) {
-  std::ostringstream out;
-  out << '(' << v[0] << ", " << v[1] << ", " << v[2] << ')';
-  return out.str();
+  const auto text = [&](std::size_t k) { return number_text(v[k], std::chars_format::general, 6); };
+  return "(" + text(0) + ", " + text(1) + ", " + text(2) + ")";
 }
 
-std::string shortest(double value) {
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-  return {buffer.data(), end};
-}
+std::string shortest(double value) { return number_text(value); }
 
 std::string shown(const toml::node& node, int levels) {
   if (levels == 0) return "...";

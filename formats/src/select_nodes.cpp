@@ -4,7 +4,6 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/selector.hpp>
-#include <sstream>
 
 #include "selectors.hpp"
 
@@ -68,12 +67,6 @@ std::string selection_description(const Selection& selection) {
   std::string result;
   for (const auto& s : selection) result += (result.empty() ? "" : " or ") + description(s);
   return result;
-}
-
-std::string length_text(double length_m) {
-  std::ostringstream out;
-  out << length_m << " m";
-  return out.str();
 }
 
 NodeList union_of(const Selection& selection, const SelectableBody& body, const PickRequest& request) {

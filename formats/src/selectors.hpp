@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <phynness/formats/printable.hpp>
 
 #include "scene_table.hpp"
 
@@ -40,8 +41,5 @@ std::string selection_description(const Selection& selection);
 /// The nodes of a selection, sorted and without repeats.
 /// @throws Error (input) if one of its selectors selects no node
 NodeList union_of(const Selection& selection, const SelectableBody& body, const PickRequest& request);
-
-/// "0.0123 m", for messages.
-std::string length_text(double length_m);
 
 }  // namespace phynness::scene_detail

@@ -1,19 +1,11 @@
 // Specification: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html.
 #include <bit>
 #include <cassert>
-#include <charconv>
+#include <phynness/formats/printable.hpp>
 #include <phynness/formats/vtk.hpp>
 
 namespace phynness {
 namespace {
-
-/// The shortest decimals that are read back as the same number, independent of the locale.
-template <class Number>
-void append(std::string& text, Number value) {
-  char digits[32];
-  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
-  text.append(digits, end);
-}
 
 std::string attribute(const char* name, Eigen::Index value) {
   return std::string(" ") + name + "=\"" + std::to_string(value) + "\"";
@@ -107,11 +99,8 @@ std::string pvd_text(const std::vector<std::string>& files, const std::vector<do
   std::string text =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
       "  <Collection>\n";
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    text += "    <DataSet timestep=\"";
-    append(text, times[i]);
-    text += "\" part=\"0\" file=\"" + escaped(files[i]) + "\"/>\n";
-  }
+  for (std::size_t i = 0; i < files.size(); ++i)
+    text += "    <DataSet timestep=\"" + number_text(times[i]) + "\" part=\"0\" file=\"" + escaped(files[i]) + "\"/>\n";
   return text + "  </Collection>\n</VTKFile>\n";
 }
 

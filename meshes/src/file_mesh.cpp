@@ -38,12 +38,6 @@ void require_coordinates(const std::array<double, 3>& x, const std::string& wher
                     "export the mesh again, or check mesh.scale_to_m");
 }
 
-std::string metres(double value) {
-  std::ostringstream text;
-  text << value << " m";
-  return text.str();
-}
-
 void scale(RawMesh& raw, double scale_to_m) {
   for (auto& x : raw.nodes)
     for (double& value : x) value *= scale_to_m;

@@ -2,6 +2,7 @@
 // common.
 #pragma once
 
+#include <phynness/formats/printable.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <string>
 #include <vector>
@@ -17,9 +18,6 @@ inline constexpr double largest_coordinate_m = 1e25;
 
 /// @param x  [m]; @param where  begins the message: file and cell; @param node  number in the file
 void require_coordinates(const std::array<double, 3>& x, const std::string& where, std::int64_t node);
-
-/// "0.02 m"
-std::string metres(double value);
 
 void scale(RawMesh& raw, double scale_to_m);
 Points to_points(const std::vector<std::array<double, 3>>& nodes);

@@ -49,8 +49,9 @@ std::vector<std::int32_t> pair_nodes(const Mesh& mesh, const SymmetryPlane& plan
   if (!alone.empty()) {
     const double off = (mesh.nodes.rowwise() - reflected(alone.front())).rowwise().norm().minCoeff();
     throw input_error(plane.where.prefix() + "the mesh is not symmetric",
-                      counted(alone.size(), "node has", "nodes have") + " no mirror image within " + metres(tolerance) +
-                          " (" + first_few(alone) + "); the first misses by " + metres(off),
+                      counted(alone.size(), "node has", "nodes have") + " no mirror image within " +
+                          length_text(tolerance) + " (" + first_few(alone) + "); the first misses by " +
+                          length_text(off),
                       "move the plane, set tolerance_m, give a mesh that is symmetric (half = true makes one from its "
                       "half), or remove mesh.symmetry");
   }

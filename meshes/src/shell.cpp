@@ -142,14 +142,16 @@ void check_wall(MeshResult& result, double thickness_m, const std::string& sourc
   const Mesh& mesh = result.mesh;
   const double longest = extent_of(mesh.nodes).maxCoeff();
   if (!(thickness_m < longest))
-    throw input_error(source + ": the shell is thicker than it is long",
-                      "thickness_m = " + metres(thickness_m) + ", the middle surface is " + metres(longest) + " long",
-                      "check the units, lengths are in metres; simulate a thick wall as a solid, without thickness_m");
+    throw input_error(
+        source + ": the shell is thicker than it is long",
+        "thickness_m = " + length_text(thickness_m) + ", the middle surface is " + length_text(longest) + " long",
+        "check the units, lengths are in metres; simulate a thick wall as a solid, without thickness_m");
   if (thickness_m < thinnest_wall * longest)
     throw input_error(
         source + ": the wall is too thin for double precision",
-        "thickness_m = " + metres(thickness_m) + ", the middle surface is " + metres(longest) + " long",
-        "check the units, lengths are in metres; make the wall at least " + metres(thinnest_wall * longest) + " thick");
+        "thickness_m = " + length_text(thickness_m) + ", the middle surface is " + length_text(longest) + " long",
+        "check the units, lengths are in metres; make the wall at least " + length_text(thinnest_wall * longest) +
+            " thick");
   std::map<Edge, Eigen::RowVector3d> directors;
   for (const auto& [edge, normals] : normals_at_edges(mesh))
     directors[edge] = (normals.size() > 1 ? Eigen::RowVector3d(normals[0] + normals[1]) : normals[0]).normalized();
@@ -169,9 +171,9 @@ void check_wall(MeshResult& result, double thickness_m, const std::string& sourc
     }
   }
   const Eigen::RowVector3d sharpest = corners_of(mesh.nodes, mesh.cells, worst)[0];
-  const std::string where = "thickness_m = " + metres(thickness_m) + ", the sharpest bend is at triangle " +
-                            std::to_string(worst) + " (" + metres(sharpest[0]) + ", " + metres(sharpest[1]) + ", " +
-                            metres(sharpest[2]) + ")";
+  const std::string where = "thickness_m = " + length_text(thickness_m) + ", the sharpest bend is at triangle " +
+                            std::to_string(worst) + " (" + length_text(sharpest[0]) + ", " + length_text(sharpest[1]) +
+                            ", " + length_text(sharpest[2]) + ")";
   if (thinnest < thickest_layer)
     throw input_error(source + ": the wall is so thick that its inner face intersects itself at a bend", where,
                       "make the wall thinner, round the bend, or simulate a solid, without thickness_m");

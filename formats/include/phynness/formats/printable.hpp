@@ -1,6 +1,7 @@
-// Text from files and command lines, made safe for a terminal or a page.
+// Text from files and command lines, made safe for a terminal or a page, and text of numbers.
 #pragma once
 
+#include <charconv>
 #include <string>
 #include <string_view>
 
@@ -13,5 +14,15 @@ std::string printable(std::string_view text);
 
 /// The beginning of a text that is too long for a message, with its length; a shorter text as it is.
 std::string shortened(std::string_view text, std::size_t most_bytes);
+
+/// A number by std::to_chars, independent of the locale; without a format the shortest text that is read back as the
+/// same number.
+template <class Number, class... Format>
+std::string number_text(Number number, Format... format) {
+  char digits[330];  // the largest double has 309 in fixed notation
+  return {digits, std::to_chars(digits, digits + sizeof digits, number, format...).ptr};
+}
+/// "0.0123 m", for messages.
+inline std::string length_text(double length_m) { return number_text(length_m, std::chars_format::general, 6) + " m"; }
 
 }  // namespace phynness
