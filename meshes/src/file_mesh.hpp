@@ -2,6 +2,7 @@
 // common.
 #pragma once
 
+#include <functional>
 #include <phynness/formats/printable.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <string>
@@ -65,5 +66,22 @@ void check_wall(MeshResult& shell, double thickness_m, const std::string& source
 /// Warns of slivers, and of a body that is larger than 1 m or smaller than 1 mm, whose file may have other units.
 /// @param cell  what a cell is called
 void warn_of_shape_and_size(MeshResult& result, const char* cell, double scale_to_m);
+
+// sizing.cpp
+
+struct Extent {
+  double volume_m3 = 0, area_m2 = 0;
+};
+/// Of a built-in shape from all of its dimensions. @pre it is not the liver
+Extent extent_of_shape(const MeshSpec& shape);
+
+/// @throws Error if a mesh of this edge length would be so large that it is probably a mistake
+void require_affordable(const Extent& extent, double edge_m, const std::string& place);
+
+/// Makes several meshes (secant method on the logarithms of size and number) and returns the mesh whose number of nodes
+/// is nearest to the target; a note states the result. It is deterministic if `mesh_at` is.
+/// @throws Error as `mesh_at`, if no size worked
+MeshResult meet_node_target(int target, const Extent& extent, const std::string& place,
+                            const std::function<MeshResult(double edge_m)>& mesh_at);
 
 }  // namespace phynness::meshes

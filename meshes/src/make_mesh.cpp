@@ -11,7 +11,6 @@
 #include "flat_cells.hpp"
 #include "generate.hpp"
 #include "mirror.hpp"
-#include "sizing.hpp"
 
 namespace phynness {
 namespace {

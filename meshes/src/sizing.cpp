@@ -6,7 +6,7 @@
 #include <phynness/formats/error.hpp>
 #include <sstream>
 
-#include "sizing.hpp"
+#include "file_mesh.hpp"
 
 namespace phynness::meshes {
 namespace {
