@@ -4,7 +4,8 @@
 #include <limits>
 
 #include "equilibrium.hpp"
-#include "newton_cg.hpp"
+#include "linear_solver.hpp"
+#include "petsc_check.hpp"
 
 namespace phynness {
 namespace {
@@ -20,6 +21,53 @@ constexpr double price_of_a_tangent = 7;
 constexpr double good_newton_step = 0.1;
 // The usual constant of Armijo's rule, which accepts any significant decrease.
 constexpr double decrease = 1e-4;
+
+/// A Newton step with an indefinite tangent, by conjugate gradients that detect negative curvature.
+struct NewtonCg {
+  int iterations = 0;
+  bool negative_curvature = false;
+  bool failed = false;  ///< the preconditioner gave no finite result; the step is undefined
+};
+
+/// Solves K y = f with a relative accuracy of 0.1 in the preconditioner's norm, or until a direction of negative
+/// curvature is found. The step along this direction has the length that it would have with the opposite curvature
+/// (Steihaug 1983, doi:10.1137/0720042; length as in modified Newton methods).
+/// @param preconditioner  applies the inverse of a positive definite approximation of K
+/// @param y  on entry the preconditioner applied to f, on return the step; f . y > 0
+NewtonCg newton_cg(LinearSolver& preconditioner, Mat K, Vec f, Vec y) {
+  constexpr int most_iterations = 40;
+  constexpr double reduction = 0.1;
+  PetscVec r, z, p, q;
+  for (auto* vector : {&r, &z, &p, &q}) PHYNNESS_PETSC(VecDuplicate(f, vector->address()));
+  PHYNNESS_PETSC(VecCopy(f, r));
+  PHYNNESS_PETSC(VecCopy(y, z));
+  PHYNNESS_PETSC(VecCopy(y, p));
+  PHYNNESS_PETSC(VecSet(y, 0));
+
+  NewtonCg out;
+  double rz = dot(r, z);
+  double p_squared = rz;  // p M p with the preconditioner's matrix M
+  const double goal = reduction * reduction * rz;
+  while (out.iterations < most_iterations) {
+    ++out.iterations;
+    PHYNNESS_PETSC(MatMult(K, p, q));
+    const double curvature = dot(p, q);
+    out.negative_curvature = !(curvature > 0);
+    PHYNNESS_PETSC(VecAXPY(y, rz / (out.negative_curvature ? p_squared : curvature), p));
+    if (out.negative_curvature) break;
+    PHYNNESS_PETSC(VecAXPY(r, -rz / curvature, q));
+    if (!preconditioner.solve(r, z)) {
+      out.failed = true;
+      break;
+    }
+    const double next = dot(r, z);
+    if (!(next > goal)) break;
+    PHYNNESS_PETSC(VecAYPX(p, next / rz, z));
+    p_squared = next + (next / rz) * (next / rz) * p_squared;
+    rz = next;
+  }
+  return out;
+}
 
 }  // namespace
 
