@@ -44,35 +44,29 @@ class WorkClock {
   double _start = 0, _seconds = 0;
 };
 
-/// Sums over rays: of one rank or of all, of this run or of the whole database.
-struct Counts {
-  std::int64_t rays = 0, rays_solved = 0, increments = 0, increments_solved = 0, after_end = 0, failed = 0,
-               iterations = 0, library_errors = 0;
+/// @param is_solved  false: a mirror image
+void add(std::span<const Status> statuses, std::span<const std::int32_t> iterations, bool is_solved, RayCounts& sum) {
+  ++sum.rays;
+  sum.rays_solved += !statuses.empty() && statuses.front() != Status::not_requested;
+  for (const auto status : statuses) {
+    const bool is_tried = status != Status::not_requested && status != Status::after_end;
+    sum.increments += is_tried;
+    sum.increments_solved += is_tried && is_solved;
+    sum.after_end += status == Status::after_end;
+    sum.failed += static_cast<int>(status) < 0;
+    sum.library_errors += status == Status::library_error;
+  }
+  sum.iterations = std::accumulate(iterations.begin(), iterations.end(), sum.iterations);
+}
 
-  /// @param is_solved  false: a mirror image
-  void add(std::span<const Status> statuses, std::span<const std::int32_t> iterations_of, bool is_solved = true) {
-    ++rays;
-    rays_solved += !statuses.empty() && statuses.front() != Status::not_requested;
-    for (const auto status : statuses) {
-      const bool is_tried = status != Status::not_requested && status != Status::after_end;
-      increments += is_tried;
-      increments_solved += is_tried && is_solved;
-      after_end += status == Status::after_end;
-      failed += static_cast<int>(status) < 0;
-      library_errors += status == Status::library_error;
-    }
-    iterations = std::accumulate(iterations_of.begin(), iterations_of.end(), iterations);
-  }
-  Counts of_all_ranks() const {
-    Counts all = *this;
-    MPI_Allreduce(MPI_IN_PLACE, &all, sizeof all / sizeof all.rays, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
-    return all;
-  }
-};
+RayCounts of_all_ranks(RayCounts counts) {
+  MPI_Allreduce(MPI_IN_PLACE, &counts, sizeof counts / sizeof counts.rays, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+  return counts;
+}
 
 /// Figures of one rank.
 struct Share {
-  Counts counts;
+  RayCounts counts;
   std::int64_t tasks = 0;
   double busy_seconds = 0;
   bool interrupted = false;
@@ -136,7 +130,7 @@ class RayLog {
   void flush(Share& share) {
     for (const auto& ray : _held_back) {
       _log.append(ray);
-      share.counts.add(ray.status, ray.iterations);
+      add(ray.status, ray.iterations, true, share.counts);
     }
     _held_back.clear();
   }
@@ -192,7 +186,7 @@ std::int64_t log_left_out(const std::filesystem::path& file, const DatabaseHeade
   for (const auto& ray : rays) {
     const auto left_out = rounds.left_out(ray);
     log.append(left_out);
-    share.counts.add(left_out.status, left_out.iterations);
+    add(left_out.status, left_out.iterations, true, share.counts);
     n += left_out.end.depth_m > 0;
   }
   log.close();
@@ -219,13 +213,9 @@ bool on_any_rank(bool here) {
 
 /// Sets the figures of all ranks.
 void add_up(const SolverSession& session, const Share& share, double core_seconds, PrecomputeReport& report) {
-  const Counts all = share.counts.of_all_ranks();
-  report.rays = all.rays;
-  report.rays_solved = all.rays_solved;
-  report.increments = report.increments_solved = report.increments_of_run = all.increments;
-  report.failed = all.failed;
-  report.iterations = all.iterations;
-  report.library_errors = all.library_errors;
+  static_cast<RayCounts&>(report) = of_all_ranks(share.counts);
+  report.increments_solved = report.increments_of_run = report.increments;
+  report.after_end = 0;
   report.core_seconds = session.sum(core_seconds);
   const auto figures =
       session.gather({static_cast<double>(share.counts.rays), static_cast<double>(share.tasks), share.busy_seconds,
@@ -236,23 +226,24 @@ void add_up(const SolverSession& session, const Share& share, double core_second
 }
 
 /// Of a file that this run has not packed.
-Counts count_finished(const std::filesystem::path& file, const MirroredRays& mirrored) {
+RayCounts count_finished(const std::filesystem::path& file, const MirroredRays& mirrored) {
   const auto database = Database::open(file);
   const auto statuses = database.statuses();
   std::vector<std::int32_t> iterations(statuses.size());
   database.read("iterations", 0, database.header().sets.active.size(), iterations.data());
   const auto n = database.header().magnitudes_m.size();
-  Counts finished;
+  RayCounts finished;
   for (std::size_t ray = 0; ray * n < statuses.size(); ++ray)
-    finished.add({&statuses[ray * n], n}, {&iterations[ray * n], n},
-                 mirrored.is_solved(static_cast<std::int32_t>(ray / mirrored.n_directions()),
-                                    static_cast<std::int32_t>(ray % mirrored.n_directions())));
+    add({&statuses[ray * n], n}, {&iterations[ray * n], n},
+        mirrored.is_solved(static_cast<std::int32_t>(ray / mirrored.n_directions()),
+                           static_cast<std::int32_t>(ray % mirrored.n_directions())),
+        finished);
   return finished;
 }
 
 /// Sets the figures of the whole database. @param finished  what this rank has packed
-void add_up(const Counts& finished, PrecomputeReport& report) {
-  const Counts all = finished.of_all_ranks();
+void add_up(const RayCounts& finished, PrecomputeReport& report) {
+  const RayCounts all = of_all_ranks(finished);
   report.increments = all.increments;
   report.increments_solved = all.increments_solved;
   report.after_end = all.after_end;
@@ -336,18 +327,19 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   SolverLog::instance().open(log_file, session.rank());
 
   const MirroredRays mirrored(header);
-  Counts finished;  // what this rank has packed, including rays of earlier runs
-  const PackingRanks ranks{
-      session.rank(), session.size(),
-      [&](const auto& work) {
-        session.together([&] {
-          core.start();
-          work();
-          core.stop();
-        });
-      },
-      [&](const auto& own) { return gathered(own, session.size()); },
-      [&](const Ray& ray) { finished.add(ray.status, ray.iterations, mirrored.is_solved(ray.active, ray.direction)); }};
+  RayCounts finished;  // what this rank has packed, including rays of earlier runs
+  const PackingRanks ranks{session.rank(), session.size(),
+                           [&](const auto& work) {
+                             session.together([&] {
+                               core.start();
+                               work();
+                               core.stop();
+                             });
+                           },
+                           [&](const auto& own) { return gathered(own, session.size()); },
+                           [&](const Ray& ray) {
+                             add(ray.status, ray.iterations, mirrored.is_solved(ray.active, ray.direction), finished);
+                           }};
   std::vector<char> logged(header.sets.active.size() * header.directions.size(), 0);
   const auto rays_in_all = static_cast<std::int64_t>(rays_left(header, logged).size());
   std::int64_t taken = 0;

@@ -42,26 +42,29 @@ struct OtherBranch {
   double difference = 0;  ///< there, of force or energy, relative; infinite if only one of both converged
 };
 
-struct PrecomputeReport {
-  std::int64_t rays = 0, rays_resumed = 0;  ///< recorded in this run; found in the logs
-  std::int64_t rays_solved = 0;             ///< of those of this run: without directions that are not requested
-  std::int64_t rays_taken = 0;              ///< copied from another database in this run
-  std::int64_t rays_compared = 0;           ///< solved in this run, with a shallower ray in that database
-  std::vector<OtherBranch> other_branches;  ///< of those, by node and direction; on rank 0
-  std::int64_t rays_mirrored = 0;           ///< mirror images of other rays; 0 in a shard
-  std::int64_t rays_left_out = 0;           ///< by [probe] target_error, in this run; on rank 0
-  std::int64_t refined_nodes = 0;           ///< nodes with more than the 14 directions
-  std::vector<double> predicted_errors;     ///< per node that is not a mirror image
-  /// Of the whole database or, for a shard or an interrupted run, of this run. `failed` includes after_failure.
-  std::int64_t increments = 0, failed = 0, iterations = 0;
-  std::int64_t after_end = 0;       ///< of the whole database: increments beyond the ends of their rays; 0 in a shard
-  std::int64_t library_errors = 0;  ///< rays of this run that ended with Status::library_error
-  std::int64_t increments_solved = 0;                             ///< increments without mirror images
-  std::int64_t increments_of_run = 0;                             ///< increments that this run solved
-  double wall_seconds = 0, core_seconds = 0;                      ///< of this run; core_seconds summed over ranks
-  double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;  ///< parts of wall_seconds
-  std::vector<RankFigures> ranks;                                 ///< on rank 0; empty elsewhere
-  bool interrupted = false;                                       ///< finished rays are kept; --resume continues
+/// Sums over rays: of one rank or of all, of this run or of the whole database. `failed` includes after_failure.
+struct RayCounts {
+  std::int64_t rays = 0, rays_solved = 0;  ///< all; without directions that are not requested
+  std::int64_t increments = 0, increments_solved = 0, after_end = 0;  ///< tried; without mirror images; not tried
+  std::int64_t failed = 0, iterations = 0, library_errors = 0;        ///< the last: rays with Status::library_error
+};
+
+/// Rays and library errors are those of this run. Increments and iterations are those of the whole database or, for a
+/// shard or an interrupted run, of this run; after_end is 0 there.
+struct PrecomputeReport : RayCounts {
+  std::int64_t rays_resumed = 0;              ///< found in the logs
+  std::int64_t rays_taken = 0;                ///< copied from another database in this run
+  std::int64_t rays_compared = 0;             ///< solved in this run, with a shallower ray in that database
+  std::vector<OtherBranch> other_branches;    ///< of those, by node and direction; on rank 0
+  std::int64_t rays_mirrored = 0;             ///< mirror images of other rays; 0 in a shard
+  std::int64_t rays_left_out = 0;             ///< by [probe] target_error, in this run; on rank 0
+  std::int64_t refined_nodes = 0;             ///< nodes with more than the 14 directions
+  std::vector<double> predicted_errors;       ///< per node that is not a mirror image
+  std::int64_t increments_of_run = 0;         ///< increments that this run solved
+  double wall_seconds = 0, core_seconds = 0;  ///< of this run; core_seconds summed over ranks
+  double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;         ///< parts of wall_seconds
+  std::vector<RankFigures> ranks;                                        ///< on rank 0; empty elsewhere
+  bool interrupted = false;                                              ///< finished rays are kept; --resume continues
   std::int64_t rays_found() const { return rays_resumed + rays_taken; }  ///< that this run did not solve
 };
 
