@@ -63,23 +63,23 @@ double depth_of(double limit, const PathPoint& a, const PathPoint& b) {
 
 }  // namespace
 
-void RaySolver::make_stiffness_exact(const Eigen::VectorXd& direction, PathPoint& point) {
+void RaySolver::make_stiffness_exact(PathPoint& point) {
   if (point.exact_stiffness) return;
   point.exact_stiffness = true;  // otherwise the estimate is as good as it gets
   contain([&] {
-    const auto linear = _equilibrium.linearize(point.state, direction);
-    if (linear.status == Status::converged) point.stiffness = direction.dot(linear.tangent.col(0));
+    const auto linear = _equilibrium.linearize(point.state, _direction);
+    if (linear.status == Status::converged) point.stiffness = _direction.dot(linear.tangent.col(0));
   });
 }
 
-bool RaySolver::loses_energy(PathPoint& from, PathPoint& to, const Eigen::VectorXd& direction, double resolution) {
-  if (!differs(from, to, direction)) return false;
+bool RaySolver::loses_energy(PathPoint& from, PathPoint& to) {
+  if (!differs(from, to, _direction)) return false;
   // Beyond a fold the velocity is a poor guess, and the stiffness that it estimates is far too large: a sign of a fold
   // even where the errors of a long step hide the loss.
-  if (!is_resolved(from, to, resolution)) return true;
-  make_stiffness_exact(direction, from);
-  make_stiffness_exact(direction, to);
-  return differs(from, to, direction);
+  if (!is_resolved(from, to, _limits.ray.resolution)) return true;
+  make_stiffness_exact(from);
+  make_stiffness_exact(to);
+  return differs(from, to, _direction);
 }
 
 void RaySolver::find_compressed(const PathPoint& point) {
@@ -88,73 +88,71 @@ void RaySolver::find_compressed(const PathPoint& point) {
     _compressed.min_jacobian = _body.min_jacobian(point.state, &_compressed.cell);
 }
 
-bool RaySolver::is_crushed(const PathPoint& from, const PathPoint& to, const RayLimits& limits, RayEnd& end) {
-  if (!_body.forms().checks_jacobian || !(to.min_jacobian < limits.min_jacobian)) return false;
-  end.reason = EndReason::crushed;
-  end.depth_m = depth_of(limits.min_jacobian, from, to);
+bool RaySolver::is_crushed(const PathPoint& from, const PathPoint& to) {
+  if (!_body.forms().checks_jacobian || !(to.min_jacobian < _limits.ray.min_jacobian)) return false;
+  _end.reason = EndReason::crushed;
+  _end.depth_m = depth_of(_limits.ray.min_jacobian, from, to);
   find_compressed(to);
   return true;
 }
 
-RaySolver::Search RaySolver::search_fold(const Eigen::VectorXd& direction, bool all_tangents, const RayLimits& limits,
-                                         Path& path, PathPoint& to, RayEnd& end, int& iterations) {
-  Path fine = path;
-  make_stiffness_exact(direction, fine.last());
+RaySolver::Search RaySolver::search_fold(bool all_tangents, PathPoint& to, int& iterations) {
+  Path fine = _path;
+  make_stiffness_exact(fine.last());
   PathPoint next = to;
   bool solved = true;  // false: there is no state `next` at the last target
   std::vector<double> targets{to.s};
   double lost = 0, beyond = to.s;
   for (;;) {
     PathPoint& from = fine.last();
-    const bool loses = solved && loses_energy(from, next, direction, limits.resolution);
+    const bool loses = solved && loses_energy(from, next);
     if (loses) {
-      lost = energy_lost(from, next, direction);
+      lost = energy_lost(from, next, _direction);
       beyond = next.s;
     }
     if (loses || !solved) {
       next.s = targets.back();
-      if (is_resolved(from, next, limits.resolution)) {
-        end.depth_m = from.s;
-        end.fold_depth_m = beyond;
-        end.energy_lost_J = lost;
+      if (is_resolved(from, next, _limits.ray.resolution)) {
+        _end.depth_m = from.s;
+        _end.fold_depth_m = beyond;
+        _end.energy_lost_J = lost;
         return Search::fold;
       }
       targets.push_back(from.s + (next.s - from.s) / 2);
     } else {
-      if (is_crushed(from, next, limits, end)) return Search::crushed;
+      if (is_crushed(from, next)) return Search::crushed;
       targets.pop_back();
       if (targets.empty()) break;
       fine.append(std::move(next));
     }
     next = {};
-    const auto step = attempt(fine, direction, targets.back(), all_tangents && targets.size() == 1, next);
+    const auto step = attempt(fine, targets.back(), all_tangents && targets.size() == 1, next);
     iterations += step.iterations;
     solved = step.status == Status::converged;
   }
   // The longer step was right, or it went to another branch, from which shorter steps lead back.
   if (std::abs(next.energy - to.energy) > same_branch * std::abs(to.energy)) {
-    path = std::move(fine);
+    _path = std::move(fine);
     to = std::move(next);
   }
   return Search::smooth;
 }
 
-bool RaySolver::accept(PathPoint to, const Eigen::VectorXd& direction, bool all_tangents, const PathLimits& limits,
-                       Path& path, RayEnd& end, int& iterations) {
-  const RayLimits& ray = limits.ray;
+bool RaySolver::accept(PathPoint to, bool all_tangents, int& iterations) {
+  const RayLimits& ray = _limits.ray;
   // Where J has no meaning the law is linear, and its paths are straight.
-  const bool searches = ray.find_folds && _body.forms().checks_jacobian && end.fold_depth_m == 0;
-  if (searches && differs(path.last(), to, direction)) {
-    const auto found = search_fold(direction, all_tangents, ray, path, to, end, iterations);
+  const bool searches = ray.find_folds && _body.forms().checks_jacobian && _end.fold_depth_m == 0;
+  if (searches && differs(_path.last(), to, _direction)) {
+    const auto found = search_fold(all_tangents, to, iterations);
     if (found == Search::crushed) return false;
     if (found == Search::fold && ray.stop_at_fold) {
-      end.reason = EndReason::fold;
+      _end.reason = EndReason::fold;
       return false;
     }
   }
-  if (is_crushed(path.last(), to, ray, end)) return false;
-  if (limits.max_force > 0 && largest_force(to.force) > limits.max_force) end.reason = EndReason::force_limit;
-  path.append(std::move(to));
+  if (is_crushed(_path.last(), to)) return false;
+  if (_limits.max_force > 0 && largest_force(to.force) > _limits.max_force) _end.reason = EndReason::force_limit;
+  _path.append(std::move(to));
   return true;
 }
 

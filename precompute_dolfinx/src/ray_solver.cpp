@@ -20,10 +20,10 @@ RaySolver::Rest RaySolver::rest() {
   return {std::move(linear.sensitivity), std::move(linear.tangent), linear.negative_pivots};
 }
 
-Prediction RaySolver::predict(const Path& path, const Eigen::VectorXd& direction, double s, PathPoint& to) {
+Prediction RaySolver::predict(const Path& path, double s, PathPoint& to) {
   const bool check_J = _body.forms().checks_jacobian;
   const auto& constraint = _equilibrium.constraint();
-  const Eigen::VectorXd prescribed = constraint.G * (s * direction);
+  const Eigen::VectorXd prescribed = constraint.G * (s * _direction);
   // Predictions from more points follow the curvature of the path better, but are worse after a jump. The prediction
   // with the lowest energy is used; for mixed elements, whose equilibria are saddle points, only J is checked.
   Prediction predicted;
@@ -47,20 +47,19 @@ Prediction RaySolver::predict(const Path& path, const Eigen::VectorXd& direction
   return predicted;
 }
 
-Status RaySolver::linearize(const Eigen::VectorXd& direction, const Prediction& predicted, bool all_tangents,
-                            PathPoint& to) {
+Status RaySolver::linearize(const Prediction& predicted, bool all_tangents, PathPoint& to) {
   if (all_tangents || to.jumped) {
-    const auto n_parameters = direction.size();
+    const auto n_parameters = _direction.size();
     const auto linear = _equilibrium.linearize(to.state, Eigen::MatrixXd::Identity(n_parameters, n_parameters));
     if (linear.status != Status::converged || !linear.sensitivity.allFinite()) return Status::factorization;
-    to.velocity = linear.sensitivity * direction;
-    to.stiffness = direction.dot(linear.tangent * direction);
+    to.velocity = linear.sensitivity * _direction;
+    to.stiffness = _direction.dot(linear.tangent * _direction);
     to.tangent = linear.tangent;
     to.negative_pivots = linear.negative_pivots;
   } else {
     const Eigen::Map<const Eigen::VectorXd> state(to.state.data(), predicted.state.size());
     auto velocity =
-        _equilibrium.velocity(to.state, direction, predicted.velocity + predicted.growth * (state - predicted.state));
+        _equilibrium.velocity(to.state, _direction, predicted.velocity + predicted.growth * (state - predicted.state));
     to.velocity = std::move(velocity.rate);
     to.stiffness = velocity.stiffness;
     to.exact_stiffness = false;
@@ -72,16 +71,15 @@ Status RaySolver::linearize(const Eigen::VectorXd& direction, const Prediction& 
   // Fewer negative pivots than pressures: for J > e a coupling of p and J is no longer concave in p, and the continuous
   // body does not have this equilibrium. Without tangents the count may belong to an earlier state.
   if (to.negative_pivots < 0 && !all_tangents && !to.jumped) {
-    const auto again = _equilibrium.linearize(to.state, Eigen::MatrixXd(direction.size(), 0));
+    const auto again = _equilibrium.linearize(to.state, Eigen::MatrixXd(_direction.size(), 0));
     if (again.status != Status::converged) return Status::factorization;
     to.negative_pivots = again.negative_pivots;
   }
   return to.negative_pivots < 0 ? Status::diverged : Status::converged;
 }
 
-PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents,
-                            PathPoint& to) {
-  const Prediction predicted = predict(path, direction, s, to);
+PathStep RaySolver::advance(const Path& path, double s, bool all_tangents, PathPoint& to) {
+  const Prediction predicted = predict(path, s, to);
   to.s = s;
   PathStep step;
   const auto outcome = _equilibrium.solve(to.state, path.last().met_instability);
@@ -97,7 +95,7 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
   }
   to.met_instability = path.last().met_instability || outcome.met_instability;
   to.jumped = outcome.left_saddle;
-  step.status = linearize(direction, predicted, all_tangents, to);
+  step.status = linearize(predicted, all_tangents, to);
   if (step.status != Status::converged) return step;
   to.energy = _body.energy(to.state);
   if (!std::isfinite(to.energy)) step.status = Status::not_finite;
@@ -116,28 +114,26 @@ void RaySolver::contain(const std::function<void()>& work) {
   _equilibrium.recover();
 }
 
-PathStep RaySolver::attempt(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents,
-                            PathPoint& to) {
+PathStep RaySolver::attempt(const Path& path, double s, bool all_tangents, PathPoint& to) {
   PathStep step;
   step.status = Status::library_error;
-  contain([&] { step = advance(path, direction, s, all_tangents, to); });
+  contain([&] { step = advance(path, s, all_tangents, to); });
   return step;
 }
 
-PathStep RaySolver::advance_to(double s, const Eigen::VectorXd& direction, bool all_tangents, const PathLimits& limits,
-                               Path& path, RayEnd& end) {
+PathStep RaySolver::advance_to(double s, bool all_tangents) {
   PathStep total;
-  const double increment = s - path.last().s;
+  const double increment = s - _path.last().s;
   const double shortest = increment * std::ldexp(1.0, -_options.max_cutbacks) * (1 - 1e-9);
   double h = increment;
-  while (path.last().s < s) {
-    h = std::min(h, s - path.last().s);
-    const bool last = path.last().s + h * (1 + 1e-9) >= s;
+  while (_path.last().s < s) {
+    h = std::min(h, s - _path.last().s);
+    const bool last = _path.last().s + h * (1 + 1e-9) >= s;
     PathPoint to;
-    const auto step = attempt(path, direction, last ? s : path.last().s + h, all_tangents && last, to);
+    const auto step = attempt(_path, last ? s : _path.last().s + h, all_tangents && last, to);
     total.iterations += step.iterations;
     if (step.status == Status::converged) {
-      if (!accept(std::move(to), direction, all_tangents && last, limits, path, end, total.iterations)) {
+      if (!accept(std::move(to), all_tangents && last, total.iterations)) {
         total.status = Status::after_end;
         return total;
       }
@@ -146,7 +142,7 @@ PathStep RaySolver::advance_to(double s, const Eigen::VectorXd& direction, bool 
       ++total.cutbacks;
       h /= 2;
       // A step that rounding loses would be repeated without end.
-      if (h < shortest || !(path.last().s + h > path.last().s)) {
+      if (h < shortest || !(_path.last().s + h > _path.last().s)) {
         total.status = step.status;
         return total;
       }
@@ -159,14 +155,16 @@ RayEnd RaySolver::follow(const Rest& rest, const Eigen::VectorXd& direction, con
                          bool all_tangents,
                          const std::function<bool(std::size_t, const PathStep&, const PathPoint&)>& take,
                          const PathLimits& limits) {
-  Path path;
+  _direction = direction;
+  _limits = limits;
+  _path = {};
   PathPoint start;
   start.state.assign(_body.n_dofs(), 0.0);
   start.velocity = rest.sensitivity * direction;
   start.stiffness = direction.dot(rest.tangent * direction);
-  path.append(std::move(start));
-  RayEnd end;
-  end.reason = EndReason::full_depth;
+  _path.append(std::move(start));
+  _end = {};
+  _end.reason = EndReason::full_depth;
   _compressed = {};
   Status left = Status::converged;  // of the increments that are left
 
@@ -174,25 +172,25 @@ RayEnd RaySolver::follow(const Rest& rest, const Eigen::VectorXd& direction, con
     PathStep step;
     step.status = left;
     if (left == Status::converged) {
-      step = advance_to(s_values[i], direction, all_tangents, limits, path, end);
+      step = advance_to(s_values[i], all_tangents);
       if (step.status == Status::converged) {
-        end.depth_m = s_values[i];
-        if (end.reason == EndReason::force_limit && i + 1 < s_values.size())
+        _end.depth_m = s_values[i];
+        if (_end.reason == EndReason::force_limit && i + 1 < s_values.size())
           left = Status::after_end;
         else
-          end.reason = EndReason::full_depth;
+          _end.reason = EndReason::full_depth;
       } else if (step.status == Status::after_end) {
         left = Status::after_end;
       } else {
         left = Status::after_failure;
-        end.reason = EndReason::solver;
-        end.depth_m = path.last().s;
-        if (step.status != Status::inverted && end.depth_m > 0) find_compressed(path.last());
+        _end.reason = EndReason::solver;
+        _end.depth_m = _path.last().s;
+        if (step.status != Status::inverted && _end.depth_m > 0) find_compressed(_path.last());
       }
     }
-    if (!take(i, step, path.last())) return end;
+    if (!take(i, step, _path.last())) return _end;
   }
-  return end;
+  return _end;
 }
 
 }  // namespace phynness

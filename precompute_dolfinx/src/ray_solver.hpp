@@ -54,39 +54,41 @@ class RaySolver {
  private:
   enum class Search { smooth, fold, crushed };
 
-  /// Goes from the last point of `path` to s in steps that are halved after failures.
+  /// Goes from the last point of the path to s in steps that are halved after failures.
   /// @return Status::after_end if the ray ends before s
-  PathStep advance_to(double s, const Eigen::VectorXd& direction, bool all_tangents, const PathLimits& limits,
-                      Path& path, RayEnd& end);
+  PathStep advance_to(double s, bool all_tangents);
   /// Appends a converged point unless the ray ends before it. @return false if it ends
-  bool accept(PathPoint to, const Eigen::VectorXd& direction, bool all_tangents, const PathLimits& limits, Path& path,
-              RayEnd& end, int& iterations);
-  /// Halves the step from the last point of `path` to `to` until no part of it loses energy, or the part that does is
-  /// as short as the resolution. If shorter steps lead to another state, `to` becomes that state and `path` receives
+  bool accept(PathPoint to, bool all_tangents, int& iterations);
+  /// Halves the step from the last point of the path to `to` until no part of it loses energy, or the part that does is
+  /// as short as the resolution. If shorter steps lead to another state, `to` becomes that state and the path receives
   /// the points before it.
-  Search search_fold(const Eigen::VectorXd& direction, bool all_tangents, const RayLimits& limits, Path& path,
-                     PathPoint& to, RayEnd& end, int& iterations);
-  /// True if the step loses energy, or if it may do so and is longer than `resolution`. The stiffness at the ends of a
-  /// shorter step is computed exactly before the answer.
-  bool loses_energy(PathPoint& from, PathPoint& to, const Eigen::VectorXd& direction, double resolution);
-  void make_stiffness_exact(const Eigen::VectorXd& direction, PathPoint& point);
+  Search search_fold(bool all_tangents, PathPoint& to, int& iterations);
+  /// True if the step loses energy, or if it may do so and is longer than the resolution. The stiffness at the ends of
+  /// a shorter step is computed exactly before the answer.
+  bool loses_energy(PathPoint& from, PathPoint& to);
+  void make_stiffness_exact(PathPoint& point);
   /// Sets the end of the ray if the smallest J in `to` is below the limit.
-  bool is_crushed(const PathPoint& from, const PathPoint& to, const RayLimits& limits, RayEnd& end);
+  bool is_crushed(const PathPoint& from, const PathPoint& to);
   void find_compressed(const PathPoint& point);
   /// Predicts the state at s. `to` receives the prediction with the prescribed displacements.
-  Prediction predict(const Path& path, const Eigen::VectorXd& direction, double s, PathPoint& to);
+  Prediction predict(const Path& path, double s, PathPoint& to);
   /// Computes velocity and stability of the equilibrium in `to`.
-  Status linearize(const Eigen::VectorXd& direction, const Prediction& predicted, bool all_tangents, PathPoint& to);
+  Status linearize(const Prediction& predicted, bool all_tangents, PathPoint& to);
   /// One step from the last point of `path` to parameter s; `to` is only complete if the step converged.
-  PathStep advance(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents, PathPoint& to);
+  PathStep advance(const Path& path, double s, bool all_tangents, PathPoint& to);
   /// Runs work with a usable solver. An exception other than Interrupted goes to the log, and the solver recovers.
   void contain(const std::function<void()>& work);
   /// As advance(), but an exception gives a status, because the next, shorter step may succeed.
-  PathStep attempt(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents, PathPoint& to);
+  PathStep attempt(const Path& path, double s, bool all_tangents, PathPoint& to);
 
   Discretization& _body;
   Equilibrium& _equilibrium;
   SolverSpec _options;
+  // Of the present ray.
+  Eigen::VectorXd _direction;
+  PathLimits _limits;
+  Path _path;
+  RayEnd _end;
   Compressed _compressed;
 };
 
