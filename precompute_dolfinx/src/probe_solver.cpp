@@ -83,7 +83,11 @@ struct ProbeSolver::Impl {
       for (int k = 0; k < 3; ++k) rest_SI.sensitivity.row(3 * i + k) = rest.sensitivity.row(body.dofs(i)[k]);
   }
 
-  Eigen::Index n_fields() const { return static_cast<Eigen::Index>(scene.database.fields.size()); }
+  void set_zero(Response& response) const {
+    response.force_N.assign(n_tools, Vec3{});
+    response.displacement_m = Points::Zero(body.n_nodes(), 3);
+    response.fields.setZero(body.n_nodes(), static_cast<Eigen::Index>(scene.database.fields.size()));
+  }
 
   Points displacement(std::span<const double> state) const {
     Points u(body.n_nodes(), 3);
@@ -121,12 +125,9 @@ SolverCounts ProbeSolver::counts() const { return _impl->equilibrium.counts(); }
 void ProbeSolver::check_touched(std::int32_t node) const { _impl->check_touched(node); }
 
 void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
-  std::vector<SurfacePoint> tools;
-  for (const auto node : nodes) {
-    check_touched(node);
-    tools.push_back(at_node(node));
-  }
-  _impl->touch(tools);
+  std::vector<SurfacePoint> points;
+  for (const auto node : nodes) points.push_back(at_node(node));
+  touch_points(points);
 }
 
 void ProbeSolver::touch_points(const std::vector<SurfacePoint>& points) {
@@ -177,8 +178,7 @@ RayEnd ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::v
           if (!response.fields.allFinite()) response.status = Status::not_finite;
         }
         if (response.status != Status::converged) {
-          response.displacement_m = Points::Zero(s.body.n_nodes(), 3);
-          response.fields.setZero(s.body.n_nodes(), s.n_fields());
+          s.set_zero(response);
           return take(i, response);
         }
         for (std::size_t t = 0; t < n_tools; ++t)
@@ -214,9 +214,7 @@ Response ProbeSolver::solve(const std::vector<Vec3>& displacement_m, int increme
   });
   Response last;
   if (at_rest) {
-    last.force_N.assign(displacement_m.size(), Vec3{});
-    last.displacement_m = Points::Zero(_impl->body.n_nodes(), 3);
-    last.fields.setZero(_impl->body.n_nodes(), _impl->n_fields());
+    _impl->set_zero(last);
     last.negative_pivots = _impl->rest.negative_pivots;
     if (tangents) last.tangent_N_per_m = _impl->rest_SI.stiffness_N_per_m;
     return last;

@@ -16,9 +16,9 @@ void QuasiNewton::apply(Vec vector) const {
 }
 
 void QuasiNewton::correct(Vec vector) {
+  apply(vector);
   const WriteValues values(vector);
   auto y = values.map();
-  for (const auto& update : _updates) y += update.s.dot(y) * update.u;
   if (_y.size() == y.size() && _length > 0) {
     const Eigen::VectorXd change = y - _y;  // H times the change of the residual
     const Eigen::VectorXd s = -_length * _y;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <numeric>
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 
@@ -92,12 +93,8 @@ std::vector<double> SolverSession::gather(const std::vector<double>& values) con
   int n = static_cast<int>(values.size());
   std::vector<int> counts(_size), offsets(_size);
   MPI_Gather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, MPI_COMM_WORLD);
-  int total = 0;
-  for (int r = 0; r < _size; ++r) {
-    offsets[r] = total;
-    total += counts[r];
-  }
-  std::vector<double> all(_rank == 0 ? total : 0);
+  std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
+  std::vector<double> all(offsets.back() + counts.back());  // on other ranks all counts are 0
   MPI_Gatherv(values.data(), n, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, 0, MPI_COMM_WORLD);
   return all;
 }
