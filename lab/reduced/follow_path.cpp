@@ -1,16 +1,22 @@
 // A reduced body under two tools in real time: a few steps in every millisecond, against converged forces.
 //
 //   phynness_follow_path BODY.txt [--steps 1 2 3 --gaps 2 1 0.6 --speed 0.05 --depth 0.33 --seconds 2 --leap]
+//   phynness_follow_path BODY.txt --loops 100 [--depth 0.33]
 //
 // Two round tools slide over the surface towards places that go to and fro, near the gap from each other, and press in
 // turning directions. With --leap they are at the nearest places of the surface, which leap where it is curved.
 // Errors of the force of the worse tool are in per cent of the largest force on the way, those of unsettled moments
 // apart; times are of this thread.
+//
+// With --loops one tool goes once around a random node, a third of its radius away, alone and beside a second tool that
+// stays, both with a constant displacement in a random direction. The difference of the energies before and after is
+// the work of the loop, because the forces are the derivatives of the energy.
 #include "body_of_study.hpp"
 
 #include <CLI/CLI.hpp>
 #include <array>
 #include <median_time.hpp>
+#include <optional>
 #include <random>
 
 namespace phynness {
@@ -21,6 +27,7 @@ struct Options {
   std::vector<int> steps{1, 2, 3};
   std::vector<double> gaps{2, 1, 0.6};
   double speed_m_per_s = 0.05, depth = 1.0 / 3, seconds = 2;
+  int loops = 0;
   bool leap = false;
 };
 
@@ -32,13 +39,12 @@ class State {
     _memory.resize(bytes);
     require(phn_body_state_init(_memory.data(), bytes, body.get(), 2, &_state), "phn_body_state_init");
   }
-  int press(const std::array<phn_tool, 2>& tools, int steps) {
-    const int status = phn_body_press(_body.get(), _state, 2, tools.data(), steps, forces[0].data(), &pressed);
+  int press(const std::array<phn_tool, 2>& tools, int steps, int n_tools = 2) {
+    const int status = phn_body_press(_body.get(), _state, n_tools, tools.data(), steps, forces[0].data(), &pressed);
     require(status, "phn_body_press");
     return status;
   }
-
-  phn_body_state* raw() { return _state; }
+  void reset() { require(phn_body_press(_body.get(), _state, 0, nullptr, 1, nullptr, nullptr), "phn_body_press"); }
 
   std::array<Vector3d, 2> forces{};
   phn_body_pressed pressed{};
@@ -49,17 +55,22 @@ class State {
   phn_body_state* _state = nullptr;
 };
 
+int any_node(const Body& body, std::mt19937& random) {
+  return static_cast<int>(random() % static_cast<unsigned>(body.info.n_nodes));
+}
+
+phn_tool tool_at(const Body& body, int node) { return {{body.info.nodes[node], -1, -1}, {1, 0, 0}, {0, 0, 0}}; }
+
+/// Whether a tool at the node is where the body is trained.
+bool is_trained(State& state, const Body& body, int node) { return state.press({tool_at(body, node)}, 1, 1) == PHN_OK; }
+
 /// Tools in every millisecond.
 std::vector<std::array<phn_tool, 2>> path(const Body& body, const Options& options, double gap) {
   std::mt19937 random(1);
-  const auto any = [&] { return static_cast<int>(random() % static_cast<unsigned>(body.info.n_nodes)); };
+  const auto any = [&] { return any_node(body, random); };
   const double radius = body.info.tool_radius_m;
   State state(body);
-  const auto trained = [&](int node) {
-    const phn_tool tool{{body.info.nodes[node], -1, -1}, {1, 0, 0}, {0, 0, 0}};
-    Vector3d force;
-    return phn_body_press(body.get(), state.raw(), 1, &tool, 1, force.data(), nullptr) == PHN_OK;
-  };
+  const auto trained = [&](int node) { return is_trained(state, body, node); };
   std::array<Vector3d, 2> from, to;
   for (auto* ends : {&from, &to})
     for (int attempt = 0;; ++attempt) {
@@ -100,7 +111,69 @@ std::vector<std::array<phn_tool, 2>> path(const Body& body, const Options& optio
   return moments;
 }
 
+/// Over the largest energy on the way: of the loop of one tool, and beside a second one. Empty where a moment is
+/// unsettled.
+std::array<std::optional<double>, 2> work_of_loop(const Body& body, double depth, std::mt19937& random) {
+  constexpr int moments = 120, plenty = 400;
+  const double radius = body.info.tool_radius_m, pi = std::acos(-1.0);
+  State state(body);
+  const auto draw = [&](const auto& belongs) {
+    for (int attempt = 0; attempt < 100'000; ++attempt)
+      if (const int node = any_node(body, random); belongs(node) && is_trained(state, body, node)) return node;
+    throw std::runtime_error("no node is near enough to another one");
+  };
+  const int middle = draw([](int) { return true; });
+  const int other = draw([&](int node) {
+    const double apart = (body.point(node) - body.point(middle)).norm() / radius;
+    return apart > 0.5 && apart < 3;
+  });
+  std::array<phn_tool, 2> tools{tool_at(body, middle), tool_at(body, other)};
+  std::array<Vector3d, 2> displacement;
+  for (auto& d : displacement) {
+    std::normal_distribution<> normal;
+    d = depth * body.info.max_displacement_m * Vector3d::NullaryExpr([&] { return normal(random); }).normalized();
+  }
+  Vector3d x = body.point(middle), normal;
+  body.nearest(x, normal);
+  const Vector3d along = normal.unitOrthogonal(), across = normal.cross(along);
+  std::array<std::optional<double>, 2> work;
+  for (int n_tools : {1, 2}) {
+    state.reset();
+    double first = 0, largest = 0;
+    bool settles = true;
+    for (int k = -4; k <= moments; ++k) {  // four increments to the depth, where the loop begins
+      const double angle = 2 * pi * std::max(k, 0) / moments;
+      Vector3d at = body.point(middle) + radius / 3 * (std::cos(angle) * along + std::sin(angle) * across), up;
+      tools[0] = body.nearest(at, up);
+      for (std::size_t i = 0; i < 2; ++i)
+        Eigen::Map<Vector3d>(tools[i].displacement) = std::min(1.0, (k + 5) / 5.0) * displacement[i];
+      settles = !(state.press(tools, plenty, n_tools) & PHN_WARNING_UNSETTLED) && settles;
+      if (k == 0) first = state.pressed.energy;
+      largest = std::max(largest, state.pressed.energy);
+    }
+    if (settles) work[static_cast<std::size_t>(n_tools - 1)] = std::abs(state.pressed.energy - first) / largest;
+  }
+  return work;
+}
+
+void run_loops(const Options& options) {
+  const Body body(options.file);
+  std::mt19937 random(1);
+  std::array<std::vector<double>, 2> works;
+  for (int loop = 0; loop < options.loops; ++loop) {
+    const auto work = work_of_loop(body, options.depth, random);
+    for (std::size_t kind = 0; kind < 2; ++kind)
+      if (work[kind]) works[kind].push_back(100 * *work[kind]);
+  }
+  for (std::size_t kind = 0; kind < 2; ++kind)
+    fmt::print(
+        "{}: work over the largest energy [%], median {:.2g}, 95 % {:.2g}, largest {:.2g}; {} loops, {} unsettled\n",
+        kind == 0 ? "one tool" : "beside a second tool", at(works[kind], 0.5), at(works[kind], 0.95),
+        at(works[kind], 1), works[kind].size(), options.loops - std::ssize(works[kind]));
+}
+
 void run(const Options& options) {
+  if (options.loops > 0) return run_loops(options);
   const Body body(options.file);
   fmt::print("{} modes, {} cells; errors [%] and times [us]: median, 99 %, largest\n", body.info.n_modes,
              body.info.n_cells);
@@ -150,6 +223,7 @@ int main(int argc, char** argv) {
   app.add_option("--speed", options.speed_m_per_s);
   app.add_option("--depth", options.depth, "over that of the training");
   app.add_option("--seconds", options.seconds);
+  app.add_option("--loops", options.loops, "work of so many closed loops, and no path in time");
   app.add_flag("--leap", options.leap);
   return phynness::run_study(app, argc, argv, [&] { phynness::run(options); });
 }

@@ -52,6 +52,8 @@ RawMesh completed(RawMesh raw, int axis, double middle, double edge_m, const std
 
 }  // namespace
 
+void require_gmsh() { gmsh(); }
+
 RawMesh fill(const Surface& surface) {
   const double unit = mean_edge(surface.nodes, surface.triangles);
   RawMesh raw = gmsh().fill({surface.nodes / unit, surface.triangles});

@@ -7,6 +7,9 @@
 
 namespace phynness::meshes {
 
+/// @throws Error if gmsh cannot be loaded
+void require_gmsh();
+
 /// Tetrahedra inside the surface. Its triangles become the boundary, and its nodes keep their numbers.
 /// @throws Error if gmsh fails or if its tetrahedra do not fill exactly the inside
 RawMesh fill(const Surface& surface);

@@ -112,6 +112,7 @@ void warn_of_volume(MeshResult& result, double given_m3) {
 
 /// @param notes  about the surface
 MeshResult filled(const MeshSpec& spec, Surface surface, const std::string& source, std::vector<std::string> notes) {
+  require_gmsh();  // otherwise the surface would be blamed
   untangle(surface, notes);
   const Extent extent{enclosed_volume(surface.nodes, surface.triangles), area(surface.nodes, surface.triangles)};
   const double given_edge_m = mean_edge(surface.nodes, surface.triangles);

@@ -89,6 +89,22 @@ void expect_derivatives(Loaded& loaded, const std::vector<phn_tool>& tools) {
     }
 }
 
+/// Second derivatives at rest of the sum of the shape's energy over the cells.
+Eigen::MatrixXd stiffness_of_shape(const Block& block) {
+  const Eigen::MatrixXd gradients = block.body.gradients.values();
+  const double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  double value, first[9];
+  Eigen::Matrix<double, 9, 9> second;
+  EXPECT_TRUE(
+      runtime::find_body_law("mooney-rivlin")->shape(F, block.material.parameters.data(), value, first, second.data()));
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(gradients.cols(), gradients.cols());
+  for (Eigen::Index c = 0; c < block.mesh.n_cells(); ++c) {
+    const auto rows = gradients.middleRows(9 * c, 9);
+    sum += block.body.shear_m3[static_cast<std::size_t>(c)] * rows.transpose() * second * rows;
+  }
+  return sum;
+}
+
 // Claim: the energy is that of the law file in all tetrahedra, and forces are its derivatives by the displacements of
 // the tools; of linear elements with isochoric laws.
 TEST(Bodies, HaveTheEnergyOfTheirElements) {
@@ -103,27 +119,52 @@ TEST(Bodies, HaveTheEnergyOfTheirElements) {
   }
 }
 
+// Claim: bounds are those of formats/body.md, and without them, or without tools, there are none.
+TEST(Bodies, HaveTheBoundsOfThePage) {
+  Block block;
+  block.body.bounds = (Eigen::MatrixXd(2, 4) << -1, 0.2, 0.3, 0.4, -2, 0.1, 0.5, 0.3).finished();
+  block.body.coverage = 0.95;
+  block.body.n_rays = 20;
+  Loaded loaded(write_body_text(block.body));
+  ASSERT_EQ(loaded.status, PHN_OK);
+  double bounds[] = {-1, -1};
+  EXPECT_EQ(phn_body_bound(loaded.body, loaded.state, bounds), PHN_ERROR_UNDEFINED);
+  const Eigen::MatrixXd stiffness = stiffness_of_shape(block), modes = block.body.modes.values();
+  for (const std::size_t n : {1, 2}) {
+    auto tools = two_tools(block.mesh, 1), small = two_tools(block.mesh, 1e-4);
+    tools.resize(n);
+    small.resize(n);
+    ASSERT_EQ(loaded.press(small), PHN_OK);
+    const auto linear = loaded.force;
+    ASSERT_EQ(loaded.press(tools), PHN_OK);
+    ASSERT_EQ(phn_body_bound(loaded.body, loaded.state, bounds), PHN_OK);
+    const Eigen::VectorXd q = modes.colPivHouseholderQr().solve(loaded.deformation());
+    const Eigen::Index half = q.size() - q.size() / 2;
+    double square = 0;
+    for (const auto& tool : tools) square += Eigen::Map<const Eigen::Vector3d>(tool.displacement).squaredNorm();
+    const double last = q.tail(half).dot(stiffness.bottomRightCorner(half, half) * q.tail(half)) / 2;
+    for (std::size_t t = 0; t < n; ++t) {
+      const auto c = block.body.bounds.row(static_cast<Eigen::Index>(n) - 1);
+      const double expected = std::exp(c[0] + c[1] * std::log(last / std::sqrt(square)) +
+                                       c[2] * std::log((loaded.force[t] - 1e4 * linear[t]).norm()) +
+                                       c[3] * std::log(loaded.pressed.energy / std::sqrt(square)));
+      EXPECT_NEAR(bounds[t], expected, 1e-3 * expected);  // the small tools bend the body a little
+    }
+  }
+  Loaded without(write_body_text(Block().body));
+  ASSERT_EQ(without.press(two_tools(block.mesh, 1)), PHN_OK);
+  EXPECT_EQ(phn_body_bound(without.body, without.state, bounds), PHN_ERROR_UNDEFINED);
+}
+
 // Claim: tables of the energy at rest make a body whose cells have wrong weights the one with right ones where it is
 // hardly deformed, and elsewhere forces are derivatives of the energy.
 TEST(Bodies, AreExactNearRest) {
   Block block;
   Loaded right(write_body_text(block.body));
   Random random(5);
-  const Eigen::MatrixXd gradients = block.body.gradients.values();
-  const double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  double value, first[9];
-  Eigen::Matrix<double, 9, 9> second;
-  ASSERT_TRUE(
-      runtime::find_body_law("mooney-rivlin")->shape(F, block.material.parameters.data(), value, first, second.data()));
-  Eigen::MatrixXd of_cells = Eigen::MatrixXd::Zero(gradients.cols(), gradients.cols()), of_all = of_cells;
-  for (Eigen::Index c = 0; c < block.mesh.n_cells(); ++c) {
-    double& weight = block.body.shear_m3[static_cast<std::size_t>(c)];
-    const auto rows = gradients.middleRows(9 * c, 9);
-    const Eigen::MatrixXd product = rows.transpose() * second * rows;
-    of_all += weight * product;
-    weight *= 1 + 0.5 * random();
-    of_cells += weight * product;
-  }
+  const Eigen::MatrixXd of_all = stiffness_of_shape(block);
+  for (double& weight : block.body.shear_m3) weight *= 1 + 0.5 * random();
+  const Eigen::MatrixXd of_cells = stiffness_of_shape(block);
   Loaded wrong(write_body_text(block.body));
   block.body.cells_at_rest = scaled_table(of_cells);
   block.body.lack_at_rest = scaled_table(of_all - of_cells);

@@ -14,14 +14,14 @@ class DerivativesOf : public testing::TestWithParam<Family> {};
 INSTANTIATE_TEST_SUITE_P(Families, DerivativesOf, testing::Values(Family::linear, Family::modal),
                          [](const auto& info) { return std::string(name(info.param)); });
 
-struct Response {
+struct Derivatives {
   double energy;
   Vector3d force;
   Matrix3d stiffness;
 };
 
-Response response(const LoadedModel& loaded, std::int32_t node, const Vector3d& d) {
-  Response r;
+Derivatives response(const LoadedModel& loaded, std::int32_t node, const Vector3d& d) {
+  Derivatives r;
   EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), nullptr, &r.energy, nullptr), 0);
   EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), r.force.data(), nullptr, nullptr), 0);
   EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), nullptr, nullptr, r.stiffness.data()), 0);
@@ -46,7 +46,7 @@ TEST_P(DerivativesOf, EqualFiniteDifferences) {
     for (int trial = 0; trial < 20; ++trial) {
       Vector3d d;
       for (int k = 0; k < 3; ++k) d[k] = 1.5 * model.max_displacement_m * numbers.next();
-      const Response at = response(loaded, node.node, d);
+      const Derivatives at = response(loaded, node.node, d);
       for (int k = 0; k < 3; ++k) {
         const auto along = [&](double t) { return response(loaded, node.node, d + t * Vector3d::Unit(k)); };
         const double slope = difference([&](double t) { return along(t).energy; }, h);
@@ -67,10 +67,10 @@ TEST_P(DerivativesOf, HaveTheSameBitsInAnyCall) {
   for (const ActiveNodeModel& node : model.nodes) {
     for (int trial = 0; trial < 20; ++trial) {
       const Vector3d d = 1.5 * model.max_displacement_m * numbers.vector();
-      const Response alone = response(loaded, node.node, d);
+      const Derivatives alone = response(loaded, node.node, d);
       for (int asked = 1; asked < 8; ++asked) {
         const bool force = asked & 1, energy = asked & 2, stiffness = asked & 4;
-        Response r{-1, Vector3d::Constant(-1), Matrix3d::Constant(-1)};
+        Derivatives r{-1, Vector3d::Constant(-1), Matrix3d::Constant(-1)};
         ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force ? r.force.data() : nullptr,
                             energy ? &r.energy : nullptr, stiffness ? r.stiffness.data() : nullptr),
                   0);
@@ -88,7 +88,7 @@ TEST(LinearRuntime, EnergyAndStiffnessAreExact) {
   const LoadedModel loaded(write_model_text(model));
   for (const ActiveNodeModel& node : model.nodes) {
     const Vector3d d(20, -0.3, 7);
-    const Response at = response(loaded, node.node, d);
+    const Derivatives at = response(loaded, node.node, d);
     EXPECT_EQ(at.stiffness, node.linear.stiffness);
     // Rounding of two products of three.
     EXPECT_NEAR(at.energy, d.dot(node.linear.stiffness * d) / 2, 1e-15 * 100 * d.squaredNorm());

@@ -262,6 +262,21 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
   return status;
 }
 
+/// Of the second half of the modes alone, with the stiffness of the shape at rest: a basis that is too small for the
+/// state has much in its last modes.
+double energy_of_last_modes(const phn_body_state& state) {
+  const std::int32_t n = state.body->info.n_modes, stride = state.body->stride;
+  double energy = 0;
+  for (std::int32_t i = n / 2; i < n; ++i) {
+    const float* row =
+        state.sum_at_rest + static_cast<std::int64_t>(i) * stride;  // of which the upper triangle is known
+    double sum = row[i] * state.at.q[i] / 2;
+    for (std::int32_t j = i + 1; j < n; ++j) sum += row[j] * state.at.q[j];
+    energy += state.at.q[i] * sum;
+  }
+  return energy;
+}
+
 bool are_tools(std::int32_t n) { return n >= 1 && n <= most_body_tools; }
 
 }  // namespace
@@ -331,21 +346,17 @@ int phn_body_bound(const phn_body* body, const phn_body_state* state, double* bo
   if (body->bounds == nullptr || n == 0) return PHN_ERROR_UNDEFINED;
   Compliance at_rest;
   at_rest.set(*state, state->factor_at_rest);
-  double linear[3 * most_body_tools], size = 0;
+  double linear[3 * most_body_tools];
   memcpy(linear, state->wanted, sizeof linear);
   at_rest.solve(n, linear);
-  for (std::int32_t r = 0; r < n; r += 3) size += length(linear + r);
+  const double displaced = std::sqrt(product(state->wanted, state->wanted, n));
+  const auto per_displacement = [&](double energy) { return displaced > 0 ? std::fmax(energy, 0) / displaced : 0; };
+  const double last = per_displacement(energy_of_last_modes(*state)), all = per_displacement(state->at.energy);
   const double* c = body->bounds + (n > 3 ? phynness::schema::n_coupled_terms : 0);
   for (std::int32_t r = 0; r < n; r += 3) {
-    double alone[3], of_others[3], curved[3];
-    memcpy(alone, state->wanted + r, sizeof alone);
-    at_rest.take(*state, r, 3);
-    at_rest.solve(3, alone);
-    for (int k = 0; k < 3; ++k) {
-      of_others[k] = linear[r + k] - alone[k];
-      curved[k] = state->force[r + k] - linear[r + k];
-    }
-    const double x[] = {length(of_others) + size, length(curved), size};
+    double curved[3];
+    for (int k = 0; k < 3; ++k) curved[k] = state->force[r + k] - linear[r + k];
+    const double x[] = {last, length(curved), all};
     bounds[r / 3] = (state->status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED)) != 0
                         ? PHN_NO_BOUND
                         : coupled_bound(c, x, PHN_NO_BOUND);

@@ -40,8 +40,7 @@ Real logarithm_2(Real x) {
 }
 
 /// exp(c_0 + sum_i c_i ln(x_i + 1e-12 N)); `most` where that is not below it.
-/// @param x  three numbers >= 0 [N]: bound and spread of the tools alone, as they reach the force; difference to the
-///           linear force; size of the forces
+/// @param x  three numbers >= 0 [N], which formats/model.md and formats/body.md name
 template <class Real>
 Real coupled_bound(const Real* c, const Real* x, Real most) {
   constexpr Real largest = sizeof(Real) == sizeof(float) ? 46 : 430;  // of power_of_half
