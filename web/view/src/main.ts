@@ -72,7 +72,7 @@ class Page {
     this.shown = data;
     const title = plain(model.info.title) || 'phynness';
     setText(byId('title', HTMLElement), title);
-    setText(byId('about', HTMLElement), [data.sceneTitle, data.organ].filter((t) => t !== '' && t !== model.info.title).map((t) => plain(t)).join(' · '));
+    setText(byId('about', HTMLElement), data.sceneTitle === model.info.title ? '' : plain(data.sceneTitle));
     document.title = title;
     this.view.draw();
     this.expose(this.view);
@@ -107,7 +107,7 @@ class Page {
     const bytes = new Uint8Array(await file.arrayBuffer()), text = new TextDecoder().decode(bytes);
     if (text.trimStart().startsWith('{')) this.recording?.open(text);
     // Rays and errors in the page belong to its own model.
-    else await this.open(text, text === this.data.model ? this.data : { ...this.data, model: null, body: null, rays: [], validation: null, sceneTitle: '', organ: '' }, initialState(), bytes);
+    else await this.open(text, text === this.data.model ? this.data : { ...this.data, model: null, body: null, rays: [], validation: null, sceneTitle: '' }, initialState(), bytes);
   }
 
   private async savePng(): Promise<void> {
