@@ -9,10 +9,8 @@
 #include <phynness/schema/body_grammar.hpp>
 #include <phynness/training/reduction.hpp>
 
-#include "reduced/cubature.hpp"
 #include "reduced/elements.hpp"
-#include "reduced/modes.hpp"
-#include "reduced/pairs.hpp"
+#include "reduced/parts.hpp"
 #include "sampling.hpp"
 #include "threads.hpp"
 

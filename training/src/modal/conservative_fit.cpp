@@ -4,12 +4,10 @@
 #include <limits>
 #include <phynness/training/conservative_fit.hpp>
 
-#include "conservative_centers.hpp"
 #include "dense_solvers.hpp"
 #include "left_out.hpp"
 #include "levels.hpp"
-#include "modal/multiquadric.hpp"
-#include "modal/search_states.hpp"
+#include "modal_parts.hpp"
 
 namespace phynness {
 namespace {

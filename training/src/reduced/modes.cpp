@@ -1,4 +1,4 @@
-#include "modes.hpp"
+#include "parts.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "pairs.hpp"
+#include "parts.hpp"
 
 #include <phynness/evaluation/loaded_body.hpp>
 #include <phynness/formats/mesh.hpp>
