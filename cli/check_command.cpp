@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/embedding/embedding.hpp>
-#include <phynness/evaluation/runtime_speed.hpp>
+#include <phynness/evaluation/model_figures.hpp>
 #include <phynness/formats/locking.hpp>
 #include <phynness/planning/planning.hpp>
 #include <phynness/precompute/probe_solver.hpp>
-#include <phynness/validation/trade.hpp>
+#include <phynness/validation/discretization.hpp>
 
 #include "commands.hpp"
 

@@ -10,8 +10,6 @@
 #include <cstring>
 #include <string_view>
 
-#include "streams.hpp"
-
 namespace phynness::cli {
 
 Progress::Progress(std::string what, std::string unit) : _what(std::move(what)), _unit(std::move(unit)) {

@@ -1,4 +1,4 @@
-#include "streams.hpp"
+#include "console.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

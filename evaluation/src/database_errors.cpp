@@ -1,6 +1,6 @@
 #include <Eigen/LU>
 #include <algorithm>
-#include <phynness/evaluation/database_errors.hpp>
+#include <phynness/evaluation/model_figures.hpp>
 
 namespace phynness {
 namespace {

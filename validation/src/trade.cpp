@@ -7,8 +7,8 @@
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
+#include <phynness/validation/discretization.hpp>
 #include <phynness/validation/error_statistics.hpp>
-#include <phynness/validation/trade.hpp>
 
 #include "compared_scene.hpp"
 
