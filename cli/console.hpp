@@ -3,6 +3,7 @@
 #pragma once
 
 #include <fmt/core.h>
+
 #include <chrono>
 #include <concepts>
 #include <cstdint>

@@ -69,6 +69,14 @@ void add_errors(const std::vector<Compared>& compared, const std::vector<char>& 
   }
 }
 
+std::pair<std::vector<std::optional<Vec3>>, Points> ToolComparison::linear(const std::vector<Vec3>& d) const {
+  const Eigen::Map<const Eigen::VectorXd> q(d.front().data(), 3 * std::ssize(d));
+  const Eigen::VectorXd f = _solver.rest().stiffness_N_per_m * q, u = _solver.rest().sensitivity * q;
+  std::vector<std::optional<Vec3>> force_N;
+  for (Eigen::Index t = 0; t < f.size(); t += 3) force_N.emplace_back(Vec3{f[t], f[t + 1], f[t + 2]});
+  return {force_N, Eigen::Map<const Points>(u.data(), u.size() / 3, 3)(_model.model().output, Eigen::all)};
+}
+
 ProbeRecords::ProbeRecords(const LoadedModel& model)
     : _model(model), _error_sum(model.model().output.size()), _error_count(model.model().output.size()) {}
 

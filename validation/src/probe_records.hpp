@@ -1,8 +1,11 @@
 // Probes and their errors: computed on every rank, gathered at the end.
 #pragma once
 
+#include <phynness/precompute/probe_solver.hpp>
+#include <phynness/validation/error_statistics.hpp>
 #include <phynness/validation/probed_states.hpp>
 
+#include "body_predictions.hpp"
 #include "packed.hpp"
 
 namespace phynness {
@@ -32,6 +35,51 @@ ProbeErrors probe_errors(const Compared& compared, const LargestResponse& larges
 /// Adds the errors (17) of all displacements of one place.
 void add_errors(const std::vector<Compared>& compared, const std::vector<char>& counts,
                 GroupMeasures<std::vector<double>>& samples);
+
+template <template <class> class Measures, class A, class B, class Work>
+void member_by_member(Measures<A>& a, const Measures<B>& b, const Work& work) {
+  std::vector<A*> of_a;
+  Measures<A>::describe(a, [&](const auto&, A& value, const char* = nullptr) { of_a.push_back(&value); });
+  auto at = of_a.begin();
+  Measures<B>::describe(b, [&](const auto&, const B& value, const char* = nullptr) { work(**at++, value); });
+}
+
+/// Of the samples of all ranks, on rank 0. Collective.
+template <template <class> class Measures>
+Measures<ErrorStatistics> statistics(const SolverSession& session, const Measures<std::vector<double>>& samples) {
+  Measures<ErrorStatistics> out;
+  member_by_member(out, samples, [&](auto& of, const auto& list) { of = ErrorStatistics::of(session.gather(list)); });
+  return out;
+}
+
+template <template <class> class Measures>
+Measures<ErrorStatistics> statistics(const Measures<std::vector<double>>& samples) {
+  Measures<ErrorStatistics> out;
+  member_by_member(out, samples, [](auto& of, const auto& list) { of = ErrorStatistics::of(list); });
+  return out;
+}
+
+/// What comparisons of tools with finite elements have in common.
+class ToolComparison {
+ public:
+  /// @param body  null: none
+  ToolComparison(const Scene& scene, const LoadedModel& model, LoadedBody* body, const ShouldStop& stop)
+      : _model(model),
+        _increments(scene.probe.increments),
+        _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {
+    _solver.set_stop(stop);
+    if (body) _body.emplace(*body, model, _increments);
+  }
+
+ protected:
+  /// Forces and displacements of the undeformed body. @param d  of each tool that touches it
+  std::pair<std::vector<std::optional<Vec3>>, Points> linear(const std::vector<Vec3>& d) const;
+
+  const LoadedModel& _model;
+  int _increments;
+  ProbeSolver _solver;
+  std::optional<BodyPredictions> _body;
+};
 
 class ProbeRecords {
  public:

@@ -8,8 +8,6 @@
 #include <phynness/validation/probed_states.hpp>
 #include <phynness/validation/tools.hpp>
 
-#include "body_predictions.hpp"
-#include "measures.hpp"
 #include "probe_records.hpp"
 #include "shared_work.hpp"
 
@@ -84,15 +82,9 @@ PairErrors errors_of(const std::vector<std::optional<Vec3>>& force, const Points
   return errors;
 }
 
-class PairComparison {
+class PairComparison : public ToolComparison {
  public:
-  PairComparison(const Scene& scene, const LoadedModel& model, LoadedBody* body, const ShouldStop& stop)
-      : _model(model),
-        _increments(scene.probe.increments),
-        _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {
-    _solver.set_stop(stop);
-    if (body) _body.emplace(*body, model, _increments);
-  }
+  using ToolComparison::ToolComparison;
 
   void at(PairRecord& pair) {
     const std::vector<std::int32_t> nodes(pair.nodes.begin(), pair.nodes.end());
@@ -130,11 +122,8 @@ class PairComparison {
     judge(PairPredictor::alone, {first.force_N[0], second.force_N[0]}, first.displacement_m + second.displacement_m);
     judge(PairPredictor::paper, {std::nullopt, std::nullopt}, _model.respond(nodes, d).displacement_m);
 
-    Eigen::VectorXd q(6);
-    q << to_eigen(d[0]), to_eigen(d[1]);
-    const Eigen::VectorXd f = _solver.rest().stiffness_N_per_m * q, u = _solver.rest().sensitivity * q;
-    judge(PairPredictor::linear, {Vec3{f[0], f[1], f[2]}, Vec3{f[3], f[4], f[5]}},
-          Eigen::Map<const Points>(u.data(), u.size() / 3, 3)(output, Eigen::all));
+    const auto [linear_force, linear_u] = linear(d);
+    judge(PairPredictor::linear, linear_force, linear_u);
     if (of_body) std::tie(pair.body_bounded, pair.body_covered) = covered(*of_body, truth.force_N);
     if (of_body)
       pair.errors[static_cast<std::size_t>(PairPredictor::body)] =
@@ -152,11 +141,6 @@ class PairComparison {
     if (truth.status != Status::converged) return infinite;
     return (to_eigen(force) - to_eigen(truth.force_N[0])).norm() / to_eigen(truth.force_N[0]).norm();
   }
-
-  const LoadedModel& _model;
-  int _increments;
-  ProbeSolver _solver;
-  std::optional<BodyPredictions> _body;
 };
 
 PairGroup group_of(const std::vector<PairRecord>& records, const std::function<bool(const PairRecord&)>& belongs) {

@@ -5,7 +5,6 @@
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/validation/probed_states.hpp>
 
-#include "measures.hpp"
 #include "probe_records.hpp"
 
 namespace phynness {

@@ -7,8 +7,6 @@
 #include <phynness/validation/tools.hpp>
 #include <random>
 
-#include "body_predictions.hpp"
-#include "measures.hpp"
 #include "probe_records.hpp"
 #include "shared_work.hpp"
 
@@ -65,15 +63,9 @@ std::vector<Place> choose_places(const Scene& scene, const LoadedModel& model, s
 
 using PointSamples = GroupMeasures<std::vector<double>>;
 
-class PointComparison {
+class PointComparison : public ToolComparison {
  public:
-  PointComparison(const Scene& scene, const LoadedModel& model, LoadedBody* body, const ShouldStop& stop)
-      : _model(model),
-        _increments(scene.probe.increments),
-        _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {
-    _solver.set_stop(stop);
-    if (body) _body.emplace(*body, model, _increments);
-  }
+  using ToolComparison::ToolComparison;
 
   /// A place that the solver refuses counts as not solved, with the reason of the first one.
   void try_at(std::size_t point, const Place& place, PointReport& report) {
@@ -126,12 +118,8 @@ class PointComparison {
       report.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
       report.largest_residual_m = std::max(report.largest_residual_m, said.coupled.residual);
       coupled.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m, u});
-      const Eigen::Vector3d f = _solver.rest().stiffness_N_per_m * to_eigen(d);
-      const Eigen::VectorXd linear_u = _solver.rest().sensitivity * to_eigen(d);
-      linear.push_back({{f[0], f[1], f[2]},
-                        truth.force_N[0],
-                        Eigen::Map<const Points>(linear_u.data(), linear_u.size() / 3, 3)(output, Eigen::all),
-                        u});
+      auto [linear_force, linear_u] = ToolComparison::linear({d});
+      linear.push_back({*linear_force[0], truth.force_N[0], std::move(linear_u), u});
       if (!_body) continue;
       auto answer = _body->at({tool_at(place, d)});
       const auto [bounded, below] = covered(answer, truth.force_N);
@@ -208,10 +196,6 @@ class PointComparison {
     return all.empty() ? "" : all.front();
   }
 
-  const LoadedModel& _model;
-  int _increments;
-  ProbeSolver _solver;
-  std::optional<BodyPredictions> _body;
   PointSamples _coupled, _linear, _at_nodes, _of_body;
   JudgedRows _rows;
   std::int64_t _refused = 0;
