@@ -69,12 +69,13 @@ void add_errors(const std::vector<Compared>& compared, const std::vector<char>& 
   }
 }
 
-std::pair<std::vector<std::optional<Vec3>>, Points> ToolComparison::linear(const std::vector<Vec3>& d) const {
+std::pair<std::vector<std::optional<Vec3>>, Points> linear_response(const ProbeSolver& solver, const Model& model,
+                                                                    const std::vector<Vec3>& d) {
   const Eigen::Map<const Eigen::VectorXd> q(d.front().data(), 3 * std::ssize(d));
-  const Eigen::VectorXd f = _solver.rest().stiffness_N_per_m * q, u = _solver.rest().sensitivity * q;
+  const Eigen::VectorXd f = solver.rest().stiffness_N_per_m * q, u = solver.rest().sensitivity * q;
   std::vector<std::optional<Vec3>> force_N;
   for (Eigen::Index t = 0; t < f.size(); t += 3) force_N.emplace_back(Vec3{f[t], f[t + 1], f[t + 2]});
-  return {force_N, Eigen::Map<const Points>(u.data(), u.size() / 3, 3)(_model.model().output, Eigen::all)};
+  return {force_N, Eigen::Map<const Points>(u.data(), u.size() / 3, 3)(model.output, Eigen::all)};
 }
 
 ProbeRecords::ProbeRecords(const LoadedModel& model)
@@ -166,21 +167,18 @@ std::vector<ShownState> ProbeRecords::gathered_states(const SolverSession& sessi
 }
 
 void ProbeRecords::finish(const SolverSession& session, double range_m, ValidationReport& report) const {
-  const auto sums = session.gather(_error_sum), counts = session.gather(_error_count);
   report.examples = _examples.gathered(session);
   report.records = _records.gathered(session);
   report.curves = _curves.gathered(session);
   report.shown = gathered_states(session);
   report.to_range = errors_to_range(_judged.gathered(session), range_m);
-  const std::size_t n_output = _error_sum.size();
-  report.output_error.assign(n_output, 0);
-  std::vector<double> total(n_output, 0);
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    report.output_error[i % n_output] += sums[i];
-    total[i % n_output] += counts[i];
-  }
-  for (std::size_t i = 0; i < n_output; ++i)
-    if (total[i] > 0) report.output_error[i] /= total[i];
+  const auto n = std::ssize(_error_sum);
+  const auto of_ranks = [&](const std::vector<double>& own) -> Eigen::VectorXd {
+    const auto all = session.gather(own);
+    return Eigen::Map<const Eigen::MatrixXd>(all.data(), n, n > 0 ? std::ssize(all) / n : 0).rowwise().sum();
+  };
+  const Eigen::VectorXd sums = of_ranks(_error_sum), means = sums.cwiseQuotient(of_ranks(_error_count).cwiseMax(1));
+  report.output_error.assign(means.begin(), means.end());
 }
 
 }  // namespace phynness

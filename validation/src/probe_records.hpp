@@ -59,6 +59,10 @@ Measures<ErrorStatistics> statistics(const Measures<std::vector<double>>& sample
   return out;
 }
 
+/// Forces of the undeformed body and displacements of its output nodes. @param d  of each tool that touches it
+std::pair<std::vector<std::optional<Vec3>>, Points> linear_response(const ProbeSolver& solver, const Model& model,
+                                                                    const std::vector<Vec3>& d);
+
 /// What comparisons of tools with finite elements have in common.
 class ToolComparison {
  public:
@@ -72,9 +76,6 @@ class ToolComparison {
   }
 
  protected:
-  /// Forces and displacements of the undeformed body. @param d  of each tool that touches it
-  std::pair<std::vector<std::optional<Vec3>>, Points> linear(const std::vector<Vec3>& d) const;
-
   const LoadedModel& _model;
   int _increments;
   ProbeSolver _solver;

@@ -122,7 +122,7 @@ class PairComparison : public ToolComparison {
     judge(PairPredictor::alone, {first.force_N[0], second.force_N[0]}, first.displacement_m + second.displacement_m);
     judge(PairPredictor::paper, {std::nullopt, std::nullopt}, _model.respond(nodes, d).displacement_m);
 
-    const auto [linear_force, linear_u] = linear(d);
+    const auto [linear_force, linear_u] = linear_response(_solver, _model.model(), d);
     judge(PairPredictor::linear, linear_force, linear_u);
     if (of_body) std::tie(pair.body_bounded, pair.body_covered) = covered(*of_body, truth.force_N);
     if (of_body)

@@ -118,7 +118,7 @@ class PointComparison : public ToolComparison {
       report.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
       report.largest_residual_m = std::max(report.largest_residual_m, said.coupled.residual);
       coupled.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m, u});
-      auto [linear_force, linear_u] = ToolComparison::linear({d});
+      auto [linear_force, linear_u] = linear_response(_solver, _model.model(), {d});
       linear.push_back({*linear_force[0], truth.force_N[0], std::move(linear_u), u});
       if (!_body) continue;
       auto answer = _body->at({tool_at(place, d)});

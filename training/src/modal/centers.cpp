@@ -72,7 +72,7 @@ double left_out_error(const TrainingTables& tables, const NodeModes& node, doubl
   const Index n = x.rows() + 1;
   if (n == 1) return 0;
   MatrixXd phi(n, n), tail = MatrixXd::Ones(n, 4), values = MatrixXd::Zero(n, node.amplitudes.cols());
-  values.bottomRows(n - 1) = rows_of(node.amplitudes, kept);
+  values.bottomRows(n - 1) = node.amplitudes(kept, Eigen::all);
   const auto place = [&](Index i) -> Vector3d {
     return i == 0 ? Vector3d::Zero() : Vector3d(x.row(i - 1).transpose());
   };

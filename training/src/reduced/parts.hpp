@@ -12,6 +12,9 @@ namespace phynness::reduced {
 /// M X for columns X, with a symmetric M that is positive definite on them.
 using Metric = std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>;
 
+/// The columns of all matrices, which have as many rows.
+Eigen::MatrixXd side_by_side(std::vector<Eigen::MatrixXd> matrices, Eigen::Index rows);
+
 /// A basis of the space of the columns, orthonormal in the metric, without what is below rounding.
 Eigen::MatrixXd orthonormal_in(const Metric& metric, Eigen::MatrixXd columns);
 

@@ -104,25 +104,23 @@ void add_rows(const Validated& in, bool outside, Rows& rows) {
 
 /// Histograms of the errors of a group of probes; nothing if it has none.
 std::vector<Json> histograms(const Validated& in, bool outside) {
-  std::vector<double> force, force_linear, u, u_linear;
-  for (const auto& r : in.report.records) {
-    if (r.outside != outside) continue;
-    force.push_back(100 * r.force_error);
-    force_linear.push_back(100 * r.force_error_linear);
-    u.push_back(100 * r.displacement_error);
-    u_linear.push_back(100 * r.displacement_error_linear);
-  }
-  if (force.empty()) return {};
-  const auto both = [&](const char* what, const std::vector<double>& model, const std::vector<double>& linear) {
+  if (std::ranges::count(in.report.records, outside, &ProbeRecord::outside) == 0) return {};
+  const auto steps = [&](double ProbeRecord::*error) {
     constexpr double least = 1e-3;
-    return chart(
-        fmt::format("{}, {} the trained range", what, outside ? "outside" : "inside"), "error (17) of a probe, %",
-        "probes, %",
-        {{"linear predictor", "dashes", 1, histogram(linear, least)}, {"model", "line", 0, histogram(model, least)}},
-        {{"log_x", true}});
+    std::vector<double> samples;
+    for (const auto& r : in.report.records)
+      if (r.outside == outside) samples.push_back(100 * r.*error);
+    return histogram(samples, least);
   };
-  std::vector<Json> all{both("Force", force, force_linear)};
-  if (in.report.of(Predictor::model).inside.displacement.n > 0) all.push_back(both("Displacement", u, u_linear));
+  const auto both = [&](const char* what, double ProbeRecord::*model, double ProbeRecord::*linear) {
+    return chart(fmt::format("{}, {} the trained range", what, outside ? "outside" : "inside"),
+                 "error (17) of a probe, %", "probes, %",
+                 {{"linear predictor", "dashes", 1, steps(linear)}, {"model", "line", 0, steps(model)}},
+                 {{"log_x", true}});
+  };
+  std::vector<Json> all{both("Force", &ProbeRecord::force_error, &ProbeRecord::force_error_linear)};
+  if (in.report.of(Predictor::model).inside.displacement.n > 0)
+    all.push_back(both("Displacement", &ProbeRecord::displacement_error, &ProbeRecord::displacement_error_linear));
   return {charts(all)};
 }
 

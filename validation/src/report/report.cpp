@@ -163,27 +163,24 @@ Json curves(const Validated& in) {
         straight{"straight line", "dashes", 1, {}};
     const double deepest = curve->depth_m.back();
     constexpr int n = 120;
-    for (int i = 0; i <= n; ++i) {
-      const double s = deepest * i / n;
-      const Vec3 d{s * curve->direction[0], s * curve->direction[1], s * curve->direction[2]};
-      model.at.emplace_back(1e3 * s, along(in.model.force(curve->node, d)));
-    }
+    const auto said = [&](double s) {
+      const auto& e = curve->direction;
+      return along(in.model.force(curve->node, {s * e[0], s * e[1], s * e[2]}));
+    };
+    for (int i = 0; i <= n; ++i) model.at.emplace_back(1e3 * deepest * i / n, said(deepest * i / n));
     for (std::size_t i = 0; i < curve->depth_m.size(); ++i) {
       const double s = curve->depth_m[i];
-      const Vec3 d{s * curve->direction[0], s * curve->direction[1], s * curve->direction[2]};
       solves.at.emplace_back(1e3 * s, along(curve->force_N[i]));
       rows.push_back({std::to_string(curve->node), fmt::format("{:.2f}", 1e3 * s),
-                      fmt::format("{:.4g}", along(curve->force_N[i])),
-                      fmt::format("{:.4g}", along(in.model.force(curve->node, d)))});
+                      fmt::format("{:.4g}", along(curve->force_N[i])), fmt::format("{:.4g}", said(s))});
     }
     const double slope = along(curve->force_N[0]) / curve->depth_m[0];
     straight.at = {{0, 0}, {1e3 * deepest, slope * deepest}};
-    const Vec3 unit{curve->direction[0] * 1e-3, curve->direction[1] * 1e-3, curve->direction[2] * 1e-3};
-    drawn.push_back(chart(
-        fmt::format("Node {}", curve->node), "depth, mm", fmt::format("force, {}", newton.name),
-        {straight, model, solves},
-        {{"caption", fmt::format("Direction {}; trained to {:.3g} mm", vector(unit, 1e3, "({:.2f} {:.2f} {:.2f})"),
-                                 1e3 * in.model.trained_depth(curve->node, curve->direction))}}));
+    drawn.push_back(chart(fmt::format("Node {}", curve->node), "depth, mm", fmt::format("force, {}", newton.name),
+                          {straight, model, solves},
+                          {{"caption", fmt::format("Direction {}; trained to {:.3g} mm",
+                                                   vector(curve->direction, 1, "({:.2f} {:.2f} {:.2f})"),
+                                                   1e3 * in.model.trained_depth(curve->node, curve->direction))}}));
   }
   return section(
       "Force against depth",

@@ -3,7 +3,7 @@ import { BufferAttribute, BufferGeometry, Mesh, MeshStandardMaterial } from 'thr
 import { GLTFExporter } from 'three/examples/jsm/exporters/GLTFExporter.js';
 import { cssColour } from '../../shared/src/colour_maps.js';
 import { normalsOf } from '../../shared/src/normals.js';
-import { fileName, plain, roundedDown, shown, significant, ticks } from '../../shared/src/numbers.js';
+import { plain, roundedDown, shown, significant, ticks } from '../../shared/src/numbers.js';
 import type { Scale } from '../../shared/src/legend.js';
 import { norm } from '../../shared/src/vectors.js';
 import { sharedModes } from './modes.js';
@@ -88,6 +88,3 @@ function captionOf({ runtime, state, answer }: Session): string {
     `${nameOf(place)}: ${significant(1e3 * norm(displacement), 3)} mm, ${forces[i]}`);
   return [plain(runtime.model.info.title, 90), ...tools].join('   ');
 }
-
-export const pngName = (session: Session): string => fileName(session.runtime.model.info.title, 'png');
-export const glbName = (session: Session): string => fileName(session.runtime.model.info.title, 'glb');
