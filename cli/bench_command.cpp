@@ -1,4 +1,4 @@
-#include <phynness/evaluation/runtime_speed.hpp>
+#include <phynness/evaluation/model_figures.hpp>
 
 #include "commands.hpp"
 

@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/embedding/embedding.hpp>
-#include <phynness/evaluation/runtime_speed.hpp>
+#include <phynness/evaluation/model_figures.hpp>
 #include <phynness/formats/locking.hpp>
 #include <phynness/planning/planning.hpp>
 #include <phynness/precompute/probe_solver.hpp>
-#include <phynness/validation/trade.hpp>
+#include <phynness/validation/discretization.hpp>
 
 #include "commands.hpp"
 
@@ -55,6 +55,11 @@ void print_left_out(const DiscretizationReport& report, Variant v) {
   }
 }
 
+std::string place_of(const CheckedProbe& probe) {
+  const auto& d = probe.direction;
+  return fmt::format("  node {}, direction {:.3g} {:.3g} {:.3g}", probe.node, d[0], d[1], d[2]);
+}
+
 /// Prints the probes that failed before the largest displacement, with the reason. @return whether there are any
 bool print_failed(const DiscretizationReport& report, Variant v) {
   bool any = false;
@@ -63,9 +68,8 @@ bool print_failed(const DiscretizationReport& report, Variant v) {
     std::size_t i = 0;
     while (i < forces.status.size() && forces.converged(i)) ++i;
     if (i == forces.status.size()) continue;
-    const auto& d = probe.direction;
-    print_result("  node {}, direction {:.3g} {:.3g} {:.3g}: failed from |d| = {:.4g} mm on ({})\n", probe.node, d[0],
-                 d[1], d[2], 1e3 * report.depth_m[i], name(forces.status[i]));
+    print_result("{}: failed from |d| = {:.4g} mm on ({})\n", place_of(probe), 1e3 * report.depth_m[i],
+                 name(forces.status[i]));
     any = true;
   }
   return any;
@@ -73,11 +77,7 @@ bool print_failed(const DiscretizationReport& report, Variant v) {
 
 void print_probes(const DiscretizationReport& report, Variant v) {
   for (const auto& probe : report.probes)
-    if (const auto error = probe.error(v)) {
-      const auto& d = probe.direction;
-      print_result("  node {}, direction {:.3g} {:.3g} {:.3g}: force off by {:.3g} %\n", probe.node, d[0], d[1], d[2],
-                   100 * *error);
-    }
+    if (const auto error = probe.error(v)) print_result("{}: force off by {:.3g} %\n", place_of(probe), 100 * *error);
 }
 
 void print_comparison(const Options& options, const Scene& scene, const DiscretizationReport& report, Variant v) {

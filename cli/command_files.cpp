@@ -13,7 +13,7 @@
 #include <phynness/schema/text_reader.hpp>
 #include <tuple>
 
-#include "streams.hpp"
+#include "console.hpp"
 
 namespace phynness::cli {
 namespace {

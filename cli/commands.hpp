@@ -26,7 +26,6 @@
 
 #include "command_files.hpp"
 #include "console.hpp"
-#include "streams.hpp"
 
 namespace phynness {
 class LoadedModel;

@@ -1,11 +1,17 @@
-// Progress on stderr during a command, and an orderly end after a signal.
+// Output of the command: results on stdout, messages and progress on stderr; a failed write to either does not end the
+// work. And an orderly end after a signal.
 #pragma once
+
+#include <fmt/core.h>
 
 #include <chrono>
 #include <concepts>
 #include <cstdint>
 #include <functional>
+#include <phynness/formats/printable.hpp>
 #include <string>
+#include <string_view>
+#include <type_traits>
 
 namespace phynness::cli {
 
@@ -51,5 +57,54 @@ template <std::integral Count>
 std::string bytes(Count n) {
   return bytes(static_cast<double>(n));
 }
+
+/// Texts without control characters, whatever file they are from; numbers as they are.
+template <class T>
+auto shown(const T& value) {
+  if constexpr (std::is_convertible_v<const T&, std::string_view>)
+    return printable(std::string_view(value));
+  else
+    return value;
+}
+
+/// To be called first. Opens standard descriptors that are closed, because otherwise the next opened file would get
+/// such a number and messages would be written into it. Writing to these descriptors still fails. The signals of a
+/// closed pipe and of the file size limit are ignored, so that they become failed writes.
+void prepare_streams();
+
+void print_result_text(fmt::string_view format, fmt::format_args values);
+void message_text(fmt::string_view format, fmt::format_args values) noexcept;
+
+/// Writes to stdout in lines of at most 100 bytes, broken at spaces. finish_streams() reports a failed write.
+/// A line that is printed in parts is not broken.
+template <class... T>
+void print_result(fmt::format_string<T...> format, const T&... values) {
+  const auto print = [&](const auto&... safe) { print_result_text(format, fmt::make_format_args(safe...)); };
+  print(shown(values)...);
+}
+
+/// Writes to stderr; lines of notes and warnings are broken as results are. A failed write is ignored, because there is
+/// no other stream to report it.
+template <class... T>
+void message(fmt::format_string<T...> format, const T&... values) noexcept try {
+  const auto print = [&](const auto&... safe) { message_text(format, fmt::make_format_args(safe...)); };
+  print(shown(values)...);
+} catch (...) {  // no memory for a copy
+}
+
+/// From here on print_result() writes to stderr, so that stdout contains only what write_stdout() is given.
+void print_results_on_stderr();
+bool results_are_on_stderr();
+/// For data, not for texts. finish_streams() reports a failed write.
+/// @return false once something could not be written
+bool write_stdout(std::string_view text);
+
+/// Sets an environment variable by which child processes do not report failed writes to stdout. This process reports
+/// them at its end, so that the exit status of a child depends on its work only.
+void report_stdout_for_children();
+
+/// To be called last. Reports on stderr if results could not be written to stdout.
+/// @return `exit_status`, or 1 instead of 0 if results are lost
+int finish_streams(int exit_status);
 
 }  // namespace phynness::cli

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "console.hpp"
-#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -46,15 +45,11 @@ class QueryReader {
   /// The next line without its end, which may be "\n" or "\r\n".
   bool next_line() {
     constexpr std::size_t most_bytes = 4096;
-    char line[most_bytes + 1];
     ++_number;
-    _in.getline(line, sizeof line);
-    const auto n = static_cast<std::size_t>(_in.gcount());
-    if (n == 0) return false;
-    if (n == most_bytes && _in.fail())
+    if (!std::getline(_in, _line)) return false;
+    if (_line.size() >= most_bytes)
       throw error("a line is too long", fmt::format("more than {} bytes", most_bytes),
                   fmt::format("give a CSV file whose first line is {}", queries_header));
-    _line.assign(line, _in.eof() ? n : n - 1);
     if (const auto at = _line.find('\0'); at != std::string::npos)
       throw error("the file of queries holds a zero byte, which no text has", fmt::format("byte {} of the line", at),
                   "it is damaged or no text file: write or copy it again");

@@ -7,7 +7,6 @@
 #include <phynness/validation/calibrate.hpp>
 #include <phynness/validation/discretization.hpp>
 
-#include "child_process.hpp"
 #include "commands.hpp"
 #include "run_stages.hpp"
 

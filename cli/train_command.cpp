@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <fstream>
-#include <phynness/evaluation/database_errors.hpp>
+#include <phynness/evaluation/model_figures.hpp>
 #include <phynness/training/families.hpp>
 
 #include "commands.hpp"

@@ -5,7 +5,7 @@
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/training/families.hpp>
-#include <phynness/tuning/spacing.hpp>
+#include <phynness/tuning/tuning.hpp>
 
 #include "commands.hpp"
 
@@ -82,7 +82,7 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
 
 json sizes(const TrainingSpec& spec) {
   json found;
-  for (const auto& [key, n] : operations(spec.family).sizes(spec)) found[key] = n;
+  for (const auto& [key, number] : operations(spec.family).sizes) found[key] = spec.*number;
   return found;
 }
 
@@ -151,7 +151,7 @@ json as_json(const TuningReport& report, const TuningChoice& choice, const Tunin
                         m.speed.deformation_us, "memory_bytes", m.memory_bytes, "model_text_bytes", m.text_bytes,
                         "training_s", m.training_s, "on_front", m.on_front);
     // Linear models have no sizes.
-    if (!operations(m.trained.family).sizes(m.trained).empty()) {
+    if (!operations(m.trained.family).sizes.empty()) {
       entry["training"] = sizes(m.trained);
       entry["asked"] = sizes(m.candidate.spec);
     }

@@ -4,8 +4,7 @@
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/report.hpp>
 #include <phynness/validation/sizes.hpp>
-#include <phynness/validation/surface_points.hpp>
-#include <phynness/validation/tool_pairs.hpp>
+#include <phynness/validation/tools.hpp>
 
 #include "commands.hpp"
 

@@ -5,7 +5,8 @@
 namespace phynness {
 namespace {
 
-void require_good(int status, const std::string& what, const std::string& where, const char* remedy) {
+void require_good(int status, const std::string& what, const std::string& where = "",
+                  const char* remedy = "make it again with phynness reduce of this version") {
   if (status < 0) throw input_error(what, phn_status_message(status) + where, remedy);
 }
 
@@ -17,8 +18,7 @@ LoadedBody::LoadedBody(std::string text, std::string name) : _name(std::move(nam
   std::size_t bytes = 0, wrong = 0;
   const auto require = [&](int status) {
     if (status < 0) read_body_text(_text, _name);  // throws an error with the line and the value
-    require_good(status, "the runtime cannot load " + _name, wrong > 0 ? " (byte " + std::to_string(wrong) + ")" : "",
-                 "make it again with phynness reduce of this version");
+    require_good(status, "the runtime cannot load " + _name, wrong > 0 ? " (byte " + std::to_string(wrong) + ")" : "");
   };
   require(phn_body_size(_text.data(), _text.size(), &bytes, &wrong));
   _body_memory.resize(bytes);
@@ -32,14 +32,13 @@ bool LoadedBody::has_bounds() const { return _text.find("\nbounds ") != std::str
 
 std::size_t LoadedBody::state_bytes(std::int32_t max_tools) const {
   std::size_t bytes = 0;
-  require_good(phn_body_state_size(_body, max_tools, &bytes), "the runtime cannot prepare " + _name, "",
-               "make it again with phynness reduce of this version");
+  require_good(phn_body_state_size(_body, max_tools, &bytes), "the runtime cannot prepare " + _name);
   return bytes;
 }
 
 void LoadedBody::reset() {
   require_good(phn_body_state_init(_state_memory.data(), _state_memory.size(), _body, PHN_MOST_COUPLED, &_state),
-               "the runtime cannot prepare " + _name, "", "make it again with phynness reduce of this version");
+               "the runtime cannot prepare " + _name);
 }
 
 BodyResponse LoadedBody::press(const std::vector<phn_tool>& tools, std::int32_t steps) {
@@ -59,8 +58,7 @@ BodyResponse LoadedBody::press(const std::vector<phn_tool>& tools, std::int32_t 
     for (std::size_t t = 0; t < tools.size(); ++t)
       if (bounds[t] < PHN_NO_BOUND) response.bound_N[t] = bounds[t];
   response.displacement_m.resize(_info.n_nodes, 3);
-  require_good(phn_body_deform(_body, _state, response.displacement_m.data()), "the runtime cannot deform " + _name, "",
-               "make it again with phynness reduce of this version");
+  require_good(phn_body_deform(_body, _state, response.displacement_m.data()), "the runtime cannot deform " + _name);
   return response;
 }
 

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <phynness/training/spread_search.hpp>
+#include <phynness/training/node_training.hpp>
 #include <phynness/training/training.hpp>
 #include <string>
 #include <thread>

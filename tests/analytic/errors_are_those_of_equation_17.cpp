@@ -5,8 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <phynness/validation/probed_states.hpp>
-#include <phynness/validation/surface_points.hpp>
-#include <phynness/validation/tool_pairs.hpp>
+#include <phynness/validation/tools.hpp>
 
 namespace phynness {
 namespace {

@@ -233,9 +233,9 @@ TEST(LeftOut, EqualsSolvingAgain) {
     const auto m = static_cast<Eigen::Index>(rest.size());
     Eigen::MatrixXd system = Eigen::MatrixXd::Zero(m + 2, m + 2), right = Eigen::MatrixXd::Zero(m + 2, 1);
     system.topLeftCorner(m, m) = kernel(rest, rest);
-    system.topRightCorner(m, 2) = rows_of(tail, rest);
-    system.bottomLeftCorner(2, m) = rows_of(tail, rest).transpose();
-    right.topRows(m) = rows_of(values, rest);
+    system.topRightCorner(m, 2) = tail(rest, Eigen::all);
+    system.bottomLeftCorner(2, m) = tail(rest, Eigen::all).transpose();
+    right.topRows(m) = values(rest, Eigen::all);
     const Eigen::MatrixXd w = system.fullPivLu().solve(right);
     for (const auto i : group) {
       double said = tail.row(i).dot(w.bottomRows(2).col(0));

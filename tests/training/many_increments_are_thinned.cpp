@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "modal/amplitude_features.hpp"
+#include "modal/modal_parts.hpp"
 #include "small_responses.hpp"
 
 namespace phynness::test {

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <limits>
 #include <phynness/formats/error.hpp>
-#include <phynness/training/spread_search.hpp>
+#include <phynness/training/node_training.hpp>
 
 #include "sampling.hpp"
 #include "small_responses.hpp"

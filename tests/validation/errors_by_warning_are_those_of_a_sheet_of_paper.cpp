@@ -7,7 +7,7 @@
 #include <phynness/phynness.hpp>
 #include <phynness/validation/errors_to_range.hpp>
 
-#include "range_records.hpp"
+#include "probe_records.hpp"
 
 namespace phynness {
 namespace {
@@ -116,12 +116,12 @@ TEST(ErrorsToRange, DivideByTheLargestResponseAndAtLeastAHundredthOfIt) {
   largest.take({0, 3, 4}, u, {0, 1});
   EXPECT_NEAR(largest.force_N, 5, tolerance);
   EXPECT_NEAR(largest.displacement_m, 0.004, tolerance);  // the first node does not count
-  const auto errors = probe_errors({0, 0, 0.02}, said, {0, 0, 0.01}, u, largest, {0, 1});
+  const auto errors = probe_errors({{0, 0, 0.02}, {0, 0, 0.01}, said, u}, largest, {0, 1});
   EXPECT_NEAR(errors.force, 0.002, tolerance);
   EXPECT_NEAR(errors.force_own, 0.2, tolerance);  // 0.01 N of at least 0.05 N
   ASSERT_EQ(errors.displacement.size(), 1U);
   EXPECT_NEAR(errors.displacement[0], 0.25, tolerance);
-  EXPECT_TRUE(std::isnan(probe_errors({}, said, {}, u, {}, {0, 1}).force));
+  EXPECT_TRUE(std::isnan(probe_errors({{}, {}, said, u}, {}, {0, 1}).force));
 }
 
 // Claim: a state with a warning is no measure for the others, in any order; among themselves they are.

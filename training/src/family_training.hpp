@@ -3,7 +3,7 @@
 
 #include <functional>
 #include <phynness/training/families.hpp>
-#include <phynness/training/spread_search.hpp>
+#include <phynness/training/node_training.hpp>
 
 namespace phynness {
 

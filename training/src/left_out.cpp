@@ -16,12 +16,6 @@ constexpr double undetermined = 1e-8;
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-MatrixXd rows_of(const MatrixXd& matrix, const std::vector<Index>& which) {
-  MatrixXd rows(static_cast<Index>(which.size()), matrix.cols());
-  for (Index i = 0; i < rows.rows(); ++i) rows.row(i) = matrix.row(which[static_cast<std::size_t>(i)]);
-  return rows;
-}
-
 RowGroups groups_of_equal(const std::vector<std::int32_t>& numbers, Index per_state, Index first_row) {
   RowGroups groups;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -42,8 +36,8 @@ MatrixXd left_out(const MatrixXd& kernel, const MatrixXd& tail, const MatrixXd& 
   MatrixXd errors = MatrixXd::Zero(n, values.cols());
   for (const auto& group : groups) {
     const MatrixXd block = inverse(group, group);
-    MatrixXd error = Eigen::FullPivLU<MatrixXd>(block).solve(rows_of(weights, group));
-    if (!error.allFinite()) error = rows_of(values, group);
+    MatrixXd error = Eigen::FullPivLU<MatrixXd>(block).solve(weights(group, Eigen::all));
+    if (!error.allFinite()) error = values(group, Eigen::all);
     for (std::size_t i = 0; i < group.size(); ++i) errors.row(group[i]) = error.row(static_cast<Index>(i));
   }
   return errors;
@@ -58,13 +52,13 @@ MatrixXd left_out_of_projection(const Eigen::Ref<const MatrixXd, 0, Eigen::Outer
                                 const MatrixXd& values, const RowGroups& groups) {
   MatrixXd errors = MatrixXd::Zero(rest.rows(), rest.cols());
   for (const auto& group : groups) {
-    const MatrixXd some = rows_of(q, group), left = rows_of(rest, group);
+    const MatrixXd some = q(group, Eigen::all), left = rest(group, Eigen::all);
     // (I - Q Q^T)^-1 = I + Q (I - Q^T Q)^-1 Q^T; the smaller of the two matrices is inverted.
     const bool small_group = some.rows() <= some.cols();
     const MatrixXd product = small_group ? MatrixXd(some * some.transpose()) : MatrixXd(some.transpose() * some);
     Eigen::FullPivLU<MatrixXd> lu(MatrixXd::Identity(product.rows(), product.cols()) - product);
     lu.setThreshold(undetermined);
-    MatrixXd error = rows_of(values, group);
+    MatrixXd error = values(group, Eigen::all);
     if (lu.isInvertible()) {
       error = left;
       if (small_group) {

@@ -10,9 +10,6 @@ namespace phynness {
 /// Groups of rows of the data.
 using RowGroups = std::vector<std::vector<Eigen::Index>>;
 
-/// The rows `which` of a matrix, in this order.
-Eigen::MatrixXd rows_of(const Eigen::MatrixXd& matrix, const std::vector<Eigen::Index>& which);
-
 /// One group for each run of states with equal numbers, such as the number of their direction. Each state has
 /// `per_state` rows, which begin at `first_row`; rows before it are never left out.
 RowGroups groups_of_equal(const std::vector<std::int32_t>& numbers, Eigen::Index per_state, Eigen::Index first_row);

@@ -9,10 +9,8 @@
 #include <phynness/schema/body_grammar.hpp>
 #include <phynness/training/reduction.hpp>
 
-#include "reduced/cubature.hpp"
 #include "reduced/elements.hpp"
-#include "reduced/modes.hpp"
-#include "reduced/pairs.hpp"
+#include "reduced/parts.hpp"
 #include "sampling.hpp"
 #include "threads.hpp"
 
@@ -161,16 +159,8 @@ class Reduction {
       modes[i] = scaled_modes(_metric, fields_of(a), lost_of_a_node, energies[i]);
       step();
     });
-    Index n = 0;
-    for (const auto& m : modes) n += m.cols();
-    MatrixXd all(3 * _elements.n_nodes, n);
-    n = 0;
-    for (auto& m : modes) {
-      all.middleCols(n, m.cols()) = m;
-      n += std::exchange(m, {}).cols();
-    }
     _energy = std::accumulate(energies.begin(), energies.end(), 0.0);
-    return all;
+    return side_by_side(std::move(modes), 3 * _elements.n_nodes);
   }
 
   /// Adds the fields of pairs of tools on a larger body, which those of single tools do not span.

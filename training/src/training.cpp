@@ -22,32 +22,17 @@ void check_spec(const TrainingSpec& spec) {
   operations(spec.family).check(spec);
 }
 
-/// Medians over the nodes with estimated errors. The median is used because a node where the body snaps through is not
+/// Median over the nodes with estimated errors. It is used because a node where the body snaps through is not
 /// represented by any network and would dominate a mean.
-class LevelErrors {
- public:
-  explicit LevelErrors(int n_levels)
-      : _force(n_levels > 1 ? static_cast<std::size_t>(n_levels) : 0), _displacement(_force.size()) {}
-  void add(const NodeOutcome& outcome) {
-    for (std::size_t l = 0; l < outcome.force_errors.size(); ++l) _force[l].push_back(outcome.force_errors[l]);
-    for (std::size_t l = 0; l < outcome.displacement_errors.size(); ++l)
-      _displacement[l].push_back(outcome.displacement_errors[l]);
-  }
-  std::vector<ModelLevel> medians() const {
-    std::vector<ModelLevel> levels;
-    for (std::size_t l = 0; l < _force.size(); ++l) levels.push_back({median(_force[l]), median(_displacement[l]), {}});
-    return levels;
-  }
-
- private:
-  static double median(std::vector<double> errors) {
-    if (errors.empty()) return 0;
-    std::sort(errors.begin(), errors.end());
-    return errors[(errors.size() - 1) / 2];
-  }
-
-  std::vector<std::vector<double>> _force, _displacement;  ///< by level
-};
+double median(const std::vector<NodeOutcome>& outcomes, std::vector<double> NodeOutcome::*of_levels,
+              std::size_t level) {
+  std::vector<double> errors;
+  for (const auto& outcome : outcomes)
+    if (level < (outcome.*of_levels).size()) errors.push_back((outcome.*of_levels)[level]);
+  if (errors.empty()) return 0;
+  std::sort(errors.begin(), errors.end());
+  return errors[(errors.size() - 1) / 2];
+}
 
 class Training {
  public:
@@ -110,7 +95,6 @@ class Training {
   Model collect(std::vector<NodeOutcome> outcomes, TrainingReport& report) const {
     Model model = model_of_database(_header, _family, _source.title);
     model.displacements = _tables.displacements;
-    LevelErrors errors(_n_levels);
     for (std::size_t active = 0; active < outcomes.size(); ++active) {
       NodeOutcome& outcome = outcomes[active];
       report.n_increments_used += outcome.used;
@@ -121,7 +105,6 @@ class Training {
         continue;
       }
       _training->add(report, outcome);
-      errors.add(outcome);
       model.nodes.push_back(std::move(outcome.model));
     }
     if (model.nodes.empty()) {
@@ -130,7 +113,10 @@ class Training {
     }
     report.n_networks = static_cast<std::int32_t>(model.nodes.size());
     report.n_skipped = static_cast<std::int32_t>(report.skipped_nodes.size());
-    model.levels = errors.medians();
+    for (std::size_t l = 0; _n_levels > 1 && l < static_cast<std::size_t>(_n_levels); ++l)
+      model.levels.push_back({median(outcomes, &NodeOutcome::force_errors, l),
+                              median(outcomes, &NodeOutcome::displacement_errors, l),
+                              {}});
     _training->finish(model, report);
     if (_source.spreads && _source.probe.kind == ProbeKind::patch)
       cover_surface(model, _header.mesh, _source.probe.tool_radius_m);
@@ -147,6 +133,16 @@ class Training {
 };
 
 }  // namespace
+
+std::vector<TrainingSpec> candidates(const FamilyOperations& family, const TrainingSpec& given) {
+  std::vector<TrainingSpec> all;
+  for (const auto& numbers : family.candidates) {
+    TrainingSpec& spec = all.emplace_back(given);
+    spec.family = family.family;
+    for (std::size_t i = 0; i < numbers.size(); ++i) spec.*family.sizes[i].second = numbers[i];
+  }
+  return all;
+}
 
 TrainingSpec sizes_of(const Model& model) {
   TrainingSpec spec;
@@ -184,6 +180,28 @@ Model train(const ResponseSource& source, const TrainingSpec& spec, TrainingRepo
   Model model = training.run(report, progress, threads);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return model;
+}
+
+ResponseSource responses_of(const Database& database) {
+  const Scene scene = stored_scene(database.header());
+  ResponseSource source;
+  source.header = &database.header();
+  source.rays = [&database](std::int32_t active) { return database.rays(active); };
+  source.probe = scene.probe;
+  source.spreads = spreads(scene.active);
+  source.title = scene.title;
+  return source;
+}
+
+Model train(const Database& database, const TrainingSpec& spec, TrainingReport& report,
+            const TrainingProgress& progress, int threads) {
+  const Law law = stored_scene(database.header()).material.law;
+  // Whether imported responses are linear, their numbers tell.
+  if (schema::traits(spec.family).proportional && !law->linear && !database.header().is_imported()) {
+    throw input_error("family linear needs the linear law", std::string("law ") + name(law),
+                      "use family modal or rbfn");
+  }
+  return train(responses_of(database), spec, report, progress, threads);
 }
 
 }  // namespace phynness

@@ -16,12 +16,12 @@ constexpr std::int64_t probed_nodes = 10;
 }  // namespace
 
 std::vector<Candidate> tuning_candidates(const Scene& scene) {
-  std::vector<Candidate> candidates;
+  std::vector<Candidate> all;
   for (const auto* family : every_family()) {
     if (schema::traits(family->family).proportional && !scene.material.law->linear) continue;
-    for (const auto& spec : family->candidates(scene.training)) candidates.push_back({family->model_name(spec), spec});
+    for (const auto& spec : candidates(*family, scene.training)) all.push_back({family->model_name(spec), spec});
   }
-  return candidates;
+  return all;
 }
 
 TuningReport tune(const SolverSession& session, const Scene& scene, const Database& database, std::int64_t probes,

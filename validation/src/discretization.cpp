@@ -196,15 +196,10 @@ struct Times {
 class Check {
  public:
   Check(const Scene& scene, const Mesh& mesh, const NodeSets& sets, const DiscretizationOptions& options,
-        const OnProgress& progress, const ShouldStop& stop)
-      : _options(options), _progress(progress), _stop(stop) {
-    set_up(scene, mesh, sets);
-  }
-
+        const OnProgress& progress, const ShouldStop& stop);
   DiscretizationReport run();
 
  private:
-  void set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
   void prepare(Variant v);
   double expected_s(Variant v) const;
   const Times& times(Variant v) const { return _times[static_cast<std::size_t>(v)]; }
@@ -228,7 +223,9 @@ class Check {
   std::array<Times, 3> _times;
 };
 
-void Check::set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+Check::Check(const Scene& scene, const Mesh& mesh, const NodeSets& sets, const DiscretizationOptions& options,
+             const OnProgress& progress, const ShouldStop& stop)
+    : _options(options), _progress(progress), _stop(stop) {
   const Scene common = compared_scene(scene, mesh, sets);
   _report.mean_edge_m = measure_quality(mesh).mean_edge_m;
   _report.patch_for_node = scene.probe.kind == ProbeKind::node;

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <phynness/evaluation/database_errors.hpp>
-#include <phynness/validation/surface_points.hpp>
-#include <phynness/validation/tool_pairs.hpp>
+#include <phynness/evaluation/model_figures.hpp>
+#include <phynness/validation/tools.hpp>
 #include <phynness/validation/validation.hpp>
 #include <string_view>
 

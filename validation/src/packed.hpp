@@ -1,9 +1,13 @@
 // Records as rows of numbers, which ranks can exchange.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <phynness/formats/mesh.hpp>
+#include <phynness/precompute/probe_solver.hpp>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace phynness {
@@ -53,5 +57,34 @@ std::vector<T> unpacked(const std::vector<double>& rows) {
   for (const double *at = rows.data(), *end = at + rows.size(); at != end;) unpack(at, records.emplace_back());
   return records;
 }
+
+/// Records of all ranks in an order.
+template <class T>
+class OrderedRows {
+ public:
+  using Order = std::array<double, 2>;
+
+  void add(const Order& order, const T& record) {
+    pack(_rows, order);
+    pack(_rows, record);
+  }
+  /// On rank 0 those of all ranks, by their order; empty on other ranks. Collective.
+  std::vector<T> gathered(const SolverSession& session) const {
+    const auto rows = session.gather(_rows);
+    std::vector<std::pair<Order, T>> all;
+    for (const double *at = rows.data(), *end = at + rows.size(); at != end;) {
+      auto& [order, record] = all.emplace_back();
+      unpack(at, order);
+      unpack(at, record);
+    }
+    std::ranges::stable_sort(all, {}, &std::pair<Order, T>::first);
+    std::vector<T> records;
+    for (auto& one : all) records.push_back(std::move(one.second));
+    return records;
+  }
+
+ private:
+  std::vector<double> _rows;
+};
 
 }  // namespace phynness

@@ -46,10 +46,10 @@ void shuffle(std::vector<T>& items, std::mt19937_64& random) {
 }
 
 double distance_to_fixed(const LoadedModel& model, std::int32_t node) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto f : model.model().fixed)
-    least = std::min(least, (model.mesh().nodes.row(f) - model.mesh().nodes.row(node)).norm());
-  return least;
+  const Points& nodes = model.mesh().nodes;
+  const Points fixed = nodes(model.model().fixed, Eigen::all);
+  if (fixed.rows() == 0) return std::numeric_limits<double>::infinity();
+  return (fixed.rowwise() - nodes.row(node)).rowwise().norm().minCoeff();
 }
 
 std::vector<NodePlan> choose_nodes(const LoadedModel& model, std::int64_t wanted, std::mt19937_64& random) {

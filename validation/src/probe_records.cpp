@@ -1,83 +1,184 @@
 #include "probe_records.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
 #include <phynness/precompute/precompute.hpp>
 
-#include "packed.hpp"
-#include "range_records.hpp"
-
 namespace phynness {
+namespace {
+
+constexpr std::size_t max_examples = 5;
+
+double length_of(const Vec3& v) { return to_eigen(v).norm(); }
+double distance(const Vec3& a, const Vec3& b) { return (to_eigen(a) - to_eigen(b)).norm(); }
+
+bool counts_at(const std::vector<char>& counts, Eigen::Index i) {
+  return counts.empty() || counts[static_cast<std::size_t>(i)] != 0;
+}
+
+}  // namespace
+
+void LargestResponse::take(const Vec3& force, const Points& u, const std::vector<char>& counts, bool flagged) {
+  if (flagged && !_only_flagged) return;
+  if (!flagged && _only_flagged) *this = {};
+  _only_flagged = flagged;
+  force_N = std::max(force_N, length_of(force));
+  for (Eigen::Index i = 0; i < u.rows(); ++i)
+    if (counts_at(counts, i)) displacement_m = std::max(displacement_m, u.row(i).norm());
+}
+
+ProbeErrors probe_errors(const Compared& c, const LargestResponse& largest, const std::vector<char>& counts) {
+  ProbeErrors errors;
+  errors.force = errors.force_own = std::numeric_limits<double>::quiet_NaN();
+  if (largest.force_N > 0) {
+    errors.force = distance(c.force, c.force_FE) / largest.force_N;
+    errors.force_own = distance(c.force, c.force_FE) / std::max(length_of(c.force_FE), force_floor * largest.force_N);
+  }
+  for (Eigen::Index i = 0; i < c.u.rows() && largest.displacement_m > 0; ++i)
+    if (counts_at(counts, i))
+      errors.displacement.push_back((c.u.row(i) - c.u_FE.row(i)).norm() / largest.displacement_m);
+  return errors;
+}
+
+void add_errors(const std::vector<Compared>& compared, const std::vector<char>& counts,
+                GroupMeasures<std::vector<double>>& samples) {
+  LargestResponse largest;
+  for (const auto& c : compared) largest.take(c.force_FE, c.u_FE, counts);
+  for (const auto& c : compared) {
+    const auto errors = probe_errors(c, largest, counts);
+    if (largest.force_N > 0) samples.force.push_back(errors.force);
+    if (const double size = length_of(c.force_FE); size > 0)
+      samples.force_relative.push_back(distance(c.force, c.force_FE) / size);
+    if (c.u.rows() == 0) continue;
+    samples.displacement.insert(samples.displacement.end(), errors.displacement.begin(), errors.displacement.end());
+    std::vector<std::pair<double, double>> by_motion;  // -|u_FE| and error, of each node that counts
+    double error2 = 0, norm2 = 0;
+    for (Eigen::Index i = 0; i < c.u.rows(); ++i) {
+      if (!counts_at(counts, i)) continue;
+      by_motion.emplace_back(-c.u_FE.row(i).norm(), (c.u.row(i) - c.u_FE.row(i)).norm());
+      norm2 += by_motion.back().first * by_motion.back().first;
+      error2 += by_motion.back().second * by_motion.back().second;
+    }
+    if (norm2 > 0) samples.field_l2.push_back(std::sqrt(error2 / norm2));
+    std::ranges::stable_sort(by_motion, {}, &std::pair<double, double>::first);
+    by_motion.resize((by_motion.size() + 9) / 10);
+    for (const auto& [motion, error] : by_motion)
+      if (largest.displacement_m > 0) samples.displacement_moving.push_back(error / largest.displacement_m);
+  }
+}
+
+std::pair<std::vector<std::optional<Vec3>>, Points> linear_response(const ProbeSolver& solver, const Model& model,
+                                                                    const std::vector<Vec3>& d) {
+  const Eigen::Map<const Eigen::VectorXd> q(d.front().data(), 3 * std::ssize(d));
+  const Eigen::VectorXd f = solver.rest().stiffness_N_per_m * q, u = solver.rest().sensitivity * q;
+  std::vector<std::optional<Vec3>> force_N;
+  for (Eigen::Index t = 0; t < f.size(); t += 3) force_N.emplace_back(Vec3{f[t], f[t + 1], f[t + 2]});
+  return {force_N, Eigen::Map<const Points>(u.data(), u.size() / 3, 3)(model.output, Eigen::all)};
+}
+
 ProbeRecords::ProbeRecords(const LoadedModel& model)
     : _model(model), _error_sum(model.model().output.size()), _error_count(model.model().output.size()) {}
 
-void ProbeRecords::add(const NodeProbes& probes) {
+void ProbeRecords::add(std::size_t entry, double weight, const NodeProbes& probes) {
   for (std::size_t group = 0; group < probes.states.size(); ++group) add_group(probes, group);
-  if (!probes.curve.depth_m.empty()) pack(_curves, probes.curve);
+  add_to_range(static_cast<double>(entry), weight, probes);
+  const double node = probes.node;
+  if (!probes.curve.depth_m.empty()) _curves.add({node}, probes.curve);
+  if (entry >= max_examples || probes.states[0].empty()) return;
+  const auto& first = probes.states[0].front();
+  _examples.add({node}, {probes.node, first.d, first.force_FE, _model.force(probes.node, first.d), first.force_linear});
 }
 
 void ProbeRecords::add_group(const NodeProbes& probes, std::size_t group) {
+  const auto mean = [](const std::vector<double>& errors) {
+    return std::accumulate(errors.begin(), errors.end(), 0.0) / std::max(1.0, static_cast<double>(errors.size()));
+  };
   LargestResponse largest;
   for (const auto& state : probes.states[group]) largest.take(state.force_FE, state.u_FE, probes.counts);
   for (const auto& state : probes.states[group]) {
     const auto said = _model.respond({probes.node}, {state.d});
-    const Vec3 force = *said.force_N[0];
-    double error = 0, error_linear = 0, n = 0;
-    for (Eigen::Index i = 0; i < state.u_FE.rows() && largest.displacement_m > 0 && said.displacement_m.rows() > 0;
-         ++i) {
-      const auto o = static_cast<std::size_t>(i);
+    auto model =
+             probe_errors({*said.force_N[0], state.force_FE, said.displacement_m, state.u_FE}, largest, probes.counts),
+         linear =
+             probe_errors({state.force_linear, state.force_FE, state.u_linear, state.u_FE}, largest, probes.counts);
+    if (!(largest.force_N > 0)) model.force = linear.force = 0;
+    _records.add({static_cast<double>(probes.node), group > 0 ? 1.0 : 0.0},
+                 {probes.node, group > 0, state.d, state.force_FE, *said.force_N[0], model.force, linear.force,
+                  model.force_own, mean(model.displacement), mean(linear.displacement)});
+    if (group > 0 || said.displacement_m.rows() == 0) continue;
+    auto error = model.displacement.begin();
+    for (std::size_t o = 0; o < probes.counts.size() && error != model.displacement.end(); ++o) {
       if (!probes.counts[o]) continue;
-      const double here = (said.displacement_m.row(i) - state.u_FE.row(i)).norm() / largest.displacement_m;
-      error += here;
-      error_linear += (state.u_linear.row(i) - state.u_FE.row(i)).norm() / largest.displacement_m;
-      n += 1;
-      if (group > 0) continue;
-      _error_sum[o] += here;
+      _error_sum[o] += *error++;
       _error_count[o] += 1;
     }
-    const double scale = largest.force_N > 0 ? 1 / largest.force_N : 0;
-    const auto off = [&](const Vec3& f) { return scale * (to_eigen(f) - to_eigen(state.force_FE)).norm(); };
-    pack(_rows, ProbeRecord{probes.node, group > 0, state.d, state.force_FE, force, off(force), off(state.force_linear),
-                            n > 0 ? error / n : 0, n > 0 ? error_linear / n : 0});
-    if (group == 0 && said.displacement_m.rows() > 0)
-      keep({probes.node, state.d, off(force), state.u_FE, said.displacement_m});
+    const auto after = std::ranges::upper_bound(_shown, model.force, std::greater{}, &ShownState::force_error);
+    _shown.insert(after, {probes.node, state.d, model.force, state.u_FE, said.displacement_m});
+    if (_shown.size() > most_shown_states) _shown.pop_back();
   }
 }
 
-void ProbeRecords::keep(ShownState&& state) {
-  const auto before = [](const ShownState& a, const ShownState& b) { return a.force_error > b.force_error; };
-  _shown.insert(std::upper_bound(_shown.begin(), _shown.end(), state, before), std::move(state));
-  if (_shown.size() > most_shown_states) _shown.pop_back();
+void ProbeRecords::add_to_range(double entry, double weight, const NodeProbes& probes) {
+  LargestResponse to_R, all;
+  for (const auto& probe : probes.range) {
+    if (probe.status != Status::converged) continue;
+    const auto& state = probes.state(probe);
+    all.take(state.force_FE, state.u_FE, probes.counts);
+    if (probe.beyond) continue;
+    Vec3 force;
+    to_R.take(state.force_FE, state.u_FE, probes.counts,
+              is_flagged(int{_model.data().force(probes.node, probe.d, force)}));
+  }
+  for (const auto& probe : probes.range) {
+    JudgedProbe judged;
+    judged.node = probes.node;
+    judged.weight = weight;
+    judged.displacement_m = probe.d;
+    judged.beyond = probe.beyond;
+    judged.status = probe.status;
+    judged.reached_m = probe.reached_m;
+    const auto said = _model.respond({probes.node}, {probe.d});
+    judged.flagged = is_flagged(said.status);
+    if (_model.has_bounds())
+      judged.bound_N = _model.error_bound(probes.node, probe.d).value_or(std::numeric_limits<double>::infinity());
+    judged.largest_N = to_R.force_N;
+    judged.force_N = length_of(*said.force_N[0]);
+    if (judged.solved()) {
+      const auto& state = probes.state(probe);
+      const auto& largest = probe.beyond ? all : to_R;
+      judged.error_N = distance(*said.force_N[0], state.force_FE);
+      judged.model =
+          probe_errors({*said.force_N[0], state.force_FE, said.displacement_m, state.u_FE}, largest, probes.counts);
+      judged.linear =
+          probe_errors({state.force_linear, state.force_FE, state.u_linear, state.u_FE}, largest, probes.counts);
+    }
+    _judged.add({entry}, judged);
+  }
 }
 
 std::vector<ShownState> ProbeRecords::gathered_states(const SolverSession& session) const {
-  std::vector<double> rows;
-  for (const auto& state : _shown) pack(rows, state);
-  auto states = unpacked<ShownState>(session.gather(rows));
-  std::stable_sort(states.begin(), states.end(), [](const auto& a, const auto& b) {
-    return std::pair(-a.force_error, a.node) < std::pair(-b.force_error, b.node);
-  });
+  OrderedRows<ShownState> rows;
+  for (const auto& state : _shown) rows.add({-state.force_error, static_cast<double>(state.node)}, state);
+  auto states = rows.gathered(session);
   states.resize(std::min(states.size(), most_shown_states));
   return states;
 }
 
-void ProbeRecords::finish(const SolverSession& session, ValidationReport& report) const {
-  const auto sums = session.gather(_error_sum), counts = session.gather(_error_count);
-  report.records = unpacked<ProbeRecord>(session.gather(_rows));
-  std::stable_sort(report.records.begin(), report.records.end(), [](const auto& a, const auto& b) {
-    return std::pair(a.node, a.outside) < std::pair(b.node, b.outside);
-  });
-  report.curves = unpacked<ForceCurve>(session.gather(_curves));
-  std::sort(report.curves.begin(), report.curves.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
+void ProbeRecords::finish(const SolverSession& session, double range_m, ValidationReport& report) const {
+  report.examples = _examples.gathered(session);
+  report.records = _records.gathered(session);
+  report.curves = _curves.gathered(session);
   report.shown = gathered_states(session);
-  const std::size_t n_output = _error_sum.size();
-  report.output_error.assign(n_output, 0);
-  std::vector<double> total(n_output, 0);
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    report.output_error[i % n_output] += sums[i];
-    total[i % n_output] += counts[i];
-  }
-  for (std::size_t i = 0; i < n_output; ++i)
-    if (total[i] > 0) report.output_error[i] /= total[i];
+  report.to_range = errors_to_range(_judged.gathered(session), range_m);
+  const auto n = std::ssize(_error_sum);
+  const auto of_ranks = [&](const std::vector<double>& own) -> Eigen::VectorXd {
+    const auto all = session.gather(own);
+    return Eigen::Map<const Eigen::MatrixXd>(all.data(), n, n > 0 ? std::ssize(all) / n : 0).rowwise().sum();
+  };
+  const Eigen::VectorXd sums = of_ranks(_error_sum), means = sums.cwiseQuotient(of_ranks(_error_count).cwiseMax(1));
+  report.output_error.assign(means.begin(), means.end());
 }
 
 }  // namespace phynness

@@ -4,6 +4,7 @@
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/validation/probed_states.hpp>
 
+#include "probe_records.hpp"
 #include "shared_work.hpp"
 
 namespace phynness {
@@ -39,18 +40,13 @@ std::vector<Field> fields_of(const Model& model) {
 
 ProbedState state_of(const Model& model, const ProbeSolver& solver, const Vec3& d, const Response& response) {
   const auto& output = model.output;
-  const auto n = static_cast<Eigen::Index>(output.size());
   ProbedState state;
   state.d = d;
   state.force_FE = response.force_N[0];
-  const Eigen::Vector3d dd(d[0], d[1], d[2]);
-  const Eigen::Vector3d linear_force = solver.rest().stiffness_N_per_m * dd;
-  state.force_linear = {linear_force[0], linear_force[1], linear_force[2]};
   state.u_FE = response.displacement_m(output, Eigen::all);
-  state.u_linear.resize(n, 3);
-  for (Eigen::Index i = 0; i < n; ++i)
-    state.u_linear.row(i) =
-        (solver.rest().sensitivity.middleRows(3 * output[static_cast<std::size_t>(i)], 3) * dd).transpose();
+  auto linear = linear_response(solver, model, {d});
+  state.force_linear = *linear.first[0];
+  state.u_linear = std::move(linear.second);
   if (model.fields.empty()) return state;
   state.fields_FE = response.fields(output, Eigen::all);
   state.fields_linear = solver.linear_fields({d})(output, Eigen::all);

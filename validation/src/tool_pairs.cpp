@@ -6,11 +6,9 @@
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/probe_plan.hpp>
 #include <phynness/validation/probed_states.hpp>
-#include <phynness/validation/tool_pairs.hpp>
+#include <phynness/validation/tools.hpp>
 
-#include "body_predictions.hpp"
-#include "measures.hpp"
-#include "packed.hpp"
+#include "probe_records.hpp"
 #include "shared_work.hpp"
 
 namespace phynness {
@@ -72,34 +70,21 @@ PairErrors errors_of(const std::vector<std::optional<Vec3>>& force, const Points
     errors.force_floored =
         force[t] && larger > 0 ? std::max(errors.force_floored, off / std::max(sizes[t], force_floor * larger)) : none;
   }
-  double largest = 0, sum = 0, error2 = 0, norm2 = 0, n = 0, largest_of_all = 0, sum_of_all = 0;
-  for (Eigen::Index o = 0; o < u_FE.rows(); ++o) {
-    const double error = (u.row(o) - u_FE.row(o)).norm(), size = u_FE.row(o).norm();
-    largest_of_all = std::max(largest_of_all, size);
-    sum_of_all += error;
-    if (!counts[static_cast<std::size_t>(o)]) continue;
-    largest = std::max(largest, size);
-    sum += error;
-    error2 += error * error;
-    norm2 += size * size;
-    n += 1;
-  }
-  errors.displacement = largest > 0 ? sum / (n * largest) : none;
-  errors.field_l2 = norm2 > 0 ? std::sqrt(error2 / norm2) : none;
-  errors.displacement_all =
-      largest_of_all > 0 ? sum_of_all / (static_cast<double>(u_FE.rows()) * largest_of_all) : none;
+  const auto mean = [](const std::vector<double>& samples) {
+    return samples.empty() ? none : ErrorStatistics::of(samples).mean;
+  };
+  GroupMeasures<std::vector<double>> counted, all;
+  add_errors({{{}, {}, u, u_FE}}, counts, counted);
+  add_errors({{{}, {}, u, u_FE}}, {}, all);
+  errors.displacement = mean(counted.displacement);
+  errors.field_l2 = mean(counted.field_l2);
+  errors.displacement_all = mean(all.displacement);
   return errors;
 }
 
-class PairComparison {
+class PairComparison : public ToolComparison {
  public:
-  PairComparison(const Scene& scene, const LoadedModel& model, LoadedBody* body, const ShouldStop& stop)
-      : _model(model),
-        _increments(scene.probe.increments),
-        _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {
-    _solver.set_stop(stop);
-    if (body) _body.emplace(*body, model, _increments);
-  }
+  using ToolComparison::ToolComparison;
 
   void at(PairRecord& pair) {
     const std::vector<std::int32_t> nodes(pair.nodes.begin(), pair.nodes.end());
@@ -137,11 +122,8 @@ class PairComparison {
     judge(PairPredictor::alone, {first.force_N[0], second.force_N[0]}, first.displacement_m + second.displacement_m);
     judge(PairPredictor::paper, {std::nullopt, std::nullopt}, _model.respond(nodes, d).displacement_m);
 
-    Eigen::VectorXd q(6);
-    q << to_eigen(d[0]), to_eigen(d[1]);
-    const Eigen::VectorXd f = _solver.rest().stiffness_N_per_m * q, u = _solver.rest().sensitivity * q;
-    judge(PairPredictor::linear, {Vec3{f[0], f[1], f[2]}, Vec3{f[3], f[4], f[5]}},
-          Eigen::Map<const Points>(u.data(), u.size() / 3, 3)(output, Eigen::all));
+    const auto [linear_force, linear_u] = linear_response(_solver, _model.model(), d);
+    judge(PairPredictor::linear, linear_force, linear_u);
     if (of_body) std::tie(pair.body_bounded, pair.body_covered) = covered(*of_body, truth.force_N);
     if (of_body)
       pair.errors[static_cast<std::size_t>(PairPredictor::body)] =
@@ -159,17 +141,6 @@ class PairComparison {
     if (truth.status != Status::converged) return infinite;
     return (to_eigen(force) - to_eigen(truth.force_N[0])).norm() / to_eigen(truth.force_N[0]).norm();
   }
-
-  const LoadedModel& _model;
-  int _increments;
-  ProbeSolver _solver;
-  std::optional<BodyPredictions> _body;
-};
-
-/// A pair and its place in the order of the seed.
-struct Numbered {
-  std::size_t number = 0;
-  PairRecord pair;
 };
 
 PairGroup group_of(const std::vector<PairRecord>& records, const std::function<bool(const PairRecord&)>& belongs) {
@@ -224,19 +195,17 @@ PairReport validate_pairs(const SolverSession& session, const Scene& scene, cons
   report.depth_m = depth_m;
   const Points& x = model.mesh().nodes;
   report.far_m = far_fraction * (x.colwise().maxCoeff() - x.colwise().minCoeff()).maxCoeff();
-  std::vector<double> rows;
+  OrderedRows<PairRecord> rows;  // in the order of the seed
   std::int64_t finished = 0;
   session.together([&] {
     auto chosen = choose_pairs(scene, model, pairs, depth_m, seed);
     PairComparison comparison(scene, model, body, stop);
     finished = share_out(session, pairs, progress, stop, [&](std::size_t i) {
       comparison.at(chosen[i]);
-      pack(rows, Numbered{i, chosen[i]});
+      rows.add({static_cast<double>(i)}, chosen[i]);
     });
   });
-  auto in_order = unpacked<Numbered>(session.gather(rows));
-  std::sort(in_order.begin(), in_order.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
-  for (const auto& [number, pair] : in_order) report.records.push_back(pair);
+  report.records = rows.gathered(session);
   report.finished = static_cast<std::int64_t>(session.sum(static_cast<double>(finished)));
   for (const auto& pair : report.records) {
     report.failed += !pair.solved;

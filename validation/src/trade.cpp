@@ -7,8 +7,9 @@
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
+#include <phynness/validation/discretization.hpp>
 #include <phynness/validation/error_statistics.hpp>
-#include <phynness/validation/trade.hpp>
+#include <tuple>
 
 #include "compared_scene.hpp"
 
@@ -169,11 +170,10 @@ TradeReport Trade::run() {
   auto& rows = _report.rows;
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < rows.size(); ++i)
-    if (rows[i].body && !rows[i].is_scene && !rows[i].is_reference) order.push_back(i);
-  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return rows[a].unknowns < rows[b].unknowns; });
-  order.insert(order.begin(), _reference);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    if (rows[i].is_scene && i != _reference) order.insert(order.begin(), i);
+    if (rows[i].body) order.push_back(i);
+  // The scene tells what the others take, of which the reference is needed.
+  std::ranges::sort(
+      order, {}, [&](std::size_t i) { return std::tuple(!rows[i].is_scene, !rows[i].is_reference, rows[i].unknowns); });
   for (const auto i : order) {
     if (_report.interrupted || (_stop && _stop())) break;
     TradeRow& row = rows[i];

@@ -5,10 +5,7 @@
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/validation/probed_states.hpp>
 
-#include "measures.hpp"
-#include "packed.hpp"
 #include "probe_records.hpp"
-#include "range_records.hpp"
 
 namespace phynness {
 namespace {
@@ -21,12 +18,6 @@ struct GroupSamples : GroupMeasures<std::vector<double>> {
   std::vector<FieldMeasures<std::vector<double>>> fields;
 };
 using Samples = std::array<GroupSamples, 2>;  ///< by Group
-
-Samples no_samples(std::size_t n_fields) {
-  Samples samples;
-  for (auto& group : samples) group.fields.resize(n_fields);
-  return samples;
-}
 
 /// Prediction for a probe; `u` and `fields` are empty if the predictor has forces only.
 struct Prediction {
@@ -50,9 +41,6 @@ Prediction by_zero(std::int32_t, const ProbedState& state) {
           Eigen::MatrixXd::Zero(state.fields_FE.rows(), state.fields_FE.cols())};
 }
 
-double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-double distance(const Vec3& a, const Vec3& b) { return norm({a[0] - b[0], a[1] - b[1], a[2] - b[2]}); }
-
 void check_same_scene(const Scene& scene, const LoadedModel& model) {
   const std::string& trained = model.model().physics_hash;
   if (physics_hash(scene) != trained && physics_hash(as_hashed(scene, trained)) == trained)
@@ -64,16 +52,11 @@ void check_same_scene(const Scene& scene, const LoadedModel& model) {
                       "validate with the scene of the model's database, or precompute and train again");
 }
 
-constexpr std::size_t max_examples = 5;
-
-ForceExample example(const LoadedModel& model, std::int32_t node, const ProbedState& state) {
-  return {node, state.d, state.force_FE, model.force(node, state.d), state.force_linear};
-}
-
 /// Normalized errors of fields. @param said  response of the predictor for each state
 void collect_fields(const std::vector<ProbedState>& states, const std::vector<Eigen::MatrixXd>& said,
                     GroupSamples& samples) {
   const Eigen::Index n_fields = states.empty() ? 0 : states.front().fields_FE.cols();
+  samples.fields.resize(std::max(samples.fields.size(), static_cast<std::size_t>(n_fields)));
   for (Eigen::Index f = 0; f < n_fields; ++f) {
     double largest = 0;
     for (const auto& state : states) largest = std::max(largest, state.fields_FE.col(f).cwiseAbs().maxCoeff());
@@ -89,39 +72,15 @@ void collect_fields(const std::vector<ProbedState>& states, const std::vector<Ei
 
 /// Converts the probes of one active node and group to samples of (17).
 void collect(const Predict& predict, const NodeProbes& probes, Group group, Samples& samples) {
-  const auto& counts = probes.counts;
-  auto& out = samples[group];
-  double largest_force = 0, largest_u = 0;
-  for (const auto& state : probes.states[group]) {
-    largest_force = std::max(largest_force, norm(state.force_FE));
-    for (Eigen::Index i = 0; i < state.u_FE.rows(); ++i)
-      if (counts[static_cast<std::size_t>(i)]) largest_u = std::max(largest_u, state.u_FE.row(i).norm());
-  }
+  std::vector<Compared> compared;
   std::vector<Eigen::MatrixXd> fields_said;
   for (const auto& state : probes.states[group]) {
-    std::vector<std::pair<double, Eigen::Index>> by_motion;
-    for (Eigen::Index i = 0; i < state.u_FE.rows(); ++i)
-      if (counts[static_cast<std::size_t>(i)]) by_motion.emplace_back(-state.u_FE.row(i).norm(), i);
-    std::sort(by_motion.begin(), by_motion.end());
-    const std::size_t n_moving = (by_motion.size() + 9) / 10;
-    const Prediction said = predict(probes.node, state);
-    fields_said.push_back(said.fields);
-    const double force_error = distance(said.force, state.force_FE);
-    if (largest_force > 0) out.force.push_back(force_error / largest_force);
-    if (norm(state.force_FE) > 0) out.force_relative.push_back(force_error / norm(state.force_FE));
-    if (said.u.rows() == 0) continue;
-    double error2 = 0, norm2 = 0;
-    for (std::size_t rank = 0; rank < by_motion.size(); ++rank) {
-      const auto i = by_motion[rank].second;
-      const double error = (said.u.row(i) - state.u_FE.row(i)).norm();
-      if (largest_u > 0) out.displacement.push_back(error / largest_u);
-      if (largest_u > 0 && rank < n_moving) out.displacement_moving.push_back(error / largest_u);
-      error2 += error * error;
-      norm2 += by_motion[rank].first * by_motion[rank].first;
-    }
-    if (norm2 > 0) out.field_l2.push_back(std::sqrt(error2 / norm2));
+    auto said = predict(probes.node, state);
+    compared.push_back({said.force, state.force_FE, std::move(said.u), state.u_FE});
+    fields_said.push_back(std::move(said.fields));
   }
-  collect_fields(probes.states[group], fields_said, out);
+  add_errors(compared, probes.counts, samples[group]);
+  collect_fields(probes.states[group], fields_said, samples[group]);
 }
 
 /// The samples of all ranks, on rank 0. Collective.
@@ -143,11 +102,7 @@ PredictorErrors statistics(const Samples& samples, const std::vector<FieldModes>
 }
 
 PredictorErrors errors_of(const Predict& predict, const std::vector<NodeProbes>& probes) {
-  std::size_t n_fields = 0;
-  for (const auto& node : probes)
-    for (const auto& states : node.states)
-      for (const auto& state : states) n_fields = std::max(n_fields, static_cast<std::size_t>(state.fields_FE.cols()));
-  Samples samples = no_samples(n_fields);
+  Samples samples;
   for (const auto& node : probes)
     for (const Group g : {inside, outside}) collect(predict, node, g, samples);
   return statistics(samples);
@@ -169,11 +124,10 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   std::int64_t rays = 0;
   const std::array<Predict, n_predictors> predict{by_model(model), by_linear, by_zero};  // by Predictor
   std::array<Samples, n_predictors> samples;
-  samples.fill(no_samples(model.model().fields.size()));
-  std::vector<double> examples;
+  for (auto& of_predictor : samples)  // the same on every rank
+    for (auto& group : of_predictor) group.fields.resize(model.model().fields.size());
   std::array<std::vector<double>, 2> distances;  // by Group
   ProbeRecords records(model);
-  RangeRecords range(model);
   double failed = 0, solved[2] = {0, 0}, increments = 0, cpu_s = 0;
   session.together([&] {
     check_same_scene(scene, model);
@@ -187,13 +141,10 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
             distances[g].push_back(model.trained_distance(found.node, state.d));
         solved[g] += static_cast<double>(found.states[g].size());
       }
-      records.add(found);
-      range.add(e, plan[e].weight, found);
+      records.add(e, plan[e].weight, found);
       failed += static_cast<double>(found.failed);
       increments += static_cast<double>(found.increments);
       cpu_s += found.cpu_s;
-      if (e < max_examples && !found.states[inside].empty())
-        pack(examples, example(model, found.node, found.states[inside].front()));
     });
   });
 
@@ -217,11 +168,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
     const auto correlation = rank_correlation(session.gather(distances[g]), samples[0][g].force);
     (g == inside ? report.distance_correlation_inside : report.distance_correlation_outside) = correlation;
   }
-  report.examples = unpacked<ForceExample>(session.gather(examples));
-  std::sort(report.examples.begin(), report.examples.end(),
-            [](const auto& a, const auto& b) { return a.node < b.node; });
-  records.finish(session, report);
-  report.to_range = errors_to_range(range.gathered(session), scene.probe.max_displacement_m);
+  records.finish(session, scene.probe.max_displacement_m, report);
   if (session.rank() == 0) report.speed = measure_speed(model);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   report.solve_ms_per_increment = 1e3 * session.sum(cpu_s) / std::max(1.0, session.sum(increments));

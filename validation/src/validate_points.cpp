@@ -4,12 +4,10 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/probe_plan.hpp>
-#include <phynness/validation/surface_points.hpp>
+#include <phynness/validation/tools.hpp>
 #include <random>
 
-#include "body_predictions.hpp"
-#include "measures.hpp"
-#include "range_records.hpp"
+#include "probe_records.hpp"
 #include "shared_work.hpp"
 
 namespace phynness {
@@ -63,49 +61,18 @@ std::vector<Place> choose_places(const Scene& scene, const LoadedModel& model, s
   return places;
 }
 
-/// Prediction and finite element solution at one point and displacement.
-struct Compared {
-  Vec3 force{}, force_FE{};
-  Points u, u_FE;  ///< n_output x 3
-};
+using PointSamples = GroupMeasures<std::vector<double>>;
 
-using PointSamples = PointMeasures<std::vector<double>>;
-
-/// @param counts  per output node: 0 if it does not count; empty: all count
-void collect(const std::vector<Compared>& compared, const std::vector<char>& counts, PointSamples& samples) {
-  LargestResponse largest;
-  for (const auto& c : compared) largest.take(c.force_FE, c.u_FE, counts);
-  for (const auto& c : compared) {
-    if (largest.force_N > 0)
-      samples.force.push_back((to_eigen(c.force) - to_eigen(c.force_FE)).norm() / largest.force_N);
-    double error2 = 0, norm2 = 0;
-    for (Eigen::Index o = 0; o < c.u_FE.rows(); ++o) {
-      if (!counts.empty() && !counts[static_cast<std::size_t>(o)]) continue;
-      const double error = (c.u.row(o) - c.u_FE.row(o)).norm();
-      if (largest.displacement_m > 0) samples.displacement.push_back(error / largest.displacement_m);
-      error2 += error * error;
-      norm2 += c.u_FE.row(o).squaredNorm();
-    }
-    if (norm2 > 0) samples.field_l2.push_back(std::sqrt(error2 / norm2));
-  }
-}
-
-class PointComparison {
+class PointComparison : public ToolComparison {
  public:
-  PointComparison(const Scene& scene, const LoadedModel& model, LoadedBody* body, const ShouldStop& stop)
-      : _model(model),
-        _increments(scene.probe.increments),
-        _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {
-    _solver.set_stop(stop);
-    if (body) _body.emplace(*body, model, _increments);
-  }
+  using ToolComparison::ToolComparison;
 
   /// A place that the solver refuses counts as not solved, with the reason of the first one.
   void try_at(std::size_t point, const Place& place, PointReport& report) {
     try {
       at(point, place, report);
     } catch (const Error& refused) {
-      for (const auto& d : place.displacements) _rows.add(static_cast<std::int64_t>(point), probe(point, place, d));
+      for (const auto& d : place.displacements) _rows.add({static_cast<double>(point)}, probe(point, place, d));
       report.failed += std::ssize(place.displacements);
       report.refused += std::ssize(place.displacements);
       ++_refused;
@@ -151,12 +118,8 @@ class PointComparison {
       report.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
       report.largest_residual_m = std::max(report.largest_residual_m, said.coupled.residual);
       coupled.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m, u});
-      const Eigen::Vector3d f = _solver.rest().stiffness_N_per_m * to_eigen(d);
-      const Eigen::VectorXd linear_u = _solver.rest().sensitivity * to_eigen(d);
-      linear.push_back({{f[0], f[1], f[2]},
-                        truth.force_N[0],
-                        Eigen::Map<const Points>(linear_u.data(), linear_u.size() / 3, 3)(output, Eigen::all),
-                        u});
+      auto [linear_force, linear_u] = linear_response(_solver, _model.model(), {d});
+      linear.push_back({*linear_force[0], truth.force_N[0], std::move(linear_u), u});
       if (!_body) continue;
       auto answer = _body->at({tool_at(place, d)});
       const auto [bounded, below] = covered(answer, truth.force_N);
@@ -173,13 +136,13 @@ class PointComparison {
                          truth.displacement_m(_model.model().output, Eigen::all)});
     }
     judge(point, probes, coupled, linear);
-    collect(coupled, {}, _coupled);
-    collect(linear, {}, _linear);
-    collect(of_body, {}, _of_body);
+    add_errors(coupled, {}, _coupled);
+    add_errors(linear, {}, _linear);
+    add_errors(of_body, {}, _of_body);
     const auto& output = _model.model().output;
     std::vector<char> counts(output.size() + 1, 1);
     counts[static_cast<std::size_t>(std::lower_bound(output.begin(), output.end(), corner) - output.begin())] = 0;
-    collect(at_node, counts, _at_nodes);
+    add_errors(at_node, counts, _at_nodes);
   }
 
   /// @param coupled, linear  of the solved probes
@@ -192,24 +155,25 @@ class PointComparison {
     at = 0;
     for (auto& judged : probes) {
       if (judged.solved()) {
-        const auto errors = [&](const Compared& c) {
-          return probe_errors(c.force, c.u, c.force_FE, c.u_FE, largest, {});
-        };
-        judged.model = errors(coupled[at]);
-        judged.linear = errors(linear[at]);
+        judged.model = probe_errors(coupled[at], largest, {});
+        judged.linear = probe_errors(linear[at], largest, {});
         ++at;
       }
-      _rows.add(static_cast<std::int64_t>(point), judged);
+      _rows.add({static_cast<double>(point)}, judged);
     }
   }
 
  public:
   void finish(const SolverSession& session, double range_m, PointReport& report) const {
     report.to_range = errors_to_range(_rows.gathered(session), range_m, "points");
-    report.coupled = statistics(session, _coupled);
-    report.linear = statistics(session, _linear);
-    report.at_nodes = statistics(session, _at_nodes);
-    if (_body) report.body = statistics(session, _of_body);
+    const auto errors_of = [&](const PointSamples& samples) {
+      const auto errors = statistics(session, samples);
+      return PointErrors{errors.force, errors.displacement, errors.field_l2};
+    };
+    report.coupled = errors_of(_coupled);
+    report.linear = errors_of(_linear);
+    report.at_nodes = errors_of(_at_nodes);
+    if (_body) report.body = errors_of(_of_body);
     std::vector counts{&report.finished, &report.failed, &report.refused, &report.unsettled};
     if (_body) {
       auto& of_body = *report.body_warnings;
@@ -226,20 +190,12 @@ class PointComparison {
   std::string refusal_of_any_rank(const SolverSession& session) const {
     std::string own = _first_refusal ? std::string(_first_refusal->what()) : "";
     own = own.substr(0, own.find("\n  remedy: "));
-    std::vector<double> characters(own.begin(), own.end());
-    if (!own.empty()) characters.push_back(0);  // the end of a rank's text
-    std::string first;
-    for (const double c : session.gather(characters)) {
-      if (c == 0) break;
-      first += static_cast<char>(c);
-    }
-    return first;
+    std::vector<double> rows;
+    if (!own.empty()) pack(rows, own);
+    const auto all = unpacked<std::string>(session.gather(rows));
+    return all.empty() ? "" : all.front();
   }
 
-  const LoadedModel& _model;
-  int _increments;
-  ProbeSolver _solver;
-  std::optional<BodyPredictions> _body;
   PointSamples _coupled, _linear, _at_nodes, _of_body;
   JudgedRows _rows;
   std::int64_t _refused = 0;

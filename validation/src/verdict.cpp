@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <phynness/formats/database.hpp>
 #include <phynness/formats/locking.hpp>
 #include <phynness/validation/force_unit.hpp>
-#include <phynness/validation/trained_share.hpp>
-#include <phynness/validation/verdict.hpp>
+#include <phynness/validation/report.hpp>
 
 namespace phynness {
 namespace {
@@ -146,6 +146,101 @@ TableCells summary_cells(const Validated& v) {
   if (v.pairs.finished > 0) add("two tools", v.pairs.by_warning.all);
   if (v.pairs.body_by_warning) add("two tools, reduced body", v.pairs.body_by_warning->all);
   return cells;
+}
+
+namespace {
+
+Json conditions(const Validated& v) {
+  const Scene& scene = v.scene;
+  return {{"law", name(scene.material.law)},
+          {"element", name(scene.solver.element)},
+          {"bulk_to_shear", scene.material.bulk_to_shear()},
+          {"probe", name(scene.probe.kind)},
+          {"max_displacement_m", scene.probe.max_displacement_m},
+          {"outside_factor", v.report.outside_factor},
+          {"nodes", v.report.nodes},
+          {"fixed_distances_m", v.report.fixed_distance_m},
+          {"level", v.model.data().level()},
+          {"seed", v.seed}};
+}
+
+}  // namespace
+
+std::string validate_again(const Validated& in) {
+  std::string line = fmt::format("phynness validate SCENE MODEL_DIR --probes {} --nodes {} --seed {}", in.report.probes,
+                                 in.report.nodes.size(), in.seed);
+  if (in.model.data().level() + 1 < in.model.runtime().n_levels())
+    line += fmt::format(" --level {}", in.model.data().level());
+  if (in.points.finished > 0) line += fmt::format(" --points {}", in.points.finished);
+  if (in.pairs.finished > 0) line += fmt::format(" --pairs {} --pair-depth {}", in.pairs.finished, in.pairs.depth_m);
+  if (in.body) line += " --body BODY.txt";
+  return line;
+}
+
+std::string check_again(const FinerDistance& finer) {
+  if (!finer.is_measured) return "not compared; phynness check SCENE does it";
+  return fmt::format("phynness check SCENE --reference {} --probes {} --seconds 1e7 --details", finer.reference,
+                     std::max({1, finer.probes, finer.solved}));
+}
+
+Json validation_figures(const Validated& v) {
+  Json out = figures(v.report);
+  out["by_node"] = columns_of_figures(v.report.to_range.nodes);
+  out["interrupted"] = v.interrupted();
+  out["model_hash"] = v.model.hash();
+  out["mesh_hash"] = v.model.model().mesh_hash;
+  out["conditions"] = conditions(v);
+  out["commands"] = {{"errors", validate_again(v)}, {"distance", check_again(v.model.model().finer)}};
+  if (const auto& finer = v.model.model().finer; finer.is_measured) out["finer"] = figures(finer);
+  for (const auto& line : verdict(v))
+    if (!line.figures.empty()) out["verdict"][line.key] = figures(line.figures);
+  out["worse_than_linear"] = figures(worse_than_linear(v));
+  if (v.points.finished > 0) out["points"] = figures(v.points);
+  if (v.pairs.finished > 0) out["pairs"] = figures(v.pairs);
+  if (v.no_points) out["points"] = {{"not_done", v.no_points->what()}};
+  if (v.no_pairs) out["pairs"] = {{"not_done", v.no_pairs->what()}};
+  return out;
+}
+
+namespace {
+
+constexpr std::size_t most_named = 8;
+
+/// Directions that a scene does not ask for (hemisphere) have the depth 0, as those whose first increment failed.
+std::ptrdiff_t requested(const ActiveNodeModel& node, double range_m) {
+  const auto& depths = node.trained_depth_m;
+  const auto less = std::ranges::count_if(depths, [&](double depth) { return depth < range_m; });
+  return std::ssize(depths) - std::clamp(less - node.n_incomplete, std::ptrdiff_t{0}, std::ranges::count(depths, 0.0));
+}
+
+}  // namespace
+
+TrainedShare trained_share(const Model& model) {
+  TrainedShare share;
+  double all = 0, rays = 0;
+  for (const auto& node : model.nodes) {
+    double sum = 0;
+    for (const double depth : node.trained_depth_m) sum += part_of_volume(depth, model.max_displacement_m);
+    const auto n = static_cast<double>(requested(node, model.max_displacement_m));
+    share.of_node.push_back(n > 0 ? sum / n : 0);
+    all += sum;
+    rays += n;
+  }
+  share.all = rays > 0 ? all / rays : 0;
+  return share;
+}
+
+std::string sentence(const TrainedShare& share, const Model& model) {
+  std::vector<std::size_t> less;
+  for (std::size_t i = 0; i < share.of_node.size(); ++i)
+    if (share.of_node[i] < 1) less.push_back(i);
+  std::sort(less.begin(), less.end(), [&](auto a, auto b) { return share.of_node[a] < share.of_node[b]; });
+  std::string text = fmt::format("the model is trained in {:.1f} % of the probe volume to R", 100 * share.all);
+  if (less.empty()) return text;
+  text += fmt::format("; in less at {} of {} nodes: ", less.size(), share.of_node.size());
+  for (std::size_t i = 0; i < std::min(most_named, less.size()); ++i)
+    text += fmt::format("{}{} ({:.0f} %)", i == 0 ? "" : ", ", model.nodes[less[i]].node, 100 * share.of_node[less[i]]);
+  return text + (less.size() > most_named ? ", ..." : "");
 }
 
 }  // namespace phynness

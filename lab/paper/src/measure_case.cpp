@@ -4,7 +4,7 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/studies/measure.hpp>
-#include <phynness/training/spread_search.hpp>
+#include <phynness/training/node_training.hpp>
 #include <phynness/validation/probed_states.hpp>
 
 #include "force_curves.hpp"

@@ -47,20 +47,15 @@ std::vector<TrainingFigure> figures_of_linear(const TrainingReport& report) {
 
 }  // namespace
 
-const FamilyOperations linear_operations = {
-    Family::linear,
-    "unit responses, for the linear law",
-    "",
-    [](const TrainingSpec&) {},
-    made<LinearFamilyTraining>,
-    [](const TrainingSpec& given) {
-      TrainingSpec spec = given;
-      spec.family = Family::linear;
-      return std::vector<TrainingSpec>{spec};
-    },
-    [](const TrainingSpec&) { return std::string("linear"); },
-    [](const TrainingSpec&) { return std::vector<std::pair<std::string, int>>{}; },
-    describe_linear,
-    figures_of_linear};
+const FamilyOperations linear_operations = {Family::linear,
+                                            "unit responses, for the linear law",
+                                            "",
+                                            [](const TrainingSpec&) {},
+                                            made<LinearFamilyTraining>,
+                                            {},
+                                            {{}},
+                                            [](const TrainingSpec&) { return std::string("linear"); },
+                                            describe_linear,
+                                            figures_of_linear};
 
 }  // namespace phynness

@@ -1,6 +1,7 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <phynness/formats/error.hpp>
 #include <phynness/training/linear_fit.hpp>
 #include <set>
@@ -19,12 +20,6 @@ struct Increment {
 };
 
 double ratio(double error, double size) { return error == 0 ? 0 : error / size; }
-
-std::string percent(double fraction) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2g %%", 100 * fraction);
-  return text;
-}
 
 std::vector<Increment> increments_of(const TrainingTables& tables, const std::vector<Ray>& rays,
                                      const std::vector<std::int32_t>& rows) {
@@ -93,8 +88,8 @@ void require_linear(const LinearQuality& quality, std::int32_t node) {
   for (const auto& [what, size] : checks) {
     if (!(size <= linear_tolerance)) {
       throw input_error("the scene is not linear",
-                        "node " + std::to_string(node) + ": " + what + percent(size) + ", at most " +
-                            percent(linear_tolerance) + " is allowed",
+                        fmt::format("node {}: {}{:.2g} %, at most {:.2g} % is allowed", node, what, 100 * size,
+                                    100 * linear_tolerance),
                         "use family rbfn; if the law is linear, tighten [solver] relative_tolerance");
     }
   }

@@ -4,12 +4,10 @@
 #include <limits>
 #include <phynness/training/conservative_fit.hpp>
 
-#include "conservative_centers.hpp"
 #include "dense_solvers.hpp"
 #include "left_out.hpp"
 #include "levels.hpp"
-#include "modal/multiquadric.hpp"
-#include "modal/search_states.hpp"
+#include "modal_parts.hpp"
 
 namespace phynness {
 namespace {
@@ -78,11 +76,7 @@ Columns columns_of(const ForceStates& states, double shape) {
   return columns;
 }
 
-VectorXd stacked(const ForceStates& states) {
-  VectorXd f(3 * states.force.rows());
-  for (Index i = 0; i < states.force.rows(); ++i) f.segment<3>(3 * i) = states.force.row(i);
-  return f;
-}
+VectorXd stacked(const ForceStates& states) { return states.force.reshaped<Eigen::RowMajor>(); }
 
 /// Forces, then energies over R that are known.
 VectorXd targets(const ForceStates& states) {
@@ -132,8 +126,8 @@ ForceStates thinned(const ForceStates& states, std::size_t stride) {
   }
   std::reverse(kept.begin(), kept.end());
   ForceStates some;
-  some.x = rows_of(states.x, kept);
-  some.force = rows_of(states.force, kept);
+  some.x = states.x(kept, Eigen::all);
+  some.force = states.force(kept, Eigen::all);
   if (states.energy.size() > 0) some.energy = states.energy(kept);
   for (const auto i : kept) {
     some.row.push_back(states.row[static_cast<std::size_t>(i)]);
@@ -160,7 +154,7 @@ ForceStates merged(const ForceStates& states) {
     }
   }
   if (first.size() == states.row.size()) return states;
-  some.x = rows_of(states.x, first);
+  some.x = states.x(first, Eigen::all);
   some.force = MatrixXd::Zero(static_cast<Index>(first.size()), 3);
   if (states.energy.size() > 0) some.energy = states.energy(first);
   for (std::size_t k = 0; k < first.size(); ++k) {

@@ -17,17 +17,6 @@ constexpr double max_basis_bytes = 1e9;
 /// Number of nodes whose amplitudes determine the centers.
 constexpr std::int32_t n_center_nodes = 12;
 
-struct Size {
-  int modes, shared_modes, near_nodes, amplitude_centers, force_centers;
-};
-
-// In ascending order. On the liver of docs/howto/own-organ.md memory and time of a deformation grow by factors of 1.1
-// to 1.7 between successive sizes. The number of force centers is limited to two thirds of the states of a database,
-// which is 104 for 26 directions with 6 increments; larger numbers only take effect with more increments.
-constexpr Size candidate_sizes[] = {{3, 12, 8, 20, 20},   {4, 24, 16, 26, 24},    {4, 40, 20, 30, 30},
-                                    {6, 40, 20, 52, 40},  {8, 64, 24, 52, 60},    {12, 64, 24, 80, 80},
-                                    {16, 64, 40, 80, 80}, {20, 96, 60, 104, 100}, {24, 120, 80, 156, 120}};
-
 void check_modal(const TrainingSpec& spec) {
   if (spec.force_centers < 1 || spec.amplitude_centers < 0 || spec.modes < 0 || spec.shared_modes < 0 ||
       spec.near_nodes < 0 || spec.modes > largest_mode_count || spec.shared_modes > largest_mode_count) {
@@ -170,30 +159,8 @@ class ModalTraining : public FamilyTraining {
   double _amplitude_left_out = 0;
 };
 
-std::vector<TrainingSpec> candidates(const TrainingSpec& given) {
-  std::vector<TrainingSpec> all;
-  for (const auto& size : candidate_sizes) {
-    TrainingSpec& spec = all.emplace_back(given);
-    spec.family = Family::modal;
-    spec.modes = size.modes;
-    spec.shared_modes = size.shared_modes;
-    spec.near_nodes = size.near_nodes;
-    spec.amplitude_centers = size.amplitude_centers;
-    spec.force_centers = size.force_centers;
-  }
-  return all;
-}
-
 std::string model_name(const TrainingSpec& spec) {
   return fmt::format("modal {} of {} modes, {} centers", spec.modes, spec.shared_modes, spec.force_centers);
-}
-
-std::vector<std::pair<std::string, int>> sizes(const TrainingSpec& spec) {
-  return {{"modes", spec.modes},
-          {"shared_modes", spec.shared_modes},
-          {"near_nodes", spec.near_nodes},
-          {"amplitude_centers", spec.amplitude_centers},
-          {"force_centers", spec.force_centers}};
 }
 
 std::string describe_modal(const Model& model) {
@@ -218,10 +185,31 @@ std::vector<TrainingFigure> figures_of_modal(const TrainingReport& report) {
 
 }  // namespace
 
-const FamilyOperations modal_operations = {Family::modal,       "conservative forces and modes",
-                                           "modes and centers", check_modal,
-                                           made<ModalTraining>, candidates,
-                                           model_name,          sizes,
-                                           describe_modal,      figures_of_modal};
+const FamilyOperations modal_operations = {
+    Family::modal,
+    "conservative forces and modes",
+    "modes and centers",
+    check_modal,
+    made<ModalTraining>,
+    {{"modes", &TrainingSpec::modes},
+     {"shared_modes", &TrainingSpec::shared_modes},
+     {"near_nodes", &TrainingSpec::near_nodes},
+     {"amplitude_centers", &TrainingSpec::amplitude_centers},
+     {"force_centers", &TrainingSpec::force_centers}},
+    // On the liver of docs/howto/own-organ.md memory and time of a deformation grow by factors of 1.1 to 1.7 between
+    // successive sizes. The number of force centers is limited to two thirds of the states of a database, which is 104
+    // for 26 directions with 6 increments; larger numbers only take effect with more increments.
+    {{3, 12, 8, 20, 20},
+     {4, 24, 16, 26, 24},
+     {4, 40, 20, 30, 30},
+     {6, 40, 20, 52, 40},
+     {8, 64, 24, 52, 60},
+     {12, 64, 24, 80, 80},
+     {16, 64, 40, 80, 80},
+     {20, 96, 60, 104, 100},
+     {24, 120, 80, 156, 120}},
+    model_name,
+    describe_modal,
+    figures_of_modal};
 
 }  // namespace phynness

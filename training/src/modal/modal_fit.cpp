@@ -5,9 +5,9 @@
 #include <phynness/training/modal_fit.hpp>
 #include <string>
 
-#include "amplitude_features.hpp"
 #include "dense_solvers.hpp"
 #include "left_out.hpp"
+#include "modal_parts.hpp"
 #include "sampling.hpp"
 
 namespace phynness {

@@ -29,13 +29,8 @@ void transform_of(const Eigen::MatrixXd& table, const std::vector<std::int32_t>&
 }
 
 Eigen::MatrixXd scaled(const Eigen::MatrixXd& table, Eigen::Index at, const RbfNetwork& net) {
-  Eigen::MatrixXd result(table.rows(), table.cols());
-  for (Eigen::Index k = 0; k < table.cols(); ++k) {
-    for (Eigen::Index i = 0; i < table.rows(); ++i) {
-      result(i, k) = (table(i, k) - net.input_center[at + k]) / net.input_half_range[at + k];
-    }
-  }
-  return result;
+  const auto center = net.input_center.segment(at, table.cols()), half = net.input_half_range.segment(at, table.cols());
+  return (table.rowwise() - center.transpose()).array().rowwise() / half.transpose().array();
 }
 
 /// The two tables of exponentials whose product is the basis column of a center.

@@ -9,13 +9,11 @@
 namespace phynness {
 namespace {
 
-void require_finite(const double* values, std::size_t n, const char* what) {
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!std::isfinite(values[i])) {
-      throw failure(std::string("the database has a ") + what + " that is not finite in a converged increment", "",
-                    "precompute this database again");
-    }
-  }
+/// @param vector  3 numbers
+void require_finite(const double* vector, const char* what) {
+  if (!Eigen::Map<const Eigen::Vector3d>(vector).allFinite())
+    throw failure(std::string("the database has a ") + what + " that is not finite in a converged increment", "",
+                  "precompute this database again");
 }
 
 }  // namespace
@@ -28,10 +26,7 @@ TrainingTables training_tables(const DatabaseHeader& header) {
   tables.displacements = prescribed_displacements(header);
   tables.scattered = header.is_imported();
   tables.output = header.sets.output;
-  tables.output_points.resize(static_cast<Eigen::Index>(tables.output.size()), 3);
-  for (std::size_t o = 0; o < tables.output.size(); ++o) {
-    tables.output_points.row(static_cast<Eigen::Index>(o)) = header.mesh.nodes.row(tables.output[o]);
-  }
+  tables.output_points = header.mesh.nodes(tables.output, Eigen::all);
   return tables;
 }
 
@@ -125,7 +120,7 @@ NetworkPoints force_points(const TrainingTables& tables, const std::vector<Ray>&
   for (std::size_t p = 0; p < points.size(); ++p) {
     const std::int32_t row = points.displacement[p];
     const double* force = &rays[row / tables.n_increments].force[3 * (row % tables.n_increments)];
-    require_finite(force, 3, "force");
+    require_finite(force, "force");
     points.outputs.row(static_cast<Eigen::Index>(p)) << force[0], force[1], force[2];
   }
   return points;
@@ -153,7 +148,7 @@ NetworkPoints deformation_points(const TrainingTables& tables, const std::vector
       const std::int32_t row = increments[drawn[p] / places.size()], place = places[drawn[p] % places.size()];
       const Ray& ray = rays[row / tables.n_increments];
       const double* u = &ray.displacement[3 * ((row % tables.n_increments) * n_output + place)];
-      require_finite(u, 3, "displacement");
+      require_finite(u, "displacement");
       points.displacement.push_back(row);
       points.place.push_back(place);
       points.outputs.row(static_cast<Eigen::Index>(p)) << u[0], u[1], u[2];

@@ -14,9 +14,6 @@ constexpr std::int32_t n_search_nodes = 5;
 /// Spread if no node has enough points for a search.
 constexpr double fallback_spread = 1.0;
 
-// The paper's numbers of neurons, and half and twice of them.
-constexpr int neuron_counts[] = {25, 50, 100, 200, 300, 400};
-
 void check_rbfn(const TrainingSpec& spec) {
   if (spec.samples < 1)
     throw input_error("samples must be at least 1", std::to_string(spec.samples),
@@ -78,23 +75,8 @@ class RbfnTraining : public FamilyTraining {
   TrainingSpec _spec;
 };
 
-std::vector<TrainingSpec> candidates(const TrainingSpec& given) {
-  std::vector<TrainingSpec> all;
-  for (const int n : neuron_counts) {
-    TrainingSpec& spec = all.emplace_back(given);
-    spec.family = Family::rbfn;
-    spec.deformation_neurons = n;
-    spec.force_neurons = std::min(n, 100);
-  }
-  return all;
-}
-
 std::string model_name(const TrainingSpec& spec) {
   return fmt::format("rbfn {} neurons, {} for force", spec.deformation_neurons, spec.force_neurons);
-}
-
-std::vector<std::pair<std::string, int>> sizes(const TrainingSpec& spec) {
-  return {{"deformation_neurons", spec.deformation_neurons}, {"force_neurons", spec.force_neurons}};
 }
 
 std::string describe_rbfn(const Model& model) {
@@ -108,15 +90,17 @@ std::string describe_rbfn(const Model& model) {
 
 }  // namespace
 
-const FamilyOperations rbfn_operations = {Family::rbfn,
-                                          "the paper's networks",
-                                          "neurons and spreads",
-                                          check_rbfn,
-                                          made<RbfnTraining>,
-                                          candidates,
-                                          model_name,
-                                          sizes,
-                                          describe_rbfn,
-                                          [](const TrainingReport&) { return std::vector<TrainingFigure>{}; }};
+const FamilyOperations rbfn_operations = {
+    Family::rbfn,
+    "the paper's networks",
+    "neurons and spreads",
+    check_rbfn,
+    made<RbfnTraining>,
+    {{"deformation_neurons", &TrainingSpec::deformation_neurons}, {"force_neurons", &TrainingSpec::force_neurons}},
+    // The paper's numbers of neurons, and half and twice of them.
+    {{25, 25}, {50, 50}, {100, 100}, {200, 100}, {300, 100}, {400, 100}},
+    model_name,
+    describe_rbfn,
+    [](const TrainingReport&) { return std::vector<TrainingFigure>{}; }};
 
 }  // namespace phynness

@@ -1,6 +1,6 @@
 #include <cmath>
 #include <limits>
-#include <phynness/training/spread_search.hpp>
+#include <phynness/training/node_training.hpp>
 
 #include "sampling.hpp"
 

@@ -1,4 +1,4 @@
-#include "cubature.hpp"
+#include "parts.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

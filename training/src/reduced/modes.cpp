@@ -1,6 +1,7 @@
-#include "modes.hpp"
+#include "parts.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "dense_solvers.hpp"
 #include "sampling.hpp"
@@ -35,6 +36,18 @@ MatrixXd product(const MatrixXd& a, bool transposed, const MatrixXd& b, int thre
 }
 
 }  // namespace
+
+MatrixXd side_by_side(std::vector<MatrixXd> matrices, Index rows) {
+  Index n = 0;
+  for (const auto& m : matrices) n += m.cols();
+  MatrixXd all(rows, n);
+  n = 0;
+  for (auto& m : matrices) {
+    all.middleCols(n, m.cols()) = m;
+    n += std::exchange(m, {}).cols();  // frees its memory
+  }
+  return all;
+}
 
 MatrixXd orthonormal_in(const Metric& metric, MatrixXd columns) {
   for (int round = 0; round < 2; ++round) {  // the second removes what rounding leaves in the first

@@ -1,4 +1,4 @@
-#include "pairs.hpp"
+#include "parts.hpp"
 
 #include <phynness/evaluation/loaded_body.hpp>
 #include <phynness/formats/mesh.hpp>
@@ -63,15 +63,7 @@ MatrixXd fields_of_pairs(const ReducedBody& body, const std::vector<std::int32_t
       done();
     }
   });
-  Index n = 0;
-  for (const auto& fields : of_pairs) n += fields.cols();
-  MatrixXd out(3 * body.points.rows(), n);
-  n = 0;
-  for (const auto& fields : of_pairs) {
-    out.middleCols(n, fields.cols()) = fields;
-    n += fields.cols();
-  }
-  return out;
+  return side_by_side(std::move(of_pairs), 3 * body.points.rows());
 }
 
 }  // namespace phynness::reduced

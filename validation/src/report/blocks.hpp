@@ -43,5 +43,8 @@ Conservation closed_paths(const LoadedModel& model, int n_paths, std::uint64_t s
 }  // namespace report
 
 report::Json error_section(const Validated& in);
+/// Of tools between nodes, and of two tools.
+report::Json points_section(const PointReport& report);
+report::Json pairs_section(const PairReport& report);
 
 }  // namespace phynness

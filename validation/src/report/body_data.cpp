@@ -4,7 +4,7 @@
 
 #include <cmath>
 #include <map>
-#include <phynness/validation/trained_share.hpp>
+#include <phynness/validation/report.hpp>
 
 namespace phynness::report {
 namespace {
@@ -26,17 +26,11 @@ std::map<std::int32_t, std::int32_t> rows_of(const Model& model) {
   return rows;
 }
 
-Json node_errors(const ValidationReport& validation, const std::map<std::int32_t, std::int32_t>& rows) {
-  std::map<std::int32_t, std::pair<double, int>> sums;
-  for (const auto& r : validation.records) {
-    if (r.outside) continue;
-    sums[r.node].first += r.force_error;
-    ++sums[r.node].second;
-  }
+Json node_errors(const ErrorsToRange& errors, const std::map<std::int32_t, std::int32_t>& rows) {
   Json all = Json::array();
-  for (const auto& [node, sum] : sums)
-    if (const auto row = rows.find(node); row != rows.end())
-      all.push_back({{"node", node}, {"row", row->second}, {"force_error", sum.first / sum.second}});
+  for (const auto& e : errors.nodes)
+    if (const auto row = rows.find(e.node); row != rows.end() && !std::isnan(e.force))
+      all.push_back({{"node", e.node}, {"row", row->second}, {"force_error", e.force}});
   return all;
 }
 
@@ -76,7 +70,7 @@ Json body_data(const Validated& in) {
               {"n_output", model.output.size()},
               {"triangles", triangles},
               {"displacement_error", errors},
-              {"nodes", node_errors(in.report, rows)},
+              {"nodes", node_errors(in.report.to_range, rows)},
               {"not_trained", not_trained(model, rows)},
               {"cases", cases}};
 }

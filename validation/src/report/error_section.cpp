@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <phynness/validation/trained_share.hpp>
+#include <phynness/validation/report.hpp>
 
 #include "blocks.hpp"
 
@@ -19,31 +19,19 @@ namespace {
 /// The smallest noticeable difference of a force is about 10 % (paper, section 5; Allin et al. 2002).
 constexpr double noticeable = 0.10;
 
-struct Noticed {
-  std::size_t n = 0, of = 0;
-  std::string share() const { return fmt::format("{} of {}", n, of); }
-};
 /// Probes whose force is off by more than a person may notice, which is a fraction of the present force (Weber's law).
-/// Forces below 1 % of the node's largest count as that: they are hardly felt.
-Noticed noticed(const Validated& in, bool outside) {
-  std::map<std::int32_t, double> largest;
-  for (const auto& r : in.report.records)
-    if (r.outside == outside) largest[r.node] = std::max(largest[r.node], to_eigen(r.finite_elements_N).norm());
-  Noticed found;
-  for (const auto& r : in.report.records) {
-    if (r.outside != outside) continue;
-    const double size = std::max(to_eigen(r.finite_elements_N).norm(), 0.01 * largest[r.node]);
-    ++found.of;
-    found.n += (to_eigen(r.model_N) - to_eigen(r.finite_elements_N)).norm() > noticeable * size;
-  }
-  return found;
+std::string noticed(const Validated& in, bool outside) {
+  const auto& all = in.report.records;
+  const auto of = std::ranges::count(all, outside, &ProbeRecord::outside);
+  const auto n =
+      std::ranges::count_if(all, [&](const auto& r) { return r.outside == outside && r.force_error_own > noticeable; });
+  return n == 0 ? "none is noticed" : fmt::format("{} of {} may be noticed", n, of);
 }
 
 /// How a row compares with the linear predictor and, for a force, with what a person may notice.
-std::string verdict(const ErrorStatistics& model, const ErrorStatistics& linear, const std::optional<Noticed>& force) {
+std::string verdict(const ErrorStatistics& model, const ErrorStatistics& linear, const std::string& of_force) {
   const std::string words = model.mean < linear.mean ? "better than linear" : "worse than linear";
-  if (!force) return words;
-  return words + (force->n == 0 ? "; none is noticed" : fmt::format("; {} may be noticed", force->share()));
+  return of_force.empty() ? words : words + "; " + of_force;
 }
 
 /// Errors beside their bounds, and the share of errors below their bound by tenths of the depth.
@@ -110,49 +98,140 @@ void add_rows(const Validated& in, bool outside, Rows& rows) {
     if (m.n == 0) continue;
     rows.push_back({title + (outside ? ", outside" : ", inside"), percent(m.mean), percent(m.median), percent(m.p95),
                     percent(m.max), percent(l.mean), percent(l.p95), percent(l.max), percent(z.mean),
-                    verdict(m, l, i == 0 ? std::optional(noticed(in, outside)) : std::nullopt)});
+                    verdict(m, l, i == 0 ? noticed(in, outside) : "")});
   }
 }
 
 /// Histograms of the errors of a group of probes; nothing if it has none.
 std::vector<Json> histograms(const Validated& in, bool outside) {
-  std::vector<double> force, force_linear, u, u_linear;
-  for (const auto& r : in.report.records) {
-    if (r.outside != outside) continue;
-    force.push_back(100 * r.force_error);
-    force_linear.push_back(100 * r.force_error_linear);
-    u.push_back(100 * r.displacement_error);
-    u_linear.push_back(100 * r.displacement_error_linear);
-  }
-  if (force.empty()) return {};
-  const auto both = [&](const char* what, const std::vector<double>& model, const std::vector<double>& linear) {
+  if (std::ranges::count(in.report.records, outside, &ProbeRecord::outside) == 0) return {};
+  const auto steps = [&](double ProbeRecord::*error) {
     constexpr double least = 1e-3;
-    return chart(
-        fmt::format("{}, {} the trained range", what, outside ? "outside" : "inside"), "error (17) of a probe, %",
-        "probes, %",
-        {{"linear predictor", "dashes", 1, histogram(linear, least)}, {"model", "line", 0, histogram(model, least)}},
-        {{"log_x", true}});
+    std::vector<double> samples;
+    for (const auto& r : in.report.records)
+      if (r.outside == outside) samples.push_back(100 * r.*error);
+    return histogram(samples, least);
   };
-  std::vector<Json> all{both("Force", force, force_linear)};
-  if (in.report.of(Predictor::model).inside.displacement.n > 0) all.push_back(both("Displacement", u, u_linear));
+  const auto both = [&](const char* what, double ProbeRecord::*model, double ProbeRecord::*linear) {
+    return chart(fmt::format("{}, {} the trained range", what, outside ? "outside" : "inside"),
+                 "error (17) of a probe, %", "probes, %",
+                 {{"linear predictor", "dashes", 1, steps(linear)}, {"model", "line", 0, steps(model)}},
+                 {{"log_x", true}});
+  };
+  std::vector<Json> all{both("Force", &ProbeRecord::force_error, &ProbeRecord::force_error_linear)};
+  if (in.report.of(Predictor::model).inside.displacement.n > 0)
+    all.push_back(both("Displacement", &ProbeRecord::displacement_error, &ProbeRecord::displacement_error_linear));
   return {charts(all)};
 }
 
+/// The table of errors up to R, with its remarks.
+void add_to_range(const ErrorsToRange& errors, std::vector<Json>& blocks) {
+  if (errors.all.overall.probes == 0) return;
+  blocks.push_back(folded("Errors to R by warnings, depth and bounds", table_cells(errors)));
+  for (const auto& remark : remarks(errors)) blocks.push_back(text(remark + "."));
+}
+
+void add_warnings(const std::optional<BodyWarnings>& of_body, std::vector<Json>& blocks) {
+  if (of_body)
+    blocks.push_back(text(fmt::format("the reduced body: {} unsettled, {} outside of its trained range",
+                                      of_body->unsettled, of_body->outside)));
+  if (of_body && of_body->bounded > 0)
+    blocks.push_back(
+        text(fmt::format("{} of {} errors of its forces are below their bound", of_body->covered, of_body->bounded)));
+}
+
+Json time_and_residual(const auto& report) {
+  return text(fmt::format("largest distance of a tool from its point in the field: {:.1e} m; {:.0f} s",
+                          report.largest_residual_m, report.seconds));
+}
+
 }  // namespace
+
+Json points_section(const PointReport& report) {
+  std::vector<Json> blocks{
+      text(fmt::format("{} points of the surface, {} displacements each; {} not solved, {} unsettled in the model",
+                       report.finished, report.displacements, report.failed, report.unsettled))};
+  if (report.refused > 0)
+    blocks.push_back(
+        text(fmt::format("{} of those not solved are refused, such as: {}", report.refused, report.first_refusal)));
+  if (report.failed > report.refused)
+    blocks.push_back(
+        text(fmt::format("{} of those not solved did not converge; --increments of phynness solve helps to see why",
+                         report.failed - report.refused)));
+  std::vector<std::pair<const char*, const PointErrors*>> predictors{{"coupled model", &report.coupled},
+                                                                     {"linear predictor", &report.linear},
+                                                                     {"model at the nearest nodes", &report.at_nodes}};
+  if (report.body) predictors.emplace_back("reduced body", &*report.body);
+  TableCells rows{{"error in %", "mean", "median", "p95", "max"}};
+  for (std::size_t i = 0; i < titled(PointErrors{}).size(); ++i)
+    for (const auto& [who, errors] : predictors) {
+      const auto [what, s] = titled(*errors)[i];
+      rows.push_back({fmt::format("{}, {}", what, who), in_percent(s.mean), in_percent(s.median), in_percent(s.p95),
+                      in_percent(s.max)});
+    }
+  blocks.push_back(table(rows));
+  add_warnings(report.body_warnings, blocks);
+  add_to_range(report.to_range, blocks);
+  blocks.push_back(time_and_residual(report));
+  return section("Tools between nodes", blocks);
+}
+
+Json pairs_section(const PairReport& report) {
+  std::vector<Json> blocks{
+      text(fmt::format("{} pairs of nodes, both tools {:.4g} mm deep; {} not solved, {} unsettled in the model, {} "
+                       "outside of its trained "
+                       "range; {} are at most {:.0f} mm apart, and {} have no warning",
+                       report.finished, 1e3 * report.depth_m, report.failed, report.unsettled, report.outside,
+                       report.near.pairs, 1e3 * report.far_m, report.unflagged.pairs))};
+  TableCells rows{{"error in %", "all: mean", "median", "p95", "max", "unflagged: mean", "p95", "near: mean", "median",
+                   "far: mean", "median"}};
+  const auto shown = [](const ErrorStatistics& s, double value) { return s.n > 0 ? in_percent(value) : "-"; };
+  for (std::size_t i = 0; i < titled(PairStatistics{}).size(); ++i) {
+    rows.push_back({titled(PairStatistics{})[i].first});
+    for (const auto p : pair_predictors) {
+      const auto of = [&](const PairGroup& group) { return titled(group.of(p))[i].second; };
+      const auto all = of(report.all), quiet = of(report.unflagged), near = of(report.near), far = of(report.far);
+      if (all.n == 0) continue;
+      constexpr std::array who{"coupled model", "each tool alone", "weights (15)-(16)", "linear predictor",
+                               "reduced body"};
+      rows.push_back({fmt::format("  {}", who[static_cast<std::size_t>(p)]), in_percent(all.mean),
+                      in_percent(all.median), in_percent(all.p95), in_percent(all.max), shown(quiet, quiet.mean),
+                      shown(quiet, quiet.p95), shown(near, near.mean), shown(near, near.median), shown(far, far.mean),
+                      shown(far, far.median)});
+    }
+  }
+  blocks.push_back(table(rows));
+  add_warnings(report.body_warnings, blocks);
+  blocks.push_back(table(table_cells("two tools, in %", report.by_warning)));
+  if (report.body_by_warning) blocks.push_back(table(table_cells("reduced body, in %", *report.body_by_warning)));
+  if (const auto why = reasons(report.by_warning.unreached); !why.empty())
+    blocks.push_back(text("not reached by the finite elements: " + why));
+  if (const auto& alone = report.single_force; alone.n > 0)
+    blocks.push_back(text(fmt::format("larger force error of the two tools alone: mean {}, median {}, max {} %",
+                                      in_percent(alone.mean), in_percent(alone.median), in_percent(alone.max))));
+  blocks.push_back(time_and_residual(report));
+  return section("Two tools", blocks);
+}
 
 Json error_section(const Validated& in) {
   Rows rows{
       {"error in %", "model: mean", "median", "p95", "max", "linear: mean", "p95", "max", "zero: mean", "verdict"}};
   for (const bool outside : {false, true}) add_rows(in, outside, rows);
   const Model& model = in.model.model();
+  const auto correlation = [](const std::optional<double>& value) {
+    return value ? fmt::format("{:.2f}", *value) : "(too few probes)";
+  };
   std::vector<Json> blocks{
       folded("Errors inside and outside the trained range", rows),
       text(fmt::format(
           "A person may notice a force that is off by more than {:.0f} % of its own size (Allin et al. 2002).",
           100 * noticeable)),
-      folded("Errors to R by warnings, depth and bounds", table_cells(in.report.to_range)),
+      text(fmt::format(
+          "The rank correlation of the distance to the nearest trained displacement (phn_trust) with the error of the "
+          "force is {} inside and {} outside the trained range.",
+          correlation(in.report.distance_correlation_inside), correlation(in.report.distance_correlation_outside))),
       text(sentence(trained_share(model), model) + ".")};
-  for (const auto& remark : remarks(in.report.to_range)) blocks.push_back(text(remark + "."));
+  add_to_range(in.report.to_range, blocks);
   for (const auto& plots :
        {histograms(in, false), histograms(in, true), in.report.to_range.bounds ? bound_plots(in) : std::vector<Json>{}})
     blocks.insert(blocks.end(), plots.begin(), plots.end());

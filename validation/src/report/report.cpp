@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/locking.hpp>
 #include <phynness/pages/report.hpp>
 #include <phynness/validation/force_unit.hpp>
 #include <phynness/validation/report.hpp>
-#include <phynness/validation/trained_share.hpp>
 
 #include "blocks.hpp"
 
@@ -165,27 +163,24 @@ Json curves(const Validated& in) {
         straight{"straight line", "dashes", 1, {}};
     const double deepest = curve->depth_m.back();
     constexpr int n = 120;
-    for (int i = 0; i <= n; ++i) {
-      const double s = deepest * i / n;
-      const Vec3 d{s * curve->direction[0], s * curve->direction[1], s * curve->direction[2]};
-      model.at.emplace_back(1e3 * s, along(in.model.force(curve->node, d)));
-    }
+    const auto said = [&](double s) {
+      const auto& e = curve->direction;
+      return along(in.model.force(curve->node, {s * e[0], s * e[1], s * e[2]}));
+    };
+    for (int i = 0; i <= n; ++i) model.at.emplace_back(1e3 * deepest * i / n, said(deepest * i / n));
     for (std::size_t i = 0; i < curve->depth_m.size(); ++i) {
       const double s = curve->depth_m[i];
-      const Vec3 d{s * curve->direction[0], s * curve->direction[1], s * curve->direction[2]};
       solves.at.emplace_back(1e3 * s, along(curve->force_N[i]));
       rows.push_back({std::to_string(curve->node), fmt::format("{:.2f}", 1e3 * s),
-                      fmt::format("{:.4g}", along(curve->force_N[i])),
-                      fmt::format("{:.4g}", along(in.model.force(curve->node, d)))});
+                      fmt::format("{:.4g}", along(curve->force_N[i])), fmt::format("{:.4g}", said(s))});
     }
     const double slope = along(curve->force_N[0]) / curve->depth_m[0];
     straight.at = {{0, 0}, {1e3 * deepest, slope * deepest}};
-    const Vec3 unit{curve->direction[0] * 1e-3, curve->direction[1] * 1e-3, curve->direction[2] * 1e-3};
-    drawn.push_back(chart(
-        fmt::format("Node {}", curve->node), "depth, mm", fmt::format("force, {}", newton.name),
-        {straight, model, solves},
-        {{"caption", fmt::format("Direction {}; trained to {:.3g} mm", vector(unit, 1e3, "({:.2f} {:.2f} {:.2f})"),
-                                 1e3 * in.model.trained_depth(curve->node, curve->direction))}}));
+    drawn.push_back(chart(fmt::format("Node {}", curve->node), "depth, mm", fmt::format("force, {}", newton.name),
+                          {straight, model, solves},
+                          {{"caption", fmt::format("Direction {}; trained to {:.3g} mm",
+                                                   vector(curve->direction, 1, "({:.2f} {:.2f} {:.2f})"),
+                                                   1e3 * in.model.trained_depth(curve->node, curve->direction))}}));
   }
   return section(
       "Force against depth",
@@ -196,29 +191,17 @@ Json curves(const Validated& in) {
 
 Json picture(const Validated& in) {
   Rows rows{{"node", "probes", "error of force, mean %", "max %", "of displacement, mean %"}};
-  std::map<std::int32_t, std::vector<const ProbeRecord*>> by_node;
-  for (const auto& r : in.report.records)
-    if (!r.outside) by_node[r.node].push_back(&r);
-  for (const auto& [node, records] : by_node) {
-    double force = 0, most = 0, u = 0;
-    for (const auto* r : records) {
-      force += r->force_error / static_cast<double>(records.size());
-      u += r->displacement_error / static_cast<double>(records.size());
-      most = std::max(most, r->force_error);
-    }
-    rows.push_back({std::to_string(node), std::to_string(records.size()), percent(force), percent(most), percent(u)});
-  }
-  std::vector<Json> blocks{text("Means over all probes inside the trained range.")};
+  for (const auto& e : in.report.to_range.nodes)
+    rows.push_back({std::to_string(e.node), std::to_string(e.solved), in_percent(e.force), in_percent(e.force_max),
+                    in_percent(e.displacement)});
+  std::vector<Json> blocks{
+      text("Means over all probes up to R; of the displacements in the picture, over those inside the trained range.")};
   if (auto data = body_data(in); !data.is_null()) blocks.insert(blocks.begin(), Json{{"body", std::move(data)}});
   if (rows.size() <= 41) blocks.push_back(table(rows));
   return section("Distribution of the error on the body", blocks);
 }
 
-std::string correlation(const std::optional<double>& value) {
-  return value ? fmt::format("{:.2f}", *value) : "(too few probes)";
-}
-
-Json trust(const Validated& in) {
+Json conservation(const Validated& in) {
   constexpr int n_paths = 200;
   const Conservation c = closed_paths(in.model, n_paths, in.seed);
   const std::string work = fmt::format(
@@ -228,11 +211,7 @@ Json trust(const Validated& in) {
       c.largest,
       c.has_energy ? "Forces are the gradient of a stored energy, so that no closed path gains energy."
                    : "This family has no stored energy: a closed path may gain or lose this work.");
-  const std::string distance = fmt::format(
-      "The rank correlation of the distance to the nearest trained displacement (phn_trust) with the error of the "
-      "force is {} inside and {} outside the trained range.",
-      correlation(in.report.distance_correlation_inside), correlation(in.report.distance_correlation_outside));
-  return section("Conservation of energy and indicator of trust", {text(work), text(distance)});
+  return section("Conservation of energy", {text(work)});
 }
 
 Json cost(const Validated& in) {
@@ -241,8 +220,9 @@ Json cost(const Validated& in) {
   if (in.report.of(Predictor::model).inside.displacement.n > 0)
     deformation =
         fmt::format(", a deformation of {} nodes in {:.1f} us", in.model.model().output.size(), speed.deformation_us);
+  if (!in.model.model().fields.empty()) deformation += fmt::format(", a field in {:.1f} us", speed.field_us);
   std::vector<Json> blocks{text(fmt::format(
-      "On one core of the machine that wrote this report: a force in {:.2f} us{}. An increment of the finite elements "
+      "The runtime on this machine, one core: a force in {:.2f} us{}. An increment of the finite elements "
       "took {:.1f} ms of one core, including all other work of this validation. The model has {} in the runtime's "
       "memory and {} as text.",
       speed.force_us, deformation, in.report.solve_ms_per_increment, bytes(in.model.memory_bytes()),
@@ -290,10 +270,20 @@ Json origin(const Validated& in, const std::string& software) {
 
 }  // namespace
 
+std::vector<Json> report_tables(const Validated& in) {
+  std::vector<Json> sections{modelled(in), solved(in), error_section(in), worst(in)};
+  if (in.points.finished > 0) sections.push_back(points_section(in.points));
+  if (in.pairs.finished > 0) sections.push_back(pairs_section(in.pairs));
+  sections.push_back(cost(in));
+  return sections;
+}
+
 std::string html_report(const Validated& in, const std::string& software) {
-  std::vector<Json> sections{verdict_first(in), modelled(in), solved(in), error_section(in), worst(in), curves(in)};
-  if (in.report.of(Predictor::model).inside.displacement.n > 0) sections.push_back(picture(in));
-  for (auto& last : {trust(in), cost(in), origin(in, software)}) sections.push_back(last);
+  std::vector<Json> sections{verdict_first(in)};
+  for (const auto& tables : report_tables(in)) sections.push_back(tables);
+  sections.insert(sections.end() - 1, curves(in));
+  if (in.report.of(Predictor::model).inside.displacement.n > 0) sections.insert(sections.end() - 1, picture(in));
+  for (auto& last : {conservation(in), origin(in, software)}) sections.push_back(last);
   return page(in.scene.title.empty() ? "Model compared with finite elements" : in.scene.title, sections);
 }
 

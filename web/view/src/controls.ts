@@ -1,18 +1,9 @@
 // Settings of the panel: from the state to the page and back.
 import { significant } from '../../shared/src/numbers.js';
 import { byId, setFacts, setText } from './dom.js';
+import type { Hands } from './hands.js';
 import type { FrameTimes } from './readouts.js';
-import type { Session } from './session.js';
-import type { State } from './state.js';
-
-export interface ControlActions {
-  readonly session: Session;
-  changed(physics: boolean): void;
-  pushed(steps: number): void;
-  letGo(): void;
-  wholeBody(): void;
-  setMode(mode: State['mode']): void;
-}
+import type { View } from './view.js';
 
 type Flag = 'keep' | 'atNodes' | 'components' | 'ellipsoid' | 'edges' | 'nodes';
 const flags: Readonly<Record<Flag, string>> = {
@@ -29,7 +20,7 @@ export class Controls {
   };
   private times = '';
 
-  constructor(private readonly actions: ControlActions) {
+  constructor(private readonly actions: View, private readonly hands: Hands) {
     const state = () => actions.session.state;
     for (const [key, id] of Object.entries(flags) as [Flag, string][]) {
       const box = byId(id, HTMLInputElement);
@@ -72,7 +63,7 @@ export class Controls {
       byId(`mode-${mode}`, HTMLButtonElement).addEventListener('click', () => actions.setMode(mode));
     this.repeating('push', 1);
     this.repeating('pull', -1);
-    byId('let-go', HTMLButtonElement).addEventListener('click', () => actions.letGo());
+    byId('let-go', HTMLButtonElement).addEventListener('click', () => hands.letGo());
     byId('whole', HTMLButtonElement).addEventListener('click', () => actions.wholeBody());
   }
 
@@ -87,13 +78,13 @@ export class Controls {
       timer = window.setInterval(() => {
         if (performance.now() - begin < 300) return;
         repeated = true;
-        this.actions.pushed(steps / 2);
+        this.hands.move([0, 0, steps / 2]);
       }, 50);
     });
     for (const end of ['pointerup', 'pointercancel', 'pointerleave', 'blur'] as const)
       button.addEventListener(end, () => window.clearInterval(timer));
     button.addEventListener('click', () => {
-      if (!repeated) this.actions.pushed(steps);
+      if (!repeated) this.hands.move([0, 0, steps]);
       repeated = false;
     });
   }

@@ -1,9 +1,11 @@
 // Files that the page writes: the picture as PNG, the displaced surface as glTF.
+import { BufferAttribute, BufferGeometry, Mesh, MeshStandardMaterial } from 'three';
+import { GLTFExporter } from 'three/examples/jsm/exporters/GLTFExporter.js';
 import { cssColour } from '../../shared/src/colour_maps.js';
-import { fileName, plain, roundedDown, shown, significant, ticks } from '../../shared/src/numbers.js';
+import { normalsOf } from '../../shared/src/normals.js';
+import { plain, roundedDown, shown, significant, ticks } from '../../shared/src/numbers.js';
 import type { Scale } from '../../shared/src/legend.js';
 import { norm } from '../../shared/src/vectors.js';
-import { glb, type Shape } from './gltf.js';
 import { sharedModes } from './modes.js';
 import { nameOf } from './places.js';
 import type { Session } from './session.js';
@@ -11,24 +13,31 @@ import type { Session } from './session.js';
 /** Morph targets are written for this many shared modes at most. */
 const mostModes = 8;
 
-/** The displaced surface with its colours; targets: the undeformed shape, and shared modes of the model. */
-export function glbOf(session: Session, text: string, positions: Float32Array, colours: Float32Array): Promise<Uint8Array<ArrayBuffer>> {
+/** The bytes of a .glb file (binary glTF 2.0): the displaced surface with its colours; morph targets: the undeformed shape, and
+ * shared modes of the model. Units are metres, as in the model. */
+export async function glbOf(session: Session, text: string, positions: Float32Array, colours: Float32Array): Promise<Uint8Array<ArrayBuffer>> {
   const { runtime, state, answer } = session, { info } = runtime.model, surface = runtime.surface(state.subdivision);
-  const rest = surface.points.map((x, i) => x - positions[i]!);
   const modes = info.family === 'modal' ? sharedModes(text, info.outputNodes.length, mostModes) : [];
-  const shapes: Shape[] = [{ name: 'rest', offset: rest }, ...modes.map((mode, k) => {
+  const rows = (numbers: Float32Array) => new BufferAttribute(numbers, 3), geometry = new BufferGeometry();
+  const shape = (name: string, offset: Float32Array) => Object.assign(rows(offset), { name });
+  geometry.setAttribute('position', rows(positions));
+  geometry.setAttribute('normal', rows(normalsOf(positions, surface.triangles, new Float32Array(positions.length))));
+  geometry.setAttribute('color', rows(colours));
+  geometry.setIndex(new BufferAttribute(Uint32Array.from(surface.triangles), 1));
+  geometry.morphTargetsRelative = true;
+  geometry.morphAttributes = { position: [shape('rest', surface.points.map((x, i) => x - positions[i]!)), ...modes.map((mode, k) => {
     const fine = surface.deform(mode), largest = fine.reduce((most, x) => Math.max(most, Math.abs(x)), 0) || 1;
-    return { name: `mode ${k + 1}`, offset: fine.map((x) => (x / largest) * info.maxDisplacement) };
-  })];
-  return glb({
-    title: plain(info.title), positions, triangles: surface.triangles, colors: colours, shapes,
-    facts: {
-      unit: 'm',
-      tools: state.mode === 'hold' ? state.tools.map(({ place, displacement }, i) => ({
-        nodes: place.nodes, weights: place.weights, displacement_m: displacement, force_N: answer.forces[i] ?? null,
-      })) : [],
-    },
-  });
+    return shape(`mode ${k + 1}`, fine.map((x) => (x / largest) * info.maxDisplacement));
+  })] };
+  const mesh = new Mesh(geometry, new MeshStandardMaterial({ vertexColors: true, metalness: 0, roughness: 0.6 }));
+  mesh.name = plain(info.title);
+  mesh.userData = {
+    unit: 'm',
+    tools: state.mode === 'hold' ? state.tools.map(({ place, displacement }, i) => ({
+      nodes: place.nodes, weights: place.weights, displacement_m: displacement, force_N: answer.forces[i] ?? null,
+    })) : [],
+  };
+  return new Uint8Array(await new GLTFExporter().parseAsync(mesh, { binary: true }) as ArrayBuffer);
 }
 
 /** The picture with its title, figures and legend. The canvas must have been drawn in the same task. */
@@ -79,6 +88,3 @@ function captionOf({ runtime, state, answer }: Session): string {
     `${nameOf(place)}: ${significant(1e3 * norm(displacement), 3)} mm, ${forces[i]}`);
   return [plain(runtime.model.info.title, 90), ...tools].join('   ');
 }
-
-export const pngName = (session: Session): string => fileName(session.runtime.model.info.title, 'png');
-export const glbName = (session: Session): string => fileName(session.runtime.model.info.title, 'glb');

@@ -1,41 +1,21 @@
 // Gestures and keys, translated into movements of tools and of the camera.
-import { acrossScreen, frameOf, metresPerPixel, moved, project, rayThrough, shifted, turned, type Camera, type Size } from '../../shared/src/camera.js';
+import { acrossScreen, frameOf, metresPerPixel, moved, project, rayThrough, shifted, turned } from '../../shared/src/camera.js';
 import { add, dot, norm, row, scale, sub, zero, type V3 } from '../../shared/src/vectors.js';
-import type { KeyActions } from './keyboard.js';
 import { hitOf, pointOf } from './picking.js';
 import { mainNode, nameOf, placeAt } from './places.js';
 import type { Gestures } from './pointer.js';
-import { sphereTool, type Session } from './session.js';
-import type { HeldTool } from './state.js';
-
-/** What the hands see. */
-export interface Sight {
-  readonly session: Session;
-  readonly size: Size;
-  camera: Camera;
-  /** displayed, and at rest: the same triangles, n x 3 */
-  readonly positions: Float32Array;
-  readonly rest: ArrayLike<number>;
-  readonly triangles: Int32Array;
-  /** where a tool is in the picture */
-  seen(tool: HeldTool): V3;
-  /** step of keys and buttons [m] */
-  readonly step: number;
-  /** something moved */
-  changed(physics: boolean): void;
-  /** a sentence for people who do not see the picture */
-  say(what: string): void;
-}
+import { sphereTool } from './session.js';
+import type { View } from './view.js';
 
 /** A tool nearer than this to the pointer is taken [pixels]. */
 const near = 22;
 
-export class Hands implements Gestures, KeyActions {
+export class Hands implements Gestures {
   /** positions of dragged tools where they were grabbed, moved by the wheel */
   private readonly from = new Map<number, V3>();
   private readonly sideways = new Map<number, readonly [number, number]>();
 
-  constructor(private readonly sight: Sight) {}
+  constructor(private readonly sight: View) {}
 
   // ---- pointers ---------------------------------------------------------------------------------------------------
 
@@ -159,10 +139,12 @@ export class Hands implements Gestures, KeyActions {
     this.sight.changed(true);
     this.sight.say(this.told());
   }
+  /** right, up, away from the viewer; in steps */
   move(steps: V3): void {
     const { camera, step } = this.sight, { right, up, forward } = frameOf(camera);
     this.by(add(add(scale(steps[0] * step, right), scale(steps[1] * step, up)), scale(steps[2] * step, forward)));
   }
+  /** into the body: 1, out of it: -1 */
   press(steps: number): void {
     const { session, step } = this.sight, tool = session.toolOf(this.tool());
     const normal = tool ? session.normalAt(tool.place) : scale(-1, frameOf(this.sight.camera).forward);

@@ -1,24 +1,11 @@
 // Keys on the picture: a probe without a pointer.
-import type { V3 } from '../../shared/src/vectors.js';
-
-export interface KeyActions {
-  nextNode(by: 1 | -1): void;
-  /** right, up, away from the viewer; in steps */
-  move(steps: V3): void;
-  /** into the body: 1, out of it: -1 */
-  press(steps: number): void;
-  pin(): void;
-  letGo(): void;
-  turn(dx: number, dy: number): void;
-  zoom(factor: number): void;
-  otherMode(): void;
-}
+import type { Hands } from './hands.js';
 
 const arrows: Readonly<Record<string, readonly [number, number]>> = {
   ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1],
 };
 
-export function listenToKeys(canvas: HTMLCanvasElement, actions: KeyActions): void {
+export function listenToKeys(canvas: HTMLCanvasElement, actions: Hands): void {
   const others: Readonly<Record<string, () => void>> = {
     n: () => actions.nextNode(1),
     b: () => actions.nextNode(-1),

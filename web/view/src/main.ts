@@ -2,12 +2,12 @@
 import '../../shared/src/locale.js';
 import { loader, PhynnessError, type Model } from '../../runtime/src/index.js';
 import { metresPerPixel, project } from '../../shared/src/camera.js';
-import { plain } from '../../shared/src/numbers.js';
+import { fileName, plain } from '../../shared/src/numbers.js';
 import { add, type V3 } from '../../shared/src/vectors.js';
 import wasm from 'phynness.wasm';
 import { Runtime } from './answers.js';
 import { byId, download, setText } from './dom.js';
-import { glbName, glbOf, pngName, pngOf } from './exports.js';
+import { glbOf, pngOf } from './exports.js';
 import { pageDataOf, type PageData } from './page_data.js';
 import { heldAt, Recording } from './recording.js';
 import { Session } from './session.js';
@@ -72,7 +72,7 @@ class Page {
     this.shown = data;
     const title = plain(model.info.title) || 'phynness';
     setText(byId('title', HTMLElement), title);
-    setText(byId('about', HTMLElement), [data.sceneTitle, data.organ].filter((t) => t !== '' && t !== model.info.title).map((t) => plain(t)).join(' · '));
+    setText(byId('about', HTMLElement), data.sceneTitle === model.info.title ? '' : plain(data.sceneTitle));
     document.title = title;
     this.view.draw();
     this.expose(this.view);
@@ -107,7 +107,7 @@ class Page {
     const bytes = new Uint8Array(await file.arrayBuffer()), text = new TextDecoder().decode(bytes);
     if (text.trimStart().startsWith('{')) this.recording?.open(text);
     // Rays and errors in the page belong to its own model.
-    else await this.open(text, text === this.data.model ? this.data : { ...this.data, model: null, body: null, rays: [], validation: null, sceneTitle: '', organ: '' }, initialState(), bytes);
+    else await this.open(text, text === this.data.model ? this.data : { ...this.data, model: null, body: null, rays: [], validation: null, sceneTitle: '' }, initialState(), bytes);
   }
 
   private async savePng(): Promise<void> {
@@ -116,12 +116,12 @@ class Page {
     view.draw();
     const legend = session.maps.find(({ name }) => name === session.state.map)?.values(session.mapTools).scale ?? null;
     const image = await pngOf(picture.canvas, session, legend, metresPerPixel(view.size, view.camera.distance));
-    if (image) download(image, 'image/png', pngName(session));
+    if (image) download(image, 'image/png', fileName(session.runtime.model.info.title, 'png'));
   }
   private async saveGlb(): Promise<void> {
     if (!this.view) return;
     const { session, picture } = this.view;
-    download(await glbOf(session, this.text, picture.positions, picture.colours), 'model/gltf-binary', glbName(session));
+    download(await glbOf(session, this.text, picture.positions, picture.colours), 'model/gltf-binary', fileName(session.runtime.model.info.title, 'glb'));
   }
 
   /** For scripts in the console of the browser, and for tests. */

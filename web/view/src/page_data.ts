@@ -22,7 +22,6 @@ export interface PageData {
   /** text of a reduced body */
   readonly body: string | null;
   readonly sceneTitle: string;
-  readonly organ: string;
   readonly validation: NodeErrors | null;
   readonly rays: readonly StoredRay[];
 }
@@ -67,7 +66,6 @@ export function pageDataOf(json: string): PageData {
     model: typeof page['model'] === 'string' ? page['model'] : null,
     body: typeof page['body'] === 'string' ? page['body'] : null,
     sceneTitle: text(page['scene_title']),
-    organ: text(page['organ']),
     validation: errorsOf(page['validation']),
     rays,
   };

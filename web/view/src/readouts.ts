@@ -1,13 +1,13 @@
 // The figures of the panel.
 import { shown, significant } from '../../shared/src/numbers.js';
 import { dot, norm, vector, type V3 } from '../../shared/src/vectors.js';
+import type { Answer } from './answers.js';
 import { byId, setFacts, setText } from './dom.js';
 import { nearestRay } from './page_data.js';
 import { nameOf, nodeOf } from './places.js';
 import { DepthPlot, type PlotData } from './plot.js';
 import { principalOf } from './principal.js';
 import type { Session } from './session.js';
-import { verdictOf } from './trust.js';
 
 /** Times of the picture, measured while it moves. */
 export interface FrameTimes {
@@ -22,6 +22,25 @@ const withUnit = (x: number, unitName: string, digits: number): string => {
 };
 /** Pieces of the curve, of a model and of a body. */
 const pieces = 40, piecesOfBody = 12;
+
+/** Smallest noticeable difference of forces. */
+const noticeable = 0.1;
+
+/** The trust figure as the class of a colour, a word and a reason.
+ * @param bound  of the error, over the force; null: not known. @param ofBody  not of the model */
+function verdictOf({ warnings, trust }: Answer, bound: number | null, ofBody: boolean): readonly [string, string, string] {
+  if (warnings.includes('unsettled'))
+    return ['beyond', 'unsettled', `the tools ${ofBody ? 'moved faster than the body settles, or ' : ''}are too close together to hold all points`];
+  if (warnings.includes('outside')) return ['beyond', 'beyond data', 'deeper or stronger than the training data, or beside fixed nodes'];
+  if (trust && trust.relative > 1) return ['beyond', 'beyond data', 'far from the training data'];
+  if (bound !== null && bound > noticeable)
+    return ['fair', 'inexact', 'the error of the force may exceed a tenth of it'];
+  if (warnings.includes('incomplete'))
+    return ['fair', 'incomplete', 'some directions of this node were not trained to the full depth'];
+  if (!trust) return ['unknown', 'inside range', `no warning${ofBody ? '' : '; the trust figure exists for one tool at a node'}`];
+  if (trust.relative > 0.5) return ['fair', 'between data', 'inside the trained range, between training data'];
+  return ['good', 'close to data', 'close to training data'];
+}
 
 export class Readouts {
   private readonly newtons = byId('newtons', HTMLElement);
@@ -40,10 +59,10 @@ export class Readouts {
     const last = forces.at(-1);
     setText(this.newtons, last ? significant(norm(last), 6) : '0');
     const { body } = session.runtime;
-    const verdict = verdictOf(answer.warnings, answer.trust, last && answer.bound !== null ? answer.bound / norm(last) : null, body !== null);
-    this.trust.dataset['kind'] = touching ? verdict.kind : 'unknown';
-    setText(this.trust, touching ? verdict.word : state.mode === 'sphere' ? 'no contact' : 'at rest');
-    setText(this.reason, touching ? this.reasonOf(session, verdict.reason) : 'Nothing touches the body.');
+    const [kind, word, reason] = verdictOf(answer, last && answer.bound !== null ? answer.bound / norm(last) : null, body !== null);
+    this.trust.dataset['kind'] = touching ? kind : 'unknown';
+    setText(this.trust, touching ? word : state.mode === 'sphere' ? 'no contact' : 'at rest');
+    setText(this.reason, touching ? this.reasonOf(session, reason) : 'Nothing touches the body.');
     this.note.hidden = body === null;
     if (body) setText(this.note, `Forces and deformation come from the reduced body (${body.info.nModes} modes, ${body.info.nCells} cells).`);
     this.showTable(session, forces);

@@ -14,7 +14,7 @@ export function evaluated(session: Session, motion: Motion): Step[] {
   if (refused) throw new Error(`nodes ${refused.nodes.join(', ')} cannot be held in this model`);
   session.runtime.answer([]);
   return motion.steps.map((step) => {
-    const { answer, indices } = answerOf(session, motion, step);
+    const { tools, indices } = toolsOf(motion, step), answer = session.runtime.answer(tools);
     const forces: (V3 | null)[] = motion.tools.map(() => null);
     indices.forEach((tool, i) => (forces[tool] = answer.forces[i] ?? null));
     return { ...step, forces };
@@ -30,10 +30,6 @@ function toolsOf(motion: Motion, step: Step): { tools: HeldTool[]; indices: numb
     }
   });
   return { tools, indices };
-}
-function answerOf(session: Session, motion: Motion, step: Step) {
-  const { tools, indices } = toolsOf(motion, step);
-  return { answer: session.runtime.answer(tools), indices };
 }
 
 export class Recording {

@@ -6,10 +6,10 @@ import { Legend } from '../../shared/src/legend.js';
 import { significant } from '../../shared/src/numbers.js';
 import { Overlay } from '../../shared/src/overlay.js';
 import { add, norm, row, scale, sub, zero, type V3 } from '../../shared/src/vectors.js';
-import { Controls, type ControlActions } from './controls.js';
+import { Controls } from './controls.js';
 import { byId, setText } from './dom.js';
 import { drawnAt, Influence, type Follower } from './following.js';
-import { Hands, type Sight } from './hands.js';
+import { Hands } from './hands.js';
 import { listenToKeys } from './keyboard.js';
 import { Marks } from './marks.js';
 import { onSurface, type MapValues } from './maps.js';
@@ -19,7 +19,7 @@ import { Readouts, type FrameTimes } from './readouts.js';
 import type { Session } from './session.js';
 import { fragmentOf, type State } from './state.js';
 
-export class View implements Sight, ControlActions {
+export class View {
   readonly picture = new BodyPicture(byId('canvas', HTMLCanvasElement));
   readonly legend = new Legend();
   private readonly overlay = new Overlay();
@@ -49,7 +49,7 @@ export class View implements Sight, ControlActions {
 
   constructor(public session: Session) {
     byId('foot', HTMLElement).append(this.legend.element, this.overlay.element);
-    this.controls = new Controls(this);
+    this.controls = new Controls(this, this.hands);
     listenToPointers(this.picture.canvas, this.hands);
     listenToKeys(this.picture.canvas, this.hands);
     new ResizeObserver(() => this.changed(false)).observe(this.stage);
@@ -75,6 +75,7 @@ export class View implements Sight, ControlActions {
   get size(): Size {
     return this.picture.size;
   }
+  /** displayed, and at rest: the same triangles, n x 3 */
   get positions(): Float32Array {
     return this.picture.positions;
   }
@@ -84,17 +85,13 @@ export class View implements Sight, ControlActions {
   get triangles(): Int32Array {
     return this.session.runtime.surface(this.session.state.subdivision).triangles;
   }
+  /** step of keys and buttons [m] */
   get step(): number {
     return this.controls.stepLength;
   }
+  /** a sentence for people who do not see the picture */
   say(what: string): void {
     setText(this.status, what);
-  }
-  pushed(steps: number): void {
-    this.hands.move([0, 0, steps]);
-  }
-  letGo(): void {
-    this.hands.letGo();
   }
   wholeBody(): void {
     this.camera = framing(this.rest, this.size);

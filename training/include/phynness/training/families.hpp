@@ -29,15 +29,17 @@ struct FamilyOperations {
   void (*check)(const TrainingSpec& spec);
   std::unique_ptr<FamilyTraining> (*training)(const DatabaseHeader& header, const TrainingTables& tables,
                                               const TrainingSpec& spec);
-  /// Sizes that tuning tries, in ascending order.
-  std::vector<TrainingSpec> (*candidates)(const TrainingSpec& spec);
+  std::vector<std::pair<const char*, int TrainingSpec::*>> sizes;  ///< with their keys
+  std::vector<std::vector<int>> candidates;                        ///< sizes that tuning tries, in ascending order
   std::string (*model_name)(const TrainingSpec& spec);
-  std::vector<std::pair<std::string, int>> (*sizes)(const TrainingSpec& spec);
   /// Sizes of a model in one line.
   std::string (*describe)(const Model& model);
   /// Of a trained model; empty in family rbfn, whose figures are part of every report.
   std::vector<TrainingFigure> (*figures)(const TrainingReport& report);
 };
+
+/// What tuning tries: the candidates of a family with everything else as given.
+std::vector<TrainingSpec> candidates(const FamilyOperations& family, const TrainingSpec& given);
 
 /// The sizes of a model: the largest of all nodes, 0 for those of other families.
 TrainingSpec sizes_of(const Model& model);

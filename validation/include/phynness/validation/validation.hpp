@@ -4,7 +4,7 @@
 
 #include <array>
 #include <optional>
-#include <phynness/evaluation/runtime_speed.hpp>
+#include <phynness/evaluation/model_figures.hpp>
 #include <phynness/formats/progress.hpp>
 #include <phynness/validation/errors_to_range.hpp>
 #include <string>
@@ -59,17 +59,11 @@ enum class Predictor { model, linear, zero };
 inline constexpr std::array<Predictor, 3> predictors{Predictor::model, Predictor::linear, Predictor::zero};
 const char* name(Predictor);
 
-/// A solved probe for printing.
+/// A solved probe for the JSON, whose keys are the names of the members; in m and N.
 struct ForceExample {
   std::int32_t node = 0;
-  Vec3 displacement_m{}, finite_elements_N{}, model_N{}, linear_N{};
-  static void describe(const auto& result, auto&& see) {
-    see("node", result.node);
-    see("displacement", result.displacement_m);
-    see("force_finite_elements", result.finite_elements_N);
-    see("force_model", result.model_N);
-    see("force_linear", result.linear_N);
-  }
+  Vec3 displacement{}, force_finite_elements{}, force_model{}, force_linear{};
+  PHYNNESS_FIGURES(node, displacement, force_finite_elements, force_model, force_linear)
 };
 
 /// A solved probe and its errors. Errors of displacement are means over the output nodes that count in (17); 0 if the
@@ -79,6 +73,7 @@ struct ProbeRecord {
   bool outside = false;
   Vec3 displacement_m{}, finite_elements_N{}, model_N{};
   double force_error = 0, force_error_linear = 0;  ///< (17)
+  double force_error_own = 0;                      ///< as ProbeErrors::force_own
   double displacement_error = 0, displacement_error_linear = 0;
 };
 

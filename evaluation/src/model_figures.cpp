@@ -1,6 +1,8 @@
 #include <Eigen/LU>
 #include <algorithm>
-#include <phynness/evaluation/database_errors.hpp>
+#include <chrono>
+#include <phynness/evaluation/model_figures.hpp>
+#include <phynness/formats/error.hpp>
 
 namespace phynness {
 namespace {
@@ -136,6 +138,80 @@ DatabaseErrors errors_on_database(const LoadedModel& model, const Database& data
   for (auto* error : {&errors.displacement, &errors.displacement_linear})
     if (*error) **error /= n_compared;
   return errors;
+}
+
+namespace {
+
+/// The median over several batches of the mean time of a call in a batch [us].
+template <typename Call>
+double median_us(int batches, int calls, const Call& call) {
+  std::vector<double> times;
+  for (int b = 0; b < batches; ++b) {
+    const auto start = std::chrono::steady_clock::now();
+    for (int i = 0; i < calls; ++i) call(i);
+    const std::chrono::duration<double, std::micro> spent = std::chrono::steady_clock::now() - start;
+    times.push_back(spent.count() / calls);
+  }
+  std::nth_element(times.begin(), times.begin() + batches / 2, times.end());
+  return times[static_cast<std::size_t>(batches / 2)];
+}
+
+}  // namespace
+
+std::vector<phn_level_time> measure_levels(const LoadedModel& model) {
+  std::vector<phn_level_time> times(static_cast<std::size_t>(model.runtime().n_levels()));
+  const auto clock_us = [](void*) {
+    return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  };
+  const rt::Status status = model.data().calibrate(clock_us, nullptr, times);
+  if (status != PHN_OK)
+    throw failure("the times of the levels cannot be measured", status.message(),
+                  "run it on a machine without other load");
+  return times;
+}
+
+RuntimeSpeed measure_speed(const LoadedModel& model) {
+  const auto nodes = model.runtime().active_nodes();
+  if (nodes.size() == 0) return {};
+  const double depth = model.runtime().info().max_displacement_m;
+  std::vector<double> u(3 * static_cast<std::size_t>(model.runtime().n_output()));
+  double f[3], sink = 0;
+  // The displacement changes from call to call, as that of a moving hand.
+  const auto displacement = [&](int i, double* d) {
+    for (int k = 0; k < 3; ++k) d[k] = depth * 0.01 * ((i * (k + 3)) % 50);
+  };
+  RuntimeSpeed speed;
+  speed.force_us = median_us(15, 200, [&](int i) {
+    double d[3];
+    displacement(i, d);
+    model.data().force(nodes[static_cast<std::size_t>(i) % nodes.size()], d, f).ignore();
+    sink += f[0];
+  });
+  // A tool stays at a node for many frames, so that the preparation of the node is not measured.
+  std::vector<double> times;
+  for (std::size_t b = 0; b < 7; ++b) {
+    const auto node = nodes[b * nodes.size() / 7];
+    model.data().prepare(node).ignore();
+    times.push_back(median_us(1, 5, [&](int i) {
+      double d[3];
+      displacement(i, d);
+      model.data().deform(node, d, u).ignore();
+      sink += u[0];
+    }));
+  }
+  std::nth_element(times.begin(), times.begin() + 3, times.end());
+  speed.deformation_us = times[3];
+  if (model.runtime().n_fields() > 0)
+    speed.field_us = median_us(7, 5, [&](int i) {
+      double d[3];
+      displacement(i, d);
+      const auto node = nodes[static_cast<std::size_t>(i) % nodes.size()];
+      model.data().field(node, d, 0, u).ignore();
+      sink += u[0];
+    });
+  volatile double keep = sink;  // prevents the compiler from removing the calls
+  static_cast<void>(keep);
+  return speed;
 }
 
 }  // namespace phynness

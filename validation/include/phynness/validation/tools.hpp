@@ -1,14 +1,79 @@
-// Two tools at nodes: coupled responses of the model compared with finite element solves with both nodes prescribed.
+// Tools anywhere on the surface, and two tools at nodes: coupled responses of the model compared with finite element
+// solves with point constraints, or with both nodes prescribed.
 #pragma once
 
+#include <phynness/phynness.h>
 #include <array>
 #include <cstdint>
 #include <phynness/evaluation/loaded_body.hpp>
-#include <phynness/validation/body_warnings.hpp>
+#include <phynness/formats/described.hpp>
 #include <phynness/validation/validation.hpp>
+#include <string>
 #include <vector>
 
 namespace phynness {
+
+/// How often a reduced body warns, and how its bounds hold.
+struct BodyWarnings {
+  std::int64_t unsettled = 0, outside = 0;  ///< answers with this warning of phn_body_press
+  std::int64_t bounded = 0, covered = 0;    ///< forces with a bound; of these, with an error that is not above it
+  void take(int status, std::int64_t with_bound, std::int64_t below) {
+    bounded += with_bound;
+    covered += below;
+    unsettled += (status & PHN_WARNING_UNSETTLED) != 0;
+    outside += (status & PHN_WARNING_OUTSIDE) != 0;
+  }
+  PHYNNESS_FIGURES(unsettled, outside, bounded, covered)
+};
+
+/// As in (17), over the largest finite element response to the displacements of the same point.
+struct PointErrors {
+  ErrorStatistics force, displacement, field_l2;
+  static void describe(const auto& e, auto&& see) {
+    see("force", e.force, "force, as eq. (17)");
+    see("displacement", e.displacement, "displacement");
+    see("field_l2", e.field_l2, "field, relative L2");
+  }
+};
+
+struct PointReport {
+  std::int64_t points = 0, displacements = 0;  ///< requested points, and displacements of each
+  std::int64_t finished = 0;                   ///< finished points; fewer than `points` if it was interrupted
+  std::int64_t failed = 0;                     ///< displacements that the finite elements did not solve
+  std::int64_t refused = 0;                    ///< of these, displacements of tools that they refuse
+  std::string first_refusal;                   ///< the reason of one of them
+  std::int64_t unsettled = 0;  ///< solved displacements for which the model returns PHN_WARNING_UNSETTLED
+  double largest_residual_m = 0;
+  PointErrors coupled;              ///< the model at the points
+  PointErrors linear;               ///< unit responses of the undeformed body at the points
+  PointErrors at_nodes;             ///< the model at the corner nearest to each point, with the same displacements
+  std::optional<PointErrors> body;  ///< a reduced body at the points; empty without one
+  std::optional<BodyWarnings> body_warnings;  ///< of solved displacements
+  ErrorsToRange to_range;  ///< the model at the points, by warnings of phn_couple; its nodes are points, by number
+  double seconds = 0;
+  bool interrupted() const { return finished < points; }
+  static void describe(const auto& result, auto&& see) {
+    PHYNNESS_SEE(points, finished, displacements, failed, refused);
+    see("first_refusal", result.refused > 0 ? std::optional(result.first_refusal) : std::nullopt);
+    PHYNNESS_SEE(unsettled, largest_residual_m, coupled, linear, at_nodes);
+    if (result.body) see("body", *result.body);
+    if (result.body_warnings) see("body_warnings", *result.body_warnings);
+    ErrorsToRange::describe(result.to_range, see);
+  }
+};
+
+/// For tools between nodes.
+std::vector<WorseThanLinear> worse_than_linear(const PointReport& report);
+
+/// Random points are distributed uniformly in triangles whose corners are all active; each such triangle has the same
+/// probability. Directions are uniform on the sphere, or in scenes with hemispheres on the inward half of it.
+/// Magnitudes are uniform up to the scene's R, whatever was trained. Collective; the result is the same
+/// for any number of ranks and complete on rank 0. If `stop` returns true, the function returns the finished points.
+/// @param body  of the same mesh and physics; null: none
+/// @throws Error (input) if no triangle has three active corners, or if the model has forces only
+PointReport validate_points(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+                            LoadedBody* body, std::int64_t points, std::int64_t displacements, std::uint64_t seed,
+                            const OnProgress& progress = {}, const ShouldStop& stop = {});
 
 /// alone: the force of each tool without the other one, and the sum of the two fields. paper: the weights (15)-(16),
 /// which define no force. linear: the response of the undeformed body to both tools. body: a reduced body, if one is

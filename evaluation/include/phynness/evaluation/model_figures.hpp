@@ -1,9 +1,11 @@
-// How well a model repeats the database that it was trained on, beside linear responses of the same data.
+// How well a model repeats the database that it was trained on, beside linear responses of the same data, and how fast
+// the runtime answers on this machine.
 #pragma once
 
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/described.hpp>
+#include <vector>
 
 namespace phynness {
 
@@ -23,5 +25,15 @@ DatabaseErrors errors_on_database(const LoadedModel& model, const Database& data
 
 /// A mean error that matters, and is larger than that of linear responses.
 inline bool is_worse_than_linear(double model, double linear) { return model > linear && model > 1e-3; }
+
+/// Median times of one call of the runtime in one thread; deformations of prepared nodes (phn_prepare).
+struct RuntimeSpeed {
+  double force_us = 0, deformation_us = 0;
+  double field_us = 0;  ///< of one scalar field; 0: the model has no fields
+};
+RuntimeSpeed measure_speed(const LoadedModel& model);
+
+/// Times of each level by phn_calibrate with the steady clock of this machine.
+std::vector<phn_level_time> measure_levels(const LoadedModel& model);
 
 }  // namespace phynness
