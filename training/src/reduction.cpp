@@ -84,7 +84,7 @@ class Reduction {
     draw_states();
     MatrixXd fields = modes_of_nodes();
     const MatrixXd of_database = fields;
-    if (_spec.pairs_per_node > 0 && n_active() > 1) add_pairs(fields);
+    if (_spec.pairs > 0 && n_active() > 1) add_pairs(fields);
     find(fields, _spec.modes, _spec.cells);
     const MatrixXd inner = _modes.transpose() * laplace_of(of_database);
     _report.captured = inner.squaredNorm() / _energy;
@@ -167,14 +167,13 @@ class Reduction {
   void add_pairs(MatrixXd& fields) {
     const int modes = std::min(modes_of_pairs * _spec.modes, static_cast<int>(schema::most_body_modes));
     const int cells = std::max(_spec.cells, static_cast<int>(cells_of_pairs * modes));
-    const int n_pairs = std::min(_spec.pairs_per_node * n_active(), _spec.most_pairs);
-    _steps += n_pairs + steps_of(cells);
+    _steps += _spec.pairs + steps_of(cells);
     find(fields, modes, cells);
     std::vector<std::int32_t> nodes(static_cast<std::size_t>(_elements.n_nodes));
     std::iota(nodes.begin(), nodes.end(), 0);
     const MatrixXd pairs =
-        fields_of_pairs(body(nodes), _header.sets.active, _scene.probe.directions == Directions::hemisphere, n_pairs,
-                        _spec.seed + 2, _threads, [this] { step(); });
+        fields_of_pairs(body(nodes), _header.sets.active, _scene.probe.directions == Directions::hemisphere,
+                        _spec.pairs, _spec.seed + 2, _threads, [this] { step(); });
     const double energy = pairs.cwiseProduct(laplace_of(pairs)).sum();
     if (!(energy > 0)) return;
     fields.conservativeResize(Eigen::NoChange, fields.cols() + pairs.cols());

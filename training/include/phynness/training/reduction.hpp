@@ -15,10 +15,7 @@ struct ReductionSpec {
   int cells = 400;   ///< points of the sum, cells and edges. All of them, with weight 1, if there are not more.
   int states = 300;  ///< random states of the database from which pressures and weights follow
   std::uint64_t seed = 1;
-  /// Random pairs of tools for each probed node, on a larger body, whose fields the modes have, too; 0: none. With 600
-  /// and 900 in place of 300 on 217 nodes, p95 of a liver's pairs (K/mu 200) fell by 2 and 13 % in the mean of three
-  /// draws.
-  int pairs_per_node = 4, most_pairs = 1'000;
+  int pairs = 300;  ///< random pairs of tools on a larger body, whose fields the modes have, too; 0: none
 };
 
 struct ReductionReport {
