@@ -28,7 +28,7 @@ LoadedBody::LoadedBody(std::string text, std::string name) : _name(std::move(nam
   reset();
 }
 
-bool LoadedBody::has_bounds() const { return _text.find("\nbounds ") != std::string::npos; }
+bool LoadedBody::has_bounds() const { return _text.find("\nforce-bounds ") != std::string::npos; }
 
 std::size_t LoadedBody::state_bytes(std::int32_t max_tools) const {
   std::size_t bytes = 0;

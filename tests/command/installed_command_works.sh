@@ -19,6 +19,7 @@ find "$work/moved" -name phynness_gmsh.so -delete
 ! "$work/moved/bin/phynness" mesh "$scene" -o "$work/none.msh" 2>"$work/error"
 grep -q "gmsh cannot be loaded.*phynness_gmsh.so" "$work/error"
 grep -q "remedy: check the installation of libgmsh" "$work/error"
-printf '[mesh]\nfile = "%s"\ntarget_nodes = 100\n' "$(dirname "$0")/../data/meshes/sofa_env/gallbladder_surface.stl" >"$work/surface.toml"
+surface=$(dirname "$0")/../data/meshes/sofa_env/gallbladder_surface.stl
+sed "s|^shape = .*|file = \"$surface\"\nscale_to_m = 0.001|" "$scene" >"$work/surface.toml"
 ! "$work/moved/bin/phynness" mesh "$work/surface.toml" -o "$work/none.msh" 2>"$work/error"
 grep -q "remedy: check the installation of libgmsh" "$work/error"
