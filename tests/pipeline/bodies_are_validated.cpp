@@ -140,6 +140,7 @@ TEST_F(Bodies, GetBounds) {
   };
   for (const auto& [from, to, words] :
        {std::tuple{"\nforce-bounds 2\n", "\nforce-bounds 3\n", "force-bounds is out of range 2 ... 2"},
+        {"\nforce-bounds 2\n", "\nbounds 2\n", "bounds of the body are of an earlier version"},
         {"\nrays ", "\nrays -", "rays is out of range"}}) {
     write_file(folder / "bad.txt", damaged(from, to));
     expect_error(be_refused(calibrate + "bad.txt").err, {words, "bad.txt:"});

@@ -141,7 +141,7 @@ void add_warnings(const std::optional<BodyWarnings>& of_body, std::vector<Json>&
 }
 
 Json time_and_residual(const auto& report) {
-  return text(fmt::format("largest distance of a tool from its point in the field: {:.1e} m; {:.0f} s",
+  return text(fmt::format("largest distance of a tool from its point in the field: {:.1e} m; {:.1f} s",
                           report.largest_residual_m, report.seconds));
 }
 
