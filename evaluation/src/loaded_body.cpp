@@ -1,6 +1,7 @@
 #include <phynness/evaluation/loaded_body.hpp>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/schema/body_grammar.hpp>
 
 namespace phynness {
 namespace {
@@ -28,7 +29,9 @@ LoadedBody::LoadedBody(std::string text, std::string name) : _name(std::move(nam
   reset();
 }
 
-bool LoadedBody::has_bounds() const { return _text.find("\nforce-bounds ") != std::string::npos; }
+bool LoadedBody::has_bounds() const {
+  return _text.find("\n" + std::string(schema::body_bounds_word) + " ") != std::string::npos;
+}
 
 std::size_t LoadedBody::state_bytes(std::int32_t max_tools) const {
   std::size_t bytes = 0;

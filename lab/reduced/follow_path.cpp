@@ -141,7 +141,7 @@ std::array<std::optional<double>, 2> work_of_loop(const Body& body, double depth
     state.reset();
     double first = 0, largest = 0;
     bool settles = true;
-    for (int k = -4; k <= moments; ++k) {  // four increments to the depth, where the loop begins
+    for (int k = -4; k <= moments; ++k) {  // in five increments to the depth, where the loop begins
       const double angle = 2 * pi * std::max(k, 0) / moments;
       Vector3d at = body.point(middle) + radius / 3 * (std::cos(angle) * along + std::sin(angle) * across), up;
       tools[0] = body.nearest(at, up);
@@ -165,11 +165,15 @@ void run_loops(const Options& options) {
     for (std::size_t kind = 0; kind < 2; ++kind)
       if (work[kind]) works[kind].push_back(100 * *work[kind]);
   }
-  for (std::size_t kind = 0; kind < 2; ++kind)
-    fmt::print(
-        "{}: work over the largest energy [%], median {:.2g}, 95 % {:.2g}, largest {:.2g}; {} loops, {} unsettled\n",
-        kind == 0 ? "one tool" : "beside a second tool", at(works[kind], 0.5), at(works[kind], 0.95),
-        at(works[kind], 1), works[kind].size(), options.loops - std::ssize(works[kind]));
+  for (std::size_t kind = 0; kind < 2; ++kind) {
+    const auto& of = works[kind];
+    fmt::print("{}: {} loops, {} unsettled", kind == 0 ? "one tool" : "beside a second tool", of.size(),
+               options.loops - std::ssize(of));
+    if (!of.empty())
+      fmt::print("; work over the largest energy [%], median {:.2g}, 95 % {:.2g}, largest {:.2g}; {} above 1 %",
+                 at(of, 0.5), at(of, 0.95), at(of, 1), std::ranges::count_if(of, [](double work) { return work > 1; }));
+    fmt::print("\n");
+  }
 }
 
 void run(const Options& options) {

@@ -18,11 +18,13 @@ void word_line(IO& io, const char* key, Word& word) {
   io.end();
 }
 
-/// Coefficients of the bounds of errors, as those of coupled tools in a model.
+inline constexpr char body_bounds_word[] = "force-bounds";
+
+/// Coefficients of the bounds of errors, as many as those of coupled tools in a model.
 template <class IO, class Body>
 void body_bounds(IO& io, Body& b) {
-  if (!io.optional("force-bounds", io.rows(b.bounds) > 0)) return;
-  const int32_t kinds = size_line(io, "force-bounds", io.rows(b.bounds), n_coupled_kinds, n_coupled_kinds);
+  if (!io.optional(body_bounds_word, io.rows(b.bounds) > 0)) return;
+  const int32_t kinds = size_line(io, body_bounds_word, io.rows(b.bounds), n_coupled_kinds, n_coupled_kinds);
   real_line(io, "coverage", b.coverage, probability);
   integer_line(io, "rays", b.n_rays, 1, largest_integer);
   rows_of_numbers(io, "coefficient", b.bounds, kinds, n_coupled_terms, exponent);
