@@ -1,5 +1,6 @@
 // Claims: validate --body compares a reduced body at the same states as the model, for any number of ranks, and changes
-// nothing else; a body of another scene or a damaged one is refused. calibrate --body adds bounds to the body, the same
+// nothing else; its report holds the errors between nodes of which its tables are made; a body of another scene or a
+// damaged one is refused. calibrate --body adds bounds to the body, the same
 // for any number of ranks, and changes nothing else in it and nothing in the model; they hold for the states of
 // validate. train --surface makes a model of a database of all nodes to which its body can be attached. eval --body
 // then answers every tool by the body: single ones, rows of a file, and motions, which go on from step to step.
@@ -42,6 +43,17 @@ class Bodies : public CommandLine {
       all.erase(time);
     return all;
   }
+  /// The errors between nodes that a report draws.
+  nlohmann::json between_nodes(const std::string& file) const {
+    const auto page = read_file(folder / file);
+    const std::string start = R"(id="phynness-data">)";
+    const auto at = page.find(start) + start.size();
+    const auto data = nlohmann::json::parse(page.substr(at, page.find("</script>", at) - at));
+    for (const auto& section : data.at("sections"))
+      for (const auto& block : section.at("blocks"))
+        if (block.contains("body")) return block.at("body").at("between_nodes");
+    return {};
+  }
 };
 
 TEST_F(Bodies, AreComparedBesideTheModel) {
@@ -49,8 +61,8 @@ TEST_F(Bodies, AreComparedBesideTheModel) {
   succeed("run scene.toml -o out");
   succeed("reduce out/database.h5 -o body.txt --cells 1000000");
   const std::string validate = "validate scene.toml out/model --probes 2 --points 3 --pairs 8 --json ";
-  succeed(validate + "without.json");
-  const auto done = succeed(validate + "with.json --details --body body.txt");
+  succeed(validate + "without.json --report without.html");
+  const auto done = succeed(validate + "with.json --details --body body.txt --report with.html");
   expect_names(done.out, {"two tools, reduced body", "the reduced body: 0 unsettled, 0 outside of its trained range"});
   auto with = figures("with.json");
   for (const char* part : {"points", "pairs"}) {
@@ -64,10 +76,38 @@ TEST_F(Bodies, AreComparedBesideTheModel) {
   EXPECT_LT(all.at("body").at("displacement_all").at("max"), 0.02);
   EXPECT_LT(with.at("points").at("body").at("force").at("max"), 0.02);
 
-  const auto ranks = shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" " + validate + "ranks.json --body body.txt");
+  auto drawn = between_nodes("with.html");
+  ASSERT_EQ(drawn.at("rows").size(), 9u);
+  ASSERT_EQ(drawn.at("predictors").size(), 3u);
+  const auto& points = with.at("points");
+  ASSERT_EQ(points.at("failed"), 0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& weights = drawn.at("weights");
+    EXPECT_NEAR(weights[3 * i].get<double>() + weights[3 * i + 1].get<double>() + weights[3 * i + 2].get<double>(), 1,
+                2e-4);
+    const auto& predictor = drawn.at("predictors")[i];
+    EXPECT_EQ(predictor.at("name"), (std::array{"linear predictor", "model", "reduced body"}[i]));
+    const auto errors = predictor.at("force_error").get<std::vector<double>>();
+    const auto flagged = predictor.at("flagged").get<std::vector<std::int64_t>>();
+    ASSERT_EQ(errors.size(), 3u);
+    EXPECT_EQ(flagged[0] + flagged[1] + flagged[2], i == 1 ? points.at("flagged").at("solved").get<std::int64_t>() : 0);
+    // The body has no table by warnings; without flagged forces this one has the same measure.
+    const auto& of_table = i == 2   ? points.at("body").at("force")
+                           : i == 1 ? points.at("all").at("force")
+                                    : points.at("all").at("linear").at("force");
+    const double mean = of_table.at("mean").get<double>();
+    EXPECT_GT(mean, 0);
+    EXPECT_NEAR((errors[0] + errors[1] + errors[2]) / 3, mean, 1e-12);
+  }
+
+  const auto ranks =
+      shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" " + validate + "ranks.json --body body.txt --report ranks.html");
   ASSERT_EQ(ranks.exit_status, 0) << ranks.err;
   EXPECT_EQ(json("ranks.json").at("points"), with.at("points"));
   EXPECT_EQ(json("ranks.json").at("pairs"), with.at("pairs"));
+  EXPECT_EQ(between_nodes("ranks.html"), drawn);
+  drawn.at("predictors").erase(2);
+  EXPECT_EQ(between_nodes("without.html"), drawn);
 
   with.at("points").erase("body");
   for (auto& part : {&with.at("points"), &with.at("pairs")}) part->erase("body_warnings");

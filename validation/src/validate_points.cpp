@@ -103,6 +103,7 @@ class PointComparison : public ToolComparison {
   void at(std::size_t point, const Place& place, PointReport& report) {
     std::vector<Compared> coupled, linear, at_node, of_body;
     std::vector<JudgedProbe> probes;
+    PointRecord record{place.nodes, place.weights};
     _solver.touch_points({place});
     for (const auto& d : place.displacements) {
       const auto truth = _solver.solve({d}, _increments);
@@ -117,6 +118,7 @@ class PointComparison : public ToolComparison {
       const auto said = _model.couple({tool_at(place, d)});
       report.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
       report.largest_residual_m = std::max(report.largest_residual_m, said.coupled.residual);
+      record.model_flagged += probes.back().flagged;
       coupled.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m, u});
       auto [linear_force, linear_u] = linear_response(_solver, _model.model(), {d});
       linear.push_back({*linear_force[0], truth.force_N[0], std::move(linear_u), u});
@@ -124,6 +126,7 @@ class PointComparison : public ToolComparison {
       auto answer = _body->at({tool_at(place, d)});
       const auto [bounded, below] = covered(answer, truth.force_N);
       report.body_warnings->take(answer.status, bounded, below);
+      record.body_flagged += is_flagged(answer.status);
       of_body.push_back({answer.force_N[0], truth.force_N[0], std::move(answer.displacement_m), _body->shared(u)});
     }
     const auto corner = nearest_active(_model, place);
@@ -135,7 +138,14 @@ class PointComparison : public ToolComparison {
       at_node.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m,
                          truth.displacement_m(_model.model().output, Eigen::all)});
     }
-    judge(point, probes, coupled, linear);
+    const auto largest = judge(point, probes, coupled, linear);
+    const auto mean = [&](const std::vector<Compared>& compared) {
+      double sum = 0;
+      for (const auto& one : compared) sum += probe_errors(one, largest, {}).force;
+      return sum / static_cast<double>(compared.size());
+    };
+    record.linear = mean(linear), record.model = mean(coupled), record.body = mean(of_body);
+    _records.add({static_cast<double>(point)}, record);
     add_errors(coupled, {}, _coupled);
     add_errors(linear, {}, _linear);
     add_errors(of_body, {}, _of_body);
@@ -146,8 +156,8 @@ class PointComparison : public ToolComparison {
   }
 
   /// @param coupled, linear  of the solved probes
-  void judge(std::size_t point, std::vector<JudgedProbe>& probes, const std::vector<Compared>& coupled,
-             const std::vector<Compared>& linear) {
+  LargestResponse judge(std::size_t point, std::vector<JudgedProbe>& probes, const std::vector<Compared>& coupled,
+                        const std::vector<Compared>& linear) {
     LargestResponse largest;
     std::size_t at = 0;
     for (const auto& judged : probes)
@@ -161,11 +171,13 @@ class PointComparison : public ToolComparison {
       }
       _rows.add({static_cast<double>(point)}, judged);
     }
+    return largest;
   }
 
  public:
   void finish(const SolverSession& session, double range_m, PointReport& report) const {
     report.to_range = errors_to_range(_rows.gathered(session), range_m, "points");
+    report.records = _records.gathered(session);
     const auto errors_of = [&](const PointSamples& samples) {
       const auto errors = statistics(session, samples);
       return PointErrors{errors.force, errors.displacement, errors.field_l2};
@@ -198,6 +210,7 @@ class PointComparison : public ToolComparison {
 
   PointSamples _coupled, _linear, _at_nodes, _of_body;
   JudgedRows _rows;
+  OrderedRows<PointRecord> _records;
   std::int64_t _refused = 0;
   std::optional<Error> _first_refusal;
 };

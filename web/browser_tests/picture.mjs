@@ -1,12 +1,13 @@
 // Saves a picture of a page, for the documentation.
-// Usage, in the build's folder web/work: node browser_tests/picture.mjs PAGE.html OUT.png [SCRIPT [WIDTHxHEIGHT [light|dark]]]
+// Usage, in the build's folder web/work: node browser_tests/picture.mjs PAGE.html OUT.png [SCRIPT [WIDTHxHEIGHT [light|dark [SELECTOR]]]]
+// SELECTOR: of the element that is seen, otherwise the window
 // SCRIPT of docs/figures/view.png, of the demo's page: phynness.set({map: 'palpation'});
 // phynness.hold([{node: 212, displacement: [0.004, 0.004, 0.0145]}])
 import { resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { launch } from 'puppeteer-core';
 
-const [file, out, script = '', size = '1280x800', scheme = 'light'] = process.argv.slice(2);
+const [file, out, script = '', size = '1280x800', scheme = 'light', selector = ''] = process.argv.slice(2);
 const [width, height] = size.split('x').map(Number);
 const browser = await launch({
   executablePath: '/usr/bin/chromium', headless: true,
@@ -20,5 +21,5 @@ await page.goto(pathToFileURL(resolve(file)).href);
 await page.waitForFunction('globalThis.phynness || globalThis.phynnessReport');
 if (script) await page.evaluate(script);
 await new Promise((done) => setTimeout(done, 600));
-await page.screenshot({ path: out });
+await (selector ? await page.$(selector) : page).screenshot({ path: out });
 await browser.close();

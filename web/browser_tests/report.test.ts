@@ -1,5 +1,5 @@
 // Claims, in a real browser: the report of `phynness validate` draws its body and charts; a click on a worst case shows
-// it beside the finite elements; it says so if scripts are turned off; nothing is logged, requested or executed from the
+// it beside the finite elements; errors between nodes are drawn side by side as coloured discs; it says so if scripts are turned off; nothing is logged, requested or executed from the
 // texts in it.
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -14,7 +14,7 @@ let browser: Browser, opened: Opened | null = null;
 beforeAll(async () => {
   const scene = join(folder, 'scene.toml');
   writeFileSync(scene, readFileSync(join(built.source, 'examples/model/scene.toml'), 'utf8').replace(/^title = .*$/m, `title = "${hostile}"`));
-  phynness('validate', scene, built.model, '--probes', '40', '--report', report);
+  phynness('validate', scene, built.model, '--probes', '40', '--points', '8', '--report', report);
   browser = await start();
 });
 afterAll(async () => browser?.close());
@@ -36,7 +36,7 @@ describe(`the report in ${browserName}`, () => {
   it('draws charts and the body, and shows a worst case by a click', async () => {
     const page = await view();
     const parts = await ask<number[]>(page, "['.chart', '.chart canvas', 'section', '.wide > table', 'details'].map((part) => document.querySelectorAll(part).length)");
-    expect(parts).toEqual([parts[1], expect.any(Number), 10, 8, 3]);
+    expect(parts).toEqual([parts[1], expect.any(Number), 11, 10, 4]);
     expect(parts[0]).toBeGreaterThanOrEqual(8);
     expect(await ask<string>(page, "document.querySelector('li').textContent")).toMatch(/^Error of forces: the model is /);
     expect(await ask<string>(page, "document.querySelectorAll('li')[1].textContent")).toMatch(/^Worst node: the force is off by/);
@@ -54,6 +54,25 @@ describe(`the report in ${browserName}`, () => {
         for (let x = box.x + 2; x < box.x + box.width - 2; x += 5) seen.push(picture.at(x, y).reduce((a, b) => a + b, 0) / 3);
       const mean = seen.reduce((a, b) => a + b, 0) / seen.length;
       expect(Math.sqrt(seen.reduce((a, b) => a + (b - mean) ** 2, 0) / seen.length)).toBeGreaterThan(15); // empty: below 3
+    }
+  });
+  it('draws the errors between nodes as discs, of all predictors on one scale', async () => {
+    const page = await view(), shown = "document.querySelectorAll('.pane:not([hidden])').length";
+    expect(await ask<number>(page, shown)).toBe(1);
+    const value = await ask<string>(page, "[...document.querySelectorAll('#body option')].find((o) => o.text === 'Mean error of the force between nodes').value");
+    await page.evaluate(`phynnessReport.show('${value}'); phynnessReport.scrollTo()`);
+    const picture = await pixels(page);
+    const panes = await ask<{ caption: string; x: number; y: number; width: number; height: number }[]>(page,
+      "[...document.querySelectorAll('.pane:not([hidden])')].map((pane) => ({ ...pane.querySelector('canvas').getBoundingClientRect().toJSON(), caption: pane.textContent }))");
+    expect(panes.map(({ caption }) => caption.replace(/: .*/, ''))).toEqual(['linear predictor', 'model'].map((name) => `Mean error of the force between nodes, ${name}`));
+    for (const { x, y, width, height } of panes) {
+      let coloured = 0;
+      for (let row = Math.max(2, y); row < Math.min(picture.height, y + height) - 2; row += 2)
+        for (let column = x + 2; column < x + width - 2; column += 2) {
+          const colour = picture.at(column, row);
+          coloured += Number(Math.max(...colour) - Math.min(...colour) > 60);
+        }
+      expect(coloured).toBeGreaterThan(20); // the body and its background are grey
     }
   });
   // The width of letters differs between browsers.

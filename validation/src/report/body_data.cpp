@@ -34,6 +34,33 @@ Json node_errors(const ErrorsToRange& errors, const std::map<std::int32_t, std::
   return all;
 }
 
+/// Places between nodes and their mean errors of the force, of each predictor; null without places.
+Json between_nodes(const Validated& in, const std::map<std::int32_t, std::int32_t>& rows) {
+  std::vector<PointRecord> solved;
+  for (const auto& record : in.points.records)
+    if (!std::isnan(record.model)) solved.push_back(record);
+  if (solved.empty()) return {};
+  Json corners = Json::array(), weights = Json::array();
+  for (const auto& record : solved)
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners.push_back(rows.at(record.nodes[k]));
+      weights.push_back(std::round(1e4 * record.weights[k]) / 1e4);
+    }
+  Json predictors = Json::array();
+  const auto add = [&](const char* name, double PointRecord::*error, const auto& flagged_of) {
+    Json errors = Json::array(), flagged = Json::array();
+    for (const auto& record : solved) {
+      errors.push_back(record.*error);
+      flagged.push_back(flagged_of(record));
+    }
+    predictors.push_back({{"name", name}, {"force_error", errors}, {"flagged", flagged}});
+  };
+  add("linear predictor", &PointRecord::linear, [](const auto&) { return 0; });
+  add("model", &PointRecord::model, [](const auto& record) { return record.model_flagged; });
+  if (in.points.body) add("reduced body", &PointRecord::body, [](const auto& record) { return record.body_flagged; });
+  return {{"rows", corners}, {"weights", weights}, {"predictors", predictors}};
+}
+
 /// Share of the probe volume of each active node that the model has not trained.
 Json not_trained(const Model& model, const std::map<std::int32_t, std::int32_t>& rows) {
   const auto share = trained_share(model);
@@ -71,6 +98,7 @@ Json body_data(const Validated& in) {
               {"triangles", triangles},
               {"displacement_error", errors},
               {"nodes", node_errors(in.report.to_range, rows)},
+              {"between_nodes", between_nodes(in, rows)},
               {"not_trained", not_trained(model, rows)},
               {"cases", cases}};
 }

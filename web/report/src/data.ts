@@ -40,6 +40,19 @@ export interface BodyCase {
   readonly finite_elements_m: readonly number[];
   readonly model_m: readonly number[];
 }
+export interface PointErrors {
+  readonly name: string;
+  /** mean by place, fractions */
+  readonly force_error: readonly number[];
+  /** by place: of how many forces the predictor warns */
+  readonly flagged: readonly number[];
+}
+/** Tools between nodes: each place has three rows of points, their weights, and errors of each predictor. */
+export interface BetweenNodes {
+  readonly rows: readonly number[];
+  readonly weights: readonly number[];
+  readonly predictors: readonly PointErrors[];
+}
 export interface BodyData {
   /** output nodes, then fixed nodes, n x 3 [m] */
   readonly points_m: readonly number[];
@@ -47,6 +60,7 @@ export interface BodyData {
   readonly triangles: readonly number[];
   /** mean by output node, fractions */
   readonly displacement_error: readonly number[];
+  readonly between_nodes: BetweenNodes | null;
   /** row of an active node and share of its probe volume that the model has not trained */
   readonly not_trained: readonly (readonly [number, number])[];
   readonly nodes: readonly { readonly node: number; readonly row: number; readonly force_error: number }[];

@@ -36,6 +36,15 @@ struct PointErrors {
   }
 };
 
+/// A finished place between nodes, with means over its solved displacements, like ErrorsOfNode::force, and numbers of
+/// displacements of which a predictor warns; the linear one never does.
+struct PointRecord {
+  std::array<std::int32_t, 3> nodes{};
+  std::array<double, 3> weights{};
+  double linear = 0, model = 0, body = 0;            ///< not a number: not solved, or no body
+  std::int64_t model_flagged = 0, body_flagged = 0;  ///< of solved displacements
+};
+
 struct PointReport {
   std::int64_t points = 0, displacements = 0;  ///< requested points, and displacements of each
   std::int64_t finished = 0;                   ///< finished points; fewer than `points` if it was interrupted
@@ -50,6 +59,7 @@ struct PointReport {
   std::optional<PointErrors> body;  ///< a reduced body at the points; empty without one
   std::optional<BodyWarnings> body_warnings;  ///< of solved displacements
   ErrorsToRange to_range;  ///< the model at the points, by warnings of phn_couple; its nodes are points, by number
+  std::vector<PointRecord> records;  ///< in the order of the seed; on rank 0
   double seconds = 0;
   bool interrupted() const { return finished < points; }
   static void describe(const auto& result, auto&& see) {
