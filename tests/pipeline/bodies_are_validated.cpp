@@ -86,7 +86,7 @@ TEST_F(Bodies, AreComparedBesideTheModel) {
     EXPECT_NEAR(weights[3 * i].get<double>() + weights[3 * i + 1].get<double>() + weights[3 * i + 2].get<double>(), 1,
                 2e-4);
     const auto& predictor = drawn.at("predictors")[i];
-    EXPECT_EQ(predictor.at("name"), (std::array{"linear predictor", "model", "reduced body"}[i]));
+    EXPECT_EQ(predictor.at("name"), (std::array{"Linear predictor", "Model", "Reduced body"}[i]));
     const auto errors = predictor.at("force_error").get<std::vector<double>>();
     const auto flagged = predictor.at("flagged").get<std::vector<std::int64_t>>();
     ASSERT_EQ(errors.size(), 3u);

@@ -1,8 +1,11 @@
 // Saves a picture of a page, for the documentation.
 // Usage, in the build's folder web/work: node browser_tests/picture.mjs PAGE.html OUT.png [SCRIPT [WIDTHxHEIGHT [light|dark [SELECTOR]]]]
-// SELECTOR: of the element that is seen, otherwise the window
 // SCRIPT of docs/figures/view.png, of the demo's page: phynness.set({map: 'palpation'});
 // phynness.hold([{node: 212, displacement: [0.004, 0.004, 0.0145]}])
+// With SELECTOR the picture shows one element. SCRIPT of docs/figures/between_nodes_*.png, of a report with --points --body,
+// 1280x900 light '#body': document.head.insertAdjacentHTML('beforeend', '<style>#body { padding: 6px 12px; }
+// #body label, #body .key { display: none; } .pane canvas { height: 15rem; } .foot .legend { width: 40rem; }</style>');
+// const r = phynnessReport; r.show('map 2'); r.look({...r.camera, distance: 0.95 * r.camera.distance}) (gallbladder: 0.82)
 import { resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { launch } from 'puppeteer-core';

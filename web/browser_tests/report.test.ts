@@ -61,10 +61,11 @@ describe(`the report in ${browserName}`, () => {
     expect(await ask<number>(page, shown)).toBe(1);
     const value = await ask<string>(page, "[...document.querySelectorAll('#body option')].find((o) => o.text === 'Mean error of the force between nodes').value");
     await page.evaluate(`phynnessReport.show('${value}'); phynnessReport.scrollTo()`);
+    expect(await ask<string>(page, "document.querySelector('.legend').textContent")).toMatch(/^Mean error of the force between nodes \[%\]0.1110100.*Red ring/);
     const picture = await pixels(page);
     const panes = await ask<{ caption: string; x: number; y: number; width: number; height: number }[]>(page,
       "[...document.querySelectorAll('.pane:not([hidden])')].map((pane) => ({ ...pane.querySelector('canvas').getBoundingClientRect().toJSON(), caption: pane.textContent }))");
-    expect(panes.map(({ caption }) => caption.replace(/: .*/, ''))).toEqual(['linear predictor', 'model'].map((name) => `Mean error of the force between nodes, ${name}`));
+    expect(panes.map(({ caption }) => caption.replace(/: .*/, ''))).toEqual(['Linear predictor', 'Model']);
     for (const { x, y, width, height } of panes) {
       let coloured = 0;
       for (let row = Math.max(2, y); row < Math.min(picture.height, y + height) - 2; row += 2)

@@ -55,9 +55,9 @@ Json between_nodes(const Validated& in, const std::map<std::int32_t, std::int32_
     }
     predictors.push_back({{"name", name}, {"force_error", errors}, {"flagged", flagged}});
   };
-  add("linear predictor", &PointRecord::linear, [](const auto&) { return 0; });
-  add("model", &PointRecord::model, [](const auto& record) { return record.model_flagged; });
-  if (in.points.body) add("reduced body", &PointRecord::body, [](const auto& record) { return record.body_flagged; });
+  add("Linear predictor", &PointRecord::linear, [](const auto&) { return 0; });
+  add("Model", &PointRecord::model, [](const auto& record) { return record.model_flagged; });
+  if (in.points.body) add("Reduced body", &PointRecord::body, [](const auto& record) { return record.body_flagged; });
   return {{"rows", corners}, {"weights", weights}, {"predictors", predictors}};
 }
 

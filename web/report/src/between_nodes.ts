@@ -16,8 +16,8 @@ export const meanOf = (values: readonly number[]): number => values.reduce((a, b
 
 /** The same for all predictors and bodies, so that they can be compared by eye. */
 export const errorScale: Scale = {
-  title: 'Mean error of the force', unit: 'fraction', low: 0.001, high: 1, log: true,
-  note: 'Logarithmic; errors beyond its ends have their colours. Red ring: the predictor warns of a force there.',
+  title: 'Mean error of the force between nodes', unit: 'fraction', low: 0.001, high: 1, log: true,
+  note: 'Logarithmic; errors beyond its ends have their colours. Red ring: the predictor warns of a force there. Dark: fixed.',
 };
 
 export class Discs {

@@ -94,10 +94,10 @@ export class Body {
       map('Mean error of the displacement', 'Mean error of the displacement', data.displacement_error.map((e, i) => [i, e] as const)),
       map('Mean error of the force at the probed nodes', 'Mean error of the force', data.nodes.map(({ row, force_error }) => [row, force_error] as const), 'Grey: not probed'),
       ...(between
-        ? [{ name: 'Mean error of the force between nodes',
+        ? [{ name: errorScale.title,
           drawings: between.predictors.map((discs) => ({
             shown: { values: grey, known: grey, scale: errorScale, discs },
-            caption: `Mean error of the force between nodes, ${discs.name}: ${percent(meanOf(discs.force_error))}`,
+            caption: `${discs.name}: mean ${percent(meanOf(discs.force_error))}`,
           })) }]
         : []),
       ...(data.not_trained.some(([, share]) => share > 0)
