@@ -118,7 +118,7 @@ class PointComparison : public ToolComparison {
       const auto said = _model.couple({tool_at(place, d)});
       report.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
       report.largest_residual_m = std::max(report.largest_residual_m, said.coupled.residual);
-      record.model_flagged += probes.back().flagged;
+      record.flagged[1] += probes.back().flagged;
       coupled.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m, u});
       auto [linear_force, linear_u] = linear_response(_solver, _model.model(), {d});
       linear.push_back({*linear_force[0], truth.force_N[0], std::move(linear_u), u});
@@ -126,7 +126,7 @@ class PointComparison : public ToolComparison {
       auto answer = _body->at({tool_at(place, d)});
       const auto [bounded, below] = covered(answer, truth.force_N);
       report.body_warnings->take(answer.status, bounded, below);
-      record.body_flagged += is_flagged(answer.status);
+      record.flagged[2] += is_flagged(answer.status);
       of_body.push_back({answer.force_N[0], truth.force_N[0], std::move(answer.displacement_m), _body->shared(u)});
     }
     const auto corner = nearest_active(_model, place);
@@ -144,7 +144,7 @@ class PointComparison : public ToolComparison {
       for (const auto& one : compared) sum += probe_errors(one, largest, {}).force;
       return sum / static_cast<double>(compared.size());
     };
-    record.linear = mean(linear), record.model = mean(coupled), record.body = mean(of_body);
+    record.error = {mean(linear), mean(coupled), mean(of_body)};
     _records.add({static_cast<double>(point)}, record);
     add_errors(coupled, {}, _coupled);
     add_errors(linear, {}, _linear);

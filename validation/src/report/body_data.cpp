@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <phynness/validation/report.hpp>
@@ -36,28 +37,23 @@ Json node_errors(const ErrorsToRange& errors, const std::map<std::int32_t, std::
 
 /// Places between nodes and their mean errors of the force, of each predictor; null without places.
 Json between_nodes(const Validated& in, const std::map<std::int32_t, std::int32_t>& rows) {
-  std::vector<PointRecord> solved;
-  for (const auto& record : in.points.records)
-    if (!std::isnan(record.model)) solved.push_back(record);
-  if (solved.empty()) return {};
-  Json corners = Json::array(), weights = Json::array();
-  for (const auto& record : solved)
+  constexpr std::array names{"Linear predictor", "Model", "Reduced body"};
+  const std::size_t n = in.points.body ? 3 : 2;
+  Json corners = Json::array(), weights = Json::array(), predictors = Json::array();
+  for (std::size_t p = 0; p < n; ++p)
+    predictors.push_back({{"name", names[p]}, {"force_error", Json::array()}, {"flagged", Json::array()}});
+  for (const auto& place : in.points.records) {
+    if (std::isnan(place.error[0])) continue;
     for (std::size_t k = 0; k < 3; ++k) {
-      corners.push_back(rows.at(record.nodes[k]));
-      weights.push_back(std::round(1e4 * record.weights[k]) / 1e4);
+      corners.push_back(rows.at(place.nodes[k]));
+      weights.push_back(std::round(1e4 * place.weights[k]) / 1e4);
     }
-  Json predictors = Json::array();
-  const auto add = [&](const char* name, double PointRecord::*error, const auto& flagged_of) {
-    Json errors = Json::array(), flagged = Json::array();
-    for (const auto& record : solved) {
-      errors.push_back(record.*error);
-      flagged.push_back(flagged_of(record));
+    for (std::size_t p = 0; p < n; ++p) {
+      predictors[p]["force_error"].push_back(place.error[p]);
+      predictors[p]["flagged"].push_back(place.flagged[p]);
     }
-    predictors.push_back({{"name", name}, {"force_error", errors}, {"flagged", flagged}});
-  };
-  add("Linear predictor", &PointRecord::linear, [](const auto&) { return 0; });
-  add("Model", &PointRecord::model, [](const auto& record) { return record.model_flagged; });
-  if (in.points.body) add("Reduced body", &PointRecord::body, [](const auto& record) { return record.body_flagged; });
+  }
+  if (corners.empty()) return {};
   return {{"rows", corners}, {"weights", weights}, {"predictors", predictors}};
 }
 

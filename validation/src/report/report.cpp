@@ -194,13 +194,11 @@ Json picture(const Validated& in) {
   for (const auto& e : in.report.to_range.nodes)
     rows.push_back({std::to_string(e.node), std::to_string(e.solved), in_percent(e.force), in_percent(e.force_max),
                     in_percent(e.displacement)});
-  std::vector<Json> blocks{text(
-      std::string("Means over all probes up to R; of the displacements in the picture, over those inside the trained "
-                  "range") +
-      (in.points.finished > 0 ? "; between nodes, over the displacements of each place, of the error over the "
-                                "largest force without a warning there."
-                              : "."))};
+  std::vector<Json> blocks{
+      text("Means over all probes up to R; of the displacements in the picture, over those inside the trained range.")};
   if (auto data = body_data(in); !data.is_null()) blocks.insert(blocks.begin(), Json{{"body", std::move(data)}});
+  if (in.points.finished > 0)
+    blocks.push_back(text("Between nodes: means over the displacements of a place, over its largest unflagged force."));
   if (rows.size() <= 41) blocks.push_back(table(rows));
   return section("Distribution of the error on the body", blocks);
 }

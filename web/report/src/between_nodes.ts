@@ -4,11 +4,8 @@ import { CircleGeometry, Color, Group, InstancedMesh, Matrix4, MeshBasicMaterial
 import { boundsOf } from '../../shared/src/camera.js';
 import { linearColour, type Rgb } from '../../shared/src/colour_maps.js';
 import { placeOn, type Scale } from '../../shared/src/legend.js';
-import { add, cross, norm, row, scale as times, sub, unit, type V3 } from '../../shared/src/vectors.js';
+import { add, cross, row, scale, sub, unit, type V3 } from '../../shared/src/vectors.js';
 import type { BetweenNodes, BodyData, PointErrors } from './data.js';
-
-/** Share of the surface that the discs cover, and largest radius of a disc over that of the body. */
-const covered = 0.3, largest = 0.03;
 
 /** Colour of the body below them, in linear light. */
 export const pale: Rgb = [0.62, 0.62, 0.62];
@@ -26,29 +23,25 @@ export class Discs {
   private readonly rings: InstancedMesh;
   private readonly places: readonly Matrix4[];
 
-  constructor({ points_m, triangles }: BodyData, { rows, weights }: BetweenNodes) {
-    const cornersOf = (three: readonly number[], i: number): V3[] => [0, 1, 2].map((k) => row(points_m, three[3 * i + k]!));
-    const normalOf = ([a, b, c]: V3[]): V3 => cross(sub(b!, a!), sub(c!, a!));
-    const n = rows.length / 3;
-    let area = 0;
-    for (let t = 0; t < triangles.length / 3; ++t) area += norm(normalOf(cornersOf(triangles, t))) / 2;
-    const radius = Math.min(Math.sqrt((covered * area) / (Math.PI * n)), largest * boundsOf(points_m).radius);
+  constructor({ points_m }: BodyData, { rows, weights }: BetweenNodes) {
+    const n = rows.length / 3, radius = Math.min(0.03, 0.6 / Math.sqrt(n)) * boundsOf(points_m).radius;
     this.places = Array.from({ length: n }, (_, i) => {
-      const corners = cornersOf(rows, i), normal = unit(normalOf(corners));
+      const [a, b, c] = [0, 1, 2].map((k) => row(points_m, rows[3 * i + k]!)) as [V3, V3, V3];
+      const normal = unit(cross(sub(b, a), sub(c, a))), turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...normal));
       // Above the surface, which is not flat, and each at a height of its own where they overlap.
-      const at = corners.reduce((sum, corner, k) => add(sum, times(weights[3 * i + k]!, corner)), times((0.15 + (0.15 * i) / n) * radius, normal));
-      return new Matrix4().compose(new Vector3(...at), new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...normal)), new Vector3(radius, radius, radius));
+      const at = [a, b, c].reduce((sum, corner, k) => add(sum, scale(weights[3 * i + k]!, corner)), scale((0.15 + (0.15 * i) / n) * radius, normal));
+      return new Matrix4().compose(new Vector3(...at), turn, new Vector3(radius, radius, radius));
     });
     this.discs = new InstancedMesh(new CircleGeometry(1, 24), new MeshBasicMaterial(), n);
     this.rings = new InstancedMesh(new RingGeometry(1, 1.4, 24), new MeshBasicMaterial({ color: 0xe01040 }), n);
     this.discs.frustumCulled = this.rings.frustumCulled = false;
     this.group.add(this.discs, this.rings);
   }
-  show(errors: PointErrors, scale: Scale): void {
+  show(errors: PointErrors, on: Scale): void {
     const none = new Matrix4().makeScale(0, 0, 0);
     this.places.forEach((place, i) => {
       this.discs.setMatrixAt(i, place);
-      this.discs.setColorAt(i, new Color(...linearColour(placeOn(scale, errors.force_error[i]!))));
+      this.discs.setColorAt(i, new Color(...linearColour(placeOn(on, errors.force_error[i]!))));
       this.rings.setMatrixAt(i, errors.flagged[i]! > 0 ? place : none);
     });
     this.discs.instanceMatrix.needsUpdate = this.rings.instanceMatrix.needsUpdate = this.discs.instanceColor!.needsUpdate = true;

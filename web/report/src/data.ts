@@ -40,11 +40,10 @@ export interface BodyCase {
   readonly finite_elements_m: readonly number[];
   readonly model_m: readonly number[];
 }
+/** By place: mean error, a fraction, and of how many forces the predictor warns. */
 export interface PointErrors {
   readonly name: string;
-  /** mean by place, fractions */
   readonly force_error: readonly number[];
-  /** by place: of how many forces the predictor warns */
   readonly flagged: readonly number[];
 }
 /** Tools between nodes: each place has three rows of points, their weights, and errors of each predictor. */

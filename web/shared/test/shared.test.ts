@@ -2,6 +2,7 @@
 import { describe, expect, test } from 'vitest';
 import { acrossScreen, frameOf, framing, project, rayThrough, turned, type Camera } from '../src/camera.js';
 import { cssColour, encoded, linearColour } from '../src/colour_maps.js';
+import { placeOn } from '../src/legend.js';
 import { normalsOf } from '../src/normals.js';
 import { fileName, plain, roundedDown, significant, ticks } from '../src/numbers.js';
 import { add, cross, dot, norm, scale, sub, type V3 } from '../src/vectors.js';
@@ -87,6 +88,15 @@ describe('colour map', () => {
     expect(encoded(1)).toBeCloseTo(1, 12);
     expect(cssColour(-1)).toBe(cssColour(0));
     expect(cssColour(NaN)).toBe(cssColour(0));
+  });
+});
+
+describe('scales', () => {
+  const ends = { title: '', unit: 'fraction', low: 0.001, high: 1 };
+  test('values are at equal distances for equal differences, or for equal ratios', () => {
+    [0.001, 0.5005, 1].forEach((x, i) => expect(placeOn(ends, x)).toBeCloseTo(i / 2, 12));
+    [0.001, 0.01, 0.1, 1].forEach((x, i) => expect(placeOn({ ...ends, log: true }, x)).toBeCloseTo(i / 3, 12));
+    expect(linearColour(placeOn({ ...ends, log: true }, 0))).toEqual(linearColour(0));
   });
 });
 

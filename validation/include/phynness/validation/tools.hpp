@@ -36,13 +36,13 @@ struct PointErrors {
   }
 };
 
-/// A finished place between nodes, with means over its solved displacements, like ErrorsOfNode::force, and numbers of
-/// displacements of which a predictor warns; the linear one never does.
+/// A finished place between nodes. By linear predictor, model and reduced body, over the solved displacements: the mean
+/// error, like ErrorsOfNode::force (not a number: none), and how many have a warning.
 struct PointRecord {
   std::array<std::int32_t, 3> nodes{};
   std::array<double, 3> weights{};
-  double linear = 0, model = 0, body = 0;            ///< not a number: not solved, or no body
-  std::int64_t model_flagged = 0, body_flagged = 0;  ///< of solved displacements
+  std::array<double, 3> error{};
+  std::array<std::int64_t, 3> flagged{};
 };
 
 struct PointReport {
