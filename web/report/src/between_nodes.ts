@@ -24,7 +24,7 @@ export class Discs {
   private readonly places: readonly Matrix4[];
 
   constructor({ points_m }: BodyData, { rows, weights }: BetweenNodes) {
-    const n = rows.length / 3, radius = Math.min(0.03, 0.6 / Math.sqrt(n)) * boundsOf(points_m).radius;
+    const n = rows.length / 3, radius = Math.min(0.03, 0.5 / Math.sqrt(n)) * boundsOf(points_m).radius;
     this.places = Array.from({ length: n }, (_, i) => {
       const [a, b, c] = [0, 1, 2].map((k) => row(points_m, rows[3 * i + k]!)) as [V3, V3, V3];
       const normal = unit(cross(sub(b, a), sub(c, a))), turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...normal));
