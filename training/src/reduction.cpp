@@ -34,7 +34,7 @@ constexpr double cells_of_pairs = 2.5;
 /// choices of cells do: pairs of a liver with K/mu 200 were off by 10 to 13 % (p95) with 300 cells.
 constexpr double weight_of_pairs = 2;
 /// Modes are too stiff by what they leave out, of which the last ones are the nearest likeness. From this part of the
-/// modes on they count as smaller, at the end by (1 - softest)^1/2 (docs/decisions/softened-modes.md).
+/// modes on they count as smaller, at the end by (1 - softest)^1/2 (docs/decisions/reduced-body.md).
 constexpr double first_softened = 0.25, softest = 0.4;
 /// Modes that leave out a smaller share of int |grad u|^2 of all fields are complete.
 constexpr double lost_of_complete = 1e-6;

@@ -13,7 +13,7 @@ namespace phynness {
 struct ReductionSpec {
   int modes = 160;   ///< of the displacement; there are a quarter as many of the pressure
   int cells = 400;   ///< points of the sum, cells and edges. All of them, with weight 1, if there are not more.
-  int states = 300;  ///< random states of the database from which pressures and weights follow
+  int states = 300;  ///< random states of the database, and of pairs, from which pressures and weights follow
   std::uint64_t seed = 1;
   int pairs = 300;  ///< random pairs of tools on a larger body, whose fields the modes have, too; 0: none
 };
