@@ -34,10 +34,9 @@ constexpr double cells_of_pairs = 2.5;
 /// choices of cells do: pairs of a liver with K/mu 200 were off by 10 to 13 % (p95) with 300 cells.
 constexpr double weight_of_pairs = 2;
 /// Modes are too stiff by what they leave out, of which the last ones are the nearest likeness. From this part of the
-/// modes on they count as smaller, at the end by (1 - softest)^1/2 (docs/decisions/reduced-body.md).
-constexpr double first_softened = 0.25, softest = 0.4;
-/// Modes that leave out a smaller share of int |grad u|^2 of all fields are complete.
-constexpr double lost_of_complete = 1e-6;
+/// modes on, they displace the surface more than they strain the cells, at the end by (1 - softest)^-1/2; less where
+/// they leave out less than this share of int |grad u|^2 of all fields (docs/decisions/reduced-body.md).
+constexpr double first_softened = 0.25, softest = 0.4, left_of_softest = 5e-4;
 
 /// The largest magnitude; 1 if there is none, as of pressures where all chosen points are edges.
 double scale_of(const MatrixXd& values) {
@@ -199,7 +198,8 @@ class Reduction {
     const auto before = _done;
     double captured = 0;
     _modes = leading_modes(_metric, fields, modes, _spec.seed, _threads, captured);
-    _are_complete = captured >= (1 - lost_of_complete) * fields.cwiseProduct(laplace_of(fields)).sum();
+    const double all = fields.cwiseProduct(laplace_of(fields)).sum();
+    _softest = softest * std::clamp((1 - captured / all) / left_of_softest, 0.0, 1.0);
     _report.modes = _modes.cols();
     find_pressures(modes / 4);
     find_weights(cells);
@@ -253,7 +253,6 @@ class Reduction {
       _cubature.points.resize(static_cast<std::size_t>(n_points));
       std::iota(_cubature.points.begin(), _cubature.points.end(), 0);
       _cubature.weights = VectorXd::Ones(n_points);
-      if (!_are_complete) inverse_of_rest();
       return;
     }
     SplitMix64 random(_spec.seed + 1);
@@ -347,8 +346,8 @@ class Reduction {
     }
     out.gradients = scaled_table(rows);
     if (_shape_at_rest.size() > 0) {
-      const VectorXd scale = softness().cwiseQuotient(largest_of);
-      const MatrixXd scaled = scale.asDiagonal() * _shape_at_rest * scale.asDiagonal();
+      const MatrixXd scaled =
+          largest_of.cwiseInverse().asDiagonal() * _shape_at_rest * largest_of.cwiseInverse().asDiagonal();
       MatrixXd of_cells = MatrixXd::Zero(_modes.cols(), _modes.cols());
       for (Index c = 0; c < n; ++c) {
         const MatrixXd cell = rows.middleRows(9 * c, 9);
@@ -367,16 +366,6 @@ class Reduction {
     }
   }
 
-  /// By how much each mode counts in the stiffness at rest.
-  VectorXd softness() const {
-    const Index n = _modes.cols();
-    if (_are_complete) return VectorXd::Ones(n);
-    const Eigen::ArrayXd at =
-        (Eigen::ArrayXd::LinSpaced(n, 0.5, static_cast<double>(n) - 0.5) / static_cast<double>(n) - first_softened) /
-        (1 - first_softened);
-    return (1 - softest * at.max(0)).sqrt();
-  }
-
   void set_surface(ReducedBody& out) const {
     const auto& [fixed, active, output, mirror] = _header.sets;
     const auto& nodes = _header.mesh.nodes;
@@ -390,6 +379,10 @@ class Reduction {
                           : std::ranges::any_of(active, near)     ? schema::body_node_touchable
                                                                   : schema::body_node_moves);
       for (Index k = 0; k < 3; ++k) modes.row(3 * i + k) = _modes.row(k * _elements.n_nodes + node);
+    }
+    for (Index m = 0; m < modes.cols(); ++m) {
+      const double at = (static_cast<double>(m) + 0.5) / static_cast<double>(modes.cols());
+      modes.col(m) /= std::sqrt(1 - _softest * std::max(0.0, (at - first_softened) / (1 - first_softened)));
     }
     out.modes = scaled_table(modes);
     out.surface = _header.mesh.surface.unaryExpr([&](std::int32_t node) {
@@ -413,7 +406,7 @@ class Reduction {
   std::vector<std::size_t> _drawn;
   MatrixXd _states;             ///< 3 n_nodes x states that are drawn
   MatrixXd _shape_at_rest;      ///< stiffness of the shape in the modes
-  bool _are_complete = true;    ///< the modes
+  double _softest = 0;          ///< of the last mode
   MatrixXd _modes, _pressures;  ///< orthonormal in laplace and in compressibility
   Cubature _cubature;
 };
