@@ -199,7 +199,7 @@ class Reduction {
     double captured = 0;
     _modes = leading_modes(_metric, fields, modes, _spec.seed, _threads, captured);
     const double all = fields.cwiseProduct(laplace_of(fields)).sum();
-    _softest = softest * std::clamp((1 - captured / all) / left_of_softest, 0.0, 1.0);
+    _softest = all > captured ? softest * std::min((1 - captured / all) / left_of_softest, 1.0) : 0;
     _report.modes = _modes.cols();
     find_pressures(modes / 4);
     find_weights(cells);
