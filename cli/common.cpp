@@ -175,8 +175,7 @@ Database open_database(const Scene& scene, const std::filesystem::path& file) {
     part.sets = resolve_selections(meant, header.mesh);
     if (coverage(header, part) != Coverage::whole)
       throw input_error("the database " + file.string() + " does not have all rays of the scene",
-                        "other active nodes, output nodes, directions or moduli, a larger depth, or another plane of "
-                        "symmetry",
+                        "other active nodes, output nodes, directions or moduli, or a larger depth",
                         "solve what is missing with: phynness precompute SCENE -o OTHER.h5 --from " + file.string());
     database = Database::open(file, part);
   }

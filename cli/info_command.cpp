@@ -4,7 +4,6 @@
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/input_file.hpp>
-#include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/formats/printable.hpp>
 #include <phynness/formats/probe_points.hpp>
 #include <phynness/meshes/meshes.hpp>
@@ -179,11 +178,6 @@ json about_database(const std::filesystem::path& file, bool failed) {
     for (const auto field : h.fields) names += fmt::format(" {} [{}]", name(field), unit(field));
     print_result("fields   {}\n", names);
   }
-  const auto n_rays = static_cast<std::int64_t>(h.sets.active.size() * h.directions.size());
-  const std::int64_t n_mirrored = n_rays - MirroredRays(h).n_solved();
-  if (h.sets.mirror)
-    print_result("symmetry  plane with normal {:.4g} {:.4g} {:.4g}: {} of {} rays are mirror images\n",
-                 h.sets.mirror->normal[0], h.sets.mirror->normal[1], h.sets.mirror->normal[2], n_mirrored, n_rays);
   json states = json::object();
   for (const auto& [status, count] : summary.states) {
     // Of imported responses these are other nodes' displacements.
@@ -209,10 +203,9 @@ json about_database(const std::filesystem::path& file, bool failed) {
     quantities[range.name] = record("unit", range.unit, "smallest", range.smallest, "largest", range.largest);
   }
   return record("kind", "database", "complete", true, "mesh_hash", h.mesh_hash, "physics_hash", h.physics_hash, "nodes",
-                h.mesh.n_nodes(), "worst_cells", worst, "active", h.sets.active, "fields", fields, "rays_mirrored",
-                n_mirrored, "states", states, "failed_rays", failed_rays, "crushed_rays", crushed_rays, "ends", ends,
-                "quantities", quantities, "newton_iterations", summary.newton_iterations, "unstable_states",
-                summary.unstable_states);
+                h.mesh.n_nodes(), "worst_cells", worst, "active", h.sets.active, "fields", fields, "states", states,
+                "failed_rays", failed_rays, "crushed_rays", crushed_rays, "ends", ends, "quantities", quantities,
+                "newton_iterations", summary.newton_iterations, "unstable_states", summary.unstable_states);
 }
 
 /// Prints what the finite elements solved and how far they are from a finer solution.

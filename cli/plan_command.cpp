@@ -48,9 +48,9 @@ struct Measured {
 };
 
 struct Plan {
-  std::int64_t rays = 0, rays_requested = 0, rays_mirrored = 0;  ///< recorded, solved, and copied
-  std::int64_t rays_taken = 0;                                   ///< of another database, which need no solve
-  std::int64_t rays_left_out = 0;                                ///< by [probe] target_error, about
+  std::int64_t rays = 0, rays_requested = 0;  ///< recorded, and solved
+  std::int64_t rays_taken = 0;                ///< of another database, which need no solve
+  std::int64_t rays_left_out = 0;             ///< by [probe] target_error, about
   std::size_t increments = 0;
   Measured measured;
   json ends;  ///< of the measured rays
@@ -62,10 +62,10 @@ struct Plan {
   double calibrate_seconds = 0, validate_seconds = 0;  ///< in run
   int ranks_of_use = 1;
   std::vector<SpacingPlan> spacings;  ///< of probe points: auto, half, and twice
-  PHYNNESS_FIGURES(rays, rays_requested, rays_mirrored, rays_taken, rays_left_out, increments, measured, ends, ranks,
-                   wall_seconds, core_hours, memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes,
-                   model_text_bytes, mesh_text_bytes, check_seconds, calibration_rays, probes, calibrate_seconds,
-                   validate_seconds, ranks_of_use, spacings)
+  PHYNNESS_FIGURES(rays, rays_requested, rays_taken, rays_left_out, increments, measured, ends, ranks, wall_seconds,
+                   core_hours, memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, model_text_bytes,
+                   mesh_text_bytes, check_seconds, calibration_rays, probes, calibrate_seconds, validate_seconds,
+                   ranks_of_use, spacings)
 
   bool is_sample() const { return measured.rays < rays_requested; }
 };
@@ -206,7 +206,6 @@ Plan make_plan(const Options& options, const LoadedScene& loaded, const Database
   if (target) costs.rays -= plan.rays_left_out = std::llround((1 - *plan.measured.refined_share) * n_later);
   plan.rays = std::ssize(rays_left(header, std::vector<char>(requested.size(), 0)));
   plan.rays_requested = costs.rays;
-  plan.rays_mirrored = std::ssize(requested) - plan.rays;
   plan.increments = header.magnitudes_m.size();
   plan.measured.is_guess = plan.is_sample() && !plan.measured.relative_standard_error;
   plan.log_bytes = static_cast<double>(plan.rays) * record_bytes(header);
@@ -266,9 +265,8 @@ void print_plan(const Options& options, const Plan& plan) {
                plan.probes, duration(plan.calibrate_seconds + plan.validate_seconds));
   if (!options.from.empty())
     print_result("taken     {} rays of {}; the rest is left to solve\n", plan.rays_taken, options.from.string());
-  print_result("rays      {}, {} more by symmetry; {} solved at {} node{}: {:.2g} s each ({}), at most {:.2g} s\n",
-               plan.rays_requested, plan.rays_mirrored, m.rays, m.nodes, m.nodes == 1 ? "" : "s", m.seconds_per_ray,
-               trust(plan), m.seconds_longest_ray);
+  print_result("rays      {}, {} solved at {} node{}: {:.2g} s each ({}), at most {:.2g} s\n", plan.rays_requested,
+               m.rays, m.nodes, m.nodes == 1 ? "" : "s", m.seconds_per_ray, trust(plan), m.seconds_longest_ray);
   if (m.refined_share)
     print_result(
         "left out  about {} more by target_error, at {:.0f} % of the nodes; error predicted from 14 directions "

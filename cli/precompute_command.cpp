@@ -110,7 +110,6 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
                     "newton_iterations", report.iterations, "ranks", report.ranks.size(), "wall_seconds",
                     report.wall_seconds, "setup_seconds", report.setup_seconds, "solve_seconds", report.solve_seconds,
                     "pack_seconds", report.pack_seconds, "core_seconds", report.core_seconds, "per_rank", ranks);
-  out["rays_mirrored"] = report.rays_mirrored;
   if (!report.predicted_errors.empty()) {
     out["rays_left_out"] = report.rays_left_out;
     out["nodes_refined"] = report.refined_nodes;
@@ -129,7 +128,6 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
 /// What was solved, and at which cost.
 void print_work(const SolverSession& session, const LoadedScene& loaded, const PrecomputeTarget& target,
                 const PrecomputeReport& report) {
-  const auto solved = std::max<std::int64_t>(1, report.increments_solved);
   print_result(
       "{} active nodes, {} rays ({} resumed{}), {} increments, {} failed ({:.2f} %), {:.2f} Newton iterations "
       "each\n",
@@ -139,14 +137,10 @@ void print_work(const SolverSession& session, const LoadedScene& loaded, const P
           : fmt::format(", {} taken from {}, {} solved", report.rays_taken, target.from.string(), report.rays_solved),
       report.increments, report.failed,
       100.0 * static_cast<double>(report.failed) / std::max(1.0, static_cast<double>(report.increments)),
-      static_cast<double>(report.iterations) / static_cast<double>(solved));
+      static_cast<double>(report.iterations) / std::max(1.0, static_cast<double>(report.increments)));
   if (report.after_end > 0)
     print_result("{} increments are beyond the ends of their rays and were not solved; phynness info tells where\n",
                  report.after_end);
-  if (report.rays_mirrored > 0)
-    print_result("{} rays ({:.0f} %) are mirror images; their increments are included\n", report.rays_mirrored,
-                 100.0 * static_cast<double>(report.rays_mirrored) /
-                     static_cast<double>(report.rays + report.rays_found() + report.rays_mirrored));
   print_result("{} on {} rank{}", duration(report.wall_seconds), session.size(), session.size() == 1 ? "" : "s");
   if (report.increments_of_run > 0)
     print_result(", {:.1f} core-ms per increment{}",

@@ -4,7 +4,6 @@
 #include <limits>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/mirrored_rays.hpp>
 
 #include "database_layout.hpp"
 #include "database_log.hpp"
@@ -133,21 +132,6 @@ struct Database::Impl {
     }
   }
 
-  void check_mirror() const {
-    if (!header.sets.mirror) return;
-    const MirroredRays mirrored(header);  // throws for sets that the mirror plane does not map onto themselves
-    const auto solved_as =
-        file.read<std::int32_t>(path::solved_as, {header.sets.active.size(), header.directions.size()});
-    const auto n = static_cast<std::int64_t>(solved_as.size());
-    for (std::int64_t ray = 0; ray < n; ++ray) {
-      const std::int64_t source = solved_as[static_cast<std::size_t>(ray)];
-      if (source < 0 || source >= n || solved_as[static_cast<std::size_t>(source)] != source)
-        throw input_error(
-            "the database " + file.path().string() + ": " + path::solved_as + " must name rays that were solved",
-            "ray " + std::to_string(ray) + " names ray " + std::to_string(source), hdf5::damaged);
-    }
-  }
-
   /// @throws Error (input) if a number of these columns is impossible
   void refuse_damaged(const Ray& ray, const std::vector<StoredColumn>& wanted, const std::string& whose) const {
     const auto defect = ray_defect(ray, wanted, farthest_m);
@@ -190,7 +174,6 @@ Database Database::open(const std::filesystem::path& file) {
   auto header = layout::read_header(opened);
   auto impl = std::make_shared<Impl>(Impl{std::move(opened), std::move(header)});
   impl->check_shapes();
-  impl->check_mirror();
   return Database(std::move(impl));
 }
 

@@ -22,8 +22,8 @@ const char* const remedy = "the file is damaged, or was written by a defective p
 constexpr std::size_t most_directions = 10000, most_increments = 10000, most_rays = 100'000'000;
 // Limits of the diagonal of the body's bounding box [m].
 constexpr double smallest_diagonal = 1e-9, largest_diagonal = 1e9;
-// Tolerances of the squared lengths of directions and of the plane's normal.
-constexpr double direction_rounding = 1e-9, normal_rounding = 1e-12;
+// Tolerance of the squared lengths of directions.
+constexpr double direction_rounding = 1e-9;
 
 class HeaderChecks {
  public:
@@ -110,21 +110,6 @@ class HeaderChecks {
     check_nodes(_header.sets.fixed, path::fixed);
     check_nodes(_header.sets.active, path::active);
     check_nodes(_header.sets.output, path::output);
-    if (!_header.sets.mirror) return;
-    // Images must be pairs of nodes, or nodes on the plane; the normal must have the length 1.
-    const MirrorSymmetry& mirror = *_header.sets.mirror;
-    const auto n = _header.mesh.n_nodes();
-    if (mirror.image.size() != static_cast<std::size_t>(n))
-      refuse(path::mirror_image, "must have one image for each node",
-             std::to_string(mirror.image.size()) + " images of " + std::to_string(n) + " nodes");
-    for (std::int32_t i = 0; i < n; ++i) {
-      const auto image = mirror.image[static_cast<std::size_t>(i)];
-      if (image < 0 || image >= n || mirror.image[static_cast<std::size_t>(image)] != i)
-        refuse_entry(path::mirror_image, "must pair the nodes of the mesh", std::to_string(i), std::to_string(image));
-    }
-    const double length = Eigen::Vector3d::Map(mirror.normal.data()).squaredNorm();
-    if (!(std::abs(length - 1) < normal_rounding))
-      refuse(path::mirror_normal, "must have the length 1", "its square is " + number_text(length));
   }
 
   void check_probes() const {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/mirrored_rays.hpp>
 #include <sstream>
 
 #include "ray_columns.hpp"
@@ -103,21 +102,6 @@ void create_column(hdf5::File& file, const StoredColumn& column, const DatabaseH
                       std::string(column.description) + (is_field ? ", at the output nodes" : ""));
 }
 
-/// For mirror images the solved ray, for all others the ray itself.
-void write_sources(hdf5::File& file, const DatabaseHeader& header) {
-  const auto n_active = static_cast<std::int32_t>(header.sets.active.size());
-  const auto n_directions = static_cast<std::int32_t>(header.directions.size());
-  const MirroredRays mirrored(header);
-  std::vector<std::int32_t> solved_as;
-  for (std::int32_t a = 0; a < n_active; ++a)
-    for (std::int32_t d = 0; d < n_directions; ++d) {
-      const auto& source = mirrored.source(a, d);
-      solved_as.push_back(source.active * n_directions + source.direction);
-    }
-  write_array(file, path::solved_as, {header.sets.active.size(), header.directions.size()}, solved_as.data(), "1",
-              "active * D + direction of the ray that was solved, of which this one is the mirror image or itself");
-}
-
 }  // namespace
 
 void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete) {
@@ -164,14 +148,6 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
   write_set(file, path::active, header.sets.active, "node numbers that are probed; axis A of the responses");
   write_set(file, path::output, header.sets.output,
             "node numbers whose displacement is stored; axis O of the responses");
-  if (const auto& mirror = header.sets.mirror) {
-    file.create_group(path::symmetry);
-    file.write_attribute(path::symmetry, "odd", std::int32_t{mirror->odd});
-    write_array(file, path::mirror_normal, {3}, mirror->normal.data(), "1",
-                "normal of the plane in which body and sets are symmetric");
-    write_array(file, path::mirror_image, {mirror->image.size()}, mirror->image.data(), "1",
-                "node number of the mirror image of each node");
-  }
   std::vector<double> directions;
   for (const auto& d : header.directions) directions.insert(directions.end(), d.begin(), d.end());
   write_array(file, path::directions, {header.directions.size(), 3}, directions.data(), "1",
@@ -245,14 +221,6 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.sets.fixed = read_list<std::int32_t>(file, path::fixed);
   header.sets.active = read_list<std::int32_t>(file, path::active);
   header.sets.output = read_list<std::int32_t>(file, path::output);
-  if (file.exists(path::symmetry)) {
-    MirrorSymmetry mirror;
-    mirror.odd = read_flag(file, path::symmetry, "odd");
-    mirror.image = read_list<std::int32_t>(file, path::mirror_image);
-    const auto normal = file.read<double>(path::mirror_normal, {3});
-    std::copy(normal.begin(), normal.end(), mirror.normal.begin());
-    header.sets.mirror = std::move(mirror);
-  }
   const auto directions = read_rows<double>(file, path::directions, 3, rows);
   for (hsize_t i = 0; i < rows; ++i)
     header.directions.push_back({directions[3 * i], directions[3 * i + 1], directions[3 * i + 2]});
@@ -300,7 +268,6 @@ void create_responses(hdf5::File& file, const DatabaseHeader& header) {
   for (const auto of : {ColumnOf::increment, ColumnOf::ray})
     for (const auto& column : columns_of(header, of)) create_column(file, column, header);
   write_flags(file, "/responses/end_reason", every_end);
-  if (header.sets.mirror) write_sources(file, header);
   write_flags(file, "/responses/status", every_status);
   bool has_group_of_fields = false;
   for (const auto& column : columns_of(header, ColumnOf::output_node)) {

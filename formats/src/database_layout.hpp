@@ -20,14 +20,10 @@ inline constexpr const char* groups = "/mesh/groups";
 inline constexpr const char* fixed = "/sets/fixed";
 inline constexpr const char* active = "/sets/active";
 inline constexpr const char* output = "/sets/output";
-inline constexpr const char* symmetry = "/symmetry";
-inline constexpr const char* mirror_normal = "/symmetry/normal";
-inline constexpr const char* mirror_image = "/symmetry/image";
 inline constexpr const char* directions = "/directions";
 inline constexpr const char* magnitudes = "/magnitudes";
 inline constexpr const char* displacements = "/displacements";
 inline constexpr const char* scene = "/scene";
-inline constexpr const char* solved_as = "/responses/solved_as";
 }  // namespace path
 
 /// Writes all datasets and attributes except the rays to a new file.

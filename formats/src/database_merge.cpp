@@ -50,15 +50,14 @@ MergeReport merge_shards(const std::vector<fs::path>& shards, const fs::path& ou
   }
   header.shard.reset();
 
-  const MirroredRays mirrored(header);
-  const auto records = one_record_per_ray(index, header, mirrored);
+  const auto records = one_record_per_ray(index, header);
   MergeReport report;
-  report.rays_total = mirrored.n_solved();
+  report.rays_total = std::ssize(records);
   report.damage = index.damage;
   const auto n_directions = header.directions.size();
   std::vector<std::int32_t> owners;
-  if (partition) owners = shards_of_rays(mirrored.solved(), n_directions, partition->count);
-  for (const auto& [active, direction] : missing_rays(records, mirrored)) {
+  if (partition) owners = shards_of_rays(header.sets.active.size(), n_directions, partition->count);
+  for (const auto& [active, direction] : missing_rays(records, n_directions)) {
     MissingRay ray{header.sets.active[static_cast<std::size_t>(active)], direction, {}};
     if (partition)
       ray.owner = Shard{owners[static_cast<std::size_t>(active) * n_directions + static_cast<std::size_t>(direction)],
@@ -67,7 +66,7 @@ MergeReport merge_shards(const std::vector<fs::path>& shards, const fs::path& ou
   }
   if (!report.missing.empty()) return report;
   try {
-    write_packed(output, header, index, records, mirrored);
+    write_packed(output, header, index, records);
   } catch (const Error& error) {
     if (error.kind() == Error::Kind::input) throw;
     throw failure(error.what(), "",

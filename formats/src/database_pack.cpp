@@ -73,13 +73,8 @@ std::vector<StoredColumn> columns_of(const DatabaseHeader& header, const Item& i
 class Packing {
  public:
   Packing(const DatabaseHeader& header, const dl::Index& index, const std::vector<dl::Entry>& records,
-          const MirroredRays& mirrored, const PackingRanks& ranks)
-      : _header(header),
-        _records(records),
-        _mirrored(mirrored),
-        _ranks(ranks),
-        _reader(index, header),
-        _items(items_of(header)) {}
+          const PackingRanks& ranks)
+      : _header(header), _records(records), _ranks(ranks), _reader(index, header), _items(items_of(header)) {}
 
   /// Writes FILE and makes it durable, collectively.
   void write(const std::filesystem::path& file);
@@ -98,7 +93,6 @@ class Packing {
 
   const DatabaseHeader& _header;
   const std::vector<dl::Entry>& _records;
-  const MirroredRays& _mirrored;
   const PackingRanks& _ranks;
   dl::RayReader _reader;
   std::vector<Item> _items;
@@ -133,7 +127,7 @@ Packing::Compressed Packing::compress(std::size_t first, std::size_t end) {
     for (auto active = item.first; active < item.end; ++active)
       for (std::size_t d = 0; d < n_directions; ++d) {
         const auto at = active * n_directions + d;
-        const Ray ray = ray_of(_reader.read(_records[at], item.of_output_nodes), at, _mirrored);
+        const Ray ray = _reader.read(_records[at], item.of_output_nodes);
         if (!item.of_output_nodes) _ranks.packed(ray);
         collected.add(ray);
       }
@@ -201,43 +195,31 @@ void Packing::write(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::vector<dl::Entry> one_record_per_ray(const dl::Index& index, const DatabaseHeader& header,
-                                          const MirroredRays& mirrored) {
+std::vector<dl::Entry> one_record_per_ray(const dl::Index& index, const DatabaseHeader& header) {
   const std::size_t n_directions = header.directions.size();
   std::vector<dl::Entry> records(header.sets.active.size() * n_directions, dl::Entry{-1, -1, -1, -1});
-  const auto record_of = [&](std::int32_t active, std::int32_t direction) -> dl::Entry& {
-    return records[static_cast<std::size_t>(active) * n_directions + static_cast<std::size_t>(direction)];
-  };
   for (const auto& entry : index.entries) {
-    if (!mirrored.is_solved(entry.active, entry.direction)) continue;
-    auto& slot = record_of(entry.active, entry.direction);
+    auto& slot =
+        records[static_cast<std::size_t>(entry.active) * n_directions + static_cast<std::size_t>(entry.direction)];
     if (is_missing(slot)) slot = entry;
   }
-  for (std::int32_t a = 0; a < static_cast<std::int32_t>(header.sets.active.size()); ++a)
-    for (std::int32_t d = 0; d < static_cast<std::int32_t>(n_directions); ++d) {
-      const auto& source = mirrored.source(a, d);
-      if (!source.is_itself()) record_of(a, d) = record_of(source.active, source.direction);
-    }
   return records;
 }
 
 std::vector<std::pair<std::int32_t, std::int32_t>> missing_rays(const std::vector<dl::Entry>& records,
-                                                                const MirroredRays& mirrored) {
+                                                                std::size_t n_directions) {
   std::vector<std::pair<std::int32_t, std::int32_t>> missing;
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    if (!is_missing(records[i])) continue;
-    const auto active = static_cast<std::int32_t>(i / mirrored.n_directions());
-    const auto direction = static_cast<std::int32_t>(i % mirrored.n_directions());
-    if (mirrored.is_solved(active, direction)) missing.emplace_back(active, direction);
-  }
+  for (std::size_t i = 0; i < records.size(); ++i)
+    if (is_missing(records[i]))
+      missing.emplace_back(static_cast<std::int32_t>(i / n_directions), static_cast<std::int32_t>(i % n_directions));
   return missing;
 }
 
 void write_packed(const std::filesystem::path& file, const DatabaseHeader& header, const dl::Index& index,
-                  const std::vector<dl::Entry>& records, const MirroredRays& mirrored, const PackingRanks& ranks) {
+                  const std::vector<dl::Entry>& records, const PackingRanks& ranks) {
   const std::filesystem::path packing = file.string() + ".packing";
   try {
-    Packing(header, index, records, mirrored, ranks).write(packing);
+    Packing(header, index, records, ranks).write(packing);
     ranks.together([&] {
       if (ranks.rank == 0) replace_durably(packing, file);
     });

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <phynness/formats/database.hpp>
-#include <phynness/formats/mirrored_rays.hpp>
 #include <utility>
 #include <vector>
 
@@ -13,22 +12,13 @@ namespace phynness {
 
 inline bool is_missing(const database_log::Entry& entry) { return entry.log < 0; }
 
-/// For each ray, [active][direction] flattened, the first complete record of the ray that is solved in its place
-/// (itself, unless it is a mirror image), or an entry that is_missing().
-std::vector<database_log::Entry> one_record_per_ray(const database_log::Index& index, const DatabaseHeader& header,
-                                                    const MirroredRays& mirrored);
+/// For each ray, [active][direction] flattened, its first complete record, or an entry that is_missing().
+std::vector<database_log::Entry> one_record_per_ray(const database_log::Index& index, const DatabaseHeader& header);
 
-/// The ray `at`, [active][direction] flattened, from the one that is solved in its place.
-inline Ray ray_of(Ray solved, std::size_t at, const MirroredRays& mirrored) {
-  const auto active = static_cast<std::int32_t>(at / mirrored.n_directions());
-  const auto direction = static_cast<std::int32_t>(at % mirrored.n_directions());
-  return mirrored.is_solved(active, direction) ? std::move(solved) : mirrored.image(solved, active, direction);
-}
-
-/// (active, direction) of the rays that must be solved and have no record, in the order of the database.
+/// (active, direction) of the rays that have no record, in the order of the database.
 /// @param records  from one_record_per_ray
 std::vector<std::pair<std::int32_t, std::int32_t>> missing_rays(const std::vector<database_log::Entry>& records,
-                                                                const MirroredRays& mirrored);
+                                                                std::size_t n_directions);
 
 /// Writes FILE.packing, forces it to the disk and renames it to FILE. After a failure FILE.packing is removed. The
 /// bytes do not depend on the number of ranks. Each compresses and writes its share of the chunks; only rank 0 has the
@@ -36,7 +26,6 @@ std::vector<std::pair<std::int32_t, std::int32_t>> missing_rays(const std::vecto
 /// @pre no record is missing; FILE is on a file system that all ranks share
 /// @throws Error (failure)
 void write_packed(const std::filesystem::path& file, const DatabaseHeader& header, const database_log::Index& index,
-                  const std::vector<database_log::Entry>& records, const MirroredRays& mirrored,
-                  const PackingRanks& ranks = {});
+                  const std::vector<database_log::Entry>& records, const PackingRanks& ranks = {});
 
 }  // namespace phynness

@@ -5,7 +5,6 @@
 #include <locale>
 #include <map>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/mirrored_rays.hpp>
 #include <sstream>
 
 #include "database_layout.hpp"
@@ -65,12 +64,11 @@ bool begin_with(const std::vector<double>& deep, const std::vector<double>& shal
   return shallow.size() <= deep.size() && std::equal(shallow.begin(), shallow.end(), deep.begin(), same_number);
 }
 
-/// Whether a line of the summary tells which nodes, directions and depths are chosen, or which rays are mirror images.
-/// These are compared themselves, and so are moduli if they have a common factor.
+/// Whether a line of the summary tells which nodes, directions and depths are chosen. These are compared themselves,
+/// and so are moduli if they have a common factor.
 bool is_selection(const std::string& key, bool scales) {
-  return key.starts_with("nodes.") || key == "probe.directions" || key == "mesh.symmetry" ||
-         key == "probe.increments" || key == "probe.max_displacement_m" ||
-         (scales && (key.starts_with("material.") || key == "probe.max_force_N"));
+  return key.starts_with("nodes.") || key == "probe.directions" || key == "probe.increments" ||
+         key == "probe.max_displacement_m" || (scales && (key.starts_with("material.") || key == "probe.max_force_N"));
 }
 
 /// One line for each different key.
@@ -104,18 +102,6 @@ std::string differing_keys(const DatabaseHeader& on_disk, const DatabaseHeader& 
 
 std::string count_of(const Mesh& mesh) {
   return std::to_string(mesh.n_nodes()) + " nodes, " + std::to_string(mesh.n_cells()) + " cells, ";
-}
-
-std::string text(const std::optional<MirrorSymmetry>& mirror) {
-  if (!mirror) return "none";
-  std::int64_t on_plane = 0;
-  for (std::size_t i = 0; i < mirror->image.size(); ++i) on_plane += static_cast<std::size_t>(mirror->image[i]) == i;
-  std::ostringstream out;
-  out.imbue(std::locale::classic());
-  out << "normal " << mirror->normal[0] << " " << mirror->normal[1] << " " << mirror->normal[2]
-      << ", mirrored pairs of nodes: " << (static_cast<std::int64_t>(mirror->image.size()) - on_plane) / 2
-      << (mirror->odd ? ", opposite directions too" : "");
-  return out.str();
 }
 
 std::string text(int field_bits) { return field_bits > 0 ? std::to_string(field_bits) + " bits" : "every bit"; }
@@ -155,10 +141,6 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
   compare_lists(on_disk.sets.fixed, wanted.sets.fixed, "fixed nodes", true);
   compare_lists(on_disk.sets.active, wanted.sets.active, "active nodes", false);
   compare_lists(on_disk.sets.output, wanted.sets.output, "output nodes", false);
-  if (on_disk.sets.mirror != wanted.sets.mirror) {
-    const auto then = text(on_disk.sets.mirror), now = text(wanted.sets.mirror);
-    all.push_back({"another mirror plane", both(then, now) + (then == now ? ", but other pairs" : ""), false});
-  }
   compare_lists(on_disk.directions, wanted.directions, "directions", false);
   if (const auto& then = on_disk.magnitudes_m, &now = wanted.magnitudes_m; then != now)
     all.push_back({"other increments (probe.increments, probe.max_displacement_m)",
@@ -219,7 +201,7 @@ Coverage coverage(const DatabaseHeader& on_disk, const DatabaseHeader& wanted) {
   const auto all = differences(on_disk, wanted);
   if (all.empty()) return Coverage::same;
   if (std::any_of(all.begin(), all.end(), [](const auto& each) { return each.of_rays; }) ||
-      on_disk.directions != wanted.directions || on_disk.sets.mirror != wanted.sets.mirror)
+      on_disk.directions != wanted.directions)
     return Coverage::other;
   const auto then = stored_scene(on_disk), now = stored_scene(wanted);
   if (then.probe.directions != now.probe.directions || then.probe.target_error != now.probe.target_error ||
@@ -273,18 +255,16 @@ std::vector<char> Database::rays_for(const std::filesystem::path& file, const Da
   if (database_layout::read_minor(hdf5::File::open(file)) == 0)
     throw input_error("the rays of the database " + file.string() + " have no ends",
                       "a version that does not look for folds has written it", "solve the scene anew");
-  const MirroredRays images(on_disk);
   const auto there = arranged(on_disk, wanted, file);
   const auto n = static_cast<std::ptrdiff_t>(wanted.magnitudes_m.size());
   std::vector<char> flags;
   for (auto ray = statuses.begin(); ray != statuses.end(); ray += n) {
     const auto active = there.active[flags.size() / wanted.directions.size()];
     const auto direction = there.direction[flags.size() % wanted.directions.size()];
-    // A library that failed may not fail again, and mirror images are solves only up to rounding.
+    // A library that failed may not fail again.
     const bool repeats =
         std::none_of(ray, ray + n, [](Status s) { return s == Status::library_error || s == Status::not_solved; });
-    flags.push_back(active >= 0 && direction >= 0 && *ray != Status::not_requested && repeats &&
-                    images.is_solved(active, direction));
+    flags.push_back(active >= 0 && direction >= 0 && *ray != Status::not_requested && repeats);
   }
   return flags;
 }

@@ -12,7 +12,7 @@ namespace phynness {
 struct Difference {
   std::string what;    ///< "other active nodes", "another physics"
   std::string values;  ///< of both; of the physics one line for each key
-  bool of_rays;        ///< no ray of one is a ray of the other; false: others are chosen, or others are mirror images
+  bool of_rays;        ///< no ray of one is a ray of the other; false: others are chosen
 };
 /// Compares physics, mesh, node sets, directions, increments and stored arrays themselves, not only their hashes.
 /// @param other  origin of `wanted` in messages, such as "now" in "500 in the file, 600 now"

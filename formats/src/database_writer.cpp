@@ -3,7 +3,6 @@
 #include <cmath>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/mirrored_rays.hpp>
 
 #include "database_layout.hpp"
 #include "database_pack.hpp"
@@ -91,7 +90,7 @@ std::vector<char> DatabaseWriter::logged(const fs::path& file, const DatabaseHea
     std::fill(flags.begin(), flags.end(), char{1});
     return flags;
   }
-  const auto records = one_record_per_ray(dl::scan(file, header, ranks), header, MirroredRays(header));
+  const auto records = one_record_per_ray(dl::scan(file, header, ranks), header);
   std::transform(records.begin(), records.end(), flags.begin(),
                  [](const dl::Entry& record) { return char{!is_missing(record)}; });
   return flags;
@@ -115,11 +114,9 @@ void DatabaseWriter::read_logs(const fs::path& file, const DatabaseHeader& given
                                const std::function<void(const Ray&)>& use) {
   const DatabaseHeader header = with_hashes(given);
   const auto index = dl::scan(file, header);
-  const MirroredRays mirrored(header);
   dl::RayReader reader(index, header);
-  const auto records = one_record_per_ray(index, header, mirrored);
-  for (std::size_t i = 0; i < records.size(); ++i)
-    if (!is_missing(records[i])) use(ray_of(reader.read(records[i], false), i, mirrored));
+  for (const auto& record : one_record_per_ray(index, header))
+    if (!is_missing(record)) use(reader.read(record, false));
 }
 
 struct DatabaseWriter::Impl {
@@ -176,15 +173,14 @@ void DatabaseWriter::pack(const fs::path& file, const DatabaseHeader& given, con
   });
   if (!is_complete(file, ranks)) {
     const auto index = dl::scan(file, header, ranks);
-    const MirroredRays mirrored(header);
-    const auto records = one_record_per_ray(index, header, mirrored);
+    const auto records = one_record_per_ray(index, header);
     ranks.together([&] {
-      if (const auto missing = missing_rays(records, mirrored); !missing.empty())
+      if (const auto missing = missing_rays(records, header.directions.size()); !missing.empty())
         throw failure("the database " + file.string() + " cannot be packed: rays are missing",
-                      std::to_string(missing.size()) + " of " + std::to_string(mirrored.n_solved()),
+                      std::to_string(missing.size()) + " of " + std::to_string(records.size()),
                       "solve them with: phynness precompute SCENE -o " + file.string() + " --resume");
     });
-    write_packed(file, header, index, records, mirrored, ranks);
+    write_packed(file, header, index, records, ranks);
   }
   if (ranks.rank == 0) remove_logs(file);
 }
@@ -194,17 +190,17 @@ DatabaseProgress database_progress(const fs::path& file) {
   DatabaseProgress progress;
   progress.complete = Database::is_complete(file);
   progress.shard = header.shard;
-  const MirroredRays mirrored(header);
-  progress.rays_total = mirrored.n_solved();
+  progress.rays_total = static_cast<std::int64_t>(header.sets.active.size() * header.directions.size());
   if (progress.complete) {
     progress.rays_logged = progress.rays_total;
     return progress;
   }
   auto index = dl::scan(file, header);
-  const auto records = one_record_per_ray(index, header, mirrored);
-  progress.rays_logged = progress.rays_total - static_cast<std::int64_t>(missing_rays(records, mirrored).size());
+  const auto records = one_record_per_ray(index, header);
+  progress.rays_logged =
+      progress.rays_total - std::ranges::count_if(records, [](const auto& record) { return is_missing(record); });
   if (header.shard) {
-    const auto owners = shards_of_rays(mirrored.solved(), header.directions.size(), header.shard->count);
+    const auto owners = shards_of_rays(header.sets.active.size(), header.directions.size(), header.shard->count);
     progress.rays_total = std::count(owners.begin(), owners.end(), header.shard->index);
   }
   progress.damage = std::move(index.damage);

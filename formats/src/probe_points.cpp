@@ -135,7 +135,7 @@ std::vector<double> known_distances(std::vector<double> nearest) {
 }  // namespace
 
 NodeList spread_nodes(const Points& nodes, const Triangles& surface, const NodeList& within, double spacing_m,
-                      std::size_t count, const NodeList& image) {
+                      std::size_t count) {
   const auto n_nodes = static_cast<std::size_t>(nodes.rows());
   const SurfaceWays ways(nodes, surface);
   const auto border = border_of(within, surface, n_nodes);
@@ -144,20 +144,17 @@ NodeList spread_nodes(const Points& nodes, const Triangles& surface, const NodeL
   for (const auto i : within) middle += nodes.row(i) / static_cast<double>(within.size());
   NodeList chosen;
   while (count == 0 || chosen.size() < count) {
-    std::int32_t best = -1, best_image = -1;
+    std::int32_t best = -1;
     double most = count == 0 && !chosen.empty() ? least_apart_of_probes * spacing_m : 0;
     for (const auto i : within) {
       const auto at = static_cast<std::size_t>(i);
-      const auto other = image.empty() ? i : image[at];
-      if (other < i || (other > i && chosen.size() + 1 == count)) continue;
       double away = nearest.distance[at] * (border[at] ? border_first : 1);
       if (chosen.empty()) away = (nodes.row(i) - middle).norm();
-      if (other > i) away = std::min(away, (nodes.row(i) - nodes.row(other)).norm());
-      if (away > most) most = away, best = i, best_image = other;
+      if (away > most) most = away, best = i;
     }
     if (best < 0) break;
-    for (const auto i : {best, best_image})
-      if (chosen.empty() || chosen.back() != i) chosen.push_back(i), nearest.add(i);
+    chosen.push_back(best);
+    nearest.add(best);
   }
   std::sort(chosen.begin(), chosen.end());
   return chosen;

@@ -106,7 +106,7 @@ struct Possible {
 
   Possible(ColumnKind kind, double farthest_m)
       : most(kind == ColumnKind::displacement ? farthest_m : std::numeric_limits<double>::max()) {
-    least = kind == ColumnKind::count || kind == ColumnKind::cost ? 0 : -most;
+    least = kind == ColumnKind::count ? 0 : -most;
   }
   template <class T>
   bool operator()(T value) const {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/formats/ray_tasks.hpp>
 
 namespace phynness {
@@ -7,7 +6,7 @@ namespace phynness {
 std::vector<RayIndex> rays_left(const DatabaseHeader& header, const std::vector<char>& logged) {
   const std::size_t n_directions = header.directions.size();
   const Shard shard = header.shard.value_or(Shard{0, 1});
-  const auto owners = shards_of_rays(MirroredRays(header).solved(), n_directions, shard.count);
+  const auto owners = shards_of_rays(header.sets.active.size(), n_directions, shard.count);
   std::vector<RayIndex> rays;
   for (std::size_t ray = 0; ray < owners.size(); ++ray)
     if (owners[ray] == shard.index && !logged[ray])

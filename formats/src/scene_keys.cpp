@@ -47,8 +47,6 @@ const std::vector<Table>& tables() {
     std::vector<Table> list{{"", {}}};
     for (const auto& key : key_rows()) {
       if (key.section != list.back().name) {
-        if (list.back().name == "mesh")
-          list.push_back({"mesh.symmetry", {"point_m", "point_fraction", "normal", "tolerance_m", "half"}});
         list.front().keys.push_back(key.section);
         list.push_back({std::string(key.section), {}});
       }

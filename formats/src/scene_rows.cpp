@@ -71,7 +71,7 @@ Keys mesh_keys() {
            "allow repairs of a file's mesh; each repair is reported. Files only"),
       mesh("remesh", &MeshSpec::remesh, Flag{}, if_changed,
            "make new tetrahedra within the surface of a file of tetrahedra, of the target size below; without one the "
-           "surface's triangles remain. Not with `group`, `nodes`, `symmetry` or `thickness_m`"),
+           "surface's triangles remain. Not with `group`, `nodes` or `thickness_m`"),
       mesh("size_m", &MeshSpec::size_m, ThreeNumbers{shape_length}, of_shape,
            "edges of a block, bounding box of the liver, in m"),
       mesh("radius_m", &MeshSpec::radius_m, Number{shape_length}, of_shape,
@@ -88,8 +88,6 @@ Keys mesh_keys() {
            "closed. For the drain, or for a file of triangles, which are used as they are. Must be less than the "
            "length of the surface, and at least 1e-12 of it. Beyond half the radius of a bend it gives a warning; "
            "where the inner face meets itself it is refused"),
-      mesh("symmetry", &MeshSpec::symmetry, MirrorPlane{}, if_changed,
-           "a plane in which body, fixed, active and output nodes are their own mirror image, see below"),
       mesh("target_nodes", &MeshSpec::target_nodes, Integer{8, 5'000'000}, if_changed,
            "approximate number of nodes of a built-in shape, whose default is below, or of the tetrahedra that fill a "
            "surface file, without a default; excludes `target_size_m`"),

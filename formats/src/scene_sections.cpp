@@ -74,8 +74,7 @@ void check_file(const SceneTable& table, const std::filesystem::path& folder, Me
   refuse_keys(table, {"size_m", "radius_m", "inner_radius_m", "length_m", "slit_length_m", "slit_width_m"},
               "belongs to a built-in shape, but the mesh comes from a file");
   if (spec.remesh)
-    refuse_keys(table, {"thickness_m", "symmetry"},
-                "cannot be combined with remesh = true, whose tetrahedra are neither a shell nor symmetric");
+    refuse_keys(table, {"thickness_m"}, "cannot be combined with remesh = true, whose tetrahedra are not a shell");
 }
 
 void refuse_keys_of_other_shapes(const SceneTable& table, Shape shape) {

@@ -15,8 +15,6 @@ Vec3 parse_position(const SceneTable& table, const std::string& stem, bool& frac
 /// The key `normal`, a vector of any length except zero, as a unit vector.
 Vec3 parse_normal(const SceneTable& table);
 
-/// [mesh] symmetry, a word or a table. @pre it is given
-SymmetryPlane parse_symmetry(const SceneTable& mesh);
 /// [material] law and its numbers.
 Material parse_material(const SceneTable& table);
 /// The selection under `key` of [nodes].

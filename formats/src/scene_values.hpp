@@ -109,17 +109,6 @@ struct LawAndNumbers : AnyValue {
   }
 };
 
-struct MirrorPlane : AnyValue {
-  static constexpr const char* type = "text or table";
-  SymmetryPlane read(const SceneTable& table, std::string_view) const { return parse_symmetry(table); }
-  std::string text(const SymmetryPlane& plane) const {
-    return std::string("point") + (plane.fraction ? "_fraction" : "_m") + " = " + exact_text(plane.point) +
-           ", normal = " + exact_text(plane.normal) +
-           (plane.tolerance_m > 0 ? ", tolerance_m = " + shortest(plane.tolerance_m) : "") +
-           (plane.half ? ", half" : "");
-  }
-};
-
 struct Nodes : AnyValue {
   static constexpr const char* type = "selection";
   Selection read(const SceneTable& table, std::string_view key) const { return parse_selection(table, key); }

@@ -139,22 +139,13 @@ struct Spread {
   }
   NodeList pick(const SelectableBody& body, const PickRequest& request) const {
     const NodeList nodes = candidates(body, request);
-    for (const auto i : nodes)
-      if (!body.image.empty() &&
-          !std::binary_search(nodes.begin(), nodes.end(), body.image[static_cast<std::size_t>(i)]))
-        throw input_error(request.place + "`within` is not symmetric, as [mesh] symmetry wants the active nodes",
-                          "node " + std::to_string(i) + " is in it, and its mirror image is not",
-                          "select both sides of the plane, or remove [mesh] symmetry");
     if (count > nodes.size() && !nodes.empty())
       throw input_error(
           request.place + "count is larger than the number of nodes that it chooses from",
           std::to_string(count) + " of " + std::to_string(nodes.size()),
           "give at most " + std::to_string(nodes.size()) + ", a finer mesh, or a larger part in `within`");
     const double spacing = spacing_of(body, request);
-    NodeList chosen = spread_nodes(body.mesh.nodes, body.mesh.surface, nodes, spacing, count, body.image);
-    if (count > chosen.size() && !nodes.empty())
-      throw input_error(request.place + "an odd count is not symmetric, because no node is on the plane of symmetry",
-                        std::to_string(count), "give " + std::to_string(count + 1));
+    NodeList chosen = spread_nodes(body.mesh.nodes, body.mesh.surface, nodes, spacing, count);
     if (count == 0 && chosen.size() < 3 && nodes.size() > chosen.size())
       throw input_error(request.place + "the spacing is too large for the part of the surface that it is for",
                         length_text(spacing) + ", of " + std::to_string(nodes.size()) + " nodes " +

@@ -33,29 +33,21 @@ Shard parse_shard(const std::string& text) {
   return shard;
 }
 
-std::vector<std::int32_t> shards_of_rays(const std::vector<char>& is_solved, std::size_t n_directions,
-                                         std::int32_t count) {
+std::vector<std::int32_t> shards_of_rays(std::size_t n_active, std::size_t n_directions, std::int32_t count) {
   // The costs of runs differ; 16 runs per shard make the costs of the shards similar.
   constexpr std::int64_t wanted_runs = 16;
-  const auto rays = static_cast<std::int64_t>(std::count(is_solved.begin(), is_solved.end(), char{1}));
+  const auto rays = static_cast<std::int64_t>(n_active * n_directions);
   const auto longest = static_cast<std::size_t>(
       std::clamp<std::int64_t>(rays / (wanted_runs * count), 1, static_cast<std::int64_t>(n_directions)));
   const std::size_t runs_per_node = (n_directions + longest - 1) / longest;
-  std::vector<std::int32_t> owners(is_solved.size(), -1);
+  std::vector<std::int32_t> owners(n_active * n_directions, -1);
   std::int64_t dealt = 0;
   for (std::size_t run = 0; run < runs_per_node; ++run) {
     // The first direction d with d * runs_per_node / n_directions == run.
     const std::size_t first = (run * n_directions + runs_per_node - 1) / runs_per_node;
     const std::size_t last = ((run + 1) * n_directions + runs_per_node - 1) / runs_per_node;
-    for (std::size_t node = 0; node < is_solved.size(); node += n_directions) {
-      bool any = false;
-      for (std::size_t ray = node + first; ray < node + last; ++ray) {
-        if (!is_solved[ray]) continue;
-        owners[ray] = static_cast<std::int32_t>(dealt % count);
-        any = true;
-      }
-      dealt += any;
-    }
+    for (std::size_t node = 0; node < owners.size(); node += n_directions, ++dealt)
+      std::fill(&owners[node] + first, &owners[node] + last, static_cast<std::int32_t>(dealt % count));
   }
   return owners;
 }

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <numeric>
 #include <phynness/formats/database.hpp>
-#include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/formats/ray_tasks.hpp>
 #include <queue>
 #include <random>

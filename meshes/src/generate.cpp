@@ -9,7 +9,6 @@
 #include <phynness/formats/error.hpp>
 
 #include "gmsh_module.hpp"
-#include "mirror.hpp"
 
 namespace phynness::meshes {
 namespace {
@@ -42,14 +41,6 @@ const GmshModule& gmsh() {
   return *module;
 }
 
-/// The body with the mirror image of its half, in the plane across a coordinate axis (-1: it is whole).
-RawMesh completed(RawMesh raw, int axis, double middle, double edge_m, const std::string& source) {
-  if (axis < 0) return raw;
-  Eigen::RowVector3d normal = Eigen::RowVector3d::Zero();
-  normal[axis] = 1;
-  return with_mirror_image(std::move(raw), middle * normal, normal, 1e-6 * edge_m, source);
-}
-
 }  // namespace
 
 void require_gmsh() { gmsh(); }
@@ -69,11 +60,9 @@ RawMesh fill(const Surface& surface) {
   return raw;
 }
 
-RawMesh mesh_solid(const MeshSpec& solid, int axis, double edge_m) {
+RawMesh mesh_solid(const MeshSpec& solid, double edge_m) {
   const bool round = solid.shape != Shape::block;
-  // gmsh's mesh of a symmetric shape is not symmetric, so that a half is meshed and mirrored.
-  Vec3 size_m = round ? Vec3{solid.radius_m, solid.radius_m, solid.length_m} : solid.size_m;
-  if (axis >= 0 && !(round && axis < 2)) size_m[axis] /= 2;
+  const Vec3 size_m = round ? Vec3{solid.radius_m, solid.radius_m, solid.length_m} : solid.size_m;
   // Regular shapes have many points at equal distances, among which gmsh selects by rounding errors. With dimensions
   // rounded to seven digits the mesh does not depend on the unit of length. The nodes are then scaled to the exact
   // size.
@@ -84,23 +73,18 @@ RawMesh mesh_solid(const MeshSpec& solid, int axis, double edge_m) {
     return std::ldexp(std::round(std::ldexp(fraction, bits)), exponent - bits);
   };
   const Vec3 size{in_edges(size_m[0]), in_edges(size_m[1]), in_edges(size_m[2])};
-  const double angle = (axis == 0 || axis == 1 ? 1 : 2) * std::numbers::pi;
-  RawMesh raw = gmsh().solid(solid.shape, size, in_edges(solid.inner_radius_m), angle);
+  RawMesh raw = gmsh().solid(solid.shape, size, in_edges(solid.inner_radius_m));
   for (auto& x : raw.nodes)
     for (std::size_t k = 0; k < 3; ++k) x[k] *= size_m[k] / size[k];
-  if (round && axis == 0)
-    for (auto& x : raw.nodes) x = {x[1], -x[0], x[2]};  // rotation by 90 degrees: the half x >= 0
-  // Round halves begin at the axis of the shape; all others lie in [0, middle].
-  return completed(std::move(raw), axis, round && axis < 2 ? 0 : size_m[std::max(axis, 0)], edge_m,
-                   "the built-in shape");
+  return raw;
 }
 
-RawMesh mesh_drain(const MeshSpec& drain, int axis, double edge_m) {
-  RawMesh raw = gmsh().drain({drain.radius_m / edge_m, drain.length_m / edge_m, drain.slit_length_m / edge_m,
-                              drain.slit_width_m / edge_m, axis});
+RawMesh mesh_drain(const MeshSpec& drain, double edge_m) {
+  RawMesh raw = gmsh().drain(
+      {drain.radius_m / edge_m, drain.length_m / edge_m, drain.slit_length_m / edge_m, drain.slit_width_m / edge_m});
   for (auto& x : raw.nodes)
     for (auto& component : x) component *= edge_m;
-  return completed(std::move(raw), axis, axis == 2 ? drain.length_m / 2 : 0, edge_m, "shape 'drain'");
+  return raw;
 }
 
 }  // namespace phynness::meshes

@@ -16,12 +16,10 @@ RawMesh fill(const Surface& surface);
 
 /// A block [0, x] x [0, y] x [0, z], or a cylinder or tube with the axis z from 0 to the length.
 /// @param spec         with all dimensions
-/// @param mirror_axis  0, 1, 2: the mesh is made symmetric in the centre plane across x, y or z; -1: it is not
-RawMesh mesh_solid(const MeshSpec& spec, int mirror_axis, double edge_m);
+RawMesh mesh_solid(const MeshSpec& spec, double edge_m);
 /// The triangles of an open tube around z from 0 to its length; an ellipse is cut out of its upper wall (y > 0), in the
 /// middle.
-/// @param mirror_axis  -1, 0, 2
-RawMesh mesh_drain(const MeshSpec& spec, int mirror_axis, double edge_m);
+RawMesh mesh_drain(const MeshSpec& spec, double edge_m);
 
 /// The built-in organ: the shape of a liver from formulas, without data of a patient.
 /// A large right lobe (negative x) that tapers to a thin left lobe (positive x), convex above (positive z), concave

@@ -132,15 +132,15 @@ RawMesh fill_surface(const Surface& surface) {
   });
 }
 
-RawMesh solid(Shape shape, const Vec3& size, double inner_radius, double angle) {
+RawMesh solid(Shape shape, const Vec3& size, double inner_radius) {
   namespace occ = gmsh::model::occ;
   return in_gmsh("mesh the built-in shape", [&] {
     if (shape == Shape::block) {
       occ::addBox(0, 0, 0, size[0], size[1], size[2]);
     } else {
-      const int outer = occ::addCylinder(0, 0, 0, 0, 0, size[2], size[0], -1, angle);
+      const int outer = occ::addCylinder(0, 0, 0, 0, 0, size[2], size[0]);
       if (shape == Shape::tube) {
-        const int hole = occ::addCylinder(0, 0, 0, 0, 0, size[2], inner_radius, -1, angle);
+        const int hole = occ::addCylinder(0, 0, 0, 0, 0, size[2], inner_radius);
         gmsh::vectorpair result;
         std::vector<gmsh::vectorpair> map;
         occ::cut({{3, outer}}, {{3, hole}}, result, map);
@@ -155,7 +155,6 @@ RawMesh solid(Shape shape, const Vec3& size, double inner_radius, double angle) 
 RawMesh drain(const Drain& drain) {
   const double radius = drain.radius, length = drain.length;
   constexpr double quarter_turn = std::numbers::pi / 2;
-  const int axis = drain.mirror_axis;
   return in_gmsh("mesh the drain", [&] {
     namespace occ = gmsh::model::occ;
     const int circle = occ::addCircle(0, 0, 0, radius);
@@ -175,13 +174,6 @@ RawMesh drain(const Drain& drain) {
       if (entity.first == 3) bodies.push_back(entity);
     std::vector<gmsh::vectorpair> map;
     occ::cut(tube, bodies, left, map);
-    // gmsh's mesh of a symmetric shape is not symmetric, so that a half is meshed and mirrored.
-    if (axis >= 0) {
-      const double reach = 2 * radius, height = axis == 2 ? length / 2 : length;
-      const int half = occ::addBox(axis == 0 ? 0 : -reach, -reach, 0, axis == 0 ? reach : 2 * reach, 2 * reach, height);
-      const gmsh::vectorpair whole = left;
-      occ::intersect(whole, {{3, half}}, left, map);
-    }
     occ::synchronize();
     generate_unit_edges(2);
     return elements_of(gmsh_triangle, "triangles");

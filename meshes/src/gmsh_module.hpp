@@ -8,7 +8,6 @@ namespace phynness::meshes {
 
 struct Drain {
   double radius, length, slit_length, slit_width;
-  int mirror_axis;  ///< as in mesh_drain()
 };
 
 /// gmsh compares with absolute tolerances, so that all lengths are given in edge lengths. Each function throws an Error
@@ -17,10 +16,9 @@ struct GmshModule {
   /// Tetrahedra inside a closed surface. Its nodes come first, in their order.
   RawMesh (*fill)(const Surface& surface);
   /// A box, or a cylinder or tube around z from 0 to size[2]. Edges have the length 1.
-  /// @param size   of a box; radius, radius and length of the others
-  /// @param angle  of the cylinder and the tube: pi is the half y >= 0
-  RawMesh (*solid)(Shape shape, const Vec3& size, double inner_radius, double angle);
-  /// Triangles of the drain, or of the half that its mirror plane leaves. Edges have the length 1.
+  /// @param size  of a box; radius, radius and length of the others
+  RawMesh (*solid)(Shape shape, const Vec3& size, double inner_radius);
+  /// Triangles of the drain. Edges have the length 1.
   RawMesh (*drain)(const Drain& drain);
 };
 

@@ -10,7 +10,6 @@
 #include "file_mesh.hpp"
 #include "flat_cells.hpp"
 #include "generate.hpp"
-#include "mirror.hpp"
 
 namespace phynness {
 namespace {
@@ -18,13 +17,6 @@ namespace {
 using namespace meshes;
 
 std::string place(const MeshSpec& spec) { return spec.where.prefix() + "mesh"; }
-
-/// The coordinate axis normal to the plane of symmetry of the scene, or -1.
-int mirror_axis(const MeshSpec& spec) {
-  for (int k = 0; spec.symmetry && k < 3; ++k)
-    if (std::abs(spec.symmetry->normal[k]) == 1) return k;
-  return -1;
-}
 
 /// Reason and place of flat cells of a mesh that was made here.
 std::string reason_of_slivers(const MeshResult& result) {
@@ -43,9 +35,8 @@ MeshResult generated(const Check& check, const char* remedy) {
   }
 }
 
-MeshResult generated_body(RawMesh raw, const std::string& source, bool symmetric = false) {
-  // A cell and its mirror image cannot both be removed if they meet at the plane.
-  const std::int32_t peeled = symmetric ? 0 : peel_slivers(raw), split = symmetric ? 0 : split_slivers(raw);
+MeshResult generated_body(RawMesh raw, const std::string& source) {
+  const std::int32_t peeled = peel_slivers(raw), split = split_slivers(raw);
   MeshResult result = generated([&] { return checked_body(std::move(raw), 1, false, source); },
                                 "try another mesh.target_size_m or mesh.target_nodes");
   if (peeled > 0)
@@ -79,11 +70,9 @@ MeshResult sized(const MeshSpec& spec, const Extent& extent, const std::function
 
 MeshResult from_shape(const MeshSpec& spec) {
   const std::string source = std::string("shape '") + name(spec.shape) + "'";
-  const int axis = mirror_axis(spec);
   if (spec.shape == Shape::drain) {
-    // The slit is above, so that the drain is not symmetric across y.
     MeshResult result = sized(spec, extent_of_shape(spec), [&](double edge_m) {
-      RawMesh raw = mesh_drain(spec, axis == 1 ? -1 : axis, edge_m);
+      RawMesh raw = mesh_drain(spec, edge_m);
       return generated([&] { return checked_shell(std::move(raw), 1, false, source); },
                        "try a smaller mesh.target_size_m or more mesh.target_nodes");
     });
@@ -96,7 +85,7 @@ MeshResult from_shape(const MeshSpec& spec) {
     return sized(spec, extent, [&](double edge_m) { return filled_at(liver, edge_m, source); });
   }
   return sized(spec, extent_of_shape(spec),
-               [&](double edge_m) { return generated_body(mesh_solid(spec, axis, edge_m), source, axis >= 0); });
+               [&](double edge_m) { return generated_body(mesh_solid(spec, edge_m), source); });
 }
 
 /// Edges that are too long for a body cut off what is thinner or narrower than they are.
@@ -198,25 +187,6 @@ MeshResult shell_from_file(const MeshSpec& spec, const RawMesh& raw, const std::
   return result;
 }
 
-/// Completes the body of a file that has one half of it.
-RawMesh mirrored_file(RawMesh half, const MeshSpec& spec, const std::string& source) {
-  if (half.tetrahedra.empty() && !(spec.thickness_m > 0))
-    throw input_error(place(spec) + ": half = true needs tetrahedra, but the file holds a surface", source,
-                      "mesh the half in another program (gmsh), or give the whole body");
-  const auto& plane = *spec.symmetry;
-  const auto vector = [](const Vec3& v) { return Eigen::RowVector3d(v[0], v[1], v[2]); };
-  Eigen::AlignedBox3d box;
-  for (const auto& x : half.nodes) box.extend(Eigen::Vector3d(x[0], x[1], x[2]));
-  const double tolerance =
-      plane.tolerance_m > 0 ? plane.tolerance_m / spec.scale_to_m : mirror_tolerance * box.diagonal().norm();
-  const auto n_half = half.nodes.size();
-  RawMesh whole = with_mirror_image(std::move(half), vector(plane.point) / spec.scale_to_m, vector(plane.normal),
-                                    tolerance, source);
-  whole.notes.push_back("mirrored half a body: " + std::to_string(n_half) + " nodes became " +
-                        std::to_string(whole.nodes.size()));
-  return whole;
-}
-
 /// @throws Error (input) if the body is so small or so large that squares and cubes of lengths cannot be computed
 void require_size(const RawMesh& raw, const MeshSpec& spec, const std::string& source) {
   constexpr double smallest_m = 1e-9, largest_m = 1e9;
@@ -239,7 +209,6 @@ MeshResult from_file(const MeshSpec& spec) {
   const std::string source = spec.file.filename().string();
   RawMesh raw = read_mesh_file(spec.file);
   require_size(raw, spec, source);
-  if (spec.symmetry && spec.symmetry->half) raw = mirrored_file(std::move(raw), spec, source);
   if (spec.thickness_m > 0) return shell_from_file(spec, raw, source);
   if (raw.tetrahedra.empty()) return from_surface(spec, raw, source);
   MeshResult result = checked_body(raw, spec.scale_to_m, spec.repair, source);

@@ -3,7 +3,6 @@
 #include <phynness/formats/tool.hpp>
 #include <phynness/meshes/meshes.hpp>
 
-#include "mirror.hpp"
 #include "topology.hpp"
 
 namespace phynness {
@@ -33,8 +32,6 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
   sets.fixed = select_nodes(scene.fixed, body, "fixed", scene.fixed_where);
   body.fixed = sets.fixed;
   if (scene.probe.kind != ProbeKind::node) body.tool_radius_m = scene.probe.tool_radius_m;
-  if (scene.mesh.symmetry && (spreads(scene.active) || spreads(scene.output)))
-    body.image = meshes::mirror_images(scene, mesh);
   if (!hold_the_body(mesh, sets.fixed))
     throw input_error(scene.fixed_where.prefix() + "the fixed nodes do not prevent rotations of the body",
                       listed(sets.fixed), "fix at least three nodes that are not on one line");
@@ -61,7 +58,6 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
                       inside.size() == sets.active.size()
                           ? "they are all active nodes: select nodes of the surface, such as \"free-surface\""
                           : "add surface_only = true to the selector, or use \"free-surface\"");
-  if (scene.mesh.symmetry) sets.mirror = meshes::find_mirror(scene, mesh, sets);
 }
 
 }  // namespace phynness

@@ -28,7 +28,7 @@ std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fi
                                    const std::vector<char>& requested, std::size_t n_directions, std::size_t wanted,
                                    std::uint64_t seed, std::size_t run_length) {
   assert(requested.size() == static_cast<std::size_t>(active_points.rows()) * n_directions);
-  // Nodes without requested rays, whose rays are all mirror images, are not used.
+  // Nodes without requested rays are not used.
   std::vector<std::size_t> order, n_requested;
   for (std::size_t a = 0; a < static_cast<std::size_t>(active_points.rows()); ++a) {
     const auto first = requested.begin() + static_cast<std::ptrdiff_t>(a * n_directions);
@@ -126,9 +126,8 @@ std::vector<SpacingPlan> plan_spacings(const Scene& scene, const Mesh& mesh, con
   std::vector<SpacingPlan> plans{
       {auto_m, 0, false, 0.014, 0.055}, {auto_m / 2, 0, false, 0.0022, 0.011}, {2 * auto_m, 0, false, {}, {}}};
   const auto within = candidates(scene, mesh, sets);
-  const auto image = sets.mirror ? sets.mirror->image : NodeList{};
   for (auto& plan : plans) {
-    plan.points = std::ssize(spread_nodes(mesh.nodes, mesh.surface, within, plan.spacing_m, 0, image));
+    plan.points = std::ssize(spread_nodes(mesh.nodes, mesh.surface, within, plan.spacing_m, 0));
     plan.every_node = mean_edge_m > plan.spacing_m;
     if (plan.every_node) plan.mean = plan.p95 = {};
   }

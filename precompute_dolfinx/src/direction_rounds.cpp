@@ -10,7 +10,6 @@ namespace phynness {
 DirectionRounds::DirectionRounds(const Scene& scene, const DatabaseHeader& header, std::vector<char> requested,
                                  ErrorPrediction predict)
     : _header(header),
-      _mirrored(header),
       _requested(std::move(requested)),
       _predict(scene.probe.target_error ? std::move(predict) : ErrorPrediction()),
       _target(scene.probe.target_error.value_or(0)),
@@ -18,8 +17,7 @@ DirectionRounds::DirectionRounds(const Scene& scene, const DatabaseHeader& heade
       _errors(header.sets.active.size(), -1) {}
 
 bool DirectionRounds::is_wanted(std::int32_t active, std::size_t direction) const {
-  const auto& source = _mirrored.source(active, static_cast<std::int32_t>(direction));
-  return _requested[index(source.active, static_cast<std::size_t>(source.direction))] != 0 &&
+  return _requested[index(active, direction)] != 0 &&
          direction_round(direction) <= _rounds[static_cast<std::size_t>(active)];
 }
 
@@ -27,11 +25,8 @@ std::vector<RayIndex> DirectionRounds::left(const std::vector<char>& logged) con
   std::vector<char> none_left(logged.size(), 1);
   const auto n_active = static_cast<std::int32_t>(_rounds.size());
   for (std::int32_t active = 0; active < n_active; ++active)
-    for (std::size_t direction = 0; direction < _header.directions.size(); ++direction) {
-      const auto& source = _mirrored.source(active, static_cast<std::int32_t>(direction));
-      const auto ray = index(source.active, static_cast<std::size_t>(source.direction));
-      if (is_wanted(active, direction)) none_left[ray] = logged[ray];
-    }
+    for (std::size_t direction = 0; direction < _header.directions.size(); ++direction)
+      if (const auto ray = index(active, direction); is_wanted(active, direction)) none_left[ray] = logged[ray];
   return rays_left(_header, none_left);
 }
 
@@ -79,7 +74,7 @@ bool DirectionRounds::next(const SolverSession& session, const std::filesystem::
   std::vector<double> errors(_rounds.size(), -1);
   session.together([&] {
     for (std::int32_t active = session.rank(); active < n_active; active += session.size())
-      if (_mirrored.solves_any(active)) errors[static_cast<std::size_t>(active)] = predicted(active);
+      errors[static_cast<std::size_t>(active)] = predicted(active);
   });
   MPI_Allreduce(MPI_IN_PLACE, errors.data(), n_active, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
   _errors = std::move(errors);

@@ -2,7 +2,6 @@
 // rays so far ask for them.
 #pragma once
 
-#include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/formats/ray_tasks.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <vector>
@@ -32,20 +31,19 @@ class DirectionRounds {
   std::size_t index(std::int32_t active, std::size_t direction) const {
     return static_cast<std::size_t>(active) * _header.directions.size() + direction;
   }
-  /// Whether a ray, or the one of which it is a mirror image, is in the rounds so far of its node.
+  /// Whether a ray is in the rounds so far of its node.
   bool is_wanted(std::int32_t active, std::size_t direction) const;
   /// Error of a node's rays so far; infinite if some end early and further directions may show where.
   double predicted(std::int32_t active) const;
   void read(const SolverSession& session, const std::filesystem::path& file);
 
   const DatabaseHeader& _header;
-  MirroredRays _mirrored;
   std::vector<char> _requested;
   ErrorPrediction _predict;
   double _target = 0;
   std::vector<int> _rounds;       ///< per active node: its last round
-  std::vector<double> _errors;    ///< per active node, of its last round; -1: all its rays are mirror images
-  std::vector<Status> _statuses;  ///< of the logged rays and their mirror images, [active][direction][increment]
+  std::vector<double> _errors;    ///< per active node, of its last round
+  std::vector<Status> _statuses;  ///< of the logged rays, [active][direction][increment]
   std::vector<double> _forces;    ///< x 3
   std::vector<double> _depths_m;  ///< [active][direction], on rank 0
 };

@@ -5,7 +5,6 @@
 #include <numeric>
 #include <optional>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/formats/ray_tasks.hpp>
 #include <phynness/formats/version.hpp>
 #include <phynness/precompute/precompute.hpp>
@@ -44,14 +43,12 @@ class WorkClock {
   double _start = 0, _seconds = 0;
 };
 
-/// @param is_solved  false: a mirror image
-void add(std::span<const Status> statuses, std::span<const std::int32_t> iterations, bool is_solved, RayCounts& sum) {
+void add(std::span<const Status> statuses, std::span<const std::int32_t> iterations, RayCounts& sum) {
   ++sum.rays;
   sum.rays_solved += !statuses.empty() && statuses.front() != Status::not_requested;
   for (const auto status : statuses) {
     const bool is_tried = status != Status::not_requested && status != Status::after_end;
     sum.increments += is_tried;
-    sum.increments_solved += is_tried && is_solved;
     sum.after_end += status == Status::after_end;
     sum.failed += static_cast<int>(status) < 0;
     sum.library_errors += status == Status::library_error;
@@ -130,7 +127,7 @@ class RayLog {
   void flush(Share& share) {
     for (const auto& ray : _held_back) {
       _log.append(ray);
-      add(ray.status, ray.iterations, true, share.counts);
+      add(ray.status, ray.iterations, share.counts);
     }
     _held_back.clear();
   }
@@ -186,7 +183,7 @@ std::int64_t log_left_out(const std::filesystem::path& file, const DatabaseHeade
   for (const auto& ray : rays) {
     const auto left_out = rounds.left_out(ray);
     log.append(left_out);
-    add(left_out.status, left_out.iterations, true, share.counts);
+    add(left_out.status, left_out.iterations, share.counts);
     n += left_out.end.depth_m > 0;
   }
   log.close();
@@ -214,7 +211,7 @@ bool on_any_rank(bool here) {
 /// Sets the figures of all ranks.
 void add_up(const SolverSession& session, const Share& share, double core_seconds, PrecomputeReport& report) {
   static_cast<RayCounts&>(report) = of_all_ranks(share.counts);
-  report.increments_solved = report.increments_of_run = report.increments;
+  report.increments_of_run = report.increments;
   report.after_end = 0;
   report.core_seconds = session.sum(core_seconds);
   const auto figures =
@@ -226,7 +223,7 @@ void add_up(const SolverSession& session, const Share& share, double core_second
 }
 
 /// Of a file that this run has not packed.
-RayCounts count_finished(const std::filesystem::path& file, const MirroredRays& mirrored) {
+RayCounts count_finished(const std::filesystem::path& file) {
   const auto database = Database::open(file);
   const auto statuses = database.statuses();
   std::vector<std::int32_t> iterations(statuses.size());
@@ -234,10 +231,7 @@ RayCounts count_finished(const std::filesystem::path& file, const MirroredRays& 
   const auto n = database.header().magnitudes_m.size();
   RayCounts finished;
   for (std::size_t ray = 0; ray * n < statuses.size(); ++ray)
-    add({&statuses[ray * n], n}, {&iterations[ray * n], n},
-        mirrored.is_solved(static_cast<std::int32_t>(ray / mirrored.n_directions()),
-                           static_cast<std::int32_t>(ray % mirrored.n_directions())),
-        finished);
+    add({&statuses[ray * n], n}, {&iterations[ray * n], n}, finished);
   return finished;
 }
 
@@ -245,7 +239,6 @@ RayCounts count_finished(const std::filesystem::path& file, const MirroredRays& 
 void add_up(const RayCounts& finished, PrecomputeReport& report) {
   const RayCounts all = of_all_ranks(finished);
   report.increments = all.increments;
-  report.increments_solved = all.increments_solved;
   report.after_end = all.after_end;
   report.failed = all.failed;
   report.iterations = all.iterations;
@@ -326,7 +319,6 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   const auto log_file = target.file.string() + ".solver.log";
   SolverLog::instance().open(log_file, session.rank());
 
-  const MirroredRays mirrored(header);
   RayCounts finished;  // what this rank has packed, including rays of earlier runs
   const PackingRanks ranks{session.rank(), session.size(),
                            [&](const auto& work) {
@@ -337,9 +329,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
                              });
                            },
                            [&](const auto& own) { return gathered(own, session.size()); },
-                           [&](const Ray& ray) {
-                             add(ray.status, ray.iterations, mirrored.is_solved(ray.active, ray.direction), finished);
-                           }};
+                           [&](const Ray& ray) { add(ray.status, ray.iterations, finished); }};
   std::vector<char> logged(header.sets.active.size() * header.directions.size(), 0);
   const auto rays_in_all = static_cast<std::int64_t>(rays_left(header, logged).size());
   std::int64_t taken = 0;
@@ -365,7 +355,6 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   PrecomputeReport report;
   report.rays_taken = taken;
   report.rays_resumed = rays_in_all - std::ssize(rays_left(header, logged)) - taken;
-  if (!target.shard) report.rays_mirrored = static_cast<std::int64_t>(logged.size()) - mirrored.n_solved();
   report.setup_seconds = seconds_since(start);
   const auto solve_start = Clock::now();
   Share share;
@@ -420,7 +409,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   add_up(session, share, core.seconds(), report);
   report.rays_compared = static_cast<std::int64_t>(session.sum(static_cast<double>(shallower->n_compared)));
   report.other_branches = shallower->unpacked(session.gather(shallower->found));
-  if (complete && session.rank() == 0) finished = count_finished(target.file, mirrored);
+  if (complete && session.rank() == 0) finished = count_finished(target.file);
   if (packs || complete) add_up(finished, report);
   report.wall_seconds = seconds_since(start);
   return report;

@@ -1,4 +1,3 @@
-#include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 
 #include "solve_ray.hpp"
@@ -6,7 +5,7 @@
 namespace phynness {
 std::vector<char> requested_rays(const Scene& scene, const Mesh& mesh, const DatabaseHeader& header) {
   const auto& active = header.sets.active;
-  std::vector<char> flags = MirroredRays(header).solved();
+  std::vector<char> flags(active.size() * header.directions.size(), 1);
   if (scene.probe.directions != Directions::hemisphere) return flags;
   const Points normals = node_normals(mesh);
   for (std::size_t a = 0; a < active.size(); ++a)

@@ -21,7 +21,7 @@ class ShallowerRays {
     if (!_database) return;
     if (_active != now.active) _rays = _database->rays(_active = now.active);
     const Ray& then = _rays.at(static_cast<std::size_t>(now.direction));
-    if (!(then.seconds.front() > 0)) return;  // not there, or a mirror image
+    if (!(then.seconds.front() > 0)) return;  // not there
     ++n_compared;
     for (std::size_t i = 0; i < _n_common; ++i) {
       if (then.status[i] == Status::library_error || now.status[i] == Status::library_error) return;

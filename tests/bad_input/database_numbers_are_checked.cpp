@@ -81,10 +81,6 @@ TEST_F(WrongNumbers, coordinates_and_cells_are_refused_even_under_the_right_hash
   expect_contains(refused([](auto& h) { h.mesh.cells(1, 3) = 6; }), {"/mesh/cells", "entry [1, 3]", "6 of 6"});
   expect_contains(refused([](auto& h) { h.mesh.cells = Cells::Zero(2, 5); }), {"/mesh/cells", "3 or 4"});
   expect_contains(refused([](auto& h) { h.mesh_hash = "not a hash"; }), {"mesh_hash", "not a hash"});
-  expect_contains(refused([](auto& h) {
-                    h.sets.mirror = MirrorSymmetry{{1, 0, 0}, {0, 2, 1, 3, 4, 9}, false};
-                  }),
-                  {"/symmetry/image", "entry [5]", "9"});
 }
 
 TEST_F(WrongNumbers, flags_and_words_that_mean_nothing) {
@@ -158,17 +154,6 @@ TEST_F(WrongNumbers, are_none_in_files_that_do_not_record_ends) {
     expect_same_end(database.rays(rays[i].active)[static_cast<std::size_t>(rays[i].direction)].end, expected);
   }
   EXPECT_FALSE(summarize_ends(database).is_recorded);
-}
-
-TEST_F(WrongNumbers, mirror_images_of_rays_that_were_not_solved) {
-  auto header = small_header(true);
-  header.sets.mirror = MirrorSymmetry{{1, 0, 0}, {0, 2, 1, 3, 4, 5}, false};
-  fs::remove(file);
-  write_logs(header);
-  DatabaseWriter::pack(file, header);
-  Database::open(file);
-  set("/responses/solved_as", 0, std::int32_t{21});
-  expect_contains(open_error(), {"/responses/solved_as", "21"});
 }
 
 // Their checksums are right: a program wrote them so.

@@ -152,14 +152,6 @@ mooney_without_c01 | law_and_moduli | law = "mooney-rivlin"\nc10_Pa = 2.0\nbulk_
     | mooney-rivlin ; c01_Pa
 no_law | law = "neo-hookean" | | [material] | law is missing ; neo-hookean
 shape_and_file | shape | shape = "block"\nfile = "a.msh" | file | [mesh] file ; shape ; a.msh
-symmetry_of_no_plane | shape | shape = "block"\nsymmetry = "w" | symmetry | symmetry ; w ; "x"
-symmetry_of_the_wrong_type | shape | shape = "block"\nsymmetry = 1 | symmetry | text or a table ; 1
-symmetry_without_normal | shape | shape = "block"\nsymmetry = { point_m = [0, 0, 0] } | symmetry
-    | normal is missing ; add normal
-symmetry_of_the_liver | shape | shape = "liver"\nsymmetry = "y" | symmetry | symmetry ; liver
-symmetry_off_the_centre | shape | shape = "tube"\nsymmetry = { point_m = [0.01, 0, 0], normal = [1, 0, 0] } | symmetry
-    | symmetry ; 0.01 ; "x"
-half_of_a_shape | shape | shape = "block"\nsymmetry = { normal = [1, 0, 0], half = true } | symmetry | symmetry ; half
 neither_shape_nor_file | shape | | [mesh] | shape is missing ; file
 file_not_there | shape | file = "no/such/mesh.msh" | | [mesh] file ; no/such/mesh.msh
 file_of_unknown_kind | shape | file = "body.step" | | body.step ; .msh

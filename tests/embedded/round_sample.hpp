@@ -21,7 +21,7 @@ inline Model sample_of_round_tools(double spacing_m) {
   if (!(spacing_m > 0)) return model;
   std::vector<std::int32_t> active;
   for (const ActiveNodeModel& node : model.nodes) active.push_back(node.node);
-  const auto kept = spread_nodes(dir.mesh.nodes, dir.mesh.surface, active, spacing_m, 0, {});
+  const auto kept = spread_nodes(dir.mesh.nodes, dir.mesh.surface, active, spacing_m, 0);
   std::erase_if(model.nodes,
                 [&](const auto& node) { return !std::binary_search(kept.begin(), kept.end(), node.node); });
   cover_surface(model, dir.mesh, 3 * spacing_m);

@@ -1,7 +1,6 @@
-// Claims: fields are read from a database as float32, rounded once. Mirror images have the value of the image node. A
-// database is not continued or merged with other fields. A database without fields contains no bytes for them.
+// Claims: fields are read from a database as float32, rounded once. A database is not continued or merged with other
+// fields. A database without fields contains no bytes for them.
 #include <phynness/formats/database_merge.hpp>
-#include <phynness/formats/mirrored_rays.hpp>
 
 #include "database_under_test.hpp"
 
@@ -93,32 +92,6 @@ TEST_F(StoredFields, LeaveNoTraceWhereThereAreNone) {
   EXPECT_EQ(text.find("von-mises"), std::string::npos);
   EXPECT_EQ(text.find("fields"), std::string::npos);
   EXPECT_TRUE(Database::open(file).rays(0).front().fields.empty());
-}
-
-TEST(MirroredFields, AreThoseOfTheImageNode) {
-  // Nodes 1 and 2 are each other's image across x = y, as in a mesh that is.
-  auto header = small_header(true);
-  header.fields = both;
-  header.directions = exploratory_directions(Directions::twenty_six);
-  header.mesh.nodes.row(5) << 0.2, 0.2, 1.0 / 3;
-  header.sets.active = {1, 2};
-  header.sets.output = {1, 2, 3};
-  header.sets.mirror = MirrorSymmetry{};
-  header.sets.mirror->normal = {std::sqrt(0.5), -std::sqrt(0.5), 0};
-  header.sets.mirror->image = {0, 2, 1, 3, 4, 5};
-  const MirroredRays rays(header);
-  for (std::int32_t a = 0; a < 2; ++a)
-    for (std::int32_t d = 0; d < 26; ++d) {
-      const auto& source = rays.source(a, d);
-      if (source.is_itself()) continue;
-      const Ray solved = random_ray(header, source.active, source.direction);
-      const Ray image = rays.image(solved, a, d);
-      const std::size_t other[3] = {1, 0, 2};
-      for (std::size_t f = 0; f < 2; ++f)
-        for (std::size_t i = 0; i < 3; ++i)
-          for (std::size_t o = 0; o < 3; ++o) EXPECT_EQ(image.fields[f][3 * i + o], solved.fields[f][3 * i + other[o]]);
-    }
-  EXPECT_LT(rays.n_solved(), 52);
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 // depth their first increments, with the ends that they have there. To a larger depth it has the rays that end before.
 // Forces, energies and stresses scale with all moduli. Rays of another physics, mesh, step or storage are refused with
 // the keys that differ.
-#include <phynness/formats/mirrored_rays.hpp>
 
 #include "database_under_test.hpp"
 

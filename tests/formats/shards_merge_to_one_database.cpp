@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <phynness/formats/database_lock.hpp>
 #include <phynness/formats/database_merge.hpp>
-#include <phynness/formats/mirrored_rays.hpp>
 #include <set>
 
 #include "database_under_test.hpp"
@@ -22,7 +21,7 @@ class Shards : public DatabaseTest {
     DatabaseWriter::create(shard, header, false);
     DatabaseWriter writer(shard, header, 0);
     const auto rays = all_rays(header);
-    const auto owners = shards_of_rays(MirroredRays(header).solved(), header.directions.size(), count);
+    const auto owners = shards_of_rays(header.sets.active.size(), header.directions.size(), count);
     for (std::size_t i = 0; i < rays.size(); ++i)
       if (owners[i] == index && static_cast<int>(i) != without) writer.append(rays[i]);
     writer.close();
@@ -36,7 +35,8 @@ TEST_F(Shards, own_every_ray_once_and_are_even) {
       for (const int count : {1, 2, 3, 7, 64, 500, 20000}) {
         std::vector<int> rays(static_cast<std::size_t>(count), 0);
         const auto all = static_cast<std::size_t>(n_active * n_directions);
-        for (const int s : shards_of_rays(std::vector<char>(all, 1), static_cast<std::size_t>(n_directions), count)) {
+        for (const int s :
+             shards_of_rays(static_cast<std::size_t>(n_active), static_cast<std::size_t>(n_directions), count)) {
           ASSERT_GE(s, 0);
           ASSERT_LT(s, count);
           ++rays[static_cast<std::size_t>(s)];
@@ -50,25 +50,10 @@ TEST_F(Shards, own_every_ray_once_and_are_even) {
 
 TEST_F(Shards, do_not_each_get_the_same_directions_of_all_nodes) {
   std::set<std::size_t> directions;
-  const auto owners = shards_of_rays(std::vector<char>(62 * 26, 1), 26, 52);
+  const auto owners = shards_of_rays(62, 26, 52);
   for (std::size_t ray = 0; ray < owners.size(); ++ray)
     if (owners[ray] == 0) directions.insert(ray % 26);
   EXPECT_GT(directions.size(), 13u);
-}
-
-TEST_F(Shards, are_even_where_every_other_node_is_a_mirror_image) {
-  std::vector<char> solved(62 * 26, 0);
-  for (std::size_t ray = 0; ray < solved.size(); ++ray) solved[ray] = ray / 26 % 2 == 0;
-  for (const int count : {1, 2, 4, 31, 64}) {
-    const auto owners = shards_of_rays(solved, 26, count);
-    std::vector<int> rays(static_cast<std::size_t>(count), 0);
-    for (std::size_t ray = 0; ray < solved.size(); ++ray) {
-      ASSERT_EQ(owners[ray] >= 0, solved[ray] != 0);
-      if (solved[ray]) ++rays[static_cast<std::size_t>(owners[ray])];
-    }
-    const auto [least, most] = std::minmax_element(rays.begin(), rays.end());
-    EXPECT_LE(*most - *least, std::clamp(31 * 26 / (16 * count), 1, 26)) << count;  // the longest run
-  }
 }
 
 TEST_F(Shards, merge_to_the_file_of_one_run_byte_for_byte) {

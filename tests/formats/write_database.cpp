@@ -1,5 +1,5 @@
-// Writes a small packed database, for tests in other languages; with "symmetric", one with a mirror plane and all
-// fields. Usage: write_database FILE [symmetric | OUTPUT_NODE ...]
+// Writes a small packed database, for tests in other languages; with "fields", one with all fields.
+// Usage: write_database FILE [fields | OUTPUT_NODE ...]
 #include <cstdlib>
 #include <cstring>
 
@@ -9,11 +9,7 @@ int main(int argc, char** argv) {
   if (argc < 2) return 2;
   using namespace phynness;
   auto header = test::small_header(true);
-  if (argc > 2 && std::strcmp(argv[2], "symmetric") == 0) {
-    MirrorSymmetry mirror;
-    mirror.normal = {1, 0, 0};
-    mirror.image = {0, 2, 1, 3, 4, 5};
-    header.sets.mirror = mirror;
+  if (argc > 2 && std::strcmp(argv[2], "fields") == 0) {
     header.fields.assign(every_field.begin(), every_field.end());
   } else if (argc > 2) {
     header.sets.output.clear();

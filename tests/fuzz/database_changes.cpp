@@ -16,8 +16,6 @@ constexpr const char* datasets[] = {"/scene",
                                     "/sets/fixed",
                                     "/sets/active",
                                     "/sets/output",
-                                    "/symmetry/normal",
-                                    "/symmetry/image",
                                     "/directions",
                                     "/magnitudes",
                                     "/responses/status",
@@ -34,14 +32,12 @@ constexpr const char* datasets[] = {"/scene",
                                     "/responses/end_depth",
                                     "/responses/fold_depth",
                                     "/responses/energy_lost",
-                                    "/responses/solved_as",
                                     "/responses/fields/von-mises-stress"};
-constexpr const char* groups[] = {"/mesh", "/mesh/groups", "/sets", "/symmetry", "/responses"};
+constexpr const char* groups[] = {"/mesh", "/mesh/groups", "/sets", "/responses"};
 constexpr const char* attributes[] = {
     "format",       "format_minor", "format_version", "software_version", "complete",
     "physics_hash", "mesh_hash",    "tangents",       "fields",           "displacement_precision",
-    "scene_name",   "scene_folder", "shard_index",    "shard_count",      "odd",
-    "name"};
+    "scene_name",   "scene_folder", "shard_index",    "shard_count",      "name"};
 constexpr std::int64_t integers[] = {0,    1,          2,          -1,          7,     8,         100, 127,
                                      -128, 2147483647, 2147483648, -2147483648, 65536, 1LL << 40, 255, -5};
 
@@ -166,9 +162,7 @@ void change_values(hid_t file, Script& script) {
 
 void change_attribute(hid_t file, Script& script) {
   const char* name = any(attributes, script);
-  const char* owner = std::strcmp(name, "odd") == 0    ? "/symmetry"
-                      : std::strcmp(name, "name") == 0 ? "/mesh/groups/0"
-                                                       : "/";
+  const char* owner = std::strcmp(name, "name") == 0 ? "/mesh/groups/0" : "/";
   const Id object(H5Oopen(file, owner, H5P_DEFAULT));
   if (object < 0) return;
   H5Adelete(object, name);

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <iterator>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/training/training.hpp>
 
 #include "database_changes.hpp"
@@ -109,8 +108,6 @@ void read_all(const Database& database) {
       database.statuses().size() == header.sets.active.size() * header.directions.size() * header.magnitudes_m.size(),
       "a status of every increment");
   node_normals(header.mesh);
-  const MirroredRays mirrored(header);
-  require(mirrored.n_solved() > 0, "a ray that is solved");
   for (std::int32_t a = 0; a < static_cast<std::int32_t>(header.sets.active.size()); ++a)
     for (const Ray& ray : database.rays(a))
       for (std::size_t i = 0; i < ray.status.size(); ++i)

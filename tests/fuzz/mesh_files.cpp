@@ -8,7 +8,6 @@
 #include "../meshes/small_files.hpp"
 #include "file_mesh.hpp"
 #include "flat_cells.hpp"
-#include "mirror.hpp"
 #include "raw_mesh.hpp"
 #include "surface.hpp"
 #include "texts.hpp"
@@ -71,7 +70,6 @@ void check_mesh(meshes::RawMesh raw, std::uint8_t how) {
       require(std::string_view(error.what()).size() > 10, "an error in words");
     }
   };
-  if ((how & 64) != 0) raw = meshes::with_mirror_image(std::move(raw), {0, 0, 0}, {1, 0, 0}, 1e-9, "file");
   refused_or([&] {
     MeshResult body = meshes::checked_body(raw, scale_to_m, repair, "file");
     require_sound(body.mesh);

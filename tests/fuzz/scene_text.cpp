@@ -71,7 +71,6 @@ std::vector<Input> seeds() {
 file = "nowhere.stl"
 scale_to_m = 0.001
 target_size_m = 0.01
-symmetry = { normal = [1, 0, 0], point_fraction = [0.5, 0.5, 0.5] }
 [material]
 law = "mooney-rivlin"
 c10_Pa = 300.0

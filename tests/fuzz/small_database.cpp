@@ -43,13 +43,7 @@ DatabaseHeader small_header(bool rich) {
   h.scene_name = "block.toml";
   h.scene_folder = "/somewhere";
   h.software_version = "phynness";
-  if (rich) {
-    MirrorSymmetry mirror;
-    mirror.normal = {1, 0, 0};
-    mirror.image = {1, 0, 3, 2, 5, 4, 7, 6};
-    h.sets.mirror = mirror;
-    h.fields = {every_field.begin(), every_field.end()};
-  }
+  if (rich) h.fields = {every_field.begin(), every_field.end()};
   return h;
 }
 

@@ -5,7 +5,7 @@
 
 namespace phynness::fuzz {
 
-/// 8 nodes, 6 cells, 2 active nodes, 6 directions, 2 increments; with a mirror plane and fields, or without.
+/// 8 nodes, 6 cells, 2 active nodes, 6 directions, 2 increments; with fields, or without.
 DatabaseHeader small_header(bool rich);
 
 /// Responses of a spring at each node that stiffens a little, so that every family can be fitted.

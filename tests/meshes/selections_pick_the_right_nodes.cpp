@@ -172,12 +172,6 @@ TEST(Selections, ThatCannotBeSpreadAreRefused) {
   EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "tool_radius_m")) << text;
   text = message("{ spacing_m = 1, from_fixed_m = 3 }");
   EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "from_fixed_m smaller")) << text;
-  Scene scene = spread("{ spacing_m = 1, within = { nodes = [18, 21, 24, 26] } }");
-  scene.mesh.symmetry.emplace().normal = {1, 0, 0};
-  text = error_of([&] { resolve_selections(scene, grid()); });
-  EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "`within` is not symmetric") &&
-              contains(text, "node 18"))
-      << text;
 }
 
 TEST(Selections, ThatAreSpreadButNotCoveredGetAWarning) {

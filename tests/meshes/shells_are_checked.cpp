@@ -169,23 +169,6 @@ TEST(Shells, AnEdgeOfFixedNodesHoldsThem) {
   EXPECT_FALSE(hold_the_body(solid, std::vector<std::int32_t>{0, 1}));
 }
 
-TEST(Shells, HalvesAreMirrored) {
-  const TemporaryFile file(obj(3, 2, flat), ".obj");
-  Scene scene;
-  scene.mesh.file = file.path;
-  scene.mesh.thickness_m = 0.01;
-  SymmetryPlane plane;
-  plane.point = {1, 0, 0};
-  plane.normal = {1, 0, 0};
-  plane.half = true;
-  scene.mesh.symmetry = plane;
-  const auto whole = make_mesh(scene);
-  EXPECT_EQ(whole.mesh.n_nodes(), 12 + 9);
-  EXPECT_EQ(whole.mesh.n_cells(), 24);
-  EXPECT_NEAR(whole.quality.area_m2, 2, 1e-12);
-  EXPECT_NEAR(whole.quality.max_m[0], 2, 1e-12);
-}
-
 TEST(Drains, CoarserThanTheirTubeAreRefusedOrWarnedOf) {
   SKIP_WITHOUT_GMSH();
   Scene scene;

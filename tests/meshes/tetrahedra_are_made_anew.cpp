@@ -89,7 +89,6 @@ TEST(NewTetrahedra, AreRefusedWhereTheFileWouldLoseSomething) {
         {"", "fixed = { group = \"hilum\" }", "body.toml:10: [nodes] selects by group"},
         {"", box + "\nactive = { difference = [\"free-surface\", { nodes = [5] }] }",
          "body.toml:11: [nodes] selects by"},
-        {"symmetry = \"x\"", box, "[mesh] symmetry cannot be combined with remesh"},
         {"thickness_m = 0.001", box, "[mesh] thickness_m cannot be combined with remesh"}})
     EXPECT_TRUE(contains(refusal(mesh, nodes), said)) << refusal(mesh, nodes);
 }

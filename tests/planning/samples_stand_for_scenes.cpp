@@ -59,7 +59,7 @@ TEST(RaySample, small_scenes_and_rays_not_requested) {
 }
 
 TEST(RaySample, nodes_that_are_asked_for_nothing_take_no_part) {
-  // Mirror images: of 20 nodes one is solved, whichever place the draw falls on.
+  // Of 20 nodes one is solved, whichever place the draw falls on.
   std::vector<char> one(20 * 26, 0);
   std::fill(one.begin() + 13 * 26, one.begin() + 14 * 26, char{1});
   for (std::uint64_t seed = 0; seed < 8; ++seed)

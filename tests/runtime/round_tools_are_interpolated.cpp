@@ -211,7 +211,7 @@ Model spread_model(double (*stiffness_at)(double x, double y), double spacing) {
   Mesh mesh;
   mesh.nodes = model.output_points;
   mesh.surface = model.surface;
-  const auto kept = spread_nodes(mesh.nodes, mesh.surface, model.output, spacing, 0, {});
+  const auto kept = spread_nodes(mesh.nodes, mesh.surface, model.output, spacing, 0);
   std::vector<ActiveNodeModel> nodes;
   for (const auto node : kept) nodes.push_back(model.nodes[static_cast<std::size_t>(node)]);
   model.nodes = nodes;

@@ -1,7 +1,7 @@
 // Claim: calibration and validation whose sizes the scene does not give solve together at most half as many increments
 // as the database has, whatever its directions and increments, unless it has too few for bounds; large databases have
 // no larger ones. Of tools between nodes none are counted where no triangle has three active corners. A given size is
-// kept, and the other one takes what is left. Mirror images count as the rays they are.
+// kept, and the other one takes what is left.
 #include <gtest/gtest.h>
 
 #include <phynness/validation/sizes.hpp>

@@ -367,7 +367,7 @@ class Reduction {
   }
 
   void set_surface(ReducedBody& out) const {
-    const auto& [fixed, active, output, mirror] = _header.sets;
+    const auto& [fixed, active, output] = _header.sets;
     const auto& nodes = _header.mesh.nodes;
     const auto n = static_cast<Index>(out.nodes.size());
     out.points = nodes(out.nodes, Eigen::all);

@@ -182,9 +182,7 @@ std::vector<SpacingRow> compare_spacings(const Scene& scene, const std::filesyst
     SpacingRow row;
     row.spacing_m = part * scene.probe.tool_radius_m;
     DatabaseHeader some = all.header();
-    const auto& mirror = some.sets.mirror;
-    some.sets.active = spread_nodes(some.mesh.nodes, some.mesh.surface, some.sets.active, row.spacing_m, 0,
-                                    mirror ? mirror->image : NodeList{});
+    some.sets.active = spread_nodes(some.mesh.nodes, some.mesh.surface, some.sets.active, row.spacing_m, 0);
     row.points = std::ssize(some.sets.active);
     if (row.points == std::ssize(all.header().sets.active)) continue;
     if (row.points < 3 || (!rows.empty() && rows.back().points == row.points)) continue;

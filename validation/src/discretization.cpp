@@ -232,7 +232,6 @@ Check::Check(const Scene& scene, const Mesh& mesh, const NodeSets& sets, const D
   _report.tool_radius_m = common.probe.tool_radius_m;
   _report.tool_edges = _report.tool_radius_m / surface_edge_m(mesh, sets);
 
-  // The symmetry of the scene excludes mirror images; a refined mesh has no list of them.
   _rays = choose_checked_rays(database_header(common, mesh, sets),
                               requested_rays(common, mesh, database_header(common, mesh, sets)), _options.probes);
   if (_rays.empty())

@@ -50,7 +50,7 @@ std::string hash_of_body(const VariantBody& body, Variant variant) {
   for (std::string line; std::getline(lines, line);) {
     const auto is_of = [&](const char* begin) { return line.starts_with(begin); };
     if (!is_of("nodes.") && !is_of("probe.directions") && !is_of("probe.increments") &&
-        !is_of("probe.max_displacement_m") && !is_of("mesh.symmetry"))
+        !is_of("probe.max_displacement_m"))
       hash.add(line);
   }
   for (const auto node : body.sets.fixed) hash.add(fmt::format(" {}", node));

@@ -15,9 +15,8 @@ constexpr double part_of_calibration = 0.6;
 /// a ray has 1.2 times the increments of the database, and about 1.5 more for the two depths.
 double increments_per_probe(int increments) { return (1.2 * increments + 1.5) / 2; }
 
-/// The rays that a scene asks for at least. A mirror image counts as much as its ray.
-std::int64_t wanted_rays(const Scene& scene, DatabaseHeader header) {
-  header.sets.mirror.reset();
+/// The rays that a scene asks for at least.
+std::int64_t wanted_rays(const Scene& scene, const DatabaseHeader& header) {
   auto flags = requested_rays(scene, header.mesh, header);
   for (std::size_t i = 0; scene.probe.target_error && i < flags.size(); ++i)
     flags[i] &= direction_round(i % header.directions.size()) == 0;

@@ -114,7 +114,7 @@ class Database {
   /// those of the file
   static Database open(const std::filesystem::path& file, const DatabaseHeader& wanted);
   /// Flags, n_active x n_directions of `wanted`, of its rays that a solve would repeat: those in the file but for
-  /// mirror images there, rays that a failed library call ended, and rays that go on in a deeper study.
+  /// rays that a failed library call ended, and rays that go on in a deeper study.
   /// @throws Error (input) as open(); also for files of versions that do not record the ends of rays
   static std::vector<char> rays_for(const std::filesystem::path& file, const DatabaseHeader& wanted);
   /// True if all rays have been packed into the file.
@@ -163,8 +163,8 @@ struct LogDamage {
 /// Progress of an unfinished database.
 struct DatabaseProgress {
   bool complete = false;
-  std::optional<Shard> shard;                    ///< rays_total then counts its rays only
-  std::int64_t rays_logged = 0, rays_total = 0;  ///< without mirror images
+  std::optional<Shard> shard;  ///< rays_total then counts its rays only
+  std::int64_t rays_logged = 0, rays_total = 0;
   std::vector<LogDamage> damage;
 };
 /// @throws Error (input) if the file is not a database
@@ -211,12 +211,12 @@ class DatabaseWriter {
   /// The part of check() that needs no header. @return whether FILE exists
   /// @throws Error (input) if FILE or its logs exist and `resume` is false
   static bool refuse_begun(const std::filesystem::path& file, bool resume);
-  /// Flags, n_active x n_directions, of the rays that are in the logs or are mirror images of such rays. Torn and
-  /// corrupted records are ignored.
+  /// Flags, n_active x n_directions, of the rays that are in the logs. Torn and corrupted
+  /// records are ignored.
   static std::vector<char> logged(const std::filesystem::path& file, const DatabaseHeader& header,
                                   const PackingRanks& ranks = {});
 
-  /// Reads the rays of an unfinished database and their mirror images, in the order of the database, without what is
+  /// Reads the rays of an unfinished database, in the order of the database, without what is
   /// stored at output nodes.
   /// @throws Error as logged()
   static void read_logs(const std::filesystem::path& file, const DatabaseHeader& header,

@@ -17,7 +17,7 @@ struct MissingRay {
 };
 
 struct MergeReport {
-  std::int64_t rays_total = 0;  ///< without mirror images
+  std::int64_t rays_total = 0;
   std::vector<LogDamage> damage;
   std::vector<MissingRay> missing;  ///< if not empty, no database was written
 };

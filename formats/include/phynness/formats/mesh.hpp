@@ -34,20 +34,11 @@ struct Mesh {
   std::int32_t n_cells() const { return static_cast<std::int32_t>(cells.rows()); }
 };
 
-/// Symmetry of the body and of its node sets about a plane.
-struct MirrorSymmetry {
-  std::array<double, 3> normal{};   ///< unit normal; responses of nodes on the side to which it points are solved
-  std::vector<std::int32_t> image;  ///< n_nodes: the node at the mirror image; on the plane the node itself
-  bool odd = false;                 ///< linear law: the opposite displacement gives the opposite response
-  bool operator==(const MirrorSymmetry&) const = default;
-};
-
 /// The nodes that a scene selects on a mesh; each list is in ascending order without repeats.
 struct NodeSets {
-  std::vector<std::int32_t> fixed;            ///< u = 0
-  std::vector<std::int32_t> active;           ///< probed one at a time
-  std::vector<std::int32_t> output;           ///< their displacements are stored and modelled
-  std::optional<MirrorSymmetry> mirror = {};  ///< if the scene declares a plane of symmetry
+  std::vector<std::int32_t> fixed;   ///< u = 0
+  std::vector<std::int32_t> active;  ///< probed one at a time
+  std::vector<std::int32_t> output;  ///< their displacements are stored and modelled
 };
 
 /// Boundary faces of tetrahedra with outward normals, in the order of their cells.

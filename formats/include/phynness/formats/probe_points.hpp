@@ -23,10 +23,9 @@ inline constexpr double auto_spacing_of_radius = 1.0 / 3;
 /// @param within     the part, ascending, nodes of the surface
 /// @param spacing_m  distance between neighbours; 0: `count` is given
 /// @param count      number of nodes, at most that of `within`; 0: the spacing is given
-/// @param image      as MirrorSymmetry::image: the result is symmetric if `within` is; empty: no symmetry
-/// @return ascending; with symmetry and an odd count without nodes on the plane one node less
+/// @return ascending
 NodeList spread_nodes(const Points& nodes, const Triangles& surface, const NodeList& within, double spacing_m,
-                      std::size_t count, const NodeList& image);
+                      std::size_t count);
 
 /// Coordinates of surface nodes between probed nodes. The triangles are dual to the cells of the nodes that are nearest
 /// to each probed node along the surface.

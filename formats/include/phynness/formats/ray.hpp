@@ -1,5 +1,5 @@
-// The record of a ray: its values in memory, and the table of its columns. Datasets, logs, checks, mirror images and
-// what `phynness info` lists follow from the table; formats/database.md describes every column.
+// The record of a ray: its values in memory, and the table of its columns. Datasets, logs, checks and what
+// `phynness info` lists follow from the table; formats/database.md describes every column.
 #pragma once
 
 #include <cstdint>
@@ -98,13 +98,12 @@ struct Ray {
 
 /// How many values a column has: one for each ray, each increment, or each output node in each increment.
 enum class ColumnOf { ray, increment, output_node };
-/// Components of such a value. Mirror images are u' = H u and K' = H K H (mirrored_rays.hpp).
+/// Components of such a value.
 enum class Tensor { scalar = 1, vector = 3, matrix = 9 };
 /// Which numbers a column can hold. Measures are checked where the increment converged, all others everywhere.
 enum class ColumnKind {
   code,          ///< a value of its enumeration
   count,         ///< not negative
-  cost,          ///< not negative, and 0 in a mirror image, which needed no solve
   measure,       ///< finite
   displacement,  ///< a measure of at most 100 diagonals of the body
 };
@@ -140,13 +139,13 @@ inline constexpr RayColumn ray_columns[] = {
      "condensed tangent dF/dd, row F and column d", 0, true},
     {&Ray::negative_pivots, "negative_pivots", ColumnOf::increment, Tensor::scalar, ColumnKind::count, "1",
      "negative pivots of the tangent beyond those of the pressure; 0 is stable"},
-    {&Ray::iterations, "iterations", ColumnOf::increment, Tensor::scalar, ColumnKind::cost, "1",
+    {&Ray::iterations, "iterations", ColumnOf::increment, Tensor::scalar, ColumnKind::count, "1",
      "Newton iterations, those of cut-back attempts included"},
-    {&Ray::cutbacks, "cutbacks", ColumnOf::increment, Tensor::scalar, ColumnKind::cost, "1",
+    {&Ray::cutbacks, "cutbacks", ColumnOf::increment, Tensor::scalar, ColumnKind::count, "1",
      "times the step was halved"},
     {&Ray::min_jacobian, "min_jacobian", ColumnOf::increment, Tensor::scalar, ColumnKind::measure, "1",
      "smallest J over all quadrature points"},
-    {&Ray::seconds, "seconds", ColumnOf::increment, Tensor::scalar, ColumnKind::cost, "s", "CPU time"},
+    {&Ray::seconds, "seconds", ColumnOf::increment, Tensor::scalar, ColumnKind::count, "s", "CPU time"},
     {&RayEnd::reason, "end_reason", ColumnOf::ray, Tensor::scalar, ColumnKind::code, "1",
      "why each ray ends where it ends; see flag_values and flag_meanings", 1},
     {&RayEnd::depth_m, "end_depth", ColumnOf::ray, Tensor::scalar, ColumnKind::count, "m",

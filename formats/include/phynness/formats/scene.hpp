@@ -36,16 +36,6 @@ std::span<const ShapeRow> shapes();
 /// @pre the shape is not `none`
 const ShapeRow& row(Shape shape);
 
-/// A plane of symmetry that the scene declares.
-struct SymmetryPlane {
-  Vec3 point{0.5, 0.5, 0.5};  ///< a point of the plane
-  bool fraction = true;       ///< `point` is in fractions of the bounding box, not metres
-  Vec3 normal{};              ///< unit
-  double tolerance_m = 0;     ///< largest distance of a mirrored node from its image; 0: 1e-6 of the body's diagonal
-  bool half = false;          ///< the file contains one half; the other half is made by mirroring
-  SourceLocation where;
-};
-
 /// Exactly one of `shape` and `file` is given.
 struct MeshSpec {
   Shape shape = Shape::none;
@@ -57,9 +47,8 @@ struct MeshSpec {
   double radius_m = 0, inner_radius_m = 0, length_m = 0;  ///< cylinder, tube, drain
   double slit_length_m = 0, slit_width_m = 0;             ///< drain
   double thickness_m = 0;                                 ///< of the shell whose midsurface is the mesh; 0: a solid
-  bool remesh = false;                    ///< make new tetrahedra within the surface of a file of tetrahedra
-  bool repair = false;                    ///< allow repairs (flip cells, keep the largest component, ...)
-  std::optional<SymmetryPlane> symmetry;  ///< with it only one half of the active nodes is solved
+  bool remesh = false;  ///< make new tetrahedra within the surface of a file of tetrahedra
+  bool repair = false;  ///< allow repairs (flip cells, keep the largest component, ...)
   SourceLocation where;
 };
 /// The dimensions and the number of nodes of a built-in shape, where those that are not given have the standard of the

@@ -22,15 +22,12 @@ struct Shard {
 /// @throws Error (input) unless it is i/n with 0 <= i < n
 Shard parse_shard(const std::string& text);
 
-/// For each ray, [active][direction] flattened, the index of its shard; -1 if it is not solved. The directions of a
-/// node are divided into runs, which stay together because each change of the node costs a factorization. The first
-/// runs of all nodes are assigned to the shards in turn, then the second runs, and so on; runs without a ray to solve
-/// are skipped. If all rays are solved, shards differ by at most one run, and each has all directions and nodes from
-/// the whole body. A shard has about 16 runs if there are enough rays.
-/// @param is_solved  n_active x n_directions flags: MirroredRays::solved()
+/// For each ray, [active][direction] flattened, the index of its shard. The directions of a node are divided into runs,
+/// which stay together because each change of the node costs a factorization. The first runs of all nodes are assigned
+/// to the shards in turn, then the second runs, and so on. Shards differ by at most one run, and each has all
+/// directions and nodes from the whole body. A shard has about 16 runs if there are enough rays.
 /// @pre n_directions > 0, count > 0
-std::vector<std::int32_t> shards_of_rays(const std::vector<char>& is_solved, std::size_t n_directions,
-                                         std::int32_t count);
+std::vector<std::int32_t> shards_of_rays(std::size_t n_active, std::size_t n_directions, std::int32_t count);
 
 /// The file of a shard of `database`: database.h5 -> database.shard-3-of-8.h5.
 std::filesystem::path shard_file(const std::filesystem::path& database, const Shard& shard);

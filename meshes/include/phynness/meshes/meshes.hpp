@@ -82,10 +82,9 @@ std::vector<std::int32_t> refined(const std::vector<std::int32_t>& nodes,
 /// make_mesh reads the file with the same node numbers, cells and hash.
 void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::path& file);
 
-/// Resolves the selections of the scene on a mesh, and pairs nodes if the scene declares a plane of symmetry.
+/// Resolves the selections of the scene on a mesh.
 /// @throws Error (with file:line) if a selection is empty, an active node is also fixed, no node is fixed, a group is
-///   unknown (the message lists the existing ones), a node number is out of range, or a mesh or a set is declared
-///   symmetric and is not
+///   unknown (the message lists the existing ones), or a node number is out of range
 NodeSets resolve_selections(const Scene& scene, const Mesh& mesh);
 /// The same with output `sets`, which after an error contains the selections that were made before it.
 void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets);

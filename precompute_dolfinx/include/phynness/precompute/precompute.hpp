@@ -44,9 +44,9 @@ struct OtherBranch {
 
 /// Sums over rays: of one rank or of all, of this run or of the whole database. `failed` includes after_failure.
 struct RayCounts {
-  std::int64_t rays = 0, rays_solved = 0;  ///< all; without directions that are not requested
-  std::int64_t increments = 0, increments_solved = 0, after_end = 0;  ///< tried; without mirror images; not tried
-  std::int64_t failed = 0, iterations = 0, library_errors = 0;        ///< the last: rays with Status::library_error
+  std::int64_t rays = 0, rays_solved = 0;                       ///< all; without directions that are not requested
+  std::int64_t increments = 0, after_end = 0;                   ///< tried; not tried
+  std::int64_t failed = 0, iterations = 0, library_errors = 0;  ///< the last: rays with Status::library_error
 };
 
 /// Rays and library errors are those of this run. Increments and iterations are those of the whole database or, for a
@@ -56,10 +56,9 @@ struct PrecomputeReport : RayCounts {
   std::int64_t rays_taken = 0;                ///< copied from another database in this run
   std::int64_t rays_compared = 0;             ///< solved in this run, with a shallower ray in that database
   std::vector<OtherBranch> other_branches;    ///< of those, by node and direction; on rank 0
-  std::int64_t rays_mirrored = 0;             ///< mirror images of other rays; 0 in a shard
   std::int64_t rays_left_out = 0;             ///< by [probe] target_error, in this run; on rank 0
   std::int64_t refined_nodes = 0;             ///< nodes with more than the 14 directions
-  std::vector<double> predicted_errors;       ///< per node that is not a mirror image
+  std::vector<double> predicted_errors;       ///< per node
   std::int64_t increments_of_run = 0;         ///< increments that this run solved
   double wall_seconds = 0, core_seconds = 0;  ///< of this run; core_seconds summed over ranks
   double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;         ///< parts of wall_seconds

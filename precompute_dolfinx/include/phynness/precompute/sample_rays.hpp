@@ -9,8 +9,7 @@
 
 namespace phynness {
 
-/// Flags, n_active x n_directions, of the rays that a scene requests (hemisphere: directions that press inward) and
-/// that are not mirror images of other rays.
+/// Flags, n_active x n_directions, of the rays that a scene requests (hemisphere: directions that press inward).
 std::vector<char> requested_rays(const Scene& scene, const Mesh& mesh, const DatabaseHeader& header);
 
 struct SolvedRays {
