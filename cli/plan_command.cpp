@@ -10,7 +10,6 @@
 #include <phynness/planning/planning.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
-#include <phynness/training/conservative_fit.hpp>
 #include <phynness/validation/discretization.hpp>
 #include <phynness/validation/sizes.hpp>
 #include <thread>
@@ -41,16 +40,13 @@ struct Measured {
   bool is_guess = false;                          ///< the sample has fewer
   ByName<std::int64_t> states;                    ///< increments by outcome
   double start_seconds = 0, node_setup_seconds = 0;
-  /// With [probe] target_error: mean error predicted from the 14 directions, and share of nodes with a larger one.
-  std::optional<double> predicted_error, refined_share;
   PHYNNESS_FIGURES(rays, nodes, seconds_per_ray, seconds_longest_ray, relative_standard_error, is_guess, states,
-                   start_seconds, node_setup_seconds, predicted_error, refined_share)
+                   start_seconds, node_setup_seconds)
 };
 
 struct Plan {
   std::int64_t rays = 0, rays_requested = 0;  ///< recorded, and solved
   std::int64_t rays_taken = 0;                ///< of another database, which need no solve
-  std::int64_t rays_left_out = 0;             ///< by [probe] target_error, about
   std::size_t increments = 0;
   Measured measured;
   json ends;  ///< of the measured rays
@@ -62,8 +58,8 @@ struct Plan {
   double calibrate_seconds = 0, validate_seconds = 0;  ///< in run
   int ranks_of_use = 1;
   std::vector<SpacingPlan> spacings;  ///< of probe points: auto, half, and twice
-  PHYNNESS_FIGURES(rays, rays_requested, rays_taken, rays_left_out, increments, measured, ends, ranks, wall_seconds,
-                   core_hours, memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, model_text_bytes,
+  PHYNNESS_FIGURES(rays, rays_requested, rays_taken, increments, measured, ends, ranks, wall_seconds, core_hours,
+                   memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, model_text_bytes,
                    mesh_text_bytes, check_seconds, calibration_rays, probes, calibrate_seconds, validate_seconds,
                    ranks_of_use, spacings)
 
@@ -90,30 +86,6 @@ void warn_of_states(const std::map<Status, std::int64_t>& states) {
   if (failed > 0) message("warning: {} of {} increments failed: {}\n", failed, all, reasons);
 }
 
-/// What [probe] target_error leaves out, as far as the measured rays tell it.
-void predict_errors(double target, const DatabaseHeader& header, const std::vector<RayChoice>& chosen,
-                    const std::vector<Ray>& solved, Measured& measured) {
-  double weight = 0, refined = 0, sum = 0;
-  std::size_t n = 0;
-  for (std::size_t first = 0, i = 0; i < solved.size(); first = i) {
-    std::vector<Ray> rays;
-    for (std::size_t d = 0; d < header.directions.size(); ++d)
-      rays.push_back(empty_ray(header, solved[first].active, static_cast<std::int32_t>(d)));
-    bool ends_early = false;
-    for (; i < solved.size() && solved[i].active == solved[first].active; ++i) {
-      rays[static_cast<std::size_t>(solved[i].direction)] = solved[i];
-      ends_early = ends_early || solved[i].end.is_early();
-    }
-    const double error = left_out_force_error(header, rays);
-    weight += chosen[first].weight;
-    if (ends_early || error > target) refined += chosen[first].weight;
-    sum += error;
-    ++n;
-  }
-  measured.predicted_error = sum / static_cast<double>(n);
-  measured.refined_share = refined / weight;
-}
-
 /// @return the ends of the measured rays
 EndSummary measure(const LoadedScene& loaded, const DatabaseHeader& header, const std::vector<RayChoice>& chosen,
                    Measured& measured) {
@@ -137,8 +109,6 @@ EndSummary measure(const LoadedScene& loaded, const DatabaseHeader& header, cons
         ray.end;
   }
   warn_of_states(states);
-  if (const auto target = loaded.scene.probe.target_error)
-    predict_errors(*target, header, chosen, solved.rays, measured);
   for (const auto& [status, count] : states) measured.states.emplace_back(name(status), count);
   const auto costs = costs_of(chosen, seconds);
   measured.rays = std::ssize(chosen);
@@ -176,16 +146,9 @@ Plan make_plan(const Options& options, const LoadedScene& loaded, const Database
     plan.rays_taken = std::count(taken.begin(), taken.end(), char{1});
   }
   const auto& nodes = header.mesh.nodes;
-  const auto target = loaded.scene.probe.target_error;
-  auto sampled = requested;
-  for (std::size_t i = 0; target && i < sampled.size(); ++i)
-    sampled[i] = sampled[i] && direction_round(i % header.directions.size()) == 0;
-  const auto n_later = static_cast<double>(std::count(requested.begin(), requested.end(), char{1}) -
-                                           std::count(sampled.begin(), sampled.end(), char{1}));
-  const auto chosen = choose_rays(nodes(header.sets.active, Eigen::all), nodes(header.sets.fixed, Eigen::all), sampled,
-                                  header.directions.size(), static_cast<std::size_t>(options.rays),
-                                  static_cast<std::uint64_t>(options.seed),
-                                  target ? exploratory_directions(Directions::fourteen).size() : 2);
+  const auto chosen = choose_rays(nodes(header.sets.active, Eigen::all), nodes(header.sets.fixed, Eigen::all),
+                                  requested, header.directions.size(), static_cast<std::size_t>(options.rays),
+                                  static_cast<std::uint64_t>(options.seed));
   if (chosen.empty() && plan.rays_taken > 0)
     throw input_error("nothing is left to plan",
                       fmt::format("all {} rays are in {}", plan.rays_taken, options.from.string()),
@@ -203,7 +166,6 @@ Plan make_plan(const Options& options, const LoadedScene& loaded, const Database
     costs.rays += n;
     costs.nodes += n > 0;
   }
-  if (target) costs.rays -= plan.rays_left_out = std::llround((1 - *plan.measured.refined_share) * n_later);
   plan.rays = std::ssize(rays_left(header, std::vector<char>(requested.size(), 0)));
   plan.rays_requested = costs.rays;
   plan.increments = header.magnitudes_m.size();
@@ -267,11 +229,6 @@ void print_plan(const Options& options, const Plan& plan) {
     print_result("taken     {} rays of {}; the rest is left to solve\n", plan.rays_taken, options.from.string());
   print_result("rays      {}, {} solved at {} node{}: {:.2g} s each ({}), at most {:.2g} s\n", plan.rays_requested,
                m.rays, m.nodes, m.nodes == 1 ? "" : "s", m.seconds_per_ray, trust(plan), m.seconds_longest_ray);
-  if (m.refined_share)
-    print_result(
-        "left out  about {} more by target_error, at {:.0f} % of the nodes; error predicted from 14 directions "
-        "{:.2g} % in the mean\n",
-        plan.rays_left_out, 100 * (1 - *m.refined_share), 100 * *m.predicted_error);
   print_result("memory    {} per rank, {} in all; this machine has {}\n", bytes(plan.memory_bytes_per_rank),
                bytes(plan.ranks * plan.memory_bytes_per_rank), bytes(plan.machine_memory_bytes));
   print_result("database  {} before compression, and {} of logs until it is packed\n", bytes(plan.database_bytes),

@@ -1,9 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <phynness/formats/database_lock.hpp>
 #include <phynness/precompute/precompute.hpp>
-#include <phynness/training/conservative_fit.hpp>
 
 #include "commands.hpp"
 
@@ -93,10 +91,6 @@ void warn_of_branches(const PrecomputeReport& report, const std::filesystem::pat
       report.other_branches.size(), from.string(), lines);
 }
 
-double mean(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
 json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const PrecomputeReport& report) {
   json ranks = json::array();
   for (const auto& rank : report.ranks)
@@ -110,12 +104,6 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
                     "newton_iterations", report.iterations, "ranks", report.ranks.size(), "wall_seconds",
                     report.wall_seconds, "setup_seconds", report.setup_seconds, "solve_seconds", report.solve_seconds,
                     "pack_seconds", report.pack_seconds, "core_seconds", report.core_seconds, "per_rank", ranks);
-  if (!report.predicted_errors.empty()) {
-    out["rays_left_out"] = report.rays_left_out;
-    out["nodes_refined"] = report.refined_nodes;
-    out["predicted_error"] =
-        record("mean", mean(report.predicted_errors), "max", *std::ranges::max_element(report.predicted_errors));
-  }
   out["rays_compared"] = report.rays_compared;
   out["rays_on_another_branch"] = report.other_branches.size();
   if (target.shard)
@@ -151,8 +139,7 @@ void print_work(const SolverSession& session, const LoadedScene& loaded, const P
 }
 
 void run(const Options& options) {
-  PrecomputeTarget target{options.output, options.resume,          {},
-                          options.from,   options.ranks_per_solve, left_out_force_error};
+  PrecomputeTarget target{options.output, options.resume, {}, options.from, options.ranks_per_solve};
   if (!options.shard.empty()) {
     target.shard = parse_shard(options.shard);
     target.file = shard_file(options.output, *target.shard);
@@ -170,9 +157,6 @@ void run(const Options& options) {
   std::optional<DatabaseLock> lock;
   session.together([&] {
     loaded = load_scene(options.scene, !first);
-    if (target.shard && loaded.scene.probe.target_error)
-      throw input_error("[probe] target_error needs all rays of a node, but a shard has some",
-                        "--shard " + options.shard, "solve with mpirun and without --shard, or remove target_error");
     grow_beside(target, loaded);
     if (first) lock.emplace(begin(target, loaded));
   });
@@ -202,12 +186,6 @@ void run(const Options& options) {
     std::filesystem::rename(log, target.file.string() + ".solver.log", code);  // there is none without messages
   }
   print_work(session, loaded, target, report);
-  if (const auto& errors = report.predicted_errors; !errors.empty())
-    message(
-        "note: target_error leaves {} rays out; {} of {} nodes have more than 14 directions; the error of left-out "
-        "directions, predicted from the others, is {:.2g} % in the mean and at most {:.2g} %\n",
-        report.rays_left_out, report.refined_nodes, errors.size(), 100 * mean(errors),
-        100 * *std::ranges::max_element(errors));
   warn_of_branches(report, target.from);
   if (report.library_errors > 0)
     message("warning: {} rays ended because a library call failed; its messages are in {}\n", report.library_errors,

@@ -158,11 +158,6 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
           [](const std::vector<Field>& fields) { return text(fields); });
   if (!is_understood(on_disk) || !is_understood(wanted)) return all;
   const auto then = stored_scene(on_disk), now = stored_scene(wanted);
-  const auto target = [](const Scene& scene) {
-    return scene.probe.target_error ? shortest(*scene.probe.target_error) : "none";
-  };
-  if (then.probe.target_error != now.probe.target_error)
-    all.push_back({"another [probe] target_error", both(target(then), target(now)), false});
   const auto factor = modulus_factor(then, now);
   if (const auto before = then.probe.max_force_N, after = now.probe.max_force_N;
       factor && !same_number(*factor * before, after))
@@ -204,9 +199,7 @@ Coverage coverage(const DatabaseHeader& on_disk, const DatabaseHeader& wanted) {
       on_disk.directions != wanted.directions)
     return Coverage::other;
   const auto then = stored_scene(on_disk), now = stored_scene(wanted);
-  if (then.probe.directions != now.probe.directions || then.probe.target_error != now.probe.target_error ||
-      modulus_factor(then, now) != 1.0)
-    return Coverage::other;
+  if (then.probe.directions != now.probe.directions || modulus_factor(then, now) != 1.0) return Coverage::other;
   const auto has = [](const NodeSets& more, const NodeSets& less) {
     return std::includes(more.active.begin(), more.active.end(), less.active.begin(), less.active.end()) &&
            std::includes(more.output.begin(), more.output.end(), less.output.begin(), less.output.end());

@@ -74,8 +74,6 @@ Scene parse_imported_scene(const std::string& text, const std::string& source_na
   top.read_into(scene);
   probe.read_into(scene);
   sd::check_probe(probe, scene.probe);
-  if (probe.has("target_error"))
-    probe.reject("target_error", "chooses what is solved, but the responses are imported", "remove it");
   training.read_into(scene);
   return scene;
 }

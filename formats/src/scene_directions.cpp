@@ -53,12 +53,6 @@ Directions scene_detail::parse_directions(const SceneTable& probe) {
   probe.reject("directions", "is not a known set of directions", "write 14, 26, 98, 3 or \"hemisphere\"");
 }
 
-int direction_round(std::size_t direction) {
-  constexpr std::size_t n_axes = 6, n_axes_and_edges = 18, n_with_corners = 26;
-  if (direction >= n_with_corners) return 2;
-  return direction >= n_axes && direction < n_axes_and_edges ? 1 : 0;
-}
-
 std::vector<Vec3> exploratory_directions(Directions kind) {
   if (kind == Directions::three) return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const auto points = diagonals(kind != Directions::fourteen);

@@ -135,11 +135,6 @@ Keys probe_keys() {
       probe("directions", &ProbeSpec::directions, DirectionSet{}, always,
             "`26`: axes and diagonals; `14`: axes and space diagonals only; `98`: the 26 and the middles between "
             "neighbors; `3`: +x, +y, +z; `\"hemisphere\"`: those of the 26 that push in or slide"),
-      probe(
-          "target_error", &ProbeSpec::target_error, Number{{0, 1, true}}, never,
-          "a share of a node's largest force. The 14 directions are solved first; the others of the 26, then of the "
-          "98, where a ray ends early or the mean error of left-out directions, predicted from the others, is larger. "
-          "Absent: all are solved"),
       probe("increments", &ProbeSpec::increments, Integer{1, 1000}, always, "number of steps to the full depth"),
       probe("max_displacement_m", &ProbeSpec::max_displacement_m, Number{{0, 10, true}}, always,
             "required, in m; `max_displacement_m / increments` is at least 1e-12 of the diagonal of the body, below "

@@ -170,9 +170,6 @@ void check_probe(const SceneTable& table, ProbeSpec& spec) {
                  "remove it, or write kind = \"patch\"");
   if (spec.kind == ProbeKind::patch && !table.has("tool_radius_m"))
     table.missing("tool_radius_m", ", which a patch probe needs", "add tool_radius_m in metres, such as 0.01");
-  if (spec.target_error && (spec.directions == Directions::three || spec.directions == Directions::fourteen))
-    table.reject("target_error", std::string("has no direction to leave out of directions = ") + name(spec.directions),
-                 "remove it, or write directions = 26, 98 or \"hemisphere\"");
   if (!table.has("max_displacement_m"))
     table.missing("max_displacement_m", "", "add max_displacement_m in metres, such as 0.028 for 28 mm");
 }

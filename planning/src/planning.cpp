@@ -10,6 +10,10 @@
 namespace phynness {
 namespace {
 
+/// Most rays of a node where there are enough nodes. Costs vary more between nodes than between directions, so that
+/// short runs at many nodes are better.
+constexpr std::size_t run_length = 2;
+
 /// Inverse distance to the nearest fixed point; equal for all if there is none.
 std::vector<double> expected_cost(const Points& points, const Points& fixed) {
   std::vector<double> size(static_cast<std::size_t>(points.rows()), 1.0);
@@ -26,7 +30,7 @@ std::vector<double> expected_cost(const Points& points, const Points& fixed) {
 
 std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fixed_points,
                                    const std::vector<char>& requested, std::size_t n_directions, std::size_t wanted,
-                                   std::uint64_t seed, std::size_t run_length) {
+                                   std::uint64_t seed) {
   assert(requested.size() == static_cast<std::size_t>(active_points.rows()) * n_directions);
   // Nodes without requested rays are not used.
   std::vector<std::size_t> order, n_requested;

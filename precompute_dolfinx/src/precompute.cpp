@@ -11,7 +11,6 @@
 #include <phynness/precompute/sample_rays.hpp>
 #include <span>
 
-#include "direction_rounds.hpp"
 #include "shallower_rays.hpp"
 #include "solve_ray.hpp"
 #include "solver_log.hpp"
@@ -174,20 +173,17 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
   if (!share.interrupted) ray_log.flush(share);
 }
 
-/// Logs the rays that are not solved. @return how many of them target_error has left out
-std::int64_t log_left_out(const std::filesystem::path& file, const DatabaseHeader& header,
-                          const DirectionRounds& rounds, const std::vector<RayIndex>& rays, Share& share) {
-  std::int64_t n = 0;
-  if (rays.empty()) return n;
+/// Logs the rays that are not requested.
+void log_not_requested(const std::filesystem::path& file, const DatabaseHeader& header,
+                       const std::vector<RayIndex>& rays, Share& share) {
+  if (rays.empty()) return;
   DatabaseWriter log(file, header, 0);
-  for (const auto& ray : rays) {
-    const auto left_out = rounds.left_out(ray);
-    log.append(left_out);
-    add(left_out.status, left_out.iterations, share.counts);
-    n += left_out.end.depth_m > 0;
+  for (const auto& [active, direction] : rays) {
+    const auto ray = empty_ray(header, active, direction);
+    log.append(ray);
+    add(ray.status, ray.iterations, share.counts);
   }
   log.close();
-  return n;
 }
 
 /// Throws the error of this rank with the note that finished rays are kept. @throws Error if `trouble` is set
@@ -361,15 +357,21 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   std::exception_ptr trouble;
   std::optional<ShallowerRays> shallower;
   session.together([&] { shallower.emplace(target.from, header); });
-  DirectionRounds rounds(scene, header, requested_rays(scene, mesh, header), target.predict);
-  std::int64_t before = report.rays_found();  // rays of earlier runs and rounds
-  const auto solve_round = [&](const std::vector<RayIndex>& rays) {
+  const auto left = [&] { return rays_left(header, logged); };
+  const auto requested = requested_rays(scene, mesh, header);
+  std::vector<RayIndex> rays;
+  for (const auto& ray : left())
+    if (requested[static_cast<std::size_t>(ray.active) * header.directions.size() +
+                  static_cast<std::size_t>(ray.direction)])
+      rays.push_back(ray);
+  if (!rays.empty()) {
     WorkCounter counter(MPI_COMM_WORLD);
     if (team.leads()) {
       core.start();
       const auto done = [&] {
         counter.add_done(1);
-        if (progress && session.rank() == 0) progress(before + counter.done(), before + std::ssize(rays));
+        if (progress && session.rank() == 0)
+          progress(report.rays_found() + counter.done(), report.rays_found() + std::ssize(rays));
       };
       trouble = guarded(counter, session.rank(), warn, [&] {
         DatabaseWriter log(target.file, header, session.rank());
@@ -386,19 +388,11 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
     }
     session.together([&] { rethrow(trouble); });
     report.interrupted = on_any_rank(share.interrupted);
-    before += std::ssize(rays);
-    for (const auto& [active, direction] : rays)
-      logged[static_cast<std::size_t>(active) * header.directions.size() + static_cast<std::size_t>(direction)] = 1;
-  };
-  if (!complete) {
-    do {
-      if (const auto rays = rounds.left(logged); !rays.empty()) solve_round(rays);
-    } while (!report.interrupted && rounds.next(session, target.file));
-    rounds.report(report);
   }
+  for (const auto& [active, direction] : rays)
+    logged[static_cast<std::size_t>(active) * header.directions.size() + static_cast<std::size_t>(direction)] = 1;
   session.together([&] {
-    if (!report.interrupted && session.rank() == 0)
-      report.rays_left_out = log_left_out(target.file, header, rounds, rays_left(header, logged), share);
+    if (!report.interrupted && session.rank() == 0) log_not_requested(target.file, header, left(), share);
   });
   report.solve_seconds = seconds_since(solve_start);
   const bool packs = !report.interrupted && !complete && !target.shard;

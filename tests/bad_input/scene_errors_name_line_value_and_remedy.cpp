@@ -130,10 +130,6 @@ tool_radius_zero | increments | increments = 4\nkind = "patch"\ntool_radius_m = 
 unknown_law | law = "neo-hookean" | law = "neohookean" | | "neohookean" ; did you mean "neo-hookean"?
 unknown_element | element = "P1" | element = "P3" | | "P3" ; taylor-hood
 unknown_directions | directions = 26 | directions = 27 | | 27 ; hemisphere
-no_target_error | directions = 26 | target_error = 0 | | [probe] target_error must be ; : 0
-negative_target_error | directions = 26 | target_error = -0.01 | | [probe] target_error must be ; : -0.01
-target_error_in_percent | directions = 26 | target_error = 5 | | [probe] target_error must be ; : 5
-target_error_without_more_directions | directions = 26 | directions = 3\ntarget_error = 0.01 | target_error = 0.01 | target_error ; 26 ; 98
 unknown_word | active = "free-surface" | active = "freesurface" | | "freesurface" ; did you mean "free-surface"?
 spread_word | samples = 1000 | force_spread = "find" | | find ; search
 normal_zero | fixed_line | fixed = { plane = { point_m = [0,0,0], normal = [0,0,0] } } | | normal ; [0, 0, 0]

@@ -17,9 +17,7 @@ double increments_per_probe(int increments) { return (1.2 * increments + 1.5) / 
 
 /// The rays that a scene asks for at least.
 std::int64_t wanted_rays(const Scene& scene, const DatabaseHeader& header) {
-  auto flags = requested_rays(scene, header.mesh, header);
-  for (std::size_t i = 0; scene.probe.target_error && i < flags.size(); ++i)
-    flags[i] &= direction_round(i % header.directions.size()) == 0;
+  const auto flags = requested_rays(scene, header.mesh, header);
   return std::count(flags.begin(), flags.end(), char{1});
 }
 

@@ -324,11 +324,6 @@ ShapeChoice choose_force_shape(const ForceStates& states) {
   return best;
 }
 
-double left_out_force_error(const DatabaseHeader& header, const std::vector<Ray>& rays) {
-  const auto states = merged(force_states(training_tables(header), rays));
-  return states.row.empty() ? 0 : choose_force_shape(states).left_out_error;
-}
-
 ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& rays) {
   const NetworkPoints points = force_points(tables, rays);
   ForceStates states;

@@ -20,7 +20,7 @@ struct CodeRow {
 /// Outcome of one increment. Values are stored; never renumber.
 enum class Status : std::int8_t {
   converged = 0,
-  not_requested = 1,   ///< direction outside the hemisphere, or left out by target_error
+  not_requested = 1,   ///< direction outside the hemisphere
   not_solved = 2,      ///< no result yet (an unfinished database)
   after_end = 3,       ///< the ray ends before: a fold, a crushed cell or the force limit of the scene
   inverted = -1,       ///< J <= 0 at a quadrature point
@@ -32,7 +32,7 @@ enum class Status : std::int8_t {
 };
 inline constexpr CodeRow<Status> every_status[] = {
     {Status::converged, "converged", "solved"},
-    {Status::not_requested, "not_requested", "direction outside the hemisphere, or left out by target_error"},
+    {Status::not_requested, "not_requested", "direction outside the hemisphere"},
     {Status::not_solved, "not_solved", "no result yet"},
     {Status::after_end, "after_end", "not solved: the ray ends before, at a fold, a crushed cell or the force limit"},
     {Status::inverted, "inverted", "a cell was inverted, even with the smallest steps"},
@@ -50,7 +50,7 @@ enum class EndReason : std::int8_t {
   fold = 1,           ///< the body loses energy at once: it snaps, or the mesh folds
   crushed = 2,        ///< the smallest J falls below [probe] min_jacobian
   force_limit = 3,    ///< the force exceeds [probe] max_force_N
-  not_requested = 4,  ///< direction outside the hemisphere, or left out by target_error
+  not_requested = 4,  ///< direction outside the hemisphere
   solver = -1,        ///< an increment could not be solved; its status tells why
   not_recorded = -2,  ///< the ray was solved by a version that does not record it, and did not fail
 };
@@ -59,7 +59,7 @@ inline constexpr CodeRow<EndReason> every_end[] = {
     {EndReason::fold, "fold", "energy is lost at once: the body snaps, or its mesh folds"},
     {EndReason::crushed, "crushed", "a cell is crushed to less than [probe] min_jacobian of its volume"},
     {EndReason::force_limit, "force_limit", "the force exceeds [probe] max_force_N"},
-    {EndReason::not_requested, "not_requested", "direction outside the hemisphere, or left out by target_error"},
+    {EndReason::not_requested, "not_requested", "direction outside the hemisphere"},
     {EndReason::solver, "solver", "no equilibrium was found beyond; phynness info --failed lists the reasons"},
     {EndReason::not_recorded, "not_recorded", "solved by a version that does not look for folds"}};
 const char* name(EndReason);

@@ -86,7 +86,6 @@ struct ProbeSpec {
   /// A patch also presses what does not face it, as in databases before; read and trained, but not solved.
   bool whole = false;
   Directions directions = Directions::twenty_six;
-  std::optional<double> target_error;  ///< directions are left out where the predicted error is at most this
   int increments = 6;
   double max_displacement_m = 0;
   double max_force_N = 0;  ///< rays end at a larger force; 0: no limit
@@ -189,10 +188,5 @@ const char* name(Family);
 /// The exploratory directions of a kind as unit vectors, in the order of formats/database.md. `hemisphere` has the 26
 /// directions; a node's inward normal determines which of them are solved.
 std::vector<Vec3> exploratory_directions(Directions kind);
-
-/// With [probe] target_error the directions of a kind are solved in rounds: the 14, those that complete the 26, and
-/// those that complete the 98. The round, from 0, of a direction of a kind with at least 26.
-inline constexpr int n_direction_rounds = 3;
-int direction_round(std::size_t direction);
 
 }  // namespace phynness

@@ -24,12 +24,10 @@ struct RayChoice {
 /// @param active_points, fixed_points  n x 3, positions in the same unit; without fixed points all nodes have the same
 ///   probability
 /// @param requested   n_active x n_directions flags; only these rays are selected
-/// @param run_length  most rays of a node where there are enough nodes. Costs vary more between nodes than between
-///   directions, so that short runs at many nodes are better
 /// @return in the order of the database, no ray twice; empty if nothing is requested
 std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fixed_points,
                                    const std::vector<char>& requested, std::size_t n_directions, std::size_t wanted,
-                                   std::uint64_t seed, std::size_t run_length = 2);
+                                   std::uint64_t seed);
 
 struct RayCosts {
   double mean_s = 0, longest_s = 0;  ///< weighted; of one ray

@@ -11,10 +11,6 @@
 
 namespace phynness {
 
-/// Predicts the error of the forces of a node between the directions of its converged rays, as a share of its largest
-/// force.
-using ErrorPrediction = std::function<double(const DatabaseHeader&, const std::vector<Ray>&)>;
-
 /// Output of the responses, and number of ranks for each solve.
 struct PrecomputeTarget {
   std::filesystem::path file;
@@ -22,7 +18,6 @@ struct PrecomputeTarget {
   std::optional<Shard> shard;  ///< solve only the rays of this shard, and leave them in the log of `file` for a merge
   std::filesystem::path from;  ///< finished database, of which the rays that the scene wants are taken; may be empty
   int ranks_per_solve = 1;     ///< number of consecutive ranks that share factorizations, for large meshes
-  ErrorPrediction predict;     ///< for [probe] target_error; empty: all directions are solved
 };
 
 /// Figures of one rank.
@@ -56,9 +51,6 @@ struct PrecomputeReport : RayCounts {
   std::int64_t rays_taken = 0;                ///< copied from another database in this run
   std::int64_t rays_compared = 0;             ///< solved in this run, with a shallower ray in that database
   std::vector<OtherBranch> other_branches;    ///< of those, by node and direction; on rank 0
-  std::int64_t rays_left_out = 0;             ///< by [probe] target_error, in this run; on rank 0
-  std::int64_t refined_nodes = 0;             ///< nodes with more than the 14 directions
-  std::vector<double> predicted_errors;       ///< per node
   std::int64_t increments_of_run = 0;         ///< increments that this run solved
   double wall_seconds = 0, core_seconds = 0;  ///< of this run; core_seconds summed over ranks
   double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;         ///< parts of wall_seconds
@@ -78,9 +70,6 @@ using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 /// others are solved again, and their first increments are compared with those there.
 /// @pre ranks_per_solve divides the number of ranks
 /// @pre rank 0 holds the DatabaseLock of the file
-/// With [probe] target_error rays are solved in rounds, between which all ranks predict errors; what is left out is
-/// recorded as not requested.
-/// @pre there is no shard if the scene has a target_error
 /// @param stop  polled between rays, and between iterations of a solve, on every rank; true ends the run and keeps
 /// finished rays
 /// @param warn  called immediately on a rank that cannot continue, for example because its file system is full; the

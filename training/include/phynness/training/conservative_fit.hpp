@@ -47,10 +47,6 @@ struct ShapeChoice {
 };
 ShapeChoice choose_force_shape(const ForceStates& states);
 
-/// The left-out error of the forces of a node's converged increments; 0 without any. Errors of a model of these
-/// increments at fresh probes are smaller in the mean (docs/decisions/adaptive-probes.md).
-double left_out_force_error(const DatabaseHeader& header, const std::vector<Ray>& rays);
-
 /// Largest share of centers in a third of the equations: half as many as states, two thirds where energies are known.
 /// With a center for nearly every state the network is arbitrary between the states, and K is undetermined.
 inline constexpr double largest_center_share = 0.5;
