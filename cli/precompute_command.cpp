@@ -13,7 +13,6 @@ struct Options {
   OptionalPath json_file;
   std::string shard;
   bool resume = false;
-  int ranks_per_solve = 1;
 };
 
 /// Takes the lock and reports existing results. @throws Error if these belong to other work
@@ -139,7 +138,7 @@ void print_work(const SolverSession& session, const LoadedScene& loaded, const P
 }
 
 void run(const Options& options) {
-  PrecomputeTarget target{options.output, options.resume, {}, options.from, options.ranks_per_solve};
+  PrecomputeTarget target{options.output, options.resume, {}, options.from};
   if (!options.shard.empty()) {
     target.shard = parse_shard(options.shard);
     target.file = shard_file(options.output, *target.shard);
@@ -147,12 +146,6 @@ void run(const Options& options) {
   }
   const SolverSession session;
   const bool first = session.rank() == 0;
-  session.together([&] {
-    if (session.size() % target.ranks_per_solve != 0)
-      throw input_error("the number of ranks is not a multiple of --ranks-per-solve",
-                        fmt::format("{} ranks, --ranks-per-solve {}", session.size(), target.ranks_per_solve),
-                        "start a multiple of --ranks-per-solve with mpirun -n");
-  });
   LoadedScene loaded;
   std::optional<DatabaseLock> lock;
   session.together([&] {
@@ -227,10 +220,6 @@ void add(CLI::App& app) {
   command.add_option("--shard", options.shard,
                      "i/n: solve only part i = 0 ... n-1 of n and write it to a separate file\n"
                      "(database.h5 -> database.shard-i-of-n.h5); phynness merge joins the files");
-  add_count(command, "--ranks-per-solve", options.ranks_per_solve, 1, 1 << 20,
-            "number of ranks for each solve, for meshes that are too large for the memory of one rank "
-            "(docs/howto/cluster.md)")
-      ->default_val(1);
   add_json(command, options.json_file);
 }
 

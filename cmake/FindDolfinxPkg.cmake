@@ -49,7 +49,7 @@ endif()
 target_include_directories(phynness_dolfinx SYSTEM INTERFACE ${UFCX_INCLUDE_DIR} ${DOLFINX_INCLUDE_DIRS} ${PETSC_INCLUDE_DIRS})
 target_link_libraries(phynness_dolfinx INTERFACE ${DOLFINX_LINK_LIBRARIES} ${PETSC_LINK_LIBRARIES} MPI::MPI_CXX)
 find_library(PHYNNESS_BASIX_LIBRARY basix REQUIRED)
-# For our own LDL^T; MUMPS, in PETSc, needs BLAS too.
+# For our own LDL^T; PETSc needs BLAS too.
 find_library(PHYNNESS_BLAS_LIBRARY blas REQUIRED)
 find_library(PHYNNESS_METIS_LIBRARY metis REQUIRED)
 find_path(PHYNNESS_METIS_INCLUDE_DIR metis.h REQUIRED)

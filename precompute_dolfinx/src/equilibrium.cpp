@@ -17,12 +17,9 @@ std::vector<std::int32_t> unknowns_of(const TangentMatrix& tangent, std::span<co
 
 }  // namespace
 
-Equilibrium::Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& options,
-                         LinearSolver* shared)
+Equilibrium::Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& options)
     : _body(body),
       _options(options),
-      _own(shared ? nullptr : serial_factorization()),
-      _linear(shared ? shared : _own.get()),
       _tangent(body, fixed_dofs),
       _pressures(unknowns_of(_tangent, body.pressure_dofs())) {
   set_up_solver();
@@ -49,7 +46,7 @@ void Equilibrium::recover() {
   _r = {};
   _quasi_newton.clear();
   _pressures = PressureBlock(unknowns_of(_tangent, _body.pressure_dofs()));
-  _linear->reset();
+  _linear.reset();
   set_up_solver();
   _usable = true;
 }
@@ -178,7 +175,7 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
   out.tangent = coupling.corner * directions;
   for (Eigen::Index c = 0; c < k; ++c) {
     WriteValues(_r).map() = -coupling.columns * directions.col(c);
-    if (!_linear->solve(_r, _x)) return out;
+    if (!_linear.solve(_r, _x)) return out;
     const ReadValues dx(_x);
     out.tangent.col(c) += coupling.columns.transpose() * dx.map();
     for (int i = 0; i < _tangent.n_unknowns(); ++i) out.sensitivity(_tangent.dof_of()[i], c) = dx[i];
@@ -217,7 +214,7 @@ Equilibrium::Velocity Equilibrium::velocity(std::span<const double> state, const
   for (Eigen::Index dof = 0; dof < rate.size(); ++dof)
     stiffness += rate[dof] * (forward[dof] - _condensed[dof]) / (2 * epsilon);
   ++_counts.substitutions;
-  if (!_linear->solve(_r, _x)) return {Eigen::VectorXd::Constant(guess.size(), std::nan("")), stiffness};
+  if (!_linear.solve(_r, _x)) return {Eigen::VectorXd::Constant(guess.size(), std::nan("")), stiffness};
   _quasi_newton.apply(_x);
   const ReadValues correction(_x);
   for (int i = 0; i < _tangent.n_unknowns(); ++i) {

@@ -15,7 +15,7 @@
 
 #include "constraint.hpp"
 #include "discretization.hpp"
-#include "linear_solver.hpp"
+#include "factorization.hpp"
 #include "petsc_check.hpp"
 #include "pressure_block.hpp"
 #include "quasi_newton.hpp"
@@ -28,9 +28,7 @@ namespace phynness {
 /// with the right-hand side zero, so that displacements and forces are never added in a norm.
 class Equilibrium {
  public:
-  /// @param shared  solver that factorizes together with other ranks; null: this process factorizes alone
-  Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& options,
-              LinearSolver* shared = nullptr);
+  Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& options);
   Equilibrium(const Equilibrium&) = delete;  // callbacks refer to this object
 
   /// Sets the prescribed dofs of later solves. @pre none of them is fixed
@@ -163,8 +161,7 @@ class Equilibrium {
 
   Discretization& _body;
   SolverSpec _options;
-  std::unique_ptr<LinearSolver> _own;  ///< null if a team factorizes
-  LinearSolver* _linear;               ///< the solver in use
+  Factorization _linear;
   TangentMatrix _tangent;
   Constraint _constraint;
   std::vector<char> _is_free;  ///< per dof: neither fixed nor dependent

@@ -7,12 +7,12 @@
 namespace phynness {
 
 int Equilibrium::negative_pivots() {
-  return _linear->negative_pivots() - static_cast<int>(_body.pressure_dofs().size());
+  return _linear.negative_pivots() - static_cast<int>(_body.pressure_dofs().size());
 }
 
 bool Equilibrium::factorize() {
   ++_counts.factorizations;
-  return _tangent.is_finite() && _linear->factorize(_tangent.matrix());
+  return _tangent.is_finite() && _linear.factorize(_tangent.matrix());
 }
 
 PetscErrorCode Equilibrium::set_up_factors(PC pc) {
@@ -30,7 +30,7 @@ PetscErrorCode Equilibrium::apply_factors(PC pc, Vec b, Vec x) {
   PetscCall(PCShellGetContext(pc, &context));
   auto& self = *static_cast<Equilibrium*>(context);
   return self.contain([&] {
-    if (self._linear->solve(b, x)) return;
+    if (self._linear.solve(b, x)) return;
     self._linear_failed = true;
     PHYNNESS_PETSC(PCSetFailedReason(pc, PC_FACTOR_OTHER));
   });

@@ -1,24 +1,34 @@
-// LDL^T by MUMPS, for a team of ranks.
+// The linear solver of Newton's method, which factorizes a sequence of symmetric matrices: LDL^T (multifrontal.hpp).
 #pragma once
 
-#include "linear_solver.hpp"
-#include "petsc_check.hpp"
+#include <petscmat.h>
+#include <petscvec.h>
+
+#include <optional>
+
+#include "multifrontal.hpp"
 
 namespace phynness {
 
-/// All functions are collective over the communicator of the matrix.
-class Factorization : public LinearSolver {
+/// A matrix that cannot be factorized gives a return value, not an exception. Factors of a failed factorization are
+/// never used.
+class Factorization {
  public:
-  bool factorize(Mat matrix) override;
-  bool solve(Vec b, Vec x) override;
-  int negative_pivots() override;
-  void reset() override;
+  /// @param matrix  symmetric, of the same pattern since the last reset(), on this process only
+  /// @return false if it could not be factorized; there are no factors then
+  /// @throws Error if memory is exhausted or a library call fails; there are no factors then
+  bool factorize(Mat matrix);
+  /// x = matrix^-1 b for the last factorized matrix.
+  /// @return false if there are no factors or the solution is not finite; x is undefined then
+  bool solve(Vec b, Vec x);
+  /// Number of negative pivots of the last matrix, including those of the pressures. @throws Error if there are no
+  /// factors
+  int negative_pivots();
+  /// Deletes the factors.
+  void reset();
 
  private:
-  void analyse(Mat matrix);
-  bool refactorize(Mat matrix);
-
-  PetscMat _factors;
+  std::optional<Multifrontal> _factors;
   bool _good = false;
 };
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "equilibrium.hpp"
-#include "linear_solver.hpp"
+#include "factorization.hpp"
 #include "petsc_check.hpp"
 
 namespace phynness {
@@ -37,7 +37,7 @@ Eigen::VectorXd generic_force(const Discretization& body, const TangentMatrix& t
 /// Products with PETSc matrices for vectors of Eigen.
 class Operators {
  public:
-  Operators(LinearSolver& preconditioner, Mat K) : _preconditioner(preconditioner), _K(K) {
+  Operators(Factorization& preconditioner, Mat K) : _preconditioner(preconditioner), _K(K) {
     PHYNNESS_PETSC(MatCreateVecs(K, _in.address(), _out.address()));
   }
   /// z = P^-1 q. @return false if the preconditioner gives no finite result
@@ -54,7 +54,7 @@ class Operators {
   }
 
  private:
-  LinearSolver& _preconditioner;
+  Factorization& _preconditioner;
   Mat _K;
   PetscVec _in, _out;
 };
@@ -74,7 +74,7 @@ struct NegativeCurvature {
 /// @param preconditioner  has factors of P
 /// @param start  n; zero for prescribed displacements and for pressures. It determines the sign of the result, start .
 ///               v > 0, and which of several directions with the same curvature is found
-NegativeCurvature most_negative_curvature(LinearSolver& preconditioner, Mat K, const Eigen::VectorXd& start) {
+NegativeCurvature most_negative_curvature(Factorization& preconditioner, Mat K, const Eigen::VectorXd& start) {
   constexpr int most_steps = 120;
   // Tolerance of the residual relative to the eigenvalue, so small that the direction does not depend on rounding.
   constexpr double tolerance = 1e-6;
@@ -124,7 +124,7 @@ bool Equilibrium::break_symmetry(Vec step) {
   PHYNNESS_PETSC(VecDuplicate(step, b.address()));
   PHYNNESS_PETSC(VecDuplicate(step, z.address()));
   WriteValues(b).map() = force;
-  if (!_linear->solve(b, z)) return false;
+  if (!_linear.solve(b, z)) return false;
   ++_counts.substitutions;
   PetscReal of_step = 0, of_z = 0;
   PHYNNESS_PETSC(VecNorm(step, NORM_INFINITY, &of_step));
@@ -143,7 +143,7 @@ bool Equilibrium::leave_saddle() {
   _pressures.set(_tangent.matrix());
   if (!factorize() || (!_pressures.empty() && !_pressures.is_definite())) return false;
   const auto found =
-      most_negative_curvature(*_linear, _tangent.exact(), generic_force(_body, _tangent, _constraint, _is_free));
+      most_negative_curvature(_linear, _tangent.exact(), generic_force(_body, _tangent, _constraint, _is_free));
   if (found.direction.size() == 0) return false;
 
   double largest = 0;

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "equilibrium.hpp"
-#include "linear_solver.hpp"
+#include "factorization.hpp"
 #include "petsc_check.hpp"
 
 namespace phynness {
@@ -34,7 +34,7 @@ struct NewtonCg {
 /// (Steihaug 1983, doi:10.1137/0720042; length as in modified Newton methods).
 /// @param preconditioner  applies the inverse of a positive definite approximation of K
 /// @param y  on entry the preconditioner applied to f, on return the step; f . y > 0
-NewtonCg newton_cg(LinearSolver& preconditioner, Mat K, Vec f, Vec y) {
+NewtonCg newton_cg(Factorization& preconditioner, Mat K, Vec f, Vec y) {
   constexpr int most_iterations = 40;
   constexpr double reduction = 0.1;
   PetscVec r, z, p, q;
@@ -120,7 +120,7 @@ class Equilibrium::Step {
       return 0;
     }
     if (_solver._convex) {
-      const auto cg = newton_cg(*_solver._linear, _solver._tangent.exact(), _f, _y);
+      const auto cg = newton_cg(_solver._linear, _solver._tangent.exact(), _f, _y);
       _solver._counts.substitutions += cg.iterations;
       negative_curvature = cg.negative_curvature;
       if (cg.failed || (_solver._met_instability && !_solver.break_symmetry(_y))) {

@@ -14,7 +14,6 @@
 #include "shallower_rays.hpp"
 #include "solve_ray.hpp"
 #include "solver_log.hpp"
-#include "team.hpp"
 #include "work_counter.hpp"
 
 namespace phynness {
@@ -35,7 +34,6 @@ class WorkClock {
  public:
   void start() { _start = cpu_seconds(); }
   void stop() { _seconds += cpu_seconds() - _start; }
-  void add(double seconds) { _seconds += seconds; }
   double seconds() const { return _seconds; }
 
  private:
@@ -139,9 +137,9 @@ class RayLog {
 /// Fetches and solves tasks until none is left or `stop` returns true.
 /// @param done  called after every ray
 void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader& header,
-                 const std::vector<RayIndex>& rays, WorkCounter& counter, int n_teams, ShallowerRays& shallower,
+                 const std::vector<RayIndex>& rays, WorkCounter& counter, int n_ranks, ShallowerRays& shallower,
                  const std::function<void()>& done, const std::function<bool()>& stop, Share& share) {
-  const auto tasks = ray_tasks(rays, n_teams);
+  const auto tasks = ray_tasks(rays, n_ranks);
   const auto n_tasks = static_cast<std::int64_t>(tasks.size()) - 1;
   RaysOfNodes nodes(solver, header);
   RayLog ray_log(log);
@@ -330,11 +328,10 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   const auto rays_in_all = static_cast<std::int64_t>(rays_left(header, logged).size());
   std::int64_t taken = 0;
   int complete = 0;
-  Team team(target.ranks_per_solve);
   std::optional<ProbeSolver> probe_solver;
   session.together([&] {
     // Created before the file, so that a scene that cannot be solved leaves no file.
-    if (team.leads()) probe_solver.emplace(scene, mesh, sets, &team);
+    probe_solver.emplace(scene, mesh, sets);
     if (session.rank() == 0) {
       DatabaseWriter::create(target.file, header, target.resume);
       std::error_code none;
@@ -354,7 +351,6 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   report.setup_seconds = seconds_since(start);
   const auto solve_start = Clock::now();
   Share share;
-  std::exception_ptr trouble;
   std::optional<ShallowerRays> shallower;
   session.together([&] { shallower.emplace(target.from, header); });
   const auto left = [&] { return rays_left(header, logged); };
@@ -366,26 +362,18 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
       rays.push_back(ray);
   if (!rays.empty()) {
     WorkCounter counter(MPI_COMM_WORLD);
-    if (team.leads()) {
-      core.start();
-      const auto done = [&] {
-        counter.add_done(1);
-        if (progress && session.rank() == 0)
-          progress(report.rays_found() + counter.done(), report.rays_found() + std::ssize(rays));
-      };
-      trouble = guarded(counter, session.rank(), warn, [&] {
-        DatabaseWriter log(target.file, header, session.rank());
-        solve_tasks(*probe_solver, log, header, rays, counter, session.size() / team.size(), *shallower, done, stop,
-                    share);
-        log.close();
-      });
-      core.stop();
-      if (team.size() > 1) team.dismiss();
-    } else {
-      const auto served = team.serve();
-      share.busy_seconds += served.busy_seconds;
-      core.add(served.core_seconds);
-    }
+    core.start();
+    const auto done = [&] {
+      counter.add_done(1);
+      if (progress && session.rank() == 0)
+        progress(report.rays_found() + counter.done(), report.rays_found() + std::ssize(rays));
+    };
+    const auto trouble = guarded(counter, session.rank(), warn, [&] {
+      DatabaseWriter log(target.file, header, session.rank());
+      solve_tasks(*probe_solver, log, header, rays, counter, session.size(), *shallower, done, stop, share);
+      log.close();
+    });
+    core.stop();
     session.together([&] { rethrow(trouble); });
     report.interrupted = on_any_rank(share.interrupted);
   }

@@ -8,7 +8,6 @@
 #include "nodal_fields.hpp"
 #include "ray_solver.hpp"
 #include "scaling.hpp"
-#include "team.hpp"
 
 namespace phynness {
 namespace {
@@ -22,13 +21,13 @@ Mesh without_dimension(const Mesh& mesh, double length_m) {
 }  // namespace
 
 struct ProbeSolver::Impl {
-  Impl(const Scene& s, const Mesh& mesh, const NodeSets& sets, Team* team)
+  Impl(const Scene& s, const Mesh& mesh, const NodeSets& sets)
       : scene(s),
         scaling(Scaling::of(mesh, s.material)),
         body(without_dimension(mesh, scaling.length_m),
              form_set(s.material, s.solver.element, scaling.modulus_Pa, s.mesh.thickness_m / scaling.length_m)),
         fixed(fixed_points(body, sets.fixed)),
-        equilibrium(body, fixed_dofs(body, fixed), s.solver, team && team->size() > 1 ? team : nullptr),
+        equilibrium(body, fixed_dofs(body, fixed), s.solver),
         rays(body, equilibrium, s.solver),
         fields(body, s.database.fields) {
     if (s.probe.kind == ProbeKind::rigid_patch || s.probe.whole)
@@ -110,8 +109,8 @@ struct ProbeSolver::Impl {
   }
 };
 
-ProbeSolver::ProbeSolver(const Scene& scene, const Mesh& mesh, const NodeSets& sets, Team* team)
-    : _impl(std::make_unique<Impl>(scene, mesh, sets, team)) {}
+ProbeSolver::ProbeSolver(const Scene& scene, const Mesh& mesh, const NodeSets& sets)
+    : _impl(std::make_unique<Impl>(scene, mesh, sets)) {}
 ProbeSolver::~ProbeSolver() = default;
 ProbeSolver::ProbeSolver(ProbeSolver&&) noexcept = default;
 

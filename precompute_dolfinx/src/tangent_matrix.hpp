@@ -23,7 +23,7 @@ class TangentMatrix {
   const std::vector<std::int32_t>& dof_of() const { return _dof_of; }
   const std::vector<std::int32_t>& unknown_of() const { return _unknown_of; }
   Mat matrix() const { return _matrix; }
-  /// Whether matrix() is finite. MUMPS would use a NaN as a pivot.
+  /// Whether matrix() is finite. A factorization would use a NaN as a pivot.
   bool is_finite() const;
   /// The unmodified K(state), after an assembly in which matrix() was made convex.
   Mat exact() const { return _exact; }

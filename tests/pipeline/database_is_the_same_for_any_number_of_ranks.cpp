@@ -15,14 +15,14 @@ class Ranks : public CommandLine {
                  options);
   }
 
-  void expect_equal(const std::string& file, const Database& one, std::size_t n_directions = 26) {
+  void expect_equal(const std::string& file, const Database& one) {
     const auto other = Database::open(folder / file);
     EXPECT_EQ(other.header().mesh_hash, one.header().mesh_hash);
     EXPECT_EQ(other.statuses(), one.statuses());
     for (std::int32_t a = 0; a < 2; ++a) {
       const auto expected = one.rays(a), got = other.rays(a);
-      ASSERT_EQ(got.size(), n_directions);
-      for (std::size_t d = 0; d < n_directions; ++d) {
+      ASSERT_EQ(got.size(), 26u);
+      for (std::size_t d = 0; d < 26; ++d) {
         double force_scale = 0, u_scale = 0;
         for (const double f : expected[d].force) force_scale = std::max(force_scale, std::abs(f));
         for (const double u : expected[d].displacement) u_scale = std::max(u_scale, std::abs(u));
@@ -47,38 +47,6 @@ TEST_F(Ranks, OneTwoAndFourGiveTheSameDatabase) {
   ASSERT_EQ(one.header().sets.active.size(), 2u);
   expect_equal("database2.h5", one);
   expect_equal("database4.h5", one);
-}
-
-// A team's factors are summed in another order: rounding, which Newton's method does not pass on.
-TEST_F(Ranks, TeamsGiveTheSameDatabase) {
-  for (const char* element : {"P1", "taylor-hood"}) {
-    auto scene = small_scene(element);
-    scene.replace(scene.find("directions = 26") + 13, 2, "14");
-    write_file(folder / "scene.toml", scene);
-    for (const char* file : {"alone.h5", "team.h5", "teams.h5"}) std::filesystem::remove(folder / file);
-    const auto alone = precompute(1, "-o alone.h5"), team = precompute(2, "-o team.h5 --ranks-per-solve 2"),
-               teams = precompute(4, "-o teams.h5 --ranks-per-solve 2 --json teams.json");
-    ASSERT_EQ(alone.exit_status, 0) << alone.err;
-    ASSERT_EQ(team.exit_status, 0) << team.err;
-    ASSERT_EQ(teams.exit_status, 0) << teams.err;
-    const auto one = Database::open(folder / "alone.h5");
-    expect_equal("team.h5", one, 14);
-    expect_equal("teams.h5", one, 14);
-    const auto ranks = json("teams.json").at("per_rank");
-    ASSERT_EQ(ranks.size(), 4u);
-    EXPECT_GT(ranks[0].at("rays"), 0);
-    EXPECT_EQ(ranks[1].at("rays"), 0) << "not the leader of its team";
-    EXPECT_GT(ranks[1].at("busy_seconds"), 0) << "had no part in the solves";
-    EXPECT_GT(ranks[2].at("rays"), 0);
-  }
-}
-
-TEST_F(Ranks, ThatDoNotFallIntoTeamsAreRefused) {
-  write_file(folder / "scene.toml", small_scene());
-  const auto outcome = precompute(3, "-o database.h5 --ranks-per-solve 2");
-  EXPECT_EQ(outcome.exit_status, 2) << outcome.err;
-  EXPECT_NE(outcome.err.find("3 ranks, --ranks-per-solve 2"), std::string::npos) << outcome.err;
-  EXPECT_FALSE(std::filesystem::exists(folder / "database.h5"));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Claim: the scene of a shell passes through the whole pipeline: mesh, precompute, train, validate. The model is closer
-// to new finite element solves than linear theory, and all texts refer to a shell. Ranks, teams of ranks and an
+// to new finite element solves than linear theory, and all texts refer to a shell. Ranks and an
 // interruption do not change the results.
 #include <cmath>
 #include <phynness/formats/database.hpp>
@@ -40,24 +40,6 @@ class Shells : public CommandLine {
 
 double mean(const nlohmann::json& errors, const char* what) {
   return errors.at("inside").at(what).at("mean").get<double>();
-}
-
-void expect_close(const Database& a, const Database& b, double tolerance) {
-  const auto difference = [](const std::vector<double>& x, const std::vector<double>& y) {
-    double error = 0, size = 0;
-    for (std::size_t i = 0; i < x.size(); ++i)
-      error = std::max(error, std::abs(x[i] - y[i])), size = std::max(size, std::abs(y[i]));
-    return error / size;
-  };
-  for (std::int32_t active = 0; active < 2; ++active) {
-    const auto these = a.rays(active), those = b.rays(active);
-    ASSERT_EQ(these.size(), those.size());
-    for (std::size_t d = 0; d < these.size(); ++d) {
-      EXPECT_EQ(these[d].status, those[d].status);
-      EXPECT_LT(difference(these[d].force, those[d].force), tolerance) << d;
-      EXPECT_LT(difference(these[d].displacement, those[d].displacement), tolerance) << d;
-    }
-  }
 }
 
 TEST_F(Shells, GoThroughThePipeline) {
@@ -117,17 +99,12 @@ TEST_F(Shells, GoThroughThePipeline) {
   EXPECT_NE((shown.out + shown.err).find("triangles"), std::string::npos) << shown.out << shown.err;
 }
 
-TEST_F(Shells, RanksTeamsAndInterruptionsChangeNothing) {
+TEST_F(Shells, RanksAndInterruptionsChangeNothing) {
   write_scene(small_drain(14, 1));
   succeed("precompute scene.toml -o whole.h5");
   const auto two = shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" precompute scene.toml -o two.h5");
   ASSERT_EQ(two.exit_status, 0) << two.err;
   expect_same_results(folder / "two.h5", folder / "whole.h5");
-  const auto team =
-      shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" precompute scene.toml -o team.h5 --ranks-per-solve 2");
-  ASSERT_EQ(team.exit_status, 0) << team.err;
-  // Its factors are summed in another order; 1e-7 is what the residual of 1e-8 leaves.
-  expect_close(Database::open(folder / "team.h5"), Database::open(folder / "whole.h5"), 1e-7);
   const auto killed = shell(
       "\"$PHYNNESS\" precompute scene.toml -o cut.h5 & pid=$!; "
       "for i in $(seq 2000); do size=$(cat cut.h5.log/* 2>/dev/null | wc -c); [ \"$size\" -gt 3000 ] && "

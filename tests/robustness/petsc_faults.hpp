@@ -1,7 +1,7 @@
-// Failures of PETSc, MUMPS and memory, made from outside: this program defines functions of PETSc that the solver calls
-// in factorizations and substitutions, which pass the call on to the library: MUMPS, which teams of ranks use, is
-// called by MatCholeskyFactorNumeric, our own factorization reads the matrix by MatSeqAIJGetCSRAndMemType, and
-// substitutions of both end with a VecNorm of this type only. Included once in a program, linked before PETSc.
+// Failures of PETSc and memory, made from outside: this program defines functions of PETSc that the solver calls
+// in factorizations and substitutions, which pass the call on to the library: a factorization reads the matrix by
+// MatSeqAIJGetCSRAndMemType, and substitutions end with a VecNorm of this type only. Included once in a program, linked
+// before PETSc.
 #pragma once
 
 #include <dlfcn.h>
@@ -18,7 +18,7 @@ enum class FaultSite { factorization, substitution };
 enum class Fault {
   none,
   singular,       ///< factorization: of a matrix with an empty row
-  out_of_memory,  ///< factorization: MUMPS may use 1 MB only; std::bad_alloc in our own
+  out_of_memory,  ///< factorization
   not_finite,     ///< NaN in the matrix, as of a kernel, or in the solution
   petsc_error,    ///< the call fails
   bad_alloc,      ///< std::bad_alloc is thrown
@@ -41,25 +41,6 @@ inline Fault fault_at(FaultSite site, PetscErrorCode& code) {
 }
 
 }  // namespace phynness::test
-
-extern "C" PetscErrorCode MatCholeskyFactorNumeric(Mat factors, Mat matrix, const MatFactorInfo* info) {
-  using namespace phynness::test;
-  static const auto real = of_petsc<decltype(MatCholeskyFactorNumeric)>("MatCholeskyFactorNumeric");
-  PetscErrorCode code{};
-  const Fault fault = fault_at(FaultSite::factorization, code);
-  if (fault == Fault::petsc_error) return code;
-  if (fault == Fault::out_of_memory) PetscCall(MatMumpsSetIcntl(factors, 23, 1));
-  if (fault != Fault::singular && fault != Fault::not_finite) return real(factors, matrix, info);
-  Mat copy = nullptr;
-  PetscInt n = 0;
-  PetscCall(MatDuplicate(matrix, MAT_COPY_VALUES, &copy));
-  PetscCall(MatGetSize(matrix, &n, nullptr));
-  const PetscInt row = n / 2;
-  PetscCall(MatZeroRowsColumns(copy, 1, &row, fault == Fault::singular ? 0.0 : std::nan(""), nullptr, nullptr));
-  code = real(factors, copy, info);
-  PetscCall(MatDestroy(&copy));
-  return code;
-}
 
 extern "C" PetscErrorCode MatSeqAIJGetCSRAndMemType(Mat matrix, const PetscInt** i, const PetscInt** j, PetscScalar** a,
                                                     PetscMemType* type) {

@@ -11,13 +11,12 @@
 
 namespace phynness {
 
-/// Output of the responses, and number of ranks for each solve.
+/// Output of the responses.
 struct PrecomputeTarget {
   std::filesystem::path file;
   bool resume = false;
   std::optional<Shard> shard;  ///< solve only the rays of this shard, and leave them in the log of `file` for a merge
   std::filesystem::path from;  ///< finished database, of which the rays that the scene wants are taken; may be empty
-  int ranks_per_solve = 1;     ///< number of consecutive ranks that share factorizations, for large meshes
 };
 
 /// Figures of one rank.
@@ -68,7 +67,6 @@ using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 /// ray that cannot be solved is recorded as failed with its reason. Messages of libraries go to
 /// `<target.file>.solver.log`. Of a deeper study than `target.from`, the rays that end early there are taken. The
 /// others are solved again, and their first increments are compared with those there.
-/// @pre ranks_per_solve divides the number of ranks
 /// @pre rank 0 holds the DatabaseLock of the file
 /// @param stop  polled between rays, and between iterations of a solve, on every rank; true ends the run and keeps
 /// finished rays

@@ -61,22 +61,19 @@ struct CompressedCell {
   double s = 0;  ///< of RaySolver::follow()
 };
 
-class Team;
-
 /// What touch(), follow() and solve() throw if the user wants an end (ProbeSolver::set_stop). The solver can be
 /// used again afterwards.
 struct Interrupted : std::exception {
   const char* what() const noexcept override { return "interrupted"; }
 };
 
-/// The discretized body of this process. Ranks share nothing except the factorizations of a team.
+/// The discretized body of this process. Ranks share nothing.
 /// @pre a SolverSession exists during the lifetime of every ProbeSolver
 class ProbeSolver {
  public:
   /// Uses material, solver, probe and database specification of the scene.
-  /// @param team  null, or the team led by this rank; its other ranks must be in Team::serve() during solves
   /// @throws Error
-  ProbeSolver(const Scene& scene, const Mesh& mesh, const NodeSets& sets, Team* team = nullptr);
+  ProbeSolver(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
   ~ProbeSolver();
   ProbeSolver(ProbeSolver&&) noexcept;
 
