@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/validation/calibrate.hpp>
@@ -54,9 +52,6 @@ void print(const BoundReport& report, const Model& model, const Options& options
       report.all_nodes ? "rays" : "nodes");
   print_result("{} random rays at {} nodes, {} states inside the trained range, {} rays ended early; {}\n", report.rays,
                report.nodes, report.states, report.failed_rays, duration(report.seconds));
-  if (report.taken_rays > 0)
-    print_result("{} of all rays are taken from {}, the others are added to it\n", report.taken_rays,
-                 calibration_file(options.database, report.reference).string());
   if (const auto failed = report.failed_rays + report.failed_coupled_rays;
       failed > 0 && report.reference != Variant::scene)
     message(
@@ -95,7 +90,7 @@ void require_all(const BoundReport& report) {
     throw failure("calibrate was interrupted; the bounds are those of the finished nodes, and hold, but are less exact",
                   fmt::format("{} of {} nodes, {} of {} rays of coupled tools", report.nodes, report.planned_nodes,
                               report.coupled_rays, report.planned_coupled_rays),
-                  "run it again for all of them: what is solved is kept");
+                  "run it again for all of them");
 }
 
 /// Bounds of the body in place of the model's.
@@ -154,21 +149,6 @@ void run(const Options& given) {
     check_reference(*database, scene, spec, session);
   });
   spec.seed = static_cast<std::uint64_t>(options.seed);
-  spec.file = calibration_file(options.database, spec.reference);
-  session.together([&] {
-    check_own_text("DATABASE", spec.file, begin_of_calibration);
-    declare_output("DATABASE", spec.file);
-  });
-  const auto folder = std::filesystem::absolute(spec.file).parent_path();
-  if (session.sum(::access(folder.c_str(), W_OK | X_OK) == 0 ? 0 : 1) > 0) {
-    if (session.rank() == 0)
-      message("note: {} is not writable, and no later calibration can use what is solved\n", folder.string());
-    spec.file.clear();
-  }
-  session.together([&] {
-    if (session.rank() == 0 && is_of_another_body(spec.file, database->header(), spec.reference))
-      message("warning: the solved rays in {} are of another body, and are replaced\n", spec.file.string());
-  });
   if (options.body) return run_for_body(session, *database, *model, spec, options);
   const Model bounded =
       calibrate(session, *database, *model, spec, Progress("calibrate", "places").counter(), stop_requested, report);

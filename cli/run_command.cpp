@@ -60,7 +60,6 @@ std::vector<std::pair<const char*, std::string>> texts() {
           {"check.json", "{\n  \"element\": "},
           {"train.json", "{\n  \"family\": "},
           {"calibrate.json", "{\n  \"coverage\": "},
-          {"database.h5.calibration", begin_of_calibration},
           {"validate.json", "{\n  \"probes\": "},
           {"stages.json", begin_of_stages},
           {"organ.html", page.substr(0, page.find("<title>"))}};

@@ -154,7 +154,6 @@ TEST_F(Bodies, GetBounds) {
   body.bounds.resize(0, 4);
   EXPECT_EQ(write_body_text(body), plain);
 
-  std::filesystem::remove(folder / "d.h5.calibration");
   ASSERT_EQ(shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" " + calibrate + "ranks.txt").exit_status, 0);
   EXPECT_EQ(read_file(folder / "ranks.txt"), text);
 

@@ -15,9 +15,9 @@
 
 #include "compared_scene.hpp"
 #include "coupled_states.hpp"
-#include "kept_rays.hpp"
 #include "packed.hpp"
 #include "shared_work.hpp"
+#include "tool_rays.hpp"
 
 namespace phynness {
 namespace {
@@ -102,11 +102,11 @@ void add_states(const LoadedModel& model, std::size_t index, const ToolRay& ray,
 
 /// Of each node with a solution: its index, and the columns of its stiffness [N/m]. Collective.
 std::vector<double> stiffnesses_at_rest(const SolverSession& session, const LoadedModel& model, const ShouldStop& stop,
-                                        KeptRays& rays) {
+                                        RayForces& rays) {
   std::vector<double> at_rest;
   session.together([&] {
     share_out(session, std::ssize(model.model().nodes), {}, stop, [&](std::size_t i) {
-      const auto columns = rays.forces({{{{model.model().nodes[i].node, -1, -1}, {1, 0, 0}, {}}}, {}});
+      const auto columns = rays.solve({{{{model.model().nodes[i].node, -1, -1}, {1, 0, 0}, {}}}, {}});
       if (columns.size() < 3) return;
       at_rest.push_back(static_cast<double>(i));
       for (const auto& column : columns) at_rest.insert(at_rest.end(), column.begin(), column.end());
@@ -240,7 +240,7 @@ std::int64_t total(const SolverSession& session, std::int64_t of_rank) {
 std::vector<CoupledState> solve_coupled(const SolverSession& session, const CoupledRays& coupled,
                                         const std::vector<std::pair<std::int32_t, std::int32_t>>& planned,
                                         std::uint64_t seed, const OnProgress& progress, const ShouldStop& stop,
-                                        KeptRays& rays, BoundReport& report) {
+                                        RayForces& rays, BoundReport& report) {
   std::array<DrawnStates, 2> drawn;
   std::vector<double> rows;
   std::int64_t finished = 0, failed = 0;
@@ -251,7 +251,7 @@ std::vector<CoupledState> solve_coupled(const SolverSession& session, const Coup
       std::mt19937_64 of_ray(seed + i);
       const auto ray = coupled.draw(of_ray, number, n_tools, drawn[static_cast<std::size_t>(n_tools - 1)]);
       if (ray.parts.empty()) return;
-      const auto forces = rays.forces(ray);
+      const auto forces = rays.solve(ray);
       if (forces.empty()) {
         ++failed;
         return;
@@ -293,12 +293,10 @@ void calibrate(const SolverSession& session, const Database& database, const Loa
     loaded.emplace(write_body_text(body), "body");
   });
   const ProbeSpec probe = stored_scene(header).probe;
-  KeptRays rays(session, header, Variant::scene, spec.file, stop);
+  RayForces rays(header, Variant::scene, stop);
   const CoupledRays coupled(model, probe, &*loaded);
   const auto states = solve_coupled(session, coupled, planned_rays(coupled, spec.rays), spec.seed * 1000003, progress,
                                     stop, rays, report);
-  rays.close();
-  report.taken_rays = total(session, rays.taken());
   session.together([&] {
     if (session.rank() == 0) tell_coverages(add_coupled_bounds(body, probe.increments, spec.coverage, states), report);
     if (session.rank() == 0 && body.bounds.rows() == 0)
@@ -325,7 +323,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
       std::max(fewest_nodes, n_rays / (spec.reference == Variant::scene ? rays_per_node : finer_rays_per_node)));
   std::mt19937_64 random(spec.seed);
   const auto sample = sampled_nodes(n_nodes, n_active, random);
-  KeptRays rays(session, header, spec.reference, spec.file, stop);
+  RayForces rays(header, spec.reference, stop);
   const CoupledRays coupled(model, stored_scene(header).probe);
   const auto coupled_rays = planned_rays(coupled, spec.rays);
   report.reference = spec.reference;
@@ -345,7 +343,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
       of_this.rays = static_cast<std::int64_t>(n_rays / n_nodes + (i < n_rays % n_nodes));
       for (std::int64_t ray = 0; ray < of_this.rays; ++ray) {
         const auto next = draw_ray(model, model.model().nodes[sample[i]].node, of_node);
-        if (!next.parts.empty()) add_states(model, sample[i], next, rays.forces(next), of_this);
+        if (!next.parts.empty()) add_states(model, sample[i], next, rays.solve(next), of_this);
       }
       solved.states.insert(solved.states.end(), of_this.states.begin(), of_this.states.end());
       solved.rays += of_this.rays;
@@ -356,12 +354,10 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
       spec.reference == Variant::scene ? std::vector<double>() : stiffnesses_at_rest(session, model, stop, rays);
   const auto coupled_states = solve_coupled(session, coupled, coupled_rays, spec.seed * 1000003 + n_active,
                                             counted(static_cast<std::int64_t>(n_nodes)), stop, rays, report);
-  rays.close();
   report.nodes = total(session, finished);
   report.planned_nodes = static_cast<std::int64_t>(n_nodes);
   report.rays = total(session, solved.rays);
   report.failed_rays = total(session, solved.failed);
-  report.taken_rays = total(session, rays.taken());
   const auto states = states_of(session.gather(solved.states));
   predict_by_rest(model, session.gather(at_rest), predictors);
   Model bounded = model.model();

@@ -6,7 +6,7 @@
 #include <phynness/formats/scene.hpp>
 #include <random>
 
-#include "kept_rays.hpp"
+#include "tool_rays.hpp"
 
 namespace phynness {
 

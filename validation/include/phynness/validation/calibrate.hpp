@@ -1,7 +1,6 @@
 // Calibration of the bounds of the force's error on random rays.
 #pragma once
 
-#include <filesystem>
 #include <phynness/formats/described.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/coupled_bounds.hpp>
@@ -15,14 +14,7 @@ struct BoundSpec {
   std::uint64_t seed = 1;
   double coverage = 0.95;
   Variant reference = Variant::scene;  ///< the finite elements from which the bound states the distance
-  std::filesystem::path file;          ///< keeps what is solved (calibration_file); empty: nothing is kept
 };
-
-/// The file beside a database that keeps the rays of its calibrations. While a rank solves, it writes FILE.rank-N.
-std::filesystem::path calibration_file(const std::filesystem::path& database, Variant reference = Variant::scene);
-/// True for the file of a calibration whose rays are of no use here, and which a calibration replaces.
-bool is_of_another_body(const std::filesystem::path& calibration, const DatabaseHeader& header, Variant reference);
-inline constexpr const char* begin_of_calibration = "phynness calibration 1 ";
 
 struct BoundReport {
   Variant reference = Variant::scene;
@@ -34,7 +26,6 @@ struct BoundReport {
   double median_bound_N = 0, median_share = 0;              ///< of the states: bound; bound over force
   std::int64_t coupled_rays = 0, planned_coupled_rays = 0;  ///< of tools between nodes, and of two tools
   std::int64_t failed_coupled_rays = 0;                     ///< of these, that ended early
-  std::int64_t taken_rays = 0;                              ///< of all, which an earlier calibration has solved
   CoupledCoverage between, two;
   double seconds = 0;
 
@@ -44,7 +35,7 @@ struct BoundReport {
       see("reference", name(result.reference));
       PHYNNESS_SEE(rays, failed_rays, nodes, planned_nodes, all_nodes, states, median_bound_N, median_share, left_out);
     }
-    PHYNNESS_SEE(coupled_rays, planned_coupled_rays, failed_coupled_rays, taken_rays, between, two, seconds);
+    PHYNNESS_SEE(coupled_rays, planned_coupled_rays, failed_coupled_rays, between, two, seconds);
   }
 };
 
