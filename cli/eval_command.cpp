@@ -229,13 +229,11 @@ void run_single(const Options& options) {
     message("warning: {}{}\n", phn_status_message(response.status),
             lengths_outside(model, response.status, places, displacements));
   scale(response, k);
-  json extra =
-      record("status", response.status, "family", model.runtime().info().family, "level", model.data().level());
+  json extra = record("status", response.status, "family", model.runtime().info().family, "level", model.level());
   const bool single = !coupled && places.size() == 1, bounded = single && model.has_bounds();
   std::optional<double> bound_N;
   if (single) {
     const auto node = options.tool.nodes.front();
-    extra["trained_distance"] = model.trained_distance(node, displacements.front());
     if (bounded) bound_N = model.error_bound(node, displacements.front());
     if (bound_N) *bound_N *= k;
   }

@@ -153,7 +153,7 @@ void answer_motion(const LoadedModel& model, const Motion& motion, const std::st
             unsettled);
   json tools = json::array();
   for (const auto& tool : motion.tools) tools.push_back(tool_json(tool));
-  json out = record("format", std::string(motion_format), "mesh_hash", hash, "level", model.data().level(), "family",
+  json out = record("format", std::string(motion_format), "mesh_hash", hash, "level", model.level(), "family",
                     model.runtime().info().family, "tools", tools, "time_s", motion.time_s, "displacement_m",
                     figures(motion.displacement_m), "force_N", figures(answer.force_N));
   if (model.body()) out["body"] = model.body()->name();

@@ -73,9 +73,9 @@ void require_same_model(const std::filesystem::path& file, const json& whole, co
                          fmt::format("it belongs to another {}, {} = {}, of this model {}", name, key, given, own));
   }
   const auto level = whole.value(json::json_pointer("/conditions/level"), json());
-  if (level != loaded.data().level())
+  if (level != loaded.level())
     throw wrong_errors(file, fmt::format("its errors are those of level {} of the model, the page shows level {}",
-                                         level.dump(), loaded.data().level()));
+                                         level.dump(), loaded.level()));
 }
 
 /// The mean errors by node from a file of `validate --json`.

@@ -110,6 +110,7 @@ void LoadedModel::set_level(std::int32_t level) {
     throw input_error("the model has no such level", std::to_string(level),
                       n == 1 ? "omit the level, or train the model with [training] levels"
                              : "give a number from 0 to " + std::to_string(n - 1) + ", which is the full level");
+  _level = level;
 }
 
 Vec3 LoadedModel::force(std::int32_t node, const Vec3& displacement_m) const {
@@ -118,21 +119,15 @@ Vec3 LoadedModel::force(std::int32_t node, const Vec3& displacement_m) const {
   return f;
 }
 
-double LoadedModel::trained_distance(std::int32_t node, const Vec3& displacement_m) const {
-  phn_trusted trusted;
-  check(_runtime.trust(node, displacement_m, trusted), node);
-  return trusted.relative;
-}
-
 double LoadedModel::trained_depth(std::int32_t node, const Vec3& displacement_m) const {
-  phn_trusted trusted;
-  check(_runtime.trust(node, displacement_m, trusted), node);
-  return trusted.trained_depth;
+  double depth_m = 0;
+  check(_runtime.trained_depth(node, displacement_m, depth_m), node);
+  return depth_m;
 }
 
 bool LoadedModel::has_bounds() const {
   double bound = 0;
-  return _data.level() + 1 == _runtime.n_levels() &&
+  return level() + 1 == _runtime.n_levels() &&
          _runtime.bound(_runtime.info().active_nodes[0], Vec3{}, bound) != PHN_ERROR_UNDEFINED;
 }
 

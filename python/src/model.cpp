@@ -264,13 +264,10 @@ py::array_t<double> ModelObject::bound(const Place& at, py::handle displacements
   });
 }
 
-py::array_t<double> ModelObject::trust(const Place& at, py::handle displacements, double phn_trusted::*what) const {
-  return number(at, displacements, [&](const Asked& asked, double& value) {
-    phn_trusted trusted;
-    const int status = asked.is_node ? phn_trust(_model.get(), asked.tool.nodes[0], asked.tool.displacement, &trusted)
-                                     : phn_trust_at(_model.get(), &asked.tool, &trusted);
-    value = trusted.*what;
-    return status;
+py::array_t<double> ModelObject::trained_depth(const Place& at, py::handle displacements) const {
+  return number(at, displacements, [&](const Asked& asked, double& depth) {
+    return asked.is_node ? phn_trained_depth(_model.get(), asked.tool.nodes[0], asked.tool.displacement, &depth)
+                         : phn_trained_depth_at(_model.get(), &asked.tool, &depth);
   });
 }
 

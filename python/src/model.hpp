@@ -83,7 +83,7 @@ class ModelObject {
   py::array_t<double> deform(const Place& at, py::handle displacements, const Level& level);
   py::array_t<double> field(std::int64_t node, py::handle displacements, const std::string& name, const Level& level);
   py::array_t<double> bound(const Place& at, py::handle displacements) const;
-  py::array_t<double> trust(const Place& at, py::handle displacements, double phn_trusted::*what) const;
+  py::array_t<double> trained_depth(const Place& at, py::handle displacements) const;
   py::tuple nearest(py::handle x) const;
 
  private:

@@ -156,14 +156,6 @@ else is still the model's. Error if the body is of another database, or if an ou
                              "Figures of train, a dict; None in a model that was read.")
       .def_property_readonly("levels", &ModelObject::levels, "A list of Level; the last one is the full model.")
       .def(py::pickle([](const ModelObject& m) { return m.pickled(); }, &ModelObject::unpickled));
-  const auto trust = [&](const char* name, double phn_trusted::*what, const char* doc) {
-    model.def((std::string("trained_") + name).c_str(),
-              [what](ModelObject& m, const Place& at, py::handle d) { return scalar_or_array(m.trust(at, d, what)); },
-              arg("at"), arg("d"), doc);
-  };
-  trust("depth", &phn_trusted::trained_depth, "Depth of the trained range in the direction of d, a float or (n,) [m].");
-  trust("distance", &phn_trusted::relative,
-        "Distance of d from the training data, a float or (n,): 0 at data, above 1 extrapolation.");
 }
 
 void add_properties(ModelClass& model) {

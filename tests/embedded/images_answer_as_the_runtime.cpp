@@ -93,9 +93,9 @@ void answers_are_the_runtimes(const std::vector<Vec3>& displacements) {
           ASSERT_EQ(Image<Real>::energy(image, node.node, at, got), PHN_ERROR_UNDEFINED);
           ASSERT_EQ(Image<Real>::stiffness(image, node.node, at, got), PHN_ERROR_UNDEFINED);
         }
-        const Trust trust(loaded.model, node.node, rounded);
-        ASSERT_EQ(Image<Real>::trained_depth(image, node.node, at, got), trust.status);
-        depth.add(&trust.trained_depth, got, 1);
+        const Trained trained(loaded.model, node.node, rounded);
+        ASSERT_EQ(Image<Real>::trained_depth(image, node.node, at, got), trained.status);
+        depth.add(&trained.depth, got, 1);
         std::vector<double> u(n_field);
         std::vector<Real> v(n_field), scratch(Image<Real>::scratch(image));
         phn_deform(loaded.model, loaded.data, node.node, rounded, u.data());

@@ -42,7 +42,7 @@ class Asker {
     constexpr Question questions[] = {
         &Asker::force,   &Asker::force,   &Asker::energy, &Asker::stiffness, &Asker::deform, &Asker::deform,
         &Asker::prepare, &Asker::nearest, &Asker::couple, &Asker::couple,    &Asker::couple, &Asker::field,
-        &Asker::trust,   &Asker::surface, &Asker::nulls,  &Asker::level,     &Asker::point,  &Asker::sizes};
+        &Asker::trained, &Asker::surface, &Asker::nulls,  &Asker::level,     &Asker::point,  &Asker::sizes};
     (this->*questions[_script.below(static_cast<int>(std::size(questions)))])();
   }
 
@@ -80,7 +80,7 @@ class Asker {
     phn_data* fresh = nullptr;
     _fresh.fill();
     require(phn_tools_init(_fresh.data(), _fresh.size(), _model, _max_tools, &fresh) == PHN_OK, "data of its size");
-    require(phn_set_level(_model, fresh, phn_level_of(_data)) == PHN_OK, "a level that the data have");
+    require(phn_set_level(_model, fresh, _level) == PHN_OK, "a level that the data have");
     require(call(fresh, again.data()) == status, "the status does not depend on earlier calls");
     require(n == 0 || std::memcmp(out.data(), again.data(), 8 * n) == 0, "the answer does not depend on earlier calls");
     require(status <= 0 || (status & ~allowed_warnings) == 0, "only documented warnings");
@@ -248,15 +248,9 @@ class Asker {
     });
     require(more == status || more == PHN_ERROR_UNDEFINED, "what has an energy and a stiffness has a force");
     if (more >= 0 && zero(tool.displacement, 3)) require(at_rest && _out[0] == 0, "nothing at rest");
-    const int trusted = answer(3, _out, PHN_WARNING_OUTSIDE, [&](phn_data*, double* out) {
-      phn_trusted found;
-      const int told = phn_trust_at(_model, &tool, &found);
-      out[0] = found.trained_depth;
-      out[1] = found.distance;
-      out[2] = found.relative;
-      return told;
-    });
-    require(trusted < 0 ? trusted == status : status >= 0, "trusted where answered");
+    const int trained = answer(1, _out, PHN_WARNING_OUTSIDE,
+                               [&](phn_data*, double* out) { return phn_trained_depth_at(_model, &tool, out); });
+    require(trained < 0 ? trained == status : status >= 0, "a depth where answered");
     answer(1, _out, warnings, [&](phn_data*, double* out) { return phn_bound_at(_model, &tool, out); });
     require(_out[0] >= 0, "a bound");
   }
@@ -276,36 +270,23 @@ class Asker {
     for (const double x : _out) require(x >= 0 && (x == 0 || !zero(d, 3)), "fields are not negative, and 0 at rest");
   }
   void level() {
-    const std::int32_t n = info_of(_model).n_levels, before = phn_level_of(_data),
+    const std::int32_t n = info_of(_model).n_levels,
                        wanted = _script.below(8) == 0 ? _script.raw<std::int32_t>() : _script.below(n + 1);
     const bool there = wanted >= 0 && wanted < n;
     require(phn_set_level(_model, _data, wanted) == (there ? PHN_OK : PHN_ERROR_ARGUMENT), "set or refused");
-    require(phn_level_of(_data) == (there ? wanted : before), "the level that was set");
+    if (there) _level = wanted;
     phn_level info;
     require(phn_level_info(_model, wanted, &info) == (there ? PHN_OK : PHN_ERROR_ARGUMENT), "told or refused");
     require(info.error_force >= 0 && info.error_displacement >= 0, "errors are not negative");
-    std::vector<phn_level_time> times(static_cast<std::size_t>(n));
-    for (auto& time : times) time = {_script.number(), _script.number()};
-    std::int32_t best = -1;
-    const double forces = _script.number(), deformations = _script.number(), budget = _script.number();
-    const int status = phn_budget(_model, times.data(), forces, deformations, budget, &best);
-    require(best >= 0 && best < n && (status == PHN_OK || best == 0), "a level, the smallest where refused");
-    require(status == PHN_OK || status == PHN_ERROR_ARGUMENT || status == PHN_ERROR_BUDGET, "a budget");
   }
-  void trust() {
+  void trained() {
     const std::int32_t node = any_node();
     double d[3];
     displacement(d);
-    const int status = answer(3, _out, PHN_WARNING_OUTSIDE, [&](phn_data*, double* out) {
-      phn_trusted trusted;
-      const int told = phn_trust(_model, node, d, &trusted);
-      out[0] = trusted.trained_depth;
-      out[1] = trusted.distance;
-      out[2] = trusted.relative;
-      return told;
-    });
+    const int status = answer(1, _out, PHN_WARNING_OUTSIDE,
+                              [&](phn_data*, double* out) { return phn_trained_depth(_model, node, d, out); });
     right(status, node, d, false);
-    require(_out[0] >= 0 && _out[1] >= 0 && _out[2] >= 0, "a depth and distances");
+    require(_out[0] >= 0, "a depth");
     const int warned = status;
     const int bounded = answer(1, _out, PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE,
                                [&](phn_data*, double* out) { return phn_bound(_model, node, d, out); });
@@ -366,7 +347,7 @@ class Asker {
                                           },
                                           [&] { return phn_coupled_deform(_model, nullptr, field.data()); },
                                           [&] { return phn_tools_size(nullptr, 1, &bytes); },
-                                          [&] { return phn_trust(_model, node, d, nullptr); },
+                                          [&] { return phn_trained_depth(_model, node, d, nullptr); },
                                           [&] { return phn_nearest(_model, nullptr, nullptr, out); }};
     const int which = _script.below(static_cast<int>(std::size(calls)));
     require(calls[which]() == PHN_ERROR_ARGUMENT, "null pointers are refused");
@@ -387,6 +368,7 @@ class Asker {
   Memory _used, _fresh;
   std::size_t _n_output;
   phn_data* _data = nullptr;
+  std::int32_t _level = info_of(_model).n_levels - 1;
   std::vector<double> _out;
 };
 

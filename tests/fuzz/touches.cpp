@@ -54,7 +54,8 @@ class Hand {
         require(phn_contact_reset(_contact) == PHN_OK && phn_contact_reset(_twin) == PHN_OK, "all tools are new");
         return;
       case 3:
-        require(phn_set_level(_model, _data, _script.below(info_of(_model).n_levels)) == PHN_OK, "a level");
+        _level = _script.below(info_of(_model).n_levels);
+        require(phn_set_level(_model, _data, _level) == PHN_OK, "a level");
         return;
       default:
         return step();
@@ -109,7 +110,7 @@ class Hand {
     phn_data* fresh = nullptr;
     _fresh.fill();
     require(phn_tools_init(_fresh.data(), _fresh.size(), _model, _max_tools, &fresh) == PHN_OK, "data of its size");
-    require(phn_set_level(_model, fresh, phn_level_of(_data)) == PHN_OK, "a level that the data have");
+    require(phn_set_level(_model, fresh, _level) == PHN_OK, "a level that the data have");
     require(phn_contact_step(_twin, fresh, n, tools.data(), again.data(), &coupled_again) == status,
             "the status does not depend on earlier scratch");
     // Members, as between them there may be anything.
@@ -204,6 +205,7 @@ class Hand {
   Memory _contact_memory, _twin_memory, _used, _fresh;
   phn_contact *_contact = nullptr, *_twin = nullptr;
   phn_data* _data = nullptr;
+  std::int32_t _level = info_of(_model).n_levels - 1;
   phn_contact_tool _tools[8] = {};
 };
 

@@ -47,7 +47,7 @@ class Models(unittest.TestCase):
         run(COMMAND, "eval", MODEL, "--node", NODE, "--displacement", "0.002,0.001,-0.01", "--json", out)
         said, x = json.loads(out.read_text()), [0.002, 0.001, -0.01]
         self.same(said["tools"][0]["force"], model.force(NODE, x))
-        for name, now in (("energy", model.energy), ("bound_N", model.bound), ("trained_distance", model.trained_distance)):
+        for name, now in (("energy", model.energy), ("bound_N", model.bound)):
             self.assertEqual(said[name], now(NODE, x))
 
     @unittest.skipUnless(COMMAND.exists(), "the command is not built")
@@ -98,7 +98,6 @@ class Models(unittest.TestCase):
         bound = model.bound(NODE, [[0, 0, -0.01], [0, 0, -1]])
         self.assertTrue(0 < bound[0] < 0.1 and np.isinf(bound[1]))
         self.assertTrue(0 < model.trained_depth(NODE, [0, 0, -1]) <= model.max_displacement_m)
-        self.assertGreater(model.trained_distance(NODE, [0, 0, -1]), 1)
 
     def test_several_tools(self):
         point, _ = model.nearest([0, 0, 0.1])
@@ -203,8 +202,8 @@ class Models(unittest.TestCase):
         vectors = [[0, 0, 0], d[0], d[:7], d[:4, :2], d.T[:, :3], np.nan * d[0], np.inf * d[:2], 1e308 * d[:3], [], "x", None,
                    np.zeros((0, 3)), np.zeros((3, 3), "c16"), d[:8].astype("f4")[::-2], np.zeros(3, object), d[0] * 0 - 1e-320]
         levels = [None, None, None, 0, -1, 7, 2**40, "x"]
-        functions = [model.force, model.energy, model.stiffness, model.response, model.deform, model.bound, model.trained_depth,
-                     model.trained_distance, model.field, model.nearest, model.couple, phynness.SurfacePoint]
+        functions = [model.force, model.energy, model.stiffness, model.response, model.deform, model.bound,
+                     model.trained_depth, model.field, model.nearest, model.couple, phynness.SurfacePoint]
         refused = 0
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

@@ -72,10 +72,10 @@ TEST_P(Wrapper, GivesTheSameBits) {
       EXPECT_EQ(std::memcmp(force.data(), at_once, 24), 0);
       EXPECT_EQ(energy, energy_at_once);
       EXPECT_EQ(std::memcmp(got, expected, 72), 0);
-      const Trust expected_trust(c.model, node, d);
-      phn_trusted trusted;
-      EXPECT_EQ(model.trust(node, at, trusted), expected_trust.status);
-      EXPECT_EQ(std::memcmp(&trusted, &expected_trust, sizeof trusted), 0);
+      const Trained expected_trained(c.model, node, d);
+      double depth = -2;
+      EXPECT_EQ(model.trained_depth(node, at, depth), expected_trained.status);
+      EXPECT_EQ(depth, expected_trained.depth);
       double bound = -1, expected_bound = -2;
       EXPECT_EQ(model.bound(node, at, bound), phn_bound(c.model, node, d, &expected_bound));
       EXPECT_EQ(bound, expected_bound);
@@ -112,13 +112,12 @@ TEST_P(Wrapper, GivesTheSameBits) {
   EXPECT_EQ(data.force(at_node, point), phn_force_at(c.model, c.data, &at_node, expected_forces, nullptr, nullptr));
   EXPECT_EQ(std::memcmp(point, expected_forces, 24), 0);
   double energy = 1, expected_energy = 2, stiffness[9] = {}, expected_stiffness[9] = {}, bound = 1, expected_bound = 2;
-  phn_trusted trusted, expected_trusted;
   EXPECT_EQ(data.force(at_node, point, energy, stiffness),
             phn_force_at(c.model, c.data, &at_node, expected_forces, &expected_energy, expected_stiffness));
   EXPECT_EQ(energy, expected_energy);
   EXPECT_EQ(std::memcmp(stiffness, expected_stiffness, 72), 0);
-  EXPECT_EQ(model.trust(at_node, trusted), phn_trust_at(c.model, &at_node, &expected_trusted));
-  EXPECT_EQ(std::memcmp(&trusted, &expected_trusted, sizeof trusted), 0);
+  EXPECT_EQ(model.trained_depth(at_node, bound), phn_trained_depth_at(c.model, &at_node, &expected_bound));
+  EXPECT_EQ(bound, expected_bound);
   EXPECT_EQ(model.bound(at_node, bound), phn_bound_at(c.model, &at_node, &expected_bound));
   EXPECT_EQ(bound, expected_bound);
   EXPECT_EQ(data.couple(tools[0], point), phn_couple(c.model, c.data, 1, tools, expected_forces, nullptr));

@@ -50,7 +50,7 @@ TEST_P(Memory, NothingIsAllocated) {
   const std::int32_t tools[] = {3, 5, 8};
   const double d[] = {0.001, 0.002, 0.003, -0.001, 0, 0, 0.02, 0, 0};
   double out[36], energy = 0, stiffness[9];
-  phn_trusted trusted;
+  double depth;
   phn_info info;
   std::vector<char> surface_memory(1 << 20), contact_memory(1 << 20);
   phn_tool several[2];
@@ -68,7 +68,7 @@ TEST_P(Memory, NothingIsAllocated) {
   worst = std::min(worst, phn_blend_paper(model, data, 3, tools, d, out));
   worst = std::min(worst, phn_prepare(model, data, 8));
   worst = std::min(worst, phn_model_info(model, &info));
-  worst = std::min(worst, phn_trust(model, 3, d, &trusted));
+  worst = std::min(worst, phn_trained_depth(model, 3, d, &depth));
   const phn_tool held[] = {{{3, 5, 8}, {0.5, 0.25, 0.25}, {0.001, 0, 0}},
                            {{5, 3, 0}, {0.5, 0.25, 0.25}, {0, 0.001, 0}}};
   const double x[] = {0.01, 0, 0};
@@ -77,7 +77,7 @@ TEST_P(Memory, NothingIsAllocated) {
   worst = std::min(worst, phn_coupled_deform(model, data, out));
   const phn_tool at_node = {{3, -1, -1}, {1, 0, 0}, {0.001, 0.002, 0.003}};
   worst = std::min(worst, phn_force_at(model, data, &at_node, out, nullptr, nullptr));
-  worst = std::min(worst, phn_trust_at(model, &at_node, &trusted));
+  worst = std::min(worst, phn_trained_depth_at(model, &at_node, &depth));
   worst = std::min(worst, phn_nearest(model, x, &nearest, nullptr));
   worst = std::min(worst, phn_surface_size(model, 3, &bytes));
   worst = std::min(worst, phn_surface_init(surface_memory.data(), bytes, model, 3, &surface));
@@ -116,12 +116,8 @@ TEST(Memory, LevelsAllocateNothing) {
     const double d[] = {0.001, 0.002, 0.003};
     const std::int32_t node = 3;
     double out[36], now = 0;
-    phn_trusted trusted;
     phn_level info;
     phn_info of_model;
-    phn_level_time times[3];
-    std::int32_t best = -1;
-    const auto clock = [](void* user) { return *static_cast<double*>(user) += 100; };
     const long before = n_allocations;
     int worst = phn_model_size(text.data(), text.size(), &bytes, nullptr);
     worst = std::min(worst, phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model, nullptr));
@@ -133,9 +129,7 @@ TEST(Memory, LevelsAllocateNothing) {
       worst = std::min(worst, phn_force(model, data, node, d, out, nullptr, nullptr));
       worst = std::min(worst, phn_deform(model, data, node, d, out));
     }
-    worst = std::min(worst, phn_calibrate(model, data, clock, &now, times));
-    worst = std::min(worst, phn_budget(model, times, 1, 1, 1000, &best));
-    worst = std::min(worst, phn_trust(model, node, d, &trusted));
+    worst = std::min(worst, phn_trained_depth(model, node, d, &now));
     worst = std::min(worst, phn_bound(model, node, d, &now));
     worst = std::min(worst, phn_model_info(model, &of_model));
     const long after = n_allocations;

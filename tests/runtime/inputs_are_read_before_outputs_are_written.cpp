@@ -110,15 +110,8 @@ class Table {
     row("phn_field", "out", n_output(), [=](double* x, double* out) { return phn_field(model, data, 8, x, 1, out); });
     row("phn_deform", "out", 3 * n_output(),
         [=](double* x, double* out) { return phn_deform(model, data, 8, x, out); });
-    rows.push_back({"phn_trust", {input("d", d), output<phn_trusted>("trusted")}, [=](const Places& at) {
-                      return phn_trust(model, 8, as<double>(at[0]), as<phn_trusted>(at[1]));
-                    }});
+    row("phn_trained_depth", "depth", 1, [=](double* x, double* out) { return phn_trained_depth(model, 8, x, out); });
     row("phn_bound", "bound", 1, [=](double* x, double* out) { return phn_bound(model, 8, x, out); });
-    std::vector<phn_level_time> times;
-    for (std::int32_t l = 0; l < info_of(model).n_levels; ++l) times.push_back({1.0 + l, 10.0 + l});
-    rows.push_back({"phn_budget", {input("times", times), output<std::int32_t>("level")}, [=](const Places& at) {
-                      return phn_budget(model, as<phn_level_time>(at[0]), 1, 1, 11.5, as<std::int32_t>(at[1]));
-                    }});
   }
 
   void deformations() {
@@ -164,8 +157,8 @@ class Table {
            return phn_force_at(model, data, as<phn_tool>(at[0]), as<double>(at[1]), as<double>(at[2]),
                                as<double>(at[3]));
          }});
-    rows.push_back({"phn_trust_at", {input("tool", one), output<phn_trusted>("trusted")}, [=](const Places& at) {
-                      return phn_trust_at(model, as<phn_tool>(at[0]), as<phn_trusted>(at[1]));
+    rows.push_back({"phn_trained_depth_at", {input("tool", one), output<double>("depth")}, [=](const Places& at) {
+                      return phn_trained_depth_at(model, as<phn_tool>(at[0]), as<double>(at[1]));
                     }});
     rows.push_back({"phn_bound_at", {input("tool", one), output<double>("bound")}, [=](const Places& at) {
                       return phn_bound_at(model, as<phn_tool>(at[0]), as<double>(at[1]));

@@ -66,12 +66,10 @@ TEST_P(Levels, AnswerAsModelsOfTheirOwn) {
   const Model model = with_levels(model_of(GetParam()));
   const LoadedModel loaded(write_model_text(model));
   ASSERT_EQ(info_of(loaded.model).n_levels, 3);
-  EXPECT_EQ(phn_level_of(loaded.data), 2);
   EXPECT_EQ(answers(loaded), answers(LoadedModel(write_model_text(model_of(GetParam())))));
   std::vector<double> before;
   for (const std::int32_t level : {0, 1, 2, 1, 0}) {
     ASSERT_EQ(phn_set_level(loaded.model, loaded.data, level), PHN_OK);
-    EXPECT_EQ(phn_level_of(loaded.data), level);
     const LoadedModel alone(write_model_text(level_alone(model, static_cast<std::size_t>(level))));
     const auto said = answers(loaded);
     EXPECT_EQ(said, answers(alone)) << level;
@@ -182,129 +180,11 @@ TEST(LevelInfo, TellsWhatTheFileSays) {
     EXPECT_EQ(info.force_centers, 0);
     EXPECT_EQ(phn_set_level(modal.model, modal.data, level), PHN_ERROR_ARGUMENT);
   }
-  EXPECT_EQ(phn_level_of(modal.data), 2);
   EXPECT_EQ(phn_set_level(modal.model, one.data, 0), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_set_level(nullptr, one.data, 0), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_level_info(nullptr, 0, &info), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_level_info(modal.model, 0, nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(info_of(nullptr).n_levels, 0);
-  EXPECT_EQ(phn_level_of(nullptr), 0);
-}
-
-/// Says so many microseconds between two readings as the level of the data has.
-struct FakeClock {
-  phn_data* data;
-  double step[3];
-  double now = 1e9;
-  static double read(void* user) {
-    auto& clock = *static_cast<FakeClock*>(user);
-    clock.now += clock.step[phn_level_of(clock.data)];
-    return clock.now;
-  }
-};
-
-// Claim: times are those of the caller's clock, per call (batches start with four), and the level stays what
-// it was.
-TEST(Calibration, MeasuresWithTheClockOfTheCaller) {
-  const LoadedModel loaded(write_model_text(with_levels(small_modal_model())));
-  ASSERT_EQ(phn_set_level(loaded.model, loaded.data, 1), PHN_OK);
-  FakeClock clock{loaded.data, {40, 80, 160}};
-  phn_level_time times[3];
-  ASSERT_EQ(phn_calibrate(loaded.model, loaded.data, FakeClock::read, &clock, times), PHN_OK);
-  for (int l = 0; l < 3; ++l) {
-    EXPECT_EQ(times[l].force_us, 10 << l);
-    EXPECT_EQ(times[l].deformation_us, 10 << l);
-  }
-  EXPECT_EQ(phn_level_of(loaded.data), 1);
-
-  std::int32_t level = -1;
-  const auto fits = [&](double n_forces, double n_deformations, double budget) {
-    const int status = phn_budget(loaded.model, times, n_forces, n_deformations, budget, &level);
-    return status == PHN_OK ? level : status;
-  };
-  EXPECT_EQ(fits(1, 1, 80), 2);
-  EXPECT_EQ(fits(1, 1, 79.9), 1);
-  EXPECT_EQ(fits(1, 0, 40), 2);
-  EXPECT_EQ(fits(0, 1, 20), 1);
-  EXPECT_EQ(fits(3, 1, 40), 0);
-  EXPECT_EQ(fits(0, 0, 0), 2);
-  EXPECT_EQ(fits(1, 1, std::numeric_limits<double>::infinity()), 2);
-  EXPECT_EQ(fits(1, 1, 19.9), PHN_ERROR_BUDGET);
-  EXPECT_EQ(level, 0);
-  EXPECT_EQ(fits(1, 1, -1), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(fits(1, 1, std::nan("")), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(fits(-1, 1, 100), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(fits(1, std::nan(""), 100), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_budget(nullptr, times, 1, 1, 100, &level), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_budget(loaded.model, nullptr, 1, 1, 100, &level), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_budget(loaded.model, times, 1, 1, 100, nullptr), PHN_ERROR_ARGUMENT);
-  times[2].force_us = std::nan("");  // a time that nobody measured fits into nothing
-  EXPECT_EQ(fits(1, 1, 1000), 1);
-}
-
-// Claim: of those that fit, the level of the smallest error counts, not the largest.
-TEST(Calibration, PrefersTheSmallerError) {
-  Model model = with_levels(small_modal_model());
-  model.levels[2].error_displacement = 0.3;
-  const LoadedModel loaded(write_model_text(model));
-  const phn_level_time times[] = {{1, 1}, {2, 2}, {3, 3}};
-  std::int32_t level = -1;
-  ASSERT_EQ(phn_budget(loaded.model, times, 1, 1, 100, &level), PHN_OK);
-  EXPECT_EQ(level, 1);
-  ASSERT_EQ(phn_budget(loaded.model, times, 1, 0, 100, &level), PHN_OK);
-  EXPECT_EQ(level, 2);
-}
-
-template <int kind>
-double bad_clock(void* user) {
-  auto& now = *static_cast<double*>(user);
-  now += 1000;
-  if (kind == 0) return std::nan("");
-  if (kind == 1) return now > 20000 ? std::nan("") : now;
-  if (kind == 2) return -now;
-  if (kind == 3) return 0;
-  return now > 20000 ? std::numeric_limits<double>::infinity() : now;
-}
-
-// Claim: a clock that is none gives a status and zeros, and leaves the level alone.
-TEST(Calibration, RefusesWhatIsNoClock) {
-  const LoadedModel loaded(write_model_text(with_levels(small_modal_model())));
-  ASSERT_EQ(phn_set_level(loaded.model, loaded.data, 1), PHN_OK);
-  for (auto* clock : {bad_clock<0>, bad_clock<1>, bad_clock<2>, bad_clock<3>, bad_clock<4>}) {
-    phn_level_time times[3] = {{7, 7}, {7, 7}, {7, 7}};
-    double now = 0;
-    EXPECT_EQ(phn_calibrate(loaded.model, loaded.data, clock, &now, times), PHN_ERROR_CLOCK);
-    for (const auto& time : times) {
-      EXPECT_EQ(time.force_us, 0);
-      EXPECT_EQ(time.deformation_us, 0);
-    }
-    EXPECT_EQ(phn_level_of(loaded.data), 1);
-  }
-  phn_level_time times[3];
-  EXPECT_EQ(phn_calibrate(loaded.model, loaded.data, nullptr, nullptr, times), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_calibrate(loaded.model, nullptr, bad_clock<0>, nullptr, times), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_calibrate(loaded.model, loaded.data, bad_clock<0>, nullptr, nullptr), PHN_ERROR_ARGUMENT);
-}
-
-// Claim: every family can be timed, models of forces only, too; their deformations take 0.
-TEST(Calibration, ServesEveryFamily) {
-  double now = 0;
-  const auto clock = [](void* user) { return *static_cast<double*>(user) += 100; };
-  struct Case {
-    Model model;
-    bool deforms;
-  };
-  for (const auto& [model, deforms] : {Case{small_model(), true}, Case{small_linear_model(), true},
-                                       Case{small_modal_model(), true}, Case{small_modal_model(0), false}}) {
-    const LoadedModel loaded(write_model_text(model));
-    phn_level_time time;
-    ASSERT_EQ(phn_calibrate(loaded.model, loaded.data, clock, &now, &time), PHN_OK);
-    EXPECT_EQ(time.force_us, 25);
-    EXPECT_EQ(time.deformation_us, deforms ? 25 : 0);
-    std::int32_t level = -1;
-    EXPECT_EQ(phn_budget(loaded.model, &time, 1, 1, 1000, &level), PHN_OK);
-    EXPECT_EQ(level, 0);
-  }
 }
 
 }  // namespace

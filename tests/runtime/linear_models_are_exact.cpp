@@ -74,9 +74,9 @@ TEST(LinearRuntime, HasNoOutside) {
   EXPECT_EQ(answer(loaded, 3, far).force_status, PHN_OK);
   EXPECT_EQ(answer(loaded, 3, far).deform_status, PHN_OK);
   EXPECT_EQ(answer(loaded, 5, far).force_status, PHN_WARNING_INCOMPLETE);
-  const Trust trust(loaded.model, 5, far.data());
-  EXPECT_EQ(trust.status, PHN_OK);
-  EXPECT_EQ(trust.trained_depth, 0.005);
+  const Trained trained(loaded.model, 5, far.data());
+  EXPECT_EQ(trained.status, PHN_OK);
+  EXPECT_EQ(trained.depth, 0.005);
 }
 
 // Claim: several tools are blended by (15)-(16) as in the other family: the touched output nodes follow

@@ -16,9 +16,10 @@ inline phn_info info_of(const phn_model* model) {
   return info;
 }
 
-/// For tests of one of the two.
-struct Trust : phn_trusted {
-  Trust(const phn_model* model, std::int32_t node, const double* d) { status = phn_trust(model, node, d, this); }
+struct Trained {
+  Trained(const phn_model* model, std::int32_t node, const double* d)
+      : status(phn_trained_depth(model, node, d, &depth)) {}
+  double depth = -1;
   int status;
 };
 

@@ -78,9 +78,9 @@ TEST(Runtime, ListsAreTheModels) {
 TEST(Runtime, WarnsBeyondTheTrainedDepth) {
   const LoadedModel loaded(write_model_text(small_model()));
   Eigen::Vector3d d(0.002, 0.0049, 0), force;
-  const Trust beyond(loaded.model, 5, d.data());
+  const Trained beyond(loaded.model, 5, d.data());
   EXPECT_EQ(beyond.status, PHN_WARNING_OUTSIDE);
-  EXPECT_EQ(beyond.trained_depth, 0.005);
+  EXPECT_EQ(beyond.depth, 0.005);
   EXPECT_EQ(phn_force(loaded.model, loaded.data, 5, d.data(), force.data(), nullptr, nullptr),
             PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE);
   EXPECT_GT(force.norm(), 0);
@@ -90,9 +90,9 @@ TEST(Runtime, WarnsBeyondTheTrainedDepth) {
   d = {0.011, 0, 0};
   EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d.data(), force.data(), nullptr, nullptr), PHN_WARNING_OUTSIDE);
   d.setZero();
-  const Trust at_rest(loaded.model, 5, d.data());
+  const Trained at_rest(loaded.model, 5, d.data());
   EXPECT_EQ(at_rest.status, PHN_OK);
-  EXPECT_EQ(at_rest.trained_depth, 0.005);
+  EXPECT_EQ(at_rest.depth, 0.005);
 }
 
 // Claim: every displacement that was trained counts as inside, in spite of the rounding of directions.
@@ -100,7 +100,7 @@ TEST(Runtime, TrainedDisplacementsAreInside) {
   const Model model = small_model();
   const LoadedModel loaded(write_model_text(model));
   for (Eigen::Index i = 0; i < model.displacements.rows(); ++i) {
-    EXPECT_EQ(Trust(loaded.model, 3, model.displacements.row(i).data()).status, PHN_OK);
+    EXPECT_EQ(Trained(loaded.model, 3, model.displacements.row(i).data()).status, PHN_OK);
   }
 }
 

@@ -40,10 +40,9 @@ TEST_P(EveryInputOf, NeverNaNOut) {
         EXPECT_TRUE(derivatives ? std::isfinite(energy) : energy == 0);
         EXPECT_EQ(phn_force(loaded.model, loaded.data, 5, d, nullptr, nullptr, stiffness) < 0, !derivatives);
         for (const double k : stiffness) EXPECT_TRUE(derivatives ? std::isfinite(k) : k == 0);
-        const Trust trust(loaded.model, 5, d);
-        EXPECT_EQ(trust.status < 0, !finite);
-        EXPECT_TRUE(std::isfinite(trust.trained_depth) && std::isfinite(trust.distance) &&
-                    std::isfinite(trust.relative));
+        const Trained trained(loaded.model, 5, d);
+        EXPECT_EQ(trained.status < 0, !finite);
+        EXPECT_TRUE(finite ? std::isfinite(trained.depth) : trained.depth == 0);
         const std::int32_t tools[] = {5, 8};
         for (const int n_tools : {1, 2}) {
           Points u = Points::Constant(12, 3, nan);

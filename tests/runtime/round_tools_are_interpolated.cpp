@@ -115,7 +115,7 @@ TEST_P(RoundTools, AreTheirNodesAndMeansBetween) {
 }
 
 // Claim: a covered node is the point that its coordinates say, and in a triangle with it the weights of all corners add
-// up; force, energy, field, trust and bound follow. The weights differ by rounding: 1e-12.
+// up; force, energy, field, trained depth and bound follow. The weights differ by rounding: 1e-12.
 TEST_P(RoundTools, AreAnsweredAtCoveredNodes) {
   const double first = 20000 / 65535.0, w[2] = {first, (1 - first) * (30000 / 65535.0)};
   const phn_tool places[][2] = {
@@ -127,10 +127,10 @@ TEST_P(RoundTools, AreAnsweredAtCoveredNodes) {
     EXPECT_EQ(said.status, wanted.status);
     EXPECT_LT((said.force - wanted.force).norm(), 1e-12 * wanted.force.norm());
     EXPECT_NEAR(said.energy, wanted.energy, 1e-12 * std::abs(wanted.energy));
-    phn_trusted trusted[2];
-    EXPECT_EQ(phn_trust_at(covered.model, &by_coordinates, &trusted[0]),
-              phn_trust_at(covered.model, &by_corners, &trusted[1]));
-    EXPECT_EQ(trusted[0].trained_depth, trusted[1].trained_depth);
+    double depth[2];
+    EXPECT_EQ(phn_trained_depth_at(covered.model, &by_coordinates, &depth[0]),
+              phn_trained_depth_at(covered.model, &by_corners, &depth[1]));
+    EXPECT_EQ(depth[0], depth[1]);
     Points field[2] = {Points(12, 3), Points(12, 3)};
     for (int i = 0; i < 2; ++i) {
       double force[3];
@@ -342,26 +342,21 @@ TEST_P(RoundTools, SlideOverEdges) {
   EXPECT_LT((a.force - b.force).norm(), 100 * beside * a.force.norm());
 }
 
-// Claim: the trained depth is the least of the nodes, distance and bound are the largest, and a warning of one is one
-// of the tool.
-TEST_P(RoundTools, TrustTheLeastOfTheirNodes) {
+// Claim: the trained depth is the least of the nodes, the bound is the largest, and a warning of one is one of the
+// tool.
+TEST_P(RoundTools, HaveTheLeastDepthOfTheirNodes) {
   const double far[3] = {0, 0.007, 0};  // node 5 was trained to 5 mm
   const phn_tool held = tool(3, 5, 8, 0.5, 0.3, far[0], far[1], far[2]),
                  without = tool(3, 8, -1, 0.5, 0.5, far[0], far[1], far[2]);
-  phn_trusted said;
-  EXPECT_TRUE(phn_trust_at(loaded.model, &held, &said) & PHN_WARNING_OUTSIDE || GetParam() == Family::linear);
-  double depth = 1, distance = 0, relative = 0, bound = 0, worst = 0;
+  double said = 0;
+  EXPECT_TRUE(phn_trained_depth_at(loaded.model, &held, &said) & PHN_WARNING_OUTSIDE || GetParam() == Family::linear);
+  double depth = 1, bound = 0, worst = 0;
   for (const std::int32_t node : {3, 5, 8}) {
-    const Trust one(loaded.model, node, far);
-    depth = std::min(depth, one.trained_depth);
-    distance = std::max(distance, one.distance);
-    relative = std::max(relative, one.relative);
+    depth = std::min(depth, Trained(loaded.model, node, far).depth);
     double of_node = 0;
     if (node != 5 && phn_bound(loaded.model, node, far, &of_node) >= 0) worst = std::max(worst, of_node);
   }
-  EXPECT_EQ(said.trained_depth, depth);
-  EXPECT_EQ(said.distance, distance);
-  EXPECT_EQ(said.relative, relative);
+  EXPECT_EQ(said, depth);
   const int bounded = phn_bound_at(loaded.model, &without, &bound);
   EXPECT_EQ(bounded < 0, GetParam() == Family::linear);
   EXPECT_EQ(bound, worst);
@@ -378,11 +373,10 @@ TEST_P(RoundTools, AreOutsideBesideFixedNodes) {
     const phn_tool held = tool(3, 0, 8, 0.6 - fixed / 2, fixed, small[0], small[1], small[2]),
                    pair[2] = {tool(5, -1, -1, 1, 0, 0, 0, 0), held};
     const bool flagged = fixed > 0.3;
-    phn_trusted said;
-    double bound = 0;
+    double said = 0, bound = 0;
     Eigen::Matrix<double, 3, 2> forces;
-    EXPECT_EQ((phn_trust_at(loaded.model, &held, &said) & PHN_WARNING_OUTSIDE) != 0, flagged);
-    EXPECT_EQ(said.trained_depth == 0, flagged);
+    EXPECT_EQ((phn_trained_depth_at(loaded.model, &held, &said) & PHN_WARNING_OUTSIDE) != 0, flagged);
+    EXPECT_EQ(said == 0, flagged);
     EXPECT_EQ((at(held).status & PHN_WARNING_OUTSIDE) != 0, flagged);
     const int both = phn_couple(loaded.model, loaded.data, 2, pair, forces.data(), nullptr);
     if (flagged || GetParam() != Family::rbfn) {  // random networks have other forces than they were trained to
@@ -404,9 +398,9 @@ TEST_P(RoundTools, AreNotMadeOfNodes) {
   EXPECT_EQ(phn_force_at(loaded.model, loaded.data, nullptr, force.data(), nullptr, nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_force_at(loaded.model, loaded.data, &held, nullptr, nullptr, nullptr), PHN_ERROR_ARGUMENT);
   const phn_tool nowhere = moved(held, {NAN, 0, 0});
-  phn_trusted trusted = {1, 1, 1, {}};
-  EXPECT_EQ(phn_trust_at(loaded.model, &nowhere, &trusted), PHN_ERROR_NOT_FINITE);
-  EXPECT_EQ(trusted.trained_depth, 0);
+  double depth = 1;
+  EXPECT_EQ(phn_trained_depth_at(loaded.model, &nowhere, &depth), PHN_ERROR_NOT_FINITE);
+  EXPECT_EQ(depth, 0);
 }
 
 }  // namespace

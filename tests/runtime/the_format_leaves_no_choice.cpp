@@ -40,9 +40,9 @@ TEST(Format, TheSmallerOfEquallyNearDirectionsCounts) {
   const LoadedModel loaded(write_model_text(model));
   const auto depth = [&](double x, double y, double z) {
     const double d[3] = {x, y, z};
-    phn_trusted trusted;
-    EXPECT_GE(phn_trust(loaded.model, 3, d, &trusted), 0);
-    return trusted.trained_depth;
+    const Trained trained(loaded.model, 3, d);
+    EXPECT_GE(trained.status, 0);
+    return trained.depth;
   };
   EXPECT_EQ(depth(0.001, 0.001, 0), 0.004);
   EXPECT_EQ(depth(0.001, 0.002, 0), 0.007);

@@ -36,7 +36,7 @@ Model uneven_model() {
 }
 
 double depth_at(const LoadedModel& loaded, std::int32_t node, const Eigen::Vector3d& d) {
-  return Trust(loaded.model, node, d.data()).trained_depth;
+  return Trained(loaded.model, node, d.data()).depth;
 }
 
 Eigen::Vector3d direction(const Model& model, std::size_t i) {
@@ -55,7 +55,7 @@ TEST(Range, HoldsEveryTrainedDisplacement) {
         EXPECT_NEAR(depth_at(loaded, node.node, size * direction(model, i)), z, 1e-15) << node.node << " " << i;
       }
       const Eigen::Vector3d d = z * direction(model, i);
-      EXPECT_EQ(Trust(loaded.model, node.node, d.data()).status, PHN_OK);
+      EXPECT_EQ(Trained(loaded.model, node.node, d.data()).status, PHN_OK);
     }
   }
 }
@@ -126,8 +126,8 @@ TEST(Range, IsNowhereDeeperThanTheNearestDirectionAndWarnsFromThereOn) {
       EXPECT_LE(depth, node.trained_depth_m[nearest]);
       shorter += depth < 0.999 * node.trained_depth_m[nearest] ? 1 : 0;
       const Eigen::Vector3d in = 0.999999 * depth * e, out = (1.000001 * depth + 1e-12) * e;
-      EXPECT_EQ(Trust(loaded.model, node.node, in.data()).status, PHN_OK);
-      EXPECT_EQ(Trust(loaded.model, node.node, out.data()).status, PHN_WARNING_OUTSIDE);
+      EXPECT_EQ(Trained(loaded.model, node.node, in.data()).status, PHN_OK);
+      EXPECT_EQ(Trained(loaded.model, node.node, out.data()).status, PHN_WARNING_OUTSIDE);
     }
   }
   EXPECT_GT(shorter, 200);

@@ -52,8 +52,8 @@ Eigen::RowVector3d CoupledRays::place(const phn_tool& tool) const {
 double CoupledRays::trained_depth(const phn_tool& tool, const Vec3& e) const {
   phn_tool moved = tool;
   for (std::size_t k = 0; k < 3; ++k) moved.displacement[k] = 1e-6 * _model.model().max_displacement_m * e[k];
-  phn_trusted trusted{};
-  if (_model.runtime().trust(moved, trusted) >= 0) return trusted.trained_depth;
+  double depth_m = 0;
+  if (_model.runtime().trained_depth(moved, depth_m) >= 0) return depth_m;
   double depth = _model.model().max_displacement_m;  // a tool between the nodes of a model without round tools
   for (int k = 0; k < 3; ++k)
     if (tool.weights[k] > 0) depth = std::min(depth, _model.trained_depth(tool.nodes[k], e));

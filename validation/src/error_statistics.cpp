@@ -26,24 +26,6 @@ ErrorStatistics ErrorStatistics::of(std::vector<double> samples) {
   return s;
 }
 
-namespace {
-
-/// Ranks minus their mean; equal values have the same rank.
-std::vector<double> centered_ranks(const std::vector<double>& values) {
-  std::vector<std::size_t> order(values.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](auto i, auto j) { return values[i] < values[j]; });
-  std::vector<double> ranks(values.size());
-  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-    while (end < order.size() && values[order[end]] == values[order[begin]]) ++end;
-    for (std::size_t i = begin; i < end; ++i)
-      ranks[order[i]] = (static_cast<double>(begin + end) - static_cast<double>(order.size())) / 2;
-  }
-  return ranks;
-}
-
-}  // namespace
-
 ByName<ErrorStatistics> GroupErrors::rows() const {
   auto rows = titled(*this);
   for (const auto& [name, errors] : fields) {
@@ -94,15 +76,6 @@ std::vector<WorseThanLinear> worse_than_linear(const PointReport& report) {
 
 std::vector<WorseThanLinear> worse_than_linear(const PairReport& report) {
   return worse_in("pairs", report.all.of(PairPredictor::coupled), report.all.of(PairPredictor::linear));
-}
-
-std::optional<double> rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
-  const auto x = centered_ranks(a), y = centered_ranks(b);
-  if (x.size() < 3 || x.size() != y.size()) return std::nullopt;
-  const double xx = std::inner_product(x.begin(), x.end(), x.begin(), 0.0),
-               yy = std::inner_product(y.begin(), y.end(), y.begin(), 0.0);
-  if (!(xx > 0 && yy > 0)) return std::nullopt;
-  return std::inner_product(x.begin(), x.end(), y.begin(), 0.0) / std::sqrt(xx * yy);
 }
 
 }  // namespace phynness

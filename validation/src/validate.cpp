@@ -126,7 +126,6 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   std::array<Samples, n_predictors> samples;
   for (auto& of_predictor : samples)  // the same on every rank
     for (auto& group : of_predictor) group.fields.resize(model.model().fields.size());
-  std::array<std::vector<double>, 2> distances;  // by Group
   ProbeRecords records(model);
   double failed = 0, solved[2] = {0, 0}, increments = 0, cpu_s = 0;
   session.together([&] {
@@ -135,10 +134,6 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
     rays = solve_probes(session, scene, model, plan, progress, stop, [&](std::size_t e, NodeProbes&& found) {
       for (const Group g : {inside, outside}) {
         for (std::size_t p = 0; p < n_predictors; ++p) collect(predict[p], found, g, samples[p]);
-        // Only for errors of forces: a node without any force has none.
-        for (const auto& state : found.states[g])
-          if (distances[g].size() < samples[0][g].force.size())
-            distances[g].push_back(model.trained_distance(found.node, state.d));
         solved[g] += static_cast<double>(found.states[g].size());
       }
       records.add(e, plan[e].weight, found);
@@ -163,10 +158,6 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   for (std::size_t p = 0; p < n_predictors; ++p) {
     for (auto& group : samples[p]) gather(session, group);
     report.errors[p] = statistics(samples[p], model.model().fields);
-  }
-  for (const Group g : {inside, outside}) {
-    const auto correlation = rank_correlation(session.gather(distances[g]), samples[0][g].force);
-    (g == inside ? report.distance_correlation_inside : report.distance_correlation_outside) = correlation;
   }
   records.finish(session, scene.probe.max_displacement_m, report);
   if (session.rank() == 0) report.speed = measure_speed(model);

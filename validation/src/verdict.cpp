@@ -160,7 +160,7 @@ Json conditions(const Validated& v) {
           {"outside_factor", v.report.outside_factor},
           {"nodes", v.report.nodes},
           {"fixed_distances_m", v.report.fixed_distance_m},
-          {"level", v.model.data().level()},
+          {"level", v.model.level()},
           {"seed", v.seed}};
 }
 
@@ -169,8 +169,7 @@ Json conditions(const Validated& v) {
 std::string validate_again(const Validated& in) {
   std::string line = fmt::format("phynness validate SCENE MODEL_DIR --probes {} --nodes {} --seed {}", in.report.probes,
                                  in.report.nodes.size(), in.seed);
-  if (in.model.data().level() + 1 < in.model.runtime().n_levels())
-    line += fmt::format(" --level {}", in.model.data().level());
+  if (in.model.level() + 1 < in.model.runtime().n_levels()) line += fmt::format(" --level {}", in.model.level());
   if (in.points.finished > 0) line += fmt::format(" --points {}", in.points.finished);
   if (in.pairs.finished > 0) line += fmt::format(" --pairs {} --pair-depth {}", in.pairs.finished, in.pairs.depth_m);
   if (in.body) line += " --body BODY.txt";

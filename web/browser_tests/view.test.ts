@@ -185,7 +185,7 @@ describe(`the page in ${browserName}`, () => {
     const held = await tools(page);
     expect(held.length).toBe(2);
     held.forEach(({ displacement }) => expect(size(displacement)).toBeGreaterThan(0.002));
-    expect(await textAt(page, '#trust')).not.toBe('unsettled');
+    expect(await textAt(page, '#verdict')).not.toBe('unsettled');
     expect(await textAt(page, '#quantities')).toMatch(/Error of the force \(95 %\)\s*below [0-9.]+ m?N/);
     // The same tools from rest, in one go.
     const forces = await ask<V3[]>(page, 'phynness.answer.forces');
@@ -209,7 +209,7 @@ describe(`the page in ${browserName}`, () => {
   it('touches with a sphere', async () => {
     const page = await view();
     await page.click('#mode-sphere');
-    await page.waitForFunction("document.getElementById('trust').textContent === 'no contact'", { timeout: 5000 });
+    await page.waitForFunction("document.getElementById('verdict').textContent === 'no contact'", { timeout: 5000 });
     const { x, y } = await pixelOf(page, front);
     await page.mouse.move(x, y);
     await page.mouse.down();

@@ -30,8 +30,6 @@ static const entry entries[] = {
     MEMBER(phn_provenance, bound_reference),
     SIZE(phn_tool), MEMBER(phn_tool, nodes), MEMBER(phn_tool, weights), MEMBER(phn_tool, displacement),
     SIZE(phn_coupled), MEMBER(phn_coupled, residual), MEMBER(phn_coupled, energy),
-    SIZE(phn_trusted), MEMBER(phn_trusted, trained_depth), MEMBER(phn_trusted, distance),
-    MEMBER(phn_trusted, relative),
     SIZE(phn_level), MEMBER(phn_level, force_centers), MEMBER(phn_level, deformation_centers),
     MEMBER(phn_level, modes), MEMBER(phn_level, error_force), MEMBER(phn_level, error_displacement),
     SIZE(phn_contact_tool), MEMBER(phn_contact_tool, center), MEMBER(phn_contact_tool, radius),

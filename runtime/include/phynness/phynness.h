@@ -46,19 +46,18 @@ enum {
   PHN_ERROR_TOOLS = -5,          /* more tools than the phn_data or phn_contact was made for (phynness_tools.h) */
   PHN_ERROR_SAME_NODE = -6,      /* two tools at one node */
   PHN_ERROR_UNDEFINED = -7,      /* the model or the node has no such response, e.g. no energy or no deformation */
-  PHN_ERROR_BUDGET = -8,         /* even the smallest level takes more than the given time */
-  PHN_ERROR_CLOCK = -9,          /* the clock returns NaN, runs backwards or stands still */
-  PHN_ERROR_NOT_A_MODEL = -10,   /* the text is not a model.txt, or the bytes are not an image */
-  PHN_ERROR_VERSION = -11,       /* the model has another version of the format */
-  PHN_ERROR_TRUNCATED = -12,     /* the model is incomplete at its end */
-  PHN_ERROR_CHECKSUM = -13,      /* the checksum of the model is wrong: the model is damaged */
-  PHN_ERROR_SYNTAX = -14,        /* a number or word of the model is malformed */
-  PHN_ERROR_RANGE = -15,         /* a count, index or value of the model is out of range */
-  PHN_ERROR_FAMILY = -16,        /* this version does not know the model's family */
-  PHN_ERROR_OVERLAP = -17,       /* an output overlaps another output or a large input in memory */
-  PHN_ERROR_TOO_LARGE = -18,     /* the result has more bytes or numbers than size_t or int32_t can count */
-  PHN_ERROR_GEOMETRY = -19,      /* a triangle has equal corners, or coordinates are too large for contact */
-  PHN_ERROR_TOO_MANY_TOOLS = -20 /* more than PHN_MOST_COUPLED tools in one call */
+  PHN_ERROR_CLOCK = -8,          /* the time of a step is not later than that of the step before (phynness_loop.h) */
+  PHN_ERROR_NOT_A_MODEL = -9,    /* the text is not a model.txt, or the bytes are not an image */
+  PHN_ERROR_VERSION = -10,       /* the model has another version of the format */
+  PHN_ERROR_TRUNCATED = -11,     /* the model is incomplete at its end */
+  PHN_ERROR_CHECKSUM = -12,      /* the checksum of the model is wrong: the model is damaged */
+  PHN_ERROR_SYNTAX = -13,        /* a number or word of the model is malformed */
+  PHN_ERROR_RANGE = -14,         /* a count, index or value of the model is out of range */
+  PHN_ERROR_FAMILY = -15,        /* this version does not know the model's family */
+  PHN_ERROR_OVERLAP = -16,       /* an output overlaps another output or a large input in memory */
+  PHN_ERROR_TOO_LARGE = -17,     /* the result has more bytes or numbers than size_t or int32_t can count */
+  PHN_ERROR_GEOMETRY = -18,      /* a triangle has equal corners, or coordinates are too large for contact */
+  PHN_ERROR_TOO_MANY_TOOLS = -19 /* more than PHN_MOST_COUPLED tools in one call */
 };
 enum { PHN_MOST_COUPLED = 8, PHN_MOST_FIELDS = 8 };
 
@@ -158,15 +157,9 @@ PHN_API int phn_field(const phn_model* model, phn_data* data, int32_t node, cons
  * nodes for each tool. Results are bitwise the same with and without this call. */
 PHN_API int phn_prepare(const phn_model* model, phn_data* data, int32_t node);
 
-/* Position of d relative to the training data of a node: it tells interpolation from extrapolation. It is not an
- * estimate of the error. A d longer than trained_depth gives PHN_WARNING_OUTSIDE in phn_force. */
-typedef struct phn_trusted {
-  double trained_depth; /* [m] of the trained range in the direction of d; at rest the smallest of all directions */
-  double distance;      /* [m] from d to the nearest displacement that the node was trained on; 0 in family linear */
-  double relative;      /* distance / largest distance inside the trained range; 0 at data, > 1: extrapolation */
-  double reserved[5];   /* 0 */
-} phn_trusted;
-PHN_API int phn_trust(const phn_model* model, int32_t node, const double d[3], phn_trusted* trusted);
+/* Depth [m] of the trained range of `node` in the direction of d; at rest the smallest of all directions. A d longer
+ * than that gives PHN_WARNING_OUTSIDE here and in phn_force. */
+PHN_API int phn_trained_depth(const phn_model* model, int32_t node, const double d[3], double* depth);
 
 /* A bound [N] of the error of phn_force, |force - finite element force|, of the full level; half of the time of a
  * force. `phynness calibrate` adds the bounds to a model. For random displacements inside the trained range, of random

@@ -182,8 +182,7 @@ struct ModelContent {
 };
 struct DataSizes {
   const phn_model* model = nullptr;
-  std::size_t n_field = 0;   ///< 3 n_output
-  std::size_t n_levels = 0;  ///< of the model
+  std::size_t n_field = 0;  ///< 3 n_output
 };
 }  // namespace detail
 
@@ -246,22 +245,14 @@ class Model : public detail::Built<const phn_model, detail::ModelContent> {
   std::int32_t n_levels() const noexcept { return info().n_levels; }
   Status level_info(std::int32_t level, phn_level& info) const noexcept { return phn_level_info(get(), level, &info); }
 
-  /// @param times  from Data::calibrate, n_levels() of them
-  Status budget(Span<const phn_level_time> times, double n_forces, double n_deformations, double budget_us,
-                std::int32_t& level) const noexcept {
-    return times.size() < static_cast<std::size_t>(info().n_levels)
-               ? Status(PHN_ERROR_BUFFER)
-               : Status(phn_budget(get(), times.data(), n_forces, n_deformations, budget_us, &level));
-  }
-
-  Status trust(std::int32_t node, In3 d, phn_trusted& trusted) const noexcept {
-    return phn_trust(get(), node, d.data(), &trusted);
+  Status trained_depth(std::int32_t node, In3 d, double& depth_m) const noexcept {
+    return phn_trained_depth(get(), node, d.data(), &depth_m);
   }
   Status bound(std::int32_t node, In3 d, double& bound) const noexcept {
     return phn_bound(get(), node, d.data(), &bound);
   }
-  Status trust(const phn_tool& tool, phn_trusted& trusted) const noexcept {
-    return phn_trust_at(get(), &tool, &trusted);
+  Status trained_depth(const phn_tool& tool, double& depth_m) const noexcept {
+    return phn_trained_depth_at(get(), &tool, &depth_m);
   }
   Status bound(const phn_tool& tool, double& bound) const noexcept { return phn_bound_at(get(), &tool, &bound); }
   Status nearest(In3 x, phn_tool& tool) const noexcept { return phn_nearest(get(), x.data(), &tool, nullptr); }
@@ -331,12 +322,6 @@ class Data : public detail::Built<phn_data, detail::DataSizes> {
   }
 
   Status set_level(std::int32_t level) noexcept { return phn_set_level(more().model, get(), level); }
-  std::int32_t level() const noexcept { return phn_level_of(get()); }
-  /// @param times  output, n_levels of the model
-  Status calibrate(double (*clock_us)(void*), void* user, Span<phn_level_time> times) noexcept {
-    return times.size() < more().n_levels ? Status(PHN_ERROR_BUFFER)
-                                          : Status(phn_calibrate(more().model, get(), clock_us, user, times.data()));
-  }
 
  protected:
   Data(const Model& model, std::int32_t max_tools, Span<std::byte> own, decltype(phn_data_size) data_size,
@@ -344,7 +329,6 @@ class Data : public detail::Built<phn_data, detail::DataSizes> {
     more().model = model.get();
     if (build(model.get(), max_tools, own, data_size, data_init) == 0) return;
     more().n_field = 3 * static_cast<std::size_t>(model.n_output());
-    more().n_levels = static_cast<std::size_t>(model.n_levels());
   }
 };
 

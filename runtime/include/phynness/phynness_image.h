@@ -68,7 +68,7 @@ PHN_API int phn_imagef_energy(const phn_imagef* image, int32_t node, const float
 PHN_API int phn_image_stiffness(const phn_image* image, int32_t node, const double d[3], double stiffness[9]);
 PHN_API int phn_imagef_stiffness(const phn_imagef* image, int32_t node, const float d[3], float stiffness[9]);
 
-/* Depth [m] of the trained range of `node` in the direction of d, as in phn_trust. */
+/* Depth [m] of the trained range of `node` in the direction of d, as in phn_trained_depth. */
 PHN_API int phn_image_trained_depth(const phn_image* image, int32_t node, const double d[3], double* depth);
 PHN_API int phn_imagef_trained_depth(const phn_imagef* image, int32_t node, const float d[3], float* depth);
 

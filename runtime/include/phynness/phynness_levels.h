@@ -34,29 +34,6 @@ PHN_API int phn_level_info(const phn_model* model, int32_t level, phn_level* inf
  * takes the time of both. */
 PHN_API int phn_set_level(const phn_model* model, phn_data* data, int32_t level);
 
-/* The level of the data; 0 for null data. */
-PHN_API int32_t phn_level_of(const phn_data* data);
-
-/* Time of one force and of one deformation of a prepared node [us]. */
-typedef struct phn_level_time {
-  double force_us, deformation_us;
-} phn_level_time;
-
-/* Measures these times for each of the n_levels levels, in the calling thread. The runtime has no clock of its own:
- * `clock_us` returns microseconds from any origin; `user` is passed to it. Each time is the median of seven batches of
- * at least 20 us with warm caches. This takes less than a millisecond per level. If the clock advances in longer steps,
- * the times may be wrong by a factor of two. Do not call it in the haptic loop. The level of the data is not
- * changed. A model without deformations has deformation times of 0. PHN_ERROR_CLOCK: the clock returns NaN or infinity,
- * runs backwards, or does not advance within 250,000 calls. */
-PHN_API int phn_calibrate(const phn_model* model, phn_data* data, double (*clock_us)(void* user), void* user,
-                          phn_level_time* times);
-
-/* Of the levels that compute n_forces forces and n_deformations deformations within budget_us, the one with the
- * smallest error. The error is the sum of the errors of force and displacement; a response whose number is 0 does not
- * count. PHN_ERROR_BUDGET: no level is fast enough; `level` is 0, the smallest. */
-PHN_API int phn_budget(const phn_model* model, const phn_level_time* times, double n_forces, double n_deformations,
-                       double budget_us, int32_t* level);
-
 #ifdef __cplusplus
 }
 #endif

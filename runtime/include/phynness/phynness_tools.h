@@ -32,18 +32,17 @@ typedef struct phn_coupled {
 PHN_API int phn_tools_size(const phn_model* model, int32_t max_tools, size_t* bytes);
 PHN_API int phn_tools_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data);
 
-/* phn_force, phn_trust and phn_bound of one tool at a point, with a phn_data of phn_tools_init. A round tool between
- * nodes has a mean of the energies of the tools at the nodes around it for the same displacement (docs/theory.md, (x));
- * force and stiffness are its derivatives. Family rbfn has the same mean of the forces. They are continuous where the
- * tool slides over edges and nodes, and at a node they are those of the node. Fixed nodes of the triangle do not count;
- * where their weights exceed 0.3, the tool is PHN_WARNING_OUTSIDE, with the trained depth 0, at any displacement.
- * A warning of any active node of the triangle, or around its covered nodes, is one of the tool. The trained depth is
- * the smallest of these nodes; the distance is the largest. So is the bound in models calibrated by older versions, of
- * which it says too little; in others it is that of phn_coupled_bound. PHN_ERROR_UNDEFINED: the point is between nodes
- * of a model without round tools; use phn_couple. Cost: about 12 forces between nodes. */
+/* phn_force, phn_trained_depth and phn_bound of one tool at a point, with a phn_data of phn_tools_init. A round tool
+ * between nodes has a mean of the energies of the tools at the nodes around it for the same displacement
+ * (docs/theory.md, (x)); force and stiffness are its derivatives. Family rbfn has the same mean of the forces. They are
+ * continuous where the tool slides over edges and nodes, and at a node they are those of the node. Fixed nodes of the
+ * triangle do not count; where their weights exceed 0.3, the tool is PHN_WARNING_OUTSIDE, with the trained depth 0, at
+ * any displacement. A warning of any active node of the triangle, or around its covered nodes, is one of the tool. The
+ * trained depth is the smallest of these nodes. The bound is that of phn_coupled_bound. PHN_ERROR_UNDEFINED: the point
+ * is between nodes of a model without round tools; use phn_couple. Cost: about 12 forces between nodes. */
 PHN_API int phn_force_at(const phn_model* model, phn_data* data, const phn_tool* tool, double force[3], double* energy,
                          double stiffness[9]);
-PHN_API int phn_trust_at(const phn_model* model, const phn_tool* tool, phn_trusted* trusted);
+PHN_API int phn_trained_depth_at(const phn_model* model, const phn_tool* tool, double* depth);
 PHN_API int phn_bound_at(const phn_model* model, const phn_tool* tool, double* bound);
 
 /* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. One tool at a node has the force of phn_force, and

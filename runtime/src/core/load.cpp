@@ -235,7 +235,6 @@ void ModelLoader::done(NodeStore& node) {
   if (made.moves_mean && made.n_prescribed < node.prescribed.n) made.output = -1;  // the mean is not known
   made.trained_depth = nodes.known.values;
   made.least_depth = nodes.known.least;
-  made.fill_distance = nodes.known.fill_distance;
   made.incomplete = node.n_incomplete > 0;
   if (node.bounds.part[0].scale.at != nullptr) {
     made.bound = node.bounds.part[0].entries.at;

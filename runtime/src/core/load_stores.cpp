@@ -64,11 +64,9 @@ void Depths::shape(Load& load, std::int64_t rows, std::int64_t) {
   if (!same) known.values = own;
 }
 
-void Depths::set(Load& load, std::int64_t i, std::int64_t, double value) {
+void Depths::set(Load&, std::int64_t i, std::int64_t, double value) {
   known.least = i == 0 ? value : std::fmin(value, known.least);
-  if (own == nullptr) return;
-  own[i] = value;
-  if (i + 1 == known.n && load.has_memory()) known.fill_distance = fill_distance(load.model, own);
+  if (own != nullptr) own[i] = value;
 }
 
 void Centers::shape(Load& load, std::int64_t rows, std::int64_t) {

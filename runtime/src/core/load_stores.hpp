@@ -135,7 +135,7 @@ struct Depths {
     TextReader text{nullptr, 0};  ///< positioned at their first line
     const double* values = nullptr;
     std::int32_t n = -1;
-    double least = 0, fill_distance = 0;
+    double least = 0;
   };
   Known& known;  ///< depths of the node before; updated to this node's
   double* own = nullptr;

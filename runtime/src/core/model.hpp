@@ -146,7 +146,6 @@ struct ActiveNode {
   const double* prescribed_weight;
   const double* trained_depth;  ///< n_directions [m]
   double least_depth;           ///< smallest trained depth
-  double fill_distance;         ///< of the training data (evaluate.hpp), in max_displacement
   const std::int16_t* bound;    ///< of the force's error, a row for each displacement; null: the model has none
   double bound_scale;           ///< [N]
   double bound_at_rest;         ///< size of the force at d = 0 [N], which is an error; 0 in families with an energy

@@ -41,15 +41,6 @@ int check_derivatives(const phn_model& model, const double* force, const double*
   return model.has_energy ? PHN_OK : PHN_ERROR_UNDEFINED;
 }
 
-/// In a family that is exact at any depth, the distance from the training data is 0.
-void measure_trust(const phn_model& model, const ActiveNode& node, const double* d, phn_trusted& trusted) {
-  trusted.trained_depth = trained_depth(model, node, d);
-  if (phynness::schema::traits(model.kind).proportional) return;
-  const double x = trained_distance(model, node, d);
-  trusted.distance = std::fmin(1e300, model.max_displacement_m * x);
-  trusted.relative = std::fmin(1e300, x / node.fill_distance);
-}
-
 /// In the order of their numbers, up to 5: _UNSETTLED with another warning.
 const char* const messages[] = {
     "more than 8 tools in one call",
@@ -63,8 +54,7 @@ const char* const messages[] = {
     "the model is incomplete at its end",
     "the model has another version of the format; train or export it again with this version",
     "this is not a phynness model",
-    "the clock returns NaN, runs backwards or stands still",
-    "even the smallest level takes more than the given time",
+    "the time of a step is not later than that of the step before",
     "the model's family or the node has no such response, for example no energy or no deformation",
     "two tools at the same node",
     "more tools than the phn_data or phn_contact was made for; phn_tools_init makes a phn_data for coupled tools",
@@ -170,16 +160,16 @@ int phn_field(const phn_model* model, phn_data* data, int32_t node, const double
   return warnings(*model, *asked.node, asked.d);
 }
 
-int phn_trust(const phn_model* model, int32_t node, const double d[3], phn_trusted* trusted) {
-  if (trusted == nullptr) return PHN_ERROR_ARGUMENT;
-  phn_trusted found = {};
+int phn_trained_depth(const phn_model* model, int32_t node, const double d[3], double* depth) {
+  if (depth == nullptr) return PHN_ERROR_ARGUMENT;
+  double found = 0;
   Asked asked;
   int status = find_node(model, node, d, asked);
   if (status == PHN_OK) {
-    measure_trust(*model, *asked.node, asked.d, found);
-    status = warnings(*model, *asked.node, asked.d) & PHN_WARNING_OUTSIDE;
+    found = trained_depth(*model, *asked.node, asked.d);
+    status = outside(*model, *asked.node, asked.d) ? PHN_WARNING_OUTSIDE : PHN_OK;
   }
-  *trusted = found;
+  *depth = found;
   return status;
 }
 

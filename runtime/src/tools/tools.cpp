@@ -216,26 +216,24 @@ int phn_force_at(const phn_model* model, phn_data* data, const phn_tool* tool, d
   return status;
 }
 
-int phn_trust_at(const phn_model* model, const phn_tool* tool, phn_trusted* trusted) {
-  if (trusted == nullptr) return PHN_ERROR_ARGUMENT;
-  phn_trusted found = {};
+int phn_trained_depth_at(const phn_model* model, const phn_tool* tool, double* depth) {
+  if (depth == nullptr) return PHN_ERROR_ARGUMENT;
+  double found = 0;
   Place place;
   int status = find_alone(model, tool, place);
   Vector d;
   if (status >= 0) cut(tool->displacement, lever_of(*model, place), PHN_NO_BOUND, d.x);
   for (std::int32_t i = 0; status >= 0 && i < place.n_nodes; ++i) {
-    phn_trusted one;
-    const int said = phn_trust(model, model->active_nodes[place.active[i]], d.x, &one);
+    double one;
+    const int said = phn_trained_depth(model, model->active_nodes[place.active[i]], d.x, &one);
     status = said < 0 ? said : status | said;
-    found.trained_depth = i == 0 ? one.trained_depth : std::fmin(found.trained_depth, one.trained_depth);
-    found.distance = std::fmax(found.distance, one.distance);
-    found.relative = std::fmax(found.relative, one.relative);
+    found = i == 0 ? one : std::fmin(found, one);
   }
   if (status >= 0 && is_beside_fixed(*model, place)) {
-    found.trained_depth = 0;
+    found = 0;
     status |= PHN_WARNING_OUTSIDE;
   }
-  *trusted = status < 0 ? phn_trusted{} : found;
+  *depth = status < 0 ? 0 : found;
   return status;
 }
 

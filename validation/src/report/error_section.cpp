@@ -218,18 +218,11 @@ Json error_section(const Validated& in) {
       {"error in %", "model: mean", "median", "p95", "max", "linear: mean", "p95", "max", "zero: mean", "verdict"}};
   for (const bool outside : {false, true}) add_rows(in, outside, rows);
   const Model& model = in.model.model();
-  const auto correlation = [](const std::optional<double>& value) {
-    return value ? fmt::format("{:.2f}", *value) : "(too few probes)";
-  };
   std::vector<Json> blocks{
       folded("Errors inside and outside the trained range", rows),
       text(fmt::format(
           "A person may notice a force that is off by more than {:.0f} % of its own size (Allin et al. 2002).",
           100 * noticeable)),
-      text(fmt::format(
-          "The rank correlation of the distance to the nearest trained displacement (phn_trust) with the error of the "
-          "force is {} inside and {} outside the trained range.",
-          correlation(in.report.distance_correlation_inside), correlation(in.report.distance_correlation_outside))),
       text(sentence(trained_share(model), model) + ".")};
   add_to_range(in.report.to_range, blocks);
   for (const auto& plots :

@@ -223,35 +223,13 @@ Json cost(const Validated& in) {
     deformation =
         fmt::format(", a deformation of {} nodes in {:.1f} us", in.model.model().output.size(), speed.deformation_us);
   if (!in.model.model().fields.empty()) deformation += fmt::format(", a field in {:.1f} us", speed.field_us);
-  std::vector<Json> blocks{text(fmt::format(
+  const Json times = text(fmt::format(
       "The runtime on this machine, one core: a force in {:.2f} us{}. An increment of the finite elements "
       "took {:.1f} ms of one core, including all other work of this validation. The model has {} in the runtime's "
       "memory and {} as text.",
       speed.force_us, deformation, in.report.solve_ms_per_increment, bytes(in.model.memory_bytes()),
-      bytes(in.model.text_bytes())))};
-  const std::int32_t n_levels = in.model.runtime().n_levels();
-  if (n_levels > 1) {
-    const auto times = measure_levels(in.model);
-    Rows rows{{"level", "centers of a force", "of a deformation", "modes", "force, us", "deformation, us",
-               "error of force, %", "of displacement, %"}};
-    for (std::int32_t l = 0; l < n_levels; ++l) {
-      phn_level level;
-      in.model.runtime().level_info(l, level).ignore();
-      const auto& time = times[static_cast<std::size_t>(l)];
-      rows.push_back({std::to_string(l), std::to_string(level.force_centers), std::to_string(level.deformation_centers),
-                      std::to_string(level.modes), fmt::format("{:.2f}", time.force_us),
-                      fmt::format("{:.2f}", time.deformation_us), percent(level.error_force),
-                      percent(level.error_displacement)});
-    }
-    blocks.push_back(
-        text("Times and errors of the levels. Errors are leave-one-out estimates from training, of the median node."));
-    blocks.push_back(table(rows));
-  } else {
-    blocks.push_back({{"remark",
-                       "The model has one level. phynness train --levels 4 adds smaller levels; phynness tune measures "
-                       "families and sizes."}});
-  }
-  return section("Size and time", blocks);
+      bytes(in.model.text_bytes())));
+  return section("Size and time", {times});
 }
 
 Json origin(const Validated& in, const std::string& software) {

@@ -4,7 +4,7 @@ import { bytesOfText, type ModelText } from './text.js';
 
 export type { Body, BodyInfo } from './body.js';
 export { Contact, type Sphere, type Touch } from './contact.js';
-export { Model, type Info, type Level, type Provenance, type Response, type Trust } from './model.js';
+export { Model, type Info, type Level, type Provenance, type Response } from './model.js';
 export { PhynnessError, warningsOf, type Warning } from './status.js';
 export { Surface } from './surface.js';
 export type { ModelText } from './text.js';

@@ -10,7 +10,6 @@ export const layout = {
   'phn_provenance.finer_tool_radius_m': 40, 'phn_provenance.finer_probes': 48, 'phn_provenance.finer_nodes': 52, 'phn_provenance.element_revision': 56,
   'phn_provenance.bound_reference': 60, 'phn_tool': 64, 'phn_tool.nodes': 0, 'phn_tool.weights': 16,
   'phn_tool.displacement': 40, 'phn_coupled': 16, 'phn_coupled.residual': 0, 'phn_coupled.energy': 8,
-  'phn_trusted': 64, 'phn_trusted.trained_depth': 0, 'phn_trusted.distance': 8, 'phn_trusted.relative': 16,
   'phn_level': 32, 'phn_level.force_centers': 0, 'phn_level.deformation_centers': 4, 'phn_level.modes': 8,
   'phn_level.error_force': 16, 'phn_level.error_displacement': 24, 'phn_contact_tool': 48, 'phn_contact_tool.center': 0,
   'phn_contact_tool.radius': 24, 'phn_contact_tool.friction': 32, 'phn_contact_tool.mode': 40, 'phn_contact_state': 160,

@@ -66,15 +66,6 @@ export interface Response {
   readonly stiffness?: Float64Array;
 }
 
-export interface Trust {
-  /** of the trained range in the direction of d [m] */
-  readonly trainedDepth: number;
-  /** to the nearest displacement of the training data [m] */
-  readonly distance: number;
-  /** 0 at data, above 1: extrapolation */
-  readonly relative: number;
-}
-
 /** Offsets of the small arguments in one block. */
 const at = { d: 0, force: 24, energy: 48, stiffness: 56, out: 128 };
 const argumentBytes = 384;
@@ -87,6 +78,7 @@ export class Model extends Owner {
   private readonly data: number;
   private readonly args: number;
   private readonly field_: number;
+  private level_: number;
 
   /** @param text  contents of model.txt. @throws PhynnessError with the reason and the byte if it is refused */
   static async create(module: WebAssembly.Module, text: Uint8Array): Promise<Model> {
@@ -103,6 +95,7 @@ export class Model extends Owner {
       this.info = infoOf(engine, this.model);
       this.field_ = this.take(24 * this.info.outputNodes.length);
       this.levels = levelsOf(engine, this.model);
+      this.level_ = this.levels.length - 1;
     } catch (error) {
       this.dispose();
       throw error;
@@ -139,16 +132,12 @@ export class Model extends Owner {
     return copied(this.engine.reals(this.field_, this.info.outputNodes.length), out);
   }
 
-  /** Where d lies relative to the training data of a node. */
-  trust(node: number, d: Vector): Trust {
+  /** Depth [m] of the trained range of a node in the direction of d; at rest the smallest of all directions. */
+  trainedDepth(node: number, d: Vector): number {
     const { engine, args } = this;
     this.put(d);
-    engine.call('phn_trust', this.model, integer(node), args + at.d, args + at.out);
-    return {
-      trainedDepth: engine.real(args + at.out + bytesOf('phn_trusted.trained_depth')),
-      distance: engine.real(args + at.out + bytesOf('phn_trusted.distance')),
-      relative: engine.real(args + at.out + bytesOf('phn_trusted.relative')),
-    };
+    engine.call('phn_trained_depth', this.model, integer(node), args + at.d, args + at.out);
+    return engine.real(args + at.out);
   }
 
   /** Bound [N] of the error of a force; null where the model has none: outside of the trained range, or without `phynness calibrate`. */
@@ -177,12 +166,12 @@ export class Model extends Owner {
 
   /** Level of force, deform and field: index of `levels`; the last one is the full model. */
   get level(): number {
-    this.alive();
-    return this.engine.f['phn_level_of']!(this.data);
+    return this.level_;
   }
   set level(level: number) {
     this.alive();
     this.engine.call('phn_set_level', this.model, this.data, integer(level));
+    this.level_ = level;
   }
 
   /** Up to 8 tools at the same time. It cannot be used after dispose() of this model. */

@@ -89,10 +89,6 @@ export class Tools extends Touching {
   }
 
   /** Level of later calls: an index of Model.levels. */
-  get level(): number {
-    this.alive();
-    return this.engine.f['phn_level_of']!(this.data);
-  }
   set level(level: number) {
     this.alive();
     this.engine.call('phn_set_level', this.model, this.data, integer(level));

@@ -117,7 +117,7 @@ describe('the sample model', () => {
 
   it('tells where it was trained', async () => {
     const model = await load(sample), node = model.info.activeNodes[0]!, { maxDisplacement } = model.info;
-    expect(model.trust(node, [0, 0, 0]).distance).toBe(0);
+    expect(model.trainedDepth(node, [0, 0, -1])).toBeCloseTo(maxDisplacement, 12);
     expect(model.force(node, [0, 0, -2 * maxDisplacement]).warnings).toContain('outside');
     expect(model.force(node, [0, 0, -0.1 * maxDisplacement]).warnings).not.toContain('outside');
   });

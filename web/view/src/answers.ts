@@ -5,11 +5,6 @@ import { add, row, scale, zero, type V3 } from '../../shared/src/vectors.js';
 import { nodeOf, placeAt, toolOf, type Place } from './places.js';
 import type { HeldTool } from './state.js';
 
-export interface TrustFigure {
-  /** [m] */
-  readonly trainedDepth: number;
-  readonly relative: number;
-}
 export interface Answer {
   readonly status: number;
   readonly warnings: readonly Warning[];
@@ -19,8 +14,8 @@ export interface Answer {
   readonly energy: number | null;
   /** 3 x 3 [N/m]; null for several tools, between nodes and in families without energy */
   readonly stiffness: Float64Array | null;
-  /** of a tool at a node */
-  readonly trust: TrustFigure | null;
+  /** [m] in the direction of a tool at a node */
+  readonly trainedDepth: number | null;
   /** of the error of the force [N] of the last tool, inside the trained range; null also for models without bounds */
   readonly bound: number | null;
   /** of the spheres; empty for tools */
@@ -138,7 +133,7 @@ export class Runtime {
     if (!unlessRefused(['PHN_ERROR_UNDEFINED'], () => this.model.deform(node, d, this.field))) this.field.fill(0);
     return {
       ...nothing, status, warnings, forces: [row(force, 0)], energy: energy ?? null, stiffness: stiffness ?? null,
-      trust: this.model.trust(node, d), bound: this.atFullLevel ? this.model.bound(node, d) : null,
+      trainedDepth: this.model.trainedDepth(node, d), bound: this.atFullLevel ? this.model.bound(node, d) : null,
     };
   }
 
@@ -191,7 +186,7 @@ export class Runtime {
 }
 
 const nothing: Answer = {
-  status: 0, warnings: [], forces: [], energy: null, stiffness: null, trust: null, bound: null, touches: [], residual: 0,
+  status: 0, warnings: [], forces: [], energy: null, stiffness: null, trainedDepth: null, bound: null, touches: [], residual: 0,
 };
 
 /** What is made; null if the runtime refuses it with one of these statuses. @throws any other error */

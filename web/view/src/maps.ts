@@ -91,7 +91,7 @@ export function mapsOf(runtime: Runtime, errors: NodeErrors | null, palpationDep
         atNodes('displacement-error', 'Error of the displacement', 'fraction', errors.nodes, (_, i) => errors.displacement[i]!, unprobed),
       ] : []),
     ] : []),
-    atNodes('trained-depth', 'Depth trained in all directions', 'm', activeNodes, (node) => runtime.model.trust(node, [0, 0, 0]).trainedDepth, grey),
+    atNodes('trained-depth', 'Depth trained in all directions', 'm', activeNodes, (node) => runtime.model.trainedDepth(node, [0, 0, 0]), grey),
     live('displacement', 'Displacement', 'm', maxDisplacement / 4, (_, out) => {
       for (let i = 0; i < n; ++i) out[i] = Math.hypot(...row(runtime.field, i));
       return true;

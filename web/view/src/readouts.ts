@@ -26,26 +26,23 @@ const pieces = 40, piecesOfBody = 12;
 /** Smallest noticeable difference of forces. */
 const noticeable = 0.1;
 
-/** The trust figure as the class of a colour, a word and a reason.
+/** The class of a colour, a word and a reason.
  * @param bound  of the error, over the force; null: not known. @param ofBody  not of the model */
-function verdictOf({ warnings, trust }: Answer, bound: number | null, ofBody: boolean): readonly [string, string, string] {
+function verdictOf({ warnings }: Answer, bound: number | null, ofBody: boolean): readonly [string, string, string] {
   if (warnings.includes('unsettled'))
     return ['beyond', 'unsettled', `the tools ${ofBody ? 'moved faster than the body settles, or ' : ''}are too close together to hold all points`];
   if (warnings.includes('outside')) return ['beyond', 'beyond data', 'deeper or stronger than the training data, or beside fixed nodes'];
-  if (trust && trust.relative > 1) return ['beyond', 'beyond data', 'far from the training data'];
   if (bound !== null && bound > noticeable)
     return ['fair', 'inexact', 'the error of the force may exceed a tenth of it'];
   if (warnings.includes('incomplete'))
     return ['fair', 'incomplete', 'some directions of this node were not trained to the full depth'];
-  if (!trust) return ['unknown', 'inside range', `no warning${ofBody ? '' : '; the trust figure exists for one tool at a node'}`];
-  if (trust.relative > 0.5) return ['fair', 'between data', 'inside the trained range, between training data'];
-  return ['good', 'close to data', 'close to training data'];
+  return ['good', 'inside range', 'no warning'];
 }
 
 export class Readouts {
   private readonly newtons = byId('newtons', HTMLElement);
-  private readonly trust = byId('trust', HTMLElement);
-  private readonly reason = byId('trust-reason', HTMLElement);
+  private readonly verdict = byId('verdict', HTMLElement);
+  private readonly reason = byId('verdict-reason', HTMLElement);
   private readonly note = byId('body-note', HTMLElement);
   private readonly table = byId('forces', HTMLTableElement);
   private readonly quantities = byId('quantities', HTMLElement);
@@ -60,8 +57,8 @@ export class Readouts {
     setText(this.newtons, last ? significant(norm(last), 6) : '0');
     const { body } = session.runtime;
     const [kind, word, reason] = verdictOf(answer, last && answer.bound !== null ? answer.bound / norm(last) : null, body !== null);
-    this.trust.dataset['kind'] = touching ? kind : 'unknown';
-    setText(this.trust, touching ? word : state.mode === 'sphere' ? 'no contact' : 'at rest');
+    this.verdict.dataset['kind'] = touching ? kind : 'unknown';
+    setText(this.verdict, touching ? word : state.mode === 'sphere' ? 'no contact' : 'at rest');
     setText(this.reason, touching ? this.reasonOf(session, reason) : 'Nothing touches the body.');
     this.note.hidden = body === null;
     if (body) setText(this.note, `Forces and deformation come from the reduced body (${body.info.nModes} modes, ${body.info.nCells} cells).`);
@@ -69,11 +66,10 @@ export class Readouts {
     setFacts(this.quantities, this.facts(session));
   }
 
-  private reasonOf({ answer, runtime, state }: Session, reason: string): string {
+  private reasonOf({ runtime, state }: Session, reason: string): string {
     const level = runtime.levels[state.level ?? runtime.levels.length - 1];
-    const figure = answer.trust ? `Trust figure ${significant(answer.trust.relative, 2)} (0 at data, above 1 beyond): ` : '';
     const bound = level && level.errorForce > 0 && !runtime.body ? `; stated error of this level: ${withUnit(level.errorForce, 'fraction', 2)} of the largest force` : '';
-    return figure + (figure ? reason : reason.charAt(0).toUpperCase() + reason.slice(1)) + bound + '.';
+    return reason.charAt(0).toUpperCase() + reason.slice(1) + bound + '.';
   }
 
   private showTable({ state }: Session, forces: readonly V3[]): void {
@@ -97,8 +93,7 @@ export class Readouts {
       facts.push(['Depth', withUnit(depth, 'm', 4)]);
       // A round tool moves the mean of the surface under it.
       if (middle > 1.001 * depth) facts.push(['Its middle moves', withUnit(middle, 'm', 4)]);
-      const { trainedDepth } = answer.trust ?? {};
-      if (trainedDepth !== undefined) facts.push(['Trained to', withUnit(trainedDepth, 'm', 3)]);
+      if (answer.trainedDepth !== null) facts.push(['Trained to', withUnit(answer.trainedDepth, 'm', 3)]);
       const reference = runtime.body ? 0 : runtime.model.info.provenance.boundReference;
       const finer = ['', ', from Taylor-Hood', ', from half-size cells'][reference] ?? '';
       if (answer.bound !== null) facts.push([`Error of the force (95 %)${finer}`, `below ${withUnit(answer.bound, 'N', 2)}`]);

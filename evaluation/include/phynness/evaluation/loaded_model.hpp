@@ -63,12 +63,11 @@ class LoadedModel {
   /// Sets the level of later calls; initially the full level.
   /// @throws Error (input) if the model has no such level
   void set_level(std::int32_t level);
+  std::int32_t level() const { return _level.value_or(_runtime.n_levels() - 1); }
 
   /// Force [N] of a single tool.
   /// @throws Error (input) if `node` is not active; the message names the nearest active nodes
   Vec3 force(std::int32_t node, const Vec3& displacement_m) const;
-  /// Distance to the nearest trained displacement over the fill distance of the trained displacements.
-  double trained_distance(std::int32_t node, const Vec3& displacement_m) const;
   /// Depth [m] of the trained range in the direction of `displacement_m` (formats/model.md, Range).
   double trained_depth(std::int32_t node, const Vec3& displacement_m) const;
   /// Whether `phynness calibrate` has added bounds to the model, and the full level is set, of which they are.
@@ -94,6 +93,7 @@ class LoadedModel {
   Mesh _mesh;
   rt::Model _runtime;
   mutable rt::Tools _data;
+  std::optional<std::int32_t> _level;
   std::optional<LoadedBody> _body;
 };
 

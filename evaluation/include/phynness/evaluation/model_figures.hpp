@@ -33,7 +33,4 @@ struct RuntimeSpeed {
 };
 RuntimeSpeed measure_speed(const LoadedModel& model);
 
-/// Times of each level by phn_calibrate with the steady clock of this machine.
-std::vector<phn_level_time> measure_levels(const LoadedModel& model);
-
 }  // namespace phynness

@@ -12,10 +12,6 @@
 
 namespace phynness {
 
-/// Spearman's rank correlation: 1 if b increases with a, -1 if it decreases; equal values have the same rank. Empty for
-/// fewer than three pairs, or if a or b is constant.
-std::optional<double> rank_correlation(const std::vector<double>& a, const std::vector<double>& b);
-
 /// Errors of one scalar field at all output nodes, including those that the tool holds: samples, or their statistics.
 template <class Errors>
 struct FieldMeasures {
@@ -108,14 +104,11 @@ struct ValidationReport {
   double outside_factor = 0;                 ///< outside: R < |d| <= this * R
   std::array<PredictorErrors, 3> errors;     ///< by Predictor
   ErrorsToRange to_range;                    ///< the same directions, depths up to the scene's R
-  /// Spearman's rank correlation of the error of the force with the distance from the trained displacements, over the
-  /// probes inside and outside of the trained range; empty for fewer than three probes.
-  std::optional<double> distance_correlation_inside, distance_correlation_outside;
-  std::vector<ForceExample> examples;  ///< the first probe inside the range of a few nodes
-  std::vector<ProbeRecord> records;    ///< by node; inside before outside
-  std::vector<ForceCurve> curves;      ///< of the first ray of each node
-  std::vector<ShownState> shown;       ///< the largest errors of force inside; empty if the model has forces only
-  std::vector<double> output_error;    ///< per output node: mean error (17) of its displacement, probes inside
+  std::vector<ForceExample> examples;        ///< the first probe inside the range of a few nodes
+  std::vector<ProbeRecord> records;          ///< by node; inside before outside
+  std::vector<ForceCurve> curves;            ///< of the first ray of each node
+  std::vector<ShownState> shown;             ///< the largest errors of force inside; empty if the model has forces only
+  std::vector<double> output_error;          ///< per output node: mean error (17) of its displacement, probes inside
   RuntimeSpeed speed;
   double seconds = 0;  ///< wall time
   /// CPU time of the rays of this validation, without preparation of body and nodes.
@@ -127,8 +120,6 @@ struct ValidationReport {
     PredictorErrors::describe(result.of(Predictor::model), see);
     see("linear", result.of(Predictor::linear));
     see("zero", result.of(Predictor::zero));
-    see("distance_correlation", ByName<std::optional<double>>{{"inside", result.distance_correlation_inside},
-                                                              {"outside", result.distance_correlation_outside}});
     see("examples", result.examples);
     see("force_us", result.speed.force_us);
     see("deformation_us", result.speed.deformation_us);
