@@ -58,7 +58,8 @@ CSource c_source(const ModelImage& image, const Model& model, const std::string&
   const std::size_t word = image.real_bytes(), n_words = image.bytes.size() / word;
   const std::string type = floats ? "uint32_t" : "uint64_t", NAME = upper(name), real = floats ? "float" : "double";
   const std::string array = "const " + type + " " + name + "_image[" + std::to_string(n_words) + "]";
-  std::string h = head(model, name, "image for " + std::string(floats ? "phn_imagef_open" : "phn_image_open"));
+  std::string h =
+      head(model, name, std::string("image for phn_image_open") + (floats ? " with PHYNNESS_IMAGE_FLOAT" : ""));
   h += "#include <stdint.h>\n\n";
   h += define(NAME + "_IMAGE_BYTES", image.bytes.size(), "flash: the array below");
   h += define(NAME + "_REAL_BYTES", word, "size of a number, a " + real);

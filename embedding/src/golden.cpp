@@ -50,9 +50,9 @@ Vec3 displacement(const LoadedModel& model, std::int32_t node, std::size_t i, Nu
 }
 
 /// An image with the functions for its type of numbers.
-template <class Functions>
+template <class Real>
 class Device {
-  using Real = typename Functions::Real;
+  using Functions = Image<Real>;
 
  public:
   explicit Device(const ModelImage& image)
@@ -99,7 +99,7 @@ class Device {
   }
 
   std::vector<std::uint64_t> _words;
-  const typename Functions::Image* _image = nullptr;
+  const typename Functions::Type* _image = nullptr;
   std::vector<Real> _scratch, _field;
 };
 
@@ -130,8 +130,8 @@ Vec3 point_on(const ImageSurface& surface, Numbers& numbers) {
   return {x[0], x[1], x[2]};
 }
 
-template <class Functions>
-GoldenPlace place_query(const LoadedModel& model, const Device<Functions>& device, const Vec3& point, std::size_t i,
+template <class Real>
+GoldenPlace place_query(const LoadedModel& model, const Device<Real>& device, const Vec3& point, std::size_t i,
                         Numbers& numbers) {
   GoldenPlace at;
   at.point_m = device.held(point);
@@ -147,11 +147,11 @@ GoldenPlace place_query(const LoadedModel& model, const Device<Functions>& devic
   return at;
 }
 
-template <class Functions>
+template <class Real>
 GoldenQueries queries(const LoadedModel& model, const ModelImage& image, std::size_t n) {
   const auto nodes = model.runtime().active_nodes();
   if (nodes.empty()) throw input_error("the model has no active nodes", "", "train it with active nodes");
-  Device<Functions> device(image);
+  Device<Real> device(image);
   Numbers numbers;
   GoldenQueries all;
   Deviation force, deformation;
@@ -187,7 +187,7 @@ GoldenQueries queries(const LoadedModel& model, const ModelImage& image, std::si
 }  // namespace
 
 GoldenQueries golden_queries(const LoadedModel& model, const ModelImage& image, std::size_t n) {
-  return image.options.floats ? queries<FloatImage>(model, image, n) : queries<DoubleImage>(model, image, n);
+  return image.options.floats ? queries<float>(model, image, n) : queries<double>(model, image, n);
 }
 
 }  // namespace phynness

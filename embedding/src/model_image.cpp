@@ -285,9 +285,9 @@ class ImageWriter {
     const Real R = _header.max_displacement;
     _header.max_displacement = 1;
     seal();
-    using Functions = std::conditional_t<std::is_same_v<Real, float>, FloatImage, DoubleImage>;
+    using Functions = Image<Real>;
     const auto copy = aligned();
-    const typename Functions::Image* opened = nullptr;
+    const typename Functions::Type* opened = nullptr;
     const int status = Functions::open(copy.data(), _bytes.size(), &opened);
     if (status != PHN_OK)
       throw failure("the loader refuses the exported image", phn_status_message(status),
@@ -338,18 +338,18 @@ class ImageWriter {
 
 ImageContents read_image(const std::vector<std::uint64_t>& words, std::size_t bytes, const std::string& source) {
   ImageContents contents;
-  const auto read = [&](auto functions) {
-    using Functions = decltype(functions);
-    const typename Functions::Image* image = nullptr;
+  const auto read = [&](auto real) {
+    using Functions = Image<decltype(real)>;
+    const typename Functions::Type* image = nullptr;
     const int status = Functions::open(words.data(), bytes, &image);
     if (status != PHN_OK) return status;
-    contents.floats = sizeof(typename Functions::Real) == sizeof(float);
+    contents.floats = sizeof real == sizeof(float);
     contents.n_active = Functions::n_active(image);
     contents.n_output = Functions::n_output(image);
     return Functions::provenance(image, &contents.provenance);
   };
-  int status = read(DoubleImage{});
-  if (status == PHN_ERROR_VERSION) status = read(FloatImage{});
+  int status = read(double{});
+  if (status == PHN_ERROR_VERSION) status = read(float{});
   if (status != PHN_OK)
     throw input_error("the image is refused: " + std::string(phn_status_message(status)), source,
                       "write it again with phynness export");

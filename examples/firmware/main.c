@@ -1,8 +1,7 @@
 /* Evaluates every golden query with the model in flash, compares with the host in double, counts instructions.
  * Prints one figure per line, NAME VALUE, and exits with 0 if all agree.
  *
- * In a device the loop is one call of phn_imagef_force (or phn_image_force). Only open is called before, and only
- * the stack is used as memory.
+ * In a device the loop is one call of phn_image_force. Only open is called before, and only the stack is used as memory.
  */
 #include <phynness/phynness_image.h>
 #include <stdint.h>
@@ -11,41 +10,26 @@
 #include "model.h"
 #include "model_golden.h"
 
+#if (MODEL_REAL_BYTES == 4) != defined(PHYNNESS_IMAGE_FLOAT)
+#error link phynness::image_float for a model that was exported with --float, else phynness::image
+#endif
 #if MODEL_REAL_BYTES == 4
-typedef float real;
-typedef phn_imagef image_type;
-#define open_image phn_imagef_open
-#define force_image phn_imagef_force
-#define deform_image phn_imagef_deform
-typedef phn_imagef_place place_type;
-#define nearest_in_image phn_imagef_nearest
-#define force_at_place phn_imagef_force_at
-#define bound_at_place phn_imagef_bound_at
 /* Relative to the largest response. Weights of wide Gaussians cancel by up to 1e4, which multiplies the rounding of
  * floats; phynness export measures it. */
 #define FORCE_TOLERANCE 1e-3
 #define DEFORMATION_TOLERANCE 1e-3
 #else
-typedef double real;
-typedef phn_image image_type;
-#define open_image phn_image_open
-#define force_image phn_image_force
-#define deform_image phn_image_deform
-typedef phn_image_place place_type;
-#define nearest_in_image phn_image_nearest
-#define force_at_place phn_image_force_at
-#define bound_at_place phn_image_bound_at
 #define FORCE_TOLERANCE 1e-11
 #define DEFORMATION_TOLERANCE 1e-6 /* the runtime sums shared modes in float */
 #endif
 
-static const image_type* model;
+static const phn_image* model;
 
 static double absolute(double value) { return value < 0 ? -value : value; }
 static double larger(double a, double b) { return a > b ? a : b; }
 
-static void set(const double* from, real* to) {
-  for (int k = 0; k < 3; ++k) to[k] = (real)from[k];
+static void set(const double* from, phn_real* to) {
+  for (int k = 0; k < 3; ++k) to[k] = (phn_real)from[k];
 }
 
 static void report(const char* name, uint32_t value) {
@@ -61,7 +45,7 @@ struct agreement {
   uint32_t other_bits;
 };
 
-static void compare(struct agreement* agreement, const double* runtime, const double* image, const real* got) {
+static void compare(struct agreement* agreement, const double* runtime, const double* image, const phn_real* got) {
   for (int k = 0; k < 3; ++k) {
     agreement->largest = larger(agreement->largest, absolute(runtime[k]));
     agreement->difference = larger(agreement->difference, absolute(runtime[k] - (double)got[k]));
@@ -83,9 +67,9 @@ static int check_forces(void) {
   uint32_t other_statuses = 0;
   for (uint32_t i = 0; i < MODEL_GOLDEN; ++i) {
     const struct model_query* query = &model_golden[i];
-    real d[3], force[3];
+    phn_real d[3], force[3];
     set(query->displacement, d);
-    if (force_image(model, query->node, d, force) != query->status) ++other_statuses;
+    if (phn_image_force(model, query->node, d, force) != query->status) ++other_statuses;
     compare(&agreement, query->force, query->image_force, force);
   }
   report("other_statuses", other_statuses);
@@ -95,13 +79,13 @@ static int check_forces(void) {
 /* Instructions of all golden queries, minus those of the same loop without the call. */
 static void count_forces(void) {
   uint32_t most = 0, spent[2];
-  real d[3], force[3] = {0, 0, 0};
+  phn_real d[3], force[3] = {0, 0, 0};
   for (int called = 0; called < 2; ++called) {
     board_start_counting();
     for (uint32_t i = 0; i < MODEL_GOLDEN; ++i) {
       set(model_golden[i].displacement, d);
       __asm volatile("" ::: "memory");
-      if (called) force_image(model, model_golden[i].node, d, force);
+      if (called) phn_image_force(model, model_golden[i].node, d, force);
     }
     spent[called] = board_instructions();
   }
@@ -109,13 +93,13 @@ static void count_forces(void) {
   for (uint32_t i = 0; i < MODEL_GOLDEN; ++i) {
     set(model_golden[i].displacement, d);
     board_start_counting();
-    for (int repeated = 0; repeated < 10; ++repeated) force_image(model, model_golden[i].node, d, force);
+    for (int repeated = 0; repeated < 10; ++repeated) phn_image_force(model, model_golden[i].node, d, force);
     const uint32_t once = board_instructions() / 10;
     if (once > most) most = once;
   }
   report("instructions_per_force_at_most", most);
   board_mark_stack();
-  force_image(model, model_golden[MODEL_GOLDEN - 1].node, d, force);
+  phn_image_force(model, model_golden[MODEL_GOLDEN - 1].node, d, force);
   report("stack_of_force", board_used_stack());
 }
 
@@ -154,18 +138,18 @@ static int check_places(void) {
   uint32_t other_statuses = 0, other_bits = 0;
   for (uint32_t i = 0; i < MODEL_GOLDEN_AT; ++i) {
     const struct model_place* query = &model_golden_at[i];
-    place_type place, next;
-    real x[3], d[3], force[3], bound = PHN_IMAGE_NO_BOUND;
+    phn_image_place place, next;
+    phn_real x[3], d[3], force[3], bound = PHN_IMAGE_NO_BOUND;
     set(query->point, x);
     set(query->displacement, d);
     begin();
-    nearest_in_image(model, -1, x, &place, 0);
+    phn_image_nearest(model, -1, x, &place, 0);
     end(&search);
     begin();
-    const int status = force_at_place(model, &place, d, force);
+    const int status = phn_image_force_at(model, &place, d, force);
     end(&force_cost);
     begin();
-    if (bound_at_place(model, &place, d, &bound) < 0) bound = PHN_IMAGE_NO_BOUND;
+    if (phn_image_bound_at(model, &place, d, &bound) < 0) bound = PHN_IMAGE_NO_BOUND;
     end(&bound_cost);
     if (status != query->status) ++other_statuses;
     compare(&agreement, query->force, query->image_force, force);
@@ -175,7 +159,7 @@ static int check_places(void) {
       x[k] += d[k] / 10;
     }
     begin();
-    nearest_in_image(model, place.triangle, x, &next, 0);
+    phn_image_nearest(model, place.triangle, x, &next, 0);
     end(&walk);
   }
   report_cost("search", &search);
@@ -190,7 +174,7 @@ static int check_places(void) { return 1; }
 #endif
 
 #if MODEL_OUTPUT > 0
-static real scratch[MODEL_SCRATCH > 0 ? MODEL_SCRATCH : 1], field[MODEL_FIELD];
+static phn_real scratch[MODEL_SCRATCH > 0 ? MODEL_SCRATCH : 1], field[MODEL_FIELD];
 
 static int check_deformations(void) {
   struct agreement agreement = {0, 0, 0};
@@ -198,10 +182,10 @@ static int check_deformations(void) {
   uint32_t spent = 0;
   for (uint32_t i = 0; i < n; ++i) {
     const struct model_query* query = &model_golden[i];
-    real d[3];
+    phn_real d[3];
     set(query->displacement, d);
     board_start_counting();
-    deform_image(model, scratch, query->node, d, field);
+    phn_image_deform(model, scratch, query->node, d, field);
     spent += board_instructions() / n;
     compare(&agreement, query->deformation, query->image_deformation, &field[3 * query->output]);
   }
@@ -214,7 +198,7 @@ static int check_deformations(void) { return 1; }
 
 int main(void) {
   board_start_counting();
-  const int status = open_image(model_image, sizeof model_image, &model);
+  const int status = phn_image_open(model_image, sizeof model_image, &model);
   report("instructions_of_open", board_instructions());
   if (status != PHN_OK) {
     board_print("the image is not valid\n");

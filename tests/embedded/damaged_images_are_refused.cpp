@@ -115,7 +115,7 @@ void words_never_harm(const Model& model) {
         ASSERT_TRUE(std::isfinite(x) && x >= 0) << "word " << w << " = " << value;
       for (const char* text : {said.mesh_hash, said.physics_hash, said.element, said.reference})
         ASSERT_LT(std::strlen(text), 20U) << "word " << w << " = " << value;
-      std::vector<Real> scratch(Image<Real>::scratch(image));
+      std::vector<Real> scratch(Image<Real>::scratch_size(image) / sizeof(Real));
       std::vector<Real> field(3 * static_cast<std::size_t>(Image<Real>::n_output(image)));
       for (const Real size : {Real(0), Real(0.003), largest}) {
         const Real d[3] = {size, -size / 2, -size};

@@ -1,14 +1,15 @@
 #!/bin/bash
 # Claims: what `phynness export` writes is C that a strict compiler takes, its constants are the image's sizes, the
 # array is the file; wrong usage and input exit with 2 and say what to do, and leave nothing behind.
-# Usage: export_keeps_its_contract.sh PHYNNESS WRITE_MODELS CC INCLUDE_DIR LIBRARY WORK_DIR
+# Usage: export_keeps_its_contract.sh PHYNNESS WRITE_MODELS CC INCLUDE_DIR LIBRARY LIBRARY_OF_FLOATS WORK_DIR
 set -euo pipefail
 phynness=$1
 write_models=$2
 cc=$3
 include=$4
-library=$5
-work=$6
+doubles=$5
+floats=$6
+work=$7
 rm -rf "$work"
 "$write_models" "$work/models"
 fail() { echo "FAILED: $*"; exit 1; }
@@ -34,29 +35,24 @@ int main(int argc, char **argv) {
   if (memcmp(file, liver_2_image, LIVER_2_IMAGE_BYTES) != 0) return 2;
   for (int i = 0; i < LIVER_2_GOLDEN; ++i) {
     const struct liver_2_query *q = &liver_2_golden[i];
+    const phn_image *image;
+    phn_real d[3], f[3];
     double force[3];
     int status;
-#if LIVER_2_REAL_BYTES == 4
-    const phn_imagef *image;
-    float d[3], f[3];
-    for (int k = 0; k < 3; ++k) d[k] = (float)q->displacement[k];
-    if (phn_imagef_open(liver_2_image, sizeof liver_2_image, &image) != PHN_OK) return 3;
-    if (phn_imagef_n_output(image) != LIVER_2_OUTPUT || phn_imagef_scratch_size(image) != LIVER_2_SCRATCH * sizeof(float)) return 4;
-    status = phn_imagef_force(image, q->node, d, f);
-    for (int k = 0; k < 3; ++k) force[k] = (double)f[k];
-#else
-    const phn_image *image;
+    for (int k = 0; k < 3; ++k) d[k] = (phn_real)q->displacement[k];
     if (phn_image_open(liver_2_image, sizeof liver_2_image, &image) != PHN_OK) return 3;
-    if (phn_image_n_output(image) != LIVER_2_OUTPUT || phn_image_scratch_size(image) != LIVER_2_SCRATCH * sizeof(double)) return 4;
-    status = phn_image_force(image, q->node, q->displacement, force);
-#endif
+    if (phn_image_n_output(image) != LIVER_2_OUTPUT || phn_image_scratch_size(image) != LIVER_2_SCRATCH * sizeof(phn_real)) return 4;
+    status = phn_image_force(image, q->node, d, f);
+    for (int k = 0; k < 3; ++k) force[k] = (double)f[k];
     if (status != q->status || memcmp(force, q->image_force, sizeof force) != 0) return 5;
   }
   return fclose(in);
 }
 END
+    precision=("$doubles")
+    [[ $options != *--float* ]] || precision=("$floats" -DPHYNNESS_IMAGE_FLOAT)
     "$cc" -std=c99 -Wall -Wextra -Wpedantic -Werror -I "$include" -I "$exported" "$work/main.c" "$exported/liver_2.c" \
-      "$exported/liver_2_golden.c" "$library" -o "$work/program"
+      "$exported/liver_2_golden.c" "${precision[@]}" -o "$work/program"
     "$work/program" "$exported/liver_2.bin" || fail "$family $options: program says $?"
     grep -q '"force_deviation"' "$work/sizes.json" || fail "no force_deviation in the JSON"
   done

@@ -11,7 +11,8 @@ namespace {
 class ImageOverlap : public ::testing::TestWithParam<Family> {
  protected:
   template <class Real>
-  void add_rows(const std::string& prefix, const OpenedImage<Real>& opened) {
+  void add_rows(const OpenedImage<Real>& opened) {
+    const std::string prefix = "phn_image";
     using Type = typename Image<Real>::Type;
     using Places = std::vector<char*>;
     const Type* image = opened.image;
@@ -53,12 +54,12 @@ class ImageOverlap : public ::testing::TestWithParam<Family> {
                     [=](const Places& at) {
                       return Image<Real>::nearest(image, -1, as<Real>(at[0]), as<Place>(at[1]), as<Real>(at[2]));
                     }});
-    rows.push_back(
-        {prefix + "_deform",
-         {scratch<Real>("scratch", Image<Real>::scratch(image)), input("d", d), output<Real>("out", n_field)},
-         [=](const Places& at) {
-           return Image<Real>::deform(image, as<Real>(at[0]), 8, as<Real>(at[1]), as<Real>(at[2]));
-         }});
+    rows.push_back({prefix + "_deform",
+                    {scratch<Real>("scratch", Image<Real>::scratch_size(image) / sizeof(Real)), input("d", d),
+                     output<Real>("out", n_field)},
+                    [=](const Places& at) {
+                      return Image<Real>::deform(image, as<Real>(at[0]), 8, as<Real>(at[1]), as<Real>(at[2]));
+                    }});
   }
 
   const Model model = small_round_model(GetParam());
@@ -67,8 +68,8 @@ class ImageOverlap : public ::testing::TestWithParam<Family> {
   std::vector<Row> rows;
 
   void SetUp() override {
-    add_rows("phn_image", doubles);
-    add_rows("phn_imagef", floats);
+    add_rows(doubles);
+    add_rows(floats);
   }
 };
 INSTANTIATE_TEST_SUITE_P(Families, ImageOverlap, ::testing::Values(Family::rbfn, Family::linear, Family::modal),

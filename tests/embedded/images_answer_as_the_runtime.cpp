@@ -97,7 +97,7 @@ void answers_are_the_runtimes(const std::vector<Vec3>& displacements) {
         ASSERT_EQ(Image<Real>::trained_depth(image, node.node, at, got), trained.status);
         depth.add(&trained.depth, got, 1);
         std::vector<double> u(n_field);
-        std::vector<Real> v(n_field), scratch(Image<Real>::scratch(image));
+        std::vector<Real> v(n_field), scratch(Image<Real>::scratch_size(image) / sizeof(Real));
         phn_deform(loaded.model, loaded.data, node.node, rounded, u.data());
         ASSERT_EQ(Image<Real>::deform(image, scratch.data(), node.node, at, v.data()), status);
         field.add(u.data(), v.data(), n_field);
@@ -121,7 +121,8 @@ TYPED_TEST(Answers, AreZeroAtRest) {
     Real force[3], energy;
     Image<Real>::force(opened.image, node.node, rest, force);
     Image<Real>::energy(opened.image, node.node, rest, &energy);
-    std::vector<Real> u(3 * static_cast<std::size_t>(opened.n_output())), scratch(Image<Real>::scratch(opened.image));
+    std::vector<Real> u(3 * static_cast<std::size_t>(opened.n_output())),
+        scratch(Image<Real>::scratch_size(opened.image) / sizeof(Real));
     Image<Real>::deform(opened.image, scratch.data(), node.node, rest, u.data());
     EXPECT_EQ(force[0], 0);
     EXPECT_EQ(force[1], 0);
@@ -191,7 +192,7 @@ TYPED_TEST(Answers, ToBadQuestionsAreZeros) {
   const Model model = small_model_of(Family::modal);
   const OpenedImage<Real> opened(model_image(model, {true, sizeof(Real) == 4}));
   EXPECT_EQ(opened.n_output(), 0);
-  EXPECT_EQ(Image<Real>::scratch(opened.image), 0U);
+  EXPECT_EQ(Image<Real>::scratch_size(opened.image) / sizeof(Real), 0U);
   const Real d[3] = {0, 0, Real(-0.01)}, huge = std::numeric_limits<Real>::max();
   Real force[3] = {1, 1, 1};
   EXPECT_EQ(Image<Real>::force(opened.image, 4, d, force), PHN_ERROR_NOT_ACTIVE);

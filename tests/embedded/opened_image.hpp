@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "image_functions.hpp"
+#include "../../embedding/src/image_functions.hpp"
 
 namespace phynness::test {
 

@@ -1,12 +1,14 @@
 #!/bin/bash
 # Claims: phynness_image.h and phynness_image.cpp, alone in a folder, compile without warnings and without headers of C or C++
 # libraries, for the host and for a Cortex-M4F and a Cortex-M7, and call nothing but loops over bytes, a square root and the
-# compiler's own functions. phynness::image is this file: the other tests here, under QEMU too, check its answers.
-# Usage: pair_stands_alone.sh CXX FOLDER_OF_PAIR WORK_DIR
+# compiler's own functions. A program of floats does not link with functions of doubles, nor the other way round.
+# phynness::image is this file: the other tests here, under QEMU too, check its answers.
+# Usage: pair_stands_alone.sh CC CXX FOLDER_OF_PAIR WORK_DIR
 set -euo pipefail
-cxx=$1
-pair=$2
-work=$3
+cc=$1
+cxx=$2
+pair=$3
+work=$4
 rm -rf "$work"
 mkdir -p "$work"
 cp "$pair"/phynness_image.{h,cpp} "$work"
@@ -26,13 +28,31 @@ try() {
   fi
   unknown=$("$nm" -u image.o | awk '$1 == "U" {print $2}' | grep -Ev "$allowed" || true)
   [ -z "$unknown" ] || { echo "$compiler $*: calls $unknown"; exit 1; }
-  "$nm" image.o | grep ' T phn_imagef_force$' > /dev/null
 }
+precisions=("" -DPHYNNESS_IMAGE_FLOAT)
 
-try "$cxx" nm
+cat > program.c <<'END'
+#include "phynness_image.h"
+int main(void) {
+  const phn_image *image;
+  return phn_image_open(0, 0, &image) == PHN_ERROR_ARGUMENT ? 0 : 1;
+}
+END
+for library in "${precisions[@]}"; do
+  # shellcheck disable=SC2086  # no word for doubles
+  try "$cxx" nm $library
+  for program in "${precisions[@]}"; do
+    if "$cc" $program program.c image.o -o program 2> log.txt && ./program; then
+      [ "$program" = "$library" ] || { echo "'$program' links with '$library'"; exit 1; }
+    else
+      [ "$program" != "$library" ] || { cat log.txt; exit 1; }
+      grep -q phn_image log.txt
+    fi
+  done
+done
 if ! command -v arm-none-eabi-g++ > /dev/null; then
   echo "no arm-none-eabi-g++: not compiled for a device; tools/install-deps --devices installs it"
   exit 0
 fi
-try arm-none-eabi-g++ arm-none-eabi-nm -mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -mfloat-abi=hard
+try arm-none-eabi-g++ arm-none-eabi-nm -mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -mfloat-abi=hard -DPHYNNESS_IMAGE_FLOAT
 try arm-none-eabi-g++ arm-none-eabi-nm -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard

@@ -1,10 +1,8 @@
 // Arbitrary bytes as an image are refused with a documented status, or every result is defined. Input: a byte (bit 0:
 // set the right checksum and size, bit 1: floats), 8 bytes that determine the queries, 7 unused bytes, the image.
-#include <phynness/phynness_image.h>
-
 #include <phynness/image_layout.hpp>
 
-#include "../embedded/image_functions.hpp"
+#include "../../embedding/src/image_functions.hpp"
 #include "fuzz_target.hpp"
 
 namespace phynness::fuzz {
@@ -43,8 +41,8 @@ void open_and_ask(const std::vector<std::uint64_t>& words, std::size_t bytes, Sc
     return;
   }
   const std::size_t n_field = 3 * static_cast<std::size_t>(Image<Real>::n_output(image));
-  require(Image<Real>::scratch(image) <= bytes, "no more working memory than the image describes");
-  std::vector<Real> scratch(Image<Real>::scratch(image)), out;
+  require(Image<Real>::scratch_size(image) / sizeof(Real) <= bytes, "no more working memory than the image describes");
+  std::vector<Real> scratch(Image<Real>::scratch_size(image) / sizeof(Real)), out;
   const auto check = [&](int told, const std::vector<Real>& values) {
     require(told <= 3 && (told >= 0 || (told <= PHN_ERROR_ARGUMENT && told >= PHN_ERROR_UNDEFINED)),
             "a documented status");

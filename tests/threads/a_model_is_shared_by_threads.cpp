@@ -94,11 +94,11 @@ TEST_P(Shared, ModelsAnswerAsToOneThread) {
 TEST_P(Shared, ImagesAnswerAsToOneThread) {
   const OpenedImage<float> opened(model_image(small_model_of(GetParam()), {false, true}));
   const auto ask = [&] {
-    std::vector<float> scratch(phn_imagef_scratch_size(opened.image) / sizeof(float)),
+    std::vector<float> scratch(Image<float>::scratch_size(opened.image) / sizeof(float)),
         out(3 * static_cast<std::size_t>(opened.n_output()) + 3);
     const float d[] = {0.002F, -0.001F, 0.003F};
-    phn_imagef_force(opened.image, 3, d, out.data());
-    phn_imagef_deform(opened.image, scratch.data(), 3, d, out.data() + 3);
+    Image<float>::force(opened.image, 3, d, out.data());
+    Image<float>::deform(opened.image, scratch.data(), 3, d, out.data() + 3);
     return out;
   };
   const auto alone = ask();

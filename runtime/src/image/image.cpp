@@ -1,4 +1,4 @@
-// The C interface of phynness_image.h: argument checks and statuses, for doubles and for floats.
+// The C interface of phynness_image.h: argument checks and statuses.
 #include "image/place.hpp"
 
 using namespace PHN_RUNTIME;
@@ -6,24 +6,27 @@ using namespace PHN_RUNTIME;
 namespace {
 
 namespace image = phynness::image;
-using image::ActiveNode;
+using Real = phn_real;
+using Header = ImageHeader<Real>;
+using ActiveNode = image::ActiveNode<Real>;
+
+/// phn_image is an incomplete type that stands for a Header, so that C compilers distinguish images.
+const Header* header(const phn_image* image) { return reinterpret_cast<const Header*>(image); }
 
 /// Sets the outputs of a refused call to zeros. They are written last because they may overlap the displacement.
-template <class Real>
 int refuse(int status, Real* out, size_t n) {
   if (out != nullptr) clear(out, n);
   return status;
 }
 
 /// A tool at a node: its clamped displacement and the warnings.
-template <class Real>
 struct NodeQuery {
-  const ActiveNode<Real>* found = nullptr;
+  const ActiveNode* found = nullptr;
   Real d[3] = {0, 0, 0};
   int status = PHN_OK;
 
   /// @return a status of phynness.h; warnings are in `status`
-  int ask(const ImageHeader<Real>& image, int32_t node, const Real* by) {
+  int ask(const Header& image, int32_t node, const Real* by) {
     found = find_active(image, node);
     if (found == nullptr) return PHN_ERROR_NOT_ACTIVE;
     if (!finite(by)) return PHN_ERROR_NOT_FINITE;
@@ -31,21 +34,19 @@ struct NodeQuery {
     status = image_warnings(image, *found, whole, d);
     return PHN_OK;
   }
-  void add_others(const ImageHeader<Real>&) {}
+  void add_others(const Header&) {}
   uint32_t n() const { return 1; }
   Real weight(uint32_t) const { return 1; }
-  const ActiveNode<Real>& node(const ImageHeader<Real>&, uint32_t) const { return *found; }
+  const ActiveNode& node(const Header&, uint32_t) const { return *found; }
 };
 
 /// A round tool at a place: the same, with the nodes around it.
-template <class Real>
 struct PlaceQuery {
   Around<Real> around;
   Real d[3] = {0, 0, 0};
   int status = PHN_OK;
 
-  template <class Place>
-  int ask(const ImageHeader<Real>& image, const Place* place, const Real* by) {
+  int ask(const Header& image, const phn_image_place* place, const Real* by) {
     if (place == nullptr) return PHN_ERROR_ARGUMENT;
     const auto* surface = surface_of(image);
     if (surface == nullptr) return PHN_ERROR_UNDEFINED;
@@ -57,31 +58,26 @@ struct PlaceQuery {
     for (uint32_t i = 0; i < around.n; ++i) status |= image_warnings(image, node(image, i), whole, d);
     return PHN_OK;
   }
-  void add_others(const ImageHeader<Real>& image) { add_neighbours(image, *surface_of(image), around); }
+  void add_others(const Header& image) { add_neighbours(image, *surface_of(image), around); }
   uint32_t n() const { return around.n; }
   Real weight(uint32_t i) const { return around.weight[i]; }
-  const ActiveNode<Real>& node(const ImageHeader<Real>& image, uint32_t i) const {
-    return at<ActiveNode<Real>>(image, image.active)[around.active[i]];
+  const ActiveNode& node(const Header& image, uint32_t i) const {
+    return at<ActiveNode>(image, image.active)[around.active[i]];
   }
 };
 
-template <class Real>
-NodeQuery<Real> query_of(int32_t) {
-  return {};
-}
-template <class Real>
-PlaceQuery<Real> query_of(const void*) {
-  return {};
-}
+NodeQuery query_of(int32_t) { return {}; }
+PlaceQuery query_of(const phn_image_place*) { return {}; }
 
 /// What is asked for, and how many numbers it has.
 enum : int { Force = 3, Energy = 1, Stiffness = 9 };
 
 /// @tparam n  Force, Energy or Stiffness
 /// @param where  a node, or a place
-template <int n, class Real, class Where>
-int evaluate(const ImageHeader<Real>* image, Where where, const Real* d, Real* out) {
-  auto query = query_of<Real>(where);
+template <int n, class Where>
+int evaluate(const phn_image* asked, Where where, const Real* d, Real* out) {
+  const Header* image = header(asked);
+  auto query = query_of(where);
   int refused = image != nullptr && d != nullptr && out != nullptr ? query.ask(*image, where, d) : PHN_ERROR_ARGUMENT;
   if (refused == PHN_OK && n != Force && !traits(*image).has_energy) refused = PHN_ERROR_UNDEFINED;
   if (refused != PHN_OK) return refuse(refused, out, n);
@@ -101,9 +97,67 @@ int evaluate(const ImageHeader<Real>* image, Where where, const Real* d, Real* o
   return query.status;
 }
 
-template <class Real>
-int depth(const ImageHeader<Real>* image, int32_t node, const Real* d, Real* out) {
-  NodeQuery<Real> query;
+void copy_number(const uint32_t (&from)[2], double& to) { __builtin_memcpy(&to, from, sizeof to); }
+
+}  // namespace
+
+extern "C" {
+
+int32_t phn_image_n_active(const phn_image* image) {
+  return image ? static_cast<int32_t>(header(image)->active_nodes.n) : 0;
+}
+const int32_t* phn_image_active_nodes(const phn_image* image) {
+  return image ? at<int32_t>(*header(image), header(image)->active_nodes) : nullptr;
+}
+const Real* phn_image_active_points(const phn_image* image) {
+  return image ? at<Real>(*header(image), header(image)->active_points) : nullptr;
+}
+
+int phn_image_provenance(const phn_image* opened, phn_provenance* out) {
+  const Header* image = header(opened);
+  if (out == nullptr) return PHN_ERROR_ARGUMENT;
+  phn_provenance found = {};
+  found.mesh_hash = found.physics_hash = found.element = found.reference = "";
+  if (image != nullptr && image->provenance != 0) {
+    const auto& from = *at<image::Provenance>(*image, image->provenance);
+    found.mesh_hash = from.mesh_hash;
+    found.physics_hash = from.physics_hash;
+    found.element = from.element;
+    found.reference = from.reference;
+    copy_number(from.shear_modulus_Pa, found.shear_modulus_Pa);
+    copy_number(from.finer_mean, found.finer_mean);
+    copy_number(from.finer_p95, found.finer_p95);
+    copy_number(from.finer_tool_radius_m, found.finer_tool_radius_m);
+    found.finer_probes = from.finer_probes;
+    found.finer_nodes = from.finer_nodes;
+    found.element_revision = from.element_revision;
+  }
+  *out = found;
+  return image == nullptr ? PHN_ERROR_ARGUMENT : PHN_OK;
+}
+
+int32_t phn_image_n_output(const phn_image* image) {
+  return image ? static_cast<int32_t>(header(image)->output_nodes.n) : 0;
+}
+const int32_t* phn_image_output_nodes(const phn_image* image) {
+  return image ? at<int32_t>(*header(image), header(image)->output_nodes) : nullptr;
+}
+const Real* phn_image_output_points(const phn_image* image) {
+  return image ? at<Real>(*header(image), header(image)->output_points) : nullptr;
+}
+int phn_image_force(const phn_image* image, int32_t node, const Real d[3], Real force_N[3]) {
+  return evaluate<Force>(image, node, d, force_N);
+}
+int phn_image_energy(const phn_image* image, int32_t node, const Real d[3], Real* energy_J) {
+  return evaluate<Energy>(image, node, d, energy_J);
+}
+int phn_image_stiffness(const phn_image* image, int32_t node, const Real d[3], Real stiffness_N_per_m[9]) {
+  return evaluate<Stiffness>(image, node, d, stiffness_N_per_m);
+}
+
+int phn_image_trained_depth(const phn_image* opened, int32_t node, const Real* d, Real* out) {
+  const Header* image = header(opened);
+  NodeQuery query;
   const int refused =
       image != nullptr && d != nullptr && out != nullptr ? query.ask(*image, node, d) : PHN_ERROR_ARGUMENT;
   if (refused != PHN_OK) return refuse(refused, out, 1);
@@ -111,14 +165,16 @@ int depth(const ImageHeader<Real>* image, int32_t node, const Real* d, Real* out
   return query.status & PHN_WARNING_OUTSIDE;
 }
 
-template <class Real>
-int deform(const ImageHeader<Real>* image, Real* scratch, int32_t node, const Real* d, Real* out) {
+size_t phn_image_scratch_size(const phn_image* image) { return image ? header(image)->n_scratch * sizeof(Real) : 0; }
+
+int phn_image_deform(const phn_image* opened, Real* scratch, int32_t node, const Real* d, Real* out) {
+  const Header* image = header(opened);
   if (image == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
   const size_t n = 3 * static_cast<size_t>(image->output_nodes.n);
   if (d == nullptr || (scratch == nullptr && image->n_scratch > 0)) return refuse(PHN_ERROR_ARGUMENT, out, n);
   if (overlap(scratch, image->n_scratch * sizeof(Real), out, n * sizeof(Real)))
     return refuse(PHN_ERROR_OVERLAP, out, n);
-  NodeQuery<Real> query;
+  NodeQuery query;
   const int refused = query.ask(*image, node, d);
   if (refused != PHN_OK) return refuse(refused, out, n);
   if (!image_has_deformation(*image, *query.found)) return refuse(PHN_ERROR_UNDEFINED, out, n);
@@ -126,40 +182,8 @@ int deform(const ImageHeader<Real>* image, Real* scratch, int32_t node, const Re
   return query.status;
 }
 
-/// As bound_at in tools/bounds.cpp.
-template <class Real, class Place>
-int bound_at(const ImageHeader<Real>* image, const Place* place, const Real* d, Real* out) {
-  PlaceQuery<Real> query;
-  int refused = image != nullptr && d != nullptr && out != nullptr ? query.ask(*image, place, d) : PHN_ERROR_ARGUMENT;
-  if (refused == PHN_OK && surface_of(*image)->bound.n == 0) refused = PHN_ERROR_UNDEFINED;
-  if (refused != PHN_OK) return refuse(refused, out, 1);
-  const image::Surface& surface = *surface_of(*image);
-  *out = PHN_IMAGE_NO_BOUND;
-  if ((query.status & PHN_WARNING_OUTSIDE) != 0) return query.status;
-  const Around<Real>& around = query.around;
-  Real force[image::most_corners][3], mean[3] = {0, 0, 0}, largest = 0, spread = 0;
-  for (uint32_t i = 0; i < around.n_corners; ++i) {
-    const Real bound = bound_at_node(*image, surface, around.active[i], query.d);
-    largest = bound > largest ? bound : largest;
-    with_response(*image, query.node(*image, i),
-                  [&](const auto& response) { response_force(*image, response, query.d, force[i]); });
-    for (int k = 0; k < 3; ++k) mean[k] += around.share[i] * force[i][k];
-  }
-  for (uint32_t i = 0; i < around.n_corners; ++i) {
-    const Real away[3] = {force[i][0] - mean[0], force[i][1] - mean[1], force[i][2] - mean[2]};
-    spread += around.share[i] * square_root(dot(away, away));
-  }
-  if (around.n_corners > 1 && surface.coupled.n > 0) {
-    const Real x[] = {largest + spread, spread, square_root(dot(mean, mean))};
-    *out = coupled_bound(at<Real>(*image, surface.coupled), x, Real(PHN_IMAGE_NO_BOUND));
-  } else if (largest < *out) {
-    *out = largest;
-  }
-  return query.status;
-}
-
-template <class Real, class Place>
-int nearest(const ImageHeader<Real>* image, int32_t from, const Real* x, Place* place, Real* point) {
+int phn_image_nearest(const phn_image* opened, int32_t from, const Real* x, phn_image_place* place, Real* point) {
+  const Header* image = header(opened);
   Nearest<Real> found = {image::none, {0, 0, 0}, {0, 0, 0}, 0};
   int status = PHN_ERROR_ARGUMENT;
   const auto* surface = image != nullptr ? surface_of(*image) : nullptr;
@@ -188,91 +212,47 @@ int nearest(const ImageHeader<Real>* image, int32_t from, const Real* x, Place* 
   return status;
 }
 
-void copy_number(const uint32_t (&from)[2], double& to) { __builtin_memcpy(&to, from, sizeof to); }
-
-template <class Real>
-int provenance(const ImageHeader<Real>* image, phn_provenance* out) {
-  if (out == nullptr) return PHN_ERROR_ARGUMENT;
-  phn_provenance found = {};
-  found.mesh_hash = found.physics_hash = found.element = found.reference = "";
-  if (image != nullptr && image->provenance != 0) {
-    const auto& from = *at<image::Provenance>(*image, image->provenance);
-    found.mesh_hash = from.mesh_hash;
-    found.physics_hash = from.physics_hash;
-    found.element = from.element;
-    found.reference = from.reference;
-    copy_number(from.shear_modulus_Pa, found.shear_modulus_Pa);
-    copy_number(from.finer_mean, found.finer_mean);
-    copy_number(from.finer_p95, found.finer_p95);
-    copy_number(from.finer_tool_radius_m, found.finer_tool_radius_m);
-    found.finer_probes = from.finer_probes;
-    found.finer_nodes = from.finer_nodes;
-    found.element_revision = from.element_revision;
-  }
-  *out = found;
-  return image == nullptr ? PHN_ERROR_ARGUMENT : PHN_OK;
+int phn_image_force_at(const phn_image* image, const phn_image_place* place, const Real d[3], Real force_N[3]) {
+  return evaluate<Force>(image, place, d, force_N);
+}
+int phn_image_energy_at(const phn_image* image, const phn_image_place* place, const Real d[3], Real* energy_J) {
+  return evaluate<Energy>(image, place, d, energy_J);
+}
+int phn_image_stiffness_at(const phn_image* image, const phn_image_place* place, const Real d[3],
+                           Real stiffness_N_per_m[9]) {
+  return evaluate<Stiffness>(image, place, d, stiffness_N_per_m);
 }
 
-}  // namespace
-
-// NAME is phn_image or phn_imagef. Both are incomplete types that stand for a Header, so that C compilers distinguish
-// them.
-#define PHN_IMAGE_FUNCTIONS(NAME, Real)                                                                               \
-  static const ImageHeader<Real>* header(const NAME* image) {                                                         \
-    return reinterpret_cast<const ImageHeader<Real>*>(image);                                                         \
-  }                                                                                                                   \
-  extern "C" {                                                                                                        \
-  int32_t NAME##_n_active(const NAME* image) {                                                                        \
-    return image ? static_cast<int32_t>(header(image)->active_nodes.n) : 0;                                           \
-  }                                                                                                                   \
-  const int32_t* NAME##_active_nodes(const NAME* image) {                                                             \
-    return image ? at<int32_t>(*header(image), header(image)->active_nodes) : nullptr;                                \
-  }                                                                                                                   \
-  const Real* NAME##_active_points(const NAME* image) {                                                               \
-    return image ? at<Real>(*header(image), header(image)->active_points) : nullptr;                                  \
-  }                                                                                                                   \
-  int NAME##_provenance(const NAME* image, phn_provenance* out) { return provenance(header(image), out); }            \
-  int32_t NAME##_n_output(const NAME* image) {                                                                        \
-    return image ? static_cast<int32_t>(header(image)->output_nodes.n) : 0;                                           \
-  }                                                                                                                   \
-  const int32_t* NAME##_output_nodes(const NAME* image) {                                                             \
-    return image ? at<int32_t>(*header(image), header(image)->output_nodes) : nullptr;                                \
-  }                                                                                                                   \
-  const Real* NAME##_output_points(const NAME* image) {                                                               \
-    return image ? at<Real>(*header(image), header(image)->output_points) : nullptr;                                  \
-  }                                                                                                                   \
-  int NAME##_force(const NAME* image, int32_t node, const Real d[3], Real force_N[3]) {                               \
-    return evaluate<Force>(header(image), node, d, force_N);                                                          \
-  }                                                                                                                   \
-  int NAME##_energy(const NAME* image, int32_t node, const Real d[3], Real* energy_J) {                               \
-    return evaluate<Energy>(header(image), node, d, energy_J);                                                        \
-  }                                                                                                                   \
-  int NAME##_stiffness(const NAME* image, int32_t node, const Real d[3], Real stiffness_N_per_m[9]) {                 \
-    return evaluate<Stiffness>(header(image), node, d, stiffness_N_per_m);                                            \
-  }                                                                                                                   \
-  int NAME##_trained_depth(const NAME* image, int32_t node, const Real d[3], Real* depth_m) {                         \
-    return depth(header(image), node, d, depth_m);                                                                    \
-  }                                                                                                                   \
-  size_t NAME##_scratch_size(const NAME* image) { return image ? header(image)->n_scratch * sizeof(Real) : 0; }       \
-  int NAME##_deform(const NAME* image, Real* scratch, int32_t node, const Real d[3], Real* out) {                     \
-    return deform(header(image), scratch, node, d, out);                                                              \
-  }                                                                                                                   \
-  int NAME##_nearest(const NAME* image, int32_t from, const Real x[3], NAME##_place* place, Real point[3]) {          \
-    return nearest(header(image), from, x, place, point);                                                             \
-  }                                                                                                                   \
-  int NAME##_force_at(const NAME* image, const NAME##_place* place, const Real d[3], Real force_N[3]) {               \
-    return evaluate<Force>(header(image), place, d, force_N);                                                         \
-  }                                                                                                                   \
-  int NAME##_energy_at(const NAME* image, const NAME##_place* place, const Real d[3], Real* energy_J) {               \
-    return evaluate<Energy>(header(image), place, d, energy_J);                                                       \
-  }                                                                                                                   \
-  int NAME##_stiffness_at(const NAME* image, const NAME##_place* place, const Real d[3], Real stiffness_N_per_m[9]) { \
-    return evaluate<Stiffness>(header(image), place, d, stiffness_N_per_m);                                           \
-  }                                                                                                                   \
-  int NAME##_bound_at(const NAME* image, const NAME##_place* place, const Real d[3], Real* bound_N) {                 \
-    return bound_at(header(image), place, d, bound_N);                                                                \
-  }                                                                                                                   \
+/// As bound_at in tools/bounds.cpp.
+int phn_image_bound_at(const phn_image* opened, const phn_image_place* place, const Real* d, Real* out) {
+  const Header* image = header(opened);
+  PlaceQuery query;
+  int refused = image != nullptr && d != nullptr && out != nullptr ? query.ask(*image, place, d) : PHN_ERROR_ARGUMENT;
+  if (refused == PHN_OK && surface_of(*image)->bound.n == 0) refused = PHN_ERROR_UNDEFINED;
+  if (refused != PHN_OK) return refuse(refused, out, 1);
+  const image::Surface& surface = *surface_of(*image);
+  *out = PHN_IMAGE_NO_BOUND;
+  if ((query.status & PHN_WARNING_OUTSIDE) != 0) return query.status;
+  const Around<Real>& around = query.around;
+  Real force[image::most_corners][3], mean[3] = {0, 0, 0}, largest = 0, spread = 0;
+  for (uint32_t i = 0; i < around.n_corners; ++i) {
+    const Real bound = bound_at_node(*image, surface, around.active[i], query.d);
+    largest = bound > largest ? bound : largest;
+    with_response(*image, query.node(*image, i),
+                  [&](const auto& response) { response_force(*image, response, query.d, force[i]); });
+    for (int k = 0; k < 3; ++k) mean[k] += around.share[i] * force[i][k];
   }
+  for (uint32_t i = 0; i < around.n_corners; ++i) {
+    const Real away[3] = {force[i][0] - mean[0], force[i][1] - mean[1], force[i][2] - mean[2]};
+    spread += around.share[i] * square_root(dot(away, away));
+  }
+  if (around.n_corners > 1 && surface.coupled.n > 0) {
+    const Real x[] = {largest + spread, spread, square_root(dot(mean, mean))};
+    *out = coupled_bound(at<Real>(*image, surface.coupled), x, Real(PHN_IMAGE_NO_BOUND));
+  } else if (largest < *out) {
+    *out = largest;
+  }
+  return query.status;
+}
 
-PHN_IMAGE_FUNCTIONS(phn_image, double)
-PHN_IMAGE_FUNCTIONS(phn_imagef, float)
+}  // extern "C"
