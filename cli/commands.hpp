@@ -29,7 +29,6 @@
 
 namespace phynness {
 class LoadedModel;
-struct Motion;
 struct Validated;
 }  // namespace phynness
 
@@ -193,13 +192,6 @@ void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& p
 /// Prints which share of the rays and of the probe volume ends early, why, and at which nodes. Prints nothing if every
 /// ray reaches its full depth. @return the figures
 json tell_ends(const DatabaseHeader& header, const EndSummary& ends);
-
-/// Evaluates every step of a motion with the runtime and prints a summary.
-/// @param name       of the motion, for messages
-/// @param json_file  the motion with the forces, energies and status of this model, in the format of the motion
-/// @throws Error (input) with the step if the model cannot answer it; nothing is written then
-void answer_motion(const LoadedModel& model, const Motion& motion, const std::string& name,
-                   const OptionalPath& json_file);
 
 /// Prints the verdict, one sentence for each line, what was not done, and the figures; print_details() all tables.
 void print_validation(const Validated& validated);

@@ -2,8 +2,6 @@
 #include <cmath>
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/body.hpp>
-#include <phynness/formats/input_file.hpp>
-#include <phynness/formats/motion.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/vtk.hpp>
 #include <phynness/phynness_surface.hpp>
@@ -23,10 +21,10 @@ struct Options {
   std::optional<std::int32_t> level;
   double modulus_factor = 1;
   QueryOptions queries;
-  OptionalPath motion, body;
+  OptionalPath body;
 };
 
-/// Newton's steps of a body for each increment from rest and each step of a motion.
+/// Newton's steps of a body for each increment from rest.
 constexpr std::int32_t body_steps = 60;
 
 LoadedModel loaded(const Options& options) {
@@ -171,15 +169,6 @@ void run_queries(const Options& options) {
   answer_queries(options.queries, answers);
 }
 
-/// --motion replaces the options of a single query, except --json.
-void run_motion(const Options& options) {
-  const auto name = options.motion->string();
-  const InputFile about{"the motion", "give a JSON file as formats/motion.md describes it", Motion::most_bytes, true};
-  const auto motion = read_motion_text(read_input_file(*options.motion, about), name);
-  const LoadedModel model = loaded(options);
-  answer_motion(model, motion, name, options.tool.json_file);
-}
-
 void print_bound(const LoadedModel& model, int status, const std::optional<double>& bound_N) {
   const auto* body = model.body();
   if (bound_N)
@@ -264,9 +253,7 @@ void run(const Options& options) {
   if (options.body && (options.tools == "paper" || options.level))
     throw input_error("a body has neither the paper's method nor levels", "--body " + options.body->string(),
                       "omit --tools paper and --level, or --body");
-  if (options.motion)
-    run_motion(options);
-  else if (options.queries.file)
+  if (options.queries.file)
     run_queries(options);
   else
     run_single(options);
@@ -284,24 +271,18 @@ void add(CLI::App& app) {
                   "method for several tools: coupled (with forces), or paper (weights (15)-(16), without forces)")
       ->check(CLI::IsMember({"coupled", "paper"}));
   command.add_option("--level", options.level, "level of the model; 0 is the smallest (default: the full one)");
-  auto* factor = add_number(command, "--modulus-factor", options.modulus_factor, 1e-9, 1e9,
-                            "all moduli of the body over those of the training: multiplies forces, energy, bounds of\n"
-                            "the error and stresses; the deformation is the same")
-                     ->capture_default_str();
+  add_number(command, "--modulus-factor", options.modulus_factor, 1e-9, 1e9,
+             "all moduli of the body over those of the training: multiplies forces, energy, bounds of\n"
+             "the error and stresses; the deformation is the same")
+      ->capture_default_str();
   auto* surface = add_path(command, "--surface", options.surface, PathKind::file,
                            "write the surface: undeformed with its displacement (.vtu) or deformed (.obj)");
   add_count(command, "--subdivide", options.levels, 0, 6, "levels of subdivision of that surface (Loop's scheme)")
       ->needs(surface);
   add_path(command, "--body", options.body, PathKind::input,
            "a reduced body (body.txt) of the model's database, which answers every tool");
-  std::vector<std::string> single{"--node", "--point", "--displacement", "--deformation", "--surface", "--tools"};
-  auto* motion = add_path(
-      command, "--motion", options.motion, PathKind::input,
-      "JSON file of a recorded motion of tools (formats/motion.md), instead of --node; --json writes its forces");
-  motion->excludes(factor);
-  for (const auto& option : single) motion->excludes(command.get_option(option));
-  single.insert(single.end(), {"--json", "--motion"});
-  options.queries.add_to(command, single);
+  options.queries.add_to(command,
+                         {"--node", "--point", "--displacement", "--deformation", "--surface", "--tools", "--json"});
 }
 
 }  // namespace phynness::cli::eval_command

@@ -19,7 +19,6 @@ const char* const lines[] = {"mesh scene.toml -o fresh/m.msh @",
                              "validate scene.toml model --probes 2 @",
                              "tune scene.toml d.h5 -o fresh/tuned --probes 2 @",
                              "eval model --node NODE --displacement 0,0,-0.001 @",
-                             "eval model --motion motion.json @",
                              "bench model @",
                              "solve scene.toml --node NODE --displacement 0,0,-0.001 @",
                              "export model -o fresh/c @",
@@ -38,8 +37,6 @@ class Outputs : public CommandLine {
       succeed(line);
     }
     node = std::to_string(json("info.json").at("active").at(0).get<int>());
-    write_file(folder / "motion.json", "{\"format\": \"phynness motion 1\", \"tools\": [{\"node\": " + node +
-                                           "}], \"time_s\": [0], \"displacement_m\": [[[0, 0, -0.001]]]}\n");
   }
   std::string with(std::string line, const std::string& outputs) const {
     line.replace(line.find('@'), 1, outputs);

@@ -60,8 +60,6 @@ class Overwriting : public CommandLine {
                    "\"half-size\", \"probes\": 0, \"tool_radius_m\": 0.01, \"mean\": 0, \"p95\": 0, " +
                    "\"nodes\": 100, \"solved\": 0}}\n");
     write_file(folder / "body.txt", "phynness-body 1\n");
-    write_file(folder / "motion.json", "{\"format\": \"phynness motion 1\", \"tools\": [{\"node\": " + node +
-                                           "}], \"time_s\": [0], \"displacement_m\": [[[0, 0, -0.001]]]}\n");
   }
 
   /// Every file in the folder with its bytes.
@@ -109,7 +107,6 @@ class Overwriting : public CommandLine {
     if (option == "MODEL_DIR") return {{"model", model}};
     if (option == "--model") return {{"--model model", model}};
     if (option == "SHARD") return {{"s.shard-0-of-2.h5 s.shard-1-of-2.h5", shards}};
-    if (option == "--motion") return {{"--motion motion.json", {"motion.json"}}};
     if (option == "--queries") return {{"--queries queries.csv", {"queries.csv"}}};
     if (option == "FILE_OR_DIR")
       return {{"scenes/scene.toml", scene},

@@ -16,7 +16,7 @@ def found(file, pattern):
 
 
 version = found("CMakeLists.txt", r"project\(phynness VERSION (\S+)")
-others = {file: found(file, r"project\(\w+ VERSION (\S+)") for file in ("runtime/CMakeLists.txt", "devices/CMakeLists.txt")}
+others = {file: found(file, r"project\(\w+ VERSION (\S+)") for file in ("runtime/CMakeLists.txt",)}
 others |= {file: json.loads((sources / file).read_text())["version"] for file in ("web/package.json", "web/runtime/package.json")}
 others["CITATION.cff"] = found("CITATION.cff", r"^version: (\S+)")
 others["CHANGELOG.md"] = found("CHANGELOG.md", r"^## .*?(\d+\.\d+\.\d+)")

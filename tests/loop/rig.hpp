@@ -1,23 +1,48 @@
-// A loop, a body and the simulated device with its true energies, cycle by cycle.
+// A loop, a body and a simulated device with its true energies, cycle by cycle.
 #pragma once
 
-#include <phynness/devices/simulated_device.hpp>
-#include <phynness/phynness_loop.hpp>
+#include <phynness/phynness_loop.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <memory>
+#include <phynness/phynness_contact.hpp>
+#include <string>
 #include <vector>
 
 #include "../contact/bodies.hpp"
+#include "simulated_device.hpp"
 
 namespace phynness::test {
 
-using devices::HandMotion;
-using devices::SimulatedDevice;
-using devices::SimulatedDeviceSettings;
-using devices::Vector3;
+inline phn_loop_settings defaults() {
+  phn_loop_settings settings;
+  phn_loop_defaults(&settings);
+  return settings;
+}
+
+/// A loop in memory of its own, engaged.
+class Loop {
+ public:
+  explicit Loop(const phn_loop_settings& settings) {
+    std::size_t bytes = 0;
+    phn_loop_size(&bytes);
+    _memory.resize(bytes);
+    phn_loop_init(_memory.data(), bytes, &settings, &_loop);
+    phn_loop_engage(_loop);
+  }
+  operator phn_loop*() { return _loop; }
+  phn_loop_report report() const {
+    phn_loop_report report = {};
+    phn_loop_get_report(_loop, &report);
+    return report;
+  }
+  std::string why() const { return phn_loop_trip_message(report().trip); }
+
+ private:
+  std::vector<char> _memory;
+  phn_loop* _loop = nullptr;
+};
 
 /// Tissue of one stiffness at node 3 [N/m].
 inline Model spring(double stiffness) {
@@ -37,61 +62,65 @@ inline Model ball_of(double harder, Family family = Family::linear) {
   return model;
 }
 
-/// A tool at a node, or, with a radius, a sphere above it.
+/// A tool at a node, or, with a radius, a sphere.
 struct Body {
-  Body(const Model& model, int at_node, double radius = 0, double with_friction = 0)
+  Body(const Model& model, int at_node, double radius = 0, double friction = 0)
       : text(write_model_text(model)),
         loaded(text),
         data(loaded, 1),
         node(at_node),
-        held(loaded, data, at_node),
-        sphere_radius(radius),
-        friction(with_friction) {
+        sphere{{}, radius, friction, PHN_TOOL_PRESS} {
     if (radius > 0) contact = rt::Contact(loaded, 1);
-    sphere = std::make_unique<rt::TouchingSphere>(contact, data, radius, with_friction);
   }
-  phn_loop_response at(const double (&tool)[3]) { return sphere_radius > 0 ? sphere->at(tool) : held.at(tool); }
+  phn_loop_response at(const double (&tool)[3]) {
+    phn_loop_response r = {};
+    if (sphere.radius > 0) {
+      std::copy_n(tool, 3, sphere.center);
+      phn_coupled coupled = {};
+      r.status = contact.step(data, sphere, state, &coupled);
+      r.in_contact = state.in_contact;
+      r.energy = coupled.energy;
+      std::copy_n(state.force, 3, r.force);
+      std::copy_n(state.held.displacement, 3, r.displacement);
+      return r;
+    }
+    const bool energy = loaded.info().has_energy != 0;
+    r.in_contact = 1;
+    r.has_stiffness = energy;
+    r.energy = -1;
+    std::copy_n(tool, 3, r.displacement);
+    r.status = phn_force(loaded.get(), data.get(), node, tool, r.force, energy ? &r.energy : nullptr,
+                         energy ? r.stiffness : nullptr);
+    return r;
+  }
   std::string text;
   rt::Model loaded;
   rt::Tools data;
   rt::Contact contact;
   int node;
-  rt::HeldNode held;
-  double sphere_radius, friction;
-  std::unique_ptr<rt::TouchingSphere> sphere;
+  phn_contact_tool sphere;
+  phn_contact_state state = {};
 };
 
 class Rig {
  public:
-  /// @param change  of the settings that follow from the traits of the device
-  Rig(Body& of_body, const SimulatedDeviceSettings& simulated, double reach_m,
-      const std::function<void(phn_loop_settings&)>& change = {})
-      : Rig(of_body, simulated, HandMotion(reach_m), change) {}
-  Rig(Body& of_body, const SimulatedDeviceSettings& simulated, const std::function<Vector3(double)>& motion,
-      const std::function<void(phn_loop_settings&)>& change = {})
-      : Rig(of_body, simulated, HandMotion(motion), change) {}
-  Rig(Body& of_body, const SimulatedDeviceSettings& simulated, const HandMotion& motion,
-      const std::function<void(phn_loop_settings&)>& change)
-      : device(simulated, motion), body(of_body), settings(devices::settings_for(device.traits())) {
-    settings.check_force_N = 0;
-    if (body.sphere_radius > 0) rt::place_above(body.loaded, body.node, body.sphere_radius + 0.002, settings).ignore();
-    if (change) change(settings);
-    loop = rt::Loop(settings);
-    loop.engage().ignore();
-  }
+  using Change = std::function<void(phn_loop_settings&)>;
+  Rig(Body& of_body, const DeviceSettings& simulated, const HandMotion& motion, const Change& change = {})
+      : device(simulated, motion), body(of_body), settings(set(of_body, simulated, change)), loop(settings) {}
+  Rig(Body& of_body, const DeviceSettings& simulated, double reach_m, const Change& change = {})
+      : Rig(of_body, simulated, busy_hand(reach_m), change) {}
 
   Vector3 cycle() {
-    phn_loop_sample sample;
-    double tool[3], force[3], really[3];
+    SimulatedDevice::Sample sample;
+    double tool[3], force[3];
     const bool arrived = device.read(sample);
-    loop.read(arrived ? &sample : nullptr, device.now(), tool).ignore();
+    phn_loop_read(loop, arrived ? sample.position : nullptr, sample.time_s + time_error_s, device.now(), tool);
     phn_loop_response response = body.at(tool);
     if (response_fault) response_fault(response);
-    loop.hold(response, device.now(), force).ignore();
+    phn_loop_hold(loop, &response, device.now(), force);
     compare();
-    device.hold(force);
+    device.hold({force[0], force[1], force[2]});
     taken.push_back(-device.energy().delivered);
-    if (device.held(really)) loop.held(really).ignore();
     in_contact += response.in_contact;
     largest = std::max(largest, std::hypot(force[0], force[1], force[2]));
     return {force[0], force[1], force[2]};
@@ -111,17 +140,25 @@ class Rig {
   SimulatedDevice device;
   Body& body;
   phn_loop_settings settings;
-  rt::Loop loop;
+  Loop loop;
   std::function<void(phn_loop_response&)> response_fault;
+  double time_error_s = 0;          ///< of the times of positions
   std::vector<double> taken = {0};  ///< true work at the ends of the cycles [J]
   double largest_difference = 0;    ///< between observed and true work at the time of the newest sample [J]
   double largest = 0;               ///< force [N]
   long in_contact = 0;
 
  private:
+  static phn_loop_settings set(const Body& body, const DeviceSettings& simulated, const Change& change) {
+    phn_loop_settings s = defaults();
+    s.position_resolution_m = simulated.resolution_m;
+    if (body.sphere.radius > 0) s.origin_m[2] = 0.05 + body.sphere.radius + 0.002;  // above the top of the ball
+    if (change) change(s);
+    return s;
+  }
   void compare() {
     const phn_loop_report report = loop.report();
-    const double periods = (device.now() - report.latency_s) / settings.period_s;
+    const double periods = (device.now() - report.age_s) / settings.period_s;
     if (!(periods > 0)) return;
     const auto before = std::min(static_cast<std::size_t>(periods + 1e-9), taken.size() - 1);
     const auto after = std::min(before + 1, taken.size() - 1);

@@ -3,10 +3,6 @@
 
 #include <limits>
 #include <random>
-#include <thread>
-
-#include <phynness/devices/latest.hpp>
-#include <phynness/devices/recorded_device.hpp>
 
 #include "rig.hpp"
 
@@ -32,29 +28,32 @@ double size(Vector3 a) { return std::hypot(a.x, a.y, a.z); }
 
 /// A loop whose device stands still.
 struct Still {
-  explicit Still(const phn_loop_settings& settings) : loop(settings) { loop.engage().ignore(); }
+  explicit Still(const phn_loop_settings& settings) : loop(settings) {}
   /// @return the force after so many cycles
-  Vector3 at(Vector3 position, Body& body, int cycles) {
-    double tool[3], force[3] = {};
+  template <class At>
+  Vector3 at(Vector3 x, At&& response_at, int cycles) {
+    const double position[3] = {x.x, x.y, x.z};
+    double force[3] = {};
     for (int i = 0; i < cycles; ++i) {
       now += 1e-3;
-      const phn_loop_sample sample = {{position.x, position.y, position.z}, now};
-      loop.read(&sample, now, tool).ignore();
-      loop.hold(body.at(tool), now, force).ignore();
+      phn_loop_read(loop, position, now, now, tool);
+      const phn_loop_response response = response_at(tool);
+      phn_loop_hold(loop, &response, now, force);
     }
-    for (int k = 0; k < 3; ++k) last_tool[k] = tool[k];
     return {force[0], force[1], force[2]};
   }
-  rt::Loop loop;
-  double now = 0, last_tool[3] = {};
+  Vector3 at(Vector3 x, Body& body, int cycles) {
+    return at(
+        x, [&](const double(&place)[3]) { return body.at(place); }, cycles);
+  }
+  Loop loop;
+  double now = 0, tool[3] = {};
 };
 
 phn_loop_settings settings() {
-  phn_loop_settings s = rt::loop_defaults();
-  s.has_times = 1;
-  s.check_force_N = 0;
+  phn_loop_settings s = defaults();
   s.trip_frozen_s = 0;
-  s.passivity_controller = 0;  // a device that is put somewhere has done no work that could be returned
+  s.allowance_J = 1e3;  // a device that is put somewhere has done no work that could be returned
   return s;
 }
 
@@ -89,7 +88,7 @@ TEST(Coupling, SettlesOnNetworksStifferThanItself) {
   Body body(model, 3);
   Still still(settings());
   const Vector3 force = still.at({0.004, -0.002, 0.001}, body, 600);
-  const phn_loop_response there = body.at(still.last_tool);
+  const phn_loop_response there = body.at(still.tool);
   EXPECT_NEAR(force.x, -there.force[0], 1e-9);
   EXPECT_NEAR(force.y, -there.force[1], 1e-9);
   EXPECT_NEAR(force.z, -there.force[2], 1e-9);
@@ -100,12 +99,8 @@ TEST(Coupling, SettlesOnNetworksStifferThanItself) {
 // settles on a branch that is stable. Energy 0.5 k |d|^2 with k = -600 N/m up to 5 mm, then +600 N/m.
 TEST(Coupling, StaysBoundedOnIndefiniteStiffness) {
   Still still(settings());
-  double tool[3], force[3] = {};
   double largest = 0;
-  for (int i = 0; i < 2'000; ++i) {
-    still.now += 1e-3;
-    const phn_loop_sample sample = {{0.004, 0.001, 0}, still.now};
-    still.loop.read(&sample, still.now, tool).ignore();
+  const auto softening = [](const double(&tool)[3]) {
     phn_loop_response r = {};
     r.in_contact = r.has_stiffness = 1;
     const double d = std::hypot(tool[0], tool[1], tool[2]), k = d < 0.005 ? -600 : 600;
@@ -114,11 +109,11 @@ TEST(Coupling, StaysBoundedOnIndefiniteStiffness) {
       r.force[j] = d < 0.005 ? k * tool[j] : k * tool[j] - 1200 * 0.005 * tool[j] / d;
       r.stiffness[4 * j] = k;
     }
-    still.loop.hold(r, still.now, force).ignore();
-    largest = std::max(largest, std::hypot(force[0], force[1], force[2]));
-  }
+    return r;
+  };
+  for (int i = 0; i < 2'000; ++i) largest = std::max(largest, size(still.at({0.004, 0.001, 0}, softening, 1)));
   EXPECT_LT(largest, 400 * 0.02);
-  EXPECT_LT(std::hypot(tool[0], tool[1], tool[2]), 0.02);
+  EXPECT_LT(std::hypot(still.tool[0], still.tool[1], still.tool[2]), 0.02);
 }
 
 // Claim: rotation and scales do what the header says: the same motion seen in another frame gives the same force.
@@ -143,59 +138,43 @@ TEST(Frames, TurnAndScale) {
   EXPECT_NEAR(force.z, scale * of_body[2], 1e-12);
 }
 
-// Claim: engage raises the force over engage_s, release lowers it over release_s and switches off, the clutch lets the
-// device move without force and goes on where it was.
-TEST(Ramps, RiseFallAndClutch) {
+// Claim: engage raises the force over ramp_s, release lowers it as long and switches off.
+TEST(Ramps, RiseAndFall) {
   Body body(spring(600), 3);
-  phn_loop_settings s = settings();
-  Still still(s);
+  Still still(settings());
   const Vector3 x{0.004, 0, 0};
-  const double half = size(still.at(x, body, 51)), whole = size(still.at(x, body, 100));
+  const double half = size(still.at(x, body, 50)), whole = size(still.at(x, body, 100));
   EXPECT_NEAR(half, 0.5 * whole, 0.03 * whole);
   EXPECT_EQ(still.loop.report().state, PHN_LOOP_ON);
-  still.loop.clutch(true).ignore();
-  EXPECT_GT(size(still.at(x, body, 50)), 0.4 * whole);
-  EXPECT_EQ(size(still.at(x, body, 60)), 0);
-  const Vector3 elsewhere{-0.003, 0.002, 0.005};
-  for (int i = 1; i <= 100; ++i)
-    EXPECT_EQ(
-        size(still.at({x.x + 0.01 * i * (elsewhere.x - x.x), 0.01 * i * elsewhere.y, 0.01 * i * elsewhere.z}, body, 1)),
-        0);
-  still.loop.clutch(false).ignore();
-  const Vector3 again = still.at(elsewhere, body, 300);
-  EXPECT_NEAR(again.x, -whole, 1e-6);  // as where the clutch was switched on
-  EXPECT_NEAR(again.y, 0, 1e-6);
-  still.loop.release().ignore();
-  still.at(elsewhere, body, 60);
+  phn_loop_release(still.loop);
+  EXPECT_NEAR(size(still.at(x, body, 50)), 0.5 * whole, 0.03 * whole);
   EXPECT_EQ(still.loop.report().state, PHN_LOOP_RELEASING);
-  EXPECT_EQ(size(still.at(elsewhere, body, 60)), 0);
+  EXPECT_EQ(size(still.at(x, body, 60)), 0);
   EXPECT_EQ(still.loop.report().state, PHN_LOOP_OFF);
+  phn_loop_engage(still.loop);
+  EXPECT_NEAR(size(still.at(x, body, 150)), whole, 1e-9);
 }
 
-// Claim: the tool stays within the reach, the force within its limit and its slew rate, and a rounded force is a
-// multiple of the step.
+// Claim: the tool stays within the reach, the force within its limit and its slew rate.
 TEST(Limits, Hold) {
   Body body(spring(20), 3);
-  SimulatedDeviceSettings device;
-  device.force_resolution_N = 0.01;
-  Rig rig(body, device, 0.2, [](phn_loop_settings& s) {
+  Rig rig(body, {}, 0.2, [](phn_loop_settings& s) {
     s.reach_m = 0.02;
     s.largest_force_N = 3;
     s.largest_slew_N_per_s = 500;
-    s.passivity_controller = 0;
+    s.allowance_J = 1e3;
     s.trip_energy_J = s.trip_force_N = s.trip_speed_m_per_s = 0;
   });
   Vector3 last{};
   double fastest = 0;
   for (int i = 0; i < 5'000; ++i) {
     const Vector3 f = rig.cycle();
-    fastest = std::max(fastest, std::hypot(f.x - last.x, f.y - last.y, f.z - last.z));
+    fastest = std::max(fastest, size(f - last));
     last = f;
-    EXPECT_NEAR(std::remainder(f.x, 0.01), 0, 1e-12);
   }
   EXPECT_LE(rig.largest, 3 * (1 + 1e-12));
   EXPECT_GT(rig.largest, 2.9);
-  EXPECT_LE(fastest, 0.5 + 0.02);  // N per cycle; rounding adds up to a step on each axis
+  EXPECT_LE(fastest, 0.5 * (1 + 1e-12));  // N per cycle
 }
 
 // Claim: settings that make no sense, null pointers and too little memory are refused with their status.
@@ -205,14 +184,14 @@ TEST(Interface, RefusesWhatMakesNoSense) {
   std::vector<char> memory(bytes + 1);
   phn_loop* loop = nullptr;
   const auto init = [&](const phn_loop_settings& s) { return phn_loop_init(memory.data(), bytes, &s, &loop); };
-  EXPECT_EQ(init(rt::loop_defaults()), PHN_OK);
+  EXPECT_EQ(init(defaults()), PHN_OK);
   EXPECT_EQ(phn_loop_init(memory.data(), bytes / 2, nullptr, &loop), PHN_ERROR_ARGUMENT);
-  phn_loop_settings s = rt::loop_defaults();
+  phn_loop_settings s = defaults();
   EXPECT_EQ(phn_loop_init(memory.data(), bytes / 2, &s, &loop), PHN_ERROR_BUFFER);
   EXPECT_EQ(loop, nullptr);
   EXPECT_EQ(phn_loop_init(memory.data() + 1, bytes, &s, &loop), PHN_OK);  // any alignment
   const auto refused = [&](double phn_loop_settings::*member, double value, int status) {
-    phn_loop_settings wrong = rt::loop_defaults();
+    phn_loop_settings wrong = defaults();
     wrong.*member = value;
     EXPECT_EQ(init(wrong), status);
     EXPECT_EQ(loop, nullptr);
@@ -223,59 +202,22 @@ TEST(Interface, RefusesWhatMakesNoSense) {
     refused(member, 0, PHN_ERROR_ARGUMENT);
     refused(member, std::numeric_limits<double>::infinity(), PHN_ERROR_NOT_FINITE);
   }
-  refused(&phn_loop_settings::trip_ramp_s, -1e-3, PHN_ERROR_ARGUMENT);
-  refused(&phn_loop_settings::latency_s, std::numeric_limits<double>::quiet_NaN(), PHN_ERROR_NOT_FINITE);
+  refused(&phn_loop_settings::ramp_s, -1e-3, PHN_ERROR_ARGUMENT);
+  refused(&phn_loop_settings::trip_stale_s, std::numeric_limits<double>::quiet_NaN(), PHN_ERROR_NOT_FINITE);
   for (const int entry : {0, 4, 8}) {  // a reflection, and a matrix that is no rotation
-    phn_loop_settings wrong = rt::loop_defaults();
+    phn_loop_settings wrong = defaults();
     wrong.rotation[entry] = -1;
     EXPECT_EQ(init(wrong), PHN_ERROR_ARGUMENT);
     wrong.rotation[entry] = 1.001;
     EXPECT_EQ(init(wrong), PHN_ERROR_ARGUMENT);
   }
   double three[3] = {1, 2, 3};
-  EXPECT_EQ(phn_loop_read(nullptr, nullptr, 0, three), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_loop_read(nullptr, nullptr, 0, 0, three), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(three[0], 0);
   EXPECT_EQ(phn_loop_hold(nullptr, nullptr, 0, three), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_loop_engage(nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_loop_get_report(nullptr, nullptr), PHN_ERROR_ARGUMENT);
   for (int t = -1; t < 14; ++t) EXPECT_NE(phn_loop_trip_message(t), nullptr);
-}
-
-// Claim: whatever bytes come in, what goes out is finite.
-TEST(Interface, OutputsAreFiniteForEveryInput) {
-  const double odd[] = {
-      0,   1e-320, -1e300, 1e308, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(),
-      3e-3};
-  Numbers numbers;
-  for (int run = 0; run < 200; ++run) {
-    phn_loop_settings s = settings();
-    s.check_force_N = run % 2 == 0 ? 0 : 0.4;
-    s.trip_jump_m = s.trip_speed_m_per_s = s.trip_energy_J = s.trip_force_N = 0;
-    rt::Loop loop(s);
-    loop.engage().ignore();
-    double now = 0;
-    const auto any = [&] { return odd[static_cast<std::size_t>((numbers.next() + 1) * 3.49)]; };
-    for (int i = 0; i < 60; ++i) {
-      now += 1e-3;
-      double tool[3], force[3];
-      phn_loop_sample sample = {{1e-3 * i, 0, 0}, now};
-      if (i > 20 && i % 5 == run % 5) sample.position_m[i % 3] = any();
-      loop.read(&sample, now, tool).ignore();
-      phn_loop_response r = {};
-      r.in_contact = 1;
-      r.has_stiffness = i % 2;
-      for (double& f : r.force) f = i > 10 ? any() : 1;
-      for (double& k : r.stiffness) k = i > 10 ? any() : 0;
-      r.energy = any();
-      loop.hold(r, now, force).ignore();
-      const phn_loop_report report = loop.report();
-      for (int k = 0; k < 3; ++k) {
-        EXPECT_TRUE(std::isfinite(tool[k])) << run << ' ' << i;
-        EXPECT_TRUE(std::isfinite(force[k])) << run << ' ' << i;
-      }
-      EXPECT_TRUE(std::isfinite(report.work_J + report.gross_J + report.unsure_J + report.dissipated_J));
-    }
-  }
 }
 
 // Claim: a cycle allocates nothing; the counter is shown to count.
@@ -293,34 +235,6 @@ TEST(Interface, AllocatesNothing) {
   }
 }
 
-// Claim: what the reader gets is whole and never older than what it got before, however fast the writer is.
-TEST(Latest, IsWholeAndNeverGoesBack) {
-  struct Value {
-    long first = 0, copies[30] = {};
-  };
-  devices::Latest<Value> latest;
-  constexpr long last = 300'000;
-  std::thread writer([&] {
-    for (long i = 1; i <= last; ++i) {
-      Value value;
-      value.first = i;
-      std::fill(std::begin(value.copies), std::end(value.copies), i);
-      latest.write(value);
-    }
-  });
-  long before = 0, torn = 0, back = 0;
-  while (before < last) {
-    Value value;
-    const bool is_new = latest.read(value);
-    for (const long copy : value.copies) torn += copy != value.first;
-    back += is_new ? value.first <= before : value.first != before;
-    before = value.first;
-  }
-  writer.join();
-  EXPECT_EQ(torn, 0);
-  EXPECT_EQ(back, 0);
-}
-
 // Claim: whatever device, body and caller give, tool, force and report are finite, and the force is within its limit.
 TEST(Limits, KeepEveryOutputFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
@@ -332,33 +246,28 @@ TEST(Limits, KeepEveryOutputFinite) {
                              : absurd[random() % std::size(absurd)];
   };
   for (int run = 0; run < 2'000; ++run) {
-    phn_loop_settings s = rt::loop_defaults();
-    s.has_times = static_cast<std::int32_t>(random() % 2);
-    if (random() % 2 != 0) s.check_force_N = 0;
+    phn_loop_settings s = defaults();
     if (random() % 3 == 0) s.motion_scale = random() % 2 != 0 ? 1e9 : 1.1e-9;
     if (random() % 3 == 0) s.position_resolution_m = 1e-5;
-    rt::Loop loop(s);
-    loop.engage().ignore();
+    if (random() % 2 == 0) s.trip_jump_m = s.trip_speed_m_per_s = s.trip_energy_J = s.trip_force_N = 0;
+    Loop loop(s);
     double now = 0;
     for (int i = 0; i < 100; ++i) {
       now += random() % 10 != 0 ? 1e-3 : any();
       const bool is_plain = i < 50;  // so that there is a force
-      const phn_loop_sample sample = {{is_plain ? 1e-4 * i : any(), is_plain ? 0 : any(), 0},
-                                      random() % 10 != 0 ? now : any()};
+      const double position[3] = {is_plain ? 1e-4 * i : any(), is_plain ? 0 : any(), 0};
       double tool[3], force[3];
-      loop.read(&sample, now, tool).ignore();
-      phn_loop_response r = {0, 1, 1, {}, {}, {}, -1};
+      phn_loop_read(loop, position, random() % 10 != 0 ? now : any(), now, tool);
+      phn_loop_response r = {0, 1, static_cast<std::int32_t>(random() % 2), {}, {}, {}, -1};
       for (int k = 0; k < 3; ++k) {
         r.force[k] = is_plain ? 200 * tool[k] : any();
         r.stiffness[4 * k] = is_plain ? 200 : any();
         r.displacement[k] = is_plain ? tool[k] : any();
       }
-      loop.hold(r, now, force).ignore();
-      const double held[3] = {any(), any(), any()};
-      if (random() % 10 == 0) loop.held(held).ignore();
+      phn_loop_hold(loop, &r, now, force);
       const phn_loop_report p = loop.report();
       for (const double v : {tool[0], tool[1], tool[2], force[0], force[1], force[2], p.work_J, p.most_delivered_J,
-                             p.gross_J, p.unsure_J, p.dissipated_J, p.speed_m_per_s, p.latency_s})
+                             p.unsure_J, p.dissipated_J, p.speed_m_per_s, p.age_s})
         ASSERT_TRUE(std::isfinite(v)) << "run " << run << " cycle " << i;
       ASSERT_LE(std::hypot(force[0], force[1], force[2]), s.largest_force_N * (1 + 1e-12));
     }

@@ -3,7 +3,7 @@
 // damaged one is refused. calibrate --body adds bounds to the body, the same
 // for any number of ranks, and changes nothing else in it and nothing in the model; they hold for the states of
 // validate. train --surface makes a model of a database of all nodes to which its body can be attached. eval --body
-// then answers every tool by the body: single ones, rows of a file, and motions, which go on from step to step.
+// then answers every tool by the body: single ones and rows of a file.
 #include <cmath>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/hash.hpp>
@@ -257,8 +257,7 @@ TEST_F(AttachedBodies, AnswerEveryToolOfEval) {
   EXPECT_EQ(answer("eval m --modulus-factor 2 --body body.txt" + pair).at("energy").get<double>(),
             2 * body.at("energy").get<double>());
 
-  // A tool alone and a row of a file are the same. Steps of a motion go on from those before, here within the rounding
-  // of what has settled; a tool that does not touch lets the body go back to rest.
+  // A tool alone and a row of a file are the same.
   const auto one = answer("eval m --body body.txt" + tool(1, "0.001,0,-0.006"));
   EXPECT_LT(one.at("residual").get<double>(), 1e-5);
   const auto node = std::to_string(nodes.at(1));
@@ -271,15 +270,6 @@ TEST_F(AttachedBodies, AnswerEveryToolOfEval) {
   const auto force = one.at("tools")[0].at("force").get<std::vector<double>>();
   EXPECT_EQ(std::vector(row.begin() + 4, row.begin() + 7), force);
   EXPECT_EQ(row.at(7), one.at("energy").get<double>());
-  write_file(folder / "motion.json", R"({"format": "phynness motion 1", "tools": [{"node": )" + node +
-                                         R"(}], "time_s": [0, 1, 2, 3], "displacement_m": [[[0.001, 0, -0.006]],
-                                         [[0.001, 0, -0.006]], [null], [[0.001, 0, -0.006]]]})");
-  const auto motion = answer("eval m --body body.txt --motion motion.json").at("force_N");
-  EXPECT_EQ(motion[0], motion[3]);
-  for (const std::size_t step : {0, 1})
-    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(motion[step][0][k].get<double>(), force[k], 1e-5) << step;
-  EXPECT_TRUE(motion[2][0].is_null());
-
   const auto deep = succeed("eval m --body body.txt" + tool(0, "0,0,-0.009"));
   expect_names(deep.err, {"warning: ", "0.009 m, the body was trained to 0.008 m"});
 }

@@ -1,10 +1,8 @@
 // Claims: threads that share a model, a surface and an image, each with its own scratch, get exactly the results of a
-// single thread. The data that a force thread passes to a picture thread by devices::Latest are complete. The test also
-// runs with the sanitizer of threads, which detects races that results do not show.
+// single thread. The test also runs with the sanitizer of threads, which detects races that results do not show.
 #include <gtest/gtest.h>
 #include <phynness/phynness_paper.h>
 #include <phynness/phynness_surface.h>
-#include <phynness/devices/latest.hpp>
 
 #include <atomic>
 #include <thread>
@@ -111,50 +109,6 @@ TEST_P(Shared, ImagesAnswerAsToOneThread) {
   }
   for (auto& thread : threads) thread.join();
   EXPECT_EQ(differing, 0);
-}
-
-TEST_P(Shared, ForceAndPictureThreadsShareAModel) {
-  const LoadedModel loaded(write_model_text(small_model_of(GetParam())));
-  std::size_t bytes = 0;
-  LoadedModel::check(phn_data_size(loaded.model, 1, &bytes));
-  std::vector<char> memory(bytes);
-  phn_data* of_picture = nullptr;
-  LoadedModel::check(phn_data_init(memory.data(), bytes, loaded.model, 1, &of_picture));
-  struct Touch {
-    double d[3] = {0, 0, 0};
-  };
-  devices::Latest<Touch> latest;
-  std::atomic<bool> stop{false}, shown{false};
-  long frames = 0;
-  double largest_shown = 0;
-  std::thread picture([&] {
-    std::vector<double> field(3 * static_cast<std::size_t>(info_of(loaded.model).n_output));
-    while (!stop) {
-      Touch touch;
-      if (!latest.read(touch)) continue;
-      if (phn_deform(loaded.model, of_picture, 3, touch.d, field.data()) < 0) continue;
-      for (const double x : field) largest_shown = std::max(largest_shown, std::fabs(x));
-      ++frames;
-      shown = true;
-    }
-  });
-  double largest = 0;
-  for (long cycle = 1; cycle <= 20'000; ++cycle) {
-    const double t = 1e-3 * static_cast<double>(cycle);
-    const Touch touch = {{0.008 * std::sin(t), 0.006 * std::cos(3 * t), -0.004}};
-    double force[3];
-    EXPECT_GE(phn_force(loaded.model, loaded.data, 3, touch.d, force, nullptr, nullptr), 0);
-    latest.write(touch);
-    largest = std::max(largest, std::hypot(force[0], force[1], force[2]));
-    if (cycle % 100 == 0) std::this_thread::yield();
-  }
-  while (!shown) std::this_thread::yield();
-  stop = true;
-  picture.join();
-  EXPECT_GT(largest, 0);
-  EXPECT_TRUE(std::isfinite(largest));
-  EXPECT_GT(frames, 0);
-  EXPECT_TRUE(std::isfinite(largest_shown));
 }
 
 }  // namespace

@@ -4,28 +4,27 @@
 import { load } from './module.mjs';
 
 const { f, take, view, bytes } = load(process.argv[2]);
-// Offsets of phynness_loop.h: four doubles, two numbers, and then doubles.
-const hasTimes = 32, controller = 36, coupling = 40 + 8 * (9 + 3 + 2), checkForce = coupling + 8 * 11, tripFrozen = coupling + 8 * 20;
+// Offsets of phynness_loop.h, which holds doubles only: two, and a frame of fourteen before the coupling.
+const coupling = 8 * (2 + 9 + 3 + 2), allowance = coupling + 8 * 6, tripFrozen = coupling + 8 * 16;
 const settings = take(512), size = take(4), handle = take(4);
 const status = (code, what) => {
   if (code < 0) throw new Error(`${what}: status ${code}`);
 };
 status(f.phn_loop_defaults(settings), 'phn_loop_defaults');
-if (view(Float64Array, settings + coupling, 1)[0] !== 400 || view(Float64Array, settings + checkForce, 1)[0] !== 0.4)
+const setting = (offset) => view(Float64Array, settings + offset, 1);
+if (setting(coupling)[0] !== 400 || setting(allowance)[0] !== 2e-5 || setting(tripFrozen)[0] !== 0.05)
   throw new Error('phn_loop_settings has another layout');
-view(Int32Array, settings + hasTimes, 1)[0] = 1;
-view(Int32Array, settings + controller, 1)[0] = 0;
-view(Float64Array, settings + checkForce, 1)[0] = 0;
-view(Float64Array, settings + tripFrozen, 1)[0] = 0;  // this device does not move while it is held
+setting(allowance)[0] = 1e3;  // no passivity controller
+setting(tripFrozen)[0] = 0;  // this device does not move while it is held
 status(f.phn_loop_size(size), 'phn_loop_size');
 const n = view(Uint32Array, size, 1)[0];
 status(f.phn_loop_init(take(n), n, settings, handle), 'phn_loop_init');
 const loop = view(Uint32Array, handle, 1)[0];
 status(f.phn_loop_engage(loop), 'phn_loop_engage');
-const sample = take(32), tool = take(24), response = take(144), force = take(24);
+const position = take(24), tool = take(24), response = take(144), force = take(24);
 for (let i = 1; i <= 400; ++i) {
-  view(Float64Array, sample, 4).set([0.006, 0, -0.008, 1e-3 * i]);
-  status(f.phn_loop_read(loop, sample, 1e-3 * i, tool), 'phn_loop_read');
+  view(Float64Array, position, 3).set([0.006, 0, -0.008]);
+  status(f.phn_loop_read(loop, position, 1e-3 * i, 1e-3 * i, tool), 'phn_loop_read');
   const at = Array.from(view(Float64Array, tool, 3));
   view(Int32Array, response, 3).set([0, 1, 1]);
   view(Float64Array, response + 16, 16)

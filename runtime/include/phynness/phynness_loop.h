@@ -1,10 +1,10 @@
 /* phynness: the part of a haptic controller between a device and a body.
  *
  * One cycle: read the device; phn_loop_read gives the position of the tool; phn_force, phn_couple or phn_contact_step
- * gives the response of the body at this position; phn_loop_hold gives the force for the device. The library contains
- * the virtual coupling between device and tool, the transform between their frames, a passivity observer and
- * controller, limits of force and slew rate, ramps, a clutch, and a trip that switches the force off and keeps it off.
- * It does not depend on a model and may be used with any other source of forces.
+ * gives the response of the body there; phn_loop_hold gives the force for the device. The library contains the virtual
+ * coupling between device and tool, the transform between their frames, a passivity observer and controller, limits of
+ * force and slew rate, and a trip that switches the force off and keeps it off. It does not depend on a model and may
+ * be used with any other source of forces. docs/howto/haptic-loop.md explains it.
  *
  * The caller provides the memory. No function allocates memory, prints, or reads a clock or a file. A phn_loop belongs
  * to one thread. Units are SI. Functions that return int return a status of phynness.h. All outputs are finite.
@@ -13,15 +13,13 @@
  * force_scale * rotation^T * force. Positions, velocities, forces and energies are those of the device unless a comment
  * says otherwise. An energy is positive if the loop takes it from the device.
  *
- * Time: `now_s` and the times of samples are those of one monotonic clock of the caller [s]. A force acts from
- * force_delay_s after its phn_loop_hold until the next force acts.
+ * Time: `now_s` and `measured_s` are those of one monotonic clock of the caller [s]. A force acts from its
+ * phn_loop_hold until the next one: if the device applies it later by a known time, take this time off from every
+ * measured_s.
  *
- * The passivity observer adds up -force . displacement for the forces that the device held between the times of two
- * position samples. It therefore knows the energy up to the time of the newest sample. It is exact up to the resolution
- * of the positions if forces change at the times of samples, and otherwise exact for a constant velocity between two
- * samples. A position in steps stands still for it between two values at which it changes back and forth.
- * Methods: passivity observer and controller, Hannaford & Ryu 2002 (doi 10.1109/70.988969); passivity of a
- * sampled spring and damper, Colgate & Schenkel 1997. Equations: docs/howto/haptic-loop.md. */
+ * The passivity observer adds up -force . displacement for the forces that the device held between two positions, and
+ * so knows the energy up to the newest position. Passivity observer and controller: Hannaford & Ryu 2002
+ * (doi 10.1109/70.988969). */
 #ifndef PHYNNESS_LOOP_H
 #define PHYNNESS_LOOP_H
 
@@ -36,16 +34,12 @@ typedef struct phn_loop phn_loop;
 /* [Values of phn_loop_defaults]. A limit of 0 is not checked. */
 typedef struct phn_loop_settings {
   double period_s;              /* of a cycle [1e-3] */
-  double latency_s;             /* age of a position when it is read; if samples have times, the least age [0] */
-  double force_delay_s;         /* from phn_loop_hold until the device applies the force [0] */
   double position_resolution_m; /* step of the measured positions [0] */
-  int32_t has_times;            /* 1: phn_loop_sample.time_s is valid [0] */
 
-  int32_t passivity_controller; /* 1: on, 0: only the observer [1] */
-  double rotation[9];           /* proper rotation, row by row, correct to 1e-9 [identity] */
-  double origin_m[3];           /* position of the device's origin in the body frame [0, 0, 0] */
-  double motion_scale;          /* metres of the body per metre of the device, > 0 [1] */
-  double force_scale;           /* newtons at the device per newton of the body, > 0 [1] */
+  double rotation[9];  /* proper rotation, row by row, correct to 1e-9 [identity] */
+  double origin_m[3];  /* position of the device's origin in the body frame [0, 0, 0] */
+  double motion_scale; /* metres of the body per metre of the device, > 0 [1] */
+  double force_scale;  /* newtons at the device per newton of the body, > 0 [1] */
 
   double coupling_N_per_m;          /* stiffness of the virtual coupling, at the device [400] */
   double coupling_damping_Ns_per_m; /* for the velocity of the device relative to the tool [0.2] */
@@ -58,36 +52,19 @@ typedef struct phn_loop_settings {
 
   double largest_force_N;      /* a longer force is shortened [8] */
   double largest_slew_N_per_s; /* rate of change of the force [4000] */
-  double force_resolution_N;   /* step of the motors [0] */
+  double ramp_s;               /* of the force after phn_loop_engage and phn_loop_release [0.1] */
 
-  double check_force_N; /* test pulses of phn_loop_engage; 0: no test [0.4] */
-  double engage_s;      /* ramp of the force after phn_loop_engage [0.1] */
-  double release_s;     /* ramp after phn_loop_release and phn_loop_clutch [0.1] */
-  double trip_ramp_s;   /* ramp after a trip; _ENERGY, _CHECK and _CLOCK end the force at once [0.005] */
-
-  double trip_energy_J;      /* delivered by the loop beyond what it took and device_damping dissipated; during the test
-                                pulses, by forces of phn_loop_held beyond the pulses [3e-4] */
+  double trip_energy_J;      /* delivered by the loop beyond what it took and device_damping dissipated [3e-4] */
   double trip_force_N;       /* of the coupling before all limits [40] */
-  double trip_speed_m_per_s; /* of the device, over 4 samples [2] */
-  double trip_jump_m;        /* between two samples one period apart [0.01] */
-  double trip_stale_s;       /* age of the newest position in addition to latency_s [0.01] */
-  double trip_frozen_s;      /* a position that does not change by one bit, see below [0.05] */
+  double trip_speed_m_per_s; /* of the device, over 4 positions [2] */
+  double trip_jump_m;        /* between two positions one period apart [0.01] */
+  double trip_stale_s;       /* age of the newest position [0.01] */
+  double trip_frozen_s;      /* no change by one bit after a motion of more than 20 mm/s [0.05] */
   double trip_overrun_s;     /* between two calls of phn_loop_hold [0.02] */
 } phn_loop_settings;
-/* trip_frozen_s: no change for so long after a motion of more than 20 mm/s trips. While a force above 0.1 N is held,
- * the force fades to zero within twice this time, sooner if the device had been fast, until a position changes; a fade
- * from more than 1 N to zero trips. Positions that can still be measured change when the force falls, long before. */
 PHN_API int phn_loop_defaults(phn_loop_settings* settings);
 
-enum { /* phn_loop_report.state */
-       PHN_LOOP_OFF = 0,
-       PHN_LOOP_CHECKING = 1,
-       PHN_LOOP_ENGAGING = 2,
-       PHN_LOOP_ON = 3,
-       PHN_LOOP_RELEASING = 4,
-       PHN_LOOP_CLUTCHED = 5,
-       PHN_LOOP_TRIPPED = 6
-};
+enum { /* phn_loop_report.state */ PHN_LOOP_OFF = 0, PHN_LOOP_ON = 1, PHN_LOOP_RELEASING = 2, PHN_LOOP_TRIPPED = 3 };
 enum { /* phn_loop_report.trip */
        PHN_TRIP_NONE = 0,
        PHN_TRIP_ENERGY = 1,
@@ -98,37 +75,26 @@ enum { /* phn_loop_report.trip */
        PHN_TRIP_FROZEN = 6,
        PHN_TRIP_OVERRUN = 7,
        PHN_TRIP_NOT_FINITE = 8, /* a position beyond 1000 m, or one or a response of the body is NaN or infinite */
-       PHN_TRIP_CLOCK = 9,      /* now_s runs backwards or stands still, or a sample is younger than latency_s */
-       PHN_TRIP_CHECK = 10,     /* the device does not move along the test pulses: wrong axis, sign, unit; firm grip */
-       PHN_TRIP_BODY = 11       /* the response of the body was refused: status < 0 in phn_loop_response */
+       PHN_TRIP_CLOCK = 9,      /* now_s does not advance from cycle to cycle, or measured_s is later than now_s */
+       PHN_TRIP_BODY = 10       /* the response of the body was refused: status < 0 in phn_loop_response */
 };
 /* The reason of a trip in one sentence; never null. */
 PHN_API const char* phn_loop_trip_message(int trip);
 
-/* Memory of a loop [bytes], and a loop in this memory, which is switched off. PHN_ERROR_ARGUMENT: a null pointer, a
- * setting out of its range, a rotation that is not a proper rotation, or latency_s + force_delay_s above 120 periods.
+/* Memory of a loop [bytes], and a loop in this memory, which is switched off; again after a trip.
+ * PHN_ERROR_ARGUMENT: a null pointer, a setting out of its range, a rotation that is not a proper rotation.
  * PHN_ERROR_NOT_FINITE: a setting is NaN or infinite. */
 PHN_API int phn_loop_size(size_t* bytes);
 PHN_API int phn_loop_init(void* memory, size_t bytes, const phn_loop_settings* settings, phn_loop** loop);
 
-/* Engage: tests the device with small force pulses (0.1 s, check_force_N), then raises the force. Release: lowers the
- * force to zero and switches off. Clutch on: lowers the force to zero; the tool stays where it is and the device moves
- * freely. Clutch off: the tool continues from there, as the origin is moved. Reset: switches a tripped loop off.
- * PHN_ERROR_ARGUMENT: the loop is tripped (engage, release, clutch) or not engaged (clutch). */
+/* Raises the force from zero; lowers it to zero and switches off. PHN_ERROR_ARGUMENT: the loop is tripped. */
 PHN_API int phn_loop_engage(phn_loop* loop);
 PHN_API int phn_loop_release(phn_loop* loop);
-PHN_API int phn_loop_clutch(phn_loop* loop, int32_t on);
-PHN_API int phn_loop_reset(phn_loop* loop);
 
-typedef struct phn_loop_sample {
-  double position_m[3]; /* of the device */
-  double time_s;        /* when it was measured; ignored unless has_times */
-} phn_loop_sample;
-
-/* Begins a cycle. `sample` is the newest position, or null if none arrived. Late, repeated and reordered samples are
- * recognized by their times; a lost sample is bridged with constant velocity. `tool` is the position of the tool in the
- * body frame, for which the caller computes the response of the body. */
-PHN_API int phn_loop_read(phn_loop* loop, const phn_loop_sample* sample, double now_s, double tool[3]);
+/* Begins a cycle. `position_m` is the newest position of the device, measured at `measured_s`, or null if none arrived.
+ * Late, repeated and reordered positions are recognized by their times; a lost one is bridged with constant velocity.
+ * `tool` is the position of the tool in the body frame, for which the caller computes the response of the body. */
+PHN_API int phn_loop_read(phn_loop* loop, const double position_m[3], double measured_s, double now_s, double tool[3]);
 
 /* Response of the body to the tool, body frame. */
 typedef struct phn_loop_response {
@@ -142,25 +108,20 @@ typedef struct phn_loop_response {
 } phn_loop_response;
 
 /* Ends a cycle: moves the tool by one Newton step towards the balance of body and coupling, and gives the force for the
- * device [N]. Zeros while the loop is off. */
+ * device [N]. Zeros while the loop is off or tripped. */
 PHN_API int phn_loop_hold(phn_loop* loop, const phn_loop_response* response, double now_s, double force[3]);
-
-/* The force [N] that the device really holds since the last phn_loop_hold, if it reports one that differs from the
- * output. Call it directly after phn_loop_hold. */
-PHN_API int phn_loop_held(phn_loop* loop, const double force[3]);
 
 typedef struct phn_loop_report {
   int32_t state, trip;     /* PHN_LOOP_*, PHN_TRIP_* */
-  double work_J;           /* taken from the device since phn_loop_engage, up to the time of the newest sample */
+  double work_J;           /* taken from the device since phn_loop_engage, up to the newest position */
   double most_delivered_J; /* largest value of -work_J so far */
-  double gross_J;          /* sum of |force . displacement| */
-  double unsure_J;         /* bound of the error of work_J by lost samples and by steps of the positions at rest */
+  double unsure_J;         /* bound of the error of work_J by lost positions and by steps of the positions at rest */
   double dissipated_J;     /* lower bound of what device_damping_Ns_per_m dissipated */
   double speed_m_per_s;    /* of the device */
-  double latency_s;        /* age of the newest sample at the last phn_loop_read */
+  double age_s;            /* of the newest position at the last phn_loop_read */
   double force_N[3];       /* last force */
   int64_t cycles, limited; /* all; those in which the passivity controller changed the force */
-  int64_t missing, repeated, reordered; /* cycles without a sample; samples that were not newer than the last */
+  int64_t missing, late;   /* cycles without a position; positions that were not newer than the last */
 } phn_loop_report;
 PHN_API int phn_loop_get_report(const phn_loop* loop, phn_loop_report* report);
 

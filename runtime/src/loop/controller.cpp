@@ -55,12 +55,11 @@ Vector kept_passive(phn_loop& loop, Vector force, double stored, double now) {
   const Vector velocity = loop.observer.velocity(n_velocity);
   const double speed2 = dot(velocity, velocity);
   // The effect of this force is observed when the first sample arrives that was measured after it has acted.
-  const double acts = now + s.force_delay_s, unseen = std::fmax(0.0, acts - loop.observer.time()) + s.period_s;
-  const double pending = loop.observer.pending(velocity, acts);
+  const double unseen = std::fmax(0.0, now - loop.observer.time()) + s.period_s;
+  const double pending = loop.observer.pending(velocity, now);
   // Energy that was dissipated must not be returned later, except for a reserve and what is not observed yet.
   const double kept = stored + s.largest_reserve_J + s.allowance_J + unseen * length(loop.force) * std::sqrt(speed2);
   loop.forgotten += std::fmax(0.0, budget(loop) - pending - kept);
-  if (s.passivity_controller == 0) return force;
 
   const double left = budget(loop) - std::fmax(0.0, pending);
   Vector result = limited(loop, force, velocity, left, unseen);

@@ -53,9 +53,9 @@ Vector ToolPath::velocity(double period) const {
 Vector to_body(const phn_loop& loop, Vector x) {
   const double* R = loop.settings.rotation;
   const double s = loop.settings.motion_scale;
-  return {loop.origin[0] + s * (R[0] * x.x + R[1] * x.y + R[2] * x.z),
-          loop.origin[1] + s * (R[3] * x.x + R[4] * x.y + R[5] * x.z),
-          loop.origin[2] + s * (R[6] * x.x + R[7] * x.y + R[8] * x.z)};
+  return load(loop.settings.origin_m) + s * Vector{R[0] * x.x + R[1] * x.y + R[2] * x.z,  //
+                                                   R[3] * x.x + R[4] * x.y + R[5] * x.z,
+                                                   R[6] * x.x + R[7] * x.y + R[8] * x.z};
 }
 
 namespace {
@@ -77,7 +77,7 @@ Vector force_to_device(const phn_loop& loop, Vector body) {
 
 Vector predicted(const phn_loop& loop, double now) {
   const phn_loop_settings& s = loop.settings;
-  const double ahead = now - loop.observer.time() + s.force_delay_s + 0.5 * s.period_s;
+  const double ahead = now - loop.observer.time() + 0.5 * s.period_s;
   Vector moved = ahead * loop.observer.velocity(n_velocity);
   if (s.trip_jump_m > 0) moved = shortened(moved, s.trip_jump_m);
   return loop.observer.position() + moved;
@@ -100,7 +100,7 @@ Vector couple(phn_loop& loop, const phn_loop_response& response, double now, dou
   if (s.reach_m > 0 && length(displacement + step) > s.reach_m)
     step = shortened(displacement + step, s.reach_m) - displacement;
   if (!finite(step)) {
-    trip(loop, PHN_TRIP_NOT_FINITE, now);
+    trip(loop, PHN_TRIP_NOT_FINITE);
     return {};
   }
   loop.tool = loop.tool + step;

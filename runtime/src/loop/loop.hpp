@@ -6,7 +6,6 @@
 
 #include <cstdint>
 
-#include "device_check.hpp"
 #include "observer.hpp"
 
 namespace phynness::loop {
@@ -28,43 +27,29 @@ struct phn_loop {
   using Vector = phynness::loop::Vector;
 
   explicit phn_loop(const phn_loop_settings& s)
-      : settings(s),
-        observer(s.period_s, s.device_damping_Ns_per_m, s.position_resolution_m),
-        check(s.check_force_N, s.period_s) {
-    for (int k = 0; k < 3; ++k) origin[k] = s.origin_m[k];
-  }
+      : settings(s), observer(s.period_s, s.device_damping_Ns_per_m, s.position_resolution_m) {}
 
   phn_loop_settings settings;
   phynness::loop::Observer observer;
-  phynness::loop::DeviceCheck check;
   int state = PHN_LOOP_OFF, trip = PHN_TRIP_NONE;
-  double origin[3] = {};
 
-  int still = 0;         ///< calls of phn_loop_hold since the clock advanced
   double now = 0;        ///< of the last call
   double last_hold = 0;  ///< time of the last phn_loop_hold
   bool has_time = false, has_held = false;
-  double ramp_from = 0;     ///< time at which the present ramp began
   double ramp = 0;          ///< factor of the force, 0 ... 1
-  double latency = 0;       ///< age of the newest sample at the last phn_loop_read
+  double age = 0;           ///< of the newest sample at the last phn_loop_read
   double stopped = 0;       ///< time since which the position is the same, bit for bit
   double stopped_from = 0;  ///< speed before [m/s]
-  double felt = 0;          ///< time of the last sample without a force that can be felt
-  double unfrozen = 1;      ///< factor of the force, which fades while the position is the same
-  double before_fade = 0;   ///< size of the force before it faded [N]
-  double patience = 0;      ///< time without a change of the position until the force fades [s]
-  double recent_speed = 0;  ///< largest speed of the last tenth of a second [m/s]
 
   Vector tool;          ///< body frame
   bool placed = false;  ///< `tool` has been set
-  Vector clutch_at;     ///< body position of the device when the clutch was switched on
   phynness::loop::ToolPath path;
   Vector force;          ///< for the device, as held
   double share = 1;      ///< factor of the passivity controller
   Vector change;         ///< of the force by the passivity controller in the last cycle
   double forgotten = 0;  ///< observed energy that must not be returned [J]
 
-  std::int64_t cycles = 0, limited = 0, missing = 0, repeated = 0, reordered = 0;
+  std::int64_t cycles = 0, limited = 0, missing = 0, late = 0;
 };
 
 namespace phynness::loop {
@@ -89,11 +74,8 @@ Vector kept_passive(phn_loop& loop, Vector force, double stored, double now);
 double budget(const phn_loop& loop);
 
 /// Switches to PHN_LOOP_TRIPPED for this reason; the first reason remains.
-void trip(phn_loop& loop, int reason, double now);
-void check_sample(phn_loop& loop, const phn_loop_sample& sample, double time);
+void trip(phn_loop& loop, int reason);
+void check_sample(phn_loop& loop, Vector position, double time);
 void check_cycle(phn_loop& loop, double now);
-/// Factor of the force: it fades while a force is held and no position changes. A position that can still be measured
-/// changes when the force does, long before it is zero.
-double frozen_share(phn_loop& loop, double now);
 
 }  // namespace phynness::loop

@@ -30,7 +30,7 @@ void Observer::hold(double from, Vector force) {
     _newest = (_newest + 1) % n_kept;
     if (_n_held < n_kept) ++_n_held;
   }
-  _held[_newest] = {from, force, {}};
+  _held[_newest] = {from, force};
 }
 
 bool Observer::sample(double time, Vector measured) {
@@ -42,11 +42,8 @@ bool Observer::sample(double time, Vector measured) {
     const double duration = time - _samples[0].time;
     const Vector moved = position - _samples[0].position, velocity = (1 / duration) * moved;
     Vector impulse;
-    each_force(_samples[0].time, time, [&](const Held& held, double seconds) {
-      impulse = impulse + seconds * held.force;
-      gross += std::fabs(dot(held.force, velocity)) * seconds;
-      excess += seconds * dot(held.excess, velocity);
-    });
+    each_force(_samples[0].time, time,
+               [&](const Held& held, double seconds) { impulse = impulse + seconds * held.force; });
     work -= dot(impulse, velocity);
     most_delivered = std::fmax(most_delivered, -work);
     if (duration > 1.5 * _period) {
@@ -74,7 +71,7 @@ bool Observer::sample(double time, Vector measured) {
 }
 
 void Observer::restart() {
-  work = most_delivered = gross = excess = unsure = dissipated = 0;
+  work = most_delivered = unsure = dissipated = 0;
   _window = _samples[0];
 }
 

@@ -35,11 +35,6 @@ class Observer {
 
   /// The device holds `force` from time `from` on.
   void hold(double from, Vector force);
-  /// The force of the last hold() was another one.
-  void correct(Vector force) {
-    _held[_newest].excess = _held[_newest].excess + force - _held[_newest].force;
-    _held[_newest].force = force;
-  }
   /// Whether a sample of this time is later than the last one by more than rounding. @pre started()
   bool is_newer(double time) const { return time - _samples[0].time > 1e-6 * _period; }
   /// @return whether the sample is newer than the last one; others are ignored
@@ -61,8 +56,6 @@ class Observer {
 
   double work = 0;            ///< taken from the device [J]
   double most_delivered = 0;  ///< largest -work [J]
-  double gross = 0;           ///< sum of |force . displacement| [J]
-  double excess = 0;  ///< delivered by the difference of the forces that were held and those that were to be held [J]
   /// Bound of the error of `work` by lost samples and by forces that change while the position seems to stand [J].
   double unsure = 0;
   double dissipated = 0;  ///< by the damping of the device, at least [J]
@@ -74,7 +67,7 @@ class Observer {
   };
   struct Held {
     double from = 0;
-    Vector force, excess;
+    Vector force;
   };
   static constexpr int n_kept = 128;
 

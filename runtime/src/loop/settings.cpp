@@ -23,9 +23,7 @@ bool proper_rotation(const double* R) {
 
 int phynness::loop::status_of(const phn_loop_settings& s) {
   const double positive[] = {s.period_s, s.motion_scale, s.force_scale, s.coupling_N_per_m, s.largest_force_N};
-  const double at_least_0[] = {s.latency_s,
-                               s.force_delay_s,
-                               s.position_resolution_m,
+  const double at_least_0[] = {s.position_resolution_m,
                                s.coupling_damping_Ns_per_m,
                                s.device_damping_Ns_per_m,
                                s.reach_m,
@@ -34,11 +32,7 @@ int phynness::loop::status_of(const phn_loop_settings& s) {
                                s.allowance_J,
                                s.largest_reserve_J,
                                s.largest_slew_N_per_s,
-                               s.force_resolution_N,
-                               s.check_force_N,
-                               s.engage_s,
-                               s.release_s,
-                               s.trip_ramp_s,
+                               s.ramp_s,
                                s.trip_energy_J,
                                s.trip_force_N,
                                s.trip_speed_m_per_s,
@@ -55,7 +49,6 @@ int phynness::loop::status_of(const phn_loop_settings& s) {
     if (!std::isfinite(v)) return PHN_ERROR_NOT_FINITE;
     if (v < 0 || v > largest) return PHN_ERROR_ARGUMENT;
   }
-  if (s.latency_s + s.force_delay_s > Observer(s.period_s, 0, 0).memory_s()) return PHN_ERROR_ARGUMENT;
   if (!finite(load(s.origin_m))) return PHN_ERROR_NOT_FINITE;
   for (const double x : s.origin_m)
     if (std::fabs(x) > largest) return PHN_ERROR_ARGUMENT;
@@ -68,7 +61,6 @@ extern "C" int phn_loop_defaults(phn_loop_settings* settings) {
   if (settings == nullptr) return PHN_ERROR_ARGUMENT;
   phn_loop_settings s = {};
   s.period_s = 1e-3;
-  s.passivity_controller = 1;
   s.rotation[0] = s.rotation[4] = s.rotation[8] = 1;
   s.motion_scale = s.force_scale = 1;
   s.coupling_N_per_m = 400;
@@ -79,9 +71,7 @@ extern "C" int phn_loop_defaults(phn_loop_settings* settings) {
   s.largest_reserve_J = 5e-4;
   s.largest_force_N = 8;
   s.largest_slew_N_per_s = 4000;
-  s.check_force_N = 0.4;
-  s.engage_s = s.release_s = 0.1;
-  s.trip_ramp_s = 0.005;
+  s.ramp_s = 0.1;
   s.trip_energy_J = 3e-4;
   s.trip_force_N = 40;
   s.trip_speed_m_per_s = 2;

@@ -9,7 +9,7 @@ import { Runtime } from './answers.js';
 import { byId, download, setText } from './dom.js';
 import { glbOf, pngOf } from './exports.js';
 import { pageDataOf, type PageData } from './page_data.js';
-import { heldAt, Recording } from './recording.js';
+import { placeAt } from './places.js';
 import { Session } from './session.js';
 import { initialState, stateOf, type State } from './state.js';
 import { View } from './view.js';
@@ -18,7 +18,6 @@ const modelFromText = loader(() => WebAssembly.compile(wasm));
 
 class Page {
   private view: View | null = null;
-  private recording: Recording | null = null;
   private text = '';
   /** the data that belongs to the model in view */
   private shown: PageData;
@@ -62,11 +61,7 @@ class Page {
     const session = new Session(runtime, data, state);
     byId('problem', HTMLElement).hidden = true;
     if (this.view) this.view.open(session);
-    else {
-      this.view = new View(session);
-      this.recording = new Recording(this.view);
-    }
-    if (before && text !== this.text) this.recording?.forget();
+    else this.view = new View(session);
     before?.runtime.dispose();
     this.text = text;
     this.shown = data;
@@ -101,13 +96,12 @@ class Page {
   }
   private take(file: File): void {
     this.openFile(file).catch((error: unknown) =>
-      this.refuse(`${plain(file.name, 60)} cannot be read: ${error instanceof Error ? error.message : String(error)}. Give a file model.txt or a motion.`));
+      this.refuse(`${plain(file.name, 60)} cannot be read: ${error instanceof Error ? error.message : String(error)}. Give a file model.txt.`));
   }
   private async openFile(file: File): Promise<void> {
     const bytes = new Uint8Array(await file.arrayBuffer()), text = new TextDecoder().decode(bytes);
-    if (text.trimStart().startsWith('{')) this.recording?.open(text);
     // Rays and errors in the page belong to its own model.
-    else await this.open(text, text === this.data.model ? this.data : { ...this.data, model: null, body: null, rays: [], validation: null, sceneTitle: '' }, initialState(), bytes);
+    await this.open(text, text === this.data.model ? this.data : { ...this.data, model: null, body: null, rays: [], validation: null, sceneTitle: '' }, initialState(), bytes);
   }
 
   private async savePng(): Promise<void> {
@@ -135,7 +129,7 @@ class Page {
         get work() { return view.session.work?.closed ?? null; },
         /** Holds nodes: [{node, displacement}, ...] */
         hold: (tools: { node: number; displacement: V3 }[]) => {
-          view.session.setTools(tools.map(({ node, displacement }) => heldAt(node, displacement)));
+          view.session.setTools(tools.map(({ node, displacement }) => ({ place: placeAt(node), displacement })));
           view.changed(true);
           view.draw();
         },

@@ -167,7 +167,7 @@ export class Session {
     this.runtime.endContact();
     if (this.state.mode === 'sphere') this.approach();
   }
-  /** Replaces all tools, for example by those of a recorded step. */
+  /** Replaces all tools. */
   setTools(tools: readonly HeldTool[]): void {
     const held = this.state.tools;
     // Tools that stay where they hold the body continue their path.

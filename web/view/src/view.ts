@@ -44,8 +44,6 @@ export class View {
   private addressTimer = 0;
   private address = '';
   camera!: Camera;
-  /** called after each step of physics */
-  onStep: (() => void) | null = null;
 
   constructor(public session: Session) {
     byId('foot', HTMLElement).append(this.legend.element, this.overlay.element);
@@ -115,7 +113,6 @@ export class View {
     this.scheduled = 0;
     const begin = performance.now(), { session, picture } = this, { state } = session;
     picture.resize(this.stage.clientWidth, this.stage.clientHeight);
-    const stepped = this.physics;
     if (this.physics) session.update();
     this.physics = false;
     if (session.restless) this.changed(true);
@@ -131,7 +128,6 @@ export class View {
     this.readouts.show(session);
     this.count(begin);
     this.controls.show(this.frameTimes());
-    if (stepped) this.onStep?.();
     window.clearTimeout(this.slow);
     // The curve, which takes tenths of a second of a body, and the address of the page rest while things move fast.
     this.slow = window.setTimeout(() => this.settle(), session.runtime.body ? 500 : 60);

@@ -1,4 +1,4 @@
-// What the page computes without a page: tools, their work, maps, motions and the state in the address.
+// What the page computes without a page: tools, their work, maps and the state in the address.
 import { join } from 'node:path';
 import { describe, expect, test } from 'vitest';
 import type { Model } from '../../runtime/src/index.js';
@@ -6,7 +6,6 @@ import { block, bodyText, built, load, sample } from '../../runtime/test/setup.j
 import { add, norm, scale, sub, type V3 } from '../../shared/src/vectors.js';
 import { Runtime } from '../src/answers.js';
 import { mapsOf, onSurface } from '../src/maps.js';
-import { MotionError, motionOf, Recorder, stepAt, textOf } from '../src/motion.js';
 import { nearestRay, pageDataOf } from '../src/page_data.js';
 import { placeAt } from '../src/places.js';
 import { joined } from '../src/plot.js';
@@ -125,24 +124,6 @@ test('a body answers for all tools, goes on until it rests, and curves do not di
     s.update();
   }
   expect(norm(s.answer.forces[0]!)).toBeGreaterThan(0.01);
-});
-
-describe('motions', () => {
-  test('are read as they were written', () => {
-    const recorder = new Recorder();
-    recorder.add(5, [{ place: placeAt(3), displacement: [0.1, 0, 1 / 3], force: [1, 2, 3] }]);
-    recorder.add(6, []);
-    const motion = recorder.motion('hash')!, again = motionOf(textOf(motion));
-    expect(again).toEqual({ ...motion, steps: motion.steps });
-    expect(again.steps[0]!.displacements[0]![2]).toBe(1 / 3);
-    expect(stepAt(again.steps, 0.5)).toBe(0);
-    expect(stepAt(again.steps, 1)).toBe(1);
-  });
-  test.each(['', '[]', '{"format":"phynness motion 2"}', '{"format":"phynness motion 1","tools":[],"time_s":[]}',
-    '{"format":"phynness motion 1","tools":[{"node":1}],"time_s":[1,0],"displacement_m":[[null],[null]]}',
-    '{"format":"phynness motion 1","tools":[{"node":1}],"time_s":[0],"displacement_m":[[[0,0]]]}'])('%s is refused', (text) => {
-    expect(() => motionOf(text)).toThrow(MotionError);
-  });
 });
 
 describe('the state in the address', () => {
