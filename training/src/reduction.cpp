@@ -244,7 +244,7 @@ class Reduction {
     return stiffness.llt().matrixL().solve(MatrixXd::Identity(m, m));
   }
 
-  /// Weights for the forces and changes of volume of the drawn states in the modes (equations of lab/reduced/study.py),
+  /// Weights for the forces and changes of volume of the drawn states in the modes,
   /// of which random sums are taken.
   void find_weights(int cells) {
     const Index n_points = _elements.n_points;
