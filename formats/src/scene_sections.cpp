@@ -60,8 +60,8 @@ void check_file(const SceneTable& table, const std::filesystem::path& folder, Me
   spec.file = std::filesystem::absolute(folder / spec.file).lexically_normal();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (std::find(mesh_file_extensions.begin(), mesh_file_extensions.end(), extension) == mesh_file_extensions.end())
-    table.reject("file", "has an unknown format", "give a " + listed(mesh_file_extensions) + " file");
+  if (std::ranges::find(mesh_file_extensions, extension) == std::end(mesh_file_extensions))
+    table.reject("file", "has an unknown format", mesh_file_kinds());
   std::error_code code;
   if (mesh_file == MeshFile::must_exist && std::filesystem::exists(spec.file, code) &&
       !std::filesystem::is_regular_file(spec.file, code))

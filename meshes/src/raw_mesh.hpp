@@ -38,7 +38,6 @@ RawMesh read_vtk(const std::string& bytes, const std::string& source);
 RawMesh read_stl(const std::string& bytes, const std::string& source);
 RawMesh read_obj(const std::string& bytes, const std::string& source);
 RawMesh read_vtu(const std::string& bytes, const std::string& source);
-RawMesh read_vtp(const std::string& bytes, const std::string& source);
 RawMesh read_ply(const std::string& bytes, const std::string& source);
 RawMesh read_off(const std::string& bytes, const std::string& source);
 RawMesh read_inp(const std::string& bytes, const std::string& source);

@@ -10,22 +10,14 @@ namespace {
 
 using Reader = RawMesh (*)(const std::string&, const std::string&);
 
-/// In the order of mesh_file_extensions.
 constexpr std::pair<std::string_view, Reader> readers[] = {
-    {".msh", &read_msh}, {".vtk", &read_vtk}, {".vtu", &read_vtu}, {".vtp", &read_vtp}, {".inp", &read_inp},
+    {".msh", &read_msh}, {".vtk", &read_vtk}, {".vtu", &read_vtu}, {".inp", &read_inp},
     {".stl", &read_stl}, {".obj", &read_obj}, {".ply", &read_ply}, {".off", &read_off}};
 
 Reader reader_of(const std::string& extension) {
   for (const auto& [ending, reader] : readers)
     if (ending == extension) return reader;
   return nullptr;
-}
-
-std::string extensions() {
-  std::string list;
-  for (const auto& ending : mesh_file_extensions)
-    list.append(list.empty() ? "" : ending == mesh_file_extensions.back() ? " or " : ", ").append(ending);
-  return list;
 }
 
 }  // namespace
@@ -35,13 +27,11 @@ RawMesh read_mesh_file(const std::filesystem::path& file) {
   for (char& c : extension)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   const auto reader = reader_of(extension);
-  if (!reader)
-    throw input_error("mesh file of an unknown kind", file.string(), "give a file whose name ends in " + extensions());
+  if (!reader) throw input_error("mesh file of an unknown kind", file.string(), mesh_file_kinds());
   // Ten million tetrahedra, a hundred times the number that can be solved, take about 600 MB as text.
   constexpr std::uint64_t most_bytes = 1 << 30;
   const bool is_text = extension == ".obj" || extension == ".inp";  // the others may be binary
-  const std::string bytes =
-      read_input_file(file, {"the mesh file", "name a file that ends in " + extensions(), most_bytes, is_text});
+  const std::string bytes = read_input_file(file, {"the mesh file", mesh_file_kinds(), most_bytes, is_text});
   if (bytes.empty()) throw input_error("the mesh file is empty", file.string(), again);
   RawMesh raw = reader(bytes, file.filename().string());
   if (raw.tetrahedra.empty() && raw.triangles.empty())

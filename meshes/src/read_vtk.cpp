@@ -52,7 +52,7 @@ class VtkFile {
     const std::string_view magic = "# vtk DataFile Version ";
     if (!header.starts_with(magic))
       throw input_error(_scanner.source() + ":1: not a legacy VTK file", header.substr(0, 40),
-                        "give an XML file the name .vtu (or .vtp), or save the mesh as legacy VTK");
+                        "give an XML file the name .vtu, or save the mesh as legacy VTK");
     _with_offsets = header.compare(magic.size(), std::string::npos, "5.1") >= 0;
     _scanner.line();
     const std::string encoding(_scanner.word("ASCII or BINARY"));

@@ -1,4 +1,4 @@
-// VTK's XML files: unstructured grids (.vtu) and poly data (.vtp), as ParaView, PyVista and `phynness show` write them.
+// VTK's XML files of unstructured grids (.vtu), as ParaView, PyVista and `phynness show` write them.
 // Their arrays are text, base64 or appended, with or without zlib compression.
 // https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
 #include <zlib.h>
@@ -115,10 +115,7 @@ class EncodedData {
 
 class VtkXml {
  public:
-  /// @param kind  "UnstructuredGrid" or "PolyData"
-  VtkXml(const std::string& bytes, const std::string& source, const char* kind) : _bytes(bytes), _source(source) {
-    parse_document(kind);
-  }
+  VtkXml(const std::string& bytes, const std::string& source) : _bytes(bytes), _source(source) { parse_document(); }
 
   pugi::xml_node grid() const { return _grid; }
 
@@ -175,7 +172,7 @@ class VtkXml {
     return _source + ":" + std::to_string(1 + std::count(_bytes.begin(), end, '\n')) + ": ";
   }
 
-  void parse_document(const char* kind) {
+  void parse_document() {
     const auto last = _bytes.find_last_not_of(" \t\r\n", std::string::npos, 4);
     constexpr std::string_view end = "</VTKFile>";
     const bool whole = last != std::string::npos && std::string_view(_bytes).substr(0, last + 1).ends_with(end);
@@ -197,10 +194,10 @@ class VtkXml {
                                                  : "the file is not an XML file of VTK"),
           parsed ? "" : parsed.description(), again);
     }
-    _grid = file.child(kind);
+    _grid = file.child("UnstructuredGrid");
     if (!_grid)
-      fail(file, std::string("the file holds no ") + kind, file.attribute("type").value(),
-           "save the mesh as an unstructured grid (.vtu), or its surface as poly data (.vtp)");
+      fail(file, "the file holds no UnstructuredGrid", file.attribute("type").value(),
+           "save the mesh as an unstructured grid (.vtu)");
     read_encoding(file);
   }
 
@@ -293,21 +290,21 @@ std::size_t append_points(const VtkXml& file, pugi::xml_node piece, RawMesh& raw
 }
 
 /// @param cells  the element with the arrays of `n_cells` cells
-void append_cells(const VtkXml& file, pugi::xml_node cells, std::size_t n_cells, std::size_t n_points, bool with_types,
-                  RawMesh& raw) {
+void append_cells(const VtkXml& file, pugi::xml_node cells, std::size_t n_cells, std::size_t n_points, RawMesh& raw) {
   if (n_cells == 0) return;
   const auto ends = file.numbers<std::int64_t>(file.array(cells, "offsets"), n_cells);
   const auto array = file.array(cells, "connectivity");
   const auto points =
       file.numbers<std::int64_t>(array, static_cast<std::size_t>(std::max<std::int64_t>(ends.back(), 0)));
-  std::vector<std::int64_t> types;
-  if (with_types) types = file.numbers<std::int64_t>(file.array(cells, "types"), n_cells);
+  const auto types = file.numbers<std::int64_t>(file.array(cells, "types"), n_cells);
   add_vtk_cells(ends, points, n_points, static_cast<std::int32_t>(raw.nodes.size() - n_points), types, raw,
                 [&](const auto&... text) { file.fail(array, text...); });
 }
 
-RawMesh read_pieces(const std::string& bytes, const std::string& source, bool poly_data) {
-  const VtkXml file(bytes, source, poly_data ? "PolyData" : "UnstructuredGrid");
+}  // namespace
+
+RawMesh read_vtu(const std::string& bytes, const std::string& source) {
+  const VtkXml file(bytes, source);
   RawMesh raw;
   std::size_t n_pieces = 0;
   for (const auto piece : file.grid().children("Piece")) {
@@ -316,21 +313,11 @@ RawMesh read_pieces(const std::string& bytes, const std::string& source, bool po
     if (raw.nodes.size() > most_points)
       file.fail(piece, "the file holds more points than can be solved", std::to_string(raw.nodes.size()),
                 "give a coarser mesh");
-    if (piece.attribute("NumberOfStrips").as_uint(0) > 0)
-      file.fail(piece, "the file holds triangle strips", piece.attribute("NumberOfStrips").value(),
-                "triangulate the surface (in ParaView: filter Triangulate) and save it again");
-    const auto cells = piece.child(poly_data ? "Polys" : "Cells");
-    if (cells || !poly_data)
-      append_cells(file, cells, file.count(piece, poly_data ? "NumberOfPolys" : "NumberOfCells"), n, !poly_data, raw);
+    append_cells(file, piece.child("Cells"), file.count(piece, "NumberOfCells"), n, raw);
     if (n > 0) ++n_pieces;
   }
   if (n_pieces > 1) raw.notes.push_back("the file holds " + std::to_string(n_pieces) + " pieces");
   return raw;
 }
-
-}  // namespace
-
-RawMesh read_vtu(const std::string& bytes, const std::string& source) { return read_pieces(bytes, source, false); }
-RawMesh read_vtp(const std::string& bytes, const std::string& source) { return read_pieces(bytes, source, true); }
 
 }  // namespace phynness::meshes

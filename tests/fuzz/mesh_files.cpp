@@ -1,4 +1,4 @@
-// Arbitrary bytes as a mesh (mesh.txt, .msh, .vtk, .stl, .obj, .vtu, .vtp, .ply, .off, .inp) are read or result in an
+// Arbitrary bytes as a mesh (mesh.txt, .msh, .vtk, .stl, .obj, .vtu, .ply, .off, .inp) are read or result in an
 // Error. Input: a byte (bits 0 to 3: the reader; 8: mesh.txt with its right checksum; bits 4 to 6: repair, millimetres,
 // half a body), then the file. The contents are checked as a body, as a surface and as a shell, which gives a valid
 // mesh or an Error.
@@ -25,16 +25,15 @@ const std::vector<std::string_view> words = words_of(
 
 using Read = meshes::RawMesh (*)(const std::string&, const std::string&);
 /// By the low four bits of the first byte; 0 and 8 are mesh.txt.
-constexpr Read readers[16] = {nullptr,          meshes::read_msh, meshes::read_vtk, meshes::read_stl,
-                              meshes::read_obj, meshes::read_vtu, meshes::read_vtp, meshes::read_ply,
-                              nullptr,          meshes::read_off, meshes::read_inp};
+constexpr Read readers[16] = {nullptr,          meshes::read_msh, meshes::read_vtk, meshes::read_stl, meshes::read_obj,
+                              meshes::read_vtu, meshes::read_off, meshes::read_ply, nullptr,          meshes::read_inp};
 
-/// An XML file of VTK with one tetrahedron or triangle, in ASCII or with arrays in base64 or appended.
-std::string small_vtk_xml(const std::string& kind, const std::string& cells, const std::string& rest) {
-  return "<VTKFile type=\"" + kind + "\" byte_order=\"LittleEndian\" header_type=\"UInt32\"><" + kind +
-         "><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\" NumberOfPolys=\"1\"><Points><DataArray type=\"Float32\" "
+/// An XML file of VTK with one tetrahedron, in ASCII or with arrays in base64 or appended.
+std::string small_vtk_xml(const std::string& cells, const std::string& rest) {
+  return "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\" header_type=\"UInt32\"><UnstructuredGrid>"
+         "<Piece NumberOfPoints=\"4\" NumberOfCells=\"1\"><Points><DataArray type=\"Float32\" "
          "NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>" +
-         cells + "</Piece></" + kind + ">" + rest + "</VTKFile>\n";
+         cells + "</Piece></UnstructuredGrid>" + rest + "</VTKFile>\n";
 }
 
 std::string small_cells(const std::string& place) {
@@ -116,19 +115,15 @@ std::vector<Input> seeds() {
   add(3, binary);
   add(4, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1/1 2/2 4/3\nf 2//1 3//1 4//1\nf -4 -1 -2\n");
   const std::string four = "EAAAAAAAAAABAAAAAgAAAAMAAAA=";  // 16 bytes: 0 1 2 3
-  add(5, small_vtk_xml("UnstructuredGrid", small_cells("\"ascii\">0 1 2 3"), ""));
-  add(5, small_vtk_xml("UnstructuredGrid", small_cells("\"binary\">" + four), ""));
-  add(5, small_vtk_xml("UnstructuredGrid", small_cells("\"appended\" offset=\"0\">"),
+  add(5, small_vtk_xml(small_cells("\"ascii\">0 1 2 3"), ""));
+  add(5, small_vtk_xml(small_cells("\"binary\">" + four), ""));
+  add(5, small_vtk_xml(small_cells("\"appended\" offset=\"0\">"),
                        "<AppendedData encoding=\"base64\">_" + four + "</AppendedData>"));
-  add(6, small_vtk_xml("PolyData",
-                       "<Polys><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 2 1</DataArray>"
-                       "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">3</DataArray></Polys>",
-                       ""));
   add(7,
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
       "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
-  add(9, "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n4 0 1 2 3 1 0 0\n");
-  add(10,
+  add(6, "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n4 0 1 2 3 1 0 0\n");
+  add(9,
       "*NODE, NSET=all\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n*ELEMENT, TYPE=C3D4, ELSET=b\n1, 1, 2,\n3, 4\n"
       "*NSET, NSET=a, GENERATE\n1, 3, 2\n*NSET, NSET=c\na, 2\n");
   // Triangles and cells that are points or lines, repeated, far away, or of nodes that lie on one another.

@@ -83,7 +83,8 @@ TEST(DamagedFiles, MessagesNameTheDefect) {
       {".obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n", "not defined above"},
       {".obj", "v 0 0 0\n", "neither tetrahedra nor triangles"},
       {".stl", "solid x\nendsolid x\n", "neither tetrahedra nor triangles"},
-      {".3mf", "PK\n", "unknown kind"}};
+      {".3mf", "PK\n", "unknown kind"},
+      {".vtp", "<VTKFile type=\"PolyData\">\n", "meshio convert"}};
   for (const Case& c : cases) {
     const std::string message = error_of([&] { import_bytes(c.bytes, c.extension); });
     EXPECT_TRUE(contains(message, c.part)) << "expected '" << c.part << "' in '" << message << "'";

@@ -102,8 +102,6 @@ def main():
 
     outside = surface(nodes, cells)
     skin = vtk_data(vtkPolyData(), *outside, None)
-    write_xml(vtkXMLPolyDataWriter(), skin, "vtk_raw_zlib.vtp", "appended", "zlib", 32)
-    write_xml(vtkXMLPolyDataWriter(), skin, "vtk_ascii.vtp", "ascii", None, 32)
     for name, ascii_file in (("vtk_ascii.ply", True), ("vtk_binary.ply", False), ("vtk_big_endian.ply", False)):
         writer = vtkPLYWriter()
         writer.SetInputData(skin)
