@@ -68,7 +68,7 @@ std::optional<Error> try_part(const Part& part) {
 
 /// Of the database on which a model of the scene was trained.
 DatabaseHeader header_of(const Scene& scene, const LoadedModel& model) {
-  NodeSets sets{model.model().fixed, {}, model.model().output, {}};
+  NodeSets sets{model.model().fixed, {}, model.model().output};
   for (const auto& node : model.model().nodes) sets.active.push_back(node.node);
   return database_header(scene, model.mesh(), sets);
 }
