@@ -120,9 +120,11 @@ struct LoadedScene {
   Mesh mesh;
   NodeSets sets;
 };
-/// @param refused  called with the mesh, and with the sets selected so far, before an error about them leaves
+/// @param refused    called with the mesh, and with the sets selected so far, before an error about them leaves
+/// @param continued  a database that --resume continues, if it exists: spread points keep those that it has
 LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false,
-                       const std::function<void(const LoadedScene&)>& refused = {});
+                       const std::function<void(const LoadedScene&)>& refused = {},
+                       const std::filesystem::path& continued = {});
 
 /// Prints the worst cells of a mesh in a line each. @return their figures
 json tell_worst_cells(const Mesh& mesh, const NodeList& fixed);
@@ -136,8 +138,8 @@ void warn_of_patch(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 /// @throws Error (input) if the hashes differ
 void check_mesh(const Scene& scene, const std::string& mesh_hash, const std::string& where);
 
-/// Opens the database of a scene, or the part of another scene's database that has all its rays: those of some of the
-/// active and output nodes. header() is that of the scene's own database.
+/// Opens the database of a scene, or of another scene that has all its rays, of which some active and output nodes are
+/// taken. header() is that of the scene's own database.
 /// @throws Error (input) with the differences if the database does not have all rays of the scene
 Database open_database(const Scene& scene, const std::filesystem::path& file);
 

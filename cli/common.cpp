@@ -97,8 +97,26 @@ Scene open_scene(const std::filesystem::path& file) {
   return scene;
 }
 
+namespace {
+
+void select(const std::filesystem::path& continued, LoadedScene& loaded) {
+  NodeList probed;
+  if (std::filesystem::exists(continued)) {
+    const auto header = read_database_header(continued);
+    const bool same_mesh = header.mesh_hash == mesh_hash(loaded.mesh);
+    if (same_mesh && header.physics_hash == physics_hash(loaded.scene)) {
+      loaded.sets = header.sets;
+      return;
+    }
+    if (same_mesh) probed = header.sets.active;
+  }
+  resolve_selections(loaded.scene, loaded.mesh, loaded.sets, probed);
+}
+
+}  // namespace
+
 LoadedScene load_scene(const std::filesystem::path& file, bool quiet,
-                       const std::function<void(const LoadedScene&)>& refused) {
+                       const std::function<void(const LoadedScene&)>& refused, const std::filesystem::path& continued) {
   LoadedScene loaded;
   loaded.scene = open_scene(file);
   auto made = make_mesh(loaded.scene);
@@ -112,7 +130,7 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet,
   loaded.mesh = std::move(made.mesh);
   try {
     check_sizes(loaded.scene, made.quality, quiet);
-    resolve_selections(loaded.scene, loaded.mesh, loaded.sets);
+    select(continued, loaded);
   } catch (const Error&) {
     if (refused) refused(loaded);
     throw;
@@ -172,11 +190,7 @@ Database open_database(const Scene& scene, const std::filesystem::path& file) {
     part.software_version = header.software_version;
     part.fold_halvings = header.fold_halvings;
     Database::open(file, part);
-    part.sets = resolve_selections(meant, header.mesh);
-    if (coverage(header, part) != Coverage::whole)
-      throw input_error("the database " + file.string() + " does not have all rays of the scene",
-                        "other active nodes, output nodes, directions or moduli, or a larger depth",
-                        "solve what is missing with: phynness precompute SCENE -o OTHER.h5 --from " + file.string());
+    part.sets = resolve_selections(meant, header.mesh, header.sets.active);
     database = Database::open(file, part);
   }
   check_mesh(scene, database.header().mesh_hash, file.string());

@@ -19,7 +19,6 @@ struct Options {
   OptionalPath surface;
   int levels = 0;  ///< of subdivision
   std::optional<std::int32_t> level;
-  double modulus_factor = 1;
   QueryOptions queries;
   OptionalPath body;
 };
@@ -125,26 +124,25 @@ std::string lengths_outside(const LoadedModel& model, int status, const std::vec
 }
 
 /// Columns behind those of the query; energy and bound only if the model has them.
-/// @param k  all moduli over those of the training
-std::string answer_of(const LoadedModel& model, const Query& query, bool has_energy, bool has_bounds, double k) {
+std::string answer_of(const LoadedModel& model, const Query& query, bool has_energy, bool has_bounds) {
   const auto& [node, d] = query;
   if (model.body()) {
     const auto said = model.couple({tool_at(at_node(node), d)});
     const Vec3& f = *said.force_N[0];
-    auto text = fmt::format(",{},{},{},{},{}", k * f[0], k * f[1], k * f[2], k * *said.energy_J, said.status);
-    if (has_bounds) text += said.bound_N[0] ? fmt::format(",{}", k * *said.bound_N[0]) : ",";
+    auto text = fmt::format(",{},{},{},{},{}", f[0], f[1], f[2], *said.energy_J, said.status);
+    if (has_bounds) text += said.bound_N[0] ? fmt::format(",{}", *said.bound_N[0]) : ",";
     return text;
   }
   Vec3 f{};
   double energy = 0;
   const rt::Status status = has_energy ? model.data().force(node, d, f, energy) : model.data().force(node, d, f);
   if (!status.ok()) throw failure(status.message(), fmt::format("node {}", node), "give a smaller displacement");
-  std::string text = fmt::format(",{},{},{}", k * f[0], k * f[1], k * f[2]);
-  if (has_energy) text += fmt::format(",{}", k * energy);
+  std::string text = fmt::format(",{},{},{}", f[0], f[1], f[2]);
+  if (has_energy) text += fmt::format(",{}", energy);
   text += fmt::format(",{},{}", int{status}, model.trained_depth(node, d));
   if (!has_bounds) return text;
   const auto bound_N = model.error_bound(node, d);
-  return text + (bound_N ? fmt::format(",{}", k * *bound_N) : ",");
+  return text + (bound_N ? fmt::format(",{}", *bound_N) : ",");
 }
 
 /// --queries replaces the options of a single query, and its result is a table.
@@ -163,9 +161,7 @@ void run_queries(const Options& options) {
     else if (!std::binary_search(active.begin(), active.end(), query.node))
       model.force(query.node, {0, 0, 0});  // throws an error with the nearest active nodes
   };
-  answers.answer = [&](const Query& query) {
-    return answer_of(model, query, has_energy, has_bounds, options.modulus_factor);
-  };
+  answers.answer = [&](const Query& query) { return answer_of(model, query, has_energy, has_bounds); };
   answer_queries(options.queries, answers);
 }
 
@@ -184,17 +180,6 @@ void print_bound(const LoadedModel& model, int status, const std::optional<doubl
     print_result("error of the force: unknown, because too few rays of such tools were solved by phynness calibrate\n");
 }
 
-/// Multiplies what is proportional to the moduli. Deformations do not change.
-void scale(ModelResponse& response, double k) {
-  for (auto& force : response.force_N)
-    if (force)
-      for (double& x : *force) x *= k;
-  if (response.energy_J) *response.energy_J *= k;
-  for (auto& bound : response.bound_N)
-    if (bound) *bound *= k;
-  response.fields *= k;
-}
-
 void run_single(const Options& options) {
   if (options.surface && options.surface->extension() != ".vtu" && options.surface->extension() != ".obj")
     throw input_error("the format of the surface file is unknown", options.surface->string(),
@@ -207,7 +192,6 @@ void run_single(const Options& options) {
   const auto places = options.tool.places(model.mesh());
   const bool coupled =
       options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty() || model.body());
-  const double k = options.modulus_factor;
   auto response =
       coupled ? model.couple(tools_at(places, displacements)) : model.respond(options.tool.nodes, displacements);
   const auto& wanted = options.tool.deformation_csv ? options.tool.deformation_csv : options.surface;
@@ -217,17 +201,14 @@ void run_single(const Options& options) {
   if (response.status > 0)
     message("warning: {}{}\n", phn_status_message(response.status),
             lengths_outside(model, response.status, places, displacements));
-  scale(response, k);
   json extra = record("status", response.status, "family", model.runtime().info().family, "level", model.level());
   const bool single = !coupled && places.size() == 1, bounded = single && model.has_bounds();
   std::optional<double> bound_N;
   if (single) {
     const auto node = options.tool.nodes.front();
     if (bounded) bound_N = model.error_bound(node, displacements.front());
-    if (bound_N) *bound_N *= k;
   }
   if (options.body) extra["body"] = options.body->string();
-  if (k != 1) extra["modulus_factor"] = k;
   if (bounded) extra["bound_N"] = bound_N ? json(*bound_N) : json(nullptr);
   const auto& bounds = response.bound_N;  // of coupled tools
   if (coupled) extra["residual"] = response.coupled.residual;
@@ -271,10 +252,6 @@ void add(CLI::App& app) {
                   "method for several tools: coupled (with forces), or paper (weights (15)-(16), without forces)")
       ->check(CLI::IsMember({"coupled", "paper"}));
   command.add_option("--level", options.level, "level of the model; 0 is the smallest (default: the full one)");
-  add_number(command, "--modulus-factor", options.modulus_factor, 1e-9, 1e9,
-             "all moduli of the body over those of the training: multiplies forces, energy, bounds of\n"
-             "the error and stresses; the deformation is the same")
-      ->capture_default_str();
   auto* surface = add_path(command, "--surface", options.surface, PathKind::file,
                            "write the surface: undeformed with its displacement (.vtu) or deformed (.obj)");
   add_count(command, "--subdivide", options.levels, 0, 6, "levels of subdivision of that surface (Loop's scheme)")

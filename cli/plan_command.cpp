@@ -8,7 +8,6 @@
 #include <phynness/formats/ray_tasks.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/planning/planning.hpp>
-#include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/validation/discretization.hpp>
 #include <phynness/validation/sizes.hpp>
@@ -25,7 +24,7 @@ constexpr double acceptable_error = 0.125;
 constexpr double packing_B_per_s = 40e6;
 
 struct Options {
-  std::filesystem::path scene, from;
+  std::filesystem::path scene;
   OptionalPath json_file;
   std::optional<int> ranks;  ///< default: the number of processor cores of this machine
   int rays = 96;
@@ -46,7 +45,6 @@ struct Measured {
 
 struct Plan {
   std::int64_t rays = 0, rays_requested = 0;  ///< recorded, and solved
-  std::int64_t rays_taken = 0;                ///< of another database, which need no solve
   std::size_t increments = 0;
   Measured measured;
   json ends;  ///< of the measured rays
@@ -58,7 +56,7 @@ struct Plan {
   double calibrate_seconds = 0, validate_seconds = 0;  ///< in run
   int ranks_of_use = 1;
   std::vector<SpacingPlan> spacings;  ///< of probe points: auto, half, and twice
-  PHYNNESS_FIGURES(rays, rays_requested, rays_taken, increments, measured, ends, ranks, wall_seconds, core_hours,
+  PHYNNESS_FIGURES(rays, rays_requested, increments, measured, ends, ranks, wall_seconds, core_hours,
                    memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, model_text_bytes,
                    mesh_text_bytes, check_seconds, calibration_rays, probes, calibrate_seconds, validate_seconds,
                    ranks_of_use, spacings)
@@ -137,22 +135,12 @@ void plan_checks(const LoadedScene& loaded, const DatabaseHeader& header, Plan& 
 
 /// @param ends  set to those of the measured rays
 Plan make_plan(const Options& options, const LoadedScene& loaded, const DatabaseHeader& header, EndSummary& ends) {
-  auto requested = requested_rays(loaded.scene, loaded.mesh, header);
+  const auto requested = requested_rays(loaded.scene, loaded.mesh, header);
   Plan plan;
-  if (!options.from.empty()) {
-    const auto taken =
-        rays_to_take(loaded.scene, loaded.mesh, header, options.from, std::vector<char>(requested.size()));
-    for (std::size_t i = 0; i < taken.size(); ++i) requested[i] = requested[i] && !taken[i];
-    plan.rays_taken = std::count(taken.begin(), taken.end(), char{1});
-  }
   const auto& nodes = header.mesh.nodes;
   const auto chosen = choose_rays(nodes(header.sets.active, Eigen::all), nodes(header.sets.fixed, Eigen::all),
                                   requested, header.directions.size(), static_cast<std::size_t>(options.rays),
                                   static_cast<std::uint64_t>(options.seed));
-  if (chosen.empty() && plan.rays_taken > 0)
-    throw input_error("nothing is left to plan",
-                      fmt::format("all {} rays are in {}", plan.rays_taken, options.from.string()),
-                      "run phynness precompute with the same --from, which solves nothing");
   if (chosen.empty())
     throw input_error("the scene has no rays", options.scene.string(), "check nodes.active and the directions");
   ends = measure(loaded, header, chosen, plan.measured);
@@ -225,8 +213,6 @@ void print_plan(const Options& options, const Plan& plan) {
   print_result("then      {}validate {} probes in phynness run: about {} more\n",
                plan.calibration_rays > 0 ? fmt::format("calibrate {} rays and ", plan.calibration_rays) : "",
                plan.probes, duration(plan.calibrate_seconds + plan.validate_seconds));
-  if (!options.from.empty())
-    print_result("taken     {} rays of {}; the rest is left to solve\n", plan.rays_taken, options.from.string());
   print_result("rays      {}, {} solved at {} node{}: {:.2g} s each ({}), at most {:.2g} s\n", plan.rays_requested,
                m.rays, m.nodes, m.nodes == 1 ? "" : "s", m.seconds_per_ray, trust(plan), m.seconds_longest_ray);
   print_result("memory    {} per rank, {} in all; this machine has {}\n", bytes(plan.memory_bytes_per_rank),
@@ -264,7 +250,6 @@ void add(CLI::App& app) {
       "Predict time, memory and sizes of precompute, and the useful number of ranks, from a sample of solved rays",
       run);
   add_scene(command, options.scene);
-  add_path(command, "--from", options.from, PathKind::input, "database whose rays precompute --from would take");
   add_count(command, "--ranks", options.ranks, 1, 1000000,
             "number of MPI processes of the plan (default: the processor cores of this machine)");
   add_count(command, "--rays", options.rays, 1, 100000, "number of rays to solve")->capture_default_str();

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <phynness/formats/database_lock.hpp>
 #include <phynness/precompute/precompute.hpp>
 
@@ -9,7 +8,7 @@ namespace phynness::cli::precompute_command {
 namespace {
 
 struct Options {
-  std::filesystem::path scene, output, from;
+  std::filesystem::path scene, output;
   OptionalPath json_file;
   std::string shard;
   bool resume = false;
@@ -19,8 +18,6 @@ struct Options {
 DatabaseLock begin(const PrecomputeTarget& target, const LoadedScene& loaded) {
   auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
   header.shard = target.shard;
-  if (!target.from.empty())
-    Database::rays_for(target.from, header);  // refuses another study before anything is written
   DatabaseLock lock(target.file);
   if (!lock.warning().empty()) message("warning: {}\n", lock.warning());
   if (target.resume && std::filesystem::exists(target.file)) {
@@ -32,11 +29,11 @@ DatabaseLock begin(const PrecomputeTarget& target, const LoadedScene& loaded) {
   return lock;
 }
 
-/// A finished database of some of the scene's nodes grows beside its file, which keeps it until the end.
+/// A database that has a part of the scene's rays grows beside its file, which keeps it until the end.
 void grow_beside(PrecomputeTarget& target, const LoadedScene& loaded) {
-  if (!target.resume || target.shard || !target.from.empty() || !std::filesystem::exists(target.file)) return;
-  const auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
-  if (coverage(read_database_header(target.file), header) != Coverage::part || !Database::is_complete(target.file))
+  if (!target.resume || target.shard || !std::filesystem::exists(target.file)) return;
+  if (coverage(read_database_header(target.file), database_header(loaded.scene, loaded.mesh, loaded.sets)) !=
+      Coverage::part)
     return;
   target.from = target.file;
   target.file += ".grown";
@@ -68,28 +65,6 @@ void print_ranks(const PrecomputeReport& report) {
                most->idle_seconds, most - report.ranks.begin());
 }
 
-/// The rays that do not begin as those of the shallower database do.
-void warn_of_branches(const PrecomputeReport& report, const std::filesystem::path& from) {
-  constexpr std::size_t most_listed = 20;
-  if (report.rays_compared > 0)
-    message("note: {} of {} rays begin as in {}\n", report.rays_compared - std::ssize(report.other_branches),
-            report.rays_compared, from.string());
-  if (report.other_branches.empty()) return;
-  std::string lines;
-  for (std::size_t i = 0; i < std::min(most_listed, report.other_branches.size()); ++i) {
-    const auto& ray = report.other_branches[i];
-    lines += fmt::format("\n  node {}, direction {}, from {:g} m on: {}", ray.node, ray.direction, ray.depth_m,
-                         std::isinf(ray.difference) ? "only one of both converged"
-                                                    : fmt::format("{:.2g} of the force or energy", ray.difference));
-  }
-  if (report.other_branches.size() > most_listed)
-    lines += fmt::format("\n  and {} more", report.other_branches.size() - most_listed);
-  message(
-      "warning: {} rays do not begin as in {}: they are on another branch of equilibria, or were solved with other "
-      "rounding{}\n",
-      report.other_branches.size(), from.string(), lines);
-}
-
 json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const PrecomputeReport& report) {
   json ranks = json::array();
   for (const auto& rank : report.ranks)
@@ -103,8 +78,6 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
                     "newton_iterations", report.iterations, "ranks", report.ranks.size(), "wall_seconds",
                     report.wall_seconds, "setup_seconds", report.setup_seconds, "solve_seconds", report.solve_seconds,
                     "pack_seconds", report.pack_seconds, "core_seconds", report.core_seconds, "per_rank", ranks);
-  out["rays_compared"] = report.rays_compared;
-  out["rays_on_another_branch"] = report.other_branches.size();
   if (target.shard)
     out["shard"] = target.shard->str();
   else
@@ -138,7 +111,7 @@ void print_work(const SolverSession& session, const LoadedScene& loaded, const P
 }
 
 void run(const Options& options) {
-  PrecomputeTarget target{options.output, options.resume, {}, options.from};
+  PrecomputeTarget target{options.output, options.resume, {}, {}};
   if (!options.shard.empty()) {
     target.shard = parse_shard(options.shard);
     target.file = shard_file(options.output, *target.shard);
@@ -149,7 +122,7 @@ void run(const Options& options) {
   LoadedScene loaded;
   std::optional<DatabaseLock> lock;
   session.together([&] {
-    loaded = load_scene(options.scene, !first);
+    loaded = load_scene(options.scene, !first, {}, options.resume ? options.output : std::filesystem::path());
     grow_beside(target, loaded);
     if (first) lock.emplace(begin(target, loaded));
   });
@@ -171,7 +144,7 @@ void run(const Options& options) {
     throw failure("interrupted", fmt::format("{} rays are finished and kept", report.rays + report.rays_found()),
                   "run the command again with --resume to continue");
   if (!first) return;
-  if (target.from == options.output) {
+  if (!target.from.empty()) {
     std::error_code code;
     const auto log = target.file.string() + ".solver.log";
     DatabaseWriter::replace(target.file, options.output);
@@ -179,7 +152,6 @@ void run(const Options& options) {
     std::filesystem::rename(log, target.file.string() + ".solver.log", code);  // there is none without messages
   }
   print_work(session, loaded, target, report);
-  warn_of_branches(report, target.from);
   if (report.library_errors > 0)
     message("warning: {} rays ended because a library call failed; its messages are in {}\n", report.library_errors,
             target.file.string() + ".solver.log");
@@ -212,11 +184,8 @@ void add(CLI::App& app) {
   add_scene(command, options.scene, "scene file (formats/scene.md)");
   add_output(command, options.output, PathKind::database, "database to write (formats/database.md)");
   command.add_flag("--resume", options.resume,
-                   "continue an unfinished database, or a finished one of some of the\nscene's active nodes or to a "
-                   "smaller depth, which the new one\nreplaces at the end");
-  add_path(command, "--from", options.from, PathKind::input,
-           "finished database of a scene with other active, output nodes, directions, depth or a factor of\n"
-           "all moduli: its rays that this scene has too are taken, only the others are solved");
+                   "continue a database, finished or not: that of the scene, or one of the same\nphysics with some of "
+                   "its active nodes, directions and increments, which the\nnew one replaces at the end");
   command.add_option("--shard", options.shard,
                      "i/n: solve only part i = 0 ... n-1 of n and write it to a separate file\n"
                      "(database.h5 -> database.shard-i-of-n.h5); phynness merge joins the files");

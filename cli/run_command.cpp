@@ -72,18 +72,20 @@ void declare_files(const Options& options) {
 }
 
 /// A new run replaces no file at all, a resumed one those that begin as the program writes them, beside a database of
-/// its scene, of more nodes or increments, or of some of them. @return what it has of the scene's rays
+/// its scene, of more nodes, or of some of its nodes, directions and increments. @return what it has of the scene's
+/// rays
 /// @throws Error (input) before anything is written
 Coverage refuse_files_of_others(const Options& options) {
   const auto database = options.output / "database.h5", model = options.output / "model";
   auto covered = Coverage::other;
   if (DatabaseWriter::refuse_begun(database, options.resume)) {
-    const auto loaded = load_scene(options.scene, true);
+    const auto loaded = load_scene(options.scene, true, {}, database);
     const auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
-    const auto there = coverage(read_database_header(database), header);
+    covered = coverage(read_database_header(database), header);
     const bool complete = Database::is_complete(database);
-    covered = complete ? there : Coverage::part;
-    if (!complete || there == Coverage::other) DatabaseWriter::check(database, header, true);
+    if (covered == Coverage::other || (covered == Coverage::whole && !complete))
+      DatabaseWriter::check(database, header, true);
+    if (!complete) covered = Coverage::part;
   }
   const auto refuse = [&](const std::filesystem::path& file) {
     if (std::filesystem::exists(std::filesystem::symlink_status(file)))
@@ -246,7 +248,7 @@ void add(CLI::App& app) {
   add_count(command, "--ranks", options.ranks, 1, 4096, "number of processes for the finite element stages (mpirun)")
       ->capture_default_str();
   command.add_flag("--resume", options.resume,
-                   "continue an unfinished database in OUT_DIR, or use what it has of the\nscene's rays");
+                   "continue the database in OUT_DIR, also to more points, directions and\nincrements of the scene");
   command.add_flag("--details", options.details, "print what each stage prints, and all tables of validate");
   add_json(command, options.json_file, "write the figures of all stages as JSON");
 }

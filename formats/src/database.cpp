@@ -27,31 +27,6 @@ RayEnd end_of(const std::vector<Status>& statuses, const std::vector<double>& ma
   return end;
 }
 
-/// The outcome of increments beyond the last one of a file.
-Status beyond(Status last) {
-  switch (last) {
-    case Status::after_end:
-    case Status::not_requested:
-    case Status::not_solved:
-      return last;
-    case Status::converged:
-    case Status::not_finite:
-      return Status::not_solved;  // a field may be infinite and the ray go on
-    default:
-      return Status::after_failure;
-  }
-}
-
-/// The end of a ray of which only the increments up to a depth are wanted.
-/// @param last  outcome of the last of them
-RayEnd end_within(RayEnd end, Status last, double depth_m) {
-  constexpr double rounded = 1 + 1e-12;  // depths of both studies are computed in different ways
-  if (end.fold_depth_m > depth_m * rounded) end.fold_depth_m = end.energy_lost_J = 0;
-  // What happens beyond, and the limit of the force at the last increment, do not end the ray.
-  if (last == Status::after_end || end.depth_m * rounded < depth_m) return end;
-  return {EndReason::full_depth, depth_m, end.fold_depth_m, end.energy_lost_J};
-}
-
 }  // namespace
 
 struct Database::Impl {
@@ -60,15 +35,14 @@ struct Database::Impl {
   std::int32_t minor = layout::read_minor(file);
   std::vector<StoredColumn> columns = columns_of(header, minor);
   double farthest_m = largest_displacement(header.mesh);
-  std::optional<Arrangement> there = {};  ///< if `header` is that of another study than the file's
+  std::optional<DatabaseHeader> whole = {};  ///< of the file, if `header` is that of a part of its nodes
 
   bool records_ends() const { return minor > 0; }
-  bool is_shortened() const { return there && there->stored.magnitudes_m.size() > header.magnitudes_m.size(); }
   /// @param stored    what the file says of the ray
   /// @param statuses  of its increments
   RayEnd end_of_ray(const RayEnd& stored, const std::vector<Status>& statuses) const {
     if (!records_ends()) return end_of(statuses, header.magnitudes_m);
-    return is_shortened() ? end_within(stored, statuses.back(), header.magnitudes_m.back()) : stored;
+    return stored;
   }
   std::vector<StoredColumn> columns_with(ColumnOf of) const { return columns_of(header, of, minor); }
 
@@ -77,36 +51,27 @@ struct Database::Impl {
   std::vector<Value> values(const StoredColumn& column, std::size_t first, std::size_t count) const {
     const std::size_t n_directions = header.directions.size();
     std::vector<Value> all(count * n_directions * column.count);
-    if (!there) {
+    if (!whole) {
       file.read_slab(column.path, first, count, all.data());
       return all;
     }
-    if constexpr (std::is_same_v<Value, Status>) std::fill(all.begin(), all.end(), Status::not_solved);
-    const auto size = static_cast<std::size_t>(column.tensor);
-    const bool of_ray = column.of == ColumnOf::ray, at_nodes = column.of == ColumnOf::output_node;
+    const auto position = [](const NodeList& nodes, std::int32_t node) {
+      return static_cast<std::size_t>(std::ranges::lower_bound(nodes, node) - nodes.begin());
+    };
+    const bool at_nodes = column.of == ColumnOf::output_node;
     const std::size_t n_output = at_nodes ? header.sets.output.size() : 1,
-                      n_stored = at_nodes ? there->stored.sets.output.size() : 1,
-                      increments = of_ray ? 1 : header.magnitudes_m.size(),
-                      stored_increments = of_ray ? 1 : there->stored.magnitudes_m.size();
-    const std::size_t common = std::min(increments, stored_increments),
-                      stored_count = stored_increments * n_stored * size;
-    std::vector<Value> node(there->stored.directions.size() * stored_count);
-    for (std::size_t ray = 0; ray < count * n_directions; ++ray) {
-      const auto active = there->active[first + ray / n_directions], d = there->direction[ray % n_directions];
-      if (active < 0) continue;
-      if (ray % n_directions == 0) file.read_slab(column.path, static_cast<hsize_t>(active), 1, node.data());
-      if (d < 0) continue;
-      const Value* from = &node[static_cast<std::size_t>(d) * stored_count];
-      Value* to = &all[ray * column.count];
-      for (std::size_t i = 0; i < common; ++i)
-        for (std::size_t o = 0; o < n_output; ++o)
-          std::copy_n(from + (i * n_stored + (at_nodes ? static_cast<std::size_t>(there->output[o]) : 0)) * size, size,
-                      to + (i * n_output + o) * size);
-      if constexpr (std::is_same_v<Value, Status>) std::fill(to + common, to + increments, beyond(to[common - 1]));
+                      n_stored = at_nodes ? whole->sets.output.size() : 1,
+                      size = static_cast<std::size_t>(column.tensor),
+                      n = n_directions * column.count / n_output;  // values of a node, per output node
+    std::vector<Value> node(n * n_stored);
+    for (std::size_t i = 0; i < count; ++i) {
+      file.read_slab(column.path, position(whole->sets.active, header.sets.active[first + i]), 1, node.data());
+      for (std::size_t o = 0; o < n_output; ++o) {
+        const auto from = at_nodes ? position(whole->sets.output, header.sets.output[o]) : 0;
+        for (std::size_t k = 0; k < n / size; ++k)
+          std::copy_n(&node[(k * n_stored + from) * size], size, &all[((i * n / size + k) * n_output + o) * size]);
+      }
     }
-    if constexpr (std::is_same_v<Value, double>)
-      if (scales_with_moduli(column))
-        for (Value& value : all) value *= there->modulus_factor;
     return all;
   }
   /// Reads a column of `count` active nodes into rays that have room for it.
@@ -145,7 +110,7 @@ struct Database::Impl {
     Ray all;
     const std::size_t n_active = header.sets.active.size();
     for (const auto& column : wanted) {
-      clear_values(all, column, n_active * header.directions.size() * column.count);
+      resize_values(all, column, n_active * header.directions.size() * column.count);
       read(column, 0, n_active, {&all, 1});
     }
     refuse_damaged(all, wanted, "the list of all increments");
@@ -180,10 +145,9 @@ Database Database::open(const std::filesystem::path& file) {
 Database Database::open(const std::filesystem::path& file, const DatabaseHeader& wanted) {
   Database database = open(file);
   auto& impl = *database._impl;
-  auto there = arranged(impl.header, wanted, file);
-  impl.header = wanted;
+  refuse_other_rays(impl.header, wanted, file);
+  impl.whole = std::exchange(impl.header, wanted);
   impl.columns = columns_of(wanted, impl.minor);
-  impl.there = std::move(there);
   return database;
 }
 
@@ -307,7 +271,7 @@ std::vector<RayEnd> Database::ends() const {
   const auto& header = _impl->header;
   std::vector<RayEnd> ends;
   const auto columns = _impl->columns_with(ColumnOf::ray);
-  const auto all = _impl->records_ends() && !_impl->is_shortened() ? std::vector<Status>() : statuses();
+  const auto all = _impl->records_ends() ? std::vector<Status>() : statuses();
   const auto n = static_cast<std::ptrdiff_t>(all.empty() ? 0 : header.magnitudes_m.size());
   std::vector<Ray> rays(header.sets.active.size() * header.directions.size());
   for (const auto& column : columns) _impl->read(column, 0, header.sets.active.size(), rays);

@@ -121,7 +121,7 @@ Ray decode(const unsigned char* payload, const Layout& layout, std::optional<boo
       payload += bytes_of(column);
       continue;
     }
-    clear_values(ray, column, column.count);
+    resize_values(ray, column, column.count);
     std::visit([&](auto member) { take(payload, column.float32, values_of(ray, member)); }, column.member);
   }
   return ray;

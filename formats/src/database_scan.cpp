@@ -164,7 +164,7 @@ void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index
                    [](const Entry& a, const Entry& b) { return a.log < b.log; });
 }
 
-Ray RayReader::read(const Entry& entry, bool of_output_nodes) {
+Ray RayReader::read(const Entry& entry, std::optional<bool> of_output_nodes) {
   const auto& log = _index.logs[static_cast<std::size_t>(entry.log)];
   auto file = _open.find(entry.log);
   if (file == _open.end()) {

@@ -43,9 +43,9 @@ class RayReader {
  public:
   RayReader(const Index& index, const DatabaseHeader& header)
       : _index(index), _layout(header), _payload(_layout.payload_bytes) {}
-  /// @param of_output_nodes  the ray has these columns only, or all others
+  /// @param of_output_nodes  if given, the ray has these columns only, or all others
   /// @throws Error (failure) if the log has become shorter since it was scanned
-  Ray read(const Entry& entry, bool of_output_nodes);
+  Ray read(const Entry& entry, std::optional<bool> of_output_nodes = {});
 
  private:
   const Index& _index;

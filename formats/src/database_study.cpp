@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <locale>
 #include <map>
 #include <phynness/formats/error.hpp>
 #include <sstream>
@@ -47,28 +46,25 @@ constexpr double rounding = 1e-12;
 
 bool same_number(double a, double b) { return std::abs(a - b) <= rounding * std::max(std::abs(a), std::abs(b)); }
 
-/// The factor by which all moduli of `now` are larger, if there is one and all other numbers are the same. Forces,
-/// energies and stresses are larger by it, and deformations are the same.
-std::optional<double> modulus_factor(const Scene& then, const Scene& now) {
-  const auto &a = then.material, &b = now.material;
-  if (a.law != b.law) return std::nullopt;
-  const double factor = b.shear_modulus_Pa / a.shear_modulus_Pa;
-  for (std::size_t i = 0; i < a.parameters.size(); ++i)
-    if (!same_number((a.law->parameters[i].is_modulus ? factor : 1) * a.parameters[i], b.parameters[i]))
-      return std::nullopt;
-  return a.parameters == b.parameters ? 1 : factor;
-}
-
 /// Whether the increments of `shallow` are the first of `deep`, or all.
 bool begin_with(const std::vector<double>& deep, const std::vector<double>& shallow) {
   return shallow.size() <= deep.size() && std::equal(shallow.begin(), shallow.end(), deep.begin(), same_number);
 }
 
-/// Whether a line of the summary tells which nodes, directions and depths are chosen. These are compared themselves,
-/// and so are moduli if they have a common factor.
-bool is_selection(const std::string& key, bool scales) {
+/// Whether all directions of `then` are directions of `now`. A hemisphere lacks those that pull.
+bool has_directions(const DatabaseHeader& now, const DatabaseHeader& then) {
+  const auto hemisphere = [](const DatabaseHeader& header) {
+    return is_understood(header) && stored_scene(header).probe.directions == Directions::hemisphere;
+  };
+  return std::ranges::all_of(then.directions,
+                             [&](const Vec3& e) { return std::ranges::count(now.directions, e) > 0; }) &&
+         (hemisphere(then) || !hemisphere(now));
+}
+
+/// Whether a line of the summary tells which nodes, directions and depths are chosen, which are compared themselves.
+bool is_selection(const std::string& key) {
   return key.starts_with("nodes.") || key == "probe.directions" || key == "probe.increments" ||
-         key == "probe.max_displacement_m" || (scales && (key.starts_with("material.") || key == "probe.max_force_N"));
+         key == "probe.max_displacement_m";
 }
 
 /// One line for each different key.
@@ -76,12 +72,9 @@ std::string differing_keys(const DatabaseHeader& on_disk, const DatabaseHeader& 
                            bool selections) {
   const std::string hashes = "physics " + on_disk.physics_hash + " in the file, " + wanted.physics_hash + " " + other;
   std::map<std::string, std::string> then, now;
-  bool scales = false;
   try {
-    const auto before = stored_scene(on_disk), after = stored_scene(wanted);
-    then = summary_of(before);
-    now = summary_of(after);
-    scales = modulus_factor(before, after).has_value();
+    then = summary_of(stored_scene(on_disk));
+    now = summary_of(stored_scene(wanted));
   } catch (const Error&) {
     return hashes;
   }
@@ -94,7 +87,7 @@ std::string differing_keys(const DatabaseHeader& on_disk, const DatabaseHeader& 
   std::string text;
   for (const auto& [key, ignored] : keys) {
     const auto old_value = value(then, key), new_value = value(now, key);
-    if (old_value != new_value && (selections || !is_selection(key, scales)))
+    if (old_value != new_value && (selections || !is_selection(key)))
       text += "\n  " + key + ": " + old_value + " in the file, " + new_value + " " + other;
   }
   return text.empty() && selections ? hashes : text;
@@ -141,12 +134,14 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
   compare_lists(on_disk.sets.fixed, wanted.sets.fixed, "fixed nodes", true);
   compare_lists(on_disk.sets.active, wanted.sets.active, "active nodes", false);
   compare_lists(on_disk.sets.output, wanted.sets.output, "output nodes", false);
-  compare_lists(on_disk.directions, wanted.directions, "directions", false);
+  if (const bool more = has_directions(wanted, on_disk); !more || on_disk.directions != wanted.directions)
+    all.push_back({"other directions",
+                   both(std::to_string(on_disk.directions.size()), std::to_string(wanted.directions.size())), !more});
   if (const auto& then = on_disk.magnitudes_m, &now = wanted.magnitudes_m; then != now)
     all.push_back({"other increments (probe.increments, probe.max_displacement_m)",
                    both(std::to_string(then.size()) + " to " + shortest(then.back()) + " m",
                         std::to_string(now.size()) + " to " + shortest(now.back()) + " m"),
-                   !begin_with(then, now) && !begin_with(now, then)});
+                   !begin_with(now, then)});
   compare(on_disk.tangents, wanted.tangents, "another [database] tangents",
           [](bool stored) { return std::string(stored ? "true" : "false"); });
   compare(on_disk.float64, wanted.float64, "another [database] displacement_precision",
@@ -157,17 +152,7 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
   compare(on_disk.fields, wanted.fields, "other [database] fields",
           [](const std::vector<Field>& fields) { return text(fields); });
   if (!is_understood(on_disk) || !is_understood(wanted)) return all;
-  const auto then = stored_scene(on_disk), now = stored_scene(wanted);
-  const auto factor = modulus_factor(then, now);
-  if (const auto before = then.probe.max_force_N, after = now.probe.max_force_N;
-      factor && !same_number(*factor * before, after))
-    all.push_back({"another [probe] max_force_N",
-                   both(shortest(before), shortest(after)) +
-                       (*factor == 1 ? ""
-                                     : ", but a limit of the force must be larger by the factor of the moduli, " +
-                                           shortest(*factor)),
-                   true});
-  if (!now.material.law->linear)  // which has no folds
+  if (!stored_scene(wanted).material.law->linear)  // which has no folds
     compare(on_disk.fold_halvings, wanted.fold_halvings, other_search,
             [](int halvings) { return "to an increment over 2^" + std::to_string(halvings); });
   return all;
@@ -177,8 +162,12 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
                        const std::string& other, const std::string& remedy) {
   const auto all = differences(on_disk, wanted, other);
   if (all.empty()) return;
+  if (std::ranges::none_of(all, [](const auto& each) { return each.of_rays; }) &&
+      coverage(on_disk, wanted) == Coverage::other)
+    throw input_error(
+        "the scene does not select every node of the database " + file.string() + ", whose rays would be lost",
+        all.back().values, "select these nodes, too, or write to another file");
   const auto& first = all.front();
-  const bool shares = std::none_of(all.begin(), all.end(), [](const auto& each) { return each.of_rays; });
   const bool physics = on_disk.physics_hash != wanted.physics_hash;
   const bool same_scene = (physics && on_disk.scene_text == wanted.scene_text) || first.what == other_search;
   throw input_error(
@@ -189,77 +178,34 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
       : !physics && on_disk.mesh_hash != wanted.mesh_hash
           ? "use the mesh with which it was begun (a new mesh of the same body is another mesh), or write to another "
             "file"
-          : remedy + (shares ? "; phynness precompute --from takes the rays that both have" : ""));
+          : remedy);
 }
 
 Coverage coverage(const DatabaseHeader& on_disk, const DatabaseHeader& wanted) {
   const auto all = differences(on_disk, wanted);
   if (all.empty()) return Coverage::same;
-  if (std::any_of(all.begin(), all.end(), [](const auto& each) { return each.of_rays; }) ||
-      on_disk.directions != wanted.directions)
-    return Coverage::other;
-  const auto then = stored_scene(on_disk), now = stored_scene(wanted);
-  if (then.probe.directions != now.probe.directions || modulus_factor(then, now) != 1.0) return Coverage::other;
-  const auto has = [](const NodeSets& more, const NodeSets& less) {
-    return std::includes(more.active.begin(), more.active.end(), less.active.begin(), less.active.end()) &&
-           std::includes(more.output.begin(), more.output.end(), less.output.begin(), less.output.end());
-  };
-  if (has(on_disk.sets, wanted.sets) && begin_with(on_disk.magnitudes_m, wanted.magnitudes_m)) return Coverage::whole;
-  return on_disk.sets.output == wanted.sets.output && has(wanted.sets, on_disk.sets) &&
-                 begin_with(wanted.magnitudes_m, on_disk.magnitudes_m)
-             ? Coverage::part
-             : Coverage::other;
+  if (std::ranges::any_of(all, [](const auto& each) { return each.of_rays; })) return Coverage::other;
+  const auto has = [](const NodeList& more, const NodeList& less) { return std::ranges::includes(more, less); };
+  if (on_disk.directions == wanted.directions && has_directions(on_disk, wanted) &&
+      on_disk.magnitudes_m.size() == wanted.magnitudes_m.size() && has(on_disk.sets.active, wanted.sets.active) &&
+      has(on_disk.sets.output, wanted.sets.output))
+    return Coverage::whole;
+  return has(wanted.sets.active, on_disk.sets.active) && on_disk.sets.output == wanted.sets.output ? Coverage::part
+                                                                                                   : Coverage::other;
 }
 
-Arrangement arranged(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file) {
-  const auto positions = [](const auto& then, const auto& now) {
-    std::vector<std::int32_t> found;
-    for (const auto& one : now) {
-      const auto at = std::find(then.begin(), then.end(), one);
-      found.push_back(at == then.end() ? -1 : static_cast<std::int32_t>(at - then.begin()));
-    }
-    return found;
-  };
-  Arrangement there{positions(on_disk.sets.active, wanted.sets.active),
-                    positions(on_disk.directions, wanted.directions),
-                    positions(on_disk.sets.output, wanted.sets.output), 1, on_disk};
+void refuse_other_rays(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file) {
+  const auto covered = coverage(on_disk, wanted);
+  if (covered == Coverage::same || covered == Coverage::whole) return;
   std::string reasons;
   for (const auto& difference : differences(on_disk, wanted)) {
-    if (!difference.of_rays) continue;
     const auto keys = difference.what == other_physics ? differing_keys(on_disk, wanted, "now", false) : std::string();
     reasons += keys.empty() ? "\n  " + difference.what + ": " + difference.values : keys;
   }
-  if (const auto lacking = std::count(there.output.begin(), there.output.end(), -1); lacking > 0)
-    reasons += "\n  output nodes that the database does not hold: " + std::to_string(lacking) + " of " +
-               std::to_string(there.output.size());
-  if (reasons.empty()) there.modulus_factor = modulus_factor(stored_scene(on_disk), stored_scene(wanted)).value_or(1);
-  if (!reasons.empty())
-    throw input_error("no ray of the database " + file.string() + " is one of the scene", reasons,
-                      std::string("solve the scene into a database of its own, without this one") +
-                          (reasons.find("\n  material.") == std::string::npos
-                               ? ""
-                               : "; of a material only a factor that all moduli have in common is accepted"));
-  return there;
-}
-
-std::vector<char> Database::rays_for(const std::filesystem::path& file, const DatabaseHeader& wanted) {
-  const auto statuses = open(file, wanted).statuses();
-  const auto on_disk = read_database_header(file);
-  if (database_layout::read_minor(hdf5::File::open(file)) == 0)
-    throw input_error("the rays of the database " + file.string() + " have no ends",
-                      "a version that does not look for folds has written it", "solve the scene anew");
-  const auto there = arranged(on_disk, wanted, file);
-  const auto n = static_cast<std::ptrdiff_t>(wanted.magnitudes_m.size());
-  std::vector<char> flags;
-  for (auto ray = statuses.begin(); ray != statuses.end(); ray += n) {
-    const auto active = there.active[flags.size() / wanted.directions.size()];
-    const auto direction = there.direction[flags.size() % wanted.directions.size()];
-    // A library that failed may not fail again.
-    const bool repeats =
-        std::none_of(ray, ray + n, [](Status s) { return s == Status::library_error || s == Status::not_solved; });
-    flags.push_back(active >= 0 && direction >= 0 && *ray != Status::not_requested && repeats);
-  }
-  return flags;
+  throw input_error("the database " + file.string() + " does not have all rays of the scene", reasons,
+                    covered == Coverage::part
+                        ? "solve what is missing with: phynness precompute SCENE -o " + file.string() + " --resume"
+                        : "solve the scene into a database of its own");
 }
 
 }  // namespace phynness

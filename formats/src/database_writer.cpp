@@ -51,6 +51,7 @@ void DatabaseWriter::check(const fs::path& file, const DatabaseHeader& given, bo
   check_folder_of(file);
   if (!refuse_begun(file, resume)) return;
   const auto on_disk = read_database_header(file);
+  if (coverage(on_disk, header) == Coverage::whole && Database::is_complete(file)) return;
   refuse_other_work(on_disk, header, file);
   if (on_disk.shard != header.shard)
     throw input_error("the database " + file.string() + " belongs to another shard",
@@ -110,15 +111,6 @@ Ray rounded(Ray ray, const std::vector<double>& magnitudes_m, int bits) {
 
 }  // namespace
 
-void DatabaseWriter::read_logs(const fs::path& file, const DatabaseHeader& given,
-                               const std::function<void(const Ray&)>& use) {
-  const DatabaseHeader header = with_hashes(given);
-  const auto index = dl::scan(file, header);
-  dl::RayReader reader(index, header);
-  for (const auto& record : one_record_per_ray(index, header))
-    if (!is_missing(record)) use(reader.read(record, false));
-}
-
 struct DatabaseWriter::Impl {
   AppendFile log;
   dl::Layout sizes;
@@ -150,18 +142,62 @@ void DatabaseWriter::append(const Ray& ray) {
 }
 void DatabaseWriter::close() { _impl->log.close(); }
 
-void DatabaseWriter::take(const fs::path& file, const DatabaseHeader& given, const fs::path& from,
-                          const std::vector<char>& wanted, int rank) {
-  const DatabaseHeader header = with_hashes(given);
-  const auto database = Database::open(from, header);
-  const auto n = static_cast<std::ptrdiff_t>(header.directions.size());
-  DatabaseWriter log(file, header, rank);
-  for (auto node = wanted.begin(); node != wanted.end(); node += n) {
-    if (std::find(node, node + n, char{1}) == node + n) continue;
-    for (const Ray& ray : database.rays(static_cast<std::int32_t>((node - wanted.begin()) / n)))
-      if (node[ray.direction]) log.append(ray);
+namespace {
+
+/// The rays of a database, finished or not, of every n-th node from `first` on.
+void for_each_ray(const fs::path& file, const DatabaseHeader& header, std::int32_t first, std::int32_t n,
+                  const std::function<void(Ray)>& use) {
+  const auto n_active = static_cast<std::int32_t>(header.sets.active.size());
+  if (Database::is_complete(file)) {
+    const auto database = Database::open(file);
+    for (auto active = first; active < n_active; active += n)
+      for (auto& ray : database.rays(active)) use(std::move(ray));
+    return;
   }
-  log.close();
+  const auto index = dl::scan(file, header);
+  dl::RayReader reader(index, header);
+  for (const auto& record : one_record_per_ray(index, header))
+    if (!is_missing(record) && record.active % n == first) use(reader.read(record));
+}
+
+/// Adds the increments that a ray to a smaller depth does not have. @return false if they have to be solved
+bool extend(Ray& ray, const DatabaseHeader& header) {
+  const auto n = ray.status.size();
+  for (const auto& column : columns_of(header))
+    if (column.of != ColumnOf::ray) resize_values(ray, column, column.count);
+  if (n == ray.status.size()) return true;
+  const auto last = ray.status[n - 1];
+  // A field may be infinite and the ray go on.
+  if (last == Status::converged || last == Status::not_finite) return false;
+  std::fill(ray.status.begin() + static_cast<std::ptrdiff_t>(n), ray.status.end(),
+            static_cast<int>(last) < 0 ? Status::after_failure : last);
+  return true;
+}
+
+}  // namespace
+
+std::int64_t DatabaseWriter::take(const fs::path& file, const DatabaseHeader& given, const fs::path& from,
+                                  const std::vector<char>& missing, int rank, int n_ranks) {
+  const DatabaseHeader header = with_hashes(given), stored = read_database_header(from);
+  const auto position = [](const auto& all, const auto& one) {
+    return static_cast<std::int32_t>(std::ranges::find(all, one) - all.begin());
+  };
+  std::optional<DatabaseWriter> log;
+  std::int64_t n = 0;
+  for_each_ray(from, stored, rank, n_ranks, [&](Ray ray) {
+    ray.active = position(header.sets.active, stored.sets.active[static_cast<std::size_t>(ray.active)]);
+    ray.direction = position(header.directions, stored.directions[static_cast<std::size_t>(ray.direction)]);
+    const auto at =
+        static_cast<std::size_t>(ray.active) * header.directions.size() + static_cast<std::size_t>(ray.direction);
+    if (!missing[at] || ray.status.front() == Status::not_requested ||
+        std::ranges::count(ray.status, Status::library_error) > 0 || !extend(ray, header))
+      return;
+    if (!log) log.emplace(file, header, rank);
+    log->append(ray);
+    ++n;
+  });
+  if (log) log->close();
+  return n;
 }
 
 void DatabaseWriter::replace(const fs::path& by, const fs::path& file) { replace_durably(by, file); }

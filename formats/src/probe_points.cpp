@@ -135,14 +135,15 @@ std::vector<double> known_distances(std::vector<double> nearest) {
 }  // namespace
 
 NodeList spread_nodes(const Points& nodes, const Triangles& surface, const NodeList& within, double spacing_m,
-                      std::size_t count) {
+                      std::size_t count, const NodeList& kept) {
   const auto n_nodes = static_cast<std::size_t>(nodes.rows());
   const SurfaceWays ways(nodes, surface);
   const auto border = border_of(within, surface, n_nodes);
   NearestProbes nearest(ways, n_nodes);
   Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
   for (const auto i : within) middle += nodes.row(i) / static_cast<double>(within.size());
-  NodeList chosen;
+  NodeList chosen = kept;
+  for (const auto node : kept) nearest.add(node);
   while (count == 0 || chosen.size() < count) {
     std::int32_t best = -1;
     double most = count == 0 && !chosen.empty() ? least_apart_of_probes * spacing_m : 0;

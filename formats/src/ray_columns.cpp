@@ -10,16 +10,16 @@ namespace phynness {
 namespace {
 
 template <class T>
-void clear(Ray& ray, std::vector<T> Ray::*member, std::size_t count) {
-  (ray.*member).assign(count, T{});
+void resize(Ray& ray, std::vector<T> Ray::*member, std::size_t count) {
+  (ray.*member).resize(count);
 }
 template <class T>
-void clear(Ray& ray, T RayEnd::*member, std::size_t) {
+void resize(Ray& ray, T RayEnd::*member, std::size_t) {
   ray.end.*member = T{};
 }
-void clear(Ray& ray, RayColumn::FieldIndex field, std::size_t count) {
+void resize(Ray& ray, RayColumn::FieldIndex field, std::size_t count) {
   ray.fields.resize(std::max(ray.fields.size(), field.index + 1));
-  ray.fields[field.index].assign(count, 0.0);
+  ray.fields[field.index].resize(count);
 }
 
 constexpr const char* unknown = "unknown";
@@ -84,15 +84,15 @@ RayColumn field_column(Field field, std::size_t index) {
           true};
 }
 
-void clear_values(Ray& ray, const RayColumn& column, std::size_t count) {
-  std::visit([&](auto member) { clear(ray, member, count); }, column.member);
+void resize_values(Ray& ray, const RayColumn& column, std::size_t count) {
+  std::visit([&](auto member) { resize(ray, member, count); }, column.member);
 }
 
 Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction) {
   Ray ray;
   ray.active = active;
   ray.direction = direction;
-  for (const auto& column : columns_of(header)) clear_values(ray, column, column.count);
+  for (const auto& column : columns_of(header)) resize_values(ray, column, column.count);
   std::fill(ray.status.begin(), ray.status.end(), Status::not_requested);
   ray.end.reason = EndReason::not_requested;
   return ray;

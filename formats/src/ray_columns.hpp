@@ -22,11 +22,6 @@ std::vector<StoredColumn> columns_of(const DatabaseHeader& header, std::int32_t 
 /// Those of them with one value for each `of`.
 std::vector<StoredColumn> columns_of(const DatabaseHeader& header, ColumnOf of, std::int32_t minor = format_minor);
 
-/// Whether the numbers are forces, energies or stresses, which are larger by a common factor of all moduli.
-inline bool scales_with_moduli(const RayColumn& column) {
-  return std::string_view(column.unit).find_first_of("NJP") != std::string_view::npos;
-}
-
 /// A column of Ray::fields.
 RayColumn field_column(Field field, std::size_t index);
 
@@ -50,8 +45,8 @@ auto values_of(AnyRay& ray, RayColumn::FieldIndex field) {
 template <class Member>
 using ValueOf = typename decltype(values_of(std::declval<Ray&>(), Member{}))::value_type;
 
-/// Makes room for `count` values of a column, all zero.
-void clear_values(Ray& ray, const RayColumn& column, std::size_t count);
+/// Makes room for `count` values of a column; those that are added are zero, and the end of the ray becomes zero.
+void resize_values(Ray& ray, const RayColumn& column, std::size_t count);
 
 /// The first impossible number of some columns (ColumnKind), for example "/responses/seconds, increment 17, is nan";
 /// empty if all are possible.

@@ -145,7 +145,11 @@ struct Spread {
           std::to_string(count) + " of " + std::to_string(nodes.size()),
           "give at most " + std::to_string(nodes.size()) + ", a finer mesh, or a larger part in `within`");
     const double spacing = spacing_of(body, request);
-    NodeList chosen = spread_nodes(body.mesh.nodes, body.mesh.surface, nodes, spacing, count);
+    NodeList kept;
+    std::ranges::set_intersection(body.probed, nodes, std::back_inserter(kept));
+    const bool enough = count > 0 && kept.size() > count;
+    NodeList chosen = spread_nodes(body.mesh.nodes, body.mesh.surface, enough ? kept : nodes, spacing, count,
+                                   enough ? NodeList() : kept);
     if (count == 0 && chosen.size() < 3 && nodes.size() > chosen.size())
       throw input_error(request.place + "the spacing is too large for the part of the surface that it is for",
                         length_text(spacing) + ", of " + std::to_string(nodes.size()) + " nodes " +

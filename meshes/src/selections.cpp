@@ -16,13 +16,13 @@ std::string listed(const Nodes& nodes) {
 
 }  // namespace
 
-NodeSets resolve_selections(const Scene& scene, const Mesh& mesh) {
+NodeSets resolve_selections(const Scene& scene, const Mesh& mesh, const NodeList& probed) {
   NodeSets sets;
-  resolve_selections(scene, mesh, sets);
+  resolve_selections(scene, mesh, sets, probed);
   return sets;
 }
 
-void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
+void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets, const NodeList& probed) {
   if (mesh.nodes.rows() == 0) throw input_error("cannot select nodes: the mesh is empty", "", "give a mesh with cells");
   for (const Selector& selector : scene.fixed)
     if (selector.choice->needs_fixed)
@@ -39,7 +39,9 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
     throw input_error(scene.fixed_where.prefix() + "every node of the surface is fixed, so that nothing can be touched",
                       std::to_string(sets.fixed.size()) + " of " + std::to_string(mesh.n_nodes()) + " nodes",
                       "fix a part of the body only");
+  body.probed = probed;
   sets.active = select_nodes(scene.active, body, "active", scene.active_where);
+  body.probed.clear();
   sets.output = select_nodes(scene.output, body, "output", scene.output_where);
   Nodes both;
   std::set_intersection(sets.fixed.begin(), sets.fixed.end(), sets.active.begin(), sets.active.end(),

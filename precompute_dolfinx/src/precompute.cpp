@@ -11,7 +11,6 @@
 #include <phynness/precompute/sample_rays.hpp>
 #include <span>
 
-#include "shallower_rays.hpp"
 #include "solve_ray.hpp"
 #include "solver_log.hpp"
 #include "work_counter.hpp"
@@ -137,7 +136,7 @@ class RayLog {
 /// Fetches and solves tasks until none is left or `stop` returns true.
 /// @param done  called after every ray
 void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader& header,
-                 const std::vector<RayIndex>& rays, WorkCounter& counter, int n_ranks, ShallowerRays& shallower,
+                 const std::vector<RayIndex>& rays, WorkCounter& counter, int n_ranks,
                  const std::function<void()>& done, const std::function<bool()>& stop, Share& share) {
   const auto tasks = ray_tasks(rays, n_ranks);
   const auto n_tasks = static_cast<std::int64_t>(tasks.size()) - 1;
@@ -152,9 +151,7 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
     ++share.tasks;
     for (auto i = tasks[static_cast<std::size_t>(task)]; i < tasks[static_cast<std::size_t>(task) + 1]; ++i) {
       try {
-        auto solved = nodes.solve(rays[static_cast<std::size_t>(i)]);
-        shallower.compare(solved);
-        ray_log.append(std::move(solved), share);
+        ray_log.append(nodes.solve(rays[static_cast<std::size_t>(i)]), share);
       } catch (const Interrupted&) {
         share.interrupted = true;
         break;
@@ -249,20 +246,16 @@ std::vector<std::int64_t> gathered(const std::vector<std::int64_t>& own, int n_r
   return all;
 }
 
-/// Copies what another database has to logs: each rank the rays of its share of the nodes. @return number of rays
-std::int64_t take_rays(const PackingRanks& ranks, const Scene& scene, const Mesh& mesh, const DatabaseHeader& header,
-                       const PrecomputeTarget& target, const std::vector<char>& logged) {
-  std::int64_t n = 0;
-  ranks.together([&] {
-    auto flags = rays_to_take(scene, mesh, header, target.from, logged);
-    n = std::count(flags.begin(), flags.end(), char{1});
-    for (std::size_t ray = 0; ray < flags.size(); ++ray)
-      if (static_cast<int>(ray / header.directions.size() % static_cast<std::size_t>(ranks.size)) != ranks.rank)
-        flags[ray] = 0;
-    if (std::count(flags.begin(), flags.end(), char{1}) > 0)
-      DatabaseWriter::take(target.file, header, target.from, flags, ranks.rank);
-  });
-  return n;
+/// Flags, n_active x n_directions, of the rays that the scene wants and that are not logged.
+std::vector<char> missing_rays(const Scene& scene, const Mesh& mesh, const DatabaseHeader& header,
+                               const std::vector<char>& logged) {
+  const auto requested = requested_rays(scene, mesh, header);
+  std::vector<char> missing(logged.size(), 0);
+  for (const auto& [active, direction] : rays_left(header, logged)) {
+    const auto ray = static_cast<std::size_t>(active) * header.directions.size() + static_cast<std::size_t>(direction);
+    missing[ray] = requested[ray];
+  }
+  return missing;
 }
 
 std::string what(const std::exception_ptr& trouble) {
@@ -290,17 +283,6 @@ std::exception_ptr guarded(WorkCounter& counter, int rank, const std::function<v
 }
 
 }  // namespace
-
-std::vector<char> rays_to_take(const Scene& scene, const Mesh& mesh, const DatabaseHeader& header,
-                               const std::filesystem::path& from, const std::vector<char>& logged) {
-  const auto there = Database::rays_for(from, header), requested = requested_rays(scene, mesh, header);
-  std::vector<char> flags(logged.size(), 0);
-  for (const auto& [active, direction] : rays_left(header, logged)) {
-    const auto ray = static_cast<std::size_t>(active) * header.directions.size() + static_cast<std::size_t>(direction);
-    flags[ray] = there[ray] && requested[ray];
-  }
-  return flags;
-}
 
 PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh, const NodeSets& sets,
                             const PrecomputeTarget& target, const PrecomputeProgress& progress,
@@ -342,7 +324,12 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   });
   MPI_Bcast(&complete, 1, MPI_INT, 0, MPI_COMM_WORLD);
   logged = DatabaseWriter::logged(target.file, header, ranks);
-  if (!target.from.empty() && !complete) taken = take_rays(ranks, scene, mesh, header, target, logged);
+  if (!target.from.empty() && !complete)
+    ranks.together([&] {
+      taken = DatabaseWriter::take(target.file, header, target.from, missing_rays(scene, mesh, header, logged),
+                                   session.rank(), session.size());
+    });
+  taken = static_cast<std::int64_t>(session.sum(static_cast<double>(taken)));
   if (taken > 0) logged = DatabaseWriter::logged(target.file, header, ranks);
 
   PrecomputeReport report;
@@ -351,14 +338,12 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   report.setup_seconds = seconds_since(start);
   const auto solve_start = Clock::now();
   Share share;
-  std::optional<ShallowerRays> shallower;
-  session.together([&] { shallower.emplace(target.from, header); });
   const auto left = [&] { return rays_left(header, logged); };
-  const auto requested = requested_rays(scene, mesh, header);
+  const auto missing = missing_rays(scene, mesh, header, logged);
   std::vector<RayIndex> rays;
   for (const auto& ray : left())
-    if (requested[static_cast<std::size_t>(ray.active) * header.directions.size() +
-                  static_cast<std::size_t>(ray.direction)])
+    if (missing[static_cast<std::size_t>(ray.active) * header.directions.size() +
+                static_cast<std::size_t>(ray.direction)])
       rays.push_back(ray);
   if (!rays.empty()) {
     WorkCounter counter(MPI_COMM_WORLD);
@@ -370,7 +355,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
     };
     const auto trouble = guarded(counter, session.rank(), warn, [&] {
       DatabaseWriter log(target.file, header, session.rank());
-      solve_tasks(*probe_solver, log, header, rays, counter, session.size(), *shallower, done, stop, share);
+      solve_tasks(*probe_solver, log, header, rays, counter, session.size(), done, stop, share);
       log.close();
     });
     core.stop();
@@ -389,8 +374,6 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   report.pack_seconds = seconds_since(pack_start);
 
   add_up(session, share, core.seconds(), report);
-  report.rays_compared = static_cast<std::int64_t>(session.sum(static_cast<double>(shallower->n_compared)));
-  report.other_branches = shallower->unpacked(session.gather(shallower->found));
   if (complete && session.rank() == 0) finished = count_finished(target.file);
   if (packs || complete) add_up(finished, report);
   report.wall_seconds = seconds_since(start);

@@ -128,16 +128,14 @@ def solve(scene: Study, node: Node, d: ArrayLike, *, progress: Optional[bool] = 
     return Solution(force, numbers("energy_J"), status, [row["note"] for row in found])
 
 
-def precompute(scene: Path, out: Path, *, ranks: int = 1, resume: bool = False, take_from: Optional[Study] = None,
+def precompute(scene: Path, out: Path, *, ranks: int = 1, resume: bool = False,
                progress: Optional[bool] = None) -> Database:
     """Solves every probe of the scene at `scene` on `ranks` processes and writes the database `out`, which is returned.
 
-    KeyboardInterrupt keeps what is solved, and `resume` continues it. `take_from` is a finished database whose rays are taken
-    where the scene has them (docs/commands.md, precompute). Progress is shown on terminals, or anywhere with progress=True.
+    KeyboardInterrupt keeps what is solved, and `resume` continues it, also a finished database to more points, directions and
+    increments of the scene (docs/commands.md, precompute). Progress is shown on terminals, or anywhere with progress=True.
     """
     more = ["--resume"] if resume else []
-    if take_from is not None:
-        more += ["--from", _path(take_from)]
     _run("precompute", os.fspath(scene), "-o", os.fspath(out), *more, ranks=ranks, progress=progress)
     return Database(out)
 

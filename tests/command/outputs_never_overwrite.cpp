@@ -99,7 +99,6 @@ class Overwriting : public CommandLine {
     if (option == "DATABASE") return {{"d.h5", database}};
     if (option == "--database") return {{"--database d.h5", database}};
     if (option == "FILE") return {{"d.h5", database}};
-    if (option == "--from") return {{"--from d.h5", database}};
     if (option == "--scene") return {{"--scene scenes/scene.toml", scene}};
     if (option == "--body") return {{"--body body.txt", {"body.txt"}}};
     if (option == "--errors") return {{"--errors errors.json", {"errors.json"}}};

@@ -90,37 +90,6 @@ TEST_F(Queries, AreAnsweredAsOneByOne) {
   }
 }
 
-// A factor of two has no rounding. The body that it stands for is solved in tests/pipeline/studies_grow.cpp.
-TEST_F(Queries, ScaleWithTheModuli) {
-  const std::string model = "\"" PHYNNESS_SAMPLE_MODEL "\"";
-  succeed("info " + model + " --json info.json");
-  const auto active = json("info.json").at("active").get<std::vector<int>>();
-  const std::string node = std::to_string(active.at(0)), other = std::to_string(active.at(1));
-  const std::string single = "eval " + model + " --node " + node + " --displacement 0,0,-0.004 --json ";
-  const std::string pair = "eval " + model + " --node " + node + " --displacement 0,0,-0.004 --node " + other +
-                           " --displacement 0,0,-0.003 --json ";
-  for (const auto& command : {single, pair}) {
-    succeed(command + "one.json");
-    succeed(command + "two.json --modulus-factor 2");
-    auto one = json("one.json");
-    const auto two = json("two.json");
-    for (auto& tool : one.at("tools"))
-      for (auto& f : tool.at("force")) f = 2 * f.get<double>();
-    one["energy"] = 2 * one.at("energy").get<double>();
-    if (one.contains("bound_N")) one["bound_N"] = 2 * one.at("bound_N").get<double>();
-    one["modulus_factor"] = 2.0;
-    EXPECT_EQ(one, two);
-  }
-  write_file(folder / "queries.csv", "node,ux_m,uy_m,uz_m\n" + node + ",0,0,-0.004\n");
-  const auto rows = rows_of(succeed("eval " + model + " --queries queries.csv --modulus-factor 2").out);
-  succeed(single + "two.json --modulus-factor 2");
-  const auto two = json("two.json");
-  for (std::size_t k = 0; k < 3; ++k)
-    EXPECT_EQ(std::stod(rows.at(1).at(4 + k)), two.at("tools").at(0).at("force").at(k).get<double>());
-  EXPECT_EQ(std::stod(rows[1].at(7)), two.at("energy").get<double>());
-  EXPECT_EQ(std::stod(rows[1].back()), two.at("bound_N").get<double>());
-}
-
 TEST_F(Queries, BeyondTheTrainedDepthAreWarnedOfWithBothLengths) {
   const auto node = std::to_string(nodes[0]);
   const auto outcome = succeed("eval modal --node " + node + " --displacement 0,0,-0.0125");

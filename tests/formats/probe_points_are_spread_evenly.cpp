@@ -119,6 +119,29 @@ TEST(SpreadNodes, AreAsManyAsWanted) {
   EXPECT_EQ(spread_nodes(mesh.nodes, mesh.surface, part, 0, part.size()), part);
 }
 
+// Claim: nodes that are there are kept; those that are added keep their distance from them and fill the part.
+TEST(SpreadNodes, KeepWhatIsThere) {
+  const Mesh mesh = sphere(4);
+  const auto part = where(mesh, above), all = where(mesh, everywhere);
+  const auto kept = spread_nodes(mesh.nodes, mesh.surface, part, 0.4, 0);
+  const auto is_kept = [&](std::int32_t i) { return std::binary_search(kept.begin(), kept.end(), i); };
+  for (const double spacing : {0.25, 0.4}) {
+    const auto chosen = spread_nodes(mesh.nodes, mesh.surface, all, spacing, 0, kept);
+    EXPECT_TRUE(std::includes(chosen.begin(), chosen.end(), kept.begin(), kept.end()));
+    EXPECT_EQ(chosen, spread_nodes(mesh.nodes, mesh.surface, all, spacing, 0, chosen));
+    for (const auto i : all) {
+      double nearest = 10;
+      for (const auto c : chosen) nearest = std::min(nearest, along(mesh.nodes.row(i), mesh.nodes.row(c)));
+      EXPECT_LE(nearest, 0.75 * spacing);
+    }
+    for (const auto a : chosen)
+      for (const auto b : chosen)
+        if (a != b && !(is_kept(a) && is_kept(b)))
+          EXPECT_GE(along(mesh.nodes.row(a), mesh.nodes.row(b)), 0.75 * spacing / 1.06);
+  }
+  EXPECT_EQ(spread_nodes(mesh.nodes, mesh.surface, part, 0, kept.size() + 5, kept).size(), kept.size() + 5);
+}
+
 // Claim: on a closed surface the triangles between the probed nodes close, too (Euler: 2 n - 4 of them), every node is
 // covered, the weights are at least 0 and have the sum 1, a probed node has its own weight only, and the coordinates
 // give the place of a node up to what the triangle lies below the sphere: at most L^2 / 2 for a longest edge L.

@@ -1,8 +1,7 @@
-// Claims: a database that takes the rays of another one is, byte for byte, the one of which every ray was written,
-// failed ones too. A database seen as that of a part of its nodes has the rays of that part, and seen to a smaller
-// depth their first increments, with the ends that they have there. To a larger depth it has the rays that end before.
-// Forces, energies and stresses scale with all moduli. Rays of another physics, mesh, step or storage are refused with
-// the keys that differ.
+// Claims: a database that takes the rays of another one, finished or not, of fewer nodes and directions or to a smaller
+// depth, is, byte for byte, the one of which every ray was written, failed ones too. A database seen as that of a part
+// of its nodes has the rays of that part. Rays of another physics, mesh, step or storage are refused with the keys that
+// differ.
 
 #include "database_under_test.hpp"
 
@@ -78,29 +77,34 @@ class OtherDatabases : public DatabaseTest {
   std::string refused(const DatabaseHeader& then, const DatabaseHeader& now) {
     fs::remove(folder() / "then.h5");
     const auto from = whole("then.h5", then);
-    return refusal([&] { Database::rays_for(from, now); });
+    return refusal([&] { Database::open(from, now); });
   }
 };
 
 TEST_F(OtherDatabases, give_their_rays_bit_for_bit) {
-  const auto from = whole("old.h5", study({1, 2, 4}, {1, 2, 3, 4}, 0, 7));
-  struct Case {
-    DatabaseHeader wanted;
-    std::ptrdiff_t taken;
-  };
-  const Case cases[] = {{study({1, 2, 3, 4}, {1, 2, 3, 4}, 0, 7), 21},  // more nodes
-                        {study({2}, {1, 2, 3, 4}, 0, 7), 7},            // fewer
-                        {study({1, 2, 4}, {2, 4}, 0, 7), 21},           // less of the body
-                        {study({1, 3, 4}, {1, 3}, 5, 4), 4},            // others, and other directions
-                        {study({3}, {1, 2, 3, 4}, 0, 7), 0}};           // none
-  for (int number = 0; const auto& [wanted, taken] : cases) {
-    const auto flags = Database::rays_for(from, wanted);
-    EXPECT_EQ(std::count(flags.begin(), flags.end(), char{1}), taken);
-    const auto grown = folder() / ("grown" + std::to_string(number) + ".h5");
+  const auto old = study({1, 2, 4}, {1, 2, 3, 4}, 0, 7), wanted = study({1, 2, 3, 4}, {1, 2, 3, 4}, 0, 9);
+  EXPECT_EQ(coverage(old, wanted), Coverage::part);
+  const auto is_old = [](std::size_t ray) { return ray / 9 != 2 && ray % 9 < 7; };
+  std::vector<char> missing(36, 1), left(36);
+  missing[3] = 0;  // logged already
+  for (std::size_t ray = 0; ray < 36; ++ray) left[ray] = missing[ray] && is_old(ray);
+  const auto finished = whole("old.h5", old), unfinished = folder() / "begun.h5";
+  DatabaseWriter::create(unfinished, old, false);
+  DatabaseWriter log(unfinished, old, 0);
+  for (std::size_t i = 0; i < 21; ++i)
+    if (i != 9) log.append(ray_of(old, i / 7, i % 7));
+  log.close();
+  const auto expected = bytes_of(whole("fresh.h5", wanted));
+  for (const auto& from : {finished, unfinished}) {
+    const auto grown = folder() / "grown.h5";
+    fs::remove(grown);
     DatabaseWriter::create(grown, wanted, false);
-    DatabaseWriter::take(grown, wanted, from, flags);
-    finish(grown, wanted, flags);
-    EXPECT_EQ(bytes_of(grown), bytes_of(whole(("fresh" + std::to_string(number++) + ".h5").c_str(), wanted)));
+    std::int64_t taken = 0;
+    for (int rank = 0; rank < 2; ++rank) taken += DatabaseWriter::take(grown, wanted, from, missing, rank, 2);
+    EXPECT_EQ(taken, from == finished ? 20 : 19);
+    left[1 * 9 + 2] = from == finished;
+    finish(grown, wanted, left);
+    EXPECT_EQ(bytes_of(grown), expected);
   }
 }
 
@@ -123,174 +127,67 @@ TEST_F(OtherDatabases, seen_as_that_of_a_part_are_that_part) {
   }
 }
 
-/// What happens to a ray of three increments, and what is left of it in a study of the first two of them.
+/// What happens to a ray of three increments, which a study of the first two of them has, and whether it ends there.
 struct Fate {
   std::vector<Status> status;
-  RayEnd deep, shallow;
+  RayEnd end;
+  bool ends_before;
 };
 constexpr double second_m = 0.02 / 3, third_m = 0.02;
 const Fate fates[] = {
-    {{Status::converged, Status::converged, Status::converged},
-     {EndReason::full_depth, third_m},
-     {EndReason::full_depth, second_m}},
+    {{Status::converged, Status::converged, Status::converged}, {EndReason::full_depth, third_m}, false},
     {{Status::converged, Status::converged, Status::after_end},
      {EndReason::fold, second_m, second_m + 1e-4, 2e-6},  // found in the increment that the other study does not have
-     {EndReason::full_depth, second_m}},
-    {{Status::converged, Status::after_end, Status::after_end},
-     {EndReason::fold, 0.004, 0.0042, 3e-6},
-     {EndReason::fold, 0.004, 0.0042, 3e-6}},
-    {{Status::converged, Status::converged, Status::converged},  // goes on beyond its fold
-     {EndReason::full_depth, third_m, 0.005, 4e-6},
-     {EndReason::full_depth, second_m, 0.005, 4e-6}},
-    {{Status::converged, Status::after_end, Status::after_end},
-     {EndReason::crushed, 0.0061},
-     {EndReason::crushed, 0.0061}},
-    {{Status::converged, Status::converged, Status::after_end},  // the limit ends no ray at its last increment
-     {EndReason::force_limit, second_m},
-     {EndReason::full_depth, second_m}},
-    {{Status::converged, Status::diverged, Status::after_failure},
-     {EndReason::solver, 0.005},
-     {EndReason::solver, 0.005}},
+     false},
+    {{Status::converged, Status::after_end, Status::after_end}, {EndReason::fold, 0.004, 0.0042, 3e-6}, true},
+    {{Status::converged, Status::after_end, Status::after_end}, {EndReason::crushed, 0.0061}, true},
+    {{Status::converged, Status::diverged, Status::after_failure}, {EndReason::solver, 0.005}, true},
+    {{Status::converged, Status::library_error, Status::after_failure}, {EndReason::solver, 0.005}, false},
 };
 
-class Depths : public OtherDatabases {
- protected:
-  static DatabaseHeader shallow(const DatabaseHeader& deep) {
-    auto header = deep;
-    header.magnitudes_m.pop_back();
-    const std::string depth = "max_displacement_m = 0.02", number = "increments = 3";
-    header.scene_text.replace(header.scene_text.find(depth), depth.size(), "max_displacement_m = 0.006666666666666667");
-    header.scene_text.replace(header.scene_text.find(number), number.size(), "increments = 2");
-    header.physics_hash = physics_hash(stored_scene(header));
-    return header;
-  }
-  /// A ray with the fate of its direction, as a study with the first increments, or all, stores it.
-  static Ray ray(const DatabaseHeader& header, std::size_t active, std::size_t direction) {
-    const auto deep = study({1, 2, 4}, {1, 2, 3}, 0, 7);
-    const Fate& fate = fates[direction];
-    Ray ray = ray_of(deep, active, direction);
+TEST_F(OtherDatabases, to_a_smaller_depth_give_the_rays_that_end_before) {
+  const auto deep = study({1, 2, 4}, {1, 2, 3}, 0, 6);
+  auto shallow = deep;
+  shallow.magnitudes_m.pop_back();
+  const std::string depth = "max_displacement_m = 0.02", number = "increments = 3";
+  shallow.scene_text.replace(shallow.scene_text.find(depth), depth.size(), "max_displacement_m = 0.006666666666666667");
+  shallow.scene_text.replace(shallow.scene_text.find(number), number.size(), "increments = 2");
+  shallow.physics_hash = physics_hash(stored_scene(shallow));
+  EXPECT_EQ(coverage(shallow, deep), Coverage::part);
+  EXPECT_EQ(coverage(deep, shallow), Coverage::other) << "increments would be lost";
+  const auto ray = [&](const DatabaseHeader& header, std::size_t i) {
+    Ray one = ray_of(deep, i / 6, i % 6);
     const std::size_t n = header.magnitudes_m.size();
-    ray.status = fate.status;
-    ray.end = n < 3 ? fate.shallow : fate.deep;
-    for (auto* values : {&ray.force, &ray.energy, &ray.tangent, &ray.min_jacobian, &ray.seconds, &ray.displacement,
-                         &ray.fields.front()})
-      values->resize(values->size() / 3 * n);
-    for (auto* values : {&ray.negative_pivots, &ray.iterations, &ray.cutbacks}) values->resize(n);
-    ray.status.resize(n);
-    return ray;
-  }
-  void write(const fs::path& path, const DatabaseHeader& header, const std::vector<char>& without) {
+    one.status = fates[i % 6].status;
+    one.end = fates[i % 6].end;
+    const auto zeros = [&](std::vector<double>& values) {  // as a study that ends there has them
+      std::fill(values.begin() + static_cast<std::ptrdiff_t>(values.size() / 3 * 2), values.end(), 0.0);
+      values.resize(values.size() / 3 * n);
+    };
+    for (auto* values : {&one.force, &one.energy, &one.tangent, &one.min_jacobian, &one.seconds, &one.displacement,
+                         &one.fields.front()})
+      zeros(*values);
+    for (auto* values : {&one.negative_pivots, &one.iterations, &one.cutbacks}) {
+      values->back() = 0;
+      values->resize(n);
+    }
+    one.status.resize(n);
+    return one;
+  };
+  const auto write = [&](const fs::path& path, const DatabaseHeader& header, const auto& chosen) {
+    if (!fs::exists(path)) DatabaseWriter::create(path, header, false);
     DatabaseWriter log(path, header, 1);
-    for (std::size_t i = 0; i < 21; ++i)
-      if (!without[i]) log.append(ray(header, i / 7, i % 7));
+    for (std::size_t i = 0; i < 18; ++i)
+      if (chosen(i)) log.append(ray(header, i));
     log.close();
     DatabaseWriter::pack(path, header);
-  }
-  fs::path fresh(const char* name, const DatabaseHeader& header) {
-    DatabaseWriter::create(folder() / name, header, false);
-    write(folder() / name, header, std::vector<char>(21, 0));
-    return folder() / name;
-  }
-};
-
-TEST_F(Depths, a_smaller_one_has_the_first_increments_of_every_ray) {
-  const auto deep = study({1, 2, 4}, {1, 2, 3}, 0, 7), wanted = shallow(deep);
-  const auto from = fresh("deep.h5", deep);
-  EXPECT_EQ(coverage(deep, wanted), Coverage::whole);
-  const auto flags = Database::rays_for(from, wanted);
-  EXPECT_EQ(std::count(flags.begin(), flags.end(), char{1}), 21);
-  DatabaseWriter::create(file, wanted, false);
-  DatabaseWriter::take(file, wanted, from, flags);
-  DatabaseWriter::pack(file, wanted);
-  EXPECT_EQ(bytes_of(file), bytes_of(fresh("shallow.h5", wanted)));
-  const auto seen = Database::open(from, wanted).ends(), alone = Database::open(file).ends();
-  for (std::size_t i = 0; i < seen.size(); ++i) expect_same_end(seen[i], alone[i]);
-}
-
-TEST_F(Depths, a_larger_one_has_the_rays_that_end_before) {
-  const auto deep = study({1, 2, 4}, {1, 2, 3}, 0, 7), then = shallow(deep);
-  const auto from = fresh("shallow.h5", then);
-  EXPECT_EQ(coverage(then, deep), Coverage::part);
-  const auto flags = Database::rays_for(from, deep);
-  for (std::size_t i = 0; i < 21; ++i) EXPECT_EQ(flags[i], i % 7 == 2 || i % 7 == 4 || i % 7 == 6) << i;
-  DatabaseWriter::create(file, deep, false);
-  DatabaseWriter::take(file, deep, from, flags);
-  write(file, deep, flags);
-  const auto grown = Database::open(file), whole = Database::open(fresh("deep.h5", deep));
-  EXPECT_EQ(grown.statuses(), whole.statuses());
-  const auto ends = grown.ends(), expected = whole.ends();
-  for (std::size_t i = 0; i < 21; ++i) expect_same_end(ends[i], expected[i]);
-  // A ray that goes on is there to be compared with.
-  const auto begun = Database::open(from, deep).rays(0).front(), solved = ray(deep, 0, 0);
-  EXPECT_EQ(begun.status, (std::vector{Status::converged, Status::converged, Status::not_solved}));
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(begun.force[i], solved.force[i]);
-}
-
-// All numbers are doubled, which has no rounding.
-TEST_F(OtherDatabases, scale_with_all_moduli) {
-  const auto then = study({1, 2}, {1, 2, 3}, 0, 7);
-  const auto changed = [&](const std::vector<std::pair<std::string, std::string>>& changes) {
-    auto now = then;
-    for (const auto& [from, to] : changes) now.scene_text.replace(now.scene_text.find(from), from.size(), to);
-    now.physics_hash = physics_hash(stored_scene(now));
-    return now;
   };
-  const std::pair<std::string, std::string> c10{"250.0", "500.0"}, bulk{"100e3", "200e3"};
-  const auto stiffer = changed({c10, bulk});
-  const auto from = whole("then.h5", then);
-  const auto flags = Database::rays_for(from, stiffer);
-  EXPECT_EQ(std::count(flags.begin(), flags.end(), char{1}), 14);
-  EXPECT_EQ(coverage(then, stiffer), Coverage::other) << "other numbers are in the file";
-  DatabaseWriter::create(file, stiffer, false);
-  DatabaseWriter::take(file, stiffer, from, flags);
-  DatabaseWriter::pack(file, stiffer);
-  const auto scaled = Database::open(file);
-  for (std::size_t active = 0; active < 2; ++active)
-    for (std::size_t d = 0; d < 7; ++d) {
-      const auto found = scaled.rays(static_cast<std::int32_t>(active))[d];
-      auto expected = ray_of(then, active, d);
-      for (auto* values : {&expected.force, &expected.energy, &expected.tangent})
-        for (double& x : *values) x *= 2;
-      EXPECT_EQ(found.force, expected.force);
-      EXPECT_EQ(found.energy, expected.energy);
-      EXPECT_EQ(found.tangent, expected.tangent);
-      EXPECT_EQ(found.status, expected.status);
-      EXPECT_EQ(found.min_jacobian, expected.min_jacobian);
-      for (std::size_t i = 0; i < found.displacement.size(); ++i)
-        EXPECT_EQ(found.displacement[i], static_cast<float>(expected.displacement[i]));
-      for (std::size_t i = 0; i < found.fields[0].size(); ++i)
-        EXPECT_EQ(found.fields[0][i], 2 * static_cast<float>(expected.fields[0][i]));
-      EXPECT_EQ(found.end.depth_m, expected.end.depth_m);
-      EXPECT_EQ(found.end.energy_lost_J, 2 * expected.end.energy_lost_J);
-    }
-  // One modulus alone, and a limit of the force that does not grow with the moduli, give other states.
-  expect_contains(refusal([&] { Database::rays_for(from, changed({c10})); }),
-                  {"material.shear_modulus_Pa: 500", "1000 now"});
-  const std::pair<std::string, std::string> limit{"increments = 3", "increments = 3\nmax_force_N = 3.0"},
-      larger{"increments = 3", "increments = 3\nmax_force_N = 6.0"};
-  const auto limited = whole("limited.h5", changed({limit}));
-  expect_contains(refusal([&] {
-                    Database::rays_for(limited, changed({c10, bulk, limit}));
-                  }),
-                  {"max_force_N: 3 in the file, 3 now", "larger by the factor of the moduli, 2"});
-  expect_contains(refusal([&] { Database::rays_for(limited, then); }), {"max_force_N: 3 in the file, 0 now"});
-  EXPECT_EQ(Database::rays_for(limited, changed({c10, bulk, larger})).front(), 1);
-}
-
-TEST_F(OtherDatabases, give_no_ray_that_a_solve_would_not_repeat) {
-  auto header = study({1, 2, 4}, {1, 2, 3, 4}, 0, 7);
-  DatabaseWriter::create(file, header, false);
-  DatabaseWriter log(file, header, 0);
-  for (std::size_t i = 0; i < 21; ++i) {
-    auto ray = ray_of(header, i / 7, i % 7);
-    if (i == 3) ray.status.back() = Status::library_error;
-    if (i == 5) ray = empty_ray(header, 0, 5);  // not requested
-    log.append(ray);
-  }
-  log.close();
-  DatabaseWriter::pack(file, header);
-  const auto flags = Database::rays_for(file, header);
-  for (std::size_t i = 0; i < 21; ++i) EXPECT_EQ(flags[i], i != 3 && i != 5) << i;
+  write(folder() / "shallow.h5", shallow, [](std::size_t) { return true; });
+  write(folder() / "deep.h5", deep, [](std::size_t) { return true; });
+  DatabaseWriter::create(file, deep, false);
+  EXPECT_EQ(DatabaseWriter::take(file, deep, folder() / "shallow.h5", std::vector<char>(18, 1)), 9);
+  write(file, deep, [](std::size_t i) { return !fates[i % 6].ends_before; });
+  EXPECT_EQ(bytes_of(file), bytes_of(folder() / "deep.h5"));
 }
 
 TEST_F(OtherDatabases, are_refused_with_what_differs) {
@@ -301,7 +198,7 @@ TEST_F(OtherDatabases, are_refused_with_what_differs) {
     now.physics_hash = physics_hash(stored_scene(now));
     return now;
   };
-  expect_contains(refused(then, scene("100e3", "200e3")), {"no ray", "material.lame_lambda_Pa: 99666"});
+  expect_contains(refused(then, scene("100e3", "200e3")), {"does not have all rays", "material.lame_lambda_Pa: 99666"});
   auto deeper = scene("0.02", "0.04");
   deeper.magnitudes_m = {0.01 / 3, 0.02 / 3, 0.021, 0.04};
   expect_contains(refused(then, deeper), {"probe.max_displacement_m", "3 to 0.02 m in the file, 4 to 0.04 m now"});
@@ -323,7 +220,7 @@ TEST_F(OtherDatabases, are_refused_with_what_differs) {
   rounded.field_bits = 12;
   expect_contains(refused(rounded, then), {"field_tolerance", "12 bits in the file, every bit now"});
   EXPECT_EQ(coverage(then, rounded), Coverage::whole) << "finer than asked for";
-  expect_contains(refused(then, study({1}, {1, 4}, 0, 7)), {"output nodes that the database does not hold: 1 of 2"});
+  expect_contains(refused(then, study({1}, {1, 4}, 0, 7)), {"other output nodes: 3 in the file, 2 now"});
   // What no known version has solved is not understood, even if its scene is the same.
   auto unknown = then;
   unknown.physics_hash = "0123456789abcdef";
@@ -338,7 +235,12 @@ TEST_F(OtherDatabases, cover_what_a_study_wants) {
   EXPECT_EQ(coverage(then, study({1, 2, 3}, {1, 2}, 0, 7)), Coverage::other) << "would lose displacements";
   EXPECT_EQ(coverage(then, study({1, 2, 3}, {1, 2, 3, 4}, 0, 7)), Coverage::other) << "lacks displacements";
   EXPECT_EQ(coverage(then, study({2, 3}, {1, 2, 3}, 0, 7)), Coverage::other);
-  EXPECT_EQ(coverage(then, study({1, 2}, {1, 2, 3}, 0, 6)), Coverage::other);
+  EXPECT_EQ(coverage(then, study({1, 2}, {1, 2, 3}, 0, 6)), Coverage::other) << "would lose directions";
+  EXPECT_EQ(coverage(then, study({1, 2}, {1, 2, 3}, 0, 8)), Coverage::part);
+  expect_contains(refusal([&] {
+                    DatabaseWriter::create(whole("then.h5", then), study({2, 3}, {1, 2, 3}, 0, 7), true);
+                  }),
+                  {"does not select every node", "would be lost"});
   auto stored = then;
   stored.tangents = false;
   EXPECT_EQ(coverage(then, stored), Coverage::other);

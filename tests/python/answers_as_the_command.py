@@ -343,7 +343,7 @@ class Solves(unittest.TestCase):
             for name in other.keys():
                 if name != "seconds":
                     self.assertEqual(np.asarray(self.database[name]).tobytes(), np.asarray(other[name]).tobytes(), name)
-        again = phynness.precompute(self.scene, work / "taken.h5", take_from=self.database, ranks=2)
+        again = phynness.precompute(self.scene, work / "block.h5", resume=True, ranks=2)
         self.assertEqual(np.asarray(again["force"]).tobytes(), np.asarray(self.database["force"]).tobytes())
 
     def test_solves_are_the_rays(self):

@@ -105,18 +105,9 @@ class Database {
   /// @throws Error (input) if the file is not a database, of another version, damaged, or unfinished; the remedy of an
   /// unfinished database is --resume
   static Database open(const std::filesystem::path& file);
-  /// The same file, seen as the database of a study that has a part of its rays in common with it. header() is
-  /// `wanted`; increments that the file does not have are Status::not_solved. Forces, energies and stresses are
-  /// multiplied by the common factor of the moduli; their rounding and that of float32 remain.
-  /// @throws Error (input) also with all reasons if no ray of the file is one of `wanted`: the physics (but for the
-  /// selections of nodes and directions, and a factor of all moduli), mesh, fixed nodes and stored arrays must be the
-  /// same, the increments those of the file or the first of them, or these and deeper ones, and the output nodes among
-  /// those of the file
+  /// The same file, seen as the database of a study with some of its active and output nodes. header() is `wanted`.
+  /// @throws Error (input) also with all differences unless coverage() is `same` or `whole`
   static Database open(const std::filesystem::path& file, const DatabaseHeader& wanted);
-  /// Flags, n_active x n_directions of `wanted`, of its rays that a solve would repeat: those in the file but for
-  /// rays that a failed library call ended, and rays that go on in a deeper study.
-  /// @throws Error (input) as open(); also for files of versions that do not record the ends of rays
-  static std::vector<char> rays_for(const std::filesystem::path& file, const DatabaseHeader& wanted);
   /// True if all rays have been packed into the file.
   static bool is_complete(const std::filesystem::path& file);
 
@@ -173,8 +164,8 @@ DatabaseProgress database_progress(const std::filesystem::path& file);
 /// What a database has of the rays of a study.
 enum class Coverage {
   same,   ///< it is that of the study
-  whole,  ///< all, and perhaps of more active nodes, at more output nodes, and deeper ones
-  part,   ///< those of some of its active nodes, or to a smaller depth, and no others
+  whole,  ///< all, and perhaps of more active nodes, at more output nodes
+  part,   ///< of the same physics those of some of its active nodes and directions, or to a smaller depth, no others
   other   ///< others, or some of both
 };
 Coverage coverage(const DatabaseHeader& on_disk, const DatabaseHeader& wanted);
@@ -201,8 +192,8 @@ struct PackingRanks {
 class DatabaseWriter {
  public:
   /// Creates FILE (the header, marked as unfinished) and an empty FILE.log/. With `resume`, logged rays are kept, and a
-  /// finished file is left as it is. Must be called in one process only.
-  /// @throws Error (input) if FILE exists and `resume` is false, or if the physics or mesh of an existing FILE differ
+  /// finished file that has all rays of the study is left as it is. Must be called in one process only.
+  /// @throws Error (input) if FILE exists and `resume` is false, or if an existing FILE is of another study
   static void create(const std::filesystem::path& file, const DatabaseHeader& header, bool resume);
 
   /// What create() refuses is refused, and nothing is written.
@@ -216,17 +207,14 @@ class DatabaseWriter {
   static std::vector<char> logged(const std::filesystem::path& file, const DatabaseHeader& header,
                                   const PackingRanks& ranks = {});
 
-  /// Reads the rays of an unfinished database, in the order of the database, without what is
-  /// stored at output nodes.
-  /// @throws Error as logged()
-  static void read_logs(const std::filesystem::path& file, const DatabaseHeader& header,
-                        const std::function<void(const Ray&)>& use);
-
-  /// Copies the rays with a flag from a finished database into a log of FILE, that of this rank.
-  /// @param wanted  n_active x n_directions, of rays that Database::rays_for() has found
-  /// @throws Error as Database::rays_for() and append()
-  static void take(const std::filesystem::path& file, const DatabaseHeader& header, const std::filesystem::path& from,
-                   const std::vector<char>& wanted, int rank = 0);
+  /// Copies rays of FROM, a finished or unfinished database of Coverage::part, to a log of FILE. Of rays to a smaller
+  /// depth these are the ones that end before. Rays that a failed library call ended are left to be solved again.
+  /// @param missing  n_active x n_directions flags of FILE: the others are left out
+  /// @param rank     copies its share of the nodes of FROM
+  /// @return number of rays. @throws Error as open(), logged() and append()
+  static std::int64_t take(const std::filesystem::path& file, const DatabaseHeader& header,
+                           const std::filesystem::path& from, const std::vector<char>& missing, int rank = 0,
+                           int n_ranks = 1);
 
   /// Puts a finished database in the place of another one, at once. @throws Error (failure)
   static void replace(const std::filesystem::path& by, const std::filesystem::path& file);

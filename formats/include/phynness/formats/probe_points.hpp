@@ -23,9 +23,10 @@ inline constexpr double auto_spacing_of_radius = 1.0 / 3;
 /// @param within     the part, ascending, nodes of the surface
 /// @param spacing_m  distance between neighbours; 0: `count` is given
 /// @param count      number of nodes, at most that of `within`; 0: the spacing is given
+/// @param kept       nodes of the part that are chosen in any case
 /// @return ascending
 NodeList spread_nodes(const Points& nodes, const Triangles& surface, const NodeList& within, double spacing_m,
-                      std::size_t count);
+                      std::size_t count, const NodeList& kept = {});
 
 /// Coordinates of surface nodes between probed nodes. The triangles are dual to the cells of the nodes that are nearest
 /// to each probed node along the surface.

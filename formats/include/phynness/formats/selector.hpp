@@ -33,6 +33,7 @@ struct SelectableBody {
   const Mesh& mesh;
   NodeList surface;          ///< sorted
   NodeList fixed;            ///< sorted; set before selectors that depend on it are applied
+  NodeList probed;           ///< sorted: points that a database has, which spread points keep
   double tool_radius_m = 0;  ///< of the scene's probe; 0: it displaces a node
   Vec3 low, high;            ///< bounding box [m]
   double slack_m;            ///< a node up to this far outside of a border counts as inside, because of rounding

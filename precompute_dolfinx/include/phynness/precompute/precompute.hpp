@@ -16,7 +16,7 @@ struct PrecomputeTarget {
   std::filesystem::path file;
   bool resume = false;
   std::optional<Shard> shard;  ///< solve only the rays of this shard, and leave them in the log of `file` for a merge
-  std::filesystem::path from;  ///< finished database, of which the rays that the scene wants are taken; may be empty
+  std::filesystem::path from;  ///< database of Coverage::part, finished or not, whose rays are taken; may be empty
 };
 
 /// Figures of one rank.
@@ -26,14 +26,6 @@ struct RankFigures {
   double idle_seconds = 0;           ///< remaining wall time until the last rank had solved its last ray
   double core_seconds = 0;           ///< CPU time without waiting for other ranks
   double peak_memory_bytes = 0;
-};
-
-/// A solved ray that differs from the shallower ray of the same node and direction in PrecomputeTarget::from: it is on
-/// another branch of equilibria, or was solved with other rounding.
-struct OtherBranch {
-  std::int32_t node = 0, direction = 0;
-  double depth_m = 0;     ///< of the first increment that differs
-  double difference = 0;  ///< there, of force or energy, relative; infinite if only one of both converged
 };
 
 /// Sums over rays: of one rank or of all, of this run or of the whole database. `failed` includes after_failure.
@@ -46,15 +38,13 @@ struct RayCounts {
 /// Rays and library errors are those of this run. Increments and iterations are those of the whole database or, for a
 /// shard or an interrupted run, of this run; after_end is 0 there.
 struct PrecomputeReport : RayCounts {
-  std::int64_t rays_resumed = 0;              ///< found in the logs
-  std::int64_t rays_taken = 0;                ///< copied from another database in this run
-  std::int64_t rays_compared = 0;             ///< solved in this run, with a shallower ray in that database
-  std::vector<OtherBranch> other_branches;    ///< of those, by node and direction; on rank 0
-  std::int64_t increments_of_run = 0;         ///< increments that this run solved
-  double wall_seconds = 0, core_seconds = 0;  ///< of this run; core_seconds summed over ranks
-  double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;         ///< parts of wall_seconds
-  std::vector<RankFigures> ranks;                                        ///< on rank 0; empty elsewhere
-  bool interrupted = false;                                              ///< finished rays are kept; --resume continues
+  std::int64_t rays_resumed = 0;                                  ///< found in the logs
+  std::int64_t rays_taken = 0;                                    ///< copied from another database in this run
+  std::int64_t increments_of_run = 0;                             ///< increments that this run solved
+  double wall_seconds = 0, core_seconds = 0;                      ///< of this run; core_seconds summed over ranks
+  double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;  ///< parts of wall_seconds
+  std::vector<RankFigures> ranks;                                 ///< on rank 0; empty elsewhere
+  bool interrupted = false;                                       ///< finished rays are kept; --resume continues
   std::int64_t rays_found() const { return rays_resumed + rays_taken; }  ///< that this run did not solve
 };
 
@@ -65,8 +55,7 @@ using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 /// Collective over MPI_COMM_WORLD: all ranks call it with the same arguments. Free ranks fetch rays node by node, in
 /// tasks of decreasing size. Every ray starts at rest, so that the result does not depend on the rank that solves it. A
 /// ray that cannot be solved is recorded as failed with its reason. Messages of libraries go to
-/// `<target.file>.solver.log`. Of a deeper study than `target.from`, the rays that end early there are taken. The
-/// others are solved again, and their first increments are compared with those there.
+/// `<target.file>.solver.log`.
 /// @pre rank 0 holds the DatabaseLock of the file
 /// @param stop  polled between rays, and between iterations of a solve, on every rank; true ends the run and keeps
 /// finished rays
@@ -77,11 +66,4 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
                             const PrecomputeTarget& target, const PrecomputeProgress& progress = {},
                             const std::function<bool()>& stop = {},
                             const std::function<void(const std::string&)>& warn = {});
-
-/// Flags, n_active x n_directions, of the rays that precompute() takes from the database `from`.
-/// @param logged  flags of those that need no solve anyway
-/// @throws Error (input) as Database::rays_for()
-std::vector<char> rays_to_take(const Scene& scene, const Mesh& mesh, const DatabaseHeader& header,
-                               const std::filesystem::path& from, const std::vector<char>& logged);
-
 }  // namespace phynness
