@@ -61,7 +61,7 @@ bool keeps_nothing(const fs::path& path) {
 /// The program appends to names of outputs and makes files in its folders: without this a command would fail after all
 /// of its work. @throws Error (input) that names both limits
 void check_length(const std::string& option, const fs::path& path, bool written) {
-  // Longer than .shard-2147483646-of-2147483647.log/rank-0000-0000 and than all that is made in a folder.
+  // Longer than .grown.log/rank-2147483647-0000 and than all that is made in a folder.
   const std::string added(written ? 64 : 0, 'x');
   std::error_code code;
   for (const auto& tried : {path.filename(), path}) {
@@ -178,7 +178,7 @@ void declare_input(const std::string& option, const fs::path& path) { claim_path
 void declare_output(const std::string& option, const fs::path& path, PathKind kind) { claim_path(option, path, kind); }
 
 void check_place(const std::string& option, const fs::path& path, PathKind kind) {
-  // DatabaseWriter and merge_shards() look at the folder themselves.
+  // DatabaseWriter looks at the folder itself.
   if (kind == PathKind::input || kind == PathKind::database) return;
   if (kind == PathKind::file) return check_file(option, path);
   check_folder(option, path, place_of(path));

@@ -47,9 +47,9 @@ json record(const char* key, const Value& value, const More&... more) {
 
 // Each command is a file NAME_command.cpp with a namespace of that name, in the order of --help. Those of the second
 // list need dolfinx and are in the program with the solver.
-#define PHYNNESS_COMMANDS(each)                                                                                        \
-  each(mesh) each(check) each(plan) each(precompute) each(merge) each(import) each(train) each(reduce) each(calibrate) \
-      each(validate) each(tune) each(eval) each(bench) each(solve) each(export) each(info) each(show) each(view)       \
+#define PHYNNESS_COMMANDS(each)                                                                                  \
+  each(mesh) each(check) each(plan) each(precompute) each(import) each(train) each(reduce) each(calibrate)       \
+      each(validate) each(tune) each(eval) each(bench) each(solve) each(export) each(info) each(show) each(view) \
           each(run)
 #define PHYNNESS_SOLVER_COMMANDS(each) \
   each(plan) each(precompute) each(calibrate) each(validate) each(tune) each(check) each(solve) each(run)

@@ -140,21 +140,10 @@ json about_database(const std::filesystem::path& file, bool failed) {
     if (failed)
       throw input_error("only a finished database lists its failed rays", "--failed with " + file.string(),
                         "finish it, or omit --failed");
-    if (progress.shard) {
-      const auto whole = database_of(file, *progress.shard).string();
-      print_result("shard {} of a database: {} of {} rays; ", progress.shard->str(), progress.rays_logged,
-                   progress.rays_total);
-      if (progress.rays_logged < progress.rays_total)
-        print_result("continue with phynness precompute SCENE -o {} --shard {} --resume\n", whole,
-                     progress.shard->str());
-      else
-        print_result("when all shards are finished: phynness merge SHARD... -o {}\n", whole);
-    } else {
-      print_result("unfinished database: {} of {} rays; continue with phynness precompute SCENE -o {} --resume\n",
-                   progress.rays_logged, progress.rays_total, file.string());
-    }
-    return record("kind", progress.shard ? "shard" : "database", "complete", false, "rays_logged", progress.rays_logged,
-                  "rays_total", progress.rays_total);
+    print_result("unfinished database: {} of {} rays; continue with phynness precompute SCENE -o {} --resume\n",
+                 progress.rays_logged, progress.rays_total, file.string());
+    return record("kind", "database", "complete", false, "rays_logged", progress.rays_logged, "rays_total",
+                  progress.rays_total);
   }
   const auto database = Database::open(file);
   const auto& h = database.header();

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <charconv>
 #include <phynness/formats/database_lock.hpp>
 #include <phynness/precompute/precompute.hpp>
 
@@ -10,34 +11,53 @@ namespace {
 struct Options {
   std::filesystem::path scene, output;
   OptionalPath json_file;
-  std::string shard;
+  std::string part;
   bool resume = false;
 };
 
-/// Takes the lock and reports existing results. @throws Error if these belong to other work
-DatabaseLock begin(const PrecomputeTarget& target, const LoadedScene& loaded) {
-  auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
-  header.shard = target.shard;
-  DatabaseLock lock(target.file);
-  if (!lock.warning().empty()) message("warning: {}\n", lock.warning());
-  if (target.resume && std::filesystem::exists(target.file)) {
-    DatabaseWriter::create(target.file, header, true);
-    const auto found = database_progress(target.file);
-    warn_of_damage(found.damage, "are ignored, and their rays will be solved again");
-    message("note: resuming; {} of {} rays are already solved\n", found.rays_logged, found.rays_total);
-  }
-  return lock;
+/// @throws Error (input) unless the text is i/n with 0 <= i < n
+RayPart part_of(const std::string& text) {
+  RayPart part;
+  const char *at = text.data(), *end = at + text.size();
+  const auto first = std::from_chars(at, end, part.index);
+  const bool two = first.ec == std::errc{} && first.ptr != end && *first.ptr == '/';
+  const auto second = std::from_chars(two ? first.ptr + 1 : end, end, part.count);
+  if (!two || second.ec != std::errc{} || second.ptr != end || part.index < 0 || part.index >= part.count)
+    throw input_error("there is no such part", "--part " + text,
+                      "give i/n with 0 <= i < n, for example --part 0/8 for the first of eight parts");
+  return part;
 }
 
 /// A database that has a part of the scene's rays grows beside its file, which keeps it until the end.
 void grow_beside(PrecomputeTarget& target, const LoadedScene& loaded) {
-  if (!target.resume || target.shard || !std::filesystem::exists(target.file)) return;
+  if (!target.resume || !std::filesystem::exists(target.file)) return;
   if (coverage(read_database_header(target.file), database_header(loaded.scene, loaded.mesh, loaded.sets)) !=
       Coverage::part)
     return;
   target.from = target.file;
   target.file += ".grown";
   declare_output("--output", target.file, PathKind::database);
+}
+
+/// Takes the locks, which processes with parts do not need, and reports existing results.
+/// @throws Error (input) if these belong to other work
+std::vector<DatabaseLock> begin(const PrecomputeTarget& target, const LoadedScene& loaded) {
+  std::vector<DatabaseLock> locks;
+  for (const auto& file : {target.file, target.from}) {
+    if (file.empty()) continue;
+    if (const auto holder = target.part ? DatabaseLock::holder(file) : std::string(); !holder.empty())
+      throw input_error("the database " + file.string() + " is in use", holder, "wait until this process ends");
+    if (target.part) continue;
+    locks.emplace_back(file);
+    if (!locks.back().warning().empty()) message("warning: {}\n", locks.back().warning());
+  }
+  if (target.resume && std::filesystem::exists(target.file)) {
+    DatabaseWriter::create(target.file, database_header(loaded.scene, loaded.mesh, loaded.sets), true);
+    const auto found = database_progress(target.file);
+    warn_of_damage(found.damage, "are ignored, and their rays will be solved again");
+    message("note: resuming; {} of {} rays are already solved\n", found.rays_logged, found.rays_total);
+  }
+  return locks;
 }
 
 /// Prints idle time and memory of every rank or, for many ranks, the range.
@@ -78,8 +98,8 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
                     "newton_iterations", report.iterations, "ranks", report.ranks.size(), "wall_seconds",
                     report.wall_seconds, "setup_seconds", report.setup_seconds, "solve_seconds", report.solve_seconds,
                     "pack_seconds", report.pack_seconds, "core_seconds", report.core_seconds, "per_rank", ranks);
-  if (target.shard)
-    out["shard"] = target.shard->str();
+  if (target.part)
+    out["part"] = target.part->str();
   else
     out["database_bytes"] = std::filesystem::file_size(target.file);
   return out;
@@ -111,20 +131,16 @@ void print_work(const SolverSession& session, const LoadedScene& loaded, const P
 }
 
 void run(const Options& options) {
-  PrecomputeTarget target{options.output, options.resume, {}, {}};
-  if (!options.shard.empty()) {
-    target.shard = parse_shard(options.shard);
-    target.file = shard_file(options.output, *target.shard);
-    declare_output("--shard", target.file, PathKind::database);
-  }
+  PrecomputeTarget target{options.output, options.resume || !options.part.empty(), {}, {}};
+  if (!options.part.empty()) target.part = part_of(options.part);
   const SolverSession session;
   const bool first = session.rank() == 0;
   LoadedScene loaded;
-  std::optional<DatabaseLock> lock;
+  std::vector<DatabaseLock> locks;
   session.together([&] {
-    loaded = load_scene(options.scene, !first, {}, options.resume ? options.output : std::filesystem::path());
+    loaded = load_scene(options.scene, !first, {}, target.resume ? options.output : std::filesystem::path());
     grow_beside(target, loaded);
-    if (first) lock.emplace(begin(target, loaded));
+    if (first) locks = begin(target, loaded);
   });
   // A signal before ends the program: there is nothing to keep yet. mpirun kills its ranks a second after it has told
   // them to stop, which may be before they finish their rays; and the first may be dead when it tells the second.
@@ -137,14 +153,14 @@ void run(const Options& options) {
     if (session.size() > 1)
       message("warning: {}\n  the other ranks finish their present nodes\n", text.substr(0, text.find("\n  remedy: ")));
   };
-  const auto report = precompute(
-      session, loaded.scene, loaded.mesh, loaded.sets, target,
-      Progress(target.shard ? "shard " + target.shard->str() : "precompute", "rays").counter(), stop_requested, warn);
+  const auto report = precompute(session, loaded.scene, loaded.mesh, loaded.sets, target,
+                                 Progress(target.part ? "part " + target.part->str() : "precompute", "rays").counter(),
+                                 stop_requested, warn);
   if (report.interrupted)
     throw failure("interrupted", fmt::format("{} rays are finished and kept", report.rays + report.rays_found()),
                   "run the command again with --resume to continue");
   if (!first) return;
-  if (!target.from.empty()) {
+  if (!target.from.empty() && !target.part) {
     std::error_code code;
     const auto log = target.file.string() + ".solver.log";
     DatabaseWriter::replace(target.file, options.output);
@@ -158,16 +174,13 @@ void run(const Options& options) {
   if (report.failed == report.increments && report.increments > 0)
     throw failure("no increment converged", std::to_string(report.increments) + " increments",
                   "try a smaller displacement, more increments or another element" +
-                      (target.shard ? "" : "; phynness info " + target.file.string() + " --failed lists the reasons"));
+                      (target.part ? "" : "; phynness info " + target.file.string() + " --failed lists the reasons"));
   if (report.failed > report.increments / 100)
     message("warning: {} increments failed and will not be used for training{}\n", report.failed,
-            target.shard ? "" : "; phynness info " + target.file.string() + " --failed lists the reasons");
-  if (target.shard)
-    print_result("shard {} -> {}; when all {} are finished: phynness merge {} -o {}\n", target.shard->str(),
-                 target.file.string(), target.shard->count,
-                 (options.output.parent_path() / options.output.stem()).string() + ".shard-*" +
-                     options.output.extension().string(),
-                 options.output.string());
+            target.part ? "" : "; phynness info " + target.file.string() + " --failed lists the reasons");
+  if (target.part)
+    print_result("part {} is in {}.log; when all are: phynness precompute {} -o {} --resume\n", target.part->str(),
+                 target.file.string(), options.scene.string(), options.output.string());
   else
     print_result("database {} -> {}\n", bytes(std::filesystem::file_size(target.file)), target.file.string());
   write_json(options.json_file, figures(loaded, target, report));
@@ -186,9 +199,9 @@ void add(CLI::App& app) {
   command.add_flag("--resume", options.resume,
                    "continue a database, finished or not: that of the scene, or one of the same\nphysics with some of "
                    "its active nodes, directions and increments, which the\nnew one replaces at the end");
-  command.add_option("--shard", options.shard,
-                     "i/n: solve only part i = 0 ... n-1 of n and write it to a separate file\n"
-                     "(database.h5 -> database.shard-i-of-n.h5); phynness merge joins the files");
+  command.add_option("--part", options.part,
+                     "i/n: solve only part i = 0 ... n-1 of n, as a task of a job array; a run with\n--resume alone "
+                     "then solves what is missing and packs all parts");
   add_json(command, options.json_file);
 }
 

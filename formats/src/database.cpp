@@ -127,10 +127,6 @@ Database Database::open(const std::filesystem::path& file) {
   if (!layout::read_complete(opened)) {
     opened.close();
     const auto progress = database_progress(file);
-    if (progress.shard)
-      throw input_error(
-          "the file " + file.string() + " is a shard of a database", progress.shard->str(),
-          "merge all shards with: phynness merge SHARD... -o " + database_of(file, *progress.shard).string());
     throw input_error(
         "the database " + file.string() + " is unfinished",
         std::to_string(progress.rays_logged) + " of " + std::to_string(progress.rays_total) + " rays are solved",

@@ -41,7 +41,6 @@ class HeaderChecks {
     check_sets();
     check_probes();
     check_sizes();
-    if (_header.shard) parse_shard(_header.shard->str());
   }
 
  private:

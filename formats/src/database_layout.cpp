@@ -120,10 +120,6 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
   if (!header.fields.empty()) file.write_attribute("/", "fields", names(header.fields, " "));
   file.write_attribute("/", "scene_name", header.scene_name);
   file.write_attribute("/", "scene_folder", header.scene_folder);
-  if (header.shard && !complete) {
-    file.write_attribute("/", "shard_index", header.shard->index);
-    file.write_attribute("/", "shard_count", header.shard->count);
-  }
   // A dataset, because attributes are limited to 64 kB and a scene may list many nodes.
   file.write_text(path::scene, header.scene_text, "the scene file, verbatim (TOML)");
 
@@ -197,8 +193,6 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.scene_name = file.read_text_attribute("/", "scene_name");
   header.scene_folder = file.read_text_attribute("/", "scene_folder");
   header.scene_text = file.read_text(path::scene);
-  if (file.has_attribute("/", "shard_index"))
-    header.shard = Shard{file.read_int_attribute("/", "shard_index"), file.read_int_attribute("/", "shard_count")};
 
   hsize_t rows = 0;
   const auto nodes = read_rows<double>(file, path::nodes, 3, rows);

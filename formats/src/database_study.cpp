@@ -68,9 +68,8 @@ bool is_selection(const std::string& key) {
 }
 
 /// One line for each different key.
-std::string differing_keys(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::string& other,
-                           bool selections) {
-  const std::string hashes = "physics " + on_disk.physics_hash + " in the file, " + wanted.physics_hash + " " + other;
+std::string differing_keys(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, bool selections) {
+  const std::string hashes = "physics " + on_disk.physics_hash + " in the file, " + wanted.physics_hash + " now";
   std::map<std::string, std::string> then, now;
   try {
     then = summary_of(stored_scene(on_disk));
@@ -88,7 +87,7 @@ std::string differing_keys(const DatabaseHeader& on_disk, const DatabaseHeader& 
   for (const auto& [key, ignored] : keys) {
     const auto old_value = value(then, key), new_value = value(now, key);
     if (old_value != new_value && (selections || !is_selection(key)))
-      text += "\n  " + key + ": " + old_value + " in the file, " + new_value + " " + other;
+      text += "\n  " + key + ": " + old_value + " in the file, " + new_value + " now";
   }
   return text.empty() && selections ? hashes : text;
 }
@@ -102,11 +101,10 @@ std::string text(const std::vector<Field>& fields) { return fields.empty() ? "no
 
 }  // namespace
 
-std::vector<Difference> differences(const DatabaseHeader& on_disk, const DatabaseHeader& wanted,
-                                    const std::string& other) {
+std::vector<Difference> differences(const DatabaseHeader& on_disk, const DatabaseHeader& wanted) {
   std::vector<Difference> all;
   const auto both = [&](const std::string& then, const std::string& now) {
-    return then + " in the file, " + now + " " + other;
+    return then + " in the file, " + now + " now";
   };
   const auto compare_lists = [&](const auto& then, const auto& now, const char* what, bool of_rays) {
     if (then != now)
@@ -124,8 +122,8 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
                    true});
   else if (on_disk.physics_hash != wanted.physics_hash)
     all.push_back(
-        {"another physics", differing_keys(on_disk, wanted, other, true),
-         !is_understood(on_disk) || !is_understood(wanted) || !differing_keys(on_disk, wanted, other, false).empty()});
+        {"another physics", differing_keys(on_disk, wanted, true),
+         !is_understood(on_disk) || !is_understood(wanted) || !differing_keys(on_disk, wanted, false).empty()});
   if (on_disk.mesh_hash != wanted.mesh_hash || !same_points_and_cells(on_disk.mesh, wanted.mesh))
     all.push_back(
         {"another mesh",
@@ -158,9 +156,8 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
   return all;
 }
 
-void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file,
-                       const std::string& other, const std::string& remedy) {
-  const auto all = differences(on_disk, wanted, other);
+void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file) {
+  const auto all = differences(on_disk, wanted);
   if (all.empty()) return;
   if (std::ranges::none_of(all, [](const auto& each) { return each.of_rays; }) &&
       coverage(on_disk, wanted) == Coverage::other)
@@ -178,7 +175,7 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
       : !physics && on_disk.mesh_hash != wanted.mesh_hash
           ? "use the mesh with which it was begun (a new mesh of the same body is another mesh), or write to another "
             "file"
-          : remedy);
+          : "use the scene with which the database was begun, or write to another file");
 }
 
 Coverage coverage(const DatabaseHeader& on_disk, const DatabaseHeader& wanted) {
@@ -199,7 +196,7 @@ void refuse_other_rays(const DatabaseHeader& on_disk, const DatabaseHeader& want
   if (covered == Coverage::same || covered == Coverage::whole) return;
   std::string reasons;
   for (const auto& difference : differences(on_disk, wanted)) {
-    const auto keys = difference.what == other_physics ? differing_keys(on_disk, wanted, "now", false) : std::string();
+    const auto keys = difference.what == other_physics ? differing_keys(on_disk, wanted, false) : std::string();
     reasons += keys.empty() ? "\n  " + difference.what + ": " + difference.values : keys;
   }
   throw input_error("the database " + file.string() + " does not have all rays of the scene", reasons,

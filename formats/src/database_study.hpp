@@ -15,15 +15,10 @@ struct Difference {
   bool of_rays;        ///< the study of the file cannot become the other one by further solves
 };
 /// Compares physics, mesh, node sets, directions, increments and stored arrays themselves, not only their hashes.
-/// @param other  origin of `wanted` in messages, such as "now" in "500 in the file, 600 now"
-std::vector<Difference> differences(const DatabaseHeader& on_disk, const DatabaseHeader& wanted,
-                                    const std::string& other = "now");
+std::vector<Difference> differences(const DatabaseHeader& on_disk, const DatabaseHeader& wanted);
 
 /// @throws Error (input) with the first difference
-void refuse_other_work(
-    const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file,
-    const std::string& other = "now",
-    const std::string& remedy = "use the scene with which the database was begun, or write to another file");
+void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file);
 
 /// @throws Error (input) with all differences unless the file has all rays of `wanted`: Coverage::same or whole
 void refuse_other_rays(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file);

@@ -53,14 +53,9 @@ void DatabaseWriter::check(const fs::path& file, const DatabaseHeader& given, bo
   const auto on_disk = read_database_header(file);
   if (coverage(on_disk, header) == Coverage::whole && Database::is_complete(file)) return;
   refuse_other_work(on_disk, header, file);
-  if (on_disk.shard != header.shard)
-    throw input_error("the database " + file.string() + " belongs to another shard",
-                      (on_disk.shard ? on_disk.shard->str() : "no shard") + " in the file, " +
-                          (header.shard ? header.shard->str() : "no shard") + " now",
-                      "use the same --shard, or write to another file");
 }
 
-void DatabaseWriter::create(const fs::path& file, const DatabaseHeader& given, bool resume) {
+void DatabaseWriter::create(const fs::path& file, const DatabaseHeader& given, bool resume, int part) {
   check(file, given, resume);
   const DatabaseHeader header = with_hashes(given);
   std::error_code code;
@@ -72,7 +67,7 @@ void DatabaseWriter::create(const fs::path& file, const DatabaseHeader& given, b
     return;
   }
   make_log_folder(file);
-  const fs::path partial = file.string() + ".tmp";
+  const fs::path partial = file.string() + ".tmp" + (part > 0 ? "-" + std::to_string(part) : "");
   try {
     auto out = hdf5::File::create(partial);
     layout::write_header(out, header, false);
@@ -177,7 +172,7 @@ bool extend(Ray& ray, const DatabaseHeader& header) {
 }  // namespace
 
 std::int64_t DatabaseWriter::take(const fs::path& file, const DatabaseHeader& given, const fs::path& from,
-                                  const std::vector<char>& missing, int rank, int n_ranks) {
+                                  const std::vector<char>& missing, int log_number, int rank, int n_ranks) {
   const DatabaseHeader header = with_hashes(given), stored = read_database_header(from);
   const auto position = [](const auto& all, const auto& one) {
     return static_cast<std::int32_t>(std::ranges::find(all, one) - all.begin());
@@ -192,7 +187,7 @@ std::int64_t DatabaseWriter::take(const fs::path& file, const DatabaseHeader& gi
     if (!missing[at] || ray.status.front() == Status::not_requested ||
         std::ranges::count(ray.status, Status::library_error) > 0 || !extend(ray, header))
       return;
-    if (!log) log.emplace(file, header, rank);
+    if (!log) log.emplace(file, header, log_number);
     log->append(ray);
     ++n;
   });
@@ -200,7 +195,10 @@ std::int64_t DatabaseWriter::take(const fs::path& file, const DatabaseHeader& gi
   return n;
 }
 
-void DatabaseWriter::replace(const fs::path& by, const fs::path& file) { replace_durably(by, file); }
+void DatabaseWriter::replace(const fs::path& by, const fs::path& file) {
+  replace_durably(by, file);
+  remove_logs(file);
+}
 
 void DatabaseWriter::pack(const fs::path& file, const DatabaseHeader& given, const PackingRanks& ranks) {
   const DatabaseHeader header = with_hashes(given);
@@ -225,7 +223,6 @@ DatabaseProgress database_progress(const fs::path& file) {
   const auto header = read_database_header(file);
   DatabaseProgress progress;
   progress.complete = Database::is_complete(file);
-  progress.shard = header.shard;
   progress.rays_total = static_cast<std::int64_t>(header.sets.active.size() * header.directions.size());
   if (progress.complete) {
     progress.rays_logged = progress.rays_total;
@@ -235,10 +232,6 @@ DatabaseProgress database_progress(const fs::path& file) {
   const auto records = one_record_per_ray(index, header);
   progress.rays_logged =
       progress.rays_total - std::ranges::count_if(records, [](const auto& record) { return is_missing(record); });
-  if (header.shard) {
-    const auto owners = shards_of_rays(header.sets.active.size(), header.directions.size(), header.shard->count);
-    progress.rays_total = std::count(owners.begin(), owners.end(), header.shard->index);
-  }
   progress.damage = std::move(index.damage);
   return progress;
 }

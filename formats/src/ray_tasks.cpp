@@ -5,11 +5,9 @@ namespace phynness {
 
 std::vector<RayIndex> rays_left(const DatabaseHeader& header, const std::vector<char>& logged) {
   const std::size_t n_directions = header.directions.size();
-  const Shard shard = header.shard.value_or(Shard{0, 1});
-  const auto owners = shards_of_rays(header.sets.active.size(), n_directions, shard.count);
   std::vector<RayIndex> rays;
-  for (std::size_t ray = 0; ray < owners.size(); ++ray)
-    if (owners[ray] == shard.index && !logged[ray])
+  for (std::size_t ray = 0; ray < logged.size(); ++ray)
+    if (!logged[ray])
       rays.push_back({static_cast<std::int32_t>(ray / n_directions), static_cast<std::int32_t>(ray % n_directions)});
   if (header.sets.fixed.empty()) return rays;
   const Points fixed = header.mesh.nodes(header.sets.fixed, Eigen::all);

@@ -5,15 +5,13 @@
 #include <numeric>
 #include <optional>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/ray_tasks.hpp>
 #include <phynness/formats/version.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
-#include <span>
 
 #include "solve_ray.hpp"
+#include "solve_tasks.hpp"
 #include "solver_log.hpp"
-#include "work_counter.hpp"
 
 namespace phynness {
 namespace {
@@ -39,146 +37,9 @@ class WorkClock {
   double _start = 0, _seconds = 0;
 };
 
-void add(std::span<const Status> statuses, std::span<const std::int32_t> iterations, RayCounts& sum) {
-  ++sum.rays;
-  sum.rays_solved += !statuses.empty() && statuses.front() != Status::not_requested;
-  for (const auto status : statuses) {
-    const bool is_tried = status != Status::not_requested && status != Status::after_end;
-    sum.increments += is_tried;
-    sum.after_end += status == Status::after_end;
-    sum.failed += static_cast<int>(status) < 0;
-    sum.library_errors += status == Status::library_error;
-  }
-  sum.iterations = std::accumulate(iterations.begin(), iterations.end(), sum.iterations);
-}
-
 RayCounts of_all_ranks(RayCounts counts) {
   MPI_Allreduce(MPI_IN_PLACE, &counts, sizeof counts / sizeof counts.rays, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   return counts;
-}
-
-/// Figures of one rank.
-struct Share {
-  RayCounts counts;
-  std::int64_t tasks = 0;
-  double busy_seconds = 0;
-  bool interrupted = false;
-};
-
-/// Solves rays node by node.
-class RaysOfNodes {
- public:
-  RaysOfNodes(ProbeSolver& solver, const DatabaseHeader& header) : _solver(solver), _header(header) {}
-
-  Ray solve(const RayIndex& ray) {
-    const auto node = _header.sets.active[static_cast<std::size_t>(ray.active)];
-    SolverLog::instance().set_context("node " + std::to_string(node) + ", direction " + std::to_string(ray.direction));
-    if (!touch(ray.active, node)) return failed_ray(_header, ray.active, ray.direction);
-    return solve_ray(_solver, _header, ray.active, ray.direction);
-  }
-
- private:
-  /// @return false if the node could not be prepared; the next ray tries again
-  bool touch(std::int32_t active, std::int32_t node) {
-    if (_touched == active) return true;
-    _touched = -1;
-    try {
-      _solver.touch({node});
-    } catch (const Interrupted&) {
-      throw;
-    } catch (const std::exception& error) {
-      const auto* known = dynamic_cast<const Error*>(&error);
-      if (known && known->kind() == Error::Kind::input) throw;
-      SolverLog::instance().write(error.what());
-      recover(_solver);
-      return false;
-    }
-    _touched = active;
-    return true;
-  }
-
-  ProbeSolver& _solver;
-  const DatabaseHeader& _header;
-  std::int32_t _touched = -1;
-};
-
-/// Logs rays in the order in which they were solved. Rays that could not be started are held back until a later ray
-/// starts. Otherwise a rank that cannot start any ray, for example because its machine is out of memory, would record
-/// all remaining rays as failed. Rays that are never logged are solved with --resume.
-class RayLog {
- public:
-  explicit RayLog(DatabaseWriter& log) : _log(log) {}
-
-  /// @throws Error (failure) if too many rays in succession cannot be started
-  void append(Ray ray, Share& share) {
-    constexpr std::size_t most_held_back = 20;
-    const bool began = ray.status.empty() || ray.status.front() != Status::library_error;
-    _held_back.push_back(std::move(ray));
-    if (began) return flush(share);
-    if (_held_back.size() >= most_held_back)
-      throw failure(std::to_string(most_held_back) + " rays in succession could not be started",
-                    SolverLog::instance().last(),
-                    "remove the cause and continue with --resume; these rays are not recorded");
-  }
-  void flush(Share& share) {
-    for (const auto& ray : _held_back) {
-      _log.append(ray);
-      add(ray.status, ray.iterations, share.counts);
-    }
-    _held_back.clear();
-  }
-
- private:
-  DatabaseWriter& _log;
-  std::vector<Ray> _held_back;
-};
-
-/// Fetches and solves tasks until none is left or `stop` returns true.
-/// @param done  called after every ray
-void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader& header,
-                 const std::vector<RayIndex>& rays, WorkCounter& counter, int n_ranks,
-                 const std::function<void()>& done, const std::function<bool()>& stop, Share& share) {
-  const auto tasks = ray_tasks(rays, n_ranks);
-  const auto n_tasks = static_cast<std::int64_t>(tasks.size()) - 1;
-  RaysOfNodes nodes(solver, header);
-  RayLog ray_log(log);
-  solver.set_stop([&] {
-    counter.serve();
-    return stop && stop();
-  });
-  for (auto task = counter.next(); task < n_tasks; task = counter.next()) {
-    const auto start = Clock::now();
-    ++share.tasks;
-    for (auto i = tasks[static_cast<std::size_t>(task)]; i < tasks[static_cast<std::size_t>(task) + 1]; ++i) {
-      try {
-        ray_log.append(nodes.solve(rays[static_cast<std::size_t>(i)]), share);
-      } catch (const Interrupted&) {
-        share.interrupted = true;
-        break;
-      }
-      share.interrupted = stop && stop();
-      done();
-      if (share.interrupted) break;
-    }
-    share.busy_seconds += seconds_since(start);
-    if (share.interrupted) break;
-  }
-  solver.set_stop({});
-  SolverLog::instance().set_context("");
-  if (!share.interrupted) ray_log.flush(share);
-}
-
-/// Logs the rays that are not requested.
-void log_not_requested(const std::filesystem::path& file, const DatabaseHeader& header,
-                       const std::vector<RayIndex>& rays, Share& share) {
-  if (rays.empty()) return;
-  DatabaseWriter log(file, header, 0);
-  for (const auto& [active, direction] : rays) {
-    const auto ray = empty_ray(header, active, direction);
-    log.append(ray);
-    add(ray.status, ray.iterations, share.counts);
-  }
-  log.close();
 }
 
 /// Throws the error of this rank with the note that finished rays are kept. @throws Error if `trouble` is set
@@ -200,7 +61,7 @@ bool on_any_rank(bool here) {
 }
 
 /// Sets the figures of all ranks.
-void add_up(const SolverSession& session, const Share& share, double core_seconds, PrecomputeReport& report) {
+void sum_shares(const SolverSession& session, const Share& share, double core_seconds, PrecomputeReport& report) {
   static_cast<RayCounts&>(report) = of_all_ranks(share.counts);
   report.increments_of_run = report.increments;
   report.after_end = 0;
@@ -222,12 +83,12 @@ RayCounts count_finished(const std::filesystem::path& file) {
   const auto n = database.header().magnitudes_m.size();
   RayCounts finished;
   for (std::size_t ray = 0; ray * n < statuses.size(); ++ray)
-    add({&statuses[ray * n], n}, {&iterations[ray * n], n}, finished);
+    count({&statuses[ray * n], n}, {&iterations[ray * n], n}, finished);
   return finished;
 }
 
 /// Sets the figures of the whole database. @param finished  what this rank has packed
-void add_up(const RayCounts& finished, PrecomputeReport& report) {
+void sum_packed(const RayCounts& finished, PrecomputeReport& report) {
   const RayCounts all = of_all_ranks(finished);
   report.increments = all.increments;
   report.after_end = all.after_end;
@@ -246,40 +107,144 @@ std::vector<std::int64_t> gathered(const std::vector<std::int64_t>& own, int n_r
   return all;
 }
 
-/// Flags, n_active x n_directions, of the rays that the scene wants and that are not logged.
-std::vector<char> missing_rays(const Scene& scene, const Mesh& mesh, const DatabaseHeader& header,
-                               const std::vector<char>& logged) {
-  const auto requested = requested_rays(scene, mesh, header);
-  std::vector<char> missing(logged.size(), 0);
-  for (const auto& [active, direction] : rays_left(header, logged)) {
-    const auto ray = static_cast<std::size_t>(active) * header.directions.size() + static_cast<std::size_t>(direction);
-    missing[ray] = requested[ray];
+/// The parts of precompute() and what they share. Each is called by all ranks.
+class Run {
+ public:
+  Run(const SolverSession& session, const Scene& scene, const Mesh& mesh, const NodeSets& sets,
+      const PrecomputeTarget& target)
+      : _session(session),
+        _target(target),
+        _header(database_header(scene, mesh, sets)),
+        _requested(requested_rays(scene, mesh, _header)) {
+    _core.start();
+    SolverLog::instance().open(solver_log(), session.rank());
+    // Created before the file, so that a scene that cannot be solved leaves no file.
+    session.together([&] { _solver.emplace(scene, mesh, sets); });
+    _core.stop();
   }
-  return missing;
+
+  void create_file();
+  /// Copies what the database has that is continued.
+  void take_rays();
+  void solve(const PrecomputeProgress& progress, const std::function<bool()>& stop,
+             const std::function<void(const std::string&)>& warn);
+  /// Rays that are not requested are recorded as such.
+  void pack();
+  void add_up();
+
+  PrecomputeReport report;
+
+ private:
+  std::string solver_log() const { return _target.file.string() + ".solver.log"; }
+  int log_number() const { return _session.rank() + (_target.part ? _target.part->index * _session.size() : 0); }
+  /// Those of this part.
+  bool is_own(std::size_t ray) const {
+    const auto n = _header.directions.size();
+    return !_target.part ||
+           static_cast<int>((ray / n + ray % n) % static_cast<std::size_t>(_target.part->count)) == _target.part->index;
+  }
+  /// Flags, n_active x n_directions, of the rays of this part that are requested and not logged.
+  std::vector<char> missing() const {
+    std::vector<char> flags(_logged.size());
+    for (std::size_t ray = 0; ray < flags.size(); ++ray) flags[ray] = _requested[ray] && !_logged[ray] && is_own(ray);
+    return flags;
+  }
+  std::int64_t own_logged() const {
+    std::int64_t n = 0;
+    for (std::size_t ray = 0; ray < _logged.size(); ++ray) n += _logged[ray] && is_own(ray);
+    return n;
+  }
+
+  const SolverSession& _session;
+  const PrecomputeTarget& _target;
+  DatabaseHeader _header;
+  std::vector<char> _requested, _logged;
+  WorkClock _core;
+  std::optional<ProbeSolver> _solver;
+  Share _share;
+  RayCounts _packed;  ///< by this rank, with rays of earlier runs
+  bool _complete = false;
+  PackingRanks _ranks{_session.rank(), _session.size(),
+                      [this](const auto& work) {
+                        _session.together([&] {
+                          _core.start();
+                          work();
+                          _core.stop();
+                        });
+                      },
+                      [this](const auto& own) { return gathered(own, _session.size()); },
+                      [this](const Ray& ray) { count(ray.status, ray.iterations, _packed); }};
+};
+
+void Run::create_file() {
+  _ranks.together([&] {
+    if (_session.rank() != 0) return;
+    DatabaseWriter::create(_target.file, _header, _target.resume, _target.part ? _target.part->index : 0);
+    std::error_code none;
+    if (!_target.resume) std::filesystem::remove(solver_log(), none);  // of the database that was there before
+    _complete = Database::is_complete(_target.file);
+  });
+  _complete = on_any_rank(_complete);
+  _logged = DatabaseWriter::logged(_target.file, _header, _ranks);
+  report.rays_resumed = own_logged();
 }
 
-std::string what(const std::exception_ptr& trouble) {
-  try {
-    std::rethrow_exception(trouble);
-  } catch (const std::exception& error) {
-    return error.what();
-  } catch (...) {
-    return "an error without a message";
-  }
+void Run::take_rays() {
+  if (_target.from.empty() || _complete) return;
+  std::int64_t taken = 0;
+  _ranks.together([&] {
+    taken = DatabaseWriter::take(_target.file, _header, _target.from, missing(), log_number(), _session.rank(),
+                                 _session.size());
+  });
+  report.rays_taken = static_cast<std::int64_t>(_session.sum(static_cast<double>(taken)));
+  if (report.rays_taken > 0) _logged = DatabaseWriter::logged(_target.file, _header, _ranks);
 }
 
-/// Runs the work of a rank. An exception is returned after the other ranks have been told to fetch no further tasks.
-std::exception_ptr guarded(WorkCounter& counter, int rank, const std::function<void(const std::string&)>& warn,
-                           const std::function<void()>& work) {
-  try {
-    work();
-    return nullptr;
-  } catch (...) {
-    const auto trouble = std::current_exception();
-    counter.abandon();
-    if (warn) warn("rank " + std::to_string(rank) + " stops: " + what(trouble));
-    return trouble;
-  }
+void Run::solve(const PrecomputeProgress& progress, const std::function<bool()>& stop,
+                const std::function<void(const std::string&)>& warn) {
+  auto solved = missing();
+  for (char& flag : solved) flag = !flag;
+  const auto rays = rays_left(_header, solved);
+  if (rays.empty()) return;
+  WorkCounter counter(MPI_COMM_WORLD);
+  _core.start();
+  const auto done = [&] {
+    counter.add_done(1);
+    if (progress && _session.rank() == 0)
+      progress(report.rays_found() + counter.done(), report.rays_found() + std::ssize(rays));
+  };
+  const auto trouble = guarded(counter, _session.rank(), warn, [&] {
+    DatabaseWriter log(_target.file, _header, log_number());
+    solve_tasks(*_solver, log, _header, rays, counter, _session.size(), done, stop, _share);
+    log.close();
+  });
+  _core.stop();
+  _session.together([&] { rethrow(trouble); });
+  report.interrupted = on_any_rank(_share.interrupted);
+}
+
+void Run::pack() {
+  if (report.interrupted || _complete || _target.part) return;
+  _ranks.together([&] {
+    if (_session.rank() != 0) return;
+    std::optional<DatabaseWriter> log;
+    for (std::size_t i = 0; i < _logged.size(); ++i) {
+      if (_requested[i] || _logged[i]) continue;
+      if (!log) log.emplace(_target.file, _header, log_number());
+      const auto n = _header.directions.size();
+      const auto ray = empty_ray(_header, static_cast<std::int32_t>(i / n), static_cast<std::int32_t>(i % n));
+      log->append(ray);
+      count(ray.status, ray.iterations, _share.counts);
+    }
+    if (log) log->close();
+  });
+  DatabaseWriter::pack(_target.file, _header, _ranks);
+}
+
+void Run::add_up() {
+  sum_shares(_session, _share, _core.seconds(), report);
+  if (_complete && _session.rank() == 0) _packed = count_finished(_target.file);
+  if (_complete || !(report.interrupted || _target.part)) sum_packed(_packed, report);
 }
 
 }  // namespace
@@ -288,96 +253,21 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
                             const PrecomputeTarget& target, const PrecomputeProgress& progress,
                             const std::function<bool()>& stop, const std::function<void(const std::string&)>& warn) {
   const auto start = Clock::now();
-  WorkClock core;
-  core.start();
-  auto header = database_header(scene, mesh, sets);
-  header.shard = target.shard;
-  const auto log_file = target.file.string() + ".solver.log";
-  SolverLog::instance().open(log_file, session.rank());
-
-  RayCounts finished;  // what this rank has packed, including rays of earlier runs
-  const PackingRanks ranks{session.rank(), session.size(),
-                           [&](const auto& work) {
-                             session.together([&] {
-                               core.start();
-                               work();
-                               core.stop();
-                             });
-                           },
-                           [&](const auto& own) { return gathered(own, session.size()); },
-                           [&](const Ray& ray) { add(ray.status, ray.iterations, finished); }};
-  std::vector<char> logged(header.sets.active.size() * header.directions.size(), 0);
-  const auto rays_in_all = static_cast<std::int64_t>(rays_left(header, logged).size());
-  std::int64_t taken = 0;
-  int complete = 0;
-  std::optional<ProbeSolver> probe_solver;
-  session.together([&] {
-    // Created before the file, so that a scene that cannot be solved leaves no file.
-    probe_solver.emplace(scene, mesh, sets);
-    if (session.rank() == 0) {
-      DatabaseWriter::create(target.file, header, target.resume);
-      std::error_code none;
-      if (!target.resume) std::filesystem::remove(log_file, none);  // of the database that was there before
-      complete = Database::is_complete(target.file) ? 1 : 0;
-    }
-    core.stop();
-  });
-  MPI_Bcast(&complete, 1, MPI_INT, 0, MPI_COMM_WORLD);
-  logged = DatabaseWriter::logged(target.file, header, ranks);
-  if (!target.from.empty() && !complete)
-    ranks.together([&] {
-      taken = DatabaseWriter::take(target.file, header, target.from, missing_rays(scene, mesh, header, logged),
-                                   session.rank(), session.size());
-    });
-  taken = static_cast<std::int64_t>(session.sum(static_cast<double>(taken)));
-  if (taken > 0) logged = DatabaseWriter::logged(target.file, header, ranks);
-
-  PrecomputeReport report;
-  report.rays_taken = taken;
-  report.rays_resumed = rays_in_all - std::ssize(rays_left(header, logged)) - taken;
-  report.setup_seconds = seconds_since(start);
-  const auto solve_start = Clock::now();
-  Share share;
-  const auto left = [&] { return rays_left(header, logged); };
-  const auto missing = missing_rays(scene, mesh, header, logged);
-  std::vector<RayIndex> rays;
-  for (const auto& ray : left())
-    if (missing[static_cast<std::size_t>(ray.active) * header.directions.size() +
-                static_cast<std::size_t>(ray.direction)])
-      rays.push_back(ray);
-  if (!rays.empty()) {
-    WorkCounter counter(MPI_COMM_WORLD);
-    core.start();
-    const auto done = [&] {
-      counter.add_done(1);
-      if (progress && session.rank() == 0)
-        progress(report.rays_found() + counter.done(), report.rays_found() + std::ssize(rays));
-    };
-    const auto trouble = guarded(counter, session.rank(), warn, [&] {
-      DatabaseWriter log(target.file, header, session.rank());
-      solve_tasks(*probe_solver, log, header, rays, counter, session.size(), done, stop, share);
-      log.close();
-    });
-    core.stop();
-    session.together([&] { rethrow(trouble); });
-    report.interrupted = on_any_rank(share.interrupted);
-  }
-  for (const auto& [active, direction] : rays)
-    logged[static_cast<std::size_t>(active) * header.directions.size() + static_cast<std::size_t>(direction)] = 1;
-  session.together([&] {
-    if (!report.interrupted && session.rank() == 0) log_not_requested(target.file, header, left(), share);
-  });
-  report.solve_seconds = seconds_since(solve_start);
-  const bool packs = !report.interrupted && !complete && !target.shard;
-  const auto pack_start = Clock::now();
-  if (packs) DatabaseWriter::pack(target.file, header, ranks);
-  report.pack_seconds = seconds_since(pack_start);
-
-  add_up(session, share, core.seconds(), report);
-  if (complete && session.rank() == 0) finished = count_finished(target.file);
-  if (packs || complete) add_up(finished, report);
-  report.wall_seconds = seconds_since(start);
-  return report;
+  Run run(session, scene, mesh, sets, target);
+  run.create_file();
+  run.take_rays();
+  const auto solving = Clock::now();
+  run.solve(progress, stop, warn);
+  const auto packing = Clock::now();
+  run.pack();
+  const auto end = Clock::now();
+  const auto seconds = [](auto from, auto to) { return std::chrono::duration<double>(to - from).count(); };
+  run.report.setup_seconds = seconds(start, solving);
+  run.report.solve_seconds = seconds(solving, packing);
+  run.report.pack_seconds = seconds(packing, end);
+  run.add_up();
+  run.report.wall_seconds = seconds_since(start);
+  return run.report;
 }
 
 }  // namespace phynness

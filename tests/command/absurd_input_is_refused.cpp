@@ -207,13 +207,6 @@ TEST_F(AbsurdInput, AFullDiskIsReportedOnceWithARemedyThatExists) {
     for (auto at = text.find("remedy: "); at != std::string::npos; at = text.find("remedy: ", at + 1)) ++n;
     return n;
   };
-  for (const char* shard : {"0/2", "1/2"}) succeed(std::string("precompute scene.toml -o s.h5 --shard ") + shard);
-  const auto merge = shell("ulimit -f 8; \"$PHYNNESS\" merge s.shard-0-of-2.h5 s.shard-1-of-2.h5 -o d.h5");
-  EXPECT_EQ(merge.exit_status, 1) << merge.err;
-  EXPECT_EQ(merge.err.find("--resume"), std::string::npos) << merge.err;
-  EXPECT_NE(merge.err.find("merge again"), std::string::npos) << merge.err;
-  EXPECT_EQ(remedies(merge.err), 1) << merge.err;
-  EXPECT_FALSE(fs::exists(folder / "d.h5"));
   // 120 blocks of 512 bytes: the header fits, a fraction of the rays does. Open MPI would make larger files.
   write_file(folder / "scene.toml", small_scene("P1", 6));
   const auto stopped =

@@ -14,7 +14,6 @@ const char* const lines[] = {"mesh scene.toml -o fresh/m.msh @",
                              "plan scene.toml --rays 2 @",
                              "check scene.toml --probes 1 @",
                              "precompute scene.toml -o fresh/d.h5 @",
-                             "merge s.shard-0-of-2.h5 s.shard-1-of-2.h5 -o fresh/merged.h5 @",
                              "train scene.toml d.h5 -o fresh/model @",
                              "validate scene.toml model --probes 2 @",
                              "tune scene.toml d.h5 -o fresh/tuned --probes 2 @",
@@ -32,8 +31,7 @@ class Outputs : public CommandLine {
     write_file(folder / "scene.toml", small_scene());
     fs::create_directory(folder / "fresh");
     for (const char* line :
-         {"precompute scene.toml -o d.h5", "train scene.toml d.h5 -o model", "info d.h5 --json info.json",
-          "precompute scene.toml -o s.h5 --shard 0/2", "precompute scene.toml -o s.h5 --shard 1/2"}) {
+         {"precompute scene.toml -o d.h5", "train scene.toml d.h5 -o model", "info d.h5 --json info.json"}) {
       succeed(line);
     }
     node = std::to_string(json("info.json").at("active").at(0).get<int>());
@@ -57,10 +55,9 @@ TEST_F(Outputs, PlacesThatCannotBeAreRefusedBeforeTheWork) {
       EXPECT_EQ(outcome.out, "") << line;
       ASSERT_TRUE(fs::is_empty(folder / "fresh")) << line;
     }
-  for (const char* line :
-       {"train scene.toml d.h5 -o a_file", "tune scene.toml d.h5 -o a_file/m", "export model -o a_file/c",
-        "mesh scene.toml -o a_folder", "run scene.toml -o a_file", "validate scene.toml model --report nowhere/r.html",
-        "merge s.shard-0-of-2.h5 s.shard-1-of-2.h5 -o nowhere/d.h5"}) {
+  for (const char* line : {"train scene.toml d.h5 -o a_file", "tune scene.toml d.h5 -o a_file/m",
+                           "export model -o a_file/c", "mesh scene.toml -o a_folder", "run scene.toml -o a_file",
+                           "validate scene.toml model --report nowhere/r.html"}) {
     const auto outcome = be_refused(line);
     EXPECT_NE(outcome.err.find("remedy: "), std::string::npos) << outcome.err;
     EXPECT_EQ(outcome.out, "") << line;
@@ -99,10 +96,6 @@ TEST_F(Outputs, ThatFailAtTheEndCostNoOthers) {
   EXPECT_TRUE(fs::exists(folder / "fresh/c/model.bin"));
   EXPECT_EQ(phynness("validate scene.toml model --probes 2 --json /dev/full --report fresh/r.html").exit_status, 1);
   EXPECT_TRUE(fs::exists(folder / "fresh/r.html"));
-  // The reason of a failure is not lost behind that of its JSON.
-  const auto merge = phynness("merge s.shard-0-of-2.h5 -o fresh/merged.h5 --json /dev/full");
-  EXPECT_EQ(merge.exit_status, 1);
-  expect_names(merge.err, {"/dev/full", "rays are missing", "precompute SCENE -o s.h5 --shard 1/2 --resume"});
 }
 
 TEST_F(Outputs, OfTheFormatJsonGoToStdout) {

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 /// Texts that are not names of files. A new option that names a file is declared, with add_path() of
 /// cli/command_files.hpp.
-const std::set<std::string> texts{"--shard",    "--displacement", "--point",    "--tools",
+const std::set<std::string> texts{"--part",     "--displacement", "--point",    "--tools",
                                   "--family",   "--max-error",    "--max-time", "--max-size",
                                   "--error-by", "--increment",    "--name",     "--reference"};
 
@@ -29,7 +29,7 @@ struct Use {
 
 class Overwriting : public CommandLine {
  protected:
-  /// A scene in one folder whose mesh lies in another, and a database, shards and a model made of it.
+  /// A scene in one folder whose mesh lies in another, and a database, an unfinished one and a model made of it.
   void SetUp() override {
     CommandLine::SetUp();
     for (const char* name : {"scenes", "parts", "fresh", "fresh/there"}) fs::create_directory(folder / name);
@@ -38,10 +38,9 @@ class Overwriting : public CommandLine {
     const auto from = text.find("shape = "), to = text.find("[material]");
     text.replace(from, to - from, "file = \"../parts/body.msh\"\n");
     write_file(folder / "scenes/scene.toml", text);
-    for (const char* line :
-         {"mesh block.toml -o parts/body.msh", "precompute scenes/scene.toml -o d.h5",
-          "precompute scenes/scene.toml -o s.h5 --shard 0/2", "precompute scenes/scene.toml -o s.h5 --shard 1/2",
-          "train scenes/scene.toml d.h5 -o model", "info d.h5 --json fresh/info.json"}) {
+    for (const char* line : {"mesh block.toml -o parts/body.msh", "precompute scenes/scene.toml -o d.h5",
+                             "precompute scenes/scene.toml -o s.h5 --part 0/2", "train scenes/scene.toml d.h5 -o model",
+                             "info d.h5 --json fresh/info.json"}) {
       succeed(line);
     }
     node = std::to_string(json("fresh/info.json").at("active").at(0).get<int>());
@@ -92,8 +91,7 @@ class Overwriting : public CommandLine {
   /// What INPUT options and other required ones are given; one entry for each kind of input.
   std::vector<std::pair<std::string, std::vector<std::string>>> values(const std::string& option) const {
     const std::vector<std::string> scene{"scenes/scene.toml", "parts/body.msh"}, database{"d.h5"},
-        model{"model/model.txt", "model/mesh.txt", "model"},
-        shards{"s.shard-0-of-2.h5", "s.shard-1-of-2.h5", "s.shard-1-of-2.h5.log", "s.shard-0-of-2.h5.log/rank-0000"};
+        model{"model/model.txt", "model/mesh.txt", "model"};
     if (option == "SCENE") return {{"scenes/scene.toml", scene}};
     if (option == "SCENE or database") return {{"scenes/scene.toml", scene}, {"d.h5", database}};
     if (option == "DATABASE") return {{"d.h5", database}};
@@ -105,15 +103,11 @@ class Overwriting : public CommandLine {
     if (option == "--check") return {{"--check check.json", {"check.json"}}};
     if (option == "MODEL_DIR") return {{"model", model}};
     if (option == "--model") return {{"--model model", model}};
-    if (option == "SHARD") return {{"s.shard-0-of-2.h5 s.shard-1-of-2.h5", shards}};
     if (option == "--queries") return {{"--queries queries.csv", {"queries.csv"}}};
     if (option == "FILE_OR_DIR")
-      return {{"scenes/scene.toml", scene},
-              {"d.h5", database},
-              {"model", model},
-              {"parts/body.msh", {"parts/body.msh"}},
-              {"body.txt", {"body.txt"}},
-              {"s.shard-0-of-2.h5", {"s.shard-0-of-2.h5", "s.shard-0-of-2.h5.log/rank-0000"}}};
+      return {
+          {"scenes/scene.toml", scene},           {"d.h5", database},         {"model", model},
+          {"parts/body.msh", {"parts/body.msh"}}, {"body.txt", {"body.txt"}}, {"s.h5", {"s.h5", "s.h5.log/rank-0000"}}};
     if (option == "--node") return {{"--node " + node, {}}};
     if (option == "--displacement") return {{"--node " + node + " --displacement 0,0,-0.001", {}}};
     if (option == "--direction") return {{"--direction 0", {}}};
@@ -224,7 +218,6 @@ TEST_F(Overwriting, OfAnotherOutputIsRefusedByEveryCommand) {
   EXPECT_GE(pairs, 15);
   expect_refused("train scenes/scene.toml d.h5 -o fresh/m --json fresh/m/model.txt", "--json");
   expect_refused("precompute scenes/scene.toml -o fresh/d.h5 --json fresh/d.h5.log/j.json", "--json");
-  expect_refused("precompute scenes/scene.toml -o f.h5 --shard 0/2 --json f.shard-0-of-2.h5", "--json");
   expect_refused("export model -o fresh/c --name n --json fresh/c/n.bin", "--json");
   expect_refused("run scenes/scene.toml -o fresh/o --json fresh/o/model/mesh.txt", "--json");
   be_refused("mesh scenes/scene.toml -o ''");
@@ -237,7 +230,6 @@ TEST_F(Overwriting, EveryWrittenFileIsRefusedAsInput) {
       {"export @ -o new --golden 2", "model"},
       {"train @ d.h5 -o new", "scenes/scene.toml"},
       {"precompute @ -o new.h5", "scenes/scene.toml"},
-      {"merge @ s.shard-1-of-2.h5 -o new.h5", "s.shard-0-of-2.h5"},
       {"mesh @ -o new.msh --json new.json", "scenes/scene.toml"},
       {"validate @ model --probes 2 --json new.json", "scenes/scene.toml"}};
   for (const auto& [words, input] : cases) {
@@ -272,7 +264,7 @@ TEST_F(Overwriting, OfFilesThatAreNamedLaterIsRefused) {
   fs::copy_file(folder / "parts/body.msh", folder / "out/mesh.msh");
   expect_refused("run scenes/other.toml -o scenes/../out", "--output");
   // A model in the folder of a database's logs.
-  expect_refused("train scenes/scene.toml s.shard-0-of-2.h5 -o s.shard-0-of-2.h5.log", "--output");
+  expect_refused("train scenes/scene.toml s.h5 -o s.h5.log", "--output");
   // Names under which files are written before they are renamed.
   for (const char* suffix : {".part", ".tmp", ".packing"}) {
     const auto scene = std::string("x") + suffix;

@@ -49,7 +49,7 @@ TEST_F(WrongOption, IsNotTheCallForHelpOrVersion) {
 TEST_F(WrongOption, IsANameThatIsTooLong) {
   write_file(folder / "s.toml", "");
   const std::regex limits("a name of at most ([0-9]+) bytes, in a path of at most ([0-9]+)\n");
-  for (const std::string line : {"precompute s.toml --shard 1/2147483647 -o @", "train s.toml d.h5 -o @",
+  for (const std::string line : {"precompute s.toml --part 1/2147483647 -o @", "train s.toml d.h5 -o @",
                                  "run s.toml -o @", "show d.h5 --node 1 --direction 0 -o @.pvd", "info @"}) {
     const bool output = line.find("-o @") != std::string::npos;
     const auto with = [&](const std::string& name) { return std::string(line).replace(line.find('@'), 1, name); };
@@ -77,7 +77,7 @@ TEST_F(WrongOption, IsANameThatIsTooLong) {
 // Under mpirun every rank would do the whole work and write the same files.
 TEST_F(WrongOption, IsMpirunForACommandThatWorksAlone) {
   for (const std::string line :
-       {"run a -o b", "merge a -o b", "import a -o b", "train a b -o c", "mesh a -o b", "view a -o b", "export a -o b",
+       {"run a -o b", "import a -o b", "train a b -o c", "mesh a -o b", "view a -o b", "export a -o b",
         "eval a --node 1 --displacement 0,0,0", "info a", "bench a", "tune a b -o c", "check a", "plan a",
         "solve a --node 1 --displacement 0,0,0", "show a --node 1 --direction 0 -o b.vtu"}) {
     const auto first = shell("OMPI_COMM_WORLD_SIZE=2 OMPI_COMM_WORLD_RANK=0 \"$PHYNNESS\" " + line);

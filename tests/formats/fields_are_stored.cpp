@@ -1,6 +1,5 @@
-// Claims: fields are read from a database as float32, rounded once. A database is not continued or merged with other
-// fields. A database without fields contains no bytes for them.
-#include <phynness/formats/database_merge.hpp>
+// Claims: fields are read from a database as float32, rounded once. A database is not continued with other fields. One
+// without fields contains no bytes for them.
 
 #include "database_under_test.hpp"
 
@@ -48,7 +47,7 @@ TEST_F(StoredFields, AreRefusedIfTheRayHasNone) {
   refusal([&] { writer.append(ray); }, Error::Kind::failure);
 }
 
-TEST_F(StoredFields, AreTheSameOnResumeAndMerge) {
+TEST_F(StoredFields, AreTheSameOnResume) {
   const auto header = header_with(both);
   write_logs(header);
   for (const auto& fields : {std::vector<Field>{}, std::vector<Field>{Field::von_mises_stress}})
@@ -60,26 +59,6 @@ TEST_F(StoredFields, AreTheSameOnResumeAndMerge) {
   DatabaseWriter::create(file, header_with({Field::energy_density}), true);
   EXPECT_NE(refusal([&] { DatabaseWriter::logged(file, header_with({Field::energy_density})); }).find("another scene"),
             std::string::npos);
-}
-
-TEST_F(StoredFields, GoThroughShards) {
-  auto header = header_with(both);
-  write_logs(header);
-  DatabaseWriter::pack(file, header);
-  const auto one_run = bytes_of(file);
-  std::vector<fs::path> shards;
-  const auto rays = all_rays(header);
-  for (int index = 0; index < 2; ++index) {
-    header.shard = Shard{index, 2};
-    shards.push_back(shard_file(file, *header.shard));
-    DatabaseWriter::create(shards.back(), header, false);
-    DatabaseWriter writer(shards.back(), header, 0);
-    for (std::size_t i = static_cast<std::size_t>(index); i < rays.size(); i += 2) writer.append(rays[i]);
-    writer.close();
-  }
-  const auto merged = folder() / "merged.h5";
-  EXPECT_TRUE(merge_shards(shards, merged).missing.empty());
-  EXPECT_EQ(bytes_of(merged), one_run);
 }
 
 TEST_F(StoredFields, LeaveNoTraceWhereThereAreNone) {

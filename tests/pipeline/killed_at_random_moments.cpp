@@ -1,4 +1,4 @@
-// Claim: kill -9 at any moment of one process, of one or all of several ranks, of a run or of a shard loses no finished
+// Claim: kill -9 at any moment of one process, of one or all of several ranks, of a run or of a part loses no finished
 // work. After any number of resumed runs the database is identical to that of an uninterrupted run. Half of the moments
 // are distributed over the whole length of a run including start and packing, half over the time from its first
 // finished ray on. The number of runs for a database depends on the machine; the database does not. Kills go on until
@@ -177,15 +177,12 @@ TEST_F(KilledAlone, ProcessEndsAtTheSameDatabase) {
           [&] { expect_whole_and_remove(database); });
 }
 
-TEST_F(KilledAlone, ShardEndsAtTheSameDatabase) {
-  succeed("precompute scene.toml -o database.h5 --shard 0/2");
-  const auto shard = folder / "database.shard-1-of-2.h5";
-  torment({PHYNNESS_COMMAND, "precompute", "scene.toml", "-o", "database.h5", "--shard", "1/2", "--resume"}, shard, 22,
+TEST_F(KilledAlone, PartEndsAtTheSameDatabase) {
+  const auto database = folder / "database.h5";
+  torment({PHYNNESS_COMMAND, "precompute", "scene.toml", "-o", "database.h5", "--part", "1/2"}, database, 22,
           kill_process, [&] {
-            succeed("merge database.shard-0-of-2.h5 database.shard-1-of-2.h5 -o database.h5");
-            expect_whole_and_remove(folder / "database.h5");
-            std::filesystem::remove(shard);
-            std::filesystem::remove_all(shard.string() + ".log");
+            succeed("precompute scene.toml -o database.h5 --resume");
+            expect_whole_and_remove(database);
           });
 }
 

@@ -91,7 +91,7 @@ int tasks_in(const std::vector<RayIndex>& log, const std::vector<std::int64_t>& 
 }
 
 // Which rank takes which task depends on how fast each one is, which no test can repeat; which rays make a
-// task, and the order of the tasks, do not. A shard of all rays keeps its logs.
+// task, and the order of the tasks, do not. A part of all rays keeps its logs.
 TEST_F(Plans, tasks_are_those_of_precompute) {
   write_file(folder / "scene.toml", small_scene());
   succeed("precompute scene.toml -o whole.h5");
@@ -100,11 +100,11 @@ TEST_F(Plans, tasks_are_those_of_precompute) {
   for (const int ranks : {1, 3}) {
     const std::string n = std::to_string(ranks);
     const auto done = shell("mpirun --oversubscribe -n " + n + " \"$PHYNNESS\" precompute scene.toml -o run" + n +
-                            ".h5 --shard 0/1 --json run.json");
+                            ".h5 --part 0/1 --json run.json");
     ASSERT_EQ(done.exit_status, 0) << done.err;
     const auto run = json("run.json");
     const auto starts = ray_tasks(rays, ranks);
-    const auto index = database_log::scan(folder / ("run" + n + ".shard-0-of-1.h5"), header);
+    const auto index = database_log::scan(folder / ("run" + n + ".h5"), header);
     ASSERT_EQ(index.entries.size(), rays.size());
     std::vector<std::vector<RayIndex>> logs(index.logs.size());
     for (const auto& entry : index.entries)

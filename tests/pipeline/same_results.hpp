@@ -22,7 +22,6 @@ inline void expect_same_results(const std::filesystem::path& one, const std::fil
   ASSERT_EQ(a.header().fields, b.header().fields);
   ASSERT_FALSE(a.header().sets.active.empty());
   EXPECT_EQ(a.header().scene_text, b.header().scene_text);
-  EXPECT_FALSE(b.header().shard);
   const auto close = [](const std::vector<double>& x, const std::vector<double>& y, double relative) {
     if (relative == 0) return x == y;
     const Eigen::Map<const Eigen::VectorXd> p(x.data(), std::ssize(x)), q(y.data(), std::ssize(y));

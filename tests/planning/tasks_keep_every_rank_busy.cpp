@@ -42,17 +42,6 @@ TEST(Tasks, CoverWhatIsLeftOnceNodeByNode) {
   }
 }
 
-TEST(Tasks, OfAShardAreItsOwn) {
-  auto header = header_of(5, 26);
-  std::vector<int> owners(5 * 26, 0);
-  for (int i = 0; i < 3; ++i) {
-    header.shard = Shard{i, 3};
-    for (const auto& ray : rays_left(header, std::vector<char>(5 * 26, 0)))
-      ++owners[static_cast<std::size_t>(26 * ray.active + ray.direction)];
-  }
-  EXPECT_EQ(std::count(owners.begin(), owners.end(), 1), 5 * 26);
-}
-
 TEST(Tasks, NoneLeftIsNoTask) {
   const auto header = header_of(2, 3);
   EXPECT_EQ(ray_tasks(rays_left(header, std::vector<char>(6, 1)), 4), std::vector<std::int64_t>{0});

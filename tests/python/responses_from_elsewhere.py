@@ -173,7 +173,7 @@ class Imports(unittest.TestCase):
         for line in ("train block.toml database.h5 -o no", "solve database.h5 --node 3 --displacement 0,0,0.001",
                      "calibrate refusing database.h5 -o no", "precompute block.toml -o database.h5 --resume",
                      "validate block.toml refusing", "train block.toml -o no",
-                     "merge database.h5 -o no.h5", "import springs.h5 -o database.h5"):
+                     "import springs.h5 -o database.h5"):
             done = command(*line.split())
             self.assertEqual(done.returncode, 2, line + done.stdout + done.stderr)
             self.assertRegex(done.stderr, "(?m)^error: .+\n(  .+\n)*  remedy: .+", line)

@@ -10,7 +10,6 @@
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/ray.hpp>
 #include <phynness/formats/scene.hpp>
-#include <phynness/formats/shard.hpp>
 #include <string>
 #include <vector>
 
@@ -37,8 +36,6 @@ struct DatabaseHeader {
   int fold_halvings = phynness::fold_halvings;  ///< of the program that solved it
   std::string scene_text, scene_name, scene_folder;
   std::string physics_hash, mesh_hash, software_version;
-  /// Set if the file contains the rays of one shard only; never in a finished database.
-  std::optional<Shard> shard;
 
   bool is_imported() const { return displacements_m.rows() > 0; }
 };
@@ -154,7 +151,6 @@ struct LogDamage {
 /// Progress of an unfinished database.
 struct DatabaseProgress {
   bool complete = false;
-  std::optional<Shard> shard;  ///< rays_total then counts its rays only
   std::int64_t rays_logged = 0, rays_total = 0;
   std::vector<LogDamage> damage;
 };
@@ -194,7 +190,8 @@ class DatabaseWriter {
   /// Creates FILE (the header, marked as unfinished) and an empty FILE.log/. With `resume`, logged rays are kept, and a
   /// finished file that has all rays of the study is left as it is. Must be called in one process only.
   /// @throws Error (input) if FILE exists and `resume` is false, or if an existing FILE is of another study
-  static void create(const std::filesystem::path& file, const DatabaseHeader& header, bool resume);
+  /// @param part  of several processes that may create FILE at the same time, each its own number
+  static void create(const std::filesystem::path& file, const DatabaseHeader& header, bool resume, int part = 0);
 
   /// What create() refuses is refused, and nothing is written.
   static void check(const std::filesystem::path& file, const DatabaseHeader& header, bool resume);
@@ -210,16 +207,19 @@ class DatabaseWriter {
   /// Copies rays of FROM, a finished or unfinished database of Coverage::part, to a log of FILE. Of rays to a smaller
   /// depth these are the ones that end before. Rays that a failed library call ended are left to be solved again.
   /// @param missing  n_active x n_directions flags of FILE: the others are left out
+  /// @param log      number of the log, as that of the writer
   /// @param rank     copies its share of the nodes of FROM
   /// @return number of rays. @throws Error as open(), logged() and append()
   static std::int64_t take(const std::filesystem::path& file, const DatabaseHeader& header,
-                           const std::filesystem::path& from, const std::vector<char>& missing, int rank = 0,
-                           int n_ranks = 1);
+                           const std::filesystem::path& from, const std::vector<char>& missing, int log = 0,
+                           int rank = 0, int n_ranks = 1);
 
-  /// Puts a finished database in the place of another one, at once. @throws Error (failure)
+  /// Puts a finished database in the place of another one, at once, and removes the logs of that. @throws Error
+  /// (failure)
   static void replace(const std::filesystem::path& by, const std::filesystem::path& file);
 
   /// Creates the log of this process. It is always a new file, because a resumed run may have another number of ranks.
+  /// @param rank  of those that may create logs at the same time, each its own number
   /// @throws Error (failure) if it cannot be created
   DatabaseWriter(const std::filesystem::path& file, const DatabaseHeader& header, int rank);
   ~DatabaseWriter();

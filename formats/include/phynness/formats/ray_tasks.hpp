@@ -13,8 +13,8 @@ struct RayIndex {
   std::int32_t active = 0, direction = 0;
 };
 
-/// The rays of a database that belong to its shard (without a shard: all) and are not yet logged, node by node: first
-/// those near fixed nodes, which take longest, so that no rank begins a long ray when the others end.
+/// The rays of a database that are not yet logged, node by node: first those near fixed nodes, which take longest, so
+/// that no rank begins a long ray when the others end.
 /// @param logged  n_active x n_directions flags
 std::vector<RayIndex> rays_left(const DatabaseHeader& header, const std::vector<char>& logged);
 

@@ -7,16 +7,23 @@
 #include <optional>
 #include <phynness/formats/database.hpp>
 #include <phynness/precompute/probe_solver.hpp>
+#include <string>
 #include <vector>
 
 namespace phynness {
+
+/// Part `index`, from 0, of `count` about equal parts of the rays, which independent processes solve.
+struct RayPart {
+  int index = 0, count = 1;
+  std::string str() const { return std::to_string(index) + "/" + std::to_string(count); }
+};
 
 /// Output of the responses.
 struct PrecomputeTarget {
   std::filesystem::path file;
   bool resume = false;
-  std::optional<Shard> shard;  ///< solve only the rays of this shard, and leave them in the log of `file` for a merge
-  std::filesystem::path from;  ///< database of Coverage::part, finished or not, whose rays are taken; may be empty
+  std::optional<RayPart> part;  ///< solve only these rays, and leave them in logs for a run without a part
+  std::filesystem::path from;   ///< database of Coverage::part, finished or not, whose rays are taken; may be empty
 };
 
 /// Figures of one rank.
@@ -36,7 +43,7 @@ struct RayCounts {
 };
 
 /// Rays and library errors are those of this run. Increments and iterations are those of the whole database or, for a
-/// shard or an interrupted run, of this run; after_end is 0 there.
+/// part or an interrupted run, of this run; after_end is 0 there.
 struct PrecomputeReport : RayCounts {
   std::int64_t rays_resumed = 0;                                  ///< found in the logs
   std::int64_t rays_taken = 0;                                    ///< copied from another database in this run
@@ -56,7 +63,7 @@ using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 /// tasks of decreasing size. Every ray starts at rest, so that the result does not depend on the rank that solves it. A
 /// ray that cannot be solved is recorded as failed with its reason. Messages of libraries go to
 /// `<target.file>.solver.log`.
-/// @pre rank 0 holds the DatabaseLock of the file
+/// @pre without a part, rank 0 holds the DatabaseLock of the file
 /// @param stop  polled between rays, and between iterations of a solve, on every rank; true ends the run and keeps
 /// finished rays
 /// @param warn  called immediately on a rank that cannot continue, for example because its file system is full; the
