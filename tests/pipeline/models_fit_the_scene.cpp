@@ -58,7 +58,7 @@ TEST_F(Families, ModelsOfForcesAloneSayThatTheyHaveNoDeformation) {
 }
 
 TEST_F(Families, TuneMeetsTheLimitsOrSaysWhy) {
-  succeed("tune scene.toml d.h5 -o m --max-error 5% --max-size 1MB --probes 40 --json t.json");
+  succeed("tune scene.toml d.h5 -o m --max-error 5% --max-time 1s --probes 40 --json t.json");
   const auto report = json("t.json");
   const auto chosen = report.at("chosen").get<std::string>();
   bool found = false;
@@ -68,18 +68,17 @@ TEST_F(Families, TuneMeetsTheLimitsOrSaysWhy) {
     found = true;
     EXPECT_LE(model.at("inside").at("force").at("mean").get<double>(), 0.05);
     EXPECT_LE(model.at("inside").at("displacement").at("mean").get<double>(), 0.05);
-    EXPECT_LE(model.at("memory_bytes").get<double>(), 1e6);
     succeed("info m --json info.json");
     EXPECT_EQ(json("info.json").at("memory_bytes"), model.at("memory_bytes"));
     EXPECT_EQ(json("info.json").at("family"), model.at("family"));
   }
   EXPECT_TRUE(found);
 
-  const auto missed = phynness("tune scene.toml d.h5 -o n --max-size 1kB --probes 4");
+  const auto missed = phynness("tune scene.toml d.h5 -o n --max-time 0.001us --probes 4");
   EXPECT_EQ(missed.exit_status, 1);
-  EXPECT_NE(missed.err.find("memory"), std::string::npos) << missed.err;
+  EXPECT_NE(missed.err.find("deformation"), std::string::npos) << missed.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "n"));
-  for (const std::string wrong : {"--max-error -1%", "--max-error much", "--max-time 20", "--max-size 1GiB"})
+  for (const std::string wrong : {"--max-error -1%", "--max-error much", "--max-time 20"})
     be_refused("tune scene.toml d.h5 -o n --probes 4 " + wrong);
 }
 
@@ -112,18 +111,6 @@ TEST_F(Families, TuneTellsWhatItTrainedFromWhatItWasAskedFor) {
   }
   // 26 directions in 3 increments are 78 states, of which force centers may be half.
   EXPECT_GT(n_capped, 0);
-}
-
-TEST_F(Families, TitlesAndPlacesArePlottedNotRun) {
-  auto scene = small_scene("P1", 3);
-  scene.replace(scene.find("small block"), 11, "it's `touch ran` a </script><script>touch ran #");
-  write_file(folder / "odd.toml", scene);
-  succeed("tune odd.toml d.h5 -o m --probes 20 --plot \"it's.html\" --json t.json");
-  EXPECT_FALSE(std::filesystem::exists(folder / "ran"));
-  const auto page = read_file(folder / "it's.html");
-  EXPECT_NE(page.find("it's `touch ran` a \\u003c/script>\\u003cscript>touch ran #"), std::string::npos)
-      << "the title is a text";
-  EXPECT_NE(page.find("Error against memory"), std::string::npos);
 }
 
 TEST_F(Families, FewStatesMakeFewCentersNotWildForces) {

@@ -37,7 +37,6 @@ TEST(Choice, IsTheFastestWithinTheError) {
   const auto models = some();
   EXPECT_EQ(choose_model(models, {.error = 0.05}).chosen, 0u);
   EXPECT_EQ(choose_model(models, {.error = 0.03}).chosen, 1u);
-  EXPECT_EQ(choose_model(models, {.error = 0.045, .memory_bytes = 0.4e6}).chosen, 4u);
   EXPECT_EQ(choose_model(models, {.error = 0.01}).chosen, 2u);
 }
 
@@ -45,32 +44,12 @@ TEST(Choice, IsTheMostAccurateWithoutALimitOfTheError) {
   const auto models = some();
   EXPECT_EQ(choose_model(models, {}).chosen, 2u);
   EXPECT_EQ(choose_model(models, {.deformation_us = 4}).chosen, 1u);
-  EXPECT_EQ(choose_model(models, {.memory_bytes = 0.6e6}).chosen, 4u);
 }
 
 TEST(Choice, CountsTheWorseOfForceAndDisplacement) {
   auto models = some();
   models[0].errors.inside.force.mean = 0.5;
   EXPECT_EQ(choose_model(models, {.error = 0.05}).chosen, 1u);
-}
-
-TEST(Choice, CountsTheStatisticAskedFor) {
-  auto models = some();
-  for (auto& m : models) {
-    m.errors.inside.force.median = m.errors.inside.displacement.median = 0.01;
-    m.errors.inside.force.p95 = m.errors.inside.displacement.p95 = 0.2;
-  }
-  models[4].errors.inside.force.median = 0.001;  // the displacement's is the larger one
-  models[2].errors.inside.force.median = models[2].errors.inside.displacement.median = 0.001;
-  EXPECT_EQ(choose_model(models, {.statistic = ErrorStatistic::median}).chosen, 2u);
-  EXPECT_EQ(choose_model(models, {.error = 0.011, .statistic = ErrorStatistic::median}).chosen, 0u);
-  const auto none = choose_model(models, {.error = 0.1, .statistic = ErrorStatistic::p95});
-  EXPECT_FALSE(none.chosen);
-  EXPECT_NE(none.missed.find("20 %"), std::string::npos) << none.missed;
-  mark_front(models, ErrorStatistic::median);
-  // "middle" costs more than "small" and has the same median.
-  EXPECT_TRUE(models[0].on_front && models[2].on_front && models[4].on_front);
-  EXPECT_FALSE(models[1].on_front || models[3].on_front);
 }
 
 TEST(Choice, SaysWhichLimitIsMissed) {
