@@ -108,8 +108,6 @@ void add(CLI::App& app) {
   command.add_option("--name", options.name, "name of the files and the symbols (default: model)");
   command.add_flag("--force-only", options.image.force_only,
                    "omit the deformation, which takes most of the flash memory");
-  command.add_flag("--nodes-only", options.image.nodes_only,
-                   "omit the surface and the bounds of errors: tools are then at active nodes only");
   command.add_flag("--float", options.image.floats,
                    "use float numbers: half the flash memory, for processors without double precision");
   add_count(command, "--golden", options.golden, 0, 100000,

@@ -8,36 +8,19 @@
 namespace phynness::cli::train_command {
 namespace {
 
-/// An option that replaces a number of [training].
-struct Count {
-  const char* option;
-  int TrainingSpec::*number;
-  int low, high;
-  const char* what;  ///< begins with the family that it is of
-};
-constexpr Count counts[] = {
-    {"--modes", &TrainingSpec::modes, 0, largest_mode_count, "modal: modes of each node; 0: forces only"},
-    {"--shared-modes", &TrainingSpec::shared_modes, 0, largest_mode_count,
-     "modal: shared modes, from which the modes of a node are mixed"},
-    {"--near-nodes", &TrainingSpec::near_nodes, 0, 1'000'000,
-     "modal: nodes near the touched one with modes of their own"},
-    {"--force-centers", &TrainingSpec::force_centers, 1, 100'000, "modal: centers of a force network"},
-    {"--levels", &TrainingSpec::levels, 1, largest_level_count, "number of levels, each half as large as the next"},
-    {"--amplitude-centers", &TrainingSpec::amplitude_centers, 0, 100'000, "modal: centers of the amplitudes"}};
-
 struct Options {
   std::filesystem::path scene, output;
   OptionalPath database, json_file, check_file;
   std::optional<std::string> family;
-  std::optional<int> neurons, force_neurons, count[std::size(counts)];
-  std::optional<double> spread, force_spread;
+  std::optional<int> neurons, modes;
+  std::optional<double> spread;
   bool surface = false;
 };
 
 /// Inputs are scaled to the range [-1, 1]. Far smaller spreads separate all points, far larger ones separate none.
-void check_spread(const std::optional<double>& spread, const char* option) {
+void check_spread(const std::optional<double>& spread) {
   if (spread && *spread != 0 && !(*spread >= 1e-3 && *spread <= 1e3))
-    throw input_error("a spread must be 0 (search) or between 1e-3 and 1e3", fmt::format("{} {}", option, *spread),
+    throw input_error("a spread must be 0 (search) or between 1e-3 and 1e3", fmt::format("--spread {}", *spread),
                       "inputs are scaled to [-1, 1]; the paper uses 0.75");
 }
 
@@ -65,24 +48,14 @@ void print_fields(const Model& model, const TrainingReport& report, const std::v
 TrainingSpec chosen_spec(TrainingSpec spec, const Options& options) {
   for (const auto* family : every_family())
     if (options.family == name(family->family)) spec.family = family->family;
-  const bool of_networks = options.neurons || options.force_neurons || options.spread || options.force_spread;
-  bool of_modes = false, of_levels = false;
-  for (std::size_t i = 0; i < std::size(counts); ++i) {
-    if (!options.count[i]) continue;
-    (std::string_view(counts[i].what).starts_with("modal") ? of_modes : of_levels) = true;
-    spec.*counts[i].number = *options.count[i];
-  }
-  for (const auto& [given, words] :
-       {std::pair{of_networks, "neurons and spreads"}, std::pair{of_modes, "modes and centers"}})
+  for (const auto& [given, words] : {std::pair{options.neurons || options.spread, "neurons and spreads"},
+                                     std::pair{options.modes.has_value(), "modes and centers"}})
     if (given && std::string_view(words) != operations(spec.family).option_words)
       message("note: options of {} have no effect in family {}\n", words, name(spec.family));
-  if (!schema::traits(spec.family).has_levels && of_levels && spec.levels > 1)
-    message("note: family {} has one level; --levels has no effect\n", name(spec.family));
   spec.deformation_neurons = options.neurons.value_or(spec.deformation_neurons);
-  spec.force_neurons =
-      options.force_neurons.value_or(std::min(spec.force_neurons, options.neurons.value_or(spec.force_neurons)));
+  spec.force_neurons = std::min(spec.force_neurons, options.neurons.value_or(spec.force_neurons));
   spec.deformation_spread = options.spread.value_or(spec.deformation_spread);
-  spec.force_spread = options.force_spread.value_or(spec.force_spread);
+  spec.modes = options.modes.value_or(spec.modes);
   return spec;
 }
 
@@ -242,8 +215,7 @@ json to_json(const Trained& t) {
 }
 
 void run(const Options& options) {
-  check_spread(options.spread, "--spread");
-  check_spread(options.force_spread, "--force-spread");
+  check_spread(options.spread);
   const Trained result = trained(options);
   print(result, options.output);
   write_json(options.json_file, to_json(result));
@@ -269,13 +241,9 @@ void add(CLI::App& app) {
   command.add_option("--family", options.family, about)->check(CLI::IsMember(words));
   add_count(command, "--neurons", options.neurons, 1, 100'000,
             "rbfn: neurons of a deformation network, and largest number of neurons of a force network");
-  add_count(command, "--force-neurons", options.force_neurons, 1, 100'000, "rbfn: neurons of a force network");
   command.add_option("--spread", options.spread,
                      "rbfn: spread of the deformation networks, in scaled inputs; 0: search");
-  command.add_option("--force-spread", options.force_spread,
-                     "rbfn: spread of the force networks, in scaled inputs; 0: search");
-  for (std::size_t i = 0; i < std::size(counts); ++i)
-    add_count(command, counts[i].option, options.count[i], counts[i].low, counts[i].high, counts[i].what);
+  add_count(command, "--modes", options.modes, 0, largest_mode_count, "modal: modes of each node; 0: forces only");
   command.add_flag("--surface", options.surface,
                    "model only output nodes on the surface, so that a body can be attached");
   add_path(command, "--check", options.check_file, PathKind::input,

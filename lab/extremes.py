@@ -89,8 +89,10 @@ class Sample:
             self.largest_N = np.linalg.norm(f["responses/force"][()], axis=-1).max(axis=(1, 2))
         self.probed = self.active[(2 * np.arange(10) + 1) * len(self.active) // 20]
 
-    def train(self, family, *options, database=None):
-        run("train", self.scene, database or self.database, "-o", self.folder / family, "--family", family, *options)
+    def train(self, family, values=None, database=None):
+        scene = self.folder / f"{family}.toml"
+        scene.write_text(changed(pathlib.Path(self.scene).read_text(), values or {}))
+        run("train", scene, database or self.database, "-o", self.folder / family, "--family", family)
         return self.folder / family
 
 
@@ -137,7 +139,8 @@ def float32(folder):
     """Images in float against the runtime's double: largest difference over the largest answer."""
     sample = Sample(folder)
     for spread in (None, 0.2, 0.75, 2.0, 5.0, 20.0):
-        model = sample.train("rbfn", "--spread", spread, "--force-spread", spread) if spread else sample.train("modal")
+        spreads = {("training", "deformation_spread"): spread, ("training", "force_spread"): spread} if spread else {}
+        model = sample.train("rbfn" if spread else "modal", spreads)
         found = answer("export", model, "-o", folder / "image", "--float", "--golden", 2000)
         print(f"rbfn, both spreads {spread}" if spread else "modal", {k: v for k, v in found.items() if "deviation" in k}, flush=True)
 

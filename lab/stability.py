@@ -12,7 +12,7 @@ import tempfile
 
 import h5py
 import numpy as np
-from commands import answer, run, text
+from commands import answer, changed, run, text
 
 SEED = 7
 
@@ -78,10 +78,10 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        copy, model = pathlib.Path(folder) / "disturbed.h5", pathlib.Path(folder) / "model"
+        copy, model, scene = (pathlib.Path(folder) / name for name in ("disturbed.h5", "model", "spreads.toml"))
 
-        def row(name, family, database, *words):
-            run("train", options.scene, database, "-o", model, "--family", family, *words)
+        def row(name, family, database, trained=options.scene):
+            run("train", trained, database, "-o", model, "--family", family)
             found = answer("validate", options.scene, model, "--probes", options.probes, "--nodes", 10, "--seed", options.seed)
             figures = [" ".join("%.3g" % (100 * found["inside"][what][k]) for k in ("mean", "p95", "max"))
                        for what in ("force", "displacement")]
@@ -97,7 +97,9 @@ def main():
                 disturbed(options.database, copy, change)
                 row(name, family, copy)
         for spread in (0.05, 0.2, 0.5, 1.0, 2.0, 5.0, 20.0):
-            row(f"both spreads {spread:g}", "rbfn", options.database, "--spread", spread, "--force-spread", spread)
+            spreads = {("training", "deformation_spread"): spread, ("training", "force_spread"): spread}
+            scene.write_text(changed(pathlib.Path(options.scene).read_text(), spreads))
+            row(f"both spreads {spread:g}", "rbfn", options.database, scene)
 
 
 if __name__ == "__main__":

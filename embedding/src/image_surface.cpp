@@ -140,7 +140,7 @@ ImageSurface image_surface(const Model& model) {
   if (std::max(triangles.size(), model.nodes.size()) >= image::none)
     throw input_error("the surface is too large for an image",
                       std::to_string(triangles.size()) + " triangles; an image holds 65534",
-                      "export it with --nodes-only");
+                      "probe a smaller part of the body, or use a coarser mesh");
   surface.triangle = with_neighbours(triangles);
   find_gradients(model, surface);
   return surface;

@@ -104,7 +104,7 @@ class ImageWriter {
 
   /// @return the offset of the surface on which tools can be, where they are round; 0: none
   std::uint32_t put_surface() {
-    const ImageSurface from = _options.nodes_only ? ImageSurface{} : image_surface(_model);
+    const ImageSurface from = image_surface(_model);
     _n_triangles = from.triangle.size() / 6;
     if (_n_triangles == 0) return 0;
     image::Surface surface{};

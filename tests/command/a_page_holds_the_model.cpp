@@ -16,12 +16,12 @@ class Page : public CommandLine {
  protected:
   void SetUp() override {
     CommandLine::SetUp();
-    auto text = small_scene();
+    auto text = with_training(small_scene(), "levels = 2");
     const std::string title = R"(</script><script>alert(\"x\")</script> <!-- 'q' \u202E \u2028 ä)";
     text.replace(text.find("small block"), 11, title);
     write_file(folder / "scene.toml", text);
-    for (const char* line : {"precompute scene.toml -o d.h5",
-                             "train scene.toml d.h5 --family modal --levels 2 -o model", "info d.h5 --json info.json"})
+    for (const char* line : {"precompute scene.toml -o d.h5", "train scene.toml d.h5 --family modal -o model",
+                             "info d.h5 --json info.json"})
       succeed(line);
     node = json("info.json").at("active").at(0).get<int>();
   }

@@ -227,7 +227,7 @@ TEST_F(Outputs, OfATrainingAreNotBegunWhenASignalComesAfterTheLastFit) {
   text.replace(active, text.find("[probe]") - active, "active = \"free-surface\"\n");
   text.replace(text.find("target_size_m = 0.025"), 21, "target_size_m = 0.015");
   text.replace(text.find("directions = 26"), 15, "directions = 3");
-  text.replace(text.find("samples = 500"), 13, "samples = 300");
+  text.replace(text.find("samples = 500"), 13, "samples = 300\nlevels = 8");
   write_file(folder / "scene.toml", text);
   succeed("precompute scene.toml -o many.h5");
   Outcome outcome;
@@ -236,7 +236,6 @@ TEST_F(Outputs, OfATrainingAreNotBegunWhenASignalComesAfterTheLastFit) {
     outcome = shell(
         "rm -f progress.txt; PHYNNESS_PROGRESS=1 \"$PHYNNESS\" train scene.toml many.h5 -o fresh/model --family rbfn "
         "--neurons 150 "
-        "--levels 8 "
         "--spread 0.75 2>progress.txt & pid=$!; "
         "while kill -0 $pid && ! grep -qsE ' ([0-9]+)/\\1 nodes' progress.txt; do sleep 0.01; done; sleep 0.02; "
         "kill -TERM $pid; wait $pid; status=$?; cat progress.txt >&2; exit $status");

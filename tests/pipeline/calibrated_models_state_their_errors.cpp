@@ -18,11 +18,14 @@ namespace {
 
 class Calibrate : public CommandLine {
  protected:
+  static std::string small_scene(const std::string& element, int increments) {
+    return with_training(CommandLine::small_scene(element, increments), "force_centers = 8");
+  }
   void SetUp() override {
     CommandLine::SetUp();
     write_file(folder / "scene.toml", small_scene("P1", 3));
     succeed("precompute scene.toml -o d.h5");
-    succeed("train scene.toml d.h5 -o m --family modal --force-centers 8");
+    succeed("train scene.toml d.h5 -o m --family modal");
   }
 };
 
@@ -127,7 +130,7 @@ TEST_F(Calibrate, InterruptedCalibrationKeepsTheFinishedNodes) {
   scene.replace(active, scene.find("[probe]") - active, "active = \"free-surface\"\n");
   write_file(folder / "scene.toml", scene);
   succeed("precompute scene.toml -o many.h5");
-  succeed("train scene.toml many.h5 -o many --family modal --force-centers 8");
+  succeed("train scene.toml many.h5 -o many --family modal");
   const auto [plain, mesh] = read_model_dir(folder / "many");
   ASSERT_GT(plain.nodes.size(), 30U);
   // SIGINT when the progress has counted 20 nodes; the others take as long again.
@@ -155,7 +158,7 @@ TEST_F(Calibrate, FlaggedPairsAreDrawnAgain) {
   scene.replace(scene.find("0.008"), 5, "0.016");
   write_file(folder / "scene.toml", scene);
   succeed("precompute scene.toml -o two.h5");
-  succeed("train scene.toml two.h5 -o two --family modal --force-centers 8");
+  succeed("train scene.toml two.h5 -o two --family modal");
   const auto done = succeed("calibrate two two.h5 -o b --rays 100 --json c.json");
   const auto pairs = json("c.json").at("two");
   // Of 90 states drawn once, about 10 are not flagged, where a bound needs 20.
@@ -175,7 +178,7 @@ TEST_F(Calibrate, BoundsStateTheDistanceToAFinerSolution) {
   auto finer = scene;
   write_file(folder / "finer.toml", finer.replace(finer.find("p1-p1"), 5, "taylor-hood"));
   succeed("precompute scene.toml -o p.h5");
-  succeed("train scene.toml p.h5 -o p --family modal --force-centers 8");
+  succeed("train scene.toml p.h5 -o p --family modal");
   succeed("calibrate p p.h5 -o own --rays 100");
   const auto done = succeed("calibrate p p.h5 -o b --rays 100 --reference finer --json c.json");
   expect_names(unbroken(done.err), {"note: 100 rays of taylor-hood take about", "of memory"});
@@ -225,13 +228,13 @@ TEST_F(Calibrate, RefusesReferencesThatTellNoError) {
   scene.replace(scene.find("0.45"), 4, "0.498");  // K/mu = 250
   write_file(folder / "scene.toml", scene);
   succeed("precompute scene.toml -o p.h5");
-  succeed("train scene.toml p.h5 -o p --family modal --force-centers 8");
+  succeed("train scene.toml p.h5 -o p --family modal");
   expect_names(unbroken(be_refused("calibrate p p.h5 -o b --reference half-size").err),
                {"half the size lock, too", "P1, K/mu = 249.7", "--reference taylor-hood"});
   be_refused("calibrate p p.h5 -o b --reference finer --rays 2");
   write_file(folder / "finer.toml", scene.replace(scene.find("P1"), 2, "taylor-hood"));
   succeed("precompute finer.toml -o t.h5");
-  succeed("train finer.toml t.h5 -o t --family modal --force-centers 8");
+  succeed("train finer.toml t.h5 -o t --family modal");
   expect_names(unbroken(be_refused("calibrate t t.h5 -o b --reference taylor-hood").err),
                {"it is the element of the scene", "--reference half-size"});
   EXPECT_FALSE(std::filesystem::exists(folder / "b"));

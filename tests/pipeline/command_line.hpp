@@ -91,6 +91,11 @@ class CommandLine : public ::testing::Test {
            "[validation]\nprobes = 8\ncheck_probes = 0\n";
   }
 
+  /// A small_scene with more lines in [training].
+  static std::string with_training(std::string scene, const std::string& lines) {
+    return scene.insert(scene.find("[validation]"), lines + "\n");
+  }
+
   std::filesystem::path folder;
 };
 

@@ -274,11 +274,11 @@ class Databases(unittest.TestCase):
     def test_training_is_that_of_the_command(self):
         database = phynness.Database(self.file)
         scene = work / "small.toml"
-        scene.write_text(database.scene.text)
-        for family, keys, options in (("modal", {"modes": 2, "shared_modes": 4}, ["--modes", 2, "--shared-modes", 4]),
-                                      ("rbfn", {"deformation_neurons": 9, "force_neurons": np.int64(5)},
-                                       ["--neurons", 9, "--force-neurons", 5])):
-            run(COMMAND, "train", scene, self.file, "-o", work / family, "--family", family, *options)
+        for family, keys in (("modal", {"modes": 2, "shared_modes": 4}),
+                             ("rbfn", {"deformation_neurons": 9, "force_neurons": np.int64(5)})):
+            lines = "".join(f"{key} = {value}\n" for key, value in keys.items())
+            scene.write_text(with_training(database.scene.text, lines))
+            run(COMMAND, "train", scene, self.file, "-o", work / family, "--family", family)
             told = []
             trained = phynness.train(database, family=family, progress=lambda *n: told.append(n), threads=2, **keys)
             trained.save(work / (family + "-saved"))

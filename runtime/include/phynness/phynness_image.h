@@ -108,7 +108,7 @@ typedef struct phn_image_place {
  * `from` < 0: all triangles are searched. Otherwise a walk from triangle `from` over neighbouring triangles comes
  * nearer to x until none is nearer: it stays on its side of a thin body. It crosses 32 triangles at most, then
  * PHN_WARNING_UNSETTLED says that it must go on from the returned place. PHN_ERROR_UNDEFINED: the image has no surface:
- * its tools are not round (phynness_tools.h), or it was exported with --nodes-only or by an older version.
+ * its tools are not round (phynness_tools.h).
  * PHN_ERROR_OVERLAP: `place` and `point` overlap. After an error the triangle is -1. */
 PHN_API int phn_image_nearest(const phn_image* image, int32_t from, const phn_real x[3], phn_image_place* place,
                               phn_real point[3]);

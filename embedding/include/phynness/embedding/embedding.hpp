@@ -15,7 +15,6 @@ class LoadedModel;
 struct ImageOptions {
   bool force_only = false;  ///< without deformation
   bool floats = false;      ///< store and compute in float
-  bool nodes_only = false;  ///< without surface and bounds: tools at active nodes only
 };
 
 struct ModelImage {
