@@ -18,17 +18,10 @@ struct Options {
   std::optional<std::int64_t> rays;
   std::int64_t seed = 1;
   std::string reference = "scene";
-  bool details = false;
 };
 
-void print_coverage(const BoundCoverage& c) {
-  print_result(
-      "by thirds of the depth {:.1f}, {:.1f} and {:.1f} % are below; mean bound {:.2f} of the best constant one\n",
-      100 * c.thirds[0], 100 * c.thirds[1], 100 * c.thirds[2], c.width);
-}
-
 /// @param one  name of the states of one tool
-void print_coupled(const BoundReport& report, const char* one, bool details) {
+void print_coupled(const BoundReport& report, const char* one) {
   for (const auto& [name, kind] : {std::pair{one, report.between}, {"two tools", report.two}}) {
     const auto flagged = fmt::format("{:.0f} % of the states drawn are flagged and have none", 100 * kind.flagged);
     if (kind.all.states == 0) {
@@ -38,7 +31,6 @@ void print_coupled(const BoundReport& report, const char* one, bool details) {
     }
     print_result("{}: {:.1f} % of {} errors of rays left out are below their bound; {}\n", name, 100 * kind.all.all,
                  kind.all.states, flagged);
-    if (details) print_coverage(kind.all);
   }
 }
 
@@ -58,8 +50,7 @@ void print(const BoundReport& report, const Model& model, const Options& options
         "note: the finer solution ends early at {} of {} rays where the model's own finite elements go on; the bound "
         "says nothing of the displacements behind\n",
         failed, report.rays + report.coupled_rays);
-  if (options.details) print_coverage(c);
-  print_coupled(report, "one tool between nodes", options.details);
+  print_coupled(report, "one tool between nodes");
   print_result("model with bounds -> {}\n", options.output.string());
 }
 
@@ -108,7 +99,7 @@ void run_for_body(const SolverSession& session, const Database& database, const 
   session.together([&] {
     if (session.rank() != 0) return;
     write_text_file(*options.body, write_body_text(body));
-    print_coupled(report, "one tool", true);
+    print_coupled(report, "one tool");
     print_result("body with bounds -> {}, in {}\n", options.body->string(), duration(report.seconds));
     write_json(options.json_file, as_json(report, body.coverage));
     require_all(report);
@@ -186,7 +177,6 @@ void add(CLI::App& app) {
       ->capture_default_str();
   add_count(command, "--seed", options.seed, 0, std::int64_t{1} << 53, "of the random numbers")->capture_default_str();
   add_json(command, options.json_file);
-  command.add_flag("--details", options.details, "print shares by depth and the width of the bounds");
 }
 
 }  // namespace phynness::cli::calibrate_command

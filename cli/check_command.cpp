@@ -1,9 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <phynness/embedding/embedding.hpp>
-#include <phynness/evaluation/model_figures.hpp>
 #include <phynness/formats/locking.hpp>
-#include <phynness/planning/planning.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/discretization.hpp>
 
@@ -16,11 +13,10 @@ struct Options {
   std::filesystem::path scene;
   bool trade = false;
   std::optional<double> seconds;
-  std::optional<std::string> max_error, max_time;
+  std::optional<std::string> max_error;
   DiscretizationOptions check;
   std::string reference = "both";
-  OptionalPath json_file, model;
-  bool details = false;
+  OptionalPath json_file;
 };
 
 /// Those that are asked for.
@@ -75,12 +71,7 @@ bool print_failed(const DiscretizationReport& report, Variant v) {
   return any;
 }
 
-void print_probes(const DiscretizationReport& report, Variant v) {
-  for (const auto& probe : report.probes)
-    if (const auto error = probe.error(v)) print_result("{}: force off by {:.3g} %\n", place_of(probe), 100 * *error);
-}
-
-void print_comparison(const Options& options, const Scene& scene, const DiscretizationReport& report, Variant v) {
+void print_comparison(const Scene& scene, const DiscretizationReport& report, Variant v) {
   print_result("forces against {}\n", in_words(scene, report, v));
   for (std::size_t i = 0; i < report.depth_m.size(); ++i) {
     const auto ratios = report.ratios(v, i);
@@ -91,7 +82,6 @@ void print_comparison(const Options& options, const Scene& scene, const Discreti
   }
   if (const auto distance = report.distance(scene, v); distance.probes > 0)
     print_result("  forces are {}\n", distance.sentence());
-  if (options.details) print_probes(report, v);
   print_failed(report, v);
   print_left_out(report, v);
 }
@@ -110,36 +100,13 @@ void print(const Options& options, const Scene& scene, const DiscretizationRepor
   if (report.chosen > 0)
     message("note: {} of {} probes are compared, which the time of the first allows in {}\n", report.chosen,
             options.check.probes, duration(options.check.seconds));
-  for (const auto v : references(options)) print_comparison(options, scene, report, v);
+  for (const auto v : references(options)) print_comparison(scene, report, v);
   print_result("{}\n", duration(report.seconds));
 }
 
 /// The distance that is named with a model.
 FinerDistance distance(const Options& options, const Scene& scene, const DiscretizationReport& report) {
   return report.distance(scene, options.check.reference.value_or(finer_reference(scene)));
-}
-
-/// The model of --model. @throws Error (input) if it is of another mesh or physics
-std::optional<LoadedModel> model_of(const Options& options, const LoadedScene& loaded) {
-  if (!options.model) return {};
-  check_place("--model", *options.model, PathKind::model);
-  std::optional<LoadedModel> read(std::in_place, *options.model);
-  const auto& m = read->model();
-  for (const auto& [what, own, other] : {std::tuple{"mesh", m.mesh_hash, mesh_hash(loaded.mesh)},
-                                         std::tuple{"physics", m.physics_hash, physics_hash(loaded.scene)}})
-    if (own != other)
-      throw input_error(fmt::format("the model has another {} than the scene", what),
-                        fmt::format("--model {}: {}, of the scene {}", options.model->string(), own, other),
-                        "give the scene from which the model was made");
-  return read;
-}
-
-void store(const Options& options, const Scene& scene, const LoadedModel& read, const DiscretizationReport& report) {
-  if (report.interrupted) return;
-  Model model = read.model();
-  model.finer = distance(options, scene, report);
-  write_model_dir(*options.model, model, read.mesh());
-  print_result("model with this distance -> {}\n", options.model->string());
 }
 
 json as_json(const Options& options, const LoadedScene& loaded, const DiscretizationReport& report) {
@@ -184,32 +151,7 @@ std::string lines_of(const TradeRow& row) {
   return lines;
 }
 
-/// What the model of a row's database takes online.
-struct ModelCost {
-  double model_text_bytes = 0, image_bytes = 0;  ///< of model.txt; of an image of floats
-  double force_us = 0, deformation_us = 0;       ///< on this machine
-  PHYNNESS_FIGURES(model_text_bytes, image_bytes, force_us, deformation_us)
-};
-
-/// By models of one and of two nodes with random numbers; all zeros if there is no such body.
-ModelCost model_cost(const TradeRow& row) {
-  if (!row.body) return {};
-  ModelCost cost{predict_model_size(row.scene, *row.body).model_text_bytes};
-  double image_bytes[2];
-  for (const std::size_t n : {1, 2}) {
-    Model model = sized_model(row.scene, *row.body, n);
-    image_bytes[n - 1] = static_cast<double>(model_image(model, {.floats = true}).bytes.size());
-    const auto speed = measure_speed({std::move(model), row.body->mesh, "a model with random numbers"});
-    cost.force_us = speed.force_us;
-    cost.deformation_us = speed.deformation_us;
-  }
-  const auto more = static_cast<double>(row.body->sets.active.size()) - 1;
-  cost.image_bytes = image_bytes[0] + more * (image_bytes[1] - image_bytes[0]);
-  return cost;
-}
-
-void print_trade(const Scene& scene, const TradeReport& report, const std::vector<ModelCost>& costs,
-                 const TradeRow* chosen) {
+void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* chosen) {
   const TradeRow& finest = *std::ranges::find_if(report.rows, &TradeRow::is_reference);
   print_result(
       "{} ({}), K/mu = {:.4g}: {} probes of a round tool of {:.4g} mm radius, |d| to {:.4g} mm,\n"
@@ -217,10 +159,9 @@ void print_trade(const Scene& scene, const TradeReport& report, const std::vecto
       scene.title.empty() ? "scene" : scene.title, name(scene.material.law), scene.material.bulk_to_shear(),
       report.probes, 1e3 * report.tool_radius_m, 1e3 * scene.probe.max_displacement_m,
       name(finest.scene.solver.element), finest.body->mesh.n_nodes());
-  constexpr auto columns = "{:<14} {:>6} {:>6}  {:>7} {:>7}  {:>7} {:>8} {:>7} {:>7} {:>7}{}\n";
-  print_result(columns, "", "", "", "force", "off by", "ms of", "database", "image,", "us of a", "us of a", "");
-  print_result(columns, "  element", "nodes", "probes", "mean, %", "p95, %", "a ray", "core-h", "kB", "force",
-               "deform.", "");
+  print_result("{:<14} {:>6} {:>6}  {:>7} {:>7}  {:>7} {:>8}\n", "", "", "", "force", "off by", "ms of", "database");
+  print_result("{:<14} {:>6} {:>6}  {:>7} {:>7}  {:>7} {:>8}\n", "  element", "nodes", "probes", "mean, %", "p95, %",
+               "a ray", "core-h");
   for (const auto& row : report.rows) {
     const char mark = chosen == &row ? '>' : row.on_front ? '*' : ' ';
     print_result("{} {:<12} {:>6} ", mark, name(row.scene.solver.element), row.body ? row.body->mesh.n_nodes() : 0);
@@ -228,49 +169,33 @@ void print_trade(const Scene& scene, const TradeReport& report, const std::vecto
       print_result("not compared: {}\n", row.left_out.empty() ? "interrupted" : row.left_out);
       continue;
     }
-    const auto& cost = costs[static_cast<std::size_t>(&row - report.rows.data())];
     const auto percent = [&](double error) { return row.is_reference ? "-" : fmt::format("{:.3g}", 100 * error); };
-    print_result("{:>6}  {:>7} {:>7}  {:>7.0f} {:>8.2g} {:>7.0f} {:>7.2g} {:>7.2g}{}\n",
-                 row.is_reference ? report.probes : row.probes, percent(row.mean), percent(row.p95), 1e3 * row.ray_s,
-                 row.core_hours(), cost.image_bytes / 1e3, cost.force_us, cost.deformation_us,
+    print_result("{:>6}  {:>7} {:>7}  {:>7.0f} {:>8.2g}{}\n", row.is_reference ? report.probes : row.probes,
+                 percent(row.mean), percent(row.p95), 1e3 * row.ray_s, row.core_hours(),
                  row.is_reference ? "  reference"
                  : row.is_scene   ? "  this scene"
                                   : "");
   }
-  print_result(
-      "\n* no other row is better in error (mean) and core-hours{}; {}\n"
-      "image (floats) and times on this machine: of models of these sizes with random numbers\n",
-      chosen != nullptr ? "; > chosen" : "", duration(report.seconds));
+  print_result("\n* no other row is better in error (mean) and core-hours{}; {}\n",
+               chosen != nullptr ? "; > chosen" : "", duration(report.seconds));
 }
 
-/// Of the rows within both limits the one whose database needs the least time; without a limit of the error the one
-/// with the least error. @return null: there is none
-const TradeRow* choose(const TradeReport& report, const std::vector<ModelCost>& costs, std::optional<double> error,
-                       std::optional<double> deformation_us) {
+/// Of the rows within the limit the one whose database needs the least time. @return null: there is none
+const TradeRow* choose(const TradeReport& report, double error) {
   const TradeRow* best = nullptr;
-  const auto worth = [&](const TradeRow& row) { return error ? row.core_hours() : row.mean; };
-  for (std::size_t i = 0; i < costs.size(); ++i) {
-    const auto& row = report.rows[i];
-    const bool within = row.probes > 0 && !(row.mean > error.value_or(row.mean)) &&
-                        costs[i].deformation_us <= deformation_us.value_or(costs[i].deformation_us);
-    if (within && (best == nullptr || worth(row) < worth(*best))) best = &row;
-  }
+  for (const auto& row : report.rows)
+    if (row.probes > 0 && row.mean <= error && (best == nullptr || row.core_hours() < best->core_hours())) best = &row;
   return best;
 }
 
 void run_trade(const Options& options, const LoadedScene& loaded) {
   const auto error = limit_of(options.max_error, "--max-error", {{"%", 0.01}, {"", 1}}, "5%");
-  const auto time_us = limit_of(options.max_time, "--max-time", {{"us", 1}, {"ms", 1e3}, {"s", 1e6}}, "20us");
   const auto report = compare_discretizations(loaded.scene, loaded.mesh, loaded.sets, options.check,
                                               Progress("check", "rays").counter(), stop_requested);
-  std::vector<ModelCost> costs;
-  for (const auto& row : report.rows) costs.push_back(model_cost(row));
-  const bool limited = error || time_us;
-  const TradeRow* chosen = limited ? choose(report, costs, error, time_us) : nullptr;
-  print_trade(loaded.scene, report, costs, chosen);
+  const TradeRow* chosen = error ? choose(report, *error) : nullptr;
+  print_trade(loaded.scene, report, chosen);
   if (chosen != nullptr) print_result("> {}\n", lines_of(*chosen));
   json out = figures(report);
-  for (std::size_t i = 0; i < costs.size(); ++i) out["rows"][i].update(figures(costs[i]));
   out["chosen"] = chosen != nullptr ? json(chosen - report.rows.data()) : json(nullptr);
   write_json(options.json_file, out);
   if (report.interrupted)
@@ -279,17 +204,13 @@ void run_trade(const Options& options, const LoadedScene& loaded) {
         fmt::format("{} of {} rows", std::ranges::count_if(report.rows, [](const auto& row) { return row.probes > 0; }),
                     report.rows.size()),
         "run it again");
-  if (limited && chosen == nullptr)
-    throw failure("no element and mesh of the table meets the limits",
-                  (error ? "--max-error " + *options.max_error : "") + (error && time_us ? ", " : "") +
-                      (time_us ? "--max-time " + *options.max_time : ""),
-                  "more nodes have a smaller error, fewer modes or output nodes take less time; or relax the limits");
+  if (error && chosen == nullptr)
+    throw failure("no element and mesh of the table meets the limit", "--max-error " + *options.max_error,
+                  "more nodes have a smaller error; or relax the limit");
 }
 
 void run(const Options& given) {
   Options options = given;
-  if (options.trade && options.model)
-    throw input_error("a trade measures no distance of one model", "--trade and --model", "give one of both");
   options.check.seconds = options.seconds.value_or(options.trade ? 900 : options.check.seconds);
   for (const auto v : {Variant::taylor_hood, Variant::half_size})
     if (options.reference == name(v)) options.check.reference = v;
@@ -297,14 +218,10 @@ void run(const Options& given) {
   const auto loaded = load_scene(options.scene);
   install_stop_handler();
   if (options.trade) return run_trade(options, loaded);
-  const auto model = model_of(options, loaded);
   const auto report = check_discretization(loaded.scene, loaded.mesh, loaded.sets, options.check,
                                            Progress("check", "rays").counter(), stop_requested);
   print(options, loaded.scene, report);
   write_each({[&] { write_json(options.json_file, as_json(options, loaded, report)); },
-              [&] {
-                if (model) store(options, loaded.scene, *model, report);
-              },
               [&] { refuse_nothing(options, report); }});
 }
 
@@ -326,24 +243,16 @@ void add(CLI::App& app) {
                       "compare with this one alone, at as many of the probes as the time of the first allows")
           ->check(CLI::IsMember({"both", name(Variant::taylor_hood), name(Variant::half_size)}))
           ->capture_default_str();
-  auto* trade =
-      command
-          .add_flag("--trade", options.trade,
-                    "compare all elements on meshes of half, the same and twice as many nodes instead: error, "
-                    "time and size in one table")
-          ->excludes(reference);
+  auto* trade = command
+                    .add_flag("--trade", options.trade,
+                              "compare all elements on meshes of half, the same and twice as many nodes instead: error "
+                              "and time in one table")
+                    ->excludes(reference);
   command
       .add_option("--max-error", options.max_error,
                   "with --trade: choose the database of the least time with at most this mean error, such as 5%")
       ->needs(trade);
-  command
-      .add_option("--max-time", options.max_time,
-                  "with --trade: and whose model needs at most this time for a deformation, such as 20us")
-      ->needs(trade);
-  add_path(command, "--model", options.model, PathKind::input,
-           "model directory of this scene, whose model.txt then holds the distance");
   add_json(command, options.json_file);
-  command.add_flag("--details", options.details, "print the error of every probe")->excludes(trade);
 }
 
 }  // namespace phynness::cli::check_command

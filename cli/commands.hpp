@@ -195,8 +195,7 @@ void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& p
 /// ray reaches its full depth. @return the figures
 json tell_ends(const DatabaseHeader& header, const EndSummary& ends);
 
-/// Prints the verdict, one sentence for each line, what was not done, and the figures; print_details() all tables.
+/// Prints the verdict, one sentence for each line, what was not done, and the figures.
 void print_validation(const Validated& validated);
-void print_details(const Validated& validated, int ranks);
 
 }  // namespace phynness::cli

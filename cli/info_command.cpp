@@ -264,14 +264,9 @@ json about_model(const std::filesystem::path& dir) {
     levels.push_back(record("force_centers", info.force_centers, "deformation_centers", info.deformation_centers,
                             "modes", info.modes, "error_force", info.error_force, "error_displacement",
                             info.error_displacement));
-    if (m.levels.empty()) continue;
-    const std::string modes_text = info.modes > 0 ? fmt::format(" of {} modes", info.modes) : "";
-    print_result(
-        "level {}   {} centers of the force, {} of the deformation{}; leave-one-out errors: force {:.3f} %, "
-        "displacement {:.3f} %\n",
-        l, info.force_centers, info.deformation_centers, modes_text, 100 * info.error_force,
-        100 * info.error_displacement);
   }
+  if (levels.size() > 1)
+    print_result("levels    {}; phynness bench shows their sizes, errors and times\n", levels.size());
   json points;
   if (m.covered.rows() > 0) {
     const auto nodes = m.covered.col(0);

@@ -50,16 +50,14 @@ struct Plan {
   json ends;  ///< of the measured rays
   int ranks = 1;
   double wall_seconds = 0, core_hours = 0, memory_bytes_per_rank = 0, machine_memory_bytes = 0;
-  double database_bytes = 0, log_bytes = 0, model_text_bytes = 0, mesh_text_bytes = 0;
+  double database_bytes = 0, log_bytes = 0;
   std::optional<double> check_seconds;  ///< most of the check in run; empty if the scene says how many probes
   std::int64_t calibration_rays = 0, probes = 0;
   double calibrate_seconds = 0, validate_seconds = 0;  ///< in run
   int ranks_of_use = 1;
-  std::vector<SpacingPlan> spacings;  ///< of probe points: auto, half, and twice
   PHYNNESS_FIGURES(rays, rays_requested, increments, measured, ends, ranks, wall_seconds, core_hours,
-                   memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, model_text_bytes,
-                   mesh_text_bytes, check_seconds, calibration_rays, probes, calibrate_seconds, validate_seconds,
-                   ranks_of_use, spacings)
+                   memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, check_seconds,
+                   calibration_rays, probes, calibrate_seconds, validate_seconds, ranks_of_use)
 
   bool is_sample() const { return measured.rays < rays_requested; }
 };
@@ -169,10 +167,6 @@ Plan make_plan(const Options& options, const LoadedScene& loaded, const Database
   plan_checks(loaded, header, plan);
   plan.core_hours = plan.wall_seconds * plan.ranks / 3600;
   plan.ranks_of_use = ranks_of_use(costs);
-  plan.spacings = plan_spacings(loaded.scene, loaded.mesh, loaded.sets, measure_quality(loaded.mesh).mean_edge_m);
-  const auto model = predict_model_size(loaded.scene, header);
-  plan.model_text_bytes = model.model_text_bytes;
-  plan.mesh_text_bytes = model.mesh_text_bytes;
   plan.memory_bytes_per_rank = peak_memory_bytes();
   plan.machine_memory_bytes = machine_memory_bytes();
   return plan;
@@ -183,22 +177,6 @@ std::string trust(const Plan& plan) {
   if (!plan.is_sample()) return "all rays were solved";
   if (plan.measured.is_guess) return "a guess";  // fewer than RayCosts::fewest_nodes
   return fmt::format("standard error {:.0f} %", 100 * *plan.measured.relative_standard_error);
-}
-
-/// What probe points at other spacings cost, and the errors between them.
-void print_spacings(const Plan& plan, std::size_t n_active) {
-  const auto& all = plan.spacings;
-  if (all.empty()) return;
-  const auto about = [&](const SpacingPlan& at) {
-    return fmt::format(
-        "{} points{}, about {}, {}", at.points, at.every_node ? " (as edges are longer)" : "",
-        duration(plan.wall_seconds * static_cast<double>(at.points) / static_cast<double>(n_active)),
-        at.mean ? fmt::format("{:.2g} / {:.2g} %", 100 * *at.mean, 100 * *at.p95) : "error not measured");
-  };
-  print_result(
-      "points    {} here; at a third of the radius (spacing = \"auto\") {}; half as far apart {}; twice as far {}{}\n",
-      n_active, about(all[0]), about(all[1]), about(all[2]),
-      all[0].mean ? "; mean / p95 error of the force between points of a linear liver with edges of R/6.4" : "");
 }
 
 void print_plan(const Options& options, const Plan& plan) {
@@ -219,7 +197,6 @@ void print_plan(const Options& options, const Plan& plan) {
                bytes(plan.ranks * plan.memory_bytes_per_rank), bytes(plan.machine_memory_bytes));
   print_result("database  {} before compression, and {} of logs until it is packed\n", bytes(plan.database_bytes),
                bytes(plan.log_bytes));
-  print_result("model     {}, and {} of mesh\n", bytes(plan.model_text_bytes), bytes(plan.mesh_text_bytes));
   print_result("useful    up to {} ranks; of more, over half of the time is lost\n", plan.ranks_of_use);
 }
 
@@ -231,7 +208,6 @@ void run(const Options& options) {
   EndSummary ends;
   Plan plan = make_plan(options, loaded, header, ends);
   print_plan(options, plan);
-  print_spacings(plan, loaded.sets.active.size());
   plan.ends = tell_ends(header, ends);
   if (plan.ranks * plan.memory_bytes_per_rank > plan.machine_memory_bytes)
     message("warning: {} ranks do not fit into the memory of this machine, but {} ranks do\n", plan.ranks,

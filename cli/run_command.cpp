@@ -19,7 +19,7 @@ struct Options {
   std::filesystem::path scene, output;
   OptionalPath json_file;
   int ranks = 1;
-  bool resume = false, details = false;
+  bool resume = false;
 };
 
 /// Time and output of a stage, for the table at the end.
@@ -29,18 +29,10 @@ struct Stage {
   std::filesystem::path written;
 };
 
-Stage stage(const Options& options, const char* title, const std::filesystem::path& written,
-            std::vector<std::string> arguments, int ranks) {
+Stage stage(const char* title, const std::filesystem::path& written, std::vector<std::string> arguments, int ranks) {
   const auto start = std::chrono::steady_clock::now();
-  const bool validates = title == std::string_view("validate");
-  if (options.details) {
-    print_result("\n== {}\n", title);
-    if (validates || title == std::string_view("calibrate") || title == std::string_view("check"))
-      arguments.push_back("--details");
-  } else {
-    message("== {}\n", title);
-  }
-  run_child(title, std::move(arguments), ranks, !options.details && !validates);
+  message("== {}\n", title);
+  run_child(title, std::move(arguments), ranks, title != std::string_view("validate"));
   return {title, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), written};
 }
 
@@ -142,7 +134,7 @@ bool check(const Options& options, const Scene& scene, const std::string& self, 
   const double spent_s = std::max(stages.back().seconds, summarize(Database::open(database)).seconds / options.ranks);
   const double seconds = check_limit_s(spent_s, 1);
   try {
-    stages.push_back(stage(options, "check", file,
+    stages.push_back(stage("check", file,
                            {self, "check", options.scene.string(), "--reference", name(finer_reference(scene)),
                             "--probes", std::to_string(probes.value_or(most_checked)), "--seconds",
                             fmt::format("{:.3g}", probes ? 1e7 : seconds), "--json", file.string()},
@@ -159,7 +151,7 @@ bool calibrate(const Options& options, const std::string& self, std::vector<Stag
   const auto model = options.output / "model";
   const auto figures = options.output / "calibrate.json", database = options.output / "database.h5";
   try {
-    stages.push_back(stage(options, "calibrate", model / "model.txt",
+    stages.push_back(stage("calibrate", model / "model.txt",
                            {self, "calibrate", model.string(), database.string(), "--scene", options.scene.string(),
                             "--json", figures.string()},
                            options.ranks));
@@ -183,8 +175,8 @@ void run(const Options& options) {
   prepare_environment(options.ranks);
 
   std::vector<Stage> stages;
-  stages.push_back(stage(options, "mesh", in("mesh.msh"),
-                         {self, "mesh", scene, "-o", in("mesh.msh"), "--json", in("mesh.json")}, 1));
+  stages.push_back(
+      stage("mesh", in("mesh.msh"), {self, "mesh", scene, "-o", in("mesh.msh"), "--json", in("mesh.json")}, 1));
   std::vector<std::string> precompute{self,     "precompute",         scene, "-o", in("database.h5"),
                                       "--json", in("precompute.json")};
   if (options.resume) precompute.push_back("--resume");
@@ -192,7 +184,7 @@ void run(const Options& options) {
   if (covered == Coverage::whole)
     message("note: all rays of the scene are in {}, which is left as it is\n", in("database.h5"));
   else
-    stages.push_back(stage(options, "precompute", in("database.h5"), precompute, options.ranks));
+    stages.push_back(stage("precompute", in("database.h5"), precompute, options.ranks));
   finished.finished("precompute");
   std::vector<std::string> train{self, "train",     scene,    in("database.h5"),
                                  "-o", in("model"), "--json", in("train.json")};
@@ -208,13 +200,13 @@ void run(const Options& options) {
     if (make()) finished.finished(name);
   };
   unless_finished("train", [&] {
-    stages.push_back(stage(options, "train", in("model"), train, 1));
+    stages.push_back(stage("train", in("model"), train, 1));
     return true;
   });
   if (!schema::traits(read.training.family).proportional)
     unless_finished("calibrate", [&] { return calibrate(options, self, stages); });
   unless_finished("validate", [&] {
-    stages.push_back(stage(options, "validate", in("validate.json"),
+    stages.push_back(stage("validate", in("validate.json"),
                            {self, "validate", scene, in("model"), "--json", in("validate.json")}, options.ranks));
     return true;
   });
@@ -223,7 +215,7 @@ void run(const Options& options) {
       message("note: no page of the model is written\n  remedy: {}\n", missing_pages_remedy());
       return false;
     }
-    stages.push_back(stage(options, "page", in("organ.html"),
+    stages.push_back(stage("page", in("organ.html"),
                            {self, "view", in("model"), "--database", in("database.h5"), "--errors", in("validate.json"),
                             "-o", in("organ.html")},
                            1));
@@ -249,7 +241,6 @@ void add(CLI::App& app) {
       ->capture_default_str();
   command.add_flag("--resume", options.resume,
                    "continue the database in OUT_DIR, also to more points, directions and\nincrements of the scene");
-  command.add_flag("--details", options.details, "print what each stage prints, and all tables of validate");
   add_json(command, options.json_file, "write the figures of all stages as JSON");
 }
 

@@ -20,10 +20,8 @@ struct Options {
   std::optional<std::int64_t> probes;
   std::optional<std::int64_t> seed;
   std::int64_t nodes = 0, points = 0, pairs = 0;
-  std::optional<double> pair_depth_m;
   std::optional<std::int32_t> level;
   OptionalPath body, json_file, report_file;
-  bool details = false;
 };
 
 /// Scene, model and body, loaded on every rank and checked by the first.
@@ -91,8 +89,8 @@ void measure(const Options& options, const SolverSession& session, Validated& v)
     v.no_pairs = try_part([&] {
       require_deformations(options, model);
       v.pairs = validate_pairs(session, scene, model, body, options.pairs,
-                               options.pair_depth_m.value_or(pair_depth_fraction * scene.probe.max_displacement_m),
-                               v.seed, Progress("validate", "pairs").counter(), stop_requested);
+                               pair_depth_fraction * scene.probe.max_displacement_m, v.seed,
+                               Progress("validate", "pairs").counter(), stop_requested);
     });
 }
 
@@ -123,7 +121,6 @@ void run(const Options& options) {
   measure(options, session, v);
   if (session.rank() != 0) return;
   print_validation(v);
-  if (options.details) print_details(v, session.size());
   write_each({[&] { write_json(options.json_file, validation_figures(v)); }, [&] { write_report(options, v); }});
   if (v.interrupted()) refuse_half(options, v);
   const auto& reason = v.no_points ? v.no_points : v.no_pairs;
@@ -145,17 +142,14 @@ void add(CLI::App& app) {
   add_count(command, "--points", options.points, 1, 1'000'000,
             "also compare tools at this number of random points between nodes, by point-constrained solves");
   add_count(command, "--pairs", options.pairs, 1, 1'000'000,
-            "also compare two tools at this number of random pairs of nodes, by solves with both tools");
-  add_number(command, "--pair-depth", options.pair_depth_m, 1e-12, 1e3,
-             "displacement of both tools of a pair [m] (default: 3/7 of the scene's max_displacement_m, as in\n"
-             "the paper, 12 mm of 28 mm)");
+            "also compare two tools at this number of random pairs of nodes, by solves with both tools, each as deep\n"
+            "as 3/7 of the scene's max_displacement_m (12 mm of 28 mm in the paper)");
   add_path(command, "--body", options.body, PathKind::input,
            "a reduced body (body.txt), whose forces are also compared at --points and --pairs");
   command.add_option("--level", options.level, "level of the model; 0 is the smallest (default: the full one)");
   add_count(command, "--seed", options.seed, 0, largest_seed, "seed of random directions, magnitudes and nodes");
   add_json(command, options.json_file);
   add_path(command, "--report", options.report_file, PathKind::file, "write an HTML report with curves and pictures");
-  command.add_flag("--details", options.details, "print all tables, groups and conditions");
 }
 
 }  // namespace phynness::cli::validate_command

@@ -71,7 +71,6 @@ TEST_F(AbsurdInput, NumbersOfOptionsThatAreNoneAreRefused) {
   for (const char* option : {"--seed -1", "--ranks nan", "--rays 1s"})
     expect_refused(std::string("plan scene.toml ") + option,
                    {std::string(option).substr(0, std::string_view(option).find(' ')).c_str()});
-  expect_refused("validate scene.toml model --pair-depth nan", {"nan"});
   expect_refused("mesh scene.toml -o ''", {"--output"});
   expect_refused("info ''", {"give the name of a file or a folder"});  // which cannot be omitted
 }

@@ -15,9 +15,8 @@ namespace fs = std::filesystem;
 
 /// Texts that are not names of files. A new option that names a file is declared, with add_path() of
 /// cli/command_files.hpp.
-const std::set<std::string> texts{"--part",     "--displacement", "--point",    "--tools",
-                                  "--family",   "--max-error",    "--max-time", "--max-size",
-                                  "--error-by", "--increment",    "--name",     "--reference"};
+const std::set<std::string> texts{"--part",      "--displacement", "--point",     "--tools", "--family",
+                                  "--max-error", "--max-time",     "--increment", "--name",  "--reference"};
 
 /// A subcommand with the inputs that it is given.
 struct Use {

@@ -161,20 +161,6 @@ TEST_F(Check, TradesErrorForTime) {
   EXPECT_TRUE(row("taylor-hood", 2).at("is_reference").get<bool>());
   EXPECT_TRUE(row("taylor-hood", 2).at("mean").is_null());
 
-  // What a model takes online is that of the scene's own model, and grows with the surface.
-  for (const char* stage : {"precompute scene.toml -o d.h5", "train scene.toml d.h5 -o model",
-                            "export model -o image --float --json image.json"})
-    succeed(stage);
-  // The sizes of these networks are those of the scene. Only the names of solves in model.txt differ.
-  EXPECT_EQ(row("p1-p1", 1).at("image_bytes"), json("image.json").at("image_bytes").get<double>());
-  for (const std::size_t mesh : {0, 1, 2}) {
-    EXPECT_GT(row("p1-p1", mesh).at("force_us"), 0);
-    EXPECT_GT(row("p1-p1", mesh).at("deformation_us"), row("p1-p1", mesh).at("force_us"));
-    if (mesh > 0) {
-      EXPECT_GT(row("p1-p1", mesh).at("image_bytes"), row("p1-p1", mesh - 1).at("image_bytes"));
-    }
-  }
-
   // The fastest row within the limit, and what to write into the scene.
   const auto chosen = rows.at(trade.at("chosen").get<std::size_t>());
   EXPECT_LE(chosen.at("mean"), 0.5);
@@ -197,10 +183,6 @@ TEST_F(Check, TradesOnAFileAsItCompares) {
   write_msh(make_mesh(read_scene(folder / "own.toml")).mesh, nullptr, folder / "own.msh");
   const auto from = own.find("shape = "), to = own.find("[material]");
   write_file(folder / "file.toml", std::string(own).replace(from, to - from, "file = \"own.msh\"\n"));
-  auto modal = read_file(folder / "file.toml");
-  modal.replace(modal.find("family = \"rbfn\""), modal.find("[validation]") - modal.find("family = \"rbfn\""),
-                "family = \"modal\"\n");
-  write_file(folder / "file.toml", modal);
   succeed("check file.toml --trade --probes 2 --seconds 600 --json trade.json");
   succeed("check file.toml --reference taylor-hood --probes 2 --seconds 600 --json check.json");
   const auto rows = json("trade.json").at("rows");
@@ -208,7 +190,6 @@ TEST_F(Check, TradesOnAFileAsItCompares) {
   const auto distance = json("check.json").at("distance");
   for (const auto& row : rows)
     if (row.at("is_scene") == true) {
-      EXPECT_GT(row.at("deformation_us"), 0);
       EXPECT_NEAR(row.at("mean"), distance.at("mean"), 1e-5);
       EXPECT_NEAR(row.at("p95"), distance.at("p95"), 1e-5);
     }
@@ -219,22 +200,11 @@ TEST_F(Check, RefusesATradeThatItCannotMake) {
   expect_names(be_refused("check scene.toml --max-error 5%").err, {"--trade"});
   expect_names(be_refused("check scene.toml --trade --max-error 5").err, {"--max-error 5", "5%"});
   expect_names(be_refused("check scene.toml --trade --reference half-size").err, {"--reference"});
-  expect_names(be_refused("check scene.toml --trade --details").err, {"--details"});
   expect_names(be_refused("check " PHYNNESS_SOURCE_DIR "/scenes/penrose_case4.toml --trade").err,
                {"nothing to trade", "shell", "--reference half-size"});
   const auto missed = phynness("check scene.toml --trade --probes 1 --max-error 0.0001%");
   EXPECT_EQ(missed.exit_status, 1);
   expect_names(missed.err, {"meets the limit", "--max-error 0.0001%"});
-  // No processor adds up a deformation in a tenth of a picosecond.
-  const auto slow = phynness("check scene.toml --trade --probes 1 --max-error 1000% --max-time 0.0000001us");
-  EXPECT_EQ(slow.exit_status, 1);
-  expect_names(slow.err, {"meets the limits", "--max-time 0.0000001us"});
-  // Without a limit of the error the least one is chosen.
-  succeed("check scene.toml --trade --probes 1 --max-time 1000s --json trade.json");
-  const auto all = json("trade.json");
-  const auto& chosen = all.at("rows").at(all.at("chosen").get<std::size_t>());
-  for (const auto& row : all.at("rows"))
-    EXPECT_TRUE(row.at("mean").is_null() || chosen.at("mean") <= row.at("mean")) << row;
   write_file(folder / "scene.toml", changed(scene("p1-p1"), "target_size_m = 0.025", "target_size_m = 0.008"));
   expect_names(be_refused("check scene.toml --trade --seconds 2").err,
                {"the finer solution needs more time", "taylor-hood", "--seconds "});

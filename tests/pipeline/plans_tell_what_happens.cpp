@@ -31,12 +31,9 @@ TEST_F(Plans, sizes_are_those_of_the_run) {
   EXPECT_EQ(planned.out.find('%'), std::string::npos) << planned.out;
   EXPECT_TRUE(plan["measured"]["is_guess"].get<bool>());
   EXPECT_TRUE(plan["measured"]["relative_standard_error"].is_null());
-  // A prediction to choose a queue by: compression, the file's own structure and the digits of a model are not
-  // computed.
+  // A prediction to choose a queue by: compression and the file's own structure are not computed.
   const auto close = [](double predicted, double actual) { EXPECT_NEAR(predicted, actual, 0.25 * actual); };
   close(plan["database_bytes"], run["database_bytes"]);
-  close(plan["model_text_bytes"], static_cast<double>(std::filesystem::file_size(folder / "model/model.txt")));
-  EXPECT_EQ(plan["mesh_text_bytes"], static_cast<double>(std::filesystem::file_size(folder / "model/mesh.txt")));
   EXPECT_GT(plan["memory_bytes_per_rank"].get<double>(), 1e7);
   EXPECT_GE(plan["ranks_of_use"].get<int>(), 1);
   EXPECT_EQ(plan["check_seconds"], 0);

@@ -18,7 +18,7 @@ class ValidationWords : public CommandLine {
 
 TEST_F(ValidationWords, AreDistances) {
   succeed("train scene.toml d.h5 -o m --family modal");
-  const auto validated = succeed("validate scene.toml m --probes 8 --details --json v.json");
+  const auto validated = succeed("validate scene.toml m --probes 8 --report r.html --json v.json");
   const auto conditions = json("v.json").at("conditions");
   ASSERT_EQ(conditions.at("fixed_distances_m").size(), conditions.at("nodes").size());
   // The block is 50 mm high, touched on top and fixed at the bottom.
@@ -28,7 +28,7 @@ TEST_F(ValidationWords, AreDistances) {
   }
   EXPECT_EQ(validated.out.find("next to"), std::string::npos) << validated.out;
   EXPECT_EQ(validated.out.find("beside"), std::string::npos) << validated.out;
-  expect_names(validated.out, {" mm from the nearest fixed node"});
+  expect_names(read_file(folder / "r.html"), {" mm from the nearest fixed node"});
 }
 
 TEST_F(ValidationWords, NameWhatIsWorseThanLinear) {

@@ -1,13 +1,10 @@
 // Claim: the sample of a plan covers active nodes and directions evenly and is the same for the same seed, and
-// estimates keep the mean of the sample. The predicted size of a model is that of its text.
+// estimates keep the mean of the sample.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
-#include <phynness/formats/model.hpp>
 #include <phynness/planning/planning.hpp>
-
-#include "../block_mesh.hpp"
 
 namespace phynness {
 namespace {
@@ -123,45 +120,6 @@ TEST(RaySample, a_few_nodes_have_no_standard_error) {
     seconds.resize(2 * nodes);
     EXPECT_FALSE(costs_of(rays, seconds).relative_error.has_value()) << nodes;
   }
-}
-
-TEST(ModelSize, follows_networks_and_nodes) {
-  Scene scene;
-  scene.title = "size";
-  DatabaseHeader header;
-  header.mesh = test::block_mesh({4, 4, 3}, {0.1, 0.08, 0.05});
-  header.sets.fixed = {0, 1, 2};
-  header.sets.active = {20, 30, 40, 50, 60};
-  for (std::int32_t n = 3; n < header.mesh.n_nodes(); ++n) header.sets.output.push_back(n);
-  header.directions = exploratory_directions(Directions::twenty_six);
-  header.magnitudes_m = {0.005, 0.01};
-  header.mesh_hash = header.physics_hash = "0123456789abcdef";
-  header.software_version = "test";
-  scene.training.family = Family::rbfn;
-  scene.training.deformation_neurons = 100;
-  scene.training.force_neurons = 50;
-  const auto size = predict_model_size(scene, header);
-  EXPECT_EQ(size.mesh_text_bytes, static_cast<double>(write_mesh_text(header.mesh).size()));
-  scene.training.deformation_neurons = 200;
-  scene.training.force_neurons = 100;
-  const auto twice = predict_model_size(scene, header);
-  // A neuron is three weights of about 22 characters and one or two indices.
-  const double per_neuron = (twice.model_text_bytes - size.model_text_bytes) / (5 * 150);
-  EXPECT_GT(per_neuron, 60);
-  EXPECT_LT(per_neuron, 80);
-  scene.training.family = Family::modal;
-  scene.training.modes = 4;
-  const auto modal = predict_model_size(scene, header);
-  scene.training.modes = 8;
-  // A mode of a node is a row of integers, 2 to 7 characters each with their space, and its scales.
-  const double numbers =
-      3.0 * scene.training.near_nodes + scene.training.shared_modes + scene.training.amplitude_centers + 3;
-  const double per_mode = (predict_model_size(scene, header).model_text_bytes - modal.model_text_bytes) / (5 * 4);
-  EXPECT_GT(per_mode, 2);
-  EXPECT_LT(per_mode, 7 * numbers + 3 * 25);
-  scene.training.family = Family::linear;
-  EXPECT_GT(predict_model_size(scene, header).model_text_bytes,
-            5 * 9 * 10.0 * static_cast<double>(header.sets.output.size()));
 }
 
 }  // namespace

@@ -104,29 +104,6 @@ TableCells table_cells(const std::string& title, const std::vector<NamedErrors>&
   return out;
 }
 
-TableCells table_cells(const ErrorsToRange& errors) {
-  std::vector<NamedErrors> rows;
-  const JudgedErrors& all = errors.all.overall;
-  for (const auto& [name, group] : {std::pair{"all", &errors.all}, std::pair{"unflagged", &errors.unflagged},
-                                    std::pair{"flagged", &errors.flagged}}) {
-    if (group != &errors.all && (group->overall.probes == 0 || group->overall.probes == all.probes)) continue;
-    rows.push_back({name, &group->overall});
-    constexpr std::array thirds{"  0 to R/3", "  R/3 to 2R/3", "  2R/3 to R"};
-    for (std::size_t third = 0; third < 3; ++third)
-      rows.push_back({thirds[third], &group->by_depth[third], &group->overall});
-    rows.push_back({"  worst tenth of " + errors.counted, &group->worst_nodes, &group->overall});
-  }
-  if (errors.beyond.probes > 0) rows.push_back({"beyond R, to 1.43 R", &errors.beyond});
-  std::vector<std::string> names;
-  if (errors.bounds)
-    for (const auto& bound : errors.bounds->at_most)
-      names.push_back(fmt::format("bound to {:.0f} %", 100 * bound.fraction));
-  for (std::size_t i = 0; i < names.size(); ++i)
-    rows.push_back(
-        {names[i], &errors.bounds->at_most[i].errors, i == 0 ? &all : &errors.bounds->at_most[i - 1].errors});
-  return table_cells(fmt::format("to {:.4g} mm, in %", 1e3 * errors.range_m), rows);
-}
-
 TableCells table_cells(const std::string& title, const ErrorsByWarning& errors) {
   return table_cells(
       title,
@@ -145,10 +122,7 @@ std::vector<std::string> remarks(const ErrorsToRange& errors) {
       fmt::format("the runtime does not warn of {} % of the probes to R; at the tenth of the {} with the most "
                   "warnings, of {} %",
                   in_percent(errors.unflagged.overall.share), errors.counted, in_percent(errors.least_unflagged)));
-  if (errors.bounds) {
-    out.push_back("bound to 10 %: probes whose bound is at most 10 % of the largest force of the node");
-    out.push_back(sentence(*errors.bounds));
-  }
+  if (errors.bounds) out.push_back(sentence(*errors.bounds));
   const std::string why = reasons(errors.unreached);
   out.push_back(fmt::format("{} of {} probes to R are not reached by the finite elements{}{}{}",
                             errors.unreached.size(), errors.all.overall.probes, why.empty() ? "" : ": ", why,

@@ -171,14 +171,14 @@ std::string validate_again(const Validated& in) {
                                  in.report.nodes.size(), in.seed);
   if (in.model.level() + 1 < in.model.runtime().n_levels()) line += fmt::format(" --level {}", in.model.level());
   if (in.points.finished > 0) line += fmt::format(" --points {}", in.points.finished);
-  if (in.pairs.finished > 0) line += fmt::format(" --pairs {} --pair-depth {}", in.pairs.finished, in.pairs.depth_m);
+  if (in.pairs.finished > 0) line += fmt::format(" --pairs {}", in.pairs.finished);
   if (in.body) line += " --body BODY.txt";
   return line;
 }
 
 std::string check_again(const FinerDistance& finer) {
   if (!finer.is_measured) return "not compared; phynness check SCENE does it";
-  return fmt::format("phynness check SCENE --reference {} --probes {} --seconds 1e7 --details", finer.reference,
+  return fmt::format("phynness check SCENE --reference {} --probes {} --seconds 1e7", finer.reference,
                      std::max({1, finer.probes, finer.solved}));
 }
 

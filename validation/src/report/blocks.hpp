@@ -29,17 +29,6 @@ inline std::string percent(double fraction) {
 /// surface or no displacements.
 Json body_data(const Validated& validated);
 
-/// Work along closed paths, integrated from forces.
-struct Conservation {
-  int paths = 0;
-  double median = 0, largest = 0;  ///< |work| over the largest energy at a corner of the path
-  bool has_energy = false;         ///< false: over the largest |force . d| / 2
-};
-
-/// Closed quadrilaterals of displacements inside the trained range at random nodes, with Gauss-Legendre quadrature
-/// along each side.
-Conservation closed_paths(const LoadedModel& model, int n_paths, std::uint64_t seed);
-
 }  // namespace report
 
 report::Json error_section(const Validated& in);

@@ -1,10 +1,9 @@
-// The errors of a report: tables, histograms, and errors beside their bounds.
+// The errors of a report: tables, and errors beside their bounds.
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <phynness/validation/report.hpp>
 
@@ -67,24 +66,6 @@ std::vector<Json> bound_plots(const Validated& in) {
              {{"calibrated for", "dashes", 2, wanted}, {"probes to R", "joined", 0, share}}, {{"range", {50, 100}}})})};
 }
 
-/// Percentages of samples in each third of a decade, from the smallest to the largest sample. Samples below `least`
-/// count as `least`.
-std::vector<std::pair<double, double>> histogram(const std::vector<double>& samples, double least) {
-  std::map<int, int> bins;
-  for (const double sample : samples) ++bins[static_cast<int>(std::floor(3 * std::log10(std::max(sample, least))))];
-  std::vector<std::pair<double, double>> steps;
-  if (bins.empty()) return steps;
-  steps.emplace_back(std::pow(10, bins.begin()->first / 3.0), 0);
-  for (int bin = bins.begin()->first; bin <= bins.rbegin()->first; ++bin) {
-    const auto found = bins.find(bin);
-    const double share = found == bins.end() ? 0 : 100.0 * found->second / static_cast<double>(samples.size());
-    steps.emplace_back(std::pow(10, bin / 3.0), share);
-    steps.emplace_back(std::pow(10, (bin + 1) / 3.0), share);
-  }
-  steps.emplace_back(steps.back().first, 0);
-  return steps;
-}
-
 /// Errors of the predictors, in a group of probes.
 void add_rows(const Validated& in, bool outside, Rows& rows) {
   const auto of = [&](Predictor p) {
@@ -102,32 +83,7 @@ void add_rows(const Validated& in, bool outside, Rows& rows) {
   }
 }
 
-/// Histograms of the errors of a group of probes; nothing if it has none.
-std::vector<Json> histograms(const Validated& in, bool outside) {
-  if (std::ranges::count(in.report.records, outside, &ProbeRecord::outside) == 0) return {};
-  const auto steps = [&](double ProbeRecord::*error) {
-    constexpr double least = 1e-3;
-    std::vector<double> samples;
-    for (const auto& r : in.report.records)
-      if (r.outside == outside) samples.push_back(100 * r.*error);
-    return histogram(samples, least);
-  };
-  const auto both = [&](const char* what, double ProbeRecord::*model, double ProbeRecord::*linear) {
-    return chart(fmt::format("{}, {} the trained range", what, outside ? "outside" : "inside"),
-                 "error (17) of a probe, %", "probes, %",
-                 {{"linear predictor", "dashes", 1, steps(linear)}, {"model", "line", 0, steps(model)}},
-                 {{"log_x", true}});
-  };
-  std::vector<Json> all{both("Force", &ProbeRecord::force_error, &ProbeRecord::force_error_linear)};
-  if (in.report.of(Predictor::model).inside.displacement.n > 0)
-    all.push_back(both("Displacement", &ProbeRecord::displacement_error, &ProbeRecord::displacement_error_linear));
-  return {charts(all)};
-}
-
-/// The table of errors up to R, with its remarks.
-void add_to_range(const ErrorsToRange& errors, std::vector<Json>& blocks) {
-  if (errors.all.overall.probes == 0) return;
-  blocks.push_back(folded("Errors to R by warnings, depth and bounds", table_cells(errors)));
+void add_remarks(const ErrorsToRange& errors, std::vector<Json>& blocks) {
   for (const auto& remark : remarks(errors)) blocks.push_back(text(remark + "."));
 }
 
@@ -171,7 +127,7 @@ Json points_section(const PointReport& report) {
     }
   blocks.push_back(table(rows));
   add_warnings(report.body_warnings, blocks);
-  add_to_range(report.to_range, blocks);
+  add_remarks(report.to_range, blocks);
   blocks.push_back(time_and_residual(report));
   return section("Tools between nodes", blocks);
 }
@@ -224,10 +180,9 @@ Json error_section(const Validated& in) {
           "A person may notice a force that is off by more than {:.0f} % of its own size (Allin et al. 2002).",
           100 * noticeable)),
       text(sentence(trained_share(model), model) + ".")};
-  add_to_range(in.report.to_range, blocks);
-  for (const auto& plots :
-       {histograms(in, false), histograms(in, true), in.report.to_range.bounds ? bound_plots(in) : std::vector<Json>{}})
-    blocks.insert(blocks.end(), plots.begin(), plots.end());
+  add_remarks(in.report.to_range, blocks);
+  if (in.report.to_range.bounds)
+    for (auto& plots : bound_plots(in)) blocks.push_back(std::move(plots));
   return section("Errors", blocks);
 }
 

@@ -153,8 +153,6 @@ Json curves(const Validated& in) {
     shown.push_back(chosen[i * chosen.size() / std::min(most_curves, chosen.size())]);
   const ForceUnit newton = unit_of(in);
   std::vector<Json> drawn;
-  Rows rows{
-      {"node", "depth, mm", fmt::format("finite elements, {}", newton.name), fmt::format("model, {}", newton.name)}};
   for (const auto* curve : shown) {
     const auto along = [&](const Vec3& f) {
       return newton.per_N * (f[0] * curve->direction[0] + f[1] * curve->direction[1] + f[2] * curve->direction[2]);
@@ -171,8 +169,6 @@ Json curves(const Validated& in) {
     for (std::size_t i = 0; i < curve->depth_m.size(); ++i) {
       const double s = curve->depth_m[i];
       solves.at.emplace_back(1e3 * s, along(curve->force_N[i]));
-      rows.push_back({std::to_string(curve->node), fmt::format("{:.2f}", 1e3 * s),
-                      fmt::format("{:.4g}", along(curve->force_N[i])), fmt::format("{:.4g}", said(s))});
     }
     const double slope = along(curve->force_N[0]) / curve->depth_m[0];
     straight.at = {{0, 0}, {1e3 * deepest, slope * deepest}};
@@ -186,34 +182,16 @@ Json curves(const Validated& in) {
       "Force against depth",
       {text("The component of the force along the first random ray of a node, against depth. Solid: the model; dots: "
             "finite elements; dashed: the straight line through the first dot."),
-       charts(drawn), folded("Figures of these curves", rows)});
+       charts(drawn)});
 }
 
-Json picture(const Validated& in) {
-  Rows rows{{"node", "probes", "error of force, mean %", "max %", "of displacement, mean %"}};
-  for (const auto& e : in.report.to_range.nodes)
-    rows.push_back({std::to_string(e.node), std::to_string(e.solved), in_percent(e.force), in_percent(e.force_max),
-                    in_percent(e.displacement)});
+Json picture(const Validated& in, Json&& data) {
   std::vector<Json> blocks{
+      Json{{"body", std::move(data)}},
       text("Means over all probes up to R; of the displacements in the picture, over those inside the trained range.")};
-  if (auto data = body_data(in); !data.is_null()) blocks.insert(blocks.begin(), Json{{"body", std::move(data)}});
   if (in.points.finished > 0)
     blocks.push_back(text("Between nodes: means over the displacements of a place, over its largest unflagged force."));
-  if (rows.size() <= 41) blocks.push_back(table(rows));
   return section("Distribution of the error on the body", blocks);
-}
-
-Json conservation(const Validated& in) {
-  constexpr int n_paths = 200;
-  const Conservation c = closed_paths(in.model, n_paths, in.seed);
-  const std::string work = fmt::format(
-      "The work along {} closed paths of displacements inside the trained range, integrated from forces, is {:.1e} of "
-      "the {} in the median and {:.1e} at most. {}",
-      c.paths, c.median, c.has_energy ? "largest stored energy on the path" : "largest work |f . d| / 2 on the path",
-      c.largest,
-      c.has_energy ? "Forces are the gradient of a stored energy, so that no closed path gains energy."
-                   : "This family has no stored energy: a closed path may gain or lose this work.");
-  return section("Conservation of energy", {text(work)});
 }
 
 Json cost(const Validated& in) {
@@ -250,20 +228,13 @@ Json origin(const Validated& in, const std::string& software) {
 
 }  // namespace
 
-std::vector<Json> report_tables(const Validated& in) {
-  std::vector<Json> sections{modelled(in), solved(in), error_section(in), worst(in)};
+std::string html_report(const Validated& in, const std::string& software) {
+  std::vector<Json> sections{verdict_first(in), modelled(in), solved(in), error_section(in), worst(in)};
   if (in.points.finished > 0) sections.push_back(points_section(in.points));
   if (in.pairs.finished > 0) sections.push_back(pairs_section(in.pairs));
-  sections.push_back(cost(in));
-  return sections;
-}
-
-std::string html_report(const Validated& in, const std::string& software) {
-  std::vector<Json> sections{verdict_first(in)};
-  for (const auto& tables : report_tables(in)) sections.push_back(tables);
-  sections.insert(sections.end() - 1, curves(in));
-  if (in.report.of(Predictor::model).inside.displacement.n > 0) sections.insert(sections.end() - 1, picture(in));
-  for (auto& last : {conservation(in), origin(in, software)}) sections.push_back(last);
+  sections.push_back(curves(in));
+  if (auto data = body_data(in); !data.is_null()) sections.push_back(picture(in, std::move(data)));
+  for (auto& last : {cost(in), origin(in, software)}) sections.push_back(last);
   return page(in.scene.title.empty() ? "Model compared with finite elements" : in.scene.title, sections);
 }
 

@@ -59,29 +59,4 @@ double wall_seconds(const RunCosts& costs, int ranks);
 /// The largest number of ranks, at most one per ray, that spend at least half of their time as usefully as one rank.
 int ranks_of_use(const RunCosts& costs);
 
-/// A model of at most `n_nodes` of the active nodes with the sizes that training gives it, as predict_model_size(), and
-/// random numbers.
-Model sized_model(const Scene& scene, const DatabaseHeader& header, std::size_t n_nodes);
-
-struct ModelSize {
-  double model_text_bytes = 0, mesh_text_bytes = 0;
-};
-
-/// Writes models of one and of two active nodes with random numbers and extrapolates linearly. The result is an upper
-/// bound if networks may stop growing early ([training] target_mse).
-ModelSize predict_model_size(const Scene& scene, const DatabaseHeader& header);
-
-/// Probe points of a round tool at one spacing, and the error of forces between them.
-struct SpacingPlan {
-  double spacing_m = 0;
-  std::int64_t points = 0;
-  bool every_node = false;          ///< edges are longer than the spacing in the mean
-  std::optional<double> mean, p95;  ///< of |f - f_FE| / |f_FE|; empty: not measured
-  PHYNNESS_FIGURES(spacing_m, points, every_node, mean, p95)
-};
-/// At the spacing of "auto", at half of it, and at twice it, on the part of the surface of which the scene's active
-/// nodes are. Errors are those of a linear liver, at spacings of R/3 and R/6.4 with edges of R/6.4 on its surface
-/// (docs/decisions/probe-points.md). @param mean_edge_m  of the mesh. @return empty unless the tool is round
-std::vector<SpacingPlan> plan_spacings(const Scene& scene, const Mesh& mesh, const NodeSets& sets, double mean_edge_m);
-
 }  // namespace phynness

@@ -200,7 +200,6 @@ struct NamedErrors {
   const JudgedErrors* part_of = nullptr;  ///< a row with as many probes would repeat it and is left out
 };
 TableCells table_cells(const std::string& title, const std::vector<NamedErrors>& rows);
-TableCells table_cells(const ErrorsToRange& errors);
 TableCells table_cells(const std::string& title, const ErrorsByWarning& errors);
 /// Sentences below the table: unreached probes by reason, nodes with the smallest unflagged share.
 std::vector<std::string> remarks(const ErrorsToRange& errors);

@@ -1,5 +1,5 @@
 // The figures of a validation for machines, and a report for persons: scene, solves, errors, worst cases, curves,
-// distribution of the error on the body, conservation of energy, size and time.
+// distribution of the error on the body, size and time.
 #pragma once
 
 #include <phynness/formats/error.hpp>
@@ -57,10 +57,6 @@ std::string check_again(const FinerDistance& finer);
 
 /// formats/validation.md
 Json validation_figures(const Validated& validated);
-
-/// Sections of a report (phynness/pages/report.hpp) with texts and tables; drawings are left out where they are
-/// printed.
-std::vector<Json> report_tables(const Validated& validated);
 
 /// Self-contained HTML in UTF-8 with its style and script, without references to other files or servers. It has a light
 /// and a dark style and can be printed; its script draws it.
