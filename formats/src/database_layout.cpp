@@ -104,6 +104,14 @@ void create_column(hdf5::File& file, const StoredColumn& column, const DatabaseH
 
 }  // namespace
 
+std::uint64_t header_bytes(const DatabaseHeader& header) {
+  const Mesh& mesh = header.mesh;
+  // With sets, groups and images of nodes, and twice because what does not compress becomes a little longer.
+  return 2 * (static_cast<std::uint64_t>(mesh.nodes.rows()) * 64 +
+              static_cast<std::uint64_t>(mesh.cells.size() + mesh.surface.size()) * sizeof(std::int32_t) +
+              header.directions.size() * sizeof(Vec3) + header.scene_text.size());
+}
+
 void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete) {
   file.write_attribute("/", "format", std::string(format_name));
   file.write_attribute("/", "format_version", format_version);

@@ -76,7 +76,7 @@ class Packing {
           const PackingRanks& ranks)
       : _header(header), _records(records), _ranks(ranks), _reader(index, header), _items(items_of(header)) {}
 
-  /// Writes FILE and makes it durable, collectively.
+  /// Writes FILE, collectively.
   void write(const std::filesystem::path& file);
 
  private:
@@ -141,20 +141,19 @@ Packing::Compressed Packing::compress(std::size_t first, std::size_t end) {
   return compressed;
 }
 
-/// Of all ranks. The limit is memory.
+/// Of all ranks. The limit is the memory of a rank, and that of rank 0, which gets the chunks of all.
 std::size_t Packing::items_per_round() const {
-  constexpr std::size_t bytes_of_rank = 32 << 20;
+  constexpr std::size_t bytes_of_rank = 32 << 20, bytes_of_all = 1 << 30;
+  const auto n_ranks = static_cast<std::size_t>(_ranks.size);
   const auto bytes_of_node = _header.directions.size() * dl::Layout(_header).record_bytes();
-  return static_cast<std::size_t>(_ranks.size) * std::max<std::size_t>(1, bytes_of_rank / bytes_of_node);
+  return std::max<std::size_t>(1, std::min(n_ranks * bytes_of_rank, bytes_of_all) / bytes_of_node);
 }
 
 void Packing::write(const std::filesystem::path& file) {
   std::optional<hdf5::File> out;
   _ranks.together([&] {
     if (_ranks.rank != 0) return;
-    std::error_code none;
-    std::filesystem::remove(file, none);  // a rank of a run that was killed may still write there
-    layout::write_header(out.emplace(hdf5::File::create(file)), _header, true);
+    layout::write_header(out.emplace(hdf5::File::create(file, layout::header_bytes(_header))), _header, true);
     layout::create_responses(*out, _header);
   });
   const auto share = items_per_round(), n_ranks = static_cast<std::size_t>(_ranks.size),
@@ -165,32 +164,18 @@ void Packing::write(const std::filesystem::path& file) {
     Compressed own;
     _ranks.together([&] { own = compress(part(rank), part(rank + 1)); });
     const auto sizes = _ranks.gathered(own.sizes);
-    std::vector<std::int64_t> places;
+    const auto bytes = _ranks.to_first(own.bytes);
     _ranks.together([&] {
       if (!out) return;
-      std::int64_t needed = 0;
-      for (const auto& chunk : chunks_of(first, end)) {
-        const auto size = sizes[places.size()];
-        places.push_back(out->reserve_chunk(chunk, lower(size), static_cast<std::uint32_t>(size >> 32)));
-        needed = std::max(needed, places.back() + lower(size));
-      }
-      // HDF5 writes first, and the file has its size, so that on a network file system, which writes whole pages where
-      // it can, no machine writes over what another one has written.
-      if (end == _items.size())
-        out->close();
-      else if (needed > static_cast<std::int64_t>(std::filesystem::file_size(file)))
-        std::filesystem::resize_file(file, static_cast<std::uintmax_t>(needed));
-    });
-    places = _ranks.gathered(places);
-    const auto before = chunks_of(first, part(rank)).size();
-    _ranks.together([&] {
-      const auto target = open_for_writing(file);
-      const auto* bytes = own.bytes.data();
-      for (std::size_t i = 0; i < own.sizes.size(); bytes += lower(own.sizes[i++]))
-        write_at(target, file, places[before + i], bytes, lower(own.sizes[i]));
+      const auto chunks = chunks_of(first, end);
+      constexpr std::size_t index_bytes = 64;  // of a chunk
+      out->reserve(bytes.size() + index_bytes * chunks.size());
+      const auto* from = bytes.data();
+      for (std::size_t i = 0; i < chunks.size(); from += lower(sizes[i++]))
+        out->write_chunk(chunks[i], from, lower(sizes[i]), static_cast<std::uint32_t>(sizes[i] >> 32));
+      if (end == _items.size()) out->close();
     });
   }
-  _ranks.together([&] { sync_file(file); });
 }
 
 }  // namespace

@@ -21,8 +21,7 @@ std::vector<std::pair<std::int32_t, std::int32_t>> missing_rays(const std::vecto
                                                                 std::size_t n_directions);
 
 /// Writes FILE.packing, forces it to the disk and renames it to FILE. After a failure FILE.packing is removed. The
-/// bytes do not depend on the number of ranks. Each compresses and writes its share of the chunks; only rank 0 has the
-/// file open in HDF5, which tells where the compressed chunks belong.
+/// bytes do not depend on the number of ranks. Each compresses its share of the chunks, and rank 0 writes them.
 /// @pre no record is missing; FILE is on a file system that all ranks share
 /// @throws Error (failure)
 void write_packed(const std::filesystem::path& file, const DatabaseHeader& header, const database_log::Index& index,

@@ -69,7 +69,7 @@ void DatabaseWriter::create(const fs::path& file, const DatabaseHeader& given, b
   make_log_folder(file);
   const fs::path partial = file.string() + ".tmp" + (part > 0 ? "-" + std::to_string(part) : "");
   try {
-    auto out = hdf5::File::create(partial);
+    auto out = hdf5::File::create(partial, layout::header_bytes(header));
     layout::write_header(out, header, false);
     out.close();
     replace_durably(partial, file);

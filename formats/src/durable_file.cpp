@@ -1,6 +1,7 @@
 #include "durable_file.hpp"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -81,14 +82,16 @@ void AppendFile::close() {
 }
 
 Descriptor open_for_reading(const std::filesystem::path& path) { return opened(path, O_RDONLY); }
-Descriptor open_for_writing(const std::filesystem::path& path) { return opened(path, O_WRONLY); }
 
-void write_at(const Descriptor& file, const std::filesystem::path& path, std::int64_t offset, const void* bytes,
-              std::size_t size) {
-  if (const int code = write_all(file, offset, bytes, size)) fail("cannot write", path, code);
+void reserve_room(const std::filesystem::path& path, std::uint64_t offset, std::uint64_t bytes) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && offset + bytes > limit.rlim_cur) fail("cannot write", path, EFBIG);
+  const auto file = opened(path, O_WRONLY);
+  if (::fallocate(file.get(), FALLOC_FL_KEEP_SIZE, static_cast<off_t>(offset), static_cast<off_t>(bytes)) == 0) return;
+  int code = errno;
+  if (code == EOPNOTSUPP || code == ENOSYS) code = std::filesystem::space(path).available < bytes ? ENOSPC : 0;
+  if (code != 0) fail("cannot write", path, code);
 }
-
-void sync_file(const std::filesystem::path& path) { sync_path(path, O_RDONLY); }
 
 std::size_t read_at(const Descriptor& file, const std::filesystem::path& path, std::int64_t offset, void* bytes,
                     std::size_t size) {
@@ -106,6 +109,7 @@ std::size_t read_at(const Descriptor& file, const std::filesystem::path& path, s
 }
 
 void replace_durably(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::filesystem::resize_file(from, std::filesystem::file_size(from));  // gives back room that was reserved
   sync_path(from, O_RDONLY);
   if (::rename(from.c_str(), to.c_str()) != 0) fail("cannot rename to", to, errno);
   sync_path(std::filesystem::absolute(to).parent_path(), O_RDONLY | O_DIRECTORY);

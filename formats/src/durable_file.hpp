@@ -65,13 +65,10 @@ std::size_t read_at(const Descriptor& file, const std::filesystem::path& path, s
                     std::size_t size);
 Descriptor open_for_reading(const std::filesystem::path& path);
 
-/// Writes all bytes at `offset` of an existing file. @throws Error (failure)
-void write_at(const Descriptor& file, const std::filesystem::path& path, std::int64_t offset, const void* bytes,
-              std::size_t size);
-Descriptor open_for_writing(const std::filesystem::path& path);
-
-/// Forces what this machine has written to the disk. @throws Error (failure)
-void sync_file(const std::filesystem::path& path);
+/// Reserves room on the disk for bytes that follow `offset` of an existing file, whose size stays. Where the file
+/// system cannot do that, the free space is compared.
+/// @throws Error (failure) if there is not enough of it, or if a limit of the size of files is exceeded
+void reserve_room(const std::filesystem::path& path, std::uint64_t offset, std::uint64_t bytes);
 
 /// Forces `from` to the disk, renames it to `to` atomically, and forces the rename to the disk. @throws Error (failure)
 void replace_durably(const std::filesystem::path& from, const std::filesystem::path& to);

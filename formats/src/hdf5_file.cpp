@@ -1,15 +1,17 @@
 #include "hdf5_file.hpp"
 
-#include <cerrno>
-#include <fstream>
 #include <phynness/formats/error.hpp>
-#include <system_error>
+
+#include "durable_file.hpp"
 
 namespace phynness::hdf5 {
 namespace {
 
 const char* const not_written =
     "check free space (df) and permissions, then run again with --resume: logged rays are kept";
+
+/// More than HDF5 needs for the names, types and indices of a database beside its data.
+constexpr std::uint64_t margin_bytes = 1 << 20;
 
 Handle text_type() {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
@@ -42,29 +44,31 @@ std::string last_message() {
 
 void File::fail(const std::string& what) const {
   const std::string said = last_message();
-  if (const int code = _writing ? write_error() : 0)
-    throw failure("cannot write the database " + _path.string(), std::generic_category().message(code), not_written);
   if (_writing) throw failure("cannot write the database " + _path.string() + " (" + what + ")", said, not_written);
   throw input_error("cannot read the database " + _path.string() + " (" + what + ")", said, damaged);
 }
 
-File File::create(const std::filesystem::path& path) {
+File File::create(const std::filesystem::path& path, std::uint64_t bytes) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  std::error_code none;
+  std::filesystem::remove(path, none);  // what another run has left
+  AppendFile::create(path).close();
+  reserve_room(path, 0, bytes + margin_bytes);
   File file({}, path, true);
-  forget_write_error();
   // Unlike older formats, the 1.10 format has checksums of all metadata; fletcher32 protects the data.
-  if (!std::ofstream(path, std::ios::binary)) {
-    const int code = errno;
-    throw failure("cannot create the database " + path.string(), std::generic_category().message(code), not_written);
-  }
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   file.check(access.id(), "creating the file");
   file.check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V110, H5F_LIBVER_V110), "creating the file");
-  file.check(use_steady_driver(access.id(), path.c_str()), "choosing the file driver");
   const Handle creation = without_times(H5P_FILE_CREATE);
   file._file = Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose);
   file.check(file._file.id(), "creating the file");
   return file;
+}
+
+void File::reserve(std::uint64_t bytes) {
+  hsize_t end = 0;
+  check(H5Fget_filesize(_file.id(), &end), "asking for the size of the file");
+  reserve_room(_path, end, bytes + margin_bytes);
 }
 
 File File::create_in_memory() {
@@ -146,19 +150,11 @@ std::uint32_t File::read_chunk(const Chunk& chunk, std::vector<unsigned char>& b
   return filter_mask;
 }
 
-std::int64_t File::reserve_chunk(const Chunk& chunk, std::uint32_t size, std::uint32_t filter_mask) {
+void File::write_chunk(const Chunk& chunk, const unsigned char* bytes, std::size_t size, std::uint32_t filter_mask) {
   Handle dataset(H5Dopen2(_file.id(), chunk.dataset.c_str(), H5P_DEFAULT), H5Dclose);
   check(dataset.id(), chunk.dataset);
-  const std::vector<unsigned char> not_written(size);
-  haddr_t place = HADDR_UNDEF;
-  leave_raw_data_out(&place);
-  const auto code =
-      H5Dwrite_chunk(dataset.id(), H5P_DEFAULT, filter_mask, chunk.first.data(), size, not_written.data());
-  leave_raw_data_out(nullptr);
-  check(code, chunk.dataset);
+  check(H5Dwrite_chunk(dataset.id(), H5P_DEFAULT, filter_mask, chunk.first.data(), size, bytes), chunk.dataset);
   check(dataset.close(), chunk.dataset);
-  if (place == HADDR_UNDEF) fail(chunk.dataset + " has no place");
-  return static_cast<std::int64_t>(place);
 }
 
 void File::write_attribute_raw(const std::string& object, const std::string& name, hid_t stored, hid_t memory,

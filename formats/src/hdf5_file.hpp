@@ -12,19 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "durable_file.hpp"
-
 namespace phynness::hdf5 {
-
-/// Sets the driver of hdf5_steady_driver.cpp, for writing, in a file access property list.
-/// @param path  of a writable file
-/// @return negative on failure
-herr_t use_steady_driver(hid_t access, const char* path);
-/// errno of the first failed write since forget_write_error(); 0: none. Only one file may be written at a time.
-int write_error();
-void forget_write_error();
-/// Until it is called with nullptr, raw data of the file that is written are not, and `place` is set to their offset.
-void leave_raw_data_out(haddr_t* place);
 
 /// HDF5's message about the last failure, from the innermost frame that has one.
 std::string last_message();
@@ -72,11 +60,12 @@ inline constexpr const char* damaged = "the file is damaged: restore it from a c
 
 /// An HDF5 file that is written or read. Failures throw Error: kind `input` for a file that cannot be read, `failure`
 /// for a file that cannot be written. Both contain the file, the object and HDF5's message. A file that is read may
-/// be damaged: every read checks that the object has the expected type and shape, and that it was written completely.
+/// be damaged: every read checks that the object has the expected type and shape.
 /// From the first file on HDF5 does not print its messages, which become part of our errors instead.
 class File {
  public:
-  static File create(const std::filesystem::path& path);
+  /// @param bytes  as reserve()
+  static File create(const std::filesystem::path& path, std::uint64_t bytes);
   static File create_in_memory();
   /// @throws Error (input) if the file is missing, not an HDF5 file, or truncated
   static File open(const std::filesystem::path& path);
@@ -88,6 +77,11 @@ class File {
   /// Closes the file. @throws Error if closing fails, which the destructor cannot report
   void close();
   const std::filesystem::path& path() const { return _path; }
+
+  /// Reserves room on the disk for what is written next, because after a failed write HDF5 cannot close the file and
+  /// crashes at exit. Where the file system reserves nothing, the free space is compared, and a quota is not seen.
+  /// @param bytes  of the data; a margin for HDF5's own is added. @throws Error (failure)
+  void reserve(std::uint64_t bytes);
 
   /// Throws an Error (input) for an object that is not as a database has it.
   [[noreturn]] void refuse(const std::string& what, const std::string& value) const;
@@ -112,10 +106,9 @@ class File {
   };
   /// Appends a chunk to `bytes` as it is stored. @return the filters that were not applied, one bit for each
   std::uint32_t read_chunk(const Chunk& chunk, std::vector<unsigned char>& bytes) const;
-  /// Makes room for a chunk whose bytes others write. @return its offset in the file
-  std::int64_t reserve_chunk(const Chunk& chunk, std::uint32_t size, std::uint32_t filter_mask);
+  /// @param bytes  `size` of them, as read_chunk() gives them
+  void write_chunk(const Chunk& chunk, const unsigned char* bytes, std::size_t size, std::uint32_t filter_mask);
 
-  /// The shape of a dataset, after a check that its values are stored.
   const Shape& shape(const std::string& name) const { return dataset(name).shape; }
   /// @return the number of values
   /// @throws Error (input) unless the dataset has exactly this shape
@@ -157,7 +150,7 @@ class File {
   [[noreturn]] void fail(const std::string& what) const;
   template <class Code>
   Code check(Code code, const std::string& what) const {
-    if (code < 0 || (_writing && write_error() != 0)) fail(what);
+    if (code < 0) fail(what);
     return code;
   }
   void write_slab_raw(const std::string& name, hsize_t first, hsize_t count, hid_t type, const void* values);
@@ -173,29 +166,9 @@ class File {
 
   std::filesystem::path _path;
   bool _writing = false;
-  Descriptor _bytes;  // only for a file that is read
-  std::uint64_t _size = 0;
   Handle _file;
   // Datasets read so far. They are checked once, and remain open because an open dataset keeps its last unpacked chunk.
   mutable std::map<std::string, Object> _datasets;
 };
-
-// hdf5_text.cpp
-
-/// Bytes in an attribute or a dataset that tell where a text of variable length is.
-inline constexpr std::size_t text_place_bytes = 16;
-
-/// More than any scene that is read (scene.cpp), with what HDF5 puts around it.
-inline constexpr std::uint64_t most_text_bytes = 32 << 20;
-
-/// A memory type for texts of variable length; reading into it gives the bytes that tell where the text is.
-/// @return a handle, negative on failure
-Handle text_place_type();
-
-/// Reads the text after all addresses and sizes have been checked.
-/// @param bytes_of_file  size of `file`
-/// @return what is wrong if the text cannot be read, or empty
-std::string read_text_at(const Descriptor& file, const std::filesystem::path& path, std::uint64_t bytes_of_file,
-                         const unsigned char (&place)[text_place_bytes], std::string& text);
 
 }  // namespace phynness::hdf5

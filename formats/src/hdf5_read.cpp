@@ -1,15 +1,16 @@
-// Reading of HDF5 files. Every object is checked before its values are read: HDF5 itself reads values from other files,
-// loads filters from folders, reads what was never written as zeros, and reads as many values as the file specifies,
-// independently of the size of the caller's memory.
+// Reading of HDF5 files. The type and the shape of an object are checked before its values are read: HDF5 itself reads
+// as many values as the file specifies, independently of the size of the caller's memory.
 #include <limits>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/input_file.hpp>
-#include <system_error>
 
 #include "hdf5_file.hpp"
 
 namespace phynness::hdf5 {
 namespace {
+
+/// More than any scene that is read.
+constexpr std::size_t most_text_bytes = 32 << 20;
 
 /// The product of the extents, limited to the largest number of the type.
 std::uint64_t number_of_values(const Shape& shape) {
@@ -43,54 +44,6 @@ std::string name_of_type(hid_t type) {
   }
 }
 
-/// Filters other than these come from plugins or, in HDF5 1.10, read beyond what they are given.
-std::string filter_defect(hid_t properties) {
-  for (int i = 0; i < H5Pget_nfilters(properties); ++i) {
-    std::size_t n_values = 0;
-    const auto filter =
-        H5Pget_filter2(properties, static_cast<unsigned>(i), nullptr, &n_values, nullptr, 0, nullptr, nullptr);
-    if (filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_FLETCHER32)
-      return "it is compressed by a filter that databases do not use: number " + std::to_string(filter);
-  }
-  return "";
-}
-
-/// Chunks that were not written would be read as zeros.
-std::string chunk_defect(hid_t dataset, hid_t properties, const Shape& shape) {
-  Shape chunk(shape.size());
-  if (H5Pget_chunk(properties, static_cast<int>(chunk.size()), chunk.data()) != static_cast<int>(shape.size()))
-    return "its chunks have another rank";
-  hsize_t wanted = 1, written = 0;
-  for (std::size_t k = 0; k < shape.size(); ++k) {
-    if (chunk[k] == 0) return "its chunks are empty";
-    wanted *= (shape[k] - 1) / chunk[k] + 1;
-  }
-#if H5_VERSION_GE(1, 10, 5)
-  const Handle space(H5Dget_space(dataset), H5Sclose);
-  if (H5Dget_num_chunks(dataset, space.id(), &written) < 0) return "its chunks cannot be counted";
-  if (written != wanted) return std::to_string(written) + " of its " + std::to_string(wanted) + " chunks are stored";
-#endif
-  return "";
-}
-
-/// The defect of a dataset's storage, or empty. A valid dataset is stored in this file, has no filters except shuffle,
-/// deflate and fletcher32, and is written completely.
-std::string storage_defect(hid_t dataset, const Shape& shape, std::size_t bytes_per_value) {
-  const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
-  if (properties.id() < 0) return "its storage cannot be read";
-  const auto layout = H5Pget_layout(properties.id());
-  // Reading a virtual dataset that is made of itself, HDF5 calls itself until the stack is used up.
-  if (layout == H5D_VIRTUAL || H5Pget_external_count(properties.id()) != 0) return "its values are in another file";
-  if (auto defect = filter_defect(properties.id()); !defect.empty()) return defect;
-  const auto n_values = number_of_values(shape);
-  if (n_values == 0) return "";
-  if (layout == H5D_CHUNKED) return chunk_defect(dataset, properties.id(), shape);
-  const std::uint64_t stored = H5Dget_storage_size(dataset);
-  if (stored == n_values * bytes_per_value) return "";
-  return text(shape) + " values have " + std::to_string(bytes_per_value) + " bytes each, but " +
-         std::to_string(stored) + " bytes are stored";
-}
-
 /// The shape of a dataset or attribute with one value or an array of them.
 /// @return false if it has no shape (a null dataspace)
 bool read_shape(hid_t space, Shape& shape) {
@@ -120,9 +73,6 @@ File File::open(const std::filesystem::path& path) {
   if (H5Fis_hdf5(path.c_str()) <= 0)
     throw input_error("the file is not an HDF5 file", path.string(), "give a database written by phynness precompute");
   File file({}, path, false);
-  file._bytes = open_for_reading(path);
-  std::error_code code;
-  file._size = std::filesystem::file_size(path, code);
   file._file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (file._file.id() < 0) {
     const auto said = last_message();
@@ -155,9 +105,6 @@ const File::Object& File::dataset(const std::string& name) const {
   const Handle space(H5Dget_space(id.id()), H5Sclose);
   Handle type(H5Dget_type(id.id()), H5Tclose);
   Object found = checked(std::move(id), space, std::move(type), name);
-  // The size in memory would be that of a pointer to a text of variable length.
-  const std::size_t stored = H5Tis_variable_str(found.type.id()) > 0 ? text_place_bytes : H5Tget_size(found.type.id());
-  if (const auto defect = storage_defect(found.id.id(), found.shape, stored); !defect.empty()) refuse(name, defect);
   return _datasets.emplace(name, std::move(found)).first->second;
 }
 
@@ -218,21 +165,17 @@ std::string File::text_of(const std::string& what, const Object& object, const R
   if (H5Tget_class(type) != H5T_STRING) refuse(what + " is not a text", name_of_type(type));
   std::string result;
   if (H5Tis_variable_str(type) > 0) {
-    const Handle place_type = text_place_type();
-    check(place_type.id(), what);
-    unsigned char place[text_place_bytes] = {};
-    check(read(place_type.id(), place), what);
-    if (const auto defect = read_text_at(_bytes, _path, _size, place, result); !defect.empty()) refuse(what, defect);
+    char* found = nullptr;
+    check(read(type, &found), what);
+    if (found) result = found;
+    H5free_memory(found);
   } else {
     const std::size_t size = H5Tget_size(type);
-    if (size > _size || size > most_text_bytes)
-      refuse(what + " is too long for this file", std::to_string(size) + " bytes");
+    if (size > most_text_bytes) refuse(what + " is too long", std::to_string(size) + " bytes");
     result.resize(size);
     check(read(type, result.data()), what);
     result = without_padding(std::move(result), H5Tget_strpad(type));
   }
-  if (const auto at = result.find('\0'); at != std::string::npos)
-    refuse(what + " contains zeros instead of characters", "from character " + std::to_string(at) + " on");
   return result;
 }
 

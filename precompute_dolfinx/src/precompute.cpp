@@ -107,6 +107,18 @@ std::vector<std::int64_t> gathered(const std::vector<std::int64_t>& own, int n_r
   return all;
 }
 
+/// The bytes of all ranks, one after another, on rank 0.
+std::vector<unsigned char> to_first(const std::vector<unsigned char>& own, int n_ranks) {
+  const int n = static_cast<int>(own.size());
+  std::vector<int> counts(static_cast<std::size_t>(n_ranks)), offsets(counts.size());
+  MPI_Gather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, MPI_COMM_WORLD);
+  std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
+  std::vector<unsigned char> all(static_cast<std::size_t>(offsets.back() + counts.back()));
+  MPI_Gatherv(own.data(), n, MPI_UNSIGNED_CHAR, all.data(), counts.data(), offsets.data(), MPI_UNSIGNED_CHAR, 0,
+              MPI_COMM_WORLD);
+  return all;
+}
+
 /// The parts of precompute() and what they share. Each is called by all ranks.
 class Run {
  public:
@@ -164,7 +176,8 @@ class Run {
   Share _share;
   RayCounts _packed;  ///< by this rank, with rays of earlier runs
   bool _complete = false;
-  PackingRanks _ranks{_session.rank(), _session.size(),
+  PackingRanks _ranks{_session.rank(),
+                      _session.size(),
                       [this](const auto& work) {
                         _session.together([&] {
                           _core.start();
@@ -173,6 +186,7 @@ class Run {
                         });
                       },
                       [this](const auto& own) { return gathered(own, _session.size()); },
+                      [this](const auto& own) { return to_first(own, _session.size()); },
                       [this](const Ray& ray) { count(ray.status, ray.iterations, _packed); }};
 };
 

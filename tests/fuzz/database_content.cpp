@@ -1,6 +1,6 @@
-// A database with wrong content in valid HDF5, as a file or as logs, is read and used for training, or results in an
-// Error, but never in a model with values that are not finite. Input: a byte (below), then changes: of objects by HDF5
-// (database_changes.hpp), or of bytes as pairs of place and value.
+// A database with wrong values in valid HDF5, or with changed bytes in its logs, is read and used for training, or
+// results in an Error, but never in a model with values that are not finite. Input: a byte (below), then changes: of
+// values by HDF5 (database_changes.hpp), or of bytes of a log as pairs of place and value.
 #include <unistd.h>
 
 #include <filesystem>
@@ -119,12 +119,12 @@ void read_all(const Database& database) {
 
 std::vector<Input> seeds() {
   std::vector<Input> all;
-  for (const int bits : {0, rich, sealed, rich | sealed, networks, unfinished, rich | unfinished, of_bytes,
+  for (const int bits : {0, rich, sealed, rich | sealed, networks, unfinished, rich | unfinished, of_bytes | unfinished,
                          of_bytes | unfinished | sealed, rich | of_forces}) {
     const auto how = static_cast<std::uint8_t>(bits);
     all.push_back({how});
-    // A value, an attribute, a dataset and a link.
-    for (std::uint8_t kind = 0; kind < 8; ++kind)
+    // Values and an attribute.
+    for (std::uint8_t kind = 0; kind < 4; ++kind)
       for (std::uint8_t object = 0; object < 24; object = static_cast<std::uint8_t>(object + 5))
         all.push_back({how, kind, object, 1, 0, 0, 3, 70, 0, 0, 0, 0, 0, 0, 0});
   }
@@ -136,25 +136,19 @@ std::vector<Input> seeds() {
 using namespace phynness;
 using namespace phynness::fuzz;
 
-// HDF5 1.10 forgets some memory when it refuses damaged metadata; that is not ours to find here.
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const Originals originals;
   Script script(data, size);
   const int how = script.byte();
   const bool with = how & rich, complete = !(how & unfinished);
   const fs::path file = originals.folder.path() / "database.h5", logs = file.string() + ".log";
-  Input bytes = originals.file[with][complete];
+  const Input& bytes = originals.file[with][complete];
   if (!complete) {
     fs::create_directories(logs);
     Input log = originals.log[with];
     if (how & of_bytes) change_bytes(log, script);
     if (how & sealed) seal_log(log, originals.record_bytes[with]);
     write_bytes(logs / "rank-0000", log);
-  } else if (how & of_bytes) {
-    change_bytes(bytes, script);
   }
   write_bytes(file, bytes);
   if (!(how & of_bytes)) change_objects(file, script);

@@ -175,6 +175,10 @@ struct PackingRanks {
   int rank = 0, size = 1;
   /// Runs the work of each. What one throws is thrown on all.
   std::function<void(const std::function<void()>& work)> together = [](const auto& work) { work(); };
+  /// The bytes of all, one after another, on rank 0.
+  std::function<std::vector<unsigned char>(const std::vector<unsigned char>&)> to_first = [](const auto& own) {
+    return own;
+  };
   /// The numbers of all, one after another, on all.
   std::function<std::vector<std::int64_t>(const std::vector<std::int64_t>&)> gathered = [](const auto& own) {
     return own;
