@@ -1,40 +1,24 @@
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <phynness/formats/printable.hpp>
 
 namespace phynness {
 namespace {
 
-/// First and last of the characters that are escaped: control characters, Unicode's Default_Ignorable_Code_Point
-/// (DerivedCoreProperties.txt), separators of lines and paragraphs, and marks of annotations.
-constexpr std::array<char32_t, 2> invisible[] = {
-    {0, 0x08},        {0x0B, 0x1F},     {0x7F, 0x9F},       {0xAD, 0xAD},       {0x34F, 0x34F},
-    {0x61C, 0x61C},   {0x115F, 0x1160}, {0x17B4, 0x17B5},   {0x180B, 0x180F},   {0x200B, 0x200F},
-    {0x2028, 0x202E}, {0x2060, 0x206F}, {0x3164, 0x3164},   {0xFE00, 0xFE0F},   {0xFEFF, 0xFEFF},
-    {0xFFA0, 0xFFA0}, {0xFFF0, 0xFFFB}, {0x1BCA0, 0x1BCA3}, {0x1D173, 0x1D17A}, {0xE0000, 0xE0FFF}};
-
-/// The character at the start of a text.
-struct Character {
-  std::size_t bytes;
-  bool visible;
-};
-
-Character first_of(std::string_view text) {
+/// Bytes of the character at the start of a text; 0: a control character, or no UTF-8.
+std::size_t visible_bytes(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  constexpr Character no_utf8{1, false};
-  const auto ones = static_cast<std::size_t>(std::countl_one(byte(0)));  // 0, or the number of bytes from 2 to 4
-  if (ones == 1 || ones > 4 || ones > text.size()) return no_utf8;
-  char32_t code = byte(0) & (0xFFu >> (ones + (ones > 0 ? 1 : 0)));
-  for (std::size_t i = 1; i < ones; ++i) {
-    if ((byte(i) & 0xC0) != 0x80) return no_utf8;
+  if (byte(0) < 0x80) return (byte(0) >= 0x20 && byte(0) != 0x7F) || text[0] == '\n' || text[0] == '\t' ? 1 : 0;
+  const auto n = static_cast<std::size_t>(std::countl_one(byte(0)));
+  if (n < 2 || n > 4 || n > text.size()) return 0;
+  char32_t code = byte(0) & (0xFFu >> (n + 1));
+  for (std::size_t i = 1; i < n; ++i) {
+    if ((byte(i) & 0xC0) != 0x80) return 0;
     code = code << 6 | (byte(i) & 0x3Fu);
   }
-  constexpr char32_t least[] = {0, 0, 0x80, 0x800, 0x10000};  // a longer form of a character is no UTF-8
-  if (code < least[ones] || code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF)) return no_utf8;
-  return {std::max<std::size_t>(ones, 1),
-          std::none_of(std::begin(invisible), std::end(invisible),
-                       [&](const auto& range) { return code >= range[0] && code <= range[1]; })};
+  // A longer form of a character and a half of a pair are no UTF-8.
+  constexpr char32_t least[] = {0, 0, 0xA0, 0x800, 0x10000};
+  return code < least[n] || code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF) ? 0 : n;
 }
 
 }  // namespace
@@ -44,15 +28,13 @@ std::string printable(std::string_view text) {
   std::string out;
   out.reserve(text.size());
   while (!text.empty()) {
-    const auto [bytes, visible] = first_of(text);
-    for (const char c : text.substr(0, bytes)) {
-      const auto byte = static_cast<unsigned char>(c);
-      if (visible)
-        out += c;
-      else
-        out += {'\\', 'x', digits[byte >> 4], digits[byte & 0xF]};
-    }
-    text.remove_prefix(bytes);
+    const auto n = visible_bytes(text);
+    const auto byte = static_cast<unsigned char>(text[0]);
+    if (n > 0)
+      out += text.substr(0, n);
+    else
+      out += {'\\', 'x', digits[byte >> 4], digits[byte & 0xF]};
+    text.remove_prefix(std::max<std::size_t>(n, 1));
   }
   return out;
 }

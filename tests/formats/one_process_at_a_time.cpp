@@ -1,26 +1,12 @@
-// Claims: a database on which a process works is refused to a second process, with a message about the first one. A
-// killed process leaves no lock. On a file system without locks there is a warning, and work continues.
-#include <sys/syscall.h>
+// Claims: a database on which a process works is refused to a second process, with a message about the first one, also
+// once it is packed. A killed process leaves no lock.
 #include <sys/wait.h>
 
-#include <cerrno>
 #include <csignal>
-#include <cstring>
-#include <optional>
 #include <phynness/formats/database_lock.hpp>
 
 #include "../as_nobody.hpp"
 #include "database_under_test.hpp"
-
-namespace {
-int flock_error = 0;
-}  // namespace
-/// Stands before the C library's, so that a test can play a file system without locks.
-extern "C" int flock(int file, int operation) {
-  if (flock_error == 0) return static_cast<int>(::syscall(SYS_flock, file, operation));
-  errno = flock_error;
-  return -1;
-}
 
 namespace phynness::test {
 namespace {
@@ -61,31 +47,15 @@ TEST_F(Lock, dies_with_its_process) {
   EXPECT_EQ(lock.warning(), "");
 }
 
-TEST_F(Lock, survives_packing_and_does_not_take_the_next_holders) {
+TEST_F(Lock, survives_packing) {
   const auto header = small_header(false);
   write_logs(header);
-  std::optional<DatabaseLock> first(std::in_place, file);
-  DatabaseWriter::pack(file, header);  // takes the folder away
-  const DatabaseLock second(file);
-  first.reset();
-  refusal([&] { DatabaseLock third(file); });
-}
-
-TEST_F(Lock, that_can_never_be_made_is_an_error) {
-  fs::create_symlink(folder() / "nowhere", log);
-  refusal([&] { DatabaseLock lock(file); }, Error::Kind::failure);
-}
-
-TEST_F(Lock, missing_in_the_file_system_is_a_warning) {
-  for (const int code : {ENOLCK, EOPNOTSUPP, ENOSYS}) {
-    flock_error = code;
-    {
-      const DatabaseLock lock(file);
-      expect_contains(lock.warning(), {log.c_str(), "cannot be locked", std::strerror(code)});
-      EXPECT_EQ(DatabaseLock::holder(file), "");
-    }
-    flock_error = 0;
+  {
+    const DatabaseLock first(file);
+    DatabaseWriter::pack(file, header);
+    refusal([&] { DatabaseLock second(file); });
   }
+  EXPECT_FALSE(fs::exists(log));
 }
 
 TEST_F(Lock, in_a_missing_or_read_only_folder_is_an_error) {

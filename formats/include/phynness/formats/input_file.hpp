@@ -1,4 +1,4 @@
-// Files that a person named, read whole, however strange they are.
+// Files that a person named, read whole.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,9 @@ struct InputFile {
   std::string what;    ///< for messages: "the scene file"
   std::string remedy;  ///< where it is missing or something else than a file
   std::uint64_t most_bytes = 0;
-  bool is_text = true;  ///< texts hold no zeros; reading ends at the first one
+  bool is_text = true;  ///< texts hold no zeros
 };
 
-/// Takes no more memory than the file has bytes, and of a text no more than it has before a zero.
 /// @throws Error (input) if `file` is missing, a folder, a pipe or a device, may not be read, or is larger than
 /// `about.most_bytes`; (failure) if reading fails
 std::string read_input_file(const std::filesystem::path& file, const InputFile& about);
