@@ -13,9 +13,9 @@
 namespace phynness::cli {
 
 enum class PathKind {
-  input,     ///< a file, together with the logs of a database in FILE.log/; or a directory with all that is in it
+  input,     ///< a file, or a directory with model.txt and mesh.txt
   file,      ///< an output, first written to FILE.part
-  database,  ///< an output: FILE, and FILE.log/ with all that is in it
+  database,  ///< an output
   model,     ///< an output: a directory with model.txt and mesh.txt
   folder     ///< an output: a directory; the command declares separately the files in it that it writes
 };
@@ -34,13 +34,13 @@ CLI::Option* add_path(CLI::App& command, const std::string& name, Value& value, 
 /// Applies the rule to all declared options of the command line. Files are identified by their canonical paths, also if
 /// they or their folders do not exist yet. Pipes and devices may be named more than once. Also looks at the places of
 /// all outputs. With --json -, texts for people go to stderr from here on.
-/// @throws Error (input) if an output equals, contains or lies in an input or another output, or cannot be written: no
-/// folder, no permission, a folder of that name, a text that another program has written in the place of a model's
+/// @throws Error (input) if an output is an input or another output, or cannot be written: no folder, no permission, a
+/// folder of that name, a text that another program has written in the place of a model's
 void check_files();
 
 /// Applies the rule to a file that no option names.
 /// @param option  the option to which the file belongs, for messages; files of one option may be the same
-/// @throws Error (input) if an output equals, contains or lies in an input or another output
+/// @throws Error (input) if an output is an input or another output
 void declare_input(const std::string& option, const std::filesystem::path& path);
 void declare_output(const std::string& option, const std::filesystem::path& path, PathKind kind = PathKind::file);
 

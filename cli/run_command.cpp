@@ -43,29 +43,18 @@ double size_of(const std::filesystem::path& what) {
   return sum;
 }
 
-/// What a run writes beside the database and the model, and how the program begins each.
-std::vector<std::pair<const char*, std::string>> texts() {
-  const auto page = embedded_page("view.html").value_or("a build without pages makes none");
-  return {{"mesh.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n"},
-          {"mesh.json", "{\n  \"mesh_hash\": "},
-          {"precompute.json", "{\n  \"active_nodes\": "},
-          {"check.json", "{\n  \"element\": "},
-          {"train.json", "{\n  \"family\": "},
-          {"calibrate.json", "{\n  \"coverage\": "},
-          {"validate.json", "{\n  \"probes\": "},
-          {"stages.json", begin_of_stages},
-          {"organ.html", page.substr(0, page.find("<title>"))}};
-}
+/// What a run writes beside the database and the model.
+constexpr const char* texts[] = {"mesh.msh",       "mesh.json",     "precompute.json", "check.json", "train.json",
+                                 "calibrate.json", "validate.json", "stages.json",     "organ.html"};
 
 void declare_files(const Options& options) {
-  for (const auto& [name, begin] : texts()) declare_output("--output", options.output / name);
+  for (const char* name : texts) declare_output("--output", options.output / name);
   declare_output("--output", options.output / "database.h5", PathKind::database);
   declare_output("--output", options.output / "model", PathKind::model);
 }
 
-/// A new run replaces no file at all, a resumed one those that begin as the program writes them, beside a database of
-/// its scene, of more nodes, or of some of its nodes, directions and increments. @return what it has of the scene's
-/// rays
+/// A new run replaces no file at all, a resumed one those of an earlier run, beside a database of its scene, of more
+/// nodes or increments, or of some of them. @return what it has of the scene's rays
 /// @throws Error (input) before anything is written
 Coverage refuse_files_of_others(const Options& options) {
   const auto database = options.output / "database.h5", model = options.output / "model";
@@ -79,20 +68,16 @@ Coverage refuse_files_of_others(const Options& options) {
       DatabaseWriter::check(database, header, true);
     if (!complete) covered = Coverage::part;
   }
-  const auto refuse = [&](const std::filesystem::path& file) {
+  if (options.resume) {
+    check_place("--output", model, PathKind::model);
+    return covered;
+  }
+  std::vector<std::filesystem::path> written{model};
+  for (const char* name : texts) written.push_back(options.output / name);
+  for (const auto& file : written)
     if (std::filesystem::exists(std::filesystem::symlink_status(file)))
       throw input_error("a run would replace a file", "--output " + file.string(),
                         "give another folder, or --resume if an earlier run has left it");
-  };
-  for (const auto& [name, begin] : texts())
-    options.resume ? check_own_text("--output", options.output / name, begin) : refuse(options.output / name);
-  if (!std::filesystem::is_directory(model)) {
-    refuse(model);
-  } else if (options.resume) {
-    check_place("--output", model, PathKind::model);
-  } else {
-    for (const char* name : {"model.txt", "mesh.txt"}) refuse(model / name);
-  }
   return covered;
 }
 

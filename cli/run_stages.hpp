@@ -43,7 +43,4 @@ class RunStages {
   std::map<std::string, std::string> _wanted, _finished;  ///< hash by stage
 };
 
-/// Of stages.json, in the folder of a run.
-inline constexpr const char* begin_of_stages = "{\n  \"stages\": ";
-
 }  // namespace phynness::cli
