@@ -84,6 +84,17 @@ void check_folder(const std::string& option, const fs::path& path, fs::path fold
                        "change its permissions, or give another place");
 }
 
+/// @throws Error (input) if there is a file with another beginning, which would be lost
+void check_own_text(const std::string& option, const fs::path& file, std::string_view begin) {
+  std::error_code code;
+  if (!fs::exists(file, code)) return;
+  std::string text(begin.size(), '\0');
+  std::ifstream(file, std::ios::binary).read(text.data(), std::ssize(text));
+  if (text != begin)
+    throw cannot_write(option, file, "a file that this program has not written has this name",
+                       "give another folder, or move the file");
+}
+
 /// @return false for --json -, which is no file. @throws Error (input)
 bool is_file(const std::string& option, const fs::path& path, PathKind kind) {
   if (path.empty()) throw input_error("the name of a file is empty", option + " ''", "give the name of a file");
@@ -126,16 +137,6 @@ void check_place(const std::string& option, const fs::path& path, PathKind kind)
   check_folder(option, path, place_of(path), true);
   if (kind != PathKind::model) return;
   for (const auto& [name, begin] : model_texts) check_own_text(option, path / name, begin);
-}
-
-void check_own_text(const std::string& option, const fs::path& file, std::string_view begin) {
-  std::error_code code;
-  if (!fs::exists(file, code)) return;
-  std::string text(begin.size(), '\0');
-  std::ifstream(file, std::ios::binary).read(text.data(), std::ssize(text));
-  if (text != begin)
-    throw cannot_write(option, file, "a file that this program has not written has this name",
-                       "give another folder, or move the file");
 }
 
 bool is_stdout(const fs::path& path) { return path == "-"; }

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <functional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace phynness::cli {
@@ -46,10 +45,6 @@ void declare_output(const std::string& option, const std::filesystem::path& path
 
 /// Looks at the place of an output that is not declared. @throws Error (input) as check_files()
 void check_place(const std::string& option, const std::filesystem::path& path, PathKind kind);
-
-/// @param begin  of every text that this program writes under this name
-/// @throws Error (input) if there is a file with another beginning, which would be lost
-void check_own_text(const std::string& option, const std::filesystem::path& file, std::string_view begin);
 
 /// "-", which only --json takes: its JSON then goes to stdout, and the texts for people to stderr.
 bool is_stdout(const std::filesystem::path& path);

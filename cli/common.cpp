@@ -175,7 +175,7 @@ void check_mesh(const Scene& scene, const std::string& hash, const std::string& 
 Database open_database(const Scene& scene, const std::filesystem::path& file) {
   auto database = Database::open(file);
   const auto& header = database.header();
-  if (header.is_imported())
+  if (header.imported)
     throw input_error(
         "imported responses belong to no scene", file.string(),
         "give phynness train this database only, without SCENE; other commands need a scene that was solved");

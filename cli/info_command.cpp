@@ -155,11 +155,9 @@ json about_database(const std::filesystem::path& file, bool failed) {
     warn_of_patch(stored_scene(h), h.mesh, h.sets);
   } catch (const Error&) {  // a scene of another version: the figures of its database are readable nevertheless
   }
-  if (h.is_imported())
-    print_result("imported  any displacements, to {:.4g} m; the outcomes below count them\n", h.magnitudes_m.back());
-  else
-    print_result("probes    {} directions, {} increments to {:.4g} m{}\n", h.directions.size(), h.magnitudes_m.size(),
-                 h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "");
+  print_result("probes    {} directions, {} increments to {:.4g} m{}{}\n", h.directions.size(), h.magnitudes_m.size(),
+               h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "",
+               h.imported ? ", imported from another program" : "");
   json fields = json::array();
   for (const auto field : h.fields) fields.push_back(name(field));
   if (!h.fields.empty()) {
@@ -169,24 +167,22 @@ json about_database(const std::filesystem::path& file, bool failed) {
   }
   json states = json::object();
   for (const auto& [status, count] : summary.states) {
-    // Of imported responses these are other nodes' displacements.
-    if (!(h.is_imported() && status == Status::not_requested))
-      print_result("  {:<16} {:<9} {}\n", name(status), count, meaning(status));
+    print_result("  {:<16} {:<9} {}\n", name(status), count, meaning(status));
     states[name(status)] = count;
   }
   const auto failed_rays = short_rays(database, file, false), crushed_rays = short_rays(database, file, true);
   print_short_rays(failed_rays, crushed_rays, h.sets.active.size(), failed);
   const json ends = tell_ends(h, summarize_ends(database));
-  if (!h.is_imported())
+  if (!h.imported)
     print_result("unstable  {} converged states with negative pivots; smallest J {:.3g}\n", summary.unstable_states,
                  summary.min_jacobian);
-  if (!h.is_imported())
+  if (!h.imported)
     print_result("cost      {} Newton iterations, {} of solving\n", summary.newton_iterations,
                  duration(summary.seconds));
   if (!summary.ranges.empty()) print_result("of converged states:\n");
   json quantities = json::object();
   for (const auto& range : summary.ranges) {
-    if (h.is_imported() && range.smallest == 0 && range.largest == 0) continue;  // not known
+    if (h.imported && range.smallest == 0 && range.largest == 0) continue;  // not known
     print_result("  {:<16} {:.4g} to {:.4g}{}\n", range.name, range.smallest, range.largest,
                  range.unit == "1" ? "" : " " + range.unit);
     quantities[range.name] = record("unit", range.unit, "smallest", range.smallest, "largest", range.largest);

@@ -132,7 +132,7 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
       continue;
     }
     const Eigen::RowVector3d d = all.row(direction * std::ssize(header.magnitudes_m) + static_cast<Eigen::Index>(i));
-    const double depth_m = header.is_imported() ? d.norm() : header.magnitudes_m[i];
+    const double depth_m = header.magnitudes_m[i];
     Eigen::MatrixXd u = weight * d, force = Eigen::MatrixXd::Zero(n_points, 3);
     for (std::size_t j = 0; j < output.size(); ++j)
       u.row(point_of[static_cast<std::size_t>(output[j])]) =

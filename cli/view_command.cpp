@@ -29,29 +29,18 @@ json rays_json(const Database& database) {
   const auto& header = database.header();
   json all = json::array();
   for (std::size_t a = 0; a < header.sets.active.size(); ++a) {
-    const auto add = [&](const Vec3& direction, const std::vector<double>& depth_m, const std::vector<Vec3>& force_N) {
-      if (!depth_m.empty())
-        all.push_back(record("node", header.sets.active[a], "direction", rounded(direction), "depth_m", depth_m,
-                             "force_N", force_N));
-    };
     for (const Ray& ray : database.rays(static_cast<std::int32_t>(a))) {
       std::vector<double> depth_m;
       std::vector<Vec3> force_N;
       for (std::size_t i = 0; i < ray.status.size(); ++i) {
-        const bool is_known = ray.status[i] == Status::converged;
-        if (!is_known && !header.is_imported()) break;
-        if (!is_known) continue;
-        const Vec3 force = rounded(Vec3{ray.force[3 * i], ray.force[3 * i + 1], ray.force[3 * i + 2]});
-        if (header.is_imported()) {
-          const auto n = static_cast<Eigen::Index>(ray.status.size());
-          const Eigen::Vector3d d = header.displacements_m.row(n * ray.direction + static_cast<Eigen::Index>(i));
-          add({d[0] / d.norm(), d[1] / d.norm(), d[2] / d.norm()}, {rounded(d.norm())}, {force});
-          continue;
-        }
+        if (ray.status[i] != Status::converged) break;
         depth_m.push_back(rounded(header.magnitudes_m[i]));
-        force_N.push_back(force);
+        force_N.push_back(rounded(Vec3{ray.force[3 * i], ray.force[3 * i + 1], ray.force[3 * i + 2]}));
       }
-      add(header.directions[static_cast<std::size_t>(ray.direction)], depth_m, force_N);
+      if (depth_m.empty()) continue;
+      const auto& direction = header.directions[static_cast<std::size_t>(ray.direction)];
+      all.push_back(record("node", header.sets.active[a], "direction", rounded(direction), "depth_m", depth_m,
+                           "force_N", force_N));
     }
   }
   return all;

@@ -13,22 +13,13 @@ struct TrainedState {
   Eigen::VectorXd u;
 };
 
-/// Up to the first increment without a result; of imported responses every one that there is.
+/// Up to the first increment without a result.
 std::vector<TrainedState> states_of(const Ray& ray, const DatabaseHeader& header, bool only_first) {
   const auto n_output = static_cast<Eigen::Index>(header.sets.output.size());
-  const Points& imported = header.displacements_m;
-  const auto first = static_cast<Eigen::Index>(ray.status.size()) * ray.direction;
+  const Eigen::Vector3d direction = to_eigen(header.directions[static_cast<std::size_t>(ray.direction)]);
   std::vector<TrainedState> states;
-  for (std::size_t i = 0; i < ray.status.size(); ++i) {
-    if (ray.status[i] != Status::converged) {
-      if (!header.is_imported()) break;
-      continue;
-    }
-    const Eigen::Vector3d d =
-        header.is_imported() ? Eigen::Vector3d(imported.row(first + static_cast<Eigen::Index>(i)))
-                             : Eigen::Vector3d(header.magnitudes_m[i] *
-                                               to_eigen(header.directions[static_cast<std::size_t>(ray.direction)]));
-    states.push_back({d, Eigen::Map<const Eigen::Vector3d>(&ray.force[3 * i]),
+  for (std::size_t i = 0; i < ray.status.size() && ray.status[i] == Status::converged; ++i) {
+    states.push_back({header.magnitudes_m[i] * direction, Eigen::Map<const Eigen::Vector3d>(&ray.force[3 * i]),
                       Eigen::Map<const Eigen::VectorXd>(ray.displacement.data() + 3 * n_output * static_cast<int>(i),
                                                         3 * n_output)});
     if (only_first) break;
@@ -36,7 +27,7 @@ std::vector<TrainedState> states_of(const Ray& ray, const DatabaseHeader& header
   return states;
 }
 
-/// Force and displacements per metre, least squares over first increments, or over all imported responses.
+/// Force and displacements per metre, least squares over first increments.
 struct LinearResponses {
   Eigen::Matrix3d force;
   Eigen::MatrixXd u;  ///< 3 n_output x 3
@@ -47,7 +38,7 @@ std::optional<LinearResponses> linear_responses(const std::vector<Ray>& rays, co
   Eigen::MatrixXd ud = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(header.sets.output.size()), 3);
   double size = 0;
   for (const auto& ray : rays)
-    for (const auto& state : states_of(ray, header, !header.is_imported())) {
+    for (const auto& state : states_of(ray, header, true)) {
       dd += state.d * state.d.transpose();
       fd += state.f * state.d.transpose();
       ud += state.u * state.d.transpose();

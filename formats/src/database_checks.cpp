@@ -32,7 +32,7 @@ class HeaderChecks {
   void run() {
     require(_header.mesh.n_nodes() > 0 && _header.mesh.n_cells() > 0, "a mesh");
     require(!_header.sets.active.empty(), "an active node");
-    require(_header.is_imported() || !_header.sets.output.empty(), "an output node");
+    require(_header.imported || !_header.sets.output.empty(), "an output node");
     require(!_header.directions.empty(), "a direction");
     require(!_header.magnitudes_m.empty(), "an increment");
     check_hash(_header.mesh_hash, "mesh_hash");
@@ -128,11 +128,6 @@ class HeaderChecks {
                      std::to_string(i), number_text(magnitude));
       before = magnitude;
     }
-    for (Eigen::Index i = 0; i < _header.displacements_m.rows(); ++i)
-      if (!(_header.displacements_m.row(i).norm() <= before * (1 + direction_rounding)))
-        refuse_entry(path::displacements,
-                     "must be finite and at most the last magnitude, " + number_text(before) + " m", std::to_string(i),
-                     number_text(_header.displacements_m.row(i).norm()) + " m");
   }
 
   void check_sizes() const {

@@ -128,6 +128,7 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
   if (!header.fields.empty()) file.write_attribute("/", "fields", names(header.fields, " "));
   file.write_attribute("/", "scene_name", header.scene_name);
   file.write_attribute("/", "scene_folder", header.scene_folder);
+  if (header.imported) file.write_attribute("/", "imported", std::int32_t{1});
   // A dataset, because attributes are limited to 64 kB and a scene may list many nodes.
   file.write_text(path::scene, header.scene_text, "the scene file, verbatim (TOML)");
 
@@ -158,10 +159,6 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
               "unit vectors of the exploratory directions; axis D of the responses");
   write_array(file, path::magnitudes, {header.magnitudes_m.size()}, header.magnitudes_m.data(), "m",
               "prescribed displacement of each increment; axis I of the responses");
-  if (header.is_imported())
-    write_array(file, path::displacements, {header.directions.size(), header.magnitudes_m.size(), 3},
-                header.displacements_m.data(), "m",
-                "prescribed displacements, imported; axes D and I of the responses");
 }
 
 bool read_complete(const hdf5::File& file) {
@@ -202,6 +199,8 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.scene_folder = file.read_text_attribute("/", "scene_folder");
   header.scene_text = file.read_text(path::scene);
 
+  header.imported = file.has_attribute("/", "imported") && read_flag(file, "/", "imported");
+
   hsize_t rows = 0;
   const auto nodes = read_rows<double>(file, path::nodes, 3, rows);
   header.mesh.nodes = Eigen::Map<const Points>(nodes.data(), static_cast<Eigen::Index>(rows), 3);
@@ -229,11 +228,6 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.magnitudes_m = read_list<double>(file, path::magnitudes);
   header.fold_halvings = file.has_attribute("/", "fold_halvings") ? file.read_int_attribute("/", "fold_halvings")
                                                                   : earlier_fold_halvings(header.magnitudes_m.size());
-  if (file.exists(path::displacements)) {
-    check_rows(file, path::displacements, header.directions.size() * header.magnitudes_m.size(), 3 * sizeof(double));
-    const auto all = file.read<double>(path::displacements, {header.directions.size(), header.magnitudes_m.size(), 3});
-    header.displacements_m = Eigen::Map<const Points>(all.data(), std::ssize(all) / 3, 3);
-  }
 
   if (const auto hash = mesh_hash(header.mesh); hash != header.mesh_hash)
     throw input_error(

@@ -22,12 +22,11 @@ inline constexpr const char* active = "/sets/active";
 inline constexpr const char* output = "/sets/output";
 inline constexpr const char* directions = "/directions";
 inline constexpr const char* magnitudes = "/magnitudes";
-inline constexpr const char* displacements = "/displacements";
 inline constexpr const char* scene = "/scene";
 }  // namespace path
+
 /// More than write_header() writes.
 std::uint64_t header_bytes(const DatabaseHeader& header);
-
 /// Writes all datasets and attributes except the rays to a new file.
 void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete);
 /// @throws Error (input) if the file is not a database, of another version, or damaged

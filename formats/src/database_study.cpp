@@ -116,10 +116,9 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
   const auto compare = [&](const auto& then, const auto& now, const char* what, const auto& text) {
     if (then != now) all.push_back({what, both(text(then), text(now)), true});
   };
-  if (on_disk.is_imported() != wanted.is_imported())
+  if (on_disk.imported != wanted.imported)
     all.push_back({"other responses",
-                   both(on_disk.is_imported() ? "imported" : "solved", wanted.is_imported() ? "imported" : "solved"),
-                   true});
+                   both(on_disk.imported ? "imported" : "solved", wanted.imported ? "imported" : "solved"), true});
   else if (on_disk.physics_hash != wanted.physics_hash)
     all.push_back(
         {"another physics", differing_keys(on_disk, wanted, true),

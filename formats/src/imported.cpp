@@ -1,369 +1,279 @@
-// Reading and writing of imported responses.
+// Responses of other programs, read from a file, checked, and written as a database.
 #include <phynness/formats/imported.hpp>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <memory>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/hash.hpp>
 #include <phynness/formats/printable.hpp>
 #include <phynness/formats/version.hpp>
 
+#include "database_layout.hpp"
 #include "database_log.hpp"
 #include "hdf5_file.hpp"
-#include "imported_checks.hpp"
 
 namespace phynness {
 namespace {
 
-using imported::NodeStates;
-using imported::State;
+namespace fs = std::filesystem;
 
 const char* const layout_remedy = "write the file as formats/imported.md describes it";
+/// Of a body that is touched, in m: beyond it numbers are in mm.
+constexpr double largest_body_m = 10;
+/// Energy over force . displacement is 1/2 for linear responses and above 1/20 for all stiffening up to |f| ~ |d|^19.
+constexpr double least_energy = 0.05, most_energy = 1;
+/// A touched point and its tool may differ by this fraction of the displacement.
+constexpr double most_misplaced = 0.02;
 
-class ResponseFile {
- public:
-  explicit ResponseFile(const std::filesystem::path& path) : _file(hdf5::File::open(path)) {}
+std::string brief(double value) { return number_text(value, std::chars_format::general, 4); }
 
-  bool has(const char* name) const { return _file.exists(name); }
-  const hdf5::Shape& shape(const char* name) const { return _file.shape(name); }
+/// The file as it is read, and the numbers of all rays but the displacements of output nodes.
+struct Given {
+  explicit Given(const fs::path& path) : file(hdf5::File::open(path)) {}
 
-  /// n x columns numbers; one column may have the shape (n).
+  hdf5::File file;
+  DatabaseHeader header;
+  double tool_radius_m = 0;
+  std::vector<double> forces_N, energies_J;  ///< [active][direction][increment] flattened, x 3 and x 1
+
+  std::size_t increments() const { return header.magnitudes_m.size(); }
+  std::size_t rays() const { return header.sets.active.size() * header.directions.size(); }
+  const double* force(std::size_t ray, std::size_t i) const { return &forces_N[3 * (ray * increments() + i)]; }
+  Eigen::Vector3d direction(std::size_t ray) const {
+    return to_eigen(header.directions[ray % header.directions.size()]);
+  }
+  /// A ray whose forces are all NaN was not solved.
+  bool is_known(std::size_t ray) const {
+    return std::any_of(force(ray, 0), force(ray, 0) + 3 * increments(), [](double f) { return !std::isnan(f); });
+  }
+  std::string name(std::size_t ray) const {
+    return "node " + std::to_string(header.sets.active[ray / header.directions.size()]) + ", direction " +
+           std::to_string(ray % header.directions.size());
+  }
+
   template <class T>
-  std::vector<T> rows(const char* name, hsize_t columns, const char* unit, hsize_t& n) const {
-    const auto& shape = _file.shape(name);
-    n = shape.empty() ? 0 : shape[0];
-    const bool is_list = columns == 1 && shape.size() == 1;
-    if (!is_list && (shape.size() != 2 || shape[1] != columns))
-      throw input_error(std::string(name) + " has the wrong shape", words_of(shape),
-                        "give n x " + std::to_string(columns) + " numbers");
-    if (n > static_cast<hsize_t>(most_entries))
-      throw input_error(std::string(name) + " has too many rows", std::to_string(n),
-                        "give at most " + std::to_string(most_entries) + "; of each node at most 600 are fitted");
-    check_unit(name, unit);
-    return _file.read<T>(name, shape);
+  std::vector<T> read(const char* dataset, hdf5::Shape shape, const char* unit) const {
+    if (file.has_attribute(dataset, "unit") && file.read_text_attribute(dataset, "unit") != unit)
+      throw input_error(std::string(dataset) + " has another unit", file.read_text_attribute(dataset, "unit"),
+                        std::string("convert the numbers to ") + unit);
+    return file.read<T>(dataset, shape);
   }
-  Points points(const char* name, const char* unit) const {
-    hsize_t n = 0;
-    const auto numbers = rows<double>(name, 3, unit, n);
-    return Eigen::Map<const Points>(numbers.data(), static_cast<Eigen::Index>(n), 3);
+  /// Rows of `columns` entries, or single entries if `columns` is 0; the file determines their number.
+  template <class T>
+  std::vector<T> rows(const char* dataset, hsize_t columns, const char* unit) const {
+    constexpr hsize_t most = 10'000'000;
+    const auto& shape = file.shape(dataset);
+    const hsize_t n = shape.empty() ? 0 : shape[0];
+    if (n > most) throw input_error(std::string(dataset) + " has too many rows", std::to_string(n), layout_remedy);
+    return read<T>(dataset, columns > 0 ? hdf5::Shape{n, columns} : hdf5::Shape{n}, unit);
   }
-  std::vector<std::int32_t> numbers(const char* name) const {
-    hsize_t n = 0;
-    return narrow(name, rows<std::int64_t>(name, 1, nullptr, n));
-  }
-  Cells cells(const char* name, int corners) const {
-    hsize_t n = 0;
-    const auto all = narrow(name, rows<std::int64_t>(name, static_cast<hsize_t>(corners), nullptr, n));
-    return Eigen::Map<const Cells>(all.data(), static_cast<Eigen::Index>(n), corners);
-  }
-  void check_unit(const char* name, const char* unit) const {
-    if (!unit || !_file.has_attribute(name, "unit")) return;
-    const auto found = _file.read_text_attribute(name, "unit");
-    if (found != unit)
-      throw input_error(std::string(name) + " has another unit", found, std::string("convert the numbers to ") + unit);
-  }
-  std::string title() const { return _file.has_attribute("/", "title") ? _file.read_text_attribute("/", "title") : ""; }
-  const hdf5::File& file() const { return _file; }
-
-  static std::string words_of(const hdf5::Shape& shape) {
-    std::string text;
-    for (const auto n : shape) text += (text.empty() ? "" : " x ") + std::to_string(n);
-    return text.empty() ? "one number" : text;
-  }
-
- private:
-  static constexpr std::int64_t most_entries = 10'000'000;
-
-  static std::vector<std::int32_t> narrow(const char* name, const std::vector<std::int64_t>& wide) {
+  /// Numbers of points, `columns` in a row.
+  std::vector<std::int32_t> points(const char* dataset, hsize_t columns) const {
     std::vector<std::int32_t> all;
-    for (const auto n : wide) {
-      if (n < 0 || n > std::numeric_limits<std::int32_t>::max())
-        throw input_error(std::string(name) + " must hold numbers of points", std::to_string(n), "count points from 0");
+    for (const auto n : rows<std::int64_t>(dataset, columns, "1")) {
+      if (n < 0 || n >= header.mesh.nodes.rows())
+        throw input_error(std::string(dataset) + " must hold numbers of points", std::to_string(n),
+                          "count points from 0, in the order of /points");
       all.push_back(static_cast<std::int32_t>(n));
     }
     return all;
   }
-
-  hdf5::File _file;
 };
 
-/// Reads the displacements of the output nodes by rows, of which a chunk may hold several.
-std::function<void(std::int64_t, double*)> output_reader(const std::shared_ptr<const ResponseFile>& file,
-                                                         std::size_t n_output, hsize_t n_rows) {
-  const char* const name = "/output_displacements";
-  const hdf5::Shape expected{n_rows, n_output, 3};
-  if (file->shape(name) != expected)
-    throw input_error(std::string(name) + " has the wrong shape", ResponseFile::words_of(file->shape(name)),
-                      "give " + ResponseFile::words_of(expected) + " numbers: rows, output nodes, components");
-  file->check_unit(name, "m");
-  return [file, name](std::int64_t row, double* u) { file->file().read_slab(name, static_cast<hsize_t>(row), 1, u); };
-}
-
-GivenResponses read(const std::filesystem::path& path) {
-  const auto file = std::make_shared<const ResponseFile>(path);
-  GivenResponses given;
-  given.title = file->title();
-  given.source = path.filename().string();
-  // Before anything large is read.
-  const auto rows = file->shape("/displacements").empty() ? 0 : file->shape("/displacements")[0];
-  if (rows > static_cast<hsize_t>(most_imported_rows))
-    throw input_error("there are too many responses",
-                      std::to_string(rows) + " rows, of which " + std::to_string(most_imported_rows) + " are possible",
-                      "give every n-th row: of each node at most 600 are fitted");
-  given.points_m = file->points("/points", "m");
-  if (file->has("/tetrahedra") == file->has("/triangles"))
+void read_body(Given& given) {
+  Mesh& mesh = given.header.mesh;
+  const auto points = given.rows<double>("/points", 3, "m");
+  mesh.nodes = Eigen::Map<const Points>(points.data(), std::ssize(points) / 3, 3);
+  const double diagonal =
+      mesh.nodes.rows() > 0 ? (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).norm() : 0;
+  if (!mesh.nodes.allFinite() || !(diagonal > 0 && diagonal <= largest_body_m))
+    throw input_error("the body has an implausible size", "its diagonal is " + brief(diagonal) + " m",
+                      "give all coordinates and displacements in metres: multiply millimetres by 0.001");
+  const bool shell = given.file.exists("/triangles");
+  if (shell == given.file.exists("/tetrahedra"))
     throw input_error("a body has either /tetrahedra or /triangles",
-                      file->has("/triangles") ? "the file has both" : "the file has neither", layout_remedy);
-  given.cells = file->has("/triangles") ? file->cells("/triangles", 3) : file->cells("/tetrahedra", 4);
-  given.touched = file->numbers("/touched");
-  given.displacements_m = file->points("/displacements", "m");
-  given.forces_N = file->points("/forces", "N");
-  hsize_t n = 0;
-  if (file->has("/energies")) given.energies_J = file->rows<double>("/energies", 1, "J", n);
-  if (file->has("/energies") && given.energies_J.empty() && rows > 0)
-    throw input_error("/energies is empty", "0 rows", "give one for each displacement, or leave /energies out");
-  if (file->has("/fixed")) given.fixed = file->numbers("/fixed");
-  if (file->has("/tool_radius")) {
-    const auto radius = file->rows<double>("/tool_radius", 1, "m", n);
-    if (radius.size() != 1) throw input_error("/tool_radius must be one number", std::to_string(n), layout_remedy);
-    given.tool_radius_m = radius[0];
+                      shell ? "the file has both" : "the file has neither", layout_remedy);
+  const int corners = shell ? 3 : 4;
+  const auto cells = given.points(shell ? "/triangles" : "/tetrahedra", static_cast<hsize_t>(corners));
+  mesh.cells = Eigen::Map<const Cells>(cells.data(), std::ssize(cells) / corners, corners);
+  for (Eigen::Index c = 0; !shell && c < mesh.cells.rows(); ++c) {  // of either orientation
+    const auto edge = [&](int k) -> Eigen::RowVector3d {
+      return mesh.nodes.row(mesh.cells(c, k)) - mesh.nodes.row(mesh.cells(c, 0));
+    };
+    if (edge(1).cross(edge(2)).dot(edge(3)) < 0) std::swap(mesh.cells(c, 2), mesh.cells(c, 3));
   }
-  if (file->has("/output") != file->has("/output_displacements"))
-    throw input_error("/output and /output_displacements belong together", "only one of them is there", layout_remedy);
-  if (!file->has("/output")) return given;
-  given.output = file->numbers("/output");
-  if (!given.output.empty()) given.output_displacements = output_reader(file, given.output.size(), rows);
-  return given;
+  mesh.surface = shell ? Triangles(mesh.cells) : boundary_triangles(mesh.cells);
 }
 
-/// The different displacements of all nodes, by nearest direction and length.
-class DisplacementTable {
- public:
-  DisplacementTable(const std::vector<NodeStates>& nodes, const std::vector<Vec3>& directions)
-      : _of_direction(directions.size()) {
-    std::map<Key, std::size_t> all;
-    for (const auto& node : nodes)
-      for (const auto& state : node.states) all.try_emplace(key(state), 0);
-    for (auto& [d, direction] : all) {
-      const Eigen::Vector3d x = to_eigen(d);
-      const auto nearest = std::max_element(directions.begin(), directions.end(), [&](const Vec3& a, const Vec3& b) {
-        return x.dot(to_eigen(a)) < x.dot(to_eigen(b));
-      });
-      _of_direction[static_cast<std::size_t>(nearest - directions.begin())].push_back(d);
-    }
-    for (std::size_t k = 0; k < _of_direction.size(); ++k) {
-      auto& some = _of_direction[k];
-      std::stable_sort(some.begin(), some.end(),
-                       [](const Key& a, const Key& b) { return to_eigen(a).norm() < to_eigen(b).norm(); });
-      for (std::size_t i = 0; i < some.size(); ++i) _place[some[i]] = {k, i};
-      _increments = std::max(_increments, some.size());
-      _size += some.size();
-    }
+/// A scene without body and material: title and probe.
+std::string scene_text(const std::string& title, double tool_radius_m, double depth_m) {
+  std::string quoted;
+  for (const char c : title) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
   }
-
-  struct Place {
-    std::size_t direction = 0, increment = 0;
-  };
-  Place place(const State& state) const { return _place.at(key(state)); }
-  std::size_t increments() const { return _increments; }
-  std::size_t size() const { return _size; }
-  /// What is left of the block of a direction repeats its longest displacement.
-  Points points(const std::vector<Vec3>& directions, double largest_m) const {
-    Points all(static_cast<Eigen::Index>(directions.size() * _increments), 3);
-    for (std::size_t k = 0; k < directions.size(); ++k)
-      for (std::size_t i = 0; i < _increments; ++i) {
-        const auto& some = _of_direction[k];
-        const Eigen::Vector3d d = some.empty() ? Eigen::Vector3d(largest_m * to_eigen(directions[k]))
-                                               : to_eigen(some[std::min(i, some.size() - 1)]);
-        all.row(static_cast<Eigen::Index>(k * _increments + i)) = d.transpose();
-      }
-    return all;
-  }
-
- private:
-  using Key = std::array<double, 3>;
-  static Key key(const State& state) {
-    const auto& d = state.displacement_m;
-    return {d[0] + 0.0, d[1] + 0.0, d[2] + 0.0};  // zeros of both signs are equal
-  }
-
-  std::vector<std::vector<Key>> _of_direction;
-  std::map<Key, Place> _place;
-  std::size_t _increments = 0, _size = 0;
-};
-
-/// TOML text without control characters.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
-  }
-  return out + "\"";
-}
-
-std::string scene_text(const GivenResponses& given, double largest_m) {
-  std::string text = "# Imported responses: body and material are those of their source.\ntitle = " +
-                     quoted(given.title.empty() ? given.source : given.title) + "\n[probe]\n";
   const auto number = [](double x) { return number_text(x, std::chars_format::scientific); };
-  text += given.tool_radius_m > 0 ? "kind = \"patch\"\ntool_radius_m = " + number(given.tool_radius_m) + "\n"
-                                  : "kind = \"node\"\n";
-  return text + "max_displacement_m = " + number(largest_m) + "\n";
+  return "# Imported responses: body and material are those of their source.\ntitle = \"" + quoted + "\"\n[probe]\n" +
+         (tool_radius_m > 0 ? "kind = \"patch\"\ntool_radius_m = " + number(tool_radius_m) : "kind = \"node\"") +
+         "\nmax_displacement_m = " + number(depth_m) + "\n";
 }
 
-DatabaseHeader header_of(const GivenResponses& given, const std::vector<NodeStates>& nodes,
-                         const DisplacementTable& table, double largest_m) {
-  DatabaseHeader header;
-  header.mesh.nodes = given.points_m;
-  header.mesh.cells = given.cells;
-  header.mesh.surface = given.cells.cols() == 4 ? boundary_triangles(given.cells) : Triangles(given.cells);
-  header.sets.fixed = given.fixed;
-  header.sets.output = given.output;
-  for (auto* nodes : {&header.sets.fixed, &header.sets.output}) sort_unique(*nodes);
-  for (const auto& node : nodes) header.sets.active.push_back(node.node);
-  header.directions = exploratory_directions(Directions::twenty_six);
-  const auto n = table.increments();
-  for (std::size_t i = 1; i < n; ++i)
-    header.magnitudes_m.push_back(largest_m * static_cast<double>(i) / static_cast<double>(n));
-  header.magnitudes_m.push_back(largest_m);
-  header.displacements_m = table.points(header.directions, largest_m);
-  header.scene_text = scene_text(given, largest_m);
-  header.scene_name = given.source;
+void read_probes(Given& given, const std::string& source) {
+  auto& header = given.header;
+  header.imported = true;
+  header.sets.active = given.points("/touched", 0);
+  for (const auto& [name, nodes] : {std::pair{"/fixed", &header.sets.fixed}, {"/output", &header.sets.output}})
+    if (given.file.exists(name)) *nodes = given.points(name, 0);
+  const auto directions = given.rows<double>("/directions", 3, "1");
+  for (std::size_t i = 0; i < directions.size(); i += 3) {
+    const auto unit = Eigen::Vector3d::Map(&directions[i]).normalized();
+    header.directions.push_back({unit[0], unit[1], unit[2]});
+  }
+  header.magnitudes_m = given.rows<double>("/magnitudes", 0, "m");
+  if (given.file.exists("/tool_radius")) given.tool_radius_m = given.read<double>("/tool_radius", {1}, "m")[0];
+  const auto title = given.file.has_attribute("/", "title") ? given.file.read_text_attribute("/", "title") : source;
+  header.scene_text =
+      scene_text(title, given.tool_radius_m, header.magnitudes_m.empty() ? 0 : header.magnitudes_m.back());
+  header.scene_name = source;
   header.software_version = software_version();
-  return header;
+  header.mesh_hash = mesh_hash(header.mesh);
+  header.physics_hash = hash_of("imported");  // replaced below
+  check_header(header, "the database");
+  const hsize_t a = header.sets.active.size(), d = header.directions.size(), i = header.magnitudes_m.size();
+  given.forces_N = given.read<double>("/forces", {a, d, i, 3}, "N");
+  given.energies_J = given.file.exists("/energies") ? given.read<double>("/energies", {a, d, i}, "J")
+                                                    : std::vector<double>(a * d * i, 0);
+  if (!header.sets.output.empty())
+    given.file.check_shape("/output_displacements", {a, d, i, header.sets.output.size(), 3});
+  Fnv1a64 hash;
+  hash.add("imported" + header.mesh_hash + header.scene_text);
+  for (const std::vector<double>* numbers : {&directions, &std::as_const(header.magnitudes_m),
+                                             &std::as_const(given.forces_N), &std::as_const(given.energies_J)})
+    hash.add(numbers->data(), numbers->size() * sizeof(double));
+  hash.add(header.sets.active.data(), header.sets.active.size() * sizeof(std::int32_t));
+  header.physics_hash = hash.hex();
 }
 
-/// Before hours of writing. @throws Error (input)
-void check_size(const DatabaseHeader& header, std::size_t displacements) {
-  constexpr double most_of_node = 4e9, most_entries = 5e7;  // bytes in memory; increments of all nodes
-  const auto increments = static_cast<double>(header.magnitudes_m.size());
-  const auto of_node = increments * static_cast<double>(header.directions.size());
-  const double bytes = of_node * (24.0 * static_cast<double>(header.sets.output.size()) + 100);
-  const double entries = of_node * static_cast<double>(header.sets.active.size());
-  const auto sizes = std::to_string(header.sets.active.size()) + " touched nodes, " + std::to_string(displacements) +
-                     " different displacements and " + std::to_string(header.sets.output.size()) + " output nodes";
-  if (bytes > most_of_node || entries > most_entries || increments > 10'000)
-    throw input_error(
-        "the responses are too many for one database", sizes,
-        "give the nodes the same displacements where that is possible, fewer rows, or fewer output nodes");
+/// Signs and units. @throws Error (input) if the forces are reactions, or the energies are not theirs
+void check_forces(const Given& given, ImportReport& report) {
+  double work = 0;
+  std::vector<double> ratios;
+  for (std::size_t ray = 0; ray < given.rays(); ++ray) {
+    ++(given.is_known(ray) ? report.rays : report.missing_rays);
+    for (std::size_t i = 0; given.is_known(ray) && i < given.increments(); ++i) {
+      const auto force = Eigen::Vector3d::Map(given.force(ray, i));
+      const double energy = given.energies_J[ray * given.increments() + i];
+      const double along = force.dot(given.header.magnitudes_m[i] * given.direction(ray));
+      if (!force.allFinite() || !std::isfinite(energy))
+        throw input_error("a force or an energy is not finite", given.name(ray) + ", increment " + std::to_string(i),
+                          "correct it, or make all forces of this ray NaN, which leaves it out");
+      report.largest_force_N = std::max(report.largest_force_N, force.norm());
+      work += along;
+      if (energy != 0 && along != 0) ratios.push_back(energy / along);
+    }
+  }
+  if (report.rays == 0 || report.largest_force_N == 0)
+    throw input_error("there are no forces", std::to_string(report.rays) + " rays", layout_remedy);
+  if (work < 0)
+    throw input_error("the forces point against the displacements", brief(work) + " N m in the sum",
+                      "give the forces that hold the displacements, which are the negative of reactions");
+  if (ratios.empty()) return;
+  const auto middle = ratios.begin() + std::ssize(ratios) / 2;
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  report.energy_over_work = *middle;
+  if (!(*middle >= least_energy && *middle <= most_energy))
+    throw input_error("the energies are not those of the forces",
+                      "the median of energy / (force . displacement) is " + brief(*middle) + ", of a spring it is 0.5",
+                      "check signs and units (J, N, m); an energy is 0 at rest, and that of the whole body");
 }
 
-class RayMaker {
- public:
-  RayMaker(const GivenResponses& given, const DatabaseHeader& header, const DisplacementTable& table)
-      : _given(given), _header(header), _table(table), _u(3 * given.output.size()) {
-    for (const auto node : header.sets.output)
-      _order.push_back(
-          static_cast<std::size_t>(std::find(given.output.begin(), given.output.end(), node) - given.output.begin()));
-  }
-
-  Ray ray(const NodeStates& node, std::int32_t active, std::size_t direction) {
-    Ray ray = empty_ray(_header, active, static_cast<std::int32_t>(direction));
-    for (const auto& state : node.states) {
-      const auto place = _table.place(state);
-      if (place.direction != direction) continue;
-      ray.status[place.increment] = Status::converged;
-      Eigen::Vector3d::Map(&ray.force[3 * place.increment]) = state.force_N;
-      ray.energy[place.increment] = state.energy_J;
-      ray.end.reason = EndReason::full_depth;
-      ray.end.depth_m = std::max(ray.end.depth_m, state.displacement_m.norm());
-      add_output(state, &ray.displacement[3 * _order.size() * place.increment]);
+/// @throws Error (input) unless the displacements of the output nodes are finite and the touched one follows the tool
+void check_output(const Given& given, const Ray& ray, std::size_t number) {
+  const auto& output = given.header.sets.output;
+  for (std::size_t i = 0; i < given.increments(); ++i)
+    for (std::size_t o = 0; o < output.size(); ++o) {
+      const auto u = Eigen::Vector3d::Map(&ray.displacement[3 * (i * output.size() + o)]);
+      const double depth_m = given.header.magnitudes_m[i];
+      const auto where =
+          given.name(number) + ", increment " + std::to_string(i) + ", output node " + std::to_string(output[o]);
+      if (!(u.norm() <= 10 * depth_m))
+        throw input_error("an output node moves ten times as far as the tool", where + ": " + brief(u.norm()) + " m",
+                          "give displacements, not positions, in metres");
+      const bool is_touched =
+          given.tool_radius_m == 0 && output[o] == given.header.sets.active[static_cast<std::size_t>(ray.active)];
+      if (is_touched && (u - depth_m * given.direction(number)).norm() > most_misplaced * depth_m)
+        throw input_error("the touched node does not follow the tool",
+                          where + ": it moves by " + brief(u.norm()) + " m",
+                          "check the order of the axes and of the output nodes; of a round tool give its radius");
     }
-    return ray;
-  }
+}
 
- private:
-  void add_output(const State& state, double* to) {
-    if (_order.empty()) return;
-    for (const auto row : state.rows) {
-      _given.output_displacements(row, _u.data());
-      for (std::size_t o = 0; o < _order.size(); ++o)
-        for (std::size_t k = 0; k < 3; ++k)
-          to[3 * o + k] += _u[3 * _order[o] + k] / static_cast<double>(state.rows.size());
-    }
-  }
+Ray ray_of(const Given& given, std::size_t number, const double* displacements) {
+  const auto n_directions = given.header.directions.size(), n = given.increments();
+  Ray ray = empty_ray(given.header, static_cast<std::int32_t>(number / n_directions),
+                      static_cast<std::int32_t>(number % n_directions));
+  if (!given.is_known(number)) return ray;
+  std::fill(ray.status.begin(), ray.status.end(), Status::converged);
+  std::copy_n(given.force(number, 0), 3 * n, ray.force.begin());
+  std::copy_n(&given.energies_J[number * n], n, ray.energy.begin());
+  std::copy_n(displacements, ray.displacement.size(), ray.displacement.begin());
+  ray.end = {EndReason::full_depth, given.header.magnitudes_m.back()};
+  check_output(given, ray, number);
+  return ray;
+}
 
-  const GivenResponses& _given;
-  const DatabaseHeader& _header;
-  const DisplacementTable& _table;
-  std::vector<std::size_t> _order;  ///< positions of the ascending output nodes in the given ones
-  std::vector<double> _u;
-};
-
-void write(const GivenResponses& given, const std::vector<NodeStates>& nodes, const DatabaseHeader& header,
-           const DisplacementTable& table, const std::filesystem::path& file,
-           const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<void()>& poll) {
-  const auto n_directions = std::ssize(header.directions), n_rays = std::ssize(nodes) * n_directions;
-  DatabaseWriter::create(file, header, false);
-  try {
-    DatabaseWriter writer(file, header, 0);
-    RayMaker maker(given, header, table);
-    for (std::size_t a = 0; a < nodes.size(); ++a)
-      for (std::size_t k = 0; k < header.directions.size(); ++k) {
-        poll();
-        writer.append(maker.ray(nodes[a], static_cast<std::int32_t>(a), k));
-        if (progress) progress(static_cast<std::int64_t>(a) * n_directions + static_cast<std::int64_t>(k) + 1, n_rays);
-      }
-    writer.close();
-    poll();
-    DatabaseWriter::pack(file, header);
-  } catch (...) {
-    std::error_code code;
-    std::filesystem::remove(file, code);
-    remove_logs(file);
-    throw;
+void write(const Given& given, const fs::path& database,
+           const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop) {
+  const auto& header = given.header;
+  const auto n_directions = header.directions.size(), of_ray = 3 * given.increments() * header.sets.output.size();
+  std::vector<double> displacements(n_directions * of_ray);
+  DatabaseWriter writer(database, header, 0);
+  for (std::size_t a = 0; a < header.sets.active.size(); ++a) {
+    if (stop && stop()) throw failure("the import was interrupted", database.string(), "run it again");
+    if (of_ray > 0) given.file.read_slab("/output_displacements", a, 1, displacements.data());
+    for (std::size_t d = 0; d < n_directions; ++d)
+      writer.append(ray_of(given, a * n_directions + d, displacements.data() + d * of_ray));
+    if (progress) progress(static_cast<std::int64_t>(a) + 1, std::ssize(header.sets.active));
   }
+  writer.close();
+  DatabaseWriter::pack(database, header);
+}
+
+/// What the reader of databases refuses has the remedies of a database.
+[[noreturn]] void refuse_layout(const Error& error, const fs::path& file) {
+  const std::string_view said = error.what();
+  if (said.find("database") == said.npos) throw input_error(file.string() + ": " + error.what(), "", "");
+  throw input_error(error.what(), "", layout_remedy);
 }
 
 }  // namespace
 
-GivenResponses read_responses(const std::filesystem::path& file) {
-  try {
-    return read(file);
-  } catch (const Error& error) {
-    // What the reader of databases refuses has the remedies of a database.
-    const std::string_view said = error.what();
-    if (said.find("database") == std::string_view::npos) throw input_error(file.string() + ": " + error.what(), "", "");
-    throw input_error(error.what(), "", layout_remedy);
-  }
-}
-
-ImportReport import_responses(GivenResponses given, const std::filesystem::path& file,
+ImportReport import_responses(const fs::path& file, const fs::path& database,
                               const std::function<void(std::int64_t, std::int64_t)>& progress,
                               const std::function<bool()>& stop) {
-  const auto poll = [&] {
-    if (stop && stop()) throw failure("the import was interrupted", file.string(), "run it again; nothing was written");
-  };
-  std::error_code code;
-  if (std::filesystem::exists(file, code))
-    throw input_error("the database exists and is not overwritten", file.string(),
-                      "choose another name, or delete the file");
+  DatabaseWriter::refuse_begun(database, false);
   ImportReport report;
-  imported::check_shapes(given, report);
-  const auto nodes = imported::checked_states(given, report);
-  Fnv1a64 hash;
-  hash.add("imported");
-  const auto add = [&](const auto& numbers) {
-    hash.add(numbers.data(), static_cast<std::size_t>(numbers.size()) * sizeof *numbers.data());
-  };
-  add(given.touched), add(given.displacements_m), add(given.forces_N), add(given.energies_J), add(given.output);
-  imported::check_output(given, [&](const auto& displacements) {
-    poll();
-    add(displacements);
-  });
-
-  const auto directions = exploratory_directions(Directions::twenty_six);
-  const DisplacementTable table(nodes, directions);
-  report.displacements = static_cast<std::int64_t>(table.size());
-  DatabaseHeader header = header_of(given, nodes, table, report.largest_displacement_m);
-  header.mesh_hash = mesh_hash(header.mesh);
-  hash.add(header.mesh_hash);
-  header.physics_hash = hash.hex();
-  check_size(header, table.size());
-  write(given, nodes, header, table, file, progress, poll);
+  std::optional<Given> given;
+  try {
+    given.emplace(file);
+    read_body(*given);
+    read_probes(*given, file.filename().string());
+    check_forces(*given, report);
+  } catch (const Error& error) {
+    refuse_layout(error, file);
+  }
+  report.largest_displacement_m = given->header.magnitudes_m.back();
+  DatabaseWriter::create(database, given->header, false);
+  try {
+    write(*given, database, progress, stop);
+  } catch (...) {
+    std::error_code code;
+    fs::remove(database, code);
+    remove_logs(database);
+    throw;
+  }
   return report;
 }
 

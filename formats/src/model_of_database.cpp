@@ -81,7 +81,6 @@ void cover_surface(Model& model, const Mesh& mesh, double longest_m) {
 }
 
 Points prescribed_displacements(const DatabaseHeader& header) {
-  if (header.is_imported()) return header.displacements_m;
   Points all(static_cast<Eigen::Index>(header.directions.size() * header.magnitudes_m.size()), 3);
   Eigen::Index row = 0;
   for (const Vec3& e : header.directions)
@@ -90,14 +89,14 @@ Points prescribed_displacements(const DatabaseHeader& header) {
 }
 
 void require_scene(const DatabaseHeader& header) {
-  if (!header.is_imported()) return;
+  if (!header.imported) return;
   throw input_error("the responses of this database were imported, and there is no scene to be solved",
                     header.scene_name,
                     "solve in the program from which they are; train, info, show, view and eval work as with others");
 }
 
 Scene stored_scene(const DatabaseHeader& header) {
-  if (header.is_imported()) return parse_imported_scene(header.scene_text, header.scene_name);
+  if (header.imported) return parse_imported_scene(header.scene_text, header.scene_name);
   const auto parsed = [&](Element solid_element) {
     return parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent,
                        solid_element);

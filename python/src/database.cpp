@@ -1,7 +1,6 @@
 // Scenes and databases.
 #include <pybind11/stl.h>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/imported.hpp>
 #include <phynness/training/node_training.hpp>
 
 #include <sstream>
@@ -72,81 +71,6 @@ Column column_of(const py::object& database, const std::string& name) {
 }
 
 using py::arg;
-
-/// Integers of any shape; an empty list has another type. @throws TypeError, ValueError of Python
-py::array_t<std::int64_t> integers_of(const py::object& given, const char* name) {
-  const auto array = py::array::ensure(given);
-  if (!array || (array.size() > 0 && array.dtype().kind() != 'i' && array.dtype().kind() != 'u'))
-    raise_type(std::string(name) + " must be integers");
-  const auto wide = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>::ensure(array);
-  const auto* numbers = wide.data();
-  for (py::ssize_t i = 0; i < wide.size(); ++i)
-    if (numbers[i] != static_cast<std::int32_t>(numbers[i]))
-      throw py::value_error(std::string(name) + " must be numbers of points, not " + std::to_string(numbers[i]));
-  return wide;
-}
-
-std::vector<std::int32_t> nodes_of(const py::object& given, const char* name) {
-  const auto wide = integers_of(given, name);
-  return {wide.data(), wide.data() + wide.size()};
-}
-
-Cells cells_of(const py::object& given) {
-  const auto wide = integers_of(given, "cells");
-  if (wide.ndim() != 2) throw py::value_error("cells must have the shape (n, 4) or (n, 3)");
-  using Wide = Eigen::Matrix<std::int64_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  return Eigen::Map<const Wide>(wide.data(), wide.shape(0), wide.shape(1)).cast<std::int32_t>();
-}
-
-/// Reads rows of an array (n, output, 3) of any floating type, which is not copied as a whole.
-std::function<void(std::int64_t, double*)> rows_of(const py::object& given, std::size_t n_rows, std::size_t n_output) {
-  const auto array = py::array::ensure(given);
-  const bool is_good = array && array.ndim() == 3 && static_cast<std::size_t>(array.shape(0)) == n_rows &&
-                       static_cast<std::size_t>(array.shape(1)) == n_output && array.shape(2) == 3;
-  if (!is_good)
-    throw py::value_error("output_displacements must have the shape (" + std::to_string(n_rows) + ", " +
-                          std::to_string(n_output) + ", 3): rows, output nodes, components");
-  if (array.dtype().kind() != 'f') raise_type("output_displacements must be floating-point numbers");
-  return [array](std::int64_t row, double* to) {
-    const py::object part = array[py::int_(row)];
-    const auto plain = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(part);
-    std::copy_n(plain.data(), plain.size(), to);
-  };
-}
-
-OpenDatabase from_arrays(const py::object& path, const py::object& points, const py::object& cells,
-                         const py::object& touched, const py::object& displacements, const py::object& forces,
-                         const py::object& energies, const py::object& output, const py::object& output_displacements,
-                         const py::object& fixed, double tool_radius_m, const std::string& title) {
-  GivenResponses given;
-  given.title = title;
-  given.source = "arrays";
-  given.points_m = points_of(points, "points");
-  given.cells = cells_of(cells);
-  given.touched = nodes_of(py::isinstance<py::int_>(touched) ? py::make_tuple(touched) : touched, "touched");
-  given.displacements_m = points_of(displacements, "displacements");
-  given.forces_N = points_of(forces, "forces");
-  given.fixed = nodes_of(fixed, "fixed");
-  given.output = nodes_of(output, "output");
-  given.tool_radius_m = tool_radius_m;
-  if (!energies.is_none()) {
-    const auto e = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(energies);
-    if (!e || e.ndim() != 1 || e.size() != given.displacements_m.rows())
-      throw py::value_error("energies must be " + std::to_string(given.displacements_m.rows()) +
-                            " numbers, one of each displacement");
-    given.energies_J.assign(e.data(), e.data() + e.size());
-  }
-  if (!output_displacements.is_none())
-    given.output_displacements =
-        rows_of(output_displacements, static_cast<std::size_t>(given.displacements_m.rows()), given.output.size());
-  const auto ctrl_c = [] {
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    return false;
-  };
-  for (const auto& warning : import_responses(std::move(given), path_of(path), {}, ctrl_c).warnings)
-    py::module_::import("warnings").attr("warn")(warning);
-  return OpenDatabase(path);
-}
 
 void add_scene(py::module_& module) {
   py::class_<Scene>(module, "Scene", R"(A scene file (formats/scene.md).
@@ -226,18 +150,6 @@ Its other arrays are copies. Entries of increments that did not converge are 0: 
 Error if the file is missing, damaged or unfinished, or if it is closed.
 )");
   database.def(py::init<const py::object&>(), arg("path"))
-      .def_static("from_arrays", &from_arrays, arg("path"), py::kw_only(), arg("points"), arg("cells"), arg("touched"),
-                  arg("displacements"), arg("forces"), arg("energies") = py::none(), arg("output") = py::tuple(),
-                  arg("output_displacements") = py::none(), arg("fixed") = py::tuple(), arg("tool_radius_m") = 0.0,
-                  arg("title") = "",
-                  R"(Writes a database of responses from elsewhere, and opens it (formats/imported.md).
-
-points: (N, 3) [m]. cells: (n, 4) tetrahedra or (n, 3) triangles of the surface, numbers of points from 0.
-touched: node of each row, or one node. displacements, forces: (R, 3) [m], [N]; the force that holds the displacement.
-energies: (R,) [J]. output, output_displacements: (O,) nodes and (R, O, 3) [m]. fixed: nodes that do not move.
-
-The displacements need not lie on rays. Error for what formats/imported.md lists; doubts are warnings.
-)")
       .def("close", &OpenDatabase::close, "Closes the file. Arrays stay valid.")
       .def("__enter__", [](py::object self) { return self; })
       .def("__exit__", [](OpenDatabase& d, const py::args&) { d.close(); })

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <phynness/formats/database.hpp>
-#include <phynness/formats/imported.hpp>
 
 #include <memory>
 #include <vector>
@@ -20,21 +19,6 @@ template <class T>
 py::array_t<T> copy(const std::vector<T>& numbers) {
   return copy(numbers.data(), std::ssize(numbers));
 }
-/// Vectors of responses, n x 3. @throws Error of Python if they are too many to be copied
-inline Points points_of(const py::object& given, const char* name) {
-  const Vectors vectors(given, name);
-  if (vectors.size() > most_imported_rows * 10)
-    raise(std::string(name) + " have too many rows: " + std::to_string(vectors.size()) +
-          "\n  remedy: give every n-th row; of each node at most 600 are fitted");
-  Points points(vectors.size(), 3);
-  double x[3];
-  for (py::ssize_t i = 0; i < points.rows(); ++i) {
-    vectors.get(i, x);
-    points.row(i) << x[0], x[1], x[2];
-  }
-  return points;
-}
-
 class OpenDatabase {
  public:
   explicit OpenDatabase(const py::object& path) : _path(path_of(path)) {

@@ -1,8 +1,7 @@
-// Training on a database, and on forces of one's own.
+// Training on a database.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/model.hpp>
 #include <phynness/training/families.hpp>
-#include <phynness/training/scattered_forces.hpp>
 #include <phynness/training/training.hpp>
 
 #include <atomic>
@@ -14,9 +13,6 @@
 
 namespace phynness::python {
 namespace {
-
-/// Mean difference of given energies from those of the fitted forces, over the largest; a factor of two is beyond it.
-constexpr double most_energy_error = 0.1;
 
 /// [training] with other values: numbers and words of Python are written as JSON does, which TOML reads.
 TrainingSpec chosen(const Scene& scene, const py::kwargs& given) {
@@ -94,39 +90,6 @@ py::object train_database(const OpenDatabase& opened, const py::object& progress
                   figures);
 }
 
-py::object train_forces(const py::object& displacements, const py::object& forces, const py::object& energies,
-                        int centers, const std::string& title) {
-  const Points d = points_of(displacements, "displacements"), f = points_of(forces, "forces");
-  if (centers < 1 || centers > 100'000) throw py::value_error("centers must be from 1 to 100000");
-  ScatteredFit made;
-  {
-    const py::gil_scoped_release release;
-    made = fit_scattered(d, f, centers, title);
-  }
-  py::dict figures;
-  figures["displacements_fitted"] = made.fitted;
-  figures["training_error"] = made.fit.training_error;
-  figures["left_out_error"] = made.fit.left_out_error;
-  py::object model = model_of(write_model_text(made.model), "the trained model", py::none(), figures);
-  if (energies.is_none()) return model;
-
-  const auto given = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(energies);
-  if (!given || given.ndim() != 1 || given.shape(0) != d.rows())
-    throw py::value_error("energies must be " + std::to_string(d.rows()) + " numbers, one of each displacement");
-  const auto found = model.attr("energy")(0, displacements).cast<py::array_t<double>>();
-  double error = 0, largest = 0;
-  for (py::ssize_t i = 0; i < d.rows(); ++i) {
-    error += std::abs(found.at(i) - given.at(i)) / static_cast<double>(d.rows());
-    largest = std::max(largest, std::abs(given.at(i)));
-  }
-  // Not negated, because an energy may be NaN.
-  if (!(error <= most_energy_error * largest))
-    raise("the energies are not those of the forces, whose mean difference is " + std::to_string(error) + " J\n" +
-          "  remedy: check units, and that an energy is 0 at rest; forces are those that hold the displacements");
-  figures["energy_error"] = largest > 0 ? error / largest : 0.0;
-  return model;
-}
-
 }  // namespace
 
 void add_training(py::module_& module) {
@@ -138,21 +101,6 @@ progress: called with the numbers of trained and of all nodes. threads: 0: one f
 Other arguments are keys of [training] (formats/scene.md), which replace those of the database's scene, as family="modal".
 
 Error for impossible values, as in a scene. Ctrl-C ends the training.
-)");
-  module.def("train_forces", &train_forces, arg("displacements"), arg("forces"), arg("energies") = py::none(),
-             py::kw_only(), arg("centers") = 80, arg("title") = "",
-             R"(Trains a Model on forces of one place at any displacements.
-
-displacements, forces: (n, 3) [m], [N], of at least 6 displacements; a force is the one that holds its displacement.
-energies: (n,) [J], compared with those of the fit, which uses forces only. centers: largest number, at most half of n.
-
-The model has the one node 0, energy and stiffness, and no deformation. The range is that of the displacements. At most 600 of
-them are fitted, spread over directions and depths: Model.training tells how many. Errors: scattered_forces.hpp.
-
->>> d = np.random.default_rng(1).normal(size=(60, 3)) * 0.003
->>> model = phynness.train_forces(d, 30 * d)
->>> bool(np.allclose(model.stiffness(0, [0, 0, 0]), 30 * np.eye(3), atol=1e-3))
-True
 )");
 }
 

@@ -197,7 +197,7 @@ Model train(const Database& database, const TrainingSpec& spec, TrainingReport& 
             const TrainingProgress& progress, int threads) {
   const Law law = stored_scene(database.header()).material.law;
   // Whether imported responses are linear, their numbers tell.
-  if (schema::traits(spec.family).proportional && !law->linear && !database.header().is_imported()) {
+  if (schema::traits(spec.family).proportional && !law->linear && !database.header().imported) {
     throw input_error("family linear needs the linear law", std::string("law ") + name(law),
                       "use family modal or rbfn");
   }

@@ -30,7 +30,7 @@ std::vector<Increment> increments_of(const TrainingTables& tables, const std::ve
     const auto i = static_cast<std::size_t>(row % tables.n_increments);
     found.push_back({tables.displacements.row(row).transpose(), Eigen::Vector3d::Map(&ray.force[3 * i]),
                      Eigen::Map<const Points>(ray.displacement.data() + 3 * i * tables.output.size(), n_output, 3),
-                     ray.energy.empty() || (tables.scattered && ray.energy[i] == 0) ? nullptr : &ray.energy[i]});
+                     ray.energy.empty() || ray.energy[i] == 0 ? nullptr : &ray.energy[i]});
   }
   return found;
 }

@@ -336,8 +336,7 @@ ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& r
     states.x.row(i) = tables.displacements.row(row) / tables.magnitudes_m.back();
     states.direction.push_back(row / tables.n_increments);
   }
-  // Imported energies may have another zero; beyond a fold energy is lost.
-  if (tables.scattered) return states;
+  // Beyond a fold energy is lost.
   states.energy.resize(n);
   for (Index i = 0; i < n; ++i) {
     const auto row = states.row[static_cast<std::size_t>(i)];

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <phynness/formats/error.hpp>
 #include <phynness/training/node_training.hpp>
 
@@ -24,7 +23,6 @@ TrainingTables training_tables(const DatabaseHeader& header) {
   tables.magnitudes_m = header.magnitudes_m;
   tables.float64 = header.float64;
   tables.displacements = prescribed_displacements(header);
-  tables.scattered = header.is_imported();
   tables.output = header.sets.output;
   tables.output_points = header.mesh.nodes(tables.output, Eigen::all);
   return tables;
@@ -42,28 +40,9 @@ std::vector<std::int32_t> converged_increments(const TrainingTables& tables, con
   return found;
 }
 
-namespace {
-
-/// Displacements that need not lie on rays: those of each direction are thinned evenly, from the longest.
-TrainingStates thinned_by_direction(TrainingStates states, std::int32_t n_increments) {
-  states.increments.resize(static_cast<std::size_t>(n_increments));
-  std::iota(states.increments.begin(), states.increments.end(), 0);
-  const std::size_t stride = (states.row.size() + max_training_states - 1) / max_training_states;
-  std::vector<std::int32_t> kept;
-  for (std::size_t i = states.row.size(), end = i; i-- > 0;) {
-    if (states.row[i] / n_increments != states.row[end - 1] / n_increments) end = i + 1;
-    if ((end - 1 - i) % stride == 0) kept.push_back(states.row[i]);
-  }
-  states.row.assign(kept.rbegin(), kept.rend());
-  return states;
-}
-
-}  // namespace
-
 TrainingStates training_states(const TrainingTables& tables, const std::vector<Ray>& rays) {
   TrainingStates states{converged_increments(tables, rays), {}};
   const std::int32_t n = tables.n_increments;
-  if (tables.scattered) return thinned_by_direction(std::move(states), n);
   std::vector<std::int32_t> deepest;  // row of each ray with a converged increment
   for (const std::int32_t row : states.row) {
     if (!deepest.empty() && deepest.back() / n == row / n) deepest.pop_back();
@@ -90,14 +69,6 @@ ActiveNodeModel describe_node(const TrainingTables& tables, std::int32_t node, c
   model.moves_mean = tool.mean;
   model.prescribed = tool.nodes;
   model.prescribed_weight = tool.weights;
-  if (tables.scattered) {
-    model.trained_depth_m.assign(rays.size(), 0);
-    for (const auto row : converged_increments(tables, rays)) {
-      double& depth = model.trained_depth_m[static_cast<std::size_t>(row / tables.n_increments)];
-      depth = std::max(depth, tables.displacements.row(row).norm());
-    }
-    return model;
-  }
   for (const Ray& ray : rays) {
     const auto stopped =
         std::find_if(ray.status.begin(), ray.status.end(), [](Status s) { return s != Status::converged; });

@@ -26,9 +26,7 @@ struct DatabaseHeader {
   NodeSets sets;
   std::vector<Vec3> directions;      ///< unit vectors
   std::vector<double> magnitudes_m;  ///< increments, ascending; the last is the maximum displacement
-  /// Only of imported responses (imported.hpp), whose displacements are any: n_directions * n_increments x 3 [m], row
-  /// direction * n_increments + increment, each nearest to its direction. The magnitudes then only count.
-  Points displacements_m = Points(0, 3);
+  bool imported = false;             ///< responses of another program (imported.hpp), which belong to no scene
   bool tangents = false, float64 = false;
   /// Displacements of an increment are multiples of 2^-field_bits times the power of two below its magnitude; 0: any.
   int field_bits = 0;
@@ -36,8 +34,6 @@ struct DatabaseHeader {
   int fold_halvings = phynness::fold_halvings;  ///< of the program that solved it
   std::string scene_text, scene_name, scene_folder;
   std::string physics_hash, mesh_hash, software_version;
-
-  bool is_imported() const { return displacements_m.rows() > 0; }
 };
 
 /// The prescribed displacements, n_directions * n_increments x 3 [m], row direction * n_increments + increment.
@@ -175,12 +171,12 @@ struct PackingRanks {
   int rank = 0, size = 1;
   /// Runs the work of each. What one throws is thrown on all.
   std::function<void(const std::function<void()>& work)> together = [](const auto& work) { work(); };
-  /// The bytes of all, one after another, on rank 0.
-  std::function<std::vector<unsigned char>(const std::vector<unsigned char>&)> to_first = [](const auto& own) {
-    return own;
-  };
   /// The numbers of all, one after another, on all.
   std::function<std::vector<std::int64_t>(const std::vector<std::int64_t>&)> gathered = [](const auto& own) {
+    return own;
+  };
+  /// The bytes of all, one after another, on rank 0.
+  std::function<std::vector<unsigned char>(const std::vector<unsigned char>&)> to_first = [](const auto& own) {
     return own;
   };
   /// Called with every ray that this process packs, without the columns of output nodes.

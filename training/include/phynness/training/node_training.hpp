@@ -22,8 +22,6 @@ struct TrainingTables {
   Points output_points;              ///< n_output x 3 [m]
   std::vector<double> magnitudes_m;  ///< n_increments
   bool float64 = false;              ///< displacements are stored as float64
-  /// Imported: any displacements, of which each direction has those nearest to it, the longest last.
-  bool scattered = false;
 };
 TrainingTables training_tables(const DatabaseHeader& header);
 
@@ -35,8 +33,7 @@ std::vector<std::int32_t> converged_increments(const TrainingTables& tables, con
 inline constexpr std::size_t max_training_states = 600;
 
 /// The converged increments from which a node is trained: all of them, or if they are more than `max_training_states`
-/// the same increments of every ray, spread evenly to the full depth, and the deepest of each ray; of scattered
-/// displacements, every n-th of each direction.
+/// the same increments of every ray, spread evenly to the full depth, and the deepest of each ray.
 struct TrainingStates {
   std::vector<std::int32_t> row;         ///< as converged_increments(), ascending
   std::vector<std::int32_t> increments;  ///< of every ray, ascending; without the deepest ones of shorter rays
