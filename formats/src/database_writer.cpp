@@ -67,7 +67,8 @@ void DatabaseWriter::create(const fs::path& file, const DatabaseHeader& given, b
     return;
   }
   make_log_folder(file);
-  const fs::path partial = file.string() + ".tmp" + (part > 0 ? "-" + std::to_string(part) : "");
+  auto partial = fs::path(file) += ".tmp";
+  if (part > 0) (partial += '-') += std::to_string(part);
   try {
     auto out = hdf5::File::create(partial, layout::header_bytes(header));
     layout::write_header(out, header, false);
