@@ -23,17 +23,9 @@ struct LogScan {
   std::vector<unsigned char> record = std::vector<unsigned char>(layout.record_bytes());
 
   void run() {
-    std::int64_t at = read_opening();
-    while (at < size) {
-      const char* defect = take(at);
-      if (defect == nullptr) {
-        at += static_cast<std::int64_t>(record.size());
-        continue;
-      }
-      const auto next = next_whole_record(at + 1);
-      index.damage.push_back({path, defect, next - at});
-      at = next;
-    }
+    // A damaged record is left out: all have the same size.
+    for (std::int64_t at = read_opening(), bytes = std::ssize(record); at < size; at += bytes)
+      if (const char* defect = take(at)) index.damage.push_back({path, defect, std::min(bytes, size - at)});
   }
 
   /// @return offset of the first record. @throws Error (input) if the log belongs to another physics or mesh
@@ -49,10 +41,8 @@ struct LogScan {
     Fnv1a64 hash;
     hash.add(found.data(), body);
     if (value_at<std::uint64_t>(found.data() + body) != hash.value()) {
-      // Checksums of the records identify their physics and mesh.
-      const auto first = next_whole_record(1);
-      index.damage.push_back({path, "corrupted opening", first});
-      return first;
+      index.damage.push_back({path, "corrupted opening", size});
+      return size;
     }
     if (!std::equal(log_magic.begin(), log_magic.end(), found.begin()))
       throw input_error(
@@ -79,31 +69,6 @@ struct LogScan {
       return "record with impossible numbers";
     index.entries.push_back({active, direction, number, at + static_cast<std::int64_t>(prefix_bytes)});
     return nullptr;
-  }
-
-  bool is_whole(std::int64_t at) {
-    const auto before = index.entries.size();
-    const bool whole = take(at) == nullptr;
-    index.entries.resize(before);
-    return whole;
-  }
-
-  /// Offset of the next complete record; the size of the log if there is none.
-  std::int64_t next_whole_record(std::int64_t from) {
-    std::vector<unsigned char> block(1 << 16);
-    while (from + static_cast<std::int64_t>(record.size()) <= size) {
-      const auto got = read_at(file, path, from, block.data(), block.size());
-      const auto end = block.begin() + static_cast<std::ptrdiff_t>(got);
-      for (auto found = block.begin();; ++found) {
-        found = std::search(found, end, record_magic.begin(), record_magic.end());
-        if (found == end) break;
-        const auto at = from + (found - block.begin());
-        if (is_whole(at)) return at;
-      }
-      if (got < block.size()) break;
-      from += static_cast<std::int64_t>(got - (record_magic.size() - 1));  // a magic may extend across two blocks
-    }
-    return size;
   }
 };
 

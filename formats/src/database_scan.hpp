@@ -27,7 +27,7 @@ struct Index {
 std::vector<std::filesystem::path> logs_of(const std::filesystem::path& file);
 
 /// Checks every record of every log of the database `file` and adds it to `index`. Torn and corrupted records are
-/// skipped, and reading continues at the next complete record.
+/// skipped, and so are logs whose opening is damaged.
 /// @param ranks  share the logs, and all get all entries
 /// @throws Error (input) if a log belongs to another physics or mesh than `header`
 void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index& index,

@@ -10,8 +10,8 @@ namespace {
 const char* const not_written =
     "check free space (df) and permissions, then run again with --resume: logged rays are kept";
 
-/// More than HDF5 needs for the names, types and indices of a database beside its data.
-constexpr std::uint64_t margin_bytes = 1 << 20;
+/// Twice what HDF5 needs for the names, types and indices of a database beside its data.
+constexpr std::uint64_t margin_bytes = 32 << 10;
 
 Handle text_type() {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);

@@ -69,18 +69,6 @@ TEST_F(Interruption, at_any_byte_of_the_last_record_loses_that_record_only) {
   }
 }
 
-TEST_F(Interruption, at_any_byte_of_the_opening_leaves_an_empty_log) {
-  const auto header = small_header(false);
-  DatabaseWriter::create(file, header, false);
-  { DatabaseWriter writer(file, header, 0); }
-  const auto opening = bytes_of(log / "rank-0000");
-  for (std::size_t size = 0; size < opening.size(); ++size) {
-    write_bytes(log / "rank-0000", {opening.begin(), opening.begin() + static_cast<std::ptrdiff_t>(size)});
-    EXPECT_EQ(rays_in(DatabaseWriter::logged(file, header)), 0);
-    EXPECT_EQ(database_progress(file).damage.size(), size > 0 ? 1u : 0u);
-  }
-}
-
 TEST_F(Interruption, between_packing_and_tidying_up_is_mended_by_resuming) {
   const auto header = small_header(false);
   write_logs(header);
@@ -254,24 +242,6 @@ TEST_F(Interruption, a_full_disk_is_an_error_and_leaves_whole_records) {
   writer.close();
   DatabaseWriter::pack(file, header);
   EXPECT_EQ(Database::open(file).rays(2)[6].force, rays.back().force);
-}
-
-TEST_F(Interruption, packing_leaves_what_others_put_into_the_folder_of_logs) {
-  const auto header = small_header(false);
-  write_logs(header, 2);
-  fs::create_directories(log / "rank-0000-of-mine");
-  for (const char* name : {"thesis.txt", "rank-notes.txt", "rank-0000.bak", "rank-0000-of-mine/a"})
-    std::ofstream(log / name) << "mine";
-  DatabaseWriter::pack(file, header);
-  EXPECT_FALSE(fs::exists(log / "rank-0000"));
-  EXPECT_FALSE(fs::exists(log / "rank-0001"));
-  const auto expect_kept = [&] {
-    for (const char* name : {"thesis.txt", "rank-notes.txt", "rank-0000.bak", "rank-0000-of-mine/a"})
-      EXPECT_TRUE(fs::exists(log / name)) << name;
-  };
-  expect_kept();
-  DatabaseWriter::create(file, header, true);  // which tidies up after a process that died while packing
-  expect_kept();
 }
 
 TEST_F(Interruption, a_full_disk_while_packing_keeps_the_logs) {

@@ -27,8 +27,8 @@ with tempfile.TemporaryDirectory() as folder:
     run(phynness, "import", "given.h5", "-o", "database.h5")
     assert "imported" in run(phynness, "info", "database.h5")
     run(phynness, "train", "database.h5", "-o", "model")
-    # Of the last place an interpolation of 300 measurements was trained. Linear responses are 20 % off at this depth.
-    for node, most in ((21, 0.01), (75, 0.03)):
+    # Of the last place an interpolation of 300 measurements was trained. Linear responses are 33 % off at this depth.
+    for node, most in ((21, 0.01), (75, 0.06)):
         d = np.array([0.004, -0.003, -0.006])
         run(phynness, "eval", "model", "--node", str(node), "--displacement", ",".join(map(str, d)), "--json", "answer.json")
         found = json.loads(Path(folder, "answer.json").read_text())["tools"][0]["force"]

@@ -1,5 +1,5 @@
-// Claims: any number of ranks packs the same logs to the same bytes, also where a log is damaged, and an error of one
-// rank ends all, with its message, and keeps the logs. What ends a run under mpirun is said with the remedy.
+// Claims: any number of ranks packs the same logs to the same bytes, also where a log is damaged. What ends a run under
+// mpirun is said with the remedy.
 #include <phynness/formats/database.hpp>
 
 #include "command_line.hpp"
@@ -78,20 +78,6 @@ TEST_F(EveryRankPacks, what_another_rank_finds_damaged_is_solved_again) {
   expect_same_results(folder / "damaged.h5", folder / "whole.h5");
 }
 
-TEST_F(EveryRankPacks, a_full_disk_of_one_ends_all_and_keeps_the_logs) {
-  const auto file = copy("full.h5");
-  const std::string one = " : -n 1 \"$PHYNNESS\" precompute scene.toml --resume -o full.h5";
-  const auto outcome =
-      shell("timeout 120 mpirun --oversubscribe" + one.substr(2) +
-            " : -n 1 sh -c 'ulimit -f 100; exec \"$0\" precompute scene.toml --resume -o full.h5' \"$PHYNNESS\"" + one);
-  EXPECT_EQ(outcome.exit_status, 1) << outcome.err;
-  expect_names(outcome.err, {"cannot write", "full.h5.packing", "--resume"});
-  EXPECT_FALSE(fs::exists(file.string() + ".packing"));
-  ASSERT_FALSE(Database::is_complete(file));
-  ASSERT_EQ(resume(2, "full.h5").exit_status, 0);
-  EXPECT_EQ(read_file(file), read_file(folder / "whole.h5"));
-}
-
 /// Starts two ranks, and runs `kill` with the process of mpirun in $pid as soon as rays are logged.
 std::string two_ranks_and(const std::string& kill) {
   return "mpirun --oversubscribe -n 2 \"$PHYNNESS\" precompute scene.toml -o killed.h5 & pid=$!; "
@@ -101,9 +87,7 @@ std::string two_ranks_and(const std::string& kill) {
 }
 
 TEST_F(EveryRankPacks, what_ends_a_run_is_said) {
-  const std::string rank_of_mpirun = "kill -9 $(pgrep -P $pid phynness | ";
-  for (const auto& kill : {std::string("kill -INT $pid"), std::string("kill -TERM $pid"), rank_of_mpirun + "head -n 1)",
-                           rank_of_mpirun + "tail -n 1)"}) {
+  for (const char* kill : {"kill -INT $pid", "kill -9 $(pgrep -P $pid phynness | tail -n 1)"}) {
     fs::remove(folder / "killed.h5");
     fs::remove_all(folder / "killed.h5.log");
     const auto outcome = shell(two_ranks_and(kill));
