@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <phynness/evaluation/loaded_body.hpp>
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/text_file.hpp>
@@ -29,8 +30,36 @@ constexpr std::int32_t body_steps = 60;
 LoadedModel loaded(const Options& options) {
   LoadedModel model(options.model);
   if (options.level) model.set_level(*options.level);
-  if (options.body) model.attach(LoadedBody(*options.body), body_steps);
   return model;
+}
+std::optional<LoadedBody> loaded_body(const Options& options, const LoadedModel& model) {
+  std::optional<LoadedBody> body;
+  if (options.body) body.emplace(*options.body).require_mesh(model.model().mesh_hash, options.model.string());
+  return body;
+}
+
+/// Of a body; the displacements are those of its nodes.
+ModelResponse respond(LoadedBody& body, const std::vector<phn_tool>& tools) {
+  const auto said = body.press_from_rest(tools, increments_from_rest, body_steps);
+  ModelResponse response;
+  response.force_N.assign(said.force_N.begin(), said.force_N.end());
+  response.energy_J = said.pressed.energy;
+  response.displacement_m = said.displacement_m;
+  response.status = said.status;
+  response.coupled = {said.pressed.behind_m, said.pressed.energy};
+  if (body.has_bounds()) response.bound_N = said.bound_N;
+  return response;
+}
+
+/// Of a body at other nodes, zeros inside of it.
+Points on_output(const phn_body_info& info, const Points& displacement_m, const std::vector<std::int32_t>& nodes) {
+  Points out = Points::Zero(std::ssize(nodes), 3);
+  for (Eigen::Index i = 0; i < out.rows(); ++i) {
+    const auto node = nodes[static_cast<std::size_t>(i)];
+    const auto* at = std::lower_bound(info.nodes, info.nodes + info.n_nodes, node);
+    if (at != info.nodes + info.n_nodes && *at == node) out.row(i) = displacement_m.row(at - info.nodes);
+  }
+  return out;
 }
 
 std::string obj_text(const VtkGrid& grid, const Eigen::MatrixXd& displacement, const std::string& title) {
@@ -94,11 +123,11 @@ std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places, const st
 
 /// Of every tool that is displaced farther than a node below it was trained: both lengths; of several without such a
 /// one what else it may be. "": the status says no such thing.
-std::string lengths_outside(const LoadedModel& model, int status, const std::vector<SurfacePoint>& places,
-                            const std::vector<Vec3>& displacements) {
+std::string lengths_outside(const LoadedModel& model, const std::optional<LoadedBody>& body, int status,
+                            const std::vector<SurfacePoint>& places, const std::vector<Vec3>& displacements) {
   std::string text;
   if ((status & PHN_WARNING_OUTSIDE) == 0) return text;
-  if (const auto* body = model.body()) {
+  if (body) {
     const double trained_m = body->info().max_displacement_m;
     for (const Vec3& d : displacements)
       if (const double length_m = std::hypot(d[0], d[1], d[2]); length_m > trained_m)
@@ -124,10 +153,11 @@ std::string lengths_outside(const LoadedModel& model, int status, const std::vec
 }
 
 /// Columns behind those of the query; energy and bound only if the model has them.
-std::string answer_of(const LoadedModel& model, const Query& query, bool has_energy, bool has_bounds) {
+std::string answer_of(const LoadedModel& model, std::optional<LoadedBody>& body, const Query& query, bool has_energy,
+                      bool has_bounds) {
   const auto& [node, d] = query;
-  if (model.body()) {
-    const auto said = model.couple({tool_at(at_node(node), d)});
+  if (body) {
+    const auto said = respond(*body, {tool_at(at_node(node), d)});
     const Vec3& f = *said.force_N[0];
     auto text = fmt::format(",{},{},{},{},{}", f[0], f[1], f[2], *said.energy_J, said.status);
     if (has_bounds) text += said.bound_N[0] ? fmt::format(",{}", *said.bound_N[0]) : ",";
@@ -148,8 +178,9 @@ std::string answer_of(const LoadedModel& model, const Query& query, bool has_ene
 /// --queries replaces the options of a single query, and its result is a table.
 void run_queries(const Options& options) {
   const LoadedModel model = loaded(options);
-  const auto* body = model.body();
-  const bool has_energy = model.couples_with_energy(), has_bounds = body ? body->has_bounds() : model.has_bounds();
+  auto body = loaded_body(options, model);
+  const bool has_energy = body || model.runtime().info().has_energy != 0,
+             has_bounds = body ? body->has_bounds() : model.has_bounds();
   const auto active = model.runtime().active_nodes();
   QueryAnswers answers;
   answers.command = "eval";
@@ -157,16 +188,16 @@ void run_queries(const Options& options) {
                                 body ? "" : ",trained_depth_m", has_bounds ? ",bound_N" : "");
   answers.check = [&](const Query& query) {
     if (body)
-      model.couple({tool_at(at_node(query.node), {0, 0, 0})});  // throws an error if nothing there can move
+      body->press({tool_at(at_node(query.node), {0, 0, 0})}, 1);  // throws an error if nothing there can move
     else if (!std::binary_search(active.begin(), active.end(), query.node))
       model.force(query.node, {0, 0, 0});  // throws an error with the nearest active nodes
   };
-  answers.answer = [&](const Query& query) { return answer_of(model, query, has_energy, has_bounds); };
+  answers.answer = [&](const Query& query) { return answer_of(model, body, query, has_energy, has_bounds); };
   answer_queries(options.queries, answers);
 }
 
-void print_bound(const LoadedModel& model, int status, const std::optional<double>& bound_N) {
-  const auto* body = model.body();
+void print_bound(const LoadedModel& model, const std::optional<LoadedBody>& body, int status,
+                 const std::optional<double>& bound_N) {
   if (bound_N)
     print_result(
         "error of the force{}: at most {:.3g} N for {:g} % of random displacements\n",
@@ -189,18 +220,20 @@ void run_single(const Options& options) {
     throw input_error("--tools paper is only defined for tools at nodes", "--point " + options.tool.points.front(),
                       "use --tools coupled, or use --node");
   const LoadedModel model = loaded(options);
+  auto body = loaded_body(options, model);
   const auto places = options.tool.places(model.mesh());
-  const bool coupled =
-      options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty() || model.body());
-  auto response =
-      coupled ? model.couple(tools_at(places, displacements)) : model.respond(options.tool.nodes, displacements);
+  const bool coupled = options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty() || body);
+  const auto tools = tools_at(places, displacements);
+  const auto response = body      ? respond(*body, tools)
+                        : coupled ? model.couple(tools)
+                                  : model.respond(options.tool.nodes, displacements);
   const auto& wanted = options.tool.deformation_csv ? options.tool.deformation_csv : options.surface;
   if (response.displacement_m.rows() == 0 && wanted)
     throw input_error("this model has forces only", wanted->string(),
                       "omit the output file, or train the model with [training] modes of 1 or more");
   if (response.status > 0)
     message("warning: {}{}\n", phn_status_message(response.status),
-            lengths_outside(model, response.status, places, displacements));
+            lengths_outside(model, body, response.status, places, displacements));
   json extra = record("status", response.status, "family", model.runtime().info().family, "level", model.level());
   const bool single = !coupled && places.size() == 1, bounded = single && model.has_bounds();
   std::optional<double> bound_N;
@@ -214,8 +247,10 @@ void run_single(const Options& options) {
   if (coupled) extra["residual"] = response.coupled.residual;
   for (const auto& bound : bounds) extra["bounds_N"].push_back(bound ? json(*bound) : json(nullptr));
   const auto& info = model.runtime().info();
-  const auto output = model.runtime().output_nodes();
-  ToolResult result{response.force_N, response.energy_J, response.displacement_m, {output.begin(), output.end()}, {}};
+  const auto all = model.runtime().output_nodes();
+  const std::vector<std::int32_t> output(all.begin(), all.end());
+  ToolResult result{response.force_N, response.energy_J, response.displacement_m, output, {}};
+  if (body) result.nodes.assign(body->info().nodes, body->info().nodes + body->info().n_nodes);
   for (Eigen::Index f = 0; f < response.fields.cols(); ++f) {
     const std::string field = info.field_names[f];
     const auto known = field_named(field);
@@ -223,11 +258,13 @@ void run_single(const Options& options) {
   }
   report_tools(options.tool, places, displacements, model.mesh(), result, extra, [&] {
     if (!options.surface) return;
-    const auto n = write_fine_surface(model, response.displacement_m, options.levels, *options.surface, info.title);
+    const auto& u = response.displacement_m;
+    const auto n = write_fine_surface(model, body ? on_output(body->info(), u, output) : u, options.levels,
+                                      *options.surface, info.title);
     message("surface of {} vertices: {}\n", n, options.surface->string());
   });
-  if (bounded) print_bound(model, response.status, bound_N);
-  for (const auto& bound : bounds) print_bound(model, response.status, bound);
+  if (bounded) print_bound(model, body, response.status, bound_N);
+  for (const auto& bound : bounds) print_bound(model, body, response.status, bound);
 }
 
 void run(const Options& options) {
@@ -257,7 +294,7 @@ void add(CLI::App& app) {
   add_count(command, "--subdivide", options.levels, 0, 6, "levels of subdivision of that surface (Loop's scheme)")
       ->needs(surface);
   add_path(command, "--body", options.body, PathKind::input,
-           "a reduced body (body.txt) of the model's database, which answers every tool");
+           "a reduced body (body.txt) of the model's mesh, which answers every tool");
   options.queries.add_to(command,
                          {"--node", "--point", "--displacement", "--deformation", "--surface", "--tools", "--json"});
 }

@@ -14,7 +14,6 @@ struct Options {
   std::optional<std::string> family;
   std::optional<int> neurons, modes;
   std::optional<double> spread;
-  bool surface = false;
 };
 
 /// Inputs are scaled to the range [-1, 1]. Far smaller spreads separate all points, far larger ones separate none.
@@ -93,20 +92,6 @@ FinerDistance distance_of(const std::filesystem::path& file, const Scene& scene,
   return distance;
 }
 
-/// The part of a database with those of its output nodes that lie on the surface. Mesh and physics are the same.
-/// @throws Error (input) if there are none
-Database on_surface(Database database, const std::filesystem::path& file) {
-  auto part = database.header();
-  const auto surface = surface_nodes(part.mesh.surface);
-  const auto n = std::erase_if(part.sets.output, [&](auto node) { return !std::ranges::binary_search(surface, node); });
-  if (part.sets.output.empty())
-    throw input_error("no output node of the database lies on the surface",
-                      fmt::format("--surface, {} output nodes in {}", n, file.string()),
-                      "omit --surface, or precompute with output = \"free\" in [nodes]");
-  message("note: {} of {} output nodes lie on the surface\n", part.sets.output.size(), part.sets.output.size() + n);
-  return n == 0 ? std::move(database) : Database::open(file, part);
-}
-
 struct Trained {
   std::optional<LoadedModel> loaded;
   TrainingReport report;
@@ -120,9 +105,7 @@ Trained trained(const Options& options) {
   // Without a scene the database is the first argument, and tells its own.
   auto opened = options.database ? std::nullopt : std::optional(Database::open(options.scene));
   const Scene scene = opened ? stored_scene(opened->header()) : open_scene(options.scene);
-  auto whole = opened ? std::move(*opened) : open_database(scene, *options.database);
-  const auto database =
-      options.surface ? on_surface(std::move(whole), options.database.value_or(options.scene)) : std::move(whole);
+  const auto database = opened ? std::move(*opened) : open_database(scene, *options.database);
   const auto& header = database.header();
   warn_of_patch(scene, header.mesh, header.sets);
   const TrainingSpec spec = chosen_spec(scene.training, options);
@@ -244,8 +227,6 @@ void add(CLI::App& app) {
   command.add_option("--spread", options.spread,
                      "rbfn: spread of the deformation networks, in scaled inputs; 0: search");
   add_count(command, "--modes", options.modes, 0, largest_mode_count, "modal: modes of each node; 0: forces only");
-  command.add_flag("--surface", options.surface,
-                   "model only output nodes on the surface, so that a body can be attached");
   add_path(command, "--check", options.check_file, PathKind::input,
            "file of check --json: the model then holds the distance of its finite elements from a finer solution");
   add_json(command, options.json_file);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <phynness/evaluation/loaded_body.hpp>
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/text_file.hpp>
@@ -110,9 +111,9 @@ json errors_json(const std::filesystem::path& file, const LoadedModel& loaded) {
   return known;
 }
 
-std::string page_json(const Options& options, const LoadedModel& loaded) {
+std::string page_json(const Options& options, const LoadedModel& loaded, const std::optional<LoadedBody>& body) {
   json page = record("format", "phynness view 1", "model", loaded.text());
-  if (loaded.body()) page["body"] = loaded.body()->text();
+  if (body) page["body"] = body->text();
   if (options.errors) page["validation"] = errors_json(*options.errors, loaded);
   if (options.database) {
     const auto database = Database::open(*options.database);
@@ -131,12 +132,13 @@ std::string page_json(const Options& options, const LoadedModel& loaded) {
 void run(const Options& options) {
   const auto page = embedded_page("view.html");
   if (!page) throw input_error("this build has no page", "phynness view", missing_pages_remedy());
-  LoadedModel loaded(options.model);
-  if (options.body) loaded.attach(LoadedBody(*options.body), 1);
+  const LoadedModel loaded(options.model);
+  std::optional<LoadedBody> body;
+  if (options.body) body.emplace(*options.body).require_mesh(loaded.model().mesh_hash, options.model.string());
   if (loaded.model().surface.rows() == 0)
     throw input_error("the model has no surface, and nothing can be drawn", options.model.string(),
                       "train it again with output nodes, so that model.txt contains triangles");
-  const auto whole = page_with_data(*page, page_json(options, loaded));
+  const auto whole = page_with_data(*page, page_json(options, loaded, body));
   write_text_file(options.output, whole);
   print_result("{}: {}, of which {} are the page and its runtime\n", options.output.string(), bytes(whole.size()),
                bytes(page->size()));

@@ -1,5 +1,5 @@
 // A reduced body whose modes are all displacements of the nodes of a block and whose cells are all tetrahedra, each
-// with its pressure, and a model to which it can be attached.
+// with its pressure, and a model of the same mesh.
 #pragma once
 
 #include <Eigen/Dense>

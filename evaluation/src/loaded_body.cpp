@@ -33,6 +33,13 @@ bool LoadedBody::has_bounds() const {
   return _text.find("\n" + std::string(schema::body_bounds_word) + " ") != std::string::npos;
 }
 
+void LoadedBody::require_mesh(const std::string& mesh_hash, const std::string& of) const {
+  if (mesh_hash != _info.mesh_hash)
+    throw input_error("the body " + _name + " has another mesh than " + of,
+                      "hash " + std::string(_info.mesh_hash) + ", of the other " + mesh_hash,
+                      "give a body that phynness reduce made of a database of this mesh");
+}
+
 std::size_t LoadedBody::state_bytes(std::int32_t max_tools) const {
   std::size_t bytes = 0;
   require_good(phn_body_state_size(_body, max_tools, &bytes), "the runtime cannot prepare " + _name);

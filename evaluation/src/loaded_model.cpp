@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <phynness/evaluation/loaded_model.hpp>
-#include <phynness/formats/body.hpp>
 #include <phynness/formats/error.hpp>
 #include <tuple>
 
@@ -64,19 +63,6 @@ void LoadedModel::require_same(const std::string& what, const std::string& mesh_
     if (*of_model != 0 && other != of_model)
       throw input_error(what + " has another " + kind + " than the model " + _name,
                         "hash " + other + ", of the model " + of_model, remedy);
-}
-
-void LoadedModel::attach(LoadedBody body, std::int32_t steps) {
-  require_same("the body " + body.name(), body.info().mesh_hash, body.info().physics_hash);
-  const int status = body.attach_to(_data, steps);
-  if (status == PHN_ERROR_UNDEFINED)
-    throw input_error("an output node of the model " + _name + " is inside of the body " + body.name(),
-                      "a body knows the displacements of its surface",
-                      "make a model of the same database with phynness train --surface");
-  if (status < 0)
-    throw failure("the runtime cannot attach the body " + body.name() + " to the model " + _name,
-                  phn_status_message(status), "please report this defect");
-  _body.emplace(std::move(body));
 }
 
 const Model& LoadedModel::model() const {
@@ -197,18 +183,7 @@ ModelResponse LoadedModel::couple(const std::vector<phn_tool>& tools) const {
   const std::size_t n_tools = tools.size();
   ModelResponse response;
   std::vector<double> forces(3 * n_tools);
-  int status = PHN_OK;
-  if (_body) {
-    _data.couple({}, {}).ignore();  // lets it go
-    for (int i = 1; i <= increments_from_rest && status >= 0; ++i) {
-      auto moved = tools;
-      for (auto& tool : moved)
-        for (double& d : tool.displacement) d *= static_cast<double>(i) / increments_from_rest;
-      status = _data.couple(moved, forces, &response.coupled);
-    }
-  } else {
-    status = _data.couple(tools, forces, &response.coupled);
-  }
+  const int status = _data.couple(tools, forces, &response.coupled);
   if (status == PHN_ERROR_TOOLS || status == PHN_ERROR_TOO_MANY_TOOLS)
     throw input_error("there are too many coupled tools", std::to_string(n_tools),
                       "give at most " + std::to_string(PHN_MOST_COUPLED) + " tools");
@@ -217,19 +192,18 @@ ModelResponse LoadedModel::couple(const std::vector<phn_tool>& tools) const {
                       "train it with modes and make all touched nodes output nodes, or touch a single node");
   const auto all_fixed = _runtime.fixed_nodes();
   for (const auto& tool : tools)
-    for (int k = 0; k < 3 && status == PHN_ERROR_NOT_ACTIVE && !_body; ++k) {
+    for (int k = 0; k < 3 && status == PHN_ERROR_NOT_ACTIVE; ++k) {
       const bool fixed = std::binary_search(all_fixed.begin(), all_fixed.end(), tool.nodes[k]);
       if (tool.weights[k] > 0 && !fixed) force(tool.nodes[k], {0, 0, 0});  // throws an error for an inactive node
     }
   if (status == PHN_ERROR_NOT_ACTIVE)
-    throw input_error(_body ? "nothing that a tool touches can move" : "all nodes of a tool are fixed", "",
-                      "touch a part of the surface that can move");
+    throw input_error("all nodes of a tool are fixed", "", "touch a part of the surface that can move");
   check(status, n_tools == 0 ? -1 : tools[0].nodes[0]);
   for (std::size_t t = 0; t < n_tools; ++t)
     response.force_N.emplace_back(Vec3{forces[3 * t], forces[3 * t + 1], forces[3 * t + 2]});
-  if (couples_with_energy()) response.energy_J = response.coupled.energy;
+  if (_runtime.info().has_energy != 0) response.energy_J = response.coupled.energy;
   double bounds[PHN_MOST_COUPLED];
-  if ((_body ? _body->has_bounds() : has_bounds()) && _data.coupled_bound(bounds).ok())
+  if (has_bounds() && _data.coupled_bound(bounds).ok())
     for (std::size_t t = 0; t < n_tools; ++t)
       response.bound_N.push_back(bounds[t] < PHN_NO_BOUND ? std::optional(bounds[t]) : std::nullopt);
   response.displacement_m.resize(_runtime.n_output(), 3);

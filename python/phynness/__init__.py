@@ -5,15 +5,15 @@ the numbers of the mesh. Arguments called d are displacements, one of shape (3,)
 any layout. Every function may be called by several threads at the same time; large arrays are evaluated without the GIL.
 """
 from ._phynness import (
-    Coupled, Column, Database, Error, IncompleteWarning, Level, Model, OutsideWarning, Scene, StatusWarning, SurfacePoint,
-    UnsettledWarning, __version__, train,
+    Body, Coupled, Column, Database, Error, IncompleteWarning, Level, Model, OutsideWarning, Pressed, Scene, StatusWarning,
+    SurfacePoint, UnsettledWarning, __version__, train,
 )
 from .command import Page, Solution, precompute, show, solve, validate
 
 __all__ = [
-    "Coupled", "Column", "Database", "Error", "IncompleteWarning", "Level", "Model", "OutsideWarning", "Page",
-    "Scene", "Solution", "StatusWarning", "SurfacePoint", "UnsettledWarning", "__version__", "precompute", "show", "solve",
-    "train", "validate",
+    "Body", "Coupled", "Column", "Database", "Error", "IncompleteWarning", "Level", "Model", "OutsideWarning", "Page",
+    "Pressed", "Scene", "Solution", "StatusWarning", "SurfacePoint", "UnsettledWarning", "__version__", "precompute", "show",
+    "solve", "train", "validate",
 ]
 
 setattr(Model, "show", show)

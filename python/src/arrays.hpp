@@ -69,6 +69,7 @@ py::array_t<T> view(py::handle owner, const T* numbers, std::initializer_list<py
 }
 
 void add_model(py::module_& module);
+void add_body(py::module_& module);
 void add_database(py::module_& module);
 void add_training(py::module_& module);
 

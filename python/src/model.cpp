@@ -1,6 +1,5 @@
 #include "model.hpp"
 
-#include <phynness/formats/body.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/model.hpp>
@@ -9,7 +8,6 @@
 #include <limits>
 
 namespace phynness::python {
-namespace {
 
 phn_tool tool_at(const Place& at) {
   if (const auto* point = std::get_if<SurfacePoint>(&at)) return point->tool;
@@ -17,6 +15,8 @@ phn_tool tool_at(const Place& at) {
   constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
   return {{node < 0 || node > most ? -1 : static_cast<std::int32_t>(node), -1, -1}, {1, 0, 0}, {0, 0, 0}};
 }
+
+namespace {
 
 /// Answers the questions about one place by the functions for nodes, or those for points.
 struct Asked {
@@ -129,64 +129,10 @@ std::unique_ptr<ModelObject> ModelObject::open(const py::object& of) {
   return std::make_unique<ModelObject>(file.string(), std::move(text), std::move(mesh), py::none());
 }
 
-Body::Body(const std::string& name, py::bytes of, std::int32_t most_steps) : text(std::move(of)), steps(most_steps) {
-  const std::string_view said = text;
-  std::size_t bytes = 0, wrong = 0;
-  int status = phn_body_size(said.data(), said.size(), &bytes, &wrong);
-  if (status >= 0) {
-    memory.resize(bytes);
-    status = phn_body_init(memory.data(), bytes, said.data(), said.size(), &body, &wrong);
-  }
-  if (status >= 0) return;
-  std::string why = name + ": " + phn_status_message(status);
-  try {
-    read_body_text(std::string(said), name);
-  } catch (const Error& error) {
-    why = error.what();
-  }
-  raise(why, status);
-}
-
-int Body::attach_to(rt::Tools& data, std::int32_t max_tools, std::vector<std::byte>& place) const {
-  std::size_t bytes = 0;
-  phn_body_state* state = nullptr;
-  int status = phn_body_state_size(body, max_tools, &bytes);
-  place.resize(bytes);
-  if (status >= 0) status = phn_body_state_init(place.data(), bytes, body, max_tools, &state);
-  return status < 0 ? status : int{data.attach(body, state, steps)};
-}
-
-void ModelObject::attach(const py::object& of, std::int32_t steps) {
-  if (steps < 1) throw py::value_error("steps must be 1 or more");
-  const bool is_text = py::isinstance<py::bytes>(of);
-  const auto name = is_text ? "the text" : path_of(of).string();
-  auto made = std::make_shared<const Body>(name, is_text ? py::bytes(of) : py::bytes(read_body_file(name)), steps);
-  std::vector<std::byte> state;
-  rt::Tools data(_model, 1);
-  const int status = data ? made->attach_to(data, 1, state) : int{data.status()};
-  if (status == PHN_ERROR_ARGUMENT)
-    raise(name +
-              ": the body has another mesh or physics than the model\n  remedy: make it with phynness reduce of the "
-              "database of this model",
-          status);
-  if (status == PHN_ERROR_UNDEFINED)
-    raise(name +
-              ": an output node of the model is inside of the body\n  remedy: make a model of the same database with "
-              "phynness train --surface",
-          status);
-  if (status < 0) raise(name + ": " + phn_status_message(status), status);
-  _body = std::move(made);
-}
-
-py::tuple ModelObject::pickled() const {
-  const py::object attached = _body ? py::object(_body->text) : py::none();
-  return py::make_tuple(text(), _mesh, _training, attached, _body ? _body->steps : 0);
-}
+py::tuple ModelObject::pickled() const { return py::make_tuple(text(), _mesh, _training); }
 
 std::unique_ptr<ModelObject> ModelObject::unpickled(const py::tuple& parts) {
-  auto made = std::make_unique<ModelObject>("the text", parts[0].cast<std::string>(), parts[1], parts[2]);
-  if (parts.size() > 3 && !parts[3].is_none()) made->attach(parts[3], parts[4].cast<std::int32_t>());
-  return made;
+  return std::make_unique<ModelObject>("the text", parts[0].cast<std::string>(), parts[1], parts[2]);
 }
 
 void ModelObject::save(const py::object& to) const {
@@ -285,7 +231,7 @@ py::tuple ModelObject::nearest(py::handle x) const {
 }
 
 Coupled::Coupled(py::object owner, const std::vector<Place>& at, py::handle displacements, const Level& level)
-    : _owner(std::move(owner)), _model(_owner.cast<ModelObject&>()), _body(_model.body()) {
+    : _owner(std::move(owner)), _model(_owner.cast<ModelObject&>()) {
   const Vectors d(displacements, "d");
   if (d.is_one() || d.size() != static_cast<py::ssize_t>(at.size()))
     throw py::value_error("d must have the shape (" + std::to_string(at.size()) +
@@ -298,23 +244,12 @@ Coupled::Coupled(py::object owner, const std::vector<Place>& at, py::handle disp
   _data = rt::Tools(_model.runtime(), static_cast<std::int32_t>(at.size()));
   if (!_data) raise(_data.status().message(), _data.status());
   set_level(_data, level, _model.info().n_levels);
-  if (_body) {
-    const int status = _body->attach_to(_data, static_cast<std::int32_t>(at.size()), _state);
-    if (status < 0) raise(phn_status_message(status), status);
-  }
   forces = py::array_t<double>({static_cast<py::ssize_t>(at.size()), py::ssize_t{3}});
   double* const f = forces.mutable_data();
   Tally tally;
   {
     const py::gil_scoped_release release;
-    const rt::Span<double> to(f, 3 * tools.size());
-    for (int i = 1; i < (_body ? increments_from_rest : 1); ++i) {
-      auto moved = tools;
-      for (auto& tool : moved)
-        for (double& x : tool.displacement) x *= static_cast<double>(i) / increments_from_rest;
-      _data.couple(moved, to, &result).ignore();
-    }
-    tally.add(0, _data.couple(tools, to, &result));
+    tally.add(0, _data.couple(tools, {f, 3 * tools.size()}, &result));
   }
   tally.report(at.size() == 1 ? "one tool" : std::to_string(at.size()) + " tools", 1);
 }

@@ -3,7 +3,6 @@
 // store.
 #pragma once
 
-#include <phynness/phynness_body.h>
 #include <pybind11/stl.h>
 #include <phynness/phynness.hpp>
 
@@ -42,18 +41,7 @@ struct SurfacePoint {
 
 /// Where a tool is: at a node, or at a point of the surface.
 using Place = std::variant<std::int64_t, SurfacePoint>;
-
-/// A reduced body, constant, which answers for coupled tools. Each use has a state of its own.
-struct Body {
-  py::bytes text;
-  std::int32_t steps;
-  std::vector<std::byte> memory;
-  const phn_body* body = nullptr;
-
-  Body(const std::string& name, py::bytes text, std::int32_t steps);
-  /// @param memory  for the state, which must live as long as `data` is used
-  int attach_to(rt::Tools& data, std::int32_t max_tools, std::vector<std::byte>& memory) const;
-};
+phn_tool tool_at(const Place& at);
 
 class ModelObject {
  public:
@@ -68,10 +56,6 @@ class ModelObject {
   void save(const py::object& to) const;
   py::tuple pickled() const;
   static std::unique_ptr<ModelObject> unpickled(const py::tuple& parts);
-  /// @param of  a path, or bytes of a text
-  void attach(const py::object& of, std::int32_t steps);
-  void detach() { _body.reset(); }
-  const std::shared_ptr<const Body>& body() const { return _body; }
   std::vector<phn_level> levels() const;
 
   /// Force, energy and stiffness, of which only those that are asked for are computed.
@@ -90,7 +74,6 @@ class ModelObject {
   class Lease;
 
   std::string _text;
-  std::shared_ptr<const Body> _body;
   py::object _mesh, _training;
   rt::Model _model;
   std::vector<std::unique_ptr<rt::Tools>> _store;
@@ -110,8 +93,6 @@ class Coupled {
  private:
   py::object _owner;
   ModelObject& _model;
-  std::shared_ptr<const Body> _body;  ///< null: the model answers
-  std::vector<std::byte> _state;
   rt::Tools _data;
 };
 

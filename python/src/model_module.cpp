@@ -130,7 +130,7 @@ void add_surface(ModelClass& model) {
           },
           arg("at"), arg("d"), kw_only(), level(), R"(Forces of up to 8 tools at once, at nodes or between them.
 
-at: a list of n nodes and SurfacePoints. d: (n, 3) [m]. Errors and warnings: as force. A body may answer (attach).
+at: a list of n nodes and SurfacePoints. d: (n, 3) [m]. Errors and warnings: as force.
 
 >>> model = phynness.Model("examples/model")
 >>> point, position = model.nearest([0, 0, 0.1])
@@ -138,17 +138,6 @@ at: a list of n nodes and SurfacePoints. d: (n, 3) [m]. Errors and warnings: as 
 >>> both.forces.shape, both.deform().shape
 ((2, 3), (146, 3))
 )")
-      .def("attach", &ModelObject::attach, arg("body"), arg("steps") = 60, R"(Lets a reduced body answer couple.
-
-body: the path of a body.txt of phynness reduce, or its content as bytes. steps: of Newton's method, at most, in each
-of the eight increments in which couple comes from rest.
-
-forces (n, 3) [N], energy [J], residual [m], deform() (n_output, 3) [m] and bounds() (n,) [N] of couple, also of one tool,
-are then those of the body, whose tools may be near to each other. UnsettledWarning: more steps come closer. Everything
-else is still the model's. Error if the body is of another database, or if an output node is inside of it (phynness train
---surface). Results that couple has given keep their body; a pickled model keeps its own.
-)")
-      .def("detach", &ModelObject::detach, "The model answers couple again.")
       .def("save", &ModelObject::save, arg("path"),
            "Writes a model directory, model.txt and mesh.txt; of a model that was read without a mesh the file alone.")
       .def_property_readonly("text", &ModelObject::text, "The content of model.txt, bytes.")

@@ -105,13 +105,6 @@ TEST_F(Page, HoldsABodyOfTheModel) {
   write_file(folder / "body.txt", body.substr(0, body.size() / 2));
   expect_refused("--body body.txt", {"body.txt", "truncated"});
   expect_refused("--body none.txt", {"none.txt"});
-  auto all = small_scene("p1-p1");
-  all.replace(all.find("[probe]"), 7, "output = \"free\"\n[probe]");
-  write_file(folder / "all.toml", all);
-  std::filesystem::remove_all(folder / "model");
-  for (const char* line : {"precompute all.toml -o all.h5", "train all.h5 -o model", "reduce all.h5 -o all.txt"})
-    succeed(line);
-  expect_refused("--body all.txt", {"inside", "all.txt", "train --surface"});
 }
 
 TEST_F(Page, FilesOfOtherModelsAreRefused) {

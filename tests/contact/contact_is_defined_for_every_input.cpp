@@ -152,14 +152,19 @@ TEST(Contact, AnySurfaceIsSearchedOrRefused) {
   }
   std::size_t bytes = 0;
   const LoadedModel without(write_model_text(bare)), wide(write_model_text(far));
-  EXPECT_EQ(phn_contact_size(without.model, 1, &bytes), PHN_ERROR_UNDEFINED);
   phn_contact* contact = nullptr;
+  const auto init = [&](const phn_model* model) {
+    EXPECT_EQ(phn_contact_size(model, 1, &bytes), PHN_OK);
+    std::vector<char> memory(bytes);
+    return phn_contact_init(memory.data(), bytes, model, 1, &contact);
+  };
+  EXPECT_EQ(init(without.model), PHN_ERROR_UNDEFINED);
   Touch distant(wide);
   for (const double x : {0.0, 1e28, 2e29, 4e29, -1e30, 0.001})
     EXPECT_TRUE(finite(distant.step(tool_at({x, 1e28, -x}, 1e27, 1, 0.3))));
   for (const Body& body : bodies()) {
     const LoadedModel untouched(text_of(body));  // no active nodes
-    EXPECT_EQ(phn_contact_size(untouched.model, 1, &bytes), PHN_ERROR_UNDEFINED);
+    EXPECT_EQ(init(untouched.model), PHN_ERROR_UNDEFINED);
     Skin shape;
     for (const auto& x : body.points) shape.points.push_back(0.03 * x.transpose());
     shape.triangles.assign(body.triangles.begin(), body.triangles.end());

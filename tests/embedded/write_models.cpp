@@ -1,6 +1,6 @@
 // Writes model directories for tests of devices: write_models DIR makes DIR/rbfn, DIR/linear and DIR/modal with 60
 // neurons or centers of force and 26 directions, as in the paper; DIR/round has round tools and places between nodes;
-// DIR/block has springs and body.txt, a body to attach.
+// DIR/block has springs, and body.txt, a body of the same mesh.
 #include <cmath>
 #include <cstdio>
 #include <exception>

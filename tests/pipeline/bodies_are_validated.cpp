@@ -1,9 +1,8 @@
 // Claims: validate --body compares a reduced body at the same states as the model, for any number of ranks, and changes
 // nothing else; its report holds the errors between nodes of which its tables are made; a body of another scene or a
-// damaged one is refused. calibrate --body adds bounds to the body, the same
-// for any number of ranks, and changes nothing else in it and nothing in the model; they hold for the states of
-// validate. train --surface makes a model of a database of all nodes to which its body can be attached. eval --body
-// then answers every tool by the body: single ones and rows of a file.
+// damaged one is refused. calibrate --body adds bounds to the body, the same for any number of ranks, and changes
+// nothing else in it and nothing in the model; they hold for the states of validate. eval --body answers every tool by
+// the body, single ones and rows of a file, beside a model of the same mesh.
 #include <cmath>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/hash.hpp>
@@ -186,14 +185,14 @@ TEST_F(Bodies, GetBounds) {
   }
 }
 
-/// A model of the surface and a body of one database.
-class AttachedBodies : public Bodies {
+/// A model and a body of one database, which models inner nodes, too.
+class BodiesBesideModels : public Bodies {
  protected:
   void SetUp() override {
     Bodies::SetUp();
     write_file(folder / "scene.toml", round_tools());
     succeed("precompute scene.toml -o d.h5");
-    succeed("train d.h5 --surface -o m");
+    succeed("train d.h5 -o m");
     succeed("reduce d.h5 -o body.txt --cells 1000000");
     succeed("info m --json info.json");
     nodes = json("info.json").at("active").get<std::vector<int>>();
@@ -209,25 +208,18 @@ class AttachedBodies : public Bodies {
   std::vector<int> nodes;
 };
 
-TEST_F(AttachedBodies, NeedAModelOfTheSurface) {
-  const auto said = succeed("train scene.toml d.h5 -o same --surface");
-  expect_names(said.err, {"output nodes lie on the surface"});
-  EXPECT_EQ(read_file(folder / "same/model.txt"), read_file(folder / "m/model.txt"));
-  succeed("train d.h5 -o whole");
+TEST_F(BodiesBesideModels, HaveTheirMesh) {
   const auto one = tool(0, "0,0,-0.004");
-  const auto of_whole = answer("eval whole" + one), of_surface = answer("eval m" + one);
-  EXPECT_EQ(of_whole.at("tools"), of_surface.at("tools")) << "forces do not depend on the output nodes";
-  succeed("info whole --json whole.json");
-  for (const char* hash : {"mesh_hash", "physics_hash"})
-    EXPECT_EQ(json("info.json").at(hash), json("whole.json").at(hash));
-  succeed("validate scene.toml m --probes 2 --json v.json");
-  expect_error(be_refused("eval whole --body body.txt" + one).err, {"whole/model.txt", "body.txt", "train --surface"});
-
   write_file(folder / "other.toml", other_physics());
   succeed("precompute other.toml -o other.h5");
   succeed("reduce other.h5 -o other.txt");
-  expect_error(be_refused("eval m --body other.txt" + one).err,
-               {"other.txt", "another physics", "m/model.txt", "phynness reduce of the database of this model"});
+  succeed("eval m --body other.txt" + one);  // of other physics: a body stands alone
+  auto text = read_file(folder / "body.txt");
+  const auto at = text.find("mesh ") + 5;
+  text[at] = text[at] == '0' ? '1' : '0';
+  text.resize(text.rfind("checksum "));
+  write_file(folder / "mesh.txt", text + "checksum " + hash_of(text) + "\n");
+  expect_error(be_refused("eval m --body mesh.txt" + one).err, {"mesh.txt", "another mesh", "phynness reduce"});
   const auto foreign = be_refused("eval m --body scene.toml" + one).err;
   expect_error(foreign, {"scene.toml", "not a phynness body", "phynness reduce"});
   EXPECT_EQ(foreign.find("not a phynness model"), std::string::npos) << foreign;
@@ -235,7 +227,7 @@ TEST_F(AttachedBodies, NeedAModelOfTheSurface) {
     expect_error(be_refused("eval m --body body.txt" + one + wrong).err, {"--body", "omit"});
 }
 
-TEST_F(AttachedBodies, AnswerEveryToolOfEval) {
+TEST_F(BodiesBesideModels, AnswerEveryToolOfEval) {
   const auto pair = tool(0, "0,0,-0.004") + tool(1, "0,0.002,0.003");
   const auto body = answer("eval m --body body.txt" + pair), model = answer("eval m" + pair),
              solved = answer("solve d.h5" + pair);
@@ -267,11 +259,15 @@ TEST_F(AttachedBodies, AnswerEveryToolOfEval) {
   const auto force = one.at("tools")[0].at("force").get<std::vector<double>>();
   EXPECT_EQ(std::vector(row.begin() + 4, row.begin() + 7), force);
   EXPECT_EQ(row.at(7), one.at("energy").get<double>());
+  succeed("eval m --body body.txt --deformation u.csv --surface s.obj" + pair);
+  const auto moved = read_file(folder / "u.csv");
+  EXPECT_EQ(std::ranges::count(moved, '\n'), 1 + answer("info body.txt").at("nodes").get<int>());
+
   const auto deep = succeed("eval m --body body.txt" + tool(0, "0,0,-0.009"));
   expect_names(deep.err, {"warning: ", "0.009 m, the body was trained to 0.008 m"});
 }
 
-TEST_F(AttachedBodies, AreDescribed) {
+TEST_F(BodiesBesideModels, AreDescribed) {
   const auto said = succeed("info body.txt --json b.json");
   expect_names(said.out, {"neo-hookean", "0.0375 m radius", "0.008 m", "bounds    none", "a state of 2 tools"});
   const auto b = json("b.json");

@@ -369,41 +369,35 @@ class Solves(unittest.TestCase):
         self.assertIn("srcdoc=", page._repr_html_())
         self.assertIn(b"A small block", page.path.read_bytes())
 
-    def test_a_body_answers_couple(self):
+    def test_a_body_answers_as_the_command(self):
         scene = work / "free.toml"
         scene.write_text(SMALL.replace("[probe]", 'output = "free"\n[probe]').replace("= 56", "= 140"))
         phynness.precompute(scene, work / "free.h5").close()
-        run(COMMAND, "train", work / "free.h5", "--surface", "-o", work / "surface")
         run(COMMAND, "train", work / "free.h5", "-o", work / "free")
-        body = work / "body.txt"
-        run(COMMAND, "reduce", work / "free.h5", "-o", body)
-        model = phynness.Model(work / "surface")
+        file = work / "body.txt"
+        run(COMMAND, "reduce", work / "free.h5", "-o", file)
+        body, model = phynness.Body(file), phynness.Model(work / "free")
+        self.assertEqual((body.mesh_hash, body.max_displacement_m), (model.mesh_hash, model.max_displacement_m))
         at, d = [int(n) for n in model.active_nodes], np.array([[0, 0.001, -0.004], [0.002, 0, -0.003]])
-        alone = model.couple(at, d)
-        model.attach(body)
-        both = model.couple(at, d)
+        both = body.press(at, d)
         tools = [word for n, x in zip(at, d) for word in ("--node", n, "--displacement", ",".join(map(repr, x.tolist())))]
-        run(COMMAND, "eval", work / "surface", "--body", body, *tools, "--json", work / "both.json")
+        run(COMMAND, "eval", work / "free", "--body", file, *tools, "--json", work / "both.json")
         said = json.loads((work / "both.json").read_text())
         self.assertEqual(both.forces.tolist(), [tool["force"] for tool in said["tools"]])
         self.assertEqual((both.energy, both.residual), (said["energy"], said["residual"]))
-        self.assertEqual(np.linalg.norm(both.deform(), axis=1).max(), said["max_displacement"])
-        self.assertRaises(phynness.Error, both.bounds)
-        self.assertEqual(model.force(at[0], d[0]).tobytes(), phynness.Model(work / "surface").force(at[0], d[0]).tobytes())
-        self.assertEqual(pickle.loads(pickle.dumps(model)).couple(at, d).forces.tobytes(), both.forces.tobytes())
-        run(COMMAND, "calibrate", work / "surface", work / "free.h5", "--rays", 100, "--body", body)
-        model.attach(body.read_bytes(), steps=60)
-        self.assertEqual(model.couple(at, d).forces.tobytes(), both.forces.tobytes())
-        self.assertTrue((model.couple(at, d).bounds() > 0).all())
-        model.detach()
-        self.assertEqual(model.couple(at, d).forces.tobytes(), alone.forces.tobytes())
-        self.assertGreater(np.abs(both.forces - alone.forces).max(), 0)
-        self.assertGreater(np.abs(both.deform()).max(), 0)  # of the body that it has
-        for words, of, to in (("another mesh or physics", phynness.Model(MODEL), body), ("--surface", phynness.Model(work / "free"), body),
-                              ("not a phynness body", model, scene), ("does not exist", model, work / "none.txt")):
-            self.assertRaisesRegex(phynness.Error, words, of.attach, to)
-        self.assertRaises(ValueError, model.attach, body, 0)
-        self.assertEqual(model.couple(at, d).forces.tobytes(), alone.forces.tobytes())
+        self.assertEqual(np.linalg.norm(both.displacements, axis=1).max(), said["max_displacement"])
+        self.assertEqual(both.displacements.shape, (len(body.nodes), 3))
+        self.assertIsNone(both.bounds)
+        self.assertEqual(pickle.loads(pickle.dumps(body)).press(at, d).forces.tobytes(), both.forces.tobytes())
+        run(COMMAND, "calibrate", work / "free", work / "free.h5", "--rays", 100, "--body", file)
+        bounded = phynness.Body(file.read_bytes())
+        self.assertEqual(bounded.press(at, d, steps=60).forces.tobytes(), both.forces.tobytes())
+        self.assertTrue((bounded.press(at, d).bounds > 0).all())
+        self.assertRaisesRegex(phynness.Error, "not a phynness body", phynness.Body, scene)
+        self.assertRaisesRegex(phynness.Error, "does not exist", phynness.Body, work / "none.txt")
+        self.assertRaisesRegex(phynness.Error, "refuses tools", body.press, [10**6], [[0, 0, 0]])
+        for wrong in (lambda: body.press(at, d, steps=0), lambda: body.press([], np.zeros((0, 3))), lambda: body.press(at, d[0])):
+            self.assertRaises(ValueError, wrong)
 
     def test_what_the_command_refuses_is_an_error_in_words(self):
         self.assertRaisesRegex(phynness.Error, "does not exist", phynness.precompute, work / "none.toml", work / "none.h5")

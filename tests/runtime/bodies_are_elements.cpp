@@ -12,10 +12,8 @@
 #include <phynness/schema/body_grammar.hpp>
 
 #include "../block_body.hpp"
-#include "../contact/touched_body.hpp"
 #include "body/body.hpp"
 #include "core/kernels.hpp"
-#include "loaded_model.hpp"
 
 namespace phynness::test {
 namespace {
@@ -323,58 +321,30 @@ TEST(Bodies, RefuseWrongCalls) {
   EXPECT_EQ(state, nullptr);
 }
 
-// Claim: a body that is attached answers for coupled tools: forces, deformation and warnings are those of
-// phn_body_press; without it the model answers again. Bodies of another mesh or physics are refused.
-TEST(Bodies, AnswerForAModel) {
-  const Block block;
-  Loaded loaded(write_body_text(block.body)), beside(write_body_text(block.body));
-  const auto text = write_model_text(springs_on(block));
-  LoadedModel model(text, 3);
-  auto tools = two_tools(block.mesh, 1);
-  for (auto& tool : tools)
-    for (double& weight : tool.weights)
-      weight = std::max(weight, 0.0);  // without rounding below 0, as models want them
-  ASSERT_EQ(phn_body_attach(model.data, loaded.body, loaded.state, 200), PHN_OK);
-  std::array<Eigen::Vector3d, 2> forces, of_model;
-  phn_coupled coupled;
-  ASSERT_EQ(phn_couple(model.model, model.data, 2, tools.data(), forces[0].data(), &coupled), PHN_OK);
-  ASSERT_EQ(beside.press(tools), PHN_OK);
-  EXPECT_EQ(forces[0], beside.force[0]);
-  EXPECT_EQ(forces[1], beside.force[1]);
-  EXPECT_EQ(coupled.energy, beside.pressed.energy);
-  const auto n = info_of(model.model).n_output;
-  Eigen::VectorXd field(3 * n);
-  ASSERT_EQ(phn_coupled_deform(model.model, model.data, field.data()), PHN_OK);
-  const Eigen::VectorXd u = beside.deformation();
-  for (std::int32_t i = 0; i < n; ++i)
-    EXPECT_EQ(field.segment<3>(3 * i), u.segment<3>(3 * info_of(model.model).output_nodes[i]));
-  double bounds[PHN_MOST_COUPLED];
-  EXPECT_EQ(phn_coupled_bound(model.model, model.data, bounds), PHN_ERROR_UNDEFINED);
-  ASSERT_EQ(phn_couple(model.model, model.data, 0, nullptr, nullptr, nullptr), PHN_OK);
-  ASSERT_EQ(phn_coupled_deform(model.model, model.data, field.data()), PHN_OK);
-  EXPECT_EQ(field.norm(), 0);
+/// Spheres on a body.
+struct Touched {
+  explicit Touched(const std::string& text, int max_tools = 2) : loaded(text, max_tools) {
+    std::size_t bytes = 0;
+    EXPECT_EQ(phn_body_contact_size(loaded.body, max_tools, &bytes), PHN_OK);
+    memory.resize(bytes);
+    EXPECT_EQ(phn_body_contact_init(memory.data(), bytes, loaded.body, max_tools, &contact), PHN_OK);
+  }
+  int step(const std::vector<phn_contact_tool>& tools, int steps, phn_contact_state* states) {
+    return phn_body_contact_step(contact, loaded.state, steps, static_cast<std::int32_t>(tools.size()), tools.data(),
+                                 states, &loaded.pressed);
+  }
 
-  ASSERT_EQ(phn_body_attach(model.data, nullptr, nullptr, 0), PHN_OK);
-  ASSERT_GE(phn_couple(model.model, model.data, 2, tools.data(), of_model[0].data(), nullptr), 0);
-  EXPECT_GT((of_model[0] - forces[0]).norm(), 0.01 * forces[0].norm());
-
-  EXPECT_EQ(phn_body_attach(model.data, loaded.body, loaded.state, 0), PHN_ERROR_ARGUMENT);
-  Loaded few(write_body_text(block.body), 2);
-  EXPECT_EQ(phn_body_attach(model.data, few.body, few.state, 2), PHN_ERROR_TOOLS);
-  ReducedBody other = block.body;
-  other.physics_hash = "1123456789abcdef";
-  Loaded stranger(write_body_text(other), 3);
-  EXPECT_EQ(phn_body_attach(model.data, stranger.body, stranger.state, 2), PHN_ERROR_ARGUMENT);
-}
+  Loaded loaded;
+  std::vector<char> memory;
+  phn_contact* contact = nullptr;
+};
 
 // Claim: a sphere that presses the block and goes sideways slides: the body's force remains in the friction cone, is
 // nearly normal without friction, and settles on that of the body held at the touched point.
 TEST(Bodies, AreTouched) {
   const Block block;
-  Loaded loaded(write_body_text(block.body)), beside(write_body_text(block.body));
-  LoadedModel model(write_model_text(springs_on(block)), 3);
-  ASSERT_EQ(phn_body_attach(model.data, loaded.body, loaded.state, 2), PHN_OK);
-  const Touch touch(model, 2);
+  Loaded beside(write_body_text(block.body));
+  Touched touched(write_body_text(block.body));
   phn_contact_state state{};
   for (int moment = 0; moment < 300; ++moment) {
     const double way = std::min(moment, 200) / 200.0;
@@ -382,7 +352,8 @@ TEST(Bodies, AreTouched) {
                                 0.005,
                                 0,
                                 PHN_TOOL_PRESS};
-    ASSERT_GE(phn_contact_step(touch.contact, model.data, 1, &tool, &state, nullptr), 0) << moment;
+    ASSERT_GE(touched.step({tool}, 2, &state), 0) << moment;
+    ASSERT_LE(touched.loaded.pressed.steps, 2);
     const Eigen::Map<const Eigen::Vector3d> force(state.force), normal(state.normal);
     if (!state.in_contact) continue;
     EXPECT_LE(force.dot(normal), 0) << moment;
@@ -398,15 +369,12 @@ TEST(Bodies, AreTouched) {
 // Claim: a tool that grasps a body holds it while it pulls, with few steps and with many.
 TEST(Bodies, AreGrasped) {
   const Block block;
-  LoadedModel model(write_model_text(springs_on(block)), 3);
   for (const int steps : {1, 60}) {
-    Loaded loaded(write_body_text(block.body));
-    ASSERT_EQ(phn_body_attach(model.data, loaded.body, loaded.state, steps), PHN_OK);
-    const Touch touch(model, 1);
+    Touched touched(write_body_text(block.body));
     for (int moment = 0; moment < 200; ++moment) {
       const phn_contact_tool tool{{0.05, 0.06, 0.031 + 0.002 * moment / 200}, 0.005, 0, PHN_TOOL_GRASP};
       phn_contact_state state;
-      ASSERT_GE(phn_contact_step(touch.contact, model.data, 1, &tool, &state, nullptr), 0);
+      ASSERT_GE(touched.step({tool}, steps, &state), 0);
       ASSERT_EQ(state.in_contact, 1) << steps << " " << moment;
       if (moment > 0) {
         ASSERT_GT(state.force[2], 0) << steps << " " << moment;
@@ -420,15 +388,12 @@ TEST(Bodies, AreGrasped) {
 // The others are those in which a sphere takes over what another held.
 TEST(Bodies, FollowTwoSpheresWithOneStepEach) {
   const Block block;
-  const std::string model_text = write_model_text(springs_on(block)), body_text = write_body_text(block.body);
+  const std::string body_text = write_body_text(block.body);
   for (const double friction : {0.0, 0.2}) {
     std::array<std::vector<Eigen::Vector3d>, 2> forces;
     int unsettled = 0;
     for (const std::size_t is_slow : {0u, 1u}) {
-      LoadedModel model(model_text, 3);
-      Loaded loaded(body_text);
-      ASSERT_EQ(phn_body_attach(model.data, loaded.body, loaded.state, is_slow ? 400 : 1), PHN_OK);
-      const Touch touch(model, 2);
+      Touched touched(body_text);
       for (int k = 0; k < 1000; ++k) {
         phn_contact_tool tools[2];
         for (int t = 0; t < 2; ++t) {
@@ -439,7 +404,7 @@ TEST(Bodies, FollowTwoSpheresWithOneStepEach) {
                       PHN_TOOL_PRESS};
         }
         phn_contact_state states[2];
-        const int status = phn_contact_step(touch.contact, model.data, 2, tools, states, nullptr);
+        const int status = touched.step({tools[0], tools[1]}, is_slow ? 400 : 1, states);
         ASSERT_GE(status, 0) << k;
         unsettled += (status & PHN_WARNING_UNSETTLED) != 0;
         for (const auto& state : states) forces[is_slow].emplace_back(state.force);
@@ -453,6 +418,32 @@ TEST(Bodies, FollowTwoSpheresWithOneStepEach) {
     EXPECT_LE(wrong, 20) << friction;
     EXPECT_LE(unsettled, 5) << friction;
   }
+}
+
+// Claim: a body is touched where it was probed; wrong calls of contact are refused.
+TEST(Bodies, RefuseWrongCallsOfContact) {
+  Block block;
+  Touched touched(write_body_text(block.body));
+  const phn_contact_tool tool{{0.06, 0.06, 0.034}, 0.005, 0, PHN_TOOL_PRESS};
+  phn_contact_state states[3];
+  phn_contact* contact = touched.contact;
+  phn_body_state* state = touched.loaded.state;
+  EXPECT_EQ(phn_body_contact_step(contact, state, 0, 1, &tool, states, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_body_contact_step(contact, nullptr, 1, 1, &tool, states, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(touched.step({tool, tool, tool}, 1, states), PHN_ERROR_TOOLS);
+  EXPECT_EQ(phn_body_contact_step(contact, state, 1, 1, &tool, states, reinterpret_cast<phn_body_pressed*>(states)),
+            PHN_ERROR_OVERLAP);
+  Touched other(write_body_text(block.body));
+  EXPECT_EQ(phn_body_contact_step(contact, other.loaded.state, 1, 1, &tool, states, nullptr), PHN_ERROR_ARGUMENT);
+  std::size_t bytes = 0;
+  EXPECT_EQ(phn_body_contact_size(touched.loaded.body, 9, &bytes), PHN_ERROR_TOO_MANY_TOOLS);
+  EXPECT_EQ(phn_body_contact_size(nullptr, 1, &bytes), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_body_contact_init(touched.memory.data(), 64, touched.loaded.body, 1, &contact), PHN_ERROR_BUFFER);
+  block.body.kinds.assign(block.body.kinds.size(), schema::body_node_moves);
+  const Loaded unknown(write_body_text(block.body));
+  ASSERT_EQ(phn_body_contact_size(unknown.body, 1, &bytes), PHN_OK);
+  std::vector<char> memory(bytes);
+  EXPECT_EQ(phn_body_contact_init(memory.data(), bytes, unknown.body, 1, &contact), PHN_ERROR_UNDEFINED);
 }
 
 // Claim: the loops of each instruction set give the same bits; sizes that are no whole blocks, too.

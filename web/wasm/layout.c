@@ -39,7 +39,9 @@ static const entry entries[] = {
     MEMBER(phn_contact_state, held), MEMBER(phn_contact_state, in_contact),
     SIZE(phn_body_info), MEMBER(phn_body_info, mesh_hash), MEMBER(phn_body_info, physics_hash),
     MEMBER(phn_body_info, law), MEMBER(phn_body_info, tool_radius_m), MEMBER(phn_body_info, max_displacement_m),
-    MEMBER(phn_body_info, n_modes), MEMBER(phn_body_info, n_cells),
+    MEMBER(phn_body_info, nodes), MEMBER(phn_body_info, n_nodes), MEMBER(phn_body_info, n_modes),
+    MEMBER(phn_body_info, n_cells),
+    SIZE(phn_body_pressed), MEMBER(phn_body_pressed, energy), MEMBER(phn_body_pressed, behind_m),
     {0, 0}};
 /* clang-format on */
 

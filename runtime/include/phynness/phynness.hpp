@@ -7,7 +7,6 @@
 #define PHYNNESS_HPP
 
 #include <phynness/phynness.h>
-#include <phynness/phynness_body.h>
 #include <phynness/phynness_levels.h>
 #include <phynness/phynness_paper.h>
 
@@ -354,10 +353,6 @@ class Tools : public Data {
   }
   Status coupled_bound(double (&bounds_N)[PHN_MOST_COUPLED]) const noexcept {
     return phn_coupled_bound(more().model, get(), bounds_N);
-  }
-  /// Coupled tools are answered by a body from here on (phynness_body.h); null: by the model again.
-  Status attach(const phn_body* body, phn_body_state* state, std::int32_t steps) noexcept {
-    return phn_body_attach(get(), body, state, steps);
   }
   Status coupled_deform(Span<double> out) noexcept {
     return out.size() < more().n_field ? Status(PHN_ERROR_BUFFER)

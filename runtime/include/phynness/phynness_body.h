@@ -1,9 +1,10 @@
 /* phynness: a reduced body, on which round tools act anywhere, several at once and near to each other.
  *
- * A model (phynness.h) knows what one tool does and couples several by their linear interaction. A body has the
- * elements of the training itself: their strain energy is summed over a few cells and minimized in a few hundred modes
- * of displacement (docs/theory.md, Reduced body). It is `phynness reduce DATABASE` that makes a body.txt. It takes 0.1
- * to 1 ms for a step on a processor of a desktop and is not meant for microcontrollers.
+ * A model (phynness.h) knows what one tool does. A body has the elements of the training itself: their strain energy is
+ * summed over a few cells and minimized in a few hundred modes of displacement (docs/theory.md, Reduced body). It needs
+ * no model. `phynness run` with `[probe] tools` of 2 to 8, or `phynness reduce DATABASE`, makes a body.txt. It takes
+ * 0.1 to 1 ms for a step on a processor of a desktop and is not meant for microcontrollers. Spheres touch it with
+ * phn_body_contact_step (phynness_contact.h).
  *
  * Memory, statuses, units, frames, overlap, the sign of the force, and phn_tool are those of phynness.h and
  * phynness_tools.h. A tool is the round tool of the training with its middle at the point; the mean displacement under
@@ -70,16 +71,6 @@ PHN_API int phn_body_press(const phn_body* body, phn_body_state* state, int32_t 
  * elements of the body (formats/body.md, Bounds). Where that warned _OUTSIDE or _UNSETTLED they are PHN_NO_BOUND.
  * PHN_ERROR_UNDEFINED: a body without bounds (phynness calibrate --body), or no tool. @return its status otherwise */
 PHN_API int phn_body_bound(const phn_body* body, const phn_body_state* state, double* bounds);
-
-/* From here on the body answers for coupled tools: phn_couple, phn_coupled_deform, phn_coupled_bound and with them
- * phn_contact_step ask it, and no longer the model, whenever they get this `data`, which phn_tools_init made. Each
- * phn_couple is one phn_body_press with `steps`, which are also those of a whole phn_contact_step, has its warnings,
- * and its `residual` is behind_m. Displacements, and the tools that may be at one place, are those of phn_body_press.
- * Other functions still ask the model. A null `body` gives phn_couple back to the model. Body and state must outlive
- * `data`. PHN_ERROR_ARGUMENT: mesh or physics are not those of the model. _TOOLS: the state holds fewer tools than
- * `data`. _UNDEFINED: an output node is inside of the body, of which a body has the surface (phynness train --surface).
- */
-PHN_API int phn_body_attach(phn_data* data, const phn_body* body, phn_body_state* state, int32_t steps);
 
 /* Displacements [m] of the surface's nodes, n_nodes x 3, after the last phn_body_press; zeros before. */
 PHN_API int phn_body_deform(const phn_body* body, const phn_body_state* state, double* out);

@@ -1,10 +1,10 @@
-/* phynness: spherical tools that touch, slide on, press and grasp a trained object.
+/* phynness: spherical tools that touch, slide on, press and grasp a trained object: a model, or a body.
  *
  * phn_contact_step is called once in each haptic cycle with the positions of the tools; it gives their forces. A tool
- * in contact has a proxy: the point of the undeformed surface that it touches. phn_couple gives the force that holds
- * this point at the position of the tool. The touched point follows the tool exactly. In a model of round tools the
- * mean of the surface around it does: exactly at a node, within a few per cent between nodes, less well beside fixed
- * ones.
+ * in contact has a proxy: the point of the undeformed surface that it touches. phn_couple, or phn_body_press, gives the
+ * force that holds this point at the position of the tool. The touched point follows the tool exactly. In a model of
+ * round tools the mean of the surface around it does: exactly at a node, within a few per cent between nodes, less well
+ * beside fixed ones.
  *
  * Memory, statuses, units, frames, overlap and the sign of the force are those of phynness.h; the states may overlap
  * the tools in memory. Each thread that moves tools has its own phn_contact, and its own phn_data of
@@ -18,7 +18,7 @@
 #ifndef PHYNNESS_CONTACT_H
 #define PHYNNESS_CONTACT_H
 
-#include <phynness/phynness_tools.h>
+#include <phynness/phynness_body.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -45,7 +45,7 @@ typedef struct phn_contact_state {
   double normal[3];   /* outward unit normal; zeros without contact */
   double scale;       /* factor of the force: 1, or less where tools would gain energy; 0 without contact */
   double unbalanced;  /* mode press: |force of phn_couple - force / scale| [N], not yet relieved by sliding */
-  phn_tool held;      /* argument of phn_couple; nodes are -1 without contact */
+  phn_tool held;      /* argument of phn_couple or phn_body_press; nodes are -1 without contact */
   int32_t in_contact; /* 1 or 0 */
 } phn_contact_state;
 
@@ -75,7 +75,7 @@ PHN_API int phn_contact_init(void* memory, size_t bytes, const phn_model* model,
  * several tools that press at one point, only the deepest has a force.
  *
  * A tool that slides with little friction from soft to stiff tissue would return more work than was done on it, because
- * its force is normal and sideways motion does no work. In families with an energy, and with a body, the forces of
+ * its force is normal and sideways motion does no work. In families with an energy, and of a body, the forces of
  * tools that press are therefore scaled down, continuously and by one factor, so that all tools together do not get
  * back more work than they did. The factor is below 1 only where they did less work than a third of the energy, and
  * grows back as they press on. It is late where a force itself jumps within a cycle: of
@@ -89,10 +89,20 @@ PHN_API int phn_contact_init(void* memory, size_t bytes, const phn_model* model,
  * deformation of this cycle. A refused call does not move the tools. PHN_ERROR_NOT_FINITE: a centre, radius or friction
  * is NaN or infinite. Cost: for each tool without contact a sweep, less than a microsecond for 1,000 triangles; for the
  * tools in contact 1 phn_couple if they stick and 2 to 4 while they slide, at most 9 with one tool, 5 with two tools
- * and 3 with more, and as many again for each tool that is left out. With phn_body_attach tools slide by a prediction
- * before the first of them, and all of them together make at most the `steps` of that function. */
+ * and 3 with more, and as many again for each tool that is left out. */
 PHN_API int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_tools, const phn_contact_tool* tools,
                              phn_contact_state* states, phn_coupled* result);
+
+/* The same for a body, whose triangles can be touched if their corners are not all fixed and each is fixed or within
+ * the tool's radius of a probed point. `state` was made for at least n_tools. All calls of phn_body_press in a step
+ * make at most `steps` (>= 1) steps of Newton's method together, before the first of which tools slide by a prediction.
+ * `pressed` may be null; its steps are those of the whole call. Afterwards phn_body_deform gives the deformation, and a
+ * field of it is that of phn_contact_refit. */
+PHN_API int phn_body_contact_size(const phn_body* body, int32_t max_tools, size_t* bytes);
+PHN_API int phn_body_contact_init(void* memory, size_t bytes, const phn_body* body, int32_t max_tools,
+                                  phn_contact** contact);
+PHN_API int phn_body_contact_step(phn_contact* contact, phn_body_state* state, int32_t steps, int32_t n_tools,
+                                  const phn_contact_tool* tools, phn_contact_state* states, phn_body_pressed* pressed);
 
 /* Ends every contact and forgets all positions: in the next step all tools are new. */
 PHN_API int phn_contact_reset(phn_contact* contact);

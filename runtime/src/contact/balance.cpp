@@ -25,17 +25,9 @@ bool solve_two(const double m[2][2], const double* b, double* x) {
 
 class Balance {
  public:
-  Balance(phn_contact& contact, phn_data& data, std::int32_t n_tools, const ToolInput* inputs)
-      : _contact(contact), _surface(contact.surface), _data(data), _n(n_tools), _inputs(inputs) {}
+  Balance(phn_contact& contact, Touched& touched, std::int32_t n_tools, const ToolInput* inputs)
+      : _contact(contact), _surface(contact.surface), _touched(touched), _n(n_tools), _inputs(inputs) {}
 
-  int run(phn_coupled* result) {
-    phn_coupled coupled = {0, 0};
-    const int status = find(coupled);
-    if (result != nullptr) *result = coupled;
-    return status;
-  }
-
- private:
   int find(phn_coupled& coupled) {
     for (std::int32_t t = 0; t < _n; ++t) {
       ToolContact& tool = _contact.tool[t];
@@ -47,7 +39,7 @@ class Balance {
       start_slides(tool);
     }
     int warned = PHN_OK;
-    const int status = has_body() ? press(coupled, warned) : respond(coupled, warned);
+    const int status = _touched.is_body() ? press(coupled, warned) : respond(coupled, warned);
     if (status < 0) return status;
     for (std::int32_t t = 0; t < _n; ++t) _contact.tool[t].felt = false;
     for (std::int32_t i = 0; i < _n_active; ++i) finish(i);
@@ -56,10 +48,11 @@ class Balance {
       if (tool.anchored && !tool.felt) let_go(tool);
       tool.loose = tool.anchored && !tool.felt;
     }
-    guard(_contact, _n, _inputs, _contact.guarded && (has_body() || _contact.model->has_energy), coupled.energy);
+    guard(_contact, _touched, _n, _inputs, coupled.energy);
     return status | warned;
   }
 
+ private:
   /// Balance with the responses of a model, each of which is computed for proxies that slide by the one before.
   int respond(phn_coupled& coupled, int& warned) {
     for (int step = 0, n_slides = 0;; ++step) {
@@ -103,23 +96,20 @@ class Balance {
   /// Balance with a body. A response costs steps of Newton's method, so proxies slide by forces that are predicted from
   /// the last response: with one step the body moves and the tools slide by one and the same linearization.
   int press(phn_coupled& coupled, int& warned) {
-    AttachedBody& attached = _data.coupling->attached;
-    const std::int32_t steps = attached.steps;
     int status = PHN_OK;
     for (int pass = 0; pass < most_slides; ++pass) {
       release();
       for (std::int32_t t = 0; t < _n; ++t) {
-        if (_contact.tool[t].active && _inputs[t].mode == PHN_TOOL_PRESS) predict(t, attached);
+        if (_contact.tool[t].active && _inputs[t].mode == PHN_TOOL_PRESS) predict(t);
       }
       release();
       warned |= separate();
       status = couple(coupled);
-      attached.steps -= attached.used;
       _contact.is_settled = status >= 0 && (status & PHN_WARNING_UNSETTLED) == 0;
       bool again = false;
       for (std::int32_t i = 0; i < _n_active && status >= 0; ++i) {
         ToolContact& tool = _contact.tool[_active[i]];
-        tool.stiffness = attached.stiffness(attached, i);
+        tool.stiffness = _touched.stiffness(i);
         tool.is_pressed = true;
         for (int k = 0; k < 3; ++k) {
           tool.pressed[k] = tool.force[k];
@@ -133,20 +123,19 @@ class Balance {
         tool.pulls = push <= 0;
         again |= tool.pulls || excess_of(_active[i], push, tangential) > cone_tolerance * norm(tool.force);
       }
-      if (!again || !_contact.is_settled || attached.steps < 1) break;
+      if (!again || !_contact.is_settled || _touched.steps < 1) break;
     }
-    attached.steps = steps;
     for (std::int32_t t = 0; t < _n; ++t) _contact.tool[t].is_pressed &= _contact.tool[t].active;
     return status;
   }
 
   /// Lets the proxy slide as the linearized response demands, or leaves the tool out where it would not push.
-  void predict(std::int32_t t, const AttachedBody& attached) {
+  void predict(std::int32_t t) {
     ToolContact& tool = _contact.tool[t];
     find_displacement(t);
     if (!tool.is_pressed || tool.loose) {
       double moved[3], gap[3];
-      attached.displacement(attached, held_by(_contact, tool), moved);
+      _touched.displacement(held_by(_contact, tool), moved);
       // No force holds a proxy that was left out, and a tool that arrives touches what the others have moved there.
       if (tool.loose || norm(moved) > 0) fall(t, moved);
       subtract(tool.displacement, moved, gap);
@@ -207,7 +196,7 @@ class Balance {
     for (int c = 0; c < 3; ++c) {
       const std::int32_t active = _surface.active[_surface.triangle[3 * at.triangle + c]];
       if (active < 0 || at.weight[c] == 0) continue;
-      if (active == _contact.model->n_active || (only >= 0 && only != active)) return -1;
+      if (active == several || (only >= 0 && only != active)) return -1;
       only = active;
     }
     return only;
@@ -241,8 +230,8 @@ class Balance {
   }
 
   int couple(phn_coupled& coupled) {
-    phn_tool tools[most_coupled] = {};
-    double forces[3 * most_coupled];
+    phn_tool tools[most_touching] = {};
+    double forces[3 * most_touching];
     _n_active = 0;
     for (std::int32_t t = 0; t < _n; ++t) {
       const ToolContact& tool = _contact.tool[t];
@@ -250,7 +239,7 @@ class Balance {
       tools[_n_active] = held_by(_contact, tool);
       _active[_n_active++] = t;
     }
-    const int status = phn_couple(_contact.model, &_data, _n_active, tools, forces, &coupled);
+    const int status = _touched.hold(_n_active, tools, forces, coupled);
     for (std::int32_t i = 0; i < _n_active && status >= 0; ++i) {
       for (int k = 0; k < 3; ++k) _contact.tool[_active[i]].force[k] = forces[3 * i + k];
     }
@@ -323,7 +312,7 @@ class Balance {
     ToolContact& tool = _contact.tool[t];
     const Vector p = vector_at(tool.displacement);
     Matrix stiffness = stiffness_of(t);
-    if (!has_body() && _n_active == 1) {
+    if (!_touched.is_body() && _n_active == 1) {
       const double linear = dot(stiffness * p, p), scale = linear > 0 ? dot(tool.force, p.x) / linear : 1;
       stiffness *= std::fmin(8.0, std::fmax(0.25, scale));
     }
@@ -367,26 +356,12 @@ class Balance {
     return false;
   }
 
-  bool has_body() const { return _data.coupling->attached.body != nullptr; }
-
   /// With the other tools held; of a body at present, of a model at rest.
   Matrix stiffness_of(std::int32_t t) const {
-    if (has_body()) return _contact.tool[t].stiffness;
+    if (_touched.is_body()) return _contact.tool[t].stiffness;
     std::int32_t i = 0;
     while (_active[i] != t) ++i;
-    const Coupling& coupling = *_data.coupling;
-    const phn_model& model = *_contact.model;
-    if (_n_active > 1) return coupling.stiffness[i * coupling.max_tools + i];
-    const HeldPoint& point = coupling.point[i];
-    if (!answers_alone(model, point)) return point.stiffness;
-    // phn_couple computes no coupling stiffness for a tool that it answers alone.
-    const Mean mean = mean_at(model, {}, point);
-    Matrix sum = {};
-    for (std::int32_t n = 0; n < mean.n; ++n) {
-      const Matrix stiffness = stiffness_at_rest(model, model.active[mean.active[n]]);
-      for (int k = 0; k < 9; ++k) sum.a[k] += mean.weight[n] * stiffness.a[k] / (mean.lever * mean.lever);
-    }
-    return sum;
+    return _touched.stiffness(i);
   }
 
   /// Projects the force onto the friction cone where sliding has not reached it.
@@ -420,9 +395,9 @@ class Balance {
 
   phn_contact& _contact;
   const ContactSurface& _surface;
-  phn_data& _data;
+  Touched& _touched;
   std::int32_t _n, _n_active = 0;
-  std::int32_t _active[most_coupled];
+  std::int32_t _active[most_touching];
   const ToolInput* _inputs;
 };
 
@@ -438,8 +413,9 @@ phn_tool held_by(const phn_contact& contact, const ToolContact& tool) {
   return held;
 }
 
-int balance(phn_contact& contact, phn_data& data, std::int32_t n_tools, const ToolInput* inputs, phn_coupled* result) {
-  return Balance(contact, data, n_tools, inputs).run(result);
+int balance(phn_contact& contact, Touched& touched, std::int32_t n_tools, const ToolInput* inputs,
+            phn_coupled& result) {
+  return Balance(contact, touched, n_tools, inputs).find(result);
 }
 
 }  // namespace PHN_RUNTIME

@@ -1,34 +1,13 @@
-// The C interface of phynness_contact.h: argument checks. Geometry is in approach.cpp, forces are in balance.cpp.
+// What contact with models and bodies has in common: argument checks and memory. Geometry is in approach.cpp, forces
+// are in balance.cpp.
 #include "contact/contact.hpp"
 
 #include "core/evaluate.hpp"
 
-using namespace PHN_RUNTIME;
-
+namespace PHN_RUNTIME {
 namespace {
 
 constexpr double largest_friction = 1e6;
-
-struct ContactParts {
-  phn_contact* contact;
-  ContactSurface surface;
-  BoundingVolumes volumes;
-  TouchableEdge* scratch;
-};
-
-ContactParts lay_out_contact(Arena& arena, const phn_model& model, std::int32_t n_triangles) {
-  ContactParts parts = {};
-  parts.contact = arena.take<phn_contact>(1);
-  parts.surface = lay_out_contact_surface(arena, model, n_triangles);
-  parts.volumes = lay_out_volumes(arena, n_triangles);
-  parts.scratch = arena.take<TouchableEdge>(3 * static_cast<std::size_t>(n_triangles));
-  return parts;
-}
-
-int refuse_init(const phn_model* model, std::int32_t max_tools) {
-  if (model == nullptr || max_tools < 1) return PHN_ERROR_ARGUMENT;
-  return max_tools > most_coupled ? PHN_ERROR_TOO_MANY_TOOLS : PHN_OK;
-}
 
 constexpr phn_contact_state nothing = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 0, {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}}, 0};
 
@@ -63,24 +42,6 @@ void write_state(const phn_contact& contact, const ToolContact& tool, phn_contac
   state.in_contact = 1;
 }
 
-/// Performs a step without writing its outputs. @return a status of phynness.h
-int step(phn_contact* contact, phn_data* data, std::int32_t n_tools, const phn_contact_tool* tools,
-         const phn_contact_state* states, const phn_coupled* place, phn_coupled& result) {
-  if (contact == nullptr || data == nullptr || data->model != contact->model || n_tools < 0) return PHN_ERROR_ARGUMENT;
-  if (n_tools > 0 && (tools == nullptr || states == nullptr)) return PHN_ERROR_ARGUMENT;
-  if (overlap(states, sizeof *states * static_cast<std::size_t>(n_tools), place, sizeof *place))
-    return PHN_ERROR_OVERLAP;
-  if (n_tools > contact->max_tools || n_tools > most_tools(*data)) return PHN_ERROR_TOOLS;
-  ToolInput inputs[most_coupled];
-  for (std::int32_t t = 0; t < n_tools; ++t) {
-    const int refused = read_tool(contact->surface, tools[t], inputs[t]);
-    if (refused != PHN_OK) return refused;
-  }
-  for (std::int32_t t = n_tools; t < contact->max_tools; ++t) contact->tool[t] = {};
-  for (std::int32_t t = 0; t < n_tools; ++t) approach(*contact, inputs[t], contact->tool[t]);
-  return balance(*contact, *data, n_tools, inputs, &result);
-}
-
 /// @param x  finite
 void find_nearest(const phn_contact& contact, const double* x, phn_tool& tool, double* point) {
   const ContactSurface& surface = contact.surface;
@@ -95,56 +56,63 @@ void find_nearest(const phn_contact& contact, const double* x, phn_tool& tool, d
 
 }  // namespace
 
-extern "C" {
-
-int phn_contact_size(const phn_model* model, int32_t max_tools, size_t* bytes) {
-  if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
-  *bytes = 0;
-  const int refused = refuse_init(model, max_tools);
-  if (refused != PHN_OK) return refused;
-  const std::int32_t n = count_touchable(*model);
-  if (n == 0) return PHN_ERROR_UNDEFINED;
-  Arena arena;
-  lay_out_contact(arena, *model, n);
-  if (arena.overflow()) return PHN_ERROR_TOO_LARGE;
-  *bytes = arena.needed();
-  return PHN_OK;
+int lay_out_contact(Arena& arena, const WholeSurface& whole, std::int32_t max_tools, ContactParts& parts) {
+  if (max_tools < 1) return PHN_ERROR_ARGUMENT;
+  if (max_tools > most_touching) return PHN_ERROR_TOO_MANY_TOOLS;
+  parts.contact = arena.take<phn_contact>(1);
+  parts.surface = lay_out_contact_surface(arena, whole.n_vertices, whole.n_field, whole.n_triangles);
+  parts.volumes = lay_out_volumes(arena, whole.n_triangles);
+  parts.scratch = arena.take<TouchableEdge>(3 * static_cast<std::size_t>(whole.n_triangles));
+  return arena.overflow() ? PHN_ERROR_BUFFER : PHN_OK;
 }
 
-int phn_contact_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_contact** contact) {
-  if (contact == nullptr) return PHN_ERROR_ARGUMENT;
-  *contact = nullptr;
-  if (memory == nullptr) return PHN_ERROR_ARGUMENT;
-  const int refused = refuse_init(model, max_tools);
-  if (refused != PHN_OK) return refused;
-  if (overlap(memory, bytes, model, model->bytes) || overlap(memory, bytes, contact, sizeof *contact))
-    return PHN_ERROR_OVERLAP;
-  const std::int32_t n = count_touchable(*model);
-  if (n == 0) return PHN_ERROR_UNDEFINED;
-  Arena arena(memory, bytes);
-  ContactParts parts = lay_out_contact(arena, *model, n);
-  if (arena.overflow()) return PHN_ERROR_BUFFER;
-  const int status = build_contact_surface(*model, parts.scratch, parts.surface);
+int contact_size(const WholeSurface& whole, std::int32_t max_tools, std::size_t* bytes) {
+  Arena arena;
+  ContactParts parts;
+  const int status = lay_out_contact(arena, whole, max_tools, parts);
+  if (status == PHN_OK) *bytes = arena.needed();
+  return status == PHN_ERROR_BUFFER ? PHN_ERROR_TOO_LARGE : status;
+}
+
+int build_contact(const WholeSurface& whole, const void* of, std::int32_t max_tools, ContactParts& parts,
+                  phn_contact** contact) {
+  const int status = build_contact_surface(whole.triangles, whole.n_triangles, parts.scratch, parts.surface);
   if (status != PHN_OK) return status;
   build_volumes(parts.surface, parts.volumes);
-  *parts.contact = {model, max_tools, true, 0, 0, false, parts.surface, parts.volumes, {}};
+  *parts.contact = {of, max_tools, true, 0, 0, false, parts.surface, parts.volumes, {}};
   *contact = parts.contact;
   return PHN_OK;
 }
 
-int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_tools, const phn_contact_tool* tools,
-                     phn_contact_state* states, phn_coupled* result) {
-  const std::size_t n = n_tools > 0 ? static_cast<std::size_t>(n_tools) : 0;
-  phn_coupled coupled = {0, 0};
-  const int status = step(contact, data, n_tools, tools, states, result, coupled);
-  // The tools have been read; the states may overlap them.
-  for (std::size_t t = 0; states != nullptr && t < n; ++t) {
+int step_contact(phn_contact& contact, Touched& touched, std::int32_t most, std::int32_t n_tools,
+                 const phn_contact_tool* tools, const phn_contact_state* states, const void* result,
+                 std::size_t result_bytes, phn_coupled& coupled) {
+  if (n_tools < 0 || (n_tools > 0 && (tools == nullptr || states == nullptr))) return PHN_ERROR_ARGUMENT;
+  if (overlap(states, sizeof *states * static_cast<std::size_t>(n_tools), result, result_bytes))
+    return PHN_ERROR_OVERLAP;
+  if (n_tools > contact.max_tools || n_tools > most) return PHN_ERROR_TOOLS;
+  ToolInput inputs[most_touching];
+  for (std::int32_t t = 0; t < n_tools; ++t) {
+    const int refused = read_tool(contact.surface, tools[t], inputs[t]);
+    if (refused != PHN_OK) return refused;
+  }
+  for (std::int32_t t = n_tools; t < contact.max_tools; ++t) contact.tool[t] = {};
+  for (std::int32_t t = 0; t < n_tools; ++t) approach(contact, inputs[t], contact.tool[t]);
+  return balance(contact, touched, n_tools, inputs, coupled);
+}
+
+void write_states(const phn_contact* contact, int status, std::int32_t n_tools, phn_contact_state* states) {
+  for (std::int32_t t = 0; states != nullptr && t < n_tools; ++t) {
     states[t] = nothing;
     if (status >= 0) write_state(*contact, contact->tool[t], states[t]);
   }
-  if (result != nullptr) *result = coupled;
-  return status;
 }
+
+}  // namespace PHN_RUNTIME
+
+using namespace PHN_RUNTIME;
+
+extern "C" {
 
 int phn_contact_reset(phn_contact* contact) {
   if (contact == nullptr) return PHN_ERROR_ARGUMENT;
@@ -155,14 +123,13 @@ int phn_contact_reset(phn_contact* contact) {
 
 int phn_contact_refit(phn_contact* contact, const double* field) {
   if (contact == nullptr) return PHN_ERROR_ARGUMENT;
-  const phn_model& model = *contact->model;
   ContactSurface& surface = contact->surface;
-  for (std::int32_t i = 0; field != nullptr && i < 3 * model.n_output; ++i) {
+  for (std::int32_t i = 0; field != nullptr && i < 3 * surface.n_field; ++i) {
     if (!std::isfinite(field[i])) return PHN_ERROR_NOT_FINITE;
   }
   // Nearest surface points of free tools before the surface moves.
-  SurfacePoint beside[most_coupled];
-  double distance[most_coupled], from[most_coupled][3];
+  SurfacePoint beside[most_touching];
+  double distance[most_touching], from[most_touching][3];
   for (std::int32_t t = 0; t < contact->max_tools; ++t) {
     const ToolContact& tool = contact->tool[t];
     distance[t] = -1;
@@ -174,7 +141,7 @@ int phn_contact_refit(phn_contact* contact, const double* field) {
     subtract(tool.place, from[t], apart);
     if (dot(apart, normal) >= 0) distance[t] = apart_by;
   }
-  const double moved = place(model, field, surface);
+  const double moved = place(field, surface);
   refit_volumes(surface, contact->volumes);
   for (std::int32_t t = 0; t < contact->max_tools; ++t) {
     if (distance[t] >= 0 && distance[t] <= moved) carry(*contact, beside[t], from[t], contact->tool[t]);

@@ -4,7 +4,7 @@
 #include <phynness/phynness_contact.h>
 
 #include "contact/bounding_volumes.hpp"
-#include "tools/coupled.hpp"
+#include "contact/touched.hpp"
 
 namespace PHN_RUNTIME {
 
@@ -45,7 +45,7 @@ struct ToolContact {
 }  // namespace PHN_RUNTIME
 
 struct phn_contact {
-  const phn_model* model;
+  const void* of;  ///< the model or the body
   std::int32_t max_tools;
   bool guarded;     ///< true, except where tests measure what the guard is worth
   double taken;     ///< work done by all tools since one of them is in contact [J]
@@ -53,7 +53,7 @@ struct phn_contact {
   bool is_settled;  ///< the body at the last step
   PHN_RUNTIME::ContactSurface surface;
   PHN_RUNTIME::BoundingVolumes volumes;
-  PHN_RUNTIME::ToolContact tool[PHN_RUNTIME::most_coupled];
+  PHN_RUNTIME::ToolContact tool[PHN_RUNTIME::most_touching];
 };
 
 namespace PHN_RUNTIME {
@@ -68,7 +68,7 @@ void approach(const phn_contact& contact, const ToolInput& input, ToolContact& t
 /// Moves a free tool beside the surface with the surface, after a refit. @param from  position of `at` before the refit
 void carry(const phn_contact& contact, const SurfacePoint& at, const double* from, ToolContact& tool);
 
-/// The argument of phn_couple for a tool.
+/// The place of a tool and its displacement.
 phn_tool held_by(const phn_contact& contact, const ToolContact& tool);
 
 /// Scales the forces of tools that press, so that all tools together do not get back more work than they did, and a
@@ -76,12 +76,39 @@ phn_tool held_by(const phn_contact& contact, const ToolContact& tool);
 /// body where a tool slides uphill, as one that enters does. Forces are scaled where the work falls below a part of the
 /// energy; on the way back they then vanish before the work is returned, however small that part, and on the way in
 /// they grow back. What the next step may return is covered, too.
-/// @param guarded  false: forces are kept
+/// Without an energy they are kept.
 /// @param energy   of the body [J]
-void guard(phn_contact& contact, std::int32_t n_tools, const ToolInput* inputs, bool guarded, double energy);
+void guard(phn_contact& contact, const Touched& touched, std::int32_t n_tools, const ToolInput* inputs, double energy);
 
 /// Computes the forces of all anchored tools: lets points slide, and ends contacts that would pull.
 /// @return a status of phynness.h
-int balance(phn_contact& contact, phn_data& data, std::int32_t n_tools, const ToolInput* inputs, phn_coupled* result);
+int balance(phn_contact& contact, Touched& touched, std::int32_t n_tools, const ToolInput* inputs, phn_coupled& result);
+
+/// The triangles of a model or a body, and its vertices, of which the first n_field have rows in fields.
+struct WholeSurface {
+  std::int32_t n_vertices, n_field, n_triangles;
+  const std::int32_t* triangles;
+};
+struct ContactParts {
+  phn_contact* contact;
+  ContactSurface surface;
+  BoundingVolumes volumes;
+  TouchableEdge* scratch;
+};
+/// @return a status of phynness.h, as those below
+int contact_size(const WholeSurface& whole, std::int32_t max_tools, std::size_t* bytes);
+int lay_out_contact(Arena& arena, const WholeSurface& whole, std::int32_t max_tools, ContactParts& parts);
+/// @param parts  rest, node and active of the surface's vertices are set
+/// @param of     the model or the body
+int build_contact(const WholeSurface& whole, const void* of, std::int32_t max_tools, ContactParts& parts,
+                  phn_contact** contact);
+/// A step without its outputs.
+/// @param most    tools that `touched` can hold
+/// @param result  the other output, which must not overlap the states
+int step_contact(phn_contact& contact, Touched& touched, std::int32_t most, std::int32_t n_tools,
+                 const phn_contact_tool* tools, const phn_contact_state* states, const void* result,
+                 std::size_t result_bytes, phn_coupled& coupled);
+/// After the step, because the states may overlap the tools.
+void write_states(const phn_contact* contact, int status, std::int32_t n_tools, phn_contact_state* states);
 
 }  // namespace PHN_RUNTIME

@@ -12,7 +12,7 @@ constexpr double shallow_part = 0.01;
 
 }  // namespace
 
-void guard(phn_contact& contact, std::int32_t n_tools, const ToolInput* inputs, bool guarded, double energy) {
+void guard(phn_contact& contact, const Touched& touched, std::int32_t n_tools, const ToolInput* inputs, double energy) {
   double so_far = contact.taken, of_grasps = 0, of_presses = 0, next = 0, deepest = 0;
   bool any = false;
   for (std::int32_t t = 0; t < n_tools; ++t) {
@@ -26,12 +26,12 @@ void guard(phn_contact& contact, std::int32_t n_tools, const ToolInput* inputs, 
     deepest = std::fmax(deepest, norm(tool.displacement));
   }
   double& scale = contact.scale;
-  if (!any || !guarded || scale == 0) {
+  if (!any || !contact.guarded || !touched.has_energy || scale == 0) {
     scale = any ? 1 : 0;
     contact.taken = any ? energy : 0;
   } else {
     constexpr double least = 1e-12;  // positive, because 0 means no contact
-    const double shallow = shallow_part * contact.model->max_displacement_m / deepest,
+    const double shallow = shallow_part * touched.max_displacement_m / deepest,
                  credit = energy * std::fmin(1, shallow * shallow), there = so_far + of_grasps + credit,
                  needed = std::fmin(energy, energy_covered * energy + next);
     scale = there + of_presses >= needed ? 1

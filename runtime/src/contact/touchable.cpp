@@ -2,34 +2,19 @@
 
 #include <algorithm>
 
-#include "core/evaluate.hpp"
-#include "tools/round_tool.hpp"
 #include "tools/triangle.hpp"
 
 namespace PHN_RUNTIME {
 namespace {
 
-/// See ContactSurface::active.
-std::int32_t active_of(const phn_model& model, std::int32_t vertex) {
-  Corner corner[3];
-  const std::int32_t n = find_corners(model, vertex_node(model, vertex), corner);
-  bool moves = n > 0;
-  for (std::int32_t i = 0; i < n; ++i) {
-    const ActiveNode& node = model.active[corner[i].active];
-    moves = moves && node.output >= 0 && has_deformation(model, node);
-  }
-  if (moves) return n == 1 ? corner[0].active : model.n_active;
-  return n > 0 || vertex < model.n_output ? -2 : -1;
-}
-
-bool touchable(const phn_model& model, const std::int32_t* vertex) {
+bool touchable(const ContactSurface& s, const std::int32_t* vertex) {
   bool moves = false;
   const double* corner[3];
   for (int k = 0; k < 3; ++k) {
-    const std::int32_t active = active_of(model, vertex[k]);
+    const std::int32_t active = s.active[vertex[k]];
     if (active == -2) return false;
     moves = moves || active >= 0;
-    corner[k] = vertex_point(model, vertex[k]);
+    corner[k] = row(s.rest, vertex[k]);
   }
   double normal[3];
   area_normal(corner, normal);
@@ -73,13 +58,13 @@ void find_neighbors(TouchableEdge* edges, ContactSurface& s) {
 
 /// Mean normals, weighted by the angle at the vertex, with a length for which the planes around it move by 1 on
 /// average.
-void find_offsets(const phn_model& model, ContactSurface& s) {
+void find_offsets(const std::int32_t* triangles, std::int32_t n, ContactSurface& s) {
   for (std::int32_t i = 0; i < 3 * s.n_vertices; ++i) s.offset[i] = 0;
   const auto each_corner = [&](const auto& visit) {
-    for (std::int32_t t = 0; t < model.n_triangles; ++t) {
-      const std::int32_t* vertex = model.triangles + 3 * static_cast<std::size_t>(t);
+    for (std::int32_t t = 0; t < n; ++t) {
+      const std::int32_t* vertex = triangles + 3 * static_cast<std::size_t>(t);
       const double* corner[3];
-      for (int k = 0; k < 3; ++k) corner[k] = vertex_point(model, vertex[k]);
+      for (int k = 0; k < 3; ++k) corner[k] = row(s.rest, vertex[k]);
       double normal[3];
       area_normal(corner, normal);
       const double area = norm(normal);
@@ -120,17 +105,11 @@ void find_offsets(const phn_model& model, ContactSurface& s) {
 
 }  // namespace
 
-std::int32_t count_touchable(const phn_model& model) {
-  std::int32_t n = 0;
-  for (std::int32_t t = 0; t < model.n_triangles; ++t)
-    n += touchable(model, model.triangles + 3 * static_cast<std::size_t>(t));
-  return n;
-}
-
-ContactSurface lay_out_contact_surface(Arena& arena, const phn_model& model, std::int32_t n_triangles) {
+ContactSurface lay_out_contact_surface(Arena& arena, std::int32_t n_vertices, std::int32_t n_field,
+                                       std::int32_t n_triangles) {
   ContactSurface s = {};
-  s.n_vertices = model.n_output + model.n_fixed;
-  s.n_triangles = n_triangles;
+  s.n_vertices = n_vertices;
+  s.n_field = n_field;
   const auto vertices = static_cast<std::size_t>(s.n_vertices), triangles = static_cast<std::size_t>(n_triangles);
   s.triangle = arena.take<std::int32_t>(3 * triangles);
   s.neighbor = arena.take<std::int32_t>(3 * triangles);
@@ -142,44 +121,41 @@ ContactSurface lay_out_contact_surface(Arena& arena, const phn_model& model, std
   return s;
 }
 
-int build_contact_surface(const phn_model& model, TouchableEdge* scratch, ContactSurface& s) {
+int build_contact_surface(const std::int32_t* triangles, std::int32_t n, TouchableEdge* scratch, ContactSurface& s) {
   double low[3], high[3];
   for (std::int32_t v = 0; v < s.n_vertices; ++v) {
-    const double* x = vertex_point(model, v);
+    const double* x = row(s.rest, v);
     for (int k = 0; k < 3; ++k) {
       if (!(std::fabs(x[k]) <= largest_coordinate_m)) return PHN_ERROR_GEOMETRY;
-      row(s.rest, v)[k] = x[k];
       low[k] = v == 0 ? x[k] : std::fmin(low[k], x[k]);
       high[k] = v == 0 ? x[k] : std::fmax(high[k], x[k]);
     }
-    s.node[v] = vertex_node(model, v);
-    s.active[v] = active_of(model, v);
   }
   double diagonal[3];
   subtract(high, low, diagonal);
   s.size = norm(diagonal);
   for (int k = 0; k < 3; ++k) s.middle[k] = (low[k] + high[k]) / 2;
-  std::int32_t n = 0;
-  for (std::int32_t t = 0; t < model.n_triangles; ++t) {
-    const std::int32_t* vertex = model.triangles + 3 * static_cast<std::size_t>(t);
-    if (!touchable(model, vertex)) continue;
-    for (int k = 0; k < 3; ++k) s.triangle[3 * n + k] = vertex[k];
-    ++n;
+  for (std::int32_t t = 0; t < n; ++t) {
+    const std::int32_t* vertex = triangles + 3 * static_cast<std::size_t>(t);
+    if (!touchable(s, vertex)) continue;
+    for (int k = 0; k < 3; ++k) s.triangle[3 * s.n_triangles + k] = vertex[k];
+    ++s.n_triangles;
   }
+  if (s.n_triangles == 0) return PHN_ERROR_UNDEFINED;
   find_neighbors(scratch, s);
-  find_offsets(model, s);
-  place(model, nullptr, s);
+  find_offsets(triangles, n, s);
+  place(nullptr, s);
   return PHN_OK;
 }
 
-double place(const phn_model& model, const double* field, ContactSurface& s) {
+double place(const double* field, ContactSurface& s) {
   const double largest = largest_distance * s.size;
   double most = 0;
   for (std::int32_t v = 0; v < s.n_vertices; ++v) {
     double moved[3];
     for (int k = 0; k < 3; ++k) {
       const std::int32_t i = 3 * v + k;
-      const double u = field != nullptr && v < model.n_output ? field[i] : 0;
+      const double u = field != nullptr && v < s.n_field ? field[i] : 0;
       const double x = s.rest[i] + std::fmax(-largest, std::fmin(largest, u));
       moved[k] = x - s.placed[i];
       s.placed[i] = x;

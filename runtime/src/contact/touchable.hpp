@@ -17,14 +17,18 @@ inline constexpr double longest_offset = 2;
 inline constexpr double largest_coordinate_m = 1e30;
 inline constexpr double largest_distance = 1e3;  ///< of tools and of displacements, in sizes of the body
 
+/// See ContactSurface::active.
+inline constexpr std::int32_t several = INT32_MAX;
+
 struct ContactSurface {
   std::int32_t n_vertices, n_triangles;
+  std::int32_t n_field;    ///< the first vertices have rows in fields of displacements
   double size, middle[3];  ///< diagonal and centre of the bounding box of all vertices [m]
   std::int32_t* triangle;  ///< n_triangles x 3 vertices, of triangles that can be touched
   std::int32_t* neighbor;  ///< n_triangles x 3: triangle across the edge opposite to the corner; -1: none
   std::int32_t* node;      ///< n_vertices: number in the mesh
-  /// n_vertices: the active node that alone moves it; the model's n_active: it lies between several; -1: fixed; -2: it
-  /// can neither be touched nor is fixed.
+  /// n_vertices: the active node that alone moves it, or `several`; -1: fixed; -2: it can neither be touched nor is
+  /// fixed.
   std::int32_t* active;
   double *rest, *placed;  ///< n_vertices x 3: positions undeformed and displaced by the last field [m]
   double* offset;         ///< n_vertices x 3: offset of the vertex per radius of the tool
@@ -36,18 +40,22 @@ struct SurfacePoint {
   double weight[3];
 };
 
-/// Number of triangles of the model that can be touched.
-std::int32_t count_touchable(const phn_model& model);
-/// An edge of a touchable triangle; 3 n_triangles of them are the working memory of build_contact_surface.
+/// An edge of a triangle; 3 n_triangles of them are the working memory of build_contact_surface.
 struct TouchableEdge {
   std::int32_t low, high, at;  ///< at = 3 triangle + opposite corner
 };
-ContactSurface lay_out_contact_surface(Arena& arena, const phn_model& model, std::int32_t n_triangles);
+/// @param n_vertices, n_triangles  of the whole surface
+ContactSurface lay_out_contact_surface(Arena& arena, std::int32_t n_vertices, std::int32_t n_field,
+                                       std::int32_t n_triangles);
+/// @param triangles  n x 3 vertices of the whole surface, of which those that can be touched remain
+/// @param surface    node, active and rest are set
 /// @return a status of phynness.h
-int build_contact_surface(const phn_model& model, TouchableEdge* scratch, ContactSurface& surface);
+int build_contact_surface(const std::int32_t* triangles, std::int32_t n, TouchableEdge* scratch,
+                          ContactSurface& surface);
 
-/// placed = rest + field, clamped; null: rest. @return largest displacement of a vertex by this call [m]
-double place(const phn_model& model, const double* field, ContactSurface& surface);
+/// placed = rest + field, clamped; null: rest. @param field  n_field x 3. @return largest displacement of a vertex by
+/// this call [m]
+double place(const double* field, ContactSurface& surface);
 
 /// sum_i w_i (points_i + radius offset_i)
 void point_at(const ContactSurface& surface, const double* points, const SurfacePoint& at, double radius, double* x);

@@ -114,8 +114,7 @@ int phn_coupled_bound(const phn_model* model, const phn_data* data, double* boun
   if (data->coupling == nullptr || data->coupling->n_tools == 0) return PHN_ERROR_UNDEFINED;
   const Coupling& c = *data->coupling;
   double found[most_coupled] = {};
-  const int status = c.attached.body != nullptr ? c.attached.bound(c.attached.body, c.attached.state, found)
-                                                : bounds_of(*model, c, found);
+  const int status = bounds_of(*model, c, found);
   for (std::int32_t t = 0; t < c.n_tools; ++t) bounds[t] = status < 0 ? 0 : found[t];
   return status;
 }

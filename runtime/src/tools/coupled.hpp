@@ -1,8 +1,6 @@
 // Several tools anywhere on the surface, computed from the responses of single nodes (docs/theory.md, tools anywhere).
 #pragma once
 
-#include <phynness/phynness_body.h>
-
 #include "tools/local_response.hpp"
 #include "tools/round_tool.hpp"
 #include "tools/surface_turn.hpp"
@@ -37,24 +35,6 @@ struct HeldPoint : Place {
   Vector node_own[most_corners];  ///< the response at p: see local_displacement
 };
 
-/// A reduced body that answers for coupled tools in place of the model (src/body/attach.cpp).
-/// Functions, so that a program without bodies does not link them.
-struct AttachedBody {
-  const phn_body* body;  ///< null: none
-  phn_body_state* state;
-  std::int32_t steps;  ///< of each phn_body_press, at most
-  std::int32_t used;   ///< by the last one
-
-  decltype(phn_body_press)* press;
-  decltype(phn_body_bound)* bound;
-  /// Displacements of nodes of the mesh, n x 3. @pre all are nodes of the body. @return the last status
-  int (*deform)(const AttachedBody&, std::int32_t n, const std::int32_t* nodes, double* out);
-  /// Mean displacement under a tool [m]; zeros where that is not defined.
-  void (*displacement)(const AttachedBody&, const phn_tool&, double*);
-  /// Of one of the tools of the last press, with the others held [N/m].
-  Matrix (*stiffness)(const AttachedBody&, std::int32_t tool);
-};
-
 /// A node's contribution to the field besides its basis: see local_displacement.
 struct FieldPart {
   double share;
@@ -68,7 +48,6 @@ struct Coupling {
   bool settled;
   bool beyond;             ///< a round tool's force is beyond those that it was trained to alone
   const phn_model* model;  ///< the level of the latest tools
-  AttachedBody attached;   ///< that answers instead
   Neighbours neighbours;
   std::int32_t n_corners;  ///< largest number of nodes of a point
   HeldPoint* point;        ///< max_tools

@@ -115,20 +115,6 @@ int force_at(const phn_model* model, const phn_data* data, const phn_tool* tool,
   return status;
 }
 
-int couple_by_body(Coupling& c, std::int32_t n_tools, const phn_tool* tools, phn_coupled& result) {
-  double forces[3 * most_coupled];
-  phn_body_pressed pressed;
-  c.n_tools = 0;
-  const int status =
-      c.attached.press(c.attached.body, c.attached.state, n_tools, tools, c.attached.steps, forces, &pressed);
-  c.attached.used = pressed.steps;
-  if (status < 0) return status;
-  c.n_tools = n_tools;
-  for (std::int32_t t = 0; t < n_tools; ++t) c.point[t].force = vector_at(forces + 3 * t);
-  result = {pressed.behind_m, pressed.energy};
-  return status;
-}
-
 /// The forces remain in the data; the caller copies them to the output. @return a status of phynness.h
 int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const phn_tool* tools, const double* forces,
            const phn_coupled* place, phn_coupled& result) {
@@ -140,7 +126,6 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
   if (n_tools > most_tools(*data)) return PHN_ERROR_TOOLS;
   if (data->coupling == nullptr) return PHN_OK;
   Coupling& c = *data->coupling;
-  if (c.attached.body != nullptr) return couple_by_body(c, n_tools, tools, result);
   c.n_tools = 0;
   const double largest = largest_displacement(*model);
   Vector targets[most_coupled];
@@ -255,7 +240,6 @@ int phn_coupled_deform(const phn_model* model, phn_data* data, double* out) {
   if (data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
   if (data->coupling == nullptr) return PHN_OK;
   const Coupling& c = *data->coupling;
-  if (c.attached.body != nullptr) return c.attached.deform(c.attached, model->n_output, model->output_nodes, out);
   for (std::int32_t t = 0; t < c.n_tools; ++t) {
     for (std::int32_t i = 0; i < c.point[t].n_nodes; ++i) {
       if (!has_deformation(*model, model->active[c.point[t].active[i]])) return PHN_ERROR_UNDEFINED;

@@ -1,5 +1,7 @@
-// A reduced body, which answers for coupled tools and spheres in place of a model.
+// A reduced body, which answers for several tools and spheres.
+import { BodyContact, type Contact } from './contact.js';
 import { bytesOf, integer, loaded, Owner, type Engine } from './engine.js';
+import { BodyTools, type Tools } from './tools.js';
 
 export interface BodyInfo {
   readonly meshHash: string;
@@ -9,6 +11,8 @@ export interface BodyInfo {
   readonly toolRadius: number;
   /** largest displacement of the training data [m] */
   readonly maxDisplacement: number;
+  /** of the surface, ascending numbers in the mesh */
+  readonly nodes: Int32Array;
   readonly nModes: number;
   readonly nCells: number;
 }
@@ -34,6 +38,7 @@ export class Body extends Owner {
           law: textAt('phn_body_info.law'),
           toolRadius: engine.real(info + bytesOf('phn_body_info.tool_radius_m')),
           maxDisplacement: engine.real(info + bytesOf('phn_body_info.max_displacement_m')),
+          nodes: engine.integers(engine.size(info + bytesOf('phn_body_info.nodes')), engine.integer(info + bytesOf('phn_body_info.n_nodes'))).slice(),
           nModes: engine.integer(info + bytesOf('phn_body_info.n_modes')),
           nCells: engine.integer(info + bytesOf('phn_body_info.n_cells')),
         });
@@ -46,53 +51,19 @@ export class Body extends Owner {
     }
   }
 
-  /** For Touching.attach. */
-  attachment(engine: Engine, data: number, max: number, steps: number): Attachment {
+  /** Up to 8 tools at the same time, each set() of which makes at most so many of Newton's steps. */
+  tools(max: number, steps = 12): Tools {
     this.alive();
-    if (engine !== this.engine) throw new Error('this body was loaded by another model');
-    return new Attachment(engine, this, this.body, data, max, steps);
+    return new BodyTools(this.engine, this, this.body, max, this.info.nodes.length, positive(steps));
+  }
+  /** Up to 8 spheres that touch, slide and grasp, with at most so many steps for all of them together. */
+  contact(max: number, steps = 12): Contact {
+    this.alive();
+    return new BodyContact(this.engine, this, this.body, max, this.info.nodes.length, positive(steps));
   }
 }
 
-/** The state of a body under some tools. */
-class Attachment extends Owner {
-  protected readonly what = 'attachment';
-
-  constructor(engine: Engine, parent: Owner, body: number, data: number, max: number, steps: number) {
-    super(engine, parent);
-    try {
-      engine.call('phn_body_attach', data, body, this.made('phn_body_state', body, max), integer(steps));
-    } catch (error) {
-      this.dispose();
-      throw error;
-    }
-  }
-  check(): void {
-    this.alive();
-  }
-}
-
-/** Several tools or spheres, for which a body may answer. */
-export abstract class Touching extends Owner {
-  protected abstract readonly data: number;
-  protected abstract readonly max: number;
-  private attached: Attachment | null = null;
-
-  /** From here on the body answers, with at most so many of its steps for one call; null: the model again. */
-  attach(body: Body | null, steps = 12): void {
-    super.alive();
-    const { engine, data } = this;
-    const attached = body && body.attachment(engine, data, this.max, steps);
-    if (!attached) engine.call('phn_body_attach', data, 0, 0, 0);
-    this.attached?.dispose();
-    this.attached = attached;
-  }
-  protected override alive(): void {
-    super.alive();
-    this.attached?.check();
-  }
-  override dispose(): void {
-    this.attached?.dispose();
-    super.dispose();
-  }
+function positive(steps: number): number {
+  if (integer(steps) < 1) throw new RangeError(`${steps} is not a number of steps`);
+  return steps;
 }

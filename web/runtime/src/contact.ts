@@ -1,6 +1,5 @@
 // Spheres that touch, slide on, press and grasp the object.
-import { Touching } from './body.js';
-import { bytesOf, copied, few, type Engine, type Owner } from './engine.js';
+import { bytesOf, copied, few, Owner, type Engine } from './engine.js';
 import { warningsOf, type Warning } from './status.js';
 import { putVector, toolFrom, type Tool, type Vector } from './tool.js';
 
@@ -32,36 +31,43 @@ export interface Touch {
   readonly held: Tool | null;
 }
 
-export class Contact extends Touching {
+export abstract class Contact extends Owner {
   protected readonly what = 'contact';
-  private readonly contact: number;
+  protected readonly contact: number;
+  /** what answers for the spheres */
   protected readonly data: number;
-  private readonly tools: number;
-  private readonly states: number;
-  private readonly result: number;
-  private readonly out: number;
+  protected readonly tools: number;
+  protected readonly states: number;
+  protected readonly result: number;
+  protected readonly out: number;
 
+  /** @param of  the model or the body. @param nField  nodes of a field */
   constructor(
     engine: Engine,
     parent: Owner,
-    private readonly model: number,
-    protected readonly max: number,
-    private readonly nOutput: number,
+    protected readonly of: number,
+    private readonly max: number,
+    private readonly nField: number,
+    names: { contact: string; data: string; resultBytes: number },
   ) {
     super(engine, parent);
     few(max);
     try {
-      this.contact = this.made('phn_contact', model, max);
-      this.data = this.made('phn_tools', model, max);
+      this.contact = this.made(names.contact, of, max);
+      this.data = this.made(names.data, of, max);
       this.tools = this.take(max * bytesOf('phn_contact_tool'));
       this.states = this.take(max * bytesOf('phn_contact_state'));
-      this.result = this.take(bytesOf('phn_coupled'));
-      this.out = this.take(24 * nOutput);
+      this.result = this.take(names.resultBytes);
+      this.out = this.take(24 * nField);
     } catch (error) {
       this.dispose();
       throw error;
     }
   }
+  /** Calls of the runtime. @returns the status */
+  protected abstract move(n: number): number;
+  protected abstract field(): void;
+  protected abstract energy(): number;
 
   /** Moves the spheres to new positions. Sphere i is the same sphere in every call. */
   step(spheres: readonly Sphere[]): { status: number; warnings: readonly Warning[]; energy: number; touches: Touch[] } {
@@ -77,29 +83,28 @@ export class Contact extends Touching {
       engine.reals(at + bytesOf('phn_contact_tool.friction'), 1)[0] = sphere.friction ?? 0;
       engine.integers(at + bytesOf('phn_contact_tool.mode'), 1)[0] = modes[mode];
     });
-    const status = engine.call('phn_contact_step', this.contact, this.data, spheres.length, this.tools, this.states,
-      this.result);
+    const status = this.move(spheres.length);
     return {
       status,
       warnings: warningsOf(status),
-      energy: engine.real(this.result + bytesOf('phn_coupled.energy')),
+      energy: this.energy(),
       touches: spheres.map((_, i) => this.touch(this.states + i * bytesOf('phn_contact_state'))),
     };
   }
 
-  /** Displacements [m] of all output nodes, n x 3, of the last step(). */
+  /** Displacements [m], n x 3, of the last step(): of all output nodes of a model, of all nodes of a body. */
   deform(out?: Float64Array): Float64Array {
     this.alive();
-    this.engine.call('phn_coupled_deform', this.model, this.data, this.out);
-    return copied(this.engine.reals(this.out, 3 * this.nOutput), out);
+    this.field();
+    return copied(this.engine.reals(this.out, 3 * this.nField), out);
   }
 
   /** Displaces the surface for spheres without contact by a field of deform(); null: the undeformed surface. */
   refit(field: Float64Array | null): void {
     const { engine } = this;
     this.alive();
-    if (field && field.length !== 3 * this.nOutput)
-      throw new RangeError(`the field has ${field.length} numbers instead of ${3 * this.nOutput}`);
+    if (field && field.length !== 3 * this.nField)
+      throw new RangeError(`the field has ${field.length} numbers instead of ${3 * this.nField}`);
     if (field) engine.reals(this.out, field.length).set(field);
     engine.call('phn_contact_refit', this.contact, field ? this.out : 0);
   }
@@ -132,5 +137,35 @@ export class Contact extends Touching {
       unbalanced: engine.real(at + bytesOf('phn_contact_state.unbalanced')),
       held: inContact ? toolFrom(engine, at + bytesOf('phn_contact_state.held')) : null,
     };
+  }
+}
+
+export class ModelContact extends Contact {
+  constructor(engine: Engine, parent: Owner, model: number, max: number, nOutput: number) {
+    super(engine, parent, model, max, nOutput, { contact: 'phn_contact', data: 'phn_tools', resultBytes: bytesOf('phn_coupled') });
+  }
+  protected move(n: number): number {
+    return this.engine.call('phn_contact_step', this.contact, this.data, n, this.tools, this.states, this.result);
+  }
+  protected field(): void {
+    this.engine.call('phn_coupled_deform', this.of, this.data, this.out);
+  }
+  protected energy(): number {
+    return this.engine.real(this.result + bytesOf('phn_coupled.energy'));
+  }
+}
+
+export class BodyContact extends Contact {
+  constructor(engine: Engine, parent: Owner, body: number, max: number, nNodes: number, private readonly steps: number) {
+    super(engine, parent, body, max, nNodes, { contact: 'phn_body_contact', data: 'phn_body_state', resultBytes: bytesOf('phn_body_pressed') });
+  }
+  protected move(n: number): number {
+    return this.engine.call('phn_body_contact_step', this.contact, this.data, this.steps, n, this.tools, this.states, this.result);
+  }
+  protected field(): void {
+    this.engine.call('phn_body_deform', this.of, this.data, this.out);
+  }
+  protected energy(): number {
+    return this.engine.real(this.result + bytesOf('phn_body_pressed.energy'));
   }
 }

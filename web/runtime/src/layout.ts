@@ -16,5 +16,6 @@ export const layout = {
   'phn_contact_state.force': 0, 'phn_contact_state.proxy': 24, 'phn_contact_state.normal': 48, 'phn_contact_state.scale': 72,
   'phn_contact_state.unbalanced': 80, 'phn_contact_state.held': 88, 'phn_contact_state.in_contact': 152, 'phn_body_info': 64,
   'phn_body_info.mesh_hash': 0, 'phn_body_info.physics_hash': 4, 'phn_body_info.law': 8, 'phn_body_info.tool_radius_m': 16,
-  'phn_body_info.max_displacement_m': 24, 'phn_body_info.n_modes': 52, 'phn_body_info.n_cells': 60,
+  'phn_body_info.max_displacement_m': 24, 'phn_body_info.nodes': 32, 'phn_body_info.n_nodes': 44, 'phn_body_info.n_modes': 52,
+  'phn_body_info.n_cells': 60, 'phn_body_pressed': 32, 'phn_body_pressed.energy': 0, 'phn_body_pressed.behind_m': 16,
 } as const;

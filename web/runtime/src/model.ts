@@ -1,12 +1,12 @@
 // A trained model and its working memory.
 import { Body } from './body.js';
-import { Contact } from './contact.js';
+import { ModelContact } from './contact.js';
 import { bytesOf, copied, Engine, integer, loaded, Owner } from './engine.js';
 import { undefinedHere, warningsOf, type Warning } from './status.js';
 import { Surface } from './surface.js';
 import { bytesOfText, type ModelText } from './text.js';
 import { putVector, toolFrom, type Tool, type Vector } from './tool.js';
-import { Tools } from './tools.js';
+import { ModelTools } from './tools.js';
 
 /** Where a model comes from; '' and 0: not recorded. */
 export interface Provenance {
@@ -175,11 +175,11 @@ export class Model extends Owner {
   }
 
   /** Up to 8 tools at the same time. It cannot be used after dispose() of this model. */
-  tools(max: number): Tools {
+  tools(max: number): ModelTools {
     this.alive();
-    return new Tools(this.engine, this, this.model, max, this.info.outputNodes.length);
+    return new ModelTools(this.engine, this, this.model, max, this.info.outputNodes.length);
   }
-  /** A reduced body, which can answer for tools() and contact() of this model. @param text  contents of body.txt */
+  /** A reduced body, in the memory of this model. @param text  contents of body.txt */
   body(text: ModelText): Body {
     this.alive();
     return new Body(this.engine, this, bytesOfText(text));
@@ -190,9 +190,9 @@ export class Model extends Owner {
     return new Surface(this.engine, this, this.model, levels, this.info.outputNodes.length);
   }
   /** Up to 8 spheres that touch, slide and grasp. */
-  contact(max: number): Contact {
+  contact(max: number): ModelContact {
     this.alive();
-    return new Contact(this.engine, this, this.model, max, this.info.outputNodes.length);
+    return new ModelContact(this.engine, this, this.model, max, this.info.outputNodes.length);
   }
 
   private put(d: Vector): void {

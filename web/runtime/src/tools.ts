@@ -1,6 +1,5 @@
-// Several tools at the same time, at nodes or between them.
-import { Touching, type Body } from './body.js';
-import { bytesOf, copied, few, integer, type Engine, type Owner } from './engine.js';
+// Several tools at the same time, at nodes or between them: of a model, or of a reduced body.
+import { bytesOf, copied, few, integer, Owner, type Engine } from './engine.js';
 import { noBound, undefinedHere, warningsOf, type Warning } from './status.js';
 import { putTool, type Tool } from './tool.js';
 
@@ -15,37 +14,36 @@ export interface Coupled {
   readonly residual: number;
 }
 
-export class Tools extends Touching {
+export abstract class Tools extends Owner {
   protected readonly what = 'tools';
-  protected readonly data: number;
-  private readonly tools: number;
-  private readonly forces: number;
-  private readonly result: number;
-  private readonly out: number;
-  private readonly boundsAt: number;
+  protected readonly tools: number;
+  protected readonly forces: number;
+  protected readonly result: number;
+  protected readonly out: number;
+  protected readonly boundsAt: number;
   private held = 0;
 
-  constructor(
-    engine: Engine,
-    parent: Owner,
-    private readonly model: number,
-    protected readonly max: number,
-    private readonly nOutput: number,
-  ) {
+  /** @param nField  nodes of a field */
+  constructor(engine: Engine, parent: Owner, private readonly max: number, private readonly nField: number, resultBytes: number) {
     super(engine, parent);
     few(max);
     try {
-      this.data = this.made('phn_tools', model, max);
       this.tools = this.take(max * bytesOf('phn_tool'));
       this.forces = this.take(max * 24);
-      this.result = this.take(bytesOf('phn_coupled'));
-      this.out = this.take(24 * nOutput);
+      this.result = this.take(resultBytes);
+      this.out = this.take(24 * nField);
       this.boundsAt = this.take(max * 8);
     } catch (error) {
       this.dispose();
       throw error;
     }
   }
+  /** Calls of the runtime: forces of the first n tools, their bounds, the field. @returns the status */
+  protected abstract hold(n: number): number;
+  protected abstract bound(): number;
+  protected abstract field(): void;
+  /** Energy and residual after hold(). */
+  protected abstract held_(): { energy: number; residual: number };
 
   /** Forces of tools that hold their points; none of them: the object is free. */
   set(tools: readonly Tool[]): Coupled {
@@ -54,20 +52,9 @@ export class Tools extends Touching {
     if (tools.length > this.max) throw new RangeError(`${tools.length} tools, but this was made for ${this.max}`);
     tools.forEach((tool, i) => putTool(engine, this.tools + i * bytesOf('phn_tool'), tool));
     this.held = 0;
-    const status = engine.call('phn_couple', this.model, this.data, tools.length, this.tools, this.forces, this.result);
+    const status = this.hold(tools.length);
     this.held = tools.length;
-    return {
-      status,
-      warnings: warningsOf(status),
-      forces: engine.reals(this.forces, 3 * tools.length).slice(),
-      energy: engine.real(this.result + bytesOf('phn_coupled.energy')),
-      residual: engine.real(this.result + bytesOf('phn_coupled.residual')),
-    };
-  }
-
-  override attach(body: Body | null, steps?: number): void {
-    super.attach(body, steps);
-    this.held = 0;
+    return { status, warnings: warningsOf(status), forces: engine.reals(this.forces, 3 * tools.length).slice(), ...this.held_() };
   }
 
   /** Bounds [N] of the errors of the forces of the last set(); null where there is none: outside of the trained range, too close
@@ -75,22 +62,77 @@ export class Tools extends Touching {
   bounds(): (number | null)[] {
     const { engine } = this;
     this.alive();
-    const status = engine.f['phn_coupled_bound']!(this.model, this.data, this.boundsAt);
-    if (status !== undefinedHere && status < 0) throw engine.error(status, 'phn_coupled_bound');
+    const status = this.bound();
+    if (status !== undefinedHere && status < 0) throw engine.error(status, 'bounds');
     const bounds = Array.from(engine.reals(this.boundsAt, this.held));
     return bounds.map((bound) => (status === undefinedHere || bound >= noBound ? null : bound));
   }
 
-  /** Displacements [m] of all output nodes, n x 3, under the tools of the last set(). */
+  /** Displacements [m], n x 3, under the tools of the last set(): of all output nodes of a model, of all nodes of a body. */
   deform(out?: Float64Array): Float64Array {
     this.alive();
+    this.field();
+    return copied(this.engine.reals(this.out, 3 * this.nField), out);
+  }
+}
+
+export class ModelTools extends Tools {
+  private readonly data: number;
+
+  constructor(engine: Engine, parent: Owner, private readonly model: number, max: number, nOutput: number) {
+    super(engine, parent, max, nOutput, bytesOf('phn_coupled'));
+    try {
+      this.data = this.made('phn_tools', model, max);
+    } catch (error) {
+      this.dispose();
+      throw error;
+    }
+  }
+  protected hold(n: number): number {
+    return this.engine.call('phn_couple', this.model, this.data, n, this.tools, this.forces, this.result);
+  }
+  protected bound(): number {
+    return this.engine.f['phn_coupled_bound']!(this.model, this.data, this.boundsAt);
+  }
+  protected field(): void {
     this.engine.call('phn_coupled_deform', this.model, this.data, this.out);
-    return copied(this.engine.reals(this.out, 3 * this.nOutput), out);
+  }
+  protected held_(): { energy: number; residual: number } {
+    const real = (member: Parameters<typeof bytesOf>[0]) => this.engine.real(this.result + bytesOf(member));
+    return { energy: real('phn_coupled.energy'), residual: real('phn_coupled.residual') };
   }
 
   /** Level of later calls: an index of Model.levels. */
   set level(level: number) {
     this.alive();
     this.engine.call('phn_set_level', this.model, this.data, integer(level));
+  }
+}
+
+/** Tools of a body, each set() of which goes on from the last deformation with some steps. */
+export class BodyTools extends Tools {
+  private readonly state: number;
+
+  constructor(engine: Engine, parent: Owner, private readonly body: number, max: number, nNodes: number, private readonly steps: number) {
+    super(engine, parent, max, nNodes, bytesOf('phn_body_pressed'));
+    try {
+      this.state = this.made('phn_body_state', body, max);
+    } catch (error) {
+      this.dispose();
+      throw error;
+    }
+  }
+  protected hold(n: number): number {
+    return this.engine.call('phn_body_press', this.body, this.state, n, this.tools, this.steps, this.forces, this.result);
+  }
+  protected bound(): number {
+    return this.engine.f['phn_body_bound']!(this.body, this.state, this.boundsAt);
+  }
+  protected field(): void {
+    this.engine.call('phn_body_deform', this.body, this.state, this.out);
+  }
+  protected held_(): { energy: number; residual: number } {
+    const real = (member: Parameters<typeof bytesOf>[0]) => this.engine.real(this.result + bytesOf(member));
+    return { energy: real('phn_body_pressed.energy'), residual: real('phn_body_pressed.behind_m') };
   }
 }

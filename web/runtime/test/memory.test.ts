@@ -118,37 +118,29 @@ describe('Model', () => {
   });
 
   it('takes and gives bodies, whose memory comes back', async () => {
-    const model = await load(block), heap = heapOf(model), before = heap.used, tools = model.tools(2), contact = model.contact(1);
-    const idle = heap.used, body = model.body(bodyText()), loaded = heap.used;
+    const model = await load(block), heap = heapOf(model), idle = heap.used, body = model.body(bodyText()), loaded = heap.used;
     for (let i = 0; i < 3; ++i) {
-      tools.attach(body);
-      contact.attach(body, 2);
+      const tools = body.tools(2), contact = body.contact(1, 2);
       expect(heap.used).toBeGreaterThan(loaded);
-      tools.attach(null);
-      contact.attach(null);
+      tools.dispose();
+      contact.dispose();
       expect(heap.used).toBe(loaded);
     }
-    expect(() => tools.attach(body, 0)).toThrow(PhynnessError);
-    tools.attach(body);
+    for (const steps of [0, 1.5]) expect(() => body.tools(1, steps)).toThrow(RangeError);
+    const tools = body.tools(2), contact = body.contact(1);
     body.dispose();
     expect(() => tools.set([])).toThrow('body was disposed');
-    expect(() => contact.attach(body)).toThrow('body was disposed');
-    tools.attach(null);
-    tools.set([]);
+    expect(() => contact.step([])).toThrow('body was disposed');
+    tools.dispose();
+    contact.dispose();
     expect(heap.used).toBe(idle);
-    tools.attach(model.body(new TextDecoder().decode(bodyText())));
-    const other = await load(sample);
-    expect(() => other.tools(1).attach(other.body(bodyText()))).toThrow('phn_body_attach');
-    expect(() => other.tools(1).attach(model.body(bodyText()))).toThrow('another model');
+    model.body(new TextDecoder().decode(bodyText())).dispose();
     const damaged = bodyText();
     damaged[damaged.length >> 1] = 0x7a;
     expect(() => model.body(damaged)).toThrow(PhynnessError);
     expect(() => model.body('no body')).toThrow(/byte [1-9]/);
-    contact.dispose();
-    tools.dispose();
-    expect(heap.used).toBeGreaterThan(before); // two bodies, which are collected later
     model.dispose();
-    expect(() => tools.attach(null)).toThrow('disposed');
+    expect(() => model.body(bodyText())).toThrow('disposed');
   });
 
   it('refuses numbers and modes that JavaScript would convert to others', async () => {

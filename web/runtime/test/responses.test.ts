@@ -53,36 +53,30 @@ describe.each(['rbfn', 'linear', 'modal'])('family %s', (family) => {
 });
 
 describe('a reduced body', () => {
-  it('answers for coupled tools until it is detached', async () => {
+  it('answers for several tools', async () => {
     const model = await load(block), [a, b] = [26, 48], body = model.body(bodyText());
     expect(body.info).toMatchObject({ meshHash: model.info.meshHash, law: 'mooney-rivlin', nModes: 120, nCells: 96, toolRadius: 0.035 });
-    const tools = model.tools(2), held = [toolAt(a, [0.002, 0, -0.004]), toolAt(b, [0, 0.001, 0.003])], ofModel = tools.set(held);
-    tools.attach(body, 200);
+    const tools = body.tools(2, 200), held = [toolAt(a, [0.002, 0, -0.004]), toolAt(b, [0, 0.001, 0.003])];
     const d = held.map(({ displacement }) => [...Array.from(displacement)]), at = (t: number, k: number, x: number) =>
       tools.set(held.map((tool, i) => ({ ...tool, displacement: d[i]!.map((c, j) => (i === t && j === k ? c + x : c)) })));
     const { forces, warnings, energy } = tools.set(held), h = 2e-5;
     expect(warnings).toEqual([]);
-    expect(difference(ofModel.forces, forces)).toBeGreaterThan(0.1);
     const derivatives = [0, 1].flatMap((t) => [0, 1, 2].map((k) => (at(t, k, h).energy - at(t, k, -h).energy) / (2 * h)));
     expect(difference(forces, derivatives)).toBeLessThan(1e-3); // of the square of h
     expect(energy).toBeGreaterThan(0);
     tools.set(held);
     expect(tools.bounds().every((bound) => bound! > 0)).toBe(true);
+    expect(tools.deform().length).toBe(3 * body.info.nodes.length);
     expect(Math.max(...tools.deform().map(Math.abs))).toBeGreaterThan(0.003);
     tools.set([]);
     expect(Math.max(...tools.deform().map(Math.abs))).toBe(0);
-    tools.attach(null);
-    expect([...tools.set(held).forces]).toEqual([...ofModel.forces]);
   });
   it('is touched by spheres', async () => {
-    const model = await load(block), contact = model.contact(1), radius = 0.005;
-    contact.attach(model.body(bodyText()));
+    const body = (await load(block)).body(bodyText()), contact = body.contact(1), radius = 0.005;
     let touch = contact.step([{ center: [0.06, 0.06, 0.05], radius }]).touches[0]!;
     for (let i = 0; i <= 60; ++i) touch = contact.step([{ center: [0.06, 0.06, 0.035 - 1e-4 * Math.min(i, 50)], radius }]).touches[0]!;
     expect(touch.inContact).toBe(true);
-    const tools = model.tools(1);
-    tools.attach(model.body(bodyText()), 200);
-    const { forces } = tools.set([touch.held!]);
+    const { forces } = body.tools(1, 200).set([touch.held!]);
     expect(difference(forces.map((f) => touch.scale * f), touch.force)).toBeLessThan(1e-3);
   });
 });

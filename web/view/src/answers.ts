@@ -1,5 +1,5 @@
 // What the runtime answers for tools and spheres, with the times it takes.
-import type { Body, Contact, Level, Model, Sphere, Surface, Tools, Touch, Warning } from '../../runtime/src/index.js';
+import type { Body, Contact, Level, Model, ModelTools, Sphere, Surface, Tools, Touch, Warning } from '../../runtime/src/index.js';
 import { PhynnessError } from '../../runtime/src/status.js';
 import { add, row, scale, zero, type V3 } from '../../shared/src/vectors.js';
 import { nodeOf, placeAt, toolOf, type Place } from './places.js';
@@ -32,6 +32,7 @@ export class Runtime {
   private readonly tools: Tools;
   /** for questions beside the picture */
   private readonly asked: Tools;
+  private readonly ofModel: readonly ModelTools[];
   /** answers for tools and spheres, instead of the model */
   readonly body: Body | null;
   /** of the body in one picture [ms] */
@@ -50,13 +51,20 @@ export class Runtime {
     this.active = new Set(info.activeNodes);
     this.rows = new Map([...info.outputNodes, ...info.fixedNodes].map((node, i) => [node, i]));
     this.field = new Float64Array(3 * info.outputNodes.length);
-    this.tools = model.tools(mostTools);
-    this.asked = model.tools(mostTools);
-    this.contact_ = unlessRefused(['PHN_ERROR_UNDEFINED', 'PHN_ERROR_GEOMETRY'], () => model.contact(1));
-    this.body = bodyText === null ? null : model.body(bodyText);
-    this.tools.attach(this.body);  // what its steps leave goes on in the next picture
-    this.contact_?.attach(this.body);
-    this.asked.attach(this.body, manySteps);
+    const body = this.body = bodyText === null ? null : model.body(bodyText);
+    this.ofModel = body ? [] : [model.tools(mostTools), model.tools(mostTools)];
+    this.tools = this.ofModel[0] ?? body!.tools(mostTools);  // what its steps leave goes on in the next picture
+    this.asked = this.ofModel[1] ?? body!.tools(mostTools, manySteps);
+    this.contact_ = unlessRefused(['PHN_ERROR_UNDEFINED', 'PHN_ERROR_GEOMETRY'], () => (body ?? model).contact(1));
+  }
+  /** Fills `field`. */
+  private draw(of: Tools | Contact): void {
+    if (!this.body) return void of.deform(this.field);
+    const moved = of.deform();
+    this.body.info.nodes.forEach((node, i) => {
+      const at = 3 * (this.rows.get(node) ?? Infinity);
+      if (at < this.field.length) this.field.set(moved.subarray(3 * i, 3 * i + 3), at);
+    });
   }
   get hasContact(): boolean {
     return this.contact_ !== null;
@@ -72,7 +80,7 @@ export class Runtime {
   setLevel(level: number | null): void {
     const index = Math.min(level ?? this.levels.length - 1, this.levels.length - 1);
     this.model.level = index;
-    this.tools.level = this.asked.level = index;
+    for (const tools of this.ofModel) tools.level = index;
   }
   surface(levels: number): Surface {
     if (this.surfaceLevels !== levels || !this.surface_) {
@@ -111,7 +119,7 @@ export class Runtime {
     if (tools.length === 0 && !this.body) return { ...nothing, energy: this.hasEnergy ? 0 : null };
     const all = tools.map(({ place, displacement }) => toolOf(place, displacement));
     const { status, warnings, forces, energy, residual } = this.timed(() => this.tools.set(all));
-    this.tools.deform(this.field);
+    this.draw(this.tools);
     return {
       ...nothing, status, warnings, residual, forces: tools.map((_, i) => row(forces, i)),
       energy: this.hasEnergy ? energy : null, bound: this.tools.bounds().at(-1) ?? null,
@@ -141,7 +149,7 @@ export class Runtime {
   touch(sphere: Sphere): Answer {
     if (!this.contact_) return nothing;
     const contact = this.contact_, { status, warnings, energy, touches } = this.timed(() => contact.step([sphere]));
-    contact.deform(this.field);
+    this.draw(contact);
     return {
       ...nothing, status, warnings, touches, forces: touches.map(({ force }) => row(force, 0)),
       energy: this.hasEnergy ? energy : null,

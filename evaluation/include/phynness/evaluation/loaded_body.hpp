@@ -7,7 +7,6 @@
 #include <optional>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/selector.hpp>
-#include <phynness/phynness.hpp>
 #include <string>
 #include <vector>
 
@@ -38,13 +37,13 @@ class LoadedBody {
   /// Bytes of the body, and of a state of up to `max_tools` tools, in the runtime's memory.
   std::size_t memory_bytes() const { return _body_memory.size(); }
   std::size_t state_bytes(std::int32_t max_tools) const;
+  /// @param of  "the model NAME". @throws Error (input) with both names if that has another mesh
+  void require_mesh(const std::string& mesh_hash, const std::string& of) const;
   /// Back to rest.
   void reset();
   /// At most `steps` steps from the present deformation.
   /// @throws Error (input) if the runtime refuses the tools
   BodyResponse press(const std::vector<phn_tool>& tools, std::int32_t steps);
-  /// phn_body_attach, with the state of press(). This object, which may be moved, must outlive `data`.
-  int attach_to(rt::Tools& data, std::int32_t steps) const { return data.attach(_body, _state, steps); }
   /// From rest to `tools` in equal increments of the displacement. @param steps  of each, at most
   BodyResponse press_from_rest(const std::vector<phn_tool>& tools, int increments, std::int32_t steps);
 

@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <optional>
-#include <phynness/evaluation/loaded_body.hpp>
 #include <phynness/formats/model.hpp>
 #include <phynness/formats/tool.hpp>
 #include <phynness/phynness.hpp>
@@ -49,13 +48,6 @@ class LoadedModel {
   const rt::Model& runtime() const { return _runtime; }
   rt::Tools& data() const { return _data; }
 
-  /// A body answers for coupled tools from here on, with at most `steps` steps of each phn_couple. couple() makes
-  /// increments_from_rest (formats/body.hpp) of them, in equal increments.
-  /// @throws Error (input) with both names if the body is not of the model's database, or an output node is inside of
-  /// it
-  void attach(LoadedBody body, std::int32_t steps);
-  /// Null: none is attached.
-  const LoadedBody* body() const { return _body ? &*_body : nullptr; }
   /// @param what  "the body FILE". @throws Error (input) with both names if the model has another mesh or physics
   void require_same(const std::string& what, const std::string& mesh_hash, const std::string& physics_hash,
                     const char* remedy = "make it with phynness reduce of the database of this model") const;
@@ -74,11 +66,8 @@ class LoadedModel {
   bool has_bounds() const;
   /// Bound [N] of the error of the force; none outside of the trained range or if the model has no bounds.
   std::optional<double> error_bound(std::int32_t node, const Vec3& displacement_m) const;
-  /// Whether coupled tools have an energy.
-  bool couples_with_energy() const { return _body || _runtime.info().has_energy != 0; }
-  /// Response to coupled tools anywhere on the surface, of the attached body, from rest, if there is one.
-  /// @throws Error (input) if a node of a tool is neither active nor fixed, or if the model has forces only; of a body,
-  /// if a tool touches nothing that can move
+  /// Response to coupled tools anywhere on the surface.
+  /// @throws Error (input) if a node of a tool is neither active nor fixed, or if the model has forces only
   ModelResponse couple(const std::vector<phn_tool>& tools) const;
   /// Response to several tools at nodes with the paper's weights (15)-(16).
   ModelResponse respond(const std::vector<std::int32_t>& nodes, const std::vector<Vec3>& displacement_m) const;
@@ -94,7 +83,6 @@ class LoadedModel {
   rt::Model _runtime;
   mutable rt::Tools _data;
   std::optional<std::int32_t> _level;
-  std::optional<LoadedBody> _body;
 };
 
 }  // namespace phynness

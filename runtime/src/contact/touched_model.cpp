@@ -1,0 +1,100 @@
+// Contact with a model: of nodes, or of a round tool.
+#include "contact/contact.hpp"
+#include "core/evaluate.hpp"
+#include "tools/coupled.hpp"
+#include "tools/triangle.hpp"
+
+using namespace PHN_RUNTIME;
+
+namespace {
+
+class TouchedModel final : public Touched {
+ public:
+  TouchedModel(const phn_model& model, phn_data& data) : _model(model), _data(data) {
+    has_energy = model.has_energy;
+    max_displacement_m = model.max_displacement_m;
+  }
+  int hold(std::int32_t n, const phn_tool* tools, double* forces, phn_coupled& result) override {
+    return phn_couple(&_model, &_data, n, tools, forces, &result);
+  }
+  Matrix stiffness(std::int32_t i) const override {
+    const Coupling& coupling = *_data.coupling;
+    if (coupling.n_tools > 1) return coupling.stiffness[i * coupling.max_tools + i];
+    const HeldPoint& point = coupling.point[i];
+    if (!answers_alone(_model, point)) return point.stiffness;
+    // phn_couple computes no coupling stiffness for a tool that it answers alone.
+    const Mean mean = mean_at(_model, {}, point);
+    Matrix sum = {};
+    for (std::int32_t n = 0; n < mean.n; ++n) {
+      const Matrix stiffness = stiffness_at_rest(_model, _model.active[mean.active[n]]);
+      for (int k = 0; k < 9; ++k) sum.a[k] += mean.weight[n] * stiffness.a[k] / (mean.lever * mean.lever);
+    }
+    return sum;
+  }
+
+ private:
+  const phn_model& _model;
+  phn_data& _data;
+};
+
+WholeSurface surface_of(const phn_model& model) {
+  return {model.n_output + model.n_fixed, model.n_output, model.n_triangles, model.triangles};
+}
+
+/// See ContactSurface::active.
+std::int32_t active_of(const phn_model& model, std::int32_t vertex) {
+  Corner corner[3];
+  const std::int32_t n = find_corners(model, vertex_node(model, vertex), corner);
+  bool moves = n > 0;
+  for (std::int32_t i = 0; i < n; ++i) {
+    const ActiveNode& node = model.active[corner[i].active];
+    moves = moves && node.output >= 0 && has_deformation(model, node);
+  }
+  if (moves) return n == 1 ? corner[0].active : several;
+  return n > 0 || vertex < model.n_output ? -2 : -1;
+}
+
+}  // namespace
+
+extern "C" {
+
+int phn_contact_size(const phn_model* model, int32_t max_tools, size_t* bytes) {
+  if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
+  *bytes = 0;
+  return model == nullptr ? PHN_ERROR_ARGUMENT : contact_size(surface_of(*model), max_tools, bytes);
+}
+
+int phn_contact_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_contact** contact) {
+  if (contact == nullptr) return PHN_ERROR_ARGUMENT;
+  *contact = nullptr;
+  if (memory == nullptr || model == nullptr) return PHN_ERROR_ARGUMENT;
+  if (overlap(memory, bytes, model, model->bytes) || overlap(memory, bytes, contact, sizeof *contact))
+    return PHN_ERROR_OVERLAP;
+  const WholeSurface whole = surface_of(*model);
+  Arena arena(memory, bytes);
+  ContactParts parts;
+  const int status = lay_out_contact(arena, whole, max_tools, parts);
+  if (status != PHN_OK) return status;
+  for (std::int32_t v = 0; v < whole.n_vertices; ++v) {
+    for (int k = 0; k < 3; ++k) row(parts.surface.rest, v)[k] = vertex_point(*model, v)[k];
+    parts.surface.node[v] = vertex_node(*model, v);
+    parts.surface.active[v] = active_of(*model, v);
+  }
+  return build_contact(whole, model, max_tools, parts, contact);
+}
+
+int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_tools, const phn_contact_tool* tools,
+                     phn_contact_state* states, phn_coupled* result) {
+  phn_coupled coupled = {0, 0};
+  int status = PHN_ERROR_ARGUMENT;
+  if (contact != nullptr && data != nullptr && data->model == contact->of) {
+    TouchedModel touched(*data->model, *data);
+    status =
+        step_contact(*contact, touched, most_tools(*data), n_tools, tools, states, result, sizeof *result, coupled);
+  }
+  write_states(contact, status, n_tools, states);
+  if (result != nullptr) *result = coupled;
+  return status;
+}
+
+}  // extern "C"
