@@ -172,7 +172,7 @@ std::vector<Ray> Database::rays(std::int32_t active) const {
 std::vector<ColumnArray> Database::columns() const {
   std::vector<ColumnArray> arrays;
   for (const auto& column : _impl->columns) {
-    ColumnArray array{column.name, column.unit, column.description, {}, ""};
+    ColumnArray array{column.name, {}, ""};
     array.shape = {_impl->header.sets.active.size(), _impl->header.directions.size()};
     array.shape.insert(array.shape.end(), column.shape.begin(), column.shape.end());
     std::visit(

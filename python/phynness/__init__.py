@@ -5,13 +5,13 @@ the numbers of the mesh. Arguments called d are displacements, one of shape (3,)
 any layout. Every function may be called by several threads at the same time; large arrays are evaluated without the GIL.
 """
 from ._phynness import (
-    Body, Coupled, Column, Database, Error, IncompleteWarning, Level, Model, OutsideWarning, Pressed, Scene, StatusWarning,
+    Body, Coupled, Database, Error, IncompleteWarning, Level, Model, OutsideWarning, Pressed, Scene, StatusWarning,
     SurfacePoint, UnsettledWarning, __version__, train,
 )
 from .command import Page, Solution, precompute, show, solve, validate
 
 __all__ = [
-    "Body", "Coupled", "Column", "Database", "Error", "IncompleteWarning", "Level", "Model", "OutsideWarning", "Page",
+    "Body", "Coupled", "Database", "Error", "IncompleteWarning", "Level", "Model", "OutsideWarning", "Page",
     "Pressed", "Scene", "Solution", "StatusWarning", "SurfacePoint", "UnsettledWarning", "__version__", "precompute", "show",
     "solve", "train", "validate",
 ]

@@ -27,46 +27,14 @@ auto copy_of_matrix(const Matrix& m) {
   return copy(m.data(), m.rows(), m.cols());
 }
 
-/// A column, of which only what is indexed is read.
-struct Column {
-  py::object owner;
-  ColumnArray array;
-
-  py::ssize_t size() const { return static_cast<py::ssize_t>(array.shape.front()); }
-  py::array read(std::size_t first, std::size_t count) const {
-    std::vector<py::ssize_t> shape(array.shape.begin(), array.shape.end());
-    shape[0] = static_cast<py::ssize_t>(count);
-    py::array numbers(py::dtype(array.type), shape);
-    owner.cast<const OpenDatabase&>().get()->read(array.name, first, count, numbers.mutable_data());
+/// A column of all active nodes.
+py::array column_of(const OpenDatabase& database, const std::string& name) {
+  for (const auto& array : database.get()->columns()) {
+    if (array.name != name) continue;
+    py::array numbers(py::dtype(array.type), std::vector<py::ssize_t>(array.shape.begin(), array.shape.end()));
+    database.get()->read(name, 0, array.shape.front(), numbers.mutable_data());
     return numbers;
   }
-  py::object at(const py::object& key) const {
-    if (py::isinstance<py::slice>(key)) {
-      py::ssize_t start = 0, stop = 0, step = 0, n = 0;
-      if (!key.cast<py::slice>().compute(size(), &start, &stop, &step, &n)) throw py::error_already_set();
-      if (step == 1) return read(static_cast<std::size_t>(start), static_cast<std::size_t>(n));
-    } else if (PyIndex_Check(key.ptr())) {
-      auto i = py::int_(key).cast<py::ssize_t>();
-      if (i < -size() || i >= size())
-        throw py::index_error("there are " + std::to_string(size()) + " active nodes, and no index " +
-                              std::to_string(i));
-      return read(static_cast<std::size_t>(i < 0 ? i + size() : i), 1)[py::int_(0)];
-    } else if (py::isinstance<py::tuple>(key) && !key.cast<py::tuple>().empty()) {
-      const auto keys = key.cast<py::tuple>();
-      const py::object first = keys[0];
-      // The other axes are those of what is read.
-      if (PyIndex_Check(first.ptr())) {
-        const py::slice others(1, static_cast<py::ssize_t>(keys.size()), 1);
-        return at(first)[keys[others]];
-      }
-    }
-    return read(0, array.shape.front())[key];
-  }
-};
-
-Column column_of(const py::object& database, const std::string& name) {
-  for (auto& array : database.cast<const OpenDatabase&>().get()->columns())
-    if (array.name == name) return {database, std::move(array)};
   throw py::key_error("the database has no column " + printable(name));
 }
 
@@ -97,26 +65,6 @@ Error with line, value and remedy if it is refused.
       .def_property_readonly("notes", &scene_notes, "Sentences about the meaning of defaults.");
 }
 
-void add_column(py::module_& module) {
-  py::class_<Column>(module, "Column",
-                     "A column of a Database, of which numpy reads only the active nodes that are indexed.\n\n"
-                     "Axes: active nodes, directions, and those of a ray: increments, output nodes, components.")
-      .def_property_readonly("name", [](const Column& c) { return c.array.name; })
-      .def_property_readonly("unit", [](const Column& c) { return c.array.unit; })
-      .def_property_readonly("description", [](const Column& c) { return c.array.description; })
-      .def_property_readonly("shape", [](const Column& c) { return py::tuple(py::cast(c.array.shape)); })
-      .def_property_readonly("dtype", [](const Column& c) { return py::dtype(c.array.type); })
-      .def("__len__", &Column::size)
-      .def("__getitem__", &Column::at, arg("key"))
-      .def(
-          "__array__",
-          [](const Column& c, const py::object& dtype) -> py::object {
-            py::array all = c.read(0, c.array.shape.front());
-            return dtype.is_none() ? py::object(all) : all.attr("astype")(dtype);
-          },
-          arg("dtype") = py::none());
-}
-
 void add_arrays(py::class_<OpenDatabase>& database) {
   const auto property = [&](const char* name, const char* doc, auto&& get) {
     database.def_property_readonly(
@@ -140,12 +88,12 @@ void add_arrays(py::class_<OpenDatabase>& database) {
 
 void add_database(py::module_& module) {
   add_scene(module);
-  add_column(module);
   py::class_<OpenDatabase> database(module, "Database",
                                     R"(A finished database of phynness precompute (formats/database.md).
 
-A mapping from names of columns, such as "force" and "displacement", to Column; a context manager that closes the file.
-Its other arrays are copies. Entries of increments that did not converge are 0: see column "status", 0 where it did.
+A mapping from names of columns, such as "force" and "displacement", to arrays, whose axes are active nodes, directions, and
+those of a ray: increments, output nodes, components. Each access reads the whole column; h5py reads parts of a file. A
+context manager closes it. Entries of increments that did not converge are 0: see column "status", 0 where it did.
 
 Error if the file is missing, damaged or unfinished, or if it is closed.
 )");

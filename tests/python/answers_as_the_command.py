@@ -242,14 +242,10 @@ class Databases(unittest.TestCase):
         self.assertEqual(database["force"].shape, (3, 7, 3, 3))
         with h5py.File(self.file) if h5py else database as file:
             for name in database.keys():
-                column, all_of_it = database[name], np.asarray(database[name])
-                self.assertEqual((column.shape, column.dtype), (all_of_it.shape, all_of_it.dtype))
+                column = database[name]
                 if h5py:
-                    self.assertEqual(all_of_it.tobytes(), file["responses"][name][()].tobytes())
-                self.assertEqual(column[1:].tobytes(), all_of_it[1:].tobytes())
-                self.assertEqual(column[-1, ..., 0].tobytes(), all_of_it[-1, ..., 0].tobytes())
-                self.assertEqual(column[::-1].tobytes(), all_of_it[::-1].tobytes())
-        self.assertEqual(database["energy"].unit, "J")
+                    self.assertEqual((column.shape, column.dtype), (file["responses"][name].shape, file["responses"][name].dtype))
+                    self.assertEqual(column.tobytes(), file["responses"][name][()].tobytes())
         self.assertEqual(database.displacements.shape, (7, 3, 3))
         self.assertEqual((database.nodes.shape, database.cells.shape, list(database.active_nodes)), ((6, 3), (2, 4), [1, 2, 4]))
         self.assertTrue(np.allclose(np.linalg.norm(database.directions, axis=1), 1))
@@ -261,12 +257,9 @@ class Databases(unittest.TestCase):
         cut.write_bytes(self.file.read_bytes()[:-100])
         self.assertRaisesRegex(phynness.Error, "truncated", phynness.Database, cut)
         with phynness.Database(self.file) as database:
-            force = database["force"]
             self.assertRaises(KeyError, database.__getitem__, "x")
-            self.assertRaises(IndexError, force.__getitem__, 3)
-            self.assertRaises(IndexError, force.__getitem__, (0, 9))
             self.assertNotIn("x", database)
-        for use in (lambda: force[0], lambda: database["force"], lambda: database.nodes, lambda: phynness.train(database)):
+        for use in (lambda: database["force"], lambda: database.nodes, lambda: phynness.train(database)):
             self.assertRaisesRegex(phynness.Error, "is closed", use)
         self.assertRaisesRegex(phynness.Error, ":2: unknown key.*\n.*did you mean shape", phynness.Scene.from_text, "[mesh]\nshap = 1\n")
 

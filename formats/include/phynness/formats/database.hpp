@@ -87,7 +87,7 @@ struct EndSummary {
 
 /// A column of a database as an array: active nodes, directions, and the axes of a ray.
 struct ColumnArray {
-  std::string name, unit, description;
+  std::string name;
   std::vector<std::size_t> shape;
   const char* type;  ///< "int8", "int32", "float32" or "float64"
 };
