@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <fstream>
-#include <phynness/evaluation/model_figures.hpp>
+#include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/training/families.hpp>
 
 #include "commands.hpp"
@@ -96,7 +96,6 @@ struct Trained {
   std::optional<LoadedModel> loaded;
   TrainingReport report;
   std::vector<Field> stored;  ///< fields of the database
-  DatabaseErrors errors;
 };
 
 Trained trained(const Options& options) {
@@ -124,36 +123,11 @@ Trained trained(const Options& options) {
     model.finer = finer;
     t.loaded.emplace(std::move(model), header.mesh, options.output.string());
   }
-  t.errors = errors_on_database(*t.loaded, database);
   t.stored = header.fields;
   const ModelTexts texts{t.loaded->text(), write_mesh_text(header.mesh)};
   install_stop_handler();  // both files are written, or none
   write_model_texts(options.output, texts);
   return t;
-}
-
-/// What is worse than linear responses even on the data of the training is not worth its time.
-void warn_of_linear(const DatabaseErrors& errors, Family family) {
-  for (const auto& [what, model, linear] :
-       {std::tuple{"force", errors.force, errors.force_linear},
-        std::tuple{"displacement", errors.displacement.value_or(0), errors.displacement_linear.value_or(0)}})
-    if (is_worse_than_linear(model, linear))
-      message(
-          "warning: the model is worse than the linear predictor: mean error (17) of the {} on the training data "
-          "{:.2f} %, of linear responses {:.2f} %; {}\n",
-          what, 100 * model, 100 * linear,
-          schema::traits(family).has_modes ? "give it more centers and modes" : "train family modal, or more neurons");
-}
-
-void print_thinning(const Trained& t) {
-  const auto& r = t.report;
-  if (r.n_increments_fitted == r.n_increments_used) return;
-  print_result(
-      "{} of {} increments are fitted, spread over the depth of each ray, so that the time of the fits does not grow "
-      "with the increments; mean error (17) at all of them, {} nodes: force {:.3f} %",
-      r.n_increments_fitted, r.n_increments_used, t.errors.nodes, 100 * t.errors.force);
-  if (t.errors.displacement) print_result(", displacement {:.3f} %", 100 * *t.errors.displacement);
-  print_result("\n");
 }
 
 void print(const Trained& t, const std::filesystem::path& output) {
@@ -166,10 +140,13 @@ void print(const Trained& t, const std::filesystem::path& output) {
     errors += fmt::format("{}{} {:.4g}{}", errors.empty() ? "" : ", ", figure.title,
                           (figure.is_error ? 100 : 1) * figure.value, figure.is_error ? " %" : "");
   if (!errors.empty()) print_result("{}\n", errors);
-  print_thinning(t);
+  if (report.n_increments_fitted != report.n_increments_used)
+    print_result(
+        "{} of {} increments are fitted, spread over the depth of each ray, so that the time of the fits does not grow "
+        "with the increments\n",
+        report.n_increments_fitted, report.n_increments_used);
   print_levels(model);
   print_fields(model, report, t.stored);
-  warn_of_linear(t.errors, model.family);
   if (report.n_skipped > 0)
     message("warning: {} active nodes have no converged increment and are omitted from the model\n", report.n_skipped);
   print_result("model.txt {}, mesh.txt {} -> {}\n", bytes(t.loaded->text_bytes()), bytes(t.loaded->mesh_text_bytes()),
@@ -180,13 +157,13 @@ json to_json(const Trained& t) {
   const Model& model = t.loaded->model();
   const TrainingReport& report = t.report;
   const auto sizes = sizes_of(model);  // below the specified ones if a node has few responses
-  json out = record("family", name(model.family), "networks", report.n_networks, "skipped", report.n_skipped,
-                    "increments", report.n_increments_used, "increments_fitted", report.n_increments_fitted,
-                    "deformation_neurons", sizes.deformation_neurons, "force_neurons", sizes.force_neurons,
-                    "deformation_spread", report.deformation_spread, "force_spread", report.force_spread,
-                    "mean_deformation_mse", report.mean_deformation_mse, "mean_force_mse", report.mean_force_mse,
-                    "training_errors", t.errors, "seconds", report.seconds, "model_bytes", t.loaded->text_bytes(),
-                    "mesh_bytes", t.loaded->mesh_text_bytes());
+  json out =
+      record("family", name(model.family), "networks", report.n_networks, "skipped", report.n_skipped, "increments",
+             report.n_increments_used, "increments_fitted", report.n_increments_fitted, "deformation_neurons",
+             sizes.deformation_neurons, "force_neurons", sizes.force_neurons, "deformation_spread",
+             report.deformation_spread, "force_spread", report.force_spread, "mean_deformation_mse",
+             report.mean_deformation_mse, "mean_force_mse", report.mean_force_mse, "seconds", report.seconds,
+             "model_bytes", t.loaded->text_bytes(), "mesh_bytes", t.loaded->mesh_text_bytes());
   for (const auto& figure : operations(model.family).figures(report))
     out[name(model.family)][figure.key] = figure.value;
   for (const auto& level : model.levels)

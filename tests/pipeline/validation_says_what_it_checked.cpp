@@ -33,10 +33,7 @@ TEST_F(ValidationWords, AreDistances) {
 
 TEST_F(ValidationWords, NameWhatIsWorseThanLinear) {
   // A single neuron cannot repeat a deformation; 16 modes can.
-  const auto poor = succeed("train scene.toml d.h5 -o poor --family rbfn --neurons 1 --json t.json");
-  expect_names(poor.err, {"warning:", "linear predictor", "displacement"});
-  const auto training = json("t.json").at("training_errors");
-  EXPECT_GT(training.at("displacement").get<double>(), training.at("displacement_linear").get<double>());
+  succeed("train scene.toml d.h5 -o poor --family rbfn --neurons 1");
   const auto validated = succeed("validate scene.toml poor --probes 8 --json v.json --report r.html");
   expect_names(validated.out, {"worse than the linear predictor", "displacement"});
   std::set<std::string> ranges;
@@ -48,8 +45,7 @@ TEST_F(ValidationWords, NameWhatIsWorseThanLinear) {
   EXPECT_TRUE(ranges.count("inside") || ranges.count("outside")) << result;
   expect_names(read_file(folder / "r.html"), {"worse than the linear predictor"});
 
-  const auto good = succeed("train scene.toml d.h5 -o good --family modal --json t.json");
-  EXPECT_EQ(good.err.find("linear predictor"), std::string::npos) << good.err;
+  succeed("train scene.toml d.h5 -o good --family modal");
   succeed("validate scene.toml good --probes 8 --json v.json");
   EXPECT_TRUE(json("v.json").at("worse_than_linear").empty()) << json("v.json").at("worse_than_linear");
 }

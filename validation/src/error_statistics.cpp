@@ -54,7 +54,8 @@ template <class Errors>
 std::vector<WorseThanLinear> worse_in(const char* range, const Errors& model, const Errors& linear) {
   std::vector<WorseThanLinear> worse;
   const auto add = [&](const char* what, const ErrorStatistics& a, const ErrorStatistics& b) {
-    if (a.n > 0 && b.n > 0 && is_worse_than_linear(a.mean, b.mean)) worse.push_back({what, range, a.mean, b.mean});
+    constexpr double matters = 1e-3;
+    if (a.n > 0 && b.n > 0 && a.mean > std::max(b.mean, matters)) worse.push_back({what, range, a.mean, b.mean});
   };
   add("force", model.force, linear.force);
   add("displacement", model.displacement, linear.displacement);
