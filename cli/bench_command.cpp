@@ -1,4 +1,4 @@
-#include <phynness/evaluation/model_figures.hpp>
+#include <phynness/validation/model_figures.hpp>
 
 #include "commands.hpp"
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <phynness/evaluation/loaded_body.hpp>
-#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/validation/loaded_body.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/vtk.hpp>

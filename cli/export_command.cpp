@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <phynness/embedding/embedding.hpp>
-#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/formats/image.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/training/families.hpp>
+#include <phynness/validation/loaded_model.hpp>
 
 #include "commands.hpp"
 
@@ -52,7 +52,8 @@ void run(const Options& options) {
   const bool deforms = !schema::traits(model.family).has_modes || sizes_of(model).modes > 0;
   kind.force_only = kind.force_only || model.output.empty() || !deforms;
   const ModelImage image = model_image(model, kind);
-  auto queries = golden_queries(loaded, image, std::max(options.golden, least_queries));
+  auto queries =
+      golden_queries(loaded.model(), loaded.runtime(), loaded.data(), image, std::max(options.golden, least_queries));
   const std::size_t n_measured = queries.query.size();
   queries.query.resize(options.golden);
   queries.place.resize(std::min(queries.place.size(), options.golden / 4));

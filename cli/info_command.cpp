@@ -1,7 +1,7 @@
 #include <cstring>
 #include <fstream>
-#include <phynness/embedding/embedding.hpp>
-#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/formats/image.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/printable.hpp>

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <phynness/formats/ray_tasks.hpp>
 #include <phynness/meshes/meshes.hpp>
-#include <phynness/planning/planning.hpp>
+#include <phynness/precompute/planning.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/validation/discretization.hpp>
 #include <phynness/validation/sizes.hpp>

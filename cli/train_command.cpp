@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <fstream>
-#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <phynness/training/families.hpp>
 
 #include "commands.hpp"

@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <phynness/evaluation/loaded_body.hpp>
-#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/validation/loaded_body.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/pages/pages.hpp>

@@ -5,7 +5,7 @@ Usage: tables.py FOLDER
     FOLDER/tables.cpp           laws() and elements() of formats/include/phynness/formats/law.hpp
     FOLDER/compiled_forms.cpp   compiled_forms() of precompute_dolfinx/src/form_set.hpp: the forms that ffcx compiles from the files below
     FOLDER/declared_laws.cpp    energies and examples with which tests compare the compiled forms
-    FOLDER/body_laws.cpp        find_body_law() of runtime/src/body/laws.hpp
+    FOLDER/body_laws.cpp        find_body_law() of runtime/include/phynness/schema/body_laws.hpp
     FOLDER/forms/*.py           a file for ffcx for each law, and one for each law of shells
 
 Prints two lines with the names of these files, for solids and for shells, each as a CMake list. A file is only written
@@ -202,7 +202,7 @@ def body_laws(laws):
         parts = [f"derivatives<{part}_of_{word}, {part}_of_{word}, inside_of_{word}>" for part in ("shape", "volumetric")]
         rows.append(f"{{{literal(law.name)}, {len(law.parameters)}, {', '.join(parts)}}}")
     return (
-        NOTE + '#include "body/laws.hpp"\n\n#include <string.h>\n\n#include "body/dual.hpp"\n\nnamespace PHN_RUNTIME {\nnamespace {\n\n'
+        NOTE + '#include <phynness/schema/body_laws.hpp>\n#include <string.h>\n\n#include "body/dual.hpp"\n\nnamespace PHN_RUNTIME {\nnamespace {\n\n'
         + text + _array("BodyLaw", "every_law", rows)[0]
         + "\n}  // namespace\n\nconst BodyLaw* find_body_law(const char* name) {\n  for (const auto& law : every_law)\n"
         "    if (strcmp(law.name, name) == 0) return &law;\n  return nullptr;\n}\n\n}  // namespace PHN_RUNTIME\n"

@@ -1,5 +1,5 @@
 // Body, as Python sees it: a reduced body of the runtime, which answers for several tools.
-#include <phynness/evaluation/loaded_body.hpp>
+#include <phynness/validation/loaded_body.hpp>
 #include <phynness/formats/body.hpp>
 
 #include <limits>

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <phynness/embedding/embedding.hpp>
+#include <phynness/formats/image.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/image_layout.hpp>
 

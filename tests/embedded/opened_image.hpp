@@ -3,11 +3,11 @@
 
 #include <cstdint>
 #include <cstring>
-#include <phynness/embedding/embedding.hpp>
+#include <phynness/formats/image.hpp>
 #include <stdexcept>
 #include <vector>
 
-#include "../../embedding/src/image_functions.hpp"
+#include "../../formats/src/image/image_functions.hpp"
 
 namespace phynness::test {
 

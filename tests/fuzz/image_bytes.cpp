@@ -2,7 +2,7 @@
 // set the right checksum and size, bit 1: floats), 8 bytes that determine the queries, 7 unused bytes, the image.
 #include <phynness/image_layout.hpp>
 
-#include "../../embedding/src/image_functions.hpp"
+#include "../../formats/src/image/image_functions.hpp"
 #include "fuzz_target.hpp"
 
 namespace phynness::fuzz {

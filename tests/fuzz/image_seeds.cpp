@@ -1,5 +1,5 @@
 // Images of all families in float and in double, with the prologue of image_bytes.cpp.
-#include <phynness/embedding/embedding.hpp>
+#include <phynness/formats/image.hpp>
 
 #include "../embedded/round_models.hpp"
 #include "fuzz_target.hpp"

@@ -1,6 +1,6 @@
 // Claims: the runtime's energy of every law and its first and second derivatives are those of the law file; states in
 // which a law is not defined are refused.
-#include "body/laws.hpp"
+#include <phynness/schema/body_laws.hpp>
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 #include <map>
-#include <phynness/planning/planning.hpp>
+#include <phynness/precompute/planning.hpp>
 
 namespace phynness {
 namespace {

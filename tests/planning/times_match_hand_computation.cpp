@@ -2,7 +2,7 @@
 // Times are multiples of powers of two, so that sums are exact and need no tolerance.
 #include <gtest/gtest.h>
 
-#include <phynness/planning/planning.hpp>
+#include <phynness/precompute/planning.hpp>
 
 namespace phynness {
 namespace {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/training/training.hpp>

@@ -2,7 +2,7 @@
 // the cheapest one within the limits; otherwise the result names the missed limit and the factor.
 #include <gtest/gtest.h>
 
-#include <phynness/tuning/tuning.hpp>
+#include <phynness/validation/tuning.hpp>
 
 namespace phynness {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <phynness/evaluation/loaded_body.hpp>
-#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/validation/loaded_body.hpp>
+#include <phynness/validation/loaded_model.hpp>
 
 namespace phynness {
 

@@ -1,8 +1,8 @@
 // Random rays of one tool between nodes and of two tools, for the calibration of bounds.
 #pragma once
 
-#include <phynness/evaluation/loaded_body.hpp>
-#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/validation/loaded_body.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <phynness/formats/scene.hpp>
 #include <random>
 

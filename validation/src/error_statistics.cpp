@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <phynness/evaluation/model_figures.hpp>
+#include <phynness/validation/model_figures.hpp>
 #include <phynness/validation/tools.hpp>
 #include <phynness/validation/validation.hpp>
 #include <string_view>

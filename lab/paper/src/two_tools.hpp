@@ -2,7 +2,7 @@
 // nodes.
 #pragma once
 
-#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/studies/measurements.hpp>
 #include <random>

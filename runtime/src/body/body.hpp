@@ -4,8 +4,8 @@
 #include <phynness/phynness_body.h>
 
 #include <phynness/schema/body_grammar.hpp>
+#include <phynness/schema/body_laws.hpp>
 
-#include "body/laws.hpp"
 #include "core/arena.hpp"
 #include "core/model.hpp"
 #include "tools/vectors.hpp"

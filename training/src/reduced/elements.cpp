@@ -4,9 +4,8 @@
 #include <cassert>
 #include <cmath>
 #include <map>
+#include <phynness/schema/body_laws.hpp>
 #include <utility>
-
-#include "body/laws.hpp"
 
 namespace phynness::reduced {
 namespace {

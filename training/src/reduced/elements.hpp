@@ -17,7 +17,7 @@ using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 using AtPoints = Eigen::Matrix<double, 9, Eigen::Dynamic>;
 
 /// The energy density is shape + bulk_in_shape_Pa/2 g^2 at every point, and the pressure's in the cells. g is that of
-/// body/laws.hpp.
+/// phynness/schema/body_laws.hpp.
 struct Elements {
   Elements(const Mesh& mesh, const Material& material, Element element);
 

@@ -1,7 +1,12 @@
 #include "parts.hpp"
 
-#include <phynness/evaluation/loaded_body.hpp>
+#include <phynness/phynness.h>
+#include <phynness/phynness_body.h>
+
+#include <cstddef>
+#include <phynness/formats/error.hpp>
 #include <phynness/formats/mesh.hpp>
+#include <string>
 
 #include "sampling.hpp"
 #include "threads.hpp"
@@ -26,20 +31,51 @@ Vector3d direction(SplitMix64& random) {
   }
 }
 
-/// From rest to `tools`: the fields of the increments that settle.
-MatrixXd press(LoadedBody& body, const std::vector<phn_tool>& tools) {
-  MatrixXd fields(3 * body.info().n_nodes, increments);
-  body.reset();
-  for (int i = 1; i <= increments; ++i) {
-    auto part = tools;
-    for (phn_tool& tool : part)
-      for (double& d : tool.displacement) d = d * i / increments;
-    const auto response = body.press(part, steps_of_increment);
-    if ((response.status & PHN_WARNING_UNSETTLED) != 0) return fields.leftCols(i - 1);
-    fields.col(i - 1) = response.displacement_m.reshaped();
+/// A body in the runtime.
+class LoadedBody {
+ public:
+  explicit LoadedBody(const std::string& text) {
+    std::size_t bytes = 0;
+    require(phn_body_size(text.data(), text.size(), &bytes, nullptr));
+    _memory.resize(bytes);
+    require(phn_body_init(_memory.data(), bytes, text.data(), text.size(), &_body, nullptr));
+    require(phn_body_state_size(_body, PHN_MOST_COUPLED, &bytes));
+    _state_memory.resize(bytes);
   }
-  return fields;
-}
+
+  /// Displacements from rest to `tools`: the fields of the increments that settle.
+  /// @param n  nodes of its surface
+  MatrixXd press(const std::vector<phn_tool>& tools, Index n) {
+    phn_body_state* state = nullptr;
+    require(phn_body_state_init(_state_memory.data(), _state_memory.size(), _body, PHN_MOST_COUPLED, &state));
+    MatrixXd fields(3 * n, increments);
+    Points displacement(n, 3);
+    std::vector<double> forces(3 * tools.size());
+    for (int i = 1; i <= increments; ++i) {
+      auto part = tools;
+      for (phn_tool& tool : part)
+        for (double& d : tool.displacement) d = d * i / increments;
+      phn_body_pressed pressed;
+      const int status = phn_body_press(_body, state, static_cast<std::int32_t>(part.size()), part.data(),
+                                        steps_of_increment, forces.data(), &pressed);
+      require(status);
+      if ((status & PHN_WARNING_UNSETTLED) != 0) return fields.leftCols(i - 1);
+      require(phn_body_deform(_body, state, displacement.data()));
+      fields.col(i - 1) = displacement.reshaped();
+    }
+    return fields;
+  }
+
+ private:
+  static void require(int status) {
+    if (status < 0)
+      throw failure("the runtime refuses the body of the pairs", phn_status_message(status),
+                    "please report this defect");
+  }
+
+  std::vector<std::byte> _memory, _state_memory;
+  const phn_body* _body = nullptr;
+};
 
 }  // namespace
 
@@ -49,7 +85,7 @@ MatrixXd fields_of_pairs(const ReducedBody& body, const std::vector<std::int32_t
   const Points normals = node_normals(body.points, body.surface);
   std::vector<MatrixXd> of_pairs(static_cast<std::size_t>(pairs));
   for_each_index(threads, threads, [&](std::int32_t first) {
-    LoadedBody loaded(text, "the body of the pairs");
+    LoadedBody loaded(text);
     for (std::int32_t p = first; p < pairs; p += threads) {
       SplitMix64 random(node_seed(seed, p));
       std::vector<phn_tool> tools;
@@ -59,7 +95,7 @@ MatrixXd fields_of_pairs(const ReducedBody& body, const std::vector<std::int32_t
         if (inward && normals.row(node).dot(d) > 0) d = -d;
         tools.push_back({{node, -1, -1}, {1, 0, 0}, {d[0], d[1], d[2]}});
       }
-      of_pairs[static_cast<std::size_t>(p)] = press(loaded, tools);
+      of_pairs[static_cast<std::size_t>(p)] = loaded.press(tools, body.points.rows());
       done();
     }
   });

@@ -1,7 +1,7 @@
 // Statistics of the bounds of forces of tools between nodes and of several tools (formats/model.md, Bounds).
 #pragma once
 
-#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <phynness/formats/body.hpp>
 #include <phynness/validation/bound_coverage.hpp>
 #include <vector>

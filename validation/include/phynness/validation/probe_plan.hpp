@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <random>
 #include <vector>
 

@@ -5,7 +5,7 @@
 #include <phynness/phynness.h>
 #include <array>
 #include <cstdint>
-#include <phynness/evaluation/loaded_body.hpp>
+#include <phynness/validation/loaded_body.hpp>
 #include <phynness/formats/described.hpp>
 #include <phynness/validation/validation.hpp>
 #include <string>

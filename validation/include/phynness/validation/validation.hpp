@@ -4,7 +4,7 @@
 
 #include <array>
 #include <optional>
-#include <phynness/evaluation/model_figures.hpp>
+#include <phynness/validation/model_figures.hpp>
 #include <phynness/formats/progress.hpp>
 #include <phynness/validation/errors_to_range.hpp>
 #include <string>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <functional>
-#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/studies/measurements.hpp>

@@ -3,7 +3,7 @@
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/training/families.hpp>
-#include <phynness/tuning/tuning.hpp>
+#include <phynness/validation/tuning.hpp>
 #include <phynness/validation/probed_states.hpp>
 
 namespace phynness {

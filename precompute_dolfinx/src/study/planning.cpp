@@ -3,7 +3,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
-#include <phynness/planning/planning.hpp>
+#include <phynness/precompute/planning.hpp>
 #include <random>
 
 namespace phynness {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <phynness/embedding/embedding.hpp>
+#include <phynness/formats/image.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/image_layout.hpp>
 #include <phynness/schema/model_grammar.hpp>

@@ -1,6 +1,6 @@
 // C source of an image and of golden queries.
 #include <cctype>
-#include <phynness/embedding/embedding.hpp>
+#include <phynness/formats/image.hpp>
 #include <phynness/formats/printable.hpp>
 
 namespace phynness {

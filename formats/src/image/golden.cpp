@@ -3,9 +3,8 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <phynness/embedding/embedding.hpp>
-#include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/image.hpp>
 #include <random>
 
 #include "image_functions.hpp"
@@ -13,6 +12,12 @@
 
 namespace phynness {
 namespace {
+
+struct Loaded {
+  const Model& model;
+  const rt::Model& runtime;
+  rt::Tools& data;
+};
 
 /// Reproducible numbers in [-1, 1), the same on every machine, which those of std::uniform_real_distribution are not.
 class Numbers {
@@ -31,7 +36,7 @@ Vec3 direction(Numbers& numbers) {
   }
 }
 
-Vec3 displacement(const LoadedModel& model, std::int32_t node, std::size_t i, Numbers& numbers) {
+Vec3 displacement(const Loaded& model, std::int32_t node, std::size_t i, Numbers& numbers) {
   if (i == 0) return {0, 0, 0};
   Vec3 e = direction(numbers);
   double share = 0.5 + 0.5 * numbers.next();
@@ -44,8 +49,9 @@ Vec3 displacement(const LoadedModel& model, std::int32_t node, std::size_t i, Nu
   } else if (i % 4 == 3) {
     share = 1 + 0.43 * share;
   }
-  const double depth = model.trained_depth(node, e),
-               deep = depth > 0 ? depth : model.runtime().info().max_displacement_m;
+  double depth = 0;
+  model.runtime.trained_depth(node, e, depth).ignore();
+  const double deep = depth > 0 ? depth : model.runtime.info().max_displacement_m;
   return {share * deep * e[0], share * deep * e[1], share * deep * e[2]};
 }
 
@@ -131,50 +137,50 @@ Vec3 point_on(const ImageSurface& surface, Numbers& numbers) {
 }
 
 template <class Real>
-GoldenPlace place_query(const LoadedModel& model, const Device<Real>& device, const Vec3& point, std::size_t i,
+GoldenPlace place_query(const Loaded& model, const Device<Real>& device, const Vec3& point, std::size_t i,
                         Numbers& numbers) {
   GoldenPlace at;
   at.point_m = device.held(point);
   phn_tool tool;
-  model.runtime().nearest(at.point_m, tool).ignore();
-  const auto nodes = model.runtime().active_nodes();
+  model.runtime.nearest(at.point_m, tool).ignore();
+  const auto nodes = model.runtime.active_nodes();
   at.displacement_m = device.held(displacement(model, nodes[i % nodes.size()], i, numbers));
   std::ranges::copy(at.displacement_m, tool.displacement);
-  if (!model.data().force(tool, at.force_N).ok())
+  if (!model.data.force(tool, at.force_N).ok())
     throw failure("a place of the image's surface has no force", "", "this is a defect; please report it");
-  model.runtime().bound(tool, at.bound_N).ignore();
+  model.runtime.bound(tool, at.bound_N).ignore();
   device.answer(at);
   return at;
 }
 
 template <class Real>
-GoldenQueries queries(const LoadedModel& model, const ModelImage& image, std::size_t n) {
-  const auto nodes = model.runtime().active_nodes();
+GoldenQueries queries(const Loaded& model, const ModelImage& image, std::size_t n) {
+  const auto nodes = model.runtime.active_nodes();
   if (nodes.empty()) throw input_error("the model has no active nodes", "", "train it with active nodes");
   Device<Real> device(image);
   Numbers numbers;
   GoldenQueries all;
   Deviation force, deformation;
-  std::vector<double> field(3 * static_cast<std::size_t>(model.runtime().n_output()));
+  std::vector<double> field(3 * static_cast<std::size_t>(model.runtime.n_output()));
   for (std::size_t i = 0; i < n; ++i) {
     GoldenQuery query;
     // The stride visits all nodes and seldom neighbouring nodes in succession.
     query.node = nodes[(i * 7919) % nodes.size()];
     query.displacement_m = device.held(displacement(model, query.node, i, numbers));
     const Vec3& d = query.displacement_m;
-    model.data().force(query.node, d, query.force_N).ignore();
+    model.data.force(query.node, d, query.force_N).ignore();
     query.status = device.force(query.node, d, query.image_force_N);
     force.add(query.force_N, query.image_force_N);
     if (image.n_output > 0) {
       query.output = static_cast<std::int32_t>((i * 104729) % image.n_output);
-      model.data().deform(query.node, d, field).ignore();
+      model.data.deform(query.node, d, field).ignore();
       std::copy_n(&field[3 * static_cast<std::size_t>(query.output)], 3, query.deformation_m.begin());
       device.deformation(query.node, d, query.output, query.image_deformation_m);
       deformation.add(query.deformation_m, query.image_deformation_m);
     }
     all.query.push_back(query);
   }
-  const ImageSurface surface = image.n_triangles > 0 ? image_surface(model.model()) : ImageSurface{};
+  const ImageSurface surface = image.n_triangles > 0 ? image_surface(model.model) : ImageSurface{};
   for (std::size_t i = 0; i < n / 4 && image.n_triangles > 0; ++i) {
     all.place.push_back(place_query(model, device, point_on(surface, numbers), i, numbers));
     force.add(all.place.back().force_N, all.place.back().image_force_N);
@@ -186,8 +192,10 @@ GoldenQueries queries(const LoadedModel& model, const ModelImage& image, std::si
 
 }  // namespace
 
-GoldenQueries golden_queries(const LoadedModel& model, const ModelImage& image, std::size_t n) {
-  return image.options.floats ? queries<float>(model, image, n) : queries<double>(model, image, n);
+GoldenQueries golden_queries(const Model& model, const rt::Model& runtime, rt::Tools& data, const ModelImage& image,
+                             std::size_t n) {
+  const Loaded loaded{model, runtime, data};
+  return image.options.floats ? queries<float>(loaded, image, n) : queries<double>(loaded, image, n);
 }
 
 }  // namespace phynness

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <phynness/tuning/tuning.hpp>
+#include <phynness/validation/tuning.hpp>
 
 namespace phynness {
 namespace {

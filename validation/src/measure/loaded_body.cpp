@@ -1,4 +1,4 @@
-#include <phynness/evaluation/loaded_body.hpp>
+#include <phynness/validation/loaded_body.hpp>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/schema/body_grammar.hpp>

@@ -5,12 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <phynness/formats/model.hpp>
+#include <phynness/phynness.hpp>
 #include <string>
 #include <vector>
 
 namespace phynness {
-
-class LoadedModel;
 
 struct ImageOptions {
   bool force_only = false;  ///< without deformation
@@ -74,7 +73,9 @@ struct GoldenQueries {
 /// inside the trained range. Every fourth query is outside of it, up to a factor of 1.43, and every sixteenth has a
 /// factor of 3. On the surface of an image there are a quarter as many places, too. The queries are reproducible.
 /// Displacements and points are numbers that the image can represent.
-GoldenQueries golden_queries(const LoadedModel& model, const ModelImage& image, std::size_t n);
+/// @param runtime, data  the same model, loaded
+GoldenQueries golden_queries(const Model& model, const rt::Model& runtime, rt::Tools& data, const ModelImage& image,
+                             std::size_t n);
 
 struct CSource {
   std::string header, source;

@@ -1,7 +1,7 @@
 // How fast the runtime answers on this machine.
 #pragma once
 
-#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/validation/loaded_model.hpp>
 
 namespace phynness {
 

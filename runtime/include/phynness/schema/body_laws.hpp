@@ -3,9 +3,7 @@
 
 #include <stdint.h>
 
-#include "core/arithmetic.hpp"
-
-namespace PHN_RUNTIME {
+namespace phynness::runtime {
 
 /// An energy density W(F) and its derivatives.
 /// @param F           components, row by row
@@ -13,8 +11,7 @@ namespace PHN_RUNTIME {
 /// @param first       output, dW/dF, 9
 /// @param second      output, d2W/dF2, 9 x 9; null: not computed
 /// @return            false where the law is not defined, det F <= 0 for example, or a result is not finite; the output
-/// is
-///                    then undefined
+///                    is then undefined
 using BodyEnergy = bool (*)(const double* F, const double* parameters, double& value, double* first, double* second);
 
 /// W = shape + kappa/2 g^2. `volumetric` is g or, in a law that has it, of_pressure (laws/tables/law.py), which a
@@ -28,4 +25,4 @@ struct BodyLaw {
 /// @param name  ends with 0 @return  null: there is no such law
 const BodyLaw* find_body_law(const char* name);
 
-}  // namespace PHN_RUNTIME
+}  // namespace phynness::runtime

@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <chrono>
-#include <phynness/evaluation/model_figures.hpp>
+#include <phynness/validation/model_figures.hpp>
 #include <phynness/formats/error.hpp>
 
 namespace phynness {

@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <phynness/formats/error.hpp>
 #include <tuple>
 
