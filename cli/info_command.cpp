@@ -1,5 +1,6 @@
 #include <cstring>
 #include <fstream>
+#include <phynness/validation/loaded_body.hpp>
 #include <phynness/formats/image.hpp>
 #include <phynness/validation/loaded_model.hpp>
 #include <phynness/formats/body.hpp>
