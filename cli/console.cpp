@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -114,11 +113,6 @@ std::string bytes(double n) {
 
 namespace {
 
-constexpr const char* told_by_parent = "PHYNNESS_STDOUT_REPORTED_BY_PARENT";
-
-/// True in a child process whose parent reports failed writes to stdout.
-bool parent_reports = false;
-
 /// Where print_result() writes.
 int results = STDOUT_FILENO;
 
@@ -133,9 +127,6 @@ int write_all(int descriptor, std::string_view text) noexcept {
     const auto n = write(descriptor, at, static_cast<std::size_t>(end - at));
     if (n >= 0) {
       at += n;
-    } else if (errno == EAGAIN) {  // a terminal that another program has made non-blocking
-      pollfd ready{descriptor, POLLOUT, 0};
-      poll(&ready, 1, -1);
     } else if (errno != EINTR) {
       return errno;
     }
@@ -165,7 +156,6 @@ std::string in_lines(std::string text) {
 }  // namespace
 
 void prepare_streams() {
-  parent_reports = std::getenv(told_by_parent) != nullptr;
   // open() returns the lowest free number. It opens for reading only, so that writing fails as on a closed descriptor.
   for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor)
     if (fcntl(descriptor, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) break;
@@ -195,10 +185,8 @@ void message_text(fmt::string_view format, fmt::format_args values) noexcept {
   }
 }
 
-void report_stdout_for_children() { setenv(told_by_parent, "1", 1); }
-
 int finish_streams(int exit_status) {
-  if (first_error == 0 || parent_reports) return exit_status;
+  if (first_error == 0) return exit_status;
   message(
       "error: results could not be written to stdout: {}\n"
       "  remedy: all files are written; to see the text, run the command again with a writable stdout\n",

@@ -99,10 +99,6 @@ bool results_are_on_stderr();
 /// @return false once something could not be written
 bool write_stdout(std::string_view text);
 
-/// Sets an environment variable by which child processes do not report failed writes to stdout. This process reports
-/// them at its end, so that the exit status of a child depends on its work only.
-void report_stdout_for_children();
-
 /// To be called last. Reports on stderr if results could not be written to stdout.
 /// @return `exit_status`, or 1 instead of 0 if results are lost
 int finish_streams(int exit_status);

@@ -143,7 +143,6 @@ void leave_to_solver(char**) {}  // it is this program
 std::string this_program() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
 
 void prepare_environment(int ranks) {
-  report_stdout_for_children();
   if (isatty(STDERR_FILENO)) setenv("PHYNNESS_PROGRESS", "1", 0);
   if (ranks <= 1) return;
   setenv("OMP_NUM_THREADS", "1", 0);
