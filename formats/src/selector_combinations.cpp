@@ -57,7 +57,7 @@ NodeChoice of_several(const SceneTable& table, const Combination& kind) {
                     name + joined(parts, selection_description, " of [", "] and [", "]")};
   choice.needs_fixed = std::any_of(parts.begin(), parts.end(), any_needs_fixed);
   choice.spreads = std::any_of(parts.begin(), parts.end(), phynness::spreads);
-  choice.pick = choice.candidates = [parts, &kind](const SelectableBody& body, const PickRequest& request) {
+  choice.pick = [parts, &kind](const SelectableBody& body, const PickRequest& request) {
     NodeList nodes = union_of(parts.front(), body, request);
     for (std::size_t i = 1; i < parts.size(); ++i) {
       NodeList rest;
@@ -198,7 +198,6 @@ NodeChoice spread_over(const SceneTable& table) {
                     std::bind_front(&Spread::pick, spread)};
   choice.needs_fixed = apart || any_needs_fixed(spread.within);
   choice.spreads = true;
-  choice.candidates = std::bind_front(&Spread::candidates, spread);
   choice.warning = std::bind_front(&Spread::warning, spread);
   choice.remedy_if_empty = [apart](const SelectableBody&, const PickRequest&) {
     return apart ? "make from_fixed_m smaller, or `within` larger" : "give a part of the surface in `within`";

@@ -54,7 +54,7 @@ using Distance = std::function<double(const Vector&)>;
 NodeChoice region(const std::string& text, const std::string& description, bool in_fractions,
                   const std::function<Distance(const SelectableBody& body)>& outside_of) {
   NodeChoice choice{text, description};
-  choice.pick = choice.candidates = [=](const SelectableBody& body, const PickRequest& request) {
+  choice.pick = [=](const SelectableBody& body, const PickRequest& request) {
     const Distance outside = outside_of(body);
     NodeList nodes;
     for (const std::int32_t i : request.candidates)

@@ -61,8 +61,6 @@ struct NodeChoice {
   bool needs_fixed = false;  ///< depends on the fixed nodes; if so, it cannot define them
   bool selects_all = false;  ///< selects every node of any body; if so, it cannot define the fixed nodes
   bool spreads = false;  ///< its nodes are spread over a part of the surface; a round tool is interpolated between them
-  /// The nodes from which it spreads its points over a part of the surface; of other selectors `pick`.
-  Pick candidates = pick;
   /// A sentence about a choice that is possible but probably not meant; empty: none. @param picked  by the selection
   std::function<std::string(const SelectableBody&, const NodeList& picked)> warning =
       [](const SelectableBody&, const NodeList&) { return ""; };
