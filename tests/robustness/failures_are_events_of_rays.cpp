@@ -91,7 +91,7 @@ class Failures : public ::testing::TestWithParam<Element> {
 
   PrecomputeReport run(const char* file, bool resume = false, const std::function<bool()>& stop = {},
                        const PrecomputeProgress& progress = {}) {
-    return precompute(solver_session(), _block.scene, _block.mesh, _block.sets, {_folder / file, resume, {}, {}, 1, {}},
+    return precompute(solver_session(), _block.scene, _block.mesh, _block.sets, {_folder / file, resume, {}, {}},
                       progress, stop);
   }
   std::vector<Ray> rays(const char* file) {

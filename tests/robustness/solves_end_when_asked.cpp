@@ -67,7 +67,7 @@ TEST_P(Asked, ARunKeepsItsFinishedRaysAndGoesOnLater) {
   std::int64_t finished = 0;
   const auto run = [&](const char* name, bool resume, const std::function<bool()>& stop) {
     return precompute(
-        solver_session(), scene, _block.mesh, _block.sets, {folder / name, resume, {}, {}, 1, {}},
+        solver_session(), scene, _block.mesh, _block.sets, {folder / name, resume, {}, {}},
         [&](std::int64_t done, std::int64_t) { finished = done; }, stop);
   };
   run("whole.h5", false, {});
