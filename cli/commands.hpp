@@ -161,7 +161,6 @@ inline double smallest_displacement(double diagonal_m) { return 1e-12 * diagonal
 struct ToolOptions {
   std::vector<std::int32_t> nodes;
   std::vector<std::string> points, displacements;
-  std::optional<double> max_distance_m;  ///< of a --point from the surface; by default part of the body's size
   OptionalPath deformation_csv, json_file;
   void add_to(CLI::App& command);
   /// Displacements [m] of the tools at nodes, then of the tools at points.

@@ -52,28 +52,15 @@ void check_sizes(const Scene& scene, const QualityReport& q, bool quiet) {
 /// Farthest --point from the surface, as a part of the diagonal of the bounding box.
 constexpr double largest_distance = 0.05;
 
-/// @throws Error (input) if the point is too far from the surface; if it is near in another unit, the remedy says so
-void check_distance(const std::string& text, const Vec3& wanted, const SurfacePoint& place, const Mesh& mesh,
-                    const std::optional<double>& given) {
-  const double size = (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).norm();
-  const double limit = given.value_or(largest_distance * size);
+/// @throws Error (input) if the point is too far from the surface
+void check_distance(const std::string& text, const SurfacePoint& place, const Mesh& mesh) {
+  const double limit = largest_distance * (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).norm();
   if (place.distance <= limit) return;
   const auto& p = place.point;
-  std::string remedy = fmt::format("the nearest point of the surface is {:.6g},{:.6g},{:.6g}", p[0], p[1], p[2]);
-  // Another unit takes a point ten times away or more. Near the origin more than one fits: the nearest is the likely
-  // one.
-  double nearest = place.distance > 5 * size ? limit : -1;
-  for (const auto& [unit, in_m] : {std::pair{"millimetres", 1e-3}, std::pair{"centimetres", 1e-2}}) {
-    const Vec3 scaled{in_m * wanted[0], in_m * wanted[1], in_m * wanted[2]};
-    const double distance = nearest_on_surface(mesh.nodes, mesh.surface, scaled).distance;
-    if (!(distance <= nearest)) continue;
-    nearest = distance;
-    remedy = fmt::format("points are in metres; if this one is in {}, give --point {:.6g},{:.6g},{:.6g}", unit,
-                         scaled[0], scaled[1], scaled[2]);
-  }
-  throw input_error("a point is too far from the surface",
-                    fmt::format("--point {} is {:.4g} m away, the limit is {:.4g} m", text, place.distance, limit),
-                    remedy + fmt::format("; or allow it with --max-distance {:.2g}", 1.1 * place.distance));
+  throw input_error(
+      "a point is too far from the surface",
+      fmt::format("--point {} is {:.4g} m away, the limit is {:.4g} m", text, place.distance, limit),
+      fmt::format("points are in metres; the nearest one of the surface is {:.6g},{:.6g},{:.6g}", p[0], p[1], p[2]));
 }
 
 }  // namespace
@@ -244,8 +231,6 @@ void ToolOptions::add_to(CLI::App& command) {
                   "touched point x,y,z [m] instead of a node; the nearest point of the undeformed surface is used; "
                   "repeat for several tools")
       ->allow_extra_args(false);
-  add_number(command, "--max-distance", max_distance_m, 0, largest_displacement_m,
-             "farthest --point from the surface [m] (default: 5 % of the diagonal of the body's bounding box)");
   command
       .add_option("--displacement", displacements,
                   "displacement dx,dy,dz [m]; one for each --node, then one for each --point")
@@ -284,7 +269,7 @@ std::vector<SurfacePoint> ToolOptions::places(const Mesh& mesh) const {
     const Vec3 wanted = parse_vector(text, "point", "give for example --point 0.1,0.02,0.05 (in metres)");
     found.push_back(nearest_on_surface(mesh.nodes, mesh.surface, wanted));
     const auto& place = found.back();
-    check_distance(text, wanted, place, mesh, max_distance_m);
+    check_distance(text, place, mesh);
     message("note: point {} is {:.3g} m from the surface; the nearest triangle has the nodes {}, {}, {}\n", text,
             place.distance, place.nodes[0], place.nodes[1], place.nodes[2]);
   }
