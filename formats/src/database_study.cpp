@@ -159,10 +159,11 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
   const auto all = differences(on_disk, wanted);
   if (all.empty()) return;
   if (std::ranges::none_of(all, [](const auto& each) { return each.of_rays; }) &&
-      coverage(on_disk, wanted) == Coverage::other)
-    throw input_error(
-        "the scene does not select every node of the database " + file.string() + ", whose rays would be lost",
-        all.back().values, "select these nodes, too, or write to another file");
+      coverage(on_disk, wanted) == Coverage::other) {
+    const auto lost = std::ranges::find_if(all, [](const auto& each) { return each.what != other_physics; });
+    throw input_error("the database " + file.string() + " has " + lost->what + ", whose rays would be lost",
+                      lost->values, "select these nodes, too, or write to another file");
+  }
   const auto& first = all.front();
   const bool physics = on_disk.physics_hash != wanted.physics_hash;
   const bool same_scene = (physics && on_disk.scene_text == wanted.scene_text) || first.what == other_search;

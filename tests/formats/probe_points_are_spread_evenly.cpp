@@ -136,8 +136,9 @@ TEST(SpreadNodes, KeepWhatIsThere) {
     }
     for (const auto a : chosen)
       for (const auto b : chosen)
-        if (a != b && !(is_kept(a) && is_kept(b)))
+        if (a != b && !(is_kept(a) && is_kept(b))) {
           EXPECT_GE(along(mesh.nodes.row(a), mesh.nodes.row(b)), 0.75 * spacing / 1.06);
+        }
   }
   EXPECT_EQ(spread_nodes(mesh.nodes, mesh.surface, part, 0, kept.size() + 5, kept).size(), kept.size() + 5);
 }

@@ -100,7 +100,7 @@ TEST_F(OtherDatabases, give_their_rays_bit_for_bit) {
     fs::remove(grown);
     DatabaseWriter::create(grown, wanted, false);
     std::int64_t taken = 0;
-    for (int rank = 0; rank < 2; ++rank) taken += DatabaseWriter::take(grown, wanted, from, missing, rank, 2);
+    for (int rank = 0; rank < 2; ++rank) taken += DatabaseWriter::take(grown, wanted, from, missing, rank, rank, 2);
     EXPECT_EQ(taken, from == finished ? 20 : 19);
     left[1 * 9 + 2] = from == finished;
     finish(grown, wanted, left);
@@ -240,7 +240,7 @@ TEST_F(OtherDatabases, cover_what_a_study_wants) {
   expect_contains(refusal([&] {
                     DatabaseWriter::create(whole("then.h5", then), study({2, 3}, {1, 2, 3}, 0, 7), true);
                   }),
-                  {"does not select every node", "would be lost"});
+                  {"other active nodes", "would be lost"});
   auto stored = then;
   stored.tangents = false;
   EXPECT_EQ(coverage(then, stored), Coverage::other);
