@@ -1,5 +1,5 @@
-// Runs mesh, precompute, check, train, calibrate, validate and view. Each is a separate process, so that the parallel
-// stages run under mpirun and training uses threads.
+// Runs mesh, precompute, check, train, calibrate, of several tools reduce, validate and view. Each is a separate
+// process, so that the parallel stages run under mpirun and training uses threads.
 #include <chrono>
 #include <fstream>
 #include <phynness/pages/pages.hpp>
@@ -13,7 +13,8 @@
 namespace phynness::cli::run_command {
 namespace {
 
-constexpr int most_checked = 12;  ///< probes, unless the scene says how many
+constexpr int most_checked = 12;     ///< probes, unless the scene says how many
+constexpr const char* pairs = "40";  ///< of tools, with which the body is compared
 
 struct Options {
   std::filesystem::path scene, output;
@@ -44,8 +45,9 @@ double size_of(const std::filesystem::path& what) {
 }
 
 /// What a run writes beside the database and the model.
-constexpr const char* texts[] = {"mesh.msh",       "mesh.json",     "precompute.json", "check.json", "train.json",
-                                 "calibrate.json", "validate.json", "stages.json",     "organ.html"};
+constexpr const char* texts[] = {
+    "mesh.msh",    "mesh.json", "precompute.json",     "check.json",    "train.json",  "calibrate.json",
+    "reduce.json", "body.txt",  "calibrate_body.json", "validate.json", "stages.json", "organ.html"};
 
 void declare_files(const Options& options) {
   for (const char* name : texts) declare_output("--output", options.output / name);
@@ -85,7 +87,8 @@ Coverage refuse_files_of_others(const Options& options) {
 void write_figures(const Options& options) {
   if (!options.json_file) return;
   json all;
-  for (const char* title : {"mesh", "precompute", "check", "train", "calibrate", "validate"}) {
+  for (const char* title :
+       {"mesh", "precompute", "check", "train", "calibrate", "reduce", "calibrate_body", "validate"}) {
     std::ifstream file(options.output / fmt::format("{}.json", title));
     if (file) all[title] = json::parse(file);
   }
@@ -131,19 +134,22 @@ bool check(const Options& options, const Scene& scene, const std::string& self, 
   return is_checked(file, scene);
 }
 
-/// Adds error bounds to the model. Without them it can be used as well. @return whether it has them
-bool calibrate(const Options& options, const std::string& self, std::vector<Stage>& stages) {
-  const auto model = options.output / "model";
-  const auto figures = options.output / "calibrate.json", database = options.output / "database.h5";
+/// Adds error bounds to the model or the body. Without them it can be used as well. @return whether it has them
+bool calibrate(const Options& options, const std::string& self, bool of_body, std::vector<Stage>& stages) {
+  const auto model = options.output / "model", body = options.output / "body.txt";
+  const auto figures = options.output / (of_body ? "calibrate_body.json" : "calibrate.json"),
+             database = options.output / "database.h5";
+  std::vector<std::string> arguments{
+      self,     "calibrate",     model.string(), database.string(), "--scene", options.scene.string(),
+      "--json", figures.string()};
+  if (of_body) arguments.insert(arguments.end(), {"--body", body.string()});
   try {
-    stages.push_back(stage("calibrate", model / "model.txt",
-                           {self, "calibrate", model.string(), database.string(), "--scene", options.scene.string(),
-                            "--json", figures.string()},
+    stages.push_back(stage(of_body ? "calibrate body" : "calibrate", of_body ? body : model / "model.txt", arguments,
                            options.ranks));
     return true;
   } catch (const Error&) {
     if (stop_requested()) throw;
-    message("warning: the model has no error bounds; the reason is above\n");
+    message("warning: the {} has no error bounds; the reason is above\n", of_body ? "body" : "model");
   }
   return false;
 }
@@ -189,10 +195,26 @@ void run(const Options& options) {
     return true;
   });
   if (!schema::traits(read.training.family).proportional)
-    unless_finished("calibrate", [&] { return calibrate(options, self, stages); });
+    unless_finished("calibrate", [&] { return calibrate(options, self, false, stages); });
+  const bool has_body = read.probe.tools > 1;
+  std::vector<std::string> validate{self, "validate", scene, in("model"), "--json", in("validate.json")},
+      view{self, "view",          in("model"), "--database", in("database.h5"), "--errors", in("validate.json"),
+           "-o", in("organ.html")};
+  if (has_body) {
+    unless_finished("reduce", [&] {
+      stages.push_back(stage("reduce", in("body.txt"),
+                             {self, "reduce", in("database.h5"), "-o", in("body.txt"), "--json", in("reduce.json")},
+                             1));
+      return true;
+    });
+    unless_finished("calibrate body", [&] { return calibrate(options, self, true, stages); });
+    validate.insert(validate.end(), {"--pairs", pairs, "--body", in("body.txt")});
+    view.insert(view.end(), {"--body", in("body.txt")});
+  } else if (std::filesystem::exists(in("body.txt"))) {
+    finished.redo("reduce");
+  }
   unless_finished("validate", [&] {
-    stages.push_back(stage("validate", in("validate.json"),
-                           {self, "validate", scene, in("model"), "--json", in("validate.json")}, options.ranks));
+    stages.push_back(stage("validate", in("validate.json"), validate, options.ranks));
     return true;
   });
   unless_finished("page", [&] {
@@ -200,10 +222,7 @@ void run(const Options& options) {
       message("note: no page of the model is written\n  remedy: {}\n", missing_pages_remedy());
       return false;
     }
-    stages.push_back(stage("page", in("organ.html"),
-                           {self, "view", in("model"), "--database", in("database.h5"), "--errors", in("validate.json"),
-                            "-o", in("organ.html")},
-                           1));
+    stages.push_back(stage("page", in("organ.html"), view, 1));
     return true;
   });
   if (!kept.empty())
@@ -219,7 +238,8 @@ void run(const Options& options) {
 
 void add(CLI::App& app) {
   auto [command, options] = add_command(
-      app, "run", "Run the whole pipeline: mesh, precompute, check, train, calibrate, validate, view -> OUT_DIR", run);
+      app, "run",
+      "Run the whole pipeline: mesh, precompute, check, train, calibrate, reduce, validate, view -> OUT_DIR", run);
   add_scene(command, options.scene, "scene file (formats/scene.md)");
   add_output(command, options.output, PathKind::folder, "folder for all output files");
   add_count(command, "--ranks", options.ranks, 1, 4096, "number of processes for the finite element stages (mpirun)")

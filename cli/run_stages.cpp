@@ -36,6 +36,8 @@ const std::vector<StageRow>& stage_rows() {
       {"check", nullptr, {"validation.check_probes"}},  // which training writes into the model
       {"train", "train.json", {"title", "training."}},
       {"calibrate", "calibrate.json", {"validation.calibration_rays"}},
+      {"reduce", "body.txt", {"probe.tools"}},
+      {"calibrate body", "calibrate_body.json", {}},
       {"validate", "validate.json", {"validation.probes", "validation.seed"}},
       {"page", "organ.html", {}}};
   return rows;
@@ -75,7 +77,9 @@ RunStages::RunStages(const std::filesystem::path& folder, const Scene& scene, bo
   if (found["model"] != hash_of_file(folder / "model/model.txt") || !stages.is_object()) return;
   const bool bounded = !schema::traits(scene.training.family).proportional;
   for (const auto& row : stage_rows()) {
-    if (!bounded && row.stage == std::string_view("calibrate")) continue;
+    const std::string_view stage = row.stage;
+    if (!bounded && stage == "calibrate") continue;
+    if (scene.probe.tools == 1 && (stage == "reduce" || stage == "calibrate body")) continue;
     const std::string before = stages.contains(row.stage) && stages[row.stage].is_string() ? stages[row.stage] : "";
     if (before != _wanted[row.stage] || (row.file && !std::filesystem::exists(folder / row.file))) return;
     _finished[row.stage] = before;

@@ -56,6 +56,7 @@ Scene parse_scene(const std::string& text, const std::string& source_name, const
   probe.read_into(scene);
   sd::check_probe(probe, scene.probe);
   sd::check_solver(solver, solid_element, scene);
+  sd::check_tools(probe, scene);
   database.read_into(scene);
   sd::check_database(database, scene);
   training.read_into(scene);
@@ -74,6 +75,8 @@ Scene parse_imported_scene(const std::string& text, const std::string& source_na
   top.read_into(scene);
   probe.read_into(scene);
   sd::check_probe(probe, scene.probe);
+  if (probe.has("tools"))
+    probe.reject("tools", "needs the elements of a body, but the responses are imported", "remove it");
   training.read_into(scene);
   return scene;
 }

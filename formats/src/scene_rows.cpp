@@ -132,6 +132,10 @@ Keys probe_keys() {
             "([theory](../docs/theory.md#what-a-probe-is)). Its force has a limit"),
       probe("tool_radius_m", &ProbeSpec::tool_radius_m, Number{shape_length}, of_tool,
             "in m; required for `\"patch\"`, refused for `\"node\"`"),
+      probe("tools", &ProbeSpec::tools, Integer{1, 8}, never,
+            "how many round tools touch the body at the same time. From 2 on `phynness run` also makes `body.txt`, a "
+            "[reduced body](body.md), which needs element `\"p1-p1\"` or `\"es-p1-p1\"`, and `\"free\"` in "
+            "`nodes.output`"),
       probe("directions", &ProbeSpec::directions, DirectionSet{}, always,
             "`26`: axes and diagonals; `14`: axes and space diagonals only; `98`: the 26 and the middles between "
             "neighbors; `3`: +x, +y, +z; `\"hemisphere\"`: those of the 26 that push in or slide"),

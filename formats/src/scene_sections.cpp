@@ -174,6 +174,17 @@ void check_probe(const SceneTable& table, ProbeSpec& spec) {
     table.missing("max_displacement_m", "", "add max_displacement_m in metres, such as 0.028 for 28 mm");
 }
 
+void check_tools(const SceneTable& table, const Scene& scene) {
+  if (scene.probe.tools < 2) return;
+  if (scene.probe.kind == ProbeKind::node)
+    table.reject("tools", "needs round tools, but kind is \"node\"", "write kind = \"patch\", or remove tools");
+  if (!has_bodies(*scene.solver.element))
+    table.reject("tools",
+                 std::string("needs an element that has reduced bodies, but [solver] element is ") +
+                     phynness::name(scene.solver.element),
+                 "write element = \"es-p1-p1\" or \"p1-p1\", or remove tools");
+}
+
 std::vector<Field> parse_fields(const SceneTable& database) {
   std::vector<Field> fields;
   std::vector<std::string_view> known;

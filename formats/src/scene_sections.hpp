@@ -33,6 +33,8 @@ void check_material(const SceneTable& table, const Scene& scene);
 void check_solver(const SceneTable& table, Element solid_element, Scene& scene);
 void check_nodes(const SceneTable& table, Scene& scene);
 void check_probe(const SceneTable& table, ProbeSpec& spec);
+/// @param table  [probe]. @pre element and output nodes are known
+void check_tools(const SceneTable& table, const Scene& scene);
 void check_database(const SceneTable& table, const Scene& scene);
 /// Refuses a family that cannot be trained on the material, before its database is computed in hours.
 void check_training(const SceneTable& table, const Scene& scene);

@@ -43,6 +43,13 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets, co
   sets.active = select_nodes(scene.active, body, "active", scene.active_where);
   body.probed.clear();
   sets.output = select_nodes(scene.output, body, "output", scene.output_where);
+  Nodes known;
+  std::set_union(sets.fixed.begin(), sets.fixed.end(), sets.output.begin(), sets.output.end(),
+                 std::back_inserter(known));
+  if (scene.probe.tools > 1 && std::ssize(known) < mesh.n_nodes())
+    throw input_error(scene.output_where.prefix() + "[probe] tools needs the displacements of all nodes",
+                      std::to_string(mesh.n_nodes() - std::ssize(known)) + " nodes are neither output nodes nor fixed",
+                      "write output = \"free\" in [nodes], or remove tools");
   Nodes both;
   std::set_intersection(sets.fixed.begin(), sets.fixed.end(), sets.active.begin(), sets.active.end(),
                         std::back_inserter(both));

@@ -208,6 +208,31 @@ class BodiesBesideModels : public Bodies {
   std::vector<int> nodes;
 };
 
+TEST_F(Bodies, AreMadeByARunOfSeveralTools) {
+  auto scene = round_tools();
+  scene.insert(scene.find("directions = 26"), "tools = 2\n");
+  auto of_surface = scene;
+  of_surface.replace(of_surface.find("output = \"free\""), 15, "output = \"free-surface\"");
+  write_file(folder / "surface.toml", of_surface);
+  expect_error(be_refused("run surface.toml -o surface").err, {"surface.toml:", "tools", "output = \"free\""});
+  write_file(folder / "scene.toml", scene);
+  expect_names(succeed("run scene.toml -o out").out, {"reduce", "calibrate body", "two tools, reduced body"});
+  const auto body = read_file(folder / "out/body.txt");
+  EXPECT_EQ(read_body_text(body, "body.txt").bounds.rows(), 2);
+  EXPECT_EQ(json("out/validate.json").at("pairs").at("all").at("body").at("force").at("n"), 40);
+  EXPECT_NE(read_file(folder / "out/organ.html").find("phynness-body 1"), std::string::npos);
+  succeed("info out/model --json info.json");
+  const auto node = json("info.json").at("active").at(0).dump();
+  const auto said = succeed("eval out/model --body out/body.txt --node " + node + " --displacement 0,0,-0.004");
+  expect_names(said.out, {"error of the force from the elements of the body: at most"});
+  expect_names(succeed("run scene.toml -o out --resume").err, {"reduce, calibrate body, validate"});
+  EXPECT_EQ(read_file(folder / "out/body.txt"), body);
+  write_file(folder / "scene.toml", round_tools());
+  succeed("run scene.toml -o out --resume");  // the same physics
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/body.txt"));
+  EXPECT_FALSE(json("out/validate.json").contains("pairs"));
+}
+
 TEST_F(BodiesBesideModels, HaveTheirMesh) {
   const auto one = tool(0, "0,0,-0.004");
   write_file(folder / "other.toml", other_physics());

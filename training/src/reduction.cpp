@@ -49,7 +49,7 @@ Scene checked_scene(const DatabaseHeader& header) {
   require_scene(header);
   Scene scene = stored_scene(header);
   const auto element = scene.solver.element;
-  if (element != element_named("p1-p1") && element != element_named("es-p1-p1"))
+  if (!has_bodies(*element))
     throw input_error("only the elements p1-p1 and es-p1-p1 can be reduced", std::string("element ") + name(element),
                       "give one of them in [solver] element, and precompute again");
   if (scene.solver.earlier_revision)

@@ -143,7 +143,7 @@ export class Controls {
     const drawn = runtime.surface(state.subdivision);
     setFacts(byId('model-facts', HTMLElement), [
       ['Family', info.family],
-      ['Surface nodes, that can be held', `${info.outputNodes.length + info.fixedNodes.length}, ${info.activeNodes.length}`],
+      ['Surface nodes, that can be held', `${new Set(info.triangles).size}, ${info.activeNodes.length}`],
       ['Trained to at most', `${significant(1e3 * info.maxDisplacement, 3)} mm`],
       runtime.body ? ['Steps of the body in a picture', `${significant(runtime.pressed, 2)} ms`] : ['Time of a force; a deformation', this.times],
       ['Vertices drawn', drawn.nVertices.toLocaleString('en')],

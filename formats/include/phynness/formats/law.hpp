@@ -80,6 +80,8 @@ struct ElementRow {
   std::span<const ForceRatio> force_ratios;  ///< by ascending K/mu; empty: the element does not lock
 };
 using Element = const ElementRow*;
+/// Whether databases of the element can be reduced to a body (training/reduction.hpp): p1-p1 and es-p1-p1.
+inline bool has_bodies(const ElementRow& element) { return element.mixed && element.displacement_degree == 1; }
 
 /// Coefficient alpha of the p1-p1 stabilization (precompute_dolfinx/forms/mechanics.py). On coarse meshes forces depend
 /// on it: those of round tools are off by 15 % in the median, with 0.5 by 7 %, but pressures and displacements by more

@@ -83,6 +83,7 @@ struct ProbeSpec {
   ProbeKind kind = ProbeKind::node;
   bool kind_given = false;   ///< false: the scene does not name a kind
   double tool_radius_m = 0;  ///< patch only
+  int tools = 1;             ///< at the same time; of more than one, `run` also makes a reduced body
   /// A patch also presses what does not face it, as in databases before; read and trained, but not solved.
   bool whole = false;
   Directions directions = Directions::twenty_six;
