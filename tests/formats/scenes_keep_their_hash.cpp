@@ -58,7 +58,7 @@ TEST(ShippedScenes, keep_hash_element_and_family) {
   };
   for (const auto& [file, hash, element, family] : {
            Shipped{"../examples/model/scene.toml", "0f3331c3b41eb150", "p1-p1", "modal"},
-           Shipped{"demo.toml", "5ee6273956573601", "es-p1-p1", "modal"},
+           Shipped{"demo.toml", "aef167f904c96b4b", "es-p1-p1", "modal"},
            Shipped{"liver_case1.toml", "927ff5561329b5f6", "P1", "linear"},
            Shipped{"liver_case2.toml", "271f3d186b4b743c", "P1", "rbfn"},
            Shipped{"liver_case3.toml", "9ae035b8de2bea0c", "P1", "rbfn"},
