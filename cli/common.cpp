@@ -2,6 +2,7 @@
 #include <cmath>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/meshes/meshes.hpp>
+#include <phynness/meshes/patch_warnings.hpp>
 
 #include "commands.hpp"
 
@@ -42,7 +43,7 @@ void check_sizes(const Scene& scene, const QualityReport& q, bool quiet) {
   if (depth > *thinnest && !quiet)
     message("warning: the maximum displacement, {:g} m, exceeds the smallest extent of the body, {:.3g} m\n", depth,
             *thinnest);
-  const double radius = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
+  const double radius = scene.probe.tool_radius_m;
   if (radius > *longest)
     throw input_error(scene.probe.where.str() + ": the tool is larger than the body",
                       fmt::format("tool_radius_m = {:g}, the body is {:.3g} m long", radius, *longest),
@@ -166,18 +167,12 @@ Database open_database(const Scene& scene, const std::filesystem::path& file) {
     throw input_error(
         "imported responses belong to no scene", file.string(),
         "give phynness train this database only, without SCENE; other commands need a scene that was solved");
-  const Scene stored = stored_scene(header);
-  Scene meant = as_hashed(scene, header.physics_hash);
-  if (physics_hash(meant) != header.physics_hash) {
-    meant.solver.earlier_revision = stored.solver.earlier_revision;
-    if (meant.probe.kind == ProbeKind::patch)
-      meant.probe.kind = stored.probe.kind, meant.probe.whole = stored.probe.whole;
+  if (physics_hash(scene) != header.physics_hash) {
     // The node sets are selected on the mesh of the database, once it is known to be the scene's.
-    auto part = database_header(meant, header.mesh, header.sets);
+    auto part = database_header(scene, header.mesh, header.sets);
     part.software_version = header.software_version;
-    part.fold_halvings = header.fold_halvings;
     Database::open(file, part);
-    part.sets = resolve_selections(meant, header.mesh, header.sets.active);
+    part.sets = resolve_selections(scene, header.mesh, header.sets.active);
     database = Database::open(file, part);
   }
   check_mesh(scene, database.header().mesh_hash, file.string());

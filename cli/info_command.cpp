@@ -152,10 +152,7 @@ json about_database(const std::filesystem::path& file, bool failed) {
   print_result("database  {} ({}), {}\n", file.string(), bytes(std::filesystem::file_size(file)), h.software_version);
   print_result("scene     {}, physics {}\n", h.scene_name, h.physics_hash);
   const json worst = print_mesh(h.mesh, h.sets);
-  try {
-    warn_of_patch(stored_scene(h), h.mesh, h.sets);
-  } catch (const Error&) {  // a scene of another version: the figures of its database are readable nevertheless
-  }
+  warn_of_patch(stored_scene(h), h.mesh, h.sets);
   print_result("probes    {} directions, {} increments to {:.4g} m{}{}\n", h.directions.size(), h.magnitudes_m.size(),
                h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "",
                h.imported ? ", imported from another program" : "");
@@ -201,23 +198,20 @@ json tell_provenance(const phn_provenance& p) {
   const FinerDistance finer{.is_measured = *p.reference != 0,
                             .element = p.element,
                             .reference = p.reference,
-                            .revision = p.element_revision,
                             .probes = p.finer_probes,
                             .tool_radius_m = p.finer_tool_radius_m,
                             .mean = p.finer_mean,
                             .p95 = p.finer_p95};
-  print_result("elements  {}; shear modulus at rest {}\n",
-               *p.element != 0 ? fmt::format("{} (revision {})", p.element, p.element_revision) : "not recorded",
+  print_result("elements  {}; shear modulus at rest {}\n", *p.element != 0 ? p.element : "not recorded",
                p.shear_modulus_Pa > 0 ? fmt::format("{:.6g} Pa", p.shear_modulus_Pa) : "not recorded");
   print_result("distance  {}{}\n", finer.is_measured ? finer.sentence() : "from a finer solution: not recorded",
                p.finer_nodes > 0 ? fmt::format(", whose mesh has {} nodes", p.finer_nodes) : "");
   return record("mesh_hash", said(p.mesh_hash), "physics_hash", said(p.physics_hash), "element", said(p.element),
-                "element_revision", known(p.element_revision), "shear_modulus_Pa", known(p.shear_modulus_Pa),
-                "reference", said(p.reference), "finer_nodes", known(p.finer_nodes), "finer_probes",
-                finer.is_measured ? json(p.finer_probes) : json(nullptr), "finer_tool_radius_m",
-                known(p.finer_tool_radius_m), "finer_mean", finer.probes > 0 ? json(p.finer_mean) : json(nullptr),
-                "finer_p95", finer.probes > 0 ? json(p.finer_p95) : json(nullptr), "bound_reference",
-                known(p.bound_reference));
+                "shear_modulus_Pa", known(p.shear_modulus_Pa), "reference", said(p.reference), "finer_nodes",
+                known(p.finer_nodes), "finer_probes", finer.is_measured ? json(p.finer_probes) : json(nullptr),
+                "finer_tool_radius_m", known(p.finer_tool_radius_m), "finer_mean",
+                finer.probes > 0 ? json(p.finer_mean) : json(nullptr), "finer_p95",
+                finer.probes > 0 ? json(p.finer_p95) : json(nullptr), "bound_reference", known(p.bound_reference));
 }
 
 json about_image(const std::filesystem::path& file) {

@@ -54,11 +54,9 @@ json tell_ends(const DatabaseHeader& header, const EndSummary& ends) {
   if (ends.folds > 0)
     print_result("folds     on {} rays; the largest energy lost at once is {:.3g} J\n", ends.folds,
                  ends.largest_loss_J);
-  if (!ends.is_recorded)
-    print_result("folds     not recorded: a version that does not look for them solved some of these rays\n");
   return record("rays", ends.rays, "rays_early", n_early, "share_of_rays", ends.share_of_rays(), "share_of_volume",
                 ends.share_of_volume(), "reasons", reasons, "folds", ends.folds, "largest_energy_lost_J",
-                ends.largest_loss_J, "recorded", ends.is_recorded, "nodes", by_node(header, ends, nodes));
+                ends.largest_loss_J, "nodes", by_node(header, ends, nodes));
 }
 
 }  // namespace phynness::cli

@@ -100,8 +100,7 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
   const Ray& ray = rays[static_cast<std::size_t>(direction)];
   check_increment(header, ray, increment);
 
-  const auto tool =
-      touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node, stored_scene(header).probe);
+  const auto& tool = header.sets.tools[active];
   constexpr std::int32_t unknown = -1;
   std::vector<std::int32_t> point_of(static_cast<std::size_t>(header.mesh.n_nodes()), unknown);
   for (const auto* set : {&header.sets.output, &header.sets.fixed, &tool.nodes})

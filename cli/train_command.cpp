@@ -75,12 +75,11 @@ FinerDistance distance_of(const std::filesystem::path& file, const Scene& scene,
     const auto within = [&](const char* key, double least, double most) {
       if (!(said.at(key) >= least && said.at(key) <= most)) throw refuse(std::string(key) + " is out of range");
     };
-    within("revision", 1, 1000);
     within("probes", 0, 10'000);
     within("solved", 0, 10'000);
     within("nodes", 1, 1e9);
     for (const char* key : {"mean", "p95", "tool_radius_m"}) within(key, 0, 1e6);
-    for (const char* key : {"revision", "probes", "solved", "nodes"})
+    for (const char* key : {"probes", "solved", "nodes"})
       if (!said.at(key).is_number_integer()) throw refuse("a count is no integer");
     FinerDistance::describe(distance, [&]<class Value>(const char* key, Value& value) { said.at(key).get_to(value); });
   } catch (const nlohmann::json::exception& error) {
@@ -106,7 +105,6 @@ Trained trained(const Options& options) {
   const Scene scene = opened ? stored_scene(opened->header()) : open_scene(options.scene);
   const auto database = opened ? std::move(*opened) : open_database(scene, *options.database);
   const auto& header = database.header();
-  warn_of_patch(scene, header.mesh, header.sets);
   const TrainingSpec spec = chosen_spec(scene.training, options);
   const auto finer = options.check_file ? distance_of(*options.check_file, scene, header) : FinerDistance{};
   Trained t;

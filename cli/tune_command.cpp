@@ -94,9 +94,6 @@ void run(const Options& options) {
   const SolverSession session;
   const Scene scene = open_scene(options.scene);
   const auto database = open_database(scene, options.database);
-  if (database.header().physics_hash != physics_hash(scene))
-    throw input_error("the database was solved with equations of an earlier version", options.database.string(),
-                      "precompute again");
   end_at_signals("tuning was interrupted\n  remedy: run the same command again; nothing was written\n");
   TuningReport report =
       tune(session, scene, database, options.probes, static_cast<std::uint64_t>(options.seed), shown_progress());

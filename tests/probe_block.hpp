@@ -41,6 +41,7 @@ inline ProbeBlock probe_block(const Case& c, double bulk_to_shear, const std::ar
     if (block.mesh.nodes(i, 2) == 0) block.sets.fixed.push_back(i);
   block.top = nearest_node(block.mesh, {block_size_m[0] / 2, block_size_m[1] / 2, block_size_m[2]});
   block.sets.active = {block.top};
+  block.sets.tools = single_nodes(block.sets.active);
   return block;
 }
 

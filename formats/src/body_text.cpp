@@ -22,9 +22,6 @@ ReducedBody read_body_text(const std::string& text, const std::string& source_na
   ReducedBody body;
   TextLinesReader reader(checked_lines(schema::body_first_line, text, source_name, "body"), source_name,
                          "make it again with `phynness reduce`; the format is described in formats/body.md");
-  if (text.find("\nbounds ") != std::string::npos)
-    throw input_error(source_name + ": the bounds of the body are of an earlier version", "",
-                      "make it again with `phynness reduce`, and its bounds with `phynness calibrate --body`");
   schema::body(reader, body);
   reader.require_end();
   return body;

@@ -14,37 +14,14 @@ namespace phynness {
 namespace layout = database_layout;
 namespace path = database_layout::path;
 
-namespace {
-
-/// The end of a ray as far as the outcomes of its increments tell it, for files that do not record it.
-RayEnd end_of(const std::vector<Status>& statuses, const std::vector<double>& magnitudes_m) {
-  RayEnd end;
-  const auto stop = std::find_if(statuses.begin(), statuses.end(), [](Status s) { return s != Status::converged; });
-  if (stop != statuses.begin()) end.depth_m = magnitudes_m[static_cast<std::size_t>(stop - statuses.begin()) - 1];
-  if (stop == statuses.end()) return end;
-  if (static_cast<int>(*stop) < 0) end.reason = EndReason::solver;
-  if (*stop == Status::not_requested) end.reason = EndReason::not_requested;
-  return end;
-}
-
-}  // namespace
-
 struct Database::Impl {
   hdf5::File file;
   DatabaseHeader header;
-  std::int32_t minor = layout::read_minor(file);
-  std::vector<StoredColumn> columns = columns_of(header, minor);
+  std::vector<StoredColumn> columns = columns_of(header);
   double farthest_m = largest_displacement(header.mesh);
   std::optional<DatabaseHeader> whole = {};  ///< of the file, if `header` is that of a part of its nodes
 
-  bool records_ends() const { return minor > 0; }
-  /// @param stored    what the file says of the ray
-  /// @param statuses  of its increments
-  RayEnd end_of_ray(const RayEnd& stored, const std::vector<Status>& statuses) const {
-    if (!records_ends()) return end_of(statuses, header.magnitudes_m);
-    return stored;
-  }
-  std::vector<StoredColumn> columns_with(ColumnOf of) const { return columns_of(header, of, minor); }
+  std::vector<StoredColumn> columns_with(ColumnOf of) const { return columns_of(header, of); }
 
   /// A column of `count` active nodes, one ray after the other.
   template <class Value>
@@ -143,7 +120,7 @@ Database Database::open(const std::filesystem::path& file, const DatabaseHeader&
   auto& impl = *database._impl;
   refuse_other_rays(impl.header, wanted, file);
   impl.whole = std::exchange(impl.header, wanted);
-  impl.columns = columns_of(wanted, impl.minor);
+  impl.columns = columns_of(wanted);
   return database;
 }
 
@@ -160,12 +137,10 @@ std::vector<Ray> Database::rays(std::int32_t active) const {
   for (std::size_t d = 0; d < header.directions.size(); ++d)
     rays.push_back(empty_ray(header, active, static_cast<std::int32_t>(d)));
   for (const auto& column : _impl->columns) _impl->read(column, active, 1, rays);
-  for (Ray& ray : rays) {
-    ray.end = _impl->end_of_ray(ray.end, ray.status);
+  for (const Ray& ray : rays)
     _impl->refuse_damaged(ray, _impl->columns,
                           "node " + std::to_string(header.sets.active[static_cast<std::size_t>(active)]) +
                               ", direction " + std::to_string(ray.direction));
-  }
   return rays;
 }
 
@@ -267,14 +242,11 @@ std::vector<RayEnd> Database::ends() const {
   const auto& header = _impl->header;
   std::vector<RayEnd> ends;
   const auto columns = _impl->columns_with(ColumnOf::ray);
-  const auto all = _impl->records_ends() ? std::vector<Status>() : statuses();
-  const auto n = static_cast<std::ptrdiff_t>(all.empty() ? 0 : header.magnitudes_m.size());
   std::vector<Ray> rays(header.sets.active.size() * header.directions.size());
   for (const auto& column : columns) _impl->read(column, 0, header.sets.active.size(), rays);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     _impl->refuse_damaged(rays[i], columns, "ray " + std::to_string(i));
-    const auto first = all.begin() + n * static_cast<std::ptrdiff_t>(i);
-    ends.push_back(_impl->end_of_ray(rays[i].end, {first, first + n}));
+    ends.push_back(rays[i].end);
   }
   return ends;
 }
@@ -313,7 +285,6 @@ EndSummary summarize_ends(const DatabaseHeader& header, const std::vector<RayEnd
       ++summary.reasons[end.reason];
       summary.folds += end.fold_depth_m > 0;
       if (end.fold_depth_m > 0) summary.largest_loss_J = std::max(summary.largest_loss_J, std::abs(end.energy_lost_J));
-      summary.is_recorded &= end.reason != EndReason::not_recorded;
       const double part = end.is_early() ? part_of_volume(trained_m(end.depth_m), full) : 1.0;
       if (end.is_early()) summary.volume[end.reason] += 1 - part;
       early += end.is_early();

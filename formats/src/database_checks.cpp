@@ -22,8 +22,8 @@ const char* const remedy = "the file is damaged, or was written by a defective p
 constexpr std::size_t most_directions = 10000, most_increments = 10000, most_rays = 100'000'000;
 // Limits of the diagonal of the body's bounding box [m].
 constexpr double smallest_diagonal = 1e-9, largest_diagonal = 1e9;
-// Tolerance of the squared lengths of directions.
-constexpr double direction_rounding = 1e-9;
+// Tolerances of the squared lengths of directions, and of sums of weights.
+constexpr double direction_rounding = 1e-9, weight_rounding = 1e-9;
 
 class HeaderChecks {
  public:
@@ -109,6 +109,27 @@ class HeaderChecks {
     check_nodes(_header.sets.fixed, path::fixed);
     check_nodes(_header.sets.active, path::active);
     check_nodes(_header.sets.output, path::output);
+    check_tools();
+  }
+
+  void check_tools() const {
+    const auto& tools = _header.sets.tools;
+    if (tools.size() != _header.sets.active.size())
+      refuse(path::tool_ends, "must have an entry for each active node",
+             std::to_string(tools.size()) + " of " + std::to_string(_header.sets.active.size()) + " active nodes");
+    for (const auto& tool : tools) {
+      check_nodes(tool.nodes, path::tool_nodes);
+      double sum = 0;
+      for (const double weight : tool.weights) {
+        if (!(weight > 0)) refuse(path::tool_weights, "must be positive", number_text(weight));
+        sum += weight;
+      }
+      if (!(std::abs(sum - 1) < weight_rounding))
+        refuse(path::tool_weights, "of a tool must have the sum 1", number_text(sum));
+      if (!tool.mean && tool.nodes.size() != 1)
+        refuse(path::tool_nodes, "must have one node for each active node where tools are not round",
+               std::to_string(tool.nodes.size()));
+    }
   }
 
   void check_probes() const {

@@ -13,11 +13,6 @@ namespace {
 
 const char* const format_name = "phynness database";
 
-/// Before an increment was halved a fixed number of times, it was until a part was 1/64 of the full depth.
-int earlier_fold_halvings(std::size_t increments) {
-  return increments >= 64 ? 0 : static_cast<int>(std::ceil(std::log2(64.0 / static_cast<double>(increments))));
-}
-
 template <class T>
 void write_array(hdf5::File& file, const char* name, const hdf5::Shape& shape, const T* values, const char* unit,
                  const char* description) {
@@ -70,11 +65,48 @@ std::vector<Field> fields_of(const std::string& text) {
   for (std::string word; words >> word;) {
     const auto field = field_named(word);
     if (!field || (!fields.empty() && *field <= fields.back()))
-      throw input_error("the database has fields that are unknown to this program or in the wrong order", text,
-                        "use a newer phynness; if this version wrote the file, it is damaged");
+      throw input_error("the database has unknown fields, or fields in the wrong order", text, hdf5::damaged);
     fields.push_back(*field);
   }
   return fields;
+}
+
+/// The tools one after another.
+void write_tools(hdf5::File& file, const std::vector<TouchedNodes>& tools) {
+  std::vector<std::int32_t> ends, nodes;
+  std::vector<double> weights;
+  for (const auto& tool : tools) {
+    nodes.insert(nodes.end(), tool.nodes.begin(), tool.nodes.end());
+    weights.insert(weights.end(), tool.weights.begin(), tool.weights.end());
+    ends.push_back(static_cast<std::int32_t>(nodes.size()));
+  }
+  file.create_group(path::tools);
+  file.write_attribute(path::tools, "mean", std::int32_t{!tools.empty() && tools.front().mean});
+  write_array(file, path::tool_ends, {ends.size()}, ends.data(), "1",
+              "of the tool at each active node, the position behind its last node in the next two");
+  write_array(file, path::tool_nodes, {nodes.size()}, nodes.data(), "1", "ascending node numbers that each tool moves");
+  write_array(file, path::tool_weights, {weights.size()}, weights.data(), "1", "their weights");
+}
+
+std::vector<TouchedNodes> read_tools(const hdf5::File& file) {
+  const bool mean = read_flag(file, path::tools, "mean");
+  const auto ends = read_list<std::int32_t>(file, path::tool_ends),
+             nodes = read_list<std::int32_t>(file, path::tool_nodes);
+  const auto weights = read_list<double>(file, path::tool_weights);
+  if (weights.size() != nodes.size())
+    file.refuse(std::string(path::tool_weights) + " and " + path::tool_nodes + " have different lengths",
+                std::to_string(weights.size()) + " and " + std::to_string(nodes.size()));
+  std::vector<TouchedNodes> tools;
+  std::int32_t first = 0;
+  for (const auto end : ends) {
+    if (end <= first || end > std::ssize(nodes))
+      file.refuse(std::string(path::tool_ends) + " must ascend, up to the length of " + path::tool_nodes,
+                  std::to_string(end) + " after " + std::to_string(first));
+    tools.push_back(
+        {{nodes.begin() + first, nodes.begin() + end}, {weights.begin() + first, weights.begin() + end}, mean});
+    first = end;
+  }
+  return tools;
 }
 
 /// Attributes that name the values of an enumeration.
@@ -115,17 +147,14 @@ std::uint64_t header_bytes(const DatabaseHeader& header) {
 void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete) {
   file.write_attribute("/", "format", std::string(format_name));
   file.write_attribute("/", "format_version", format_version);
-  file.write_attribute("/", "format_minor", format_minor);
   file.write_attribute("/", "software_version", header.software_version);
   file.write_attribute("/", "complete", std::int32_t{complete});
   file.write_attribute("/", "physics_hash", header.physics_hash);
   file.write_attribute("/", "mesh_hash", header.mesh_hash);
   file.write_attribute("/", "tangents", std::int32_t{header.tangents});
   file.write_attribute("/", "displacement_precision", std::string(header.float64 ? "float64" : "float32"));
-  file.write_attribute("/", "fold_halvings", std::int32_t{header.fold_halvings});
-  // Omitted if there are none, as in files of versions without them.
-  if (header.field_bits > 0) file.write_attribute("/", "field_bits", std::int32_t{header.field_bits});
-  if (!header.fields.empty()) file.write_attribute("/", "fields", names(header.fields, " "));
+  file.write_attribute("/", "field_bits", std::int32_t{header.field_bits});
+  file.write_attribute("/", "fields", names(header.fields, " "));
   file.write_attribute("/", "scene_name", header.scene_name);
   file.write_attribute("/", "scene_folder", header.scene_folder);
   if (header.imported) file.write_attribute("/", "imported", std::int32_t{1});
@@ -153,6 +182,7 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
   write_set(file, path::active, header.sets.active, "node numbers that are probed; axis A of the responses");
   write_set(file, path::output, header.sets.output,
             "node numbers whose displacement is stored; axis O of the responses");
+  write_tools(file, header.sets.tools);
   std::vector<double> directions;
   for (const auto& d : header.directions) directions.insert(directions.end(), d.begin(), d.end());
   write_array(file, path::directions, {header.directions.size(), 3}, directions.data(), "1",
@@ -167,18 +197,10 @@ bool read_complete(const hdf5::File& file) {
                       "give a file written by phynness precompute");
   const auto version = file.read_int_attribute("/", "format_version");
   if (version != format_version)
-    throw input_error(
-        "the database " + file.path().string() + " has a format version that this program cannot read",
-        std::to_string(version) + " instead of " + std::to_string(format_version),
-        version > format_version ? "use a newer phynness" : "compute the database again with this phynness");
+    throw input_error("the database " + file.path().string() + " has another version of the format",
+                      std::to_string(version) + " instead of " + std::to_string(format_version),
+                      "make it anew with: phynness precompute SCENE -o DATABASE");
   return read_flag(file, "/", "complete");
-}
-
-std::int32_t read_minor(const hdf5::File& file) {
-  if (!file.has_attribute("/", "format_minor")) return 0;
-  const auto minor = file.read_int_attribute("/", "format_minor");
-  if (minor < 1) file.refuse("attribute format_minor is less than 1", std::to_string(minor));
-  return minor;
 }
 
 DatabaseHeader read_header(const hdf5::File& file) {
@@ -192,9 +214,9 @@ DatabaseHeader read_header(const hdf5::File& file) {
   if (precision != "float32" && precision != "float64")
     file.refuse("attribute displacement_precision is neither float32 nor float64", precision);
   header.float64 = precision == "float64";
-  if (file.has_attribute("/", "field_bits")) header.field_bits = file.read_int_attribute("/", "field_bits");
+  header.field_bits = file.read_int_attribute("/", "field_bits");
   if (header.field_bits < 0) file.refuse("attribute field_bits is negative", std::to_string(header.field_bits));
-  if (file.has_attribute("/", "fields")) header.fields = fields_of(file.read_text_attribute("/", "fields"));
+  header.fields = fields_of(file.read_text_attribute("/", "fields"));
   header.scene_name = file.read_text_attribute("/", "scene_name");
   header.scene_folder = file.read_text_attribute("/", "scene_folder");
   header.scene_text = file.read_text(path::scene);
@@ -222,12 +244,11 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.sets.fixed = read_list<std::int32_t>(file, path::fixed);
   header.sets.active = read_list<std::int32_t>(file, path::active);
   header.sets.output = read_list<std::int32_t>(file, path::output);
+  header.sets.tools = read_tools(file);
   const auto directions = read_rows<double>(file, path::directions, 3, rows);
   for (hsize_t i = 0; i < rows; ++i)
     header.directions.push_back({directions[3 * i], directions[3 * i + 1], directions[3 * i + 2]});
   header.magnitudes_m = read_list<double>(file, path::magnitudes);
-  header.fold_halvings = file.has_attribute("/", "fold_halvings") ? file.read_int_attribute("/", "fold_halvings")
-                                                                  : earlier_fold_halvings(header.magnitudes_m.size());
 
   if (const auto hash = mesh_hash(header.mesh); hash != header.mesh_hash)
     throw input_error(

@@ -10,8 +10,6 @@
 
 namespace phynness::database_layout {
 
-inline constexpr std::int32_t format_version = 1;
-
 namespace path {
 inline constexpr const char* nodes = "/mesh/nodes";
 inline constexpr const char* cells = "/mesh/cells";
@@ -20,6 +18,10 @@ inline constexpr const char* groups = "/mesh/groups";
 inline constexpr const char* fixed = "/sets/fixed";
 inline constexpr const char* active = "/sets/active";
 inline constexpr const char* output = "/sets/output";
+inline constexpr const char* tools = "/tools";
+inline constexpr const char* tool_ends = "/tools/ends";
+inline constexpr const char* tool_nodes = "/tools/nodes";
+inline constexpr const char* tool_weights = "/tools/weights";
 inline constexpr const char* directions = "/directions";
 inline constexpr const char* magnitudes = "/magnitudes";
 inline constexpr const char* scene = "/scene";
@@ -32,8 +34,6 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
 /// @throws Error (input) if the file is not a database, of another version, or damaged
 DatabaseHeader read_header(const hdf5::File& file);
 bool read_complete(const hdf5::File& file);
-/// format_minor of a file; 0 if it has none.
-std::int32_t read_minor(const hdf5::File& file);
 
 /// Creates the datasets under /responses. A chunk of those without an axis of output nodes has several active nodes.
 void create_responses(hdf5::File& file, const DatabaseHeader& header);

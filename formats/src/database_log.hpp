@@ -13,8 +13,8 @@
 
 namespace phynness::database_log {
 
-/// The last character counts the versions: the columns of a record are those of its program.
-inline constexpr std::array<char, 8> log_magic{'P', 'H', 'Y', 'N', 'L', 'O', 'G', '2' + format_minor};
+/// The last character is the version of the format.
+inline constexpr std::array<char, 8> log_magic{'P', 'H', 'Y', 'N', 'L', 'O', 'G', '0' + format_version};
 inline constexpr std::array<char, 4> record_magic{'P', 'R', 'A', 'Y'};
 /// Bytes of magic and length before a payload; the checksum follows the payload.
 inline constexpr std::size_t prefix_bytes = record_magic.size() + sizeof(std::uint32_t);

@@ -40,7 +40,6 @@ bool same_points_and_cells(const Mesh& a, const Mesh& b) {
 }
 
 const char* const other_physics = "another physics";
-const char* const other_search = "another search for folds";
 /// Rounding of numbers of a scene that were computed from the same ones in another way.
 constexpr double rounding = 1e-12;
 
@@ -149,9 +148,6 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
   compare(on_disk.fields, wanted.fields, "other [database] fields",
           [](const std::vector<Field>& fields) { return text(fields); });
   if (!is_understood(on_disk) || !is_understood(wanted)) return all;
-  if (!stored_scene(wanted).material.law->linear)  // which has no folds
-    compare(on_disk.fold_halvings, wanted.fold_halvings, other_search,
-            [](int halvings) { return "to an increment over 2^" + std::to_string(halvings); });
   return all;
 }
 
@@ -166,13 +162,9 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
   }
   const auto& first = all.front();
   const bool physics = on_disk.physics_hash != wanted.physics_hash;
-  const bool same_scene = (physics && on_disk.scene_text == wanted.scene_text) || first.what == other_search;
   throw input_error(
-      "the database " + file.string() +
-          (same_scene ? " was solved by another version, with other equations" : " has " + first.what),
-      first.values,
-      same_scene ? "solve the scene anew into another file; phynness train reads this one as it is"
-      : !physics && on_disk.mesh_hash != wanted.mesh_hash
+      "the database " + file.string() + " has " + first.what, first.values,
+      !physics && on_disk.mesh_hash != wanted.mesh_hash
           ? "use the mesh with which it was begun (a new mesh of the same body is another mesh), or write to another "
             "file"
           : "use the scene with which the database was begun, or write to another file");

@@ -120,7 +120,7 @@ std::string scene_text(const std::string& title, double tool_radius_m, double de
          "\nmax_displacement_m = " + number(depth_m) + "\n";
 }
 
-void read_probes(Given& given, const std::string& source) {
+void read_probes(Given& given, const std::string& source, const ToolsOf& tools_of) {
   auto& header = given.header;
   header.imported = true;
   header.sets.active = given.points("/touched", 0);
@@ -140,7 +140,10 @@ void read_probes(Given& given, const std::string& source) {
   header.software_version = software_version();
   header.mesh_hash = mesh_hash(header.mesh);
   header.physics_hash = hash_of("imported");  // replaced below
+  header.sets.tools = single_nodes(header.sets.active);
   check_header(header, "the database");
+  if (given.tool_radius_m > 0)
+    header.sets.tools = tools_of(header.mesh, header.sets.fixed, header.sets.active, given.tool_radius_m);
   const hsize_t a = header.sets.active.size(), d = header.directions.size(), i = header.magnitudes_m.size();
   given.forces_N = given.read<double>("/forces", {a, d, i, 3}, "N");
   given.energies_J = given.file.exists("/energies") ? given.read<double>("/energies", {a, d, i}, "J")
@@ -250,7 +253,7 @@ void write(const Given& given, const fs::path& database,
 
 }  // namespace
 
-ImportReport import_responses(const fs::path& file, const fs::path& database,
+ImportReport import_responses(const fs::path& file, const fs::path& database, const ToolsOf& tools_of,
                               const std::function<void(std::int64_t, std::int64_t)>& progress,
                               const std::function<bool()>& stop) {
   DatabaseWriter::refuse_begun(database, false);
@@ -259,7 +262,7 @@ ImportReport import_responses(const fs::path& file, const fs::path& database,
   try {
     given.emplace(file);
     read_body(*given);
-    read_probes(*given, file.filename().string());
+    read_probes(*given, file.filename().string(), tools_of);
     check_forces(*given, report);
   } catch (const Error& error) {
     refuse_layout(error, file);

@@ -58,6 +58,12 @@ void sort_unique(std::vector<std::int32_t>& nodes) {
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
 }
 
+std::vector<TouchedNodes> single_nodes(const std::vector<std::int32_t>& nodes) {
+  std::vector<TouchedNodes> tools;
+  for (const auto node : nodes) tools.push_back({{node}, {1.0}});
+  return tools;
+}
+
 std::vector<std::int32_t> surface_nodes(const Triangles& surface) {
   std::vector<std::int32_t> nodes(surface.data(), surface.data() + surface.size());
   sort_unique(nodes);

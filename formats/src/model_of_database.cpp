@@ -25,17 +25,11 @@ Triangles known_triangles(const Mesh& mesh, const Model& model) {
   return kept.topRows(n);
 }
 
-/// Nothing is recorded of a scene that this version cannot read, or that has another meaning now.
+/// Nothing is recorded of imported responses, and of a header without a scene.
 SolvedBody solved_body(const DatabaseHeader& header) {
-  try {
-    const Scene scene = stored_scene(header);
-    if (physics_hash(scene) != header.physics_hash) return {};
-    const auto& solver = scene.solver;
-    return {true, name(solver.element), solver.earlier_revision.value_or(revision(solver.element, scene.material.law)),
-            scene.material.shear_modulus_Pa};
-  } catch (const Error&) {
-    return {};
-  }
+  if (header.imported || header.scene_text.empty()) return {};
+  const Scene scene = stored_scene(header);
+  return {true, name(scene.solver.element), scene.material.shear_modulus_Pa};
 }
 
 }  // namespace
@@ -97,16 +91,7 @@ void require_scene(const DatabaseHeader& header) {
 
 Scene stored_scene(const DatabaseHeader& header) {
   if (header.imported) return parse_imported_scene(header.scene_text, header.scene_name);
-  const auto parsed = [&](Element solid_element) {
-    return parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent,
-                       solid_element);
-  };
-  // P1 was the default before p1-p1, and p1-p1 that of patches before es-p1-p1.
-  for (const auto element : {element_named("P1"), element_named("p1-p1"), Element{}}) {
-    Scene earlier = as_hashed(parsed(element), header.physics_hash);
-    if (physics_hash(earlier) == header.physics_hash) return earlier;
-  }
-  return parsed(nullptr);
+  return parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent);
 }
 
 DatabaseHeader database_header(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {

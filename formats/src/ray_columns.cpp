@@ -47,10 +47,10 @@ const char* meaning(Status status) { return row_of(every_status, status).meaning
 const char* name(EndReason reason) { return row_of(every_end, reason).name; }
 const char* meaning(EndReason reason) { return row_of(every_end, reason).meaning; }
 
-std::vector<StoredColumn> columns_of(const DatabaseHeader& header, std::int32_t minor) {
+std::vector<StoredColumn> columns_of(const DatabaseHeader& header) {
   std::vector<StoredColumn> columns;
   for (const auto& column : ray_columns) {
-    if (column.since > minor || (column.with_tangents && !header.tangents)) continue;
+    if (column.with_tangents && !header.tangents) continue;
     columns.push_back(stored(column, header, "/responses/"));
     columns.back().float32 &= !header.float64;
   }
@@ -59,8 +59,8 @@ std::vector<StoredColumn> columns_of(const DatabaseHeader& header, std::int32_t 
   return columns;
 }
 
-std::vector<StoredColumn> columns_of(const DatabaseHeader& header, ColumnOf of, std::int32_t minor) {
-  auto columns = columns_of(header, minor);
+std::vector<StoredColumn> columns_of(const DatabaseHeader& header, ColumnOf of) {
+  auto columns = columns_of(header);
   std::erase_if(columns, [of](const auto& column) { return column.of != of; });
   return columns;
 }
@@ -79,7 +79,6 @@ RayColumn field_column(Field field, std::size_t index) {
           ColumnKind::measure,
           unit(field),
           description(field),
-          0,
           false,
           true};
 }

@@ -17,10 +17,9 @@ struct StoredColumn : RayColumn {
   std::size_t count = 1;           ///< values of one ray
 };
 
-/// @param minor  format_minor of the file
-std::vector<StoredColumn> columns_of(const DatabaseHeader& header, std::int32_t minor = format_minor);
+std::vector<StoredColumn> columns_of(const DatabaseHeader& header);
 /// Those of them with one value for each `of`.
-std::vector<StoredColumn> columns_of(const DatabaseHeader& header, ColumnOf of, std::int32_t minor = format_minor);
+std::vector<StoredColumn> columns_of(const DatabaseHeader& header, ColumnOf of);
 
 /// A column of Ray::fields.
 RayColumn field_column(Field field, std::size_t index);

@@ -32,7 +32,7 @@ sd::SceneTable section_of(const sd::SceneTable& top, const char* name, const std
 }  // namespace
 
 Scene parse_scene(const std::string& text, const std::string& source_name, const std::filesystem::path& folder,
-                  MeshFile mesh_file, Element solid_element) {
+                  MeshFile mesh_file) {
   const toml::table root = sd::parse_toml(text, source_name);
   const sd::SceneTable top(root, "", source_name);
   const auto section = [&](const char* name) { return section_of(top, name, source_name); };
@@ -55,7 +55,7 @@ Scene parse_scene(const std::string& text, const std::string& source_name, const
   sd::check_nodes(nodes, scene);
   probe.read_into(scene);
   sd::check_probe(probe, scene.probe);
-  sd::check_solver(solver, solid_element, scene);
+  sd::check_solver(solver, scene);
   sd::check_tools(probe, scene);
   database.read_into(scene);
   sd::check_database(database, scene);

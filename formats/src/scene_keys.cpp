@@ -220,15 +220,8 @@ std::string line(const Scene& scene, const scene_detail::SceneKey& key) {
 
 std::string physics_summary(const Scene& scene) {
   std::string lines;
-  for (const auto& key : scene_detail::key_rows()) {
-    if (key.is_hashed && key.is_hashed(scene, key)) lines += line(scene, key);
-    // Databases with earlier equations and with rigid patches do not have these lines; those with patches that also
-    // pressed what does not face them have "mean".
-    const int version = scene.solver.earlier_revision.value_or(revision(scene.solver.element, scene.material.law));
-    if (key.name == "element" && version > 1) lines += "solver.revision = " + std::to_string(version) + "\n";
-    if (key.name == "tool_radius_m" && scene.probe.kind == ProbeKind::patch)
-      lines += scene.probe.whole ? "probe.tool = mean\n" : "probe.tool = facing\n";
-  }
+  for (const auto& key : scene_detail::key_rows())
+    if (key.is_hashed) lines += line(scene, key);
   return lines;
 }
 
@@ -240,22 +233,6 @@ std::string other_settings(const Scene& scene) {
 }
 
 std::string physics_hash(const Scene& scene) { return hash_of(physics_summary(scene)); }
-
-Scene as_hashed(const Scene& scene, const std::string& hash) {
-  Scene meant = scene;
-  for (int version = revision(scene.solver.element, scene.material.law); version > 0; --version) {
-    meant.probe = scene.probe;
-    if (physics_hash(meant) == hash) return meant;
-    if (scene.probe.kind == ProbeKind::patch) {
-      meant.probe.whole = true;
-      if (physics_hash(meant) == hash) return meant;
-      meant.probe.kind = ProbeKind::rigid_patch;
-      if (physics_hash(meant) == hash) return meant;
-    }
-    meant.solver.earlier_revision = version - 1;
-  }
-  return scene;
-}
 
 std::string scene_key_tables() {
   std::string blocks;

@@ -10,16 +10,13 @@
 
 namespace phynness::scene_detail {
 
-struct SceneKey;
-using IsHashed = bool (*)(const Scene& scene, const SceneKey& key);
-
 struct SceneKey {
   std::string_view section, name;
   std::string type, allowed, standard;  ///< in words; `standard` is empty if the key has no default
   std::string_view meaning;
-  IsHashed is_hashed;                                               ///< nullptr: never
+  bool is_hashed;                                                   ///< whether it affects a solve
   std::function<void(const SceneTable& table, Scene& scene)> read;  ///< @pre the table has the key
-  std::function<std::string(const Scene& scene)> text;              ///< of the value; must never change if it is hashed
+  std::function<std::string(const Scene& scene)> text;              ///< of the value
 };
 
 /// All keys, section by section, in the order in which they are read and hashed.

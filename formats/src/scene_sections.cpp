@@ -126,14 +126,12 @@ void check_mesh(const SceneTable& table, const std::filesystem::path& folder, Me
     check_shape(table, spec);
 }
 
-void check_solver(const SceneTable& table, Element solid_element, Scene& scene) {
+void check_solver(const SceneTable& table, Scene& scene) {
   SolverSpec& spec = scene.solver;
   const bool shell = scene.mesh.thickness_m > 0;
   if (!table.has("element")) {
     const bool patch = scene.probe.kind == ProbeKind::patch;
-    spec.element = shell           ? &elements().back()
-                   : solid_element ? solid_element
-                                   : element_named(patch ? "es-p1-p1" : "p1-p1");
+    spec.element = shell ? &elements().back() : element_named(patch ? "es-p1-p1" : "p1-p1");
   }
   if (shell && !spec.element->is_shell)
     table.reject("element", "is made of tetrahedra, but [mesh] is the midsurface of a shell",

@@ -29,8 +29,7 @@ void check_mesh(const SceneTable& table, const std::filesystem::path& folder, Me
 /// Refuses a law for which the condition of zero stress across the wall of a shell is not implemented, or not accurate
 /// enough with these moduli.
 void check_material(const SceneTable& table, const Scene& scene);
-/// @param solid_element  element of a mesh without thickness if the scene names none; null: that of its probes
-void check_solver(const SceneTable& table, Element solid_element, Scene& scene);
+void check_solver(const SceneTable& table, Scene& scene);
 void check_nodes(const SceneTable& table, Scene& scene);
 void check_probe(const SceneTable& table, ProbeSpec& spec);
 /// @param table  [probe]. @pre element and output nodes are known

@@ -146,7 +146,7 @@ struct Section {
   Of of;
 
   template <class Spec, class T, class Kind>
-  SceneKey operator()(std::string_view key, T Spec::*member, const Kind& kind, IsHashed is_hashed,
+  SceneKey operator()(std::string_view key, T Spec::*member, const Kind& kind, bool is_hashed,
                       std::string_view meaning) const {
     const Spec standard;
     const auto* value = if_given(standard.*member);

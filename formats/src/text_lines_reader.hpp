@@ -32,8 +32,9 @@ std::string_view checked_lines(const char (&first_line)[size], std::string_view 
     const std::string line(text.substr(0, std::min(text.find('\n'), std::size_t{40})));
     if (!line.empty() && line.back() == '\r')
       refuse("the line endings of the " + kind + " file were changed", "CR LF", "copy it again in binary mode");
-    refuse("the " + kind + " file has another version", line,
-           std::string(is_body ? "reduce" : "train") + " again with this version, or use the version that wrote it");
+    refuse("the " + kind + " file has another version of the format", line,
+           std::string("make it anew with: phynness ") +
+               (is_body ? "reduce DATABASE -o body.txt" : "train SCENE DATABASE -o MODEL_DIR"));
   }
   if (status == PHN_ERROR_TRUNCATED)
     refuse("the " + kind + " file is truncated",

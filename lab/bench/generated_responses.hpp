@@ -32,6 +32,7 @@ inline DatabaseHeader liver_sized_header() {
     }
   }
   for (int i = 1; i <= n_increments; ++i) header.magnitudes_m.push_back(depth_m * i / n_increments);
+  header.sets.tools = single_nodes(header.sets.active);
   return header;
 }
 

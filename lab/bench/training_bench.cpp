@@ -71,6 +71,7 @@ int main(int argc, char** argv) {
   DatabaseHeader header = bench::liver_sized_header();
   const auto all = static_cast<double>(bench::n_nodes);
   header.sets.active.resize(n_active);
+  header.sets.tools = single_nodes(header.sets.active);
   TrainingSpec spec;
   spec.family = Family::rbfn;
   spec.force_spread = 1.4;

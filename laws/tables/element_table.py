@@ -21,9 +21,6 @@ class Element:
     stabilized: bool = False  # equal order of displacement and pressure
     edge_smoothed: bool = False  # the shear energy is a function of mean gradients at edges (edges() of mechanics.py)
     is_shell: bool = False
-    # Of the equations with isochoric laws (Law of law.py). A change that moves forces raises it, the physics hash holds it
-    # from 2 on, and a database of an earlier one is read, but not continued. 2: edges take a part of the volumetric energy.
-    isochoric_revision: int = 1
     # Of an element that locks: rows of K/mu, ascending, and its force over that of Taylor-Hood on the same mesh, in the
     # mean over patch probes to 0.15 edges and to one edge; over that of the mixed element that holds the same points in
     # node probes. docs/theory.md, Why P1 locks, says what was measured.
@@ -39,7 +36,7 @@ ELEMENTS = (
         (100, 1.8, 2.1, 2.1), (200, 2.2, 2.9, 2.5))),
     Element("th", "taylor-hood", 2, 1, 4),
     Element("p1p1", "p1-p1", 1, 1, 1, stabilized=True),
-    Element("esp1p1", "es-p1-p1", 1, 1, 1, stabilized=True, edge_smoothed=True, isochoric_revision=2),
+    Element("esp1p1", "es-p1-p1", 1, 1, 1, stabilized=True, edge_smoothed=True),
     Element("shell", "shell", 2, None, 2, is_shell=True),
 )
 SOLIDS = tuple(e for e in ELEMENTS if not e.is_shell)

@@ -111,7 +111,7 @@ def _element_row(element):
     rows = ["{" + ", ".join(number(float(x)) for x in row) + "}" for row in element.force_ratios]
     ratios, span = _array("ForceRatio", f"{element.identifier}_force_ratios", rows)
     return ratios, (f"{{{literal(element.name)}, {element.displacement_degree}, "
-                    f"{', '.join(str(f).lower() for f in flags)}, {element.isochoric_revision}, {span}}}")  # fmt: skip
+                    f"{', '.join(str(f).lower() for f in flags)}, {span}}}")  # fmt: skip
 
 
 def tables(laws):

@@ -2,6 +2,7 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/tool.hpp>
 #include <phynness/meshes/meshes.hpp>
+#include <phynness/meshes/tool_weights.hpp>
 
 #include "topology.hpp"
 
@@ -31,7 +32,7 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets, co
   SelectableBody body(mesh);
   sets.fixed = select_nodes(scene.fixed, body, "fixed", scene.fixed_where);
   body.fixed = sets.fixed;
-  if (scene.probe.kind != ProbeKind::node) body.tool_radius_m = scene.probe.tool_radius_m;
+  body.tool_radius_m = scene.probe.tool_radius_m;
   if (!hold_the_body(mesh, sets.fixed))
     throw input_error(scene.fixed_where.prefix() + "the fixed nodes do not prevent rotations of the body",
                       listed(sets.fixed), "fix at least three nodes that are not on one line");
@@ -67,6 +68,7 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets, co
                       inside.size() == sets.active.size()
                           ? "they are all active nodes: select nodes of the surface, such as \"free-surface\""
                           : "add surface_only = true to the selector, or use \"free-surface\"");
+  sets.tools = tools_of(mesh, sets.fixed, sets.active, scene.probe.tool_radius_m);
 }
 
 }  // namespace phynness

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <phynness/formats/error.hpp>
+#include <phynness/meshes/tool_weights.hpp>
 
 namespace phynness {
 
@@ -50,15 +51,15 @@ std::vector<double> mean_weights(const Discretization& body, const SurfacePoint&
   for (int p = body.n_nodes(); p < body.n_points(); ++p)
     if (body.on_surface(p)) middle[std::minmax({body.edge(p)[0], body.edge(p)[1]})] = p;
   std::vector<double> weights(static_cast<std::size_t>(body.n_points()), 0.0);
-  integrate_pressure(body.points().topRows(body.n_nodes()), body.surface(), center, radius, false,
-                     [&](Eigen::Index t, const Eigen::Vector3d& at, double part) {
-                       for (int k = 0; k < 3; ++k) {
-                         const auto a = body.surface()(t, k), b = body.surface()(t, (k + 1) % 3);
-                         weights[a] += part * at[k] * (middle.empty() ? 1 : 2 * at[k] - 1);
-                         if (!middle.empty())
-                           weights[middle.at(std::minmax({a, b}))] += 4 * part * at[k] * at[(k + 1) % 3];
-                       }
-                     });
+  const Points nodes = body.points().topRows(body.n_nodes());
+  SurfaceTools(nodes, body.surface())
+      .press(center, radius, !middle.empty(), [&](Eigen::Index t, std::span<const double> integrals) {
+        for (int k = 0; k < 3; ++k) {
+          const auto a = body.surface()(t, k), b = body.surface()(t, (k + 1) % 3);
+          weights[a] += integrals[static_cast<std::size_t>(k)];
+          if (!middle.empty()) weights[middle.at(std::minmax({a, b}))] += integrals[static_cast<std::size_t>(k) + 3];
+        }
+      });
   double sum = 0;
   for (int p = 0; p < body.n_points(); ++p) {
     if (fixed[p]) weights[p] = 0;

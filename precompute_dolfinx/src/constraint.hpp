@@ -43,7 +43,7 @@ struct Constraint {
 };
 
 /// The constraint of tools around points of the surface; parameters 3 t + k are the components of tool t's
-/// displacement. A round tool moves the mean with the weights int phi N_i dA / int phi dA, where phi is tool_pressure
+/// displacement. A round tool moves the mean with the weights int phi N_i dA / int phi dA, where phi is the pressure
 /// and N_i are the functions of the element on the surface. A tool of radius 0 moves the mean of the corners of its
 /// triangle with their barycentric weights, each together with the P1 hat function around it: 1 at the node and 1/2 at
 /// the middles of its surface edges. At a node this prescribes the displacement of the node. Fixed points are left out;

@@ -30,16 +30,6 @@ struct ProbeSolver::Impl {
         equilibrium(body, fixed_dofs(body, fixed), s.solver),
         rays(body, equilibrium, s.solver),
         fields(body, s.database.fields) {
-    if (s.probe.kind == ProbeKind::rigid_patch || s.probe.whole)
-      throw input_error("this version does not solve with the round tools of the database",
-                        "tool_radius_m = " + std::to_string(s.probe.tool_radius_m),
-                        "compute the scene again: a patch now moves a weighted mean of the surface that faces it");
-    if (s.solver.earlier_revision)
-      throw input_error(std::string("this version does not solve with the database's equations of ") +
-                            name(s.solver.element) + " with " + name(s.material.law),
-                        "revision " + std::to_string(*s.solver.earlier_revision) + ", now " +
-                            std::to_string(revision(s.solver.element, s.material.law)),
-                        "compute the scene again");
     if (!hold_the_body(mesh, sets.fixed))
       throw input_error("the fixed nodes do not hold the body", std::to_string(sets.fixed.size()) + " fixed nodes",
                         "fix at least three nodes that are not on one line");
@@ -56,9 +46,7 @@ struct ProbeSolver::Impl {
   RaySolver::Rest rest;
   RestResponse rest_SI;
 
-  double radius() const {
-    return scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m / scaling.length_m : 0;
-  }
+  double radius() const { return scene.probe.tool_radius_m / scaling.length_m; }
 
   /// @throws Error (input) unless the node is of the surface and free
   void check_touched(std::int32_t node) const {

@@ -162,11 +162,11 @@ void add_properties(ModelClass& model) {
       [](const ModelObject& m) {
         const phn_provenance& p = m.info().provenance;
         return py::dict(arg("mesh_hash") = p.mesh_hash, arg("physics_hash") = p.physics_hash,
-                        arg("element") = p.element, arg("element_revision") = p.element_revision,
-                        arg("shear_modulus_Pa") = p.shear_modulus_Pa, arg("reference") = p.reference,
-                        arg("finer_mean") = p.finer_mean, arg("finer_p95") = p.finer_p95,
-                        arg("finer_tool_radius_m") = p.finer_tool_radius_m, arg("finer_probes") = p.finer_probes,
-                        arg("finer_nodes") = p.finer_nodes, arg("bound_reference") = p.bound_reference);
+                        arg("element") = p.element, arg("shear_modulus_Pa") = p.shear_modulus_Pa,
+                        arg("reference") = p.reference, arg("finer_mean") = p.finer_mean,
+                        arg("finer_p95") = p.finer_p95, arg("finer_tool_radius_m") = p.finer_tool_radius_m,
+                        arg("finer_probes") = p.finer_probes, arg("finer_nodes") = p.finer_nodes,
+                        arg("bound_reference") = p.bound_reference);
       },
       R"(What the finite elements of the training solved, and how far they are from a finer solution, a dict with the names
 of phn_provenance in phynness.h. "" and 0: not recorded.)");

@@ -130,30 +130,6 @@ TEST_F(WrongNumbers, ends_that_cannot_be) {
     set(name, 0, nan);
     expect_named(name, "nan");
   }
-  set_attribute("format_minor", 0);
-  expect_contains(open_error(), {"format_minor", "0"});
-}
-
-TEST_F(WrongNumbers, are_none_in_files_that_do_not_record_ends) {
-  tamper([](hid_t id) {
-    H5Adelete(id, "format_minor");
-    for (const char* name : {"end_reason", "end_depth", "fold_depth", "energy_lost"})
-      H5Ldelete(id, (std::string("/responses/") + name).c_str(), H5P_DEFAULT);
-  });
-  const Database database = Database::open(file);
-  const auto& header = database.header();
-  const auto ends = database.ends();
-  const auto rays = all_rays(header);
-  ASSERT_EQ(ends.size(), rays.size());
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const bool failed = rays[i].status.back() != Status::converged;
-    RayEnd expected;
-    expected.reason = failed ? EndReason::solver : EndReason::not_recorded;
-    expected.depth_m = header.magnitudes_m[failed ? 1 : 2];
-    expect_same_end(ends[i], expected);
-    expect_same_end(database.rays(rays[i].active)[static_cast<std::size_t>(rays[i].direction)].end, expected);
-  }
-  EXPECT_FALSE(summarize_ends(database).is_recorded);
 }
 
 // Their checksums are right: a program wrote them so.

@@ -65,8 +65,8 @@ int main(int argc, char** argv) {
       Model model = test::model_of(family);
       model.mesh_hash = mesh_hash(mesh);
       model.title = "comments: */ /* */ //*";
-      model.solved = {true, "p1-p1", 2, 500};
-      model.finer = {true, "p1-p1", "half-size", 2, 11, 0.03, 0.125, 0.25, 3000, 12};
+      model.solved = {true, "p1-p1", 500};
+      model.finer = {true, "p1-p1", "half-size", 11, 0.03, 0.125, 0.25, 3000, 12};
       const auto dir = std::filesystem::path(argv[1]) / name(family);
       std::filesystem::create_directories(dir.parent_path());
       write_model_dir(dir, model, mesh);

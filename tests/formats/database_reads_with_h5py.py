@@ -54,12 +54,11 @@ with tempfile.TemporaryDirectory() as folder:
     with h5py.File(path) as f:
         attributes = dict(f.attrs)
         assert attributes["format"] == "phynness database", attributes
-        assert attributes["complete"] == 1 and attributes["format_version"] == 1
+        assert attributes["complete"] == 1 and attributes["format_version"] == 3
         assert re.fullmatch("[0-9a-f]{16}", attributes["physics_hash"])
         assert re.fullmatch("[0-9a-f]{16}", attributes["mesh_hash"])
         assert "c10_Pa" in f["scene"].asstr()[()]
 
-        assert attributes["format_minor"] >= 1
         A, D, I, O = (len(f[x]) for x in ("sets/active", "directions", "magnitudes", "sets/output"))
         check_datasets(f, everything=False)
 

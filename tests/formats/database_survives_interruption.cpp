@@ -120,31 +120,6 @@ TEST_F(Interruption, resuming_with_another_physics_names_every_key_that_differs)
   EXPECT_EQ(message.find("probe.kind"), std::string::npos) << message;
 }
 
-TEST_F(Interruption, resuming_with_other_equations_of_the_same_scene_is_refused) {
-  auto text = database_scene;
-  text.replace(text.find("neo-hookean\"\nc10_Pa = 250.0"), 27, "mooney-rivlin\"\nc10_Pa = 200.0\nc01_Pa = 50.0");
-  text.replace(text.find("\"P1\""), 4, "\"es-p1-p1\"");
-  auto earlier = small_header(false, text);
-  auto scene = stored_scene(earlier);
-  scene.solver.earlier_revision = 1;
-  earlier.physics_hash = physics_hash(scene);
-  write_logs(earlier);
-  expect_contains(refusal([&] { DatabaseWriter::create(file, small_header(false, text), true); }),
-                  {"another version", "solver.revision: absent in the file, 2 now", "another file", "train reads"});
-}
-
-TEST_F(Interruption, resuming_with_another_tool_of_the_same_scene_is_refused) {
-  auto text = database_scene;
-  text.insert(text.find("increments = 3"), "kind = \"patch\"\ntool_radius_m = 0.02\n");
-  auto earlier = small_header(false, text);
-  auto scene = stored_scene(earlier);
-  scene.probe.whole = true;
-  earlier.physics_hash = physics_hash(scene);
-  write_logs(earlier);
-  expect_contains(refusal([&] { DatabaseWriter::create(file, small_header(false, text), true); }),
-                  {"another version", "probe.tool: mean in the file, facing now", "another file", "train reads"});
-}
-
 TEST_F(Interruption, resuming_with_another_training_is_fine) {
   write_logs(small_header(false));
   DatabaseWriter::create(file, small_header(false, database_scene + "[training]\nsamples = 7\n"), true);

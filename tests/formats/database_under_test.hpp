@@ -44,6 +44,7 @@ inline DatabaseHeader small_header(bool float64, const std::string& scene = data
   h.mesh.groups["empty"] = {};
   h.sets.fixed = {0};
   h.sets.active = {1, 2, 4};
+  h.sets.tools = single_nodes(h.sets.active);
   h.sets.output = {1, 2, 3, 4};
   h.directions = exploratory_directions(Directions::twenty_six);
   h.directions.resize(7);

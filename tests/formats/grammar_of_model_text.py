@@ -20,7 +20,7 @@ from model_grammar import Grammar, Reader, Refused
 MUTATIONS_PER_MODEL = 22  # of each of two kinds
 MUTATED = ("linear", "modal", "modal-bounds", "modal-covered", "modal-fields", "modal-fields-levels", "modal-forces-only",
            "modal-levels", "rbfn", "rbfn-finer", "rbfn-levels")
-OPTIONAL_LINES = ("finer_mesh", "mean", "solved")  # sections of one line, which a text may lack
+OPTIONAL_LINES = ("finer", "mean", "solved")  # sections of one line, which a text may lack
 CHECKSUM_LINE = len("checksum 0123456789abcdef\n")
 
 

@@ -2,6 +2,7 @@
 // other units, is refused with the value and a remedy, and leaves no database.
 #include <functional>
 #include <phynness/formats/imported.hpp>
+#include <phynness/meshes/tool_weights.hpp>
 
 #include "../../formats/src/hdf5_file.hpp"
 #include "database_under_test.hpp"
@@ -60,7 +61,7 @@ struct Imports : DatabaseTest {
     Given given;
     change(given);
     write(given);
-    const auto said = refusal([&] { import_responses(given_file(), file); });
+    const auto said = refusal([&] { import_responses(given_file(), file, tools_of); });
     expect_contains(said, {"remedy: "});
     EXPECT_FALSE(fs::exists(file) || fs::exists(log));
     return said;
@@ -71,7 +72,7 @@ TEST_F(Imports, are_stored_as_given) {
   Given given;
   for (std::size_t i = 9; i < 18; ++i) given.forces[i] = std::nan("");  // node 1, direction 1 is left out
   write(given);
-  const auto report = import_responses(given_file(), file);
+  const auto report = import_responses(given_file(), file, tools_of);
   EXPECT_EQ(report.rays, 7);
   EXPECT_EQ(report.missing_rays, 1);
   EXPECT_TRUE(report.energy_over_work > 0.25 && report.energy_over_work < 0.5) << "it stiffens";
@@ -98,7 +99,7 @@ TEST_F(Imports, are_stored_as_given) {
   EXPECT_EQ(stored_scene(header).title, "given.h5");
   // Another scene's responses are not those of imported ones.
   EXPECT_EQ(coverage(header, small_header(false)), Coverage::other);
-  expect_contains(refusal([&] { import_responses(given_file(), file); }), {"exists"});
+  expect_contains(refusal([&] { import_responses(given_file(), file, tools_of); }), {"exists"});
 }
 
 TEST_F(Imports, are_refused_in_words) {
@@ -128,7 +129,7 @@ TEST_F(Imports, are_refused_in_words) {
 
 TEST_F(Imports, that_are_interrupted_write_nothing) {
   write(Given());
-  refusal([&] { import_responses(given_file(), file, {}, [] { return true; }); }, Error::Kind::failure);
+  refusal([&] { import_responses(given_file(), file, tools_of, {}, [] { return true; }); }, Error::Kind::failure);
   EXPECT_FALSE(fs::exists(file) || fs::exists(log));
 }
 

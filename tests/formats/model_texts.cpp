@@ -50,11 +50,8 @@ void write_all(const std::filesystem::path& folder) {
   write("modal-empty", small_modal_model(0, 0, 0, 0));
   write("modal-bounds", with_bounds(modes));
   Model measured = with_bounds(networks);
-  measured.finer = {true, "p1-p1", "taylor-hood", 2, 12, 0.03, 0.25, 0.5};
-  write("rbfn-finer-without-mesh", measured);
-  measured.finer.nodes = 300;
-  measured.finer.solved = 13;
-  measured.solved = {true, "p1-p1", 2, 500.5};
+  measured.finer = {true, "p1-p1", "taylor-hood", 12, 0.03, 0.25, 0.5, 300, 13};
+  measured.solved = {true, "p1-p1", 500.5};
   write("rbfn-finer", measured);
   Model covered = modes;
   covered.probe_triangles.resize(2, 3);

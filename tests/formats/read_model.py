@@ -95,7 +95,7 @@ def read_modal(reader, model, node):
 
 def read_model(data):
     reader = Reader(checked_lines(data))
-    if reader.fields("phynness-model") != ["2"]:
+    if reader.fields("phynness-model") != ["3"]:
         sys.exit("another version")
     family = reader.fields("family")[0]
     if family not in ("rbfn", "linear", "modal"):
@@ -117,7 +117,7 @@ def read_model(data):
         model["largest"] = largest
         model["displacements"] = [[v / largest for v in row] for row in displacements]
         read_shared(reader, model)
-    for key in ("solved", "finer", "finer_mesh"):  # no answer depends on them
+    for key in ("solved", "finer"):  # no answer depends on them
         if reader.next_is(key):
             reader.fields(key)
     for _ in range(reader.count("active")):

@@ -33,10 +33,9 @@ constexpr const char* datasets[] = {"/scene",
                                     "/responses/fold_depth",
                                     "/responses/energy_lost",
                                     "/responses/fields/von-mises-stress"};
-constexpr const char* attributes[] = {"format",   "format_minor",           "format_version", "software_version",
-                                      "complete", "physics_hash",           "mesh_hash",      "tangents",
-                                      "fields",   "displacement_precision", "scene_name",     "scene_folder",
-                                      "name"};
+constexpr const char* attributes[] = {
+    "format",   "format_version", "software_version",       "complete",   "physics_hash", "mesh_hash",
+    "tangents", "fields",         "displacement_precision", "scene_name", "scene_folder", "name"};
 constexpr std::int64_t integers[] = {0,    1,          2,          -1,          7,     8,         100, 127,
                                      -128, 2147483647, 2147483648, -2147483648, 65536, 1LL << 40, 255, -5};
 

@@ -34,6 +34,7 @@ DatabaseHeader small_header(bool rich) {
   h.mesh.groups["bottom"] = {0, 1, 2, 3};
   h.sets.fixed = {0, 1, 2, 3};
   h.sets.active = {6, 7};
+  h.sets.tools = single_nodes(h.sets.active);
   h.sets.output = {4, 5, 6, 7};
   h.directions = exploratory_directions(Directions::twenty_six);
   h.directions.resize(6);

@@ -92,7 +92,8 @@ TEST(MeshText, EachKindOfDamageHasItsOwnMessage) {
   corrupted[text.size() / 2] ^= 1;
   versioned.replace(versioned.find(" 1\n"), 3, " 2\n");
   EXPECT_TRUE(contains(error_of([&] { read_mesh_text(corrupted, "m"); }), "corrupted"));
-  EXPECT_TRUE(contains(error_of([&] { read_mesh_text(versioned, "m"); }), "another version: phynness-mesh 2"));
+  EXPECT_TRUE(
+      contains(error_of([&] { read_mesh_text(versioned, "m"); }), "another version of the format: phynness-mesh 2"));
   EXPECT_TRUE(contains(error_of([&] { read_mesh_text("solid x\n", "m"); }), "not a phynness mesh"));
   EXPECT_TRUE(contains(error_of([&] { read_mesh_text("", "m"); }), "not a phynness mesh"));
 }

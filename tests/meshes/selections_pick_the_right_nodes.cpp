@@ -3,7 +3,7 @@
 // first.
 #include <Eigen/LU>
 #include <algorithm>
-#include <phynness/formats/tool.hpp>
+#include <phynness/meshes/patch_warnings.hpp>
 
 #include "mesh_under_test.hpp"
 

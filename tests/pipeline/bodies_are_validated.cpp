@@ -175,10 +175,8 @@ TEST_F(Bodies, GetBounds) {
     lines.replace(lines.rfind(from), from.size(), to);
     return lines + "checksum " + hash_of(lines) + "\n";
   };
-  for (const auto& [from, to, words] :
-       {std::tuple{"\nforce-bounds 2\n", "\nforce-bounds 3\n", "force-bounds is out of range 2 ... 2"},
-        {"\nforce-bounds 2\n", "\nbounds 2\n", "bounds of the body are of an earlier version"},
-        {"\nrays ", "\nrays -", "rays is out of range"}}) {
+  for (const auto& [from, to, words] : {std::tuple{"\nbounds 2\n", "\nbounds 3\n", "bounds is out of range 2 ... 2"},
+                                        {"\nrays ", "\nrays -", "rays is out of range"}}) {
     write_file(folder / "bad.txt", damaged(from, to));
     expect_error(be_refused(calibrate + "bad.txt").err, {words, "bad.txt:"});
     expect_error(be_refused("validate scene.toml m --probes 2 --points 2 --body bad.txt").err, {words, "bad.txt:"});

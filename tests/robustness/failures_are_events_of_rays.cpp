@@ -82,6 +82,7 @@ class Failures : public ::testing::TestWithParam<Element> {
       if (x[2] == block_size_m[2] && inside && _block.sets.active.size() < 8) _block.sets.active.push_back(i);
     }
     _block.sets.output = _block.sets.active;
+    _block.sets.tools = single_nodes(_block.sets.active);
     _folder = std::filesystem::path(::testing::TempDir()) /
               ("failures-" + element_name({GetParam(), 0}) + "-" + std::to_string(::getpid()));
     std::filesystem::remove_all(_folder);

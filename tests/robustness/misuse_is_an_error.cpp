@@ -80,20 +80,6 @@ TEST_P(Supports, OfThreeNodesOffOneLineAreEnough) {
   EXPECT_GT(eigen.eigenvalues()[0], 0.1 * eigen.eigenvalues()[2]) << k;
 }
 
-// A database of earlier equations or earlier tools is no base for new rays.
-TEST(EarlierEquations, AreNotSolved) {
-  auto block = probe_block({law_named("mooney-rivlin"), element_named("es-p1-p1")}, 10, {4, 4, 3});
-  block.scene.solver.earlier_revision = 1;
-  const auto text = message_of([&] { block.touched(); });
-  EXPECT_MENTIONS(text, "es-p1-p1 with mooney-rivlin: revision 1, now 2");
-  EXPECT_MENTIONS(text, "compute the scene again");
-  block.scene.solver.earlier_revision.reset();
-  block.scene.probe.kind = ProbeKind::patch;
-  block.scene.probe.tool_radius_m = 0.02;
-  block.scene.probe.whole = true;
-  EXPECT_MENTIONS(message_of([&] { block.touched(); }), "a weighted mean of the surface that faces it");
-}
-
 INSTANTIATE_TEST_SUITE_P(Elements, Supports, ::testing::ValuesIn(every_element), element_name);
 
 }  // namespace

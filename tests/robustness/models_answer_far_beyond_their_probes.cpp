@@ -31,6 +31,7 @@ class Models : public ::testing::Test {
         block.sets.output.push_back(node);
     block.sets.active = {block.top, nearest_node(block.mesh, {0.0333, 0.02, 0.06})};
     std::sort(block.sets.active.begin(), block.sets.active.end());
+    block.sets.tools = single_nodes(block.sets.active);
     header = database_header(block.scene, block.mesh, block.sets);
     header.mesh_hash = mesh_hash(block.mesh);
     header.physics_hash = physics_hash(block.scene);

@@ -26,7 +26,7 @@ class Provenance(ctypes.Structure):
     _fields_ = (
         [(name, ctypes.c_char_p) for name in ("mesh_hash", "physics_hash", "element", "reference")]
         + [(name, ctypes.c_double) for name in ("shear_modulus_Pa", "finer_mean", "finer_p95", "finer_tool_radius_m")]
-        + [(name, ctypes.c_int32) for name in ("finer_probes", "finer_nodes", "element_revision", "bound_reference")]
+        + [(name, ctypes.c_int32) for name in ("finer_probes", "finer_nodes", "bound_reference")]
     )
 
 

@@ -30,6 +30,7 @@ class ReducedBodies : public testing::Test {
     for (std::int32_t i = 0; i < header.mesh.n_nodes(); ++i)
       (i < 16 ? header.sets.fixed : header.sets.output).push_back(i);
     header.sets.active = {37, 42};
+    header.sets.tools = single_nodes(header.sets.active);
     header.directions = exploratory_directions(Directions::fourteen);
     header.magnitudes_m = {0.005, 0.01};
     header.float64 = true;
@@ -184,17 +185,6 @@ TEST_F(ReducedBodies, NeedTheRightDatabase) {
   expect_refused("node 40 is neither fixed nor an output node", scene(),
                  [](DatabaseHeader& header) { std::erase(header.sets.output, 40); });
   expect_refused("no active node has a converged increment", scene(), {}, Status::diverged);
-  const auto meant = [](const std::function<void(Scene&)>& change) {
-    return [change](DatabaseHeader& header) {
-      Scene earlier = parse_scene(header.scene_text, "block.toml", "/", MeshFile::may_be_absent);
-      change(earlier);
-      header.physics_hash = physics_hash(earlier);
-    };
-  };
-  expect_refused("rigid patches", scene(), meant([](Scene& s) { s.probe.kind = ProbeKind::rigid_patch; }));
-  expect_refused("press what does not face them", scene(), meant([](Scene& s) { s.probe.whole = true; }));
-  expect_refused("revision 1", scene("es-p1-p1", "mooney-rivlin"),
-                 meant([](Scene& s) { s.solver.earlier_revision = 1; }));
   expect_refused("imported", "[probe]\nmax_displacement_m = 0.01\n",
                  [](DatabaseHeader& header) { header.imported = true; });
 }

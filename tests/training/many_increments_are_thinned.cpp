@@ -17,6 +17,7 @@ constexpr std::int32_t n_many = 300;
 DatabaseHeader header_of(std::int32_t increments) {
   DatabaseHeader header = small_header();
   header.sets.active.resize(2);
+  header.sets.tools.resize(2);
   header.magnitudes_m.clear();
   for (std::int32_t i = 1; i <= increments; ++i) header.magnitudes_m.push_back(0.012 * i / increments);
   return header;

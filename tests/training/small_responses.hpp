@@ -28,6 +28,7 @@ inline DatabaseHeader small_header() {
     }
   }
   for (int i = 1; i <= n_increments; ++i) header.magnitudes_m.push_back(0.003 * i);
+  header.sets.tools = single_nodes(header.sets.active);
   header.mesh_hash = "0123456789abcdef";
   header.physics_hash = "fedcba9876543210";
   header.software_version = "test";

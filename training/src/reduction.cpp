@@ -52,14 +52,6 @@ Scene checked_scene(const DatabaseHeader& header) {
   if (!has_bodies(*element))
     throw input_error("only the elements p1-p1 and es-p1-p1 can be reduced", std::string("element ") + name(element),
                       "give one of them in [solver] element, and precompute again");
-  if (scene.solver.earlier_revision)
-    throw input_error("the database has the equations of an earlier version",
-                      "revision " + std::to_string(*scene.solver.earlier_revision), "precompute it again");
-  if (scene.probe.kind == ProbeKind::rigid_patch || scene.probe.whole)
-    throw input_error(
-        "the database has tools of an earlier version",
-        scene.probe.kind == ProbeKind::rigid_patch ? "rigid patches" : "patches that press what does not face them",
-        "precompute it again");
   const auto& sets = header.sets;
   for (std::int32_t i = 0; i < header.mesh.n_nodes(); ++i)
     if (!std::ranges::binary_search(sets.fixed, i) && !std::ranges::binary_search(sets.output, i))
@@ -322,7 +314,7 @@ class Reduction {
     out.law = name(_scene.material.law);
     out.parameters = _scene.material.parameters;
     out.bulk_in_shape_Pa = _elements.bulk_in_shape_Pa;
-    out.tool_radius_m = _scene.probe.kind == ProbeKind::node ? 0 : _scene.probe.tool_radius_m;
+    out.tool_radius_m = _scene.probe.tool_radius_m;
     out.depth_m = _header.magnitudes_m.back();
     set_cells(out);
     out.nodes = nodes;
@@ -367,7 +359,7 @@ class Reduction {
   }
 
   void set_surface(ReducedBody& out) const {
-    const auto& [fixed, active, output] = _header.sets;
+    const NodeList &fixed = _header.sets.fixed, &active = _header.sets.active;
     const auto& nodes = _header.mesh.nodes;
     const auto n = static_cast<Index>(out.nodes.size());
     out.points = nodes(out.nodes, Eigen::all);

@@ -53,8 +53,7 @@ class Training {
   SearchNode read(std::int64_t active_index) {
     const auto active = static_cast<std::int32_t>(active_index);
     const std::int32_t node = _header.sets.active[active];
-    SearchNode read{
-        node, touched_nodes(_header.mesh.nodes, _header.mesh.surface, _header.sets.fixed, node, _source.probe), {}};
+    SearchNode read{node, _header.sets.tools[active], {}};
     // Only one thread reads at a time, because HDF5 may not be thread-safe.
     const std::lock_guard lock(_source_mutex);
     read.rays = _source.rays(active);

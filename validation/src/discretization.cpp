@@ -8,6 +8,7 @@
 #include <numeric>
 #include <phynness/formats/error.hpp>
 #include <phynness/meshes/meshes.hpp>
+#include <phynness/meshes/patch_warnings.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/validation/discretization.hpp>
@@ -65,7 +66,6 @@ FinerDistance DiscretizationReport::distance(const Scene& scene, Variant other) 
   return {.is_measured = true,
           .element = name(element),
           .reference = name(other),
-          .revision = revision(element, scene.material.law),
           .probes = static_cast<std::int32_t>(all.n),
           .tool_radius_m = tool_radius_m,
           .mean = all.mean,

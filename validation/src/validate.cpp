@@ -42,10 +42,6 @@ Prediction by_zero(std::int32_t, const ProbedState& state) {
 }
 
 void check_same_scene(const Scene& scene, const LoadedModel& model) {
-  const std::string& trained = model.model().physics_hash;
-  if (physics_hash(scene) != trained && physics_hash(as_hashed(scene, trained)) == trained)
-    throw input_error("the model is of this scene, solved with equations of an earlier version", "physics " + trained,
-                      "precompute and train again");
   if (physics_hash(scene) != model.model().physics_hash)
     throw input_error("the model was trained for another scene",
                       "physics " + model.model().physics_hash + ", this scene's " + physics_hash(scene),

@@ -96,8 +96,6 @@ class ImageWriter {
     number(finer.tool_radius_m, origin.finer_tool_radius_m);
     origin.finer_probes = finer.probes;
     origin.finer_nodes = finer.nodes;
-    if (solved.is_recorded || finer.is_measured)
-      origin.element_revision = solved.is_recorded ? solved.revision : finer.revision;
     origin.surface = put_surface();
     _header.provenance = put_bytes(&origin, sizeof origin);
   }

@@ -56,7 +56,7 @@ CaseMeasurements measure_case(const SolverSession& session, const Scene& scene, 
     throw input_error("the database belongs to another scene", scene.source_name,
                       "remove it, or give the study another folder");
   const bool linear = scene.material.law->linear;
-  const NodeData data(database, linear, scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0);
+  const NodeData data(database, linear);
   const auto say = [&](const char* what, std::int64_t done, std::int64_t total) {
     if (session.rank() == 0) progress(what, done, total);
   };

@@ -10,8 +10,8 @@ constexpr int superposed_increments = 6;  // the paper's
 
 }  // namespace
 
-NodeData::NodeData(const Database& database, bool superpose, double radius_m)
-    : _database(database), _header(database.header()), _superpose(superpose), _radius_m(radius_m) {
+NodeData::NodeData(const Database& database, bool superpose)
+    : _database(database), _header(database.header()), _superpose(superpose) {
   if (_superpose) {
     const double largest = _header.magnitudes_m.back();
     _header.directions = exploratory_directions(Directions::twenty_six);
@@ -22,13 +22,17 @@ NodeData::NodeData(const Database& database, bool superpose, double radius_m)
   _tables = training_tables(_header);
 }
 
-TouchedNodes NodeData::touched(std::int32_t node) const {
-  return touched_nodes(_header.mesh.nodes, _header.mesh.surface, _header.sets.fixed, at_node(node), _radius_m);
+std::int32_t NodeData::index_of(std::int32_t node) const {
+  const auto& active = _header.sets.active;
+  return static_cast<std::int32_t>(std::lower_bound(active.begin(), active.end(), node) - active.begin());
+}
+
+const TouchedNodes& NodeData::touched(std::int32_t node) const {
+  return _header.sets.tools[static_cast<std::size_t>(index_of(node))];
 }
 
 std::vector<Ray> NodeData::rays(std::int32_t node) const {
-  const auto& active = _header.sets.active;
-  const auto index = static_cast<std::int32_t>(std::lower_bound(active.begin(), active.end(), node) - active.begin());
+  const auto index = index_of(node);
   auto stored = _database.rays(index);
   if (!_superpose) return stored;
   const auto& directions = _database.header().directions;

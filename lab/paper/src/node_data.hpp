@@ -2,7 +2,6 @@
 #pragma once
 
 #include <phynness/formats/database.hpp>
-#include <phynness/formats/tool.hpp>
 #include <phynness/training/node_training.hpp>
 #include <vector>
 
@@ -12,12 +11,11 @@ namespace phynness::study {
 /// 26 directions in six steps, because the training of networks needs points.
 class NodeData {
  public:
-  /// @param radius_m  of a patch probe; 0: node probe
-  NodeData(const Database& database, bool superpose, double radius_m);
+  NodeData(const Database& database, bool superpose);
   const DatabaseHeader& header() const { return _header; }
   const TrainingTables& tables() const { return _tables; }
-  TouchedNodes touched(std::int32_t node) const;
   /// @pre node is active
+  const TouchedNodes& touched(std::int32_t node) const;
   std::vector<Ray> rays(std::int32_t node) const;
 
  private:
@@ -25,7 +23,8 @@ class NodeData {
   DatabaseHeader _header;
   TrainingTables _tables;
   bool _superpose;
-  double _radius_m;
+
+  std::int32_t index_of(std::int32_t node) const;
 };
 
 }  // namespace phynness::study

@@ -12,7 +12,7 @@
 namespace phynness::image {
 
 inline constexpr uint32_t magic = 0x494e4850;  ///< "PHNI"
-inline constexpr uint32_t version = 1;
+inline constexpr uint32_t version = 2;
 inline constexpr uint32_t largest_table = 0x7fffffff;  ///< bytes of an image
 
 using phynness::Family;
@@ -124,8 +124,8 @@ inline constexpr double largest_exponent = 1e3;  ///< of `coupled`
 struct Provenance {
   char mesh_hash[20], physics_hash[20], element[20], reference[20];
   uint32_t shear_modulus_Pa[2], finer_mean[2], finer_p95[2], finer_tool_radius_m[2];
-  int32_t finer_probes, finer_nodes, element_revision;
-  uint32_t surface;  ///< offset of a Surface; 0: none, as in images of before. The header has no room for it
+  int32_t finer_probes, finer_nodes;
+  uint32_t surface;  ///< offset of a Surface; 0: none
 };
 
 template <class Real>
@@ -135,7 +135,7 @@ struct Header {
   uint32_t checksum;  ///< of all words after this one
   Family family;
   uint32_t n_scratch;       ///< Reals
-  uint32_t provenance;      ///< offset of a Provenance; 0: none, as in images of before
+  uint32_t provenance;      ///< offset of a Provenance
   Table active_nodes;       ///< int32, ascending
   Table active_points;      ///< Real: n_active x 3 [m]
   Table active;             ///< ActiveNode<Real>

@@ -93,7 +93,6 @@ typedef struct phn_provenance {
   double finer_tool_radius_m;           /* over those of the reference, with a round tool */
   int32_t finer_probes;                 /* that both solve; 0: no distance is known */
   int32_t finer_nodes;                  /* of the mesh of the reference */
-  int32_t element_revision;             /* of its equations */
   int32_t bound_reference;              /* of the bounds; 0: these finite elements, 1: taylor-hood, 2: half-size */
 } phn_provenance;
 

@@ -14,8 +14,8 @@ extern "C" {
 /* A tool that holds a point of the surface: up to three nodes of one triangle, with barycentric weights, which are >= 0
  * and have the sum 1. Each node is active, fixed, or covered: answered from up to three active nodes around it. A tool
  * at a node: {node, -1, -1}, {1, 0, 0}. In a model of round tools (patch probes that move a mean; model.txt says `mean`
- * at each node) it is the round tool whose middle is the point. Models of nodes and of rigid patches, which older
- * versions made, couple the nodes of the point. */
+ * at each node) it is the round tool whose middle is the point. Models of nodes couple the nodes
+ * of the point. */
 typedef struct phn_tool {
   int32_t nodes[3]; /* -1: unused */
   double weights[3];

@@ -2,6 +2,8 @@
 #include <cfloat>
 #include <cstring>
 
+#include <phynness/schema/round_tool.hpp>
+
 #include "body/body.hpp"
 #include "core/evaluate.hpp"
 #include "core/text_lines.hpp"
@@ -122,23 +124,6 @@ void set_normals(const phn_body& body, double* normals) {
   }
 }
 
-/// The triangles at both sides of each edge. Of an edge of more than two triangles, two are joined.
-void set_across(const phn_body& body, std::int32_t* last_at, std::int32_t* before, std::int32_t* across) {
-  const std::int32_t *corner = body.info.triangles, n_corners = 3 * body.info.n_triangles;
-  // Corners at each node, as lists: the last one, and the one before each.
-  for (std::int32_t i = 0; i < body.info.n_nodes; ++i) last_at[i] = -1;
-  for (std::int32_t c = 0; c < n_corners; ++c) {
-    across[c] = -1;
-    before[c] = last_at[corner[c]];
-    last_at[corner[c]] = c;
-  }
-  const auto next = [](std::int32_t c) { return c % 3 == 2 ? c - 2 : c + 1; };
-  for (std::int32_t c = 0; c < n_corners; ++c) {
-    for (std::int32_t other = last_at[corner[next(c)]]; other >= 0 && across[c] < 0; other = before[other])
-      if (corner[next(other)] == corner[c]) across[c] = other / 3;
-  }
-}
-
 /// Moves the rows of cells that have a pressure together.
 void keep_pressed(phn_body& body, float* pressures, std::int32_t* pressed_row) {
   const auto stride = static_cast<std::size_t>(body.pressure_stride);
@@ -205,7 +190,7 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   body->cells_at_rest = store.cells_at_rest.entries.n > 0 ? store.cells_at_rest.entries.at : nullptr;
   body->lack_at_rest = store.lack_at_rest.entries.at;
   body->bounds = store.bounds.n > 0 ? store.bounds.at : nullptr;
-  set_across(*body, last_at, before, across);
+  schema::set_across(info.triangles, info.n_triangles, info.n_nodes, last_at, before, across);
   set_normals(*body, normals);
   body->across = across;
   body->normals = normals;

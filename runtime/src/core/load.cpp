@@ -256,10 +256,7 @@ void ModelLoader::done(NodeStore& node) {
 int ModelLoader::finish(phn_model* placed) {
   phn_model& model = _model;
   model.mesh_hash = model.provenance.mesh_hash;
-  if (!_store.solved.is_recorded) {
-    model.provenance.element = _store.finer.its_element;
-    model.provenance.element_revision = _store.finer.revision;
-  }
+  if (!_store.solved.is_recorded) model.provenance.element = _store.finer.its_element;
   model.provenance.bound_reference = _store.bounds.part[0].reference;
   model.coupled_bound = _store.bounds.part[0].coupled.at;
   model.n_levels = static_cast<std::int32_t>(n_smaller()) + 1;

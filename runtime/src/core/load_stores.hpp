@@ -313,7 +313,6 @@ struct SolvedBody {
   phn_provenance& made;
   bool is_recorded = false;
   Text element{made.element};
-  std::int32_t& revision = made.element_revision;
   double& shear_modulus_Pa = made.shear_modulus_Pa;
 };
 
@@ -322,7 +321,7 @@ struct FinerDistance {
   bool is_measured = false;
   const char* its_element = "";
   Text element{its_element}, reference{made.reference};
-  std::int32_t revision = 0, solved = 0;
+  std::int32_t solved = 0;
   std::int32_t &probes = made.finer_probes, &nodes = made.finer_nodes;
   double &tool_radius_m = made.finer_tool_radius_m, &mean = made.finer_mean, &p95 = made.finer_p95;
 };

@@ -102,7 +102,7 @@ class ImageCheck {
     constexpr Real largest = image::Bounds<Real>::max_displacement;
     require(_image.max_displacement >= 1 / largest && _image.max_displacement <= largest);
     if (modal) shape(_image.amplitude_shape);
-    if (_image.provenance != 0) provenance();
+    provenance();
   }
 
   void provenance() {

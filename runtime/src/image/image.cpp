@@ -118,7 +118,7 @@ int phn_image_provenance(const phn_image* opened, phn_provenance* out) {
   if (out == nullptr) return PHN_ERROR_ARGUMENT;
   phn_provenance found = {};
   found.mesh_hash = found.physics_hash = found.element = found.reference = "";
-  if (image != nullptr && image->provenance != 0) {
+  if (image != nullptr) {
     const auto& from = *at<image::Provenance>(*image, image->provenance);
     found.mesh_hash = from.mesh_hash;
     found.physics_hash = from.physics_hash;
@@ -130,7 +130,6 @@ int phn_image_provenance(const phn_image* opened, phn_provenance* out) {
     copy_number(from.finer_tool_radius_m, found.finer_tool_radius_m);
     found.finer_probes = from.finer_probes;
     found.finer_nodes = from.finer_nodes;
-    found.element_revision = from.element_revision;
   }
   *out = found;
   return image == nullptr ? PHN_ERROR_ARGUMENT : PHN_OK;

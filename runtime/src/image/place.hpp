@@ -9,7 +9,6 @@ namespace PHN_RUNTIME {
 /// Null: the image has none.
 template <class Real>
 const image::Surface* surface_of(const ImageHeader<Real>& image) {
-  if (image.provenance == 0) return nullptr;
   const uint32_t found = at<image::Provenance>(image, image.provenance)->surface;
   return found == 0 ? nullptr : at<image::Surface>(image, found);
 }

@@ -12,7 +12,6 @@ import { ModelTools } from './tools.js';
 export interface Provenance {
   readonly physicsHash: string;
   readonly element: string;
-  readonly elementRevision: number;
   /** at rest, of the body that was trained [Pa] */
   readonly shearModulus: number;
   /** distance of the finite elements' forces from those of a finer solution: its name, nodes, probes, tool [m], fractions */
@@ -208,7 +207,6 @@ function provenanceAt(engine: Engine, at: number): Provenance {
   return {
     physicsHash: text('phn_provenance.physics_hash'),
     element: text('phn_provenance.element'),
-    elementRevision: integer('phn_provenance.element_revision'),
     shearModulus: real('phn_provenance.shear_modulus_Pa'),
     reference: text('phn_provenance.reference'),
     finerNodes: integer('phn_provenance.finer_nodes'),

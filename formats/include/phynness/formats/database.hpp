@@ -15,6 +15,9 @@
 
 namespace phynness {
 
+/// Of a database and its logs. A change of an element's equations that changes forces raises it, too.
+inline constexpr std::int32_t format_version = 3;
+
 /// The search for a fold halves an increment this often: a fold is located to a sixteenth of an increment, whatever the
 /// full depth is, so that the rays of a shallower scene are the first increments of those of a deeper one.
 inline constexpr int fold_halvings = 4;
@@ -31,7 +34,6 @@ struct DatabaseHeader {
   /// Displacements of an increment are multiples of 2^-field_bits times the power of two below its magnitude; 0: any.
   int field_bits = 0;
   std::vector<Field> fields;  ///< stored at the output nodes, in the order of the enum; always float32
-  int fold_halvings = phynness::fold_halvings;  ///< of the program that solved it
   std::string scene_text, scene_name, scene_folder;
   std::string physics_hash, mesh_hash, software_version;
 };
@@ -45,8 +47,7 @@ void require_scene(const DatabaseHeader& header);
 /// A ray that is not requested: every column that the header asks for, filled with zeros.
 Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction);
 
-/// The scene of a database. Its mesh file may be absent. If it does not name an element, the element is the default
-/// with which the database was solved. The physics hash tells which: P1 was the default before p1-p1.
+/// The scene of a database. Its mesh file may be absent.
 /// @throws Error (input) as parse_scene()
 Scene stored_scene(const DatabaseHeader& header);
 
@@ -80,7 +81,6 @@ struct EndSummary {
   double largest_loss_J = 0;                  ///< largest energy lost at a fold
   std::vector<double> reached;                ///< per active node: share of its probe volume that is trained
   std::vector<std::int32_t> early;            ///< per active node: rays that end early
-  bool is_recorded = true;                    ///< false in files of versions that do not record ends
   double share_of_rays() const;               ///< that end early
   double share_of_volume() const;             ///< that is not trained
 };
@@ -117,8 +117,7 @@ class Database {
   /// Status of every increment, [active][direction][increment] flattened.
   std::vector<Status> statuses() const;
 
-  /// End of every ray, [active][direction] flattened. In files of versions that do not record them, the reason is
-  /// solver if an increment failed, else not_recorded, and the depth is that of the last converged increment.
+  /// End of every ray, [active][direction] flattened.
   std::vector<RayEnd> ends() const;
 
   friend DatabaseSummary summarize(const Database& database);

@@ -76,7 +76,6 @@ struct ElementRow {
   int displacement_degree;
   bool mixed;                                ///< has displacement and linear pressure
   bool is_shell;                             ///< made of triangles; other elements are tetrahedra
-  int isochoric_revision;                    ///< of the equations with isochoric laws
   std::span<const ForceRatio> force_ratios;  ///< by ascending K/mu; empty: the element does not lock
 };
 using Element = const ElementRow*;
@@ -100,9 +99,6 @@ std::span<const ElementRow> elements();
 /// @throws Error (input) if there is no law or element of that name
 Law law_named(std::string_view name);
 Element element_named(std::string_view name);
-
-/// Counts changes of the element's equations with the law, from 1 on. Databases of other revisions are not continued.
-inline int revision(Element element, Law law) { return law->isochoric ? element->isochoric_revision : 1; }
 
 inline const char* name(Law law) { return law->name; }
 inline const char* name(Element element) { return element->name; }

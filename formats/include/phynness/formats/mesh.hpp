@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
@@ -34,11 +35,25 @@ struct Mesh {
   std::int32_t n_cells() const { return static_cast<std::int32_t>(cells.rows()); }
 };
 
+/// What a tool moves: nodes of the surface in ascending order, with weights w.
+struct TouchedNodes {
+  std::vector<std::int32_t> nodes;
+  std::vector<double> weights;
+  /// Whether the tool is round: the weighted mean sum w_i u_i follows it.
+  bool mean = false;
+  /// Whether the tool prescribes the displacement of this node.
+  bool holds(std::int32_t node) const { return !mean && std::binary_search(nodes.begin(), nodes.end(), node); }
+  bool operator==(const TouchedNodes&) const = default;
+};
+/// Of probes that displace one node.
+std::vector<TouchedNodes> single_nodes(const std::vector<std::int32_t>& nodes);
+
 /// The nodes that a scene selects on a mesh; each list is in ascending order without repeats.
 struct NodeSets {
   std::vector<std::int32_t> fixed;   ///< u = 0
   std::vector<std::int32_t> active;  ///< probed one at a time
   std::vector<std::int32_t> output;  ///< their displacements are stored and modelled
+  std::vector<TouchedNodes> tools = {};  ///< what the tool at each active node moves
 };
 
 /// Boundary faces of tetrahedra with outward normals, in the order of their cells.

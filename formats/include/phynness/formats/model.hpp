@@ -133,9 +133,8 @@ struct ModelBound {
 struct SolvedBody {
   bool is_recorded = false;
   std::string element;
-  std::int32_t revision = 1;    ///< of the element's equations
   double shear_modulus_Pa = 0;  ///< at rest
-  static void describe(auto& result, auto&& see) { PHYNNESS_SEE(element, revision, shear_modulus_Pa); }
+  static void describe(auto& result, auto&& see) { PHYNNESS_SEE(element, shear_modulus_Pa); }
 };
 
 /// Distance of the scene's finite elements from a finer solution (`phynness check`). Errors of a probe: the difference
@@ -143,14 +142,13 @@ struct SolvedBody {
 struct FinerDistance {
   bool is_measured = false;
   std::string element, reference;  ///< names: of the scene's element; of reference_names
-  std::int32_t revision = 1;       ///< of the element's equations
   std::int32_t probes = 0;         ///< that both have solved; without any the errors are 0
   double tool_radius_m = 0;        ///< of the round tool of these probes, which may stand for single nodes
   double mean = 0, p95 = 0;        ///< of the errors
   std::int32_t nodes = 0;          ///< of the mesh of the finer solution; 0: not recorded, nor is `solved`
   std::int32_t solved = 0;         ///< probes of the finer solution, with those that failed
   static void describe(auto& result, auto&& see) {
-    PHYNNESS_SEE(element, revision, reference, probes, tool_radius_m, mean, p95, nodes, solved);
+    PHYNNESS_SEE(element, reference, probes, tool_radius_m, mean, p95, nodes, solved);
   }
   /// "4.1 % (p95 9.3 %) from a finer solution (...) at 12 probes of a round tool of 30.0 mm radius".
   std::string sentence() const;

@@ -52,7 +52,6 @@ enum class EndReason : std::int8_t {
   force_limit = 3,    ///< the force exceeds [probe] max_force_N
   not_requested = 4,  ///< direction outside the hemisphere
   solver = -1,        ///< an increment could not be solved; its status tells why
-  not_recorded = -2,  ///< the ray was solved by a version that does not record it, and did not fail
 };
 inline constexpr CodeRow<EndReason> every_end[] = {
     {EndReason::full_depth, "full_depth", "solved to the full depth"},
@@ -60,21 +59,18 @@ inline constexpr CodeRow<EndReason> every_end[] = {
     {EndReason::crushed, "crushed", "a cell is crushed to less than [probe] min_jacobian of its volume"},
     {EndReason::force_limit, "force_limit", "the force exceeds [probe] max_force_N"},
     {EndReason::not_requested, "not_requested", "direction outside the hemisphere"},
-    {EndReason::solver, "solver", "no equilibrium was found beyond; phynness info --failed lists the reasons"},
-    {EndReason::not_recorded, "not_recorded", "solved by a version that does not look for folds"}};
+    {EndReason::solver, "solver", "no equilibrium was found beyond; phynness info --failed lists the reasons"}};
 const char* name(EndReason);
 const char* meaning(EndReason);
 
 /// The end of a ray.
 struct RayEnd {
-  EndReason reason = EndReason::not_recorded;
+  EndReason reason = EndReason::full_depth;
   double depth_m = 0;        ///< up to which the ray is followed; of a fold, of a crushed cell: where it happens
   double fold_depth_m = 0;   ///< of the first fold, also if the ray goes on; 0 without a fold
   double energy_lost_J = 0;  ///< there: work of the force minus change of the stored energy
   /// True if something known ended the ray before its full depth.
-  bool is_early() const {
-    return reason != EndReason::full_depth && reason != EndReason::not_requested && reason != EndReason::not_recorded;
-  }
+  bool is_early() const { return reason != EndReason::full_depth && reason != EndReason::not_requested; }
 };
 
 /// One ray: an active node displaced along one direction in n_increments steps. All SI.
@@ -123,7 +119,6 @@ struct RayColumn {
   ColumnKind kind;
   const char* unit;
   const char* description;
-  std::int32_t since = 0;      ///< format_minor from which on files have the column; before, its values are zero
   bool with_tangents = false;  ///< only in databases with tangents
   bool float32 = false;        ///< in files, unless the scene asks for float64
 };
@@ -136,7 +131,7 @@ inline constexpr RayColumn ray_columns[] = {
      "force that must be applied at the probe to hold the displacement"},
     {&Ray::energy, "energy", ColumnOf::increment, Tensor::scalar, ColumnKind::measure, "J", "stored strain energy"},
     {&Ray::tangent, "tangent", ColumnOf::increment, Tensor::matrix, ColumnKind::measure, "N/m",
-     "condensed tangent dF/dd, row F and column d", 0, true},
+     "condensed tangent dF/dd, row F and column d", true},
     {&Ray::negative_pivots, "negative_pivots", ColumnOf::increment, Tensor::scalar, ColumnKind::count, "1",
      "negative pivots of the tangent beyond those of the pressure; 0 is stable"},
     {&Ray::iterations, "iterations", ColumnOf::increment, Tensor::scalar, ColumnKind::count, "1",
@@ -147,22 +142,15 @@ inline constexpr RayColumn ray_columns[] = {
      "smallest J over all quadrature points"},
     {&Ray::seconds, "seconds", ColumnOf::increment, Tensor::scalar, ColumnKind::count, "s", "CPU time"},
     {&RayEnd::reason, "end_reason", ColumnOf::ray, Tensor::scalar, ColumnKind::code, "1",
-     "why each ray ends where it ends; see flag_values and flag_meanings", 1},
+     "why each ray ends where it ends; see flag_values and flag_meanings"},
     {&RayEnd::depth_m, "end_depth", ColumnOf::ray, Tensor::scalar, ColumnKind::count, "m",
-     "depth up to which each ray is followed", 1},
+     "depth up to which each ray is followed"},
     {&RayEnd::fold_depth_m, "fold_depth", ColumnOf::ray, Tensor::scalar, ColumnKind::count, "m",
-     "smallest depth at which a state beyond the first fold was found; 0 without a fold", 1},
+     "smallest depth at which a state beyond the first fold was found; 0 without a fold"},
     {&RayEnd::energy_lost_J, "energy_lost", ColumnOf::ray, Tensor::scalar, ColumnKind::measure, "J",
-     "work of the force minus change of the stored energy at the first fold; 0 without a fold", 1},
+     "work of the force minus change of the stored energy at the first fold; 0 without a fold"},
     {&Ray::displacement, "displacement", ColumnOf::output_node, Tensor::vector, ColumnKind::displacement, "m",
-     "displacement of the output nodes", 0, false, true},
+     "displacement of the output nodes", false, true},
 };
-
-/// What was added to the format's version without a change of the rest: the newest column's.
-inline constexpr std::int32_t format_minor = [] {
-  std::int32_t newest = 0;
-  for (const auto& column : ray_columns) newest = column.since > newest ? column.since : newest;
-  return newest;
-}();
 
 }  // namespace phynness

@@ -68,15 +68,12 @@ Material material_of(Law law, const std::vector<std::pair<std::string_view, doub
 
 struct SolverSpec {
   Element element = element_named("p1-p1");  ///< default of node probes; of patches es-p1-p1, of shells `shell`
-  std::optional<int> earlier_revision;       ///< of the equations, if not revision() of law.hpp; read, but not solved
   double relative_tolerance = 1e-8;          ///< |free residual| / |reactions|
   int max_iterations = 40;
   int max_cutbacks = 6;  ///< steps are halved down to 2^-max_cutbacks of an increment
 };
 
-/// A rigid patch, u_i = (1 - s^2)^2 d within the radius, is what `patch` meant in databases before the weighted mean;
-/// it is read and trained, but not solved.
-enum class ProbeKind { node, patch, rigid_patch };
+enum class ProbeKind { node, patch };
 enum class Directions { three, fourteen, twenty_six, ninety_eight, hemisphere };
 
 struct ProbeSpec {
@@ -84,8 +81,6 @@ struct ProbeSpec {
   bool kind_given = false;   ///< false: the scene does not name a kind
   double tool_radius_m = 0;  ///< patch only
   int tools = 1;             ///< at the same time; of more than one, `run` also makes a reduced body
-  /// A patch also presses what does not face it, as in databases before; read and trained, but not solved.
-  bool whole = false;
   Directions directions = Directions::twenty_six;
   int increments = 6;
   double max_displacement_m = 0;
@@ -145,10 +140,9 @@ struct Scene {
 Scene read_scene(const std::filesystem::path& file);
 /// Whether a mesh file that the scene names must exist. A database stores its mesh together with its scene.
 enum class MeshFile { must_exist, may_be_absent };
-/// @param folder         folder of relative mesh paths
-/// @param solid_element  element of a scene without a named element and without a mesh thickness; null: the default
+/// @param folder  folder of relative mesh paths
 Scene parse_scene(const std::string& text, const std::string& source_name, const std::filesystem::path& folder,
-                  MeshFile mesh_file = MeshFile::must_exist, Element solid_element = nullptr);
+                  MeshFile mesh_file = MeshFile::must_exist);
 
 /// The scene text of imported responses, which has no body and no material: title, [probe], [training].
 /// @throws Error (input) as parse_scene()
@@ -171,12 +165,10 @@ std::vector<std::string> scene_keys();
 std::string scene_key_tables();
 
 /// Hash (16 hexadecimal digits) of all keys that affect a solve: material, element, tolerances, selections, probe and
-/// mesh specification. Training, validation, title, comments and layout of the file have no effect on it.
+/// mesh specification. Training, validation, title, comments and
+/// layout of the file have no effect on it.
 std::string physics_hash(const Scene& scene);
-/// The scene as the program meant it that computed `hash`: a patch may have been rigid or have pressed all within its
-/// radius, and the equations may have had an earlier revision. The scene itself if no meaning has this hash.
-Scene as_hashed(const Scene& scene, const std::string& hash);
-/// The hashed text, one "key = value" per line, for the comparison of two scenes.
+/// The hashed text: every such key with its value, one "key = value" per line, for the comparison of two scenes.
 std::string physics_summary(const Scene& scene);
 /// The values of the other keys, one "key = value" per line.
 std::string other_settings(const Scene& scene);

@@ -97,8 +97,7 @@ void bounds(IO& io, Model& model) {
     real_line(io, "coverage", bound.coverage, probability);
     integer_line(io, "rays", bound.n_rays, 1, largest_integer);
     integer_line(io, "nodes", bound.n_nodes, 1, largest_integer);
-    if (io.optional("reference", bound.reference > 0))
-      integer_line(io, "reference", bound.reference, 1, n_bound_references);
+    integer_line(io, "reference", bound.reference, 0, n_bound_references);
     if (!io.optional("coupled", io.rows(bound.coupled) > 0)) continue;
     const int32_t kinds = size_line(io, "coupled", io.rows(bound.coupled), n_coupled_kinds, n_coupled_kinds);
     rows_of_numbers(io, "coefficient", bound.coupled, kinds, n_coupled_terms, exponent);
@@ -117,7 +116,6 @@ void solved(IO& io, Solved& body) {
   if (!recorded) return;
   io.keyword("solved");
   io.word("element", body.element);
-  io.integer("revision", body.revision, 1, largest_integer);
   io.real("shear modulus", body.shear_modulus_Pa, positive);
   io.end();
 }
@@ -130,23 +128,18 @@ void finer(IO& io, Distance& distance) {
   if (!measured) return;
   io.keyword("finer");
   io.word("element", distance.element);
-  io.integer("revision", distance.revision, 1, largest_integer);
   io.word("reference", distance.reference);
   io.integer("probes", distance.probes, 0, largest_integer);
   io.real("tool_radius_m", distance.tool_radius_m, not_negative);
   io.real("mean", distance.mean, not_negative);
   io.real("p95", distance.p95, not_negative);
-  io.end();
-  const bool complete = io.optional("finer_mesh", distance.nodes > 0);
-  if (!complete) return;
-  io.keyword("finer_mesh");
   io.integer("nodes", distance.nodes, 1, largest_integer);
   io.integer("solved probes", distance.solved, 0, largest_integer);
   io.end();
 }
 
-/// The first lines of an active node, the same for every family. Of the nodes that its tool moves either every one is
-/// displaced by its weight times d, or their weighted mean by d.
+/// The first lines of an active node, the same for every family. A round tool moves the weighted mean of its nodes by
+/// d; otherwise each node is displaced by its weight times d, a single one by d.
 template <class IO, class Model, class Node>
 void node_lines(IO& io, Model& model, Node& node, int32_t& previous) {
   io.keyword("node");

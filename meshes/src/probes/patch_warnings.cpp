@@ -3,7 +3,8 @@
 #include <limits>
 #include <phynness/formats/printable.hpp>
 #include <phynness/formats/probe_points.hpp>
-#include <phynness/formats/tool.hpp>
+#include <phynness/meshes/patch_warnings.hpp>
+#include <phynness/meshes/tool_weights.hpp>
 
 namespace phynness {
 namespace {
@@ -81,13 +82,14 @@ std::string warn_of_fixed(const Scene& scene, const Mesh& mesh, const NodeSets& 
       return (mesh.nodes.row(fixed) - mesh.nodes.row(node)).squaredNorm() < radius * radius;
     });
   };
+  SurfaceTools tools(mesh.nodes, mesh.surface);
   double largest = 0;
   std::int32_t where = -1;
   int n = 0;
   for (const auto node : sets.active) {
     if (!is_beside_fixed(node)) continue;
     const auto touched = [&](std::span<const std::int32_t> fixed) {
-      return middle_of(touched_nodes(mesh.nodes, mesh.surface, fixed, at_node(node), radius));
+      return middle_of(tools.touched_nodes(fixed, at_node(node), radius));
     };
     const double shift = (touched(sets.fixed) - touched({})).norm() / radius;
     n += shift > largest_shift;
@@ -105,7 +107,7 @@ std::string warn_of_fixed(const Scene& scene, const Mesh& mesh, const NodeSets& 
 std::string warn_of_choice(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   SelectableBody body(mesh);
   body.fixed = sets.fixed;
-  if (scene.probe.kind != ProbeKind::node) body.tool_radius_m = scene.probe.tool_radius_m;
+  body.tool_radius_m = scene.probe.tool_radius_m;
   for (const auto& selector : scene.active)
     if (const auto text = selector.choice->warning(body, sets.active); !text.empty())
       return selector.where.str() + ": " + text;
