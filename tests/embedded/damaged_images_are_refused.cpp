@@ -61,8 +61,8 @@ TEST_P(Damaged, EndsAreNoticed) {
 }
 
 TEST_P(Damaged, KindsAreTold) {
-  const phn_image* other = nullptr;
-  EXPECT_EQ(phn_image_open(bytes.data(), bytes.size(), &other), PHN_ERROR_VERSION);
+  const Image<double>::Type* other = nullptr;
+  EXPECT_EQ(Image<double>::open(bytes.data(), bytes.size(), &other), PHN_ERROR_VERSION);
   const phn_imagef* image = nullptr;
   EXPECT_EQ(phn_imagef_open(bytes.data() + 2, bytes.size() - 2, &image), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_imagef_open(nullptr, 0, &image), PHN_ERROR_ARGUMENT);
