@@ -57,7 +57,7 @@ TEST(ShippedScenes, keep_hash_element_and_family) {
   };
   for (const auto& [file, hash, element, family] : {
            Shipped{"../examples/model/scene.toml", "1833d2b29663bfb6", "p1-p1", "modal"},
-           Shipped{"demo.toml", "f137b6c372ada226", "es-p1-p1", "modal"},
+           Shipped{"demo.toml", "0ff7f2ec86362d50", "es-p1-p1", "modal"},
            Shipped{"liver_case1.toml", "49294041b950946e", "P1", "linear"},
            Shipped{"liver_case2.toml", "377e6cc4e6fd3f68", "P1", "rbfn"},
            Shipped{"liver_case3.toml", "55603a113c26bb8e", "P1", "rbfn"},
