@@ -178,7 +178,7 @@ TEST_F(Growth, TrainsSomeNodesOfADatabase) {
   succeed("calibrate of_part part.h5 --rays 100");
   EXPECT_EQ(read_file(folder / "of_three/model.txt"), read_file(folder / "of_part/model.txt"));
   // The other way round rays are missing, and with another step all are.
-  expect_names(be_refused("train three.toml part.h5 -o other").err, {"part.h5 --resume"});
+  expect_names(be_refused("train three.toml part.h5 -o other").err, {"does not have all rays", "other active nodes"});
   write_file(folder / "deeper.toml", changed(scene(1), "0.008", "0.016"));
   expect_names(be_refused("train deeper.toml three.h5 -o other").err, {"probe.max_displacement_m"});
 }
