@@ -20,18 +20,13 @@ struct Options {
   std::string reference = "scene";
 };
 
-/// @param one  name of the states of one tool
-void print_coupled(const BoundReport& report, const char* one) {
-  for (const auto& [name, kind] : {std::pair{one, report.between}, {"two tools", report.two}}) {
-    const auto flagged = fmt::format("{:.0f} % of the states drawn are flagged and have none", 100 * kind.flagged);
-    if (kind.all.states == 0) {
-      if (report.planned_coupled_rays > 0)
-        print_result("{}: no bound, because only {} of their rays were solved; {}\n", name, kind.rays, flagged);
-      continue;
-    }
+void print_coupled(const BoundReport& report, const char* name, const CoupledCoverage& kind) {
+  const auto flagged = fmt::format("{:.0f} % of the states drawn are flagged and have none", 100 * kind.flagged);
+  if (kind.all.states > 0)
     print_result("{}: {:.1f} % of {} errors of rays left out are below their bound; {}\n", name, 100 * kind.all.all,
                  kind.all.states, flagged);
-  }
+  else if (report.planned_coupled_rays > 0)
+    print_result("{}: no bound, because only {} of their rays were solved; {}\n", name, kind.rays, flagged);
 }
 
 void print(const BoundReport& report, const Model& model, const Options& options) {
@@ -50,7 +45,7 @@ void print(const BoundReport& report, const Model& model, const Options& options
         "note: the finer solution ends early at {} of {} rays where the model's own finite elements go on; the bound "
         "says nothing of the displacements behind\n",
         failed, report.rays + report.coupled_rays);
-  print_coupled(report, "one tool between nodes");
+  print_coupled(report, "one tool between nodes", report.between);
   print_result("model with bounds -> {}\n", options.output.string());
 }
 
@@ -99,7 +94,8 @@ void run_for_body(const SolverSession& session, const Database& database, const 
   session.together([&] {
     if (session.rank() != 0) return;
     write_text_file(*options.body, write_body_text(body));
-    print_coupled(report, "one tool");
+    print_coupled(report, "one tool", report.between);
+    print_coupled(report, "two tools", report.two);
     print_result("body with bounds -> {}, in {}\n", options.body->string(), duration(report.seconds));
     write_json(options.json_file, as_json(report, body.coverage));
     require_all(report);

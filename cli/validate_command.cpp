@@ -37,6 +37,9 @@ Validated load(const Options& options, const SolverSession& session) {
       body.emplace(*options.body);
       loaded->require_same("the body " + body->name(), body->info().mesh_hash, body->info().physics_hash);
     }
+    if (options.pairs > 0 && !body && loaded->has_round_tools())
+      throw input_error("--pairs needs a body: a model of round tools answers one tool", options.model.string(),
+                        several_round_tools);
     if (session.rank() == 0) check_mesh(scene, loaded->model().mesh_hash, options.model.string());
   });
   const auto seed = options.seed ? static_cast<std::uint64_t>(*options.seed) : scene.validation.seed;
@@ -145,7 +148,8 @@ void add(CLI::App& app) {
             "also compare two tools at this number of random pairs of nodes, by solves with both tools, each as deep\n"
             "as 3/7 of the scene's max_displacement_m (12 mm of 28 mm in the paper)");
   add_path(command, "--body", options.body, PathKind::input,
-           "a reduced body (body.txt), whose forces are also compared at --points and --pairs");
+           "a reduced body (body.txt), whose forces are also compared at --points and --pairs; pairs of round tools "
+           "need one");
   command.add_option("--level", options.level, "level of the model; 0 is the smallest (default: the full one)");
   add_count(command, "--seed", options.seed, 0, largest_seed, "seed of random directions, magnitudes and nodes");
   add_json(command, options.json_file);

@@ -304,7 +304,11 @@ void bench_several_tools(Table& table, const Loaded& loaded) {
       sink = forces[0];
     });
   };
+  double forces[6];
+  const std::array<phn_tool, 2> two = {at_nodes.front(), at_nodes.back()};
+  const bool round = data.couple({two.data(), 2}, forces) == PHN_ERROR_ROUND_TOOLS;
   for (const std::size_t n_tools : {1u, 2u, 4u, 8u}) {
+    if (round && n_tools > 1) break;
     const std::string n = std::to_string(n_tools), tools = n + (n_tools == 1 ? " tool" : " tools");
     table.add("couple_us_nodes_" + n, couple_us(at_nodes, n_tools), tools + " at nodes [us]");
     table.add("couple_us_between_" + n, couple_us(between, n_tools), tools + " between nodes [us]");

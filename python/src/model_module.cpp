@@ -47,7 +47,9 @@ void add_parts(py::module_& module) {
       .def_property_readonly("residual", [](const Coupled& c) { return c.result.residual; })
       .def("deform", &Coupled::deform, "Displacements of all output nodes, (n_output, 3) [m].")
       .def("bounds", &Coupled::bounds,
-           "Bounds of the errors of the forces, (n,) [N]; inf where nothing is known. Error if the model has none.");
+           "Bounds of the errors of the forces, (n,) [N], of one tool or of a body; inf where nothing is known. Error "
+           "if the "
+           "model has none.");
 }
 
 void add_responses(ModelClass& model) {
@@ -128,9 +130,11 @@ void add_surface(ModelClass& model) {
           [](py::object self, const std::vector<Place>& at, py::handle d, const Level& l) {
             return std::make_unique<Coupled>(std::move(self), at, d, l);
           },
-          arg("at"), arg("d"), kw_only(), level(), R"(Forces of up to 8 tools at once, at nodes or between them.
+          arg("at"), arg("d"), kw_only(), level(),
+          R"(Forces of up to 8 tools at once, at nodes or between them; of one round tool.
 
-at: a list of n nodes and SurfacePoints. d: (n, 3) [m]. Errors and warnings: as force.
+at: a list of n nodes and SurfacePoints. d: (n, 3) [m]. Errors and warnings: as force. Of several
+round tools a Body has the forces.
 
 >>> model = phynness.Model("examples/model")
 >>> point, position = model.nearest([0, 0, 0.1])

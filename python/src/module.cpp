@@ -15,10 +15,7 @@ struct WarningKind {
   py::handle type;
 };
 WarningKind warnings[3] = {
-    {PHN_WARNING_OUTSIDE,
-     "OutsideWarning",
-     "Displacements longer or coupled forces larger than trained, or a place that was not trained.",
-     {}},
+    {PHN_WARNING_OUTSIDE, "OutsideWarning", "Displacements longer than trained, or a place that was not trained.", {}},
     {PHN_WARNING_INCOMPLETE,
      "IncompleteWarning",
      "A node some of whose directions were not trained to full depth.",

@@ -191,15 +191,15 @@ std::vector<CoupledState> between_nodes(const LoadedModel& loaded, std::mt19937_
 // Claim: four coefficients and an exponent are chosen on the 20 places on which the bound is calibrated, the fewest
 // that have one, and still it holds for other places. The shares of calibrations scatter by 5 %, their mean by 0.3, and
 // the rank of 20 places is a step of 1/21, so that the mean may be above the promise by the part of a step.
-TEST(CoupledBounds, HoldInTheMeanForFreshPlaces) {
+TEST(BoundBetween, HoldsInTheMeanForFreshPlaces) {
   std::mt19937_64 random(7);
-  const Model model = test::with_coupled_bounds(test::small_modal_model());
+  const Model model = test::with_bound_between(test::small_modal_model());
   const LoadedModel loaded(model, no_cells(), "model");
   double held = 0, all = 0;
   for (int calibration = 0; calibration < 300; ++calibration) {
     Model bounded = model;
-    const auto coverage = add_coupled_bounds(bounded, no_cells(), between_nodes(loaded, random, 20));
-    EXPECT_EQ(coverage[0].rays, 20);
+    const auto coverage = add_bound_between(bounded, no_cells(), between_nodes(loaded, random, 20));
+    EXPECT_EQ(coverage.rays, 20);
     const LoadedModel with(bounded, no_cells(), "model");
     for (const auto& state : between_nodes(loaded, random, 60)) {
       const auto said = with.couple({state.tools[0]});

@@ -7,7 +7,7 @@ namespace phynness::test {
 
 /// Nodes 3, 5, 8 and 15 have round tools; node 12 lies between three of them, nodes 0 and 1 are fixed.
 inline Model small_round_model(Family family) {
-  Model model = family == Family::linear ? small_linear_model() : with_coupled_bounds(small_model_of(family));
+  Model model = family == Family::linear ? small_linear_model() : with_bound_between(small_model_of(family));
   for (ActiveNodeModel& node : model.nodes) node.moves_mean = true;
   model.probe_triangles.resize(1, 3);
   model.probe_triangles << 0, 1, 2;

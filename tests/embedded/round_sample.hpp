@@ -16,8 +16,7 @@ inline Model sample_of_round_tools(double spacing_m) {
   ModelDir dir = read_model_dir(PHYNNESS_SOURCE_DIR "/examples/model");
   Model& model = dir.model;
   for (ActiveNodeModel& node : model.nodes) node.moves_mean = true;
-  model.bounds.at(0).coupled.resize(2, 4);
-  model.bounds[0].coupled << 0.3, 0.6, 0.2, 0.15, 0.5, 0.3, 0.25, 0.125;
+  model.bounds.at(0).between = {0.3, 0.6, 0.2, 0.15};
   if (!(spacing_m > 0)) return model;
   std::vector<std::int32_t> active;
   for (const ActiveNodeModel& node : model.nodes) active.push_back(node.node);

@@ -125,7 +125,7 @@ TEST(ModelText, FieldsRoundTripBitForBit) {
 // no trace of any.
 TEST(ModelText, BoundsRoundTripBitForBit) {
   for (const Model& plain : {small_modal_model(), with_levels(small_model())}) {
-    Model model = with_coupled_bounds(plain);
+    Model model = with_bound_between(plain);
     model.finer = {true, "p1-p1", "taylor-hood", 12, 0.03, 0.25, 0.5, 300, 13};
     model.solved = {true, "p1-p1", 1e3 / 3};
     const std::string text = write_model_text(model);
@@ -135,8 +135,7 @@ TEST(ModelText, BoundsRoundTripBitForBit) {
     EXPECT_EQ(again.bounds[0].coverage, 0.95);
     EXPECT_EQ(again.bounds[0].n_rays, 1000);
     EXPECT_EQ(again.bounds[0].n_nodes, 50);
-    EXPECT_EQ(again.bounds[0].coupled, model.bounds[0].coupled);
-    EXPECT_EQ(write_model_text(with_bounds(plain)).find("coupled"), std::string::npos);
+    EXPECT_EQ(again.bounds[0].between, model.bounds[0].between);
     for (std::size_t i = 0; i < model.nodes.size(); ++i) {
       ASSERT_EQ(again.nodes[i].bounds.size(), 1u);
       EXPECT_EQ(again.nodes[i].bounds[0].scale, model.nodes[i].bounds[0].scale);

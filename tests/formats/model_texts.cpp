@@ -60,7 +60,7 @@ void write_all(const std::filesystem::path& folder) {
   covered.covered << 2, 1, 0, 0, 3, 0, 65535, 0, 12, 1, 20000, 65535;
   write("modal-covered", covered);
   write("rbfn-levels-bounds", with_bounds(with_levels(networks)));
-  write("modal-large", with_coupled_bounds(with_levels(small_field_model(), 8)));
+  write("modal-large", with_bound_between(with_levels(small_field_model(), 8)));
   Model untouched = small_linear_model();
   untouched.nodes.clear();
   untouched.title = "";

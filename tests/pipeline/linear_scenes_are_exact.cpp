@@ -73,20 +73,17 @@ TEST_F(LinearScenes, EvalWarnsOfNothingAtAnyDepth) {
   EXPECT_NEAR(result.at("energy").get<double>(), work / 2, 1e-12 * work);
 }
 
-// Claim: round tools superpose. Two of them at nodes repeat the solve, also where they overlap but are not flagged.
-TEST_F(LinearScenes, RoundToolsSuperpose) {
-  for (const char* element : {"P1", "p1-p1", "es-p1-p1"}) {
-    const auto scene = changed(linear_scene(element), "[probe]\n", "[probe]\nkind = \"patch\"\ntool_radius_m = 0.02\n");
-    run_with_active_top(scene);
-    succeed("validate scene.toml out/model --probes 2 --pairs 12 --json v.json");
-    const auto pairs = json("v.json").at("pairs");
-    EXPECT_EQ(pairs.at("failed"), 0);
-    EXPECT_EQ(pairs.at("unsettled"), 0);
-    for (const char* measure : {"force", "displacement_all"})
-      for (const char* who : {"coupled", "linear"})
-        EXPECT_LT(pairs.at("all").at(who).at(measure).at("max").get<double>(), 1e-6) << element << ' ' << who;
-    EXPECT_GT(pairs.at("all").at("alone").at("force").at("max").get<double>(), 1e-3);
-  }
+// Claim: a model answers one round tool; a second one is refused in a sentence that names what answers several.
+TEST_F(LinearScenes, SeveralRoundToolsAreRefused) {
+  run_with_active_top(changed(linear_scene("p1-p1"), "[probe]\n", "[probe]\nkind = \"patch\"\ntool_radius_m = 0.02\n"));
+  succeed("info out/model --json info.json");
+  const auto active = json("info.json").at("active");
+  std::string two;
+  for (const std::size_t i : {0, 1}) two += " --node " + active.at(i).dump() + " --displacement 0,0,-0.001";
+  for (const std::string& command : {"eval out/model" + two, "eval out/model --tools paper" + two,
+                                     std::string("validate scene.toml out/model --probes 2 --pairs 2 --json v.json")})
+    expect_names(unbroken(be_refused(command).err), {"answers one tool", "--body", "tools = 2", "[probe]", "es-p1-p1"});
+  EXPECT_FALSE(std::filesystem::exists(folder / "v.json"));
 }
 
 // Claim: tools between nodes and several at once are exact, too: eval --point and two --node repeat the

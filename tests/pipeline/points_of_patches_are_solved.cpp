@@ -63,21 +63,13 @@ TEST_F(PointsOfPatches, AreSolvedAndValidated) {
   EXPECT_LT(points.at("coupled").at("force").at("mean").get<double>(), 0.1);
 }
 
-TEST_F(PointsOfPatches, MayOverlap) {
+TEST_F(PointsOfPatches, MayOverlapInSolves) {
   write_file(folder / "scene.toml", patch_scene());
-  succeed("run scene.toml -o out");
   const std::string first = " --point 0.03,0.03,0.05 --displacement 0,0,-0.003",
                     second = " --point 0.06,0.03,0.05 --displacement 0,0,-0.002";
-  std::vector<std::array<double, 2>> answers;
-  for (const std::string command : {"solve out/database.h5", "eval out/model"}) {
-    const auto both = succeed(command + first + second + " --json both.json");
-    const auto tools = json("both.json").at("tools");
-    answers.push_back({tools.at(0).at("force").at(2), tools.at(1).at("force").at(2)});
-  }
-  // Both are between nodes. The second force is a small difference of what both tools do alone, so that errors are
-  // those over the larger force; measured: 4 % at most.
-  for (int t = 0; t < 2; ++t) EXPECT_NEAR(answers[1][t], answers[0][t], 0.1 * std::abs(answers[0][0]));
-  const auto same = be_refused("solve out/database.h5" + first + first);
+  succeed("solve scene.toml" + first + second + " --json both.json");
+  EXPECT_EQ(json("both.json").at("tools").size(), 2U);
+  const auto same = be_refused("solve scene.toml" + first + first);
   expect_error(same.err, {"same place"});
 }
 
@@ -90,15 +82,12 @@ TEST_F(PointsOfPatches, APartThatCannotBeDoneCostsNoOther) {
   scene.replace(scene.find("0.0375"), 6, "0.09");
   write_file(folder / "scene.toml", scene);
   succeed("run scene.toml -o out");
-  const auto validated =
-      phynness("validate scene.toml out/model --probes 4 --points 3 --pairs 2 --json v.json --report r.html");
+  const auto validated = phynness("validate scene.toml out/model --probes 4 --points 3 --json v.json --report r.html");
   EXPECT_EQ(validated.exit_status, 2) << validated.err;
   expect_error(validated.err, {"--points"});
   const auto all = json("v.json");
   EXPECT_GT(all.at("inside").at("force").at("n").get<int>(), 0);
   EXPECT_FALSE(all.at("points").at("not_done").get<std::string>().empty());
-  // Both tools press the whole top: no finite element solve holds them apart, which is counted.
-  EXPECT_EQ(all.at("pairs").at("failed"), all.at("pairs").at("finished"));
   EXPECT_NE(read_file(folder / "r.html").find("--points"), std::string::npos);
 }
 

@@ -8,7 +8,7 @@
 #include "linear_body.hpp"
 #include "loaded_model.hpp"
 #include "small_model.hpp"
-#include "tools/local_response.hpp"
+#include "tools/node_field.hpp"
 
 namespace {
 

@@ -32,7 +32,7 @@ static_assert(std::is_nothrow_move_constructible_v<rt::Model> && sizeof(rt::Stat
 class Wrapper : public ::testing::TestWithParam<Family> {
  protected:
   std::string text = write_model_text(GetParam() == Family::linear ? small_linear_model()
-                                                                   : with_coupled_bounds(small_model_of(GetParam())));
+                                                                   : with_bound_between(small_model_of(GetParam())));
   LoadedModel c{text};
 };
 INSTANTIATE_TEST_SUITE_P(Families, Wrapper, ::testing::Values(Family::rbfn, Family::linear, Family::modal),

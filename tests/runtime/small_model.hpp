@@ -257,11 +257,10 @@ inline Model with_bounds(Model model) {
   return model;
 }
 
-/// The same with bounds of tools between nodes and of several tools.
-inline Model with_coupled_bounds(Model model) {
+/// The same with a bound of tools between nodes.
+inline Model with_bound_between(Model model) {
   model = with_bounds(std::move(model));
-  model.bounds[0].coupled.resize(2, 4);
-  model.bounds[0].coupled << -1, 0.4, 0.2, 0.3, -0.5, 0.3, 0.25, 0.125;
+  model.bounds[0].between = {-1, 0.4, 0.2, 0.3};
   return model;
 }
 

@@ -25,12 +25,13 @@ namespace {
 constexpr std::size_t states_per_ray = 3, rays_per_node = 10;
 /// The distance to a finer solution is a property of the place more than of the state.
 constexpr std::size_t finer_rays_per_node = 2;
-/// A state of one tool between nodes or of two tools is a ray of its own, because errors at one place are alike, and
-/// takes about as long as two of three states of a ray.
+/// A state of one tool between nodes or of a body's tools is a ray of its own, because errors at one place are alike,
+/// and takes about as long as two of three states of a ray.
 constexpr double increments_per_coupled = 2;
 /// The nodes are a sample of clusters: with fewer, 0.95 (1 + 1 / n) is above 1 and nothing is known of the next node.
 constexpr std::size_t fewest_nodes = 20;
-/// Of one tool between nodes, and of two tools. 90 places hold 95 % to 2 %: docs/decisions/finer-bounds.md
+/// Of one tool between nodes; on a body of one tool, and of two. 90 places hold 95 % to 2 %:
+/// docs/decisions/finer-bounds.md
 std::int64_t coupled_rays_per_kind(std::int64_t rays) { return 60 + 3 * rays / 10; }
 
 /// Over unknowns^(4/3): 55, 150 and 400 MB more than at start for Taylor-Hood on livers of 320, 736 and 1,477 nodes.
@@ -215,19 +216,21 @@ FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSp
           bytes_per_factor * std::pow(unknowns, 4.0 / 3) * ranks};
 }
 
-double calibration_increments(std::int64_t rays, int coupled_kinds) {
+double calibration_increments(std::int64_t rays, bool between) {
   return static_cast<double>(states_per_ray) * static_cast<double>(rays) +
-         increments_per_coupled * static_cast<double>(coupled_kinds * coupled_rays_per_kind(rays));
+         (between ? increments_per_coupled * static_cast<double>(coupled_rays_per_kind(rays)) : 0);
 }
 
 namespace {
 
 /// Numbers of the rays of coupled tools, and of their tools.
-std::vector<std::pair<std::int32_t, std::int32_t>> planned_rays(const CoupledRays& coupled, std::int64_t rays) {
+/// @param most_tools  of a ray: 1 for a model, 2 for a body
+std::vector<std::pair<std::int32_t, std::int32_t>> planned_rays(const CoupledRays& coupled, std::int64_t rays,
+                                                                std::int32_t most_tools) {
   std::vector<std::pair<std::int32_t, std::int32_t>> planned;
   const std::int64_t per_kind = coupled_rays_per_kind(rays);
   for (std::int32_t ray = 0; ray < per_kind; ++ray)
-    for (const std::int32_t n_tools : {1, 2})
+    for (std::int32_t n_tools = 1; n_tools <= most_tools; ++n_tools)
       if (coupled.possible(n_tools)) planned.emplace_back(ray, n_tools);
   return planned;
 }
@@ -248,7 +251,8 @@ std::vector<CoupledState> solve_coupled(const SolverSession& session, const Coup
   session.together([&] {
     finished = share_out(session, go_on ? std::ssize(planned) : 0, progress, stop, [&](std::size_t i) {
       const auto [number, n_tools] = planned[i];
-      std::mt19937_64 of_ray(seed + i);
+      // What is drawn for one tool does not depend on whether there are rays of two.
+      std::mt19937_64 of_ray(seed + static_cast<std::uint64_t>(2 * number + n_tools - 1));
       const auto ray = coupled.draw(of_ray, number, n_tools, drawn[static_cast<std::size_t>(n_tools - 1)]);
       if (ray.parts.empty()) return;
       const auto forces = rays.solve(ray);
@@ -295,8 +299,8 @@ void calibrate(const SolverSession& session, const Database& database, const Loa
   const ProbeSpec probe = stored_scene(header).probe;
   RayForces rays(header, Variant::scene, stop);
   const CoupledRays coupled(model, probe, &*loaded);
-  const auto states = solve_coupled(session, coupled, planned_rays(coupled, spec.rays), spec.seed * 1000003, progress,
-                                    stop, rays, report);
+  const auto states = solve_coupled(session, coupled, planned_rays(coupled, spec.rays, 2), spec.seed * 1000003,
+                                    progress, stop, rays, report);
   session.together([&] {
     if (session.rank() == 0) tell_coverages(add_coupled_bounds(body, probe.increments, spec.coverage, states), report);
     if (session.rank() == 0 && body.bounds.rows() == 0)
@@ -325,7 +329,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
   const auto sample = sampled_nodes(n_nodes, n_active, random);
   RayForces rays(header, spec.reference, stop);
   const CoupledRays coupled(model, stored_scene(header).probe);
-  const auto coupled_rays = planned_rays(coupled, spec.rays);
+  const auto coupled_rays = planned_rays(coupled, spec.rays, 1);
   report.reference = spec.reference;
   const auto n_items = static_cast<std::int64_t>(n_nodes) + std::ssize(coupled_rays);
   const auto counted = [&](std::int64_t before) {
@@ -371,7 +375,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     report.all_nodes = static_cast<std::size_t>(report.nodes) == n_active;
     const double range_m = bounded.max_displacement_m;
     report.left_out = coverage_of(left_out(model, predictors, states, report.rays, spec.coverage), range_m);
-    tell_coverages(add_coupled_bounds(bounded, model.mesh(), coupled_states), report);
+    tell_coverages({add_bound_between(bounded, model.mesh(), coupled_states), {}}, report);
     bounded.bounds[0].reference = static_cast<std::int32_t>(spec.reference);
     tell_medians(LoadedModel(bounded, model.mesh(), "model"), predictors, states, report);
   });

@@ -22,8 +22,6 @@ constexpr int n_parts = 10;
 constexpr int n_coefficients = schema::n_coupled_terms;
 /// The term of the spread of the nodes' forces, or of the difference to the linear force.
 constexpr int bending = 2;
-/// Of a kind that is not known: the bound is PHN_NO_BOUND.
-constexpr double unknown = 1e3;
 
 /// The error of a tool's force, and what its bound is computed from.
 struct Sample {
@@ -178,37 +176,33 @@ CoupledCoverage left_out(const Samples& samples, double coverage, double range_m
           coverage_if(errors, range_m, [](bool) { return true; }), 0};
 }
 
-/// @param found  the coefficients; empty if there are none
-std::array<CoupledCoverage, 2> fit_kinds(const Load& load, const std::vector<CoupledState>& states, double coverage,
-                                         double range_m, Coefficients& found) {
-  std::array<CoupledCoverage, 2> coverages;
-  Coefficients rows = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_coefficients);
-  rows.col(0).setConstant(unknown);
-  for (int kind = 0; kind < schema::n_coupled_kinds; ++kind) {
-    const Samples samples = samples_of(load, states, kind + 1);
-    auto& out = coverages[static_cast<std::size_t>(kind)];
-    out.rays = rays_of(samples);
-    if (out.rays < fewest_of_kind) continue;
-    rows.row(kind) = fit(samples, coverage, range_m).transpose();
-    out = left_out(samples, coverage, range_m);
-  }
-  if ((rows.col(0).array() < unknown).any()) found = rows;
-  return coverages;
+/// @param found  the coefficients, if there are enough rays of so many tools
+CoupledCoverage fit_kind(const Load& load, const std::vector<CoupledState>& states, int n_tools, double coverage,
+                         double range_m, std::optional<Eigen::Vector4d>& found) {
+  const Samples samples = samples_of(load, states, n_tools);
+  CoupledCoverage out;
+  out.rays = rays_of(samples);
+  if (out.rays < fewest_of_kind) return out;
+  found = fit(samples, coverage, range_m);
+  return left_out(samples, coverage, range_m);
 }
 
 }  // namespace
 
-std::array<CoupledCoverage, 2> add_coupled_bounds(Model& model, const Mesh& mesh,
-                                                  const std::vector<CoupledState>& states) {
+CoupledCoverage add_bound_between(Model& model, const Mesh& mesh, const std::vector<CoupledState>& states) {
   const Load load = [&](const Coefficients& coefficients) {
     Model with = model;
-    with.bounds[0].coupled = coefficients;
+    with.bounds[0].between = coefficients.row(0).transpose();
     return [loaded = std::make_shared<LoadedModel>(std::move(with), mesh, "model")](const auto& tools) {
       const auto said = loaded->couple(tools);
       return Said{said.force_N, said.bound_N};
     };
   };
-  return fit_kinds(load, states, model.bounds.at(0).coverage, model.max_displacement_m, model.bounds[0].coupled);
+  std::optional<Eigen::Vector4d> found;
+  auto& bound = model.bounds.at(0);
+  const auto coverage = fit_kind(load, states, 1, bound.coverage, model.max_displacement_m, found);
+  if (found) bound.between = *found;
+  return coverage;
 }
 
 std::array<CoupledCoverage, 2> add_coupled_bounds(ReducedBody& body, int increments, double coverage,
@@ -224,7 +218,16 @@ std::array<CoupledCoverage, 2> add_coupled_bounds(ReducedBody& body, int increme
       return Said{{said.force_N.begin(), said.force_N.end()}, said.bound_N};
     };
   };
-  return fit_kinds(load, states, coverage, body.depth_m, body.bounds);
+  std::array<CoupledCoverage, 2> coverages;
+  Coefficients rows = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_coefficients);
+  rows.col(0).setConstant(schema::no_coupled_bound);
+  for (int kind = 0; kind < schema::n_coupled_kinds; ++kind) {
+    std::optional<Eigen::Vector4d> found;
+    coverages[static_cast<std::size_t>(kind)] = fit_kind(load, states, kind + 1, coverage, body.depth_m, found);
+    if (found) rows.row(kind) = found->transpose();
+  }
+  if ((rows.col(0).array() < schema::no_coupled_bound).any()) body.bounds = rows;
+  return coverages;
 }
 
 }  // namespace phynness

@@ -1,9 +1,9 @@
-// Random rays of one tool between nodes and of two tools, for the calibration of bounds.
+// Random rays of one tool between nodes, and of one tool or two on a body, for the calibration of bounds.
 #pragma once
 
+#include <phynness/formats/scene.hpp>
 #include <phynness/validation/loaded_body.hpp>
 #include <phynness/validation/loaded_model.hpp>
-#include <phynness/formats/scene.hpp>
 #include <random>
 
 #include "tool_rays.hpp"

@@ -21,8 +21,8 @@ std::int64_t wanted_rays(const Scene& scene, const DatabaseHeader& header) {
   return std::count(flags.begin(), flags.end(), char{1});
 }
 
-/// Of two tools, if there are two places, and of one between nodes, if a triangle of the surface is answered.
-int coupled_kinds(const Scene& scene, const DatabaseHeader& header) {
+/// Whether a tool between nodes is answered: in a triangle of the surface.
+bool answers_between(const Scene& scene, const DatabaseHeader& header) {
   const auto& [mesh, sets] = std::tie(header.mesh, header.sets);
   NodeList known = sets.active;
   if (scene.probe.kind == ProbeKind::patch && known.size() > 2) {
@@ -31,12 +31,11 @@ int coupled_kinds(const Scene& scene, const DatabaseHeader& header) {
     known.insert(known.end(), made.begin(), made.end());
     std::sort(known.begin(), known.end());
   }
-  bool between = false;
-  for (const auto& triangle : mesh.surface.rowwise())
-    between = between || std::all_of(triangle.begin(), triangle.end(), [&](std::int32_t node) {
-                return std::binary_search(known.begin(), known.end(), node);
-              });
-  return (sets.active.size() > 1 ? 1 : 0) + (between ? 1 : 0);
+  const auto triangles = mesh.surface.rowwise();
+  return std::any_of(triangles.begin(), triangles.end(), [&](const auto& triangle) {
+    return std::all_of(triangle.begin(), triangle.end(),
+                       [&](std::int32_t node) { return std::binary_search(known.begin(), known.end(), node); });
+  });
 }
 
 std::int64_t between(double least, double value, double most) {
@@ -50,12 +49,12 @@ CheckSizes sizes_of_checks(const Scene& scene, const DatabaseHeader& header, boo
   const auto& given = scene.validation;
   CheckSizes sizes;
   if (bounded) {
-    const int kinds = coupled_kinds(scene, header);
-    const double without = calibration_increments(0, kinds),
-                 per_ray = (calibration_increments(1000, kinds) - without) / 1000;
+    const bool with_between = answers_between(scene, header);
+    const double without = calibration_increments(0, with_between),
+                 per_ray = (calibration_increments(1000, with_between) - without) / 1000;
     sizes.calibration_rays =
         given.calibration_rays.value_or(between(100, (part_of_calibration * half - without) / per_ray, 1000));
-    sizes.calibration_increments = calibration_increments(sizes.calibration_rays, kinds);
+    sizes.calibration_increments = calibration_increments(sizes.calibration_rays, with_between);
   }
   const double per_probe = increments_per_probe(scene.probe.increments);
   sizes.probes = given.probes.value_or(between(50, (half - sizes.calibration_increments) / per_probe, 200));

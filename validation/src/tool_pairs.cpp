@@ -97,12 +97,14 @@ class PairComparison : public ToolComparison {
     }
     std::vector<phn_tool> tools;
     for (std::size_t t = 0; t < 2; ++t) tools.push_back(tool_at(at_node(nodes[t]), d[t]));
-    const auto coupled = _model.couple(tools);
-    pair.status = coupled.status;
+    std::optional<ModelResponse> coupled;
     std::optional<BodyResponse> of_body;
+    if (!_model.has_round_tools()) coupled = _model.couple(tools);
     if (_body) of_body = _body->at(tools);
+    pair.has_nodes = coupled.has_value();
     pair.has_body = of_body.has_value();
-    if (of_body) pair.body_status = of_body->status;
+    if (of_body) pair.status = pair.body_status = of_body->status;
+    if (coupled) pair.status = coupled->status;
     const auto truth = _solver.solve(d, _increments);
     pair.ended = truth.status;
     pair.solved = truth.status == Status::converged;
@@ -115,12 +117,13 @@ class PairComparison : public ToolComparison {
       pair.errors[static_cast<std::size_t>(p)] = errors_of(force, u, truth, u_FE, counts);
     };
 
-    pair.residual_m = coupled.coupled.residual;
-    judge(PairPredictor::coupled, coupled.force_N, coupled.displacement_m);
-
     const auto first = _model.respond({nodes[0]}, {d[0]}), second = _model.respond({nodes[1]}, {d[1]});
     judge(PairPredictor::alone, {first.force_N[0], second.force_N[0]}, first.displacement_m + second.displacement_m);
-    judge(PairPredictor::paper, {std::nullopt, std::nullopt}, _model.respond(nodes, d).displacement_m);
+    if (coupled) {
+      pair.residual_m = coupled->coupled.residual;
+      judge(PairPredictor::coupled, coupled->force_N, coupled->displacement_m);
+      judge(PairPredictor::paper, {std::nullopt, std::nullopt}, _model.respond(nodes, d).displacement_m);
+    }
 
     const auto [linear_force, linear_u] = linear_response(_solver, _model.model(), d);
     judge(PairPredictor::linear, linear_force, linear_u);
@@ -147,10 +150,11 @@ PairGroup group_of(const std::vector<PairRecord>& records, const std::function<b
   PairGroup group;
   for (const auto& pair : records) {
     group.pairs += pair.solved && belongs(pair);
+    group.has_nodes = group.has_nodes || pair.has_nodes;
     group.has_body = group.has_body || pair.has_body;
   }
   for (const auto p : pair_predictors) {
-    if (p == PairPredictor::body && !group.has_body) continue;
+    if (!group.has(p)) continue;
     PairMeasures<std::vector<double>> samples;
     for (const auto& pair : records)
       if (pair.solved && belongs(pair))
@@ -198,6 +202,8 @@ PairReport validate_pairs(const SolverSession& session, const Scene& scene, cons
   OrderedRows<PairRecord> rows;  // in the order of the seed
   std::int64_t finished = 0;
   session.together([&] {
+    if (model.has_round_tools() && !body)
+      throw input_error("a model of round tools answers one tool", "--pairs", several_round_tools);
     auto chosen = choose_pairs(scene, model, pairs, depth_m, seed);
     PairComparison comparison(scene, model, body, stop);
     finished = share_out(session, pairs, progress, stop, [&](std::size_t i) {
@@ -218,7 +224,8 @@ PairReport validate_pairs(const SolverSession& session, const Scene& scene, cons
   report.far = group_of(report.records, [&](const PairRecord& p) { return p.distance_m > report.far_m; });
   report.unflagged = group_of(report.records, [](const PairRecord& p) { return !is_flagged(p.status); });
   report.right = group_of(report.records, [](const PairRecord& p) { return p.single_force <= right_alone; });
-  report.by_warning = errors_by_warning(judged_pairs(report.records, PairPredictor::coupled));
+  if (!model.has_round_tools())
+    report.by_warning = errors_by_warning(judged_pairs(report.records, PairPredictor::coupled));
   if (body) {
     report.body_warnings.emplace();
     for (const auto& pair : report.records)

@@ -143,7 +143,7 @@ TableCells summary_cells(const Validated& v) {
   add("with a warning", e.flagged.overall, all.probes);
   add("beyond R, to 1.43 R", e.beyond);
   if (v.points.finished > 0) add("tools between nodes", v.points.to_range.all.overall);
-  if (v.pairs.finished > 0) add("two tools", v.pairs.by_warning.all);
+  if (v.pairs.by_warning) add("two tools", v.pairs.by_warning->all);
   if (v.pairs.body_by_warning) add("two tools, reduced body", v.pairs.body_by_warning->all);
   return cells;
 }

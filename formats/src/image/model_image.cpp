@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <phynness/formats/image.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/image.hpp>
 #include <phynness/image_layout.hpp>
 #include <phynness/schema/model_grammar.hpp>
 
@@ -122,8 +122,7 @@ class ImageWriter {
       }
       surface.bound = put(bound);
       surface.bound_scale = put(scale);
-      const auto& coupled = _model.bounds[0].coupled;
-      if (coupled.rows() > 0) surface.coupled = put(reals(coupled.topRows(1)));
+      surface.between = put(reals(_model.bounds[0].between.transpose()));
     }
     return put_bytes(&surface, sizeof surface);
   }

@@ -108,7 +108,7 @@ struct Surface {
   Table slope;      ///< Real: 3 each [1/m]: part of the weight of the node that the neighbour takes
   Table bound;      ///< int16: n_active x displacements; empty: no bounds
   Table bound_scale;  ///< Real: n_active [N]
-  Table coupled;  ///< Real: schema::n_coupled_terms, of one tool between nodes; empty: the largest bound of the nodes
+  Table between;      ///< Real: schema::n_coupled_terms, of one tool between nodes
 };
 /// The active nodes between which a vertex lies, and two weights in parts of schema::whole_weight, as in model.txt.
 struct VertexCorners {
@@ -117,7 +117,7 @@ struct VertexCorners {
 inline constexpr uint16_t none = 0xffff;  ///< no triangle; the first active node of a fixed vertex
 /// Largest number of active nodes around a place, and of neighbours of each.
 inline constexpr uint32_t most_corners = 9, most_neighbours = 17;
-inline constexpr double largest_exponent = 1e3;  ///< of `coupled`
+inline constexpr double largest_exponent = 1e3;  ///< of `between`
 
 /// Where the model comes from, as phn_provenance. Strings end in zeros. Numbers are the halves of doubles, low and
 /// high, in images of floats too, which are aligned to 4 bytes.

@@ -20,7 +20,7 @@
  * Cost [us], 486 output nodes, AVX-512         modal, 78 centers, 16 modes   rbfn, 100 and 200 neurons
  *   phn_force; with stiffness, see there                  0.13; 1.5 times              0.17; -
  *   phn_deform; phn_prepare before a node's first         1.6; 35                     8.4; 76
- *   phn_couple, 1, 2, 4, 8 tools between nodes            32, 150, 550, 2200          -
+ *   phn_couple, 1, 2, 4, 8 node probes between nodes      32, 150, 550, 2200          -
  *   phn_couple, phn_force_at, one round tool              5                           - */
 #ifndef PHYNNESS_H
 #define PHYNNESS_H
@@ -36,7 +36,7 @@ typedef struct phn_data phn_data;
 
 enum {
   PHN_OK = 0,
-  PHN_WARNING_OUTSIDE = 1,       /* a displacement or coupled force is larger than trained, or the place was not */
+  PHN_WARNING_OUTSIDE = 1,       /* a displacement is larger than trained, or the place was not trained */
   PHN_WARNING_INCOMPLETE = 2,    /* some direction of a touched node was not trained to the full depth */
   PHN_WARNING_UNSETTLED = 4,     /* the tools are too close together to follow all of them; forces are bounded */
   PHN_ERROR_ARGUMENT = -1,       /* a null pointer, a number out of range, or data of another model */
@@ -57,7 +57,8 @@ enum {
   PHN_ERROR_OVERLAP = -16,       /* an output overlaps another output or a large input in memory */
   PHN_ERROR_TOO_LARGE = -17,     /* the result has more bytes or numbers than size_t or int32_t can count */
   PHN_ERROR_GEOMETRY = -18,      /* a triangle has equal corners, or coordinates are too large for contact */
-  PHN_ERROR_TOO_MANY_TOOLS = -19 /* more than PHN_MOST_COUPLED tools in one call */
+  PHN_ERROR_TOO_MANY_TOOLS = -19, /* more than PHN_MOST_COUPLED tools in one call */
+  PHN_ERROR_ROUND_TOOLS = -20     /* two round tools on a model, which answers one; a body answers several */
 };
 enum { PHN_MOST_COUPLED = 8, PHN_MOST_FIELDS = 8 };
 

@@ -87,9 +87,10 @@ PHN_API int phn_contact_init(void* memory, size_t bytes, const phn_model* model,
  *
  * `result` may be null; it is that of the last phn_couple. Afterwards phn_coupled_deform with `data` gives the
  * deformation of this cycle. A refused call does not move the tools. PHN_ERROR_NOT_FINITE: a centre, radius or friction
- * is NaN or infinite. Cost: for each tool without contact a sweep, less than a microsecond for 1,000 triangles; for the
- * tools in contact 1 phn_couple if they stick and 2 to 4 while they slide, at most 9 with one tool, 5 with two tools
- * and 3 with more, and as many again for each tool that is left out. */
+ * is NaN or infinite. _ROUND_TOOLS: several tools on a model of round tools. Cost: for each tool without contact a
+ * sweep, less than a microsecond for 1,000 triangles; for the tools in contact 1 phn_couple if they stick and 2 to 4
+ * while they slide, at most 9 with one tool, 5 with two tools and 3 with more, and as many again for each tool that is
+ * left out. */
 PHN_API int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_tools, const phn_contact_tool* tools,
                              phn_contact_state* states, phn_coupled* result);
 

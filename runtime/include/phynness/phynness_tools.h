@@ -14,8 +14,7 @@ extern "C" {
 /* A tool that holds a point of the surface: up to three nodes of one triangle, with barycentric weights, which are >= 0
  * and have the sum 1. Each node is active, fixed, or covered: answered from up to three active nodes around it. A tool
  * at a node: {node, -1, -1}, {1, 0, 0}. In a model of round tools (patch probes that move a mean; model.txt says `mean`
- * at each node) it is the round tool whose middle is the point. Models of nodes couple the nodes
- * of the point. */
+ * at each node) it is the round tool whose middle is the point. Models of node probes couple the nodes of the point. */
 typedef struct phn_tool {
   int32_t nodes[3]; /* -1: unused */
   double weights[3];
@@ -28,7 +27,7 @@ typedef struct phn_coupled {
 
 /* A phn_data that also holds up to `max_tools` coupled tools, of which 8 are used at most; phn_couple and
  * phn_contact_step need it, and every function takes it. It replaces the pair phn_data_size, phn_data_init, whose
- * memory is smaller: memory grows with the square of the number of tools. */
+ * memory is smaller: memory of node probes grows with the square of the number of tools. */
 PHN_API int phn_tools_size(const phn_model* model, int32_t max_tools, size_t* bytes);
 PHN_API int phn_tools_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data);
 
@@ -45,16 +44,14 @@ PHN_API int phn_force_at(const phn_model* model, phn_data* data, const phn_tool*
 PHN_API int phn_trained_depth_at(const phn_model* model, const phn_tool* tool, double* depth);
 PHN_API int phn_bound_at(const phn_model* model, const phn_tool* tool, double* bound);
 
-/* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. One tool at a node has the force of phn_force, and
- * one round tool that of phn_force_at. All other tools are coupled: every held point follows its tool, and forces are
- * exact for a linear body (round tools: at nodes). A round tool that exerts no force leaves the force of another one as
- * it is alone, unless they are close. Forces are continuous where tools slide over edges and nodes, and in families
- * with an energy its gradient while the tools hold their points. They depend on these arguments only. _OUTSIDE also
- * means that near round tools work against each other: a force is larger than any the tool had alone in training, and
- * it is often off by more than a tenth. _UNSETTLED: tools within half an edge length, round tools within a few tenths
- * of their radius, pull apart, and their points follow them only in part. PHN_ERROR_TOOLS: more tools than `data`
- * holds; a phn_data of phn_data_init holds none. PHN_ERROR_UNDEFINED: a node of coupled tools, or under a round one, is
- * no output node or has no deformation. `result` may be null. Displacements are clamped to 1000 max_displacement_m. */
+/* Forces [N] of tools anywhere on the surface, n_tools x 3. One tool at a node has the force of phn_force, and one round
+ * tool that of phn_force_at. A model of round tools answers no more than one (PHN_ERROR_ROUND_TOOLS); a reduced body does
+ * (phynness_body.h). Up to 8 tools of node probes are coupled: every held point follows its tool, and forces are exact
+ * for a linear body. Forces are continuous where tools slide over edges and nodes, and in families with an energy its
+ * gradient while the tools hold their points. They depend on these arguments only. _UNSETTLED: tools within half an edge
+ * length pull apart, and their points follow them only in part. PHN_ERROR_TOOLS: more tools than `data` holds; a
+ * phn_data of phn_data_init holds none. PHN_ERROR_UNDEFINED: a node of coupled tools is no output node or has no
+ * deformation. `result` may be null. Displacements are clamped to 1000 max_displacement_m. */
 PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
                        phn_coupled* result);
 
@@ -62,12 +59,11 @@ PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, 
  * before the first phn_couple. The field of one round tool between nodes is the mean of its nodes' fields. */
 PHN_API int phn_coupled_deform(const phn_model* model, phn_data* data, double* out);
 
-/* Bounds [N] of the errors of the forces of the last phn_couple with this data, one for each tool: with one tool or
- * several, at nodes or between them, each holds for random places and displacements as phn_bound does
- * (formats/model.md, Bounds). PHN_NO_BOUND with PHN_WARNING_OUTSIDE or _UNSETTLED, and where calibration had too few
- * tools of this kind. PHN_ERROR_UNDEFINED, with zeros for the tools there are: no tools are held, the model has no
- * bounds, or, for any but a single node, phn_couple used a smaller level or the model was calibrated by an older
- * version. Cost: four forces for each active node around a tool. */
+/* Bound [N] of the error of the force of the one tool of the last phn_couple with this data, at a node or between nodes:
+ * it holds for random places and displacements as phn_bound does (formats/model.md, Bounds). PHN_NO_BOUND with
+ * PHN_WARNING_OUTSIDE or _UNSETTLED, and where calibration had too few tools between nodes. PHN_ERROR_UNDEFINED, with
+ * zeros for the tools there are: no tool or several are held, the model has no bounds, or, between nodes, phn_couple used
+ * a smaller level. Cost: four forces for each active node around the tool. */
 PHN_API int phn_coupled_bound(const phn_model* model, const phn_data* data, double* bounds);
 
 /* The tool at that point of the undeformed surface which is nearest to x [m], with displacement 0. `point` [m] may be

@@ -20,7 +20,7 @@ class TouchedModel final : public Touched {
   Matrix stiffness(std::int32_t i) const override {
     const Coupling& coupling = *_data.coupling;
     if (coupling.n_tools > 1) return coupling.stiffness[i * coupling.max_tools + i];
-    const HeldPoint& point = coupling.point[i];
+    const Constraint& point = coupling.point[i];
     if (!answers_alone(_model, point)) return point.stiffness;
     // phn_couple computes no coupling stiffness for a tool that it answers alone.
     const Mean mean = mean_at(_model, {}, point);
@@ -89,8 +89,10 @@ int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_tools, cons
   int status = PHN_ERROR_ARGUMENT;
   if (contact != nullptr && data != nullptr && data->model == contact->of) {
     TouchedModel touched(*data->model, *data);
-    status =
-        step_contact(*contact, touched, most_tools(*data), n_tools, tools, states, result, sizeof *result, coupled);
+    const bool several_round = n_tools > 1 && data->coupling != nullptr && has_round_tools(*data->coupling);
+    status = several_round ? PHN_ERROR_ROUND_TOOLS
+                           : step_contact(*contact, touched, most_tools(*data), n_tools, tools, states, result,
+                                          sizeof *result, coupled);
   }
   write_states(contact, status, n_tools, states);
   if (result != nullptr) *result = coupled;

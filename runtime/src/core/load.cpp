@@ -258,7 +258,7 @@ int ModelLoader::finish(phn_model* placed) {
   model.mesh_hash = model.provenance.mesh_hash;
   if (!_store.solved.is_recorded) model.provenance.element = _store.finer.its_element;
   model.provenance.bound_reference = _store.bounds.part[0].reference;
-  model.coupled_bound = _store.bounds.part[0].coupled.at;
+  model.bound_between = _store.bounds.part[0].between.at;
   model.n_levels = static_cast<std::int32_t>(n_smaller()) + 1;
   if (_store.levels.n > 0) {
     const LevelStore& last = _store.levels.part[_store.levels.n - 1];

@@ -305,7 +305,7 @@ struct Parts {
 struct BoundStore {
   double coverage = 0;
   std::int32_t n_rays = 0, n_nodes = 0, reference = 0;
-  Table<double> coupled;
+  Table<double> between;
 };
 
 /// Of the finite elements, which no answer depends on.

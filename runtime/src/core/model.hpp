@@ -191,8 +191,7 @@ struct phn_model : phn_info {
   /// over schema::whole_weight.
   std::int32_t n_probe_triangles, n_covered;
   const std::int32_t *probe_triangles, *covered;
-  /// Of the bounds of a tool between nodes and of several tools, schema::n_coupled_terms each; null: not known.
-  const double* coupled_bound;
+  const double* bound_between;  ///< of a tool between nodes, schema::n_coupled_terms; null: the model has no bounds
 };
 
 namespace PHN_RUNTIME {

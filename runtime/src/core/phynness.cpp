@@ -43,6 +43,9 @@ int check_derivatives(const phn_model& model, const double* force, const double*
 
 /// In the order of their numbers, up to 5: _UNSETTLED with another warning.
 const char* const messages[] = {
+    // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): two lines of one text
+    "a model of round tools answers one tool; several need the reduced body that phynness run makes of a scene with "
+    "tools = 2 to 8 in [probe], of the elements p1-p1 and es-p1-p1",
     "more than 8 tools in one call",
     "the surface has a triangle with equal corners, or coordinates that are too large for contact",
     "the result has more bytes or numbers than this machine can address",
@@ -63,17 +66,15 @@ const char* const messages[] = {
     "the node is not an active node of this model",
     "a null pointer, a number out of range, or data made for another model",
     "success",
-    // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): two lines of one text
-    "a displacement is longer, or a force of coupled tools larger, than trained in its direction (0 beside fixed "
-    "nodes)",
+    "a displacement is longer than trained in its direction (0 beside fixed nodes)",
     "this node was not trained to the full depth in all directions",
-    "a displacement is longer, or a force of coupled tools larger, than trained in its direction, and a node was not "
-    "trained to the full depth in all directions",
+    "a displacement is longer than trained in its direction, and a node was not trained to the full depth in all "
+    "directions",
     "the tools are too close together: their points follow them only in part",
     "the tools are too close together, and a displacement is outside of the trained range or a node was not "
     "trained to the full depth in all directions",
 };
-constexpr int first_message = PHN_ERROR_TOO_MANY_TOOLS, last_message = PHN_WARNING_UNSETTLED + 1;
+constexpr int first_message = PHN_ERROR_ROUND_TOOLS, last_message = PHN_WARNING_UNSETTLED + 1;
 constexpr int all_warnings = PHN_WARNING_UNSETTLED | PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE;
 static_assert(sizeof messages / sizeof *messages == last_message - first_message + 1);
 

@@ -133,7 +133,7 @@ class ImageCheck {
     reals(surface.slope, surface.neighbour.n, 3);
     table<int16_t>(surface.bound, bounded ? _n_displacements : 0, n_active);
     reals(surface.bound_scale, bounded ? n_active : 0);
-    reals(surface.coupled, surface.coupled.n > 0 ? schema::n_coupled_terms : 0, 1, image::largest_exponent);
+    reals(surface.between, bounded ? schema::n_coupled_terms : 0, 1, image::largest_exponent);
     if (!_good) return;
     const auto* triangle = at<uint16_t>(_image, surface.triangle);
     for (uint32_t i = 0; i < 6 * n_triangles; ++i)

@@ -245,9 +245,9 @@ int phn_image_bound_at(const phn_image* opened, const phn_image_place* place, co
     const Real away[3] = {force[i][0] - mean[0], force[i][1] - mean[1], force[i][2] - mean[2]};
     spread += around.share[i] * square_root(dot(away, away));
   }
-  if (around.n_corners > 1 && surface.coupled.n > 0) {
+  if (around.n_corners > 1) {
     const Real x[] = {largest + spread, spread, square_root(dot(mean, mean))};
-    *out = coupled_bound(at<Real>(*image, surface.coupled), x, Real(PHN_IMAGE_NO_BOUND));
+    *out = coupled_bound(at<Real>(*image, surface.between), x, Real(PHN_IMAGE_NO_BOUND));
   } else if (largest < *out) {
     *out = largest;
   }

@@ -1,4 +1,4 @@
-// Bounds of the force's error of tools between nodes and of several tools (formats/model.md, Bounds).
+// Bounds of the force's error of tools between nodes (formats/model.md, Bounds).
 #include <phynness/phynness_tools.h>
 
 #include <cmath>
@@ -39,17 +39,12 @@ int alone_at(const phn_model& model, const Place& place, const Vector& d, Alone&
   return status;
 }
 
-/// @param kind  0: one tool; 1: several. The others as in coupled_bound
-double bound_of(const phn_model& model, int kind, double own, double bending, double size) {
-  const double x[] = {own, bending, size};
-  return coupled_bound(model.coupled_bound + kind * phynness::schema::n_coupled_terms, x, PHN_NO_BOUND);
-}
-
-/// The bound of one tool that is not coupled. @param status  of all tools
+/// @param status  the warnings
 double bound_alone(const phn_model& model, const Place& place, const Alone& alone, int status) {
   if ((status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED)) != 0) return PHN_NO_BOUND;
-  if (place.n_nodes == 1 || model.coupled_bound == nullptr) return alone.bound;
-  return bound_of(model, 0, alone.bound + alone.spread, alone.spread, length(alone.force.x));
+  if (place.n_nodes == 1) return alone.bound;
+  const double x[] = {alone.bound + alone.spread, alone.spread, length(alone.force.x)};
+  return coupled_bound(model.bound_between, x, PHN_NO_BOUND);
 }
 
 /// @return a status of phynness.h
@@ -67,33 +62,15 @@ int bound_at(const phn_model* model, const phn_tool* tool, double& bound) {
   return status;
 }
 
-/// @param bounds  most_coupled numbers. @return a status of phynness.h
-int bounds_of(const phn_model& model, const Coupling& c, double* bounds) {
-  Alone alone[most_coupled];
-  int status = (c.settled ? PHN_OK : PHN_WARNING_UNSETTLED) | (c.beyond ? PHN_WARNING_OUTSIDE : PHN_OK);
-  double size = 0;
-  for (std::int32_t t = 0; t < c.n_tools; ++t) {
-    const HeldPoint& point = c.point[t];
-    const bool full = model.coupled_bound != nullptr && c.model == &model;
-    if (!full && (c.n_tools > 1 || point.n_nodes > 1)) return PHN_ERROR_UNDEFINED;
-    const int said = alone_at(model, point, point.own, alone[t]);
-    if (said < 0) return said;
-    status |= said;
-    size += length(point.force.x);
-  }
-  for (std::int32_t t = 0; t < c.n_tools; ++t) {
-    bounds[t] = bound_alone(model, c.point[t], alone[t], status);
-    if (c.n_tools == 1 || bounds[t] == PHN_NO_BOUND) continue;
-    Vector linear = {};
-    double own = 0;
-    for (std::int32_t s = 0; s < c.n_tools; ++s) {
-      const Matrix& stiffness = c.stiffness[t * c.max_tools + s];
-      const Matrix reaches = stiffness * c.point[s].compliance;
-      linear += stiffness * c.point[s].own;
-      own += std::sqrt(inner_product(reaches, reaches) / 3) * (alone[s].bound + alone[s].spread);
-    }
-    bounds[t] = bound_of(model, 1, own, length((c.point[t].force - linear).x), size);
-  }
+/// @return a status of phynness.h
+int bound_of(const phn_model& model, const Coupling& c, double& bound) {
+  const Constraint& point = c.point[0];
+  if (c.n_tools > 1 || (point.n_nodes > 1 && c.model != &model)) return PHN_ERROR_UNDEFINED;
+  Alone alone;
+  const int said = alone_at(model, point, point.own, alone);
+  if (said < 0) return said;
+  const int status = said | (c.settled ? PHN_OK : PHN_WARNING_UNSETTLED);
+  bound = bound_alone(model, point, alone, status);
   return status;
 }
 
@@ -114,7 +91,7 @@ int phn_coupled_bound(const phn_model* model, const phn_data* data, double* boun
   if (data->coupling == nullptr || data->coupling->n_tools == 0) return PHN_ERROR_UNDEFINED;
   const Coupling& c = *data->coupling;
   double found[most_coupled] = {};
-  const int status = bounds_of(*model, c, found);
+  const int status = bound_of(*model, c, found[0]);
   for (std::int32_t t = 0; t < c.n_tools; ++t) bounds[t] = status < 0 ? 0 : found[t];
   return status;
 }

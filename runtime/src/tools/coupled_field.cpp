@@ -15,11 +15,11 @@ void CoupledField::clear_field() {
 }
 
 void CoupledField::add_response(std::int32_t set, std::int32_t s, double weight) {
-  const HeldPoint& point = _c.point[s];
+  const Constraint& point = _c.point[s];
   for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-    field(set, s, i).share += weight * point.node_share[i];
-    field(set, s, i).own += weight * point.node_own[i];
-    add_scaled(weight, node_basis(s, i), basis_size(_model, node(point, i)), field_basis(set, s, i));
+    field(set, s, i).share += weight * point.response_share[i];
+    field(set, s, i).own += weight * point.response_own[i];
+    add_scaled(weight, response_basis(s, i), basis_size(_model, node(point, i)), field_basis(set, s, i));
   }
 }
 
@@ -28,17 +28,17 @@ void CoupledField::add_at_rest(std::int32_t set, std::int32_t s, const Vector& r
     move_at_rest(s, i, r, weight, field_basis(set, s, i), field(set, s, i).own);
 }
 
-double CoupledField::miss() {
+double CoupledField::constraint_residual() {
   double largest = 0;
   for (std::int32_t t = 0; t < _c.n_tools; ++t) {
     _c.right[t] = _targets[t];
     for (std::int32_t set = 0; set < _c.n_sets; ++set) {
       Vector sum = {};
       for (std::int32_t s = 0; s < _c.n_tools; ++s) {
-        const HeldPoint& point = _c.point[s];
+        const Constraint& point = _c.point[s];
         for (std::int32_t i = 0; i < point.n_nodes; ++i)
-          sum += local_displacement(_c.local[at(t, s, i)], field(set, s, i).share, field(set, s, i).own,
-                                    basis_size(_model, node(point, i)), field_basis(set, s, i));
+          sum += displacement_of(_c.displacement[at(t, s, i)], field(set, s, i).share, field(set, s, i).own,
+                                 basis_size(_model, node(point, i)), field_basis(set, s, i));
       }
       _c.right[t] -= rotated(_c.field_turn[set], sum);
     }
@@ -62,7 +62,7 @@ void coupled_field(const phn_model& model, const Coupling& c, PreparedNodes& pre
                    double* field) {
   for (std::int32_t set = 0; set < c.n_sets; ++set) {
     for (std::int32_t s = 0; s < c.n_tools; ++s) {
-      const HeldPoint& point = c.point[s];
+      const Constraint& point = c.point[s];
       for (std::int32_t i = 0; i < point.n_nodes; ++i) {
         const auto at = static_cast<std::size_t>(c.n_corners * (set * c.max_tools + s) + i);
         field_of_basis(model, model.active[point.active[i]], prepare(model, prepared, point.active[i]),

@@ -1,14 +1,14 @@
 // The field of several tools: sums of responses of their nodes, in sets that are each turned as a whole.
 #pragma once
 
-#include "tools/tool_responses.hpp"
+#include "tools/point_response.hpp"
 
 namespace PHN_RUNTIME {
 
-class CoupledField : public ToolResponses {
+class CoupledField : protected PointResponses {
  protected:
   CoupledField(const phn_model& model, Coupling& coupling, const Vector* targets)
-      : ToolResponses(model, coupling), _targets(targets) {}
+      : PointResponses(model, coupling), _targets(targets) {}
 
   void clear_field();
   /// Adds to the field `weight` times the latest response of tool s.
@@ -17,7 +17,7 @@ class CoupledField : public ToolResponses {
   /// @param r  displacement of the point [m]
   void add_at_rest(std::int32_t set, std::int32_t s, const Vector& r, double weight);
   /// right = targets minus displacements of the points in the field. @return the largest distance
-  double miss();
+  double constraint_residual();
   /// Whether forces and field are finite.
   bool finite() const;
 

@@ -1,10 +1,10 @@
-// What coupled tools need of each family beside core/families.hpp: derivatives of the basis, and displacements of a few
+// What coupled nodes need of each family beside core/families.hpp: derivatives of the basis, and displacements of a few
 // vertices as products with the basis.
 #pragma once
 
 #include "core/families.hpp"
 #include "core/kernels.hpp"
-#include "tools/local_response.hpp"
+#include "tools/node_field.hpp"
 
 namespace PHN_RUNTIME {
 
@@ -44,20 +44,20 @@ class NetworkSum {
   /// @param gaussian  working memory, n_neurons
   NetworkSum(const phn_model& model, const Networks& nets, double* gaussian)
       : _model(model), _net(nets.deformation), _gaussian(gaussian) {}
-  void add(std::int32_t output, const Matrix& map, LocalResponse& local) const {
+  void add(std::int32_t output, const Matrix& map, NodeField& field) const {
     best_network_kernels().of_inputs(_net, 3, _model.output_points + 3 * static_cast<std::size_t>(output), _gaussian);
     for (std::int32_t i = 0; i < _net.n_neurons; ++i) {
       Vector u;
       for (int k = 0; k < 3; ++k)
         u[k] = _gaussian[i] * _net.output_half_range[k] * static_cast<double>(_net.weight[k][i]);
       const Vector sum = map * u;
-      for (int k = 0; k < 3; ++k) local.rows[k * _net.n_neurons + i] += sum[k];
+      for (int k = 0; k < 3; ++k) field.rows[k * _net.n_neurons + i] += sum[k];
     }
     Vector constant;
     for (int k = 0; k < 3; ++k) constant[k] = _net.output_center[k] + _net.output_half_range[k] * _net.bias[k];
-    local.constant += map * constant;
+    field.constant += map * constant;
   }
-  void finish(LocalResponse&) const {}
+  void finish(NodeField&) const {}
 
  private:
   const phn_model& _model;
@@ -69,31 +69,17 @@ class NetworkSum {
 class UnitSum {
  public:
   explicit UnitSum(const LinearResponse& linear) : _linear(linear) {}
-  void add(std::int32_t output, const Matrix& map, LocalResponse& local) const {
+  void add(std::int32_t output, const Matrix& map, NodeField& field) const {
     for (int l = 0; l < 3; ++l) {
       const Vector u = map * vector_at(_linear.unit_response[l] + 3 * output);
-      for (int k = 0; k < 3; ++k) local.rows[3 * k + l] += u[k];
+      for (int k = 0; k < 3; ++k) field.rows[3 * k + l] += u[k];
     }
   }
-  void finish(LocalResponse&) const {}
+  void finish(NodeField&) const {}
 
  private:
   const LinearResponse& _linear;
 };
-
-/// Calls f(s, value) for each shared mode s of component c of a vertex.
-template <class Function>
-void each_shared(const phn_model& model, std::int32_t output, std::int32_t c, Function&& f) {
-  const auto n_shared = static_cast<std::size_t>(model.shared.n_modes);
-  const std::size_t row = 3 * static_cast<std::size_t>(output) + static_cast<std::size_t>(c);
-  const float* mode = model.shared.modes + row / rows_per_block * rows_per_block * n_shared + row % rows_per_block;
-  for (std::size_t s = 0; s < n_shared; ++s) f(s, static_cast<double>(mode[s * rows_per_block]));
-}
-/// Adds the shared modes of a vertex to 3 n_modes numbers.
-inline void add_shared(const phn_model& model, std::int32_t output, double weight, double* shared) {
-  for (std::int32_t c = 0; c < 3 && model.shared.n_modes > 0; ++c)
-    each_shared(model, output, c, [&](std::size_t s, double value) { shared[3 * s + c] += weight * value; });
-}
 
 /// Sums modes over vertices. Vertices near the node have modes of their own; modes of other vertices are mixed from the
 /// shared modes, which are summed first.
@@ -104,38 +90,33 @@ class ModeSum {
       : _model(model), _node(node), _shared(shared) {
     for (std::int32_t k = 0; k < 3 * model.shared.n_modes; ++k) shared[k] = 0;
   }
-  void add(std::int32_t output, const Matrix& map, LocalResponse& local) {
+  void add(std::int32_t output, const Matrix& map, NodeField& field) {
     const std::int32_t at = find_sorted(_node.near, _node.n_near, output);
-    if (at >= 0) return add_near(at, map, local);
+    if (at >= 0) return add_near(at, map, field);
     _mixes = true;
-    for (std::int32_t c = 0; c < 3; ++c)
-      each_shared(_model, output, c, [&](std::size_t s, double value) {
-        for (int k = 0; k < 3; ++k) _shared[3 * s + k] += map(k, c) * value;
-      });
-  }
-  void add_all(const double* weight, const double* shared, LocalResponse& local) {
-    _mixes = true;
-    for (std::int32_t k = 0; k < 3 * _model.shared.n_modes; ++k) _shared[k] = shared[k];
-    for (std::int32_t i = 0; i < _node.n_near; ++i) {
-      const double w = weight[_node.near[i]];
-      if (w == 0) continue;
-      add_shared(_model, _node.near[i], -w, _shared);
-      add_near(i, diagonal(w), local);
+    const auto n_shared = static_cast<std::size_t>(_model.shared.n_modes);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t row = 3 * static_cast<std::size_t>(output) + c;
+      const float* mode = _model.shared.modes + row / rows_per_block * rows_per_block * n_shared + row % rows_per_block;
+      for (std::size_t s = 0; s < n_shared; ++s) {
+        const auto value = static_cast<double>(mode[s * rows_per_block]);
+        for (int k = 0; k < 3; ++k) _shared[3 * s + k] += map(k, static_cast<int>(c)) * value;
+      }
     }
   }
-  void finish(LocalResponse& local) const {
+  void finish(NodeField& field) const {
     for (std::int32_t s = 0; s < _model.shared.n_modes && _mixes; ++s)
       add_row(_node.mixing + static_cast<std::size_t>(s) * static_cast<std::size_t>(_node.n_columns),
-              _node.mixing_scale, _shared + 3 * s, _node.n_modes, local.rows);
+              _node.mixing_scale, _shared + 3 * s, _node.n_modes, field.rows);
   }
 
  private:
-  void add_near(std::int32_t at, const Matrix& map, LocalResponse& local) const {
+  void add_near(std::int32_t at, const Matrix& map, NodeField& field) const {
     for (std::int32_t c = 0; c < 3; ++c) {
       const std::size_t row = 3 * static_cast<std::size_t>(at) + static_cast<std::size_t>(c);
       const double factor[3] = {map(0, c), map(1, c), map(2, c)};
       add_row(_node.near_mode + row * static_cast<std::size_t>(_node.n_columns), _node.near_mode_scale, factor,
-              _node.n_modes, local.rows);
+              _node.n_modes, field.rows);
     }
   }
   /// Adds one row of a table, times factor[k], to row k of sum. @param sum  3 x m

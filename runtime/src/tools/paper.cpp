@@ -25,6 +25,7 @@ int read_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, con
     for (std::int32_t s = 0; s < t; ++s) {
       if (data.asked_nodes[s] == data.asked_nodes[t]) return PHN_ERROR_SAME_NODE;
     }
+    if (n_tools > 1 && model.active[at].moves_mean) return PHN_ERROR_ROUND_TOOLS;
     if (!has_deformation(model, model.active[at])) return PHN_ERROR_UNDEFINED;
     status |= warnings(model, model.active[at], d);
   }

@@ -83,10 +83,14 @@ bool is_beside_fixed(const phn_model& model, const Place& place) {
   return place.fixed_weight > largest_fixed_weight<double> && is_round(model, place);
 }
 
+bool has_round_tools(const phn_model& model) {
+  std::int32_t i = 0;
+  while (i < model.n_active && !model.active[i].moves_mean) ++i;
+  return i < model.n_active;
+}
+
 Neighbours find_neighbours(Arena& arena, const phn_model& model) {
-  std::int32_t round = 0;
-  while (round < model.n_active && model.active && !model.active[round].moves_mean) ++round;
-  if (round == model.n_active || !model.active) return {};
+  if (!has_round_tools(model)) return {};
   auto* begin = arena.take<std::int32_t>(static_cast<std::size_t>(model.n_active) + 1);
   const bool spread = model.n_probe_triangles > 0;
   const std::int32_t n_triangles = spread ? model.n_probe_triangles : model.n_triangles;

@@ -45,6 +45,9 @@ inline bool answers_alone(const phn_model& model, const Place& place) {
   return place.n_nodes == 1 || is_round(model, place);
 }
 
+/// Whether a tool of the model is round; such a model answers one tool only.
+bool has_round_tools(const phn_model& model);
+
 /// Active neighbours of each active node: a neighbour once for each triangle that they share. Empty in models without
 /// round tools.
 struct Neighbours {

@@ -21,14 +21,25 @@ phn_data* make_tools(Arena& arena, const phn_model& model, std::int32_t max_tool
   return data;
 }
 
-bool same_node(const HeldPoint& a, const HeldPoint& b) {
+bool same_node(const Place& a, const Place& b) {
   return a.n_nodes == 1 && b.n_nodes == 1 && a.active[0] == b.active[0];
+}
+
+/// Components of displacements are clamped to this [m].
+double largest_displacement(const phn_model& model) {
+  return phynness::schema::traits(model.kind).proportional ? largest_linear
+                                                           : largest_coupled * model.max_displacement_m;
+}
+
+/// The warnings of a node of a tool at a displacement [m].
+int warned_at(const phn_model& model, std::int32_t active, const Vector& d) {
+  return warnings(model, model.active[active], d.x);
 }
 
 /// One tool at one node: the response of that node. One round tool: the mean of the responses around it. Nothing has
 /// to be solved.
-CoupledResult alone(const phn_model& model, Coupling& c, const Vector& target) {
-  HeldPoint& point = c.point[0];
+CoupledResult answer_alone(const phn_model& model, Coupling& c, const Vector& target) {
+  Constraint& point = c.point[0];
   const Mean mean = mean_at(model, c.neighbours, point);
   c.n_sets = 1;
   c.field_turn[0] = {};
@@ -38,33 +49,38 @@ CoupledResult alone(const phn_model& model, Coupling& c, const Vector& target) {
   const Vector d = target / mean.lever;
   for (std::int32_t i = 0; i < point.n_nodes; ++i) {
     const ActiveNode& node = model.active[point.active[i]];
-    point.reach[i] = diagonal(1 / mean.lever);
     c.field[i] = {mean.share[i], d};
+    c.warned |= warned_at(*model.full, point.active[i], diagonal(1 / mean.lever) * target);
     if (!has_deformation(model, node)) continue;
     double* basis = c.field_basis + static_cast<std::size_t>(i) * model.n_basis;
     basis_of(model, node, d.x, basis, c.kernel);
     for (std::int32_t j = 0; j < basis_size(model, node); ++j) basis[j] *= mean.share[i];
   }
-  return {true, false, 0, energy};
+  if (is_beside_fixed(model, point)) c.warned |= PHN_WARNING_OUTSIDE;
+  return {true, 0, energy};
 }
 
-/// Components of displacements are clamped to this [m].
-double largest_displacement(const phn_model& model) {
-  return phynness::schema::traits(model.kind).proportional ? largest_linear
-                                                           : largest_coupled * model.max_displacement_m;
-}
-
-/// Warnings of all nodes at the displacements at which their responses are evaluated.
-int warnings_of(const phn_model& model, const Coupling& c) {
-  int status = c.beyond ? PHN_WARNING_OUTSIDE : PHN_OK;
+CoupledResult answer_coupled(const phn_model& model, Coupling& c, const Vector* targets) {
+  const CoupledResult solved = solve_coupled(model, c, targets);
   for (std::int32_t t = 0; t < c.n_tools; ++t) {
-    const HeldPoint& point = c.point[t];
-    if (is_beside_fixed(model, point)) status |= PHN_WARNING_OUTSIDE;
+    const Constraint& point = c.point[t];
+    for (std::int32_t i = 0; i < point.n_nodes; ++i)
+      c.warned |= warned_at(*model.full, point.active[i], point.reach[i] * point.own);
+  }
+  return solved;
+}
+
+/// Whether the points of node probes can be coupled: each of their nodes has an output and a deformation.
+bool can_couple(const phn_model& model, const Coupling& c, std::int32_t n_tools) {
+  for (std::int32_t t = 0; t < n_tools; ++t) {
+    const Constraint& point = c.point[t];
+    if (point.n_nodes > most_nodes) return false;
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-      status |= warnings(model, model.active[point.active[i]], (point.reach[i] * point.own).x);
+      const ActiveNode& node = model.active[point.active[i]];
+      if (node.output < 0 || !has_deformation(model, node)) return false;
     }
   }
-  return status;
+  return true;
 }
 
 /// @param x  finite. @return a status of phynness.h
@@ -127,6 +143,8 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
   if (data->coupling == nullptr) return PHN_OK;
   Coupling& c = *data->coupling;
   c.n_tools = 0;
+  c.warned = PHN_OK;
+  if (n_tools > 1 && has_round_tools(c)) return PHN_ERROR_ROUND_TOOLS;
   const double largest = largest_displacement(*model);
   Vector targets[most_coupled];
   for (std::int32_t t = 0; t < n_tools; ++t) {
@@ -138,21 +156,14 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
     }
   }
   c.model = data->level;
-  const bool one = n_tools == 1 && answers_alone(*model, c.point[0]);
-  for (std::int32_t t = 0; t < n_tools && !one; ++t) {
-    for (std::int32_t i = 0; i < c.point[t].n_nodes; ++i) {
-      const ActiveNode& node = c.model->active[c.point[t].active[i]];
-      if (node.output < 0 || !has_deformation(*c.model, node)) return PHN_ERROR_UNDEFINED;
-    }
-  }
   if (n_tools == 0) return PHN_OK;
+  const bool alone = n_tools == 1 && answers_alone(*model, c.point[0]);
+  if (!alone && (has_round_tools(c) || !can_couple(*c.model, c, n_tools))) return PHN_ERROR_UNDEFINED;
   c.n_tools = n_tools;
-  const auto solved = one ? alone(*c.model, c, targets[0]) : solve_coupled(*c.model, c, targets);
+  const CoupledResult solved = alone ? answer_alone(*c.model, c, targets[0]) : answer_coupled(*c.model, c, targets);
   c.settled = solved.settled;
-  c.beyond = solved.beyond;
-  const int status = (solved.settled ? PHN_OK : PHN_WARNING_UNSETTLED) | warnings_of(*model, c);
   result = {solved.residual, std::isfinite(solved.energy) ? solved.energy : 0};
-  return status;
+  return solved.settled ? c.warned : c.warned | PHN_WARNING_UNSETTLED;
 }
 
 }  // namespace
@@ -246,7 +257,7 @@ int phn_coupled_deform(const phn_model* model, phn_data* data, double* out) {
     }
   }
   coupled_field(*c.model, c, data->prepared, data->scratch, data->field, out);
-  return warnings_of(*model, c);
+  return c.warned;
 }
 
 }  // extern "C"

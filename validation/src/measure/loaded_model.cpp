@@ -1,12 +1,19 @@
 #include <algorithm>
-#include <phynness/validation/loaded_model.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <tuple>
 
 namespace phynness {
 namespace {
 
 constexpr std::int32_t most_tools = 16;
+
+/// @throws Error (input) if the runtime refused several round tools
+void require_one_round_tool(int status, std::size_t n_tools) {
+  if (status == PHN_ERROR_ROUND_TOOLS)
+    throw input_error("a model of round tools answers one tool", std::to_string(n_tools) + " tools",
+                      several_round_tools);
+}
 
 rt::Span<double> span(Points& points) { return {points.data(), static_cast<std::size_t>(points.size())}; }
 
@@ -144,6 +151,7 @@ ModelResponse LoadedModel::respond(const std::vector<std::int32_t>& nodes,
     response.status = PHN_OK;
     response.displacement_m.resize(0, 3);
   }
+  require_one_round_tool(response.status, n_tools);
   check(response.status, nodes.empty() ? -1 : nodes[0]);
   response.force_N.assign(n_tools, std::nullopt);
   if (n_tools == 1) {
@@ -184,6 +192,7 @@ ModelResponse LoadedModel::couple(const std::vector<phn_tool>& tools) const {
   ModelResponse response;
   std::vector<double> forces(3 * n_tools);
   const int status = _data.couple(tools, forces, &response.coupled);
+  require_one_round_tool(status, n_tools);
   if (status == PHN_ERROR_TOOLS || status == PHN_ERROR_TOO_MANY_TOOLS)
     throw input_error("there are too many coupled tools", std::to_string(n_tools),
                       "give at most " + std::to_string(PHN_MOST_COUPLED) + " tools");

@@ -134,9 +134,8 @@ Json points_section(const PointReport& report) {
 
 Json pairs_section(const PairReport& report) {
   std::vector<Json> blocks{
-      text(fmt::format("{} pairs of nodes, both tools {:.4g} mm deep; {} not solved, {} unsettled in the model, {} "
-                       "outside of its trained "
-                       "range; {} are at most {:.0f} mm apart, and {} have no warning",
+      text(fmt::format("{} pairs of nodes, both tools {:.4g} mm deep; {} not solved, {} unsettled, {} outside of "
+                       "the trained range; {} are at most {:.0f} mm apart, and {} have no warning",
                        report.finished, 1e3 * report.depth_m, report.failed, report.unsettled, report.outside,
                        report.near.pairs, 1e3 * report.far_m, report.unflagged.pairs))};
   TableCells rows{{"error in %", "all: mean", "median", "p95", "max", "unflagged: mean", "p95", "near: mean", "median",
@@ -158,9 +157,10 @@ Json pairs_section(const PairReport& report) {
   }
   blocks.push_back(table(rows));
   add_warnings(report.body_warnings, blocks);
-  blocks.push_back(table(table_cells("two tools, in %", report.by_warning)));
+  if (report.by_warning) blocks.push_back(table(table_cells("two tools, in %", *report.by_warning)));
   if (report.body_by_warning) blocks.push_back(table(table_cells("reduced body, in %", *report.body_by_warning)));
-  if (const auto why = reasons(report.by_warning.unreached); !why.empty())
+  const auto& judged = report.by_warning ? report.by_warning : report.body_by_warning;
+  if (const auto why = judged ? reasons(judged->unreached) : std::string(); !why.empty())
     blocks.push_back(text("not reached by the finite elements: " + why));
   if (const auto& alone = report.single_force; alone.n > 0)
     blocks.push_back(text(fmt::format("larger force error of the two tools alone: mean {}, median {}, max {} %",

@@ -28,6 +28,7 @@ const errorNames: Readonly<Record<number, string>> = {
   [-17]: 'PHN_ERROR_TOO_LARGE',
   [-18]: 'PHN_ERROR_GEOMETRY',
   [-19]: 'PHN_ERROR_TOO_MANY_TOOLS',
+  [-20]: 'PHN_ERROR_ROUND_TOOLS',
 };
 
 /** A refused call of the runtime. */

@@ -125,8 +125,8 @@ struct ModelBound {
   std::int32_t reference = 0;            ///< with what forces are compared, of reference_names
   /// The reference behind "the error of the force": " from taylor-hood elements on the same mesh"; empty for 0.
   std::string from() const;
-  /// Empty, or schema::n_coupled_kinds rows of coefficients: one tool between nodes, several tools.
-  Eigen::Matrix<double, Eigen::Dynamic, schema::n_coupled_terms> coupled{};
+  /// Coefficients of one tool between nodes.
+  Eigen::Matrix<double, schema::n_coupled_terms, 1> between = {schema::no_coupled_bound, 0, 0, 0};
 };
 
 /// What the finite elements solved, of a model that was trained on a database.

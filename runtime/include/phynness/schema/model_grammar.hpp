@@ -98,9 +98,7 @@ void bounds(IO& io, Model& model) {
     integer_line(io, "rays", bound.n_rays, 1, largest_integer);
     integer_line(io, "nodes", bound.n_nodes, 1, largest_integer);
     integer_line(io, "reference", bound.reference, 0, n_bound_references);
-    if (!io.optional("coupled", io.rows(bound.coupled) > 0)) continue;
-    const int32_t kinds = size_line(io, "coupled", io.rows(bound.coupled), n_coupled_kinds, n_coupled_kinds);
-    rows_of_numbers(io, "coefficient", bound.coupled, kinds, n_coupled_terms, exponent);
+    row_line(io, "between", bound.between, n_coupled_terms, exponent);
   }
 }
 

@@ -24,9 +24,9 @@ struct BoundReport {
   /// Each fifth of the nodes with the bounds that the others give; of the rays if all nodes have rays.
   BoundCoverage left_out;
   double median_bound_N = 0, median_share = 0;              ///< of the states: bound; bound over force
-  std::int64_t coupled_rays = 0, planned_coupled_rays = 0;  ///< of tools between nodes, and of two tools
+  std::int64_t coupled_rays = 0, planned_coupled_rays = 0;  ///< of tools between nodes; of all tools of a body
   std::int64_t failed_coupled_rays = 0;                     ///< of these, that ended early
-  CoupledCoverage between, two;
+  CoupledCoverage between, two;                             ///< one tool between nodes or of a body; two of a body
   double seconds = 0;
 
   bool interrupted() const { return nodes < planned_nodes || coupled_rays < planned_coupled_rays; }
@@ -35,12 +35,15 @@ struct BoundReport {
       see("reference", name(result.reference));
       PHYNNESS_SEE(rays, failed_rays, nodes, planned_nodes, all_nodes, states, median_bound_N, median_share, left_out);
     }
-    PHYNNESS_SEE(coupled_rays, planned_coupled_rays, failed_coupled_rays, between, two, seconds);
+    PHYNNESS_SEE(coupled_rays, planned_coupled_rays, failed_coupled_rays, between);
+    if (result.planned_nodes == 0) see("two", result.two);
+    PHYNNESS_SEE(seconds);
   }
 };
 
-/// Increments that a calibration with so many rays solves, with those of 0, 1 or 2 kinds of coupled tools.
-double calibration_increments(std::int64_t rays, int coupled_kinds);
+/// Increments that the calibration of a model with so many rays solves. @param between  with those of tools between
+/// nodes
+double calibration_increments(std::int64_t rays, bool between);
 
 /// About what a calibration against a finer solution takes, by the times of the database.
 struct FinerCost {

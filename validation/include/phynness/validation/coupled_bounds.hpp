@@ -1,9 +1,10 @@
-// Statistics of the bounds of forces of tools between nodes and of several tools (formats/model.md, Bounds).
+// Statistics of the bounds of forces of tools between nodes of a model (formats/model.md, Bounds) and of tools of a
+// body (formats/body.md, Bounds).
 #pragma once
 
-#include <phynness/validation/loaded_model.hpp>
 #include <phynness/formats/body.hpp>
 #include <phynness/validation/bound_coverage.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <vector>
 
 namespace phynness {
@@ -31,13 +32,13 @@ struct CoupledCoverage {
   }
 };
 
-/// Sets the coefficients of these bounds; a kind with fewer than 20 rays has none.
+/// Sets the coefficients of the bound of one tool between nodes; with fewer than 20 rays it stays unknown.
 /// @param model   with bounds at nodes
 /// @param mesh    of the model
-/// @param states  of both kinds. @return one tool between nodes; two tools
-std::array<CoupledCoverage, 2> add_coupled_bounds(Model& model, const Mesh& mesh,
-                                                  const std::vector<CoupledState>& states);
-/// The same for a body, at every place. @param increments  in which it is pressed
+CoupledCoverage add_bound_between(Model& model, const Mesh& mesh, const std::vector<CoupledState>& states);
+/// Sets those of a body, of one tool and of two, at every place; a kind with fewer than 20 rays has none.
+/// @param increments  in which it is pressed
+/// @param states      of both kinds. @return one tool; two tools
 std::array<CoupledCoverage, 2> add_coupled_bounds(ReducedBody& body, int increments, double coverage,
                                                   const std::vector<CoupledState>& states);
 

@@ -23,6 +23,11 @@ struct ModelResponse {
   std::vector<std::optional<double>> bound_N;
 };
 
+/// What to do for several round tools.
+inline constexpr const char* several_round_tools =
+    "give --body the reduced body that phynness run makes of a scene with tools = 2 to 8 in [probe], of the elements "
+    "p1-p1 and es-p1-p1";
+
 phn_tool tool_at(const SurfacePoint& place, const Vec3& displacement_m);
 
 /// Must not be used by several threads at the same time.
@@ -66,10 +71,13 @@ class LoadedModel {
   bool has_bounds() const;
   /// Bound [N] of the error of the force; none outside of the trained range or if the model has no bounds.
   std::optional<double> error_bound(std::int32_t node, const Vec3& displacement_m) const;
+  /// Whether tools are round: such a model answers one tool.
+  bool has_round_tools() const { return !model().nodes.empty() && model().nodes.front().moves_mean; }
   /// Response to coupled tools anywhere on the surface.
-  /// @throws Error (input) if a node of a tool is neither active nor fixed, or if the model has forces only
+  /// @throws Error (input) if a node of a tool is neither active nor fixed, if the model has forces only, or if there
+  /// are several round tools
   ModelResponse couple(const std::vector<phn_tool>& tools) const;
-  /// Response to several tools at nodes with the paper's weights (15)-(16).
+  /// Response to several tools at nodes with the paper's weights (15)-(16). @throws Error (input) for round tools
   ModelResponse respond(const std::vector<std::int32_t>& nodes, const std::vector<Vec3>& displacement_m) const;
 
  private:

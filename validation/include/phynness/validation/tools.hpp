@@ -5,8 +5,8 @@
 #include <phynness/phynness.h>
 #include <array>
 #include <cstdint>
-#include <phynness/validation/loaded_body.hpp>
 #include <phynness/formats/described.hpp>
+#include <phynness/validation/loaded_body.hpp>
 #include <phynness/validation/validation.hpp>
 #include <string>
 #include <vector>
@@ -85,9 +85,9 @@ PointReport validate_points(const SolverSession& session, const Scene& scene, co
                             LoadedBody* body, std::int64_t points, std::int64_t displacements, std::uint64_t seed,
                             const OnProgress& progress = {}, const ShouldStop& stop = {});
 
-/// alone: the force of each tool without the other one, and the sum of the two fields. paper: the weights (15)-(16),
-/// which define no force. linear: the response of the undeformed body to both tools. body: a reduced body, if one is
-/// given; its displacements are compared at the nodes that it has.
+/// coupled: a model of node probes. alone: the force of each tool without the other one, and the sum of the two fields.
+/// paper: the weights (15)-(16) of node probes, which define no force. linear: the response of the undeformed body to
+/// both tools. body: a reduced body, if one is given; its displacements are compared at the nodes that it has.
 enum class PairPredictor { coupled, alone, paper, linear, body };
 inline constexpr std::array<PairPredictor, 5> pair_predictors{
     PairPredictor::coupled, PairPredictor::alone, PairPredictor::paper, PairPredictor::linear, PairPredictor::body};
@@ -114,21 +114,28 @@ struct PairErrors : PairMeasures<double> {
   double force_floored = 0;  ///< force_own with a denominator of at least force_floor * the larger force
 };
 
-/// @param result  has_body: whether there are errors of a reduced body
+/// Who answers two tools.
+struct PairAnswers {
+  bool has_nodes = false;  ///< a model of node probes, which is coupled
+  bool has_body = false;   ///< a reduced body
+  bool has(PairPredictor p) const {
+    if (p == PairPredictor::body) return has_body;
+    return has_nodes || p == PairPredictor::alone || p == PairPredictor::linear;
+  }
+};
 void see_errors(const auto& result, auto&& see) {
   for (const auto p : pair_predictors)
-    if (p != PairPredictor::body || result.has_body) see(name(p), result.of(p));
+    if (result.has(p)) see(name(p), result.of(p));
 }
 
-struct PairRecord {
+struct PairRecord : PairAnswers {
   std::array<std::int32_t, 2> nodes{};
   std::array<Vec3, 2> displacement_m{};
   double distance_m = 0;              ///< between the nodes at rest
   bool solved = false;                ///< by the finite elements; if false, the members behind `status` are 0
   Status ended = Status::not_solved;  ///< converged, or why it was not solved
-  int status = 0;                     ///< of phn_couple: warnings
-  bool has_body = false;
-  int body_status = 0;                              ///< of phn_body_press: warnings
+  int status = 0;                     ///< warnings of phn_couple; of round tools those of the body
+  int body_status = 0;                ///< of phn_body_press: warnings
   std::int64_t body_bounded = 0, body_covered = 0;  ///< of BodyWarnings
   double residual_m = 0;
   /// Larger error of the model for each tool alone compared with a solve for this tool alone, over the finite element
@@ -152,9 +159,8 @@ struct PairRecord {
 };
 
 /// Pairs of one kind: all pairs, pairs of a range of distance, or pairs by convergence of the model.
-struct PairGroup {
+struct PairGroup : PairAnswers {
   std::int64_t pairs = 0;
-  bool has_body = false;
   std::array<PairStatistics, pair_predictors.size()> errors;  ///< by PairPredictor
   const PairStatistics& of(PairPredictor p) const { return errors[static_cast<std::size_t>(p)]; }
   static void describe(const auto& result, auto&& see) {
@@ -167,15 +173,16 @@ struct PairReport {
   std::int64_t pairs = 0;                   ///< requested
   std::int64_t finished = 0;                ///< fewer than `pairs` if it was interrupted
   std::int64_t failed = 0;                  ///< finished pairs that the finite elements did not solve
-  std::int64_t unsettled = 0, outside = 0;  ///< solved pairs with this warning of the model
+  std::int64_t unsettled = 0, outside = 0;  ///< solved pairs with this warning of PairRecord::status
   double depth_m = 0, far_m = 0;
   double largest_residual_m = 0;
   PairGroup all, near, far;
   PairGroup unflagged;  ///< pairs without _OUTSIDE and _UNSETTLED
   PairGroup right;      ///< pairs for which single_force is at most `right_alone`
   ErrorStatistics single_force;
-  ErrorsByWarning by_warning;                 ///< force of the worse tool, displacement as PairErrors::displacement
-  std::optional<BodyWarnings> body_warnings;  ///< of solved pairs; empty without a body
+  /// Of node probes: force of the worse tool, displacement as PairErrors::displacement.
+  std::optional<ErrorsByWarning> by_warning;
+  std::optional<BodyWarnings> body_warnings;       ///< of solved pairs; empty without a body
   std::optional<ErrorsByWarning> body_by_warning;  ///< as by_warning
   std::vector<PairRecord> records;                 ///< finished pairs, in the order of the seed
   double seconds = 0;
@@ -184,7 +191,8 @@ struct PairReport {
     PHYNNESS_SEE(pairs, finished, failed, unsettled, outside, depth_m, far_m, largest_residual_m, all, near, far);
     see("unflagged", result.unflagged);
     see("right_alone", result.right);
-    PHYNNESS_SEE(single_force, records, by_warning);
+    PHYNNESS_SEE(single_force, records);
+    if (result.by_warning) see("by_warning", *result.by_warning);
     if (result.body_warnings) see("body_warnings", *result.body_warnings);
     if (result.body_by_warning) see("body_by_warning", *result.body_by_warning);
   }
@@ -200,13 +208,13 @@ inline constexpr double right_alone = 0.02;
 /// Distance of the tools, as a fraction of the longest extent of the body, from which on a pair is called far.
 inline constexpr double far_fraction = 0.3;
 
-/// Random pairs of active nodes; rigid patches that overlap are not used. Directions are uniform on the sphere,
+/// Random pairs of active nodes. Directions are uniform on the sphere,
 /// or in scenes with hemispheres on the inward half of it. Both tools have the depth `depth_m`. Collective; the result
 /// is the same for any number of ranks and complete on rank 0. If `stop` returns true, the function returns the
 /// finished pairs.
-/// @param body  of the same mesh and physics; null: none
+/// @param body  of the same mesh and physics; null: none, if the model has node probes
 /// @throws Error (input) if the model has no two active nodes that can be touched at the same time, or if it has forces
-///   only
+///   only, or round tools and there is no body
 PairReport validate_pairs(const SolverSession& session, const Scene& scene, const LoadedModel& model, LoadedBody* body,
                           std::int64_t pairs, double depth_m, std::uint64_t seed, const OnProgress& progress = {},
                           const ShouldStop& stop = {});

@@ -1,4 +1,4 @@
-#include "tools/local_response.hpp"
+#include "tools/node_field.hpp"
 
 #include <cmath>
 
@@ -33,8 +33,7 @@ void stiffen(Matrix& stiffness) {
   }
 }
 
-/// Step [m] of differences around rest. Round tools that are near each other multiply what they get wrong, so that the
-/// curvature over the whole first increment counts (docs/decisions/several-round-tools.md).
+/// Step [m] of differences of forces around rest.
 double step_at_rest(const phn_model& model, const ActiveNode& node) {
   constexpr double of_round_tools = 0.3;
   return node.moves_mean ? of_round_tools * model.first_increment : model.first_increment;
@@ -45,7 +44,7 @@ double step_at_rest(const phn_model& model, const ActiveNode& node) {
 void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, double* gradient, double* scratch,
                             double* other) {
   const std::int32_t n = basis_size(model, node);
-  const double h = schema::traits(model.kind).proportional ? 1 : step_at_rest(model, node);
+  const double h = schema::traits(model.kind).proportional ? 1 : model.first_increment;
   for (int k = 0; k < 3; ++k) {
     basis_of(model, node, unit_vector(k, h).x, gradient + k * n, scratch);
     basis_of(model, node, (-1 * unit_vector(k, h)).x, other, scratch);
@@ -59,14 +58,14 @@ void basis_and_gradient(const phn_model& model, const ActiveNode& node, const do
                 [&](const auto& response) { response_gradient(model, response, d, basis, gradient, scratch); });
 }
 
-void clear_local(const phn_model& model, const ActiveNode& node, LocalResponse& local) {
-  local.constant = {};
-  local.direct = {};
-  for (std::int32_t i = 0; i < 3 * basis_size(model, node); ++i) local.rows[i] = 0;
+void clear(const phn_model& model, const ActiveNode& node, NodeField& field) {
+  field.constant = {};
+  field.direct = {};
+  for (std::int32_t i = 0; i < 3 * basis_size(model, node); ++i) field.rows[i] = 0;
 }
 
-void add_local(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
-               const Matrix* maps, double* scratch, LocalResponse& local) {
+void add_vertices(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
+                  const Matrix* maps, double* scratch, NodeField& field) {
   with_response(model, node, [&](const auto& response) {
     auto sum = vertex_sum(model, response, scratch);
     for (std::int32_t i = 0; i < n; ++i) {
@@ -74,52 +73,21 @@ void add_local(const phn_model& model, const ActiveNode& node, std::int32_t n, c
       if (vertex < 0 || vertex >= model.n_output) continue;
       const std::int32_t moved = node.moves_mean ? -1 : position_of(node.prescribed, node.n_prescribed, vertex);
       if (moved >= 0) {
-        local.direct += node.prescribed_weight[moved] * maps[i];
+        field.direct += node.prescribed_weight[moved] * maps[i];
       } else {
-        sum.add(vertex, maps[i], local);
+        sum.add(vertex, maps[i], field);
       }
     }
-    sum.finish(local);
+    sum.finish(field);
   });
 }
 
-void add_round_tool(const ActiveNode& node, double part, double* weight) {
-  for (std::int32_t m = 0; m < node.n_prescribed; ++m) weight[node.prescribed[m]] += part * node.prescribed_weight[m];
-}
-
-void sum_shared(const phn_model& model, const double* weight, double* shared) {
-  for (std::int32_t k = 0; k < 3 * model.shared.n_modes; ++k) shared[k] = 0;
-  for (std::int32_t v = 0; v < model.n_output; ++v) {
-    if (weight[v] != 0) add_shared(model, v, weight[v], shared);
-  }
-}
-
-void mean_response(const phn_model& model, const ActiveNode& node, double own, double* weight, const double* shared,
-                   double* scratch, LocalResponse& local) {
-  clear_local(model, node, local);
-  local.direct = diagonal(own);
-  if (own == 1) return;
-  if (own != 0) add_round_tool(node, -own, weight);
-  for (std::int32_t v = 0; v < model.n_output && node.modal == nullptr; ++v) {
-    const Matrix map = diagonal(weight[v]);
-    if (weight[v] != 0) add_local(model, node, 1, &v, &map, scratch, local);
-  }
-  if (node.modal) {
-    ModeSum sum(model, *node.modal, scratch);
-    sum.add_all(weight, shared, local);
-    for (std::int32_t m = 0; m < node.n_prescribed && own != 0; ++m)
-      add_shared(model, node.prescribed[m], -own * node.prescribed_weight[m], scratch);
-    sum.finish(local);
-  }
-  if (own != 0) add_round_tool(node, own, weight);
-}
-
-Vector local_displacement(const LocalResponse& local, double share, const Vector& d, std::int32_t n_basis,
-                          const double* basis) {
-  Vector u = local.direct * d;
+Vector displacement_of(const NodeField& field, double share, const Vector& d, std::int32_t n_basis,
+                       const double* basis) {
+  Vector u = field.direct * d;
   for (int i = 0; i < 3; ++i) {
-    u[i] += share * local.constant[i];
-    for (std::int32_t j = 0; j < n_basis; ++j) u[i] += local.rows[i * n_basis + j] * basis[j];
+    u[i] += share * field.constant[i];
+    for (std::int32_t j = 0; j < n_basis; ++j) u[i] += field.rows[i * n_basis + j] * basis[j];
   }
   return u;
 }

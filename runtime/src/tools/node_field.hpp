@@ -8,14 +8,13 @@ namespace PHN_RUNTIME {
 
 /// A sum of maps times displacements of a few vertices while one active node is displaced by d:
 /// constant + direct d + rows . basis(d).
-struct LocalResponse {
+struct NodeField {
   Vector constant;
   Matrix direct;  ///< of vertices that the probe itself moves
   double* rows;   ///< 3 x basis_size(node)
 };
 
-/// Derivatives around rest as central differences over the first trained increment, or a part of it for round tools.
-/// Near a snap-through the derivative
+/// Derivatives around rest as central differences over the first trained increment. Near a snap-through the derivative
 /// at 0 itself would be that of the interpolation instead of the body's.
 /// @param gradient  3 x basis_size(node), row k by d_k [1/m]
 /// @param scratch   n_centers + 3 of the shared modes
@@ -29,32 +28,22 @@ void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, doub
 void basis_and_gradient(const phn_model& model, const ActiveNode& node, const double* d, double* basis,
                         double* gradient, double* scratch);
 
-void clear_local(const phn_model& model, const ActiveNode& node, LocalResponse& local);
+void clear(const phn_model& model, const ActiveNode& node, NodeField& field);
 
 /// @param vertices, maps  n each; vertices as in phn_model::triangles; fixed vertices and -1 do not move
 /// @param scratch         3 n_modes of the shared modes; for networks basis_size(node)
-void add_local(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
-               const Matrix* maps, double* scratch, LocalResponse& local);
-
-/// Adds `part` of the mean that a round tool at the node moves to the weights of all vertices.
-void add_round_tool(const ActiveNode& node, double part, double* weight);
-/// The sum over vertices of their shared modes, 3 n_modes.
-void sum_shared(const phn_model& model, const double* weight, double* shared);
-/// The mean of vertices, by their weights, while the active node is displaced.
-/// @param own      part of the mean that is the mean under this node's own tool
-/// @param weight   of all vertices. @param shared  see sum_shared
-/// @param scratch  as add_local
-void mean_response(const phn_model& model, const ActiveNode& node, double own, double* weight, const double* shared,
-                   double* scratch, LocalResponse& local);
+void add_vertices(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
+                  const Matrix* maps, double* scratch, NodeField& field);
 
 /// @return share constant + direct d + rows . basis [m]
-Vector local_displacement(const LocalResponse& local, double share, const Vector& d, std::int32_t n_basis,
-                          const double* basis);
+Vector displacement_of(const NodeField& field, double share, const Vector& d, std::int32_t n_basis,
+                       const double* basis);
 
 /// Squared relative deviation of the forces at the trained depth, along the axes, from linear forces.
 double curvature(const phn_model& model, const ActiveNode& node, const Matrix& stiffness);
 
-/// Derivative of the force around rest by the same central differences, made symmetric and positive definite [N/m].
+/// Derivative of the force around rest by central differences, over 0.3 of the first increment for round tools, made
+/// symmetric and positive definite [N/m].
 Matrix stiffness_at_rest(const phn_model& model, const ActiveNode& node);
 
 }  // namespace PHN_RUNTIME
