@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <cmath>
-#include <phynness/validation/loaded_body.hpp>
-#include <phynness/validation/loaded_model.hpp>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/vtk.hpp>
 #include <phynness/phynness_surface.hpp>
+#include <phynness/validation/loaded_body.hpp>
+#include <phynness/validation/loaded_model.hpp>
 
 #include "commands.hpp"
 #include "query_table.hpp"

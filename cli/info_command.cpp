@@ -1,15 +1,15 @@
 #include <cstring>
 #include <fstream>
-#include <phynness/validation/loaded_body.hpp>
-#include <phynness/formats/image.hpp>
-#include <phynness/validation/loaded_model.hpp>
 #include <phynness/formats/body.hpp>
+#include <phynness/formats/image.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/printable.hpp>
 #include <phynness/formats/probe_points.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/schema/body_grammar.hpp>
 #include <phynness/training/families.hpp>
+#include <phynness/validation/loaded_body.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <set>
 
 #include "commands.hpp"

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <fstream>
-#include <phynness/validation/loaded_model.hpp>
 #include <phynness/training/families.hpp>
+#include <phynness/validation/loaded_model.hpp>
 
 #include "commands.hpp"
 

@@ -1,9 +1,9 @@
 #include <algorithm>
-#include <phynness/validation/loaded_body.hpp>
-#include <phynness/validation/loaded_model.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/pages/pages.hpp>
+#include <phynness/validation/loaded_body.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <tuple>
 
 #include "commands.hpp"

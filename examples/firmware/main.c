@@ -1,7 +1,8 @@
 /* Evaluates every golden query with the model in flash, compares with the host in double, counts instructions.
  * Prints one figure per line, NAME VALUE, and exits with 0 if all agree.
  *
- * In a device the loop is one call of phn_image_force. Only open is called before, and only the stack is used as memory.
+ * In a device the loop is one call of phn_image_force. Only open is called before, and only the stack is used as
+ * memory.
  */
 #include <phynness/phynness_image.h>
 #include <stdint.h>

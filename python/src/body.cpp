@@ -1,6 +1,6 @@
 // Body, as Python sees it: a reduced body of the runtime, which answers for several tools.
-#include <phynness/validation/loaded_body.hpp>
 #include <phynness/formats/body.hpp>
+#include <phynness/validation/loaded_body.hpp>
 
 #include <limits>
 

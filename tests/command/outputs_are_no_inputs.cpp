@@ -50,7 +50,7 @@ TEST_F(Files, of_outputs_are_no_inputs) {
   fs::create_directory_symlink(".", folder / "around");
   for (const char* same : {"d.h5", "./model/../d.h5", "link", "around/d.h5"})
     expect_names(refused([&] { cli::declare_output("--json", folder / same); }),
-                    {"would overwrite an input", "--json", same, "DATABASE"});
+                 {"would overwrite an input", "--json", same, "DATABASE"});
   refused([&] { cli::declare_output("--json", folder / "model/model.txt"); });
   refused([&] { cli::declare_output("--output", folder / "d.h5", PathKind::database); });
   cli::declare_output("--json", folder / "d.json");

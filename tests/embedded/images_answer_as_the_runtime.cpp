@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <phynness/formats/image.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/image.hpp>
 #include <phynness/image_layout.hpp>
 
 #include "../runtime/loaded_model.hpp"

@@ -1,5 +1,5 @@
-// Claims: with a limit of file size, as on a full disk, or together with a second process, precompute ends with a reason
-// and a remedy and keeps every finished ray. After the cause is removed, it continues to the same database.
+// Claims: with a limit of file size, as on a full disk, or together with a second process, precompute ends with a
+// reason and a remedy and keeps every finished ray. After the cause is removed, it continues to the same database.
 #include "command_line.hpp"
 #include "same_results.hpp"
 

@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <phynness/validation/loaded_model.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/training/training.hpp>
+#include <phynness/validation/loaded_model.hpp>
 
 #include "probe_block.hpp"
 

@@ -2,9 +2,9 @@
 // nodes.
 #pragma once
 
-#include <phynness/validation/loaded_model.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/studies/measurements.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <random>
 
 namespace phynness::study {

@@ -44,14 +44,14 @@ PHN_API int phn_force_at(const phn_model* model, phn_data* data, const phn_tool*
 PHN_API int phn_trained_depth_at(const phn_model* model, const phn_tool* tool, double* depth);
 PHN_API int phn_bound_at(const phn_model* model, const phn_tool* tool, double* bound);
 
-/* Forces [N] of tools anywhere on the surface, n_tools x 3. One tool at a node has the force of phn_force, and one round
- * tool that of phn_force_at. A model of round tools answers no more than one (PHN_ERROR_ROUND_TOOLS); a reduced body does
- * (phynness_body.h). Up to 8 tools of node probes are coupled: every held point follows its tool, and forces are exact
- * for a linear body. Forces are continuous where tools slide over edges and nodes, and in families with an energy its
- * gradient while the tools hold their points. They depend on these arguments only. _UNSETTLED: tools within half an edge
- * length pull apart, and their points follow them only in part. PHN_ERROR_TOOLS: more tools than `data` holds; a
- * phn_data of phn_data_init holds none. PHN_ERROR_UNDEFINED: a node of coupled tools is no output node or has no
- * deformation. `result` may be null. Displacements are clamped to 1000 max_displacement_m. */
+/* Forces [N] of tools anywhere on the surface, n_tools x 3. One tool at a node has the force of phn_force, and one
+ * round tool that of phn_force_at. A model of round tools answers no more than one (PHN_ERROR_ROUND_TOOLS); a reduced
+ * body does (phynness_body.h). Up to 8 tools of node probes are coupled: every held point follows its tool, and forces
+ * are exact for a linear body. Forces are continuous where tools slide over edges and nodes, and in families with an
+ * energy its gradient while the tools hold their points. They depend on these arguments only. _UNSETTLED: tools within
+ * half an edge length pull apart, and their points follow them only in part. PHN_ERROR_TOOLS: more tools than `data`
+ * holds; a phn_data of phn_data_init holds none. PHN_ERROR_UNDEFINED: a node of coupled tools is no output node or has
+ * no deformation. `result` may be null. Displacements are clamped to 1000 max_displacement_m. */
 PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
                        phn_coupled* result);
 
@@ -59,11 +59,11 @@ PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, 
  * before the first phn_couple. The field of one round tool between nodes is the mean of its nodes' fields. */
 PHN_API int phn_coupled_deform(const phn_model* model, phn_data* data, double* out);
 
-/* Bound [N] of the error of the force of the one tool of the last phn_couple with this data, at a node or between nodes:
- * it holds for random places and displacements as phn_bound does (formats/model.md, Bounds). PHN_NO_BOUND with
+/* Bound [N] of the error of the force of the one tool of the last phn_couple with this data, at a node or between
+ * nodes: it holds for random places and displacements as phn_bound does (formats/model.md, Bounds). PHN_NO_BOUND with
  * PHN_WARNING_OUTSIDE or _UNSETTLED, and where calibration had too few tools between nodes. PHN_ERROR_UNDEFINED, with
- * zeros for the tools there are: no tool or several are held, the model has no bounds, or, between nodes, phn_couple used
- * a smaller level. Cost: four forces for each active node around the tool. */
+ * zeros for the tools there are: no tool or several are held, the model has no bounds, or, between nodes, phn_couple
+ * used a smaller level. Cost: four forces for each active node around the tool. */
 PHN_API int phn_coupled_bound(const phn_model* model, const phn_data* data, double* bounds);
 
 /* The tool at that point of the undeformed surface which is nearest to x [m], with displacement 0. `point` [m] may be

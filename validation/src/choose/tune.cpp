@@ -3,8 +3,8 @@
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/training/families.hpp>
-#include <phynness/validation/tuning.hpp>
 #include <phynness/validation/probed_states.hpp>
+#include <phynness/validation/tuning.hpp>
 
 namespace phynness {
 namespace {

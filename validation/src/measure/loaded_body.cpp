@@ -1,7 +1,7 @@
-#include <phynness/validation/loaded_body.hpp>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/schema/body_grammar.hpp>
+#include <phynness/validation/loaded_body.hpp>
 
 namespace phynness {
 namespace {

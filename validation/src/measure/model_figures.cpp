@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <chrono>
-#include <phynness/validation/model_figures.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/validation/model_figures.hpp>
 
 namespace phynness {
 namespace {

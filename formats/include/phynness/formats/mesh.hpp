@@ -50,9 +50,9 @@ std::vector<TouchedNodes> single_nodes(const std::vector<std::int32_t>& nodes);
 
 /// The nodes that a scene selects on a mesh; each list is in ascending order without repeats.
 struct NodeSets {
-  std::vector<std::int32_t> fixed;   ///< u = 0
-  std::vector<std::int32_t> active;  ///< probed one at a time
-  std::vector<std::int32_t> output;  ///< their displacements are stored and modelled
+  std::vector<std::int32_t> fixed;       ///< u = 0
+  std::vector<std::int32_t> active;      ///< probed one at a time
+  std::vector<std::int32_t> output;      ///< their displacements are stored and modelled
   std::vector<TouchedNodes> tools = {};  ///< what the tool at each active node moves
 };
 

@@ -1,9 +1,9 @@
 // Statistics of the bounds of the force's error (formats/model.md, Bounds; docs/decisions/error-bounds.md).
 #pragma once
 
-#include <phynness/validation/loaded_model.hpp>
 #include <phynness/formats/database.hpp>
 #include <phynness/validation/bound_coverage.hpp>
+#include <phynness/validation/loaded_model.hpp>
 #include <vector>
 
 namespace phynness {

@@ -4,9 +4,9 @@
 
 #include <array>
 #include <optional>
-#include <phynness/validation/model_figures.hpp>
 #include <phynness/formats/progress.hpp>
 #include <phynness/validation/errors_to_range.hpp>
+#include <phynness/validation/model_figures.hpp>
 #include <string>
 #include <vector>
 

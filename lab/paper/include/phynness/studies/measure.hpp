@@ -2,10 +2,10 @@
 #pragma once
 
 #include <functional>
-#include <phynness/validation/loaded_model.hpp>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/studies/measurements.hpp>
+#include <phynness/validation/loaded_model.hpp>
 
 namespace phynness {
 
