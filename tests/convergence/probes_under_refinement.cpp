@@ -14,7 +14,7 @@ namespace {
 ProbeBlock refined(Element element, ProbeKind kind, double bulk_to_shear, int times) {
   auto block = probe_block({law_named("neo-hookean"), element}, bulk_to_shear, {4 * times, 4 * times, 3 * times});
   block.scene.probe.kind = kind;
-  block.scene.probe.tool_radius_m = 0.04;
+  if (kind == ProbeKind::patch) block.scene.probe.tool_radius_m = 0.04;
   return block;
 }
 
