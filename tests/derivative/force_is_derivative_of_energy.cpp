@@ -96,8 +96,9 @@ TEST_P(ForceOfTwoTools, SumsToTheDerivativeOfTheEnergy) {
   block.scene.solver.relative_tolerance = 1e-10;
   block.scene.probe.kind = GetParam();
   // Wide enough for the patches to meet, too small for one to move the node that the other touches.
-  block.scene.probe.tool_radius_m =
-      0.95 * (block.mesh.nodes.row(block.top + 1) - block.mesh.nodes.row(block.top - 1)).norm();
+  if (GetParam() == ProbeKind::patch)
+    block.scene.probe.tool_radius_m =
+        0.95 * (block.mesh.nodes.row(block.top + 1) - block.mesh.nodes.row(block.top - 1)).norm();
   auto solver = block.solver();
   solver.touch({block.top - 1, block.top + 1});
   ASSERT_EQ(solver.rest().stiffness_N_per_m.rows(), 6);
