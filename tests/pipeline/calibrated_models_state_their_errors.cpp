@@ -30,7 +30,7 @@ class Calibrate : public CommandLine {
 
 TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
   const auto done = succeed("calibrate m d.h5 -o b --rays 200 --json c.json");
-  expect_names(done.out, {"200 random rays at 2 nodes", "rays left out", "model with bounds -> b"});
+  expect_names(unbroken(done.out), {"200 random rays at 2 nodes", "rays left out of the calibration", "model with bounds -> b"});
   const auto c = json("c.json");
   EXPECT_EQ(c.at("coverage"), 0.95);
   EXPECT_EQ(c.at("all_nodes"), true);
@@ -70,10 +70,9 @@ TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
   const auto other = std::to_string(plain.nodes[1].node);
   const auto pair =
       "eval b --node " + node + " --displacement 0,0,-0.001 --node " + other + " --displacement 0,0.001,0";
-  expect_names(phynness(pair + " --json e.json").out,
-               {"error of the force: at most", "for 95 % of random displacements"});
-  ASSERT_EQ(json("e.json").at("bounds_N").size(), 2U);
-  EXPECT_GT(json("e.json").at("bounds_N").at(1).get<double>(), 0);
+  // Bounds of a model are of one tool.
+  EXPECT_EQ(phynness(pair + " --json e.json").out.find("error of the force"), std::string::npos);
+  EXPECT_FALSE(json("e.json").contains("bounds_N"));
   succeed("eval m --node " + node + " --displacement 0,0,-0.004 --json e.json");
   EXPECT_FALSE(json("e.json").contains("bound_N"));
 }
