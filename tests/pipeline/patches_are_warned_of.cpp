@@ -47,8 +47,7 @@ TEST_F(Patches, AreSilentWhereTheyAreResolved) {
 TEST_F(Patches, OfFewEdgesAreNamedByEveryCommandThatReadsThem) {
   write_file(folder / "scene.toml", scene("0.03", "0.008"));
   succeed("precompute scene.toml -o d.h5");
-  for (const char* line : {"mesh scene.toml -o mesh.msh", "info scene.toml", "info d.h5", "plan scene.toml --rays 2",
-                           "train scene.toml d.h5 -o model"}) {
+  for (const char* line : {"mesh scene.toml -o mesh.msh", "info scene.toml", "info d.h5", "plan scene.toml --rays 2"}) {
     const auto outcome = succeed(line);
     EXPECT_TRUE(holds(outcome.err, "warning: ") && holds(outcome.err, unresolved)) << line << "\n" << outcome.err;
     EXPECT_TRUE(holds(outcome.err, "scene.toml:")) << line << "\n" << outcome.err;
