@@ -33,6 +33,7 @@ LoadedModel checked_sample() {
   model.finer.is_measured = true;
   model.finer.element = "p1-p1";
   model.finer.reference = "taylor-hood";
+  model.finer.nodes = 13;
   return {std::move(model), sample.mesh(), "model"};
 }
 
