@@ -1,7 +1,8 @@
 /* phynness: reaction force and deformation of a trained object in real time. This header is the core of the runtime.
- * Further headers: phynness_tools.h (several tools and tools between nodes; it is included here), phynness_surface.h (a
- * finer surface for drawing), phynness_contact.h (spheres that touch, slide and grasp), phynness_levels.h (less
- * accuracy for less time), phynness_image.h (models in flash memory), phynness_paper.h (the paper's blending of several
+ * Further headers: phynness_tools.h (tools between nodes, and several of node probes; it is included here),
+ * phynness_body.h (several round tools), phynness_surface.h (a finer surface for drawing), phynness_contact.h (spheres
+ * that touch, slide and grasp), phynness_levels.h (less accuracy for less time), phynness_image.h (models in flash
+ * memory), phynness_loop.h (between a haptic device and a body), phynness_paper.h (the paper's blending of several
  * tools).
  *
  * Start-up: phn_model_size, phn_model_init, phn_data_size, phn_data_init. The caller provides the memory. No function
@@ -78,8 +79,8 @@ PHN_API int phn_model_size(const char* text, size_t length, size_t* bytes, size_
 PHN_API int phn_model_init(void* memory, size_t bytes, const char* text, size_t length, const phn_model** model,
                            size_t* wrong_byte);
 
-/* Where a model comes from; no answer depends on it. Strings are never null. "" and 0: not recorded, as in models of
- * versions before, and in those that were not trained on a database.
+/* Where a model comes from; no answer depends on it. Strings are never null. "" and 0: not recorded, as in models
+ * that were not trained on a database.
  *
  * Forces scale with the stiffness of the body: if all moduli are s times those of the training, with the same ratios to
  * each other, force, energy, stiffness and bound at the same displacement are s times those of the model, and the
@@ -143,8 +144,7 @@ PHN_API int phn_force(const phn_model* model, phn_data* data, int32_t node, cons
 
 /* Displacements [m] of all output nodes, n_output x 3, with ONE tool at active node `node`. The touched node moves by
  * exactly d; under a round tool (a patch probe) the mean of the surface does, and its middle by a fifth more and
- * farther. For several tools, or for a tool between nodes, use phn_couple and then phn_coupled_deform: sums of the
- * fields of single tools have errors of 10 % and more. */
+ * farther. For a tool between nodes, or several of node probes, use phn_couple and then phn_coupled_deform. */
 PHN_API int phn_deform(const phn_model* model, phn_data* data, int32_t node, const double d[3], double* out);
 
 /* Values of a scalar field at all output nodes, n_output numbers >= 0, with one tool as in phn_deform. They are 0 at

@@ -229,7 +229,7 @@ class Model : public detail::Built<const phn_model, detail::ModelContent> {
   /// Memory of the model [bytes].
   std::size_t bytes() const noexcept { return more().bytes; }
 
-  /// Contents of the model; without a model all zeros except the precision.
+  /// Contents of the model; without a model all zeros.
   const phn_info& info() const noexcept { return more().info; }
   std::int32_t n_nodes() const noexcept { return info().n_nodes; }
   std::int32_t n_output() const noexcept { return info().n_output; }

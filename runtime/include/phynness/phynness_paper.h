@@ -1,5 +1,5 @@
 /* phynness: the paper's blending of several tools, for comparison with the paper. Applications should use phn_couple of
- * phynness.h instead: here displacements between tools have errors of 12 to 18 %, and no force is defined.
+ * phynness_tools.h instead: here displacements between tools have errors of 12 to 18 %, and no force is defined.
  */
 #ifndef PHYNNESS_PAPER_H
 #define PHYNNESS_PAPER_H

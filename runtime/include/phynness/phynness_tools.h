@@ -1,4 +1,4 @@
-/* phynness: several tools, and tools between nodes, with the forces of one problem.
+/* phynness: one tool between nodes, or several tools of node probes, with the forces of one problem.
  *
  * Memory, statuses, units, frames, overlap and the sign of the force are those of phynness.h.
  */
