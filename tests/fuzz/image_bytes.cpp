@@ -32,7 +32,7 @@ Real number(Script& script) {
 
 template <class Real>
 void open_and_ask(const std::vector<std::uint64_t>& words, std::size_t bytes, Script& script) {
-  using namespace phynness::test;
+  using namespace phynness;
   const typename Image<Real>::Type* image = nullptr;
   const int status = Image<Real>::open(words.data(), bytes, &image);
   require((image != nullptr) == (status == PHN_OK), "an image or none");

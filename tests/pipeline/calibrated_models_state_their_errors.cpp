@@ -30,7 +30,8 @@ class Calibrate : public CommandLine {
 
 TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
   const auto done = succeed("calibrate m d.h5 -o b --rays 200 --json c.json");
-  expect_names(unbroken(done.out), {"200 random rays at 2 nodes", "rays left out of the calibration", "model with bounds -> b"});
+  expect_names(unbroken(done.out),
+               {"200 random rays at 2 nodes", "rays left out of the calibration", "model with bounds -> b"});
   const auto c = json("c.json");
   EXPECT_EQ(c.at("coverage"), 0.95);
   EXPECT_EQ(c.at("all_nodes"), true);
