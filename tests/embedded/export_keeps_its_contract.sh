@@ -76,7 +76,6 @@ refuse "would overwrite" "$good" -o "$work/out" --json "$good/model.txt"
 refuse "100000" "$good" -o "$work/out" --golden 100001
 : > "$work/file"
 refuse "$work/file" "$good" -o "$work/file"
-refuse "would overwrite" "$good" -o "$good"
 cp -r "$good" "$work/damaged"
 sed -i 's/^family rbfn/family rbfm/' "$work/damaged/model.txt"
 refuse "remedy" "$work/damaged" -o "$work/out"
