@@ -109,6 +109,10 @@ True
           "A scalar field at all output nodes, (n_output,) or (n, n_output), in its unit in fields. Error if the model "
           "has no such field.")
       .def(
+          "trained_depth",
+          [](ModelObject& m, const Place& at, py::handle d) { return scalar_or_array(m.trained_depth(at, d)); },
+          arg("at"), arg("d"), "Depth of the trained range in the direction of d, a float or (n,) [m].")
+      .def(
           "bound", [](ModelObject& m, const Place& at, py::handle d) { return scalar_or_array(m.bound(at, d)); },
           arg("at"), arg("d"), R"(Bound of the error of force, a float or (n,) [N]; inf beyond the trained range.
 

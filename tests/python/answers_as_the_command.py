@@ -9,6 +9,7 @@ import json
 import os
 import pickle
 import random
+import re
 import shutil
 import signal
 import threading
@@ -35,6 +36,11 @@ def without_times(figures):
     if isinstance(figures, dict):
         return {name: without_times(value) for name, value in figures.items() if not any(part in name for part in ("seconds", "_us", "_ms"))}
     return [without_times(value) for value in figures] if isinstance(figures, list) else figures
+
+
+def with_training(scene, lines):
+    """The text of a scene with these lines as its section [training]."""
+    return re.sub(r"(?ms)^\[training\].*?(?=^\[|\Z)", "", scene) + "\n[training]\n" + lines
 
 
 class Models(unittest.TestCase):
@@ -152,7 +158,7 @@ class Models(unittest.TestCase):
         self.assertRaisesRegex(phynness.Error, "does not exist", phynness.Model, copy)
         with self.assertRaisesRegex(phynness.Error, "checksum") as caught:
             phynness.Model(text.replace(b"title Demo", b"title demo"))
-        self.assertEqual(caught.exception.status, -13)
+        self.assertEqual(caught.exception.status, -12)
         points = copied.output_points
         kept = points.copy()
         del copied, other
