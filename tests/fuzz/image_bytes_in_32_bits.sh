@@ -26,6 +26,8 @@ for family in rbfn linear modal round; do
     { printf "\\x$([ "$option" = "" ] && echo 1 || echo 3)"; head -c 15 /dev/zero; cat "$family$option"/*.bin; } > "seed-$family$option"
   done
 done
-"$cxx" "${flags[@]}" -I "$source"/runtime/include -I "$source"/runtime/src "$source"/runtime/src/image/{image,open}.cpp \
+flags+=(-I "$source"/runtime/include -I "$source"/runtime/src)
+for part in image open; do "$cxx" "${flags[@]}" -DPHYNNESS_IMAGE_FLOAT -c "$source/runtime/src/image/$part.cpp" -o $part-float.o; done
+"$cxx" "${flags[@]}" "$source"/runtime/src/image/{image,open}.cpp image-float.o open-float.o \
   "$source"/tests/fuzz/{image_bytes,plain_main}.cpp -o fuzz_32
 ./fuzz_32 20000 seed-*
