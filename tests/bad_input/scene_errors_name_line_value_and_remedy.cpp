@@ -204,7 +204,7 @@ half_a_box | fixed_line | fixed = { box = { min_m = [0,0,0] } } | | max_m is mis
 box_in_two_measures | fixed_line | fixed = { box = { min_m = [0,0,0], max_fraction = [1,1,1] } } | | metres ; fractions
 sphere_without_radius | fixed_line | fixed = { sphere = { center_m = [0,0,0] } } | | radius_m is missing
 patch_without_radius | increments | increments = 4\nkind = "patch" | [probe] | tool_radius_m is missing ; 0.01
-nine_tools | increments | increments = 4\nkind = "patch"\ntool_radius_m = 0.01\ntools = 9 | tools = 9 | from 1 to 8 ; 9
+nine_tools | increments | increments = 4\nkind = "patch"\ntool_radius_m = 0.01\ntools = 9 | tools = 9 | 8 ; 9
 tools_of_nodes | increments | increments = 4\ntools = 2 | tools = 2 | round tools ; kind = "patch"
 tools_of_an_element_without_bodies | increments | increments = 4\nkind = "patch"\ntool_radius_m = 0.01\ntools = 2 | tools = 2
     | [solver] element is P1 ; element = "es-p1-p1"
