@@ -18,6 +18,9 @@ export type BrowserName = 'chromium' | 'firefox';
 export const browserName = given('PHYNNESS_BROWSER') as BrowserName;
 export const folder = mkdtempSync(join(tmpdir(), 'phynness-browser-'));
 
+/** Milliseconds after which a browser counts as hanging. A busy machine with software graphics has needed more than 30 s to start one. */
+const patience = 240_000;
+
 /** Runs the command. @returns its standard output */
 export const phynness = (...words: string[]): string => execFileSync(built.phynness, words, { encoding: 'utf8' });
 
@@ -32,8 +35,8 @@ export async function start(name = browserName): Promise<Browser> {
   if (!executablePath) throw new Error(`${name} is not installed; tools/install-deps --tests --devices installs it`);
   if (name === 'firefox')
     // Without a screen Firefox finds no WebGL; run.sh gives it a virtual one.
-    return launch({ browser: 'firefox', executablePath, headless: false, extraPrefsFirefox: { 'webgl.force-enabled': true } });
-  return launch({ executablePath, headless: true, args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'] });
+    return launch({ browser: 'firefox', executablePath, timeout: patience, protocolTimeout: patience, headless: false, extraPrefsFirefox: { 'webgl.force-enabled': true } });
+  return launch({ executablePath, timeout: patience, protocolTimeout: patience, headless: true, args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'] });
 }
 
 export interface Opened {
@@ -46,6 +49,7 @@ export interface Opened {
 
 export async function open(browser: Browser, file: string, { fragment = '', width = 1280, height = 800, scripts = true, ready = 'globalThis.phynness' } = {}): Promise<Opened> {
   const page = await browser.newPage(), logged: string[] = [], requested: string[] = [];
+  page.setDefaultTimeout(patience);
   page.on('console', (message) => logged.push(`${message.type()}: ${message.text()}`));
   page.on('pageerror', (error) => logged.push(String(error)));
   page.on('dialog', (dialog) => {
@@ -60,7 +64,7 @@ export async function open(browser: Browser, file: string, { fragment = '', widt
   if (!scripts) await page.setJavaScriptEnabled(false);
   await page.setViewport({ width, height });
   await page.goto(address + fragment);
-  if (scripts) await page.waitForFunction(ready, { timeout: 30_000 });
+  if (scripts) await page.waitForFunction(ready, { timeout: patience });
   return { page, logged, requested };
 }
 

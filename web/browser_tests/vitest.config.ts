@@ -1,4 +1,4 @@
 import { defineConfig } from 'vitest/config';
 
-// A browser on a busy machine may take seconds to start or to compile the shaders.
-export default defineConfig({ test: { include: ['browser_tests/*.test.ts'], testTimeout: 60_000, hookTimeout: 60_000, fileParallelism: false } });
+// Longer than `patience` of browser.ts: what hangs is named by the browser's own message.
+export default defineConfig({ test: { include: ['browser_tests/*.test.ts'], testTimeout: 300_000, hookTimeout: 300_000, fileParallelism: false } });
