@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "closed_forms.hpp"
-#include "discretization.hpp"
-#include "equilibrium.hpp"
+#include "solve/discretization.hpp"
+#include "solve/equilibrium.hpp"
 
 namespace phynness::test {
 

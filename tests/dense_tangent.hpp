@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "discretization.hpp"
+#include "solve/discretization.hpp"
 
 namespace phynness::test {
 

@@ -3,7 +3,7 @@
 Usage: tables.py FOLDER
 
     FOLDER/tables.cpp           laws() and elements() of formats/include/phynness/formats/law.hpp
-    FOLDER/compiled_forms.cpp   compiled_forms() of precompute_dolfinx/src/form_set.hpp: the forms that ffcx compiles from the files below
+    FOLDER/compiled_forms.cpp   compiled_forms() of precompute_dolfinx/src/solve/form_set.hpp: the forms that ffcx compiles from the files below
     FOLDER/declared_laws.cpp    energies and examples with which tests compare the compiled forms
     FOLDER/body_laws.cpp        find_body_law() of runtime/include/phynness/schema/body_laws.hpp
     FOLDER/forms/*.py           a file for ffcx for each law, and one for each law of shells

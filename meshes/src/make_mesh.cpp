@@ -7,9 +7,9 @@
 #include <phynness/meshes/meshes.hpp>
 #include <sstream>
 
-#include "file_mesh.hpp"
-#include "flat_cells.hpp"
-#include "generate.hpp"
+#include "read/file_mesh.hpp"
+#include "read/flat_cells.hpp"
+#include "shapes/generate.hpp"
 
 namespace phynness {
 namespace {

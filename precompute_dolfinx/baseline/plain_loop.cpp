@@ -2,10 +2,10 @@
 #include <phynness/baseline/plain_loop.hpp>
 #include <stdexcept>
 
-#include "constraint.hpp"
-#include "discretization.hpp"
-#include "petsc_check.hpp"
-#include "scaling.hpp"
+#include "solve/constraint.hpp"
+#include "solve/discretization.hpp"
+#include "solve/petsc_check.hpp"
+#include "solve/scaling.hpp"
 
 namespace phynness::bench {
 namespace {

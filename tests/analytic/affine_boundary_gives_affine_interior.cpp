@@ -7,7 +7,7 @@
 // 1e2): the tolerance is 1e-9. Errors of force and energy are of first and second order in this deviation.
 #include "block_mesh.hpp"
 #include "body_states.hpp"
-#include "ray_solver.hpp"
+#include "solve/ray_solver.hpp"
 #include "solver_cases.hpp"
 
 namespace phynness::test {

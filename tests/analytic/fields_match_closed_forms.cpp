@@ -7,7 +7,7 @@
 // times larger.
 #include "block_mesh.hpp"
 #include "body_states.hpp"
-#include "nodal_fields.hpp"
+#include "solve/nodal_fields.hpp"
 #include "solver_cases.hpp"
 
 namespace phynness::test {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "multifrontal.hpp"
+#include "solve/multifrontal.hpp"
 
 namespace phynness::test {
 namespace {

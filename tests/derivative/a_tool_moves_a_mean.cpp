@@ -7,7 +7,7 @@
 
 #include "block_mesh.hpp"
 #include "body_states.hpp"
-#include "ray_solver.hpp"
+#include "solve/ray_solver.hpp"
 #include "solver_cases.hpp"
 
 namespace phynness::test {

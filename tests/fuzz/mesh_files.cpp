@@ -6,10 +6,10 @@
 #include <phynness/formats/mesh.hpp>
 
 #include "../meshes/small_files.hpp"
-#include "file_mesh.hpp"
-#include "flat_cells.hpp"
-#include "raw_mesh.hpp"
-#include "surface.hpp"
+#include "read/file_mesh.hpp"
+#include "read/flat_cells.hpp"
+#include "read/raw_mesh.hpp"
+#include "surface/surface.hpp"
 #include "texts.hpp"
 
 namespace phynness::fuzz {

@@ -2,7 +2,7 @@
 // its steps, materials and loads are skipped. A card that makes or moves nodes in an unsupported way is refused and
 // never ignored.
 #include "mesh_under_test.hpp"
-#include "raw_mesh.hpp"
+#include "read/raw_mesh.hpp"
 
 namespace phynness::test {
 namespace {

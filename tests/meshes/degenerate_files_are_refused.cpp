@@ -2,9 +2,9 @@
 // message, in every format and for filling, repair and shells. None ends the program.
 #include <sstream>
 
-#include "file_mesh.hpp"
 #include "mesh_under_test.hpp"
-#include "surface.hpp"
+#include "read/file_mesh.hpp"
+#include "surface/surface.hpp"
 
 namespace phynness::test {
 namespace {

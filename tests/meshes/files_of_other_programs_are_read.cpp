@@ -7,7 +7,7 @@
 #include <set>
 
 #include "mesh_under_test.hpp"
-#include "raw_mesh.hpp"
+#include "read/raw_mesh.hpp"
 
 namespace phynness::test {
 namespace {

@@ -3,8 +3,8 @@
 // volume. Surfaces without such shapes are not changed.
 #include <Eigen/LU>
 
-#include "flat_cells.hpp"
 #include "mesh_under_test.hpp"
+#include "read/flat_cells.hpp"
 
 namespace phynness::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/ray_tasks.hpp>
 
-#include "../../formats/src/database_scan.hpp"
+#include "../../formats/src/database/database_scan.hpp"
 #include "command_line.hpp"
 
 namespace phynness::test {

@@ -16,12 +16,12 @@
 #include <random>
 #include <set>
 
-#include "discretization.hpp"
-#include "equilibrium.hpp"
 #include "petsc_faults.hpp"
 #include "probe_block.hpp"
-#include "solver_log.hpp"
+#include "solve/discretization.hpp"
+#include "solve/equilibrium.hpp"
 #include "solver_test_session.hpp"
+#include "study/solver_log.hpp"
 
 namespace phynness::test {
 namespace {

@@ -7,7 +7,7 @@
 #include <phynness/phynness.hpp>
 #include <phynness/validation/errors_to_range.hpp>
 
-#include "probe_records.hpp"
+#include "measure/probe_records.hpp"
 
 namespace phynness {
 namespace {

@@ -1,4 +1,5 @@
-// A scene: body, probes, and settings of training and validation. Each key is a row of formats/src/scene_rows.cpp.
+// A scene: body, probes, and settings of training and validation. Each key is a row of
+// formats/src/scene/scene_rows.cpp.
 #pragma once
 
 #include <array>

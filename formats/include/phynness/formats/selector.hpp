@@ -1,5 +1,5 @@
-// Selection of mesh nodes by a scene. Each selector is a function in formats/src/selectors.cpp or
-// formats/src/selector_combinations.cpp.
+// Selection of mesh nodes by a scene. Each selector is a function in formats/src/scene/selectors.cpp or
+// formats/src/scene/selector_combinations.cpp.
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
 // The sections of a model.txt in their order, with counts and bounds: the only definition in code of the grammar that
 // formats/model.md describes. The functions visit the sections of a model in order and call `io` for each part. `io`
 // reads the text or writes it. It also knows how the numbers of a model are stored: in vectors
-// (formats/src/model_text.cpp) or in memory of the caller (runtime/src/core/load.cpp).
+// (formats/src/model/model_text.cpp) or in memory of the caller (runtime/src/core/load.cpp).
 //
 // Members of `io` for the text:
 //   keyword(word), end()                    a fixed word; the end of a line

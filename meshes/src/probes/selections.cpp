@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/tool.hpp>
+#include <phynness/meshes/meshes.hpp>
+#include <phynness/meshes/tool_weights.hpp>
+
+#include "surface/topology.hpp"
+
+namespace phynness {
+namespace {
+
+using Nodes = NodeList;
+
+std::string listed(const Nodes& nodes) {
+  return std::to_string(nodes.size()) + " nodes: " + meshes::first_few(nodes, 5);
+}
+
+}  // namespace
+
+NodeSets resolve_selections(const Scene& scene, const Mesh& mesh, const NodeList& probed) {
+  NodeSets sets;
+  resolve_selections(scene, mesh, sets, probed);
+  return sets;
+}
+
+void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets, const NodeList& probed) {
+  if (mesh.nodes.rows() == 0) throw input_error("cannot select nodes: the mesh is empty", "", "give a mesh with cells");
+  for (const Selector& selector : scene.fixed)
+    if (selector.choice->needs_fixed)
+      throw input_error(selector.where.prefix() + "the selector of the fixed nodes depends on the fixed nodes",
+                        "\"free-surface\" or \"free\"", "use \"surface\" or a box");
+  SelectableBody body(mesh);
+  sets.fixed = select_nodes(scene.fixed, body, "fixed", scene.fixed_where);
+  body.fixed = sets.fixed;
+  body.tool_radius_m = scene.probe.tool_radius_m;
+  if (!hold_the_body(mesh, sets.fixed))
+    throw input_error(scene.fixed_where.prefix() + "the fixed nodes do not prevent rotations of the body",
+                      listed(sets.fixed), "fix at least three nodes that are not on one line");
+  if (std::includes(sets.fixed.begin(), sets.fixed.end(), body.surface.begin(), body.surface.end()))
+    throw input_error(scene.fixed_where.prefix() + "every node of the surface is fixed, so that nothing can be touched",
+                      std::to_string(sets.fixed.size()) + " of " + std::to_string(mesh.n_nodes()) + " nodes",
+                      "fix a part of the body only");
+  body.probed = probed;
+  sets.active = select_nodes(scene.active, body, "active", scene.active_where);
+  body.probed.clear();
+  sets.output = select_nodes(scene.output, body, "output", scene.output_where);
+  Nodes known;
+  std::set_union(sets.fixed.begin(), sets.fixed.end(), sets.output.begin(), sets.output.end(),
+                 std::back_inserter(known));
+  if (scene.probe.tools > 1 && std::ssize(known) < mesh.n_nodes())
+    throw input_error(scene.output_where.prefix() + "[probe] tools needs the displacements of all nodes",
+                      std::to_string(mesh.n_nodes() - std::ssize(known)) + " nodes are neither output nodes nor fixed",
+                      "write output = \"free\" in [nodes], or remove tools");
+  Nodes both;
+  std::set_intersection(sets.fixed.begin(), sets.fixed.end(), sets.active.begin(), sets.active.end(),
+                        std::back_inserter(both));
+  if (!both.empty())
+    throw input_error(
+        scene.active_where.prefix() + "active nodes that are also fixed cannot be displaced", listed(both),
+        both.size() == sets.active.size()
+            ? "they are all active nodes: select others, such as \"free-surface\", or fix fewer nodes"
+            : "remove them by active = { difference = [ SELECTION, \"fixed\" ] }, or use \"free-surface\"");
+  Nodes inside;
+  std::set_difference(sets.active.begin(), sets.active.end(), body.surface.begin(), body.surface.end(),
+                      std::back_inserter(inside));
+  if (!inside.empty())
+    throw input_error(scene.active_where.prefix() + "active nodes inside the body cannot be touched", listed(inside),
+                      inside.size() == sets.active.size()
+                          ? "they are all active nodes: select nodes of the surface, such as \"free-surface\""
+                          : "add surface_only = true to the selector, or use \"free-surface\"");
+  sets.tools = tools_of(mesh, sets.fixed, sets.active, scene.probe.tool_radius_m);
+}
+
+}  // namespace phynness

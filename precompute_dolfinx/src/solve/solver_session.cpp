@@ -1,0 +1,102 @@
+#include <dlfcn.h>
+#include <mpi.h>
+#include <petscsys.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <numeric>
+#include <phynness/formats/error.hpp>
+#include <phynness/precompute/probe_solver.hpp>
+
+#include "discretization.hpp"
+#include "petsc_check.hpp"
+#include "study/solver_log.hpp"
+
+namespace phynness {
+namespace {
+
+/// A process that no launcher has started: Open MPI gives it a server of its own and looks for networks, during which
+/// it waits for half a second, and makes a folder that all such processes of a user share: one that ends while another
+/// starts may remove it, and the other fails (1 in 400 of 12 at a time). For its life this object asks for none of
+/// these, by variables that other libraries ignore; those that the user has set stay.
+class AloneAtStart {
+ public:
+  AloneAtStart() {
+    constexpr std::array of_launchers = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK"};
+    if (std::any_of(of_launchers.begin(), of_launchers.end(), std::getenv)) return;
+    for (auto& [name, value, is_ours] : _variables) is_ours = !std::getenv(name) && setenv(name, value, 0) == 0;
+  }
+  ~AloneAtStart() {
+    for (const auto& [name, value, is_ours] : _variables)
+      if (is_ours) unsetenv(name);
+  }
+  AloneAtStart(const AloneAtStart&) = delete;
+  AloneAtStart& operator=(const AloneAtStart&) = delete;
+
+ private:
+  struct Variable {
+    const char *name, *value;
+    bool is_ours = false;
+  };
+  std::array<Variable, 3> _variables = {
+      {{"OMPI_MCA_ess_singleton_isolated", "1"}, {"OMPI_MCA_orte_create_session_dirs", "0"}, {"OMPI_MCA_pml", "ob1"}}};
+};
+
+}  // namespace
+
+SolverSession::SolverSession() {
+  const AloneAtStart alone;
+  // PETSc does not get the command line, whose options it would interpret as its own, and does not handle signals,
+  // because Ctrl-C ends a run between two rays.
+  PHYNNESS_PETSC(PetscOptionsSetValue(nullptr, "-no_signal_handler", "true"));
+  PHYNNESS_PETSC(PetscInitialize(nullptr, nullptr, nullptr, nullptr));
+  send_petsc_errors_to_log();
+  quiet_logging();
+  // For matrices of a few thousand rows a second thread costs more time than it saves, and ranks use all cores.
+  if (void* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<void (*)(int)>(symbol)(1);
+  MPI_Comm_rank(MPI_COMM_WORLD, &_rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &_size);
+}
+
+SolverSession::~SolverSession() { PetscFinalize(); }
+
+void SolverSession::together(const std::function<void()>& work) const {
+  std::string message;
+  int kind = -1;
+  try {
+    work();
+  } catch (const Error& error) {
+    message = error.what();
+    kind = static_cast<int>(error.kind());
+  } catch (const std::exception& error) {
+    message = error.what();
+    kind = static_cast<int>(Error::Kind::failure);
+  }
+  int first = kind >= 0 ? _rank : _size;
+  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+  if (first == _size) return;
+  int length = static_cast<int>(message.size());
+  MPI_Bcast(&kind, 1, MPI_INT, first, MPI_COMM_WORLD);
+  MPI_Bcast(&length, 1, MPI_INT, first, MPI_COMM_WORLD);
+  message.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(message.data(), length, MPI_CHAR, first, MPI_COMM_WORLD);
+  throw Error(static_cast<Error::Kind>(kind), _rank == 0 ? message : "", "", "");
+}
+
+double SolverSession::sum(double value) const {
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  return value;
+}
+
+std::vector<double> SolverSession::gather(const std::vector<double>& values) const {
+  int n = static_cast<int>(values.size());
+  std::vector<int> counts(_size), offsets(_size);
+  MPI_Gather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, MPI_COMM_WORLD);
+  std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
+  std::vector<double> all(offsets.back() + counts.back());  // on other ranks all counts are 0
+  MPI_Gatherv(values.data(), n, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, 0, MPI_COMM_WORLD);
+  return all;
+}
+
+}  // namespace phynness

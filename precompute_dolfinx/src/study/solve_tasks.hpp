@@ -1,0 +1,37 @@
+// What a rank of precompute() solves.
+#pragma once
+
+#include <exception>
+#include <functional>
+#include <phynness/formats/ray_tasks.hpp>
+#include <phynness/precompute/precompute.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "solve/work_counter.hpp"
+
+namespace phynness {
+
+/// Adds a ray to the counts.
+void count(std::span<const Status> statuses, std::span<const std::int32_t> iterations, RayCounts& sum);
+
+/// Figures of one rank.
+struct Share {
+  RayCounts counts;
+  std::int64_t tasks = 0;
+  double busy_seconds = 0;
+  bool interrupted = false;
+};
+
+/// Fetches and solves tasks until none is left or `stop` returns true.
+/// @param done  called after every ray
+void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader& header,
+                 const std::vector<RayIndex>& rays, WorkCounter& counter, int n_ranks,
+                 const std::function<void()>& done, const std::function<bool()>& stop, Share& share);
+
+/// Runs the work of a rank. An exception is returned after the other ranks have been told to fetch no further tasks.
+std::exception_ptr guarded(WorkCounter& counter, int rank, const std::function<void(const std::string&)>& warn,
+                           const std::function<void()>& work);
+
+}  // namespace phynness

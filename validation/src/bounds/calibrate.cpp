@@ -1,0 +1,386 @@
+// Solves the random rays on which bounds are calibrated.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/locking.hpp>
+#include <phynness/meshes/meshes.hpp>
+#include <phynness/validation/calibrate.hpp>
+#include <phynness/validation/probe_plan.hpp>
+#include <phynness/validation/sizes.hpp>
+#include <set>
+
+#include "check/compared_scene.hpp"
+#include "measure/coupled_states.hpp"
+#include "measure/packed.hpp"
+#include "measure/shared_work.hpp"
+#include "measure/tool_rays.hpp"
+
+namespace phynness {
+namespace {
+
+constexpr std::size_t states_per_ray = 3, rays_per_node = 10;
+/// The distance to a finer solution is a property of the place more than of the state.
+constexpr std::size_t finer_rays_per_node = 2;
+/// A state of one tool between nodes or of a body's tools is a ray of its own, because errors at one place are alike,
+/// and takes about as long as two of three states of a ray.
+constexpr double increments_per_coupled = 2;
+/// The nodes are a sample of clusters: with fewer, 0.95 (1 + 1 / n) is above 1 and nothing is known of the next node.
+constexpr std::size_t fewest_nodes = 20;
+/// Of one tool between nodes; on a body of one tool, and of two. 90 places hold 95 % to 2 %:
+/// docs/decisions/finer-bounds.md
+std::int64_t coupled_rays_per_kind(std::int64_t rays) { return 60 + 3 * rays / 10; }
+
+/// Over unknowns^(4/3): 55, 150 and 400 MB more than at start for Taylor-Hood on livers of 320, 736 and 1,477 nodes.
+constexpr double bytes_per_factor = 350;
+
+/// A state is exchanged between ranks as this many numbers.
+constexpr std::size_t state_size = 7;
+
+/// A direction in which the node has a trained range. Of a node that has none in half of the sphere, every second one.
+Vec3 trained_direction(const LoadedModel& model, std::int32_t node, std::mt19937_64& random) {
+  Vec3 e{};
+  for (int attempt = 0; attempt < 1000; ++attempt) {
+    e = on_sphere(random);
+    if (model.trained_depth(node, e) > 0) break;
+  }
+  return e;
+}
+
+struct NodeRays {
+  std::vector<double> states;  ///< state_size numbers each
+  std::int64_t rays = 0, failed = 0;
+};
+
+/// Indices of nodes of a model in an order of which every beginning is even over the model: of a larger calibration
+/// those of a smaller one are the first, and those finished before an early end are an even sample as well.
+std::vector<std::size_t> sampled_nodes(std::size_t n_nodes, std::size_t n_active, std::mt19937_64& random) {
+  const double golden = (std::sqrt(5.0) - 1) / 2;
+  std::vector<std::size_t> sample;
+  std::vector<char> is_in(n_active);
+  for (double at = uniform(random); sample.size() < n_nodes; at = std::fmod(at + golden, 1)) {
+    const auto i = static_cast<std::size_t>(at * static_cast<double>(n_active));
+    if (!is_in[i]) sample.push_back(i);
+    is_in[i] = 1;
+  }
+  return sample;
+}
+
+/// Draws the next ray of a node. @return without parts if none of its depths is inside the trained range
+ToolRay draw_ray(const LoadedModel& model, std::int32_t node, std::mt19937_64& random) {
+  const double largest = model.model().max_displacement_m;
+  const Vec3 e = trained_direction(model, node, random);
+  const double trained = model.trained_depth(node, e);
+  ToolRay ray{{{{node, -1, -1}, {1, 0, 0}, {largest * e[0], largest * e[1], largest * e[2]}}}, {}};
+  for (std::size_t i = 0; i < states_per_ray; ++i) {
+    const double part = 1 - uniform(random);
+    if (part * largest <= trained) ray.parts.push_back(part);
+  }
+  std::sort(ray.parts.begin(), ray.parts.end());
+  return ray;
+}
+
+void add_states(const LoadedModel& model, std::size_t index, const ToolRay& ray, const std::vector<Vec3>& forces,
+                NodeRays& out) {
+  const double largest = model.model().max_displacement_m;
+  Vec3 e{};
+  for (std::size_t k = 0; k < 3; ++k) e[k] = ray.tools[0].displacement[k] / largest;
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const phn_tool tool = tools_at(ray, ray.parts[i])[0];
+    const double* d = tool.displacement;
+    const Vec3 said = model.force(ray.tools[0].nodes[0], {d[0], d[1], d[2]});
+    const Vec3& truth = forces[i];
+    const double error = std::hypot(said[0] - truth[0], said[1] - truth[1], said[2] - truth[2]);
+    const double size = std::hypot(truth[0], truth[1], truth[2]);
+    for (const double x : {static_cast<double>(index), e[0], e[1], e[2], largest * ray.parts[i], error, size})
+      out.states.push_back(x);
+  }
+  out.failed += forces.size() < ray.parts.size();
+}
+
+/// Of each node with a solution: its index, and the columns of its stiffness [N/m]. Collective.
+std::vector<double> stiffnesses_at_rest(const SolverSession& session, const LoadedModel& model, const ShouldStop& stop,
+                                        RayForces& rays) {
+  std::vector<double> at_rest;
+  session.together([&] {
+    share_out(session, std::ssize(model.model().nodes), {}, stop, [&](std::size_t i) {
+      const auto columns = rays.solve({{{{model.model().nodes[i].node, -1, -1}, {1, 0, 0}, {}}}, {}});
+      if (columns.size() < 3) return;
+      at_rest.push_back(static_cast<double>(i));
+      for (const auto& column : columns) at_rest.insert(at_rest.end(), column.begin(), column.end());
+    });
+  });
+  return at_rest;
+}
+
+/// A finer solution is off by nearly the same share along a ray, which the stiffness at rest tells: in place of J the
+/// logarithm of the difference of both in the direction of each trained displacement.
+/// @param stiffness  those of the finer solution, as stiffnesses_at_rest() of all ranks gives them
+void predict_by_rest(const LoadedModel& model, const std::vector<double>& stiffness, BoundPredictors& predictors) {
+  constexpr double least = 1e-4;
+  if (stiffness.size() < 10 * model.model().nodes.size()) return;  // one failed, or an early end
+  const auto& displacements = model.model().displacements;
+  for (std::size_t at = 0; at + 10 <= stiffness.size(); at += 10) {
+    const auto node = static_cast<std::size_t>(stiffness[at]);
+    std::array<double, 9> own{};
+    if (model.data().stiffness(model.model().nodes[node].node, std::array{0.0, 0.0, 0.0}, own) < 0) return;
+    const Eigen::Matrix3d off =
+        Eigen::Map<const Eigen::Matrix3d>(own.data()) - Eigen::Map<const Eigen::Matrix3d>(&stiffness[at + 1]);
+    for (Eigen::Index row = 0; row < displacements.rows(); ++row)
+      predictors.crush[node][static_cast<std::size_t>(row)] =
+          std::log(std::max(least, (off * displacements.row(row).transpose().normalized()).norm() *
+                                       model.model().max_displacement_m / predictors.largest_N[node]));
+  }
+}
+
+std::vector<BoundState> states_of(const std::vector<double>& numbers) {
+  std::vector<BoundState> states;
+  for (std::size_t at = 0; at + state_size <= numbers.size(); at += state_size) {
+    const double* x = &numbers[at];
+    states.push_back({static_cast<std::int32_t>(x[0]), {x[1], x[2], x[3]}, x[4], x[5], x[6]});
+  }
+  std::stable_sort(states.begin(), states.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
+  return states;
+}
+
+/// Every fifth node with the bounds that the other nodes give; every fifth ray if no node of the model is without rays.
+std::vector<BoundedError> left_out(const LoadedModel& model, const BoundPredictors& predictors,
+                                   const std::vector<BoundState>& states, std::int64_t n_rays, double coverage) {
+  constexpr std::size_t n_parts = 5;
+  std::set<std::int32_t> nodes;
+  for (const auto& state : states) nodes.insert(state.node);
+  const bool all_nodes = nodes.size() == model.model().nodes.size();
+  const auto key = [&](const BoundState& s) { return std::pair{s.node, all_nodes ? s.direction : Vec3{}}; };
+  std::map<std::pair<std::int32_t, Vec3>, std::size_t> part;
+  for (const auto& state : states) part.emplace(key(state), part.size() % n_parts);
+  std::vector<BoundedError> errors;
+  for (std::size_t p = 0; p < std::min(n_parts, part.size()) && part.size() > 1; ++p) {
+    std::vector<BoundState> kept, out;
+    for (const auto& state : states) (part[key(state)] == p ? out : kept).push_back(state);
+    const auto share = static_cast<std::int64_t>(n_rays * static_cast<std::int64_t>(kept.size()) /
+                                                 static_cast<std::int64_t>(states.size()));
+    const LoadedModel other(add_bounds(model.model(), predictors, kept, std::max<std::int64_t>(1, share), coverage),
+                            model.mesh(), "model");
+    const auto now = bounded_errors(other, predictors, out);
+    errors.insert(errors.end(), now.begin(), now.end());
+  }
+  return errors;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + std::ssize(values) / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+void tell_medians(const LoadedModel& bounded, const BoundPredictors& predictors, const std::vector<BoundState>& states,
+                  BoundReport& report) {
+  std::vector<double> bounds, shares;
+  for (const auto& error : bounded_errors(bounded, predictors, states)) {
+    shares.push_back(error.bound_N / std::max(states[bounds.size()].force_N, 1e-300));
+    bounds.push_back(error.bound_N);
+  }
+  report.median_bound_N = median(bounds);
+  report.median_share = median(shares);
+}
+
+}  // namespace
+
+FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSpec& spec, int ranks) {
+  const auto& header = database.header();
+  if (scene.probe.kind == ProbeKind::node)
+    throw input_error("the force at a single node has no limit on finer meshes, and no finer solution tells its error",
+                      "probe.kind = \"node\"", "give the scene a round tool: kind = \"patch\", tool_radius_m");
+  require_variant(scene, spec.reference);
+  const double edge_m = measure_quality(header.mesh).mean_edge_m;
+  const double locked = expected_force_ratio(scene, edge_m / 2);
+  if (spec.reference == Variant::half_size && locked > warned_force_ratio)
+    throw input_error("cells of half the size lock, too, and tell no error",
+                      fmt::format("element {}, K/mu = {:.4g}: forces about {}", name(scene.solver.element),
+                                  scene.material.bulk_to_shear(), ratio_in_words(locked)),
+                      "give --reference taylor-hood");
+  const auto summary = summarize(database);
+  double increments = 0;
+  for (const auto& [status, count] : summary.states)
+    if (status == Status::converged) increments += static_cast<double>(count);
+  const double unknowns = variant_unknowns(spec.reference, scene.solver.element, header.mesh);
+  const double finer = unknowns / variant_unknowns(Variant::scene, scene.solver.element, header.mesh);
+  const auto at_rest = static_cast<double>(header.sets.active.size());  // as much work as an increment at each
+  Scene sized = scene;
+  sized.validation.calibration_rays = spec.rays;
+  return {(sizes_of_checks(sized, header, true).calibration_increments + at_rest) * summary.seconds /
+              std::max(1.0, increments) * std::pow(finer, cost_exponent) / ranks,
+          bytes_per_factor * std::pow(unknowns, 4.0 / 3) * ranks};
+}
+
+double calibration_increments(std::int64_t rays, bool between) {
+  return static_cast<double>(states_per_ray) * static_cast<double>(rays) +
+         (between ? increments_per_coupled * static_cast<double>(coupled_rays_per_kind(rays)) : 0);
+}
+
+namespace {
+
+/// Numbers of the rays of coupled tools, and of their tools.
+/// @param most_tools  of a ray: 1 for a model, 2 for a body
+std::vector<std::pair<std::int32_t, std::int32_t>> planned_rays(const CoupledRays& coupled, std::int64_t rays,
+                                                                std::int32_t most_tools) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> planned;
+  const std::int64_t per_kind = coupled_rays_per_kind(rays);
+  for (std::int32_t ray = 0; ray < per_kind; ++ray)
+    for (std::int32_t n_tools = 1; n_tools <= most_tools; ++n_tools)
+      if (coupled.possible(n_tools)) planned.emplace_back(ray, n_tools);
+  return planned;
+}
+
+std::int64_t total(const SolverSession& session, std::int64_t of_rank) {
+  return static_cast<std::int64_t>(session.sum(static_cast<double>(of_rank)));
+}
+
+/// Solves these rays. Collective. @param seed  of the first one. @return on rank 0, all states
+std::vector<CoupledState> solve_coupled(const SolverSession& session, const CoupledRays& coupled,
+                                        const std::vector<std::pair<std::int32_t, std::int32_t>>& planned,
+                                        std::uint64_t seed, const OnProgress& progress, const ShouldStop& stop,
+                                        RayForces& rays, BoundReport& report) {
+  std::array<DrawnStates, 2> drawn;
+  std::vector<double> rows;
+  std::int64_t finished = 0, failed = 0;
+  const bool go_on = session.sum(stop && stop() ? 1 : 0) == 0;
+  session.together([&] {
+    finished = share_out(session, go_on ? std::ssize(planned) : 0, progress, stop, [&](std::size_t i) {
+      const auto [number, n_tools] = planned[i];
+      // What is drawn for one tool does not depend on whether there are rays of two.
+      std::mt19937_64 of_ray(seed + static_cast<std::uint64_t>(2 * number + n_tools - 1));
+      const auto ray = coupled.draw(of_ray, number, n_tools, drawn[static_cast<std::size_t>(n_tools - 1)]);
+      if (ray.parts.empty()) return;
+      const auto forces = rays.solve(ray);
+      if (forces.empty()) {
+        ++failed;
+        return;
+      }
+      CoupledState state{number, n_tools, {}, {}};
+      std::ranges::copy(ray.tools, state.tools.begin());
+      std::ranges::copy(forces, state.force_N.begin());
+      pack(rows, state);
+    });
+  });
+  report.planned_coupled_rays = std::ssize(planned);
+  report.coupled_rays = total(session, finished);
+  report.failed_coupled_rays = total(session, failed);
+  for (std::size_t kind = 0; kind < 2; ++kind) {
+    const double all = session.sum(drawn[kind].all), flagged = session.sum(drawn[kind].flagged);
+    (kind == 0 ? report.between : report.two).flagged = all > 0 ? flagged / all : 0;
+  }
+  auto states = unpacked<CoupledState>(session.gather(rows));
+  std::ranges::stable_sort(states, {}, [](const auto& s) { return std::pair{s.ray, s.n_tools}; });
+  return states;
+}
+
+void tell_coverages(const std::array<CoupledCoverage, 2>& coverages, BoundReport& report) {
+  for (auto [kind, to] : {std::pair{coverages[0], &report.between}, {coverages[1], &report.two}}) {
+    kind.flagged = to->flagged;
+    *to = kind;
+  }
+}
+
+}  // namespace
+
+void calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, ReducedBody& body,
+               const BoundSpec& spec, const OnProgress& progress, const ShouldStop& stop, BoundReport& report) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto& header = database.header();
+  std::optional<LoadedBody> loaded;
+  session.together([&] {
+    require_scene(header);
+    loaded.emplace(write_body_text(body), "body");
+  });
+  const ProbeSpec probe = stored_scene(header).probe;
+  RayForces rays(header, Variant::scene, stop);
+  const CoupledRays coupled(model, probe, &*loaded);
+  const auto states = solve_coupled(session, coupled, planned_rays(coupled, spec.rays, 2), spec.seed * 1000003,
+                                    progress, stop, rays, report);
+  session.together([&] {
+    if (session.rank() == 0) tell_coverages(add_coupled_bounds(body, probe.increments, spec.coverage, states), report);
+    if (session.rank() == 0 && body.bounds.rows() == 0)
+      throw failure("too few rays were solved for bounds of the body",
+                    fmt::format("{} of {} rays", states.size(), report.planned_coupled_rays),
+                    "run it again; nothing was written");
+  });
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+Model calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, const BoundSpec& spec,
+                const OnProgress& progress, const ShouldStop& stop, BoundReport& report) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto& header = database.header();
+  BoundPredictors predictors;
+  session.together([&] {
+    predictors = bound_predictors(model.model(), database);
+    require_scene(header);
+  });
+  const std::size_t n_active = model.model().nodes.size();
+  const auto n_rays = static_cast<std::size_t>(spec.rays);
+  const std::size_t n_nodes = std::min(
+      n_active,
+      std::max(fewest_nodes, n_rays / (spec.reference == Variant::scene ? rays_per_node : finer_rays_per_node)));
+  std::mt19937_64 random(spec.seed);
+  const auto sample = sampled_nodes(n_nodes, n_active, random);
+  RayForces rays(header, spec.reference, stop);
+  const CoupledRays coupled(model, stored_scene(header).probe);
+  const auto coupled_rays = planned_rays(coupled, spec.rays, 1);
+  report.reference = spec.reference;
+  const auto n_items = static_cast<std::int64_t>(n_nodes) + std::ssize(coupled_rays);
+  const auto counted = [&](std::int64_t before) {
+    return [&, before](std::int64_t done, std::int64_t) {
+      if (progress) progress(before + done, n_items);
+    };
+  };
+  NodeRays solved;
+  std::int64_t finished = 0;
+  session.together([&] {
+    finished = share_out(session, static_cast<std::int64_t>(n_nodes), counted(0), stop, [&](std::size_t i) {
+      // The rays of a node do not depend on the number of ranks, nor on how many follow.
+      std::mt19937_64 of_node(spec.seed * 1000003 + sample[i]);
+      NodeRays of_this;
+      of_this.rays = static_cast<std::int64_t>(n_rays / n_nodes + (i < n_rays % n_nodes));
+      for (std::int64_t ray = 0; ray < of_this.rays; ++ray) {
+        const auto next = draw_ray(model, model.model().nodes[sample[i]].node, of_node);
+        if (!next.parts.empty()) add_states(model, sample[i], next, rays.solve(next), of_this);
+      }
+      solved.states.insert(solved.states.end(), of_this.states.begin(), of_this.states.end());
+      solved.rays += of_this.rays;
+      solved.failed += of_this.failed;
+    });
+  });
+  const auto at_rest =
+      spec.reference == Variant::scene ? std::vector<double>() : stiffnesses_at_rest(session, model, stop, rays);
+  const auto coupled_states = solve_coupled(session, coupled, coupled_rays, spec.seed * 1000003 + n_active,
+                                            counted(static_cast<std::int64_t>(n_nodes)), stop, rays, report);
+  report.nodes = total(session, finished);
+  report.planned_nodes = static_cast<std::int64_t>(n_nodes);
+  report.rays = total(session, solved.rays);
+  report.failed_rays = total(session, solved.failed);
+  const auto states = states_of(session.gather(solved.states));
+  predict_by_rest(model, session.gather(at_rest), predictors);
+  Model bounded = model.model();
+  session.together([&] {
+    if (report.nodes < static_cast<std::int64_t>(std::min(n_nodes, fewest_nodes)))
+      throw failure("the calibration was interrupted before it had enough nodes for bounds",
+                    fmt::format("{} of {} nodes", report.nodes, n_nodes), "run it again; nothing was written");
+    if (session.rank() != 0) return;
+    bounded = add_bounds(model.model(), predictors, states, report.rays, spec.coverage);
+    report.states = static_cast<std::int64_t>(states.size());
+    report.all_nodes = static_cast<std::size_t>(report.nodes) == n_active;
+    const double range_m = bounded.max_displacement_m;
+    report.left_out = coverage_of(left_out(model, predictors, states, report.rays, spec.coverage), range_m);
+    tell_coverages({add_bound_between(bounded, model.mesh(), coupled_states), {}}, report);
+    bounded.bounds[0].reference = static_cast<std::int32_t>(spec.reference);
+    tell_medians(LoadedModel(bounded, model.mesh(), "model"), predictors, states, report);
+  });
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return bounded;
+}
+
+}  // namespace phynness

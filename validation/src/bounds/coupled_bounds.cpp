@@ -1,0 +1,233 @@
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <phynness/validation/coupled_bounds.hpp>
+#include <set>
+
+#include "measure/body_predictions.hpp"
+
+namespace phynness {
+namespace {
+
+/// A third of the depth may be covered by this less than all.
+constexpr double holds_nearly = 0.04;
+/// Errors below this part of the feature of force count as this in the fit of their logarithms.
+constexpr double least_error = 1e-5;
+/// The rays are a sample of clusters.
+constexpr std::int64_t fewest_of_kind = 20;
+/// A prediction is made without each of these parts of the rays.
+constexpr int n_parts = 10;
+constexpr int n_coefficients = schema::n_coupled_terms;
+/// The term of the spread of the nodes' forces, or of the difference to the linear force.
+constexpr int bending = 2;
+
+/// The error of a tool's force, and what its bound is computed from.
+struct Sample {
+  std::int32_t ray = 0;
+  bool between = false;
+  double depth_m = 0, error_N = 0;
+  std::array<double, n_coefficients> terms{};  ///< 1 and logarithms
+
+  double times(const Eigen::Vector4d& c) const { return Eigen::Map<const Eigen::Vector4d>(terms.data()).dot(c); }
+};
+using Samples = std::vector<Sample>;
+
+/// Forces of tools, and their bounds where there are some.
+struct Said {
+  std::vector<std::optional<Vec3>> force_N;
+  std::vector<std::optional<double>> bound_N;
+};
+using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, n_coefficients>;
+/// Loads a model or a body with these coefficients.
+using Load = std::function<std::function<Said(const std::vector<phn_tool>&)>(const Coefficients&)>;
+
+/// The samples of a kind. What bounds are computed from are bounds of which one coefficient is 1 and the others are 0.
+Samples samples_of(const Load& load, const std::vector<CoupledState>& states, int n_tools) {
+  std::vector<Sample> samples;
+  for (int term = 1; term < n_coefficients; ++term) {
+    Coefficients unit = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_coefficients);
+    unit.col(term).setOnes();
+    const auto loaded = load(unit);
+    std::size_t at = 0;
+    for (const auto& state : states) {
+      if (state.n_tools != n_tools) continue;
+      const auto said = loaded({state.tools.begin(), state.tools.begin() + n_tools});
+      for (std::size_t t = 0; t < said.bound_N.size(); ++t) {
+        if (!said.bound_N[t]) continue;
+        if (term == 1) {
+          const auto& tool = state.tools[t];
+          const Vec3 &own = *said.force_N[t], &truth = state.force_N[t];
+          samples.push_back({state.ray,
+                             std::ranges::max(tool.weights) < 1,
+                             std::hypot(tool.displacement[0], tool.displacement[1], tool.displacement[2]),
+                             std::hypot(own[0] - truth[0], own[1] - truth[1], own[2] - truth[2]),
+                             {}});
+          samples.back().terms[0] = 1;
+        }
+        samples.at(at++).terms[static_cast<std::size_t>(term)] = std::log(*said.bound_N[t]);
+      }
+    }
+  }
+  return samples;
+}
+
+std::int64_t rays_of(const Samples& samples) {
+  std::set<std::int32_t> rays;
+  for (const auto& sample : samples) rays.insert(sample.ray);
+  return std::ssize(rays);
+}
+
+/// What must be added to c_0 for the bound to hold for the share `coverage` of those that belong.
+/// @param scores  of each sample, the logarithm of its error over the prediction
+double missing(const Samples& samples, const std::vector<double>& scores, double coverage, const auto& belongs) {
+  std::vector<double> those;
+  std::set<std::int32_t> rays;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (belongs(samples[i])) {
+      those.push_back(scores[i]);
+      rays.insert(samples[i].ray);
+    }
+  if (those.empty()) return -std::numeric_limits<double>::infinity();
+  std::sort(those.begin(), those.end());
+  const double share = coverage * (1 + 1 / static_cast<double>(rays.size()));
+  const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(those.size())));
+  return those[std::min(at, those.size()) - 1];
+}
+
+/// The same for the share `coverage`, and nearly so in each third of the depth.
+double missing(const Samples& samples, const std::vector<double>& scores, double coverage, double range_m) {
+  double more = missing(samples, scores, coverage, [](const Sample&) { return true; });
+  for (int third = 0; third < 3; ++third)
+    more = std::max(more, missing(samples, scores, coverage - holds_nearly, [&](const Sample& s) {
+                      return std::min(2, static_cast<int>(3 * s.depth_m / range_m)) == third;
+                    }));
+  return more;
+}
+
+/// Coefficients of the logarithm of the error. @param left_out  part of the rays that does not count; n_parts: all
+/// count
+Eigen::Vector4d predicted(const Samples& samples, int left_out) {
+  Eigen::MatrixXd terms = Eigen::MatrixXd::Zero(std::ssize(samples), n_coefficients);
+  Eigen::VectorXd errors = Eigen::VectorXd::Zero(std::ssize(samples));
+  for (Eigen::Index i = 0; i < errors.size(); ++i) {
+    const auto& sample = samples[static_cast<std::size_t>(i)];
+    if (sample.ray % n_parts == left_out) continue;
+    terms.row(i) = Eigen::Map<const Eigen::RowVector4d>(sample.terms.data());
+    errors[i] = std::log(sample.error_N + least_error * std::exp(sample.terms[n_coefficients - 1]));
+  }
+  Eigen::Vector4d c = terms.completeOrthogonalDecomposition().solve(errors);
+  if (c[bending] >= 0) return c;
+  // What vanishes beside a node would make the bound infinite there.
+  terms.col(bending).setZero();
+  c = terms.completeOrthogonalDecomposition().solve(errors);
+  c[bending] = 0;
+  return c;
+}
+
+/// Coefficients of the logarithm of a bound that holds for the share `coverage` of samples like these: each is scored
+/// by a prediction without its part of the rays (Barber et al. 2021, doi 10.1214/20-AOS1965). Of the exponents of the
+/// predicted error the narrowest bound is taken that holds at every third of the depth.
+Eigen::Vector4d fit(const Samples& samples, double coverage, double range_m) {
+  const Eigen::Vector4d all = predicted(samples, n_parts);
+  std::array<Eigen::Vector4d, n_parts> without;
+  for (int part = 0; part < n_parts; ++part) without[static_cast<std::size_t>(part)] = predicted(samples, part);
+  Eigen::Vector4d best = all;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double exponent : {0.4, 0.6, 0.8, 1.0}) {
+    std::vector<double> scores;
+    for (const auto& s : samples)
+      scores.push_back(std::log(std::max(s.error_N, 1e-300)) -
+                       exponent * s.times(without[static_cast<std::size_t>(s.ray % n_parts)]));
+    Eigen::Vector4d c = exponent * all;
+    c[0] += missing(samples, scores, coverage, range_m);
+    double sum = 0;
+    for (const auto& sample : samples) sum += std::exp(sample.times(c));
+    if (sum >= least) continue;
+    best = c;
+    least = sum;
+  }
+  return best;
+}
+
+BoundCoverage coverage_if(const std::vector<std::pair<bool, BoundedError>>& errors, double range_m,
+                          const std::function<bool(bool)>& belongs) {
+  std::vector<BoundedError> chosen;
+  for (const auto& [between, error] : errors)
+    if (belongs(between)) chosen.push_back(error);
+  return coverage_of(chosen, range_m);
+}
+
+CoupledCoverage left_out(const Samples& samples, double coverage, double range_m) {
+  constexpr int n_fifths = 5;
+  std::vector<std::pair<bool, BoundedError>> errors;
+  for (int part = 0; part < n_fifths; ++part) {
+    Samples kept;
+    std::ranges::copy_if(samples, std::back_inserter(kept), [&](const auto& s) { return s.ray % n_fifths != part; });
+    if (kept.empty()) continue;
+    const Eigen::Vector4d c = fit(kept, coverage, range_m);
+    for (const auto& s : samples)
+      if (s.ray % n_fifths == part)
+        errors.push_back({s.between, {s.ray, s.depth_m, s.error_N, std::exp(s.times(c)), 1}});
+  }
+  return {rays_of(samples), coverage_if(errors, range_m, [](bool between) { return !between; }),
+          coverage_if(errors, range_m, [](bool between) { return between; }),
+          coverage_if(errors, range_m, [](bool) { return true; }), 0};
+}
+
+/// @param found  the coefficients, if there are enough rays of so many tools
+CoupledCoverage fit_kind(const Load& load, const std::vector<CoupledState>& states, int n_tools, double coverage,
+                         double range_m, std::optional<Eigen::Vector4d>& found) {
+  const Samples samples = samples_of(load, states, n_tools);
+  CoupledCoverage out;
+  out.rays = rays_of(samples);
+  if (out.rays < fewest_of_kind) return out;
+  found = fit(samples, coverage, range_m);
+  return left_out(samples, coverage, range_m);
+}
+
+}  // namespace
+
+CoupledCoverage add_bound_between(Model& model, const Mesh& mesh, const std::vector<CoupledState>& states) {
+  const Load load = [&](const Coefficients& coefficients) {
+    Model with = model;
+    with.bounds[0].between = coefficients.row(0).transpose();
+    return [loaded = std::make_shared<LoadedModel>(std::move(with), mesh, "model")](const auto& tools) {
+      const auto said = loaded->couple(tools);
+      return Said{said.force_N, said.bound_N};
+    };
+  };
+  std::optional<Eigen::Vector4d> found;
+  auto& bound = model.bounds.at(0);
+  const auto coverage = fit_kind(load, states, 1, bound.coverage, model.max_displacement_m, found);
+  if (found) bound.between = *found;
+  return coverage;
+}
+
+std::array<CoupledCoverage, 2> add_coupled_bounds(ReducedBody& body, int increments, double coverage,
+                                                  const std::vector<CoupledState>& states) {
+  body.bounds.resize(0, n_coefficients);
+  body.coverage = coverage;
+  body.n_rays = static_cast<std::int32_t>(states.size());
+  const Load load = [&](const Coefficients& coefficients) {
+    ReducedBody with = body;
+    with.bounds = coefficients;
+    return [loaded = std::make_shared<LoadedBody>(write_body_text(with), "body"), increments](const auto& tools) {
+      const auto said = loaded->press_from_rest(tools, increments, steps_of_increment);
+      return Said{{said.force_N.begin(), said.force_N.end()}, said.bound_N};
+    };
+  };
+  std::array<CoupledCoverage, 2> coverages;
+  Coefficients rows = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_coefficients);
+  rows.col(0).setConstant(schema::no_coupled_bound);
+  for (int kind = 0; kind < schema::n_coupled_kinds; ++kind) {
+    std::optional<Eigen::Vector4d> found;
+    coverages[static_cast<std::size_t>(kind)] = fit_kind(load, states, kind + 1, coverage, body.depth_m, found);
+    if (found) rows.row(kind) = found->transpose();
+  }
+  if ((rows.col(0).array() < schema::no_coupled_bound).any()) body.bounds = rows;
+  return coverages;
+}
+
+}  // namespace phynness
