@@ -152,7 +152,7 @@ def compiled_forms(laws):
             rows.append("{}")
         cases.append("{{\n    " + ",\n    ".join(rows) + "}}")
     return (
-        NOTE + '#include "form_set.hpp"\n\n#include <array>\n\n' + "\n".join(includes)
+        NOTE + '#include "solve/form_set.hpp"\n\n#include <array>\n\n' + "\n".join(includes)
         + f"\n\nnamespace phynness {{\n\nstatic_assert(every_field.size() == {len(FIELDS)}, \"FIELDS of element_table.py lists "
         "other fields than formats/fields.hpp\");\n\nCompiledForms compiled_forms(Law law, Element element) {\n"
         f"  const std::array<CompiledForms, {len(ELEMENTS)}> forms[] = {{\n  " + ",\n  ".join(cases)
