@@ -1,21 +1,52 @@
-// Written by web/wasm/layout.mjs. Bytes in 32-bit memory: sizes of structs, and offsets of their members.
+// The structs of the C interface in the 32-bit memory of the module, with their members in the order of the headers.
+
+type Kind = readonly [bytes: number, alignment: number];
+const integer: Kind = [4, 4], pointer: Kind = [4, 4], double: Kind = [8, 8];
+const several = (n: number, [bytes, alignment]: Kind): Kind => [n * bytes, alignment];
+
+/** Bytes of a struct by its name, and the offset of a member by STRUCT.MEMBER. */
+function struct<Name extends string, Member extends string>(name: Name, members: Record<Member, Kind>):
+  Readonly<Record<Name | `${Name}.${Member}`, number>> {
+  const table: Record<string, number> = {}, roundedUp = (n: number, unit: number) => Math.ceil(n / unit) * unit;
+  let end = 0, largest = 1;
+  for (const [member, [bytes, alignment]] of Object.entries<Kind>(members)) {
+    const at = roundedUp(end, alignment);
+    table[`${name}.${member}`] = at;
+    end = at + bytes;
+    largest = Math.max(largest, alignment);
+  }
+  return { ...table, [name]: roundedUp(end, largest) } as Record<Name | `${Name}.${Member}`, number>;
+}
+
+const texts = several(8, pointer), vector = several(3, double);
+const provenance = struct('phn_provenance', {
+  mesh_hash: pointer, physics_hash: pointer, element: pointer, reference: pointer, shear_modulus_Pa: double,
+  finer_mean: double, finer_p95: double, finer_tool_radius_m: double, finer_probes: integer, finer_nodes: integer,
+  bound_reference: integer,
+});
+const tool = struct('phn_tool', { nodes: several(3, integer), weights: vector, displacement: vector });
+
 export const layout = {
-  'phn_info': 208, 'phn_info.family': 0, 'phn_info.title': 4, 'phn_info.mesh_hash': 8,
-  'phn_info.max_displacement_m': 16, 'phn_info.active_nodes': 24, 'phn_info.output_nodes': 28, 'phn_info.fixed_nodes': 32,
-  'phn_info.output_points': 36, 'phn_info.fixed_points': 40, 'phn_info.triangles': 44, 'phn_info.field_names': 48,
-  'phn_info.field_units': 80, 'phn_info.n_nodes': 112, 'phn_info.n_active': 116, 'phn_info.n_output': 120,
-  'phn_info.n_fixed': 124, 'phn_info.n_triangles': 128, 'phn_info.n_fields': 132, 'phn_info.n_levels': 136,
-  'phn_info.has_energy': 140, 'phn_info.provenance': 144, 'phn_provenance.physics_hash': 4, 'phn_provenance.element': 8,
-  'phn_provenance.reference': 12, 'phn_provenance.shear_modulus_Pa': 16, 'phn_provenance.finer_mean': 24, 'phn_provenance.finer_p95': 32,
-  'phn_provenance.finer_tool_radius_m': 40, 'phn_provenance.finer_probes': 48, 'phn_provenance.finer_nodes': 52, 'phn_provenance.bound_reference': 56,
-  'phn_tool': 64, 'phn_tool.nodes': 0, 'phn_tool.weights': 16, 'phn_tool.displacement': 40,
-  'phn_coupled': 16, 'phn_coupled.residual': 0, 'phn_coupled.energy': 8, 'phn_level': 32,
-  'phn_level.force_centers': 0, 'phn_level.deformation_centers': 4, 'phn_level.modes': 8, 'phn_level.error_force': 16,
-  'phn_level.error_displacement': 24, 'phn_contact_tool': 48, 'phn_contact_tool.center': 0, 'phn_contact_tool.radius': 24,
-  'phn_contact_tool.friction': 32, 'phn_contact_tool.mode': 40, 'phn_contact_state': 160, 'phn_contact_state.force': 0,
-  'phn_contact_state.proxy': 24, 'phn_contact_state.normal': 48, 'phn_contact_state.scale': 72, 'phn_contact_state.unbalanced': 80,
-  'phn_contact_state.held': 88, 'phn_contact_state.in_contact': 152, 'phn_body_info': 64, 'phn_body_info.mesh_hash': 0,
-  'phn_body_info.physics_hash': 4, 'phn_body_info.law': 8, 'phn_body_info.tool_radius_m': 16, 'phn_body_info.max_displacement_m': 24,
-  'phn_body_info.nodes': 32, 'phn_body_info.n_nodes': 44, 'phn_body_info.n_modes': 52, 'phn_body_info.n_cells': 60,
-  'phn_body_pressed': 32, 'phn_body_pressed.energy': 0, 'phn_body_pressed.behind_m': 16,
-} as const;
+  ...provenance,
+  ...tool,
+  ...struct('phn_info', {
+    family: pointer, title: pointer, mesh_hash: pointer, max_displacement_m: double, active_nodes: pointer,
+    output_nodes: pointer, fixed_nodes: pointer, output_points: pointer, fixed_points: pointer, triangles: pointer,
+    field_names: texts, field_units: texts, n_nodes: integer, n_active: integer, n_output: integer, n_fixed: integer,
+    n_triangles: integer, n_fields: integer, n_levels: integer, has_energy: integer, provenance: [provenance.phn_provenance, 8],
+  }),
+  ...struct('phn_coupled', { residual: double, energy: double }),
+  ...struct('phn_level', {
+    force_centers: integer, deformation_centers: integer, modes: integer, error_force: double, error_displacement: double,
+  }),
+  ...struct('phn_contact_tool', { center: vector, radius: double, friction: double, mode: integer }),
+  ...struct('phn_contact_state', {
+    force: vector, proxy: vector, normal: vector, scale: double, unbalanced: double, held: [tool.phn_tool, 8], in_contact: integer,
+  }),
+  ...struct('phn_body_info', {
+    mesh_hash: pointer, physics_hash: pointer, law: pointer, tool_radius_m: double, max_displacement_m: double, nodes: pointer,
+    points: pointer, triangles: pointer, n_nodes: integer, n_triangles: integer, n_modes: integer, n_pressures: integer,
+    n_cells: integer,
+  }),
+  ...struct('phn_body_pressed', { energy: double, unbalanced: double, behind_m: double, steps: integer, renewed: integer }),
+};

@@ -2,11 +2,8 @@
 // nothing behind.
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
-// @ts-expect-error a script without types
-import { layoutOf } from '../../wasm/layout.mjs';
 import { Heap } from '../src/heap.js';
 import { loader, PhynnessError, toolAt } from '../src/index.js';
-import { layout } from '../src/layout.js';
 import { block, bodyText, built, load, loadText, sample, textOf } from './setup.js';
 
 describe('Heap', () => {
@@ -169,11 +166,5 @@ describe('Model', () => {
       new DataView(apart.buffer, 32, text.length)];
     for (const form of all) expect((await fromText(form)).info.family).toBe('modal');
     expect(calls).toBe(2);
-  });
-});
-
-describe('layout.ts', () => {
-  it('has the offsets of the compiler', () => {
-    expect(layout).toEqual(layoutOf(readFileSync(built.layout)));
   });
 });

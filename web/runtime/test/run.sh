@@ -8,8 +8,7 @@ fail() {
   echo "FAILED: $1" >&2
   exit 1
 }
-export PHYNNESS=$phynness PHYNNESS_TOUCHES=$touches PHYNNESS_MODELS=$build/models PHYNNESS_PACKAGE=$build/out/phynness
-export PHYNNESS_WASM=$build/wasm/phynness.wasm PHYNNESS_LAYOUT_WASM=$build/wasm/layout.wasm
+export PHYNNESS=$phynness PHYNNESS_TOUCHES=$touches PHYNNESS_MODELS=$build/models PHYNNESS_PACKAGE=$build/out/phynness PHYNNESS_WASM=$build/wasm/phynness.wasm
 mkdir -p "$build/models"
 "$write_models" "$build/models"
 rm -rf "$build/models/sample"
