@@ -4,7 +4,7 @@
 #include <phynness/formats/imported.hpp>
 #include <phynness/meshes/tool_weights.hpp>
 
-#include "../../formats/src/database/hdf5_file.hpp"
+#include "database/hdf5_file.hpp"
 #include "database_under_test.hpp"
 
 namespace phynness::test {

@@ -5,8 +5,8 @@
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/ray_tasks.hpp>
 
-#include "../../formats/src/database/database_scan.hpp"
 #include "command_line.hpp"
+#include "database/database_scan.hpp"
 
 namespace phynness::test {
 namespace {
