@@ -1,7 +1,7 @@
 // A reduced body, which answers for several tools and spheres.
-import { BodyContact, type Contact } from './contact.js';
-import { bytesOf, integer, loaded, Owner, type Engine } from './engine.js';
-import { BodyTools, type Tools } from './tools.js';
+import { Contact } from './contact.js';
+import { bytesOf, integer as checkedInteger, loaded, Owner, type Engine } from './engine.js';
+import { Tools } from './tools.js';
 
 export interface BodyInfo {
   readonly meshHash: string;
@@ -24,46 +24,36 @@ export class Body extends Owner {
 
   constructor(engine: Engine, parent: Owner, text: Uint8Array) {
     super(engine, parent);
-    try {
-      const { memory, object } = loaded(engine, 'body', text);
-      this.own(memory);
-      this.body = object;
-      const info = engine.heap.take(bytesOf('phn_body_info'));
-      try {
-        engine.call('phn_body_describe', object, info);
-        const textAt = (member: Parameters<typeof bytesOf>[0]) => engine.text(engine.size(info + bytesOf(member)));
-        this.info = Object.freeze({
-          meshHash: textAt('phn_body_info.mesh_hash'),
-          physicsHash: textAt('phn_body_info.physics_hash'),
-          law: textAt('phn_body_info.law'),
-          toolRadius: engine.real(info + bytesOf('phn_body_info.tool_radius_m')),
-          maxDisplacement: engine.real(info + bytesOf('phn_body_info.max_displacement_m')),
-          nodes: engine.integers(engine.size(info + bytesOf('phn_body_info.nodes')), engine.integer(info + bytesOf('phn_body_info.n_nodes'))).slice(),
-          nModes: engine.integer(info + bytesOf('phn_body_info.n_modes')),
-          nCells: engine.integer(info + bytesOf('phn_body_info.n_cells')),
-        });
-      } finally {
-        engine.heap.give(info);
-      }
-    } catch (error) {
-      this.dispose();
-      throw error;
-    }
+    const { memory, object } = loaded(engine, 'body', text);
+    this.own(memory);
+    this.body = object;
+    const info = this.take(bytesOf('phn_body_info')), { text: textOf, integer, pointer, real } = engine.members(info);
+    engine.call('phn_body_describe', object, info);
+    this.info = Object.freeze({
+      meshHash: textOf('phn_body_info.mesh_hash'),
+      physicsHash: textOf('phn_body_info.physics_hash'),
+      law: textOf('phn_body_info.law'),
+      toolRadius: real('phn_body_info.tool_radius_m'),
+      maxDisplacement: real('phn_body_info.max_displacement_m'),
+      nodes: engine.integers(pointer('phn_body_info.nodes'), integer('phn_body_info.n_nodes')).slice(),
+      nModes: integer('phn_body_info.n_modes'),
+      nCells: integer('phn_body_info.n_cells'),
+    });
   }
 
   /** Up to 8 tools at the same time, each set() of which makes at most so many of Newton's steps. */
   tools(max: number, steps = 12): Tools {
     this.alive();
-    return new BodyTools(this.engine, this, this.body, max, this.info.nodes.length, positive(steps));
+    return new Tools(this.engine, this, this.body, max, this.info.nodes.length, positive(steps));
   }
   /** Up to 8 spheres that touch, slide and grasp, with at most so many steps for all of them together. */
   contact(max: number, steps = 12): Contact {
     this.alive();
-    return new BodyContact(this.engine, this, this.body, max, this.info.nodes.length, positive(steps));
+    return new Contact(this.engine, this, this.body, max, this.info.nodes.length, positive(steps));
   }
 }
 
 function positive(steps: number): number {
-  if (integer(steps) < 1) throw new RangeError(`${steps} is not a number of steps`);
+  if (checkedInteger(steps) < 1) throw new RangeError(`${steps} is not a number of steps`);
   return steps;
 }

@@ -31,43 +31,40 @@ export interface Touch {
   readonly held: Tool | null;
 }
 
-export abstract class Contact extends Owner {
-  protected readonly what = 'contact';
-  protected readonly contact: number;
-  /** what answers for the spheres */
-  protected readonly data: number;
-  protected readonly tools: number;
-  protected readonly states: number;
-  protected readonly result: number;
-  protected readonly out: number;
+/** The C functions of spheres, and what their result holds. */
+const functions = {
+  model: { contact: 'phn_contact', data: 'phn_tools', step: 'phn_contact_step', field: 'phn_coupled_deform', result: 'phn_coupled',
+    energy: 'phn_coupled.energy' },
+  body: { contact: 'phn_body_contact', data: 'phn_body_state', step: 'phn_body_contact_step', field: 'phn_body_deform',
+    result: 'phn_body_pressed', energy: 'phn_body_pressed.energy' },
+} as const;
 
-  /** @param of  the model or the body. @param nField  nodes of a field */
-  constructor(
-    engine: Engine,
-    parent: Owner,
-    protected readonly of: number,
-    private readonly max: number,
-    private readonly nField: number,
-    names: { contact: string; data: string; resultBytes: number },
-  ) {
+export class Contact extends Owner {
+  protected readonly what = 'contact';
+  private readonly f: (typeof functions)['model' | 'body'];
+  private readonly steps: readonly number[];
+  private readonly contact: number;
+  /** what answers for the spheres */
+  private readonly data: number;
+  private readonly tools: number;
+  private readonly states: number;
+  private readonly result: number;
+  private readonly out: number;
+
+  /** @param of  the model or the body. @param nField  nodes of a field. @param steps  of a body for all spheres; null: of a model */
+  constructor(engine: Engine, parent: Owner, private readonly of: number, private readonly max: number, private readonly nField: number,
+    steps: number | null) {
     super(engine, parent);
     few(max);
-    try {
-      this.contact = this.made(names.contact, of, max);
-      this.data = this.made(names.data, of, max);
-      this.tools = this.take(max * bytesOf('phn_contact_tool'));
-      this.states = this.take(max * bytesOf('phn_contact_state'));
-      this.result = this.take(names.resultBytes);
-      this.out = this.take(24 * nField);
-    } catch (error) {
-      this.dispose();
-      throw error;
-    }
+    this.f = functions[steps === null ? 'model' : 'body'];
+    this.steps = steps === null ? [] : [steps];
+    this.contact = this.made(this.f.contact, of, max);
+    this.data = this.made(this.f.data, of, max);
+    this.tools = this.take(max * bytesOf('phn_contact_tool'));
+    this.states = this.take(max * bytesOf('phn_contact_state'));
+    this.result = this.take(bytesOf(this.f.result));
+    this.out = this.take(24 * nField);
   }
-  /** Calls of the runtime. @returns the status */
-  protected abstract move(n: number): number;
-  protected abstract field(): void;
-  protected abstract energy(): number;
 
   /** Moves the spheres to new positions. Sphere i is the same sphere in every call. */
   step(spheres: readonly Sphere[]): { status: number; warnings: readonly Warning[]; energy: number; touches: Touch[] } {
@@ -83,11 +80,11 @@ export abstract class Contact extends Owner {
       engine.reals(at + bytesOf('phn_contact_tool.friction'), 1)[0] = sphere.friction ?? 0;
       engine.integers(at + bytesOf('phn_contact_tool.mode'), 1)[0] = modes[mode];
     });
-    const status = this.move(spheres.length);
+    const status = engine.call(this.f.step, this.contact, this.data, ...this.steps, spheres.length, this.tools, this.states, this.result);
     return {
       status,
       warnings: warningsOf(status),
-      energy: this.energy(),
+      energy: engine.real(this.result + bytesOf(this.f.energy)),
       touches: spheres.map((_, i) => this.touch(this.states + i * bytesOf('phn_contact_state'))),
     };
   }
@@ -95,7 +92,7 @@ export abstract class Contact extends Owner {
   /** Displacements [m], n x 3, of the last step(): of all output nodes of a model, of all nodes of a body. */
   deform(out?: Float64Array): Float64Array {
     this.alive();
-    this.field();
+    this.engine.call(this.f.field, this.of, this.data, this.out);
     return copied(this.engine.reals(this.out, 3 * this.nField), out);
   }
 
@@ -126,46 +123,16 @@ export abstract class Contact extends Owner {
   }
 
   private touch(at: number): Touch {
-    const { engine } = this;
-    const inContact = engine.integer(at + bytesOf('phn_contact_state.in_contact')) === 1;
+    const { engine } = this, { integer, real } = engine.members(at);
+    const inContact = integer('phn_contact_state.in_contact') === 1;
     return {
       inContact,
       force: engine.reals(at + bytesOf('phn_contact_state.force'), 3).slice(),
       proxy: engine.reals(at + bytesOf('phn_contact_state.proxy'), 3).slice(),
       normal: engine.reals(at + bytesOf('phn_contact_state.normal'), 3).slice(),
-      scale: engine.real(at + bytesOf('phn_contact_state.scale')),
-      unbalanced: engine.real(at + bytesOf('phn_contact_state.unbalanced')),
+      scale: real('phn_contact_state.scale'),
+      unbalanced: real('phn_contact_state.unbalanced'),
       held: inContact ? toolFrom(engine, at + bytesOf('phn_contact_state.held')) : null,
     };
-  }
-}
-
-export class ModelContact extends Contact {
-  constructor(engine: Engine, parent: Owner, model: number, max: number, nOutput: number) {
-    super(engine, parent, model, max, nOutput, { contact: 'phn_contact', data: 'phn_tools', resultBytes: bytesOf('phn_coupled') });
-  }
-  protected move(n: number): number {
-    return this.engine.call('phn_contact_step', this.contact, this.data, n, this.tools, this.states, this.result);
-  }
-  protected field(): void {
-    this.engine.call('phn_coupled_deform', this.of, this.data, this.out);
-  }
-  protected energy(): number {
-    return this.engine.real(this.result + bytesOf('phn_coupled.energy'));
-  }
-}
-
-export class BodyContact extends Contact {
-  constructor(engine: Engine, parent: Owner, body: number, max: number, nNodes: number, private readonly steps: number) {
-    super(engine, parent, body, max, nNodes, { contact: 'phn_body_contact', data: 'phn_body_state', resultBytes: bytesOf('phn_body_pressed') });
-  }
-  protected move(n: number): number {
-    return this.engine.call('phn_body_contact_step', this.contact, this.data, this.steps, n, this.tools, this.states, this.result);
-  }
-  protected field(): void {
-    this.engine.call('phn_body_deform', this.of, this.data, this.out);
-  }
-  protected energy(): number {
-    return this.engine.real(this.result + bytesOf('phn_body_pressed.energy'));
   }
 }

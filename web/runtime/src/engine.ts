@@ -1,5 +1,4 @@
 // One instance of phynness.wasm with its memory.
-import { Heap } from './heap.js';
 import { layout } from './layout.js';
 import { PhynnessError } from './status.js';
 
@@ -9,7 +8,6 @@ type Member = keyof typeof layout;
 export const bytesOf = (member: Member): number => layout[member];
 
 export class Engine {
-  readonly heap: Heap;
   readonly f: Functions;
   private readonly memory: WebAssembly.Memory;
 
@@ -21,7 +19,6 @@ export class Engine {
     this.memory = exports['memory'] as WebAssembly.Memory;
     this.f = exports as unknown as Functions;
     this.f['__wasm_call_ctors']!();
-    this.heap = new Heap(this.memory, (exports['__heap_base'] as WebAssembly.Global).value as number);
   }
 
   /** @throws PhynnessError if the status is below 0 */
@@ -32,6 +29,16 @@ export class Engine {
   }
   error(status: number, call: string, wrongByte?: number): PhynnessError {
     return new PhynnessError(status, this.text(this.f['phn_status_message']!(status)), call, wrongByte);
+  }
+
+  /** The address of a block of memory for `give`. @throws RangeError if the engine refuses more memory */
+  take(bytes: number): number {
+    const at = this.f['malloc']!(Math.max(1, bytes)) >>> 0;
+    if (at === 0) throw new RangeError(`there is no memory for ${bytes} bytes`);
+    return at;
+  }
+  give(at: number): void {
+    this.f['free']!(at);
   }
 
   // Views are made anew at each use: memory that grows makes old ones unusable.
@@ -57,6 +64,15 @@ export class Engine {
   real(at: number): number {
     return this.reals(at, 1)[0]!;
   }
+  /** Readers of the members of the struct at an address. */
+  members(at: number) {
+    return {
+      text: (member: Member) => this.text(this.size(at + bytesOf(member))),
+      integer: (member: Member) => this.integer(at + bytesOf(member)),
+      pointer: (member: Member) => this.size(at + bytesOf(member)),
+      real: (member: Member) => this.real(at + bytesOf(member)),
+    };
+  }
   /** A text that ends with a 0; empty for a null pointer. */
   text(at: number): string {
     if (at === 0) return '';
@@ -65,25 +81,25 @@ export class Engine {
   }
   /** The block of an object of the C interface: `size(result)` gives its bytes, `init(memory, bytes, result)` makes it. */
   made(size: (result: number) => void, init: (memory: number, bytes: number, result: number) => void): Block {
-    const result = this.heap.take(4);
+    const result = this.take(4);
     let memory = 0;
     try {
       size(result);
       const bytes = this.size(result);
-      memory = this.heap.take(bytes);
+      memory = this.take(bytes);
       init(memory, bytes, result);
       return { memory, object: this.size(result) };
     } catch (error) {
-      if (memory !== 0) this.heap.give(memory);
+      if (memory !== 0) this.give(memory);
       throw error;
     } finally {
-      this.heap.give(result);
+      this.give(result);
     }
   }
 }
 
 export interface Block {
-  /** address for Heap.give */
+  /** address for Engine.give */
   memory: number;
   /** address of the object */
   object: number;
@@ -110,7 +126,7 @@ export abstract class Owner {
     return block;
   }
   protected take(bytes: number): number {
-    return this.own(this.engine.heap.take(bytes));
+    return this.own(this.engine.take(bytes));
   }
   /** An object of the C interface that belongs to this one, by the functions NAME_size and NAME_init. */
   protected made(name: string, model: number, n: number): number {
@@ -139,12 +155,21 @@ export abstract class Owner {
 }
 
 function release(engine: Engine, blocks: number[]): void {
-  for (const block of blocks.splice(0)) engine.heap.give(block);
+  for (const block of blocks.splice(0)) engine.give(block);
+}
+
+/** Contents of a model.txt or a body.txt. */
+export type ModelText = string | ArrayBufferView | ArrayBuffer;
+
+export function bytesOfText(text: ModelText): Uint8Array {
+  if (typeof text === 'string') return new TextEncoder().encode(text);
+  if (ArrayBuffer.isView(text)) return new Uint8Array(text.buffer, text.byteOffset, text.byteLength);
+  return new Uint8Array(text);
 }
 
 /** A model or a body from its text. @throws PhynnessError with the reason and the byte */
 export function loaded(engine: Engine, what: 'model' | 'body', text: Uint8Array): Block {
-  const bytes = engine.heap.take(text.byteLength), wrong = engine.heap.take(4);
+  const bytes = engine.take(text.byteLength), wrong = engine.take(4);
   engine.bytes(bytes, text.byteLength).set(text);
   const call = (name: string, ...args: number[]) => {
     const status = engine.f[`phn_${what}_${name}`]!(...args);
@@ -156,8 +181,8 @@ export function loaded(engine: Engine, what: 'model' | 'body', text: Uint8Array)
       (memory, size, result) => call('init', memory, size, bytes, text.byteLength, result, wrong),
     );
   } finally {
-    engine.heap.give(wrong);
-    engine.heap.give(bytes);
+    engine.give(wrong);
+    engine.give(bytes);
   }
 }
 

@@ -1,13 +1,13 @@
 // What both entry points have in common; browser.ts and node.ts add where phynness.wasm comes from.
 import { Model } from './model.js';
-import { bytesOfText, type ModelText } from './text.js';
+import { bytesOfText, type ModelText } from './engine.js';
 
 export type { Body, BodyInfo } from './body.js';
 export { Contact, type Sphere, type Touch } from './contact.js';
 export { Model, type Info, type Level, type Provenance, type Response } from './model.js';
 export { PhynnessError, warningsOf, type Warning } from './status.js';
 export { Surface } from './surface.js';
-export type { ModelText } from './text.js';
+export type { ModelText } from './engine.js';
 export { toolAt, type Tool, type Vector } from './tool.js';
 export { Tools, type Coupled, type ModelTools } from './tools.js';
 

@@ -1,10 +1,9 @@
 // A trained model and its working memory.
 import { Body } from './body.js';
-import { ModelContact } from './contact.js';
-import { bytesOf, copied, Engine, integer, loaded, Owner } from './engine.js';
+import { Contact } from './contact.js';
+import { bytesOf, bytesOfText, copied, Engine, integer, loaded, Owner, type ModelText } from './engine.js';
 import { undefinedHere, warningsOf, type Warning } from './status.js';
 import { Surface } from './surface.js';
-import { bytesOfText, type ModelText } from './text.js';
 import { putVector, toolFrom, type Tool, type Vector } from './tool.js';
 import { ModelTools } from './tools.js';
 
@@ -85,20 +84,20 @@ export class Model extends Owner {
   }
   private constructor(engine: Engine, text: Uint8Array) {
     super(engine);
-    try {
-      const model = loaded(engine, 'model', text);
-      this.own(model.memory);
-      this.model = model.object;
-      this.data = this.made('phn_data', this.model, 1);
-      this.args = this.take(argumentBytes);
-      this.info = infoOf(engine, this.model);
-      this.field_ = this.take(24 * this.info.outputNodes.length);
-      this.levels = levelsOf(engine, this.model);
-      this.level_ = this.levels.length - 1;
-    } catch (error) {
-      this.dispose();
-      throw error;
-    }
+    const model = loaded(engine, 'model', text);
+    this.own(model.memory);
+    this.model = model.object;
+    this.data = this.made('phn_data', this.model, 1);
+    this.args = this.take(argumentBytes);
+    const info = this.take(bytesOf('phn_info')), level = this.take(bytesOf('phn_level'));
+    engine.call('phn_model_info', this.model, info);
+    this.info = infoAt(engine, info);
+    this.field_ = this.take(24 * this.info.outputNodes.length);
+    this.levels = Array.from({ length: engine.integer(info + bytesOf('phn_info.n_levels')) }, (_, i) => {
+      engine.call('phn_level_info', this.model, i, level);
+      return levelAt(engine, level);
+    });
+    this.level_ = this.levels.length - 1;
   }
 
   /** Force at an active node that is displaced by d [m]; on request energy and stiffness (not in family rbfn). */
@@ -176,7 +175,7 @@ export class Model extends Owner {
   /** Up to 8 tools at the same time. It cannot be used after dispose() of this model. */
   tools(max: number): ModelTools {
     this.alive();
-    return new ModelTools(this.engine, this, this.model, max, this.info.outputNodes.length);
+    return new ModelTools(this.engine, this, this.model, max, this.info.outputNodes.length, null);
   }
   /** A reduced body, in the memory of this model. @param text  contents of body.txt */
   body(text: ModelText): Body {
@@ -189,9 +188,9 @@ export class Model extends Owner {
     return new Surface(this.engine, this, this.model, levels, this.info.outputNodes.length);
   }
   /** Up to 8 spheres that touch, slide and grasp. */
-  contact(max: number): ModelContact {
+  contact(max: number): Contact {
     this.alive();
-    return new ModelContact(this.engine, this, this.model, max, this.info.outputNodes.length);
+    return new Contact(this.engine, this, this.model, max, this.info.outputNodes.length, null);
   }
 
   private put(d: Vector): void {
@@ -201,9 +200,7 @@ export class Model extends Owner {
 }
 
 function provenanceAt(engine: Engine, at: number): Provenance {
-  const text = (member: Parameters<typeof bytesOf>[0]) => engine.text(engine.size(at + bytesOf(member)));
-  const integer = (member: Parameters<typeof bytesOf>[0]) => engine.integer(at + bytesOf(member));
-  const real = (member: Parameters<typeof bytesOf>[0]) => engine.real(at + bytesOf(member));
+  const { text, integer, real } = engine.members(at);
   return {
     physicsHash: text('phn_provenance.physics_hash'),
     element: text('phn_provenance.element'),
@@ -218,53 +215,37 @@ function provenanceAt(engine: Engine, at: number): Provenance {
   };
 }
 
-function infoOf(engine: Engine, model: number): Info {
-  const info = engine.heap.take(bytesOf('phn_info'));
-  try {
-    engine.call('phn_model_info', model, info);
-    const n = (member: Parameters<typeof bytesOf>[0]) => engine.integer(info + bytesOf(member));
-    const pointer = (member: Parameters<typeof bytesOf>[0]) => engine.size(info + bytesOf(member));
-    const nOutput = n('phn_info.n_output'), nFixed = n('phn_info.n_fixed');
-    return Object.freeze({
-      family: engine.text(pointer('phn_info.family')),
-      title: engine.text(pointer('phn_info.title')),
-      meshHash: engine.text(pointer('phn_info.mesh_hash')),
-      maxDisplacement: engine.real(info + bytesOf('phn_info.max_displacement_m')),
-      nNodes: n('phn_info.n_nodes'),
-      activeNodes: engine.integers(pointer('phn_info.active_nodes'), n('phn_info.n_active')).slice(),
-      outputNodes: engine.integers(pointer('phn_info.output_nodes'), nOutput).slice(),
-      fixedNodes: engine.integers(pointer('phn_info.fixed_nodes'), nFixed).slice(),
-      outputPoints: engine.reals(pointer('phn_info.output_points'), 3 * nOutput).slice(),
-      fixedPoints: engine.reals(pointer('phn_info.fixed_points'), 3 * nFixed).slice(),
-      triangles: engine.integers(pointer('phn_info.triangles'), 3 * n('phn_info.n_triangles')).slice(),
-      fields: Array.from({ length: n('phn_info.n_fields') }, (_, i) => ({
-        name: engine.text(engine.size(info + bytesOf('phn_info.field_names') + 4 * i)),
-        unit: engine.text(engine.size(info + bytesOf('phn_info.field_units') + 4 * i)),
-      })),
-      hasEnergy: n('phn_info.has_energy') === 1,
-      provenance: provenanceAt(engine, info + bytesOf('phn_info.provenance')),
-    });
-  } finally {
-    engine.heap.give(info);
-  }
+function infoAt(engine: Engine, at: number): Info {
+  const { text, integer: n, pointer, real } = engine.members(at);
+  const nOutput = n('phn_info.n_output'), nFixed = n('phn_info.n_fixed');
+  return Object.freeze({
+    family: text('phn_info.family'),
+    title: text('phn_info.title'),
+    meshHash: text('phn_info.mesh_hash'),
+    maxDisplacement: real('phn_info.max_displacement_m'),
+    nNodes: n('phn_info.n_nodes'),
+    activeNodes: engine.integers(pointer('phn_info.active_nodes'), n('phn_info.n_active')).slice(),
+    outputNodes: engine.integers(pointer('phn_info.output_nodes'), nOutput).slice(),
+    fixedNodes: engine.integers(pointer('phn_info.fixed_nodes'), nFixed).slice(),
+    outputPoints: engine.reals(pointer('phn_info.output_points'), 3 * nOutput).slice(),
+    fixedPoints: engine.reals(pointer('phn_info.fixed_points'), 3 * nFixed).slice(),
+    triangles: engine.integers(pointer('phn_info.triangles'), 3 * n('phn_info.n_triangles')).slice(),
+    fields: Array.from({ length: n('phn_info.n_fields') }, (_, i) => ({
+      name: engine.text(engine.size(at + bytesOf('phn_info.field_names') + 4 * i)),
+      unit: engine.text(engine.size(at + bytesOf('phn_info.field_units') + 4 * i)),
+    })),
+    hasEnergy: n('phn_info.has_energy') === 1,
+    provenance: provenanceAt(engine, at + bytesOf('phn_info.provenance')),
+  });
 }
 
-function levelsOf(engine: Engine, model: number): readonly Level[] {
-  const info = engine.heap.take(bytesOf('phn_info')), level = engine.heap.take(bytesOf('phn_level'));
-  try {
-    engine.call('phn_model_info', model, info);
-    return Array.from({ length: engine.integer(info + bytesOf('phn_info.n_levels')) }, (_, i) => {
-      engine.call('phn_level_info', model, i, level);
-      return {
-        forceCenters: engine.integer(level + bytesOf('phn_level.force_centers')),
-        deformationCenters: engine.integer(level + bytesOf('phn_level.deformation_centers')),
-        modes: engine.integer(level + bytesOf('phn_level.modes')),
-        errorForce: engine.real(level + bytesOf('phn_level.error_force')),
-        errorDisplacement: engine.real(level + bytesOf('phn_level.error_displacement')),
-      };
-    });
-  } finally {
-    engine.heap.give(level);
-    engine.heap.give(info);
-  }
+function levelAt(engine: Engine, at: number): Level {
+  const { integer, real } = engine.members(at);
+  return {
+    forceCenters: integer('phn_level.force_centers'),
+    deformationCenters: integer('phn_level.deformation_centers'),
+    modes: integer('phn_level.modes'),
+    errorForce: real('phn_level.error_force'),
+    errorDisplacement: real('phn_level.error_displacement'),
+  };
 }

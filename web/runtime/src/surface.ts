@@ -22,20 +22,15 @@ export class Surface extends Owner {
   ) {
     super(engine, parent);
     integer(levels);
-    try {
-      this.surface = this.made('phn_surface', model, levels);
-      const f = engine.f;
-      this.nVertices = f['phn_surface_n_vertices']!(this.surface);
-      const nTriangles = f['phn_surface_n_triangles']!(this.surface);
-      this.triangles = engine.integers(f['phn_surface_triangles']!(this.surface) >>> 0, 3 * nTriangles).slice();
-      this.points = engine.floats(f['phn_surface_points']!(this.surface) >>> 0, 3 * this.nVertices).slice();
-      this.scratch = this.take(f['phn_surface_scratch_size']!(this.surface));
-      this.field = this.take(24 * nOutput);
-      this.out = this.take(12 * this.nVertices);
-    } catch (error) {
-      this.dispose();
-      throw error;
-    }
+    this.surface = this.made('phn_surface', model, levels);
+    const f = engine.f;
+    this.nVertices = f['phn_surface_n_vertices']!(this.surface);
+    const nTriangles = f['phn_surface_n_triangles']!(this.surface);
+    this.triangles = engine.integers(f['phn_surface_triangles']!(this.surface) >>> 0, 3 * nTriangles).slice();
+    this.points = engine.floats(f['phn_surface_points']!(this.surface) >>> 0, 3 * this.nVertices).slice();
+    this.scratch = this.take(f['phn_surface_scratch_size']!(this.surface));
+    this.field = this.take(24 * nOutput);
+    this.out = this.take(12 * this.nVertices);
   }
 
   /** Displacements [m] of all vertices, n x 3. @param field  of Model.deform, Tools.deform or Contact.deform */

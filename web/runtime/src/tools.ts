@@ -14,36 +14,41 @@ export interface Coupled {
   readonly residual: number;
 }
 
-export abstract class Tools extends Owner {
+/** The C functions of tools, and what their result holds. */
+const functions = {
+  model: { data: 'phn_tools', hold: 'phn_couple', bound: 'phn_coupled_bound', field: 'phn_coupled_deform', result: 'phn_coupled',
+    energy: 'phn_coupled.energy', residual: 'phn_coupled.residual' },
+  body: { data: 'phn_body_state', hold: 'phn_body_press', bound: 'phn_body_bound', field: 'phn_body_deform', result: 'phn_body_pressed',
+    energy: 'phn_body_pressed.energy', residual: 'phn_body_pressed.behind_m' },
+} as const;
+
+export class Tools extends Owner {
   protected readonly what = 'tools';
-  protected readonly tools: number;
-  protected readonly forces: number;
-  protected readonly result: number;
-  protected readonly out: number;
-  protected readonly boundsAt: number;
+  protected readonly data: number;
+  private readonly f: (typeof functions)['model' | 'body'];
+  private readonly steps: readonly number[];
+  private readonly tools: number;
+  private readonly forces: number;
+  private readonly result: number;
+  private readonly out: number;
+  private readonly boundsAt: number;
   private held = 0;
 
-  /** @param nField  nodes of a field */
-  constructor(engine: Engine, parent: Owner, private readonly max: number, private readonly nField: number, resultBytes: number) {
+  /** @param of  the model or the body. @param nField  nodes of a field. @param steps  of a body for each set(), which goes on from
+   * the last deformation; null: of a model */
+  constructor(engine: Engine, parent: Owner, protected readonly of: number, private readonly max: number, private readonly nField: number,
+    steps: number | null) {
     super(engine, parent);
     few(max);
-    try {
-      this.tools = this.take(max * bytesOf('phn_tool'));
-      this.forces = this.take(max * 24);
-      this.result = this.take(resultBytes);
-      this.out = this.take(24 * nField);
-      this.boundsAt = this.take(max * 8);
-    } catch (error) {
-      this.dispose();
-      throw error;
-    }
+    this.f = functions[steps === null ? 'model' : 'body'];
+    this.steps = steps === null ? [] : [steps];
+    this.data = this.made(this.f.data, of, max);
+    this.tools = this.take(max * bytesOf('phn_tool'));
+    this.forces = this.take(max * 24);
+    this.result = this.take(bytesOf(this.f.result));
+    this.out = this.take(24 * nField);
+    this.boundsAt = this.take(max * 8);
   }
-  /** Calls of the runtime: forces of the first n tools, their bounds, the field. @returns the status */
-  protected abstract hold(n: number): number;
-  protected abstract bound(): number;
-  protected abstract field(): void;
-  /** Energy and residual after hold(). */
-  protected abstract held_(): { energy: number; residual: number };
 
   /** Forces of tools that hold their points; none of them: the object is free. */
   set(tools: readonly Tool[]): Coupled {
@@ -52,9 +57,12 @@ export abstract class Tools extends Owner {
     if (tools.length > this.max) throw new RangeError(`${tools.length} tools, but this was made for ${this.max}`);
     tools.forEach((tool, i) => putTool(engine, this.tools + i * bytesOf('phn_tool'), tool));
     this.held = 0;
-    const status = this.hold(tools.length);
+    const status = engine.call(this.f.hold, this.of, this.data, tools.length, this.tools, ...this.steps, this.forces, this.result);
     this.held = tools.length;
-    return { status, warnings: warningsOf(status), forces: engine.reals(this.forces, 3 * tools.length).slice(), ...this.held_() };
+    return {
+      status, warnings: warningsOf(status), forces: engine.reals(this.forces, 3 * tools.length).slice(),
+      energy: engine.real(this.result + bytesOf(this.f.energy)), residual: engine.real(this.result + bytesOf(this.f.residual)),
+    };
   }
 
   /** Bounds [N] of the errors of the forces of the last set(); null where there is none: outside of the trained range, too close
@@ -62,7 +70,7 @@ export abstract class Tools extends Owner {
   bounds(): (number | null)[] {
     const { engine } = this;
     this.alive();
-    const status = this.bound();
+    const status = engine.f[this.f.bound]!(this.of, this.data, this.boundsAt);
     if (status !== undefinedHere && status < 0) throw engine.error(status, 'bounds');
     const bounds = Array.from(engine.reals(this.boundsAt, this.held));
     return bounds.map((bound) => (status === undefinedHere || bound >= noBound ? null : bound));
@@ -71,68 +79,15 @@ export abstract class Tools extends Owner {
   /** Displacements [m], n x 3, under the tools of the last set(): of all output nodes of a model, of all nodes of a body. */
   deform(out?: Float64Array): Float64Array {
     this.alive();
-    this.field();
+    this.engine.call(this.f.field, this.of, this.data, this.out);
     return copied(this.engine.reals(this.out, 3 * this.nField), out);
   }
 }
 
 export class ModelTools extends Tools {
-  private readonly data: number;
-
-  constructor(engine: Engine, parent: Owner, private readonly model: number, max: number, nOutput: number) {
-    super(engine, parent, max, nOutput, bytesOf('phn_coupled'));
-    try {
-      this.data = this.made('phn_tools', model, max);
-    } catch (error) {
-      this.dispose();
-      throw error;
-    }
-  }
-  protected hold(n: number): number {
-    return this.engine.call('phn_couple', this.model, this.data, n, this.tools, this.forces, this.result);
-  }
-  protected bound(): number {
-    return this.engine.f['phn_coupled_bound']!(this.model, this.data, this.boundsAt);
-  }
-  protected field(): void {
-    this.engine.call('phn_coupled_deform', this.model, this.data, this.out);
-  }
-  protected held_(): { energy: number; residual: number } {
-    const real = (member: Parameters<typeof bytesOf>[0]) => this.engine.real(this.result + bytesOf(member));
-    return { energy: real('phn_coupled.energy'), residual: real('phn_coupled.residual') };
-  }
-
   /** Level of later calls: an index of Model.levels. */
   set level(level: number) {
     this.alive();
-    this.engine.call('phn_set_level', this.model, this.data, integer(level));
-  }
-}
-
-/** Tools of a body, each set() of which goes on from the last deformation with some steps. */
-export class BodyTools extends Tools {
-  private readonly state: number;
-
-  constructor(engine: Engine, parent: Owner, private readonly body: number, max: number, nNodes: number, private readonly steps: number) {
-    super(engine, parent, max, nNodes, bytesOf('phn_body_pressed'));
-    try {
-      this.state = this.made('phn_body_state', body, max);
-    } catch (error) {
-      this.dispose();
-      throw error;
-    }
-  }
-  protected hold(n: number): number {
-    return this.engine.call('phn_body_press', this.body, this.state, n, this.tools, this.steps, this.forces, this.result);
-  }
-  protected bound(): number {
-    return this.engine.f['phn_body_bound']!(this.body, this.state, this.boundsAt);
-  }
-  protected field(): void {
-    this.engine.call('phn_body_deform', this.body, this.state, this.out);
-  }
-  protected held_(): { energy: number; residual: number } {
-    const real = (member: Parameters<typeof bytesOf>[0]) => this.engine.real(this.result + bytesOf(member));
-    return { energy: real('phn_body_pressed.energy'), residual: real('phn_body_pressed.behind_m') };
+    this.engine.call('phn_set_level', this.of, this.data, integer(level));
   }
 }
