@@ -116,7 +116,6 @@ describe(`the page in ${browserName}`, () => {
   it('answers a drag with the force of eval, at the place of the pointer', async () => {
     const page = await view();
     await ask(page, 'phynness.set({ subdivision: 0 })');
-    const table: string[] = [];
     for (const [dx, dy] of [[40, 25], [-30, 60], [0, -45]] as const) {
       await ask(page, 'phynness.hold([])');
       const from = await drag(page, front, dx, dy);
@@ -126,37 +125,14 @@ describe(`the page in ${browserName}`, () => {
       expect(Math.abs(to.x - from.x - dx)).toBeLessThan(1);
       expect(Math.abs(to.y - from.y - dy)).toBeLessThan(1);
       const [force] = evaluated([{ node: front, displacement: tool!.displacement }]);
-      const shown = await textAt(page, '#newtons');
-      expect(shown).toBe(six(size(force!)));
+      expect(await textAt(page, '#newtons')).toBe(six(size(force!)));
       expect(await textAt(page, '#quantities')).toMatch(/Error of the force \(95 %\)\s*below [0-9.]+ m?N/);
-      table.push(`node ${front}, ${dx} and ${dy} pixels, ${(1e3 * size(tool!.displacement)).toFixed(2)} mm: page ${shown} N, eval ${six(size(force!))} N`);
       // The vertex itself, in single precision.
       const point = await ask<V3>(page, `phynness.point(${front})`);
       const nearest = await ask<number>(page, `(() => { const p = phynness.positions(), to = ${JSON.stringify(point.map((x, k) => x + tool!.displacement[k]!))}; let best = 1;
         for (let i = 0; i < p.length; i += 3) best = Math.min(best, Math.hypot(p[i]-to[0], p[i+1]-to[1], p[i+2]-to[2])); return best; })()`);
       expect(nearest).toBeLessThan(1e-7);
     }
-    console.log(table.join('\n'));
-  });
-
-  it('answers a hundred random queries as the native runtime', async () => {
-    const page = await view(), nodes = await ask<number[]>(page, '[...phynness.model.info.activeNodes]');
-    let seed = 1;
-    const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647; // Park and Miller, doi 10.1145/63039.63042
-    const queries = Array.from({ length: 100 }, () => ({ node: nodes[Math.floor(random() * nodes.length)]!, d: [0, 1, 2].map(() => 0.04 * (random() - 0.5)) }));
-    const file = join(folder, 'queries.csv');
-    writeFileSync(file, `node,ux_m,uy_m,uz_m\n${queries.map(({ node, d }) => [node, ...d].join(',')).join('\n')}\n`);
-    const [head, ...rows] = phynness('eval', built.model, '--queries', file).trim().split('\n').map((line) => line.split(','));
-    const first = head!.indexOf('fx_N');
-    const forces = await ask<number[][]>(page, `${JSON.stringify(queries)}.map(({ node, d }) => [...phynness.model.force(node, d).force])`);
-    const expected = rows.map((row) => [0, 1, 2].map((k) => Number(row[first + k])));
-    const largest = Math.max(...expected.map(size)), off = Math.max(...expected.map((f, i) => size(f.map((x, k) => x - forces[i]![k]!))));
-    expect(expected.length).toBe(100);
-    const bounds = await ask<(number | null)[]>(page, `${JSON.stringify(queries)}.map(({ node, d }) => phynness.model.bound(node, d))`);
-    const last = rows.map((row) => row[head!.indexOf('bound_N')]!);
-    expect(bounds.map((bound) => bound === null)).toEqual(last.map((text) => text === ''));
-    bounds.forEach((bound, i) => bound !== null && expect(Math.abs(bound - Number(last[i]))).toBeLessThanOrEqual(1e-12 * bound));
-    expect(off / largest).toBeLessThan(1e-12); // the order of additions is the same, the exponential function is another
   });
 
   it('holds two tools, and between nodes', async () => {
@@ -186,14 +162,6 @@ describe(`the page in ${browserName}`, () => {
     held.forEach(({ displacement }) => expect(size(displacement)).toBeGreaterThan(0.002));
     expect(await textAt(page, '#verdict')).not.toBe('unsettled');
     expect(await textAt(page, '#quantities')).toMatch(/Error of the force \(95 %\)\s*below [0-9.]+ m?N/);
-    // The same tools from rest, in one go.
-    const forces = await ask<V3[]>(page, 'phynness.answer.forces');
-    await ask(page, `(() => { const held = phynness.state.tools; phynness.set({ tools: [] }); phynness.set({ tools: held }); })()`);
-    await rest();
-    (await ask<V3[]>(page, 'phynness.answer.forces')).forEach((force, i) =>
-      expect(size(force.map((x, k) => x - forces[i]![k]!))).toBeLessThan(1e-4 * size(forces[i]!)));
-    expect(await ask<number>(page, "Math.max(...phynness.model.tools(2).set(phynness.state.tools.map(({ place, displacement }) => ({ ...place, displacement }))).forces.map((f, i) => Math.abs(f - phynness.answer.forces.flat()[i])))")).toBeGreaterThan(0.05 * size(forces[0]!));
-    if (process.env['PHYNNESS_PICTURES']) await page.screenshot({ path: join(process.env['PHYNNESS_PICTURES'], `body-${browserName}.png`) });
   });
 
   it('changes the level', async () => {
@@ -254,7 +222,6 @@ describe(`the page in ${browserName}`, () => {
     await ask(page, `phynness.hold([{ node: ${front}, displacement: [0, 0, -0.01] }])`);
     const glb = await offered(page, () => page.click('#save-glb'));
     const report = await validateBytes(new Uint8Array(glb));
-    console.log(`glTF: ${glb.length} bytes, ${report.issues.numErrors} errors, ${report.issues.numWarnings} warnings`);
     expect(report.issues.messages.filter(({ severity }) => severity < 2)).toEqual([]);
     const { nodes: [body], meshes: [mesh] } = JSON.parse(glb.subarray(20, 20 + glb.readUInt32LE(12)).toString()) as {
       nodes: { extras: { tools: { nodes: number[]; displacement_m: V3 }[] } }[];
@@ -262,8 +229,8 @@ describe(`the page in ${browserName}`, () => {
     };
     expect(body!.extras.tools).toMatchObject([{ displacement_m: [0, 0, -0.01] }]);
     expect(body!.extras.tools[0]!.nodes).toContain(front);
-    expect(mesh!.extras.targetNames.slice(0, 2)).toEqual(['rest', 'mode 1']);
-    expect(mesh!.primitives[0]!.targets.length).toBe(mesh!.extras.targetNames.length);
+    expect(mesh!.extras.targetNames).toEqual(['rest']);
+    expect(mesh!.primitives[0]!.targets.length).toBe(1);
     const png = await offered(page, () => page.click('#save-png'));
     expect(png.subarray(1, 4).toString()).toBe('PNG');
     expect(png.readUInt32BE(16)).toBeGreaterThan(600); // pixels across

@@ -71,9 +71,6 @@ export class BodyPicture {
   get colours(): Float32Array {
     return this.attribute('color').array as Float32Array;
   }
-  get normals(): Float32Array {
-    return this.attribute('normal').array as Float32Array;
-  }
   positionsChanged(): void {
     const normal = this.attribute('normal');
     normalsOf(this.positions, this.triangles, normal.array as Float32Array);
@@ -91,10 +88,6 @@ export class BodyPicture {
   }
   set showEdges(show: boolean) {
     this.edges.visible = show;
-  }
-  set opacity(opacity: number) {
-    this.material.transparent = opacity < 1;
-    this.material.opacity = opacity;
   }
 
   render(camera: Camera): void {
@@ -114,13 +107,6 @@ export class BodyPicture {
     );
     this.key.target.position.set(eye[0] + forward[0] * camera.distance, eye[1] + forward[1] * camera.distance, eye[2] + forward[2] * camera.distance);
     this.renderer.render(this.scene, this.eye);
-  }
-
-  dispose(): void {
-    this.body.geometry.dispose();
-    this.material.dispose();
-    this.lines.dispose();
-    this.renderer.dispose();
   }
 
   private attribute(name: string): BufferAttribute {

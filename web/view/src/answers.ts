@@ -1,4 +1,4 @@
-// What the runtime answers for tools and spheres, with the times it takes.
+// What the runtime answers for tools and spheres.
 import type { Body, Contact, Level, Model, ModelTools, Sphere, Surface, Tools, Touch, Warning } from '../../runtime/src/index.js';
 import { PhynnessError } from '../../runtime/src/status.js';
 import { add, row, scale, zero, type V3 } from '../../shared/src/vectors.js';
@@ -35,8 +35,6 @@ export class Runtime {
   private readonly ofModel: readonly ModelTools[];
   /** answers for tools and spheres, instead of the model */
   readonly body: Body | null;
-  /** of the body in one picture [ms] */
-  pressed = 0;
   private readonly contact_: Contact | null;
   private surface_: Surface | null = null;
   private surfaceLevels = -1;
@@ -118,7 +116,7 @@ export class Runtime {
     if (tools.length === 0 && !this.body) this.field.fill(0);
     if (tools.length === 0 && !this.body) return { ...nothing, energy: this.hasEnergy ? 0 : null };
     const all = tools.map(({ place, displacement }) => toolOf(place, displacement));
-    const { status, warnings, forces, energy, residual } = this.timed(() => this.tools.set(all));
+    const { status, warnings, forces, energy, residual } = this.tools.set(all);
     this.draw(this.tools);
     return {
       ...nothing, status, warnings, residual, forces: tools.map((_, i) => row(forces, i)),
@@ -128,12 +126,6 @@ export class Runtime {
   get hasEnergy(): boolean {
     return this.body !== null || this.model.info.hasEnergy;
   }
-  private timed<T>(press: () => T): T {
-    const begin = performance.now(), result = press();
-    this.pressed = 0.9 * this.pressed + 0.1 * (performance.now() - begin);
-    return result;
-  }
-
   private atNode(node: number, d: V3): Answer {
     const energetic = this.model.info.hasEnergy;
     const { status, warnings, force, energy, stiffness } = this.model.force(node, d, { energy: energetic, stiffness: energetic });
@@ -148,8 +140,8 @@ export class Runtime {
   /** Forces and field under a sphere. */
   touch(sphere: Sphere): Answer {
     if (!this.contact_) return nothing;
-    const contact = this.contact_, { status, warnings, energy, touches } = this.timed(() => contact.step([sphere]));
-    this.draw(contact);
+    const { status, warnings, energy, touches } = this.contact_.step([sphere]);
+    this.draw(this.contact_);
     return {
       ...nothing, status, warnings, touches, forces: touches.map(({ force }) => row(force, 0)),
       energy: this.hasEnergy ? energy : null,
@@ -170,16 +162,6 @@ export class Runtime {
     return (d) => {
       const all = [{ ...tool, displacement: d }, ...others].map(({ place, displacement }) => toolOf(place, displacement));
       return row(this.asked.set(all).forces, 0);
-    };
-  }
-
-  /** Microseconds of one force and of one deformation, measured here in a few milliseconds; NaN without deformations. */
-  times(node: number): { force: number; deformation: number } {
-    const d: V3 = [0, 0, -0.5 * this.model.info.maxDisplacement];
-    const deform = () => microseconds(() => this.model.deform(node, d, new Float64Array(this.field.length)));
-    return {
-      force: microseconds(() => this.model.force(node, d)),
-      deformation: unlessRefused(['PHN_ERROR_UNDEFINED'], deform) ?? NaN,
     };
   }
 
@@ -205,20 +187,4 @@ function unlessRefused<T>(statuses: readonly string[], make: () => T): T | null 
     if (error instanceof PhynnessError && statuses.includes(error.statusName)) return null;
     throw error;
   }
-}
-
-/** Time of one call. Clocks of browsers are coarse, therefore calls are repeated for 4 ms; the least of 3 rounds. */
-function microseconds(call: () => void): number {
-  let least = Infinity;
-  for (let round = 0; round < 3; ++round) {
-    const begin = performance.now();
-    let n = 0, now = begin;
-    do {
-      for (let i = 0; i < 20; ++i) call();
-      n += 20;
-      now = performance.now();
-    } while (now - begin < 4);
-    least = Math.min(least, (1e3 * (now - begin)) / n);
-  }
-  return least;
 }

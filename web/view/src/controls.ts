@@ -2,7 +2,6 @@
 import { significant } from '../../shared/src/numbers.js';
 import { byId, setFacts, setText } from './dom.js';
 import type { Hands } from './hands.js';
-import type { FrameTimes } from './readouts.js';
 import type { View } from './view.js';
 
 type Flag = 'keep' | 'atNodes' | 'components' | 'ellipsoid' | 'edges' | 'nodes';
@@ -18,7 +17,6 @@ export class Controls {
     palpation: byId('palpation', HTMLInputElement), subdivision: byId('subdivision', HTMLInputElement),
     radius: byId('radius', HTMLInputElement), friction: byId('friction', HTMLInputElement),
   };
-  private times = '';
 
   constructor(private readonly actions: View, private readonly hands: Hands) {
     const state = () => actions.session.state;
@@ -49,7 +47,6 @@ export class Controls {
     this.level.addEventListener('change', () => {
       const index = Number(this.level.value);
       actions.session.setLevel(index === actions.session.runtime.levels.length - 1 ? null : index);
-      this.measure();
       actions.changed(true);
     });
     for (const most of [1, 2])
@@ -109,15 +106,8 @@ export class Controls {
     this.level.disabled = runtime.levels.length < 2;
     this.step.value = significant(1e3 * info.maxDisplacement / 20, 2);
     byId('mode-sphere', HTMLButtonElement).disabled = !runtime.hasContact;
-    this.measure();
   }
-  private measure(): void {
-    const { runtime, cursor } = this.actions.session, times = runtime.times(cursor);
-    const us = (x: number) => (Number.isFinite(x) ? `${significant(x, 2)} µs` : 'none');
-    this.times = `${us(times.force)}; ${us(times.deformation)}`;
-  }
-
-  show(frames: FrameTimes | null): void {
+  show(): void {
     const { state, runtime } = this.actions.session, { info } = runtime.model;
     document.body.dataset['mode'] = state.mode;
     for (const [key, id] of Object.entries(flags) as [Flag, string][]) byId(id, HTMLInputElement).checked = state[key];
@@ -145,9 +135,7 @@ export class Controls {
       ['Family', info.family],
       ['Surface nodes, that can be held', `${new Set(info.triangles).size}, ${info.activeNodes.length}`],
       ['Trained to at most', `${significant(1e3 * info.maxDisplacement, 3)} mm`],
-      runtime.body ? ['Steps of the body in a picture', `${significant(runtime.pressed, 2)} ms`] : ['Time of a force; a deformation', this.times],
       ['Vertices drawn', drawn.nVertices.toLocaleString('en')],
-      ['Picture', frames ? `${significant(frames.work, 2)} ms, ${Math.round(frames.perSecond)} per second` : 'still'],
     ]);
   }
 }

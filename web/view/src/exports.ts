@@ -6,29 +6,20 @@ import { normalsOf } from '../../shared/src/normals.js';
 import { plain, roundedDown, shown, significant, ticks } from '../../shared/src/numbers.js';
 import type { Scale } from '../../shared/src/legend.js';
 import { norm } from '../../shared/src/vectors.js';
-import { sharedModes } from './modes.js';
 import { nameOf } from './places.js';
 import type { Session } from './session.js';
 
-/** Morph targets are written for this many shared modes at most. */
-const mostModes = 8;
-
-/** The bytes of a .glb file (binary glTF 2.0): the displaced surface with its colours; morph targets: the undeformed shape, and
- * shared modes of the model. Units are metres, as in the model. */
-export async function glbOf(session: Session, text: string, positions: Float32Array, colours: Float32Array): Promise<Uint8Array<ArrayBuffer>> {
+/** The bytes of a .glb file (binary glTF 2.0): the displaced surface with its colours; its morph target is the undeformed shape.
+ * Units are metres, as in the model. */
+export async function glbOf(session: Session, positions: Float32Array, colours: Float32Array): Promise<Uint8Array<ArrayBuffer>> {
   const { runtime, state, answer } = session, { info } = runtime.model, surface = runtime.surface(state.subdivision);
-  const modes = info.family === 'modal' ? sharedModes(text, info.outputNodes.length, mostModes) : [];
   const rows = (numbers: Float32Array) => new BufferAttribute(numbers, 3), geometry = new BufferGeometry();
-  const shape = (name: string, offset: Float32Array) => Object.assign(rows(offset), { name });
   geometry.setAttribute('position', rows(positions));
   geometry.setAttribute('normal', rows(normalsOf(positions, surface.triangles, new Float32Array(positions.length))));
   geometry.setAttribute('color', rows(colours));
   geometry.setIndex(new BufferAttribute(Uint32Array.from(surface.triangles), 1));
   geometry.morphTargetsRelative = true;
-  geometry.morphAttributes = { position: [shape('rest', surface.points.map((x, i) => x - positions[i]!)), ...modes.map((mode, k) => {
-    const fine = surface.deform(mode), largest = fine.reduce((most, x) => Math.max(most, Math.abs(x)), 0) || 1;
-    return shape(`mode ${k + 1}`, fine.map((x) => (x / largest) * info.maxDisplacement));
-  })] };
+  geometry.morphAttributes = { position: [Object.assign(rows(surface.points.map((x, i) => x - positions[i]!)), { name: 'rest' })] };
   const mesh = new Mesh(geometry, new MeshStandardMaterial({ vertexColors: true, metalness: 0, roughness: 0.6 }));
   mesh.name = plain(info.title);
   mesh.userData = {

@@ -114,7 +114,7 @@ class Page {
   private async saveGlb(): Promise<void> {
     if (!this.view) return;
     const { session, picture } = this.view;
-    download(await glbOf(session, this.text, picture.positions, picture.colours), 'model/gltf-binary', fileName(session.runtime.model.info.title, 'glb'));
+    download(await glbOf(session, picture.positions, picture.colours), 'model/gltf-binary', fileName(session.runtime.model.info.title, 'glb'));
   }
 
   /** For scripts in the console of the browser, and for tests. */
@@ -125,7 +125,6 @@ class Page {
         get state() { return view.session.state; },
         get answer() { return view.session.answer; },
         get restless() { return view.session.restless; },
-        get work() { return view.session.work?.closed ?? null; },
         /** Holds nodes: [{node, displacement}, ...] */
         hold: (tools: { node: number; displacement: V3 }[]) => {
           view.session.setTools(tools.map(({ node, displacement }) => ({ place: placeAt(node), displacement })));
@@ -143,7 +142,6 @@ class Page {
           const { runtime } = view.session;
           return project(view.camera, view.size, add(runtime.point(node), runtime.displacement(node)));
         },
-        projectPoint: (point: V3) => project(view.camera, view.size, point),
         point: (node: number) => view.session.runtime.point(node),
         positions: () => view.picture.positions,
         camera: () => view.camera,

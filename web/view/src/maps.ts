@@ -18,8 +18,6 @@ export interface MapValues {
 export interface MapKind {
   readonly name: string;
   readonly title: string;
-  /** the values change with the tools */
-  readonly live: boolean;
   /** @param tools  what holds the body; null: something else touches it, for which fields are not known */
   values(tools: readonly HeldTool[] | null): MapValues;
 }
@@ -48,7 +46,7 @@ export function mapsOf(runtime: Runtime, errors: NodeErrors | null, palpationDep
   /** A map with values at some nodes. */
   const atNodes = (name: string, title: string, unitName: string, nodes: ArrayLike<number>, value: (node: number, i: number) => number,
     note: string, from0 = true): MapKind => ({
-    name, title, live: false,
+    name, title,
     values() {
       const values = new Float64Array(n), known = new Float64Array(n);
       let low = Infinity, high = -Infinity;
@@ -70,7 +68,7 @@ export function mapsOf(runtime: Runtime, errors: NodeErrors | null, palpationDep
     note: string): MapKind => {
     let high = initial;
     return {
-      name, title, live: true,
+      name, title,
       values(tools) {
         const values = new Float64Array(n), known = new Float64Array(n).fill(fill(tools, values) ? 1 : 0);
         high = Math.max(high, roundedUp(values.reduce((a, b) => Math.max(a, b), 0) || initial));

@@ -9,13 +9,6 @@ import { DepthPlot, type PlotData } from './plot.js';
 import { principalOf } from './principal.js';
 import type { Session } from './session.js';
 
-/** Times of the picture, measured while it moves. */
-export interface FrameTimes {
-  /** of computing and drawing one picture [ms] */
-  readonly work: number;
-  readonly perSecond: number;
-}
-
 const withUnit = (x: number, unitName: string, digits: number): string => {
   const { unit, factor } = shown(unitName, x);
   return `${significant(x * factor, digits)} ${unit}`;

@@ -15,7 +15,7 @@ import { Marks } from './marks.js';
 import { onSurface, type MapValues } from './maps.js';
 import { listenToPointers } from './pointer.js';
 import { principalOf } from './principal.js';
-import { Readouts, type FrameTimes } from './readouts.js';
+import { Readouts } from './readouts.js';
 import type { Session } from './session.js';
 import { fragmentOf, type State } from './state.js';
 
@@ -38,8 +38,7 @@ export class View {
   private largestForce = 0;
   private scheduled = 0;
   private physics = true;
-  private frames: number[] = [];
-  private frameWork = 0;
+  private pictures = 0;
   private slow = 0;
   private addressTimer = 0;
   private address = '';
@@ -111,7 +110,7 @@ export class View {
   draw(): void {
     cancelAnimationFrame(this.scheduled);
     this.scheduled = 0;
-    const begin = performance.now(), { session, picture } = this, { state } = session;
+    const { session, picture } = this, { state } = session;
     picture.resize(this.stage.clientWidth, this.stage.clientHeight);
     if (this.physics) session.update();
     this.physics = false;
@@ -126,12 +125,11 @@ export class View {
     if (session.problem) setText(this.problem, session.problem);
     byId('invitation', HTMLElement).hidden = state.tools.length > 0 || state.mode === 'sphere';
     this.readouts.show(session);
-    this.count(begin);
-    this.controls.show(this.frameTimes());
+    this.controls.show();
     window.clearTimeout(this.slow);
     // The curve, which takes tenths of a second of a body, and the address of the page rest while things move fast.
     this.slow = window.setTimeout(() => this.settle(), session.runtime.body ? 500 : 60);
-    if (this.frames.length % 4 === 0 && !session.runtime.body) this.readouts.showPlot(session);
+    if (++this.pictures % 4 === 0 && !session.runtime.body) this.readouts.showPlot(session);
   }
   private settle(): void {
     this.readouts.showPlot(this.session);
@@ -248,17 +246,5 @@ export class View {
       (label as HTMLElement).style.top = `${Math.min(this.size.height - 20, Math.max(62, tip.y)).toFixed(0)}px`;
       setText(label, `${significant(norm(force), 3)} N`);
     });
-  }
-
-  private count(begin: number): void {
-    const now = performance.now();
-    this.frameWork = 0.8 * this.frameWork + 0.2 * (now - begin);
-    if (now - (this.frames.at(-1) ?? 0) > 500) this.frames = [];
-    this.frames.push(now);
-    if (this.frames.length > 30) this.frames.shift();
-  }
-  private frameTimes(): FrameTimes | null {
-    if (this.frames.length < 8) return null;
-    return { work: this.frameWork, perSecond: (1e3 * (this.frames.length - 1)) / (this.frames.at(-1)! - this.frames[0]!) };
   }
 }
