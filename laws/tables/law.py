@@ -40,7 +40,7 @@ import importlib.util
 import inspect
 import sys
 import traceback
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path
 
 LAWS = Path(__file__).resolve().parent.parent
@@ -218,21 +218,7 @@ def every_law():
             if quantity != first:
                 raise law._error(
                     f"a key of [material] must have the same meaning in every law, and {other.identifier}.py gives another one",
-                    f"{quantity.key}: {_differences(quantity, first)}",
-                    f"use {_origin(first) or _origin(quantity) or 'the same Quantity'} in both, or another key",
+                    f"{quantity} and there {first}",
+                    "use the same Quantity in both (see hooke.py), or another key",
                 )
     return laws
-
-
-def _differences(here, there):
-    words = [f.name for f in fields(here) if getattr(here, f.name) != getattr(there, f.name)]
-    return ", ".join(f"{w} = {getattr(here, w)!r} and there {getattr(there, w)!r}" for w in words)
-
-
-def _origin(quantity):
-    """How a law file imports a quantity that is defined for all laws; None: this one is not."""
-    for module in ("hooke", "law"):
-        for name, value in vars(sys.modules.get(module)).items() if module in sys.modules else ():
-            if value is quantity:
-                return f"`from {module} import {name}`"
-    return None
