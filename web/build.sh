@@ -23,7 +23,7 @@ for folder in runtime wasm shared view report browser_tests; do
   rm -rf "${work:?}/$folder"
   [ ! -d "$source/$folder" ] || cp -r "$source/$folder" "$work"
 done
-cp "$source"/{build.mjs,build_page.mjs,embed.mjs,tsconfig.json,vitest.config.ts} "$work"
+cp "$source"/{build.mjs,embed.mjs,tsconfig.json,vitest.config.ts} "$work"
 cp "$source/../LICENSE" "$build"
 cd "$work"
 node build.mjs --wasm "$build/wasm/phynness.wasm" --out "$out"

@@ -1,14 +1,14 @@
 #!/bin/bash
 # Claims: the tests beside this file hold; the package is installed from its archive into another project, where its
 # types and its example work; and it loads in Node without an option.
-# Usage: run.sh PHYNNESS WRITE_MODELS TOUCHES SOURCE_DIR BUILD_DIR
+# Usage: run.sh PHYNNESS WRITE_MODELS SOURCE_DIR BUILD_DIR
 set -euo pipefail
-phynness=$1 write_models=$2 touches=$3 source=$4 build=$5
+phynness=$1 write_models=$2 source=$3 build=$4
 fail() {
   echo "FAILED: $1" >&2
   exit 1
 }
-export PHYNNESS=$phynness PHYNNESS_TOUCHES=$touches PHYNNESS_MODELS=$build/models PHYNNESS_PACKAGE=$build/out/phynness PHYNNESS_WASM=$build/wasm/phynness.wasm
+export PHYNNESS=$phynness PHYNNESS_MODELS=$build/models PHYNNESS_PACKAGE=$build/out/phynness PHYNNESS_WASM=$build/wasm/phynness.wasm
 mkdir -p "$build/models"
 "$write_models" "$build/models"
 rm -rf "$build/models/sample"

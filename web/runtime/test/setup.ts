@@ -14,7 +14,6 @@ function given(name: string): string {
 export const built = {
   phynness: given('PHYNNESS'),
   wasm: given('PHYNNESS_WASM'),
-  touches: given('PHYNNESS_TOUCHES'),
   package: given('PHYNNESS_PACKAGE'),
   models: given('PHYNNESS_MODELS'),
 };
