@@ -66,7 +66,7 @@ class Page {
     this.shown = data;
     const title = plain(model.info.title) || 'phynness';
     setText(byId('title', HTMLElement), title);
-    setText(byId('about', HTMLElement), data.sceneTitle === model.info.title ? '' : plain(data.sceneTitle));
+    setText(byId('about', HTMLElement), data.scene_title === model.info.title ? '' : plain(data.scene_title));
     document.title = title;
     this.view.draw();
     this.expose(this.view);
@@ -100,7 +100,7 @@ class Page {
   private async openFile(file: File): Promise<void> {
     const bytes = new Uint8Array(await file.arrayBuffer()), text = new TextDecoder().decode(bytes);
     // Rays and errors in the page belong to its own model.
-    await this.open(text, text === this.data.model ? this.data : { ...this.data, model: null, body: null, rays: [], validation: null, sceneTitle: '' }, initialState(), bytes);
+    await this.open(text, text === this.data.model ? this.data : { ...this.data, model: null, body: null, rays: [], validation: null, scene_title: '' }, initialState(), bytes);
   }
 
   private async savePng(): Promise<void> {

@@ -83,11 +83,9 @@ export function mapsOf(runtime: Runtime, errors: NodeErrors | null, palpationDep
   return [
     atNodes('palpation', 'Stiffness under a finger', 'N/m', touched(),
       (node) => palpationStiffness(runtime, node, row(normals, runtime.rows.get(node)!), palpationDepth()), grey),
-    ...(errors ? [
-      atNodes('force-error', 'Error of the force', 'fraction', errors.nodes, (_, i) => errors.force[i]!, unprobed),
-      ...(errors.displacement.length > 0 ? [
-        atNodes('displacement-error', 'Error of the displacement', 'fraction', errors.nodes, (_, i) => errors.displacement[i]!, unprobed),
-      ] : []),
+    ...(errors && errors.nodes.length > 0 ? [
+      atNodes('force-error', 'Error of the force', 'fraction', errors.nodes, (_, i) => errors.force_error[i]!, unprobed),
+      atNodes('displacement-error', 'Error of the displacement', 'fraction', errors.nodes, (_, i) => errors.displacement_error[i]!, unprobed),
     ] : []),
     atNodes('trained-depth', 'Depth trained in all directions', 'm', activeNodes, (node) => runtime.model.trainedDepth(node, [0, 0, 0]), grey),
     live('displacement', 'Displacement', 'm', maxDisplacement / 4, (_, out) => {

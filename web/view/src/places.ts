@@ -28,14 +28,9 @@ export function mainNode(place: Place): number {
   return place.nodes[place.weights.indexOf(Math.max(...place.weights))]!;
 }
 
-/** A place from data of unknown origin. */
-export function placeOf(x: unknown): Place | null {
-  if (typeof x !== 'object' || x === null) return null;
-  const { nodes, weights } = x as Record<string, unknown>;
-  const isNode = (n: unknown) => Number.isInteger(n) && (n as number) >= 0 && (n as number) < 2 ** 31;
-  if (!Array.isArray(nodes) || !Array.isArray(weights)) return null;
-  if (nodes.length < 1 || nodes.length > 3 || weights.length !== nodes.length || new Set(nodes).size !== nodes.length) return null;
-  if (!nodes.every(isNode) || !weights.every((w) => typeof w === 'number' && w >= 0 && w <= 1)) return null;
-  const sum = (weights as number[]).reduce((s, w) => s + w, 0);
-  return Math.abs(sum - 1) < 1e-6 ? { nodes: nodes as number[], weights: weights as number[] } : null;
+/** Whether data of unknown origin are a place. */
+export function isPlace({ nodes, weights }: Place): boolean {
+  return nodes.length >= 1 && nodes.length <= 3 && weights.length === nodes.length && new Set(nodes).size === nodes.length
+    && nodes.every((n) => Number.isInteger(n) && n >= 0 && n < 2 ** 31) && weights.every((w) => w >= 0 && w <= 1)
+    && Math.abs(weights.reduce((sum, w) => sum + w, 0) - 1) < 1e-6;
 }

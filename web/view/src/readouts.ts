@@ -134,7 +134,7 @@ export class Readouts {
     const forces = forcesAlong(at, tool.displacement, depths);
     const near = node !== null && others.length === 0 ? nearestRay(data.rays, node, tool.displacement) : null;
     const stored = near
-      ? { depths: near.ray.depths, forces: near.ray.forces.map(norm), model: forcesAlong(at, near.ray.direction, depths) }
+      ? { depths: near.ray.depth_m, forces: near.ray.force_N.map(norm), model: forcesAlong(at, near.ray.direction, depths) }
       : null;
     this.plot.show({ curve: { depths, forces }, stored, now: { depth, force: norm(force) } } satisfies PlotData);
     const angle = near ? Math.round((near.angle * 180) / Math.PI) : 0;

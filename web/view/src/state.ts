@@ -1,7 +1,7 @@
 // What can be seen and is held, as the fragment of the page's address: #state=base64url(JSON).
 import type { Camera } from '../../shared/src/camera.js';
 import type { V3 } from '../../shared/src/vectors.js';
-import { placeOf, type Place } from './places.js';
+import { isPlace, type Place } from './places.js';
 
 export interface HeldTool {
   readonly place: Place;
@@ -52,66 +52,29 @@ export function fragmentOf(state: State): string {
   return prefix + btoa(binary).replaceAll('+', '-').replaceAll('/', '_').replace(/=+$/, '');
 }
 
-/** The state of a fragment; values of another type or out of range keep their defaults. */
+/** The state of a fragment; the first state if a value is of another type or out of range. */
 export function stateOf(fragment: string): State {
-  const state = initialState();
-  if (!fragment.startsWith(prefix)) return state;
-  let given: unknown;
+  const first = initialState();
+  if (!fragment.startsWith(prefix)) return first;
   try {
     const binary = atob(fragment.slice(prefix.length).replaceAll('-', '+').replaceAll('_', '/'));
-    given = JSON.parse(new TextDecoder().decode(Uint8Array.from(binary, (c) => c.charCodeAt(0))));
+    const given = JSON.parse(new TextDecoder().decode(Uint8Array.from(binary, (c) => c.charCodeAt(0)))) as Partial<State>;
+    const state: State = { ...first, ...given, sphere: { ...first.sphere, ...given.sphere } };
+    return isValid(state) ? state : first;
   } catch {
-    return state;
+    return first;
   }
-  return isObject(given) ? filled(state, given) : state;
 }
 
-type Loose = Record<string, unknown>;
-const isObject = (x: unknown): x is Loose => typeof x === 'object' && x !== null && !Array.isArray(x);
-const within = (x: unknown, low: number, high: number, otherwise: number): number =>
-  typeof x === 'number' && x >= low && x <= high ? x : otherwise;
-const whole = (x: unknown, low: number, high: number, otherwise: number): number =>
-  Number.isInteger(x) ? within(x, low, high, otherwise) : otherwise;
-const flag = (x: unknown, otherwise: boolean): boolean => (typeof x === 'boolean' ? x : otherwise);
-const point = (x: unknown): V3 | null =>
-  Array.isArray(x) && x.length === 3 && x.every((n) => typeof n === 'number' && Math.abs(n) < 1e3) ? (x as unknown as V3) : null;
-
-function filled(state: State, given: Loose): State {
-  const sphere = isObject(given['sphere']) ? given['sphere'] : {};
-  const tools = Array.isArray(given['tools']) ? given['tools'].slice(0, 2).map(toolOf).filter((tool) => tool !== null) : [];
-  return {
-    camera: cameraOf(given['camera']),
-    mode: given['mode'] === 'sphere' ? 'sphere' : 'hold',
-    tools,
-    most: Math.max(tools.length, whole(given['most'], 1, 2, state.most)),
-    keep: flag(given['keep'], state.keep),
-    atNodes: flag(given['atNodes'], state.atNodes),
-    subdivision: whole(given['subdivision'], 0, 3, state.subdivision),
-    level: given['level'] === null ? null : whole(given['level'], 0, 100, -1) < 0 ? null : (given['level'] as number),
-    map: typeof given['map'] === 'string' ? given['map'].slice(0, 100) : state.map,
-    palpationDepth: within(given['palpationDepth'], 0, 1, state.palpationDepth),
-    components: flag(given['components'], state.components),
-    ellipsoid: flag(given['ellipsoid'], state.ellipsoid),
-    edges: flag(given['edges'], state.edges),
-    nodes: flag(given['nodes'], state.nodes),
-    sphere: {
-      center: point(sphere['center']),
-      radius: within(sphere['radius'], 0, 1, state.sphere.radius),
-      friction: within(sphere['friction'], 0, 10, state.sphere.friction),
-      grasp: flag(sphere['grasp'], state.sphere.grasp),
-    },
-  };
-}
-
-function toolOf(x: unknown): HeldTool | null {
-  if (!isObject(x)) return null;
-  const place = placeOf(x['place']), displacement = point(x['displacement']);
-  return place && displacement ? { place, displacement } : null;
-}
-
-function cameraOf(x: unknown): Camera | null {
-  if (!isObject(x)) return null;
-  const target = point(x['target']), distance = within(x['distance'], 1e-6, 1e3, 0);
-  const azimuth = within(x['azimuth'], -10, 10, NaN), elevation = within(x['elevation'], -1.56, 1.56, NaN);
-  return target && distance > 0 && azimuth === azimuth && elevation === elevation ? { target, distance, azimuth, elevation } : null;
+function isValid({ camera, mode, tools, most, subdivision, level, map, palpationDepth, sphere, ...flags }: State): boolean {
+  const within = (x: unknown, low: number, high: number) => typeof x === 'number' && x >= low && x <= high;
+  const whole = (x: unknown, low: number, high: number) => Number.isInteger(x) && within(x, low, high);
+  const isPoint = (x: unknown) => Array.isArray(x) && x.length === 3 && x.every((n) => within(n, -1e3, 1e3));
+  return (camera === null || (isPoint(camera.target) && within(camera.distance, 1e-6, 1e3) && within(camera.azimuth, -10, 10)
+      && within(camera.elevation, -1.56, 1.56)))
+    && (mode === 'hold' || mode === 'sphere') && whole(most, 1, 2) && tools.length <= most
+    && tools.every(({ place, displacement }) => isPlace(place) && isPoint(displacement))
+    && whole(subdivision, 0, 3) && (level === null || whole(level, 0, 100)) && typeof map === 'string' && within(palpationDepth, 0, 1)
+    && (sphere.center === null || isPoint(sphere.center)) && within(sphere.radius, 0, 1) && within(sphere.friction, 0, 10)
+    && [sphere.grasp, ...Object.values(flags)].every((flag) => typeof flag === 'boolean');
 }
