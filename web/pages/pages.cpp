@@ -23,19 +23,11 @@ std::string missing_pages_remedy() {
 std::string json_for_html(const std::string& json) {
   std::string text;
   text.reserve(json.size() + json.size() / 64);
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    // U+2028 and U+2029 in UTF-8: E2 80 A8 and E2 80 A9.
-    const bool separator =
-        json.compare(i, 2, "\xE2\x80") == 0 && i + 2 < json.size() && (json[i + 2] == '\xA8' || json[i + 2] == '\xA9');
-    if (separator) {
-      text += json[i + 2] == '\xA8' ? "\\u2028" : "\\u2029";
-      i += 2;
-    } else if (json[i] == '<') {
+  for (const char c : json)
+    if (c == '<')
       text += "\\u003c";
-    } else {
-      text += json[i];
-    }
-  }
+    else
+      text += c;
   return text;
 }
 

@@ -15,7 +15,7 @@ std::optional<std::string> embedded_page(const std::string& name);
 std::string missing_pages_remedy();
 
 /// JSON as the content of an HTML element <script type="application/json">. Every "<" becomes \u003c, so that no text
-/// in it can end the element, and line separators of Unicode are escaped.
+/// in it can end the element.
 std::string json_for_html(const std::string& json);
 
 /// The page with `json` in its element with id phynness-data.
