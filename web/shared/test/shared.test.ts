@@ -56,31 +56,17 @@ function lab([r, g, b]: readonly [number, number, number]): [number, number, num
     0.0259040371 * l + 0.7827717662 * m - 0.808675766 * s,
   ];
 }
-/** What people without red or green receptors see (Machado, Oliveira and Fernandes 2009, severity 1), linear light. */
-const blindness = {
-  protanopia: [0.152286, 1.052583, -0.204868, 0.114503, 0.786281, 0.099216, -0.003882, -0.048116, 1.051998],
-  deuteranopia: [0.367322, 0.860646, -0.227968, 0.280085, 0.672501, 0.047413, -0.01182, 0.04294, 0.968881],
-};
-const steps = (see: (c: readonly [number, number, number]) => readonly [number, number, number]) =>
-  Array.from({ length: 16 }, (_, i) => {
-    const a = lab(see(linearColour(i / 16))), b = lab(see(linearColour((i + 1) / 16)));
-    return { distance: Math.hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]), lightness: b[0] - a[0] };
-  });
+const steps = Array.from({ length: 16 }, (_, i) => {
+  const a = lab(linearColour(i / 16)), b = lab(linearColour((i + 1) / 16));
+  return { distance: Math.hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]), lightness: b[0] - a[0] };
+});
 
 describe('colour map', () => {
   test('steps are equal within 10 % and always lighter', () => {
-    const all = steps((c) => c), mean = all.reduce((sum, step) => sum + step.distance, 0) / all.length;
-    for (const { distance, lightness } of all) {
+    const mean = steps.reduce((sum, step) => sum + step.distance, 0) / steps.length;
+    for (const { distance, lightness } of steps) {
       expect(Math.abs(distance / mean - 1)).toBeLessThan(0.1);
       expect(lightness).toBeGreaterThan(0.01);
-    }
-  });
-  test.each(Object.entries(blindness))('with %s every step stays visible and lighter', (_, m) => {
-    const see = (c: readonly [number, number, number]): [number, number, number] => [0, 3, 6].map((k) =>
-      Math.min(1, Math.max(0, m[k]! * c[0] + m[k + 1]! * c[1] + m[k + 2]! * c[2]))) as [number, number, number];
-    for (const { distance, lightness } of steps(see)) {
-      expect(distance).toBeGreaterThan(0.025);
-      expect(lightness).toBeGreaterThan(0);
     }
   });
   test('all colours lie inside of sRGB and are not clipped', () => {
