@@ -59,13 +59,6 @@ target_compile_definitions(phynness_dolfinx INTERFACE
   DOLFINX_VERSION="${DOLFINX_VERSION}" PHYNNESS_DOLFINX=${DOLFINX_VERSION_NUMBER} OMPI_SKIP_MPICXX MPICH_SKIP_MPICXX)
 message(STATUS "dolfinx ${DOLFINX_VERSION}, PETSc ${PETSC_VERSION}, ffcx include ${UFCX_INCLUDE_DIR}")
 
-option(PHYNNESS_NATIVE_KERNELS "Element kernels for the processor of this machine: 10 to 20 % less time, but not for older processors" OFF)
-# NaN must remain NaN, because it indicates J <= 0.
-set(PHYNNESS_KERNEL_OPTIONS -O2)
-if(PHYNNESS_NATIVE_KERNELS)
-  set(PHYNNESS_KERNEL_OPTIONS -O3 -march=native -ffast-math -fno-finite-math-only)
-endif()
-
 # phynness_compile_forms(TARGET file.py ...): compiles each form file to C by ffcx and adds it to TARGET. The names of headers
 # are those of the form files.
 function(phynness_compile_forms target)
@@ -95,7 +88,8 @@ function(phynness_compile_forms target)
       DEPENDS "${form}" ${modules}
       COMMENT "ffcx ${name}" VERBATIM)
     target_sources(${target} PRIVATE "${generated}/${name}.c")
-    set_source_files_properties("${generated}/${name}.c" PROPERTIES COMPILE_OPTIONS "${PHYNNESS_KERNEL_OPTIONS};-w" SKIP_LINTING ON)
+    # Without -ffast-math, because NaN indicates J <= 0.
+    set_source_files_properties("${generated}/${name}.c" PROPERTIES COMPILE_OPTIONS "-O2;-w" SKIP_LINTING ON)
   endforeach()
   target_include_directories(${target} PRIVATE "${generated}")
 endfunction()

@@ -176,14 +176,6 @@ class Law:
         for p in self.parameters:
             if p.key.endswith("_per_Pa"):
                 raise self._error("a parameter must be a modulus or dimensionless", p.key, "give it in Pa")
-        known = set(symbols) | {f.__name__ for f in self.derived}
-        leading_of = {"shape": 1, "volumetric": 1, "coupling": 2, "of_pressure": 1, "inside": 1, "plane_stress": 1, "squared_thickness": 1,
-                  "shear_modulus": 0, "bulk_modulus": 0, "calculix": 0}  # fmt: skip
-        for word, leading in leading_of.items():
-            if function := getattr(self, word):
-                strange = set(list(inspect.signature(function).parameters)[leading:]) - known
-                if strange:
-                    raise self._error(f"{word} has unknown arguments", sorted(strange), f"use symbols of {sorted(known)}")
         example = call(self.example, 10.0)
         if not any({q.symbol for q in s.given} == set(symbols) for s in self.accepted):
             raise self._error("accepted must contain the set of all parameters", symbols, "add this set to accepted")
