@@ -95,7 +95,7 @@ def main(source, compiler, libraries, python_with_ufl=None):
         copy = Path(temporary)
         for folder in ("precompute_dolfinx/forms", "laws"):
             shutil.copytree(source / folder, copy / folder)
-        for page in ("formats/scene.md", "docs/theory.md", "README.md"):
+        for page in ("formats/scene.md", "docs/theory.md"):
             (copy / page).parent.mkdir(exist_ok=True)
             shutil.copy(source / page, copy / page)
         (copy / "laws" / "demiray.py").write_text(LAW)
@@ -117,10 +117,7 @@ def main(source, compiler, libraries, python_with_ufl=None):
         expect(run(copy / "recipe", SCENE.replace("stiffening = 0.7", "stiffenin = 0.7")), ["did you mean stiffening?"])
         expect(run(copy / "recipe", SCENE.replace("= 0.7", "= 700")), ["recipe.toml:6", "stiffening", "700"])
 
-        missing = run(sys.executable, tables / "doc_tables.py", "--write", cwd=copy, status=1)
-        expect(missing, ["README.md:", "demiray"])
-        readme = copy / "README.md"
-        readme.write_text(readme.read_text().replace("Laws: ", "Laws: Demiray, "))
+        run(sys.executable, tables / "doc_tables.py", "--write", cwd=copy)
         assert run(sys.executable, tables / "doc_tables.py", cwd=copy) == ""
         expect((copy / "formats" / "scene.md").read_text(), ["| `stiffening` | number | > 0; b no unit |"])
 
