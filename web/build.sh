@@ -19,16 +19,11 @@ if [ ! -f "$work/node_modules/installed" ] || [ "$(cat "$work/node_modules/insta
   echo "$lock" > "$work/node_modules/installed"
 fi
 
-for folder in runtime wasm shared view report browser_tests; do
+for folder in runtime shared view report browser_tests; do
   rm -rf "${work:?}/$folder"
-  [ ! -d "$source/$folder" ] || cp -r "$source/$folder" "$work"
+  cp -r "$source/$folder" "$work"
 done
-cp "$source"/{build.mjs,embed.mjs,tsconfig.json,vitest.config.ts} "$work"
+cp "$source"/{build.mjs,tsconfig.json,vitest.config.ts} "$work"
 cp "$source/../LICENSE" "$build"
 cd "$work"
-node build.mjs --wasm "$build/wasm/phynness.wasm" --out "$out"
-pages=()
-for page in view.html report.html; do
-  [ ! -f "$out/$page" ] || pages+=("$out/$page")
-done
-node embed.mjs "$build/embedded_pages.cpp" "${pages[@]}"
+node build.mjs "$build/wasm/phynness.wasm" "$out" "$build/embedded_pages.cpp"

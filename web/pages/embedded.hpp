@@ -1,4 +1,4 @@
-// Files that web/embed.mjs writes into a C++ source.
+// Files that web/build.mjs writes into a C++ source.
 #pragma once
 
 namespace phynness {
