@@ -1,6 +1,6 @@
 // A reduced body, which answers for several tools and spheres.
 import { Contact } from './contact.js';
-import { bytesOf, integer as checkedInteger, loaded, Owner, type Engine } from './engine.js';
+import { bytesOf, integer as checkedInteger, Owner, type Engine } from './engine.js';
 import { Tools } from './tools.js';
 
 export interface BodyInfo {
@@ -24,11 +24,9 @@ export class Body extends Owner {
 
   constructor(engine: Engine, parent: Owner, text: Uint8Array) {
     super(engine, parent);
-    const { memory, object } = loaded(engine, 'body', text);
-    this.own(memory);
-    this.body = object;
+    this.body = this.loaded('body', text);
     const info = this.take(bytesOf('phn_body_info')), { text: textOf, integer, pointer, real } = engine.members(info);
-    engine.call('phn_body_describe', object, info);
+    engine.call('phn_body_describe', this.body, info);
     this.info = Object.freeze({
       meshHash: textOf('phn_body_info.mesh_hash'),
       physicsHash: textOf('phn_body_info.physics_hash'),

@@ -79,30 +79,6 @@ export class Engine {
     const all = new Uint8Array(this.memory.buffer);
     return new TextDecoder().decode(all.slice(at, all.indexOf(0, at)));
   }
-  /** The block of an object of the C interface: `size(result)` gives its bytes, `init(memory, bytes, result)` makes it. */
-  made(size: (result: number) => void, init: (memory: number, bytes: number, result: number) => void): Block {
-    const result = this.take(4);
-    let memory = 0;
-    try {
-      size(result);
-      const bytes = this.size(result);
-      memory = this.take(bytes);
-      init(memory, bytes, result);
-      return { memory, object: this.size(result) };
-    } catch (error) {
-      if (memory !== 0) this.give(memory);
-      throw error;
-    } finally {
-      this.give(result);
-    }
-  }
-}
-
-export interface Block {
-  /** address for Engine.give */
-  memory: number;
-  /** address of the object */
-  object: number;
 }
 
 /** Gives blocks of memory back when the object that used them is collected without dispose(). */
@@ -121,22 +97,44 @@ export abstract class Owner {
     const { blocks } = this;
     forgotten.register(this, () => release(engine, blocks), this);
   }
-  protected own(block: number): number {
+  protected take(bytes: number): number {
+    const block = this.engine.take(bytes);
     this.blocks.push(block);
     return block;
   }
-  protected take(bytes: number): number {
-    return this.own(this.engine.take(bytes));
+  /** An object of the C interface in memory of this one: `size(result)` gives its bytes, `init(memory, bytes, result)` makes it. */
+  protected constructed(size: (result: number) => void, init: (memory: number, bytes: number, result: number) => void): number {
+    const { engine } = this, result = this.take(4);
+    size(result);
+    const bytes = engine.size(result);
+    init(this.take(bytes), bytes, result);
+    return engine.size(result);
   }
-  /** An object of the C interface that belongs to this one, by the functions NAME_size and NAME_init. */
+  /** The same by the functions NAME_size and NAME_init. */
   protected made(name: string, model: number, n: number): number {
     const { engine } = this;
-    const { memory, object } = engine.made(
+    return this.constructed(
       (result) => engine.call(`${name}_size`, model, n, result),
       (block, bytes, result) => engine.call(`${name}_init`, block, bytes, model, n, result),
     );
-    this.own(memory);
-    return object;
+  }
+  /** A model or a body from its text. @throws PhynnessError with the reason and the byte */
+  protected loaded(what: 'model' | 'body', text: Uint8Array): number {
+    const { engine } = this, bytes = engine.take(text.byteLength), wrong = engine.take(4);
+    engine.bytes(bytes, text.byteLength).set(text);
+    const call = (name: string, ...args: number[]) => {
+      const status = engine.f[`phn_${what}_${name}`]!(...args);
+      if (status < 0) throw engine.error(status, `${what}.txt`, engine.size(wrong));
+    };
+    try {
+      return this.constructed(
+        (result) => call('size', bytes, text.byteLength, result, wrong),
+        (memory, size, result) => call('init', memory, size, bytes, text.byteLength, result, wrong),
+      );
+    } finally {
+      engine.give(wrong);
+      engine.give(bytes);
+    }
   }
   /** @throws Error after dispose() of this object or of its parent */
   protected alive(): void {
@@ -165,25 +163,6 @@ export function bytesOfText(text: ModelText): Uint8Array {
   if (typeof text === 'string') return new TextEncoder().encode(text);
   if (ArrayBuffer.isView(text)) return new Uint8Array(text.buffer, text.byteOffset, text.byteLength);
   return new Uint8Array(text);
-}
-
-/** A model or a body from its text. @throws PhynnessError with the reason and the byte */
-export function loaded(engine: Engine, what: 'model' | 'body', text: Uint8Array): Block {
-  const bytes = engine.take(text.byteLength), wrong = engine.take(4);
-  engine.bytes(bytes, text.byteLength).set(text);
-  const call = (name: string, ...args: number[]) => {
-    const status = engine.f[`phn_${what}_${name}`]!(...args);
-    if (status < 0) throw engine.error(status, `${what}.txt`, engine.size(wrong));
-  };
-  try {
-    return engine.made(
-      (result) => call('size', bytes, text.byteLength, result, wrong),
-      (memory, size, result) => call('init', memory, size, bytes, text.byteLength, result, wrong),
-    );
-  } finally {
-    engine.give(wrong);
-    engine.give(bytes);
-  }
 }
 
 /** `out` filled with the values, or a copy of them. */

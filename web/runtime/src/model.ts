@@ -1,7 +1,7 @@
 // A trained model and its working memory.
 import { Body } from './body.js';
 import { Contact } from './contact.js';
-import { bytesOf, bytesOfText, copied, Engine, integer, loaded, Owner, type ModelText } from './engine.js';
+import { bytesOf, bytesOfText, copied, Engine, integer, Owner, type ModelText } from './engine.js';
 import { undefinedHere, warningsOf, type Warning } from './status.js';
 import { Surface } from './surface.js';
 import { putVector, toolFrom, type Tool, type Vector } from './tool.js';
@@ -84,9 +84,7 @@ export class Model extends Owner {
   }
   private constructor(engine: Engine, text: Uint8Array) {
     super(engine);
-    const model = loaded(engine, 'model', text);
-    this.own(model.memory);
-    this.model = model.object;
+    this.model = this.loaded('model', text);
     this.data = this.made('phn_data', this.model, 1);
     this.args = this.take(argumentBytes);
     const info = this.take(bytesOf('phn_info')), level = this.take(bytesOf('phn_level'));
