@@ -58,9 +58,9 @@ const bytesPerChunk = 15000; // compilers may limit a string literal to 65,536 b
 for (const name of ['view', 'report']) {
   const page = await pageOf(name), bytes = Buffer.from(page);
   writeFileSync(join(folder, `${name}.html`), page);
-  source += `static const char* const ${name}[] = {\n`;
+  source += `static const char* const ${name}_chunks[] = {\n`;
   for (let at = 0; at < bytes.length; at += bytesPerChunk) source += `    ${literal(bytes.subarray(at, at + bytesPerChunk))},\n`;
   source += '    nullptr};\n';
-  list += `    {"${name}.html", ${name}},\n`;
+  list += `    {"${name}.html", ${name}_chunks},\n`;
 }
 writeFileSync(embedded, `${source}\nconst EmbeddedFile embedded_files[] = {\n${list}    {nullptr, nullptr}};\n\n}  // namespace phynness\n`);
