@@ -4,7 +4,7 @@ In plane stress the St. Venant-Kirchhoff energy of first-order strains is the en
 2 e its invariants give tr e and tr(e^2).
 """
 
-from hooke import accepted, bulk_modulus, calculix, example, parameters, plane_stress, shear_modulus
+from hooke import accepted, bulk_modulus, example, parameters, plane_stress, shear_modulus
 from law import identity, inner, sym, tr
 
 name = "linear"

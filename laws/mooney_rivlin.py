@@ -59,8 +59,3 @@ def plane_stress(metric, c10, c01, K):
     curvature = sum(v * k**2 for v, k in values) + K * (exp(q) / 2 - exp(q / 2) / 4)
     shape = sum(v for v, _ in values) - 3 * (c10 + c01)
     return shape + 2 * K * exp(q / 2) * s**2 - slope**2 / (2 * curvature)
-
-
-def calculix(c10, c01, K):
-    """CalculiX: C10 (I1bar - 3) + C01 (I2bar - 3) + (J - 1)^2 / D1, so that D1 = 2 / K."""
-    return "*HYPERELASTIC, MOONEY-RIVLIN", (c10, c01, 2 / K)

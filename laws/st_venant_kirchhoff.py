@@ -1,6 +1,6 @@
 """St. Venant-Kirchhoff, equation (7): W = lambda/2 (tr E)^2 + mu tr(E^2), E the Green-Lagrange strain (4)."""
 
-from hooke import accepted, bulk_modulus, calculix, example, parameters, plane_stress, shear_modulus
+from hooke import accepted, bulk_modulus, example, parameters, plane_stress, shear_modulus
 from law import identity, inner, tr
 
 name = "st-venant-kirchhoff"

@@ -37,10 +37,3 @@ def shape(F, c10, c20, c30):
 
 def volumetric(F):
     return det(F) - 1
-
-
-def calculix(c10, c20, c30, K):
-    """CalculiX adds (J - 1)^2 / D1 + (J - 1)^4 / D2 + (J - 1)^6 / D3, so that D1 = 2 / K. A term is omitted by a large
-    D; with D = 0 CalculiX does not omit it, and forces are wrong by up to 14 %.
-    """
-    return "*HYPERELASTIC, YEOH", (c10, c20, c30, 2 / K, 1e12, 1e12)

@@ -51,10 +51,3 @@ def plane_stress(metric, mu, lmbda):
     """
     I1, I2 = metric.A + 1, metric.P + metric.A
     return lmbda * mu / (lmbda + 2 * mu) * (I1 - 3) ** 2 / 4 + mu / 4 * (I1**2 - 2 * I2 - 2 * I1 + 3)
-
-
-def calculix(mu, lmbda):
-    """With NLGEOM, CalculiX's second Piola-Kirchhoff stress is linear in the Green-Lagrange strain: St.
-    Venant-Kirchhoff.
-    """
-    return "*ELASTIC", (mu * (3 * lmbda + 2 * mu) / (lmbda + mu), lmbda / (2 * (lmbda + mu)))

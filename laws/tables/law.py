@@ -22,7 +22,6 @@ and optionally
     inside(F)           positive where the energy is defined, in addition to J > 0; other states count as J <= 0
     plane_stress(metric)        energy density of a shell's layer with S^33 condensed (precompute_dolfinx/forms/shell.py)
     squared_thickness(metric)   for laws that are defined for J <= 0: positive unless the wall is turned inside out
-    calculix()          (card, numbers) of CalculiX's material, moduli in the same unit (lab/against_calculix.py)
     shell_from = 2      smallest K/mu at which plane_stress is accurate enough; default: 0
 
 The parameter names of a function determine its arguments: shape(F, mu) is called with F and mu. Formulas consist of
@@ -159,7 +158,7 @@ class Law:
         self.isochoric = self.kappa == BULK.symbol  # shape does not see changes of volume
         self.finite = getattr(module, "finite", True)
         self.derived = tuple(getattr(module, "derived", ()))
-        for word in ("coupling", "of_pressure", "inside", "plane_stress", "squared_thickness", "calculix"):
+        for word in ("coupling", "of_pressure", "inside", "plane_stress", "squared_thickness"):
             setattr(self, word, getattr(module, word, None))
         self.shell_from = getattr(module, "shell_from", 0)
         given = tuple(getattr(module, "accepted", (Accepted(tuple(self.parameters)),)))
