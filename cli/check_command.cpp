@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <phynness/formats/locking.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/discretization.hpp>
+#include <phynness/validation/locking.hpp>
 
 #include "commands.hpp"
 

@@ -18,7 +18,6 @@
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/model.hpp>
 #include <phynness/formats/scene.hpp>
-#include <phynness/formats/tool.hpp>
 #include <string>
 #include <string_view>
 #include <utility>

@@ -3,6 +3,8 @@
 #include <phynness/formats/text_file.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/meshes/patch_warnings.hpp>
+#include <phynness/meshes/tool_weights.hpp>
+#include <phynness/validation/locking.hpp>
 
 #include "commands.hpp"
 

@@ -4,8 +4,8 @@
 #include <phynness/formats/image.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/printable.hpp>
-#include <phynness/formats/probe_points.hpp>
 #include <phynness/meshes/meshes.hpp>
+#include <phynness/meshes/probe_points.hpp>
 #include <phynness/schema/body_grammar.hpp>
 #include <phynness/training/families.hpp>
 #include <phynness/validation/loaded_body.hpp>

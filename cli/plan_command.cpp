@@ -5,9 +5,9 @@
 #include <cmath>
 #include <ctime>
 #include <numeric>
-#include <phynness/formats/ray_tasks.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/precompute/planning.hpp>
+#include <phynness/precompute/ray_tasks.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/validation/discretization.hpp>
 #include <phynness/validation/sizes.hpp>

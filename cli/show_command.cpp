@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <phynness/formats/text_file.hpp>
-#include <phynness/formats/tool.hpp>
 #include <phynness/formats/vtk.hpp>
 
 #include "commands.hpp"

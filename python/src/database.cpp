@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 #include <phynness/formats/error.hpp>
 #include <phynness/training/node_training.hpp>
+#include <phynness/validation/locking.hpp>
 
 #include <sstream>
 #include <string>

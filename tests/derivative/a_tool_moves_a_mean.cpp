@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <phynness/formats/error.hpp>
+#include <phynness/meshes/tool_weights.hpp>
 
 #include "block_mesh.hpp"
 #include "body_states.hpp"

@@ -6,6 +6,7 @@
 // truncation error of the five-point formula is h^4/30 times the fifth derivative. With h = 1 % of the block and forces
 // of order 1 these are 1e-10 and about 1e-8. The tolerance is 1e-6 of the norm; a wrong term would change 1e-2.
 #include <gtest/gtest.h>
+#include <phynness/meshes/tool_weights.hpp>
 
 #include "block_mesh.hpp"
 #include "body_states.hpp"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <phynness/formats/model.hpp>
-#include <phynness/formats/probe_points.hpp>
+#include <phynness/meshes/probe_points.hpp>
 
 #include "../model_dir.hpp"
 

@@ -8,7 +8,7 @@
 #include <locale>
 #include <sstream>
 
-#include <phynness/formats/locking.hpp>
+#include <phynness/validation/locking.hpp>
 
 #include "../bad_input/scene_under_test.hpp"
 
@@ -157,13 +157,13 @@ TEST(Selection, keeps_every_selector_with_its_line) {
   { group = "lobe" },
 ])"));
   ASSERT_EQ(scene.active.size(), 3u);
-  EXPECT_EQ(scene.active[0].choice->text, "surface");
+  EXPECT_EQ(scene.active[0].text, "surface");
   EXPECT_FALSE(scene.active[0].surface_only);
   EXPECT_TRUE(scene.active[1].surface_only);
   EXPECT_EQ(scene.active[1].where.line, 14);
-  EXPECT_EQ(scene.active[2].choice->description, "group 'lobe'");
+  EXPECT_EQ(scene.active[2].description, "group 'lobe'");
   ASSERT_EQ(scene.output.size(), 1u);
-  EXPECT_EQ(scene.output[0].choice->text, "free-surface");
+  EXPECT_EQ(scene.output[0].text, "free-surface");
 }
 
 TEST(Directions, may_be_written_as_number_or_text) {

@@ -133,7 +133,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const Scene scene = parse_scene(text, "scene.toml", "/", MeshFile::may_be_absent);
     require(physics_hash(scene).size() == 16 && physics_hash(scene) == physics_hash(scene), "one hash");
-    scene_warnings(scene);
     const Scene again = parse_scene(scene.text, scene.source_name, "/", MeshFile::may_be_absent);
     require(physics_summary(again) == physics_summary(scene), "the text that a scene keeps is that scene");
   } catch (const Error& error) {

@@ -253,10 +253,6 @@ TEST(Selections, MistakesAreNamedWithTheirLine) {
   scene.fixed.clear();
   text = message(scene);
   EXPECT_TRUE(contains(text, "scene.toml:4: ") && contains(text, "fixed")) << text;
-
-  scene.fixed = good.active;
-  text = message(scene);
-  EXPECT_TRUE(contains(text, "fixed") && contains(text, "free-surface")) << text;
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <phynness/formats/tool.hpp>
 
 #include "mesh_under_test.hpp"
 

@@ -3,7 +3,7 @@
 // load. precompute hands out the tasks of ray_tasks(), each whole and in order.
 #include <algorithm>
 #include <phynness/formats/database.hpp>
-#include <phynness/formats/ray_tasks.hpp>
+#include <phynness/precompute/ray_tasks.hpp>
 
 #include "command_line.hpp"
 #include "database/database_scan.hpp"

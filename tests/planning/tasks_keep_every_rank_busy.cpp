@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <phynness/formats/ray_tasks.hpp>
+#include <phynness/precompute/ray_tasks.hpp>
 #include <queue>
 #include <random>
 

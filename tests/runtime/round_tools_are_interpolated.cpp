@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <phynness/formats/probe_points.hpp>
+#include <phynness/meshes/probe_points.hpp>
 #include <utility>
 #include <vector>
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <phynness/formats/error.hpp>
+#include <phynness/meshes/probe_points.hpp>
 #include <phynness/training/training.hpp>
 #include <string>
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/hash.hpp>
-#include <phynness/formats/ray_tasks.hpp>
 
 namespace phynness::database_log {
 namespace {

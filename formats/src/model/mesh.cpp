@@ -3,7 +3,7 @@
 #include <array>
 #include <bit>
 #include <phynness/formats/hash.hpp>
-#include <phynness/formats/tool.hpp>
+#include <phynness/formats/mesh.hpp>
 #include <tuple>
 
 namespace phynness {
@@ -73,7 +73,8 @@ std::vector<std::int32_t> surface_nodes(const Triangles& surface) {
 Points node_normals(const Points& nodes, const Triangles& surface) {
   Points normals = Points::Zero(nodes.rows(), 3);
   for (Eigen::Index t = 0; t < surface.rows(); ++t) {
-    const Eigen::RowVector3d twice_area = normal_of(corners_of(nodes, surface, t)).transpose();
+    const Eigen::RowVector3d first = nodes.row(surface(t, 0));
+    const Eigen::RowVector3d twice_area = (nodes.row(surface(t, 1)) - first).cross(nodes.row(surface(t, 2)) - first);
     for (int k = 0; k < 3; ++k) normals.row(surface(t, k)) += twice_area;
   }
   for (Eigen::Index i = 0; i < normals.rows(); ++i)

@@ -4,7 +4,7 @@
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/model.hpp>
-#include <phynness/formats/probe_points.hpp>
+#include <phynness/formats/printable.hpp>
 #include <phynness/formats/version.hpp>
 
 namespace phynness {
@@ -32,6 +32,13 @@ SolvedBody solved_body(const DatabaseHeader& header) {
   return {true, name(scene.solver.element), scene.material.shear_modulus_Pa};
 }
 
+std::string fixed(double value, int decimals) { return number_text(value, std::chars_format::fixed, decimals); }
+
+std::string in_words(const std::string& reference, const std::string& element) {
+  return reference == reference_names[2] ? element + " elements of half the size"
+                                         : reference + " elements on the same mesh";
+}
+
 }  // namespace
 
 Model model_of_database(const DatabaseHeader& header, Family family, const std::string& title) {
@@ -53,25 +60,17 @@ Model model_of_database(const DatabaseHeader& header, Family family, const std::
   return model;
 }
 
-void cover_surface(Model& model, const Mesh& mesh, double longest_m) {
-  NodeList probed;
-  for (const auto& node : model.nodes) probed.push_back(node.node);
-  const auto made = probe_coordinates(mesh.nodes, model.surface, probed, model.fixed, longest_m);
-  if (made.covered.size() <= probed.size() &&
-      std::includes(probed.begin(), probed.end(), made.covered.begin(), made.covered.end()))
-    return;
-  model.probe_triangles = made.triangles.unaryExpr([&](std::int32_t node) {
-    return static_cast<std::int32_t>(std::lower_bound(probed.begin(), probed.end(), node) - probed.begin());
-  });
-  model.covered.resize(std::ssize(made.covered), 4);
-  for (Eigen::Index i = 0; i < model.covered.rows(); ++i) {
-    const auto w = made.weights.row(i);
-    const auto part = [](double weight, double of) {
-      return of > 0 ? static_cast<std::int32_t>(std::lround(schema::whole_weight * weight / of)) : 0;
-    };
-    model.covered.row(i) << made.covered[static_cast<std::size_t>(i)], made.triangle[static_cast<std::size_t>(i)],
-        part(w[0], 1), part(w[1], w[1] + w[2]);
-  }
+std::string ModelBound::from() const {
+  return reference == 0 ? "" : " from " + in_words(reference_names.at(static_cast<std::size_t>(reference)), "the same");
+}
+
+std::string FinerDistance::sentence() const {
+  const auto percent = [](double error) { return fixed(100 * error, error < 0.0995 ? 1 : 0) + " %"; };
+  const auto finer = in_words(reference, element);
+  if (probes == 0) return "at no probe was there a finer solution (" + finer + ")";
+  return percent(mean) + " (p95 " + percent(p95) + ") from a finer solution (" + finer + ") at " +
+         std::to_string(probes) + (probes == 1 ? " probe" : " probes") + " of a round tool of " +
+         fixed(1e3 * tool_radius_m, 1) + " mm radius";
 }
 
 Points prescribed_displacements(const DatabaseHeader& header) {

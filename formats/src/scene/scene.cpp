@@ -1,11 +1,7 @@
 // Reads a scene: the keys of each section and the checks across them; warnings and notes.
-#include <iomanip>
-#include <locale>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/input_file.hpp>
-#include <phynness/formats/locking.hpp>
 #include <phynness/formats/scene.hpp>
-#include <sstream>
 
 #include "scene_keys.hpp"
 #include "scene_sections.hpp"
@@ -87,31 +83,6 @@ TrainingSpec changed_training(Scene scene, const std::string& keys, const std::s
   training.read_into(scene);
   sd::check_training(training, scene);
   return scene.training;
-}
-
-std::vector<std::string> scene_warnings(const Scene& scene, double mean_edge_m) {
-  std::vector<std::string> warnings;
-  const Material& m = scene.material;
-  const ProbeSpec& probe = scene.probe;
-  if (const double ratio = expected_force_ratio(scene, mean_edge_m); ratio > warned_force_ratio) {
-    std::ostringstream text;
-    text.imbue(std::locale::classic());
-    text << std::setprecision(4) << m.where.str() << ": the forces of a tool are estimated to be "
-         << ratio_in_words(ratio) << " at K/mu = " << m.bulk_to_shear();
-    if (mean_edge_m > 0 && probe.kind == ProbeKind::patch)
-      text << " and |d| = " << std::setprecision(2) << probe.max_displacement_m / mean_edge_m << " edges";
-    text << ", because " << name(scene.solver.element) << " tetrahedra lock (mean of measured bodies; single ones had "
-         << lowest_of_bodies << " to " << highest_of_bodies
-         << " times as much): use p1-p1 or taylor-hood, and see what phynness check measures in this scene";
-    warnings.push_back(text.str());
-  }
-  if (m.law->linear && (probe.directions != Directions::three || probe.increments != 1)) {
-    const auto asked = exploratory_directions(probe.directions).size() * static_cast<std::size_t>(probe.increments);
-    warnings.push_back(probe.where.str() + ": the law is linear, so that three solves per node suffice instead of " +
-                       std::to_string(asked) +
-                       "; directions = 3, increments = 1 and family = \"linear\" give an exact model");
-  }
-  return warnings;
 }
 
 std::vector<std::string> scene_notes(const Scene& scene) {

@@ -31,15 +31,13 @@ void add_numbers_of_laws(std::vector<std::string_view>& keys) {
 
 void add_selectors(std::vector<Table>& tables) {
   Table names{"selector", {}};
-  for (const auto& kind : selector_kinds())
-    if (kind.form != SelectorForm::word) names.keys.push_back(kind.name);
-  for (const auto& kind : selector_kinds())
-    for (const auto key : kind.form == SelectorForm::value ? kind.keys : std::vector<std::string_view>{})
-      if (std::find(names.keys.begin(), names.keys.end(), key) == names.keys.end()) names.keys.push_back(key);
+  for (const auto& row : selector_rows())
+    if (row.form != SelectorForm::word) names.keys.push_back(row.name);
+  names.keys.insert(names.keys.end(), std::begin(keys_beside_values), std::end(keys_beside_values));
   names.keys.push_back("surface_only");
   tables.push_back(std::move(names));
-  for (const auto& kind : selector_kinds())
-    if (kind.form == SelectorForm::table) tables.push_back({"selector." + std::string(kind.name), kind.keys});
+  for (const auto& row : selector_rows())
+    if (row.form == SelectorForm::table) tables.push_back({"selector." + std::string(row.name), row.keys});
 }
 
 const std::vector<Table>& tables() {

@@ -10,11 +10,6 @@ inline constexpr Range length{0, 1e3, true, false};
 /// Of a built-in shape: gmsh and the squares and cubes of lengths need more than the smallest number there is.
 inline constexpr Range shape_length{1e-9, 1e3};
 
-/// A position under the key `stem`_m or `stem`_fraction, one of which must be given.
-Vec3 parse_position(const SceneTable& table, const std::string& stem, bool& fraction);
-/// The key `normal`, a vector of any length except zero, as a unit vector.
-Vec3 parse_normal(const SceneTable& table);
-
 /// [material] law and its numbers.
 Material parse_material(const SceneTable& table);
 /// The selection under `key` of [nodes].

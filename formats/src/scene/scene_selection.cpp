@@ -1,7 +1,5 @@
 // [nodes]: words and selector tables that select nodes of the mesh.
 #include <algorithm>
-#include <cmath>
-#include <phynness/formats/error.hpp>
 
 #include "scene_keys.hpp"
 #include "scene_sections.hpp"
@@ -13,17 +11,17 @@ namespace {
 /// Names of the selectors that are words, or of the selectors that are tables.
 std::vector<std::string_view> names_of(bool words) {
   std::vector<std::string_view> names;
-  for (const auto& kind : selector_kinds())
-    if ((kind.form == SelectorForm::word) == words) names.push_back(kind.name);
+  for (const auto& row : selector_rows())
+    if ((row.form == SelectorForm::word) == words) names.push_back(row.name);
   return names;
 }
 
-const SelectorKind& kind_named(std::string_view name) {
-  return *std::find_if(selector_kinds().begin(), selector_kinds().end(),
-                       [&](const SelectorKind& kind) { return kind.name == name; });
+const SelectorRow& row_named(std::string_view name) {
+  return *std::ranges::find(selector_rows(), name, &SelectorRow::name);
 }
 
-NodeChoice parse_word(const toml::node& node, const std::string& word, const SceneTable& nodes, std::string_view key) {
+void parse_word(const toml::node& node, const std::string& word, const SceneTable& nodes, std::string_view key,
+                Selector& s) {
   const auto names = names_of(true);
   if (std::find(names.begin(), names.end(), word) == names.end()) {
     const auto near = nearest(word, names);
@@ -31,11 +29,14 @@ NodeChoice parse_word(const toml::node& node, const std::string& word, const Sce
            near.empty() ? "write one of " + listed(names) + ", or a selector table such as { sphere = { ... } }"
                         : "did you mean \"" + std::string(near) + "\"?");
   }
-  return kind_named(word).parse(nodes);
+  s.kind = row_named(word).kind;
+  s.text = word;
+  s.description = '"' + word + '"';
 }
 
 /// The selector of a table such as { sphere = { ... }, surface_only = true }.
-NodeChoice parse_table(const toml::node& node, const SceneTable& table, const SceneTable& nodes, std::string_view key) {
+void parse_table(const toml::node& node, const SceneTable& table, const SceneTable& nodes, std::string_view key,
+                 Selector& s) {
   std::string_view name;
   for (const auto candidate : names_of(false)) {
     if (!table.has(candidate)) continue;
@@ -48,27 +49,28 @@ NodeChoice parse_table(const toml::node& node, const SceneTable& table, const Sc
   if (name.empty())
     refuse(nodes.where(node), nodes.label(key) + " has a selector without a shape", shown(node),
            "add one of " + listed(names_of(false)));
-  const SelectorKind& kind = kind_named(name);
-  for (const auto& other : selector_kinds())
-    for (const auto more : other.form == SelectorForm::value ? other.keys : std::vector<std::string_view>{})
-      if (table.has(more) && kind.keys != other.keys)
-        table.reject(more, "cannot be combined with " + std::string(name),
-                     "it belongs to spacing_m, spacing and count; combine others by { intersection = [ ... ] }");
-  if (kind.form == SelectorForm::value) return kind.parse(table);
+  const SelectorRow& row = row_named(name);
+  s.kind = row.kind;
+  for (const auto more : keys_beside_values)
+    if (table.has(more) && row.kind != SelectorKind::spread)
+      table.reject(more, "cannot be combined with " + std::string(name),
+                   "it belongs to spacing_m, spacing and count; combine others by { intersection = [ ... ] }");
+  if (row.form == SelectorForm::value) return row.read(table, name, s);
   const auto* inner = table.find(name)->as_table();
   if (!inner)
-    table.reject(name, "must be a table", "write " + std::string(name) + " = { ... } with " + listed(kind.keys, ", "));
-  return kind.parse(SceneTable(*inner, "selector." + std::string(name), table.file()));
+    table.reject(name, "must be a table", "write " + std::string(name) + " = { ... } with " + listed(row.keys, ", "));
+  row.read(SceneTable(*inner, "selector." + std::string(name), table.file()), name, s);
 }
 
 Selector parse_selector(const toml::node& node, const SceneTable& nodes, std::string_view key) {
   Selector s;
   if (const auto* word = node.as_string()) {
-    s.choice = std::make_shared<const NodeChoice>(parse_word(node, word->get(), nodes, key));
+    parse_word(node, word->get(), nodes, key, s);
   } else if (const auto* inner = node.as_table()) {
     const SceneTable table(*inner, "selector", nodes.file());
-    s.choice = std::make_shared<const NodeChoice>(parse_table(node, table, nodes, key));
+    parse_table(node, table, nodes, key, s);
     s.surface_only = table.flag_or("surface_only", false);
+    if (s.surface_only) s.text += " surface_only", s.description += ", surface nodes only";
   } else {
     refuse(nodes.where(node), nodes.label(key) + " must be text, a selector table or an array of them", shown(node),
            "write \"surface\", or { sphere = { ... } }, or an array of selectors");
@@ -77,13 +79,18 @@ Selector parse_selector(const toml::node& node, const SceneTable& nodes, std::st
   return s;
 }
 
+bool needs_fixed(const Selector& s) {
+  using enum SelectorKind;
+  return s.kind == free_surface || s.kind == free || s.kind == fixed || s.from_fixed_m > 0 ||
+         std::ranges::any_of(s.of, [](const Selection& part) { return std::ranges::any_of(part, needs_fixed); });
+}
+
 void check_fixed(const Selector& selector) {
-  if (selector.choice->needs_fixed)
-    refuse(selector.where, "[nodes] fixed cannot use a selection that depends on the fixed nodes",
-           selector.choice->description,
+  if (needs_fixed(selector))
+    refuse(selector.where, "[nodes] fixed cannot use a selection that depends on the fixed nodes", selector.description,
            "select the fixed nodes by a box, sphere, plane, half_space, group or list of nodes");
-  if (selector.choice->selects_all)
-    refuse(selector.where, "[nodes] fixed selects all nodes, so that no node can move", selector.choice->description,
+  if (selector.kind == SelectorKind::all)
+    refuse(selector.where, "[nodes] fixed selects all nodes, so that no node can move", selector.description,
            "fix a part of the body only");
 }
 
@@ -109,36 +116,4 @@ Selection parse_selection(const SceneTable& nodes, std::string_view key) {
   return selection;
 }
 
-Vec3 parse_position(const SceneTable& table, const std::string& stem, bool& fraction) {
-  const std::string in_metres = stem + "_m", in_fractions = stem + "_fraction";
-  if (table.has(in_metres) && table.has(in_fractions))
-    table.reject(in_fractions, "cannot be combined with " + in_metres, "keep one of the two");
-  fraction = table.has(in_fractions);
-  const auto value = fraction ? table.vector(in_fractions, fractions) : table.vector(in_metres, metres);
-  if (!value)
-    table.missing(in_metres, "",
-                  "add " + in_metres + " = [x, y, z], or " + in_fractions + " (0 to 1 across the bounding box)");
-  return *value;
-}
-
-Vec3 parse_normal(const SceneTable& table) {
-  auto normal = table.vector("normal", {-1e6, 1e6});
-  if (!normal) table.missing("normal", "", "add normal = [x, y, z], a direction of any length");
-  const double norm = std::hypot((*normal)[0], (*normal)[1], (*normal)[2]);
-  if (!(norm > 0)) table.reject("normal", "has the length 0", "give a vector that is not zero");
-  for (double& x : *normal) x /= norm;
-  return *normal;
-}
-
 }  // namespace phynness::scene_detail
-
-namespace phynness {
-
-Selection parse_selection(const std::string& text) {
-  const toml::table root = scene_detail::parse_toml("output = " + text, "the selection");
-  auto selection = scene_detail::parse_selection({root, "nodes", ""}, "output");
-  for (auto& selector : selection) selector.where = {};
-  return selection;
-}
-
-}  // namespace phynness

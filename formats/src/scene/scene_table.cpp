@@ -65,11 +65,6 @@ std::string exact_text(const Vec3& v) {
   return std::string("[") + shortest(v[0]) + ", " + shortest(v[1]) + ", " + shortest(v[2]) + "]";
 }
 
-std::string shown_text(const Vec3& v) {
-  const auto text = [&](std::size_t k) { return number_text(v[k], std::chars_format::general, 6); };
-  return "(" + text(0) + ", " + text(1) + ", " + text(2) + ")";
-}
-
 std::string shortest(double value) { return number_text(value); }
 
 std::string shown(const toml::node& node, int levels) {

@@ -26,8 +26,6 @@ struct Range {
 std::string shortest(double value);
 /// "[x, y, z]", each as shortest().
 std::string exact_text(const Vec3& v);
-/// "(x, y, z)" with six digits each, for messages.
-std::string shown_text(const Vec3& v);
 
 /// Allowed coordinates of a scene in metres and in fractions of the bounding box.
 inline constexpr Range metres{-1e3, 1e3}, fractions{-10, 10};

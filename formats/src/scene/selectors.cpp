@@ -1,256 +1,221 @@
-// The simple selectors: their keys in a scene, their texts in messages and in the physics hash, and the nodes that they
-// select.
+// The selectors: their keys in a scene, and their texts in messages and in the physics hash.
 #include "selectors.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <phynness/formats/error.hpp>
-#include <phynness/formats/mesh.hpp>
+#include <phynness/formats/printable.hpp>
 
+#include "scene_keys.hpp"
 #include "scene_sections.hpp"
 
 namespace phynness::scene_detail {
 namespace {
 
-using Vector = Eigen::RowVector3d;
-
-Vector to_row(const Vec3& v) { return to_eigen(v).transpose(); }
-
-const char* units(bool fraction) { return fraction ? " (fractions of the bounding box)" : " m"; }
-
-/// A point in metres or in fractions of the bounding box.
-struct Place {
-  Vec3 x{};
-  bool fraction = false;
-
-  Vector in(const SelectableBody& body) const {
-    return fraction ? Vector(to_row(body.low) + to_row(x).cwiseProduct(to_row(body.high) - to_row(body.low)))
-                    : to_row(x);
-  }
-  /// The text that follows the stem of its key.
-  std::string text() const { return (fraction ? "_fraction = " : "_m = ") + exact_text(x); }
-  const char* units() const { return scene_detail::units(fraction); }
-};
-
-Place parse_place(const SceneTable& table, const std::string& stem) {
-  Place place;
-  place.x = parse_position(table, stem, place.fraction);
-  return place;
+/// Reads a position under the key `stem`_m or `stem`_fraction, one of which must be given.
+/// @return its text behind the stem
+std::string read_point(const SceneTable& table, const std::string& stem, Selector& s) {
+  const std::string in_metres = stem + "_m", in_fractions = stem + "_fraction";
+  if (table.has(in_metres) && table.has(in_fractions))
+    table.reject(in_fractions, "cannot be combined with " + in_metres, "keep one of the two");
+  s.in_fractions = table.has(in_fractions);
+  const auto value = s.in_fractions ? table.vector(in_fractions, fractions) : table.vector(in_metres, metres);
+  if (!value)
+    table.missing(in_metres, "",
+                  "add " + in_metres + " = [x, y, z], or " + in_fractions + " (0 to 1 across the bounding box)");
+  s.point = *value;
+  return (s.in_fractions ? in_fractions : in_metres) + " = " + exact_text(s.point);
+}
+std::string shown_point(const Selector& s) {
+  return shown_text(s.point) + (s.in_fractions ? " (fractions of the bounding box)" : " m");
 }
 
-NodeList without_fixed(const SelectableBody& body, const NodeList& nodes) {
-  NodeList free;
-  std::set_difference(nodes.begin(), nodes.end(), body.fixed.begin(), body.fixed.end(), std::back_inserter(free));
-  return free;
+/// Reads the key `normal`, a vector of any length except zero.
+void read_normal(const SceneTable& table, Selector& s) {
+  const auto normal = table.vector("normal", {-1e6, 1e6});
+  if (!normal) table.missing("normal", "", "add normal = [x, y, z], a direction of any length");
+  const double norm = std::hypot((*normal)[0], (*normal)[1], (*normal)[2]);
+  if (!(norm > 0)) table.reject("normal", "has the length 0", "give a vector that is not zero");
+  for (std::size_t k = 0; k < 3; ++k) s.other[k] = (*normal)[k] / norm;
 }
 
-/// How far each point lies outside of a part of space [m]; 0 inside.
-using Distance = std::function<double(const Vector&)>;
-
-/// A selector of what lies in a part of space. @param in_fractions  of the bounding box, for messages
-NodeChoice region(const std::string& text, const std::string& description, bool in_fractions,
-                  const std::function<Distance(const SelectableBody& body)>& outside_of) {
-  NodeChoice choice{text, description};
-  choice.pick = [=](const SelectableBody& body, const PickRequest& request) {
-    const Distance outside = outside_of(body);
-    NodeList nodes;
-    for (const std::int32_t i : request.candidates)
-      if (outside(body.mesh.nodes.row(i)) <= body.slack_m) nodes.push_back(i);
-    return nodes;
-  };
-  choice.remedy_if_empty = [=](const SelectableBody& body, const PickRequest& request) {
-    const Distance outside = outside_of(body);
-    double best = std::numeric_limits<double>::infinity();
-    std::int32_t nearest = -1;
-    for (const std::int32_t i : body.surface)
-      if (const double d = outside(body.mesh.nodes.row(i)); d < best) best = d, nearest = i;
-    if (nearest < 0) return NodeChoice().remedy_if_empty(body, request);
-    const Vector x = body.mesh.nodes.row(nearest), low = to_row(body.low), size = to_row(body.high) - low;
-    Vec3 shown{x(0), x(1), x(2)};
-    if (in_fractions)
-      for (int k = 0; k < 3; ++k) shown[k] = size(k) > 0 ? (x(k) - low(k)) / size(k) : 0;
-    return "the nearest node of the surface is " + std::to_string(nearest) + " at " + shown_text(shown) +
-           units(in_fractions) + ", " + length_text(best) + " outside of it: move or widen it so far";
-  };
-  return choice;
-}
-
-NodeChoice box(const SceneTable& table) {
+void read_box(const SceneTable& table, std::string_view, Selector& s) {
   const bool metric = table.has("min_m") || table.has("max_m");
-  const bool relative = table.has("min_fraction") || table.has("max_fraction");
-  if (metric && relative)
+  s.in_fractions = table.has("min_fraction") || table.has("max_fraction");
+  if (metric && s.in_fractions)
     table.reject(table.has("min_fraction") ? "min_fraction" : "max_fraction",
                  "cannot be combined with corners in metres",
                  "give both corners in metres (min_m, max_m) or both as fractions (min_fraction, max_fraction)");
-  const std::string first = relative ? "min_fraction" : "min_m", last = relative ? "max_fraction" : "max_m";
-  const auto range = relative ? fractions : metres;
+  const std::string first = s.in_fractions ? "min_fraction" : "min_m", last = s.in_fractions ? "max_fraction" : "max_m";
+  const auto range = s.in_fractions ? fractions : metres;
   const auto a = table.vector(first, range), b = table.vector(last, range);
   if (!a) table.missing(first, "", "a box needs both corners: add " + first + " = [x, y, z]");
   if (!b) table.missing(last, "", "a box needs both corners: add " + last + " = [x, y, z]");
   for (std::size_t i = 0; i < 3; ++i)
     if ((*a)[i] > (*b)[i])
       table.reject(first, "is greater than " + last + ", so that the box is empty", "swap the two corners");
-  const Place low{*a, relative}, high{*b, relative};
-  return region("box { min" + low.text() + ", max" + high.text() + " }",
-                "box " + shown_text(low.x) + " to " + shown_text(high.x) + low.units(), relative,
-                [=](const SelectableBody& body) -> Distance {
-                  return [from = low.in(body), to = high.in(body)](const Vector& x) {
-                    return (from - x).cwiseMax(x - to).cwiseMax(0).norm();
-                  };
-                });
+  s.point = *b;
+  const std::string upper = shown_point(s);
+  s.point = *a, s.other = *b;
+  s.text = "box { " + first + " = " + exact_text(*a) + ", " + last + " = " + exact_text(*b) + " }";
+  s.description = "box " + shown_text(*a) + " to " + upper;
 }
 
-NodeChoice sphere(const SceneTable& table) {
-  const Place center = parse_place(table, "center");
+void read_sphere(const SceneTable& table, std::string_view, Selector& s) {
+  const auto center = read_point(table, "center", s);
   const auto radius = table.number("radius_m", length);
   if (!radius) table.missing("radius_m", "", "add radius_m in metres");
-  return region("sphere { center" + center.text() + ", radius_m = " + shortest(*radius) + " }",
-                "sphere at " + shown_text(center.x) + center.units() + ", radius " + length_text(*radius),
-                center.fraction, [=, r = *radius](const SelectableBody& body) -> Distance {
-                  return [=, c = center.in(body)](const Vector& x) { return std::max((x - c).norm() - r, 0.0); };
-                });
+  s.length_m = *radius;
+  s.text = "sphere { " + center + ", radius_m = " + shortest(*radius) + " }";
+  s.description = "sphere at " + shown_point(s) + ", radius " + length_text(*radius);
 }
 
-/// The signed distance from a plane. @param normal  unit
-Distance above_plane(const SelectableBody& body, const Place& point, const Vec3& normal) {
-  return [p = point.in(body), n = Vector(to_row(normal).normalized())](const Vector& x) { return (x - p).dot(n); };
+void read_plane(const SceneTable& table, std::string_view, Selector& s) {
+  const auto point = read_point(table, "point", s);
+  read_normal(table, s);
+  s.length_m = table.number_or("tolerance_m", 1e-6, length);
+  s.text = "plane { " + point + ", normal = " + exact_text(s.other) + ", tolerance_m = " + shortest(s.length_m) + " }";
+  s.description =
+      "plane through " + shown_point(s) + ", normal " + shown_text(s.other) + ", tolerance " + length_text(s.length_m);
 }
 
-NodeChoice plane(const SceneTable& table) {
-  const Place point = parse_place(table, "point");
-  const Vec3 normal = parse_normal(table);
-  const double tolerance_m = table.number_or("tolerance_m", 1e-6, length);
-  return region("plane { point" + point.text() + ", normal = " + exact_text(normal) +
-                    ", tolerance_m = " + shortest(tolerance_m) + " }",
-                "plane through " + shown_text(point.x) + point.units() + ", normal " + shown_text(normal) +
-                    ", tolerance " + length_text(tolerance_m),
-                point.fraction, [=](const SelectableBody& body) -> Distance {
-                  return [=, above = above_plane(body, point, normal)](const Vector& x) {
-                    return std::max(std::abs(above(x)) - tolerance_m, 0.0);
-                  };
-                });
+void read_half_space(const SceneTable& table, std::string_view, Selector& s) {
+  const auto point = read_point(table, "point", s);
+  read_normal(table, s);
+  s.text = "half_space { " + point + ", normal = " + exact_text(s.other) + " }";
+  s.description = "half space below " + shown_point(s) + ", normal " + shown_text(s.other);
 }
 
-NodeChoice half_space(const SceneTable& table) {
-  const Place point = parse_place(table, "point");
-  const Vec3 normal = parse_normal(table);
-  return region("half_space { point" + point.text() + ", normal = " + exact_text(normal) + " }",
-                "half space below " + shown_text(point.x) + point.units() + ", normal " + shown_text(normal),
-                point.fraction, [=](const SelectableBody& body) -> Distance {
-                  return
-                      [above = above_plane(body, point, normal)](const Vector& x) { return std::max(above(x), 0.0); };
-                });
+void read_group(const SceneTable& table, std::string_view, Selector& s) {
+  s.group = *table.text("group");
+  if (s.group.empty()) table.reject("group", "is empty", "give the name of a physical group of the mesh file");
+  s.text = "group \"" + s.group + "\"";
+  s.description = "group '" + s.group + "'";
 }
 
-NodeChoice group(const SceneTable& table) {
-  const std::string group = *table.text("group");
-  if (group.empty()) table.reject("group", "is empty", "give the name of a physical group of the mesh file");
-  return {"group \"" + group + "\"", "group '" + group + "'",
-          [group](const SelectableBody& body, const PickRequest& request) {
-            const auto& groups = body.mesh.groups;
-            if (const auto found = groups.find(group); found != groups.end()) return found->second;
-            std::string names;
-            for (const auto& [known, nodes] : groups) names += (names.empty() ? "'" : ", '") + known + "'";
-            throw input_error(request.place + "the mesh has no physical group for the " + request.nodes, group,
-                              names.empty() ? "the mesh has no groups: select by box, sphere or plane"
-                                            : "use one of the groups of the mesh: " + names);
-          }};
-}
-
-NodeChoice numbered(const SceneTable& table) {
+void read_nodes(const SceneTable& table, std::string_view, Selector& s) {
   const auto* list = table.find("nodes")->as_array();
   if (!list) table.reject("nodes", "must be an array of node numbers", "write nodes = [0, 5, 7]");
   if (list->empty()) table.reject("nodes", "is an empty list", "give at least one node, or remove the selector");
-  NodeList nodes;
   std::string numbers;
   for (const auto& item : *list) {
     const auto* number = item.as_integer();
     if (!number || number->get() < 0 || number->get() > std::numeric_limits<std::int32_t>::max())
       refuse(table.where(item), table.label("nodes") + " must contain integers of at least 0", shown(item),
              "give node numbers, which start with 0, in the order of the mesh file");
-    nodes.push_back(static_cast<std::int32_t>(number->get()));
-    numbers += (numbers.empty() ? "" : ", ") + std::to_string(nodes.back());
+    s.nodes.push_back(static_cast<std::int32_t>(number->get()));
+    numbers += (numbers.empty() ? "" : ", ") + std::to_string(s.nodes.back());
   }
-  return {"nodes [" + numbers + "]", "a list of " + std::to_string(nodes.size()) + " nodes",
-          [nodes](const SelectableBody& body, const PickRequest& request) {
-            for (const std::int32_t node : nodes)
-              if (node >= body.mesh.n_nodes())
-                throw input_error(request.place + "a node number of the " + request.nodes + " is out of range",
-                                  std::to_string(node),
-                                  "give numbers from 0 to " + std::to_string(body.mesh.n_nodes() - 1));
-            return nodes;
-          }};
+  s.text = "nodes [" + numbers + "]";
+  s.description = "a list of " + std::to_string(s.nodes.size()) + " nodes";
 }
 
-NodeChoice nearest_node(const SceneTable& table) {
-  const Place point = parse_place(table, "point");
-  return {"nearest { point" + point.text() + " }", "node nearest to " + shown_text(point.x) + point.units(),
-          [point](const SelectableBody& body, const PickRequest& request) {
-            const Vector x = point.in(body);
-            double best = std::numeric_limits<double>::infinity();
-            NodeList nearest;
-            for (const std::int32_t i : request.candidates)
-              if (const double d = (Vector(body.mesh.nodes.row(i)) - x).squaredNorm(); d < best)
-                best = d, nearest = {i};
-            return nearest;
-          }};
+void read_nearest(const SceneTable& table, std::string_view, Selector& s) {
+  s.text = "nearest { " + read_point(table, "point", s) + " }";
+  s.description = "node nearest to " + shown_point(s);
 }
 
-/// A selector without keys.
-struct WordRow {
-  const char* name;
-  NodeList (*pick)(const SelectableBody& body, const PickRequest& request);
-  bool needs_fixed = false, selects_all = false;
-};
-constexpr WordRow free_surface_row{
-    "free-surface", [](const SelectableBody& body, const PickRequest&) { return without_fixed(body, body.surface); },
-    true};
-constexpr WordRow words[] = {
-    {"surface", [](const SelectableBody& body, const PickRequest&) { return body.surface; }},
-    free_surface_row,
-    {"free",
-     [](const SelectableBody& body, const PickRequest& request) { return without_fixed(body, request.candidates); },
-     true},
-    {"fixed", [](const SelectableBody& body, const PickRequest&) { return body.fixed; }, true},
-    {"all", [](const SelectableBody&, const PickRequest& request) { return request.candidates; }, false, true}};
+/// The descriptions of selections, each in brackets.
+std::string described(const std::vector<Selection>& selections, const char* between = "") {
+  std::string all;
+  for (const auto& selection : selections) {
+    all += all.empty() ? "[" : std::string("]") + between + "[";
+    for (const auto& s : selection) all += (&s == &selection.front() ? "" : " or ") + s.description;
+  }
+  return all + "]";
+}
 
-NodeChoice choice_of(const WordRow& row) {
-  NodeChoice choice{row.name, '"' + std::string(row.name) + '"', row.pick};
-  choice.needs_fixed = row.needs_fixed;
-  choice.selects_all = row.selects_all;
-  return choice;
+/// A selector whose value is an array of selections.
+void read_several(const SceneTable& table, std::string_view key, Selector& s) {
+  const std::string name(key);
+  const auto* list = table.find(name)->as_array();
+  if (!list || list->size() < 2)
+    table.reject(name, "must be an array of at least two selections",
+                 "write for example " + name + " = [{ sphere = { ... } }, \"free-surface\"]");
+  std::string texts;
+  for (const auto& item : *list) {
+    s.of.push_back(parse_selection(item, table, name));
+    texts.append(texts.empty() ? "" : ", ").append(selection_text(s.of.back()));
+  }
+  s.text = name + " { " + texts + " }";
+  s.description = name + " of " + described(s.of, " and ");
+}
+
+void read_not(const SceneTable& table, std::string_view, Selector& s) {
+  s.of = {parse_selection(*table.find("not"), table, "not")};
+  s.text = "not { " + selection_text(s.of[0]) + " }";
+  s.description = "not " + described(s.of);
+}
+
+void read_near(const SceneTable& table, std::string_view, Selector& s) {
+  if (!table.has("to")) table.missing("to", "", "add a selection, such as to = \"fixed\"");
+  s.of = {parse_selection(*table.find("to"), table, "to")};
+  const auto distance_m = table.number("distance_m", length);
+  if (!distance_m) table.missing("distance_m", "", "add distance_m in metres");
+  s.length_m = *distance_m;
+  s.text = "near { to = " + selection_text(s.of[0]) + ", distance_m = " + shortest(s.length_m) + " }";
+  s.description = "within " + length_text(s.length_m) + " of " + described(s.of);
+}
+
+/// Nodes that are spread evenly over a part of the surface, at given distances, at those that the tool needs, or a
+/// given number of them.
+void read_spread(const SceneTable& table, std::string_view, Selector& s) {
+  s.length_m = table.number_or("spacing_m", 0, length);
+  s.count = table.integer("count", 1, std::numeric_limits<std::int32_t>::max()).value_or(0);
+  if (table.has("spacing")) table.choice("spacing", Words<int>{{"auto", 0}});
+  s.of = {table.has("within") ? parse_selection(*table.find("within"), table, "within") : Selection(1)};
+  s.from_fixed_m = table.number_or("from_fixed_m", 0, length);
+  const std::string size = s.length_m > 0 ? "spacing_m = " + shortest(s.length_m)
+                           : s.count > 0  ? "count = " + std::to_string(s.count)
+                                          : "spacing = auto";
+  s.text = "spread { " + size + ", within = " + selection_text(s.of[0]) +
+           (s.from_fixed_m > 0 ? ", from_fixed_m = " + shortest(s.from_fixed_m) : "") + " }";
+  s.description = "points with " + size + " on " + described(s.of);
 }
 
 }  // namespace
 
-const std::vector<SelectorKind>& selector_kinds() {
-  static const std::vector<SelectorKind> kinds = [] {
-    using enum SelectorForm;
-    std::vector<SelectorKind> all = {{"box", table, {"min_m", "max_m", "min_fraction", "max_fraction"}, box},
-                                     {"sphere", table, {"center_m", "center_fraction", "radius_m"}, sphere},
-                                     {"plane", table, {"point_m", "point_fraction", "normal", "tolerance_m"}, plane},
-                                     {"half_space", table, {"point_m", "point_fraction", "normal"}, half_space},
-                                     {"group", value, {}, group},
-                                     {"nodes", value, {}, numbered},
-                                     {"nearest", table, {"point_m", "point_fraction"}, nearest_node}};
-    for (const auto& row : words)
-      all.push_back({row.name, word, {}, [&row](const SceneTable&) { return choice_of(row); }});
-    const auto more = selector_combinations();
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
-  }();
-  return kinds;
+const std::vector<SelectorRow>& selector_rows() {
+  using enum SelectorForm;
+  using Kind = SelectorKind;
+  static const std::vector<SelectorRow> rows = {
+      {"box", Kind::box, table, {"min_m", "max_m", "min_fraction", "max_fraction"}, read_box},
+      {"sphere", Kind::sphere, table, {"center_m", "center_fraction", "radius_m"}, read_sphere},
+      {"plane", Kind::plane, table, {"point_m", "point_fraction", "normal", "tolerance_m"}, read_plane},
+      {"half_space", Kind::half_space, table, {"point_m", "point_fraction", "normal"}, read_half_space},
+      {"group", Kind::group, value, {}, read_group},
+      {"nodes", Kind::nodes, value, {}, read_nodes},
+      {"nearest", Kind::nearest, table, {"point_m", "point_fraction"}, read_nearest},
+      {"surface", Kind::surface, word},
+      {"free-surface", Kind::free_surface, word},
+      {"free", Kind::free, word},
+      {"fixed", Kind::fixed, word},
+      {"all", Kind::all, word},
+      {"intersection", Kind::intersection, value, {}, read_several},
+      {"difference", Kind::difference, value, {}, read_several},
+      {"not", Kind::complement, value, {}, read_not},
+      {"near", Kind::near, table, {"to", "distance_m"}, read_near},
+      {"spacing_m", Kind::spread, value, {}, read_spread},
+      {"spacing", Kind::spread, value, {}, read_spread},
+      {"count", Kind::spread, value, {}, read_spread}};
+  return rows;
+}
+
+std::string selection_text(const Selection& selection) {
+  std::string result;
+  for (const auto& s : selection) result += (result.empty() ? "" : " + ") + s.text;
+  return result;
 }
 
 }  // namespace phynness::scene_detail
 
 namespace phynness {
 
-Selection free_surface() {
-  return {{std::make_shared<const NodeChoice>(scene_detail::choice_of(scene_detail::free_surface_row)), false, {}}};
+bool spreads(const Selection& selection) {
+  return std::ranges::any_of(selection, [](const Selector& s) {
+    const bool combined = s.kind == SelectorKind::intersection || s.kind == SelectorKind::difference;
+    return s.kind == SelectorKind::spread || (combined && std::ranges::any_of(s.of, spreads));
+  });
 }
 
 }  // namespace phynness

@@ -2,9 +2,11 @@
 #include <cmath>
 #include <limits>
 #include <phynness/formats/printable.hpp>
-#include <phynness/formats/probe_points.hpp>
 #include <phynness/meshes/patch_warnings.hpp>
+#include <phynness/meshes/probe_points.hpp>
 #include <phynness/meshes/tool_weights.hpp>
+
+#include "probes/select_nodes.hpp"
 
 namespace phynness {
 namespace {
@@ -104,13 +106,19 @@ std::string warn_of_fixed(const Scene& scene, const Mesh& mesh, const NodeSets& 
          "[\"free-surface\", { near = { to = \"fixed\", distance_m = " + three_digits(radius) + " } }] }";
 }
 
+/// A spacing with which every node of the part is probed.
 std::string warn_of_choice(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
-  SelectableBody body(mesh);
+  meshes::SelectableBody body(mesh);
   body.fixed = sets.fixed;
   body.tool_radius_m = scene.probe.tool_radius_m;
-  for (const auto& selector : scene.active)
-    if (const auto text = selector.choice->warning(body, sets.active); !text.empty())
-      return selector.where.str() + ": " + text;
+  for (const auto& s : scene.active) {
+    if (s.kind != SelectorKind::spread || !(s.length_m > 0)) continue;
+    const auto nodes = meshes::nodes_to_spread_over(s, body, {"active nodes", ""});
+    if (std::ranges::includes(sets.active, nodes))
+      return s.where.str() + ": spacing_m = " + number_text(s.length_m) +
+             " is below the edges of the mesh, so that each of the " + std::to_string(nodes.size()) +
+             " nodes is probed; give a larger spacing, or spacing = \"auto\"";
+  }
   return "";
 }
 

@@ -1,9 +1,10 @@
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/tool.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/meshes/tool_weights.hpp>
 
+#include "probes/select_nodes.hpp"
 #include "surface/topology.hpp"
 
 namespace phynness {
@@ -17,6 +18,22 @@ std::string listed(const Nodes& nodes) {
 
 }  // namespace
 
+bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed) {
+  std::vector<char> held(static_cast<std::size_t>(mesh.n_nodes()), 0);
+  for (const auto node : fixed) held[static_cast<std::size_t>(node)] = 1;
+  const auto is_held = [&](Eigen::Index c, int k) { return held[static_cast<std::size_t>(mesh.cells(c, k))]; };
+  for (Eigen::Index c = 0; mesh.cells.cols() == 3 && c < mesh.cells.rows(); ++c)
+    if (is_held(c, 0) + is_held(c, 1) + is_held(c, 2) > 1) return true;
+  if (fixed.size() < 3) return false;
+  Points at = mesh.nodes(fixed, Eigen::all);
+  at.rowwise() -= Eigen::RowVector3d(at.colwise().mean());
+  // Eigenvalues: mean square distances from the best plane, within this plane from the best line, and along this line.
+  const Eigen::Matrix3d spread = at.transpose() * at / static_cast<double>(fixed.size());
+  const auto squares = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::RowVector3d extent = mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff();
+  return squares[1] > 1e-12 * extent.squaredNorm();
+}
+
 NodeSets resolve_selections(const Scene& scene, const Mesh& mesh, const NodeList& probed) {
   NodeSets sets;
   resolve_selections(scene, mesh, sets, probed);
@@ -25,12 +42,11 @@ NodeSets resolve_selections(const Scene& scene, const Mesh& mesh, const NodeList
 
 void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets, const NodeList& probed) {
   if (mesh.nodes.rows() == 0) throw input_error("cannot select nodes: the mesh is empty", "", "give a mesh with cells");
-  for (const Selector& selector : scene.fixed)
-    if (selector.choice->needs_fixed)
-      throw input_error(selector.where.prefix() + "the selector of the fixed nodes depends on the fixed nodes",
-                        "\"free-surface\" or \"free\"", "use \"surface\" or a box");
-  SelectableBody body(mesh);
-  sets.fixed = select_nodes(scene.fixed, body, "fixed", scene.fixed_where);
+  meshes::SelectableBody body(mesh);
+  const auto nodes_of = [&](const Selection& selection, const char* what, const SourceLocation& where) {
+    return meshes::select_nodes(selection, body, {what, where.prefix()});
+  };
+  sets.fixed = nodes_of(scene.fixed, "fixed nodes", scene.fixed_where);
   body.fixed = sets.fixed;
   body.tool_radius_m = scene.probe.tool_radius_m;
   if (!hold_the_body(mesh, sets.fixed))
@@ -41,9 +57,9 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets, co
                       std::to_string(sets.fixed.size()) + " of " + std::to_string(mesh.n_nodes()) + " nodes",
                       "fix a part of the body only");
   body.probed = probed;
-  sets.active = select_nodes(scene.active, body, "active", scene.active_where);
+  sets.active = nodes_of(scene.active, "active nodes", scene.active_where);
   body.probed.clear();
-  sets.output = select_nodes(scene.output, body, "output", scene.output_where);
+  sets.output = nodes_of(scene.output, "output nodes", scene.output_where);
   Nodes known;
   std::set_union(sets.fixed.begin(), sets.fixed.end(), sets.output.begin(), sets.output.end(),
                  std::back_inserter(known));

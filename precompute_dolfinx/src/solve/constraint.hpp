@@ -3,8 +3,8 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
-#include <phynness/formats/tool.hpp>
 #include <span>
 #include <vector>
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/tool.hpp>
+#include <phynness/meshes/meshes.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 
 #include "discretization.hpp"

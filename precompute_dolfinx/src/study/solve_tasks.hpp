@@ -3,8 +3,8 @@
 
 #include <exception>
 #include <functional>
-#include <phynness/formats/ray_tasks.hpp>
 #include <phynness/precompute/precompute.hpp>
+#include <phynness/precompute/ray_tasks.hpp>
 #include <span>
 #include <string>
 #include <vector>

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/locking.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/validation/calibrate.hpp>
+#include <phynness/validation/locking.hpp>
 #include <phynness/validation/probe_plan.hpp>
 #include <phynness/validation/sizes.hpp>
 #include <set>

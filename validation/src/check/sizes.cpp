@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <phynness/formats/probe_points.hpp>
+#include <phynness/meshes/probe_points.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/validation/calibrate.hpp>
 #include <phynness/validation/sizes.hpp>

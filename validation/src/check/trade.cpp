@@ -5,6 +5,7 @@
 #include <ctime>
 #include <phynness/formats/error.hpp>
 #include <phynness/meshes/meshes.hpp>
+#include <phynness/meshes/tool_weights.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/validation/discretization.hpp>

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/database.hpp>
-#include <phynness/formats/locking.hpp>
 #include <phynness/validation/force_unit.hpp>
+#include <phynness/validation/locking.hpp>
 #include <phynness/validation/report.hpp>
 
 namespace phynness {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <phynness/formats/error.hpp>
+#include <phynness/meshes/tool_weights.hpp>
 
 namespace phynness {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/locking.hpp>
 #include <phynness/pages/report.hpp>
 #include <phynness/validation/force_unit.hpp>
+#include <phynness/validation/locking.hpp>
 #include <phynness/validation/report.hpp>
 
 #include "blocks.hpp"

@@ -54,6 +54,9 @@ Scene stored_scene(const DatabaseHeader& header);
 /// Header of the database that precompute() writes for a scene.
 DatabaseHeader database_header(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 
+/// Size of the record of a ray in a log. A finished database has about five sixths of it for each ray.
+double record_bytes(const DatabaseHeader& header);
+
 /// Smallest and largest number of a column in the increments that converged.
 struct ColumnRange {
   std::string name, unit;

@@ -35,6 +35,15 @@ struct Mesh {
   std::int32_t n_cells() const { return static_cast<std::int32_t>(cells.rows()); }
 };
 
+/// A point of the undeformed surface: a triangle's nodes and barycentric weights, >= 0 and of sum 1.
+struct SurfacePoint {
+  std::array<std::int32_t, 3> nodes{};
+  std::array<double, 3> weights{};
+  std::array<double, 3> point{};  ///< [m]
+  double distance = 0;            ///< from the given point [m]
+};
+inline SurfacePoint at_node(std::int32_t node) { return {{node, -1, -1}, {1, 0, 0}}; }
+
 /// What a tool moves: nodes of the surface in ascending order, with weights w.
 struct TouchedNodes {
   std::vector<std::int32_t> nodes;

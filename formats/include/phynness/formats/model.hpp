@@ -209,10 +209,6 @@ struct DatabaseHeader;
 /// A model with all properties that follow from the database alone. Tried displacements and active nodes are not set.
 Model model_of_database(const DatabaseHeader& header, Family family, const std::string& title);
 
-/// Sets the coordinates of the surface nodes between the active nodes, which are the middles of round tools.
-/// @param longest_m  edge of a triangle between them
-void cover_surface(Model& model, const Mesh& mesh, double longest_m);
-
 /// Computes network.centers from its indices: (value - input_center) / input_half_range for each column. One
 /// subtraction and one division give the same bits in every IEEE 754 reader.
 /// @pre input_center and input_half_range are set, and the indices are within the model's tables

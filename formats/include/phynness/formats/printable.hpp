@@ -1,6 +1,7 @@
 // Text from files and command lines, made safe for a terminal or a page, and text of numbers.
 #pragma once
 
+#include <array>
 #include <charconv>
 #include <string>
 #include <string_view>
@@ -24,5 +25,11 @@ std::string number_text(Number number, Format... format) {
 }
 /// "0.0123 m", for messages.
 inline std::string length_text(double length_m) { return number_text(length_m, std::chars_format::general, 6) + " m"; }
+
+/// "(x, y, z)" with six digits each, for messages.
+inline std::string shown_text(const std::array<double, 3>& v) {
+  const auto text = [&](std::size_t k) { return number_text(v[k], std::chars_format::general, 6); };
+  return "(" + text(0) + ", " + text(1) + ", " + text(2) + ")";
+}
 
 }  // namespace phynness

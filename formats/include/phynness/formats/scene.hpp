@@ -127,7 +127,7 @@ struct Scene {
   MeshSpec mesh;
   Material material;
   SolverSpec solver;
-  Selection fixed, active = free_surface(), output = free_surface();
+  Selection fixed, active = Selection(1), output = Selection(1);  ///< a default selector is the free surface
   SourceLocation fixed_where, active_where, output_where;
   ProbeSpec probe;
   DatabaseSpec database;
@@ -154,9 +154,6 @@ Scene parse_imported_scene(const std::string& text, const std::string& source_na
 /// @throws Error (input), as parse_scene()
 TrainingSpec changed_training(Scene scene, const std::string& keys, const std::string& source_name);
 
-/// Warnings about allowed values that usually give bad results, one sentence each, with file and line.
-/// @param mean_edge_m  of the scene's mesh; 0: unknown
-std::vector<std::string> scene_warnings(const Scene& scene, double mean_edge_m = 0);
 /// Notes about the meaning of important defaults, one sentence each, with file and line.
 std::vector<std::string> scene_notes(const Scene& scene);
 

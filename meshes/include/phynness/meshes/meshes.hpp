@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -81,6 +82,11 @@ std::vector<std::int32_t> refined(const std::vector<std::int32_t>& nodes,
 /// `sets` is given, its lists become the physical point groups phynness_fixed, phynness_active, phynness_output.
 /// make_mesh reads the file with the same node numbers, cells and hash.
 void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::path& file);
+
+/// True if the fixed nodes prevent every rigid motion: at least three nodes that are not on one line, or an edge of a
+/// shell, which is clamped there. A singular factorization does not detect this reliably, because rounding turns its
+/// zero pivots into small numbers.
+bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed);
 
 /// Resolves the selections of the scene on a mesh.
 /// @throws Error (with file:line) if a selection is empty, an active node is also fixed, no node is fixed, a group is

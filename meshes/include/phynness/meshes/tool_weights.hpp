@@ -1,13 +1,24 @@
-// What a tool on the surface moves: nodes and weights, by the closed form of phynness/schema/round_tool.hpp.
+// Points of the surface, and what a tool there moves: nodes and weights, by the closed form of
+// phynness/schema/round_tool.hpp.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
-#include <phynness/formats/tool.hpp>
+#include <phynness/formats/mesh.hpp>
 #include <span>
 #include <vector>
 
 namespace phynness {
+
+/// The corners of a triangle, one in each column.
+Eigen::Matrix3d corners_of(const Points& nodes, const Triangles& surface, Eigen::Index t);
+/// Its normal, by the order of the corners, with twice the area as length.
+Eigen::Vector3d normal_of(const Eigen::Matrix3d& corners);
+/// Barycentric weights of the point of a triangle that is nearest to x. @param corners  as corners_of()
+Eigen::Vector3d nearest_in_triangle(const Eigen::Matrix3d& corners, const Eigen::Vector3d& x);
+/// The point of the surface nearest to x [m]. @pre surface has triangles
+SurfacePoint nearest_on_surface(const Points& nodes, const Triangles& surface, const Vec3& x);
 
 /// Tools on a surface. Not for several threads at once.
 class SurfaceTools {

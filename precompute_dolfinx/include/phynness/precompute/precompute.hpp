@@ -28,7 +28,7 @@ struct PrecomputeTarget {
 
 /// Figures of one rank.
 struct RankFigures {
-  std::int64_t rays = 0, tasks = 0;  ///< tasks as in phynness/formats/ray_tasks.hpp
+  std::int64_t rays = 0, tasks = 0;  ///< tasks as in phynness/precompute/ray_tasks.hpp
   double busy_seconds = 0;           ///< wall time of solving and logging
   double idle_seconds = 0;           ///< remaining wall time until the last rank had solved its last ray
   double core_seconds = 0;           ///< CPU time without waiting for other ranks

@@ -10,7 +10,6 @@
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
-#include <phynness/formats/tool.hpp>
 #include <vector>
 
 namespace phynness {

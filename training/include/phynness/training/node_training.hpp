@@ -4,7 +4,7 @@
 
 #include <cstdint>
 #include <phynness/formats/database.hpp>
-#include <phynness/formats/tool.hpp>
+#include <phynness/formats/mesh.hpp>
 #include <phynness/training/network_fit.hpp>
 #include <vector>
 

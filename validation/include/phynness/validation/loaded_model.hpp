@@ -4,8 +4,8 @@
 
 #include <filesystem>
 #include <optional>
+#include <phynness/formats/mesh.hpp>
 #include <phynness/formats/model.hpp>
-#include <phynness/formats/tool.hpp>
 #include <phynness/phynness.hpp>
 #include <vector>
 

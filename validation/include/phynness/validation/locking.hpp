@@ -23,4 +23,8 @@ inline constexpr double warned_force_ratio = 1.1;
 /// "4.5 times too large", "12 % too large", "right within 5 %", "20 % too small".
 std::string ratio_in_words(double ratio);
 
+/// Warnings about allowed values that usually give bad results, one sentence each, with file and line.
+/// @param mean_edge_m  of the scene's mesh; 0: unknown
+std::vector<std::string> scene_warnings(const Scene& scene, double mean_edge_m = 0);
+
 }  // namespace phynness

@@ -1,5 +1,4 @@
-// The rays that are left, the size of their records, and their division into tasks, which the ranks of precompute()
-// fetch one after the other.
+// The rays that are left, and their division into tasks, which the ranks of precompute() fetch one after the other.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +16,6 @@ struct RayIndex {
 /// that no rank begins a long ray when the others end.
 /// @param logged  n_active x n_directions flags
 std::vector<RayIndex> rays_left(const DatabaseHeader& header, const std::vector<char>& logged);
-
-/// Size of the record of a ray in a log. A finished database has about five sixths of it for each ray.
-double record_bytes(const DatabaseHeader& header);
 
 /// First ray of each task, followed by rays.size(). A task belongs to one node, because each change of the node costs a
 /// factorization. While many rays are left a task has all rays of the node, later a share of the remaining rays, at the

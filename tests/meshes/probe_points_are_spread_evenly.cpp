@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 #include <phynness/formats/model.hpp>
-#include <phynness/formats/probe_points.hpp>
+#include <phynness/meshes/probe_points.hpp>
 
 namespace {
 

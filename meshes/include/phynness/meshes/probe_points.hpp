@@ -9,6 +9,8 @@
 
 namespace phynness {
 
+struct Model;
+
 /// In spacings: two probed nodes are never nearer than this, on the border of the part two thirds of it, and no node of
 /// the part is farther from the nearest one. The edges between neighbours then have the spacing in the mean.
 inline constexpr double least_apart_of_probes = 0.75;
@@ -42,6 +44,10 @@ struct ProbeCoordinates {
 /// @param probed, fixed  ascending; nothing reaches across fixed nodes, which have no coordinates
 ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface, const NodeList& probed,
                                    const NodeList& fixed, double longest_m);
+
+/// Sets the coordinates of a model's surface nodes between its active nodes, which are the middles of round tools.
+/// @param longest_m  edge of a triangle between them
+void cover_surface(Model& model, const Mesh& mesh, double longest_m);
 
 /// How far apart probed nodes are, and how much of the surface they answer for.
 struct ProbeSpread {

@@ -3,8 +3,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <phynness/formats/probe_points.hpp>
-#include <phynness/formats/tool.hpp>
+#include <phynness/formats/model.hpp>
+#include <phynness/meshes/probe_points.hpp>
+#include <phynness/meshes/tool_weights.hpp>
 #include <queue>
 #include <set>
 
@@ -248,6 +249,27 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
   made.weights.resize(static_cast<Eigen::Index>(weights.size()), 3);
   for (std::size_t i = 0; i < weights.size(); ++i) made.weights.row(static_cast<Eigen::Index>(i)) = weights[i];
   return made;
+}
+
+void cover_surface(Model& model, const Mesh& mesh, double longest_m) {
+  NodeList probed;
+  for (const auto& node : model.nodes) probed.push_back(node.node);
+  const auto made = probe_coordinates(mesh.nodes, model.surface, probed, model.fixed, longest_m);
+  if (made.covered.size() <= probed.size() &&
+      std::includes(probed.begin(), probed.end(), made.covered.begin(), made.covered.end()))
+    return;
+  model.probe_triangles = made.triangles.unaryExpr([&](std::int32_t node) {
+    return static_cast<std::int32_t>(std::lower_bound(probed.begin(), probed.end(), node) - probed.begin());
+  });
+  model.covered.resize(std::ssize(made.covered), 4);
+  for (Eigen::Index i = 0; i < model.covered.rows(); ++i) {
+    const auto w = made.weights.row(i);
+    const auto part = [](double weight, double of) {
+      return of > 0 ? static_cast<std::int32_t>(std::lround(schema::whole_weight * weight / of)) : 0;
+    };
+    model.covered.row(i) << made.covered[static_cast<std::size_t>(i)], made.triangle[static_cast<std::size_t>(i)],
+        part(w[0], 1), part(w[1], w[1] + w[2]);
+  }
 }
 
 ProbeSpread probe_spread(const Points& nodes, const Triangles& surface, const NodeList& probed, const NodeList& fixed,

@@ -1,4 +1,4 @@
-#include <phynness/formats/locking.hpp>
+#include <phynness/validation/locking.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -44,24 +44,29 @@ std::string ratio_in_words(double ratio) {
   return "right within 5 %";
 }
 
-namespace {
-std::string in_words(const std::string& reference, const std::string& element) {
-  return reference == reference_names[2] ? element + " elements of half the size"
-                                         : reference + " elements on the same mesh";
-}
-}  // namespace
-
-std::string ModelBound::from() const {
-  return reference == 0 ? "" : " from " + in_words(reference_names.at(static_cast<std::size_t>(reference)), "the same");
-}
-
-std::string FinerDistance::sentence() const {
-  const auto percent = [](double error) { return fixed(100 * error, error < 0.0995 ? 1 : 0) + " %"; };
-  const auto finer = in_words(reference, element);
-  if (probes == 0) return "at no probe was there a finer solution (" + finer + ")";
-  return percent(mean) + " (p95 " + percent(p95) + ") from a finer solution (" + finer + ") at " +
-         std::to_string(probes) + (probes == 1 ? " probe" : " probes") + " of a round tool of " +
-         fixed(1e3 * tool_radius_m, 1) + " mm radius";
+std::vector<std::string> scene_warnings(const Scene& scene, double mean_edge_m) {
+  std::vector<std::string> warnings;
+  const Material& m = scene.material;
+  const ProbeSpec& probe = scene.probe;
+  if (const double ratio = expected_force_ratio(scene, mean_edge_m); ratio > warned_force_ratio) {
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text << std::setprecision(4) << m.where.str() << ": the forces of a tool are estimated to be "
+         << ratio_in_words(ratio) << " at K/mu = " << m.bulk_to_shear();
+    if (mean_edge_m > 0 && probe.kind == ProbeKind::patch)
+      text << " and |d| = " << std::setprecision(2) << probe.max_displacement_m / mean_edge_m << " edges";
+    text << ", because " << name(scene.solver.element) << " tetrahedra lock (mean of measured bodies; single ones had "
+         << lowest_of_bodies << " to " << highest_of_bodies
+         << " times as much): use p1-p1 or taylor-hood, and see what phynness check measures in this scene";
+    warnings.push_back(text.str());
+  }
+  if (m.law->linear && (probe.directions != Directions::three || probe.increments != 1)) {
+    const auto asked = exploratory_directions(probe.directions).size() * static_cast<std::size_t>(probe.increments);
+    warnings.push_back(probe.where.str() + ": the law is linear, so that three solves per node suffice instead of " +
+                       std::to_string(asked) +
+                       "; directions = 3, increments = 1 and family = \"linear\" give an exact model");
+  }
+  return warnings;
 }
 
 }  // namespace phynness

@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <phynness/formats/ray_tasks.hpp>
+#include <phynness/precompute/ray_tasks.hpp>
 
 namespace phynness {
 
