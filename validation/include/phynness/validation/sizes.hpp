@@ -14,7 +14,7 @@ struct CheckSizes {
 };
 
 /// The sizes that [validation] of the scene gives. A size that it does not give is such that both together solve half
-/// as many increments as the database has, mirror images included, but at least 100 rays and 50 probes, and at most
+/// as many increments as the database has, but at least 100 rays and 50 probes, and at most
 /// 1,000 rays and 200 probes.
 /// @param header   of the scene's database; its active nodes and directions count
 /// @param bounded  false for a family whose error needs no bounds; it has no calibration
