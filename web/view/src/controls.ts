@@ -130,12 +130,10 @@ export class Controls {
     setText(byId('radius-value', HTMLElement), `${significant(1e3 * state.sphere.radius, 2)} mm`);
     friction.value = String(state.sphere.friction);
     setText(byId('friction-value', HTMLElement), String(state.sphere.friction));
-    const drawn = runtime.surface(state.subdivision);
     setFacts(byId('model-facts', HTMLElement), [
       ['Family', info.family],
       ['Surface nodes, that can be held', `${new Set(info.triangles).size}, ${info.activeNodes.length}`],
       ['Trained to at most', `${significant(1e3 * info.maxDisplacement, 3)} mm`],
-      ['Vertices drawn', drawn.nVertices.toLocaleString('en')],
     ]);
   }
 }

@@ -19,17 +19,15 @@ const pieces = 40, piecesOfBody = 12;
 /** Smallest noticeable difference of forces. */
 const noticeable = 0.1;
 
-/** The class of a colour, a word and a reason.
+/** The class of a colour, a word and a sentence with the reason.
  * @param bound  of the error, over the force; null: not known. @param ofBody  not of the model */
 function verdictOf({ warnings }: Answer, bound: number | null, ofBody: boolean): readonly [string, string, string] {
   if (warnings.includes('unsettled'))
-    return ['beyond', 'unsettled', `the tools ${ofBody ? 'moved faster than the body settles, or ' : ''}are too close together to hold all points`];
-  if (warnings.includes('outside')) return ['beyond', 'beyond data', 'deeper or stronger than the training data, or beside fixed nodes'];
-  if (bound !== null && bound > noticeable)
-    return ['fair', 'inexact', 'the error of the force may exceed a tenth of it'];
-  if (warnings.includes('incomplete'))
-    return ['fair', 'incomplete', 'some directions of this node were not trained to the full depth'];
-  return ['good', 'inside range', 'no warning'];
+    return ['beyond', 'unsettled', `The tools ${ofBody ? 'moved faster than the body settles, or ' : ''}are too close together to hold all points.`];
+  if (warnings.includes('outside')) return ['beyond', 'beyond data', 'Deeper or stronger than the training data, or beside fixed nodes.'];
+  if (bound !== null && bound > noticeable) return ['fair', 'inexact', 'The error of the force may exceed a tenth of it.'];
+  if (warnings.includes('incomplete')) return ['fair', 'incomplete', 'Some directions of this node were not trained to the full depth.'];
+  return ['good', 'inside range', 'No warning.'];
 }
 
 export class Readouts {
@@ -52,17 +50,11 @@ export class Readouts {
     const [kind, word, reason] = verdictOf(answer, last && answer.bound !== null ? answer.bound / norm(last) : null, body !== null);
     this.verdict.dataset['kind'] = touching ? kind : 'unknown';
     setText(this.verdict, touching ? word : state.mode === 'sphere' ? 'no contact' : 'at rest');
-    setText(this.reason, touching ? this.reasonOf(session, reason) : 'Nothing touches the body.');
+    setText(this.reason, touching ? reason : 'Nothing touches the body.');
     this.note.hidden = body === null;
     if (body) setText(this.note, `Forces and deformation come from the reduced body (${body.info.nModes} modes, ${body.info.nCells} cells).`);
     this.showTable(session, forces);
     setFacts(this.quantities, this.facts(session));
-  }
-
-  private reasonOf({ runtime, state }: Session, reason: string): string {
-    const level = runtime.levels[state.level ?? runtime.levels.length - 1];
-    const bound = level && level.errorForce > 0 && !runtime.body ? `; stated error of this level: ${withUnit(level.errorForce, 'fraction', 2)} of the largest force` : '';
-    return reason.charAt(0).toUpperCase() + reason.slice(1) + bound + '.';
   }
 
   private showTable({ state }: Session, forces: readonly V3[]): void {
