@@ -151,7 +151,7 @@ export class Runtime {
     this.contact_?.reset();
   }
 
-  /** Force of the model alone, for curves, work and maps. */
+  /** Force of the model alone, for curves and maps. */
   forceAt(node: number, d: V3): V3 {
     return row(this.active.has(node) ? this.model.force(node, d).force : this.asked.set([toolOf(placeAt(node), d)]).forces, 0);
   }

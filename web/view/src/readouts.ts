@@ -71,7 +71,7 @@ export class Readouts {
   }
 
   private facts(session: Session): (readonly [string, string])[] {
-    const { answer, state, runtime, work } = session, tool = state.tools.at(-1), facts: [string, string][] = [];
+    const { answer, state, runtime } = session, tool = state.tools.at(-1), facts: [string, string][] = [];
     if (state.mode === 'hold' && tool) {
       facts.push(['Held', nameOf(tool.place)]);
       const depth = norm(tool.displacement), middle = norm(runtime.displacementAt(tool.place));
@@ -91,22 +91,14 @@ export class Readouts {
       if (touch.scale < 1) facts.push(['Force scaled by', significant(touch.scale, 3)]);
     }
     facts.push(['Stored energy', answer.energy === null ? 'not in this family' : withUnit(answer.energy, 'J', 4)]);
-    if (state.mode === 'hold' && !runtime.body) facts.push(['Work of the closed path', this.closedWork(session)]);
     if (state.ellipsoid) {
       const stiffness = answer.stiffness ? principalOf(answer.stiffness).values : null;
       facts.push(['Principal stiffness', stiffness ? `${stiffness.map((k) => significant(k, 3)).join(', ')} N/m`
         : runtime.body ? 'not of a reduced body' : runtime.hasEnergy ? 'one tool at a node only' : 'not in this family']);
     }
     if (answer.residual > 1e-9) facts.push(['Points follow within', withUnit(answer.residual, 'm', 2)]);
-    if (work === null && state.tools.length > 1) facts.push(['Distance of the tools', withUnit(distance(session), 'm', 4)]);
+    if (state.tools.length > 1) facts.push(['Distance of the tools', withUnit(distance(session), 'm', 4)]);
     return facts;
-  }
-
-  private closedWork({ work, state }: Session): string {
-    if (!work) return state.tools.length === 0 ? '0 mJ' : 'one tool only';
-    const closed = work.closed;
-    // Differences of rounding and of the quadrature are not work.
-    return Math.abs(closed) <= 1e-6 * Math.abs(work.done) + 1e-12 ? '0 mJ' : withUnit(closed, 'J', 3);
   }
 
   /** Force along the present direction of the last tool. Costs up to a few milliseconds between nodes. */

@@ -7,7 +7,6 @@ import { mapsOf, outwardNormals, usualPalpationDepth, type MapKind } from './map
 import type { PageData } from './page_data.js';
 import { nodeOf, placeAt, samePlace, type Place } from './places.js';
 import type { HeldTool, State } from './state.js';
-import { PathWork } from './work.js';
 
 /** The sphere as a tool; other numbers are tools that hold the body. */
 export const sphereTool = 0;
@@ -23,8 +22,6 @@ export class Session {
   problem: string | null = null;
   /** the node of the keyboard */
   cursor: number;
-  /** of a single tool since it was at rest */
-  work: PathWork | null = null;
   /** forces of a body still change: the next picture goes on with its steps */
   restless = false;
   /** pictures since something moved */
@@ -51,7 +48,6 @@ export class Session {
     this.maps = mapsOf(runtime, data.validation, () => state.palpationDepth);
     if (!this.maps.some(({ name }) => name === state.map)) state.map = 'none';
     if (state.mode === 'sphere') this.approach();
-    this.startWork();
     this.answer = runtime.answer([]);
     this.update();
   }
@@ -60,10 +56,8 @@ export class Session {
   update(): void {
     const { state, runtime } = this, before = this.answer.forces, moved = JSON.stringify([state.mode, state.tools, state.sphere]);
     try {
-      if (state.mode === 'hold') {
-        if (state.tools.length === 1) this.work?.moveTo(state.tools[0]!.displacement);
-        this.answer = runtime.answer(state.tools);
-      } else if (state.sphere.center) {
+      if (state.mode === 'hold') this.answer = runtime.answer(state.tools);
+      else if (state.sphere.center) {
         const { center, radius, friction, grasp } = state.sphere;
         this.answer = runtime.touch({ center, radius, friction, mode: grasp ? 'grasp' : 'press' });
       } else this.answer = runtime.answer([]);
@@ -135,7 +129,6 @@ export class Session {
     this.numbers.push(this.next);
     const node = nodeOf(place);
     if (node !== null) this.cursor = node;
-    this.startWork();
     return this.next++;
   }
   toolOf(number: number): HeldTool | null {
@@ -170,10 +163,9 @@ export class Session {
   /** Replaces all tools. */
   setTools(tools: readonly HeldTool[]): void {
     const held = this.state.tools;
-    // Tools that stay where they hold the body continue their path.
+    // Tools that stay where they hold the body stay the same.
     if (tools.length === held.length && tools.every(({ place }, i) => samePlace(place, held[i]!.place))) {
       tools.forEach(({ displacement }, i) => this.move(this.numbers[i]!, displacement));
-      if (held.length === 1) this.work?.moveTo(held[0]!.displacement);
       return;
     }
     while (this.numbers.length > 0) this.remove(0);
@@ -183,13 +175,6 @@ export class Session {
   private remove(index: number): void {
     this.state.tools.splice(index, 1);
     this.numbers.splice(index, 1);
-    this.startWork();
-  }
-  /** Work is counted for one tool of the model, along a straight line to where it is now. */
-  private startWork(): void {
-    const [tool, ...others] = this.state.tools;
-    this.work = tool && others.length === 0 && !this.runtime.body ? new PathWork(this.runtime.forceOf(tool, []), this.limit / 20) : null;
-    if (tool) this.work?.moveTo(tool.displacement);
   }
 
   // ---- the sphere -------------------------------------------------------------------------------------------------
@@ -223,6 +208,5 @@ export class Session {
   setLevel(level: number | null): void {
     this.state.level = level;
     this.runtime.setLevel(level);
-    this.startWork();
   }
 }

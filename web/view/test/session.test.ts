@@ -1,4 +1,4 @@
-// What the page computes without a page: tools, their work, maps and the state in the address.
+// What the page computes without a page: tools, maps and the state in the address.
 import { describe, expect, test } from 'vitest';
 import type { Model } from '../../runtime/src/index.js';
 import { block, bodyText, load, sample } from '../../runtime/test/setup.js';
@@ -11,42 +11,21 @@ import { joined } from '../src/plot.js';
 import { forcesAlong } from '../src/readouts.js';
 import { Session, sphereTool } from '../src/session.js';
 import { fragmentOf, initialState, stateOf } from '../src/state.js';
-import { PathWork } from '../src/work.js';
 
 const empty = pageDataOf('{}');
 const session = async () => new Session(new Runtime(await load(sample)), empty, initialState());
 const tool = (node: number, displacement: V3) => ({ place: placeAt(node), displacement });
 
-describe('work', () => {
-  const loop = (path: PathWork) => {
-    for (const d of [[1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 0]] as V3[]) path.moveTo(d);
-    return path.closed;
-  };
-  test('of a gradient is 0 on a closed path', () => {
-    const force = ([x, y, z]: V3): V3 => [2 * x * y + 1, x * x + 3 * y * y, 5 * z];
-    expect(Math.abs(loop(new PathWork(force, 0.1)))).toBeLessThan(1e-14); // the rule is exact for cubic forces
-  });
-  test('of a rotation is twice the area', () => {
-    expect(loop(new PathWork(([x, y]) => [-y, x, 0], 0.1))).toBeCloseTo(2, 12);
-  });
-});
-
 describe('session', () => {
-  test('tools that are set again at their places continue their path', async () => {
+  test('tools that are set again at their places stay the same tools', async () => {
     const s = await session(), node = s.runtime.model.info.activeNodes[0]!;
     s.setTools([tool(node, [0.002, 0, 0])]);
     s.update();
-    const { work } = s, number = s.numberOf(0);
+    const number = s.numberOf(0);
     s.setTools([tool(node, [0.002, 0.003, 0])]);
     s.update();
-    expect(s.work).toBe(work);
     expect(s.numberOf(0)).toBe(number);
     expect(s.state.tools[0]!.displacement).toEqual([0.002, 0.003, 0]);
-    const straight = await session();
-    straight.setTools([tool(node, [0.002, 0.003, 0])]);
-    straight.update();
-    // The forces of family modal have an energy: the way does not matter. The rule's error is far below 1e-6.
-    expect(Math.abs(s.work!.done / straight.work!.done - 1)).toBeLessThan(1e-6);
   });
   test('a place between nodes moves by the mean of its nodes, and a held node as its tool', async () => {
     const { runtime } = await session(), { activeNodes, triangles, outputNodes } = runtime.model.info, node = activeNodes[0]!;
