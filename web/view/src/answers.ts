@@ -12,8 +12,6 @@ export interface Answer {
   readonly forces: readonly V3[];
   /** [J]; null in families without one */
   readonly energy: number | null;
-  /** 3 x 3 [N/m]; null for several tools, between nodes and in families without energy */
-  readonly stiffness: Float64Array | null;
   /** [m] in the direction of a tool at a node */
   readonly trainedDepth: number | null;
   /** of the error of the force [N] of the last tool, inside the trained range; null also for models without bounds */
@@ -127,12 +125,11 @@ export class Runtime {
     return this.body !== null || this.model.info.hasEnergy;
   }
   private atNode(node: number, d: V3): Answer {
-    const energetic = this.model.info.hasEnergy;
-    const { status, warnings, force, energy, stiffness } = this.model.force(node, d, { energy: energetic, stiffness: energetic });
+    const { status, warnings, force, energy } = this.model.force(node, d, { energy: this.model.info.hasEnergy });
     // Models without deformations still have forces.
     if (!unlessRefused(['PHN_ERROR_UNDEFINED'], () => this.model.deform(node, d, this.field))) this.field.fill(0);
     return {
-      ...nothing, status, warnings, forces: [row(force, 0)], energy: energy ?? null, stiffness: stiffness ?? null,
+      ...nothing, status, warnings, forces: [row(force, 0)], energy: energy ?? null,
       trainedDepth: this.model.trainedDepth(node, d), bound: this.atFullLevel ? this.model.bound(node, d) : null,
     };
   }
@@ -176,7 +173,7 @@ export class Runtime {
 }
 
 const nothing: Answer = {
-  status: 0, warnings: [], forces: [], energy: null, stiffness: null, trainedDepth: null, bound: null, touches: [], residual: 0,
+  status: 0, warnings: [], forces: [], energy: null, trainedDepth: null, bound: null, touches: [], residual: 0,
 };
 
 /** What is made; null if the runtime refuses it with one of these statuses. @throws any other error */

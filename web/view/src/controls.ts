@@ -4,9 +4,9 @@ import { byId, setFacts, setText } from './dom.js';
 import type { Hands } from './hands.js';
 import type { View } from './view.js';
 
-type Flag = 'keep' | 'atNodes' | 'components' | 'ellipsoid' | 'edges' | 'nodes';
+type Flag = 'keep' | 'atNodes' | 'components' | 'edges' | 'nodes';
 const flags: Readonly<Record<Flag, string>> = {
-  keep: 'keep', atNodes: 'at-nodes', components: 'components', ellipsoid: 'ellipsoid', edges: 'edges', nodes: 'nodes',
+  keep: 'keep', atNodes: 'at-nodes', components: 'components', edges: 'edges', nodes: 'nodes',
 };
 
 export class Controls {

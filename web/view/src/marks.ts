@@ -1,10 +1,9 @@
-// What is drawn beside the body: tools, forces, nodes, the stiffness ellipsoid and the sphere.
+// What is drawn beside the body: tools, forces, nodes and the sphere.
 import {
-  ConeGeometry, CylinderGeometry, DoubleSide, Group, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshStandardMaterial,
+  ConeGeometry, CylinderGeometry, Group, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshStandardMaterial,
   SphereGeometry, Vector3, type Material,
 } from 'three';
 import { norm, unit, type V3 } from '../../shared/src/vectors.js';
-import type { Principal } from './principal.js';
 
 const amber = 0xf2a900, ink = 0x0e2a33;
 const upwards = new Vector3(0, 1, 0);
@@ -44,14 +43,11 @@ export class Marks {
   private readonly parts: Arrow[];
   private readonly tools: Mesh[];
   private readonly cursor: Mesh;
-  private readonly ellipsoid: Mesh;
   private readonly sphere: Mesh;
   private readonly dots: InstancedMesh;
-  private readonly size: number;
 
   /** @param radius  of the body [m]; nodes that can be held at most */
   constructor(private readonly parent: Group, radius: number, nDots: number) {
-    this.size = radius;
     const solid = (color: number, options = {}) => new MeshBasicMaterial({ color, ...options });
     const add = (mesh: Mesh, order: number): Mesh => {
       mesh.visible = false;
@@ -67,7 +63,6 @@ export class Marks {
     this.cursor = ball(solid(0xffffff), 0.018 * radius, 1);
     this.tools = [0, 1].map(() => ball(solid(amber, { depthTest: false, transparent: true, opacity: 0.92 }), 0.022 * radius, 4));
     this.sphere = ball(new MeshStandardMaterial({ color: 0x7fb7c9, roughness: 0.35, transparent: true, opacity: 0.6, depthWrite: false }), 1, 3);
-    this.ellipsoid = ball(new MeshStandardMaterial({ color: 0x66c2a5, roughness: 0.5, transparent: true, opacity: 0.55, depthWrite: false, depthTest: false, side: DoubleSide }), 1, 3);
     const arrows = (n: number, colors: readonly number[], thickness: number) => Array.from({ length: n }, (_, i) => {
       const arrow = new Arrow(colors[i % colors.length]!, thickness);
       parent.add(arrow.group);
@@ -108,17 +103,6 @@ export class Marks {
       this.tools[i]!.visible = balls && at !== undefined;
       if (at) this.tools[i]!.position.set(...at);
     });
-  }
-  /** The longest axis is the largest stiffness. */
-  showEllipsoid(at: V3 | null, principal: Principal | null): void {
-    this.ellipsoid.visible = at !== null && principal !== null;
-    if (!at || !principal) return;
-    const largest = Math.max(...principal.values.map(Math.abs)) || 1, [a, b, c] = principal.directions;
-    const axis = (d: V3, value: number) => new Vector3(...d).multiplyScalar(0.3 * this.size * Math.max(0.02, Math.abs(value) / largest));
-    const matrix = new Matrix4().makeBasis(axis(a, principal.values[0]), axis(b, principal.values[1]), axis(c, principal.values[2]));
-    this.ellipsoid.matrixAutoUpdate = false;
-    this.ellipsoid.matrix.copy(matrix.setPosition(...at));
-    (this.ellipsoid.material as MeshStandardMaterial).color.set(principal.values[0] < 0 ? 0xd1495b : 0x66c2a5);
   }
   showSphere(center: V3 | null, radius: number): void {
     this.sphere.visible = center !== null;

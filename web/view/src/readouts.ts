@@ -6,7 +6,6 @@ import { byId, setFacts, setText } from './dom.js';
 import { nearestRay } from './page_data.js';
 import { nameOf, nodeOf } from './places.js';
 import { DepthPlot, type PlotData } from './plot.js';
-import { principalOf } from './principal.js';
 import type { Session } from './session.js';
 
 const withUnit = (x: number, unitName: string, digits: number): string => {
@@ -91,11 +90,6 @@ export class Readouts {
       if (touch.scale < 1) facts.push(['Force scaled by', significant(touch.scale, 3)]);
     }
     facts.push(['Stored energy', answer.energy === null ? 'not in this family' : withUnit(answer.energy, 'J', 4)]);
-    if (state.ellipsoid) {
-      const stiffness = answer.stiffness ? principalOf(answer.stiffness).values : null;
-      facts.push(['Principal stiffness', stiffness ? `${stiffness.map((k) => significant(k, 3)).join(', ')} N/m`
-        : runtime.body ? 'not of a reduced body' : runtime.hasEnergy ? 'one tool at a node only' : 'not in this family']);
-    }
     if (answer.residual > 1e-9) facts.push(['Points follow within', withUnit(answer.residual, 'm', 2)]);
     if (state.tools.length > 1) facts.push(['Distance of the tools', withUnit(distance(session), 'm', 4)]);
     return facts;

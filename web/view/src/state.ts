@@ -29,7 +29,6 @@ export interface State {
   /** depth of the palpation map [m]; 0: a default of the model */
   palpationDepth: number;
   components: boolean;
-  ellipsoid: boolean;
   edges: boolean;
   nodes: boolean;
   sphere: { center: V3 | null; radius: number; friction: number; grasp: boolean };
@@ -38,7 +37,7 @@ export interface State {
 export function initialState(): State {
   return {
     camera: null, mode: 'hold', tools: [], most: 1, keep: true, atNodes: true, subdivision: 2, level: null, map: 'none',
-    palpationDepth: 0, components: false, ellipsoid: false, edges: false, nodes: true,
+    palpationDepth: 0, components: false, edges: false, nodes: true,
     sphere: { center: null, radius: 0, friction: 0.3, grasp: false },
   };
 }

@@ -14,7 +14,6 @@ import { listenToKeys } from './keyboard.js';
 import { Marks } from './marks.js';
 import { onSurface, type MapValues } from './maps.js';
 import { listenToPointers } from './pointer.js';
-import { principalOf } from './principal.js';
 import { Readouts } from './readouts.js';
 import type { Session } from './session.js';
 import { fragmentOf, type State } from './state.js';
@@ -220,7 +219,6 @@ export class View {
     } else marks.showDots(null);
     const focused = document.activeElement === this.picture.canvas && this.picture.canvas.matches(':focus-visible');
     marks.showCursor(hold && focused && runtime.active.has(session.cursor) ? at(session.cursor) : null);
-    marks.showEllipsoid(state.ellipsoid ? (points[0] ?? null) : null, answer.stiffness ? principalOf(answer.stiffness) : null);
     marks.showSphere(hold ? null : this.seenSphere(), state.sphere.radius);
   }
 
