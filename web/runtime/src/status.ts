@@ -8,28 +8,11 @@ export const undefinedHere = -7;
 /** A bound at least as large is none. */
 export const noBound = 1e300;
 
-const errorNames: Readonly<Record<number, string>> = {
-  [-1]: 'PHN_ERROR_ARGUMENT',
-  [-2]: 'PHN_ERROR_NOT_ACTIVE',
-  [-3]: 'PHN_ERROR_NOT_FINITE',
-  [-4]: 'PHN_ERROR_BUFFER',
-  [-5]: 'PHN_ERROR_TOOLS',
-  [-6]: 'PHN_ERROR_SAME_NODE',
-  [-7]: 'PHN_ERROR_UNDEFINED',
-  [-8]: 'PHN_ERROR_CLOCK',
-  [-9]: 'PHN_ERROR_NOT_A_MODEL',
-  [-10]: 'PHN_ERROR_VERSION',
-  [-11]: 'PHN_ERROR_TRUNCATED',
-  [-12]: 'PHN_ERROR_CHECKSUM',
-  [-13]: 'PHN_ERROR_SYNTAX',
-  [-14]: 'PHN_ERROR_RANGE',
-  [-15]: 'PHN_ERROR_FAMILY',
-  [-16]: 'PHN_ERROR_OVERLAP',
-  [-17]: 'PHN_ERROR_TOO_LARGE',
-  [-18]: 'PHN_ERROR_GEOMETRY',
-  [-19]: 'PHN_ERROR_TOO_MANY_TOOLS',
-  [-20]: 'PHN_ERROR_ROUND_TOOLS',
-};
+/** Of the statuses -1, -2, ... */
+const errorNames = [
+  'ARGUMENT', 'NOT_ACTIVE', 'NOT_FINITE', 'BUFFER', 'TOOLS', 'SAME_NODE', 'UNDEFINED', 'CLOCK', 'NOT_A_MODEL', 'VERSION', 'TRUNCATED',
+  'CHECKSUM', 'SYNTAX', 'RANGE', 'FAMILY', 'OVERLAP', 'TOO_LARGE', 'GEOMETRY', 'TOO_MANY_TOOLS', 'ROUND_TOOLS',
+];
 
 /** A refused call of the runtime. */
 export class PhynnessError extends Error {
@@ -48,7 +31,8 @@ export class PhynnessError extends Error {
   }
   /** for example "PHN_ERROR_CHECKSUM" */
   get statusName(): string {
-    return errorNames[this.status] ?? `status ${this.status}`;
+    const name = errorNames[-1 - this.status];
+    return name ? `PHN_ERROR_${name}` : `status ${this.status}`;
   }
 }
 
