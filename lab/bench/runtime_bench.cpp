@@ -280,7 +280,7 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
 /// Several tools, distributed over the body and moved at every call: at nodes, and in the middles of triangles.
 void bench_several_tools(Table& table, const Loaded& loaded) {
   constexpr std::size_t most = 8;
-  rt::Tools data(loaded.model, int{most});
+  rt::Data data(loaded.model, int{most});
   check(data.status());
 
   std::vector<phn_tool> at_nodes, between;

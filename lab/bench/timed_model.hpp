@@ -70,7 +70,7 @@ struct TimedModel {
   }
 
   rt::Model model;
-  rt::Tools data;
+  rt::Data data;
   std::vector<double> field;
 };
 

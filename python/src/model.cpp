@@ -30,7 +30,7 @@ struct Asked {
   }
 };
 
-void set_level(rt::Tools& data, const Level& level, std::int32_t n_levels) {
+void set_level(rt::Data& data, const Level& level, std::int32_t n_levels) {
   const int status = data.set_level(level.value_or(n_levels - 1));
   if (status < 0)
     raise("the model has the levels 0 to " + std::to_string(n_levels - 1) + ", not " + std::to_string(*level), status);
@@ -83,7 +83,7 @@ class ModelObject::Lease {
  public:
   Lease(ModelObject& model, const Level& level) : _of(model) {
     if (model._store.empty()) {
-      _data = std::make_unique<rt::Tools>(model._model, 1);
+      _data = std::make_unique<rt::Data>(model._model, 1);
       if (!*_data) raise(_data->status().message(), _data->status());
     } else {
       _data = std::move(model._store.back());
@@ -93,11 +93,11 @@ class ModelObject::Lease {
   }
   ~Lease() { _of._store.push_back(std::move(_data)); }
   Lease(const Lease&) = delete;
-  rt::Tools* operator->() const { return _data.get(); }
+  rt::Data* operator->() const { return _data.get(); }
 
  private:
   ModelObject& _of;
-  std::unique_ptr<rt::Tools> _data;
+  std::unique_ptr<rt::Data> _data;
 };
 
 ModelObject::ModelObject(const std::string& name, std::string text, py::object mesh, py::object training)
@@ -241,7 +241,7 @@ Coupled::Coupled(py::object owner, const std::vector<Place>& at, py::handle disp
   for (std::size_t i = 0; i < at.size(); ++i)
     d.get(static_cast<py::ssize_t>(i), tools.emplace_back(tool_at(at[i])).displacement);
   if (at.size() > PHN_MOST_COUPLED) raise(phn_status_message(PHN_ERROR_TOO_MANY_TOOLS), PHN_ERROR_TOO_MANY_TOOLS);
-  _data = rt::Tools(_model.runtime(), static_cast<std::int32_t>(at.size()));
+  _data = rt::Data(_model.runtime(), static_cast<std::int32_t>(at.size()));
   if (!_data) raise(_data.status().message(), _data.status());
   set_level(_data, level, _model.info().n_levels);
   forces = py::array_t<double>({static_cast<py::ssize_t>(at.size()), py::ssize_t{3}});
@@ -260,16 +260,6 @@ py::array_t<double> Coupled::deform() {
   tally.add(0, phn_coupled_deform(_model.runtime().get(), _data.get(), out.mutable_data()));
   tally.report("coupled tools", 1);
   return out;
-}
-
-py::array_t<double> Coupled::bounds() const {
-  double bounds[PHN_MOST_COUPLED];
-  Tally tally;
-  tally.add(0, std::min<int>(_data.coupled_bound(bounds), 0));
-  tally.report("bounds of coupled tools", 1);
-  for (double& bound : bounds)
-    if (bound >= PHN_NO_BOUND) bound = std::numeric_limits<double>::infinity();
-  return py::array_t<double>(forces.shape(0), bounds);
 }
 
 py::object model_of(const std::string& text, const std::string& name, py::object mesh, py::object training) {

@@ -76,16 +76,15 @@ class ModelObject {
   std::string _text;
   py::object _mesh, _training;
   rt::Model _model;
-  std::vector<std::unique_ptr<rt::Tools>> _store;
+  std::vector<std::unique_ptr<rt::Data>> _store;
 };
 
 /// Several tools at once, with the working memory that remembers them.
 class Coupled {
  public:
   Coupled(py::object owner, const std::vector<Place>& at, py::handle displacements, const Level& level);
-  // With the GIL held, because two threads may have the same object.
+  /// With the GIL held, because two threads may have the same object.
   py::array_t<double> deform();
-  py::array_t<double> bounds() const;
 
   py::array_t<double> forces;
   phn_coupled result{};
@@ -93,7 +92,7 @@ class Coupled {
  private:
   py::object _owner;
   ModelObject& _model;
-  rt::Tools _data;
+  rt::Data _data;
 };
 
 }  // namespace phynness::python

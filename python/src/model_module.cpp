@@ -45,11 +45,7 @@ void add_parts(py::module_& module) {
       .def_readonly("forces", &Coupled::forces)
       .def_property_readonly("energy", [](const Coupled& c) { return c.result.energy; })
       .def_property_readonly("residual", [](const Coupled& c) { return c.result.residual; })
-      .def("deform", &Coupled::deform, "Displacements of all output nodes, (n_output, 3) [m].")
-      .def("bounds", &Coupled::bounds,
-           "Bounds of the errors of the forces, (n,) [N], of one tool or of a body; inf where nothing is known. Error "
-           "if the "
-           "model has none.");
+      .def("deform", &Coupled::deform, "Displacements of all output nodes, (n_output, 3) [m].");
 }
 
 void add_responses(ModelClass& model) {

@@ -122,7 +122,6 @@ TEST(Contact, MisuseIsNamed) {
   EXPECT_EQ(contact, nullptr);
   EXPECT_EQ(phn_contact_refit(nullptr, nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_contact_reset(nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_contact_held(nullptr, nullptr), 0);
   phn_tool found;
   const double bad[3] = {0, nan, 0}, far[3] = {huge, -huge, 1e30};
   Vector3d point;

@@ -64,7 +64,7 @@ using Reals = ::testing::Types<double, float>;
 TYPED_TEST_SUITE(BetweenNodes, Reals);
 
 // Claim: at random points of the surface the place is that of phn_nearest, and force, energy, stiffness, warnings and
-// bound are those of phn_couple, phn_force_at and phn_coupled_bound. In double 1e-10 of the largest value: rounding and
+// bound are those of phn_couple, phn_force_at and phn_bound_at. In double 1e-10 of the largest value: rounding and
 // another order of sums. In float 2e-4: forces at nodes are off by 5e-5 (terms cancel), and the weights of (x), some of
 // which are negative, add up to less than 3. Bounds in float 2 %: they are powers of differences of these forces.
 TYPED_TEST(BetweenNodes, AreTheRuntimes) {
@@ -117,7 +117,7 @@ TYPED_TEST(BetweenNodes, AreTheRuntimes) {
         EXPECT_EQ(Image<Real>::bound_at(body.image, &place, d, &got_bound), PHN_ERROR_UNDEFINED);
         continue;
       }
-      ASSERT_EQ(phn_coupled_bound(body.loaded.model, body.loaded.data, &bound), status);
+      ASSERT_EQ(phn_bound_at(body.loaded.model, &tool, &bound), status);
       ASSERT_EQ(Image<Real>::bound_at(body.image, &place, d, &got_bound), status);
       ASSERT_EQ(bound == PHN_NO_BOUND, got_bound == Real(PHN_IMAGE_NO_BOUND));
       if (bound == PHN_NO_BOUND) continue;

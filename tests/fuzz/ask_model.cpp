@@ -30,10 +30,10 @@ class Asker {
         _used(data_bytes(), script.below(16)),
         _fresh(data_bytes(), script.below(16)),
         _n_output(static_cast<std::size_t>(info_of(model).n_output)) {
-    require(phn_tools_init(_used.data(), _used.size(), _model, _max_tools, &_data) == PHN_OK,
+    require(phn_data_init(_used.data(), _used.size(), _model, _max_tools, &_data) == PHN_OK,
             "data of the size asked for");
     phn_data* none = _data;
-    require(phn_tools_init(_fresh.data(), _fresh.size() / 2, _model, _max_tools, &none) == PHN_ERROR_BUFFER && !none,
+    require(phn_data_init(_fresh.data(), _fresh.size() / 2, _model, _max_tools, &none) == PHN_ERROR_BUFFER && !none,
             "half the memory is refused");
   }
 
@@ -49,7 +49,7 @@ class Asker {
  private:
   std::size_t data_bytes() const {
     std::size_t bytes = 0;
-    require(phn_tools_size(_model, _max_tools, &bytes) == PHN_OK && bytes > 0, "a size of data");
+    require(phn_data_size(_model, _max_tools, &bytes) == PHN_OK && bytes > 0, "a size of data");
     return bytes;
   }
 
@@ -79,7 +79,7 @@ class Asker {
     const int status = call(_data, out.data());
     phn_data* fresh = nullptr;
     _fresh.fill();
-    require(phn_tools_init(_fresh.data(), _fresh.size(), _model, _max_tools, &fresh) == PHN_OK, "data of its size");
+    require(phn_data_init(_fresh.data(), _fresh.size(), _model, _max_tools, &fresh) == PHN_OK, "data of its size");
     require(phn_set_level(_model, fresh, _level) == PHN_OK, "a level that the data have");
     require(call(fresh, again.data()) == status, "the status does not depend on earlier calls");
     require(n == 0 || std::memcmp(out.data(), again.data(), 8 * n) == 0, "the answer does not depend on earlier calls");
@@ -223,11 +223,6 @@ class Asker {
           if (n >= 0 && n <= std::min(_max_tools, 8) && told < 0)
             require(deformed == PHN_OK, "nothing is held after a refusal");
           if (told < 0) std::fill(field, field + 3 * _n_output, 0);
-          double bounds[PHN_MOST_COUPLED] = {};
-          const int bounded = phn_coupled_bound(_model, data, bounds);
-          if (n >= 0 && n <= std::min(_max_tools, 8) && (told < 0 || n == 0))
-            require(bounded == PHN_ERROR_UNDEFINED, "no bounds without tools");
-          for (const double bound : bounds) require(bound >= 0 && bound <= PHN_NO_BOUND, "a bound");
           return told;
         });
     if (n < 0) require(status == PHN_ERROR_ARGUMENT, "a negative number of tools");
@@ -346,7 +341,7 @@ class Asker {
                                             return phn_couple(_model, nullptr, 1, &tool, out, nullptr);
                                           },
                                           [&] { return phn_coupled_deform(_model, nullptr, field.data()); },
-                                          [&] { return phn_tools_size(nullptr, 1, &bytes); },
+                                          [&] { return phn_data_size(nullptr, 1, &bytes); },
                                           [&] { return phn_trained_depth(_model, node, d, nullptr); },
                                           [&] { return phn_nearest(_model, nullptr, nullptr, out); }};
     const int which = _script.below(static_cast<int>(std::size(calls)));
@@ -356,7 +351,7 @@ class Asker {
   void sizes() {
     const auto tools = _script.raw<std::int32_t>();
     std::size_t bytes = 1;
-    const int status = phn_tools_size(_model, tools, &bytes);
+    const int status = phn_data_size(_model, tools, &bytes);
     require(status == (tools < 1 ? PHN_ERROR_ARGUMENT : PHN_OK) && (bytes == 0) == (tools < 1), "a size for any tools");
     require(phn_status_message(_script.raw<std::int32_t>()) != nullptr, "words for any status");
   }
@@ -441,7 +436,7 @@ void look_at(const phn_model* model) {
 
 void ask(const phn_model* model, Script& script, bool trained, int most) {
   std::size_t bytes = 0;
-  if (phn_tools_size(model, 9, &bytes) != PHN_OK || bytes > largest_memory) return;
+  if (phn_data_size(model, 9, &bytes) != PHN_OK || bytes > largest_memory) return;
   Asker asker(model, script, trained);
   for (int i = 0; i < most && !script.at_end(); ++i) asker.call();
 }

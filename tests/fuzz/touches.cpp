@@ -33,7 +33,7 @@ class Hand {
     for (auto [memory, contact] : {std::pair(&_contact_memory, &_contact), std::pair(&_twin_memory, &_twin)})
       require(phn_contact_init(memory->data(), memory->size(), model, _max_tools, contact) == PHN_OK,
               "a contact of its size");
-    require(phn_tools_init(_used.data(), _used.size(), model, _max_tools, &_data) == PHN_OK, "data of its size");
+    require(phn_data_init(_used.data(), _used.size(), model, _max_tools, &_data) == PHN_OK, "data of its size");
     const Memory less(contact_bytes() / 2, 0);
     phn_contact* none = _contact;
     require(phn_contact_init(less.data(), less.size(), model, _max_tools, &none) == PHN_ERROR_BUFFER && !none,
@@ -70,7 +70,7 @@ class Hand {
   }
   std::size_t data_bytes() const {
     std::size_t bytes = 0;
-    require(phn_tools_size(_model, _max_tools, &bytes) == PHN_OK && bytes > 0, "a size of data");
+    require(phn_data_size(_model, _max_tools, &bytes) == PHN_OK && bytes > 0, "a size of data");
     return bytes;
   }
   /// A coordinate within and around the bodies.
@@ -109,7 +109,7 @@ class Hand {
     const int status = phn_contact_step(_contact, _data, n, tools.data(), states.data(), &coupled);
     phn_data* fresh = nullptr;
     _fresh.fill();
-    require(phn_tools_init(_fresh.data(), _fresh.size(), _model, _max_tools, &fresh) == PHN_OK, "data of its size");
+    require(phn_data_init(_fresh.data(), _fresh.size(), _model, _max_tools, &fresh) == PHN_OK, "data of its size");
     require(phn_set_level(_model, fresh, _level) == PHN_OK, "a level that the data have");
     require(phn_contact_step(_twin, fresh, n, tools.data(), again.data(), &coupled_again) == status,
             "the status does not depend on earlier scratch");
@@ -120,18 +120,12 @@ class Hand {
     require(std::isfinite(coupled.energy) && std::isfinite(coupled.residual), "a finite result");
     if (n < 0) return require(status == PHN_ERROR_ARGUMENT, "a negative number of tools");
     if (n > _max_tools) require(status == PHN_ERROR_TOOLS, "too many tools");
-    std::int32_t n_held = 0;
-    for (std::size_t t = 0; t < size; ++t) {
-      look_at(status, tools[t], states[t]);
-      n_held += states[t].in_contact;
-    }
+    for (std::size_t t = 0; t < size; ++t) look_at(status, tools[t], states[t]);
     if (status < 0) {
       std::copy(before, before + 8, _tools);  // tools stayed where they were
       return;
     }
     require(status <= (PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE | PHN_WARNING_UNSETTLED), "documented warnings");
-    phn_tool held[8];
-    require(phn_contact_held(_contact, held) == n_held, "as many are held as touch");
     std::vector<double> field(3 * static_cast<std::size_t>(info_of(_model).n_output));
     require(phn_coupled_deform(_model, _data, field.data()) >= 0 && finite(field.data(), field.size()),
             "the field of this step");

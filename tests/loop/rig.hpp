@@ -95,7 +95,7 @@ struct Body {
   }
   std::string text;
   rt::Model loaded;
-  rt::Tools data;
+  rt::Data data;
   rt::Contact contact;
   int node;
   phn_contact_tool sphere;

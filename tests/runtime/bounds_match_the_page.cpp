@@ -122,8 +122,7 @@ TEST_P(Bounds, AreKnownOnlyWhereTheyAreStored) {
   EXPECT_EQ(phn_bound(loaded.model, 3, rest, nullptr), PHN_ERROR_ARGUMENT);
 }
 
-// Claim: one tool between nodes has the bound of the page. The nodes are on springs of their own, so that the tool is
-// answered by them alone. 1e-9: rounding of forces. Several tools, and a smaller level, have none.
+// Claim: one tool between nodes has the bound of the page, at every level. 1e-9: rounding of forces.
 TEST(BoundBetween, IsThatOfThePage) {
   const Model model = with_bound_between(bent(LinearBody(7, false)));
   const LoadedModel loaded(write_model_text(model));
@@ -134,16 +133,14 @@ TEST(BoundBetween, IsThatOfThePage) {
     EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), force.data(), nullptr, nullptr), 0);
     return std::pair(bound, force);
   };
-  const auto bounds_of = [&](const std::vector<phn_tool>& tools, int expected) {
-    double forces[6];
-    Eigen::Vector2d bounds(-1, -1);
-    EXPECT_GE(phn_couple(loaded.model, loaded.data, static_cast<int>(tools.size()), tools.data(), forces, nullptr), 0);
-    EXPECT_EQ(phn_coupled_bound(loaded.model, loaded.data, bounds.data()), expected);
-    return bounds;
+  const auto bound_of = [&](const phn_tool& tool, int expected) {
+    double bound = -1;
+    EXPECT_EQ(phn_bound_at(loaded.model, &tool, &bound), expected);
+    return bound;
   };
   const Eigen::Vector3d d(0.003, -0.002, 0.004);
   const phn_tool node = tool(1, -1, -1, 1, 0, d[0], d[1], d[2]), between = tool(1, 2, -1, 0.4, 0.6, d[0], d[1], d[2]),
-                 other = tool(4, -1, -1, 1, 0, 0.001, 0, 0), far = tool(1, 2, -1, 0.4, 0.6, 1, 0, 0);
+                 far = tool(1, 2, -1, 0.4, 0.6, 1, 0, 0);
   const auto [b1, f1] = at_node(1, d);
   const auto [b2, f2] = at_node(2, d);
   const Eigen::Vector3d mean = 0.4 * f1 + 0.6 * f2;
@@ -152,24 +149,9 @@ TEST(BoundBetween, IsThatOfThePage) {
   const auto logarithm = [](double x) { return std::log(x + 1e-12); };
   const double expected = std::exp(c[0] + c[1] * logarithm(std::max(b1, b2) + spread) + c[2] * logarithm(spread) +
                                    c[3] * logarithm(mean.norm()));
-  EXPECT_EQ(bounds_of({node}, PHN_OK)[0], b1);
-  EXPECT_NEAR(bounds_of({between}, PHN_OK)[0], expected, 1e-9 * expected);
-  EXPECT_EQ(bounds_of({far}, PHN_WARNING_OUTSIDE)[0], PHN_NO_BOUND);
-  EXPECT_EQ(bounds_of({node, other}, PHN_ERROR_UNDEFINED), Eigen::Vector2d::Zero());
-}
-
-TEST(BoundBetween, IsUndefinedAtLevels) {
-  const LoadedModel loaded(write_model_text(with_bound_between(with_levels(small_model_of(Family::modal)))));
-  const phn_tool between = tool(3, 5, 8, 0.5, 0.3, 0.001, 0, 0);
-  double bound = -1, force[3];
-  EXPECT_EQ(phn_coupled_bound(loaded.model, loaded.data, &bound), PHN_ERROR_UNDEFINED);
-  EXPECT_GE(phn_couple(loaded.model, loaded.data, 1, &between, force, nullptr), 0);
-  EXPECT_GE(phn_coupled_bound(loaded.model, loaded.data, &bound), 0);
-  EXPECT_GT(bound, 0);
-  EXPECT_EQ(phn_set_level(loaded.model, loaded.data, 0), PHN_OK);
-  EXPECT_GE(phn_couple(loaded.model, loaded.data, 1, &between, force, nullptr), 0);
-  EXPECT_EQ(phn_coupled_bound(loaded.model, loaded.data, &bound), PHN_ERROR_UNDEFINED);
-  EXPECT_EQ(bound, 0);
+  EXPECT_EQ(bound_of(node, PHN_OK), b1);
+  EXPECT_NEAR(bound_of(between, PHN_OK), expected, 1e-9 * expected);
+  EXPECT_EQ(bound_of(far, PHN_WARNING_OUTSIDE), PHN_NO_BOUND);
 }
 
 // Claim: nothing else that the runtime computes changes when bounds are added.

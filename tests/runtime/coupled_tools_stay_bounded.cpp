@@ -152,19 +152,6 @@ TEST_P(BoundedToolsOf, AnswerOrRefuseEveryInput) {
     EXPECT_GE(status({tool(3, 5, 8, 1, 0, size, -size, size)}), 0);
   }
   double forces[3];
-  // A phn_data of phn_data_init holds no coupled tools.
-  std::size_t bytes = 0;
-  phn_data* plain = nullptr;
-  ASSERT_EQ(phn_data_size(loaded.model, 1, &bytes), PHN_OK);
-  std::vector<char> memory(bytes);
-  ASSERT_EQ(phn_data_init(memory.data(), bytes, loaded.model, 1, &plain), PHN_OK);
-  std::vector<double> field(3 * static_cast<std::size_t>(info_of(loaded.model).n_output), 1);
-  forces[0] = 1;
-  EXPECT_EQ(phn_couple(loaded.model, plain, 1, &good, forces, nullptr), PHN_ERROR_TOOLS);
-  EXPECT_EQ(forces[0], 0);
-  EXPECT_EQ(phn_couple(loaded.model, plain, 0, nullptr, nullptr, nullptr), PHN_OK);
-  EXPECT_EQ(phn_coupled_deform(loaded.model, plain, field.data()), PHN_OK);
-  EXPECT_EQ(field, std::vector<double>(field.size()));
   EXPECT_EQ(phn_couple(nullptr, loaded.data, 1, &good, forces, nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_couple(loaded.model, nullptr, 1, &good, forces, nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_couple(loaded.model, loaded.data, 1, nullptr, forces, nullptr), PHN_ERROR_ARGUMENT);

@@ -41,7 +41,7 @@ INSTANTIATE_TEST_SUITE_P(Families, Wrapper, ::testing::Values(Family::rbfn, Fami
 TEST_P(Wrapper, GivesTheSameBits) {
   const rt::Model model(text);
   ASSERT_TRUE(model && model.status() == PHN_OK);
-  rt::Tools data(model, 4);
+  rt::Data data(model, 4);
   ASSERT_TRUE(data);
   EXPECT_EQ(model.n_output(), info_of(c.model).n_output);
   const Model written = small_model_of(GetParam());
@@ -103,9 +103,6 @@ TEST_P(Wrapper, GivesTheSameBits) {
             phn_couple(c.model, c.data, 2, tools, expected_forces, &expected_result));
   EXPECT_EQ(std::memcmp(forces, expected_forces, sizeof forces), 0);
   EXPECT_EQ(result.energy, expected_result.energy);
-  double bounds[PHN_MOST_COUPLED] = {}, expected_bounds[PHN_MOST_COUPLED] = {};
-  EXPECT_EQ(data.coupled_bound(bounds), phn_coupled_bound(c.model, c.data, expected_bounds));
-  EXPECT_EQ(std::memcmp(bounds, expected_bounds, sizeof bounds), 0);
   EXPECT_EQ(data.coupled_deform(field), phn_coupled_deform(c.model, c.data, expected.data()));
   EXPECT_EQ(field, expected);
   phn_tool at_node = {{8, -1, -1}, {1, 0, 0}, {0.001, 0.002, -0.003}};
@@ -176,10 +173,9 @@ TEST_P(Wrapper, MovesAndUsesMemoryOfItsUser) {
   EXPECT_TRUE(at >= own.data() && at < own.data() + own.size());
   EXPECT_EQ(rt::Model(text, rt::Span<std::byte>(own.data(), own.size() / 2)).status(), PHN_ERROR_BUFFER);
   model = rt::Model(text);
-  std::vector<std::byte> scratch(rt::Data::bytes_for(model, 2)), larger(rt::Tools::bytes_for(model, 2));
+  std::vector<std::byte> scratch(rt::Data::bytes_for(model, 2));
   rt::Data data(model, 2, scratch);
-  ASSERT_TRUE(data && rt::Tools(model, 2, larger));
-  EXPECT_LT(scratch.size(), larger.size());
+  ASSERT_TRUE(data);
   const rt::Model moved = std::move(model);
   rt::Data moved_data = std::move(data);
   EXPECT_FALSE(model);  // NOLINT(bugprone-use-after-move): what a move leaves is the claim
@@ -202,7 +198,7 @@ TEST_P(Wrapper, MisuseHasAStatus) {
   EXPECT_EQ(rt::Surface(bad, 1).status(), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(bad.n_output(), 0);
   EXPECT_EQ(bad.active_nodes().size(), 0u);
-  rt::Tools data(model, 1);
+  rt::Data data(model, 1);
   const double d[3] = {0.001, 0, 0};
   std::vector<double> shorter(35, 7);
   EXPECT_EQ(data.deform(3, d, shorter), PHN_ERROR_BUFFER);

@@ -76,9 +76,6 @@ class Table {
     init("phn_data_init", "data", [model](void* memory, std::size_t bytes, char* handle) {
       return phn_data_init(memory, bytes, model, 4, as<phn_data*>(handle));
     });
-    init("phn_tools_init", "data", [model](void* memory, std::size_t bytes, char* handle) {
-      return phn_tools_init(memory, bytes, model, 4, as<phn_data*>(handle));
-    });
     init("phn_surface_init", "surface", [model](void* memory, std::size_t bytes, char* handle) {
       return phn_surface_init(memory, bytes, model, 1, as<const phn_surface*>(handle));
     });
@@ -163,10 +160,6 @@ class Table {
     rows.push_back({"phn_bound_at", {input("tool", one), output<double>("bound")}, [=](const Places& at) {
                       return phn_bound_at(model, as<phn_tool>(at[0]), as<double>(at[1]));
                     }});
-    rows.push_back({"phn_coupled_bound", {output<double>("bounds", 1)}, [=](const Places& at) {
-                      phn_couple(model, data, 1, &one.back(), std::vector<double>(3).data(), nullptr);
-                      return phn_coupled_bound(model, data, as<double>(at[0]));
-                    }});
     for (const std::int32_t n : {1, 2}) {
       const std::vector<phn_tool> given(two.end() - n, two.end());
       rows.push_back(
@@ -237,7 +230,7 @@ TEST_P(Overlap, GivesTheSameBitsOrIsRefused) {
     const bool may_be_undefined = row.function == "phn_force" || row.function == "energy alone" ||
                                   row.function == "stiffness alone" || row.function == "phn_field" ||
                                   row.function == "phn_bound" || row.function == "phn_force_at" ||
-                                  row.function == "phn_bound_at" || row.function == "phn_coupled_bound";
+                                  row.function == "phn_bound_at";
     EXPECT_GE(overlaps.status(), may_be_undefined ? PHN_ERROR_UNDEFINED : PHN_OK) << row.function;
     EXPECT_LT(overlaps.status(), no_answer) << row.function;
     overlaps.check();
@@ -255,7 +248,6 @@ TEST_P(Overlap, OfAnObjectAndItsModelIsRefused) {
   for (const std::size_t offset : {std::size_t{0}, before.size() / 2, before.size() - 64}) {
     char* const memory = loaded.model_memory.data() + offset;
     EXPECT_EQ(phn_data_init(memory, bytes, loaded.model, 1, &data), PHN_ERROR_OVERLAP);
-    EXPECT_EQ(phn_tools_init(memory, bytes, loaded.model, 1, &data), PHN_ERROR_OVERLAP);
     EXPECT_EQ(phn_surface_init(memory, bytes, loaded.model, 1, &surface), PHN_ERROR_OVERLAP);
     EXPECT_EQ(phn_contact_init(memory, bytes, loaded.model, 1, &contact), PHN_ERROR_OVERLAP);
     EXPECT_TRUE(data == nullptr && surface == nullptr && contact == nullptr);

@@ -29,9 +29,9 @@ struct LoadedModel {
     check(phn_model_size(text.data(), text.size(), &bytes, nullptr));
     model_memory.resize(bytes);
     check(phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model, nullptr));
-    check(phn_tools_size(model, max_tools, &bytes));
+    check(phn_data_size(model, max_tools, &bytes));
     data_memory.resize(bytes);
-    check(phn_tools_init(data_memory.data(), bytes, model, max_tools, &data));
+    check(phn_data_init(data_memory.data(), bytes, model, max_tools, &data));
   }
   static void check(int status) {
     if (status != PHN_OK) throw std::runtime_error(phn_status_message(status));

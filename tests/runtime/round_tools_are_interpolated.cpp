@@ -170,17 +170,6 @@ TEST_P(RoundTools, AreAnsweredOneAtATime) {
   EXPECT_EQ(phn_contact_step(contact, loaded.data, 2, spheres, states, nullptr), PHN_ERROR_ROUND_TOOLS);
 }
 
-// Claim: memory for several round tools hardly grows with their number, as one is answered.
-TEST_P(RoundTools, TakeLittleMemory) {
-  std::size_t one = 0, eight = 0;
-  ASSERT_EQ(phn_tools_size(loaded.model, 1, &one), PHN_OK);
-  ASSERT_EQ(phn_tools_size(loaded.model, 8, &eight), PHN_OK);
-  std::size_t data_one = 0, data_eight = 0;
-  ASSERT_EQ(phn_data_size(loaded.model, 1, &data_one), PHN_OK);
-  ASSERT_EQ(phn_data_size(loaded.model, 8, &data_eight), PHN_OK);
-  EXPECT_LT(eight - one, data_eight - data_one + 16384);
-}
-
 /// Round tools at the nodes of a flat hexagon of equilateral triangles; a stiffness at each place.
 Model grid_model(double (*stiffness_at)(double x, double y), int reach = 2) {
   Model model = small_linear_model();

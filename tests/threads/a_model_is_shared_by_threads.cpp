@@ -20,10 +20,10 @@ constexpr int n_threads = 8, n_rounds = 60;
 /// threads.
 std::vector<double> answers(const phn_model* model, const phn_surface* surface, int first) {
   std::size_t bytes = 0;
-  LoadedModel::check(phn_tools_size(model, 2, &bytes));
+  LoadedModel::check(phn_data_size(model, 2, &bytes));
   std::vector<char> memory(bytes);
   phn_data* data = nullptr;
-  LoadedModel::check(phn_tools_init(memory.data(), bytes, model, 2, &data));
+  LoadedModel::check(phn_data_init(memory.data(), bytes, model, 2, &data));
   const int n_active = info_of(model).n_active, n_output = info_of(model).n_output;
   std::vector<double> all, out(3 * static_cast<std::size_t>(n_output) + 9);
   std::vector<float> scratch(phn_surface_scratch_size(surface) / sizeof(float)),

@@ -16,7 +16,7 @@ namespace {
 struct Loaded {
   const Model& model;
   const rt::Model& runtime;
-  rt::Tools& data;
+  rt::Data& data;
 };
 
 /// Reproducible numbers in [-1, 1), the same on every machine, which those of std::uniform_real_distribution are not.
@@ -192,7 +192,7 @@ GoldenQueries queries(const Loaded& model, const ModelImage& image, std::size_t 
 
 }  // namespace
 
-GoldenQueries golden_queries(const Model& model, const rt::Model& runtime, rt::Tools& data, const ModelImage& image,
+GoldenQueries golden_queries(const Model& model, const rt::Model& runtime, rt::Data& data, const ModelImage& image,
                              std::size_t n) {
   const Loaded loaded{model, runtime, data};
   return image.options.floats ? queries<float>(loaded, image, n) : queries<double>(loaded, image, n);

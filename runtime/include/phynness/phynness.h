@@ -117,8 +117,8 @@ typedef struct phn_info {
 } phn_info;
 PHN_API int phn_model_info(const phn_model* model, phn_info* info);
 
-/* Working memory for `max_tools` (>= 1) simultaneous tools at nodes. The model must outlive it. Coupled tools and
- * contact need the larger one of phn_tools_init (phynness_tools.h). */
+/* Working memory for `max_tools` (>= 1) simultaneous tools, of which 8 can be coupled; with node probes it grows with
+ * the square of these. The model must outlive it. */
 PHN_API int phn_data_size(const phn_model* model, int32_t max_tools, size_t* bytes);
 PHN_API int phn_data_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data);
 

@@ -271,8 +271,11 @@ class Model : public detail::Built<const phn_model, detail::ModelContent> {
 class Data : public detail::Built<phn_data, detail::DataSizes> {
  public:
   Data() = default;
-  Data(const Model& model, std::int32_t max_tools, Span<std::byte> own = {})
-      : Data(model, max_tools, own, phn_data_size, phn_data_init) {}
+  Data(const Model& model, std::int32_t max_tools, Span<std::byte> own = {}) {
+    more().model = model.get();
+    if (build(model.get(), max_tools, own, phn_data_size, phn_data_init) == 0) return;
+    more().n_field = 3 * static_cast<std::size_t>(model.n_output());
+  }
   static std::size_t bytes_for(const Model& model, std::int32_t max_tools) noexcept {
     return bytes_of(phn_data_size, model.get(), max_tools);
   }
@@ -322,25 +325,6 @@ class Data : public detail::Built<phn_data, detail::DataSizes> {
 
   Status set_level(std::int32_t level) noexcept { return phn_set_level(more().model, get(), level); }
 
- protected:
-  Data(const Model& model, std::int32_t max_tools, Span<std::byte> own, decltype(phn_data_size) data_size,
-       decltype(phn_data_init) data_init) {
-    more().model = model.get();
-    if (build(model.get(), max_tools, own, data_size, data_init) == 0) return;
-    more().n_field = 3 * static_cast<std::size_t>(model.n_output());
-  }
-};
-
-/// A Data that also holds coupled tools (phynness_tools.h), which contact needs as well.
-class Tools : public Data {
- public:
-  Tools() = default;
-  Tools(const Model& model, std::int32_t max_tools, Span<std::byte> own = {})
-      : Data(model, max_tools, own, phn_tools_size, phn_tools_init) {}
-  static std::size_t bytes_for(const Model& model, std::int32_t max_tools) noexcept {
-    return bytes_of(phn_tools_size, model.get(), max_tools);
-  }
-
   /// @param forces_N  tools.size() x 3
   Status couple(Span<const phn_tool> tools, Span<double> forces_N, phn_coupled* result = nullptr) noexcept {
     if (forces_N.size() / 3 < tools.size()) return PHN_ERROR_BUFFER;
@@ -350,9 +334,6 @@ class Tools : public Data {
   }
   Status couple(const phn_tool& tool, Out3 force_N, phn_coupled* result = nullptr) noexcept {
     return phn_couple(more().model, get(), 1, &tool, force_N.data(), result);
-  }
-  Status coupled_bound(double (&bounds_N)[PHN_MOST_COUPLED]) const noexcept {
-    return phn_coupled_bound(more().model, get(), bounds_N);
   }
   Status coupled_deform(Span<double> out) noexcept {
     return out.size() < more().n_field ? Status(PHN_ERROR_BUFFER)

@@ -7,8 +7,8 @@
  * beside fixed ones.
  *
  * Memory, statuses, units, frames, overlap and the sign of the force are those of phynness.h; the states may overlap
- * the tools in memory. Each thread that moves tools has its own phn_contact, and its own phn_data of
- * phn_tools_init; threads share only the model.
+ * the tools in memory. Each thread that moves tools has its own phn_contact, and its own phn_data;
+ * threads share only the model.
  *
  * For a sphere of radius r, each vertex of phn_info.triangles is moved outwards along its mean normal, so far that the
  * triangles around it move by r (at sharp corners at most by 2 r). Contact of the sphere is contact of its centre with
@@ -45,7 +45,8 @@ typedef struct phn_contact_state {
   double normal[3];   /* outward unit normal; zeros without contact */
   double scale;       /* factor of the force: 1, or less where tools would gain energy; 0 without contact */
   double unbalanced;  /* mode press: |force of phn_couple - force / scale| [N], not yet relieved by sliding */
-  phn_tool held;      /* argument of phn_couple or phn_body_press; nodes are -1 without contact */
+  phn_tool held;      /* argument of phn_couple or phn_body_press, also of a thread that draws, with its own phn_data or
+                         phn_body_state; nodes are -1 without contact */
   int32_t in_contact; /* 1 or 0 */
 } phn_contact_state;
 
@@ -116,10 +117,6 @@ PHN_API int phn_contact_reset(phn_contact* contact);
  * directions. Components are clamped to 1000 sizes of the body. Cost: one pass over vertices and boxes, about 25 us for
  * 1,000 triangles. */
 PHN_API int phn_contact_refit(phn_contact* contact, const double* field);
-
-/* The tools in contact at the last step, at most 8, in the order of their numbers; returns how many they are. A thread
- * that draws can pass them to phn_couple with its own phn_data. */
-PHN_API int32_t phn_contact_held(const phn_contact* contact, phn_tool* tools);
 
 /* As phn_nearest, but only on triangles that can be touched, displaced by the field of the last phn_contact_refit, and
  * faster: it uses a bounding volume hierarchy. */

@@ -21,14 +21,14 @@ class Contact : public detail::Built<phn_contact, detail::FieldSize> {
 
   /// @param data    of the same thread and model
   /// @param states  tools.size() of them
-  Status step(Tools& data, Span<const phn_contact_tool> tools, Span<phn_contact_state> states,
+  Status step(Data& data, Span<const phn_contact_tool> tools, Span<phn_contact_state> states,
               phn_coupled* result = nullptr) noexcept {
     if (states.size() < tools.size()) return PHN_ERROR_BUFFER;
     if (tools.size() > PHN_MOST_COUPLED) return PHN_ERROR_TOO_MANY_TOOLS;
     return phn_contact_step(get(), data.get(), static_cast<std::int32_t>(tools.size()), tools.data(), states.data(),
                             result);
   }
-  Status step(Tools& data, const phn_contact_tool& tool, phn_contact_state& state,
+  Status step(Data& data, const phn_contact_tool& tool, phn_contact_state& state,
               phn_coupled* result = nullptr) noexcept {
     return phn_contact_step(get(), data.get(), 1, &tool, &state, result);
   }
@@ -38,8 +38,6 @@ class Contact : public detail::Built<phn_contact, detail::FieldSize> {
     if (field.data() != nullptr && field.size() < more().n_field) return PHN_ERROR_BUFFER;
     return phn_contact_refit(get(), field.data());
   }
-  /// @return number of tools in contact, which are the first entries of `tools`
-  std::int32_t held(phn_tool (&tools)[PHN_MOST_COUPLED]) const noexcept { return phn_contact_held(get(), tools); }
   Status nearest(In3 x, phn_tool& tool, Out3 point) const noexcept {
     return phn_contact_nearest(get(), x.data(), &tool, point.data());
   }

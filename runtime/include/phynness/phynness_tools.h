@@ -25,20 +25,17 @@ typedef struct phn_coupled {
   double energy;   /* [J]; 0 in family rbfn */
 } phn_coupled;
 
-/* A phn_data that also holds up to `max_tools` coupled tools, of which 8 are used at most; phn_couple and
- * phn_contact_step need it, and every function takes it. It replaces the pair phn_data_size, phn_data_init, whose
- * memory is smaller: memory of node probes grows with the square of the number of tools. */
-PHN_API int phn_tools_size(const phn_model* model, int32_t max_tools, size_t* bytes);
-PHN_API int phn_tools_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data);
-
-/* phn_force, phn_trained_depth and phn_bound of one tool at a point, with a phn_data of phn_tools_init. A round tool
+/* phn_force, phn_trained_depth and phn_bound of one tool at a point. A round tool
  * between nodes has a mean of the energies of the tools at the nodes around it for the same displacement
  * (docs/theory.md, (x)); force and stiffness are its derivatives. Family rbfn has the same mean of the forces. They are
  * continuous where the tool slides over edges and nodes, and at a node they are those of the node. Fixed nodes of the
  * triangle do not count; where their weights exceed 0.3, the tool is PHN_WARNING_OUTSIDE, with the trained depth 0, at
  * any displacement. A warning of any active node of the triangle, or around its covered nodes, is one of the tool. The
- * trained depth is the smallest of these nodes. The bound is that of phn_coupled_bound. PHN_ERROR_UNDEFINED: the point
- * is between nodes of a model without round tools; use phn_couple. Cost: about 12 forces between nodes. */
+ * trained depth is the smallest of these nodes. PHN_ERROR_UNDEFINED: the point
+ * is between nodes of a model without round tools; use phn_couple. Cost: about 12 forces between nodes.
+ * The bound is that of the full level, also of the force of phn_couple between nodes of node probes. It holds for
+ * random places and displacements as phn_bound does (formats/model.md, Bounds), and is PHN_NO_BOUND with
+ * PHN_WARNING_OUTSIDE and where calibration had too few tools between nodes. */
 PHN_API int phn_force_at(const phn_model* model, phn_data* data, const phn_tool* tool, double force[3], double* energy,
                          double stiffness[9]);
 PHN_API int phn_trained_depth_at(const phn_model* model, const phn_tool* tool, double* depth);
@@ -50,7 +47,7 @@ PHN_API int phn_bound_at(const phn_model* model, const phn_tool* tool, double* b
  * are exact for a linear body. Forces are continuous where tools slide over edges and nodes, and in families with an
  * energy its gradient while the tools hold their points. They depend on these arguments only. _UNSETTLED: tools within
  * half an edge length pull apart, and their points follow them only in part. PHN_ERROR_TOOLS: more tools than `data`
- * holds; a phn_data of phn_data_init holds none. PHN_ERROR_UNDEFINED: a node of coupled tools is no output node or has
+ * holds. PHN_ERROR_UNDEFINED: a node of coupled tools is no output node or has
  * no deformation. `result` may be null. Displacements are clamped to 1000 max_displacement_m. */
 PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
                        phn_coupled* result);
@@ -58,13 +55,6 @@ PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, 
 /* Displacements [m] of all output nodes, n_output x 3, under the tools of the last phn_couple with this data; zeros
  * before the first phn_couple. The field of one round tool between nodes is the mean of its nodes' fields. */
 PHN_API int phn_coupled_deform(const phn_model* model, phn_data* data, double* out);
-
-/* Bound [N] of the error of the force of the one tool of the last phn_couple with this data, at a node or between
- * nodes: it holds for random places and displacements as phn_bound does (formats/model.md, Bounds). PHN_NO_BOUND with
- * PHN_WARNING_OUTSIDE or _UNSETTLED, and where calibration had too few tools between nodes. PHN_ERROR_UNDEFINED, with
- * zeros for the tools there are: no tool or several are held, the model has no bounds, or, between nodes, phn_couple
- * used a smaller level. Cost: four forces for each active node around the tool. */
-PHN_API int phn_coupled_bound(const phn_model* model, const phn_data* data, double* bounds);
 
 /* The tool at that point of the undeformed surface which is nearest to x [m], with displacement 0. `point` [m] may be
  * null. */

@@ -79,7 +79,7 @@ int build_contact(const WholeSurface& whole, const void* of, std::int32_t max_to
   const int status = build_contact_surface(whole.triangles, whole.n_triangles, parts.scratch, parts.surface);
   if (status != PHN_OK) return status;
   build_volumes(parts.surface, parts.volumes);
-  *parts.contact = {of, max_tools, true, 0, 0, false, parts.surface, parts.volumes, {}};
+  *parts.contact = {of, max_tools, 0, 0, false, parts.surface, parts.volumes, {}};
   *contact = parts.contact;
   return PHN_OK;
 }
@@ -147,14 +147,6 @@ int phn_contact_refit(phn_contact* contact, const double* field) {
     if (distance[t] >= 0 && distance[t] <= moved) carry(*contact, beside[t], from[t], contact->tool[t]);
   }
   return PHN_OK;
-}
-
-int32_t phn_contact_held(const phn_contact* contact, phn_tool* tools) {
-  std::int32_t n = 0;
-  for (std::int32_t t = 0; contact != nullptr && tools != nullptr && t < contact->max_tools; ++t) {
-    if (contact->tool[t].felt) tools[n++] = held_by(*contact, contact->tool[t]);
-  }
-  return n;
 }
 
 int phn_contact_nearest(const phn_contact* contact, const double x[3], phn_tool* tool, double point[3]) {

@@ -47,7 +47,6 @@ struct ToolContact {
 struct phn_contact {
   const void* of;  ///< the model or the body
   std::int32_t max_tools;
-  bool guarded;     ///< true, except where tests measure what the guard is worth
   double taken;     ///< work done by all tools since one of them is in contact [J]
   double scale;     ///< of the forces of tools that press; 0: none is in contact
   bool is_settled;  ///< the body at the last step

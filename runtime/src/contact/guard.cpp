@@ -26,7 +26,7 @@ void guard(phn_contact& contact, const Touched& touched, std::int32_t n_tools, c
     deepest = std::fmax(deepest, norm(tool.displacement));
   }
   double& scale = contact.scale;
-  if (!any || !contact.guarded || !touched.has_energy || scale == 0) {
+  if (!any || !touched.has_energy || scale == 0) {
     scale = any ? 1 : 0;
     contact.taken = any ? energy : 0;
   } else {

@@ -89,9 +89,9 @@ int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_tools, cons
   int status = PHN_ERROR_ARGUMENT;
   if (contact != nullptr && data != nullptr && data->model == contact->of) {
     TouchedModel touched(*data->model, *data);
-    const bool several_round = n_tools > 1 && data->coupling != nullptr && has_round_tools(*data->coupling);
+    const bool several_round = n_tools > 1 && has_round_tools(*data->coupling);
     status = several_round ? PHN_ERROR_ROUND_TOOLS
-                           : step_contact(*contact, touched, most_tools(*data), n_tools, tools, states, result,
+                           : step_contact(*contact, touched, data->max_tools, n_tools, tools, states, result,
                                           sizeof *result, coupled);
   }
   write_states(contact, status, n_tools, states);

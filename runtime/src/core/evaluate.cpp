@@ -47,33 +47,9 @@ phn_data* make_data(Arena& arena, const phn_model& model, std::int32_t max_tools
   data.asked_nodes = arena.take<std::int32_t>(n_tools);
   data.asked = arena.take<double>(n_tools, 3);
   data.prepared = lay_out_prepared(arena, model, max_tools);
+  data.coupling = make_coupling(arena, model, max_tools);
   if (made != nullptr && !arena.overflow()) *made = data;
   return made;
-}
-
-int data_size(MakeData* make, const phn_model* model, std::int32_t max_tools, std::size_t* bytes) {
-  if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
-  *bytes = 0;
-  if (model == nullptr || max_tools < 1) return PHN_ERROR_ARGUMENT;
-  Arena arena;
-  make(arena, *model, max_tools);
-  if (arena.overflow()) return PHN_ERROR_TOO_LARGE;
-  *bytes = arena.needed();
-  return PHN_OK;
-}
-
-int data_init(MakeData* make, void* memory, std::size_t bytes, const phn_model* model, std::int32_t max_tools,
-              phn_data** data) {
-  if (data == nullptr) return PHN_ERROR_ARGUMENT;
-  *data = nullptr;
-  if (memory == nullptr || model == nullptr || max_tools < 1) return PHN_ERROR_ARGUMENT;
-  if (overlap(memory, bytes, model, model->bytes) || overlap(memory, bytes, data, sizeof *data))
-    return PHN_ERROR_OVERLAP;
-  Arena arena(memory, bytes);
-  phn_data* made = make(arena, *model, max_tools);
-  if (arena.overflow()) return PHN_ERROR_BUFFER;
-  *data = made;
-  return PHN_OK;
 }
 
 std::int32_t find_vertex(const phn_model& model, std::int32_t node) {

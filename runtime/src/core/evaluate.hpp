@@ -40,18 +40,14 @@ struct phn_data {
   std::int32_t* asked_nodes;  ///< max_tools: copied arguments of a deformation, because its output may overlap them
   double* asked;              ///< max_tools x 3 displacements, copied for the same reason
   PHN_RUNTIME::PreparedNodes prepared;
-  PHN_RUNTIME::Coupling* coupling;  ///< made by phn_tools_init, else null
+  PHN_RUNTIME::Coupling* coupling;
 };
 
 namespace PHN_RUNTIME {
 
-/// Takes a phn_data from the arena. @return null without memory
+/// Takes a phn_data from the arena, or its coupling (tools/coupled.hpp). @return null without memory
 phn_data* make_data(Arena& arena, const phn_model& model, std::int32_t max_tools);
-/// phn_data_size and phn_data_init for any function that takes a phn_data from an arena. @return a status of phynness.h
-using MakeData = decltype(make_data);
-int data_size(MakeData* make, const phn_model* model, std::int32_t max_tools, std::size_t* bytes);
-int data_init(MakeData* make, void* memory, std::size_t bytes, const phn_model* model, std::int32_t max_tools,
-              phn_data** data);
+Coupling* make_coupling(Arena& arena, const phn_model& model, std::int32_t max_tools);
 
 /// Position of `node` among the active nodes, or -1.
 std::int32_t find_active(const phn_model& model, std::int32_t node);

@@ -60,7 +60,7 @@ const char* const messages[] = {
     "the time of a step is not later than that of the step before",
     "the model's family or the node has no such response, for example no energy or no deformation",
     "two tools at the same node",
-    "more tools than the phn_data or phn_contact was made for; phn_tools_init makes a phn_data for coupled tools",
+    "more tools than the phn_data or phn_contact was made for",
     "the memory is smaller than the size function returned",
     "a displacement, position or size is NaN or infinite",
     "the node is not an active node of this model",
@@ -107,11 +107,27 @@ int phn_model_info(const phn_model* model, phn_info* info) {
 }
 
 int phn_data_size(const phn_model* model, int32_t max_tools, size_t* bytes) {
-  return data_size(make_data, model, max_tools, bytes);
+  if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
+  *bytes = 0;
+  if (model == nullptr || max_tools < 1) return PHN_ERROR_ARGUMENT;
+  Arena arena;
+  make_data(arena, *model, max_tools);
+  if (arena.overflow()) return PHN_ERROR_TOO_LARGE;
+  *bytes = arena.needed();
+  return PHN_OK;
 }
 
 int phn_data_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data) {
-  return data_init(make_data, memory, bytes, model, max_tools, data);
+  if (data == nullptr) return PHN_ERROR_ARGUMENT;
+  *data = nullptr;
+  if (memory == nullptr || model == nullptr || max_tools < 1) return PHN_ERROR_ARGUMENT;
+  if (overlap(memory, bytes, model, model->bytes) || overlap(memory, bytes, data, sizeof *data))
+    return PHN_ERROR_OVERLAP;
+  Arena arena(memory, bytes);
+  phn_data* made = make_data(arena, *model, max_tools);
+  if (arena.overflow()) return PHN_ERROR_BUFFER;
+  *data = made;
+  return PHN_OK;
 }
 
 int phn_force(const phn_model* model, phn_data* data, int32_t node, const double d[3], double force[3], double* energy,

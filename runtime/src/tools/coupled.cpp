@@ -230,23 +230,23 @@ class Solver : private Multipliers {
 
 }  // namespace
 
-Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max_tools) {
+Coupling* make_coupling(Arena& arena, const phn_model& model, std::int32_t max_tools) {
+  auto* made = arena.take<Coupling>(1);
   Coupling c = {};
   c.max_tools = max_tools < most_coupled ? max_tools : most_coupled;
   c.model = &model;
   c.neighbours = find_neighbours(arena, model);
   const bool round = has_round_tools(model);
-  c.n_corners = round && model.n_covered > 0 ? most_corners : most_nodes;
-  const auto t = static_cast<std::size_t>(c.max_tools), n_coupled = round ? 1 : t;
+  c.n_corners = round ? most_corners : most_nodes;
   // With a single tool no rotations are needed.
-  const std::size_t n_places = n_coupled > 1 ? 2 * t : 1, n_sets = n_coupled > 1 ? 1 + t : 1,
-                    n_corners = static_cast<std::size_t>(c.n_corners) * n_coupled, n_fields = n_corners * n_places;
-  c.point = arena.take<Constraint>(n_coupled);
+  const std::size_t t = round ? 1 : static_cast<std::size_t>(c.max_tools), n_places = t > 1 ? 2 * t : 1,
+                    n_sets = t > 1 ? 1 + t : 1, n_corners = static_cast<std::size_t>(c.n_corners) * t,
+                    n_fields = n_corners * n_places;
+  c.point = arena.take<Constraint>(t);
   c.field = arena.take<FieldPart>(n_corners * n_sets);
   c.field_basis = arena.take<double>(n_corners * n_sets, model.n_basis);
   c.field_turn = arena.take<Vector>(n_sets);
   c.kernel = arena.take<double>(3 * (static_cast<std::size_t>(model.shared.n_centers) + 3));
-  if (round) return c;
   c.displacement = arena.take<NodeField>(n_fields);
   auto* rows = arena.take<double>(3 * model.n_basis, n_fields + 1);
   for (std::size_t i = 0; c.displacement && rows && i < n_fields; ++i)
@@ -273,7 +273,8 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   c.single_force = arena.take<Vector>(t);
   c.energy = arena.take<double>(t);
   c.weight = arena.take<double>(t);
-  return c;
+  if (made != nullptr && !arena.overflow()) *made = c;
+  return made;
 }
 
 CoupledResult solve_coupled(const phn_model& model, Coupling& coupling, const Vector* targets) {

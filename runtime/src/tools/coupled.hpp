@@ -17,18 +17,16 @@ inline constexpr double largest_coupled = 1e3;
 /// max_tools + t is the rotation of the surface around that point [rad].
 struct Coupling {
   std::int32_t max_tools, n_tools;
-  int warned;  ///< warnings of the nodes of the latest tools
-  bool settled;
+  int warned;              ///< warnings of the nodes of the latest tools
   const phn_model* model;  ///< the level of the latest tools
   Neighbours neighbours;
-  std::int32_t n_corners;  ///< largest number of nodes of a point
-  Constraint* point;       ///< of each tool
-  std::int32_t n_sets;     ///< of fields, each of which is turned as a whole by field_turn before they are added
-  FieldPart* field;        ///< of node i of tool s in set q, at n_corners (q max_tools + s) + i
-  double* field_basis;     ///< n_basis each, as field
-  Vector* field_turn;      ///< see rotated
-  double* kernel;          ///< scratch: of the shared modes
-  // Models of node probes only.
+  std::int32_t n_corners;         ///< largest number of nodes of a point
+  Constraint* point;              ///< of each tool
+  std::int32_t n_sets;            ///< of fields, each of which is turned as a whole by field_turn before they are added
+  FieldPart* field;               ///< of node i of tool s in set q, at n_corners (q max_tools + s) + i
+  double* field_basis;            ///< n_basis each, as field
+  Vector* field_turn;             ///< see rotated
+  double* kernel;                 ///< scratch: of the shared modes
   NodeField* displacement;        ///< of place t under node i of tool s, at n_corners (t max_tools + s) + i
   Matrix* rest_response;          ///< as displacement: its derivative at rest
   double* rest_gradient;          ///< of node i of tool s, at n_corners s + i: 3 x n_basis
@@ -46,13 +44,8 @@ struct Coupling {
   double *matrix, *work, *vectors;  ///< dense, as many rows as unknowns
 };
 
-/// Number of tools that can be coupled with this data; 0 if phn_data_init made it.
-inline std::int32_t most_tools(const phn_data& data) { return data.coupling == nullptr ? 0 : data.coupling->max_tools; }
-
 /// Whether the model answers one tool only: a round one, or one at a node.
 inline bool has_round_tools(const Coupling& coupling) { return coupling.neighbours.begin != nullptr; }
-
-Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max_tools);
 
 struct CoupledResult {
   bool settled;     ///< all points follow their tools

@@ -1,6 +1,7 @@
 // The C interface of phynness_tools.h.
 #include <phynness/phynness_tools.h>
 
+#include "core/bound.hpp"
 #include "tools/coupled.hpp"
 #include "tools/triangle.hpp"
 
@@ -10,16 +11,6 @@ namespace {
 
 /// Components of the argument of phn_nearest are clamped to this [m].
 constexpr double largest_place = 1e60;
-
-phn_data* make_tools(Arena& arena, const phn_model& model, std::int32_t max_tools) {
-  phn_data* data = make_data(arena, model, max_tools);
-  auto* made = arena.take<Coupling>(1);
-  const Coupling coupling = lay_out_coupling(arena, model, max_tools);
-  if (data == nullptr || arena.overflow()) return nullptr;
-  *made = coupling;
-  data->coupling = made;
-  return data;
-}
 
 bool same_node(const Place& a, const Place& b) {
   return a.n_nodes == 1 && b.n_nodes == 1 && a.active[0] == b.active[0];
@@ -116,7 +107,6 @@ int find_alone(const phn_model* model, const phn_tool* tool, Place& place) {
 int force_at(const phn_model* model, const phn_data* data, const phn_tool* tool, Vector& force, double* energy,
              Matrix* stiffness) {
   if (model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
-  if (data->coupling == nullptr) return PHN_ERROR_TOOLS;
   if ((energy || stiffness) && !model->has_energy) return PHN_ERROR_UNDEFINED;
   Place place;
   const int refused = find_alone(model, tool, place);
@@ -131,6 +121,33 @@ int force_at(const phn_model* model, const phn_data* data, const phn_tool* tool,
   return status;
 }
 
+/// The bound of one tool (formats/model.md, Bounds): the largest bound of its nodes; between nodes a function of it, of
+/// how far their forces differ from their mean, and of this mean. @return a status of phynness.h
+int bound_at(const phn_model& model, const Place& place, const double* displacement, double& bound) {
+  const double lever = place.n_nodes == 1 ? lever_of(model, place) : 1;
+  Vector d, force[most_corners], mean = {};
+  cut(displacement, lever, PHN_NO_BOUND, d.x);
+  int status = is_beside_fixed(model, place) ? PHN_WARNING_OUTSIDE : PHN_OK;
+  double sum = 0, largest = 0, spread = 0;
+  for (std::int32_t i = 0; i < place.n_nodes; ++i) sum += place.weight[i];
+  for (std::int32_t i = 0; i < place.n_nodes; ++i) {
+    double of_node = 0;
+    const int said = phn_bound(&model, model.active_nodes[place.active[i]], d.x, &of_node);
+    if (said < 0) return said;
+    status |= said;
+    largest = std::fmin(PHN_NO_BOUND, std::fmax(largest, of_node / lever));
+    evaluate_force(model, model.active[place.active[i]], d.x, force[i].x);
+    force[i] /= lever;
+    mean += (place.weight[i] / sum) * force[i];
+  }
+  for (std::int32_t i = 0; i < place.n_nodes; ++i) spread += place.weight[i] / sum * length((force[i] - mean).x);
+  const double x[] = {largest + spread, spread, length(mean.x)};
+  bound = (status & PHN_WARNING_OUTSIDE) != 0 ? PHN_NO_BOUND
+          : place.n_nodes == 1                ? largest
+                                              : coupled_bound(model.bound_between, x, PHN_NO_BOUND);
+  return status;
+}
+
 /// The forces remain in the data; the caller copies them to the output. @return a status of phynness.h
 int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const phn_tool* tools, const double* forces,
            const phn_coupled* place, phn_coupled& result) {
@@ -139,8 +156,7 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
   if (overlap(forces, 3 * sizeof *forces * static_cast<std::size_t>(n_tools), place, sizeof *place))
     return PHN_ERROR_OVERLAP;
   if (n_tools > most_coupled) return PHN_ERROR_TOO_MANY_TOOLS;
-  if (n_tools > most_tools(*data)) return PHN_ERROR_TOOLS;
-  if (data->coupling == nullptr) return PHN_OK;
+  if (n_tools > data->max_tools) return PHN_ERROR_TOOLS;
   Coupling& c = *data->coupling;
   c.n_tools = 0;
   c.warned = PHN_OK;
@@ -161,7 +177,6 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
   if (!alone && (has_round_tools(c) || !can_couple(*c.model, c, n_tools))) return PHN_ERROR_UNDEFINED;
   c.n_tools = n_tools;
   const CoupledResult solved = alone ? answer_alone(*c.model, c, targets[0]) : answer_coupled(*c.model, c, targets);
-  c.settled = solved.settled;
   result = {solved.residual, std::isfinite(solved.energy) ? solved.energy : 0};
   return solved.settled ? c.warned : c.warned | PHN_WARNING_UNSETTLED;
 }
@@ -169,14 +184,6 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
 }  // namespace
 
 extern "C" {
-
-int phn_tools_size(const phn_model* model, int32_t max_tools, size_t* bytes) {
-  return data_size(make_tools, model, max_tools, bytes);
-}
-
-int phn_tools_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data) {
-  return data_init(make_tools, memory, bytes, model, max_tools, data);
-}
 
 int phn_nearest(const phn_model* model, const double x[3], phn_tool* tool, double point[3]) {
   phn_tool found = {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}};
@@ -233,6 +240,16 @@ int phn_trained_depth_at(const phn_model* model, const phn_tool* tool, double* d
   return status;
 }
 
+int phn_bound_at(const phn_model* model, const phn_tool* tool, double* bound) {
+  if (bound == nullptr) return PHN_ERROR_ARGUMENT;
+  double found = 0;
+  Place place;
+  int status = model == nullptr || tool == nullptr ? PHN_ERROR_ARGUMENT : find_place(*model, *tool, place);
+  if (status == PHN_OK) status = bound_at(*model, place, tool->displacement, found);
+  *bound = found;  // the tool has been read
+  return status;
+}
+
 int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
                phn_coupled* result) {
   phn_coupled coupled = {0, 0};
@@ -249,7 +266,6 @@ int phn_coupled_deform(const phn_model* model, phn_data* data, double* out) {
   if (model == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
   zero(out, 3 * model->n_output);
   if (data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
-  if (data->coupling == nullptr) return PHN_OK;
   const Coupling& c = *data->coupling;
   for (std::int32_t t = 0; t < c.n_tools; ++t) {
     for (std::int32_t i = 0; i < c.point[t].n_nodes; ++i) {

@@ -52,7 +52,7 @@ std::string LoadedModel::hash() const {
 
 void LoadedModel::load() {
   _runtime = rt::Model(_text);
-  if (_runtime) _data = rt::Tools(_runtime, most_tools);
+  if (_runtime) _data = rt::Data(_runtime, most_tools);
   const rt::Status status = _runtime ? _data.status() : _runtime.status();
   if (status.ok()) return;
   model();  // throws an error with the line and the value if the text is invalid
@@ -211,10 +211,9 @@ ModelResponse LoadedModel::couple(const std::vector<phn_tool>& tools) const {
   for (std::size_t t = 0; t < n_tools; ++t)
     response.force_N.emplace_back(Vec3{forces[3 * t], forces[3 * t + 1], forces[3 * t + 2]});
   if (_runtime.info().has_energy != 0) response.energy_J = response.coupled.energy;
-  double bounds[PHN_MOST_COUPLED];
-  if (has_bounds() && _data.coupled_bound(bounds).ok())
-    for (std::size_t t = 0; t < n_tools; ++t)
-      response.bound_N.push_back(bounds[t] < PHN_NO_BOUND ? std::optional(bounds[t]) : std::nullopt);
+  double bound = 0;
+  if (n_tools == 1 && _runtime.bound(tools[0], bound).ok())
+    response.bound_N.push_back(bound < PHN_NO_BOUND ? std::optional(bound) : std::nullopt);
   response.displacement_m.resize(_runtime.n_output(), 3);
   const int deformed = _data.coupled_deform(span(response.displacement_m));
   if (deformed == PHN_ERROR_UNDEFINED) response.displacement_m.resize(0, 3);

@@ -16,7 +16,7 @@ export interface Coupled {
 
 /** The C functions of tools, and what their result holds. */
 const functions = {
-  model: { data: 'phn_tools', hold: 'phn_couple', bound: 'phn_coupled_bound', field: 'phn_coupled_deform', result: 'phn_coupled',
+  model: { data: 'phn_data', hold: 'phn_couple', bound: 'phn_bound_at', field: 'phn_coupled_deform', result: 'phn_coupled',
     energy: 'phn_coupled.energy', residual: 'phn_coupled.residual' },
   body: { data: 'phn_body_state', hold: 'phn_body_press', bound: 'phn_body_bound', field: 'phn_body_deform', result: 'phn_body_pressed',
     energy: 'phn_body_pressed.energy', residual: 'phn_body_pressed.behind_m' },
@@ -65,12 +65,14 @@ export class Tools extends Owner {
     };
   }
 
-  /** Bounds [N] of the errors of the forces of the last set(); null where there is none: outside of the trained range, too close
-   * together, at a smaller level, or without `phynness calibrate`. */
+  /** Bounds [N] of the errors of the forces of the last set(), of a model those of its full level; null where there is none:
+   * outside of the trained range, several tools of a model, too close together, or without `phynness calibrate`. */
   bounds(): (number | null)[] {
     const { engine } = this;
     this.alive();
-    const status = engine.f[this.f.bound]!(this.of, this.data, this.boundsAt);
+    const ofModel = this.f === functions.model;
+    const status =
+      ofModel && this.held !== 1 ? undefinedHere : engine.f[this.f.bound]!(this.of, ofModel ? this.tools : this.data, this.boundsAt);
     if (status !== undefinedHere && status < 0) throw engine.error(status, 'bounds');
     const bounds = Array.from(engine.reals(this.boundsAt, this.held));
     return bounds.map((bound) => (status === undefinedHere || bound >= noBound ? null : bound));

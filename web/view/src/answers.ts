@@ -118,7 +118,7 @@ export class Runtime {
     this.draw(this.tools);
     return {
       ...nothing, status, warnings, residual, forces: tools.map((_, i) => row(forces, i)),
-      energy: this.hasEnergy ? energy : null, bound: this.tools.bounds().at(-1) ?? null,
+      energy: this.hasEnergy ? energy : null, bound: this.body || this.atFullLevel ? this.tools.bounds().at(-1) ?? null : null,
     };
   }
   get hasEnergy(): boolean {

@@ -74,7 +74,7 @@ struct GoldenQueries {
 /// factor of 3. On the surface of an image there are a quarter as many places, too. The queries are reproducible.
 /// Displacements and points are numbers that the image can represent.
 /// @param runtime, data  the same model, loaded
-GoldenQueries golden_queries(const Model& model, const rt::Model& runtime, rt::Tools& data, const ModelImage& image,
+GoldenQueries golden_queries(const Model& model, const rt::Model& runtime, rt::Data& data, const ModelImage& image,
                              std::size_t n);
 
 struct CSource {

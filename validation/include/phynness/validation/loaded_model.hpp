@@ -51,7 +51,7 @@ class LoadedModel {
   std::size_t mesh_text_bytes() const { return _mesh_text_bytes; }
   std::size_t memory_bytes() const { return _runtime.bytes(); }
   const rt::Model& runtime() const { return _runtime; }
-  rt::Tools& data() const { return _data; }
+  rt::Data& data() const { return _data; }
 
   /// @param what  "the body FILE". @throws Error (input) with both names if the model has another mesh or physics
   void require_same(const std::string& what, const std::string& mesh_hash, const std::string& physics_hash,
@@ -89,7 +89,7 @@ class LoadedModel {
   mutable std::optional<Model> _model;
   Mesh _mesh;
   rt::Model _runtime;
-  mutable rt::Tools _data;
+  mutable rt::Data _data;
   std::optional<std::int32_t> _level;
 };
 
