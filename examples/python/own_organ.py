@@ -20,8 +20,8 @@ from matplotlib import pyplot  # noqa: E402
 def main(scene: str, out: Path, ranks: int) -> None:
     out.mkdir(parents=True, exist_ok=True)
     file = out / "database.h5"
-    database = phynness.precompute(scene, file, ranks=ranks, resume=file.exists())
-    model = phynness.train(database)
+    phynness.precompute(scene, file, ranks=ranks, resume=file.exists())
+    model = phynness.train(file)
     model.save(out / "model")
     figures = phynness.validate(scene, model, probes=20, ranks=ranks)
     for name in ("force", "displacement"):
@@ -34,7 +34,7 @@ def main(scene: str, out: Path, ranks: int) -> None:
     for color, (name, way) in zip(("C0", "C1", "C2"), {"push": (0, 0, -1.0), "pull": (0, 0, 1.0), "slide": (1.0, 0, 0)}.items()):
         depth = 0.999 * float(model.trained_depth(node, way))
         d = np.linspace(0, depth, 50)[:, None] * way
-        solved = phynness.solve(database, node, d[9::10])
+        solved = phynness.solve(file, node, d[9::10])
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", phynness.OutsideWarning)  # near the end of the range
             forces = model.force(node, d)
@@ -45,7 +45,7 @@ def main(scene: str, out: Path, ranks: int) -> None:
     axes.set(xlabel="displacement of the tool [mm]", ylabel="force [N]", title=f"{model.title}: node {node}")
     axes.legend(ncols=3, fontsize="x-small")
     picture.savefig(out / "organ.png", dpi=120)
-    model.show(out / "organ.html", database=database)
+    model.show(out / "organ.html", database=file)
     print(f"written: {out}/model, {out}/organ.html, {out}/organ.png")
 
 

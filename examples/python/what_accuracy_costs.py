@@ -31,8 +31,7 @@ def microseconds(call: Callable[[], object], rows: int) -> float:
 
 def main(file: str, out: Path, solves: int) -> None:
     out.mkdir(parents=True, exist_ok=True)
-    database = phynness.Database(file)
-    models = {n: phynness.train(database, force_centers=5 * n, amplitude_centers=5 * n, modes=n, shared_modes=4 * n)
+    models = {n: phynness.train(file, force_centers=5 * n, amplitude_centers=5 * n, modes=n, shared_modes=4 * n)
               for n in (2, 4, 8, 16)}
     largest = models[16]
 
@@ -43,7 +42,7 @@ def main(file: str, out: Path, solves: int) -> None:
         way = random.normal(size=3)
         way /= np.linalg.norm(way)
         states.append((int(node), way * float(largest.trained_depth(int(node), way)) * random.uniform(0.05, 0.99)))
-    truth = np.concatenate([phynness.solve(database, node, d).force for node, d in states])
+    truth = np.concatenate([phynness.solve(file, node, d).force for node, d in states])
     solved = np.isfinite(truth[:, 0])
     linear = np.array([largest.stiffness(node, [0, 0, 0]) @ d for node, d in states])
 

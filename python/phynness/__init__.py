@@ -1,18 +1,18 @@
-"""Forces and deformations of trained soft bodies: models, databases and training.
+"""Forces and deformations of trained soft bodies: models, bodies and training.
 
 Units are SI. A force is the force that must be applied to hold a displacement; a haptic device renders its negative. Nodes have
 the numbers of the mesh. Arguments called d are displacements, one of shape (3,) or n of shape (n, 3), float64 without a copy in
 any layout. Every function may be called by several threads at the same time; large arrays are evaluated without the GIL.
 """
 from ._phynness import (
-    Body, Coupled, Database, Error, IncompleteWarning, Level, Model, OutsideWarning, Pressed, Scene, StatusWarning,
-    SurfacePoint, UnsettledWarning, __version__, train,
+    Body, Coupled, Error, IncompleteWarning, Level, Model, OutsideWarning, Pressed, StatusWarning, SurfacePoint,
+    UnsettledWarning, __version__, train,
 )
 from .command import Page, Solution, precompute, show, solve, validate
 
 __all__ = [
-    "Body", "Coupled", "Database", "Error", "IncompleteWarning", "Level", "Model", "OutsideWarning", "Page",
-    "Pressed", "Scene", "Solution", "StatusWarning", "SurfacePoint", "UnsettledWarning", "__version__", "precompute", "show",
+    "Body", "Coupled", "Error", "IncompleteWarning", "Level", "Model", "OutsideWarning", "Page",
+    "Pressed", "Solution", "StatusWarning", "SurfacePoint", "UnsettledWarning", "__version__", "precompute", "show",
     "solve", "train", "validate",
 ]
 

@@ -18,12 +18,10 @@ from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optiona
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._phynness import Database, Error, Model
+from ._phynness import Error, Model
 
 if TYPE_CHECKING:
     from ._phynness import Node, Path
-
-    Study = Union[Path, Database]
 
 
 class Solution(NamedTuple):
@@ -90,10 +88,6 @@ def _run(*arguments: object, ranks: int = 1, progress: Optional[bool] = None) ->
         sys.stderr.write(text)
 
 
-def _path(study: Study) -> str:
-    return study.path if isinstance(study, Database) else os.fspath(study)
-
-
 @contextlib.contextmanager
 def _folder(model: Union[Path, Model]) -> Iterator[str]:
     if not isinstance(model, Model):
@@ -104,10 +98,10 @@ def _folder(model: Union[Path, Model]) -> Iterator[str]:
         yield os.path.join(folder, "model")
 
 
-def solve(scene: Study, node: Node, d: ArrayLike, *, progress: Optional[bool] = None) -> Solution:
+def solve(scene: Path, node: Node, d: ArrayLike, *, progress: Optional[bool] = None) -> Solution:
     """Finite element solves of a node of the surface at displacements d, (3,) or (n, 3) [m], each from rest.
 
-    `scene` is the path of a scene, or of a database or a Database, whose mesh is then not made anew. Error in words if it is
+    `scene` is the path of a scene, or of a database, whose mesh is then not made anew. Error in words if it is
     refused. About as many solves as increments are needed for each displacement (docs/commands.md, solve).
     """
     rows = np.atleast_2d(np.asarray(d, float))
@@ -116,7 +110,7 @@ def solve(scene: Study, node: Node, d: ArrayLike, *, progress: Optional[bool] = 
     with tempfile.TemporaryDirectory(prefix="phynness-") as folder:
         queries, table = File(folder) / "queries.csv", File(folder) / "solved.csv"
         queries.write_text("node,ux_m,uy_m,uz_m\n" + "".join(f"{node},{x!r},{y!r},{z!r}\n" for x, y, z in rows.tolist()))
-        _run("solve", _path(scene), "--queries", queries, "-o", table, progress=progress)
+        _run("solve", os.fspath(scene), "--queries", queries, "-o", table, progress=progress)
         with table.open(newline="") as lines:
             found = list(csv.DictReader(lines))
 
@@ -129,16 +123,14 @@ def solve(scene: Study, node: Node, d: ArrayLike, *, progress: Optional[bool] = 
 
 
 def precompute(scene: Path, out: Path, *, ranks: int = 1, resume: bool = False,
-               progress: Optional[bool] = None) -> Database:
-    """Solves every probe of the scene at `scene` on `ranks` processes and writes the database `out`, which is returned.
+               progress: Optional[bool] = None) -> None:
+    """Solves every probe of the scene at `scene` on `ranks` processes and writes the database `out`.
 
     KeyboardInterrupt keeps what is solved, and `resume` continues it, also a finished database to more points, directions and
     increments of the scene (docs/commands.md, precompute). Progress is shown on terminals, or anywhere with progress=True.
     """
     more = ["--resume"] if resume else []
     _run("precompute", os.fspath(scene), "-o", os.fspath(out), *more, ranks=ranks, progress=progress)
-    return Database(out)
-
 
 def validate(scene: Path, model: Union[Path, Model], *, probes: Optional[int] = None, points: Optional[int] = None,
              pairs: Optional[int] = None, seed: Optional[int] = None, report: Optional[Path] = None, ranks: int = 1,
@@ -168,7 +160,7 @@ class Page:
         return f'<iframe srcdoc="{text}" style="width: 100%; height: 640px; border: 0"></iframe>'
 
 
-def show(model: Union[Path, Model], out: Optional[Path] = None, *, database: Optional[Study] = None,
+def show(model: Union[Path, Model], out: Optional[Path] = None, *, database: Optional[Path] = None,
          errors: Optional[Path] = None) -> Page:
     """Writes the page of a model, one HTML file that needs no network, and returns it (docs/commands.md, view).
 
@@ -180,7 +172,7 @@ def show(model: Union[Path, Model], out: Optional[Path] = None, *, database: Opt
         opened = "ipykernel" not in sys.modules
     else:
         opened = False
-    more: List[str] = [] if database is None else ["--database", _path(database)]
+    more: List[str] = [] if database is None else ["--database", os.fspath(database)]
     if errors is not None:
         more += ["--errors", os.fspath(errors)]
     with _folder(model) as folder:

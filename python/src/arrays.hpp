@@ -70,7 +70,6 @@ py::array_t<T> view(py::handle owner, const T* numbers, std::initializer_list<py
 
 void add_model(py::module_& module);
 void add_body(py::module_& module);
-void add_database(py::module_& module);
 void add_training(py::module_& module);
 
 /// The model of a text. @param mesh  the content of mesh.txt, or None

@@ -125,7 +125,6 @@ PYBIND11_MODULE(_phynness, module) {
   });
   add_model(module);
   add_body(module);
-  add_database(module);
   add_training(module);
   for (const auto& [name, value] : module.attr("__dict__").cast<py::dict>())
     if (PyType_Check(value.ptr())) value.attr("__module__") = "phynness";

@@ -1,15 +1,13 @@
 // Training on a database.
+#include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/model.hpp>
 #include <phynness/training/families.hpp>
 #include <phynness/training/training.hpp>
 
-#include <atomic>
-#include <chrono>
-#include <future>
 #include <string>
 
-#include "open_database.hpp"
+#include "arrays.hpp"
 
 namespace phynness::python {
 namespace {
@@ -28,65 +26,34 @@ TrainingSpec chosen(const Scene& scene, const py::kwargs& given) {
   return changed_training(scene, keys, "train()");
 }
 
-/// Works in another thread without the GIL, while this one looks for Ctrl-C and tells the progress.
-Model trained(const ResponseSource& source, const TrainingSpec& spec, TrainingReport& report,
-              const py::object& progress, int threads) {
-  std::atomic<bool> is_stopped = false;
-  std::atomic<std::int64_t> done = 0, total = 0;
-  auto work = std::async(std::launch::async, [&] {
-    return train(
-        source, spec, report,
-        [&](std::int64_t finished, std::int64_t all) {
-          total = all;
-          done = finished;
-          return !is_stopped;
-        },
-        threads);
-  });
-  std::int64_t told = 0;
-  const auto stop = [&] {
-    is_stopped = true;
-    const py::gil_scoped_release release;
-    work.wait();
-  };
-  for (bool is_ready = false; !is_ready;) {
-    {
-      const py::gil_scoped_release release;
-      is_ready = work.wait_for(std::chrono::milliseconds(20)) == std::future_status::ready;
-    }
-    try {
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      if (!progress.is_none() && done != told) progress(told = done, total.load());
-    } catch (...) {
-      stop();
-      throw;
-    }
-  }
-  return work.get();
-}
-
-py::object train_database(const OpenDatabase& opened, const py::object& progress, int threads,
-                          const py::kwargs& given) {
-  // A copy, so that the file stays open if it is closed meanwhile.
-  // NOLINTNEXTLINE(performance-unnecessary-copy-initialization)
-  const auto database = opened.get();
-  const Scene scene = stored_scene(database->header());
-  const TrainingSpec spec = chosen(scene, given);
-  ResponseSource source = responses_of(*database);
+py::object train_database(const py::object& path, const py::object& progress, int threads, const py::kwargs& given) {
+  const auto database = Database::open(path_of(path));
+  const TrainingSpec spec = chosen(stored_scene(database.header()), given);
+  ResponseSource source = responses_of(database);
+  // HDF5 may not be thread-safe, and other threads of Python may use it.
   source.rays = [read = source.rays](std::int32_t active) {
     const py::gil_scoped_acquire acquire;
     return read(active);
   };
+  const auto told = [&](std::int64_t done, std::int64_t all) {
+    const py::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (!progress.is_none()) progress(done, all);
+    return true;
+  };
   TrainingReport report;
-  const Model model = trained(source, spec, report, progress, threads);
+  const Model model = [&] {
+    const py::gil_scoped_release release;
+    return train(source, spec, report, told, threads);
+  }();
   py::dict figures;
   figures["trained_nodes"] = report.n_networks;
-  figures["skipped_nodes"] = copy(report.skipped_nodes);
+  figures["skipped_nodes"] = py::array_t<std::int32_t>(std::ssize(report.skipped_nodes), report.skipped_nodes.data());
   figures["increments"] = report.n_increments_used;
   figures["increments_fitted"] = report.n_increments_fitted;
   figures["seconds"] = report.seconds;
   for (const auto& figure : operations(model.family).figures(report)) figures[figure.key] = figure.value;
-  return model_of(write_model_text(model), "the trained model", py::bytes(write_mesh_text(database->header().mesh)),
+  return model_of(write_model_text(model), "the trained model", py::bytes(write_mesh_text(database.header().mesh)),
                   figures);
 }
 
@@ -95,7 +62,7 @@ py::object train_database(const OpenDatabase& opened, const py::object& progress
 void add_training(py::module_& module) {
   using py::arg;
   module.def("train", &train_database, arg("database"), py::kw_only(), arg("progress") = py::none(), arg("threads") = 0,
-             R"(Trains a Model on a Database; its figures are in Model.training.
+             R"(Trains a Model on the database in a file; its figures are in Model.training.
 
 progress: called with the numbers of trained and of all nodes. threads: 0: one for each core; the result does not depend on it.
 Other arguments are keys of [training] (formats/scene.md), which replace those of the database's scene, as family="modal".

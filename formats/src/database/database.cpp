@@ -144,44 +144,6 @@ std::vector<Ray> Database::rays(std::int32_t active) const {
   return rays;
 }
 
-std::vector<ColumnArray> Database::columns() const {
-  std::vector<ColumnArray> arrays;
-  for (const auto& column : _impl->columns) {
-    ColumnArray array{column.name, {}, ""};
-    array.shape = {_impl->header.sets.active.size(), _impl->header.directions.size()};
-    array.shape.insert(array.shape.end(), column.shape.begin(), column.shape.end());
-    std::visit(
-        [&](auto member) {
-          constexpr std::size_t bytes = sizeof(ValueOf<decltype(member)>);
-          array.type = bytes == 1 ? "int8" : bytes == 4 ? "int32" : column.float32 ? "float32" : "float64";
-        },
-        column.member);
-    arrays.push_back(std::move(array));
-  }
-  return arrays;
-}
-
-void Database::read(const std::string& column, std::size_t first, std::size_t count, void* values) const {
-  const auto found =
-      std::find_if(_impl->columns.begin(), _impl->columns.end(), [&](const auto& each) { return each.name == column; });
-  if (found == _impl->columns.end())
-    throw input_error("the database has no such column", column, "give one of those that phynness info lists");
-  const std::size_t n = _impl->header.sets.active.size();
-  if (first > n || count > n - first)
-    throw input_error("the database has no such active nodes",
-                      std::to_string(first) + " to " + std::to_string(first + count), "there are " + std::to_string(n));
-  if (count == 0) return;
-  std::visit(
-      [&](auto member) {
-        using Value = ValueOf<decltype(member)>;
-        if (std::is_same_v<Value, double> && found->float32)
-          _impl->file.read_slab(found->path, first, count, static_cast<float*>(values));
-        else
-          _impl->file.read_slab(found->path, first, count, static_cast<Value*>(values));
-      },
-      found->member);
-}
-
 namespace {
 
 /// Over the increments that converged.

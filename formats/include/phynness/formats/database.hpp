@@ -88,13 +88,6 @@ struct EndSummary {
   double share_of_volume() const;             ///< that is not trained
 };
 
-/// A column of a database as an array: active nodes, directions, and the axes of a ray.
-struct ColumnArray {
-  std::string name;
-  std::vector<std::size_t> shape;
-  const char* type;  ///< "int8", "int32", "float32" or "float64"
-};
-
 /// A finished database, read by active node in any order. h5py reads the same arrays. Copies share the open file.
 class Database {
  public:
@@ -110,13 +103,6 @@ class Database {
   const DatabaseHeader& header() const;
   /// All rays of one active node (index into sets.active), one per direction, in order.
   std::vector<Ray> rays(std::int32_t active) const;
-  /// The columns of the file and of its fields.
-  std::vector<ColumnArray> columns() const;
-  /// The numbers of a column as they are stored, of `count` active nodes from index `first` on. Unlike in rays(),
-  /// impossible numbers are not refused.
-  /// @param values  output of the column's type, as many as the shape has for `count` nodes
-  /// @throws Error (input) if there is no such column or node
-  void read(const std::string& column, std::size_t first, std::size_t count, void* values) const;
   /// Status of every increment, [active][direction][increment] flattened.
   std::vector<Status> statuses() const;
 
