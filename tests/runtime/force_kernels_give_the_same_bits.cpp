@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <numeric>
 #include <random>
 
 #include "core/kernels.hpp"
@@ -17,27 +16,20 @@ struct ForceValues {
   bool operator==(const ForceValues&) const = default;
 };
 
-/// A force of random centers and coefficients, with its table if the loader would make one.
+/// A force of random centers and coefficients.
 struct RandomForce {
-  explicit RandomForce(std::int32_t n_centers)
-      : center(static_cast<std::size_t>(n_centers)),
-        displacements(3 * center.size()),
-        coefficients(displacements.size()),
-        terms(n_centers > most_gathered ? 6 * static_cast<std::size_t>(whole_blocks(n_centers + 1)) : 0) {
+  explicit RandomForce(std::int32_t n_centers) : terms(6 * static_cast<std::size_t>(whole_blocks(n_centers + 1))) {
     std::mt19937 random(static_cast<unsigned>(n_centers));
     std::uniform_real_distribution<double> between(-1, 1);
-    std::iota(center.begin(), center.end(), 0);
-    for (double& c : displacements) c = between(random);
-    for (double& b : coefficients) b = between(random);
+    for (std::int32_t k = 0; k < 6; ++k)
+      for (std::int32_t i = 0; i < n_centers; ++i)
+        terms[static_cast<std::size_t>(k * whole_blocks(n_centers + 1) + i)] = between(random);
     net.n_centers = n_centers;
     net.max_displacement = 0.02;
     net.shape = 0.3;
     for (double& k : net.stiffness) k = 50 * between(random);
-    net.center = center.data();
-    net.displacements = displacements.data();
-    net.coefficient = coefficients.data();
-    net.table = terms.empty() ? nullptr : terms.data();
-    set_rest(net, terms.empty() ? nullptr : terms.data());
+    net.table = terms.data();
+    set_rest(net, terms.data());
   }
 
   ForceValues by(const ForceKernels& kernels, const double* x) const {
@@ -46,8 +38,6 @@ struct RandomForce {
     return values;
   }
 
-  std::vector<std::int32_t> center;
-  std::vector<double> displacements, coefficients;
   std::vector<double> terms;
   ModalForce net = {};
 };
@@ -56,7 +46,7 @@ constexpr std::int32_t force_sizes[] = {0, 1, 15, 16, 31, 32, 60, 78, 143};
 constexpr double force_depths[] = {0.0, 1e-9, 0.3, 1.0, 40.0, largest_modal};
 
 // Claim: whatever the processor has, force, energy and stiffness of one pass are the same to the last bit, for numbers
-// of centers that fill whole registers and for those that do not, gathered or from a table.
+// of centers that fill whole registers and for those that do not.
 TEST(ForceKernels, GiveTheSameBitsWithEverySetOfInstructions) {
   for (const std::int32_t n_centers : force_sizes) {
     const RandomForce force(n_centers);

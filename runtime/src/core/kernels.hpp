@@ -87,9 +87,9 @@ struct ForceKernels {
 const ForceKernels* force_kernels(int set);
 const ForceKernels& best_force_kernels();
 
-/// Fills the table of a force and sets the constants that make force and energy at rest exactly 0.
-/// @pre all other members of node are set, and node.table
-/// @param table  node.table; null: the terms are gathered
+/// Completes the table of a force and sets the constants that make force and energy at rest exactly 0.
+/// @pre all other members of node are set
+/// @param table  node.table, with centers and coefficients
 void set_rest(ModalForce& node, double* table);
 
 struct PreparedNode;

@@ -163,16 +163,9 @@ void ModelLoader::done(FieldStore& field) {
   _model.fields[_model.n_fields++] = field;
 }
 
-/// Copies centers and coefficients to the layout of the force kernel and computes the constants that make forces at
-/// rest 0.
 void ModelLoader::done(ForceStore& force) {
   force.max_displacement = _model.max_displacement_m;
-  force.displacements = _model.displacements;
-  const bool in_table = force.n_centers > most_gathered;
-  auto* table = _arena.take<double>(in_table ? 6 * static_cast<std::size_t>(whole_blocks(force.n_centers + 1)) : 0);
-  if (!in_table) table = nullptr;
-  force.table = table;
-  if (_load.has_memory() && good()) set_rest(force, table);
+  if (_load.has_memory() && good()) set_rest(force, force.centers.terms);
 }
 
 ModalTables with_weights(ModalTables tables, const ScaledTable& weights) {
@@ -233,8 +226,9 @@ void ModelLoader::done(NodeStore& node) {
   ActiveNode &made = node.made, smaller[largest_level_count - 1];
   made.output = _model.output_nodes ? find_sorted(_model.output_nodes, _model.n_output, node.node) : -1;
   if (made.moves_mean && made.n_prescribed < node.prescribed.n) made.output = -1;  // the mean is not known
-  made.trained_depth = nodes.known.values;
-  made.least_depth = nodes.known.least;
+  made.least_depth = DBL_MAX;
+  for (std::int32_t k = 0; made.trained_depth && k < _model.n_directions; ++k)
+    made.least_depth = std::fmin(made.least_depth, made.trained_depth[k]);
   made.incomplete = node.n_incomplete > 0;
   if (node.bounds.part[0].scale.at != nullptr) {
     made.bound = node.bounds.part[0].entries.at;

@@ -1,7 +1,5 @@
 #include "core/load_stores.hpp"
 
-#include <cfloat>
-
 #include "core/evaluate.hpp"
 
 namespace PHN_RUNTIME {
@@ -13,30 +11,6 @@ double* blocks(Load& load, std::int64_t n) {
   auto* at = load.arena.take<double>(static_cast<std::size_t>(n_whole));
   for (std::int64_t i = n; load.has_memory() && i < n_whole; ++i) at[i] = 0;
   return at;
-}
-
-bool same_depths(TextReader a, TextReader b, std::int64_t n) {
-  for (std::int64_t i = 0; i < n; ++i) {
-    if (a.real() != b.real()) return false;
-    a.end_line();
-    b.end_line();
-    if (!a.good() || !b.good()) return false;
-  }
-  return true;
-}
-
-/// Whether all coefficients in the following n lines of centers are exact in float.
-bool coefficients_are_floats(TextReader in, std::int64_t n) {
-  for (std::int64_t i = 0; i < n; ++i) {
-    in.integer(0, INT32_MAX);
-    for (int k = 0; k < 3; ++k) {
-      const double value = in.real();
-      if (!(std::fabs(value) <= FLT_MAX) || static_cast<double>(static_cast<float>(value)) != value) return false;
-    }
-    in.end_line();
-    if (!in.good()) return false;
-  }
-  return true;
 }
 
 /// Whether a row of the displacements is within largest_center. Without memory the result is true.
@@ -54,19 +28,6 @@ void Corners::set(Load& load, std::int64_t i, std::int64_t k, std::int32_t node)
   const std::int32_t vertex = find_vertex(load.model, node);
   load.require(vertex >= 0);
   at[3 * i + k] = vertex;
-}
-
-void Depths::shape(Load& load, std::int64_t rows, std::int64_t) {
-  const bool same = known.n == rows && same_depths(load.in, known.text, rows);
-  known.text = load.in;
-  known.n = static_cast<std::int32_t>(rows);
-  own = same ? nullptr : load.arena.take<double>(static_cast<std::size_t>(rows));
-  if (!same) known.values = own;
-}
-
-void Depths::set(Load&, std::int64_t i, std::int64_t, double value) {
-  known.least = i == 0 ? value : std::fmin(value, known.least);
-  if (own != nullptr) own[i] = value;
 }
 
 void Centers::shape(Load& load, std::int64_t rows, std::int64_t) {
@@ -124,20 +85,17 @@ void AmplitudeCenters::make(Load& load, SharedModes& shared) const {
   for (std::int32_t i = 0; i < shared.n_centers; ++i) at_rest[i] = amplitude_kernel(shared, rest, q, i);
 }
 
-void ForceCenters::set(Load& load, std::int64_t i, std::int64_t, std::int32_t row) {
-  load.require(near_enough(load.model, row));
-  if (at) at[i] = row;
+void ForceCenters::shape(Load& load, std::int64_t rows, std::int64_t) {
+  force.n_centers = static_cast<std::int32_t>(rows);
+  n_whole = whole_blocks(force.n_centers + 1);
+  force.table = terms = load.arena.take<double>(6, static_cast<std::size_t>(n_whole));
+  for (std::int32_t i = 0; load.has_memory() && i < 6 * n_whole; ++i) terms[i] = 0;
 }
 
-void Coefficients::shape(Load& load, std::int64_t rows, std::int64_t cols) {
-  const bool floats = coefficients_are_floats(load.in, rows);
-  const auto n = static_cast<std::size_t>(rows * cols);
-  short_values = load.arena.take<float>(floats ? n : 0);
-  values = load.arena.take<double>(floats ? 0 : n);
-  if (floats) values = nullptr;
-  if (!floats) short_values = nullptr;
-  made.short_coefficient = short_values;
-  made.coefficient = values;
+void ForceCenters::set(Load& load, std::int64_t i, std::int64_t, std::int32_t row) {
+  load.require(near_enough(load.model, row));
+  for (int k = 0; k < 3 && load.has_memory(); ++k)
+    terms[k * n_whole + i] = load.model.displacements[3 * static_cast<std::size_t>(row) + k];
 }
 
 }  // namespace PHN_RUNTIME

@@ -129,20 +129,6 @@ struct PrescribedWeight : Table<double> {
   }
 };
 
-/// Trained depths. Most nodes have the same depths as the node before; equal depths are stored once.
-struct Depths {
-  struct Known {
-    TextReader text{nullptr, 0};  ///< positioned at their first line
-    const double* values = nullptr;
-    std::int32_t n = -1;
-    double least = 0;
-  };
-  Known& known;  ///< depths of the node before; updated to this node's
-  double* own = nullptr;
-  void shape(Load& load, std::int64_t rows, std::int64_t);
-  void set(Load& load, std::int64_t i, std::int64_t, double value);
-};
-
 // Family rbfn.
 
 /// Scaled coordinates of centers, taken from the rows of a table.
@@ -255,29 +241,29 @@ struct FieldStore : SharedField {
   FieldStore() : SharedField{} {}
 };
 
-/// Rows of the displacements, which must be within largest_center.
-struct ForceCenters : Table<std::int32_t> {
-  using Table::Table;
-  void set(Load& load, std::int64_t i, std::int64_t k, std::int32_t row);
+/// The terms of a force (ModalForce::table). Centers must be within largest_center.
+struct ForceCenters {
+  ModalForce& force;
+  double* terms = nullptr;
+  std::int32_t n_whole = 0;
+  std::int64_t rows() const { return force.n_centers; }
+  void shape(Load& load, std::int64_t rows, std::int64_t);
+  void set(Load& load, std::int64_t i, std::int64_t, std::int32_t row);
 };
-/// Coefficients, stored as floats if all of them are exact in float, else as doubles.
 struct Coefficients {
-  ModalForce& made;
-  float* short_values = nullptr;
-  double* values = nullptr;
+  const ForceCenters& of;
   double size = 0;
-  void shape(Load& load, std::int64_t rows, std::int64_t cols);
+  void shape(Load&, std::int64_t, std::int64_t) {}
   void set(Load& load, std::int64_t i, std::int64_t k, double value) {
     size += std::fabs(value);
     load.require(std::isfinite(size));
-    if (short_values) short_values[3 * i + k] = static_cast<float>(value);
-    if (values) values[3 * i + k] = value;
+    if (of.terms) of.terms[(3 + k) * of.n_whole + i] = value;
   }
 };
 struct ForceStore : ModalForce {
   Stiffness stiffness{ModalForce::stiffness};
-  ForceCenters centers{center, &n_centers};
-  Coefficients coefficients{*this};
+  ForceCenters centers{*this};
+  Coefficients coefficients{centers};
   ForceStore() : ModalForce{} {}
   ForceStore(const ForceStore&) = delete;
 };
@@ -346,7 +332,7 @@ struct NodeStore {
   double (&point)[3] = made.point;
   Prescribed prescribed{made};
   PrescribedWeight prescribed_weight{made, prescribed};
-  Depths trained_depth_m;
+  Table<double> trained_depth_m{made.trained_depth};
   NetworkStore force{3}, deformation{6};  // rbfn
   LinearStore linear;
   ForceStore conservative;  // modal, and the members below
@@ -355,7 +341,7 @@ struct NodeStore {
   Parts<NodeLevelStore, largest_level_count - 1> levels;
   Parts<ScaledTable, schema::largest_bound_count> bounds;
 
-  explicit NodeStore(Depths::Known& known) : trained_depth_m{known} {
+  NodeStore() {
     for (auto& level : levels.part) {
       level.force.full = &force;
       level.deformation.full = &deformation;
@@ -366,7 +352,6 @@ struct NodeStore {
 /// The active nodes, which are built one after the other.
 struct Nodes {
   phn_model& made;
-  Depths::Known known = {};
   alignas(NodeStore) unsigned char memory[sizeof(NodeStore)];
   Table<std::int32_t> numbers{made.active_nodes, &made.n_active};
   Table<ActiveNode> active{made.active};
@@ -377,7 +362,7 @@ struct Nodes {
   std::int64_t rows() const { return numbers.n; }
   NodeStore& item(std::int64_t i) {
     in_work = i;
-    return *new (memory) NodeStore(known);
+    return *new (memory) NodeStore;
   }
 };
 

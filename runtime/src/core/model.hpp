@@ -71,27 +71,17 @@ struct ModalTables {
   const std::int16_t* near_mode;  ///< 3 n_near rows (field: n_near) of n_columns
 };
 
-/// Forces with more centers than this read them from a separate table, which takes 48 bytes per center and
-/// saves half of the time. Forces with fewer centers gather them, so that small models remain small.
-inline constexpr std::int32_t most_gathered = 2 * at_once - 1;
-
 /// Force of family modal. With x = d / R, q(y) = sqrt(|y|^2 + shape^2) and b_i the coefficients:
 ///   force = K d + sum_i [Phi(x - c_i) - Phi(x) - Phi(c_i) + Phi(0)] b_i,  Phi(y) = q I + y y^T / q
 /// The evaluation has one more center, at 0 with the coefficient -sum_i b_i, for the terms -Phi(x). Constants make
 /// force and energy at rest exactly 0.
 struct ModalForce {
   std::int32_t n_centers;
-  double max_displacement;      ///< R [m]
-  double shape;                 ///< dimensionless
-  double stiffness[6];          ///< K, xx xy xz yy yz zz [N/m]
-  const std::int32_t* center;   ///< n_centers, rows of the displacements
-  const double* displacements;  ///< over R, rows of 3; of the model
-  /// n_centers x 3 [N], as floats if all of them are exact in float, else as doubles; the other pointer is null.
-  const float* short_coefficient;
-  const double* coefficient;
-  double total[3];  ///< sum_i b_i
-  /// Terms in whole blocks: x, y and z of the centers, then of the coefficients. After the centers follow the center at
-  /// 0 with the coefficient -sum_i b_i, and zeros. Null: they are gathered.
+  double max_displacement;  ///< R [m]
+  double shape;             ///< dimensionless
+  double stiffness[6];      ///< K, xx xy xz yy yz zz [N/m]
+  /// Terms in whole blocks: x, y and z of the centers over R, then of the coefficients [N]. After the centers follow
+  /// the center at 0 with the coefficient -sum_i b_i, and zeros.
   const double* table;
   double force_at_rest[3];                  ///< added so that the sum of a force, in its order, is 0 at d = 0 [N]
   double slope_at_rest[3], energy_at_rest;  ///< the same for the energy and its gradient [N], [J / R]

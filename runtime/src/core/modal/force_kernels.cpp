@@ -3,39 +3,14 @@
 namespace PHN_RUNTIME {
 namespace {
 
-double coefficient_of(const ModalForce& node, std::int32_t i, int k) {
-  const std::size_t at = 3 * static_cast<std::size_t>(i) + static_cast<std::size_t>(k);
-  return node.short_coefficient ? node.short_coefficient[at] : node.coefficient[at];
-}
-
-/// @param table  6 whole_blocks(n_centers + 1), as ModalForce::table
-void fill_force_table(const ModalForce& node, double* table) {
-  const std::int32_t n = node.n_centers, n_whole = whole_blocks(n + 1);
-  for (int k = 0; k < 3; ++k) {
-    double *center = table + k * n_whole, *coefficient = table + (3 + k) * n_whole;
-    for (std::int32_t i = 0; i < n_whole; ++i) {
-      center[i] = coefficient[i] = 0;
-      if (i >= n) continue;
-      center[i] = node.displacements[3 * static_cast<std::size_t>(node.center[i]) + k];
-      coefficient[i] = coefficient_of(node, i, k);
-    }
-    coefficient[n] = -node.total[k];
-  }
-}
-
 /// The terms of a force in whole blocks: centers, then coefficients.
 struct ForceTerms {
   const double *center[3], *coefficient[3];
   std::int32_t n;  ///< with the center at 0
 };
 
-/// @param few  for the terms of a node that has no table
-PHN_INLINE ForceTerms terms_of(const ModalForce& node, double (&few)[6 * (most_gathered + 1)]) {
+PHN_INLINE ForceTerms terms_of(const ModalForce& node) {
   const double* from = node.table;
-  if (from == nullptr) {
-    fill_force_table(node, few);
-    from = few;
-  }
   const std::int32_t n_whole = whole_blocks(node.n_centers + 1);
   return {{from, from + n_whole, from + 2 * n_whole},
           {from + 3 * n_whole, from + 4 * n_whole, from + 5 * n_whole},
@@ -125,9 +100,9 @@ template <std::int32_t lanes, bool with_stiffness, bool with_energy>
 PHN_INLINE void derivatives_of_centers(const ModalForce& node, const double* x, double* force, double* energy,
                                        double* stiffness) {
   constexpr std::int32_t n = n_sums(with_stiffness, with_energy);
-  double few[6 * (most_gathered + 1)], sums[n][at_once];
+  double sums[n][at_once];
   double total[n];
-  sum_derivatives<lanes, with_stiffness, with_energy>(terms_of(node, few), x, node.shape * node.shape, sums);
+  sum_derivatives<lanes, with_stiffness, with_energy>(terms_of(node), x, node.shape * node.shape, sums);
   add_up_many(sums, total);
   finish_force(node, x, total, force);
   if constexpr (with_energy) *energy = finish_energy(node, x, total[n - 1]);
@@ -176,16 +151,16 @@ void set_rest(ModalForce& node, double* table) {
   const double rest[3] = {0, 0, 0};
   double force[3];
   for (int k = 0; k < 3; ++k) {
-    node.total[k] = node.force_at_rest[k] = node.slope_at_rest[k] = 0;
-    for (std::int32_t i = 0; i < node.n_centers; ++i) node.total[k] += coefficient_of(node, i, k);
+    node.force_at_rest[k] = node.slope_at_rest[k] = 0;
+    double *coefficient = table + (3 + k) * whole_blocks(node.n_centers + 1), total = 0;
+    for (std::int32_t i = 0; i < node.n_centers; ++i) total += coefficient[i];
+    coefficient[node.n_centers] = -total;
   }
-  if (table != nullptr) fill_force_table(node, table);
   // The functions that later add these values also compute them, so that the results at rest are exactly 0.
   const ForceKernels& kernels = best_force_kernels();
   kernels.force(node, rest, force, nullptr, nullptr);
   for (int k = 0; k < 3; ++k) node.force_at_rest[k] = -force[k];
-  double few[6 * (most_gathered + 1)];
-  const ForceTerms terms = terms_of(node, few);
+  const ForceTerms terms = terms_of(node);
   const double s2 = node.shape * node.shape;
   for (std::int32_t i = 0; i < terms.n; ++i) {
     double c[3], b[3];
