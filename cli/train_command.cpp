@@ -113,10 +113,8 @@ Trained trained(const Options& options) {
   {
     Progress progress("train", "nodes");
     progress.update(0, static_cast<std::int64_t>(header.sets.active.size()));
-    Model model = train(database, spec, t.report, [&](std::int64_t done, std::int64_t total) {
-      progress.update(done, total);
-      return true;
-    });
+    Model model =
+        train(database, spec, t.report, [&](std::int64_t done, std::int64_t total) { progress.update(done, total); });
     model.title = scene.title;
     model.finer = finer;
     t.loaded.emplace(std::move(model), header.mesh, options.output.string());

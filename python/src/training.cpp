@@ -39,7 +39,6 @@ py::object train_database(const py::object& path, const py::object& progress, in
     const py::gil_scoped_acquire acquire;
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (!progress.is_none()) progress(done, all);
-    return true;
   };
   TrainingReport report;
   const Model model = [&] {

@@ -45,7 +45,7 @@ class Training {
     _training = operations(spec.family).training(_header, _tables, spec);
   }
 
-  Model run(TrainingReport& report, const TrainingProgress& progress, int threads) {
+  Model run(TrainingReport& report, const OnProgress& progress, int threads) {
     _training->prepare([this](std::int64_t active) { return read(active); }, threads);
     return collect(train_nodes(progress, threads), report);
   }
@@ -61,7 +61,7 @@ class Training {
     return read;
   }
 
-  std::vector<NodeOutcome> train_nodes(const TrainingProgress& progress, int threads) {
+  std::vector<NodeOutcome> train_nodes(const OnProgress& progress, int threads) {
     const auto n_active = static_cast<std::int32_t>(_header.sets.active.size());
     std::vector<NodeOutcome> outcomes(n_active);
     std::mutex progress_mutex;
@@ -81,11 +81,7 @@ class Training {
       const auto x = _header.mesh.nodes.row(read_node.node);
       _training->train(read_node, {x[0], x[1], x[2]}, active % stride == stride / 2, outcome);
       const std::lock_guard lock(progress_mutex);
-      if (progress && !progress(++done, n_active)) {
-        throw failure("training was interrupted",
-                      std::to_string(done) + " of " + std::to_string(n_active) + " nodes are trained",
-                      "run the same command again; no model was written");
-      }
+      if (progress) progress(++done, n_active);
     });
     return outcomes;
   }
@@ -170,8 +166,8 @@ const FamilyOperations& operations(Family family) {
   return **std::find_if(all.begin(), all.end(), [&](const auto* each) { return each->family == family; });
 }
 
-Model train(const ResponseSource& source, const TrainingSpec& spec, TrainingReport& report,
-            const TrainingProgress& progress, int threads) {
+Model train(const ResponseSource& source, const TrainingSpec& spec, TrainingReport& report, const OnProgress& progress,
+            int threads) {
   const auto start = std::chrono::steady_clock::now();
   check_spec(spec);
   if (threads <= 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
@@ -193,8 +189,8 @@ ResponseSource responses_of(const Database& database) {
   return source;
 }
 
-Model train(const Database& database, const TrainingSpec& spec, TrainingReport& report,
-            const TrainingProgress& progress, int threads) {
+Model train(const Database& database, const TrainingSpec& spec, TrainingReport& report, const OnProgress& progress,
+            int threads) {
   const Law law = stored_scene(database.header()).material.law;
   // Whether imported responses are linear, their numbers tell.
   if (schema::traits(spec.family).proportional && !law->linear && !database.header().imported) {

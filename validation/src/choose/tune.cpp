@@ -38,7 +38,6 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
     try {
       measured.model = train(database, candidate.spec, training, [&](std::int64_t done, std::int64_t total) {
         progress("train " + candidate.name, done, total);
-        return true;
       });
     } catch (const Error& error) {
       report.left_out.push_back(candidate.name + ": " + error.what());

@@ -5,6 +5,7 @@
 #include <functional>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/model.hpp>
+#include <phynness/formats/progress.hpp>
 #include <phynness/training/conservative_fit.hpp>
 #include <phynness/training/linear_fit.hpp>
 #include <phynness/training/modal_fit.hpp>
@@ -43,9 +44,6 @@ struct TrainingReport {
   double seconds = 0;
 };
 
-/// Called with (finished networks, all networks). If it returns false, training throws an Error and writes nothing.
-using TrainingProgress = std::function<bool(std::int64_t, std::int64_t)>;
-
 /// Source of responses: a database, or arrays of a test or benchmark.
 struct ResponseSource {
   const DatabaseHeader* header = nullptr;
@@ -64,16 +62,17 @@ ResponseSource responses_of(const Database& database);
 /// Family modal: a conservative force network and modes (conservative_fit.hpp, modal_fit.hpp).
 /// @param spec      family, neurons, spreads [scaled inputs], samples, target MSE [scaled outputs], seed
 /// @param report    output
-/// @param progress  never called concurrently
+/// @param progress  called with the numbers of finished and of all nodes, never concurrently; what it throws ends
+/// training
 /// @param threads   0: the number of cores; the result is bitwise independent of it
 /// @throws Error (input) for impossible numbers, without any converged increment, or if family linear is used for
-///   responses that are not linear; (failure) if it is interrupted or the database has values that are not finite
+///   responses that are not linear; (failure) if the database has values that are not finite
 Model train(const ResponseSource& source, const TrainingSpec& spec, TrainingReport& report,
-            const TrainingProgress& progress = {}, int threads = 0);
+            const OnProgress& progress = {}, int threads = 0);
 
 /// Trains on a database, whose scene gives the kind of probe and the title.
 /// @throws Error  as above; also (input) for family linear if the scene's law is not linear
-Model train(const Database& database, const TrainingSpec& spec, TrainingReport& report,
-            const TrainingProgress& progress = {}, int threads = 0);
+Model train(const Database& database, const TrainingSpec& spec, TrainingReport& report, const OnProgress& progress = {},
+            int threads = 0);
 
 }  // namespace phynness
