@@ -197,6 +197,27 @@ TYPED_TEST(Answers, ToBadQuestionsAreZeros) {
   }
 }
 
+// Claim: inputs are read before outputs are written over them; a deformation over its working memory is refused.
+TYPED_TEST(Answers, MayOverlapTheirQuestions) {
+  using Real = TypeParam;
+  for (const Family family : {Family::rbfn, Family::linear, Family::modal}) {
+    const OpenedImage<Real> opened(model_image(small_model_of(family), {false, sizeof(Real) == 4}));
+    const auto n = 3 * static_cast<std::size_t>(opened.n_output());
+    const Real d[3] = {Real(0.002), Real(-0.001), Real(0.003)};
+    std::vector<Real> scratch(Image<Real>::scratch_size(opened.image) / sizeof(Real)), field(n), over(n + 3);
+    Real force[3], in_place[3] = {d[0], d[1], d[2]};
+    EXPECT_EQ(Image<Real>::force(opened.image, 8, d, force), Image<Real>::force(opened.image, 8, in_place, in_place));
+    EXPECT_TRUE(std::equal(force, force + 3, in_place));
+    std::copy(d, d + 3, &over[1]);
+    EXPECT_EQ(Image<Real>::deform(opened.image, scratch.data(), 8, d, field.data()),
+              Image<Real>::deform(opened.image, scratch.data(), 8, &over[1], over.data()));
+    EXPECT_TRUE(std::equal(field.begin(), field.end(), over.begin()));
+    if (scratch.empty()) continue;
+    EXPECT_EQ(Image<Real>::deform(opened.image, over.data(), 8, d, over.data()), PHN_ERROR_OVERLAP);
+    EXPECT_EQ(over[1], 0);
+  }
+}
+
 // Claim: of a model with levels an image holds the full one, byte by byte.
 TEST(ModelImage, HoldsTheFullLevel) {
   const Model model = small_modal_model();

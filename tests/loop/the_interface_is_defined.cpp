@@ -1,23 +1,10 @@
-// Claims of phynness_loop.h that concern statuses, frames, ramps, the coupling, and memory.
+// Claims of phynness_loop.h that concern statuses, frames, ramps, and the coupling.
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <random>
 
 #include "rig.hpp"
-
-namespace {
-thread_local long n_allocations = 0;
-}
-
-// Replaces the allocator of this program: libstdc++'s operator new ends here, too.
-extern "C" {
-void* __libc_malloc(std::size_t);
-void* malloc(std::size_t bytes) {
-  ++n_allocations;
-  return __libc_malloc(bytes);
-}
-}
 
 namespace {
 
@@ -218,21 +205,6 @@ TEST(Interface, RefusesWhatMakesNoSense) {
   EXPECT_EQ(phn_loop_engage(nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_loop_get_report(nullptr, nullptr), PHN_ERROR_ARGUMENT);
   for (int t = -1; t < 14; ++t) EXPECT_NE(phn_loop_trip_message(t), nullptr);
-}
-
-// Claim: a cycle allocates nothing; the counter is shown to count.
-TEST(Interface, AllocatesNothing) {
-  for (const Family family : {Family::rbfn, Family::linear, Family::modal}) {
-    Body body(small_model_of(family), 3);
-    Still still(settings());
-    still.at({0.001, 0, 0}, body, 10);
-    const long before = n_allocations;
-    still.at({0.002, 0.001, 0}, body, 1'000);
-    EXPECT_EQ(n_allocations, before) << name(family);
-    int* volatile counted = new int;
-    delete counted;
-    EXPECT_GT(n_allocations, before);
-  }
 }
 
 // Claim: whatever device, body and caller give, tool, force and report are finite, and the force is within its limit.

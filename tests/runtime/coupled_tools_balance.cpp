@@ -140,32 +140,6 @@ TEST_P(CoupledToolsOf, PointsFollowTheirTools) {
   }
 }
 
-// Claim: so do the points of several tools in a body, bent or not, at nodes and between them, two of them in
-// one triangle.
-TEST(CoupledTools, AreFollowed) {
-  const LinearBody body(7);
-  const std::vector<phn_tool> tools = {tool(0, 1, 2, 0.2, 0.5, 0.005, 0.004, -0.002),
-                                       tool(0, 1, 2, 0.5, 0.2, 0.002, 0.003, 0.006),
-                                       tool(6, -1, -1, 1, 0, -0.001, 0.002, 0.007)};
-  for (const Model& model : {body.model, bent(body)}) {
-    const LoadedModel loaded(write_model_text(model));
-    Eigen::Matrix3d forces;
-    phn_coupled result = {};
-    EXPECT_EQ(phn_couple(loaded.model, loaded.data, 3, tools.data(), forces.data(), &result) & PHN_WARNING_UNSETTLED,
-              0);
-    EXPECT_LT(result.residual, 1e-12);
-    Points field(7, 3);
-    EXPECT_GE(phn_coupled_deform(loaded.model, loaded.data, field.data()), 0);
-    for (const phn_tool& at : tools) {
-      Eigen::Vector3d moved(0, 0, 0);
-      for (int j = 0; j < 3; ++j) {
-        if (at.nodes[j] >= 0) moved += at.weights[j] * field.row(at.nodes[j]).transpose();
-      }
-      EXPECT_LT((moved - Eigen::Map<const Eigen::Vector3d>(at.displacement)).norm(), 1e-7);
-    }
-  }
-}
-
 // Claim: how tools are numbered is nothing to the answer, be they far from each other or too near to be told
 // apart. 1e-9: sums in another order, and compliances between tools that are nearly one.
 TEST_P(CoupledToolsOf, AreTheSameInAnyOrder) {
@@ -302,25 +276,6 @@ TEST(CoupledTools, AreTurnedByEachOther) {
     EXPECT_LT((forces.col(1) - wanted).norm(), (curved ? 0.06 : 1e-5) * expected.norm());
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(field(1, k), e[k], 1e-6);  // tables round to 16 bits
   }
-}
-
-// Claim: tools in bodies that take no notice of each other feel what each feels alone, to rounding, however
-// curved.
-TEST(CoupledTools, ThatDoNotMeetFeelWhatTheyFeelAlone) {
-  const LinearBody body(7, false);
-  const LoadedModel loaded(write_model_text(bent(body)));
-  const phn_tool tools[3] = {tool(1, -1, -1, 1, 0, 0.005, 0.004, -0.002), tool(4, -1, -1, 1, 0, -0.003, 0.006, 0.001),
-                             tool(0, 2, 5, 0.3, 0.3, 0.002, 0.003, 0.006)};
-  Eigen::Matrix3d together, alone;
-  double energies = 0;
-  phn_coupled result = {};
-  for (int t = 0; t < 3; ++t) {
-    EXPECT_GE(phn_couple(loaded.model, loaded.data, 1, tools + t, alone.col(t).data(), &result), 0);
-    energies += result.energy;
-  }
-  EXPECT_GE(phn_couple(loaded.model, loaded.data, 3, tools, together.data(), &result), 0);
-  EXPECT_LT((together - alone).norm(), 1e-12 * alone.norm());
-  EXPECT_NEAR(result.energy, energies, 1e-12 * energies);
 }
 
 // Claim: a second tool that goes just where the first one's field moves its point changes nothing: the first

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,7 +7,6 @@
 #include "linear_body.hpp"
 #include "loaded_model.hpp"
 #include "small_model.hpp"
-#include "tools/node_field.hpp"
 
 namespace {
 
@@ -204,27 +202,6 @@ TEST(Nearest, IsTheNearestPoint) {
   const LoadedModel without(write_model_text(bare));
   const double x[3] = {0, 0, 0};
   EXPECT_EQ(phn_nearest(without.model, x, &found, nullptr), PHN_ERROR_UNDEFINED);
-}
-
-// Claim: nodes whose fit gives way at rest stand for points between them as if they resisted, by a stiffness
-// that is symmetric and positive definite; one that resists stays as it is, but for differences of forces.
-TEST(CoupledTools, StandOnNodesThatResist) {
-  for (const double softest : {40.0, 0.0, -30.0, -500.0}) {
-    Model model = small_modal_model();
-    const Eigen::Matrix3d given = Eigen::Vector3d(100, 60, softest).asDiagonal();
-    for (auto& node : model.nodes) {
-      node.conservative.coefficients.setZero();
-      node.conservative.stiffness = given;
-    }
-    const LoadedModel loaded(write_model_text(model));
-    const runtime::Matrix stiffness = runtime::stiffness_at_rest(*loaded.model, loaded.model->active[0]);
-    const Eigen::Matrix3d at_rest = Eigen::Map<const Eigen::Matrix3d>(stiffness.a);
-    EXPECT_EQ(at_rest, at_rest.transpose().eval());
-    EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(at_rest).eigenvalues()[0], 0.01) << softest;
-    if (softest > 0) {
-      EXPECT_LT((at_rest - given).norm(), 1e-9 * given.norm());
-    }
-  }
 }
 
 }  // namespace

@@ -79,23 +79,4 @@ TEST(LinearRuntime, HasNoOutside) {
   EXPECT_EQ(trained.depth, 0.005);
 }
 
-// Claim: several tools are blended by (15)-(16) as in the other family: the touched output nodes follow
-// exactly, and the field scales with the displacements.
-TEST(LinearRuntime, SeveralToolsAreBlended) {
-  const LoadedModel loaded(write_model_text(small_linear_model()));
-  const std::int32_t tools[] = {3, 8};
-  const double d[] = {0.004, 0.001, 0, 0, -0.006, 0.002};
-  double twice[6];
-  for (int i = 0; i < 6; ++i) twice[i] = 2 * d[i];
-  Points u(12, 3), u_twice(12, 3);
-  ASSERT_EQ(phn_blend_paper(loaded.model, loaded.data, 2, tools, d, u.data()), PHN_OK);
-  ASSERT_EQ(phn_blend_paper(loaded.model, loaded.data, 2, tools, twice, u_twice.data()), PHN_OK);
-  for (int k = 0; k < 3; ++k) {
-    EXPECT_EQ(u(3 - 2, k), d[k]);
-    EXPECT_EQ(u(8 - 2, k), d[3 + k]);
-  }
-  EXPECT_EQ(u_twice, 2 * u);
-  EXPECT_GT(u.norm(), 0.01);
-}
-
 }  // namespace
