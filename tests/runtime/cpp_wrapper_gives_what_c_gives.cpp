@@ -1,11 +1,11 @@
 // Claims: phynness.hpp gives the bits and statuses of phynness.h, owns its memory or uses that of the caller, can be
-// moved, writes through maps of Eigen in place, and refuses arrays of a wrong length.
+// moved, takes vectors of Eigen, and refuses arrays of a wrong length.
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <phynness/eigen.hpp>
+#include <phynness/phynness.hpp>
 #include <phynness/phynness_contact.hpp>
 #include <phynness/phynness_surface.hpp>
 
@@ -139,30 +139,6 @@ TEST_P(Wrapper, GivesTheSameBits) {
               phn_contact_step(expected_contact, c.data, 1, &sphere, &expected_state, nullptr));
     EXPECT_EQ(std::memcmp(&state, &expected_state, sizeof state), 0);
   }
-}
-
-TEST_P(Wrapper, WritesThroughMapsInPlace) {
-  const rt::Model model(text);
-  rt::Data data(model, 1);
-  const Eigen::Vector3d d(0.001, -0.002, 0.003);
-  double expected[9], memory[9] = {};
-  Eigen::Map<Eigen::Vector3d> force(memory + 3);
-  EXPECT_EQ(data.force(3, d, force), phn_force(c.model, c.data, 3, d.data(), expected, nullptr, nullptr));
-  EXPECT_EQ(std::memcmp(memory + 3, expected, 24), 0);
-  EXPECT_EQ(memory[2], 0);
-  EXPECT_EQ(memory[6], 0);
-  Eigen::Matrix3d stiffness;
-  EXPECT_EQ(data.stiffness(3, d, stiffness), phn_force(c.model, c.data, 3, d.data(), nullptr, nullptr, expected));
-  EXPECT_EQ(std::memcmp(stiffness.data(), expected, 72), 0);
-  rt::Rows<double> u(model.n_output(), 3);
-  EXPECT_TRUE(data.deform(3, d, rt::span(u)).ok());
-  EXPECT_EQ(u.row(1), d.transpose());  // node 3 is the second output node
-  std::vector<double> field(36);
-  EXPECT_TRUE(data.deform(3, d, field).ok());
-  EXPECT_EQ(rt::rows(rt::Span<const double>(field)), u);
-  const auto points = rt::rows(model.output_points());
-  EXPECT_EQ(points.data(), model.output_points().data());
-  EXPECT_EQ(points.rows(), model.n_output());
 }
 
 TEST_P(Wrapper, MovesAndUsesMemoryOfItsUser) {
