@@ -1,8 +1,8 @@
 """Forces and deformations of trained soft bodies: models, bodies and training.
 
 Units are SI. A force is the force that must be applied to hold a displacement; a haptic device renders its negative. Nodes have
-the numbers of the mesh. Arguments called d are displacements, one of shape (3,) or n of shape (n, 3), float64 without a copy in
-any layout. Every function may be called by several threads at the same time; large arrays are evaluated without the GIL.
+the numbers of the mesh. Arguments called d are displacements, one of shape (3,) or n of shape (n, 3), float64 in C order without
+a copy. Every function may be called by several threads; one call at a time is evaluated.
 """
 from ._phynness import (
     Body, Coupled, Error, IncompleteWarning, Level, Model, OutsideWarning, Pressed, StatusWarning, SurfacePoint,

@@ -13,15 +13,14 @@ import sys
 import tempfile
 import webbrowser
 from pathlib import Path as File
-from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optional, Union
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._phynness import Error, Model
 
-if TYPE_CHECKING:
-    from ._phynness import Node, Path
+Path = Union[str, "os.PathLike[str]"]
 
 
 class Solution(NamedTuple):
@@ -60,7 +59,7 @@ def _run(*arguments: object, ranks: int = 1, progress: Optional[bool] = None) ->
 
     def listen() -> int:
         assert process.stderr is not None
-        for chunk in iter(lambda: os.read(process.stderr.fileno(), 65536), b""):  # type: ignore[union-attr]
+        for chunk in iter(lambda: os.read(process.stderr.fileno(), 65536), b""):
             said.append(chunk.decode(errors="replace"))
             if shown:
                 sys.stderr.write(said[-1])
@@ -98,7 +97,7 @@ def _folder(model: Union[Path, Model]) -> Iterator[str]:
         yield os.path.join(folder, "model")
 
 
-def solve(scene: Path, node: Node, d: ArrayLike, *, progress: Optional[bool] = None) -> Solution:
+def solve(scene: Path, node: int, d: ArrayLike, *, progress: Optional[bool] = None) -> Solution:
     """Finite element solves of a node of the surface at displacements d, (3,) or (n, 3) [m], each from rest.
 
     `scene` is the path of a scene, or of a database, whose mesh is then not made anew. Error in words if it is

@@ -4,6 +4,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <initializer_list>
 #include <string>
@@ -19,23 +20,18 @@ namespace py = pybind11;
 /// Of a str, bytes or os.PathLike.
 std::filesystem::path path_of(const py::object& given);
 
-/// Vectors that a caller gives: one of shape (3,), or n of shape (n, 3), of any strides, read where they are if they
-/// are float64. @throws TypeError, ValueError of Python
+/// Vectors that a caller gives: one of shape (3,), or n of shape (n, 3), read where they are if they are float64 in C
+/// order. @throws TypeError, ValueError of Python
 class Vectors {
  public:
   Vectors(py::handle given, const char* name);
   bool is_one() const { return _numbers.ndim() == 1; }
   py::ssize_t size() const { return is_one() ? 1 : _numbers.shape(0); }
-  void get(py::ssize_t i, double (&to)[3]) const {
-    const char* from = _begin + i * _row;
-    for (int k = 0; k < 3; ++k, from += _step) to[k] = *reinterpret_cast<const double*>(from);
-  }
+  void get(py::ssize_t i, double (&to)[3]) const { std::copy_n(_numbers.data() + 3 * i, 3, to); }
 
  private:
   static constexpr int aligned = 0x0100;  // NPY_ARRAY_ALIGNED
-  py::array_t<double, py::array::forcecast | aligned> _numbers;
-  const char* _begin;
-  py::ssize_t _row = 0, _step;
+  py::array_t<double, py::array::forcecast | py::array::c_style | aligned> _numbers;
 };
 
 /// An array for the results of n vectors, n x ..., or of one, whose shape has no n.

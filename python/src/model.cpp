@@ -36,29 +36,16 @@ void set_level(rt::Data& data, const Level& level, std::int32_t n_levels) {
     raise("the model has the levels 0 to " + std::to_string(n_levels - 1) + ", not " + std::to_string(*level), status);
 }
 
-/// Evaluates all rows, those of large arrays without the GIL; Ctrl-C ends them.
+/// Evaluates all rows; Ctrl-C ends them.
 /// @param evaluate  of a row and its displacement, returns a status
 template <class Evaluate>
 void for_each(const Vectors& d, const Asked& asked, Evaluate&& evaluate) {
   Tally tally;
-  const auto some = [&](py::ssize_t begin, py::ssize_t end) {
-    double x[3];
-    for (py::ssize_t i = begin; i < end; ++i) {
-      d.get(i, x);
-      if (!tally.add(i, evaluate(i, x))) return false;
-    }
-    return true;
-  };
-  if (d.is_one()) {
-    some(0, 1);
-  } else {
-    constexpr py::ssize_t at_once = 1 << 14;
-    bool goes_on = true;
-    for (py::ssize_t i = 0; i < d.size() && goes_on; i += at_once) {
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      const py::gil_scoped_release release;
-      goes_on = some(i, std::min(d.size(), i + at_once));
-    }
+  double x[3];
+  for (py::ssize_t i = 0; i < d.size(); ++i) {
+    d.get(i, x);
+    if (!tally.add(i, evaluate(i, x))) break;
+    if (i % (1 << 14) == (1 << 14) - 1 && PyErr_CheckSignals() != 0) throw py::error_already_set();
   }
   if (tally.is_unusual()) tally.report(asked.name(), d.size());
 }
@@ -78,27 +65,12 @@ py::array_t<double> number(const Place& at, py::handle displacements, Value&& va
 
 }  // namespace
 
-/// Working memory of one call. It is taken and given back with the GIL held.
-class ModelObject::Lease {
- public:
-  Lease(ModelObject& model, const Level& level) : _of(model) {
-    if (model._store.empty()) {
-      _data = std::make_unique<rt::Data>(model._model, 1);
-      if (!*_data) raise(_data->status().message(), _data->status());
-    } else {
-      _data = std::move(model._store.back());
-      model._store.pop_back();
-    }
-    set_level(*_data, level, model.info().n_levels);
-  }
-  ~Lease() { _of._store.push_back(std::move(_data)); }
-  Lease(const Lease&) = delete;
-  rt::Data* operator->() const { return _data.get(); }
-
- private:
-  ModelObject& _of;
-  std::unique_ptr<rt::Data> _data;
-};
+phn_data* ModelObject::data(const Level& level) {
+  if (!_data) _data = rt::Data(_model, 1);
+  if (!_data) raise(_data.status().message(), _data.status());
+  set_level(_data, level, info().n_levels);
+  return _data.get();
+}
 
 ModelObject::ModelObject(const std::string& name, std::string text, py::object mesh, py::object training)
     : _text(std::move(text)), _mesh(std::move(mesh)), _training(std::move(training)), _model(_text) {
@@ -158,13 +130,13 @@ ModelObject::Response ModelObject::response(const Place& at, py::handle displace
   if (energy) e = made.energy.emplace(results(d, {})).mutable_data();
   if (stiffness) k = made.stiffness.emplace(results(d, {3, 3})).mutable_data();
   Asked asked(at);
-  Lease data(*this, level);
+  phn_data* const memory = data(level);
   double unused[3];
   for_each(d, asked, [&](py::ssize_t i, const double(&x)[3]) {
     double *const fi = f ? f + 3 * i : unused, *const ei = e ? e + i : nullptr, *const ki = k ? k + 9 * i : nullptr;
-    if (asked.is_node) return phn_force(_model.get(), data->get(), asked.tool.nodes[0], x, fi, ei, ki);
+    if (asked.is_node) return phn_force(_model.get(), memory, asked.tool.nodes[0], x, fi, ei, ki);
     std::copy(x, x + 3, asked.tool.displacement);
-    return phn_force_at(_model.get(), data->get(), &asked.tool, fi, ei, ki);
+    return phn_force_at(_model.get(), memory, &asked.tool, fi, ei, ki);
   });
   return made;
 }
@@ -174,13 +146,13 @@ py::array_t<double> ModelObject::deform(const Place& at, py::handle displacement
   auto made = results(d, {info().n_output, 3});
   const auto n = 3 * static_cast<py::ssize_t>(info().n_output);
   Asked asked(at);
-  Lease data(*this, level);
+  phn_data* const memory = data(level);
   for_each(d, asked, [&, out = made.mutable_data()](py::ssize_t i, const double(&x)[3]) {
-    if (asked.is_node) return phn_deform(_model.get(), data->get(), asked.tool.nodes[0], x, out + n * i);
+    if (asked.is_node) return phn_deform(_model.get(), memory, asked.tool.nodes[0], x, out + n * i);
     std::copy(x, x + 3, asked.tool.displacement);
     double force[3];
-    const int status = phn_couple(_model.get(), data->get(), 1, &asked.tool, force, nullptr);
-    return status < 0 ? status : phn_coupled_deform(_model.get(), data->get(), out + n * i) | status;
+    const int status = phn_couple(_model.get(), memory, 1, &asked.tool, force, nullptr);
+    return status < 0 ? status : phn_coupled_deform(_model.get(), memory, out + n * i) | status;
   });
   return made;
 }
@@ -194,9 +166,9 @@ py::array_t<double> ModelObject::field(std::int64_t node, py::handle displacemen
   auto made = results(d, {info().n_output});
   const Place at(node);
   const Asked asked(at);
-  Lease data(*this, level);
+  phn_data* const memory = data(level);
   for_each(d, asked, [&, out = made.mutable_data()](py::ssize_t i, const double(&x)[3]) {
-    return phn_field(_model.get(), data->get(), asked.tool.nodes[0], x, number, out + info().n_output * i);
+    return phn_field(_model.get(), memory, asked.tool.nodes[0], x, number, out + info().n_output * i);
   });
   return made;
 }
@@ -247,10 +219,7 @@ Coupled::Coupled(py::object owner, const std::vector<Place>& at, py::handle disp
   forces = py::array_t<double>({static_cast<py::ssize_t>(at.size()), py::ssize_t{3}});
   double* const f = forces.mutable_data();
   Tally tally;
-  {
-    const py::gil_scoped_release release;
-    tally.add(0, _data.couple(tools, {f, 3 * tools.size()}, &result));
-  }
+  tally.add(0, _data.couple(tools, {f, 3 * tools.size()}, &result));
   tally.report(at.size() == 1 ? "one tool" : std::to_string(at.size()) + " tools", 1);
 }
 

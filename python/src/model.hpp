@@ -1,6 +1,4 @@
-// The objects behind Model and what belongs to it: the runtime's wrapper (phynness.hpp) on arrays. Working memory is
-// taken from the model's store for each call, so that threads never share it; only threads that hold the GIL use the
-// store.
+// The objects behind Model and what belongs to it: the runtime's wrapper (phynness.hpp) on arrays.
 #pragma once
 
 #include <pybind11/stl.h>
@@ -71,12 +69,12 @@ class ModelObject {
   py::tuple nearest(py::handle x) const;
 
  private:
-  class Lease;
+  phn_data* data(const Level& level);
 
   std::string _text;
   py::object _mesh, _training;
   rt::Model _model;
-  std::vector<std::unique_ptr<rt::Data>> _store;
+  rt::Data _data;  ///< made by the first call; used with the GIL held
 };
 
 /// Several tools at once, with the working memory that remembers them.

@@ -61,9 +61,6 @@ Vectors::Vectors(py::handle given, const char* name) {
                           py::str(array.attr("shape")).cast<std::string>());
   _numbers = decltype(_numbers)::ensure(array);
   if (!_numbers) raise_type(std::string(name) + " cannot be converted to float64");
-  _begin = reinterpret_cast<const char*>(_numbers.data());
-  _step = _numbers.strides(_numbers.ndim() - 1);
-  if (!is_one()) _row = _numbers.strides(0);
 }
 
 py::array_t<double> results(const Vectors& d, std::initializer_list<py::ssize_t> of_one) {
