@@ -133,8 +133,7 @@ void print(const Trained& t, const std::filesystem::path& output) {
   print_result("{} nodes in {}: {}\n", report.n_networks, duration(report.seconds), family.describe(model));
   std::string errors;
   for (const auto& figure : family.figures(report))
-    errors += fmt::format("{}{} {:.4g}{}", errors.empty() ? "" : ", ", figure.title,
-                          (figure.is_error ? 100 : 1) * figure.value, figure.is_error ? " %" : "");
+    errors += fmt::format("{}{} {:.4g} %", errors.empty() ? "" : ", ", figure.title, 100 * figure.value);
   if (!errors.empty()) print_result("{}\n", errors);
   if (report.n_increments_fitted != report.n_increments_used)
     print_result(

@@ -101,7 +101,6 @@ TEST(ModalTraining, RepeatsTheFieldsAndSaysHowWell) {
   // What it says bounds what it does, by the triangle inequality.
   EXPECT_LE(mean.model, (report.modal.truncation + report.modal.regression) * (1 + 1e-9));
   EXPECT_GT(report.modal.truncation, 0);
-  EXPECT_LE(report.modal.worst_cancellation, largest_cancellation);
 }
 
 TEST(ModalTraining, CarriesWhatLinearFieldsMiss) {
@@ -169,7 +168,7 @@ TEST(ModalTraining, DirectionsMayComeTwice) {
   TrainingReport of_once, of_twice;
   const auto expected = train(source_of(once), modal_spec(), of_once),
              model = train(source_of(twice), modal_spec(), of_twice);
-  EXPECT_EQ(of_twice.modal.amplitude_shape, of_once.modal.amplitude_shape);
+  EXPECT_EQ(model.shared.shape, expected.shared.shape);
   EXPECT_NEAR(of_twice.modal.amplitude_left_out, of_once.modal.amplitude_left_out,
               1e-6 * of_once.modal.amplitude_left_out);  // modes of twice the states, other rounding
   EXPECT_EQ(model.shared.centers, expected.shared.centers);

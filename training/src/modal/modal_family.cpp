@@ -116,10 +116,6 @@ class ModalTraining : public FamilyTraining {
       sum.fields[f].truncation += outcome.fields[f].truncation_error;
       sum.fields[f].regression += outcome.fields[f].regression_error;
     }
-    sum.worst_cancellation = std::max(sum.worst_cancellation, outcome.conservative.cancellation);
-    const double shape = outcome.model.conservative.shape;
-    sum.largest_force_shape = std::max(sum.largest_force_shape, shape);
-    if (sum.smallest_force_shape == 0 || shape < sum.smallest_force_shape) sum.smallest_force_shape = shape;
   }
 
   void finish(Model& model, TrainingReport& report) const override {
@@ -128,7 +124,6 @@ class ModalTraining : public FamilyTraining {
                          &report.modal.regression})
       *mean /= report.n_networks;
     report.modal.amplitude_left_out = _amplitude_left_out;
-    report.modal.amplitude_shape = _shared.shape;
     model.shared = _shared;
     for (std::size_t f = 0; f < _fields.size(); ++f) {
       for (auto* mean : {&report.modal.fields[f].truncation, &report.modal.fields[f].regression})
@@ -176,11 +171,7 @@ std::vector<TrainingFigure> figures_of_modal(const TrainingReport& report) {
           {"force_left_out_error", "with a direction left out", q.force_left_out},
           {"truncation_error", "of the displacement by truncation", q.truncation},
           {"regression_error", "by regression", q.regression},
-          {"amplitude_left_out_error", "of the amplitudes with a direction left out", q.amplitude_left_out},
-          {"worst_cancellation", "largest cancellation", q.worst_cancellation, false},
-          {"smallest_force_shape", "smallest shape of the force", q.smallest_force_shape, false},
-          {"largest_force_shape", "largest shape of the force", q.largest_force_shape, false},
-          {"amplitude_shape", "shape of the amplitudes", q.amplitude_shape, false}};
+          {"amplitude_left_out_error", "of the amplitudes with a direction left out", q.amplitude_left_out}};
 }
 
 }  // namespace

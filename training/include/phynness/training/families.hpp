@@ -17,8 +17,7 @@ struct TrainingTables;
 /// A figure of a trained model, in text and JSON.
 struct TrainingFigure {
   const char *key, *title;
-  double value;
-  bool is_error = true;  ///< a fraction, which text shows in percent
+  double value;  ///< an error as a fraction
 };
 
 struct FamilyOperations {

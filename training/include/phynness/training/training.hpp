@@ -25,8 +25,6 @@ struct ModalQuality {
   double truncation = 0;                          ///< of the modes, on the training states
   double regression = 0;                          ///< of the amplitudes, on the training states
   double amplitude_left_out = 0;                  ///< with a direction left out, for a sample of nodes
-  double worst_cancellation = 0;                  ///< largest ConservativeFit::cancellation
-  double smallest_force_shape = 0, largest_force_shape = 0, amplitude_shape = 0;
 };
 
 /// Figures of other families remain 0.
