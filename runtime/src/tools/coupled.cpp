@@ -3,9 +3,8 @@
 // the others add what remains: the orders in which they act, and their combination (docs/theory.md, equation (u)).
 #include <cmath>
 
-#include "tools/multiplier.hpp"
-
 #include "core/evaluate.hpp"
+#include "tools/constraints.hpp"
 
 namespace PHN_RUNTIME {
 namespace {
@@ -29,9 +28,14 @@ constexpr double least_turned = 1e-6;
 /// A point that is farther from its tool than this fraction of the largest displacement does not follow it.
 constexpr double follows = 1e-8;
 
-class Solver : private Multipliers {
+/// Smallest compliance of opposing displacements of two tools, as a fraction of each tool's own compliance. Below it
+/// the tools are so close that opposing displacements are followed only in part (docs/decisions/coupled-tools.md).
+constexpr double least_apart = 0.05;
+
+class Solver : private Constraints {
  public:
-  Solver(const phn_model& model, Coupling& coupling, const Vector* targets) : Multipliers(model, coupling, targets) {}
+  Solver(const phn_model& model, Coupling& coupling, const Vector* targets)
+      : Constraints(model, coupling), _targets(targets) {}
 
   CoupledResult run() {
     const std::int32_t n = _c.n_tools;
@@ -218,6 +222,140 @@ class Solver : private Multipliers {
     return energy - dot(z, linear) / 2;
   }
 
+  FieldPart& field(std::int32_t set, std::int32_t s, std::int32_t i) const { return _c.field[at(set, s, i)]; }
+  double* field_basis(std::int32_t set, std::int32_t s, std::int32_t i) const {
+    return _c.field_basis + at(set, s, i) * _model.n_basis;
+  }
+  std::size_t basis_of_set() const { return static_cast<std::size_t>(_c.n_corners * _c.n_tools) * _model.n_basis; }
+
+  void clear_field() {
+    for (std::int32_t set = 0; set < _c.n_sets; ++set) {
+      _c.field_turn[set] = {};
+      for (std::int32_t i = 0; i < _c.n_corners * _c.n_tools; ++i) field(set, 0, i) = {};
+      set_zero(field_basis(set, 0, 0), basis_of_set());
+    }
+  }
+
+  /// Adds to the field `weight` times the latest response of tool s.
+  void add_response(std::int32_t set, std::int32_t s, double weight) {
+    const Constraint& point = _c.point[s];
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+      field(set, s, i).share += weight * point.response_share[i];
+      field(set, s, i).own += weight * point.response_own[i];
+      add_scaled(weight, response_basis(s, i), basis_size(_model, node(point, i)), field_basis(set, s, i));
+    }
+  }
+
+  /// Adds to the field `weight` times the response of the undeformed body that moves tool s's point.
+  /// @param r  displacement of the point [m]
+  void add_at_rest(std::int32_t set, std::int32_t s, const Vector& r, double weight) {
+    for (std::int32_t i = 0; i < _c.point[s].n_nodes; ++i)
+      move_at_rest(s, i, r, weight, field_basis(set, s, i), field(set, s, i).own);
+  }
+
+  /// right = targets minus displacements of the points in the field. @return the largest distance
+  double constraint_residual() {
+    double largest = 0;
+    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+      _c.right[t] = _targets[t];
+      for (std::int32_t set = 0; set < _c.n_sets; ++set) {
+        Vector sum = {};
+        for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+          const Constraint& point = _c.point[s];
+          for (std::int32_t i = 0; i < point.n_nodes; ++i)
+            sum += displacement_of(_c.displacement[at(t, s, i)], field(set, s, i).share, field(set, s, i).own,
+                                   basis_size(_model, node(point, i)), field_basis(set, s, i));
+        }
+        _c.right[t] -= rotated(_c.field_turn[set], sum);
+      }
+      largest = std::fmax(largest, length(_c.right[t].x));
+    }
+    return largest;
+  }
+
+  /// Whether forces and field are finite.
+  bool finite() const {
+    bool all = true;
+    for (std::int32_t t = 0; t < _c.n_tools; ++t)
+      all = all && is_finite(_c.point[t].force) && is_finite(_c.point[t].own);
+    for (std::int32_t set = 0; set < _c.n_sets; ++set) {
+      all = all && is_finite(_c.field_turn[set]);
+      for (std::int32_t i = 0; i < _c.n_corners * _c.n_tools; ++i) all = all && is_finite(field(set, 0, i).own);
+      all = all && all_finite(field_basis(set, 0, 0), basis_of_set());
+    }
+    return all;
+  }
+
+  /// Computes, from the derivatives of the points by the p in the undeformed body, the forces that move the points by
+  /// given displacements, and for each tool the part of its displacement that remains when the others hold their
+  /// points. Compliances are scaled to 1 for each tool alone. An almost singular compliance means that tools are too
+  /// close together to be distinguished; there the inverse goes to 0 with the eigenvalue instead of to infinity.
+  void find_stiffness() {
+    const std::int32_t n = 3 * _c.n_tools;
+    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+        const Matrix scaled = _c.point[t].root * rest_block(t, s) * _c.point[s].inverse_root;
+        for (int k = 0; k < 9; ++k) _c.work[(3 * t + k / 3) * n + 3 * s + k % 3] = scaled.a[k];
+      }
+    }
+    for (std::int32_t i = 0; i < n; ++i) {
+      for (std::int32_t j = 0; j < i; ++j)
+        _c.work[i * n + j] = _c.work[j * n + i] = (_c.work[i * n + j] + _c.work[j * n + i]) / 2;
+    }
+    diagonalize(_c.work, n, _c.vectors);
+    double least = _c.work[0];
+    for (std::int32_t e = 1; e < n; ++e) least = std::fmin(least, _c.work[e * n + e]);
+    _apart = least >= least_apart;
+    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+      Constraint& point = _c.point[t];
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+        const Matrix scaled = inverse_block(t, s);
+        _c.stiffness[at(t, s)] = point.root * scaled * _c.point[s].root;
+        // Other tools can only stiffen a point.
+        if (s == t) point.relative = point.inverse_root * inverse_of_stiffness(scaled, 1) * point.root;
+      }
+    }
+  }
+
+  /// Block (t, s) of the inverse of the scaled compliances. @pre they are diagonalized
+  Matrix inverse_block(std::int32_t t, std::int32_t s) const {
+    const std::int32_t n = 3 * _c.n_tools;
+    Matrix block = {};
+    for (std::int32_t e = 0; e < n; ++e) {
+      const double value = _c.work[e * n + e];
+      const double inverse = value >= least_apart ? 1 / value : std::fmax(value, 0.0) / (least_apart * least_apart);
+      for (int k = 0; k < 9; ++k)
+        block.a[k] += _c.vectors[(3 * t + k / 3) * n + e] * inverse * _c.vectors[(3 * s + k % 3) * n + e];
+    }
+    return block;
+  }
+
+  /// Forces of the undeformed body at all points for given displacements of the points.
+  void multiply(const Vector* moved, Vector* multiplier) const {
+    for (std::int32_t j = 0; j < _c.n_tools; ++j) {
+      multiplier[j] = {};
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) multiplier[j] += _c.stiffness[at(j, s)] * moved[s];
+    }
+  }
+
+  /// Replaces `right` by the change of the p that produces it in the undeformed body, as far as the tools can be
+  /// distinguished.
+  bool correct() {
+    if (!_apart) {
+      multiply(_c.right, _c.forces);
+      for (std::int32_t t = 0; t < _c.n_tools; ++t) _c.right[t] = _c.point[t].compliance * _c.forces[t];
+      return true;
+    }
+    if (_c.n_tools == 1) return true;
+    const std::int32_t n = 3 * _c.n_tools;
+    double right[3 * most_coupled];
+    for (std::int32_t i = 0; i < n; ++i) right[i] = _c.right[i / 3][i % 3];
+    for (std::int32_t i = 0; i < n * n; ++i) _c.work[i] = _c.matrix[i];
+    if (!solve_dense(_c.work, n, right)) return false;
+    for (std::int32_t i = 0; i < n; ++i) _c.right[i / 3][i % 3] = right[i];
+    return true;
+  }
+
   /// Sets all results to zero after an overflow of sums.
   CoupledResult give_up(double far) {
     for (std::int32_t t = 0; t < _c.n_tools; ++t) _c.point[t].force = _c.point[t].own = {};
@@ -225,57 +363,12 @@ class Solver : private Multipliers {
     return {false, far, 0};
   }
 
-  double _sum = 0;  ///< of the weights before normalization
+  const Vector* _targets;
+  double _sum = 0;     ///< of the weights before normalization
+  bool _apart = true;  ///< all tools can be distinguished
 };
 
 }  // namespace
-
-Coupling* make_coupling(Arena& arena, const phn_model& model, std::int32_t max_tools) {
-  auto* made = arena.take<Coupling>(1);
-  Coupling c = {};
-  c.max_tools = max_tools < most_coupled ? max_tools : most_coupled;
-  c.model = &model;
-  c.neighbours = find_neighbours(arena, model);
-  const bool round = has_round_tools(model);
-  c.n_corners = round ? most_corners : most_nodes;
-  // With a single tool no rotations are needed.
-  const std::size_t t = round ? 1 : static_cast<std::size_t>(c.max_tools), n_places = t > 1 ? 2 * t : 1,
-                    n_sets = t > 1 ? 1 + t : 1, n_corners = static_cast<std::size_t>(c.n_corners) * t,
-                    n_fields = n_corners * n_places;
-  c.point = arena.take<Constraint>(t);
-  c.field = arena.take<FieldPart>(n_corners * n_sets);
-  c.field_basis = arena.take<double>(n_corners * n_sets, model.n_basis);
-  c.field_turn = arena.take<Vector>(n_sets);
-  c.kernel = arena.take<double>(3 * (static_cast<std::size_t>(model.shared.n_centers) + 3));
-  c.displacement = arena.take<NodeField>(n_fields);
-  auto* rows = arena.take<double>(3 * model.n_basis, n_fields + 1);
-  for (std::size_t i = 0; c.displacement && rows && i < n_fields; ++i)
-    c.displacement[i].rows = rows + 3 * model.n_basis * i;
-  c.pair.rows = rows ? rows + 3 * model.n_basis * n_fields : nullptr;
-  c.rest_response = arena.take<Matrix>(n_fields);
-  c.rest_gradient = arena.take<double>(3 * n_corners, model.n_basis);
-  c.response_basis = arena.take<double>(n_corners, model.n_basis);
-  c.turn = arena.take<SurfaceTurn>(n_sets > 1);
-  c.basis = arena.take<double>(model.n_basis);
-  c.gradient = arena.take<double>(3 * model.n_basis);
-  const auto n_shared = 3 * static_cast<std::size_t>(model.shared.n_modes);
-  c.shared = arena.take<double>(n_shared > model.n_basis ? n_shared : model.n_basis);
-  c.matrix = arena.take<double>(9 * n_places * t);
-  c.work = arena.take<double>(9 * t * t);
-  c.vectors = arena.take<double>(9 * t * t);
-  c.stiffness = arena.take<Matrix>(t * t);
-  c.derivative = arena.take<Matrix>(n_places * t);
-  c.residual = arena.take<Vector>(t * t);
-  c.multiplier = arena.take<Vector>(t * t);
-  c.turned = arena.take<Vector>(t * t);
-  c.right = arena.take<Vector>(t);
-  c.forces = arena.take<Vector>(t);
-  c.single_force = arena.take<Vector>(t);
-  c.energy = arena.take<double>(t);
-  c.weight = arena.take<double>(t);
-  if (made != nullptr && !arena.overflow()) *made = c;
-  return made;
-}
 
 CoupledResult solve_coupled(const phn_model& model, Coupling& coupling, const Vector* targets) {
   return Solver(model, coupling, targets).run();

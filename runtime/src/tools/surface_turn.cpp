@@ -36,12 +36,13 @@ void add_turn(SurfaceTurn& turn, std::int32_t vertex, double weight, const Matri
 
 }  // namespace
 
-bool next_turn(const phn_model& model, std::int32_t n_vertices, const std::int32_t* vertex, const double* weight,
+void find_turn(const phn_model& model, std::int32_t n_vertices, const std::int32_t* vertex, const double* weight,
                SurfaceTurn& turn) {
   Matrix maps[3];
   turn.n = 0;
-  for (; turn.triangle < model.n_triangles && turn.n + 3 <= SurfaceTurn::most; ++turn.triangle) {
-    const std::int32_t* corner = model.triangles + 3 * static_cast<std::size_t>(turn.triangle);
+  turn.area = 0;
+  for (std::int32_t t = 0; t < model.n_triangles && turn.n + 3 <= SurfaceTurn::most; ++t) {
+    const std::int32_t* corner = model.triangles + 3 * static_cast<std::size_t>(t);
     double part = 0;
     for (std::int32_t v = 0; v < n_vertices; ++v) {
       if (corner[0] == vertex[v] || corner[1] == vertex[v] || corner[2] == vertex[v]) part += weight[v];
@@ -51,7 +52,6 @@ bool next_turn(const phn_model& model, std::int32_t n_vertices, const std::int32
     turn.area += part * area;
     for (int k = 0; k < 3 && area > 0; ++k) add_turn(turn, corner[k], part, maps[k]);
   }
-  return turn.n > 0;
 }
 
 namespace {

@@ -12,19 +12,15 @@ struct SurfaceTurn {
   std::int32_t n;
   std::int32_t vertex[most];  ///< as in phn_model::triangles
   Matrix map[most];           ///< [rad m]
-  std::int32_t triangle;      ///< first triangle of the next part
-  double area;                ///< of all parts so far [m^2]
+  double area;                ///< [m^2]
 };
 
-/// The (infinitesimal) rotation of the surface around some of its vertices, as parts whose sum must be divided
-/// by their area. It is the mean over triangles, weighted by area and by the weights of their vertices. A triangle's
-/// rotation is the rotation of its normal plus half the curl in its plane. Rigid rotations are reproduced exactly;
-/// stretches along the surface do not contribute. All parts together take one pass over all triangles.
+/// The (infinitesimal) rotation of the surface around some of its vertices, as a sum that must be divided by the area.
+/// It is the mean over triangles, weighted by area and by the weights of their vertices. A triangle's rotation is the
+/// rotation of its normal plus half the curl in its plane. Rigid rotations are reproduced exactly; stretches along the
+/// surface do not contribute. Triangles beyond the first with SurfaceTurn::most vertices do not count.
 /// @param vertex, weight  n_vertices; weights >= 0
-/// @param turn  triangle = 0 and area = 0 before the first part. There is one part, unless more than SurfaceTurn::most
-///              vertices contribute
-/// @return false if no part is left
-bool next_turn(const phn_model& model, std::int32_t n_vertices, const std::int32_t* vertex, const double* weight,
+void find_turn(const phn_model& model, std::int32_t n_vertices, const std::int32_t* vertex, const double* weight,
                SurfaceTurn& turn);
 
 /// The rotation R by the angle 2 atan |v| around v: `rotated` gives R x, `rotated_back` gives R^T x.
