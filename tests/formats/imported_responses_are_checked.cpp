@@ -110,6 +110,7 @@ TEST_F(Imports, are_refused_in_words) {
   says("/forces has the wrong shape: [1, 4, 3, 3] instead of [2, 4, 3, 3]", [](Given& g) { g.forces.resize(36); });
   says("/forces has another unit: mN", [](Given& g) { g.unit = "mN"; });
   says("neither", [](Given& g) { g.cells.clear(); });
+  says("direction twice: row 1", [](Given& g) { std::copy_n(g.directions.begin(), 3, g.directions.begin() + 3); });
   says("/touched must hold numbers of points: 4", [](Given& g) { g.touched = {1, 4}; });
   says("/sets/active", [](Given& g) { g.touched = {3, 1}; });
   says("implausible size: its diagonal is 173.2 m", [](Given& g) {

@@ -190,26 +190,6 @@ TEST(ConservativeFit, SurvivesStatesThatSayLittle) {
   EXPECT_EQ(evaluate_force(fit.network, tables.displacements, depth, {0.3, 0.2, 0.1}).norm(), 0);
 }
 
-// Claim: a state that is there twice counts once: nothing changes, to the last bit.
-TEST(ConservativeFit, OfEveryStateTwiceIsTheSame) {
-  const auto tables = training_tables(small_header());
-  const auto once = states_of(tables, smooth_force);
-  ForceStates twice = once;
-  twice.x.resize(2 * once.x.rows(), 3);
-  twice.force.resize(2 * once.x.rows(), 3);
-  twice.x << once.x, once.x;
-  twice.force << once.force, once.force;
-  for (std::size_t i = 0; i < once.row.size(); ++i) {
-    twice.row.push_back(once.row[i] + static_cast<std::int32_t>(once.row.size()));
-    twice.direction.push_back(once.direction[i] + 26);
-  }
-  const auto expected = fit_conservative(once, depth, 80), fit = fit_conservative(twice, depth, 80);
-  EXPECT_EQ(fit.network.shape, expected.network.shape);
-  EXPECT_EQ(fit.left_out_error, expected.left_out_error);
-  EXPECT_EQ(fit.network.centers, expected.network.centers);
-  EXPECT_EQ(fit.network.coefficients, expected.network.coefficients);
-}
-
 // Claim: errors at groups left out are those of solving again without them.
 TEST(LeftOut, EqualsSolvingAgain) {
   const int n = 20;

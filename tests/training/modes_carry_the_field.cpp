@@ -160,20 +160,6 @@ TEST(ModalTraining, IsTheSameOnAnyNumberOfThreads) {
             write_model_text(train(source_of(header), modal_spec(), three, {}, 3)));
 }
 
-// Claim: a direction that is there twice says no more of shape and centers than once.
-TEST(ModalTraining, DirectionsMayComeTwice) {
-  const auto once = small_header();
-  auto twice = once;
-  twice.directions.insert(twice.directions.end(), once.directions.begin(), once.directions.end());
-  TrainingReport of_once, of_twice;
-  const auto expected = train(source_of(once), modal_spec(), of_once),
-             model = train(source_of(twice), modal_spec(), of_twice);
-  EXPECT_EQ(model.shared.shape, expected.shared.shape);
-  EXPECT_NEAR(of_twice.modal.amplitude_left_out, of_once.modal.amplitude_left_out,
-              1e-6 * of_once.modal.amplitude_left_out);  // modes of twice the states, other rounding
-  EXPECT_EQ(model.shared.centers, expected.shared.centers);
-}
-
 TEST(ModalTraining, FailedDirectionsAreLeftOut) {
   const auto header = small_header();
   const States failed = [](std::int32_t active, int direction, int increment) {

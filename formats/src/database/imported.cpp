@@ -129,6 +129,10 @@ void read_probes(Given& given, const std::string& source, const ToolsOf& tools_o
   const auto directions = given.rows<double>("/directions", 3, "1");
   for (std::size_t i = 0; i < directions.size(); i += 3) {
     const auto unit = Eigen::Vector3d::Map(&directions[i]).normalized();
+    for (const Vec3& other : header.directions)
+      if ((to_eigen(other) - unit).norm() < 1e-6)
+        throw input_error("/directions has a direction twice", "row " + std::to_string(i / 3),
+                          "give it once, with the mean of both responses");
     header.directions.push_back({unit[0], unit[1], unit[2]});
   }
   header.magnitudes_m = given.rows<double>("/magnitudes", 0, "m");

@@ -49,18 +49,11 @@ namespace {
 /// Error of the amplitudes at left-out directions: mean over the states of the root mean square over nodes, over the
 /// largest displacement of a node. (Modes are orthonormal, so that the norm of the amplitudes is that of the field.)
 double left_out_error(const TrainingTables& tables, const NodeModes& node, double shape) {
-  // Equal displacements would make the matrix singular, and close neighbours along a direction numerically singular.
-  std::vector<std::size_t> places;
-  for (std::size_t i = 0; i < node.row.size(); ++i)
-    if (std::none_of(places.begin(), places.end(), [&](std::size_t j) {
-          return (tables.displacements.row(node.row[i]) - tables.displacements.row(node.row[j])).norm() <=
-                 same_place * tables.magnitudes_m.back();
-        }))
-      places.push_back(i);
+  // Close neighbours along a direction would make the matrix numerically singular.
   std::vector<Index> kept;
   std::vector<std::int32_t> rows, directions;
-  const auto stride = static_cast<std::ptrdiff_t>((places.size() + max_search_states - 1) / max_search_states);
-  for (const auto i : places) {
+  const auto stride = static_cast<std::ptrdiff_t>((node.row.size() + max_search_states - 1) / max_search_states);
+  for (std::size_t i = 0; i < node.row.size(); ++i) {
     const auto increment = node.row[i] % tables.n_increments;
     const auto at = std::lower_bound(node.increments.begin(), node.increments.end(), increment);
     if (at == node.increments.end() || *at != increment || (node.increments.end() - 1 - at) % stride != 0) continue;

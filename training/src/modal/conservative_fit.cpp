@@ -136,37 +136,6 @@ ForceStates thinned(const ForceStates& states, std::size_t stride) {
   return some;
 }
 
-/// Replaces states at the same displacement by their mean. Equal displacements would make the interpolation singular,
-/// so that no shape could be found, and would allow as many centers as different displacements.
-ForceStates merged(const ForceStates& states) {
-  std::vector<Index> first;
-  std::vector<double> copies;
-  ForceStates some;
-  for (Index i = 0; i < states.x.rows(); ++i) {
-    const auto same = std::find_if(first.begin(), first.end(), [&](Index j) {
-      return (states.x.row(i) - states.x.row(j)).squaredNorm() <= same_place * same_place;
-    });
-    if (same == first.end()) {
-      first.push_back(i);
-      copies.push_back(1);
-    } else {
-      copies[static_cast<std::size_t>(same - first.begin())] += 1;
-    }
-  }
-  if (first.size() == states.row.size()) return states;
-  some.x = states.x(first, Eigen::all);
-  some.force = MatrixXd::Zero(static_cast<Index>(first.size()), 3);
-  if (states.energy.size() > 0) some.energy = states.energy(first);
-  for (std::size_t k = 0; k < first.size(); ++k) {
-    some.row.push_back(states.row[static_cast<std::size_t>(first[k])]);
-    some.direction.push_back(states.direction[static_cast<std::size_t>(first[k])]);
-    for (Index i = first[k]; i < states.x.rows(); ++i)
-      if ((states.x.row(i) - states.x.row(first[k])).squaredNorm() <= same_place * same_place)
-        some.force.row(static_cast<Index>(k)) += states.force.row(i) / copies[k];
-  }
-  return some;
-}
-
 /// Mean error with one direction at a time left out, over the largest force. The interpolant of all other states, and
 /// of zero force at rest, has a constant and a symmetric stiffness.
 double left_out_error(const ForceStates& states, double shape) {
@@ -351,8 +320,7 @@ ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& r
 }
 
 ConservativeFit fit_conservative(const ForceStates& all, double max_displacement_m, int max_centers, int n_levels) {
-  const ForceStates once = merged(all);
-  const ForceStates states = thinned(once, (once.row.size() + max_fit_states - 1) / max_fit_states);
+  const ForceStates states = thinned(all, (all.row.size() + max_fit_states - 1) / max_fit_states);
   auto [shape, left_out] = choose_force_shape(states);
   auto fit = fit_shape(states, max_displacement_m, max_centers, shape, n_levels);
   // Flat kernels cause cancellation; use the next sharper one.

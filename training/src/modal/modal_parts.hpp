@@ -16,9 +16,6 @@ inline constexpr std::array shape_candidates{0.03, 0.1, 0.3, 0.6, 1.0};
 /// omitted.
 inline constexpr std::size_t max_search_states = 100;
 
-/// Displacements whose difference is below this fraction of the largest one differ only by rounding.
-inline constexpr double same_place = 1e-9;
-
 /// q_s(y) = sqrt(|y|^2 + s^2), the kernel of amplitudes (docs/theory.md).
 inline double multiquadric(const Eigen::Vector3d& y, double shape) {
   return std::sqrt(y.squaredNorm() + shape * shape);
