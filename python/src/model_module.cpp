@@ -30,7 +30,7 @@ void add_parts(py::module_& module) {
       .def("__repr__", &SurfacePoint::text);
 
   py::class_<phn_level>(module, "Level",
-                        "Sizes and errors of a level of a model (phynness_levels.h); errors are fractions of the "
+                        "Sizes and errors of a level of a model (phn_level of phynness.h); errors are fractions of the "
                         "largest force and displacement, 0 without an estimate.")
       .def_readonly("force_centers", &phn_level::force_centers)
       .def_readonly("deformation_centers", &phn_level::deformation_centers)

@@ -1,5 +1,3 @@
-#include <phynness/phynness_levels.h>
-#include <phynness/phynness_paper.h>
 #include <phynness/phynness_surface.h>
 
 #include "ask_model.hpp"

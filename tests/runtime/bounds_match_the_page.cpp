@@ -2,7 +2,6 @@
 // direction, at rest the size of the force there, none outside of the trained range; a model without bounds says that
 // it has none. The error of the force at rest is within its bound in every family.
 #include <gtest/gtest.h>
-#include <phynness/phynness_levels.h>
 
 #include <cmath>
 #include <limits>

@@ -1,6 +1,4 @@
 #include <gtest/gtest.h>
-#include <phynness/phynness_levels.h>
-#include <phynness/phynness_paper.h>
 
 #include <phynness/formats/hash.hpp>
 

@@ -2,7 +2,6 @@
 // each other, and inputs that are too large to be copied, are refused with zeros as output.
 #include <gtest/gtest.h>
 #include <phynness/phynness_contact.h>
-#include <phynness/phynness_paper.h>
 #include <phynness/phynness_surface.h>
 
 #include <cstring>

@@ -10,7 +10,7 @@ library=$2
 headers=$3
 prefix=$4
 shift 4
-[ $# -gt 0 ] || set -- phynness.h phynness_tools.h phynness_surface.h phynness_contact.h phynness_levels.h phynness_paper.h phynness_body.h
+[ $# -gt 0 ] || set -- phynness.h phynness_tools.h phynness_surface.h phynness_contact.h phynness_body.h
 fail() { echo "$library: $*"; exit 1; }
 shared=()
 [[ $library == *.so* ]] && shared=(-D)

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <phynness/phynness_paper.h>
 
 #include "core/evaluate.hpp"
 #include "core/kernels.hpp"

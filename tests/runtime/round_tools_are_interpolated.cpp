@@ -2,7 +2,6 @@
 // else follows from this energy.
 #include <gtest/gtest.h>
 #include <phynness/phynness_contact.h>
-#include <phynness/phynness_paper.h>
 
 #include <algorithm>
 #include <array>

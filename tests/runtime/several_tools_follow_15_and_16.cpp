@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <phynness/phynness_paper.h>
 
 #include "loaded_model.hpp"
 #include "small_model.hpp"

@@ -1,7 +1,6 @@
 // Claims: threads that share a model, a surface and an image, each with its own scratch, get exactly the results of a
 // single thread. The test also runs with the sanitizer of threads, which detects races that results do not show.
 #include <gtest/gtest.h>
-#include <phynness/phynness_paper.h>
 #include <phynness/phynness_surface.h>
 
 #include <atomic>

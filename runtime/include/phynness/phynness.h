@@ -1,9 +1,8 @@
 /* phynness: reaction force and deformation of a trained object in real time. This header is the core of the runtime.
  * Further headers: phynness_tools.h (tools between nodes, and several of node probes; it is included here),
  * phynness_body.h (several round tools), phynness_surface.h (a finer surface for drawing), phynness_contact.h (spheres
- * that touch, slide and grasp), phynness_levels.h (less accuracy for less time), phynness_image.h (models in flash
- * memory), phynness_loop.h (between a haptic device and a body), phynness_paper.h (the paper's blending of several
- * tools).
+ * that touch, slide and grasp), phynness_image.h (models in flash memory), phynness_loop.h (between a haptic device and
+ * a body).
  *
  * Start-up: phn_model_size, phn_model_init, phn_data_size, phn_data_init. The caller provides the memory. No function
  * allocates memory, prints or reads a file, and nothing has to be released. A phn_model is constant and may be shared
@@ -111,7 +110,7 @@ typedef struct phn_info {
   const char *field_names[PHN_MOST_FIELDS], *field_units[PHN_MOST_FIELDS]; /* "von-mises-stress", "Pa"; unused: null */
   int32_t n_nodes;                                                         /* of the mesh */
   int32_t n_active, n_output, n_fixed, n_triangles, n_fields;
-  int32_t n_levels;   /* 1 or more: phynness_levels.h */
+  int32_t n_levels;   /* 1 or more: phn_level_info */
   int32_t has_energy; /* 1, or 0 in family rbfn */
   phn_provenance provenance;
 } phn_info;
@@ -170,6 +169,30 @@ PHN_API int phn_trained_depth(const phn_model* model, int32_t node, const double
  * family rbfn the networks have a small force. */
 #define PHN_NO_BOUND 1e300
 PHN_API int phn_bound(const phn_model* model, int32_t node, const double d[3], double* bound);
+
+/* Levels of a model are smaller networks that take less time.
+ * A model trained with `levels` in [training] contains smaller networks beside the full one. Each level uses the first
+ * centers and modes of the full network, and its coefficients are fitted to the data separately. Level 0 is the
+ * smallest; level phn_info.n_levels - 1 is the full model. Every level has the properties of its family: in family
+ * modal, for example, its force is the gradient of its own energy.
+ *
+ * Sizes are the largest of all nodes. Errors are those stored in the model: leave-one-out errors at the displacements
+ * of the training data, as a fraction of a node's largest force or displacement, averaged over the displacements, for
+ * the median node. They are estimates inside the trained range only (docs/decisions/levels.md); 0: no estimate. */
+typedef struct phn_level {
+  int32_t force_centers;       /* centers of a force; in family rbfn neurons of a force network */
+  int32_t deformation_centers; /* centers of the amplitudes; in family rbfn neurons of a deformation network */
+  int32_t modes;               /* of a node; 0 in other families than modal */
+  double error_force, error_displacement;
+} phn_level;
+PHN_API int phn_level_info(const phn_model* model, int32_t level, phn_level* info);
+
+/* Sets the level of all later calls with this data, except that phn_coupled_deform uses the level of its phn_couple.
+ * The initial level is the full one. The call takes no noticeable time, and prepared nodes remain prepared. Forces and
+ * energies jump when the level changes: on average by about the error of the smaller level, at worst by about ten times
+ * that. Change the level while no tool is in contact, or blend the forces of both levels over some milliseconds, which
+ * takes the time of both. */
+PHN_API int phn_set_level(const phn_model* model, phn_data* data, int32_t level);
 
 #ifdef __cplusplus
 }

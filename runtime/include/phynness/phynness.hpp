@@ -1,14 +1,11 @@
-// phynness for C++17: the functions of phynness.h, phynness_tools.h, phynness_levels.h and phynness_paper.h as members
-// of objects. An object owns its memory or uses memory of the caller. After construction nothing is allocated. No
-// exceptions and no RTTI are used: functions that can fail return a [[nodiscard]] Status, and an object whose
-// construction failed converts to false and has a status. Meaning, cost and errors of each function are described in
-// those headers.
+// phynness for C++17: the functions of phynness.h and phynness_tools.h as members of objects. An object owns its memory
+// or uses memory of the caller. After construction nothing is allocated. No exceptions and no RTTI are used: functions
+// that can fail return a [[nodiscard]] Status, and an object whose construction failed converts to false and has a
+// status. Meaning, cost and errors of each function are described in those headers.
 #ifndef PHYNNESS_HPP
 #define PHYNNESS_HPP
 
 #include <phynness/phynness.h>
-#include <phynness/phynness_levels.h>
-#include <phynness/phynness_paper.h>
 
 #include <array>
 #include <cstddef>

@@ -1,5 +1,4 @@
-// The paper's blending of several tools, equations (15)-(16), and its C interface.
-#include <phynness/phynness_paper.h>
+// The paper's blending of several tools, equations (15)-(16).
 
 #include <cmath>
 

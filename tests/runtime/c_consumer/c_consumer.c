@@ -2,8 +2,6 @@
 #include <phynness/phynness.h>
 #include <phynness/phynness_contact.h>
 #include <phynness/phynness_image.h>
-#include <phynness/phynness_levels.h>
-#include <phynness/phynness_paper.h>
 #include <phynness/phynness_surface.h>
 #include <stdio.h>
 
