@@ -83,9 +83,7 @@ path: a body.txt of phynness reduce, or its content as bytes. Error if it is mis
 at: a list of n nodes of the surface and SurfacePoints. d: (n, 3) [m]. steps: of Newton's method, at most, in each
 increment. UnsettledWarning: more steps come closer. OutsideWarning: farther than trained. Error where nothing can move.
 )")
-      .def_property_readonly("text", &BodyObject::text, "The content of body.txt, bytes.")
-      .def(py::pickle([](const BodyObject& b) { return py::make_tuple(b.text()); },
-                      [](const py::tuple& parts) { return std::make_unique<BodyObject>(parts[0]); }));
+      .def_property_readonly("text", &BodyObject::text, "The content of body.txt, bytes.");
   const auto property = [&](const char* name, auto phn_body_info::*member, const char* doc) {
     body.def_property_readonly(
         name, [member](const BodyObject& b) { return b.info().*member; }, doc);

@@ -101,24 +101,12 @@ std::unique_ptr<ModelObject> ModelObject::open(const py::object& of) {
   return std::make_unique<ModelObject>(file.string(), std::move(text), std::move(mesh), py::none());
 }
 
-py::tuple ModelObject::pickled() const { return py::make_tuple(text(), _mesh, _training); }
-
-std::unique_ptr<ModelObject> ModelObject::unpickled(const py::tuple& parts) {
-  return std::make_unique<ModelObject>("the text", parts[0].cast<std::string>(), parts[1], parts[2]);
-}
-
 void ModelObject::save(const py::object& to) const {
   const auto path = path_of(to);
   if (_mesh.is_none())
     write_text_file(path, _text);
   else
     write_model_texts(path, {_text, _mesh.cast<std::string>()});
-}
-
-std::vector<phn_level> ModelObject::levels() const {
-  std::vector<phn_level> all(static_cast<std::size_t>(info().n_levels));
-  for (std::size_t l = 0; l < all.size(); ++l) _model.level_info(static_cast<std::int32_t>(l), all[l]).ignore();
-  return all;
 }
 
 ModelObject::Response ModelObject::response(const Place& at, py::handle displacements, const Level& level, bool force,

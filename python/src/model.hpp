@@ -52,9 +52,6 @@ class ModelObject {
   py::bytes text() const { return _text; }
   py::object training() const { return _training; }
   void save(const py::object& to) const;
-  py::tuple pickled() const;
-  static std::unique_ptr<ModelObject> unpickled(const py::tuple& parts);
-  std::vector<phn_level> levels() const;
 
   /// Force, energy and stiffness, of which only those that are asked for are computed.
   struct Response {

@@ -29,15 +29,6 @@ void add_parts(py::module_& module) {
       .def_property_readonly("weights", &SurfacePoint::weights)
       .def("__repr__", &SurfacePoint::text);
 
-  py::class_<phn_level>(module, "Level",
-                        "Sizes and errors of a level of a model (phn_level of phynness.h); errors are fractions of the "
-                        "largest force and displacement, 0 without an estimate.")
-      .def_readonly("force_centers", &phn_level::force_centers)
-      .def_readonly("deformation_centers", &phn_level::deformation_centers)
-      .def_readonly("modes", &phn_level::modes)
-      .def_readonly("error_force", &phn_level::error_force)
-      .def_readonly("error_displacement", &phn_level::error_displacement);
-
   py::class_<Coupled>(
       module, "Coupled",
       "Several tools at once, of Model.couple: forces (n, 3) [N], energy [J], and residual, the largest "
@@ -146,9 +137,23 @@ round tools a Body has the forces.
            "Writes a model directory, model.txt and mesh.txt; of a model that was read without a mesh the file alone.")
       .def_property_readonly("text", &ModelObject::text, "The content of model.txt, bytes.")
       .def_property_readonly("training", &ModelObject::training,
-                             "Figures of train, a dict; None in a model that was read.")
-      .def_property_readonly("levels", &ModelObject::levels, "A list of Level; the last one is the full model.")
-      .def(py::pickle([](const ModelObject& m) { return m.pickled(); }, &ModelObject::unpickled));
+                             "Figures of train, a dict; None in a model that was read.");
+  model.def_property_readonly(
+      "levels",
+      [](const ModelObject& m) {
+        py::list all;
+        for (std::int32_t l = 0; l < m.info().n_levels; ++l) {
+          phn_level level;
+          m.runtime().level_info(l, level).ignore();
+          all.append(py::dict(arg("force_centers") = level.force_centers,
+                              arg("deformation_centers") = level.deformation_centers, arg("modes") = level.modes,
+                              arg("error_force") = level.error_force,
+                              arg("error_displacement") = level.error_displacement));
+        }
+        return all;
+      },
+      "Sizes and errors of the levels, dicts with the names of phn_level in phynness.h; the last one is the full "
+      "model.");
 }
 
 void add_properties(ModelClass& model) {

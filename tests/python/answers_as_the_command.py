@@ -7,7 +7,6 @@ Results are compared bit for bit; the JSON of the command has all digits.
 """
 import json
 import os
-import pickle
 import random
 import re
 import shutil
@@ -151,7 +150,7 @@ class Models(unittest.TestCase):
         shutil.copytree(MODEL, copy)
         copied = phynness.Model(copy)
         shutil.rmtree(copy)
-        for other in (copied, phynness.Model(text), phynness.Model(str(MODEL / "model.txt")), pickle.loads(pickle.dumps(model))):
+        for other in (copied, phynness.Model(text), phynness.Model(str(MODEL / "model.txt"))):
             self.same(other.force(NODE, d), model.force(NODE, d))
         copied.save(work / "saved")
         for name in ("model.txt", "mesh.txt"):
@@ -358,7 +357,6 @@ class Solves(unittest.TestCase):
         self.assertEqual(np.linalg.norm(both.displacements, axis=1).max(), said["max_displacement"])
         self.assertEqual(both.displacements.shape, (len(body.nodes), 3))
         self.assertIsNone(both.bounds)
-        self.assertEqual(pickle.loads(pickle.dumps(body)).press(at, d).forces.tobytes(), both.forces.tobytes())
         run(COMMAND, "calibrate", work / "free", work / "free.h5", "--rays", 100, "--body", file)
         bounded = phynness.Body(file.read_bytes())
         self.assertEqual(bounded.press(at, d, steps=60).forces.tobytes(), both.forces.tobytes())

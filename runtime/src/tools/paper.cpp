@@ -1,5 +1,4 @@
 // The paper's blending of several tools, equations (15)-(16).
-
 #include <cmath>
 
 #include "core/evaluate.hpp"

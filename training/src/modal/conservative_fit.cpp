@@ -281,8 +281,10 @@ ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, 
   return fit;
 }
 
-}  // namespace
-
+/// The shape with the smallest left-out error, and this error, as ConservativeFit::left_out_error.
+struct ShapeChoice {
+  double shape = 0, left_out_error = 0;
+};
 ShapeChoice choose_force_shape(const ForceStates& states) {
   const ForceStates some = thinned(states, (states.row.size() + max_search_states - 1) / max_search_states);
   ShapeChoice best{shape_candidates.front(), std::numeric_limits<double>::infinity()};
@@ -292,6 +294,8 @@ ShapeChoice choose_force_shape(const ForceStates& states) {
   }
   return best;
 }
+
+}  // namespace
 
 ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& rays) {
   const NetworkPoints points = force_points(tables, rays);

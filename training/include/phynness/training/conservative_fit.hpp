@@ -41,12 +41,6 @@ struct ConservativeFit {
   std::vector<ForceLevel> levels;  ///< smallest first, the last is the full network; empty with a single level
 };
 
-/// The shape with the smallest left-out error, and this error, as ConservativeFit::left_out_error.
-struct ShapeChoice {
-  double shape = 0, left_out_error = 0;
-};
-ShapeChoice choose_force_shape(const ForceStates& states);
-
 /// Largest share of centers in a third of the equations: half as many as states, two thirds where energies are known.
 /// With a center for nearly every state the network is arbitrary between the states, and K is undetermined.
 inline constexpr double largest_center_share = 0.5;
