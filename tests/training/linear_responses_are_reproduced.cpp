@@ -135,7 +135,6 @@ TEST(LinearTraining, PrescribedNodesMoveByTheirWeight) {
   const DatabaseHeader header = linear_header(false);
   const TrainingTables tables = training_tables(header);
   const LinearTraining trained = train_linear_node(tables, 3, {0, 0, 0}, {{2, 3}, {0.3, 1.0}}, linear_rays(header, 1));
-  ASSERT_TRUE(trained.trained);
   const Eigen::Vector3d d(0.1, -0.2, 0.3);
   EXPECT_EQ(displacement(trained.model.linear, 2, d), 0.3 * d);
   EXPECT_EQ(displacement(trained.model.linear, 3, d), d);

@@ -14,7 +14,6 @@ using NodeReader = std::function<SearchNode(std::int64_t active)>;
 
 /// Result of the training of one node.
 struct NodeOutcome {
-  bool trained = false;
   ActiveNodeModel model;
   double force_mse = 0, deformation_mse = 0;
   LinearQuality linear;
@@ -22,7 +21,8 @@ struct NodeOutcome {
   ModalFit modal;
   std::vector<ModalFit> fields;
   std::vector<double> force_errors, displacement_errors;  ///< by level; empty: not estimated
-  std::int64_t used = 0, failed = 0, fitted = 0;          ///< numbers of increments: converged, failed, training states
+  /// Numbers of increments: converged, failed, training states. Without training states the node is not trained.
+  std::int64_t used = 0, failed = 0, fitted = 0;
 };
 
 class FamilyTraining {
@@ -30,6 +30,7 @@ class FamilyTraining {
   virtual ~FamilyTraining() = default;
   /// Computes the part that all nodes share; called before the first node.
   virtual void prepare(const NodeReader&, int /*threads*/) {}
+  /// @pre an increment converged
   /// @param estimate_errors  estimate errors of levels, in families in which this is costly
   virtual void train(const SearchNode& read, const Vec3& point, bool estimate_errors, NodeOutcome& outcome) const = 0;
   /// Adds the figures of a node to the sums or extremes of the report; called in the order of the nodes.

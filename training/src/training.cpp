@@ -79,7 +79,7 @@ class Training {
       // Errors are estimated at nodes that are distributed evenly over the active nodes.
       const std::int32_t stride = std::max(1, n_active / n_error_nodes);
       const auto x = _header.mesh.nodes.row(read_node.node);
-      _training->train(read_node, {x[0], x[1], x[2]}, active % stride == stride / 2, outcome);
+      if (outcome.fitted > 0) _training->train(read_node, {x[0], x[1], x[2]}, active % stride == stride / 2, outcome);
       const std::lock_guard lock(progress_mutex);
       if (progress) progress(++done, n_active);
     });
@@ -96,7 +96,7 @@ class Training {
       report.n_increments_used += outcome.used;
       report.n_increments_failed += outcome.failed;
       report.n_increments_fitted += outcome.fitted;
-      if (!outcome.trained) {
+      if (outcome.fitted == 0) {
         report.skipped_nodes.push_back(_header.sets.active[active]);
         continue;
       }

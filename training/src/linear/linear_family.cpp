@@ -12,7 +12,6 @@ class LinearFamilyTraining : public FamilyTraining {
 
   void train(const SearchNode& read, const Vec3& point, bool, NodeOutcome& outcome) const override {
     LinearTraining training = train_linear_node(_tables, read.node, point, read.tool, read.rays);
-    outcome.trained = training.trained;
     outcome.model = std::move(training.model);
     outcome.linear = training.quality;
   }

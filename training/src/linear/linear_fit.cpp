@@ -101,7 +101,6 @@ LinearTraining train_linear_node(const TrainingTables& tables, std::int32_t node
                                  const TouchedNodes& tool, const std::vector<Ray>& rays) {
   LinearTraining result;
   const std::vector<Increment> increments = increments_of(tables, rays, training_states(tables, rays).row);
-  if (increments.empty()) return result;
   const Eigen::MatrixXd inverse = pseudo_inverse(increments, tables, rays, node);
 
   const auto n_output = static_cast<Eigen::Index>(tables.output.size());
@@ -131,7 +130,6 @@ LinearTraining train_linear_node(const TrainingTables& tables, std::int32_t node
     row.setZero();
     for (int axis = 0; axis < 3; ++axis) row[4 * axis] = tool.weights[i];
   }
-  result.trained = true;
   result.model = describe_node(tables, node, point, tool, rays);
   result.model.linear = std::move(linear);
   return result;

@@ -74,8 +74,6 @@ class ModalTraining : public FamilyTraining {
 
   void train(const SearchNode& read, const Vec3& point, bool, NodeOutcome& outcome) const override {
     const ForceStates forces = force_states(_tables, read.rays);
-    if (forces.row.empty()) return;
-    outcome.trained = true;
     outcome.conservative = fit_conservative(forces, _tables.magnitudes_m.back(), _spec.force_centers, _spec.levels);
     outcome.model = describe_node(_tables, read.node, point, read.tool, read.rays);
     outcome.model.conservative = std::move(outcome.conservative.network);

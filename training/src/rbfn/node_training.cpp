@@ -162,7 +162,6 @@ NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const V
                         const std::vector<Ray>& rays, const TrainingSpec& spec, bool estimate_errors) {
   NodeTraining result;
   const NetworkPoints force = force_points(tables, rays);
-  if (force.size() == 0) return result;
   const NetworkPoints deformation = deformation_points(tables, rays, tool, node, spec.samples, spec.seed);
   const bool has_output = !tables.output.empty();
   if (deformation.size() == 0 && has_output) {
@@ -181,8 +180,6 @@ NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const V
   } else {
     result.deformation = without_neurons(spec.levels);
   }
-  result.trained = true;
-
   result.model = describe_node(tables, node, point, tool, rays);
   result.model.force = result.force.network;
   result.model.deformation = result.deformation.network;

@@ -46,8 +46,6 @@ class RbfnTraining : public FamilyTraining {
 
   void train(const SearchNode& read, const Vec3& point, bool estimate_errors, NodeOutcome& outcome) const override {
     NodeTraining training = train_node(_tables, read.node, point, read.tool, read.rays, _spec, estimate_errors);
-    if (!training.trained) return;
-    outcome.trained = true;
     outcome.force_mse = training.force.mse.back();
     outcome.deformation_mse = training.deformation.mse.back();
     for (const auto& level : training.force.levels)

@@ -23,7 +23,6 @@ struct LinearQuality {
 };
 
 struct LinearTraining {
-  bool trained = false;  ///< false: no increment converged
   ActiveNodeModel model;
   LinearQuality quality;
 };
@@ -34,7 +33,7 @@ struct LinearTraining {
 /// prescribed nodes the response is exactly the weight.
 /// @param node   mesh node number
 /// @param point  coordinates of the node [m]
-/// @param rays   one per direction, in order
+/// @param rays   one per direction, in order, with a converged increment
 /// @throws Error (input) if converged increments do not have three independent directions, or if responses are not
 ///   linear (`linear_tolerance`); (failure) if a value is not finite
 LinearTraining train_linear_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,

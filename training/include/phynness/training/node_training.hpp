@@ -60,13 +60,13 @@ NetworkPoints deformation_points(const TrainingTables& tables, const std::vector
 int capped_neurons(int wanted, std::size_t n_points);
 
 struct NodeTraining {
-  bool trained = false;  ///< false: no increment converged
   ActiveNodeModel model;
   NetworkFit force, deformation;  ///< the fits, for reports and tests
 };
 
 /// @param node   mesh node number
 /// @param point  coordinates of the node [m]
+/// @param rays   with a converged increment
 /// @param spec   with both spreads > 0
 /// @param estimate_errors  estimate the errors of levels, which takes about as long as the training itself
 NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const Vec3& point, const TouchedNodes& tool,
