@@ -1,12 +1,35 @@
 // State of tools in contact: where each touches, and the quantities that the force balance of a step needs.
 #pragma once
 
+#include <phynness/phynness_body.h>
 #include <phynness/phynness_contact.h>
 
 #include "contact/bounding_volumes.hpp"
-#include "contact/touched.hpp"
+#include "tools/vectors.hpp"
 
 namespace PHN_RUNTIME {
+
+/// Largest number of tools.
+inline constexpr std::int32_t most_touching = PHN_MOST_COUPLED;
+
+/// What contact asks of the object that tools touch: a body, a model of a round tool, or a model of nodes. No function
+/// is pure, because the library links none for C++.
+class Touched {
+ public:
+  bool has_energy = false;
+  double max_displacement_m = 0;
+  /// Newton's steps that are left for a phn_contact_step on a body, whose responses go on from the last one. -1: a
+  /// model, whose responses depend on the tools alone.
+  std::int32_t steps = -1;
+
+  bool is_body() const { return steps >= 0; }
+  /// Forces [N] that hold the tools, n x 3. @return a status of phynness.h
+  virtual int hold(std::int32_t, const phn_tool*, double*, phn_coupled&) { return PHN_ERROR_UNDEFINED; }
+  /// Of a tool of the last hold(), with the others held [N/m]: of a body at present, of a model at rest.
+  virtual Matrix stiffness(std::int32_t) const { return {}; }
+  /// Present mean displacement of a body under a tool [m]; zeros where that is not defined.
+  virtual void displacement(const phn_tool&, double* mean) const { mean[0] = mean[1] = mean[2] = 0; }
+};
 
 /// Input of a tool in this step, clamped so that no later computation overflows.
 struct ToolInput {
@@ -69,15 +92,6 @@ void carry(const phn_contact& contact, const SurfacePoint& at, const double* fro
 
 /// The place of a tool and its displacement.
 phn_tool held_by(const phn_contact& contact, const ToolContact& tool);
-
-/// Scales the forces of tools that press, so that all tools together do not get back more work than they did, and a
-/// credit. Work is the mean of two successive forces times the motion between them. It is less than the energy of the
-/// body where a tool slides uphill, as one that enters does. Forces are scaled where the work falls below a part of the
-/// energy; on the way back they then vanish before the work is returned, however small that part, and on the way in
-/// they grow back. What the next step may return is covered, too.
-/// Without an energy they are kept.
-/// @param energy   of the body [J]
-void guard(phn_contact& contact, const Touched& touched, std::int32_t n_tools, const ToolInput* inputs, double energy);
 
 /// Computes the forces of all anchored tools: lets points slide, and ends contacts that would pull.
 /// @return a status of phynness.h

@@ -2,7 +2,8 @@
 // model of node probes, coupled by the responses of single nodes (docs/theory.md, tools anywhere).
 #pragma once
 
-#include "tools/constraint.hpp"
+#include "tools/node_field.hpp"
+#include "tools/round_tool.hpp"
 #include "tools/surface_turn.hpp"
 
 namespace PHN_RUNTIME {
@@ -12,6 +13,33 @@ inline constexpr std::int32_t most_coupled = PHN_MOST_COUPLED;
 
 /// Components of a tool's displacement are clamped to this, in max_displacement_m; in linear models to largest_linear.
 inline constexpr double largest_coupled = 1e3;
+
+/// Largest number of active nodes of a point: the corners of its triangle.
+inline constexpr std::int32_t most_nodes = 3;
+
+/// A touched point, whose tool prescribes the weighted mean displacement of up to three nodes. p is that part of the
+/// point's displacement which its own tool causes.
+struct Constraint : Place {
+  Matrix stiffness;                       ///< A: of the point at rest, symmetric [N/m]
+  Matrix root, inverse_root, compliance;  ///< A^1/2, A^-1/2, A^-1
+  Matrix relative;                        ///< part of a displacement that remains when the others hold their points
+  Matrix contribution[most_nodes];        ///< Q_i: contribution q_i = Q_i p of node i
+  Matrix reach[most_nodes];               ///< M_i: displacement e_i = M_i p of node i
+  double share[most_nodes];               ///< s_i: the scalar for which s_i e_i is nearest to q_i
+  Matrix rest_stiffness[most_nodes];      ///< K_i of the nodes [N/m]
+  double curved;                          ///< squared deviation of its nodes' forces from linear ones, see curvature
+  double area;                            ///< of the triangles around the point, see next_turn [m^2]
+  Vector own, force;                      ///< p [m]; at the tool [N]
+  double energy;                          ///< of p alone, without that of its nodes [J]
+  double response_share[most_nodes];      ///< the response at p: see displacement_of
+  Vector response_own[most_nodes];
+};
+
+/// A node's part of the field besides its basis: see displacement_of.
+struct FieldPart {
+  double share;
+  Vector own;
+};
 
 /// The latest tools, their solution, and working memory. Place t is the displacement of tool t's point; place
 /// max_tools + t is the rotation of the surface around that point [rad].

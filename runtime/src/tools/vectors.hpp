@@ -89,11 +89,6 @@ inline Matrix operator*(const Matrix& a, const Matrix& b) {
   }
   return c;
 }
-inline Matrix transposed(const Matrix& m) {
-  Matrix t;
-  for (int k = 0; k < 9; ++k) t.a[k] = m(k % 3, k / 3);
-  return t;
-}
 /// a b^T
 inline Matrix outer(const Vector& a, const Vector& b) {
   Matrix c;
