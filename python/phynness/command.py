@@ -54,11 +54,9 @@ def _run(*arguments: object, ranks: int = 1, progress: Optional[bool] = None) ->
     process = subprocess.Popen(
         [*start, _command(), *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE, env=environment, start_new_session=True)
-    assert process.stderr is not None
     said: List[str] = []
 
     def listen() -> int:
-        assert process.stderr is not None
         for chunk in iter(lambda: os.read(process.stderr.fileno(), 65536), b""):
             said.append(chunk.decode(errors="replace"))
             if shown:
@@ -128,8 +126,7 @@ def precompute(scene: Path, out: Path, *, ranks: int = 1, resume: bool = False,
     KeyboardInterrupt keeps what is solved, and `resume` continues it, also a finished database to more points, directions and
     increments of the scene (docs/commands.md, precompute). Progress is shown on terminals, or anywhere with progress=True.
     """
-    more = ["--resume"] if resume else []
-    _run("precompute", os.fspath(scene), "-o", os.fspath(out), *more, ranks=ranks, progress=progress)
+    _run("precompute", os.fspath(scene), "-o", os.fspath(out), *["--resume"] * resume, ranks=ranks, progress=progress)
 
 def validate(scene: Path, model: Union[Path, Model], *, probes: Optional[int] = None, points: Optional[int] = None,
              pairs: Optional[int] = None, seed: Optional[int] = None, report: Optional[Path] = None, ranks: int = 1,
@@ -144,8 +141,7 @@ def validate(scene: Path, model: Union[Path, Model], *, probes: Optional[int] = 
         asked = {"probes": probes, "points": points, "pairs": pairs, "seed": seed, "report": report}
         options = [word for name, value in asked.items() if value is not None for word in (f"--{name}", str(value))]
         _run("validate", os.fspath(scene), folder, *options, "--json", figures, ranks=ranks, progress=progress)
-        result: Dict[str, Any] = json.loads(figures.read_text())
-        return result
+        return json.loads(figures.read_text())
 
 
 class Page:
@@ -166,16 +162,12 @@ def show(model: Union[Path, Model], out: Optional[Path] = None, *, database: Opt
     As the last expression of a notebook's cell it is shown there. Elsewhere, without `out`, the page is a temporary file, which
     the browser opens. `database` adds the stored finite element forces, `errors` (a file of `validate --json`) the errors.
     """
-    if out is None:
-        out = File(tempfile.mkdtemp(prefix="phynness-")) / "model.html"
-        opened = "ipykernel" not in sys.modules
-    else:
-        opened = False
-    more: List[str] = [] if database is None else ["--database", os.fspath(database)]
-    if errors is not None:
-        more += ["--errors", os.fspath(errors)]
+    opened = out is None and "ipykernel" not in sys.modules
+    page = File(out or os.path.join(tempfile.mkdtemp(prefix="phynness-"), "model.html"))
+    more = [word for name, value in {"database": database, "errors": errors}.items() if value is not None
+            for word in (f"--{name}", os.fspath(value))]
     with _folder(model) as folder:
-        _run("view", folder, *more, "-o", os.fspath(out))
+        _run("view", folder, *more, "-o", page)
     if opened:
-        webbrowser.open(File(out).resolve().as_uri())
-    return Page(File(out))
+        webbrowser.open(page.resolve().as_uri())
+    return Page(page)
