@@ -20,7 +20,6 @@ TEST(BrokenFiles, SeveralInwardComponentsAreCounted) {
   const auto file = broken("inward_normals_four_components.vtk");
   const std::string message = error_of([&] { import_file(file); });
   EXPECT_TRUE(contains(message, "4 components")) << message;
-  EXPECT_TRUE(contains(message, "inward on 4 of 4")) << message;
   EXPECT_TRUE(contains(message, "mesh.repair")) << message;
 }
 

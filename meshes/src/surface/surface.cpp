@@ -21,18 +21,6 @@ void drop_repeated_triangles(RawMesh& raw, std::vector<std::string>& notes) {
   if (n > 0) notes.push_back("repair: dropped " + counted(n, "repeated triangle", "repeated triangles"));
 }
 
-std::string list_inward(const Points& nodes, const Triangles& triangles, const SurfaceTopology& topology) {
-  const std::size_t n = topology.component_sizes.size();
-  std::vector<std::vector<Triangle>> components(n);
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t)
-    components[topology.component[t]].push_back({triangles(t, 0), triangles(t, 1), triangles(t, 2)});
-  const auto inward = std::count_if(components.begin(), components.end(), [&](const auto& component) {
-    return enclosed_volume(nodes, to_matrix(component)) < 0;
-  });
-  if (inward == 0) return "";
-  return "; normals point inward on " + std::to_string(inward) + " of " + counted(n, "component", "components");
-}
-
 }  // namespace
 
 double enclosed_volume(const Points& nodes, const Triangles& triangles) {
@@ -90,7 +78,7 @@ Surface checked_surface(RawMesh raw, double scale_to_m, bool repair, const std::
   if (const std::string defects = describe_defects(topology, true); !defects.empty())
     throw input_error(
         source + ": the surface is not one closed manifold, so it has no inside to fill",
-        defects + list_inward(to_points(raw.nodes), to_matrix(raw.triangles), topology),
+        defects,
         topology.closed_manifold()
             ? "keep one component, or set mesh.repair = true to keep the largest"
             : std::string("close the holes and separate parts that touch in the program that made the file") +
