@@ -163,21 +163,15 @@ void check_mesh(const Scene& scene, const std::string& hash, const std::string& 
 }
 
 Database open_database(const Scene& scene, const std::filesystem::path& file) {
-  auto database = Database::open(file);
+  const auto database = Database::open(file);
   const auto& header = database.header();
   if (header.imported)
     throw input_error(
         "imported responses belong to no scene", file.string(),
         "give phynness train this database only, without SCENE; other commands need a scene that was solved");
-  if (physics_hash(scene) != header.physics_hash) {
-    // The node sets are selected on the mesh of the database, once it is known to be the scene's.
-    auto part = database_header(scene, header.mesh, header.sets);
-    part.software_version = header.software_version;
-    Database::open(file, part);
-    part.sets = resolve_selections(scene, header.mesh, header.sets.active);
-    database = Database::open(file, part);
-  }
-  check_mesh(scene, database.header().mesh_hash, file.string());
+  if (physics_hash(scene) != header.physics_hash)
+    require_same_rays(header, database_header(scene, header.mesh, header.sets), file);
+  check_mesh(scene, header.mesh_hash, file.string());
   return database;
 }
 

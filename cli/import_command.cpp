@@ -12,9 +12,7 @@ struct Options {
 };
 
 void run(const Options& options) {
-  install_stop_handler();
-  const auto report =
-      import_responses(options.file, options.output, tools_of, Progress("import", "nodes").counter(), stop_requested);
+  const auto report = import_responses(options.file, options.output, tools_of);
   print_result("{} rays up to {:.4g} m, {} left out, forces up to {:.4g} N -> {}, {}\n", report.rays,
                report.largest_displacement_m, report.missing_rays, report.largest_force_N, options.output.string(),
                bytes(std::filesystem::file_size(options.output)));

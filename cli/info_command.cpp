@@ -177,17 +177,9 @@ json about_database(const std::filesystem::path& file, bool failed) {
   if (!h.imported)
     print_result("cost      {} Newton iterations, {} of solving\n", summary.newton_iterations,
                  duration(summary.seconds));
-  if (!summary.ranges.empty()) print_result("of converged states:\n");
-  json quantities = json::object();
-  for (const auto& range : summary.ranges) {
-    if (h.imported && range.smallest == 0 && range.largest == 0) continue;  // not known
-    print_result("  {:<16} {:.4g} to {:.4g}{}\n", range.name, range.smallest, range.largest,
-                 range.unit == "1" ? "" : " " + range.unit);
-    quantities[range.name] = record("unit", range.unit, "smallest", range.smallest, "largest", range.largest);
-  }
   return record("kind", "database", "complete", true, "mesh_hash", h.mesh_hash, "physics_hash", h.physics_hash, "nodes",
                 h.mesh.n_nodes(), "worst_cells", worst, "active", h.sets.active, "fields", fields, "states", states,
-                "failed_rays", failed_rays, "crushed_rays", crushed_rays, "ends", ends, "quantities", quantities,
+                "failed_rays", failed_rays, "crushed_rays", crushed_rays, "ends", ends,
                 "newton_iterations", summary.newton_iterations, "unstable_states", summary.unstable_states);
 }
 

@@ -55,8 +55,8 @@ void declare_files(const Options& options) {
   declare_output("--output", options.output / "model", PathKind::model);
 }
 
-/// A new run replaces no file at all, a resumed one those of an earlier run, beside a database of its scene, of more
-/// nodes or increments, or of some of them. @return what it has of the scene's rays
+/// A new run replaces no file at all, a resumed one those of an earlier run, beside a database of its scene, or of some
+/// of its nodes or increments. @return what it has of the scene's rays
 /// @throws Error (input) before anything is written
 Coverage refuse_files_of_others(const Options& options) {
   const auto database = options.output / "database.h5", model = options.output / "model";
@@ -65,10 +65,8 @@ Coverage refuse_files_of_others(const Options& options) {
     const auto loaded = load_scene(options.scene, true, {}, database);
     const auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
     covered = coverage(read_database_header(database), header);
-    const bool complete = Database::is_complete(database);
-    if (covered == Coverage::other || (covered == Coverage::whole && !complete))
-      DatabaseWriter::check(database, header, true);
-    if (!complete) covered = Coverage::part;
+    if (covered == Coverage::other) DatabaseWriter::check(database, header, true);
+    if (!Database::is_complete(database)) covered = Coverage::part;
   }
   if (options.resume) {
     check_place("--output", model, PathKind::model);
@@ -166,11 +164,8 @@ void run(const Options& options) {
   std::vector<std::string> precompute{self,     "precompute",         scene, "-o", in("database.h5"),
                                       "--json", in("precompute.json")};
   if (options.resume) precompute.push_back("--resume");
-  RunStages finished(options.output, read, covered == Coverage::whole || covered == Coverage::same);
-  if (covered == Coverage::whole)
-    message("note: all rays of the scene are in {}, which is left as it is\n", in("database.h5"));
-  else
-    stages.push_back(stage("precompute", in("database.h5"), precompute, options.ranks));
+  RunStages finished(options.output, read, covered == Coverage::same);
+  stages.push_back(stage("precompute", in("database.h5"), precompute, options.ranks));
   finished.finished("precompute");
   std::vector<std::string> train{self, "train",     scene,    in("database.h5"),
                                  "-o", in("model"), "--json", in("train.json")};

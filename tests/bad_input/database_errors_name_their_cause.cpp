@@ -120,17 +120,5 @@ TEST_F(BadDatabase, begun_in_a_folder_that_is_missing_or_not_writable) {
   expect_contains(refusal([&] { DatabaseWriter::create(file, header, false); }), {"not writable", folder().c_str()});
 }
 
-TEST_F(BadDatabase, begun_without_anything_to_probe) {
-  for (int which = 0; which < 4; ++which) {
-    auto header = small_header(true);
-    if (which == 0) header.sets.active.clear();
-    if (which == 1) header.sets.output.clear();
-    if (which == 2) header.magnitudes_m.clear();
-    if (which == 3) header.sets.active = {2, 1};
-    refusal([&] { DatabaseWriter::create(file, header, false); });
-    EXPECT_FALSE(fs::exists(file));
-  }
-}
-
 }  // namespace
 }  // namespace phynness::test

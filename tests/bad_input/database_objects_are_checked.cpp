@@ -93,15 +93,6 @@ TEST_F(ForeignObjects, datasets_of_another_type) {
   H5Tclose(pair);
 }
 
-TEST_F(ForeignObjects, datasets_of_more_rows_than_a_file_may_have) {
-  constexpr hsize_t rows = 30'000'000;
-  for (const char* name : {"/mesh/nodes", "/directions"}) {
-    write_packed_again();
-    replace_dataset(name, H5T_IEEE_F64LE, {rows, 3});
-    expect_contains(open_error(), {name, std::to_string(rows).c_str()});
-  }
-}
-
 TEST_F(ForeignObjects, groups_that_are_datasets) {
   tamper([](hid_t id) {
     H5Ldelete(id, "/sets", H5P_DEFAULT);

@@ -64,17 +64,6 @@ TEST_F(DamagedLog, a_changed_byte_drops_its_record_only) {
     }
 }
 
-TEST_F(DamagedLog, a_log_of_an_older_version_is_refused_by_name) {
-  // What the first version wrote: its magic, the hashes, six sizes, the checksum of these bytes.
-  std::vector<char> older = whole;
-  older[7] = '1';
-  std::uint64_t sum = 0xcbf29ce484222325ULL;
-  for (std::size_t i = 0; i + 8 < opening; ++i) sum = (sum ^ static_cast<unsigned char>(older[i])) * 0x100000001b3ULL;
-  for (std::size_t i = 0; i < 8; ++i) older[opening - 8 + i] = static_cast<char>(sum >> (8 * i));
-  write_bytes(first_log(), older);
-  expect_contains(refusal([&] { DatabaseWriter::logged(file, header); }), {"rank-0000", "format version"});
-}
-
 TEST_F(DamagedLog, random_damage_never_changes_the_result) {
   constexpr unsigned seed = 20240611;
   RecordProperty("seed", static_cast<int>(seed));

@@ -213,8 +213,9 @@ TEST_F(Interruption, a_full_disk_is_an_error_and_leaves_whole_records) {
   }
   EXPECT_EQ(bytes_of(log / "rank-0000"), before);
   EXPECT_TRUE(database_progress(file).damage.empty());
-  for (std::size_t i = 1; i < rays.size(); ++i) writer.append(rays[i]);  // space again
-  writer.close();
+  DatabaseWriter again(file, header, 0);  // of a run with more room
+  for (std::size_t i = 1; i < rays.size(); ++i) again.append(rays[i]);
+  again.close();
   DatabaseWriter::pack(file, header);
   EXPECT_EQ(Database::open(file).rays(2)[6].force, rays.back().force);
 }

@@ -8,7 +8,6 @@
 #include "database_layout.hpp"
 #include "database_log.hpp"
 #include "database_scan.hpp"
-#include "database_study.hpp"
 
 namespace phynness {
 namespace layout = database_layout;
@@ -18,44 +17,13 @@ struct Database::Impl {
   hdf5::File file;
   DatabaseHeader header;
   std::vector<StoredColumn> columns = columns_of(header);
-  double farthest_m = largest_displacement(header.mesh);
-  std::optional<DatabaseHeader> whole = {};  ///< of the file, if `header` is that of a part of its nodes
 
-  std::vector<StoredColumn> columns_with(ColumnOf of) const { return columns_of(header, of); }
-
-  /// A column of `count` active nodes, one ray after the other.
-  template <class Value>
-  std::vector<Value> values(const StoredColumn& column, std::size_t first, std::size_t count) const {
-    const std::size_t n_directions = header.directions.size();
-    std::vector<Value> all(count * n_directions * column.count);
-    if (!whole) {
-      file.read_slab(column.path, first, count, all.data());
-      return all;
-    }
-    const auto position = [](const NodeList& nodes, std::int32_t node) {
-      return static_cast<std::size_t>(std::ranges::lower_bound(nodes, node) - nodes.begin());
-    };
-    const bool at_nodes = column.of == ColumnOf::output_node;
-    const std::size_t n_output = at_nodes ? header.sets.output.size() : 1,
-                      n_stored = at_nodes ? whole->sets.output.size() : 1,
-                      size = static_cast<std::size_t>(column.tensor),
-                      n = n_directions * column.count / n_output;  // values of a node, per output node
-    std::vector<Value> node(n * n_stored);
-    for (std::size_t i = 0; i < count; ++i) {
-      file.read_slab(column.path, position(whole->sets.active, header.sets.active[first + i]), 1, node.data());
-      for (std::size_t o = 0; o < n_output; ++o) {
-        const auto from = at_nodes ? position(whole->sets.output, header.sets.output[o]) : 0;
-        for (std::size_t k = 0; k < n / size; ++k)
-          std::copy_n(&node[(k * n_stored + from) * size], size, &all[((i * n / size + k) * n_output + o) * size]);
-      }
-    }
-    return all;
-  }
   /// Reads a column of `count` active nodes into rays that have room for it.
   void read(const StoredColumn& column, std::int32_t first, std::size_t count, std::span<Ray> rays) const {
     std::visit(
         [&](auto member) {
-          const auto all = values<ValueOf<decltype(member)>>(column, static_cast<std::size_t>(first), count);
+          std::vector<ValueOf<decltype(member)>> all(count * header.directions.size() * column.count);
+          file.read_slab(column.path, static_cast<std::size_t>(first), count, all.data());
           auto from = all.begin();
           for (Ray& ray : rays) {
             const auto to = values_of(ray, member);
@@ -74,15 +42,7 @@ struct Database::Impl {
     }
   }
 
-  /// @throws Error (input) if a number of these columns is impossible
-  void refuse_damaged(const Ray& ray, const std::vector<StoredColumn>& wanted, const std::string& whose) const {
-    const auto defect = ray_defect(ray, wanted, farthest_m);
-    if (!defect.empty())
-      throw input_error("the database " + file.path().string() + " has an impossible number in " + whose, defect,
-                        hdf5::damaged);
-  }
-
-  /// Some columns of all increments of the database as one ray, checked. @pre the first column is that of the outcomes
+  /// Some columns of all increments of the database as one ray.
   Ray all_increments(const std::vector<StoredColumn>& wanted) const {
     Ray all;
     const std::size_t n_active = header.sets.active.size();
@@ -90,7 +50,6 @@ struct Database::Impl {
       resize_values(all, column, n_active * header.directions.size() * column.count);
       read(column, 0, n_active, {&all, 1});
     }
-    refuse_damaged(all, wanted, "the list of all increments");
     return all;
   }
 };
@@ -115,15 +74,6 @@ Database Database::open(const std::filesystem::path& file) {
   return Database(std::move(impl));
 }
 
-Database Database::open(const std::filesystem::path& file, const DatabaseHeader& wanted) {
-  Database database = open(file);
-  auto& impl = *database._impl;
-  refuse_other_rays(impl.header, wanted, file);
-  impl.whole = std::exchange(impl.header, wanted);
-  impl.columns = columns_of(wanted);
-  return database;
-}
-
 const DatabaseHeader& Database::header() const { return _impl->header; }
 
 std::vector<Status> Database::statuses() const { return _impl->all_increments({_impl->columns.front()}).status; }
@@ -137,35 +87,12 @@ std::vector<Ray> Database::rays(std::int32_t active) const {
   for (std::size_t d = 0; d < header.directions.size(); ++d)
     rays.push_back(empty_ray(header, active, static_cast<std::int32_t>(d)));
   for (const auto& column : _impl->columns) _impl->read(column, active, 1, rays);
-  for (const Ray& ray : rays)
-    _impl->refuse_damaged(ray, _impl->columns,
-                          "node " + std::to_string(header.sets.active[static_cast<std::size_t>(active)]) +
-                              ", direction " + std::to_string(ray.direction));
   return rays;
 }
 
-namespace {
-
-/// Over the increments that converged.
-template <class T>
-ColumnRange range_of(const StoredColumn& column, std::span<const T> values, const std::vector<Status>& status) {
-  ColumnRange range{column.name, column.unit, std::numeric_limits<double>::infinity(),
-                    -std::numeric_limits<double>::infinity()};
-  const std::size_t per_increment = values.size() / status.size();
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (status[i / per_increment] != Status::converged) continue;
-    range.smallest = std::min(range.smallest, static_cast<double>(values[i]));
-    range.largest = std::max(range.largest, static_cast<double>(values[i]));
-  }
-  return range;
-}
-
-}  // namespace
-
 DatabaseSummary summarize(const Database& database) {
   const auto& impl = *database._impl;
-  const auto columns = impl.columns_with(ColumnOf::increment);
-  const Ray all = impl.all_increments(columns);
+  const Ray all = impl.all_increments(columns_of(impl.header, ColumnOf::increment));
 
   DatabaseSummary summary;
   double smallest = std::numeric_limits<double>::infinity();
@@ -186,30 +113,16 @@ DatabaseSummary summarize(const Database& database) {
     summary.rays += requested;
     summary.failed_rays += failed;
   }
-  if (!summary.states.count(Status::converged)) return summary;
-  summary.min_jacobian = smallest;
-  for (const auto& column : columns) {
-    if (column.kind == ColumnKind::code) continue;
-    std::visit(
-        [&](auto member) {
-          if constexpr (!std::is_enum_v<ValueOf<decltype(member)>>)
-            summary.ranges.push_back(range_of<ValueOf<decltype(member)>>(column, values_of(all, member), all.status));
-        },
-        column.member);
-  }
+  if (summary.states.contains(Status::converged)) summary.min_jacobian = smallest;
   return summary;
 }
 
 std::vector<RayEnd> Database::ends() const {
   const auto& header = _impl->header;
-  std::vector<RayEnd> ends;
-  const auto columns = _impl->columns_with(ColumnOf::ray);
   std::vector<Ray> rays(header.sets.active.size() * header.directions.size());
-  for (const auto& column : columns) _impl->read(column, 0, header.sets.active.size(), rays);
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    _impl->refuse_damaged(rays[i], columns, "ray " + std::to_string(i));
-    ends.push_back(rays[i].end);
-  }
+  for (const auto& column : columns_of(header, ColumnOf::ray)) _impl->read(column, 0, header.sets.active.size(), rays);
+  std::vector<RayEnd> ends;
+  for (const Ray& ray : rays) ends.push_back(ray.end);
   return ends;
 }
 

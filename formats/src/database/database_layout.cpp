@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <phynness/formats/error.hpp>
 #include <sstream>
 
@@ -26,19 +25,10 @@ void write_set(hdf5::File& file, const char* name, const std::vector<std::int32_
   write_array(file, name, {nodes.size()}, nodes.data(), "1", description);
 }
 
-/// Nodes, cells and other entries have 32-bit numbers, and no mesh that can be solved on has eleven million nodes. A
-/// file of a few kilobytes, or one with a hole in it, must not ask for all memory.
-void check_rows(const hdf5::File& file, const std::string& name, hsize_t rows, hsize_t bytes_per_row) {
-  constexpr hsize_t most_bytes = 256 << 20;
-  if (rows > static_cast<hsize_t>(std::numeric_limits<std::int32_t>::max()) || rows > most_bytes / bytes_per_row)
-    file.refuse(name + " has too many entries", std::to_string(rows));
-}
-
 template <class T>
 std::vector<T> read_list(const hdf5::File& file, const std::string& name) {
   auto shape = file.shape(name);
   shape.resize(1);
-  check_rows(file, name, shape[0], sizeof(T));
   return file.read<T>(name, shape);
 }
 
@@ -47,7 +37,6 @@ template <class T>
 std::vector<T> read_rows(const hdf5::File& file, const char* name, hsize_t columns, hsize_t& rows) {
   const auto shape = file.shape(name);
   rows = shape.empty() ? 0 : shape[0];
-  check_rows(file, name, rows, std::max<hsize_t>(1, columns) * sizeof(T));
   return file.read<T>(name, {rows, columns});
 }
 
@@ -215,7 +204,6 @@ DatabaseHeader read_header(const hdf5::File& file) {
     file.refuse("attribute displacement_precision is neither float32 nor float64", precision);
   header.float64 = precision == "float64";
   header.field_bits = file.read_int_attribute("/", "field_bits");
-  if (header.field_bits < 0) file.refuse("attribute field_bits is negative", std::to_string(header.field_bits));
   header.fields = fields_of(file.read_text_attribute("/", "fields"));
   header.scene_name = file.read_text_attribute("/", "scene_name");
   header.scene_folder = file.read_text_attribute("/", "scene_folder");
@@ -254,7 +242,6 @@ DatabaseHeader read_header(const hdf5::File& file) {
     throw input_error(
         "the mesh inside the database " + file.path().string() + " is not the mesh on which it was computed",
         "hash " + hash + " instead of " + header.mesh_hash, hdf5::damaged);
-  check_header(header, "the database " + file.path().string());
   return header;
 }
 

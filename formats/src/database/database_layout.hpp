@@ -42,16 +42,3 @@ hsize_t nodes_per_chunk(const DatabaseHeader& header);
 hdf5::Shape chunk_shape(const StoredColumn& column, const DatabaseHeader& header);
 
 }  // namespace phynness::database_layout
-
-namespace phynness {
-
-// database_checks.cpp
-
-/// @param where  start of the message: "the database FILE"
-/// @throws Error (input) with the first invalid dataset, entry and value
-void check_header(const DatabaseHeader& header, const std::string& where);
-
-/// Largest plausible displacement [m] of a point of the body: a hundred diagonals of its bounding box.
-double largest_displacement(const Mesh& mesh);
-
-}  // namespace phynness

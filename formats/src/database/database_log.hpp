@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <phynness/formats/database.hpp>
 #include <string>
@@ -19,6 +21,16 @@ inline constexpr std::array<char, 4> record_magic{'P', 'R', 'A', 'Y'};
 /// Bytes of magic and length before a payload; the checksum follows the payload.
 inline constexpr std::size_t prefix_bytes = record_magic.size() + sizeof(std::uint32_t);
 inline constexpr std::size_t checksum_bytes = sizeof(std::uint64_t);
+
+/// A number from the bytes of a log.
+template <class T>
+T value_at(const unsigned char* bytes) {
+  static_assert(std::endian::native == std::endian::little,
+                "databases and logs are little-endian; byte swaps for this host are not implemented");
+  T value;
+  std::memcpy(&value, bytes, sizeof(T));
+  return value;
+}
 
 /// What is the same for every record of a database.
 struct Layout {

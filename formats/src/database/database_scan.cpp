@@ -5,10 +5,15 @@
 #include <phynness/formats/hash.hpp>
 #include <string_view>
 
-#include "database_layout.hpp"
-
 namespace phynness::database_log {
 namespace {
+
+/// Fills `bytes` from an offset on. @return false if the file ends before
+bool read_at(std::ifstream& file, std::int64_t offset, std::vector<unsigned char>& bytes) {
+  file.clear();
+  file.seekg(offset).read(reinterpret_cast<char*>(bytes.data()), std::ssize(bytes));
+  return file.good();
+}
 
 /// Reads one log record by record.
 struct LogScan {
@@ -16,9 +21,8 @@ struct LogScan {
   std::int32_t number;
   const std::vector<unsigned char>& opening;
   const Layout& layout;
-  double farthest_m;
   Index& index;
-  Descriptor file = open_for_reading(path);
+  std::ifstream file{path, std::ios::binary};
   std::int64_t size = static_cast<std::int64_t>(std::filesystem::file_size(path));
   std::vector<unsigned char> record = std::vector<unsigned char>(layout.record_bytes());
 
@@ -32,7 +36,7 @@ struct LogScan {
   std::int64_t read_opening() {
     if (size == 0) return 0;
     std::vector<unsigned char> found(opening.size());
-    if (read_at(file, path, 0, found.data(), found.size()) < found.size()) {
+    if (!read_at(file, 0, found)) {
       index.damage.push_back({path, "torn opening", size});
       return size;
     }
@@ -44,18 +48,13 @@ struct LogScan {
       index.damage.push_back({path, "corrupted opening", size});
       return size;
     }
-    if (!std::equal(log_magic.begin(), log_magic.end(), found.begin()))
-      throw input_error(
-          "the log has a format version that this program cannot read", path.string(),
-          "finish the database with the phynness with which it was begun, or delete this log to solve its "
-          "rays again");
     throw input_error("the log belongs to another scene or mesh than the database", path.string(),
                       "use the scene with which it was begun, or delete this log to solve its rays again");
   }
 
   /// Adds the record at an offset. @return its defect, or nullptr
   const char* take(std::int64_t at) {
-    if (read_at(file, path, at, record.data(), record.size()) < record.size()) return "torn record";
+    if (!read_at(file, at, record)) return "torn record";
     const std::size_t checked = record.size() - checksum_bytes;
     if (!std::equal(record_magic.begin(), record_magic.end(), record.begin()) ||
         value_at<std::uint32_t>(record.data() + record_magic.size()) != layout.payload_bytes ||
@@ -65,8 +64,6 @@ struct LogScan {
     const auto direction = value_at<std::int32_t>(record.data() + prefix_bytes + sizeof(std::int32_t));
     if (active < 0 || active >= layout.n_active || direction < 0 || direction >= layout.n_directions)
       return "record of a ray that is not in the database";
-    if (!ray_defect(decode(record.data() + prefix_bytes, layout), layout.columns, farthest_m).empty())
-      return "record with impossible numbers";
     index.entries.push_back({active, direction, number, at + static_cast<std::int64_t>(prefix_bytes)});
     return nullptr;
   }
@@ -110,10 +107,9 @@ void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index
   ranks.together([&] {
     const auto opening = encode_opening(header);
     const Layout layout(header);
-    const double farthest_m = largest_displacement(header.mesh);
     const auto n_ranks = static_cast<std::size_t>(ranks.size);
     for (auto i = first + static_cast<std::size_t>(ranks.rank); i < index.logs.size(); i += n_ranks)
-      LogScan{index.logs[i], static_cast<std::int32_t>(i), opening, layout, farthest_m, found}.run();
+      LogScan{index.logs[i], static_cast<std::int32_t>(i), opening, layout, found}.run();
   });
   index.damage.insert(index.damage.end(), found.damage.begin(), found.damage.end());
   std::vector<std::int64_t> numbers;
@@ -136,9 +132,9 @@ Ray RayReader::read(const Entry& entry, std::optional<bool> of_output_nodes) {
     // Much less than the usual limit of a process, and enough that neighbouring rays use the same open files.
     constexpr std::size_t most_open = 64;
     if (_open.size() >= most_open) _open.clear();
-    file = _open.emplace(entry.log, open_for_reading(log)).first;
+    file = _open.emplace(entry.log, std::ifstream(log, std::ios::binary)).first;
   }
-  if (read_at(file->second, log, entry.offset, _payload.data(), _payload.size()) < _payload.size())
+  if (!read_at(file->second, entry.offset, _payload))
     throw failure("a log became shorter while it was packed", log.string(),
                   "make sure that only one process uses the database");
   return decode(_payload.data(), _layout, of_output_nodes);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <phynness/formats/database.hpp>
 #include <vector>
@@ -51,7 +52,7 @@ class RayReader {
   const Index& _index;
   Layout _layout;
   std::vector<unsigned char> _payload;
-  std::map<std::int32_t, Descriptor> _open;
+  std::map<std::int32_t, std::ifstream> _open;
 };
 
 }  // namespace phynness::database_log

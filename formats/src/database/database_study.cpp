@@ -25,15 +25,6 @@ std::map<std::string, std::string> summary_of(const Scene& scene) {
   return values;
 }
 
-/// False for a hash of a version that this program does not know: its scene then does not tell what was solved.
-bool is_understood(const DatabaseHeader& header) {
-  try {
-    return physics_hash(stored_scene(header)) == header.physics_hash;
-  } catch (const Error&) {
-    return false;
-  }
-}
-
 bool same_points_and_cells(const Mesh& a, const Mesh& b) {
   return a.nodes.rows() == b.nodes.rows() && a.cells.rows() == b.cells.rows() && a.cells.cols() == b.cells.cols() &&
          a.nodes == b.nodes && a.cells == b.cells;
@@ -53,7 +44,7 @@ bool begin_with(const std::vector<double>& deep, const std::vector<double>& shal
 /// Whether all directions of `then` are directions of `now`. A hemisphere lacks those that pull.
 bool has_directions(const DatabaseHeader& now, const DatabaseHeader& then) {
   const auto hemisphere = [](const DatabaseHeader& header) {
-    return is_understood(header) && stored_scene(header).probe.directions == Directions::hemisphere;
+    return stored_scene(header).probe.directions == Directions::hemisphere;
   };
   return std::ranges::all_of(then.directions,
                              [&](const Vec3& e) { return std::ranges::count(now.directions, e) > 0; }) &&
@@ -66,37 +57,23 @@ bool is_selection(const std::string& key) {
          key == "probe.max_displacement_m";
 }
 
-/// One line for each different key.
+/// One line for each different key, of selections only if they are wanted.
 std::string differing_keys(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, bool selections) {
-  const std::string hashes = "physics " + on_disk.physics_hash + " in the file, " + wanted.physics_hash + " now";
-  std::map<std::string, std::string> then, now;
-  try {
-    then = summary_of(stored_scene(on_disk));
-    now = summary_of(stored_scene(wanted));
-  } catch (const Error&) {
-    return hashes;
-  }
+  auto then = summary_of(stored_scene(on_disk)), now = summary_of(stored_scene(wanted));
   auto keys = then;
   keys.insert(now.begin(), now.end());
-  const auto value = [](const auto& values, const std::string& key) {
-    const auto found = values.find(key);
-    return found == values.end() ? std::string("absent") : found->second;
-  };
   std::string text;
   for (const auto& [key, ignored] : keys) {
-    const auto old_value = value(then, key), new_value = value(now, key);
-    if (old_value != new_value && (selections || !is_selection(key)))
-      text += "\n  " + key + ": " + old_value + " in the file, " + new_value + " now";
+    for (auto* values : {&then, &now}) values->try_emplace(key, "absent");
+    if (then[key] != now[key] && (selections || !is_selection(key)))
+      text += "\n  " + key + ": " + then[key] + " in the file, " + now[key] + " now";
   }
-  return text.empty() && selections ? hashes : text;
+  return text;
 }
 
 std::string count_of(const Mesh& mesh) {
   return std::to_string(mesh.n_nodes()) + " nodes, " + std::to_string(mesh.n_cells()) + " cells, ";
 }
-
-std::string text(int field_bits) { return field_bits > 0 ? std::to_string(field_bits) + " bits" : "every bit"; }
-std::string text(const std::vector<Field>& fields) { return fields.empty() ? "none" : names(fields, ", "); }
 
 }  // namespace
 
@@ -120,8 +97,7 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
                    both(on_disk.imported ? "imported" : "solved", wanted.imported ? "imported" : "solved"), true});
   else if (on_disk.physics_hash != wanted.physics_hash)
     all.push_back(
-        {"another physics", differing_keys(on_disk, wanted, true),
-         !is_understood(on_disk) || !is_understood(wanted) || !differing_keys(on_disk, wanted, false).empty()});
+        {other_physics, differing_keys(on_disk, wanted, true), !differing_keys(on_disk, wanted, false).empty()});
   if (on_disk.mesh_hash != wanted.mesh_hash || !same_points_and_cells(on_disk.mesh, wanted.mesh))
     all.push_back(
         {"another mesh",
@@ -142,28 +118,24 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
           [](bool stored) { return std::string(stored ? "true" : "false"); });
   compare(on_disk.float64, wanted.float64, "another [database] displacement_precision",
           [](bool float64) { return std::string(float64 ? "float64" : "float32"); });
-  if (const int then = on_disk.field_bits, now = wanted.field_bits; then != now)
-    all.push_back(
-        {"another [database] field_tolerance", both(text(then), text(now)), then > 0 && (now == 0 || now > then)});
+  compare(on_disk.field_bits, wanted.field_bits, "another [database] field_tolerance",
+          [](int bits) { return bits > 0 ? std::to_string(bits) + " bits" : std::string("every bit"); });
   compare(on_disk.fields, wanted.fields, "other [database] fields",
-          [](const std::vector<Field>& fields) { return text(fields); });
-  if (!is_understood(on_disk) || !is_understood(wanted)) return all;
+          [](const auto& fields) { return fields.empty() ? std::string("none") : names(fields, ", "); });
   return all;
 }
 
 void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file) {
   const auto all = differences(on_disk, wanted);
   if (all.empty()) return;
-  if (std::ranges::none_of(all, [](const auto& each) { return each.of_rays; }) &&
-      coverage(on_disk, wanted) == Coverage::other) {
+  if (std::ranges::none_of(all, &Difference::of_rays) && coverage(on_disk, wanted) == Coverage::other) {
     const auto lost = std::ranges::find_if(all, [](const auto& each) { return each.what != other_physics; });
     throw input_error("the database " + file.string() + " has " + lost->what + ", whose rays would be lost",
                       lost->values, "select these nodes, too, or write to another file");
   }
-  const auto& first = all.front();
   const bool physics = on_disk.physics_hash != wanted.physics_hash;
   throw input_error(
-      "the database " + file.string() + " has " + first.what, first.values,
+      "the database " + file.string() + " has " + all.front().what, all.front().values,
       !physics && on_disk.mesh_hash != wanted.mesh_hash
           ? "use the mesh with which it was begun (a new mesh of the same body is another mesh), or write to another "
             "file"
@@ -173,26 +145,19 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
 Coverage coverage(const DatabaseHeader& on_disk, const DatabaseHeader& wanted) {
   const auto all = differences(on_disk, wanted);
   if (all.empty()) return Coverage::same;
-  if (std::ranges::any_of(all, [](const auto& each) { return each.of_rays; })) return Coverage::other;
-  const auto has = [](const NodeList& more, const NodeList& less) { return std::ranges::includes(more, less); };
-  if (on_disk.directions == wanted.directions && has_directions(on_disk, wanted) &&
-      on_disk.magnitudes_m.size() == wanted.magnitudes_m.size() && has(on_disk.sets.active, wanted.sets.active) &&
-      has(on_disk.sets.output, wanted.sets.output))
-    return Coverage::whole;
-  return has(wanted.sets.active, on_disk.sets.active) && on_disk.sets.output == wanted.sets.output ? Coverage::part
-                                                                                                   : Coverage::other;
+  const bool grows = std::ranges::none_of(all, &Difference::of_rays) &&
+                     std::ranges::includes(wanted.sets.active, on_disk.sets.active) &&
+                     on_disk.sets.output == wanted.sets.output;
+  return grows ? Coverage::part : Coverage::other;
 }
 
-void refuse_other_rays(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file) {
-  const auto covered = coverage(on_disk, wanted);
-  if (covered == Coverage::same || covered == Coverage::whole) return;
+void require_same_rays(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file) {
   std::string reasons;
-  for (const auto& difference : differences(on_disk, wanted)) {
-    const auto keys = difference.what == other_physics ? differing_keys(on_disk, wanted, false) : std::string();
-    reasons += keys.empty() ? "\n  " + difference.what + ": " + difference.values : keys;
-  }
-  throw input_error("the database " + file.string() + " does not have all rays of the scene", reasons,
-                    covered == Coverage::part
+  for (const auto& difference : differences(on_disk, wanted))
+    reasons += "\n  " + difference.what + ": " + difference.values;
+  if (reasons.empty()) return;
+  throw input_error("the database " + file.string() + " does not have all rays of the scene, or has others", reasons,
+                    coverage(on_disk, wanted) == Coverage::part
                         ? "solve what is missing with: phynness precompute SCENE -o " + file.string() + " --resume"
                         : "solve the scene into a database of its own");
 }

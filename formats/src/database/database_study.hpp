@@ -20,7 +20,4 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
 /// @throws Error (input) with the first difference
 void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file);
 
-/// @throws Error (input) with all differences unless the file has all rays of `wanted`: Coverage::same or whole
-void refuse_other_rays(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file);
-
 }  // namespace phynness

@@ -47,12 +47,9 @@ bool DatabaseWriter::refuse_begun(const fs::path& file, bool resume) {
 
 void DatabaseWriter::check(const fs::path& file, const DatabaseHeader& given, bool resume) {
   const DatabaseHeader header = with_hashes(given);
-  check_header(header, "the database");
   check_folder_of(file);
   if (!refuse_begun(file, resume)) return;
-  const auto on_disk = read_database_header(file);
-  if (coverage(on_disk, header) == Coverage::whole && Database::is_complete(file)) return;
-  refuse_other_work(on_disk, header, file);
+  refuse_other_work(read_database_header(file), header, file);
 }
 
 void DatabaseWriter::create(const fs::path& file, const DatabaseHeader& given, bool resume, int part) {
@@ -123,8 +120,8 @@ DatabaseWriter::DatabaseWriter(const fs::path& file, const DatabaseHeader& given
   const std::string stem = (dl::folder(file) / ("rank-" + digits)).string();
   fs::path log = stem;
   for (int again = 1; fs::exists(log); ++again) log = stem + "-" + std::to_string(again);
-  _impl = std::make_unique<Impl>(Impl{AppendFile::create(log), dl::Layout(header), dl::encode_opening(header),
-                                      header.magnitudes_m, header.field_bits});
+  _impl = std::make_unique<Impl>(
+      Impl{AppendFile(log), dl::Layout(header), dl::encode_opening(header), header.magnitudes_m, header.field_bits});
   _impl->log.append(_impl->opening.data(), _impl->opening.size());
 }
 DatabaseWriter::~DatabaseWriter() = default;

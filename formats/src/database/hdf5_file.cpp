@@ -52,7 +52,6 @@ File File::create(const std::filesystem::path& path, std::uint64_t bytes) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   std::error_code none;
   std::filesystem::remove(path, none);  // what another run has left
-  AppendFile::create(path).close();
   reserve_room(path, 0, bytes + margin_bytes);
   File file({}, path, true);
   // Unlike older formats, the 1.10 format has checksums of all metadata; fletcher32 protects the data.

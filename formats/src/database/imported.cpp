@@ -10,7 +10,6 @@
 #include <phynness/formats/printable.hpp>
 #include <phynness/formats/version.hpp>
 
-#include "database_layout.hpp"
 #include "database_log.hpp"
 #include "hdf5_file.hpp"
 
@@ -120,6 +119,23 @@ std::string scene_text(const std::string& title, double tool_radius_m, double de
          "\nmax_displacement_m = " + number(depth_m) + "\n";
 }
 
+/// @throws Error (input) unless there are probes, with ascending nodes and magnitudes
+void check_probes(const DatabaseHeader& header) {
+  const auto refuse = [](const std::string& what, const std::string& value) {
+    throw input_error(what, value, layout_remedy);
+  };
+  for (const auto& [name, nodes] :
+       {std::pair{"/touched", &header.sets.active}, {"/fixed", &header.sets.fixed}, {"/output", &header.sets.output}})
+    if (!std::ranges::is_sorted(*nodes, std::less_equal())) refuse(std::string(name) + " must ascend", "");
+  if (header.sets.active.empty()) refuse("/touched has no point", "");
+  for (const Vec3& e : header.directions)
+    if (!(std::abs(to_eigen(e).norm() - 1) < 1e-9)) refuse("/directions must be vectors of a length", "");
+  const auto& magnitudes = header.magnitudes_m;
+  if (header.directions.empty() || magnitudes.empty() || !(magnitudes[0] > 0) || !std::isfinite(magnitudes.back()) ||
+      !std::ranges::is_sorted(magnitudes, std::less_equal()))
+    refuse("/directions and /magnitudes must have entries, and magnitudes be positive and ascend", "");
+}
+
 void read_probes(Given& given, const std::string& source, const ToolsOf& tools_of) {
   auto& header = given.header;
   header.imported = true;
@@ -145,7 +161,7 @@ void read_probes(Given& given, const std::string& source, const ToolsOf& tools_o
   header.mesh_hash = mesh_hash(header.mesh);
   header.physics_hash = hash_of("imported");  // replaced below
   header.sets.tools = single_nodes(header.sets.active);
-  check_header(header, "the database");
+  check_probes(header);
   if (given.tool_radius_m > 0)
     header.sets.tools = tools_of(header.mesh, header.sets.fixed, header.sets.active, given.tool_radius_m);
   const hsize_t a = header.sets.active.size(), d = header.directions.size(), i = header.magnitudes_m.size();
@@ -231,18 +247,15 @@ Ray ray_of(const Given& given, std::size_t number, const double* displacements) 
   return ray;
 }
 
-void write(const Given& given, const fs::path& database,
-           const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop) {
+void write(const Given& given, const fs::path& database) {
   const auto& header = given.header;
   const auto n_directions = header.directions.size(), of_ray = 3 * given.increments() * header.sets.output.size();
   std::vector<double> displacements(n_directions * of_ray);
   DatabaseWriter writer(database, header, 0);
   for (std::size_t a = 0; a < header.sets.active.size(); ++a) {
-    if (stop && stop()) throw failure("the import was interrupted", database.string(), "run it again");
     if (of_ray > 0) given.file.read_slab("/output_displacements", a, 1, displacements.data());
     for (std::size_t d = 0; d < n_directions; ++d)
       writer.append(ray_of(given, a * n_directions + d, displacements.data() + d * of_ray));
-    if (progress) progress(static_cast<std::int64_t>(a) + 1, std::ssize(header.sets.active));
   }
   writer.close();
   DatabaseWriter::pack(database, header);
@@ -257,9 +270,7 @@ void write(const Given& given, const fs::path& database,
 
 }  // namespace
 
-ImportReport import_responses(const fs::path& file, const fs::path& database, const ToolsOf& tools_of,
-                              const std::function<void(std::int64_t, std::int64_t)>& progress,
-                              const std::function<bool()>& stop) {
+ImportReport import_responses(const fs::path& file, const fs::path& database, const ToolsOf& tools_of) {
   DatabaseWriter::refuse_begun(database, false);
   ImportReport report;
   std::optional<Given> given;
@@ -274,7 +285,7 @@ ImportReport import_responses(const fs::path& file, const fs::path& database, co
   report.largest_displacement_m = given->header.magnitudes_m.back();
   DatabaseWriter::create(database, given->header, false);
   try {
-    write(*given, database, progress, stop);
+    write(*given, database);
   } catch (...) {
     std::error_code code;
     fs::remove(database, code);

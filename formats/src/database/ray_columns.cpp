@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
 #include <numeric>
-#include <phynness/formats/printable.hpp>
 
 namespace phynness {
 namespace {
@@ -22,12 +20,10 @@ void resize(Ray& ray, RayColumn::FieldIndex field, std::size_t count) {
   ray.fields[field.index].resize(count);
 }
 
-constexpr const char* unknown = "unknown";
-
 template <class Code, std::size_t n>
 CodeRow<Code> row_of(const CodeRow<Code> (&rows)[n], Code code) {
   const auto found = std::find_if(rows, rows + n, [code](const auto& row) { return row.code == code; });
-  return found == rows + n ? CodeRow<Code>{code, unknown, unknown} : *found;
+  return found == rows + n ? CodeRow<Code>{code, "unknown", "unknown"} : *found;
 }
 
 StoredColumn stored(const RayColumn& column, const DatabaseHeader& header, const char* folder) {
@@ -76,7 +72,6 @@ RayColumn field_column(Field field, std::size_t index) {
           name(field),
           ColumnOf::output_node,
           Tensor::scalar,
-          ColumnKind::measure,
           unit(field),
           description(field),
           false,
@@ -95,66 +90,6 @@ Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t di
   std::fill(ray.status.begin(), ray.status.end(), Status::not_requested);
   ray.end.reason = EndReason::not_requested;
   return ray;
-}
-
-namespace {
-
-/// Whether values are within the bounds of a column's kind.
-struct Possible {
-  double least, most;
-
-  Possible(ColumnKind kind, double farthest_m)
-      : most(kind == ColumnKind::displacement ? farthest_m : std::numeric_limits<double>::max()) {
-    least = kind == ColumnKind::count ? 0 : -most;
-  }
-  template <class T>
-  bool operator()(T value) const {
-    if constexpr (std::is_enum_v<T>)
-      return name(value) != unknown;
-    else
-      return static_cast<double>(value) >= least && static_cast<double>(value) <= most;
-  }
-};
-
-template <class T>
-std::string tell(const StoredColumn& column, std::size_t increment, T value) {
-  std::string number;
-  if constexpr (std::is_enum_v<T>)
-    number = std::to_string(static_cast<int>(value));
-  else
-    number = number_text(value);
-  const bool of_ray = column.of == ColumnOf::ray;
-  return column.path + (of_ray ? "" : ", increment " + std::to_string(increment) + ",") + " is " + number;
-}
-
-template <class T>
-std::string defect(const StoredColumn& column, std::span<const T> values, const std::vector<Status>& status,
-                   double farthest_m) {
-  const Possible is_possible(column.kind, farthest_m);
-  const bool is_measure = column.kind == ColumnKind::measure || column.kind == ColumnKind::displacement;
-  const std::size_t increments = column.of == ColumnOf::ray ? 1 : status.size();
-  const std::size_t per_increment = values.size() / increments;
-  for (std::size_t i = 0; i < increments; ++i) {
-    if (is_measure && column.of != ColumnOf::ray && status[i] != Status::converged) continue;
-    const auto part = values.subspan(i * per_increment, per_increment);
-    const auto found = std::find_if_not(part.begin(), part.end(), is_possible);
-    if (found != part.end()) return tell(column, i, *found);
-  }
-  return "";
-}
-
-}  // namespace
-
-std::string ray_defect(const Ray& ray, const std::vector<StoredColumn>& columns, double farthest_m) {
-  for (const auto& column : columns) {
-    auto found = std::visit(
-        [&](auto member) {
-          return defect<ValueOf<decltype(member)>>(column, values_of(ray, member), ray.status, farthest_m);
-        },
-        column.member);
-    if (!found.empty()) return found;
-  }
-  return "";
 }
 
 }  // namespace phynness

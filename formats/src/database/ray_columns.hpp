@@ -47,11 +47,4 @@ using ValueOf = typename decltype(values_of(std::declval<Ray&>(), Member{}))::va
 /// Makes room for `count` values of a column; those that are added are zero, and the end of the ray becomes zero.
 void resize_values(Ray& ray, const RayColumn& column, std::size_t count);
 
-/// The first impossible number of some columns (ColumnKind), for example "/responses/seconds, increment 17, is nan";
-/// empty if all are possible.
-/// @param ray         also all increments of a database as one ray
-/// @param farthest_m  bound of displacements (database_layout.hpp)
-/// @pre the columns have values; that of the outcomes comes first, or all have one value per ray
-std::string ray_defect(const Ray& ray, const std::vector<StoredColumn>& columns, double farthest_m);
-
 }  // namespace phynness

@@ -57,12 +57,6 @@ DatabaseHeader database_header(const Scene& scene, const Mesh& mesh, const NodeS
 /// Size of the record of a ray in a log. A finished database has about five sixths of it for each ray.
 double record_bytes(const DatabaseHeader& header);
 
-/// Smallest and largest number of a column in the increments that converged.
-struct ColumnRange {
-  std::string name, unit;
-  double smallest = 0, largest = 0;
-};
-
 /// Figures of a finished database.
 struct DatabaseSummary {
   std::map<Status, std::int64_t> states;  ///< increments per outcome; outcomes that do not occur are absent
@@ -72,7 +66,6 @@ struct DatabaseSummary {
   std::int64_t unstable_states = 0;  ///< converged with a negative pivot: the result may depend on the path
   double seconds = 0;                ///< CPU time of all solves
   double min_jacobian = 0;           ///< smallest J over all converged states; 0 if there is none
-  std::vector<ColumnRange> ranges;   ///< of the columns with numbers of increments; empty if no state converged
 };
 
 /// Where the rays of a database end. Its shares of the probe volume are those of trained_share() in validation.
@@ -94,9 +87,6 @@ class Database {
   /// @throws Error (input) if the file is not a database, of another version, damaged, or unfinished; the remedy of an
   /// unfinished database is --resume
   static Database open(const std::filesystem::path& file);
-  /// The same file, seen as the database of a study with some of its active and output nodes. header() is `wanted`.
-  /// @throws Error (input) also with all differences unless coverage() is `same` or `whole`
-  static Database open(const std::filesystem::path& file, const DatabaseHeader& wanted);
   /// True if all rays have been packed into the file.
   static bool is_complete(const std::filesystem::path& file);
 
@@ -143,12 +133,13 @@ DatabaseProgress database_progress(const std::filesystem::path& file);
 
 /// What a database has of the rays of a study.
 enum class Coverage {
-  same,   ///< it is that of the study
-  whole,  ///< all, and perhaps of more active nodes, at more output nodes
-  part,   ///< of the same physics those of some of its active nodes and directions, or to a smaller depth, no others
-  other   ///< others, or some of both
+  same,  ///< all
+  part,  ///< of the same physics those of some of its active nodes and directions, or to a smaller depth, no others
+  other  ///< others, or some of both
 };
 Coverage coverage(const DatabaseHeader& on_disk, const DatabaseHeader& wanted);
+/// @throws Error (input) with all differences unless the database has the rays of the study, Coverage::same
+void require_same_rays(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file);
 
 /// The header of a finished or unfinished database.
 /// @throws Error (input) if the file is not a database, of another version, or damaged

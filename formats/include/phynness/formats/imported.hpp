@@ -20,12 +20,8 @@ using ToolsOf =
     std::function<std::vector<TouchedNodes>(const Mesh& mesh, const NodeList& fixed, const NodeList& nodes, double)>;
 
 /// Checks a file of responses and writes a finished database. Only the forces and energies are held in memory.
-/// @param progress  called with the numbers of written and of all touched nodes
-/// @param stop      polled; true ends with a failure, and nothing is written
 /// @throws Error (input) for what formats/imported.md lists; (failure) if it cannot be written
 ImportReport import_responses(const std::filesystem::path& file, const std::filesystem::path& database,
-                              const ToolsOf& tools_of,
-                              const std::function<void(std::int64_t, std::int64_t)>& progress = {},
-                              const std::function<bool()>& stop = {});
+                              const ToolsOf& tools_of);
 
 }  // namespace phynness

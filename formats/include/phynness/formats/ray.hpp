@@ -96,14 +96,6 @@ struct Ray {
 enum class ColumnOf { ray, increment, output_node };
 /// Components of such a value.
 enum class Tensor { scalar = 1, vector = 3, matrix = 9 };
-/// Which numbers a column can hold. Measures are checked where the increment converged, all others everywhere.
-enum class ColumnKind {
-  code,          ///< a value of its enumeration
-  count,         ///< not negative
-  measure,       ///< finite
-  displacement,  ///< a measure of at most 100 diagonals of the body
-};
-
 /// One column of the record of a ray.
 struct RayColumn {
   struct FieldIndex {
@@ -116,7 +108,6 @@ struct RayColumn {
   const char* name;  ///< of the dataset in /responses
   ColumnOf of;
   Tensor tensor;
-  ColumnKind kind;
   const char* unit;
   const char* description;
   bool with_tangents = false;  ///< only in databases with tangents
@@ -125,32 +116,30 @@ struct RayColumn {
 
 /// All columns but the fields, in the order of the file. Logs have the same order, after those with one value per ray.
 inline constexpr RayColumn ray_columns[] = {
-    {&Ray::status, "status", ColumnOf::increment, Tensor::scalar, ColumnKind::code, "1",
+    {&Ray::status, "status", ColumnOf::increment, Tensor::scalar, "1",
      "outcome of each increment; see flag_values and flag_meanings"},
-    {&Ray::force, "force", ColumnOf::increment, Tensor::vector, ColumnKind::measure, "N",
+    {&Ray::force, "force", ColumnOf::increment, Tensor::vector, "N",
      "force that must be applied at the probe to hold the displacement"},
-    {&Ray::energy, "energy", ColumnOf::increment, Tensor::scalar, ColumnKind::measure, "J", "stored strain energy"},
-    {&Ray::tangent, "tangent", ColumnOf::increment, Tensor::matrix, ColumnKind::measure, "N/m",
+    {&Ray::energy, "energy", ColumnOf::increment, Tensor::scalar, "J", "stored strain energy"},
+    {&Ray::tangent, "tangent", ColumnOf::increment, Tensor::matrix, "N/m",
      "condensed tangent dF/dd, row F and column d", true},
-    {&Ray::negative_pivots, "negative_pivots", ColumnOf::increment, Tensor::scalar, ColumnKind::count, "1",
+    {&Ray::negative_pivots, "negative_pivots", ColumnOf::increment, Tensor::scalar, "1",
      "negative pivots of the tangent beyond those of the pressure; 0 is stable"},
-    {&Ray::iterations, "iterations", ColumnOf::increment, Tensor::scalar, ColumnKind::count, "1",
+    {&Ray::iterations, "iterations", ColumnOf::increment, Tensor::scalar, "1",
      "Newton iterations, those of cut-back attempts included"},
-    {&Ray::cutbacks, "cutbacks", ColumnOf::increment, Tensor::scalar, ColumnKind::count, "1",
-     "times the step was halved"},
-    {&Ray::min_jacobian, "min_jacobian", ColumnOf::increment, Tensor::scalar, ColumnKind::measure, "1",
+    {&Ray::cutbacks, "cutbacks", ColumnOf::increment, Tensor::scalar, "1", "times the step was halved"},
+    {&Ray::min_jacobian, "min_jacobian", ColumnOf::increment, Tensor::scalar, "1",
      "smallest J over all quadrature points"},
-    {&Ray::seconds, "seconds", ColumnOf::increment, Tensor::scalar, ColumnKind::count, "s", "CPU time"},
-    {&RayEnd::reason, "end_reason", ColumnOf::ray, Tensor::scalar, ColumnKind::code, "1",
+    {&Ray::seconds, "seconds", ColumnOf::increment, Tensor::scalar, "s", "CPU time"},
+    {&RayEnd::reason, "end_reason", ColumnOf::ray, Tensor::scalar, "1",
      "why each ray ends where it ends; see flag_values and flag_meanings"},
-    {&RayEnd::depth_m, "end_depth", ColumnOf::ray, Tensor::scalar, ColumnKind::count, "m",
-     "depth up to which each ray is followed"},
-    {&RayEnd::fold_depth_m, "fold_depth", ColumnOf::ray, Tensor::scalar, ColumnKind::count, "m",
+    {&RayEnd::depth_m, "end_depth", ColumnOf::ray, Tensor::scalar, "m", "depth up to which each ray is followed"},
+    {&RayEnd::fold_depth_m, "fold_depth", ColumnOf::ray, Tensor::scalar, "m",
      "smallest depth at which a state beyond the first fold was found; 0 without a fold"},
-    {&RayEnd::energy_lost_J, "energy_lost", ColumnOf::ray, Tensor::scalar, ColumnKind::measure, "J",
+    {&RayEnd::energy_lost_J, "energy_lost", ColumnOf::ray, Tensor::scalar, "J",
      "work of the force minus change of the stored energy at the first fold; 0 without a fold"},
-    {&Ray::displacement, "displacement", ColumnOf::output_node, Tensor::vector, ColumnKind::displacement, "m",
-     "displacement of the output nodes", false, true},
+    {&Ray::displacement, "displacement", ColumnOf::output_node, Tensor::vector, "m", "displacement of the output nodes",
+     false, true},
 };
 
 }  // namespace phynness
