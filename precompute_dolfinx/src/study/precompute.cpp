@@ -77,13 +77,9 @@ void sum_shares(const SolverSession& session, const Share& share, double core_se
 /// Of a file that this run has not packed.
 RayCounts count_finished(const std::filesystem::path& file) {
   const auto database = Database::open(file);
-  const auto statuses = database.statuses();
-  std::vector<std::int32_t> iterations(statuses.size());
-  database.read("iterations", 0, database.header().sets.active.size(), iterations.data());
-  const auto n = database.header().magnitudes_m.size();
   RayCounts finished;
-  for (std::size_t ray = 0; ray * n < statuses.size(); ++ray)
-    count({&statuses[ray * n], n}, {&iterations[ray * n], n}, finished);
+  for (std::int32_t node = 0; node < static_cast<std::int32_t>(database.header().sets.active.size()); ++node)
+    for (const Ray& ray : database.rays(node)) count(ray.status, ray.iterations, finished);
   return finished;
 }
 
