@@ -15,21 +15,9 @@ struct Options {
   std::optional<double> seconds;
   std::optional<std::string> max_error;
   DiscretizationOptions check;
-  std::string reference = "both";
+  std::optional<std::string> reference;
   OptionalPath json_file;
 };
-
-/// Those that are asked for.
-std::vector<Variant> references(const Options& options) {
-  if (options.check.reference) return {*options.check.reference};
-  return {Variant::taylor_hood, Variant::half_size};
-}
-
-std::string in_words(const Scene& scene, const DiscretizationReport& report, Variant v) {
-  if (v == Variant::taylor_hood) return "taylor-hood elements on the same mesh";
-  return fmt::format("{} elements of half the size ({} nodes instead of {})", name(scene.solver.element),
-                     report.cost(v).n_nodes, report.cost(Variant::scene).n_nodes);
-}
 
 /// The limit that --seconds needs for all probes, rounded up to two digits.
 std::string sufficient_limit(const DiscretizationReport& report) {
@@ -38,55 +26,20 @@ std::string sufficient_limit(const DiscretizationReport& report) {
   return fmt::format("--seconds {:.0f}", std::ceil(unit * std::ceil(seconds / unit)));
 }
 
-void print_left_out(const DiscretizationReport& report, Variant v) {
-  const auto& cost = report.cost(v);
-  if (!cost.possible) {
-    print_result("  not compared: {}\n", cost.left_out);
-  } else if (!cost.left_out.empty()) {
-    print_result("  {} for their time: about {} are predicted for each; {} would be enough for all\n",
-                 std::ranges::any_of(report.probes, [&](const auto& probe) { return !probe.of(v).status.empty(); })
-                     ? "further probes were left out"
-                     : "no probe was compared",
-                 duration(cost.predicted_s), sufficient_limit(report));
-  }
-}
-
-std::string place_of(const CheckedProbe& probe) {
-  const auto& d = probe.direction;
-  return fmt::format("  node {}, direction {:.3g} {:.3g} {:.3g}", probe.node, d[0], d[1], d[2]);
-}
-
-/// Prints the probes that failed before the largest displacement, with the reason. @return whether there are any
-bool print_failed(const DiscretizationReport& report, Variant v) {
-  bool any = false;
+/// Prints the probes that failed before the largest displacement, with the reason.
+void print_failed(const DiscretizationReport& report, const char* solution, VariantForces CheckedProbe::*of) {
   for (const auto& probe : report.probes) {
-    const auto& forces = probe.of(v);
+    const auto& forces = probe.*of;
     std::size_t i = 0;
     while (i < forces.status.size() && forces.converged(i)) ++i;
     if (i == forces.status.size()) continue;
-    print_result("{}: failed from |d| = {:.4g} mm on ({})\n", place_of(probe), 1e3 * report.depth_m[i],
-                 name(forces.status[i]));
-    any = true;
+    const auto& d = probe.direction;
+    print_result("  node {}, direction {:.3g} {:.3g} {:.3g}: the {} failed from |d| = {:.4g} mm on ({})\n", probe.node,
+                 d[0], d[1], d[2], solution, 1e3 * report.depth_m[i], name(forces.status[i]));
   }
-  return any;
 }
 
-void print_comparison(const Scene& scene, const DiscretizationReport& report, Variant v) {
-  print_result("forces against {}\n", in_words(scene, report, v));
-  for (std::size_t i = 0; i < report.depth_m.size(); ++i) {
-    const auto ratios = report.ratios(v, i);
-    if (ratios.n == 0) continue;
-    print_result("  |d| = {:6.4g} mm  {:24} {:.3g} times in the median of {} probe{}, {:.3g} to {:.3g}\n",
-                 1e3 * report.depth_m[i], ratio_in_words(ratios.median), ratios.median, ratios.n,
-                 ratios.n == 1 ? "" : "s", ratios.min, ratios.max);
-  }
-  if (const auto distance = report.distance(scene, v); distance.probes > 0)
-    print_result("  forces are {}\n", distance.sentence());
-  print_failed(report, v);
-  print_left_out(report, v);
-}
-
-void print(const Options& options, const Scene& scene, const DiscretizationReport& report) {
+void print(const Scene& scene, const DiscretizationReport& report) {
   print_result("{} ({}), {}, K/mu = {:.4g}: {} probes, patch radius {:.4g} mm ({:.1f} edges), |d| to {:.4g} mm\n",
                scene.title.empty() ? "scene" : scene.title, name(scene.material.law), name(scene.solver.element),
                scene.material.bulk_to_shear(), report.probes.size(), 1e3 * report.tool_radius_m, report.tool_edges,
@@ -96,47 +49,42 @@ void print(const Options& options, const Scene& scene, const DiscretizationRepor
         "note: the scene displaces single nodes, whose force depends on element and mesh even without locking; "
         "patches of {:.4g} mm are compared instead\n",
         1e3 * report.tool_radius_m);
-  if (print_failed(report, Variant::scene)) print_result("  these are probes of the scene itself\n");
-  if (report.chosen > 0)
-    message("note: {} of {} probes are compared, which the time of the first allows in {}\n", report.chosen,
-            options.check.probes, duration(options.check.seconds));
-  for (const auto v : references(options)) print_comparison(scene, report, v);
+  for (std::size_t i = 0; i < report.depth_m.size(); ++i) {
+    const auto ratios = report.ratios(i);
+    if (ratios.n == 0) continue;
+    print_result("  |d| = {:6.4g} mm  {:24} {:.3g} times in the median of {} probe{}, {:.3g} to {:.3g}\n",
+                 1e3 * report.depth_m[i], ratio_in_words(ratios.median), ratios.median, ratios.n,
+                 ratios.n == 1 ? "" : "s", ratios.min, ratios.max);
+  }
+  if (const auto distance = report.distance(scene); distance.probes > 0)
+    print_result("  forces are {}\n", distance.sentence());
+  print_failed(report, "scene", &CheckedProbe::own);
+  print_failed(report, "finer solution", &CheckedProbe::finer);
+  if (report.left_out > 0)
+    print_result("  {} probes were left out for their time; {} would be enough for all\n", report.left_out,
+                 sufficient_limit(report));
   print_result("{}\n", duration(report.seconds));
 }
 
-/// The distance that is named with a model.
-FinerDistance distance(const Options& options, const Scene& scene, const DiscretizationReport& report) {
-  return report.distance(scene, options.check.reference.value_or(finer_reference(scene)));
-}
-
-json as_json(const Options& options, const LoadedScene& loaded, const DiscretizationReport& report) {
+json as_json(const LoadedScene& loaded, const DiscretizationReport& report) {
   const Scene& scene = loaded.scene;
   Scene checked = scene;
   checked.probe.kind = ProbeKind::patch;
   const double expected = expected_force_ratio(checked, report.mean_edge_m);
-  json out =
-      record("element", name(scene.solver.element), "bulk_to_shear", scene.material.bulk_to_shear(), "expected_ratio",
-             expected > 1 ? json(expected) : json(nullptr), "mesh_hash", mesh_hash(loaded.mesh), "physics_hash",
-             physics_hash(scene), "distance", distance(options, scene, report));
+  json out = record("element", name(scene.solver.element), "bulk_to_shear", scene.material.bulk_to_shear(),
+                    "expected_ratio", expected > 1 ? json(expected) : json(nullptr), "mesh_hash",
+                    mesh_hash(loaded.mesh), "physics_hash", physics_hash(scene), "distance", report.distance(scene));
   out.update(figures(report));
   return out;
 }
 
 /// @throws Error (failure) if some requested figures are missing
-void refuse_nothing(const Options& options, const DiscretizationReport& report) {
+void refuse_nothing(const Options& options, const Scene& scene, const DiscretizationReport& report) {
   if (report.interrupted)
     throw failure("check was interrupted; the figures above are those of the finished part",
                   fmt::format("{} of {} probes", report.probes.size(), options.check.probes), "run it again");
-  if (report.probes.empty())
-    throw failure("not one probe of the scene was solved in the given time",
-                  fmt::format("--seconds {:g}", options.check.seconds),
-                  fmt::format("allow {}, or use a coarser mesh", sufficient_limit(report)));
-  std::int64_t compared = 0;
-  const auto compared_with = references(options);
-  for (const auto v : compared_with)
-    for (std::size_t i = 0; i < report.depth_m.size(); ++i) compared += report.ratios(v, i).n;
-  if (compared > 0) return;
-  if (std::ranges::none_of(compared_with, [&](Variant v) { return report.cost(v).left_out == "time"; }))
+  if (report.distance(scene).probes > 0) return;
+  if (report.left_out == 0)
     throw failure("nothing could be compared", "all solves failed", "reduce max_displacement_m");
   throw failure("nothing could be compared in the given time", fmt::format("--seconds {:g}", options.check.seconds),
                 fmt::format("allow {}, or use a coarser mesh", sufficient_limit(report)));
@@ -212,17 +160,16 @@ void run_trade(const Options& options, const LoadedScene& loaded) {
 void run(const Options& given) {
   Options options = given;
   options.check.seconds = options.seconds.value_or(options.trade ? 900 : options.check.seconds);
-  for (const auto v : {Variant::taylor_hood, Variant::half_size})
-    if (options.reference == name(v)) options.check.reference = v;
   const SolverSession session;
   const auto loaded = load_scene(options.scene);
+  options.check.reference = options.reference ? *variant_named(*options.reference) : finer_reference(loaded.scene);
   install_stop_handler();
   if (options.trade) return run_trade(options, loaded);
   const auto report = check_discretization(loaded.scene, loaded.mesh, loaded.sets, options.check,
                                            Progress("check", "rays").counter(), stop_requested);
-  print(options, loaded.scene, report);
-  write_each({[&] { write_json(options.json_file, as_json(options, loaded, report)); },
-              [&] { refuse_nothing(options, report); }});
+  print(loaded.scene, report);
+  write_each({[&] { write_json(options.json_file, as_json(loaded, report)); },
+              [&] { refuse_nothing(options, loaded.scene, report); }});
 }
 
 }  // namespace
@@ -233,16 +180,11 @@ void add(CLI::App& app) {
   add_scene(command, options.scene);
   add_count(command, "--probes", options.check.probes, 1, 10'000, "number of probes, each at another node")
       ->capture_default_str();
-  add_number(
-      command, "--seconds", options.seconds, 1, 1e7,
-      "time for all (default: 60; with --trade 900); the cheaper comparison comes first and uses at most half of "
-      "it, each probe its share");
-  auto* reference =
-      command
-          .add_option("--reference", options.reference,
-                      "compare with this one alone, at as many of the probes as the time of the first allows")
-          ->check(CLI::IsMember({"both", name(Variant::taylor_hood), name(Variant::half_size)}))
-          ->capture_default_str();
+  add_number(command, "--seconds", options.seconds, 1, 1e7, "time for all (default: 60; with --trade 900)");
+  auto* reference = command
+                        .add_option("--reference", options.reference,
+                                    "the finer solution (default: taylor-hood where the scene allows it)")
+                        ->check(CLI::IsMember({name(Variant::taylor_hood), name(Variant::half_size)}));
   auto* trade = command
                     .add_flag("--trade", options.trade,
                               "compare all elements on meshes of half, the same and twice as many nodes instead: error "

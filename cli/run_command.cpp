@@ -115,11 +115,11 @@ bool check(const Options& options, const Scene& scene, const std::string& self, 
   const double spent_s = std::max(stages.back().seconds, summarize(Database::open(database)).seconds / options.ranks);
   const double seconds = check_limit_s(spent_s, 1);
   try {
-    stages.push_back(stage("check", file,
-                           {self, "check", options.scene.string(), "--reference", name(finer_reference(scene)),
-                            "--probes", std::to_string(probes.value_or(most_checked)), "--seconds",
-                            fmt::format("{:.3g}", probes ? 1e7 : seconds), "--json", file.string()},
-                           1));
+    stages.push_back(
+        stage("check", file,
+              {self, "check", options.scene.string(), "--probes", std::to_string(probes.value_or(most_checked)),
+               "--seconds", fmt::format("{:.3g}", probes ? 1e7 : seconds), "--json", file.string()},
+              1));
   } catch (const Error&) {
     if (stop_requested()) throw;
     message("warning: the finite elements are not compared with a finer solution; the reason is above\n");

@@ -156,8 +156,7 @@ void Trade::compare(TradeRow& row) {
   const auto& finer = _forces[_reference];
   std::vector<double> errors;
   for (std::size_t p = 0; p < std::min(own.size(), finer.size()); ++p) {
-    const CheckedProbe both{.forces = {own[p], finer[p], {}}};
-    if (const auto error = both.error(Variant::taylor_hood)) errors.push_back(*error);
+    if (const auto error = CheckedProbe{.own = own[p], .finer = finer[p]}.error()) errors.push_back(*error);
   }
   const auto statistics = ErrorStatistics::of(errors);
   row.probes = row.is_reference || !(row.ray_s > 0) ? 0 : statistics.n;  // a row that was interrupted has no time

@@ -1,6 +1,5 @@
-// Effect of element and cell size on the forces of a scene: a few probes compared with Taylor-Hood elements on the same
-// mesh, and with the same element on cells of half the size. And what accuracy costs: the elements and meshes of a
-// scene, each with its distance to a finer solution and its time.
+// Effect of element and cell size on the forces of a scene: a few probes compared with a finer solution. And what
+// accuracy costs: the elements and meshes of a scene, each with its distance to a finer solution and its time.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +22,6 @@ namespace phynness {
 
 /// The scene and the variants with which it is compared, as reference_names.
 enum class Variant : std::size_t { scene, taylor_hood, half_size };
-inline constexpr std::array<Variant, 3> variants{Variant::scene, Variant::taylor_hood, Variant::half_size};
 const char* name(Variant);  ///< of reference_names
 std::optional<Variant> variant_named(std::string_view name);
 
@@ -47,15 +45,15 @@ struct CheckedProbe {
   std::int32_t node = 0;
   Vec3 direction{};
   double inward = 0;  ///< cosine between the direction and the inward normal
-  std::array<VariantForces, 3> forces;
-  const VariantForces& of(Variant v) const { return forces[static_cast<std::size_t>(v)]; }
-  /// Size of the scene's force over that of `other`; empty unless both converged.
-  std::optional<double> ratio(Variant other, std::size_t depth) const;
+  VariantForces own, finer;
+  /// Size of the scene's force over that of the finer one; empty unless both converged.
+  std::optional<double> ratio(std::size_t depth) const;
   /// As FinerDistance: the relative error of the scene's force at the largest displacement that both solve.
-  std::optional<double> error(Variant other) const;
+  std::optional<double> error() const;
   static void describe(const auto& result, auto&& see) {
     PHYNNESS_SEE(node, direction, inward);
-    for (const auto v : variants) see(name(v), result.of(v));
+    see("scene", result.own);
+    see("finer", result.finer);
   }
 };
 
@@ -73,63 +71,37 @@ struct RatioStatistics {
   }
 };
 
-struct VariantCost {
-  bool possible = true;      ///< false: the scene has no such variant, for the reason in `left_out`
-  std::string left_out;      ///< reason why probes were not solved; empty: all were solved
-  double predicted_s = 0;    ///< predicted time of one probe that was omitted because of its time
-  double seconds = 0;        ///< wall time spent
-  std::int32_t n_nodes = 0;  ///< of the mesh
-  static void describe(const auto& result, auto&& see) {
-    see("possible", result.possible);
-    see("left_out", result.left_out.empty() ? std::nullopt : std::optional(result.left_out));
-    see("predicted_seconds_per_probe", result.predicted_s > 0 ? result.predicted_s : undefined);
-    see("seconds", result.seconds);
-    see("nodes", result.n_nodes);
-  }
-};
-
-/// The scene's forces over those of a reference at each depth, and what the reference costs.
-struct VariantComparison {
-  std::vector<RatioStatistics> ratios;
-  VariantCost cost;
-  static void describe(const auto& result, auto&& see) {
-    see("ratios", result.ratios);
-    VariantCost::describe(result.cost, see);
-  }
-};
-
 struct DiscretizationReport {
+  Variant reference = Variant::taylor_hood;
+  std::int32_t nodes = 0;  ///< of the mesh of the reference
   double tool_radius_m = 0;
   bool patch_for_node = false;  ///< the scene displaces nodes, and patches of tool_radius_m were solved instead
   double mean_edge_m = 0;       ///< of all edges of the mesh
   double tool_edges = 0;        ///< tool_radius_m in mean surface edges at the active nodes (surface_edges_at)
   std::vector<double> depth_m;  ///< ascending; the last one is the largest displacement of the scene
   std::vector<CheckedProbe> probes;
-  std::array<VariantCost, 3> costs;
+  std::int64_t left_out = 0;  ///< probes that the time does not allow
   double seconds = 0;
-  std::int32_t chosen = 0;  ///< probes, of those asked for, that the time of the first one allows; 0: not limited
-  double sufficient_s = 0;  ///< limit with which all probes would be solved, as far as their times are known
+  double sufficient_s = 0;  ///< about what all probes need
   bool interrupted = false;
 
-  const VariantCost& cost(Variant v) const { return costs[static_cast<std::size_t>(v)]; }
-  RatioStatistics ratios(Variant other, std::size_t depth) const;
-  VariantComparison comparison(Variant other) const;
-  FinerDistance distance(const Scene& scene, Variant other) const;
+  RatioStatistics ratios(std::size_t depth) const;
+  FinerDistance distance(const Scene& scene) const;
   static void describe(const auto& result, auto&& see) {
     PHYNNESS_SEE(tool_radius_m, tool_edges, patch_for_node, mean_edge_m, depth_m);
-    see("against", ByName<VariantComparison>{{name(Variant::taylor_hood), result.comparison(Variant::taylor_hood)},
-                                             {name(Variant::half_size), result.comparison(Variant::half_size)}});
-    PHYNNESS_SEE(probes, interrupted, seconds);
+    see("reference", name(result.reference));
+    std::vector<RatioStatistics> all;
+    for (std::size_t i = 0; i < result.depth_m.size(); ++i) all.push_back(result.ratios(i));
+    see("ratios", all);
+    PHYNNESS_SEE(nodes, probes, left_out, interrupted, seconds);
     see("sufficient_seconds", result.sufficient_s);
   }
 };
 
 struct DiscretizationOptions {
   int probes = 6;
-  /// Empty: both. With a single one as many probes are chosen, after the first, as its time allows in `seconds`.
-  std::optional<Variant> reference;
-  /// No solve is started whose predicted end is later. The cheaper of two comparisons may use half of this time, and
-  /// each probe its share of what is left, so that no long solve leaves nothing to the others.
+  Variant reference = Variant::taylor_hood;  ///< of a check
+  /// No probe is begun whose predicted end is later, and one that is at work then is given up at its next iteration.
   double seconds = 60;
   /// Time in seconds, from any origin.
   std::function<double()> clock = [] {
@@ -169,10 +141,9 @@ double patch_radius_for_node(double edge_m, double max_displacement_m);
 std::vector<std::pair<std::int32_t, std::int32_t>> choose_checked_rays(const DatabaseHeader& header,
                                                                        const std::vector<char>& requested, int wanted);
 
-/// Solves all probes with the scene and the cheaper reference, then with the other reference, until the time is over. A
-/// solve that is still at work at the end of its share is given up at its next iteration. Must run as one process.
+/// Solves each probe with the scene and the reference until the time is over. Must run as one process.
 /// @param progress  finished rays and their largest possible number
-/// @throws Error if the scene cannot be solved
+/// @throws Error if the scene has no such reference or cannot be solved
 DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, const NodeSets& sets,
                                           const DiscretizationOptions& options, const OnProgress& progress = {},
                                           const ShouldStop& stop = {});
