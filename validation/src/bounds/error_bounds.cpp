@@ -216,8 +216,7 @@ Model add_bounds(Model model, const BoundPredictors& predictors, const std::vect
   return model;
 }
 
-std::vector<BoundedError> bounded_errors(const LoadedModel& bounded, const BoundPredictors& predictors,
-                                         const std::vector<BoundState>& states) {
+std::vector<BoundedError> bounded_errors(const LoadedModel& bounded, const std::vector<BoundState>& states) {
   std::vector<BoundedError> out;
   const Model& model = bounded.model();
   for (const auto& state : states) {
@@ -225,7 +224,7 @@ std::vector<BoundedError> bounded_errors(const LoadedModel& bounded, const Bound
     for (std::size_t k = 0; k < 3; ++k) d[k] = state.depth_m * state.direction[k];
     const auto node = static_cast<std::size_t>(state.node);
     const auto bound = bounded.error_bound(model.nodes[node].node, d);
-    out.push_back({state.node, state.depth_m, state.error_N, bound.value_or(0), predictors.largest_N[node]});
+    out.push_back({state.depth_m, state.error_N, bound.value_or(0)});
   }
   return out;
 }

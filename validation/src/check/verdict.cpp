@@ -35,13 +35,13 @@ VerdictLine worst_node(const Validated& v) {
 VerdictLine off_by_a_tenth(const Validated& v) {
   const auto& e = v.report.to_range;
   const auto wrong = [](const JudgedErrors& group) { return group.model.force.n > 0 ? group.model.wrong : undefined; };
-  const double all = wrong(e.all.overall), quiet = wrong(e.unflagged.overall), warned = wrong(e.flagged.overall);
+  const double all = wrong(e.all), quiet = wrong(e.unflagged), warned = wrong(e.flagged);
   std::string text = std::isnan(all) ? "no force was compared" : in_percent(all) + " % of the forces";
   if (!std::isnan(warned))
     text +=
         fmt::format(" ({}{} % of those with one)",
                     std::isnan(quiet) ? "" : in_percent(quiet) + " % of those without a warning, ", in_percent(warned));
-  if (const auto& linear = e.all.overall.linear; linear.force.n > 0)
+  if (const auto& linear = e.all.linear; linear.force.n > 0)
     text += fmt::format("; of the linear predictor {} %", in_percent(linear.wrong));
   return {"off_by_a_tenth",
           "Off by more than a tenth of their size",
@@ -62,7 +62,7 @@ VerdictLine out_of_reach(const Validated& v) {
           "Out of reach",
           fmt::format("{} % of the probe volume to {:.4g} mm is not trained{}; {} of {} probes have no finite element "
                       "solution, {} of them without a warning",
-                      in_percent(beyond), 1e3 * e.range_m, most, e.unreached.size(), e.all.overall.probes,
+                      in_percent(beyond), 1e3 * e.range_m, most, e.unreached.size(), e.all.probes,
                       std::ranges::count_if(e.unreached, [](const auto& p) { return !p.flagged; })),
           {{"share_of_volume", beyond}, {"probes", static_cast<double>(e.unreached.size())}}};
 }
@@ -83,7 +83,7 @@ VerdictLine left_out(const Validated& v) {
 /// The error of the model never stands without that of the finite elements.
 VerdictLine error_of_forces(const Validated& v) {
   const auto& finer = v.model.model().finer;
-  const auto& own = v.report.to_range.all.overall.model.force;
+  const auto& own = v.report.to_range.all.model.force;
   const double ratio = expected_force_ratio(v.scene);
   std::string text = own.n == 0 ? "no force of the model was compared with its finite elements; these are "
                                 : fmt::format("the model is {} % (p95 {} %) from its finite elements; these are ",
@@ -119,11 +119,11 @@ std::vector<WorseThanLinear> worse_than_linear(const Validated& v) {
   return all;
 }
 
-TableCells summary_cells(const Validated& v) {
+std::vector<std::vector<std::string>> summary_cells(const Validated& v) {
   const auto& e = v.report.to_range;
-  TableCells cells{{"", "", "force", "", "", "over", "displ.", "", "", "linear", "linear"},
-                   {fmt::format("to {:.4g} mm, in %", 1e3 * e.range_m), "probes", "mean", "p95", "max", "10 %", "mean",
-                    "p95", "max", "force", "displ."}};
+  std::vector<std::vector<std::string>> cells{{"", "", "force", "", "", "over", "displ.", "", "", "linear", "linear"},
+                                              {fmt::format("to {:.4g} mm, in %", 1e3 * e.range_m), "probes", "mean",
+                                               "p95", "max", "10 %", "mean", "p95", "max", "force", "displ."}};
   const auto shown = [](const ErrorStatistics& s, double value) { return s.n > 0 ? in_percent(value) : "-"; };
   const auto add = [&](const std::string& title, const JudgedErrors& errors, std::int64_t of_group = -1) {
     if (errors.probes == 0 || errors.probes == of_group) return;
@@ -133,18 +133,12 @@ TableCells summary_cells(const Validated& v) {
                      shown(f, errors.model.wrong), shown(u, u.mean), shown(u, u.p95), shown(u, u.max),
                      shown(lf, lf.mean), shown(lu, lu.mean)});
   };
-  const auto& all = e.all.overall;
-  add("all", all);
-  add("  0 to R/3", e.all.by_depth[0], all.probes);
-  add("  R/3 to 2R/3", e.all.by_depth[1], all.probes);
-  add("  2R/3 to R", e.all.by_depth[2], all.probes);
-  add("  worst tenth of nodes", e.all.worst_nodes, all.probes);
-  add("without a warning", e.unflagged.overall, all.probes);
-  add("with a warning", e.flagged.overall, all.probes);
+  add("all", e.all);
+  add("without a warning", e.unflagged, e.all.probes);
+  add("with a warning", e.flagged, e.all.probes);
   add("beyond R, to 1.43 R", e.beyond);
-  if (v.points.finished > 0) add("tools between nodes", v.points.to_range.all.overall);
-  if (v.pairs.by_warning) add("two tools", v.pairs.by_warning->all);
-  if (v.pairs.body_by_warning) add("two tools, reduced body", v.pairs.body_by_warning->all);
+  add("tools between nodes", v.points.all);
+  add(v.pairs.by_body ? "two tools, reduced body" : "two tools", v.pairs.all);
   return cells;
 }
 
@@ -203,8 +197,6 @@ Json validation_figures(const Validated& v) {
 
 namespace {
 
-constexpr std::size_t most_named = 8;
-
 /// Directions that a scene does not ask for (hemisphere) have the depth 0, as those whose first increment failed.
 std::ptrdiff_t requested(const ActiveNodeModel& node, double range_m) {
   const auto& depths = node.trained_depth_m;
@@ -227,19 +219,6 @@ TrainedShare trained_share(const Model& model) {
   }
   share.all = rays > 0 ? all / rays : 0;
   return share;
-}
-
-std::string sentence(const TrainedShare& share, const Model& model) {
-  std::vector<std::size_t> less;
-  for (std::size_t i = 0; i < share.of_node.size(); ++i)
-    if (share.of_node[i] < 1) less.push_back(i);
-  std::sort(less.begin(), less.end(), [&](auto a, auto b) { return share.of_node[a] < share.of_node[b]; });
-  std::string text = fmt::format("the model is trained in {:.1f} % of the probe volume to R", 100 * share.all);
-  if (less.empty()) return text;
-  text += fmt::format("; in less at {} of {} nodes: ", less.size(), share.of_node.size());
-  for (std::size_t i = 0; i < std::min(most_named, less.size()); ++i)
-    text += fmt::format("{}{} ({:.0f} %)", i == 0 ? "" : ", ", model.nodes[less[i]].node, 100 * share.of_node[less[i]]);
-  return text + (less.size() > most_named ? ", ..." : "");
 }
 
 }  // namespace phynness

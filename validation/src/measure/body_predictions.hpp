@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <phynness/validation/loaded_body.hpp>
 #include <phynness/validation/loaded_model.hpp>
 
@@ -10,18 +9,6 @@ namespace phynness {
 
 /// Steps that a body may make in each increment.
 inline constexpr std::int32_t steps_of_increment = 600;
-
-/// Numbers of forces with a bound, and of these, with an error that is not above it.
-inline std::pair<std::int64_t, std::int64_t> covered(const BodyResponse& said, const std::vector<Vec3>& truth) {
-  std::pair<std::int64_t, std::int64_t> counts;
-  for (std::size_t t = 0; t < truth.size(); ++t) {
-    if (!said.bound_N[t]) continue;
-    const Vec3 &own = said.force_N[t], &right = truth[t];
-    ++counts.first;
-    counts.second += std::hypot(own[0] - right[0], own[1] - right[1], own[2] - right[2]) <= *said.bound_N[t];
-  }
-  return counts;
-}
 
 class BodyPredictions {
  public:

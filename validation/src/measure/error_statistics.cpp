@@ -76,7 +76,8 @@ std::vector<WorseThanLinear> worse_than_linear(const PointReport& report) {
 }
 
 std::vector<WorseThanLinear> worse_than_linear(const PairReport& report) {
-  return worse_in("pairs", report.all.of(PairPredictor::coupled), report.all.of(PairPredictor::linear));
+  if (report.by_body) return {};
+  return worse_in("pairs", report.all.model, report.all.linear);
 }
 
 }  // namespace phynness

@@ -9,8 +9,6 @@
 namespace phynness {
 namespace {
 
-constexpr std::size_t max_examples = 5;
-
 double length_of(const Vec3& v) { return to_eigen(v).norm(); }
 double distance(const Vec3& a, const Vec3& b) { return (to_eigen(a) - to_eigen(b)).norm(); }
 
@@ -49,23 +47,16 @@ void add_errors(const std::vector<Compared>& compared, const std::vector<char>& 
   for (const auto& c : compared) {
     const auto errors = probe_errors(c, largest, counts);
     if (largest.force_N > 0) samples.force.push_back(errors.force);
-    if (const double size = length_of(c.force_FE); size > 0)
-      samples.force_relative.push_back(distance(c.force, c.force_FE) / size);
     if (c.u.rows() == 0) continue;
     samples.displacement.insert(samples.displacement.end(), errors.displacement.begin(), errors.displacement.end());
-    std::vector<std::pair<double, double>> by_motion;  // -|u_FE| and error, of each node that counts
     double error2 = 0, norm2 = 0;
     for (Eigen::Index i = 0; i < c.u.rows(); ++i) {
       if (!counts_at(counts, i)) continue;
-      by_motion.emplace_back(-c.u_FE.row(i).norm(), (c.u.row(i) - c.u_FE.row(i)).norm());
-      norm2 += by_motion.back().first * by_motion.back().first;
-      error2 += by_motion.back().second * by_motion.back().second;
+      const double size = c.u_FE.row(i).norm(), error = (c.u.row(i) - c.u_FE.row(i)).norm();
+      norm2 += size * size;
+      error2 += error * error;
     }
     if (norm2 > 0) samples.field_l2.push_back(std::sqrt(error2 / norm2));
-    std::ranges::stable_sort(by_motion, {}, &std::pair<double, double>::first);
-    by_motion.resize((by_motion.size() + 9) / 10);
-    for (const auto& [motion, error] : by_motion)
-      if (largest.displacement_m > 0) samples.displacement_moving.push_back(error / largest.displacement_m);
   }
 }
 
@@ -78,17 +69,18 @@ std::pair<std::vector<std::optional<Vec3>>, Points> linear_response(const ProbeS
   return {force_N, Eigen::Map<const Points>(u.data(), u.size() / 3, 3)(model.output, Eigen::all)};
 }
 
+void add_ranks(const SolverSession& session, std::vector<std::int64_t*> counts, AnswerCounts& answers) {
+  counts.insert(counts.end(), {&answers.unsettled, &answers.outside, &answers.bounded, &answers.covered});
+  for (auto* count : counts) *count = static_cast<std::int64_t>(session.sum(static_cast<double>(*count)));
+}
+
 ProbeRecords::ProbeRecords(const LoadedModel& model)
     : _model(model), _error_sum(model.model().output.size()), _error_count(model.model().output.size()) {}
 
 void ProbeRecords::add(std::size_t entry, double weight, const NodeProbes& probes) {
   for (std::size_t group = 0; group < probes.states.size(); ++group) add_group(probes, group);
   add_to_range(static_cast<double>(entry), weight, probes);
-  const double node = probes.node;
-  if (!probes.curve.depth_m.empty()) _curves.add({node}, probes.curve);
-  if (entry >= max_examples || probes.states[0].empty()) return;
-  const auto& first = probes.states[0].front();
-  _examples.add({node}, {probes.node, first.d, first.force_FE, _model.force(probes.node, first.d), first.force_linear});
+  if (!probes.curve.depth_m.empty()) _curves.add({static_cast<double>(probes.node)}, probes.curve);
 }
 
 void ProbeRecords::add_group(const NodeProbes& probes, std::size_t group) {
@@ -100,13 +92,11 @@ void ProbeRecords::add_group(const NodeProbes& probes, std::size_t group) {
   for (const auto& state : probes.states[group]) {
     const auto said = _model.respond({probes.node}, {state.d});
     auto model =
-             probe_errors({*said.force_N[0], state.force_FE, said.displacement_m, state.u_FE}, largest, probes.counts),
-         linear =
-             probe_errors({state.force_linear, state.force_FE, state.u_linear, state.u_FE}, largest, probes.counts);
-    if (!(largest.force_N > 0)) model.force = linear.force = 0;
-    _records.add({static_cast<double>(probes.node), group > 0 ? 1.0 : 0.0},
-                 {probes.node, group > 0, state.d, state.force_FE, *said.force_N[0], model.force, linear.force,
-                  model.force_own, mean(model.displacement), mean(linear.displacement)});
+        probe_errors({*said.force_N[0], state.force_FE, said.displacement_m, state.u_FE}, largest, probes.counts);
+    if (!(largest.force_N > 0)) model.force = 0;
+    _records.add(
+        {static_cast<double>(probes.node), group > 0 ? 1.0 : 0.0},
+        {probes.node, group > 0, state.d, state.force_FE, *said.force_N[0], model.force, mean(model.displacement)});
     if (group > 0 || said.displacement_m.rows() == 0) continue;
     auto error = model.displacement.begin();
     for (std::size_t o = 0; o < probes.counts.size() && error != model.displacement.end(); ++o) {
@@ -144,7 +134,6 @@ void ProbeRecords::add_to_range(double entry, double weight, const NodeProbes& p
     if (_model.has_bounds())
       judged.bound_N = _model.error_bound(probes.node, probe.d).value_or(std::numeric_limits<double>::infinity());
     judged.largest_N = to_R.force_N;
-    judged.force_N = length_of(*said.force_N[0]);
     if (judged.solved()) {
       const auto& state = probes.state(probe);
       const auto& largest = probe.beyond ? all : to_R;
@@ -167,7 +156,6 @@ std::vector<ShownState> ProbeRecords::gathered_states(const SolverSession& sessi
 }
 
 void ProbeRecords::finish(const SolverSession& session, double range_m, ValidationReport& report) const {
-  report.examples = _examples.gathered(session);
   report.records = _records.gathered(session);
   report.curves = _curves.gathered(session);
   report.shown = gathered_states(session);

@@ -4,6 +4,7 @@
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/error_statistics.hpp>
 #include <phynness/validation/probed_states.hpp>
+#include <phynness/validation/tools.hpp>
 
 #include "body_predictions.hpp"
 #include "packed.hpp"
@@ -63,6 +64,9 @@ Measures<ErrorStatistics> statistics(const Measures<std::vector<double>>& sample
 std::pair<std::vector<std::optional<Vec3>>, Points> linear_response(const ProbeSolver& solver, const Model& model,
                                                                     const std::vector<Vec3>& d);
 
+/// Adds up those of all ranks, on every rank. Collective.
+void add_ranks(const SolverSession& session, std::vector<std::int64_t*> counts, AnswerCounts& answers);
+
 /// What comparisons of tools with finite elements have in common.
 class ToolComparison {
  public:
@@ -87,7 +91,7 @@ class ProbeRecords {
   explicit ProbeRecords(const LoadedModel& model);
   /// @param entry  position in the plan. @param weight  of the node
   void add(std::size_t entry, double weight, const NodeProbes& probes);
-  /// Fills `examples`, `records`, `curves`, `shown`, `output_error` and `to_range` on rank 0. Collective.
+  /// Fills `records`, `curves`, `shown`, `output_error` and `to_range` on rank 0. Collective.
   void finish(const SolverSession& session, double range_m, ValidationReport& report) const;
 
  private:
@@ -96,7 +100,6 @@ class ProbeRecords {
   std::vector<ShownState> gathered_states(const SolverSession& session) const;
 
   const LoadedModel& _model;
-  OrderedRows<ForceExample> _examples;
   OrderedRows<ProbeRecord> _records;
   OrderedRows<ForceCurve> _curves;
   JudgedRows _judged;

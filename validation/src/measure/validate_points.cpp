@@ -21,19 +21,6 @@ struct Place : SurfacePoint {
   }
 };
 
-/// The nearest corner, or, if it only lies between active nodes, the active node nearest to the point.
-std::int32_t nearest_active(const LoadedModel& model, const Place& place) {
-  const auto active = model.runtime().active_nodes();
-  const auto corner = place.nearest_corner();
-  if (std::binary_search(active.begin(), active.end(), corner)) return corner;
-  const Points& nodes = model.mesh().nodes;
-  Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
-  for (std::size_t k = 0; k < 3; ++k) x += place.weights[k] * nodes.row(place.nodes[k]);
-  return *std::min_element(active.begin(), active.end(), [&](auto a, auto b) {
-    return (nodes.row(a) - x).squaredNorm() < (nodes.row(b) - x).squaredNorm();
-  });
-}
-
 std::vector<Place> choose_places(const Scene& scene, const LoadedModel& model, std::int64_t points,
                                  std::int64_t displacements, std::uint64_t seed) {
   const auto& surface = model.model().surface;
@@ -67,14 +54,13 @@ class PointComparison : public ToolComparison {
  public:
   using ToolComparison::ToolComparison;
 
-  /// A place that the solver refuses counts as not solved, with the reason of the first one.
+  /// A place that the solver refuses counts as not solved.
   void try_at(std::size_t point, const Place& place, PointReport& report) {
     try {
       at(point, place, report);
     } catch (const Error& refused) {
       for (const auto& d : place.displacements) _rows.add({static_cast<double>(point)}, probe(point, place, d));
       report.failed += std::ssize(place.displacements);
-      report.refused += std::ssize(place.displacements);
       ++_refused;
       if (!_first_refusal) _first_refusal = refused;
       _solver.recover();
@@ -101,7 +87,7 @@ class PointComparison : public ToolComparison {
   }
 
   void at(std::size_t point, const Place& place, PointReport& report) {
-    std::vector<Compared> coupled, linear, at_node, of_body;
+    std::vector<Compared> coupled, linear, of_body;
     std::vector<JudgedProbe> probes;
     PointRecord record{place.nodes, place.weights};
     _solver.touch_points({place});
@@ -113,30 +99,18 @@ class PointComparison : public ToolComparison {
         ++report.failed;
         continue;
       }
-      const auto& output = _model.model().output;
-      const Points u = truth.displacement_m(output, Eigen::all);
+      const Points u = truth.displacement_m(_model.model().output, Eigen::all);
       const auto said = _model.couple({tool_at(place, d)});
-      report.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
-      report.largest_residual_m = std::max(report.largest_residual_m, said.coupled.residual);
+      report.answers.take(said, truth.force_N);
       record.flagged[1] += probes.back().flagged;
       coupled.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m, u});
       auto [linear_force, linear_u] = linear_response(_solver, _model.model(), {d});
       linear.push_back({*linear_force[0], truth.force_N[0], std::move(linear_u), u});
       if (!_body) continue;
       auto answer = _body->at({tool_at(place, d)});
-      const auto [bounded, below] = covered(answer, truth.force_N);
-      report.body_warnings->take(answer.status, bounded, below);
+      report.body_answers.take(answer, truth.force_N);
       record.flagged[2] += is_flagged(answer.status);
       of_body.push_back({answer.force_N[0], truth.force_N[0], std::move(answer.displacement_m), _body->shared(u)});
-    }
-    const auto corner = nearest_active(_model, place);
-    _solver.touch({corner});
-    for (const auto& d : place.displacements) {
-      const auto truth = _solver.solve({d}, _increments);
-      if (truth.status != Status::converged) continue;
-      const auto said = _model.respond({corner}, {d});
-      at_node.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m,
-                         truth.displacement_m(_model.model().output, Eigen::all)});
     }
     const auto largest = judge(point, probes, coupled, linear);
     const auto mean = [&](const std::vector<Compared>& compared) {
@@ -149,10 +123,6 @@ class PointComparison : public ToolComparison {
     add_errors(coupled, {}, _coupled);
     add_errors(linear, {}, _linear);
     add_errors(of_body, {}, _of_body);
-    const auto& output = _model.model().output;
-    std::vector<char> counts(output.size() + 1, 1);
-    counts[static_cast<std::size_t>(std::lower_bound(output.begin(), output.end(), corner) - output.begin())] = 0;
-    add_errors(at_node, counts, _at_nodes);
   }
 
   /// @param coupled, linear  of the solved probes
@@ -175,8 +145,8 @@ class PointComparison : public ToolComparison {
   }
 
  public:
-  void finish(const SolverSession& session, double range_m, PointReport& report) const {
-    report.to_range = errors_to_range(_rows.gathered(session), range_m, "points");
+  void finish(const SolverSession& session, PointReport& report) const {
+    static_cast<ErrorsByWarning&>(report) = errors_by_warning(_rows.gathered(session));
     report.records = _records.gathered(session);
     const auto errors_of = [&](const PointSamples& samples) {
       const auto errors = statistics(session, samples);
@@ -184,31 +154,13 @@ class PointComparison : public ToolComparison {
     };
     report.coupled = errors_of(_coupled);
     report.linear = errors_of(_linear);
-    report.at_nodes = errors_of(_at_nodes);
     if (_body) report.body = errors_of(_of_body);
-    std::vector counts{&report.finished, &report.failed, &report.refused, &report.unsettled};
-    if (_body) {
-      auto& of_body = *report.body_warnings;
-      counts.insert(counts.end(), {&of_body.unsettled, &of_body.outside, &of_body.bounded, &of_body.covered});
-    }
-    for (auto* count : counts) *count = static_cast<std::int64_t>(session.sum(static_cast<double>(*count)));
-    report.first_refusal = refusal_of_any_rank(session);
-    for (const double r : session.gather({report.largest_residual_m}))
-      report.largest_residual_m = std::max(report.largest_residual_m, r);
+    add_ranks(session, {&report.finished, &report.failed}, report.answers);
+    add_ranks(session, {}, report.body_answers);
   }
 
  private:
-  /// The first that any rank has, without the remedy; on rank 0.
-  std::string refusal_of_any_rank(const SolverSession& session) const {
-    std::string own = _first_refusal ? std::string(_first_refusal->what()) : "";
-    own = own.substr(0, own.find("\n  remedy: "));
-    std::vector<double> rows;
-    if (!own.empty()) pack(rows, own);
-    const auto all = unpacked<std::string>(session.gather(rows));
-    return all.empty() ? "" : all.front();
-  }
-
-  PointSamples _coupled, _linear, _at_nodes, _of_body;
+  PointSamples _coupled, _linear, _of_body;
   JudgedRows _rows;
   OrderedRows<PointRecord> _records;
   std::int64_t _refused = 0;
@@ -224,7 +176,6 @@ PointReport validate_points(const SolverSession& session, const Scene& scene, co
   PointReport report;
   report.points = points;
   report.displacements = displacements;
-  if (body) report.body_warnings.emplace();
   std::optional<PointComparison> comparison;
   session.together([&] {
     const auto places = choose_places(scene, model, points, displacements, seed);
@@ -233,7 +184,7 @@ PointReport validate_points(const SolverSession& session, const Scene& scene, co
         share_out(session, points, progress, stop, [&](std::size_t i) { comparison->try_at(i, places[i], report); });
   });
   comparison->require_some(session, report.finished);
-  comparison->finish(session, scene.probe.max_displacement_m, report);
+  comparison->finish(session, report);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
 }

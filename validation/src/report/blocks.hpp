@@ -31,9 +31,7 @@ Json body_data(const Validated& validated);
 
 }  // namespace report
 
+/// Errors of the model inside and outside the trained range, of tools between nodes, and how bounds hold.
 report::Json error_section(const Validated& in);
-/// Of tools between nodes, and of two tools.
-report::Json points_section(const PointReport& report);
-report::Json pairs_section(const PairReport& report);
 
 }  // namespace phynness

@@ -46,68 +46,42 @@ Json verdict_first(const Validated& in) {
   return section("", blocks);
 }
 
-Json modelled(const Validated& in) {
+/// What was modelled and solved, and how to repeat it.
+Json conditions(const Validated& in, const std::string& software) {
   const Scene& scene = in.scene;
   const Model& model = in.model.model();
-  const double K_mu = scene.material.bulk_to_shear();
-  const auto& family = model.family;
+  const auto& v = in.report;
   std::vector<Json> blocks;
-  if (const double ratio = expected_force_ratio(scene); ratio > warned_force_ratio)
-    blocks.push_back(warning(fmt::format(
-        "{} tetrahedra lock at K/mu = {:.3g}: forces at a depth of one edge of the mesh are about "
-        "{}. The figures below compare the model with these finite elements, not with the tissue. Elements p1-p1 and "
-        "taylor-hood do not lock.",
-        name(scene.solver.element), K_mu, ratio_in_words(ratio))));
   if (scene.probe.kind == ProbeKind::node)
     blocks.push_back(warning(
         "Each probe moves one node, so its force depends on the size of the mesh. The force of a patch converges "
         "with the mesh size."));
-  blocks.push_back(
-      facts({{"", "value"},
-             {"law", name(scene.material.law)},
-             {"shear modulus", fmt::format("{:.4g} Pa", scene.material.shear_modulus_Pa)},
-             {"bulk over shear modulus, K/mu", fmt::format("{:.4g}", K_mu)},
-             {"element", name(scene.solver.element)},
-             {"mesh", fmt::format("{} nodes, {} {}", in.model.mesh().n_nodes(), in.model.mesh().n_cells(),
-                                  in.model.mesh().cells.cols() == 3 ? "triangles of a shell" : "tetrahedra")},
-             {"nodes fixed, active, output",
-              fmt::format("{}, {}, {}", model.fixed.size(), model.nodes.size(), model.output.size())},
-             {"probe", name(scene.probe.kind)},
-             {"trained range R", fmt::format("{:.4g} mm", 1e3 * scene.probe.max_displacement_m)},
-             {"directions, increments", fmt::format("{}, {}", model.directions.size(), scene.probe.increments)},
-             {"family of the model", name(family)}}));
-  return section("Scene", blocks);
-}
-
-Json solved(const Validated& in) {
-  const auto& v = in.report;
-  std::string nodes;
-  for (std::size_t i = 0; i < std::min<std::size_t>(20, v.nodes.size()); ++i) nodes += fmt::format(" {}", v.nodes[i]);
-  if (v.nodes.size() > 20) nodes += " ...";
-  const auto [nearest, farthest] = std::ranges::minmax(v.fixed_distance_m);
-  std::vector<Json> blocks{text(fmt::format(
-      "{} new probes at {} active nodes ({}), {:.3g} to {:.3g} mm from the nearest fixed node. Directions are uniform "
-      "on the sphere. Half of the depths are inside the trained range, half are outside, up to {:.2f} times the range. "
-      "{} probes were solved inside, {} outside.",
-      v.probes, v.nodes.size(), nodes.empty() ? "" : nodes.substr(1), 1e3 * nearest, 1e3 * farthest, v.outside_factor,
-      v.solved_inside, v.solved_outside))};
-  std::size_t short_rays = 0, rays = 0, incomplete = 0;
-  for (const auto& node : in.model.model().nodes) {
-    std::size_t here = 0;
-    for (const double depth : node.trained_depth_m) {
-      ++rays;
-      here += depth < (1 - 1e-9) * in.scene.probe.max_displacement_m;
-    }
-    short_rays += here;
-    incomplete += here > 0;
-  }
-  blocks.push_back(text(fmt::format(
-      "{} of {} training rays ended before the full depth, at {} of {} nodes{}", short_rays, rays, incomplete,
-      in.model.model().nodes.size(),
-      short_rays > 0 ? "; their trained range is the reached depth, beyond which the runtime returns a warning."
-                     : ".")));
   for (const auto& part : in.not_done()) blocks.push_back(warning(part));
-  return section("Solved and failed probes", blocks);
+  const auto [nearest, farthest] = std::ranges::minmax(v.fixed_distance_m);
+  blocks.push_back(facts(
+      {{"", "value"},
+       {"law", name(scene.material.law)},
+       {"shear modulus", fmt::format("{:.4g} Pa", scene.material.shear_modulus_Pa)},
+       {"bulk over shear modulus, K/mu", fmt::format("{:.4g}", scene.material.bulk_to_shear())},
+       {"element", name(scene.solver.element)},
+       {"mesh", fmt::format("{} nodes, {} {}", in.model.mesh().n_nodes(), in.model.mesh().n_cells(),
+                            in.model.mesh().cells.cols() == 3 ? "triangles of a shell" : "tetrahedra")},
+       {"nodes fixed, active, output",
+        fmt::format("{}, {}, {}", model.fixed.size(), model.nodes.size(), model.output.size())},
+       {"probe", name(scene.probe.kind)},
+       {"trained range R", fmt::format("{:.4g} mm", 1e3 * scene.probe.max_displacement_m)},
+       {"directions, increments", fmt::format("{}, {}", model.directions.size(), scene.probe.increments)},
+       {"family of the model", name(model.family)},
+       {"probes", fmt::format("{} at {} nodes, {:.3g} to {:.3g} mm from the nearest fixed node; {} solved inside the "
+                              "trained range, {} outside to {:.2f} of it",
+                              v.probes, v.nodes.size(), 1e3 * nearest, 1e3 * farthest, v.solved_inside,
+                              v.solved_outside, v.outside_factor)},
+       {"figures of the model", validate_again(in)},
+       {"distance to a finer solution", check_again(model.finer)},
+       {"time of the solves", fmt::format("{:.0f} s", v.seconds)},
+       {"software", software},
+       {"scene, physics, mesh", fmt::format("{}, {}, {}", scene.source_name, model.physics_hash, model.mesh_hash)}}));
+  return section("Scene and probes", blocks);
 }
 
 /// The node, with the number of the case that the page's script shows on the body.
@@ -210,29 +184,12 @@ Json cost(const Validated& in) {
   return section("Size and time", {times});
 }
 
-Json origin(const Validated& in, const std::string& software) {
-  return section("Origin of this report",
-                 {facts({{"", "value"},
-                         {"software", software},
-                         {"scene", in.scene.source_name},
-                         {"physics of the scene", in.model.model().physics_hash},
-                         {"mesh", in.model.model().mesh_hash},
-                         {"element", name(in.scene.solver.element)},
-                         {"figures of the model", validate_again(in)},
-                         {"distance to a finer solution", check_again(in.model.model().finer)},
-                         {"seed of the probes", std::to_string(in.seed)},
-                         {"time of the solves", fmt::format("{:.0f} s", in.report.seconds)}})});
-}
-
 }  // namespace
 
 std::string html_report(const Validated& in, const std::string& software) {
-  std::vector<Json> sections{verdict_first(in), modelled(in), solved(in), error_section(in), worst(in)};
-  if (in.points.finished > 0) sections.push_back(points_section(in.points));
-  if (in.pairs.finished > 0) sections.push_back(pairs_section(in.pairs));
-  sections.push_back(curves(in));
+  std::vector<Json> sections{verdict_first(in), error_section(in), worst(in), curves(in)};
   if (auto data = body_data(in); !data.is_null()) sections.push_back(picture(in, std::move(data)));
-  for (auto& last : {cost(in), origin(in, software)}) sections.push_back(last);
+  for (auto& last : {cost(in), conditions(in, software)}) sections.push_back(last);
   return page(in.scene.title.empty() ? "Model compared with finite elements" : in.scene.title, sections);
 }
 

@@ -20,15 +20,12 @@ struct CoupledState {
 /// How the bounds of one kind hold at rays that are left out, a fifth of them at a time.
 struct CoupledCoverage {
   std::int64_t rays = 0;
-  BoundCoverage at_nodes, between;  ///< pairs at nodes; tools between nodes
   BoundCoverage all;
   double flagged = 0;  ///< share of the drawn states that the runtime flags and that therefore have no bound
   static void describe(const auto& c, auto&& see) {
     see("rays", c.rays);
     see("flagged", c.flagged);
     see("all", c.all);
-    see("at_nodes", c.at_nodes);
-    see("between", c.between);
   }
 };
 

@@ -29,7 +29,6 @@ Model add_bounds(Model model, const BoundPredictors& predictors, const std::vect
                  std::int64_t n_rays, double coverage);
 
 /// The bounds of a model at given states.
-std::vector<BoundedError> bounded_errors(const LoadedModel& bounded, const BoundPredictors& predictors,
-                                         const std::vector<BoundState>& states);
+std::vector<BoundedError> bounded_errors(const LoadedModel& bounded, const std::vector<BoundState>& states);
 
 }  // namespace phynness

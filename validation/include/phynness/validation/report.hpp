@@ -17,9 +17,6 @@ struct TrainedShare {
   std::vector<double> of_node;  ///< in the order of Model::nodes: mean over its rays of part_of_volume()
 };
 TrainedShare trained_share(const Model& model);
-/// One sentence without a full stop, with the nodes where the share is smallest.
-std::string sentence(const TrainedShare& share, const Model& model);
-
 /// What a validation says first: figures by which a model is accepted or refused, once for text, HTML and JSON.
 struct VerdictLine {
   std::string key;  ///< of its figures in the JSON
@@ -47,8 +44,8 @@ std::vector<VerdictLine> verdict(const Validated& validated);
 /// Of the probes at nodes, of points and of pairs.
 std::vector<WorseThanLinear> worse_than_linear(const Validated& validated);
 
-/// The table below the verdict: two rows of headings, and at most ten rows that differ from each other.
-TableCells summary_cells(const Validated& validated);
+/// The table below the verdict, in percent: two rows of headings, and at most six rows that differ from each other.
+std::vector<std::vector<std::string>> summary_cells(const Validated& validated);
 
 /// The command that repeats the probes of a validation, with the words SCENE and MODEL_DIR for its inputs.
 std::string validate_again(const Validated& validated);

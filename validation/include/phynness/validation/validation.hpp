@@ -24,16 +24,12 @@ struct FieldMeasures {
 template <class Errors>
 struct GroupMeasures {
   Errors force;
-  Errors displacement;         ///< all output nodes except the prescribed ones
-  Errors displacement_moving;  ///< per probe, the tenth of these nodes with the largest displacements
-  Errors field_l2;             ///< per probe: |u - u_FE| / |u_FE| Euclidean norms over the same nodes
-  Errors force_relative;       ///< per probe: |f - f_FE| / |f_FE|
+  Errors displacement;  ///< all output nodes except the prescribed ones
+  Errors field_l2;      ///< per probe: |u - u_FE| / |u_FE| Euclidean norms over the same nodes
   static void describe(auto& result, auto&& see) {
     see("force", result.force, "force, eq. (17)");
     see("displacement", result.displacement, "displacement, eq. (17)");
-    see("displacement_moving", result.displacement_moving, "  most moved tenth");
     see("field_l2", result.field_l2, "field, relative L2");
-    see("force_relative", result.force_relative);
   }
 };
 struct GroupErrors : GroupMeasures<ErrorStatistics> {
@@ -55,22 +51,13 @@ enum class Predictor { model, linear, zero };
 inline constexpr std::array<Predictor, 3> predictors{Predictor::model, Predictor::linear, Predictor::zero};
 const char* name(Predictor);
 
-/// A solved probe for the JSON, whose keys are the names of the members; in m and N.
-struct ForceExample {
-  std::int32_t node = 0;
-  Vec3 displacement{}, force_finite_elements{}, force_model{}, force_linear{};
-  PHYNNESS_FIGURES(node, displacement, force_finite_elements, force_model, force_linear)
-};
-
 /// A solved probe and its errors. Errors of displacement are means over the output nodes that count in (17); 0 if the
 /// model has forces only.
 struct ProbeRecord {
   std::int32_t node = 0;
   bool outside = false;
   Vec3 displacement_m{}, finite_elements_N{}, model_N{};
-  double force_error = 0, force_error_linear = 0;  ///< (17)
-  double force_error_own = 0;                      ///< as ProbeErrors::force_own
-  double displacement_error = 0, displacement_error_linear = 0;
+  double force_error = 0, displacement_error = 0;  ///< (17)
 };
 
 /// A probe with a large error of the force, with the displacements of the output nodes (n_output x 3 [m]).
@@ -104,7 +91,6 @@ struct ValidationReport {
   double outside_factor = 0;                 ///< outside: R < |d| <= this * R
   std::array<PredictorErrors, 3> errors;     ///< by Predictor
   ErrorsToRange to_range;                    ///< the same directions, depths up to the scene's R
-  std::vector<ForceExample> examples;        ///< the first probe inside the range of a few nodes
   std::vector<ProbeRecord> records;          ///< by node; inside before outside
   std::vector<ForceCurve> curves;            ///< of the first ray of each node
   std::vector<ShownState> shown;             ///< the largest errors of force inside; empty if the model has forces only
@@ -120,14 +106,13 @@ struct ValidationReport {
     PredictorErrors::describe(result.of(Predictor::model), see);
     see("linear", result.of(Predictor::linear));
     see("zero", result.of(Predictor::zero));
-    see("examples", result.examples);
     see("force_us", result.speed.force_us);
     see("deformation_us", result.speed.deformation_us);
     see("field_us", result.speed.field_us);
     PHYNNESS_SEE(seconds, solve_ms_per_increment);
     ErrorsToRange::describe(result.to_range, see);
     see("beyond", result.to_range.beyond);
-    see("unreached_beyond", result.to_range.unreached_beyond);
+    if (result.to_range.bounds) see("bounds", *result.to_range.bounds);
   }
 };
 
