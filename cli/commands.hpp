@@ -184,8 +184,4 @@ void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& p
                   const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result, json extra,
                   const std::function<void()>& write_more = {});
 
-/// Prints which share of the rays and of the probe volume ends early, why, and at which nodes. Prints nothing if every
-/// ray reaches its full depth. @return the figures
-json tell_ends(const DatabaseHeader& header, const EndSummary& ends);
-
 }  // namespace phynness::cli

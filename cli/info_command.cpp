@@ -1,9 +1,9 @@
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/image.hpp>
 #include <phynness/formats/input_file.hpp>
-#include <phynness/formats/printable.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/meshes/probe_points.hpp>
 #include <phynness/schema/body_grammar.hpp>
@@ -23,47 +23,23 @@ struct Options {
   bool failed = false;
 };
 
-/// "0 3 5 ... 97": the first few of a long list.
-std::string some(const std::vector<std::int32_t>& numbers) {
-  std::string text;
-  for (std::size_t i = 0; i < numbers.size() && i < 12; ++i) text += fmt::format("{}{}", i ? " " : "", numbers[i]);
-  if (numbers.size() > 12) text += fmt::format(" ... {}", numbers.back());
-  return text;
-}
-
-/// @return the worst cells
-json print_mesh(const Mesh& mesh, const NodeSets& sets) {
+void print_mesh(const Mesh& mesh, const NodeSets& sets) {
   if (mesh.cells.cols() == 3)
     print_result("mesh      {}: {} nodes, {} triangles of a shell\n", mesh_hash(mesh), mesh.n_nodes(), mesh.n_cells());
   else
     print_result("mesh      {}: {} nodes, {} tetrahedra, {} surface triangles\n", mesh_hash(mesh), mesh.n_nodes(),
                  mesh.n_cells(), mesh.surface.rows());
-  json worst = tell_worst_cells(mesh, sets.fixed);
-  print_result("fixed     {}: {}\n", sets.fixed.size(), some(sets.fixed));
-  print_result("active    {}: {}\n", sets.active.size(), some(sets.active));
-  print_result("output    {}: {}\n", sets.output.size(), some(sets.output));
-  return worst;
+  print_result("nodes     {} fixed, {} active, {} output\n", sets.fixed.size(), sets.active.size(), sets.output.size());
 }
 
 /// Prints how spread points are distributed. @param covered  ascending
-json tell_points(const Mesh& mesh, const std::vector<std::int32_t>& active, const std::vector<std::int32_t>& fixed,
+void tell_points(const Mesh& mesh, const std::vector<std::int32_t>& active, const std::vector<std::int32_t>& fixed,
                  const std::vector<std::int32_t>& covered) {
   const auto spread = probe_spread(mesh.nodes, mesh.surface, active, fixed, covered);
   print_result(
       "points    {} spread over the surface, {:.3g} mm from their nearest neighbours in the median, {:.3g} mm at most; "
       "a tool is answered on {:.1f} % of the area that can move\n",
       active.size(), 1e3 * spread.median_m, 1e3 * spread.largest_m, 100 * spread.covered);
-  return record("number", active.size(), "median_m", spread.median_m, "largest_m", spread.largest_m, "covered",
-                spread.covered);
-}
-/// Of a scene; null unless it spreads its active nodes.
-json tell_points(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
-  if (!spreads(scene.active)) return nullptr;
-  const bool round = scene.probe.kind == ProbeKind::patch;
-  const auto between =
-      round ? probe_coordinates(mesh.nodes, mesh.surface, sets.active, sets.fixed, scene.probe.tool_radius_m)
-            : ProbeCoordinates{};
-  return tell_points(mesh, sets.active, sets.fixed, round ? between.covered : sets.active);
 }
 
 /// A ray that stopped short of the full depth.
@@ -72,66 +48,71 @@ struct ShortRay {
   std::size_t direction = 0;
   Vec3 vector{};
   double reached_m = 0, failed_at_m = 0;
-  std::string reason, cell;  ///< the most compressed one, from the solver's log; empty: it has none
-  PHYNNESS_FIGURES(node, direction, vector, reached_m, failed_at_m, reason, cell)
+  std::string reason;
+  PHYNNESS_FIGURES(node, direction, vector, reached_m, failed_at_m, reason)
 };
 
-/// The cells that the log of a solver names, by "node N, direction D".
-std::map<std::string, std::string> cells_of_log(const std::filesystem::path& database) {
-  std::map<std::string, std::string> cells;
-  const auto file = database.string() + ".solver.log";
-  std::error_code none;
-  if (!std::filesystem::is_regular_file(file, none)) return cells;  // a pipe would be waited for
-  std::ifstream log(file);
-  for (std::string line; std::getline(log, line);) {
-    const auto ray = line.find("node "), cell = line.find(": J = ");
-    if (ray == std::string::npos || cell == std::string::npos) continue;
-    const auto end = line.find(':', ray);
-    cells[line.substr(ray, end - ray)] = printable(line.substr(cell + 2));
-  }
-  return cells;
-}
-
-/// Rays that the solver could not follow or, if `crushed`, that end in a crushed cell.
-std::vector<ShortRay> short_rays(const Database& database, const std::filesystem::path& file, bool crushed) {
+/// Rays that the solver could not follow.
+std::vector<ShortRay> failed_rays(const Database& database) {
   const auto& h = database.header();
   const auto statuses = database.statuses();
-  const auto ends = database.ends();
   const std::size_t n = h.magnitudes_m.size(), n_directions = h.directions.size();
-  const auto cells = cells_of_log(file);
   std::vector<ShortRay> rays;
-  for (std::size_t ray = 0; ray * n < statuses.size(); ++ray)
-    for (std::size_t i = 0; i < n; ++i) {
-      const Status status = statuses[ray * n + i];
-      if (status == Status::converged ||
-          (crushed ? ends[ray].reason != EndReason::crushed : static_cast<int>(status) >= 0))
-        continue;
-      const auto direction = ray % n_directions;
-      const auto node = h.sets.active[ray / n_directions];
-      const auto cell = cells.find(fmt::format("node {}, direction {}", node, direction));
-      rays.push_back({node, direction, h.directions[direction], i > 0 ? h.magnitudes_m[i - 1] : 0.0, h.magnitudes_m[i],
-                      crushed ? name(EndReason::crushed) : name(status), cell == cells.end() ? "" : cell->second});
-      break;
-    }
+  for (std::size_t ray = 0; ray * n < statuses.size(); ++ray) {
+    const auto first = statuses.begin() + static_cast<std::ptrdiff_t>(ray * n),
+               last = first + static_cast<std::ptrdiff_t>(n);
+    const auto failed = std::find_if(first, last, [](Status s) { return static_cast<int>(s) < 0; });
+    if (failed == last) continue;
+    const auto i = static_cast<std::size_t>(failed - first), direction = ray % n_directions;
+    rays.push_back({h.sets.active[ray / n_directions], direction, h.directions[direction],
+                    i > 0 ? h.magnitudes_m[i - 1] : 0.0, h.magnitudes_m[i], name(*failed)});
+  }
   return rays;
 }
 
-/// Prints how many rays stopped short, and which with `all`.
-void print_short_rays(const std::vector<ShortRay>& failed, const std::vector<ShortRay>& crushed, std::size_t n_active,
-                      bool all) {
+/// Prints how many rays failed, and which with `all`.
+void print_failed_rays(const std::vector<ShortRay>& failed, std::size_t n_active, bool all) {
+  if (failed.empty()) return;
   std::set<std::int32_t> nodes;
   for (const auto& ray : failed) nodes.insert(ray.node);
-  if (!failed.empty())
-    print_result("failed    {} rays stop short, at {} of {} active nodes{}\n", failed.size(), nodes.size(), n_active,
-                 all ? ":" : "; --failed lists them");
-  if (!all || (failed.empty() && crushed.empty())) return;
+  print_result("failed    {} rays stop short, at {} of {} active nodes{}\n", failed.size(), nodes.size(), n_active,
+               all ? ":" : "; --failed lists them");
+  if (!all) return;
   print_result("  {:>8} {:>9}  {:<22} {:>11} {:>13}  {}\n", "node", "direction", "", "reached, mm", "failed at, mm",
-               "reason, most compressed cell");
-  for (const auto* rays : {&failed, &crushed})
-    for (const auto& ray : *rays)
-      print_result("  {:>8} {:>9}  {:<22} {:>11.4g} {:>13.4g}  {}{}\n", ray.node, ray.direction,
-                   fmt::format("{:.3f} {:.3f} {:.3f}", ray.vector[0], ray.vector[1], ray.vector[2]),
-                   1e3 * ray.reached_m, 1e3 * ray.failed_at_m, ray.reason, ray.cell.empty() ? "" : ": " + ray.cell);
+               "reason");
+  for (const auto& ray : failed)
+    print_result("  {:>8} {:>9}  {:<22} {:>11.4g} {:>13.4g}  {}\n", ray.node, ray.direction,
+                 fmt::format("{:.3f} {:.3f} {:.3f}", ray.vector[0], ray.vector[1], ray.vector[2]), 1e3 * ray.reached_m,
+                 1e3 * ray.failed_at_m, ray.reason);
+}
+
+/// Prints which share of the rays and of the probe volume ends early, why, and at which nodes. @return the figures
+json tell_ends(const DatabaseHeader& header, const EndSummary& ends) {
+  constexpr std::size_t most_listed = 8;
+  json reasons = json::object();
+  std::string why, where;
+  for (const auto& [reason, count] : ends.reasons) {
+    const auto lost = ends.volume.find(reason);
+    reasons[name(reason)] = record("rays", count, "share_of_volume", lost == ends.volume.end() ? 0.0 : lost->second);
+    if (RayEnd{reason}.is_early()) why += fmt::format("  {:<16} {:<9} {}\n", name(reason), count, meaning(reason));
+  }
+  std::vector<std::size_t> nodes;  // those with the smallest probe volume first
+  for (std::size_t a = 0; a < ends.early.size(); ++a)
+    if (ends.early[a] > 0) nodes.push_back(a);
+  std::ranges::stable_sort(nodes, {}, [&](std::size_t a) { return ends.reached[a]; });
+  for (std::size_t i = 0; i < nodes.size() && i < most_listed; ++i)
+    where += fmt::format("{}{} ({:.0f} %)", i ? ", " : "", header.sets.active[nodes[i]], 100 * ends.reached[nodes[i]]);
+  if (!nodes.empty())
+    print_result(
+        "ends      {:.1f} % of {} rays end early, {:.1f} % of the probe volume is not trained\n{}"
+        "  at {} of {} nodes; volume that is trained: {}{}\n",
+        100 * ends.share_of_rays(), ends.rays, 100 * ends.share_of_volume(), why, nodes.size(), ends.early.size(),
+        where, nodes.size() > most_listed ? ", ..." : "");
+  if (ends.folds > 0)
+    print_result("folds     on {} rays; the largest energy lost at once is {:.3g} J\n", ends.folds,
+                 ends.largest_loss_J);
+  return record("share_of_rays", ends.share_of_rays(), "share_of_volume", ends.share_of_volume(), "reasons", reasons,
+                "folds", ends.folds, "largest_energy_lost_J", ends.largest_loss_J);
 }
 
 json about_database(const std::filesystem::path& file, bool failed) {
@@ -151,7 +132,7 @@ json about_database(const std::filesystem::path& file, bool failed) {
   const auto summary = summarize(database);
   print_result("database  {} ({}), {}\n", file.string(), bytes(std::filesystem::file_size(file)), h.software_version);
   print_result("scene     {}, physics {}\n", h.scene_name, h.physics_hash);
-  const json worst = print_mesh(h.mesh, h.sets);
+  print_mesh(h.mesh, h.sets);
   warn_of_patch(stored_scene(h), h.mesh, h.sets);
   print_result("probes    {} directions, {} increments to {:.4g} m{}{}\n", h.directions.size(), h.magnitudes_m.size(),
                h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "",
@@ -168,19 +149,19 @@ json about_database(const std::filesystem::path& file, bool failed) {
     print_result("  {:<16} {:<9} {}\n", name(status), count, meaning(status));
     states[name(status)] = count;
   }
-  const auto failed_rays = short_rays(database, file, false), crushed_rays = short_rays(database, file, true);
-  print_short_rays(failed_rays, crushed_rays, h.sets.active.size(), failed);
+  const auto rays = failed_rays(database);
+  print_failed_rays(rays, h.sets.active.size(), failed);
   const json ends = tell_ends(h, summarize_ends(database));
-  if (!h.imported)
+  if (!h.imported) {
     print_result("unstable  {} converged states with negative pivots; smallest J {:.3g}\n", summary.unstable_states,
                  summary.min_jacobian);
-  if (!h.imported)
     print_result("cost      {} Newton iterations, {} of solving\n", summary.newton_iterations,
                  duration(summary.seconds));
+  }
   return record("kind", "database", "complete", true, "mesh_hash", h.mesh_hash, "physics_hash", h.physics_hash, "nodes",
-                h.mesh.n_nodes(), "worst_cells", worst, "active", h.sets.active, "fields", fields, "states", states,
-                "failed_rays", failed_rays, "crushed_rays", crushed_rays, "ends", ends,
-                "newton_iterations", summary.newton_iterations, "unstable_states", summary.unstable_states);
+                h.mesh.n_nodes(), "active", h.sets.active, "fields", fields, "states", states, "failed_rays", rays,
+                "ends", ends, "newton_iterations", summary.newton_iterations, "unstable_states",
+                summary.unstable_states);
 }
 
 /// Prints what the finite elements solved and how far they are from a finer solution.
@@ -232,7 +213,7 @@ json about_model(const std::filesystem::path& dir) {
   const auto sizes = sizes_of(m);
   print_result("model     {}: family {}, {} \n", dir.string(), name(m.family), m.software_version);
   print_result("scene     {}, physics {}\n", m.title, m.physics_hash);
-  const json worst = print_mesh(model.mesh(), {m.fixed, active, m.output});
+  print_mesh(model.mesh(), {m.fixed, active, m.output});
   print_result("responses {}\n", operations(m.family).describe(m));
   json fields = json::array();
   for (const auto& field : m.fields) {
@@ -240,20 +221,11 @@ json about_model(const std::filesystem::path& dir) {
                  field.modes.cols(), field.scale);
     fields.push_back(field.name);
   }
-  json levels = json::array();
-  for (std::int32_t l = 0; l < model.runtime().n_levels(); ++l) {
-    phn_level info;
-    model.runtime().level_info(l, info).ignore();
-    levels.push_back(record("force_centers", info.force_centers, "deformation_centers", info.deformation_centers,
-                            "modes", info.modes, "error_force", info.error_force, "error_displacement",
-                            info.error_displacement));
-  }
-  if (levels.size() > 1)
-    print_result("levels    {}; phynness bench shows their sizes, errors and times\n", levels.size());
-  json points;
+  if (const auto n = model.runtime().n_levels(); n > 1)
+    print_result("levels    {}; phynness bench shows their sizes, errors and times\n", n);
   if (m.covered.rows() > 0) {
     const auto nodes = m.covered.col(0);
-    points = tell_points(model.mesh(), active, m.fixed, {nodes.begin(), nodes.end()});
+    tell_points(model.mesh(), active, m.fixed, {nodes.begin(), nodes.end()});
   }
   json bounds = json::array();
   for (const auto& bound : m.bounds) {
@@ -263,15 +235,13 @@ json about_model(const std::filesystem::path& dir) {
                             reference_names.at(static_cast<std::size_t>(bound.reference))));
   }
   const json provenance = tell_provenance(model.runtime().info().provenance);
-  const json finer = m.finer.is_measured ? figures(m.finer) : json(nullptr);
   print_result("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n", bytes(model.text_bytes()),
                bytes(model.mesh_text_bytes()), bytes(model.memory_bytes()));
   return record("kind", "model", "family", name(m.family), "model_hash", model.hash(), "mesh_hash", m.mesh_hash,
-                "physics_hash", m.physics_hash, "worst_cells", worst, "active", active, "deformation_neurons",
-                sizes.deformation_neurons, "force_neurons", sizes.force_neurons, "force_centers", sizes.force_centers,
-                "modes", sizes.modes, "levels", levels, "fields", fields, "bounds", bounds, "finer", finer,
-                "provenance", provenance, "points", points, "model_text_bytes", model.text_bytes(), "memory_bytes",
-                model.memory_bytes());
+                "physics_hash", m.physics_hash, "active", active, "deformation_neurons", sizes.deformation_neurons,
+                "force_neurons", sizes.force_neurons, "force_centers", sizes.force_centers, "modes", sizes.modes,
+                "levels", model.runtime().n_levels(), "fields", fields, "bounds", bounds, "provenance", provenance,
+                "model_text_bytes", model.text_bytes(), "memory_bytes", model.memory_bytes());
 }
 
 /// By the first word, whatever the name of the file.
@@ -312,12 +282,21 @@ json about_body(const std::filesystem::path& file) {
 json about_scene(const std::filesystem::path& file) {
   const auto loaded = load_scene(file);
   print_result("scene     {}: {}\n", file.string(), loaded.scene.title);
-  const json worst = print_mesh(loaded.mesh, loaded.sets);
-  const json points = tell_points(loaded.scene, loaded.mesh, loaded.sets);
+  print_mesh(loaded.mesh, loaded.sets);
+  const json worst = tell_worst_cells(loaded.mesh, loaded.sets.fixed);
+  if (spreads(loaded.scene.active)) {
+    const auto& sets = loaded.sets;
+    const bool round = loaded.scene.probe.kind == ProbeKind::patch;
+    tell_points(loaded.mesh, sets.active, sets.fixed,
+                round ? probe_coordinates(loaded.mesh.nodes, loaded.mesh.surface, sets.active, sets.fixed,
+                                          loaded.scene.probe.tool_radius_m)
+                            .covered
+                      : sets.active);
+  }
   print_result("physics   {}\n{}", physics_hash(loaded.scene), physics_summary(loaded.scene));
   print_result("not in the hash\n{}", other_settings(loaded.scene));
   return record("kind", "scene", "mesh_hash", mesh_hash(loaded.mesh), "physics_hash", physics_hash(loaded.scene),
-                "nodes", loaded.mesh.n_nodes(), "worst_cells", worst, "active", loaded.sets.active, "points", points);
+                "nodes", loaded.mesh.n_nodes(), "worst_cells", worst, "active", loaded.sets.active);
 }
 
 /// A mesh file is read as in a scene without selections. An open surface is the midsurface of a shell.
@@ -381,8 +360,7 @@ void add(CLI::App& app) {
            "scene.toml, mesh file, database.h5, MODEL_DIR, NAME.bin of export, or body.txt")
       ->required();
   command.set_version_flag("--keys", scene_key_tables, "print the tables of a scene's keys in Markdown and exit");
-  command.add_flag("--failed", options.failed,
-                   "of a database: list every ray that failed or ends in a crushed cell, with depth, reason and cell");
+  command.add_flag("--failed", options.failed, "of a database: list every ray that failed, with depth and reason");
   add_json(command, options.json_file);
 }
 

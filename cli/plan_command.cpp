@@ -36,18 +36,15 @@ struct Measured {
   std::int64_t rays = 0, nodes = 0;
   double seconds_per_ray = 0, seconds_longest_ray = 0;
   std::optional<double> relative_standard_error;  ///< of the mean of a sample of enough nodes
-  bool is_guess = false;                          ///< the sample has fewer
-  ByName<std::int64_t> states;                    ///< increments by outcome
   double start_seconds = 0, node_setup_seconds = 0;
-  PHYNNESS_FIGURES(rays, nodes, seconds_per_ray, seconds_longest_ray, relative_standard_error, is_guess, states,
-                   start_seconds, node_setup_seconds)
+  PHYNNESS_FIGURES(rays, nodes, seconds_per_ray, seconds_longest_ray, relative_standard_error, start_seconds,
+                   node_setup_seconds)
 };
 
 struct Plan {
   std::int64_t rays = 0, rays_requested = 0;  ///< recorded, and solved
   std::size_t increments = 0;
   Measured measured;
-  json ends;  ///< of the measured rays
   int ranks = 1;
   double wall_seconds = 0, core_hours = 0, memory_bytes_per_rank = 0, machine_memory_bytes = 0;
   double database_bytes = 0, log_bytes = 0;
@@ -55,9 +52,9 @@ struct Plan {
   std::int64_t calibration_rays = 0, probes = 0;
   double calibrate_seconds = 0, validate_seconds = 0;  ///< in run
   int ranks_of_use = 1;
-  PHYNNESS_FIGURES(rays, rays_requested, increments, measured, ends, ranks, wall_seconds, core_hours,
-                   memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, check_seconds,
-                   calibration_rays, probes, calibrate_seconds, validate_seconds, ranks_of_use)
+  PHYNNESS_FIGURES(rays, rays_requested, increments, measured, ranks, wall_seconds, core_hours, memory_bytes_per_rank,
+                   machine_memory_bytes, database_bytes, log_bytes, check_seconds, calibration_rays, probes,
+                   calibrate_seconds, validate_seconds, ranks_of_use)
 
   bool is_sample() const { return measured.rays < rays_requested; }
 };
@@ -82,9 +79,8 @@ void warn_of_states(const std::map<Status, std::int64_t>& states) {
   if (failed > 0) message("warning: {} of {} increments failed: {}\n", failed, all, reasons);
 }
 
-/// @return the ends of the measured rays
-EndSummary measure(const LoadedScene& loaded, const DatabaseHeader& header, const std::vector<RayChoice>& chosen,
-                   Measured& measured) {
+void measure(const LoadedScene& loaded, const DatabaseHeader& header, const std::vector<RayChoice>& chosen,
+             Measured& measured) {
   ProbeSolver solver(loaded.scene, loaded.mesh, loaded.sets);
   std::vector<std::pair<std::int32_t, std::int32_t>> which;
   for (const auto& ray : chosen) which.emplace_back(ray.active, ray.direction);
@@ -96,16 +92,12 @@ EndSummary measure(const LoadedScene& loaded, const DatabaseHeader& header, cons
                   "run the command again; fewer --rays take less time");
   const double spent_s = static_cast<double>(std::clock()) / CLOCKS_PER_SEC, setup_s = sum(solved.node_setup_s);
   std::vector<double> seconds;
-  std::vector<RayEnd> ends(header.sets.active.size() * header.directions.size(), RayEnd{EndReason::not_requested});
   std::map<Status, std::int64_t> states;
   for (const auto& ray : solved.rays) {
     seconds.push_back(sum(ray.seconds));
     for (const auto status : ray.status) ++states[status];
-    ends[static_cast<std::size_t>(ray.active) * header.directions.size() + static_cast<std::size_t>(ray.direction)] =
-        ray.end;
   }
   warn_of_states(states);
-  for (const auto& [status, count] : states) measured.states.emplace_back(name(status), count);
   const auto costs = costs_of(chosen, seconds);
   measured.rays = std::ssize(chosen);
   measured.nodes = std::ssize(solved.node_setup_s);
@@ -114,7 +106,6 @@ EndSummary measure(const LoadedScene& loaded, const DatabaseHeader& header, cons
   measured.relative_standard_error = costs.relative_error;
   measured.node_setup_seconds = setup_s / static_cast<double>(measured.nodes);
   measured.start_seconds = std::max(0.0, spent_s - sum(seconds) - setup_s);
-  return summarize_ends(header, ends);
 }
 
 /// Sizes and times of calibrate and validate in run.
@@ -131,8 +122,8 @@ void plan_checks(const LoadedScene& loaded, const DatabaseHeader& header, Plan& 
   plan.validate_seconds = seconds(sizes.validation_increments);
 }
 
-/// @param ends  set to those of the measured rays
-Plan make_plan(const Options& options, const LoadedScene& loaded, const DatabaseHeader& header, EndSummary& ends) {
+Plan make_plan(const Options& options, const LoadedScene& loaded) {
+  const auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
   const auto requested = requested_rays(loaded.scene, loaded.mesh, header);
   Plan plan;
   const auto& nodes = header.mesh.nodes;
@@ -141,7 +132,7 @@ Plan make_plan(const Options& options, const LoadedScene& loaded, const Database
                                   static_cast<std::uint64_t>(options.seed));
   if (chosen.empty())
     throw input_error("the scene has no rays", options.scene.string(), "check nodes.active and the directions");
-  ends = measure(loaded, header, chosen, plan.measured);
+  measure(loaded, header, chosen, plan.measured);
   RunCosts costs{.start_s = plan.measured.start_seconds,
                  .ray_s = plan.measured.seconds_per_ray,
                  .longest_s = plan.measured.seconds_longest_ray,
@@ -155,7 +146,6 @@ Plan make_plan(const Options& options, const LoadedScene& loaded, const Database
   plan.rays = std::ssize(rays_left(header, std::vector<char>(requested.size(), 0)));
   plan.rays_requested = costs.rays;
   plan.increments = header.magnitudes_m.size();
-  plan.measured.is_guess = plan.is_sample() && !plan.measured.relative_standard_error;
   plan.log_bytes = static_cast<double>(plan.rays) * record_bytes(header);
   plan.database_bytes = static_cast<double>(requested.size()) * record_bytes(header);
   costs.packing_s = plan.database_bytes / packing_B_per_s;
@@ -175,7 +165,7 @@ Plan make_plan(const Options& options, const LoadedScene& loaded, const Database
 /// The accuracy of the mean in words.
 std::string trust(const Plan& plan) {
   if (!plan.is_sample()) return "all rays were solved";
-  if (plan.measured.is_guess) return "a guess";  // fewer than RayCosts::fewest_nodes
+  if (!plan.measured.relative_standard_error) return "a guess";  // fewer than RayCosts::fewest_nodes
   return fmt::format("standard error {:.0f} %", 100 * *plan.measured.relative_standard_error);
 }
 
@@ -204,11 +194,8 @@ void run(const Options& options) {
   const SolverSession session;
   const auto loaded = load_scene(options.scene);
   install_stop_handler();  // a signal before ends the program: there is nothing to keep
-  const auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
-  EndSummary ends;
-  Plan plan = make_plan(options, loaded, header, ends);
+  const Plan plan = make_plan(options, loaded);
   print_plan(options, plan);
-  plan.ends = tell_ends(header, ends);
   if (plan.ranks * plan.memory_bytes_per_rank > plan.machine_memory_bytes)
     message("warning: {} ranks do not fit into the memory of this machine, but {} ranks do\n", plan.ranks,
             std::floor(plan.machine_memory_bytes / plan.memory_bytes_per_rank));

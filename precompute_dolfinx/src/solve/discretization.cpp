@@ -179,7 +179,7 @@ void Discretization::residual(std::span<const double> state, std::span<double> o
   _edge_patches.add_residual(state, out);
 }
 
-double Discretization::min_jacobian(std::span<const double> state, int* worst) {
+double Discretization::min_jacobian(std::span<const double> state) {
   const auto& forms = _dolfinx->forms;
   std::vector<double> w, values(forms.jacobian->num_points);
   std::array<double, 12> x;
@@ -194,7 +194,6 @@ double Discretization::min_jacobian(std::span<const double> state, int* worst) {
       api::tabulate(*forms.jacobian, values, w, c, x);
       for (double J : values) {
         if (std::isnan(J)) J = -std::numeric_limits<double>::infinity();
-        if (J < least && worst) *worst = cell;
         least = std::min(least, J);
       }
     }

@@ -64,8 +64,8 @@ class Discretization {
   double energy(std::span<const double> state);
   /// Nodal forces that hold the state, and residuals of the pressure equations. @param out  n_dofs, overwritten
   void residual(std::span<const double> state, std::span<double> out);
-  /// Smallest J over all quadrature points. @param worst  if not null, set to the cell with it
-  double min_jacobian(std::span<const double> state, int* worst = nullptr);
+  /// Smallest J over all quadrature points.
+  double min_jacobian(std::span<const double> state);
   /// The number of a block, its tangent, and the nearest positive semidefinite one (displacements only). Matrices have
   /// the dofs of the block as rows and columns and are row-major; the second is empty without convexity.
   using TakeTangent = std::function<void(std::int32_t, std::span<const double>, std::span<const double>)>;

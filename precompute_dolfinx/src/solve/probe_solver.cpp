@@ -183,12 +183,6 @@ RayEnd ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::v
   return end;
 }
 
-std::optional<CompressedCell> ProbeSolver::compressed_cell() const {
-  const auto& found = _impl->rays.compressed();
-  if (found.cell < 0) return std::nullopt;
-  return CompressedCell{_impl->body.cell_nodes(found.cell), found.min_jacobian, found.s};
-}
-
 RayLimits ProbeSolver::limits_of_rays() const {
   const ProbeSpec& probe = _impl->scene.probe;
   const double resolution_m = std::ldexp(probe.max_displacement_m / probe.increments, -fold_halvings);

@@ -90,7 +90,6 @@ PathStep RaySolver::advance(const Path& path, double s, bool all_tangents, PathP
   to.min_jacobian = _body.min_jacobian(to.state);
   if (_body.forms().checks_jacobian && !(to.min_jacobian > 0)) {
     step.status = Status::inverted;
-    find_compressed(to);
     return step;
   }
   to.met_instability = path.last().met_instability || outcome.met_instability;
@@ -165,7 +164,6 @@ RayEnd RaySolver::follow(const Rest& rest, const Eigen::VectorXd& direction, con
   _path.append(std::move(start));
   _end = {};
   _end.reason = EndReason::full_depth;
-  _compressed = {};
   Status left = Status::converged;  // of the increments that are left
 
   for (std::size_t i = 0; i < s_values.size(); ++i) {
@@ -185,7 +183,6 @@ RayEnd RaySolver::follow(const Rest& rest, const Eigen::VectorXd& direction, con
         left = Status::after_failure;
         _end.reason = EndReason::solver;
         _end.depth_m = _path.last().s;
-        if (step.status != Status::inverted && _end.depth_m > 0) find_compressed(_path.last());
       }
     }
     if (!take(i, step, _path.last())) return _end;

@@ -44,13 +44,6 @@ class RaySolver {
                 bool all_tangents, const std::function<bool(std::size_t, const PathStep&, const PathPoint&)>& take,
                 const PathLimits& limits = {});
 
-  /// The cell with the smallest J where the last ray of follow() ended in a crushed cell or by a failure.
-  struct Compressed {
-    int cell = -1;  ///< of the body; -1: of a shell, or no step from rest was possible
-    double min_jacobian = 1, s = 0;
-  };
-  const Compressed& compressed() const { return _compressed; }
-
  private:
   enum class Search { smooth, fold, crushed };
 
@@ -69,7 +62,6 @@ class RaySolver {
   void make_stiffness_exact(PathPoint& point);
   /// Sets the end of the ray if the smallest J in `to` is below the limit.
   bool is_crushed(const PathPoint& from, const PathPoint& to);
-  void find_compressed(const PathPoint& point);
   /// Predicts the state at s. `to` receives the prediction with the prescribed displacements.
   Prediction predict(const Path& path, double s, PathPoint& to);
   /// Computes velocity and stability of the equilibrium in `to`.
@@ -89,7 +81,6 @@ class RaySolver {
   PathLimits _limits;
   Path _path;
   RayEnd _end;
-  Compressed _compressed;
 };
 
 }  // namespace phynness

@@ -82,17 +82,10 @@ bool RaySolver::loses_energy(PathPoint& from, PathPoint& to) {
   return differs(from, to, _direction);
 }
 
-void RaySolver::find_compressed(const PathPoint& point) {
-  _compressed = {-1, 1, point.s};
-  if (_body.forms().checks_jacobian && !_body.has_directors())
-    _compressed.min_jacobian = _body.min_jacobian(point.state, &_compressed.cell);
-}
-
 bool RaySolver::is_crushed(const PathPoint& from, const PathPoint& to) {
   if (!_body.forms().checks_jacobian || !(to.min_jacobian < _limits.ray.min_jacobian)) return false;
   _end.reason = EndReason::crushed;
   _end.depth_m = depth_of(_limits.ray.min_jacobian, from, to);
-  find_compressed(to);
   return true;
 }
 

@@ -1,10 +1,7 @@
 #include "solve_ray.hpp"
 
-#include <algorithm>
 #include <ctime>
 #include <exception>
-#include <phynness/meshes/meshes.hpp>
-#include <sstream>
 
 #include "solver_log.hpp"
 
@@ -49,32 +46,6 @@ void follow_ray(ProbeSolver& solver, const DatabaseHeader& header, const RayLimi
       limits);
 }
 
-/// @pre there is one
-std::int32_t cell_with(std::array<std::int32_t, 4> nodes, const Mesh& mesh) {
-  std::ranges::sort(nodes);
-  for (std::int32_t c = 0;; ++c) {
-    std::array<std::int32_t, 4> corners;
-    for (int k = 0; k < 4; ++k) corners[k] = mesh.cells(c, k);
-    std::ranges::sort(corners);
-    if (corners == nodes) return c;
-  }
-}
-
-/// Writes the most compressed cell of a ray that a crushed cell or a failure ends to the log. The message of a library
-/// is there already.
-void log_end(const ProbeSolver& solver, const DatabaseHeader& header, const Ray& ray) {
-  const bool crushed = ray.end.reason == EndReason::crushed;
-  const auto failed = std::ranges::find_if(ray.status, [](Status s) { return static_cast<int>(s) < 0; });
-  const auto found = solver.compressed_cell();
-  if (!found || (!crushed && (failed == ray.status.end() || *failed == Status::library_error))) return;
-  std::ostringstream text;
-  text.precision(3);
-  text << (crushed ? name(ray.end.reason) : name(*failed)) << ": J = " << found->min_jacobian << " at "
-       << 1e3 * found->s << " mm in "
-       << cell_quality(header.mesh, cell_with(found->nodes, header.mesh), header.sets.fixed).str() << " (at rest)";
-  SolverLog::instance().write(text.str());
-}
-
 /// Marks the increments from `first` on as not solved.
 void end_ray(const DatabaseHeader& header, Ray& ray, std::size_t first) {
   ray.end = {EndReason::solver, first > 0 ? header.magnitudes_m[first - 1] : 0.0, 0, 0};
@@ -109,7 +80,6 @@ Ray solve_ray(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t ac
   std::size_t n_stored = 0;
   try {
     follow_ray(solver, header, solver.limits_of_rays(), ray, n_stored);
-    log_end(solver, header, ray);
   } catch (const Interrupted&) {
     throw;
   } catch (const std::exception& error) {

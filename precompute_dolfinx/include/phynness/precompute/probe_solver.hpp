@@ -53,13 +53,6 @@ struct RayLimits {
   double max_force_N = 0;    ///< the first value of s with a larger force is the last one; 0: no limit
 };
 
-/// A cell of a deformed body.
-struct CompressedCell {
-  std::array<std::int32_t, 4> nodes{};  ///< in the numbers of the mesh
-  double min_jacobian = 1;
-  double s = 0;  ///< of RaySolver::follow()
-};
-
 /// What touch(), follow() and solve() throw if the user wants an end (ProbeSolver::set_stop). The solver can be
 /// used again afterwards.
 struct Interrupted : std::exception {
@@ -95,10 +88,6 @@ class ProbeSolver {
   /// @return end of the ray; its depths are values of s
   RayEnd follow(const std::vector<Vec3>& displacement_m, const std::vector<double>& s_values, bool tangents,
                 const std::function<bool(std::size_t, const Response&)>& take, const RayLimits& limits = {});
-
-  /// The cell with the smallest J in the last state of the last follow(), if a crushed cell or a failure ended its ray;
-  /// of an inverted one, in the state with J <= 0. None for shells, and where no step from rest succeeded.
-  std::optional<CompressedCell> compressed_cell() const;
 
   /// The limits of the scene's [probe], for values of s in metres.
   RayLimits limits_of_rays() const;
