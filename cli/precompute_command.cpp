@@ -60,44 +60,15 @@ std::vector<DatabaseLock> begin(const PrecomputeTarget& target, const LoadedScen
   return locks;
 }
 
-/// Prints idle time and memory of every rank or, for many ranks, the range.
-void print_ranks(const PrecomputeReport& report) {
-  constexpr std::size_t few = 16;
-  double idle = 0, busy = 0, most_memory = 0;
-  for (const auto& rank : report.ranks) {
-    idle += rank.idle_seconds;
-    busy += rank.busy_seconds;
-    most_memory = std::max(most_memory, rank.peak_memory_bytes);
-  }
-  print_result("{} of set-up, {} of solving, {} of packing; ranks idle {:.1f} % of solving; peak memory {} per rank\n",
-               duration(report.setup_seconds), duration(report.solve_seconds), duration(report.pack_seconds),
-               report.rays > 0 ? 100 * idle / (idle + busy) : 0.0, bytes(most_memory));
-  if (report.ranks.size() < 2) return;
-  if (report.ranks.size() <= few) {
-    print_result("{:>6} {:>8} {:>10} {:>10} {:>12}\n", "rank", "rays", "busy s", "idle s", "peak memory");
-    for (std::size_t r = 0; r < report.ranks.size(); ++r)
-      print_result("{:>6} {:>8} {:>10.2f} {:>10.2f} {:>12}\n", r, report.ranks[r].rays, report.ranks[r].busy_seconds,
-                   report.ranks[r].idle_seconds, bytes(report.ranks[r].peak_memory_bytes));
-    return;
-  }
-  const auto [least, most] = std::ranges::minmax_element(report.ranks, {}, &RankFigures::idle_seconds);
-  print_result("idle {:.2f} s (rank {}) to {:.2f} s (rank {})\n", least->idle_seconds, least - report.ranks.begin(),
-               most->idle_seconds, most - report.ranks.begin());
-}
-
-json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const PrecomputeReport& report) {
-  json ranks = json::array();
-  for (const auto& rank : report.ranks)
-    ranks.push_back(record("rays", rank.rays, "tasks", rank.tasks, "busy_seconds", rank.busy_seconds, "idle_seconds",
-                           rank.idle_seconds, "core_seconds", rank.core_seconds, "peak_memory_bytes",
-                           rank.peak_memory_bytes));
-  json out = record("active_nodes", loaded.sets.active.size(), "rays", report.rays + report.rays_found(),
-                    "rays_resumed", report.rays_resumed, "rays_taken", report.rays_taken, "increments",
-                    report.increments, "increments_of_run", report.increments_of_run, "failed", report.failed,
-                    "increments_after_end", report.after_end, "rays_with_library_errors", report.library_errors,
-                    "newton_iterations", report.iterations, "ranks", report.ranks.size(), "wall_seconds",
-                    report.wall_seconds, "setup_seconds", report.setup_seconds, "solve_seconds", report.solve_seconds,
-                    "pack_seconds", report.pack_seconds, "core_seconds", report.core_seconds, "per_rank", ranks);
+json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const PrecomputeReport& report, int n_ranks) {
+  json out =
+      record("active_nodes", loaded.sets.active.size(), "rays", report.rays + report.rays_found(), "rays_resumed",
+             report.rays_resumed, "rays_taken", report.rays_taken, "increments", report.increments, "increments_of_run",
+             report.increments_of_run, "failed", report.failed, "increments_after_end", report.after_end,
+             "rays_with_library_errors", report.library_errors, "newton_iterations", report.iterations, "ranks",
+             n_ranks, "wall_seconds", report.wall_seconds, "setup_seconds", report.setup_seconds, "solve_seconds",
+             report.solve_seconds, "pack_seconds", report.pack_seconds, "core_seconds", report.core_seconds,
+             "idle_share", report.idle_share, "peak_memory_bytes", report.peak_memory_bytes);
   if (target.part)
     out["part"] = target.part->str();
   else
@@ -127,7 +98,9 @@ void print_work(const SolverSession& session, const LoadedScene& loaded, const P
                  1e3 * report.core_seconds / static_cast<double>(report.increments_of_run),
                  report.rays_found() > 0 ? fmt::format(" of the {} of this run", report.increments_of_run) : "");
   print_result("\n");
-  print_ranks(report);
+  print_result("{} of set-up, {} of solving, {} of packing; ranks idle {:.1f} % of solving; peak memory {} per rank\n",
+               duration(report.setup_seconds), duration(report.solve_seconds), duration(report.pack_seconds),
+               100 * report.idle_share, bytes(report.peak_memory_bytes));
 }
 
 void run(const Options& options) {
@@ -183,7 +156,7 @@ void run(const Options& options) {
                  target.file.string(), options.scene.string(), options.output.string());
   else
     print_result("database {} -> {}\n", bytes(std::filesystem::file_size(target.file)), target.file.string());
-  write_json(options.json_file, figures(loaded, target, report));
+  write_json(options.json_file, figures(loaded, target, report, session.size()));
 }
 
 }  // namespace

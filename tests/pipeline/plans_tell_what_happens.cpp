@@ -1,12 +1,9 @@
 // Claim: `phynness plan` predicts the sizes of the files of a precompute run, and those of calibrate and validate, in
 // seven lines. Input that cannot be planned is refused. Times are not compared, because the machine may have other
-// load. precompute hands out the tasks of ray_tasks(), each whole and in order.
+// load.
 #include <algorithm>
-#include <phynness/formats/database.hpp>
-#include <phynness/precompute/ray_tasks.hpp>
 
 #include "command_line.hpp"
-#include "database/database_scan.hpp"
 
 namespace phynness::test {
 namespace {
@@ -54,66 +51,6 @@ TEST_F(Plans, sizes_are_those_of_the_run) {
   EXPECT_EQ(json("calibrate.json").at("rays"), 100);
   succeed("validate scene.toml model --json validate.json");
   EXPECT_EQ(json("validate.json").at("probes"), 50);
-}
-
-/// The tasks in a log: each whole, one after the other, in the order in which they are handed out.
-/// @return how many
-int tasks_in(const std::vector<RayIndex>& log, const std::vector<std::int64_t>& starts,
-             const std::vector<RayIndex>& rays, std::vector<int>& taken) {
-  int n_tasks = 0;
-  std::size_t at = 0, task = 0;
-  while (at < log.size()) {
-    const auto starts_here = [&](std::int64_t start) {
-      const auto& first = rays[static_cast<std::size_t>(start)];
-      return first.active == log[at].active && first.direction == log[at].direction;
-    };
-    while (task < taken.size() && !starts_here(starts[task])) ++task;
-    if (task == taken.size()) {
-      ADD_FAILURE() << "no task begins with record " << at << " of the log, or too early";
-      return n_tasks;
-    }
-    for (auto i = starts[task]; i < starts[task + 1]; ++i, ++at) {
-      const auto& ray = rays[static_cast<std::size_t>(i)];
-      if (at == log.size() || log[at].active != ray.active || log[at].direction != ray.direction) {
-        ADD_FAILURE() << "task " << task << " is not whole in the log";
-        return n_tasks;
-      }
-    }
-    ++taken[task];
-    ++n_tasks;
-  }
-  return n_tasks;
-}
-
-// Which rank takes which task depends on how fast each one is, which no test can repeat; which rays make a
-// task, and the order of the tasks, do not. A part of all rays keeps its logs.
-TEST_F(Plans, tasks_are_those_of_precompute) {
-  write_file(folder / "scene.toml", small_scene());
-  succeed("precompute scene.toml -o whole.h5");
-  const auto header = Database::open(folder / "whole.h5").header();
-  const auto rays = rays_left(header, std::vector<char>(header.sets.active.size() * header.directions.size(), 0));
-  for (const int ranks : {1, 3}) {
-    const std::string n = std::to_string(ranks);
-    const auto done = shell("mpirun --oversubscribe -n " + n + " \"$PHYNNESS\" precompute scene.toml -o run" + n +
-                            ".h5 --part 0/1 --json run.json");
-    ASSERT_EQ(done.exit_status, 0) << done.err;
-    const auto run = json("run.json");
-    const auto starts = ray_tasks(rays, ranks);
-    const auto index = database_log::scan(folder / ("run" + n + ".h5"), header);
-    ASSERT_EQ(index.entries.size(), rays.size());
-    std::vector<std::vector<RayIndex>> logs(index.logs.size());
-    for (const auto& entry : index.entries)
-      logs[static_cast<std::size_t>(entry.log)].push_back({entry.active, entry.direction});
-    std::vector<int> taken(starts.size() - 1, 0);
-    std::vector<std::int64_t> counted, reported;
-    for (const auto& log : logs)
-      if (!log.empty()) counted.push_back(tasks_in(log, starts, rays, taken));
-    for (const auto& rank : run["per_rank"])
-      if (rank["tasks"] > 0) reported.push_back(rank["tasks"]);
-    EXPECT_EQ(counted, reported) << ranks;
-    EXPECT_EQ(taken, std::vector<int>(taken.size(), 1)) << ranks;
-    EXPECT_GT(taken.size(), 6u);
-  }
 }
 
 TEST_F(Plans, hemispheres_count_what_is_asked_for) {

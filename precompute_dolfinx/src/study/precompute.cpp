@@ -1,6 +1,7 @@
 #include <mpi.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <numeric>
 #include <optional>
@@ -66,12 +67,10 @@ void sum_shares(const SolverSession& session, const Share& share, double core_se
   report.increments_of_run = report.increments;
   report.after_end = 0;
   report.core_seconds = session.sum(core_seconds);
-  const auto figures =
-      session.gather({static_cast<double>(share.counts.rays), static_cast<double>(share.tasks), share.busy_seconds,
-                      report.solve_seconds - share.busy_seconds, core_seconds, peak_memory_bytes()});
-  for (std::size_t i = 0; i + 5 < figures.size(); i += 6)
-    report.ranks.push_back({static_cast<std::int64_t>(figures[i]), static_cast<std::int64_t>(figures[i + 1]),
-                            figures[i + 2], figures[i + 3], figures[i + 4], figures[i + 5]});
+  const double busy = session.sum(share.busy_seconds), all = session.sum(report.solve_seconds);
+  report.idle_share = report.rays > 0 ? 1 - busy / all : 0;
+  for (const double bytes : session.gather({peak_memory_bytes()}))
+    report.peak_memory_bytes = std::max(report.peak_memory_bytes, bytes);
 }
 
 /// Of a file that this run has not packed.

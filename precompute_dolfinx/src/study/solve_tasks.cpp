@@ -116,7 +116,6 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
   });
   for (auto task = counter.next(); task < n_tasks; task = counter.next()) {
     const auto start = std::chrono::steady_clock::now();
-    ++share.tasks;
     for (auto i = tasks[static_cast<std::size_t>(task)]; i < tasks[static_cast<std::size_t>(task) + 1]; ++i) {
       try {
         ray_log.append(nodes.solve(rays[static_cast<std::size_t>(i)]), share);

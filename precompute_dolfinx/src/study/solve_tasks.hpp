@@ -19,7 +19,6 @@ void count(std::span<const Status> statuses, std::span<const std::int32_t> itera
 /// Figures of one rank.
 struct Share {
   RayCounts counts;
-  std::int64_t tasks = 0;
   double busy_seconds = 0;
   bool interrupted = false;
 };

@@ -26,15 +26,6 @@ struct PrecomputeTarget {
   std::filesystem::path from;   ///< database of Coverage::part, finished or not, whose rays are taken; may be empty
 };
 
-/// Figures of one rank.
-struct RankFigures {
-  std::int64_t rays = 0, tasks = 0;  ///< tasks as in phynness/precompute/ray_tasks.hpp
-  double busy_seconds = 0;           ///< wall time of solving and logging
-  double idle_seconds = 0;           ///< remaining wall time until the last rank had solved its last ray
-  double core_seconds = 0;           ///< CPU time without waiting for other ranks
-  double peak_memory_bytes = 0;
-};
-
 /// Sums over rays: of one rank or of all, of this run or of the whole database. `failed` includes after_failure.
 struct RayCounts {
   std::int64_t rays = 0, rays_solved = 0;                       ///< all; without directions that are not requested
@@ -50,8 +41,9 @@ struct PrecomputeReport : RayCounts {
   std::int64_t increments_of_run = 0;                             ///< increments that this run solved
   double wall_seconds = 0, core_seconds = 0;                      ///< of this run; core_seconds summed over ranks
   double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;  ///< parts of wall_seconds
-  std::vector<RankFigures> ranks;                                 ///< on rank 0; empty elsewhere
-  bool interrupted = false;                                       ///< finished rays are kept; --resume continues
+  double idle_share = 0;         ///< of the wall time of solving, on all ranks: waiting for the last ray
+  double peak_memory_bytes = 0;  ///< of the largest rank
+  bool interrupted = false;      ///< finished rays are kept; --resume continues
   std::int64_t rays_found() const { return rays_resumed + rays_taken; }  ///< that this run did not solve
 };
 
