@@ -1,5 +1,5 @@
-// Many single tools at once, for eval and solve: a CSV file of displaced nodes is read row by row, and a row of a CSV
-// table of forces is written for each. The memory does not depend on the number of rows.
+// Many single tools at once, for eval and solve: a CSV file of displaced nodes is read, and a row of a CSV table of
+// forces is written for each.
 #pragma once
 
 #include "commands.hpp"
