@@ -205,10 +205,8 @@ void print_bound(const LoadedModel& model, const std::optional<LoadedBody>& body
         100 * (body ? read_body_text(body->text(), body->name()).coverage : model.model().bounds.at(0).coverage));
   else if ((status & PHN_WARNING_OUTSIDE) != 0)
     print_result("error of the force: unknown outside of the trained range\n");
-  else if ((status & PHN_WARNING_UNSETTLED) != 0)
-    print_result("error of the force: unknown, because the tools are too close to each other\n");
   else
-    print_result("error of the force: unknown, because too few rays of such tools were solved by phynness calibrate\n");
+    print_result("error of the force: unknown\n");
 }
 
 void run_single(const Options& options) {

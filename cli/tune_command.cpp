@@ -37,12 +37,6 @@ void print_table(const TuningReport& report, const std::optional<std::size_t>& c
   print_result("\n> chosen; * no other model is better in error (mean), time and memory\n");
 }
 
-json sizes(const TrainingSpec& spec) {
-  json found;
-  for (const auto& [key, number] : operations(spec.family).sizes) found[key] = spec.*number;
-  return found;
-}
-
 TuningLimits limits_of(const Options& options) {
   TuningLimits limits;
   limits.error = limit_of(options.max_error, "--max-error", {{"%", 0.01}, {"", 1}}, "2%");
@@ -72,16 +66,10 @@ void print(const Scene& scene, const TuningReport& report, const TuningChoice& c
 json as_json(const TuningReport& report, const TuningChoice& choice) {
   json models = json::array();
   for (const auto& m : report.models) {
-    json entry = record("name", m.candidate.name, "family", name(m.trained.family), "inside", figures(m.errors.inside),
-                        "outside", figures(m.errors.outside), "force_us", m.speed.force_us, "deformation_us",
-                        m.speed.deformation_us, "memory_bytes", m.memory_bytes, "model_text_bytes", m.text_bytes,
-                        "training_s", m.training_s, "on_front", m.on_front);
-    // Linear models have no sizes.
-    if (!operations(m.trained.family).sizes.empty()) {
-      entry["training"] = sizes(m.trained);
-      entry["asked"] = sizes(m.candidate.spec);
-    }
-    models.push_back(entry);
+    models.push_back(record("name", m.candidate.name, "family", name(m.model.family), "inside",
+                            figures(m.errors.inside), "outside", figures(m.errors.outside), "force_us",
+                            m.speed.force_us, "deformation_us", m.speed.deformation_us, "memory_bytes", m.memory_bytes,
+                            "model_text_bytes", m.text_bytes, "training_s", m.training_s, "on_front", m.on_front));
   }
   json out = record("models", models, "chosen", nullptr, "missed", choice.missed, "probes", report.probes, "failed",
                     report.failed, "nodes", report.nodes, "linear", figures(report.linear));

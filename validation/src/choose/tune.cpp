@@ -43,8 +43,7 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
       report.left_out.push_back(candidate.name + ": " + error.what());
       continue;
     }
-    measured.trained = sizes_of(measured.model);
-    measured.candidate.name = operations(measured.trained.family).model_name(measured.trained);
+    measured.candidate.name = operations(candidate.spec.family).model_name(sizes_of(measured.model));
     measured.model.title = scene.title;
     measured.training_s = training.seconds;
     const LoadedModel model(measured.model, mesh, candidate.name);

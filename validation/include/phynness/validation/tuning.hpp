@@ -22,8 +22,7 @@ struct Candidate {
 std::vector<Candidate> tuning_candidates(const Scene& scene);
 
 struct MeasuredModel {
-  Candidate candidate;   ///< its name describes the trained sizes
-  TrainingSpec trained;  ///< trained sizes, which may be below candidate.spec if the database has few states
+  Candidate candidate;  ///< its name describes the trained sizes
   PredictorErrors errors;
   RuntimeSpeed speed;
   double memory_bytes = 0, text_bytes = 0, training_s = 0;
