@@ -83,13 +83,7 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   EXPECT_GT(json("all.json").at("calibrate").at("between").at("all").at("coverage"), 0.5);
   // Damaged or foreign distances are refused before training.
   auto check = json("all.json").at("check");
-  for (const auto& [key, value] : std::vector<std::pair<const char*, nlohmann::json>>{{"probes", -3},
-                                                                                      {"probes", 2.5},
-                                                                                      {"probes", 4294967297},
-                                                                                      {"mean", -1.0},
-                                                                                      {"p95", 1e308},
-                                                                                      {"reference", "foo"},
-                                                                                      {"element", "a b"}}) {
+  for (const auto& [key, value] : {std::pair{"probes", nlohmann::json(-3)}, {"p95", 1e308}, {"element", "a b"}}) {
     auto damaged = check;
     damaged["distance"][key] = value;
     write_file(folder / "damaged.json", damaged.dump());

@@ -191,13 +191,5 @@ TEST_F(LinearScenes, WhatCannotBeTrainedIsRefusedBeforeAnythingIsSolved) {
   }
 }
 
-TEST_F(LinearScenes, TrainRefusesTheSameFamily) {
-  write_file(folder / "scene.toml", small_scene());
-  succeed("precompute scene.toml -o d.h5");
-  const auto refused = be_refused("train scene.toml d.h5 -o m --family linear");
-  EXPECT_NE(refused.err.find("rbfn"), std::string::npos) << refused.err;
-  EXPECT_FALSE(std::filesystem::exists(folder / "m"));
-}
-
 }  // namespace
 }  // namespace phynness::test
