@@ -1,6 +1,6 @@
 // A page in a real browser, and everything that it logs, requests or offers as a file.
 import { execFileSync } from 'node:child_process';
-import { mkdtempSync } from 'node:fs';
+import { existsSync, mkdtempSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -14,7 +14,8 @@ function given(name: string): string {
 
 /** Paths from CMake. */
 export const built = { phynness: given('PHYNNESS'), writeModels: given('PHYNNESS_WRITE_MODELS'), model: given('PHYNNESS_SAMPLE_MODEL'), source: given('PHYNNESS_SOURCE') };
-export const browserName = given('PHYNNESS_BROWSER');
+export type BrowserName = 'chromium' | 'firefox';
+export const browserName = given('PHYNNESS_BROWSER') as BrowserName;
 export const folder = mkdtempSync(join(tmpdir(), 'phynness-browser-'));
 
 /** Milliseconds after which a browser counts as hanging. A busy machine with software graphics has needed more than 30 s to start one. */
@@ -23,12 +24,19 @@ const patience = 240_000;
 /** Runs the command. @returns its standard output */
 export const phynness = (...words: string[]): string => execFileSync(built.phynness, words, { encoding: 'utf8' });
 
+const programs: Record<BrowserName, string[]> = {
+  chromium: ['/usr/bin/chromium', '/usr/bin/google-chrome'],
+  firefox: ['/usr/bin/firefox-esr', '/usr/bin/firefox'],
+};
+
 /** Graphics are computed by the processor, because machines of tests have no graphics card. */
-export async function start(): Promise<Browser> {
-  const executablePath = given('PHYNNESS_BROWSER_PROGRAM'), times = { timeout: patience, protocolTimeout: patience };
-  // Without a screen Firefox finds no WebGL; run.sh gives it a virtual one.
-  if (browserName === 'firefox') return launch({ browser: 'firefox', executablePath, ...times, headless: false, extraPrefsFirefox: { 'webgl.force-enabled': true } });
-  return launch({ executablePath, ...times, headless: true, args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'] });
+export async function start(name = browserName): Promise<Browser> {
+  const executablePath = programs[name].find((path) => existsSync(path));
+  if (!executablePath) throw new Error(`${name} is not installed; tools/install-deps --tests --devices installs it`);
+  if (name === 'firefox')
+    // Without a screen Firefox finds no WebGL; run.sh gives it a virtual one.
+    return launch({ browser: 'firefox', executablePath, timeout: patience, protocolTimeout: patience, headless: false, extraPrefsFirefox: { 'webgl.force-enabled': true } });
+  return launch({ executablePath, timeout: patience, protocolTimeout: patience, headless: true, args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'] });
 }
 
 export interface Opened {

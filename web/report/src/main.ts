@@ -1,4 +1,5 @@
 // Draws a report: its sections with tables and charts, and the body.
+import '../../shared/src/locale.js';
 import { drawSection, drawTitle } from './blocks.js';
 import { Body } from './body.js';
 import type { PageData } from './data.js';

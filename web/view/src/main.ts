@@ -1,4 +1,5 @@
 // Starts the page: loads the model that it contains, or one that is dropped on it.
+import '../../shared/src/locale.js';
 import { loader, PhynnessError, type Model } from '../../runtime/src/index.js';
 import { metresPerPixel, project } from '../../shared/src/camera.js';
 import { fileName, plain } from '../../shared/src/numbers.js';
