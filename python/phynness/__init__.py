@@ -5,13 +5,13 @@ the numbers of the mesh. Arguments called d are displacements, one of shape (3,)
 a copy. Every function may be called by several threads; one call at a time is evaluated.
 """
 from ._phynness import (
-    Body, Coupled, Error, IncompleteWarning, Model, OutsideWarning, Pressed, StatusWarning, SurfacePoint,
+    Body, Coupled, Error, IncompleteWarning, Model, NearWarning, OutsideWarning, Pressed, StatusWarning, SurfacePoint,
     UnsettledWarning, __version__, train,
 )
 from .command import Page, Solution, precompute, show, solve, validate
 
 __all__ = [
-    "Body", "Coupled", "Error", "IncompleteWarning", "Model", "OutsideWarning", "Page",
+    "Body", "Coupled", "Error", "IncompleteWarning", "Model", "NearWarning", "OutsideWarning", "Page",
     "Pressed", "Solution", "StatusWarning", "SurfacePoint", "UnsettledWarning", "__version__", "precompute", "show",
     "solve", "train", "validate",
 ]

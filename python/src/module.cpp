@@ -14,13 +14,14 @@ struct WarningKind {
   const char *name, *doc;
   py::handle type;
 };
-WarningKind warnings[3] = {
+WarningKind warnings[4] = {
     {PHN_WARNING_OUTSIDE, "OutsideWarning", "Displacements longer than trained, or a place that was not trained.", {}},
     {PHN_WARNING_INCOMPLETE,
      "IncompleteWarning",
      "A node some of whose directions were not trained to full depth.",
      {}},
-    {PHN_WARNING_UNSETTLED, "UnsettledWarning", "Tools too close together to follow all of them.", {}}};
+    {PHN_WARNING_UNSETTLED, "UnsettledWarning", "Tools too close together to follow all of them.", {}},
+    {PHN_WARNING_NEAR, "NearWarning", "Springs between near tools of a body take a part of their displacements.", {}}};
 
 py::handle new_type(py::module_& module, const char* name, const char* doc, py::handle base, const py::dict& members) {
   const std::string full = std::string("phynness.") + name;

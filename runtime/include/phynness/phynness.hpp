@@ -29,6 +29,7 @@ class [[nodiscard]] Status {
   constexpr bool outside() const noexcept { return _code > 0 && (_code & PHN_WARNING_OUTSIDE) != 0; }
   constexpr bool incomplete() const noexcept { return _code > 0 && (_code & PHN_WARNING_INCOMPLETE) != 0; }
   constexpr bool unsettled() const noexcept { return _code > 0 && (_code & PHN_WARNING_UNSETTLED) != 0; }
+  constexpr bool near() const noexcept { return _code > 0 && (_code & PHN_WARNING_NEAR) != 0; }
   const char* message() const noexcept { return phn_status_message(_code); }
   constexpr void ignore() const noexcept {}
 

@@ -59,16 +59,18 @@ typedef struct phn_body_pressed {
  * not lower the energy is undone and tried again by a quarter, in the next call if it was the last. Displacements are
  * clamped to 1000 max_displacement_m. Unlike those of a model, forces depend on the motion before. _OUTSIDE: a
  * displacement is larger than trained, or no probed point is within a radius of the tool. _UNSETTLED: `unbalanced` is
- * above 0.01 or a tool is ahead; call again with the same tools to come closer. Tools that pull apart within some
- * tenths of a radius may have no equilibrium; each force is then at most 10, or 1 / unbalanced if that is more, times
- * what all tools have alone at the stiffness at rest. PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0
+ * above 0.01 or a tool is ahead; call again with the same tools to come closer. Where `unbalanced` is above 0.1 the
+ * forces are those of the call before, or 0 if that had another number of tools. _NEAR: tools nearer than half of their
+ * radius act through springs between them (docs/theory.md, Near tools), which take more than a tenth of a displacement;
+ * two with equal displacements at one place share the force of one, opposed ones have five times that of each alone.
+ * PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0
  * tools the body is at rest. `pressed` may be null.
  */
 PHN_API int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools,
                            int32_t steps, double* forces, phn_body_pressed* pressed);
 
 /* Bounds [N] of the errors of the forces of the last phn_body_press, one for each of its tools, from the finite
- * elements of the body (formats/body.md, Bounds). Where that warned _OUTSIDE or _UNSETTLED they are PHN_NO_BOUND.
+ * elements of the body (formats/body.md, Bounds); PHN_NO_BOUND where that gave a warning.
  * PHN_ERROR_UNDEFINED: a body without bounds (phynness calibrate --body), or no tool. @return its status otherwise */
 PHN_API int phn_body_bound(const phn_body* body, const phn_body_state* state, double* bounds);
 

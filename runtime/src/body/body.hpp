@@ -50,6 +50,12 @@ int means_of_modes(phn_body_state& state, const phn_tool& tool, double* rows);
 /// Mean displacement under a tool in the present state [m]; zeros where that is not defined.
 void mean_displacement(phn_body_state& state, const phn_tool& tool, double mean[3]);
 
+/// Distance from which on there is no spring between two tools [m].
+double near_distance(const phn_body& body);
+
+/// state.springs, from the places of the tools and their compliance at rest. @pre state.rows are those of the tools
+void set_springs(phn_body_state& state, std::int32_t n_tools, const phn_tool* tools);
+
 /// Dense loops, for several instruction sets (core/kernels.hpp). Strides and numbers of columns are whole blocks.
 struct BodyKernels {
   const char* name;
@@ -91,9 +97,13 @@ struct phn_body_state {
   double rounding;       ///< of energies near rest [J]
   double *rows, *moved;  ///< 3 max_tools rows: means of the modes under the tools; products with the compliance
   double *alone, *step;
-  double *of_cells, *lacking;         ///< products of these derivatives with q
-  float *factor, *factor_at_rest;     ///< of the stiffness
-  float* bulk_rows;                   ///< db/dq of the state of the factor, n_pressures rows
+  double *of_cells, *lacking;      ///< products of these derivatives with q
+  float *factor, *factor_at_rest;  ///< of the stiffness
+  float* bulk_rows;                ///< db/dq of the state of the factor, n_pressures rows
+  /// Springs between near tools: how far they stretch, in each row, by unit forces of the others [m/N].
+  double springs[3 * PHN_MOST_COUPLED][3 * PHN_MOST_COUPLED];
+  bool has_springs;
+  double near;                        ///< near_distance
   double held[3 * PHN_MOST_COUPLED];  ///< multiples of the squares of what the tools displace that the factor has [N/m]
   std::int32_t n_rows;                ///< of the tools that are held
   double wanted[3 * PHN_MOST_COUPLED], force[3 * PHN_MOST_COUPLED];  ///< of these tools

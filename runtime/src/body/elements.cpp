@@ -65,13 +65,14 @@ void replace(phn_body_state& state, const std::int32_t* cells, std::int32_t n) {
 }
 
 /// Adds a multiple of the squares of the displacements under the tools, which does not change where the energy is
-/// stationary with these prescribed, and makes the sum definite where the body is stable under the tools only.
+/// stationary with these prescribed, and makes the sum definite where the body is stable under the tools only. Springs
+/// are in series with it: (H^-1 + S)^-1 = H^1/2 (1 + H^1/2 S H^1/2)^-1 H^1/2.
 void hold_tools(phn_body_state& state) {
   const phn_body& body = *state.body;
-  const std::int32_t stride = body.stride;
+  const std::int32_t stride = body.stride, n = state.n_rows;
   constexpr double stiff = 30;  // over the stiffness that the modes alone have under a tool
-  float* scaled = state.panel;
-  for (std::int32_t r = 0; r < state.n_rows; ++r, scaled += stride) {
+  double root[3 * PHN_MOST_COUPLED], lower[3 * PHN_MOST_COUPLED][3 * PHN_MOST_COUPLED] = {};
+  for (std::int32_t r = 0; r < n; ++r) {
     const double* row = state.rows + static_cast<std::int64_t>(r) * stride;
     double compliance = 0;
     for (std::int32_t m = 0; m < body.info.n_modes; ++m) {
@@ -79,10 +80,24 @@ void hold_tools(phn_body_state& state) {
       if (diagonal > 0) compliance += row[m] * row[m] / diagonal;
     }
     state.held[r] = compliance > 0 ? stiff / compliance : 0;
-    const double root = std::sqrt(state.held[r]);
-    for (std::int32_t m = 0; m < stride; ++m) scaled[m] = static_cast<float>(root * row[m]);
+    root[r] = std::sqrt(state.held[r]);
   }
-  state.kernels->add_products(state.panel, state.panel, state.n_rows, stride, state.factor);
+  for (std::int32_t r = 0; r < n && state.has_springs; ++r)
+    for (std::int32_t k = 0; k <= r; ++k) {
+      double sum = (k == r ? 1 : 0) + root[r] * state.springs[r][k] * root[k];
+      for (std::int32_t i = 0; i < k; ++i) sum -= lower[r][i] * lower[k][i];
+      lower[r][k] = k == r ? std::sqrt(sum) : sum / lower[k][k];
+    }
+  for (std::int32_t m = 0; m < stride; ++m) {
+    double column[3 * PHN_MOST_COUPLED];
+    for (std::int32_t r = 0; r < n; ++r) {
+      column[r] = root[r] * state.rows[static_cast<std::int64_t>(r) * stride + m];
+      for (std::int32_t k = 0; k < r && state.has_springs; ++k) column[r] -= lower[r][k] * column[k];
+      if (state.has_springs) column[r] /= lower[r][r];
+      state.panel[static_cast<std::int64_t>(r) * stride + m] = static_cast<float>(column[r]);
+    }
+  }
+  state.kernels->add_products(state.panel, state.panel, n, stride, state.factor);
 }
 
 bool factorize(phn_body_state& state) {

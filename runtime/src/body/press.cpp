@@ -14,7 +14,7 @@ namespace {
 /// Steps are at an end where the next one, in the norm of the energy, is smaller than the deformation by this factor.
 constexpr double settled = 1e-7;
 /// From here on the forces are not those of an equilibrium.
-constexpr double unsettled = 1e-2;
+constexpr double unsettled = 1e-2, far_from_balance = 0.1;
 /// Where a step shrinks less than by this factor, or was cut, more of the stiffness is renewed.
 constexpr double slow = 0.3;
 constexpr std::int32_t many_panels = 4;
@@ -23,6 +23,8 @@ constexpr double sufficient = 1e-4;
 /// A step that does not bring it is tried again with a smaller part, in the next call if need be. A step that brings it
 /// is followed by one with a larger part.
 constexpr double cut = 4, growth = 2, least_part = 1e-6;
+/// Part of a displacement that springs take from which on there is a warning.
+constexpr double much_stretched = 0.1;
 /// Components of displacements are clamped to so many times the depth.
 constexpr double most_depths = 1000;
 
@@ -56,7 +58,8 @@ class Equilibrium {
   }
 
   void copy_forces(double* forces) const {
-    for (std::int32_t r = 0; r < _s.n_rows; ++r) forces[r] = _force[r] - _s.held[r] * _behind[r];
+    for (std::int32_t r = 0; r < _s.n_rows; ++r)
+      forces[r] = _force[r] - _s.held[r] * (_behind[r] - stretched(_s, r, _force));
   }
 
  private:
@@ -67,9 +70,13 @@ class Equilibrium {
     for (std::int32_t m = 0; m < _stride; ++m) _s.alone[m] = m < _n ? _s.at.forces[m] : 0;
     _s.kernels->solve(_s.factor, _n, _stride, _s.alone);
     const std::int32_t n = _s.n_rows;
+    double pulled[3 * most_body_tools];
+    for (std::int32_t r = 0; r < n; ++r) {
+      _behind[r] = _s.wanted[r] - product(row(_s.rows, r), _s.at.q, _n);
+      pulled[r] = _s.held[r] * _behind[r];
+    }
     for (std::int32_t r = 0; r < n; ++r)
-      _force[r] =
-          (_behind[r] = _s.wanted[r] - product(row(_s.rows, r), _s.at.q, _n)) + product(row(_s.rows, r), _s.alone, _n);
+      _force[r] = _behind[r] + stretched(_s, r, pulled) + product(row(_s.rows, r), _s.alone, _n);
     _compliance.solve(n, _force);
     for (std::int32_t m = 0; m < _stride; ++m) {
       _s.step[m] = -_s.alone[m];
@@ -148,6 +155,7 @@ struct Layout {
     s.body = &body;
     s.kernels = &best_body_kernels();
     s.max_tools = max_tools;
+    s.near = near_distance(body);
     s.part = 1;
     s.is_at_rest = true;
     s.scratch = {arena.take<double>(nodes), arena.take<std::int32_t>(nodes), arena.take<std::int32_t>(triangles),
@@ -174,27 +182,6 @@ struct Layout {
   }
 };
 
-/// Cuts forces that are far larger than those of the tools, each alone, at the stiffness at rest: of tools that work
-/// against each other so closely that steps do not settle.
-void cut_forces(const phn_body_state& state, double unbalanced, double* forces) {
-  // Times their sum. A body that stiffens between tools has tens of times as much, and is nearly balanced.
-  const double most = std::fmax(10, 1 / unbalanced);
-  Compliance at_rest;
-  at_rest.set(state, state.factor_at_rest);
-  double sum = 0;
-  for (std::int32_t r = 0; r < state.n_rows; r += 3) {
-    double alone[3];
-    memcpy(alone, state.wanted + r, sizeof alone);
-    at_rest.take(state, r, 3);
-    at_rest.solve(3, alone);
-    sum += length(alone);
-  }
-  for (std::int32_t r = 0; r < state.n_rows; r += 3) {
-    const double size = length(forces + r);
-    for (int k = 0; k < 3 && size > most * sum; ++k) forces[r + k] *= most * sum / size;
-  }
-}
-
 bool start_at_rest(phn_body_state& state) {
   const auto stride = static_cast<std::size_t>(state.body->stride);
   set_zero(state.at.q, stride);
@@ -220,6 +207,7 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
   if (n_tools > state->max_tools) return PHN_ERROR_TOOLS;
   const double depth = body->info.max_displacement_m, farthest = most_depths * depth;
   int status = PHN_OK;
+  if (state->n_rows != 3 * n_tools) set_zero(state->force, 3 * most_body_tools);
   state->n_rows = 0;
   std::int32_t n_rows = 0;
   for (std::int32_t t = 0; t < n_tools; ++t) {
@@ -230,6 +218,7 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
     for (const double d : tools[t].displacement) state->wanted[n_rows++] = std::fmin(std::fmax(d, -farthest), farthest);
   }
   state->n_rows = n_rows;
+  set_springs(*state, n_tools, tools);
   if (n_tools == 0) {
     release(*state);
     state->status = PHN_OK;
@@ -241,22 +230,24 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
   equilibrium.copy_forces(held_by);
   made.energy = state->at.energy;
   for (std::int32_t t = 0; t < n_tools; ++t) {
-    double behind[3];
+    double behind[3], stretch[3];
     for (int k = 0; k < 3; ++k) {
       const std::int32_t r = 3 * t + k;
       const double* row = state->rows + static_cast<std::int64_t>(r) * body->stride;
-      behind[k] = state->wanted[r] - product(row, state->at.q, body->info.n_modes);
+      stretch[k] = stretched(*state, r, held_by);
+      behind[k] = state->wanted[r] - product(row, state->at.q, body->info.n_modes) - stretch[k];
+      made.energy += held_by[r] * stretch[k] / 2;
     }
     made.behind_m = std::fmax(made.behind_m, length(behind));
+    if (length(stretch) > much_stretched * length(state->wanted + 3 * t)) status |= PHN_WARNING_NEAR;
   }
   if (!all_finite(held_by, 3 * most_body_tools) || !all_finite(&made.unbalanced, 1)) {
     set_zero(held_by, 3 * most_body_tools);
     made.unbalanced = 1;
   }
-  if (made.unbalanced > unsettled || !(made.behind_m <= unsettled * depth)) {
-    status |= PHN_WARNING_UNSETTLED;
-    cut_forces(*state, made.unbalanced, held_by);
-  }
+  if (made.unbalanced > unsettled || !(made.behind_m <= unsettled * depth)) status |= PHN_WARNING_UNSETTLED;
+  // Far from balance the solution of the linearized problem says nothing of the forces; those before are kept.
+  if (made.unbalanced > far_from_balance) memcpy(held_by, state->force, sizeof state->force);
   memcpy(state->force, held_by, sizeof state->force);
   state->status = status;
   return status;
@@ -357,7 +348,7 @@ int phn_body_bound(const phn_body* body, const phn_body_state* state, double* bo
     double curved[3];
     for (int k = 0; k < 3; ++k) curved[k] = state->force[r + k] - linear[r + k];
     const double x[] = {last, length(curved), all};
-    bounds[r / 3] = (state->status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED)) != 0
+    bounds[r / 3] = (state->status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED | PHN_WARNING_NEAR)) != 0
                         ? PHN_NO_BOUND
                         : coupled_bound(c, x, PHN_NO_BOUND);
   }

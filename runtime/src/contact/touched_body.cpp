@@ -27,13 +27,19 @@ class TouchedBody final : public Touched {
   }
   Matrix stiffness(std::int32_t tool) const override {
     Compliance compliance;
-    compliance.take(_state, 0, _state.n_rows);  // of the last factor, with which the forces were found
+    const std::int32_t n = _state.n_rows;
+    compliance.take(_state, 0, n, true);  // of the last factor, with which the forces were found
     Matrix result;
     for (int k = 0; k < 3; ++k) {
-      double forces[3 * most_body_tools] = {};
-      forces[3 * tool + k] = 1;
-      compliance.solve(_state.n_rows, forces);
-      forces[3 * tool + k] -= _state.held[3 * tool + k];
+      double forces[3 * most_body_tools] = {}, held[3 * most_body_tools] = {};
+      const std::int32_t own = 3 * tool + k;
+      held[own] = _state.held[own];
+      for (std::int32_t r = 0; r < n; ++r) forces[r] = stretched(_state, r, held);
+      forces[own] += 1;
+      compliance.solve(n, forces);
+      for (std::int32_t r = 0; r < n; ++r)
+        held[r] = _state.held[r] * ((r == own ? 1 : 0) - stretched(_state, r, forces));
+      for (std::int32_t r = 0; r < n; ++r) forces[r] -= held[r];
       for (int j = 0; j < 3; ++j) result(j, k) = forces[3 * tool + j];
     }
     return result;

@@ -74,7 +74,7 @@ bool CoupledRays::displace(std::mt19937_64& random, phn_tool& tool) const {
 bool CoupledRays::is_flagged(const std::vector<phn_tool>& tools) const {
   const int status =
       _body ? _body->press_from_rest(tools, _increments, steps_of_increment).status : _model.couple(tools).status;
-  return (status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED)) != 0;
+  return (status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED | PHN_WARNING_NEAR)) != 0;
 }
 
 ToolRay CoupledRays::draw_any(std::mt19937_64& random, std::int32_t n_tools, bool at_nodes, bool near) const {

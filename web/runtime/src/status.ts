@@ -1,6 +1,6 @@
 // Statuses of the C interface (phynness.h).
 
-export const warnings = { outside: 1, incomplete: 2, unsettled: 4 } as const;
+export const warnings = { outside: 1, incomplete: 2, unsettled: 4, near: 8 } as const;
 export type Warning = keyof typeof warnings;
 
 /** Status of what a model does not define. */

@@ -23,6 +23,8 @@ const noticeable = 0.1;
 function verdictOf({ warnings }: Answer, bound: number | null, ofBody: boolean): readonly [string, string, string] {
   if (warnings.includes('unsettled'))
     return ['beyond', 'unsettled', `The tools ${ofBody ? 'moved faster than the body settles, or ' : ''}are too close together to hold all points.`];
+  if (warnings.includes('near'))
+    return ['beyond', 'too near', 'The tools are nearer than half a radius and act through springs between them.'];
   if (warnings.includes('outside')) return ['beyond', 'beyond data', 'Deeper or stronger than the training data, or beside fixed nodes.'];
   if (bound !== null && bound > noticeable) return ['fair', 'inexact', 'The error of the force may exceed a tenth of it.'];
   if (warnings.includes('incomplete')) return ['fair', 'incomplete', 'Some directions of this node were not trained to the full depth.'];

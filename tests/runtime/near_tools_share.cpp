@@ -1,0 +1,143 @@
+// Two tools of a body that come near to each other: no force grows without limit, and it stays that of an energy.
+#include <gtest/gtest.h>
+#include <phynness/phynness_body.h>
+
+#include <Eigen/Dense>
+#include <phynness/formats/body.hpp>
+#include <phynness/meshes/tool_weights.hpp>
+#include <vector>
+
+#include "../block_body.hpp"
+
+namespace phynness::test {
+namespace {
+
+/// Two tools on the top of a block, around its middle, with their separation along x.
+struct Pair {
+  Pair() : text(write_body_text(block.body)) {
+    std::size_t bytes = 0;
+    EXPECT_EQ(phn_body_size(text.data(), text.size(), &bytes, nullptr), PHN_OK);
+    memory.resize(bytes);
+    EXPECT_EQ(phn_body_init(memory.data(), bytes, text.data(), text.size(), &body, nullptr), PHN_OK);
+    EXPECT_EQ(phn_body_state_size(body, 2, &bytes), PHN_OK);
+    state_memory.resize(bytes);
+    EXPECT_EQ(phn_body_state_init(state_memory.data(), bytes, body, 2, &state), PHN_OK);
+  }
+  static constexpr double radius = block_radius;
+  phn_tool tool(double x, const Eigen::Vector3d& displacement) const {
+    const auto at = nearest_on_surface(block.mesh.nodes, block.mesh.surface, {0.06 + x, 0.06, 0.03});
+    phn_tool tool;
+    for (std::size_t k = 0; k < 3; ++k) {
+      tool.nodes[k] = at.nodes[k];
+      tool.weights[k] = at.weights[k];
+      tool.displacement[k] = displacement[static_cast<Eigen::Index>(k)];
+    }
+    return tool;
+  }
+  /// @param separation  in radii
+  int press(double separation, const Eigen::Vector3d& a, const Eigen::Vector3d& b, int steps = 100) {
+    const phn_tool tools[] = {tool(-separation * radius / 2, a), tool(separation * radius / 2, b)};
+    return phn_body_press(body, state, 2, tools, steps, forces[0].data(), &pressed);
+  }
+  double alone(const Eigen::Vector3d& displacement) {
+    const phn_tool one = tool(0, displacement);
+    EXPECT_EQ(phn_body_press(body, state, 1, &one, 100, forces[0].data(), &pressed), PHN_OK);
+    return forces[0].norm();
+  }
+  double larger() const { return std::max(forces[0].norm(), forces[1].norm()); }
+
+  Block block;
+  std::string text;
+  std::vector<char> memory, state_memory;
+  const phn_body* body = nullptr;
+  phn_body_state* state = nullptr;
+  Eigen::Vector3d forces[2];
+  phn_body_pressed pressed{};
+};
+
+const Eigen::Vector3d push(0, 0, -0.3 * block_depth), pull(0, 0, 0.3 * block_depth);
+
+// Claim: two tools with the same push share the force of one where they meet, and at no separation has one of them
+// more than a small multiple of it.
+TEST(NearTools, ShareTheForceOfOne) {
+  Pair pair;
+  const double alone = pair.alone(push);
+  ASSERT_EQ(pair.press(0, push, push), PHN_OK);
+  EXPECT_NEAR(pair.forces[0].norm(), alone / 2, 1e-3 * alone);
+  EXPECT_NEAR(pair.forces[1].norm(), alone / 2, 1e-3 * alone);
+  for (double separation = 1e-4; separation < 1; separation = 1.2 * separation + 0.01) {
+    ASSERT_GE(pair.press(separation, push, push), PHN_OK);
+    // The pair is stiffest where the springs end: there it has the tilt of the surface between the tools to undo, which
+    // is hard to do for edges of 0.9 radii. Without springs it is 35 times that of one at 0.05 radii.
+    EXPECT_LT(pair.larger(), 6 * alone) << separation;
+  }
+}
+
+// Claim: tools that are opposed at one place have five times the force of each alone, which is the compliance of the
+// springs, with a warning; without springs the force would have no limit.
+TEST(NearTools, OpposedHaveTheForceOfTheSprings) {
+  Pair pair;
+  const double alone = pair.alone(push);
+  EXPECT_EQ(pair.press(0, push, pull), PHN_WARNING_NEAR);
+  // Of a nonlinear body alone the force is not exactly that at rest, to which the springs belong.
+  EXPECT_NEAR(pair.forces[0].norm(), 5 * alone, 0.5 * alone);
+  EXPECT_NEAR((pair.forces[0] + pair.forces[1]).norm(), 0, 1e-3 * alone);
+  for (double separation = 0; separation < 0.4; separation += 0.02) {
+    EXPECT_EQ(pair.press(separation, push, pull), PHN_WARNING_NEAR) << separation;
+    EXPECT_LT(pair.pressed.behind_m, 1e-3 * block_depth) << separation;
+  }
+  EXPECT_EQ(pair.press(0.51, push, pull), PHN_OK);
+}
+
+// Claim: forces are the derivatives of the energy, which has that of the springs.
+TEST(NearTools, HaveAnEnergy) {
+  Pair pair;
+  const Eigen::Vector3d a(0.1 * block_depth, 0, -0.3 * block_depth), b(-0.1 * block_depth, 0, 0.1 * block_depth);
+  for (const double separation : {0.0, 0.1, 0.3, 0.45}) {
+    ASSERT_GE(pair.press(separation, a, b), PHN_OK);
+    const Eigen::Vector3d forces[] = {pair.forces[0], pair.forces[1]};
+    for (Eigen::Index k = 0; k < 6; ++k) {
+      constexpr double h = 1e-3 * block_depth;  // the error is of its square, and rounding far below
+      double energy[2];
+      for (const int side : {0, 1}) {
+        Eigen::Vector3d moved[] = {a, b};
+        moved[k / 3][k % 3] += side == 0 ? -h : h;
+        ASSERT_GE(pair.press(separation, moved[0], moved[1]), PHN_OK);
+        energy[side] = pair.pressed.energy;
+      }
+      EXPECT_NEAR((energy[1] - energy[0]) / (2 * h), forces[k / 3][k % 3], 1e-3 * forces[0].norm())
+          << separation << " " << k;
+    }
+  }
+}
+
+// Claim: in an approach with one step in each millisecond at 50 mm/s the force of a settled pair changes by at most 5 %
+// of the largest from one to the next, and the pair leaves on the way that it came.
+TEST(NearTools, ApproachWithoutAJump) {
+  Pair pair;
+  for (const Eigen::Vector3d& other : {push, pull}) {
+    std::vector<Eigen::Vector3d> coming;
+    double largest = 0, change = 0, apart = 0;
+    int unsettled = 0, last = 0;
+    ASSERT_GE(pair.press(1.2, push, other), PHN_OK);
+    constexpr int n = static_cast<int>(1.2 * block_radius / 5e-5);
+    for (int moment = 0; moment <= 2 * n; ++moment) {
+      const double separation = 1.2 * std::abs(1 - static_cast<double>(moment) / n);
+      const Eigen::Vector3d before = pair.forces[0];
+      const int status = pair.press(separation, push, other, 1) & PHN_WARNING_UNSETTLED;
+      unsettled += status != 0;
+      largest = std::max(largest, pair.larger());
+      if (status == 0 && last == 0) change = std::max(change, (pair.forces[0] - before).norm());
+      last = status;
+      if (moment <= n) coming.push_back(pair.forces[0]);
+      if (moment > n && status == 0)
+        apart = std::max(apart, (pair.forces[0] - coming[static_cast<std::size_t>(2 * n - moment)]).norm());
+    }
+    EXPECT_LT(unsettled, n / 50);
+    EXPECT_LT(change, 0.05 * largest);
+    EXPECT_LT(apart, 0.05 * largest);
+  }
+}
+
+}  // namespace
+}  // namespace phynness::test
