@@ -31,8 +31,13 @@ void sync_path(const std::filesystem::path& path) {
 
 }  // namespace
 
-AppendFile::AppendFile(const std::filesystem::path& path) : _path(path), _out(path, std::ios::binary) {
-  if (!_out) fail("cannot create", path, errno);
+AppendFile::AppendFile(const std::filesystem::path& path) : _path(path) {
+  // C++20's streams cannot be told to create a file only.
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  if (file < 0) fail("cannot create", path, errno);
+  ::close(file);
+  _out.open(path, std::ios::binary);
+  if (!_out) fail("cannot open", path, errno);
 }
 
 void AppendFile::append(const void* bytes, std::size_t size) {
@@ -45,6 +50,12 @@ void AppendFile::append(const void* bytes, std::size_t size) {
     fail("cannot write", _path, code);
   }
   _end += size;
+  // A sync takes milliseconds; with this interval a power failure loses at most seconds of work.
+  constexpr std::chrono::seconds between_syncs{10};
+  if (const auto now = std::chrono::steady_clock::now(); now - _synced > between_syncs) {
+    sync_path(_path);
+    _synced = now;
+  }
 }
 
 void AppendFile::close() {

@@ -1,6 +1,7 @@
-// Files that survive a killed process and a full disk: checked writes, fsync, rename.
+// Files that survive a killed process, a full disk or a power failure: checked writes, fsync, rename.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -11,7 +12,7 @@ namespace phynness {
 /// A file to which complete records are appended.
 class AppendFile {
  public:
-  /// @throws Error (failure) if the file cannot be created
+  /// @throws Error (failure) if the file exists or cannot be created
   explicit AppendFile(const std::filesystem::path& path);
   /// Writes all bytes; on return the operating system has them.
   /// @throws Error (failure) after a failed write, such as on a full disk; the file then has its previous size
@@ -23,6 +24,7 @@ class AppendFile {
   std::filesystem::path _path;
   std::ofstream _out;
   std::uintmax_t _end = 0;
+  std::chrono::steady_clock::time_point _synced = std::chrono::steady_clock::now();
 };
 
 /// Reserves room on the disk for bytes that follow `offset` of a file, whose size stays; it is created. Where the file
