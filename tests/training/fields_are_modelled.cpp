@@ -47,25 +47,10 @@ ResponseSource with_fields(const DatabaseHeader& header) {
   return source;
 }
 
-/// By plain loops, at x = d / R.
+/// At x = d / R.
 Eigen::VectorXd evaluate(const Model& model, const ActiveNodeModel& node, std::size_t f, const Eigen::Vector3d& x) {
-  const auto n_centers = static_cast<Eigen::Index>(model.shared.centers.size());
-  const double s = model.shared.shape;
-  const auto q = [s](const Eigen::Vector3d& y) { return std::sqrt(y.squaredNorm() + s * s); };
-  Eigen::VectorXd basis(n_centers + 9);
-  for (Eigen::Index i = 0; i < n_centers; ++i) {
-    const Eigen::Vector3d c = model.displacements.row(model.shared.centers[static_cast<std::size_t>(i)]).transpose() /
-                              model.max_displacement_m;
-    basis[i] = q(x - c) - q(x) - q(c) + s;
-  }
-  basis.segment<3>(n_centers) = x;
-  basis.tail<6>() = even_features(x, model.fields[f].degree);
-  const ModalDeformation& of_node = node.fields[f];
-  const Eigen::VectorXd a = of_node.weights.values().transpose() * basis;
-  Eigen::VectorXd values = model.fields[f].modes.values() * (of_node.mixing.values() * a);
-  const Eigen::VectorXd near = of_node.near_modes.values() * a;
-  for (std::size_t i = 0; i < of_node.near.size(); ++i) values[of_node.near[i]] = near[static_cast<Eigen::Index>(i)];
-  return (model.fields[f].scale * values).cwiseMax(0);
+  const auto& field = model.fields[f];
+  return (field.scale * modal_values(model, field.modes, node.fields[f], x, field.degree)).cwiseMax(0);
 }
 
 /// Mean over nodes, active nodes and the given displacements of |model - field|, over the field's largest

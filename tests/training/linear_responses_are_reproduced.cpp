@@ -120,16 +120,6 @@ TEST(LinearTraining, ResponsesAreReproducedTenTimesDeeper) {
   }
 }
 
-// Claim: the model is the same on any number of threads and survives its text bit for bit.
-TEST(LinearTraining, IsReproducible) {
-  const DatabaseHeader header = linear_header(false);
-  const auto rays = [&](std::int32_t active) { return linear_rays(header, active); };
-  TrainingReport report;
-  const std::string one = write_model_text(train_linear(header, rays, report, 1));
-  EXPECT_EQ(one, write_model_text(train_linear(header, rays, report, 3)));
-  EXPECT_EQ(one, write_model_text(read_model_text(one, "model.txt")));
-}
-
 // Claim: a patch's own nodes move by their weights, whatever rounding the database has.
 TEST(LinearTraining, PrescribedNodesMoveByTheirWeight) {
   const DatabaseHeader header = linear_header(false);
@@ -210,22 +200,6 @@ TEST(LinearTraining, TooFewDirectionsAreRefused) {
   EXPECT_NE(refusal(header, only({0, 1, 2, 3})).find("three independent directions"), std::string::npos);
   header.directions = {{1, 0, 0}, {0, 1, 0}, {0.6, 0, 0.8}, {0.6, -0.8, 0}};
   EXPECT_EQ(refusal(header, only({0, 1, 2})), "accepted") << "three independent ones suffice";
-}
-
-// Claim: a node without any converged increment is left out and counted, as in the other family.
-TEST(LinearTraining, NodesThatFailedAltogetherAreLeftOut) {
-  const DatabaseHeader header = linear_header(true);
-  const auto rays = [&](std::int32_t active) {
-    std::vector<Ray> all = linear_rays(header, active);
-    for (Ray& ray : all) {
-      if (active == 1) ray.status.assign(n_increments, Status::factorization);
-    }
-    return all;
-  };
-  TrainingReport report;
-  const Model model = train_linear(header, rays, report);
-  EXPECT_EQ(report.skipped_nodes, std::vector<std::int32_t>{header.sets.active[1]});
-  EXPECT_EQ(model.nodes.size() + 1, header.sets.active.size());
 }
 
 // Claim: a value that is not finite in a converged increment is a damaged database.

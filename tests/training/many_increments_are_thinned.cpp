@@ -1,6 +1,6 @@
-// Claims: with 300 increments in 26 directions every family is fitted to a bounded number of states, which are spread
-// over the depth and include the deepest of each ray, also of rays that end early; forces and displacements at the
-// states that are left out are as good as at those that are fitted. Up to max_training_states all are fitted.
+// Claims: with 300 increments in 26 directions models are fitted to a bounded number of states, which are spread
+// over the depth and include the deepest of each ray, also of rays that end early; forces and displacements of modal
+// models at the states that are left out are as good as with few increments. Up to max_training_states all are fitted.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -83,16 +83,7 @@ struct Largest {
 /// Largest errors of a node of a modal model at the given states.
 Largest errors_at(const Model& model, const ActiveNodeModel& node, const TrainingTables& tables,
                   const std::vector<Ray>& rays, const std::vector<std::int32_t>& rows) {
-  Eigen::MatrixX3d centers(std::ssize(model.shared.centers), 3);
-  for (Eigen::Index i = 0; i < centers.rows(); ++i)
-    centers.row(i) =
-        model.displacements.row(model.shared.centers[static_cast<std::size_t>(i)]) / model.max_displacement_m;
   const auto x = scaled_rows(tables, rows);
-  const Eigen::MatrixXd amplitudes = features(x, centers, model.shared.shape) * node.modal.weights.values();
-  Eigen::MatrixXd modes = model.shared.modes.values() * node.modal.mixing.values();
-  const Eigen::MatrixXd near = node.modal.near_modes.values();
-  for (std::size_t i = 0; i < node.modal.near.size(); ++i)
-    modes.middleRows<3>(3 * node.modal.near[i]) = near.middleRows<3>(3 * static_cast<Eigen::Index>(i));
   Largest error, size;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
@@ -103,7 +94,7 @@ Largest errors_at(const Model& model, const ActiveNodeModel& node, const Trainin
         evaluate_force(node.conservative, model.displacements, model.max_displacement_m, x.row(at).transpose());
     error.force = std::max(error.force, (said - truth).norm());
     size.force = std::max(size.force, truth.norm());
-    const Eigen::VectorXd u = modes * amplitudes.row(at).transpose();
+    const auto u = modal_values(model, model.shared.modes, node.modal, x.row(at).transpose());
     for (std::int32_t o = 0; o < n_nodes; ++o) {
       if (o == node.node) continue;
       const Eigen::Vector3d real =
@@ -137,28 +128,6 @@ TEST(ManyIncrements, ModalModelsAreAsGoodAtStatesLeftOutAsThoseOfFewIncrements) 
     // Both are limited by the number of modes and amplitude centers, not by the states: measured 1.000 and 1.011 times.
     EXPECT_LT(now.displacement, 1.05 * before.displacement);
   }
-}
-
-TEST(ManyIncrements, NetworksHoldAtStatesLeftOut) {
-  const auto header = header_of(n_many);
-  const auto tables = training_tables(header);
-  TrainingReport report;
-  const Model model = train(many_of(header), small_spec(), report);
-  EXPECT_LE(report.n_increments_fitted, 2 * static_cast<std::int64_t>(max_training_states + 26));
-  const auto rays = ragged(header, 0);
-  const auto left_out = left_out_rows(tables, rays), fitted = training_states(tables, rays).row;
-  const auto largest_error = [&](const std::vector<std::int32_t>& rows) {
-    double error = 0;
-    for (const auto row : rows) {
-      const Ray& ray = rays[static_cast<std::size_t>(row / n_many)];
-      const Eigen::Vector3d truth = Eigen::Vector3d::Map(&ray.force[3 * static_cast<std::size_t>(row % n_many)]);
-      const auto said = evaluate(model.nodes[0].force, tables.displacements.row(row).transpose());
-      error = std::max(error, (said - truth).norm());
-    }
-    return error;
-  };
-  // The network is smooth over the distance of two fitted states.
-  EXPECT_LT(largest_error(left_out), 1.5 * largest_error(fitted));
 }
 
 TEST(ManyIncrements, LinearModelsAreCheckedAtAllStates) {

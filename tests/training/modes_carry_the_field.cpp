@@ -1,5 +1,5 @@
 // Claim: the modes and amplitudes of a modal model reproduce their training fields. Errors of truncation and regression
-// are separated. The model does not depend on the number of threads.
+// are separated.
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -12,24 +12,6 @@
 
 namespace phynness::test {
 namespace {
-
-/// u at all output nodes by plain loops over the model, x = d / R.
-Eigen::VectorXd field(const Model& model, const ActiveNodeModel& node, const Eigen::Vector3d& x) {
-  const auto& shared = model.shared;
-  const auto q = [&](const Eigen::Vector3d& y) { return std::sqrt(y.squaredNorm() + shared.shape * shared.shape); };
-  Eigen::VectorXd features(static_cast<Eigen::Index>(shared.centers.size()) + 3);
-  for (std::size_t i = 0; i < shared.centers.size(); ++i) {
-    const Eigen::Vector3d c = model.displacements.row(shared.centers[i]).transpose() / model.max_displacement_m;
-    features[static_cast<Eigen::Index>(i)] = q(x - c) - q(x) - q(c) + shared.shape;
-  }
-  features.tail<3>() = x;
-  const Eigen::VectorXd a = node.modal.weights.values().transpose() * features;
-  Eigen::VectorXd u = shared.modes.values() * (node.modal.mixing.values() * a);
-  const Eigen::VectorXd near = node.modal.near_modes.values() * a;
-  for (std::size_t i = 0; i < node.modal.near.size(); ++i)
-    u.segment<3>(3 * node.modal.near[i]) = near.segment<3>(3 * static_cast<Eigen::Index>(i));
-  return u;
-}
 
 /// So many shared modes that they lose nothing: errors are those of the node's own modes and amplitudes.
 TrainingSpec all_shared_spec() {
@@ -75,7 +57,8 @@ Errors mean_errors(const Model& model, const DatabaseHeader& header, const State
       const auto row = static_cast<int>(i);
       const Eigen::Vector3d x = model.displacements.row(i).transpose() / model.max_displacement_m;
       const auto expected = field_of(rays, i);
-      const Eigen::VectorXd by_model = field(model, node, x) - expected, by_linear = linear * x - expected;
+      const Eigen::VectorXd by_model = modal_values(model, model.shared.modes, node.modal, x) - expected,
+                            by_linear = linear * x - expected;
       for (int o = 0; o < n_nodes; ++o) {
         if (o == node.node) continue;
         largest = std::max(largest, expected.segment<3>(3 * o).norm());
@@ -151,13 +134,6 @@ TEST(ModalTraining, WithoutModesThereAreForcesOnly) {
   EXPECT_EQ(model.nodes.front().modal.weights.cols(), 0);
   EXPECT_FALSE(model.nodes.front().conservative.centers.empty());
   EXPECT_EQ(write_model_text(read_model_text(write_model_text(model), "again")), write_model_text(model));
-}
-
-TEST(ModalTraining, IsTheSameOnAnyNumberOfThreads) {
-  const auto header = small_header();
-  TrainingReport one, three;
-  EXPECT_EQ(write_model_text(train(source_of(header), modal_spec(), one, {}, 1)),
-            write_model_text(train(source_of(header), modal_spec(), three, {}, 3)));
 }
 
 TEST(ModalTraining, FailedDirectionsAreLeftOut) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <phynness/training/modal_fit.hpp>
 #include <phynness/training/training.hpp>
 #include <vector>
 
@@ -79,6 +80,31 @@ inline TrainingSpec modal_spec() {
   spec.shared_modes = 40;
   spec.near_nodes = 6;
   return spec;
+}
+
+/// By plain loops over a modal model, at x = d / R: the sum of modes with the amplitudes of a node, with its near rows
+/// in place of theirs.
+/// @param degree  of a field, a number at each node; 0: a displacement
+inline Eigen::VectorXd modal_values(const Model& model, const ScaledTable& modes, const ModalDeformation& of_node,
+                                    const Eigen::Vector3d& x, int degree = 0) {
+  const auto n_centers = static_cast<Eigen::Index>(model.shared.centers.size()),
+             each = Eigen::Index(degree > 0 ? 1 : 3);
+  const double s = model.shared.shape;
+  const auto q = [s](const Eigen::Vector3d& y) { return std::sqrt(y.squaredNorm() + s * s); };
+  Eigen::VectorXd basis(n_centers + (degree > 0 ? 9 : 3));
+  for (Eigen::Index i = 0; i < n_centers; ++i) {
+    const Eigen::Vector3d c = model.displacements.row(model.shared.centers[static_cast<std::size_t>(i)]).transpose() /
+                              model.max_displacement_m;
+    basis[i] = q(x - c) - q(x) - q(c) + s;
+  }
+  basis.segment<3>(n_centers) = x;
+  if (degree > 0) basis.tail<6>() = even_features(x, degree);
+  const Eigen::VectorXd a = of_node.weights.values().transpose() * basis;
+  Eigen::VectorXd values = modes.values() * (of_node.mixing.values() * a);
+  const Eigen::VectorXd near = of_node.near_modes.values() * a;
+  for (std::size_t i = 0; i < of_node.near.size(); ++i)
+    values.segment(each * of_node.near[i], each) = near.segment(each * static_cast<Eigen::Index>(i), each);
+  return values;
 }
 
 inline ResponseSource source_of(const DatabaseHeader& header) {
