@@ -9,7 +9,7 @@
 #include <map>
 #include <vector>
 
-#include "../runtime/small_model.hpp"
+#include "../runtime/linear_body.hpp"
 
 namespace phynness::test {
 
@@ -112,26 +112,10 @@ inline Skin held_ball(int divisions = 3) {
 
 /// Some 50 N/m at a node; 2 cm reach.
 inline Model linear_model(const Skin& shape) {
-  Model model = small_linear_model();
+  Model model = bare_model(shape.points, shape.triangles, shape.n_fixed);
   Eigen::Matrix3d aside;
   aside << 1, 0.1, -0.05, 0.1, 1.2, 0.15, -0.05, 0.15, 0.9;
-  const int n = static_cast<int>(shape.points.size()) - shape.n_fixed;
-  model.n_mesh_nodes = static_cast<std::int32_t>(shape.points.size());
-  model.output.clear();
-  model.fixed.clear();
-  model.nodes.clear();
-  model.output_points.resize(n, 3);
-  model.fixed_points.resize(shape.n_fixed, 3);
-  for (int i = 0; i < n + shape.n_fixed; ++i) {
-    (i < n ? model.output : model.fixed).push_back(i);
-    (i < n ? model.output_points : model.fixed_points).row(i < n ? i : i - n) =
-        shape.points[static_cast<std::size_t>(i)].transpose();
-  }
-  model.surface.resize(static_cast<Eigen::Index>(shape.triangles.size()), 3);
-  for (Eigen::Index t = 0; t < model.surface.rows(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k)
-      model.surface(t, static_cast<Eigen::Index>(k)) = shape.triangles[static_cast<std::size_t>(t)][k];
-  }
+  const int n = static_cast<int>(model.output.size());
   const Eigen::Matrix3d stiffness = 50 * aside.inverse();
   for (int i = 0; i < n; ++i) {
     ActiveNodeModel& node = model.nodes.emplace_back();
@@ -150,36 +134,17 @@ inline Model linear_model(const Skin& shape) {
   return model;
 }
 
-/// The same, stiffening and softening by some per cent, as kernels do; fields of modes that are the unit
-/// responses.
+/// The same, stiffening and softening by some per cent, as kernels do, alike at every node.
 inline Model bent_model(const Skin& shape) {
   Numbers numbers;
-  Model model = linear_model(shape);
-  model.family = Family::modal;
-  const Eigen::MatrixXd none(static_cast<Eigen::Index>(3 * model.output.size()), 0);
-  model.shared = {scaled_table(none), {0, 3, 5, 6}, 0.5};
-  double b[9], w[4];
-  for (double& value : b) value = 0.01 * numbers.next();
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> b;
+  for (double& value : b.reshaped<Eigen::RowMajor>()) value = static_cast<float>(0.01 * numbers.next());
+  Eigen::Vector4d w;
   for (double& value : w) value = 0.0005 * numbers.next();
-  for (ActiveNodeModel& node : model.nodes) {
-    node.conservative.shape = 0.3;
-    node.conservative.stiffness = node.linear.stiffness;
-    node.conservative.centers = {1, 4, 7};
-    node.conservative.coefficients.resize(3, 3);
-    for (Eigen::Index i = 0; i < 9; ++i) node.conservative.coefficients(i / 3, i % 3) = static_cast<float>(b[i]);
-    Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(7, 3);
-    for (Eigen::Index r = 0; r < 4; ++r) weights.row(r).setConstant(w[r]);
-    weights.bottomRows<3>() = model.max_displacement_m * Eigen::Matrix3d::Identity();
-    Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(3 * node.linear.unit_responses.rows(), 3);
-    for (Eigen::Index o = 0; o < node.linear.unit_responses.rows(); ++o) {
-      for (int k = 0; k < 3; ++k) modes(3 * o + k, k) = node.linear.unit_responses(o, 4 * k);
-      node.modal.near.push_back(static_cast<std::int32_t>(o));
-    }
-    node.modal.weights = scaled_table(weights);
-    node.modal.mixing = scaled_table(Eigen::MatrixXd(0, 3));
-    node.modal.near_modes = scaled_table(modes);
-  }
-  return model;
+  return modal_model_of(linear_model(shape), [&](auto& coefficients, auto weights) {
+    coefficients = b;
+    weights.colwise() = w;
+  });
 }
 
 }  // namespace phynness::test

@@ -53,21 +53,21 @@ struct Loaded {
   phn_body_pressed pressed{};
 };
 
+/// At the point of the surface nearest to x.
+phn_tool tool_at(const SurfacePoint& at, const Eigen::Vector3d& d) {
+  phn_tool tool;
+  std::copy_n(at.nodes.begin(), 3, tool.nodes);
+  std::copy_n(at.weights.begin(), 3, tool.weights);
+  std::copy_n(d.data(), 3, tool.displacement);
+  return tool;
+}
+
 /// On the top, around (0.06, 0.06, 0.03) and 1.2 radii from it.
 std::vector<phn_tool> two_tools(const Mesh& mesh, double scale) {
-  std::vector<phn_tool> tools;
-  for (const auto& [x, d] :
-       {std::pair{Vec3{0.055, 0.06, 0.03}, Vec3{0.2, 0.1, -0.6}}, {Vec3{0.09, 0.08, 0.03}, Vec3{-0.3, 0.2, 0.4}}}) {
-    const auto at = nearest_on_surface(mesh.nodes, mesh.surface, x);
-    phn_tool tool;
-    for (std::size_t k = 0; k < 3; ++k) {
-      tool.nodes[k] = at.nodes[k];
-      tool.weights[k] = at.weights[k];
-      tool.displacement[k] = scale * depth * d[k];
-    }
-    tools.push_back(tool);
-  }
-  return tools;
+  return {tool_at(nearest_on_surface(mesh.nodes, mesh.surface, {0.055, 0.06, 0.03}),
+                  scale * depth * Eigen::Vector3d(0.2, 0.1, -0.6)),
+          tool_at(nearest_on_surface(mesh.nodes, mesh.surface, {0.09, 0.08, 0.03}),
+                  scale * depth * Eigen::Vector3d(-0.3, 0.2, 0.4))};
 }
 
 /// That forces are those of the energy, at the tools that are pressed.
@@ -187,16 +187,10 @@ TEST(Bodies, HoldTheMeanUnderATool) {
   for (int draw = 0; draw < 30; ++draw) {
     const auto at = nearest_on_surface(block.mesh.nodes, block.mesh.surface,
                                        {0.06 + 0.06 * random(), 0.06 + 0.06 * random(), 0.015 + 0.03 * random()});
-    phn_tool tool;
     Eigen::Vector3d d(random(), random(), random());
     d *= 0.2 * depth;
-    for (std::size_t k = 0; k < 3; ++k) {
-      tool.nodes[k] = at.nodes[k];
-      tool.weights[k] = at.weights[k];
-      tool.displacement[k] = d[static_cast<Eigen::Index>(k)];
-    }
     if (!(at.point[0] > 1e-6)) continue;
-    ASSERT_GE(loaded.press({tool}), 0);
+    ASSERT_GE(loaded.press({tool_at(at, d)}), 0);
     const auto touched = touched_nodes(block.mesh.nodes, block.mesh.surface, block.fixed, at, radius);
     const Eigen::VectorXd u = loaded.deformation();
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -244,14 +238,9 @@ TEST(Bodies, FollowToolsThatMove) {
     std::vector<phn_tool> tools;
     for (const int i : {0, 1}) {
       const auto at = nearest_on_surface(block.mesh.nodes, block.mesh.surface, {0.05 + 0.04 * i + way, 0.06, 0.03});
-      phn_tool tool;
-      for (std::size_t k = 0; k < 3; ++k) {
-        tool.nodes[k] = at.nodes[k];
-        tool.weights[k] = at.weights[k];
-        tool.displacement[k] =
-            0.15 * depth * std::min(1.0, 5 * t) * std::sin(6.28 * (1 + 0.7 * i) * t + 2.1 * static_cast<double>(k) + i);
-      }
-      tools.push_back(tool);
+      const Eigen::Array3d phase(0, 2.1, 4.2);
+      tools.push_back(
+          tool_at(at, 0.15 * depth * std::min(1.0, 5 * t) * sin(6.28 * (1 + 0.7 * i) * t + phase + i).matrix()));
     }
     unsettled += loaded.press(tools, 1) == PHN_WARNING_UNSETTLED;
     EXPECT_LE(loaded.pressed.steps, 1);

@@ -11,8 +11,8 @@
 #include <numbers>
 #include <vector>
 
+#include "linear_body.hpp"
 #include "loaded_model.hpp"
-#include "small_model.hpp"
 
 namespace phynness::test {
 
@@ -29,25 +29,7 @@ struct Body {
 };
 
 inline std::string text_of(const Body& body) {
-  Model model = small_linear_model();
-  model.nodes.clear();
-  model.n_mesh_nodes = static_cast<std::int32_t>(body.points.size());
-  model.output.clear();
-  model.fixed.clear();
-  model.output_points.resize(body.n_output(), 3);
-  model.fixed_points.resize(body.n_fixed, 3);
-  for (int i = 0; i < static_cast<int>(body.points.size()); ++i) {
-    const bool moves = i < body.n_output();
-    (moves ? model.output : model.fixed).push_back(i);
-    (moves ? model.output_points : model.fixed_points).row(moves ? i : i - body.n_output()) =
-        body.points[static_cast<std::size_t>(i)];
-  }
-  model.surface.resize(static_cast<Eigen::Index>(body.triangles.size()), 3);
-  for (Eigen::Index t = 0; t < model.surface.rows(); ++t) {
-    for (int k = 0; k < 3; ++k)
-      model.surface(t, k) = body.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)];
-  }
-  return write_model_text(model);
+  return write_model_text(bare_model(body.points, body.triangles, body.n_fixed));
 }
 
 struct FineSurface {
