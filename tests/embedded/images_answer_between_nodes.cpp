@@ -173,37 +173,6 @@ TYPED_TEST(BetweenNodes, AreTheNodesAtNodes) {
   }
 }
 
-// Claim: beside an edge the force is that of the other side. The points are 2e-7 m apart, and forces of this body
-// change by less than their size over a millimetre; float has the rounding of the test above.
-TYPED_TEST(BetweenNodes, AreContinuousOverEdges) {
-  using Real = TypeParam;
-  const typename TestFixture::Body body(sample_of_round_tools(0.025));
-  int n = 0;
-  for (Eigen::Index t = 0; t < body.model.surface.rows(); ++t) {
-    Eigen::RowVector3d corner[3];
-    for (int k = 0; k < 3; ++k) corner[k] = body.coordinates(body.model.surface(t, k));
-    const Eigen::RowVector3d middle = 0.3 * corner[0] + 0.7 * corner[1], out = (middle - corner[2]).normalized() * 1e-7;
-    double force[2][3];
-    bool touched = true;
-    for (const int side : {0, 1}) {
-      const Eigen::RowVector3d at = middle + (2 * side - 1) * out;
-      const Real x[3] = {Real(at[0]), Real(at[1]), Real(at[2])}, d[3] = {Real(0.002), Real(-0.001), Real(-0.006)};
-      typename TestFixture::Place place;
-      typename TestFixture::Point point;
-      Real got[3];
-      ASSERT_EQ(Image<Real>::nearest(body.image, -1, x, &place, point.data()), PHN_OK);
-      touched = touched && this->distance(point, {x[0], x[1], x[2]}) < 1e-6;
-      touched = Image<Real>::force_at(body.image, &place, d, got) >= 0 && touched;
-      for (int k = 0; k < 3; ++k) force[side][k] = double(got[k]);
-    }
-    if (!touched) continue;
-    ++n;
-    for (int k = 0; k < 3; ++k)
-      EXPECT_NEAR(force[0][k], force[1][k], 2e-4 * std::hypot(force[0][0], force[0][1], force[0][2])) << t;
-  }
-  EXPECT_GT(n, 30);
-}
-
 // Claim: a tool that slides in steps of 2 mm is followed by walks to a place as near as a search of the whole surface
 // finds, in 29 of 30 steps; in the others the way to a nearer place leads over a border or a farther triangle. One that
 // jumps across the surface is reached, or a place from which no neighbour is nearer, after some calls of which each is

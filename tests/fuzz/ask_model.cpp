@@ -40,7 +40,7 @@ class Asker {
     constexpr Question questions[] = {
         &Asker::force,   &Asker::force,   &Asker::energy, &Asker::stiffness, &Asker::deform, &Asker::deform,
         &Asker::prepare, &Asker::nearest, &Asker::couple, &Asker::couple,    &Asker::couple, &Asker::field,
-        &Asker::trained, &Asker::surface, &Asker::nulls,  &Asker::level,     &Asker::point,  &Asker::sizes};
+        &Asker::trained, &Asker::surface, &Asker::level,  &Asker::point,     &Asker::sizes};
     (this->*questions[_script.below(static_cast<int>(std::size(questions)))])();
   }
 
@@ -316,35 +316,6 @@ class Asker {
     const bool good = finite(field.data(), field.size());
     if (_n_output > 0) require(deformed == (good ? PHN_OK : PHN_ERROR_NOT_FINITE), "a fine field");
     for (const float x : out) require(deformed < 0 ? x == 0 : std::isfinite(x), "a finite fine field");
-  }
-  void nulls() {
-    const std::int32_t node = any_node();
-    const double d[3] = {0.001, 0, 0};
-    double out[9];
-    std::size_t bytes;
-    const phn_tool tool{{node, -1, -1}, {1, 0, 0}, {0, 0, 0}};
-    const auto force = [&](const phn_model* model, phn_data* data, const double* x, double* f) {
-      return phn_force(model, data, node, x, f, nullptr, nullptr);
-    };
-    std::vector<double> field(3 * _n_output + 1);
-    const std::function<int()> calls[] = {[&] { return force(nullptr, _data, d, out); },
-                                          [&] { return force(_model, nullptr, d, out); },
-                                          [&] { return force(_model, _data, nullptr, out); },
-                                          [&] { return force(_model, _data, d, nullptr); },
-                                          [&] { return phn_deform(_model, _data, node, nullptr, field.data()); },
-                                          [&] { return phn_deform(_model, _data, node, d, nullptr); },
-                                          [&] { return phn_couple(_model, _data, 1, nullptr, out, nullptr); },
-                                          [&] {
-                                            out[0] = out[1] = out[2] = 1;
-                                            return phn_couple(_model, nullptr, 1, &tool, out, nullptr);
-                                          },
-                                          [&] { return phn_coupled_deform(_model, nullptr, field.data()); },
-                                          [&] { return phn_data_size(nullptr, 1, &bytes); },
-                                          [&] { return phn_trained_depth(_model, node, d, nullptr); },
-                                          [&] { return phn_nearest(_model, nullptr, nullptr, out); }};
-    const int which = _script.below(static_cast<int>(std::size(calls)));
-    require(calls[which]() == PHN_ERROR_ARGUMENT, "null pointers are refused");
-    if (which == 7) require(zero(out, 3), "zeros where refused");
   }
   void sizes() {
     const auto tools = _script.raw<std::int32_t>();

@@ -63,25 +63,4 @@ TEST(Observer, TellsTheTrueWork) {
   EXPECT_GT(missing, 1000);
 }
 
-// Claim: positions whose times are wrong by three samples give a wrong energy.
-TEST(Observer, NeedsTheTimesOfPositions) {
-  Body body(spring(300), 3);
-  double differences[2];
-  for (const bool wrong : {false, true}) {
-    DeviceSettings device;
-    device.latency_samples = 3;
-    Rig rig(body, device, 0.03, [&](phn_loop_settings& s) {
-      s.allowance_J = 1e3;
-      s.trip_energy_J = 0;
-      s.coupling_N_per_m = 1500;
-    });
-    if (wrong) rig.time_error_s = 3e-3;
-    rig.run(20'000);
-    const phn_loop_report report = rig.loop.report();
-    differences[wrong] = std::fabs(report.work_J + rig.device.energy().delivered) / rig.device.energy().gross;
-  }
-  EXPECT_LT(differences[0], 0.02);
-  EXPECT_GT(differences[1], 5 * differences[0]);
-}
-
 }  // namespace

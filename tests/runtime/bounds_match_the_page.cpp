@@ -153,18 +153,4 @@ TEST(BoundBetween, IsThatOfThePage) {
   EXPECT_EQ(bound_of(far, PHN_WARNING_OUTSIDE), PHN_NO_BOUND);
 }
 
-// Claim: nothing else that the runtime computes changes when bounds are added.
-TEST_P(Bounds, ChangeNothingElse) {
-  const LoadedModel with(write_model_text(with_bounds(small_model_of(GetParam())))),
-      without(write_model_text(small_model_of(GetParam())));
-  Numbers numbers;
-  for (int i = 0; i < 100; ++i) {
-    const Eigen::Vector3d d = 0.012 * numbers.vector();
-    Eigen::Vector3d a, b;
-    EXPECT_EQ(phn_force(with.model, with.data, 5, d.data(), a.data(), nullptr, nullptr),
-              phn_force(without.model, without.data, 5, d.data(), b.data(), nullptr, nullptr));
-    EXPECT_EQ(a, b);
-  }
-}
-
 }  // namespace

@@ -82,17 +82,4 @@ TEST_P(DerivativesOf, HaveTheSameBitsInAnyCall) {
   }
 }
 
-// Claim: linear models give d . K d / 2 and K itself, at any depth.
-TEST(LinearRuntime, EnergyAndStiffnessAreExact) {
-  const Model model = small_linear_model();
-  const LoadedModel loaded(write_model_text(model));
-  for (const ActiveNodeModel& node : model.nodes) {
-    const Vector3d d(20, -0.3, 7);
-    const Derivatives at = response(loaded, node.node, d);
-    EXPECT_EQ(at.stiffness, node.linear.stiffness);
-    // Rounding of two products of three.
-    EXPECT_NEAR(at.energy, d.dot(node.linear.stiffness * d) / 2, 1e-15 * 100 * d.squaredNorm());
-  }
-}
-
 }  // namespace

@@ -85,17 +85,4 @@ TEST(ForceKernels, GiveTheSameBitsAloneAndTogether) {
   }
 }
 
-// Claim: at rest force and energy are exactly 0 with every set of instructions.
-TEST(ForceKernels, GiveNothingAtRest) {
-  const double rest[3] = {0, 0, 0};
-  for (int set = 0; set < n_instruction_sets; ++set) {
-    for (const std::int32_t n_centers : force_sizes) {
-      if (force_kernels(set) == nullptr) continue;
-      const ForceValues at_rest = RandomForce(n_centers).by(*force_kernels(set), rest);
-      EXPECT_EQ(at_rest.force, (std::array<double, 3>{0, 0, 0})) << n_centers;
-      EXPECT_EQ(at_rest.energy, 0) << n_centers;
-    }
-  }
-}
-
 }  // namespace

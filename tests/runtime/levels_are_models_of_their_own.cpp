@@ -112,44 +112,6 @@ TEST_P(Levels, AreKeptByCoupledTools) {
   }
 }
 
-// Claim: at every level the force is the gradient of that level's energy: work over a closed path of straight
-// pieces is 0 to the accuracy of Gauss's rule, 1e-9 of the energies on the way for kernels whose width is a
-// third of the range.
-TEST(LevelsOfModalModels, DoNoWorkOverClosedPaths) {
-  const LoadedModel loaded(write_model_text(with_levels(small_modal_model())));
-  constexpr double at[] = {-0.7745966692414834, 0, 0.7745966692414834}, weight[] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
-  constexpr int pieces = 200;
-  constexpr double tolerance = 1e-9;
-  for (std::int32_t level = 0; level < 3; ++level) {
-    ASSERT_EQ(phn_set_level(loaded.model, loaded.data, level), PHN_OK);
-    Numbers numbers;
-    for (const std::int32_t node : touched) {
-      double corner[4][3], sum = 0, largest = 0;
-      for (auto& c : corner)
-        for (double& x : c) x = 0.01 * numbers.next();
-      for (int c = 0; c < 4; ++c) {
-        const double *from = corner[c], *to = corner[(c + 1) % 4];
-        double work = 0, e_from = 0, e_to = 0;
-        for (int p = 0; p < pieces; ++p) {
-          for (int g = 0; g < 3; ++g) {
-            const double s = (p + (1 + at[g]) / 2) / pieces;
-            double d[3], f[3];
-            for (int k = 0; k < 3; ++k) d[k] = from[k] + s * (to[k] - from[k]);
-            ASSERT_GE(phn_force(loaded.model, loaded.data, node, d, f, nullptr, nullptr), 0);
-            for (int k = 0; k < 3; ++k) work += weight[g] / 2 / pieces * f[k] * (to[k] - from[k]);
-          }
-        }
-        ASSERT_GE(phn_force(loaded.model, loaded.data, node, from, nullptr, &e_from, nullptr), 0);
-        ASSERT_GE(phn_force(loaded.model, loaded.data, node, to, nullptr, &e_to, nullptr), 0);
-        largest = std::fmax(largest, std::fabs(e_from));
-        EXPECT_NEAR(work, e_to - e_from, tolerance * std::fabs(e_from) + tolerance * std::fabs(e_to)) << level;
-        sum += work;
-      }
-      EXPECT_LE(std::fabs(sum), tolerance * largest) << "level " << level << ", node " << node;
-    }
-  }
-}
-
 // Claim: info tells sizes and errors of the file; a model without levels has one, of unknown error.
 TEST(LevelInfo, TellsWhatTheFileSays) {
   const LoadedModel modal(write_model_text(with_levels(small_modal_model()))),

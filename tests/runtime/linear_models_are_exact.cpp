@@ -45,26 +45,6 @@ TEST(LinearRuntime, EqualsHostEvaluation) {
   }
 }
 
-// Claim: superposition, F(a + b) = F(a) + F(b), u likewise, and F(2 a) = 2 F(a) to the last bit; sums differ
-// by their rounding, 1e-14 of the terms.
-TEST(LinearRuntime, Superposes) {
-  const LoadedModel loaded(write_model_text(small_linear_model()));
-  Numbers numbers;
-  for (int trial = 0; trial < 50; ++trial) {
-    Eigen::Vector3d a, b;
-    for (int k = 0; k < 3; ++k) {
-      a[k] = numbers.next();
-      b[k] = 0.01 * numbers.next();
-    }
-    const Answer at_a = answer(loaded, 8, a), at_b = answer(loaded, 8, b), at_sum = answer(loaded, 8, a + b);
-    EXPECT_LT((at_sum.force - at_a.force - at_b.force).norm(), 1e-14 * at_a.force.norm());
-    EXPECT_LT((at_sum.u - at_a.u - at_b.u).norm(), 1e-14 * at_a.u.norm());
-    const Answer twice = answer(loaded, 8, 2 * a);
-    EXPECT_EQ(twice.force, 2 * at_a.force);
-    EXPECT_EQ(twice.u, 2 * at_a.u);
-  }
-}
-
 // Claim: a linear model has no outside: far beyond the trained depth nothing warns of it, whatever else is
 // warned of; the trained depth is told all the same.
 TEST(LinearRuntime, HasNoOutside) {

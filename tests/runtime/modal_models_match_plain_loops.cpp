@@ -148,46 +148,6 @@ TEST(ModalRuntime, DeformationIsTheSumOfModes) {
   }
 }
 
-// Claim: a coefficient is never rounded, whether a float holds it or not: with one center the force is as
-// exact as double allows, 1e-15 of its terms.
-TEST(ModalRuntime, CoefficientsAreNotRounded) {
-  for (const bool floats : {true, false}) {
-    Model model = small_modal_model(1, 100, 1, 0);
-    for (ActiveNodeModel& node : model.nodes) {
-      for (Eigen::Index i = 0; i < 100; ++i) {
-        for (int k = 0; k < 3; ++k) {
-          double& b = node.conservative.coefficients(i, k);
-          b = floats ? static_cast<float>(b) : static_cast<float>(b) * (1 + 0x1p-40);
-        }
-      }
-    }
-    const LoadedModel loaded(write_model_text(model));
-    const Vector3d d(0.004, -0.002, 0.001);
-    for (const ActiveNodeModel& node : model.nodes) {
-      const Response expected = plain(model, node, d);
-      Vector3d force;
-      ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data(), nullptr, nullptr), 0);
-      // Rounding to floats would change the force by 2^-40 = 9e-13 of the terms that differ.
-      EXPECT_LE((force - expected.force).norm(), 1e-15 * expected.force_terms);
-    }
-  }
-}
-
-// Claim: far beyond what was trained the stiffness tends to K: the force neither collapses nor explodes. What
-// is left of the kernels is sum |b| |c| / |x| / R, at a thousand of the largest displacement 5 * 0.05 / 1000
-// / 0.01 = 0.025 N/m at most, beside a K of 60 N/m: less than 1e-3.
-TEST(ModalRuntime, StiffnessTendsToTheTail) {
-  const Model model = small_modal_model();
-  const LoadedModel loaded(write_model_text(model));
-  for (const ActiveNodeModel& node : model.nodes) {
-    const Vector3d d(6, -8, 5);
-    Matrix3d stiffness;
-    ASSERT_TRUE(phn_force(loaded.model, loaded.data, node.node, d.data(), nullptr, nullptr, stiffness.data()) &
-                PHN_WARNING_OUTSIDE);
-    EXPECT_LT((stiffness - node.conservative.stiffness).norm(), 1e-3 * node.conservative.stiffness.norm());
-  }
-}
-
 // Claim: the state of rest is one, exactly: no force, no energy, no displacement, for either sign of zero.
 TEST(ModalRuntime, NothingHappensAtRest) {
   for (const Model& model : models()) {

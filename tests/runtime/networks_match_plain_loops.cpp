@@ -95,13 +95,4 @@ TEST(Runtime, WarnsBeyondTheTrainedDepth) {
   EXPECT_EQ(at_rest.depth, 0.005);
 }
 
-// Claim: every displacement that was trained counts as inside, in spite of the rounding of directions.
-TEST(Runtime, TrainedDisplacementsAreInside) {
-  const Model model = small_model();
-  const LoadedModel loaded(write_model_text(model));
-  for (Eigen::Index i = 0; i < model.displacements.rows(); ++i) {
-    EXPECT_EQ(Trained(loaded.model, 3, model.displacements.row(i).data()).status, PHN_OK);
-  }
-}
-
 }  // namespace

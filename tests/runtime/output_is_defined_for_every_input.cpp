@@ -173,11 +173,9 @@ TEST(EveryInput, MisuseIsNamed) {
   double stiffness[9] = {1};
   EXPECT_EQ(phn_force(loaded.model, loaded.data, 4, d, nullptr, force, nullptr), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(phn_force(loaded.model, other.data, 3, d, nullptr, force, nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d, nullptr, nullptr, nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_force(loaded.model, loaded.data, 4, d, nullptr, nullptr, stiffness), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(stiffness[0], 0);
   EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, nullptr, nullptr, nullptr, stiffness), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d, nullptr, nullptr, nullptr), PHN_ERROR_ARGUMENT);
   const std::int32_t three[] = {3, 5, 8}, twice[] = {3, 3}, stranger[] = {3, 4};
   Points u = Points::Ones(12, 3);
   EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 3, three, d, u.data()), PHN_ERROR_TOOLS);
@@ -188,6 +186,12 @@ TEST(EveryInput, MisuseIsNamed) {
   EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 1, nullptr, d, u.data()), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_deform(loaded.model, loaded.data, 3, nullptr, u.data()), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_deform(loaded.model, loaded.data, 4, d, u.data()), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 3, d, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_coupled_deform(loaded.model, nullptr, u.data()), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_trained_depth(loaded.model, 3, d, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_nearest(loaded.model, nullptr, nullptr, u.data()), PHN_ERROR_ARGUMENT);
+  std::size_t bytes = 0;
+  EXPECT_EQ(phn_data_size(nullptr, 1, &bytes), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(info_of(nullptr).n_nodes, 0);
 }
 

@@ -69,18 +69,6 @@ TEST(PreparedNodes, GiveTheSameFieldInAnyOrder) {
   }
 }
 
-// Claim: at rest nothing moves, not by a bit.
-TEST(PreparedNodes, RestAtRest) {
-  const Model model = large_model();
-  const LoadedModel loaded(write_model_text(model));
-  for (const ActiveNodeModel& node : model.nodes) {
-    const double rest[] = {0, 0, 0};
-    Points u = Points::Ones(info_of(loaded.model).n_output, 3);
-    ASSERT_GE(phn_deform(loaded.model, loaded.data, node.node, rest, u.data()), 0);
-    EXPECT_EQ(u.cwiseAbs().maxCoeff(), 0);
-  }
-}
-
 /// Floats are summed in another order: 20 roundings of 6e-8 of the sizes of the terms, which are at most some
 /// ten times the largest displacement here.
 constexpr double rounding = 2e-5;
