@@ -77,8 +77,7 @@ Surface checked_surface(RawMesh raw, double scale_to_m, bool repair, const std::
   }
   if (const std::string defects = describe_defects(topology, true); !defects.empty())
     throw input_error(
-        source + ": the surface is not one closed manifold, so it has no inside to fill",
-        defects,
+        source + ": the surface is not one closed manifold, so it has no inside to fill", defects,
         topology.closed_manifold()
             ? "keep one component, or set mesh.repair = true to keep the largest"
             : std::string("close the holes and separate parts that touch in the program that made the file") +

@@ -75,8 +75,7 @@ const char* const messages[] = {
     "trained to the full depth in all directions",
 };
 constexpr int first_message = PHN_ERROR_ROUND_TOOLS, last_message = PHN_WARNING_UNSETTLED + 1;
-constexpr int all_warnings =
-    PHN_WARNING_NEAR | PHN_WARNING_UNSETTLED | PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE;
+constexpr int all_warnings = PHN_WARNING_NEAR | PHN_WARNING_UNSETTLED | PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE;
 static_assert(sizeof messages / sizeof *messages == last_message - first_message + 1);
 
 const phn_model& level_of(const phn_model& model, std::int32_t level) {
