@@ -42,7 +42,8 @@ Json points_table(const PointReport& report) {
 
 void add_counts(const std::string& who, const AnswerCounts& counts, std::vector<Json>& blocks) {
   std::string words =
-      fmt::format("{}: {} unsettled, {} outside of the trained range", who, counts.unsettled, counts.outside);
+      fmt::format("{}: {} unsettled, {} outside of the trained range, {} of tools too near to each other", who,
+                  counts.unsettled, counts.outside, counts.near);
   if (counts.bounded > 0)
     words += fmt::format("; {} of {} errors of forces are below their bound", counts.covered, counts.bounded);
   blocks.push_back(text(words + "."));

@@ -14,12 +14,13 @@ namespace phynness {
 
 /// How often answers to solved displacements have a warning, and how their bounds hold.
 struct AnswerCounts {
-  std::int64_t unsettled = 0, outside = 0;  ///< answers with this warning
-  std::int64_t bounded = 0, covered = 0;    ///< forces with a bound; of these, with an error that is not above it
+  std::int64_t unsettled = 0, outside = 0, near = 0;  ///< answers with this warning
+  std::int64_t bounded = 0, covered = 0;  ///< forces with a bound; of these, with an error that is not above it
   /// @param said  a ModelResponse or a BodyResponse. @param truth  [N] of the finite elements
   void take(const auto& said, const std::vector<Vec3>& truth) {
     unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
     outside += (said.status & PHN_WARNING_OUTSIDE) != 0;
+    near += (said.status & PHN_WARNING_NEAR) != 0;
     for (std::size_t t = 0; t < said.bound_N.size(); ++t) {
       if (!said.bound_N[t]) continue;
       const Vec3 own = *std::optional<Vec3>(said.force_N[t]), &right = truth[t];
@@ -27,7 +28,7 @@ struct AnswerCounts {
       covered += std::hypot(own[0] - right[0], own[1] - right[1], own[2] - right[2]) <= *said.bound_N[t];
     }
   }
-  PHYNNESS_FIGURES(unsettled, outside, bounded, covered)
+  PHYNNESS_FIGURES(unsettled, outside, near, bounded, covered)
 };
 
 /// As in (17), over the largest finite element response to the displacements of the same point.
