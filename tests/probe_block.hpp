@@ -34,6 +34,19 @@ inline constexpr Vec3 block_size_m{0.10, 0.08, 0.06};
 /// Shear modulus 500 Pa, as the liver of the paper. @param boxes  even in x and y
 inline ProbeBlock probe_block(const Case& c, double bulk_to_shear, const std::array<int, 3>& boxes) {
   ProbeBlock block;
+  // Of a database only the kind of directions is read from it.
+  block.scene.text = R"([mesh]
+shape = "block"
+[material]
+law = "neo-hookean"
+c10_Pa = 250.0
+bulk_modulus_Pa = 5e3
+[nodes]
+fixed = { plane = { point_fraction = [0, 0, 0], normal = [0, 0, 1], tolerance_m = 1e-6 } }
+[probe]
+kind = "node"
+max_displacement_m = 0.008
+)";
   block.scene.material = times(500, unit_material(c.law, bulk_to_shear));
   block.scene.solver.element = c.element;
   block.mesh = block_mesh(boxes, block_size_m);

@@ -320,7 +320,7 @@ class Solves(unittest.TestCase):
     def test_solves_are_the_rays(self):
         with h5py.File(self.database) as file:
             node = int(file["sets/active"][1])
-            d, force = file["magnitudes"][:, None] * file["directions"][3], file["responses/force"][1, 3]
+            d, force = file["magnitudes"][()][:, None] * file["directions"][3], file["responses/force"][1, 3]
         solved = phynness.solve(self.database, node, np.vstack([d, [[0, 0, -0.2]]]))
         self.assertEqual((list(solved.status[:2]), len(solved.note)), ([0, 0], 3))
         self.assertNotEqual(solved.status[2], 0)
