@@ -76,8 +76,8 @@ Keys mesh_keys() {
       mesh("thickness_m", &MeshSpec::thickness_m, Number{length}, hashed,
            "makes the mesh the middle surface of a shell of this thickness. The mesh consists of triangles, open or "
            "closed. For the drain, or for a file of triangles, which are used as they are. Must be less than the "
-           "length of the surface. Beyond half the radius of a bend it gives a warning; where the inner face meets "
-           "itself it is refused"),
+           "length of the surface, and at least 1e-12 of it. Beyond half the radius of a bend it gives a warning; "
+           "where the inner face meets itself it is refused"),
       mesh("target_nodes", &MeshSpec::target_nodes, Integer{8, 5'000'000}, hashed,
            "approximate number of nodes of a built-in shape, whose default is below, or of the tetrahedra that fill a "
            "surface file, without a default; excludes `target_size_m`"),

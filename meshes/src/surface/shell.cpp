@@ -18,6 +18,10 @@ constexpr double flat_triangle = 1e-6;  // twice the area over the square of the
 // Area of the inner face over that of the middle surface, 1 - t / (2 R) for a bend of radius R. Below 0.75, t > R / 2,
 // the theory of shells has errors of some per cent. The inner face of a wall of thickness 2 R intersects itself.
 constexpr double thick_layer = 0.75, thickest_layer = 0.05;
+// As a fraction of the length of the surface. The ratio of bending stiffness to membrane stiffness is the square of
+// this.
+constexpr double thinnest_wall = 1e-12;
+
 /// A seam with duplicate nodes is a slit: it results in a warning, or with `repair` the nodes are merged.
 void look_at_twins(RawMesh& raw, bool repair, std::vector<std::string>& warnings) {
   const auto first = coincident_nodes(to_points(raw.nodes));
@@ -142,6 +146,12 @@ void check_wall(MeshResult& result, double thickness_m, const std::string& sourc
         source + ": the shell is thicker than it is long",
         "thickness_m = " + length_text(thickness_m) + ", the middle surface is " + length_text(longest) + " long",
         "check the units, lengths are in metres; simulate a thick wall as a solid, without thickness_m");
+  if (thickness_m < thinnest_wall * longest)
+    throw input_error(
+        source + ": the wall is too thin for double precision",
+        "thickness_m = " + length_text(thickness_m) + ", the middle surface is " + length_text(longest) + " long",
+        "check the units, lengths are in metres; make the wall at least " + length_text(thinnest_wall * longest) +
+            " thick");
   std::map<Edge, Eigen::RowVector3d> directors;
   for (const auto& [edge, normals] : normals_at_edges(mesh))
     directors[edge] = (normals.size() > 1 ? Eigen::RowVector3d(normals[0] + normals[1]) : normals[0]).normalized();
