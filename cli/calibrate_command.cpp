@@ -161,7 +161,7 @@ void add(CLI::App& app) {
            "a reduced body (body.txt) of the database, which gets bounds in place of the model, and is replaced at the "
            "end");
   add_path(command, "--scene", options.scene, PathKind::input,
-           "scene of the model, if it takes only some nodes of the database");
+           "scene with the keys of [validation], if not that of the database");
   add_count(command, "--rays", options.rays, 100, 1'000'000,
             "random rays, ten at each of a tenth as many nodes, but at least 20 (default: validation.calibration_rays "
             "of the scene; 100 with another --reference)");

@@ -36,6 +36,11 @@ void grow_beside(PrecomputeTarget& target, const LoadedScene& loaded) {
     return;
   target.from = target.file;
   target.file += ".grown";
+  const auto wanted = database_header(loaded.scene, loaded.mesh, loaded.sets);
+  if (std::filesystem::exists(target.file) && coverage(read_database_header(target.file), wanted) != Coverage::same)
+    throw input_error("the database began to grow for another scene", target.file.string(),
+                      "finish it with that scene, or delete this file and " + target.file.string() + ".log; " +
+                          target.from.string() + " is whole");
   declare_output("--output", target.file, PathKind::database);
 }
 

@@ -20,7 +20,10 @@ WarningKind warnings[4] = {
      "IncompleteWarning",
      "A node some of whose directions were not trained to full depth.",
      {}},
-    {PHN_WARNING_UNSETTLED, "UnsettledWarning", "Tools too close together to follow all of them.", {}},
+    {PHN_WARNING_UNSETTLED,
+     "UnsettledWarning",
+     "Tools are not followed: too close together, or faster than the body settles.",
+     {}},
     {PHN_WARNING_NEAR, "NearWarning", "Springs between near tools of a body take a part of their displacements.", {}}};
 
 py::handle new_type(py::module_& module, const char* name, const char* doc, py::handle base, const py::dict& members) {

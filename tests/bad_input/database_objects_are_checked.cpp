@@ -93,6 +93,30 @@ TEST_F(ForeignObjects, datasets_of_another_type) {
   H5Tclose(pair);
 }
 
+// Numbers under a right checksum, which another program wrote.
+TEST_F(ForeignObjects, numbers_that_are_none_of_the_mesh) {
+  const auto write = [&](const char* name, hid_t type, const void* first) {
+    write_packed_again();
+    tamper([&](hid_t id) {
+      const hid_t set = H5Dopen2(id, name, H5P_DEFAULT), all = H5Dget_space(set), one = vector_of(1);
+      const hsize_t start = 0, count = 1;
+      H5Sselect_hyperslab(all, H5S_SELECT_SET, &start, nullptr, &count, nullptr);
+      ASSERT_GE(H5Dwrite(set, type, one, all, H5P_DEFAULT, first), 0);
+      H5Sclose(one);
+      H5Sclose(all);
+      H5Dclose(set);
+    });
+  };
+  for (const std::int32_t number : {-3, 999999})
+    for (const char* name : {"/sets/active", "/sets/output", "/tools/nodes"}) {
+      write(name, H5T_NATIVE_INT32, &number);
+      expect_contains(open_error(), {std::string(name) + " has a number that no node has", std::to_string(number)});
+    }
+  const double negative = -0.01;
+  write("/magnitudes", H5T_NATIVE_DOUBLE, &negative);
+  expect_contains(open_error(), {"/magnitudes must ascend from 0"});
+}
+
 TEST_F(ForeignObjects, groups_that_are_datasets) {
   tamper([](hid_t id) {
     H5Ldelete(id, "/sets", H5P_DEFAULT);

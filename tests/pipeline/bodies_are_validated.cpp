@@ -212,6 +212,9 @@ TEST_F(BodiesBesideModels, HaveTheirMesh) {
   EXPECT_EQ(foreign.find("not a phynness model"), std::string::npos) << foreign;
   for (const char* wrong : {" --level 0", " --tools paper"})
     expect_error(be_refused("eval m --body body.txt" + one + wrong).err, {"--body", "omit"});
+  std::string nine;
+  for (int i = 0; i < 9; ++i) nine += one;
+  expect_error(be_refused("eval m --body body.txt" + nine).err, {"more than 8 tools", "at most eight tools"});
 }
 
 TEST_F(BodiesBesideModels, AnswerEveryToolOfEval) {

@@ -87,6 +87,14 @@ TEST(NearTools, OpposedHaveTheForceOfTheSprings) {
     EXPECT_LT(pair.pressed.behind_m, 1e-3 * block_depth) << separation;
   }
   EXPECT_EQ(pair.press(0.51, push, pull), PHN_OK);
+  // The body stays at rest, and all energy is that of the springs.
+  for (const double depth : {1e-6, 0.1, 1.0}) {
+    const Eigen::Vector3d deep(0, 0, -depth * block_depth);
+    ASSERT_EQ(pair.press(0, deep, -deep), PHN_WARNING_NEAR) << depth;
+    EXPECT_NEAR(pair.forces[0].dot(deep) - pair.forces[1].dot(deep), 2 * pair.pressed.energy,
+                1e-6 * pair.pressed.energy)
+        << depth;
+  }
 }
 
 // Claim: forces are the derivatives of the energy, which has that of the springs.

@@ -87,6 +87,14 @@ std::vector<Ray> Database::rays(std::int32_t active) const {
   for (std::size_t d = 0; d < header.directions.size(); ++d)
     rays.push_back(empty_ray(header, active, static_cast<std::int32_t>(d)));
   for (const auto& column : _impl->columns) _impl->read(column, active, 1, rays);
+  for (const Ray& ray : rays)
+    for (std::size_t i = 0; i < ray.status.size(); ++i) {
+      const double *f = &ray.force[3 * i], energy = ray.energy[i];
+      if (ray.status[i] == Status::converged && !std::isfinite(f[0] + f[1] + f[2] + energy))
+        _impl->file.refuse("a solved increment has a force or an energy that is not finite",
+                           "node " + std::to_string(header.sets.active[static_cast<std::size_t>(active)]) +
+                               ", direction " + std::to_string(ray.direction));
+    }
   return rays;
 }
 

@@ -77,7 +77,14 @@ void write_tools(hdf5::File& file, const std::vector<TouchedNodes>& tools) {
   write_array(file, path::tool_weights, {weights.size()}, weights.data(), "1", "their weights");
 }
 
-std::vector<TouchedNodes> read_tools(const hdf5::File& file) {
+/// @throws Error (input) unless the numbers are those of nodes of the mesh
+void require_nodes(const hdf5::File& file, const char* name, const NodeList& numbers, Eigen::Index n_nodes) {
+  for (const auto number : numbers)
+    if (number < 0 || number >= n_nodes)
+      file.refuse(std::string(name) + " has a number that no node has", std::to_string(number));
+}
+
+std::vector<TouchedNodes> read_tools(const hdf5::File& file, Eigen::Index n_nodes) {
   const bool mean = read_flag(file, path::tools, "mean");
   const auto ends = read_list<std::int32_t>(file, path::tool_ends),
              nodes = read_list<std::int32_t>(file, path::tool_nodes);
@@ -85,6 +92,7 @@ std::vector<TouchedNodes> read_tools(const hdf5::File& file) {
   if (weights.size() != nodes.size())
     file.refuse(std::string(path::tool_weights) + " and " + path::tool_nodes + " have different lengths",
                 std::to_string(weights.size()) + " and " + std::to_string(nodes.size()));
+  require_nodes(file, path::tool_nodes, nodes, n_nodes);
   std::vector<TouchedNodes> tools;
   std::int32_t first = 0;
   for (const auto end : ends) {
@@ -232,11 +240,21 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.sets.fixed = read_list<std::int32_t>(file, path::fixed);
   header.sets.active = read_list<std::int32_t>(file, path::active);
   header.sets.output = read_list<std::int32_t>(file, path::output);
-  header.sets.tools = read_tools(file);
+  for (const auto& [name, set] : {std::pair{path::fixed, &header.sets.fixed},
+                                  {path::active, &header.sets.active},
+                                  {path::output, &header.sets.output}})
+    require_nodes(file, name, *set, header.mesh.n_nodes());
+  header.sets.tools = read_tools(file, header.mesh.n_nodes());
   const auto directions = read_rows<double>(file, path::directions, 3, rows);
   for (hsize_t i = 0; i < rows; ++i)
     header.directions.push_back({directions[3 * i], directions[3 * i + 1], directions[3 * i + 2]});
   header.magnitudes_m = read_list<double>(file, path::magnitudes);
+  double last = 0;
+  for (const double magnitude : header.magnitudes_m) {
+    if (!(magnitude > last))
+      file.refuse(std::string(path::magnitudes) + " must ascend from 0", std::to_string(magnitude));
+    last = magnitude;
+  }
 
   if (const auto hash = mesh_hash(header.mesh); hash != header.mesh_hash)
     throw input_error(

@@ -135,7 +135,8 @@ std::string remedy_for_unknown_key(std::string_view table, std::string_view key)
   }
   if (const auto near = nearest(key, known); !near.empty()) return "did you mean " + std::string(near) + "?";
   for (const auto& other : tables())
-    if (std::find(other.keys.begin(), other.keys.end(), key) != other.keys.end())
+    if (!other.name.starts_with("selector.") &&
+        std::find(other.keys.begin(), other.keys.end(), key) != other.keys.end())
       return "move it to " + bracketed(other.name) + ", where it belongs";
   return "remove it; the keys of " + bracketed(table) + " are " + listed(known, " and ");
 }

@@ -190,7 +190,7 @@ Keys training_keys() {
                "are the nodes with the largest error of the shared modes, mostly around the touched node"),
       training("levels", &TrainingSpec::levels, Integer{1, 8}, not_hashed,
                "number of networks of different size that the model holds for each response. Each has half the "
-               "neurons, or centers and modes, of the next larger one. A controller chooses between them by time "
+               "neurons, or centers and modes, of the next larger one. A controller chooses between them "
                "(`phn_set_level`). The largest equals the model without levels"),
       training("seed", &TrainingSpec::seed, seed, not_hashed, "seed of all random choices in training")};
 }

@@ -84,6 +84,7 @@ class Equilibrium {
     }
     // K step = rows^T force - forces; force . rows K^-1 rows^T . force is the square of what the tools hold.
     double held = 0;
+    for (std::int32_t r = 0; r < n; ++r) held += _force[r] * stretched(_s, r, _force);
     _decrease = 0;
     for (std::int32_t m = 0; m < _n; ++m) {
       double of_tools = 0, moved = 0;

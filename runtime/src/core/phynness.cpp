@@ -70,8 +70,8 @@ const char* const messages[] = {
     "this node was not trained to the full depth in all directions",
     "a displacement is longer than trained in its direction, and a node was not trained to the full depth in all "
     "directions",
-    "the tools are too close together: their points follow them only in part",
-    "the tools are too close together, and a displacement is outside of the trained range or a node was not "
+    "tools are not followed: they are too close together, or moved faster than the body settles",
+    "tools are not followed, and a displacement is outside of the trained range or a node was not "
     "trained to the full depth in all directions",
 };
 constexpr int first_message = PHN_ERROR_ROUND_TOOLS, last_message = PHN_WARNING_UNSETTLED + 1;

@@ -163,10 +163,9 @@ BoundPredictors bound_predictors(const Model& model, const Database& database) {
   for (const auto& [what, own, other] : {std::tuple{"mesh", model.mesh_hash, header.mesh_hash},
                                          std::tuple{"physics", model.physics_hash, header.physics_hash}})
     if (own != other)
-      throw input_error(
-          "the model was not trained on this database",
-          std::string(what) + " hash " + own + ", of the database " + other,
-          "give the database on which the model was trained, and --scene if it was trained on a part of it");
+      throw input_error("the model was not trained on this database",
+                        std::string(what) + " hash " + own + ", of the database " + other,
+                        "give the database on which the model was trained");
   BoundPredictors predictors;
   const auto n_rows = static_cast<std::size_t>(model.displacements.rows());
   for (const auto& node : model.nodes) {

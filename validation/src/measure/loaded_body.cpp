@@ -54,9 +54,9 @@ void LoadedBody::reset() {
 BodyResponse LoadedBody::press(const std::vector<phn_tool>& tools, std::int32_t steps) {
   BodyResponse response;
   response.force_N.resize(tools.size());
-  double forces[3 * PHN_MOST_COUPLED];
-  response.status = phn_body_press(_body, _state, static_cast<std::int32_t>(tools.size()), tools.data(), steps, forces,
-                                   &response.pressed);
+  std::vector<double> forces(3 * tools.size());  // of too many tools, too, which get zeros
+  response.status = phn_body_press(_body, _state, static_cast<std::int32_t>(tools.size()), tools.data(), steps,
+                                   forces.data(), &response.pressed);
   require_good(response.status, "the runtime refuses tools on " + _name,
                tools.empty() ? "" : " (first node " + std::to_string(tools[0].nodes[0]) + ")",
                "touch a part of its surface that can move, with finite displacements and at most eight tools");
