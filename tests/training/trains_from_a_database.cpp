@@ -23,7 +23,6 @@ std::string scene(const std::string& probe) {
 class FromDatabase : public testing::Test {
  protected:
   void write(const std::string& probe, const std::string& physics = "") {
-    header = small_header();
     header.mesh.cells.resize(n_nodes / 4, 4);
     for (int i = 0; i < n_nodes; ++i) header.mesh.cells(i / 4, i % 4) = i;
     for (Eigen::Index c = 0; c < header.mesh.cells.rows(); ++c) {
@@ -67,7 +66,7 @@ class FromDatabase : public testing::Test {
 
   std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("phynness_training_" + std::to_string(std::random_device{}()) + ".h5");
-  DatabaseHeader header;
+  DatabaseHeader header = small_header();
 };
 
 // Claim: what is trained from the file is what is trained from the same arrays, to the last bit, on two
@@ -88,8 +87,8 @@ TEST_F(FromDatabase, EqualsTrainingFromArrays) {
 // Claim: a model of round tools holds the nodes and weights that the database has of them.
 TEST_F(FromDatabase, TheNodesOfAToolAreThoseOfTheDatabase) {
   for (auto& tool : header.sets.tools) {
-    const auto next = tool.nodes.front() + 1;
-    tool = {{tool.nodes.front(), next + (next == 1)}, {0.25, 0.75}, true};
+    const auto node = tool.nodes.front();
+    tool = {{0, node == 0 ? 2 : node}, {0.25, 0.75}, true};
   }
   write("kind = \"patch\"\ntool_radius_m = 0.025\n");
   const Database database = Database::open(file);
