@@ -110,7 +110,7 @@ TEST_F(ForeignObjects, numbers_that_are_none_of_the_mesh) {
   for (const std::int32_t number : {-3, 999999})
     for (const char* name : {"/sets/active", "/sets/output", "/tools/nodes"}) {
       write(name, H5T_NATIVE_INT32, &number);
-      expect_contains(open_error(), {std::string(name) + " has a number that no node has", std::to_string(number)});
+      expect_contains(open_error(), {name, " has a number that no node has", std::to_string(number).c_str()});
     }
   const double negative = -0.01;
   write("/magnitudes", H5T_NATIVE_DOUBLE, &negative);
