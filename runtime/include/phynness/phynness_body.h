@@ -63,8 +63,7 @@ typedef struct phn_body_pressed {
  * forces are those of the call before, or 0 if that had another number of tools. _NEAR: tools nearer than half of their
  * radius act through springs between them (docs/theory.md, Near tools), which take more than a tenth of a displacement;
  * two with equal displacements at one place share the force of one, opposed ones have five times that of each alone.
- * PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0
- * tools the body is at rest. `pressed` may be null.
+ * PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0 tools the body is at rest. `pressed` may be null.
  */
 PHN_API int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools,
                            int32_t steps, double* forces, phn_body_pressed* pressed);

@@ -61,10 +61,9 @@ struct Compliance {
     }
   }
 
-  /// Of the three rows of a tool alone, at rest.
+  /// Compliance of a tool alone at rest [m/N]. @param first  of its three rows
   static void alone(const phn_body_state& state, std::int32_t first, double own[3][3]) {
-    Compliance of_tool;
-    of_tool.solve_rows(state, state.factor_at_rest, first, 3);
+    solve_rows(state, state.factor_at_rest, first, 3);
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k < 3; ++k)
         own[i][k] = product(state.rows + static_cast<std::int64_t>(first + (i > k ? i : k)) * state.body->stride,
