@@ -1,15 +1,27 @@
-// phynness for C++17: the functions of phynness.h and phynness_tools.h as members of objects. An object owns its memory
-// or uses memory of the caller. After construction nothing is allocated. No exceptions and no RTTI are used: functions
-// that can fail return a [[nodiscard]] Status, and an object whose construction failed converts to false and has a
-// status. Meaning, cost and errors of each function are described in those headers.
+// phynness for C++17: a model's folder and, where several tools act, a body's file, as one object with four verbs:
+// nearest, hold, touch and deform. No exceptions and no RTTI are used: functions that can fail return a [[nodiscard]]
+// Status. Meaning, cost, units and errors are described in phynness.h, phynness_body.h and phynness_contact.h.
+//
+//   phynness::Organ organ = phynness::Organ::read("out/demo/model", "out/demo/body.txt", 2);
+//   if (!organ) return std::puts(organ.status().message());
+//   phn_tool tool;
+//   double force[3];
+//   const auto found = organ.nearest({{0.03, 0.01, 0.05}}, tool);
+//   tool.displacement[2] = -0.01;
+//   const auto status = organ.hold(tool, force);
 #ifndef PHYNNESS_HPP
 #define PHYNNESS_HPP
 
-#include <phynness/phynness.h>
+#include <phynness/phynness_contact.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
+#include <memory>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -18,24 +30,7 @@
 #include <span>
 #endif
 
-namespace phynness::rt {
-
-/// Status of a function of phynness.h: 0 success, > 0 warnings (PHN_WARNING_*), < 0 an error, with zeros as outputs.
-class [[nodiscard]] Status {
- public:
-  constexpr Status(int code = PHN_OK) noexcept : _code(code) {}
-  constexpr operator int() const noexcept { return _code; }
-  constexpr bool ok() const noexcept { return _code >= 0; }
-  constexpr bool outside() const noexcept { return _code > 0 && (_code & PHN_WARNING_OUTSIDE) != 0; }
-  constexpr bool incomplete() const noexcept { return _code > 0 && (_code & PHN_WARNING_INCOMPLETE) != 0; }
-  constexpr bool unsettled() const noexcept { return _code > 0 && (_code & PHN_WARNING_UNSETTLED) != 0; }
-  constexpr bool near() const noexcept { return _code > 0 && (_code & PHN_WARNING_NEAR) != 0; }
-  const char* message() const noexcept { return phn_status_message(_code); }
-  constexpr void ignore() const noexcept {}
-
- private:
-  int _code;
-};
+namespace phynness {
 
 #if __cplusplus >= 202002L
 template <class T>
@@ -87,6 +82,427 @@ class Fixed {
 using In3 = Fixed<const double, 3>;
 using Out3 = Fixed<double, 3>;
 using Out9 = Fixed<double, 9>;
+
+/// What the tools of a call have in common.
+struct OrganReport {
+  double energy_J = 0;     ///< stored; 0 in family rbfn
+  double residual_m = 0;   ///< largest distance of a tool from what it holds
+  double unbalanced = 0;   ///< of a body: size of the next step of Newton's method over that of the deformation
+  std::int32_t steps = 0;  ///< of Newton's method, of a body
+};
+
+/// A model, a body of the same mesh, or both, with the working memory of one thread. It owns its memory and allocates
+/// none after construction. It can be moved, which leaves the memory in place, but not copied.
+///
+/// One tool is answered by the model, several by the body. Without a model the body answers one, and without a body a
+/// model of node probes couples several. touch asks the body wherever there is one, so that its forces do not change
+/// when a second sphere comes.
+class Organ {
+ public:
+  /// 0 success, > 0 warnings (PHN_WARNING_*), < 0 an error, with zeros as outputs.
+  class [[nodiscard]] Status {
+   public:
+    constexpr Status(int code = PHN_OK) noexcept : _code(code) {}
+    constexpr operator int() const noexcept { return _code; }
+    constexpr bool ok() const noexcept { return _code >= 0; }
+    constexpr bool outside() const noexcept { return has(PHN_WARNING_OUTSIDE); }
+    constexpr bool incomplete() const noexcept { return has(PHN_WARNING_INCOMPLETE); }
+    constexpr bool unsettled() const noexcept { return has(PHN_WARNING_UNSETTLED); }
+    constexpr bool near() const noexcept { return has(PHN_WARNING_NEAR); }
+    const char* message() const noexcept { return phn_status_message(_code); }
+    constexpr void ignore() const noexcept {}
+
+   private:
+    constexpr bool has(int warning) const noexcept { return _code > 0 && (_code & warning) != 0; }
+    int _code;
+  };
+
+  /// Nothing; every call returns PHN_ERROR_ARGUMENT.
+  Organ() = default;
+  /// @param model_text  of a model.txt, or empty: a body alone
+  /// @param body_text   of a body.txt, or empty: a model alone
+  /// @param max_tools   of one call; a body, and contact, have at most 8
+  /// @param steps       of Newton's method, at most, that a body makes in one call of hold or touch
+  explicit Organ(std::string_view model_text, std::string_view body_text = {}, std::int32_t max_tools = 1,
+                 std::int32_t steps = 1)
+      : _max_tools(max_tools), _steps(steps) {
+    auto files = std::make_shared<Files>();
+    _status = files->load(model_text, body_text, _wrong_byte);
+    _files = std::move(files);
+    if (_status.ok()) work();
+  }
+  /// The same of files. @param model  a model's folder or its model.txt; null: a body alone
+  static Organ read(const char* model, const char* body = nullptr, std::int32_t max_tools = 1, std::int32_t steps = 1) {
+    std::vector<char> model_text, body_text;
+    const bool found = (model == nullptr || content(model, model_text) ||
+                        content((std::string(model) + "/model.txt").c_str(), model_text)) &&
+                       (body == nullptr || content(body, body_text));
+    if (found) return Organ(view(model_text), view(body_text), max_tools, steps);
+    Organ none;
+    none._status = PHN_ERROR_NOT_A_MODEL;
+    return none;
+  }
+  /// One of the same model and body, at rest, for another thread, with working memory of its own.
+  Organ another() const {
+    Organ other;
+    other._files = _files;
+    other._max_tools = _max_tools;
+    other._steps = _steps;
+    other._status = _status;
+    if (_files != nullptr && _status.ok()) other.work();
+    return other;
+  }
+  Organ(Organ&& other) noexcept { swap(other); }
+  Organ& operator=(Organ&& other) noexcept {
+    Organ(std::move(other)).swap(*this);
+    return *this;
+  }
+
+  explicit operator bool() const noexcept { return _status.ok(); }
+  /// Of the construction. PHN_ERROR_NOT_A_MODEL: also of a file that cannot be read. PHN_ERROR_ARGUMENT: neither model
+  /// nor body, max_tools or steps below 1, or a body of another mesh than the model.
+  Status status() const noexcept { return _status; }
+  /// Position of the first error in a refused text, counted from 1; it is the model's if there is no model(). 0: none.
+  std::size_t wrong_byte() const noexcept { return _wrong_byte; }
+
+  /// Contents; zeros and null without a model, or a body.
+  const phn_info& info() const noexcept { return files().info; }
+  const phn_body_info& body_info() const noexcept { return files().body_info; }
+  /// Bytes of model and body, and of the working memory of this object.
+  std::size_t constant_bytes() const noexcept { return files().model_memory.size() + files().body_memory.size(); }
+  std::size_t working_bytes() const noexcept {
+    return _data_memory.size() + _state_memory.size() + _touch_memory.size();
+  }
+  /// The objects of the C library, for what is not wrapped; null where there is none.
+  const phn_model* model() const noexcept { return files().model; }
+  phn_data* data() noexcept { return _data; }
+  const phn_body* body() const noexcept { return files().body; }
+  phn_body_state* state() noexcept { return _state; }
+  phn_contact* contact() noexcept { return _contact; }
+
+  /// The place of the undeformed surface nearest to x [m], with displacement 0, its point [m] and their distance [m].
+  Status nearest(In3 x, phn_tool& tool) const noexcept { return place(x.data(), tool, nullptr, nullptr); }
+  Status nearest(In3 x, phn_tool& tool, Out3 point) const noexcept {
+    return place(x.data(), tool, point.data(), nullptr);
+  }
+  Status nearest(In3 x, phn_tool& tool, Out3 point, double& distance) const noexcept {
+    return place(x.data(), tool, point.data(), &distance);
+  }
+
+  /// The force [N] that holds a tool, with energy [J] and stiffness [N/m], 3 x 3 and symmetric, which a body has not.
+  Status hold(const phn_tool& tool, Out3 force) noexcept { return hold_one(tool, force.data(), nullptr, nullptr); }
+  Status hold(const phn_tool& tool, Out3 force, double& energy) noexcept {
+    return hold_one(tool, force.data(), &energy, nullptr);
+  }
+  Status hold(const phn_tool& tool, Out3 force, double& energy, Out9 stiffness) noexcept {
+    return hold_one(tool, force.data(), &energy, stiffness.data());
+  }
+  /// Of several tools. @param forces  tools.size() x 3
+  Status hold(Span<const phn_tool> tools, Span<double> forces, OrganReport* report = nullptr) noexcept {
+    OrganReport unused;
+    OrganReport& made = report != nullptr ? *report : unused;
+    made = {};
+    if (forces.size() / 3 < tools.size()) return PHN_ERROR_BUFFER;
+    if (tools.size() > PHN_MOST_COUPLED) return refused(forces, PHN_ERROR_TOO_MANY_TOOLS);
+    const auto n = static_cast<std::int32_t>(tools.size());
+    if (_state != nullptr && (n != 1 || _data == nullptr)) return press(n, tools.data(), forces.data(), made);
+    if (n != 1) return couple(n, tools.data(), forces.data(), made);
+    const bool has_energy = info().has_energy != 0;
+    return hold_one(tools[0], forces.data(), has_energy ? &made.energy_J : nullptr, nullptr);
+  }
+
+  /// Moves spheres (phynness_contact.h), in every millisecond of a haptic loop. @param states  spheres.size() of them
+  Status touch(Span<const phn_contact_tool> spheres, Span<phn_contact_state> states,
+               OrganReport* report = nullptr) noexcept {
+    OrganReport unused;
+    OrganReport& made = report != nullptr ? *report : unused;
+    made = {};
+    if (states.size() < spheres.size()) return PHN_ERROR_BUFFER;
+    if (spheres.size() > PHN_MOST_COUPLED) return PHN_ERROR_TOO_MANY_TOOLS;
+    return step(static_cast<std::int32_t>(spheres.size()), spheres.data(), states.data(), made);
+  }
+
+  /// Displacements [m] in the last hold or touch, zeros before: of the model's output nodes, n_output x 3, also where a
+  /// body answered, which leaves nodes inside of it at 0. Without a model of the body's nodes, n_nodes x 3.
+  Status deform(Span<double> out) noexcept {
+    if (!_status.ok()) return PHN_ERROR_ARGUMENT;
+    if (out.size() < n_deform()) return PHN_ERROR_BUFFER;
+    return draw(out.data());
+  }
+  /// Numbers that deform writes.
+  std::size_t n_deform() const noexcept {
+    return 3 * static_cast<std::size_t>(_data != nullptr ? info().n_output : body_info().n_nodes);
+  }
+
+  /// Bounds [N] of the errors of the forces of the last hold, one for each of its tools. PHN_ERROR_UNDEFINED: there are
+  /// none, or the last call was not hold.
+  Status bound(Span<double> bounds) noexcept {
+    const std::size_t n = _last == Last::of_tool ? 1 : _last == Last::of_tools ? _n_tools : 0;
+    if (n == 0) return PHN_ERROR_UNDEFINED;
+    if (bounds.size() < n) return PHN_ERROR_BUFFER;
+    return bounds_of(bounds.data());
+  }
+  /// Depth [m] of the trained range at the place of a tool in the direction of its displacement; at rest the smallest.
+  Status depth(const phn_tool& tool, double& depth) const noexcept {
+    if (model() != nullptr) return phn_trained_depth_at(model(), &tool, &depth);
+    depth = body_info().max_displacement_m;
+    return body() != nullptr ? PHN_OK : PHN_ERROR_ARGUMENT;
+  }
+
+  /// The body back to rest, and every contact ended; in the next touch all spheres are new.
+  Status reset() noexcept {
+    if (!_status.ok()) return PHN_ERROR_ARGUMENT;
+    _last = Last::none;
+    if (_contact != nullptr) phn_contact_reset(_contact);
+    if (_state == nullptr) return PHN_OK;
+    return phn_body_state_init(_state_memory.data(), _state_memory.size(), body(), most(), &_state);
+  }
+
+ private:
+  using Bytes = std::vector<std::byte>;
+  enum class Last { none, of_tool, of_tools, of_spheres };
+
+  /// What threads share.
+  struct Files {
+    Files() {
+      phn_model_info(nullptr, &info);
+      phn_body_describe(nullptr, &body_info);
+    }
+    int load(std::string_view model_text, std::string_view body_text, std::size_t& wrong) {
+      if (model_text.empty() && body_text.empty()) return PHN_ERROR_ARGUMENT;
+      std::size_t bytes = 0;
+      int status = PHN_OK;
+      if (!model_text.empty()) {
+        status = phn_model_size(model_text.data(), model_text.size(), &bytes, &wrong);
+        if (status < 0) return status;
+        model_memory.resize(bytes);
+        status = phn_model_init(model_memory.data(), bytes, model_text.data(), model_text.size(), &model, &wrong);
+        if (status < 0) return status;
+        phn_model_info(model, &info);
+      }
+      if (body_text.empty()) return PHN_OK;
+      status = phn_body_size(body_text.data(), body_text.size(), &bytes, &wrong);
+      if (status < 0) return status;
+      body_memory.resize(bytes);
+      status = phn_body_init(body_memory.data(), bytes, body_text.data(), body_text.size(), &body, &wrong);
+      if (status < 0) return status;
+      phn_body_describe(body, &body_info);
+      if (model == nullptr) return PHN_OK;
+      const std::string_view of_model = info.mesh_hash, of_body = body_info.mesh_hash;
+      if (!of_model.empty() && !of_body.empty() && of_model != of_body) return PHN_ERROR_ARGUMENT;
+      rows.resize(static_cast<std::size_t>(info.n_output));
+      for (std::size_t o = 0; o < rows.size(); ++o) {
+        const std::int32_t *end = body_info.nodes + body_info.n_nodes,
+                           *at = std::lower_bound(body_info.nodes, end, info.output_nodes[o]);
+        rows[o] = at != end && *at == info.output_nodes[o] ? at - body_info.nodes : -1;
+      }
+      return PHN_OK;
+    }
+
+    Bytes model_memory, body_memory;
+    const phn_model* model = nullptr;
+    const phn_body* body = nullptr;
+    phn_info info;
+    phn_body_info body_info;
+    std::vector<std::ptrdiff_t> rows;  ///< of the output nodes among the body's nodes; -1: inside of the body
+  };
+
+  static std::string_view view(const std::vector<char>& text) noexcept {
+    return {text.empty() ? "" : text.data(), text.size()};
+  }
+  /// @return whether the file has any
+  static bool content(const char* file, std::vector<char>& text) {
+    text.clear();
+    std::FILE* const stream = std::fopen(file, "rb");
+    if (stream == nullptr) return false;
+    constexpr std::size_t block = 1 << 20;
+    for (std::size_t n = block; n == block;) {
+      text.resize(text.size() + block);
+      n = std::fread(text.data() + text.size() - block, 1, block, stream);
+      text.resize(text.size() - block + n);
+    }
+    std::fclose(stream);
+    return !text.empty();
+  }
+
+  const Files& files() const noexcept {
+    static const Files none;
+    return _files != nullptr ? *_files : none;
+  }
+  /// Tools of a body and of contact.
+  std::int32_t most() const noexcept { return std::min<std::int32_t>(_max_tools, PHN_MOST_COUPLED); }
+
+  /// Makes an object of the C library in memory. @return a status
+  template <class Object, class Size, class Init, class Of>
+  static int make(Bytes& memory, Object*& object, Size&& size, Init&& init, const Of* of, std::int32_t n) {
+    std::size_t bytes = 0;
+    const int status = size(of, n, &bytes);
+    if (status < 0) return status;
+    memory.resize(bytes);
+    return init(memory.data(), bytes, of, n, &object);
+  }
+  void work() {
+    if (_steps < 1) _status = PHN_ERROR_ARGUMENT;
+    if (_status.ok() && model() != nullptr)
+      _status = make(_data_memory, _data, phn_data_size, phn_data_init, model(), _max_tools);
+    if (_status.ok() && body() != nullptr)
+      _status = make(_state_memory, _state, phn_body_state_size, phn_body_state_init, body(), most());
+    if (!_status.ok()) return;
+    // An organ without a surface that can be touched is one for hold alone.
+    _touch_status = body() != nullptr
+                        ? make(_touch_memory, _contact, phn_body_contact_size, phn_body_contact_init, body(), most())
+                        : make(_touch_memory, _contact, phn_contact_size, phn_contact_init, model(), most());
+    if (model() != nullptr && body() != nullptr) _field.resize(3 * static_cast<std::size_t>(body_info().n_nodes));
+  }
+
+  static int refused(Span<double> forces, int status) noexcept {
+    std::fill_n(forces.data(), forces.size(), 0.0);
+    return status;
+  }
+  Status place(const double* x, phn_tool& tool, double* point, double* distance) const noexcept {
+    double found[3] = {0, 0, 0};
+    double* const at = point != nullptr ? point : found;
+    const double from[3] = {x[0], x[1], x[2]};
+    const int status = model() != nullptr    ? phn_nearest(model(), from, &tool, at)
+                       : _contact != nullptr ? phn_contact_nearest(_contact, from, &tool, at)
+                                             : phn_nearest(nullptr, from, &tool, at);
+    if (distance != nullptr) *distance = status < 0 ? 0 : std::hypot(from[0] - at[0], from[1] - at[1], from[2] - at[2]);
+    return status;
+  }
+  Status hold_one(const phn_tool& tool, double* force, double* energy, double* stiffness) noexcept {
+    if (_data == nullptr && _state != nullptr) {
+      OrganReport made;
+      const Status status = press(1, &tool, force, made);
+      if (energy != nullptr) *energy = made.energy_J;
+      if (stiffness == nullptr) return status;
+      std::fill_n(stiffness, 9, 0.0);
+      if (energy != nullptr) *energy = 0;
+      return refused({force, 3}, PHN_ERROR_UNDEFINED);
+    }
+    _last = Last::of_tool;
+    _tool = tool;
+    if (_tool.nodes[1] < 0 && _tool.weights[0] == 1)
+      return phn_force(model(), _data, _tool.nodes[0], _tool.displacement, force, energy, stiffness);
+    int status = phn_force_at(model(), _data, &_tool, force, energy, stiffness);
+    if (status != PHN_ERROR_UNDEFINED || stiffness != nullptr || (energy != nullptr && info().has_energy == 0))
+      return status;
+    phn_coupled coupled{};
+    status = phn_couple(model(), _data, 1, &_tool, force, &coupled);
+    if (energy != nullptr) *energy = coupled.energy;
+    return status;
+  }
+  Status couple(std::int32_t n, const phn_tool* tools, double* forces, OrganReport& made) noexcept {
+    _last = Last::of_tools;
+    _n_tools = static_cast<std::size_t>(n);
+    phn_coupled coupled{};
+    const int status = phn_couple(model(), _data, n, tools, forces, &coupled);
+    made.energy_J = coupled.energy;
+    made.residual_m = coupled.residual;
+    return status;
+  }
+  Status press(std::int32_t n, const phn_tool* tools, double* forces, OrganReport& made) noexcept {
+    _last = Last::of_tools;
+    _n_tools = static_cast<std::size_t>(n);
+    phn_body_pressed pressed{};
+    const int status = phn_body_press(body(), _state, n, tools, _steps, forces, &pressed);
+    made = {pressed.energy, pressed.behind_m, pressed.unbalanced, pressed.steps};
+    return status;
+  }
+  Status step(std::int32_t n, const phn_contact_tool* spheres, phn_contact_state* states, OrganReport& made) noexcept {
+    if (_contact == nullptr) return _touch_status;
+    _last = Last::of_spheres;
+    if (_state != nullptr) {
+      phn_body_pressed pressed{};
+      const int status = phn_body_contact_step(_contact, _state, _steps, n, spheres, states, &pressed);
+      made = {pressed.energy, pressed.behind_m, pressed.unbalanced, pressed.steps};
+      return status;
+    }
+    phn_coupled coupled{};
+    const int status = phn_contact_step(_contact, _data, n, spheres, states, &coupled);
+    made.energy_J = coupled.energy;
+    made.residual_m = coupled.residual;
+    return status;
+  }
+  Status draw(double* out) noexcept {
+    const bool of_body = _state != nullptr && (_data == nullptr || _last != Last::of_tool);
+    if (_last == Last::none) {
+      std::fill_n(out, n_deform(), 0.0);
+      return PHN_OK;
+    }
+    if (of_body) {
+      const int status = phn_body_deform(body(), _state, _data != nullptr ? _field.data() : out);
+      for (std::size_t o = 0; o < files().rows.size(); ++o)
+        for (std::size_t k = 0; k < 3; ++k)
+          out[3 * o + k] = files().rows[o] < 0 ? 0 : _field[3 * static_cast<std::size_t>(files().rows[o]) + k];
+      return status;
+    }
+    if (_last != Last::of_tool) return phn_coupled_deform(model(), _data, out);
+    if (_tool.nodes[1] < 0) return phn_deform(model(), _data, _tool.nodes[0], _tool.displacement, out);
+    double force[3];
+    const int status = phn_couple(model(), _data, 1, &_tool, force, nullptr);
+    return status < 0 ? status : status | phn_coupled_deform(model(), _data, out);
+  }
+  Status bounds_of(double* bounds) const noexcept {
+    if (_last == Last::of_tool) return phn_bound_at(model(), &_tool, bounds);
+    std::fill_n(bounds, _n_tools, 0.0);
+    return _state != nullptr ? phn_body_bound(body(), _state, bounds) : PHN_ERROR_UNDEFINED;
+  }
+
+  void swap(Organ& other) noexcept {
+    std::swap(_files, other._files);
+    std::swap(_data_memory, other._data_memory);
+    std::swap(_state_memory, other._state_memory);
+    std::swap(_touch_memory, other._touch_memory);
+    std::swap(_field, other._field);
+    std::swap(_data, other._data);
+    std::swap(_state, other._state);
+    std::swap(_contact, other._contact);
+    std::swap(_tool, other._tool);
+    std::swap(_n_tools, other._n_tools);
+    std::swap(_last, other._last);
+    std::swap(_max_tools, other._max_tools);
+    std::swap(_steps, other._steps);
+    std::swap(_wrong_byte, other._wrong_byte);
+    std::swap(_status, other._status);
+    std::swap(_touch_status, other._touch_status);
+  }
+
+  std::shared_ptr<const Files> _files;
+  Bytes _data_memory, _state_memory, _touch_memory;
+  std::vector<double> _field;
+  phn_data* _data = nullptr;
+  phn_body_state* _state = nullptr;
+  phn_contact* _contact = nullptr;
+  phn_tool _tool{};
+  std::size_t _n_tools = 0;
+  Last _last = Last::none;
+  std::int32_t _max_tools = 1, _steps = 1;
+  std::size_t _wrong_byte = 0;
+  Status _status = PHN_ERROR_ARGUMENT, _touch_status = PHN_ERROR_ARGUMENT;
+};
+
+}  // namespace phynness
+
+namespace phynness::rt {
+
+using phynness::Span, phynness::In3, phynness::Out3, phynness::Out9;
+
+/// Status of a function of phynness.h: 0 success, > 0 warnings (PHN_WARNING_*), < 0 an error, with zeros as outputs.
+class [[nodiscard]] Status {
+ public:
+  constexpr Status(int code = PHN_OK) noexcept : _code(code) {}
+  constexpr operator int() const noexcept { return _code; }
+  constexpr bool ok() const noexcept { return _code >= 0; }
+  constexpr bool outside() const noexcept { return _code > 0 && (_code & PHN_WARNING_OUTSIDE) != 0; }
+  constexpr bool incomplete() const noexcept { return _code > 0 && (_code & PHN_WARNING_INCOMPLETE) != 0; }
+  constexpr bool unsettled() const noexcept { return _code > 0 && (_code & PHN_WARNING_UNSETTLED) != 0; }
+  constexpr bool near() const noexcept { return _code > 0 && (_code & PHN_WARNING_NEAR) != 0; }
+  const char* message() const noexcept { return phn_status_message(_code); }
+  constexpr void ignore() const noexcept {}
+
+ private:
+  int _code;
+};
 
 namespace detail {
 /// Memory of an object, owned or provided by the caller.
