@@ -99,13 +99,11 @@ std::string page_json(const Options& options, const LoadedModel& loaded, const s
   if (options.errors) page["validation"] = errors_json(*options.errors, loaded);
   if (options.database) {
     const auto database = Database::open(*options.database);
-    const auto& header = database.header();
-    if (header.mesh_hash != loaded.model().mesh_hash)
-      throw input_error(
-          "the database belongs to another mesh than the model",
-          options.database->string() + ": hash " + header.mesh_hash + ", model " + loaded.model().mesh_hash,
-          "give the database from which the model was trained");
-    page["scene_title"] = header.scene_name;
+    const auto& mesh_hash = database.header().mesh_hash;
+    if (mesh_hash != loaded.model().mesh_hash)
+      throw input_error("the database belongs to another mesh than the model",
+                        options.database->string() + ": hash " + mesh_hash + ", model " + loaded.model().mesh_hash,
+                        "give the database from which the model was trained");
     page["rays"] = rays_json(database);
   }
   return page.dump(-1, ' ', false, json::error_handler_t::replace);
@@ -141,7 +139,7 @@ void add(CLI::App& app) {
   add_path(command, "--errors", options.errors, PathKind::input,
            "file of validate --json; the page then shows the errors on the surface");
   add_path(command, "--body", options.body, PathKind::input,
-           "body.txt of reduce, which then answers for tools and sphere");
+           "body.txt of reduce, which then answers two tools, and spheres");
   add_output(command, options.output, PathKind::file, "HTML file to write");
 }
 

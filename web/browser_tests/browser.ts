@@ -1,4 +1,4 @@
-// A page in a real browser, and everything that it logs, requests or offers as a file.
+// A page in a real browser, and everything that it logs or requests.
 import { execFileSync } from 'node:child_process';
 import { existsSync, mkdtempSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -47,7 +47,7 @@ export interface Opened {
   readonly requested: string[];
 }
 
-export async function open(browser: Browser, file: string, { fragment = '', width = 1280, height = 800, scripts = true, ready = 'globalThis.phynness' } = {}): Promise<Opened> {
+export async function open(browser: Browser, file: string, { width = 1280, height = 800, scripts = true, ready = 'globalThis.phynness' } = {}): Promise<Opened> {
   const page = await browser.newPage(), logged: string[] = [], requested: string[] = [];
   page.setDefaultTimeout(patience);
   page.on('console', (message) => logged.push(`${message.type()}: ${message.text()}`));
@@ -63,30 +63,9 @@ export async function open(browser: Browser, file: string, { fragment = '', widt
   });
   if (!scripts) await page.setJavaScriptEnabled(false);
   await page.setViewport({ width, height });
-  await page.goto(address + fragment);
+  await page.goto(address);
   if (scripts) await page.waitForFunction(ready, { timeout: patience });
   return { page, logged, requested };
-}
-
-/** Bytes of the file that `act` makes the page offer. */
-export async function offered(page: Page, act: () => Promise<void>): Promise<Buffer> {
-  await page.evaluate(() => {
-    // The policy of the page forbids reading the address that it gives to the file, so its content is taken before.
-    const original = URL.createObjectURL;
-    URL.createObjectURL = (blob: Blob) => {
-      URL.createObjectURL = original;
-      (globalThis as { offered?: Promise<string> }).offered = new Promise((resolve) => {
-        const reader = new FileReader();
-        reader.onload = () => resolve((reader.result as string).split(',')[1]!);
-        reader.readAsDataURL(blob);
-      });
-      return original(blob);
-    };
-    delete (globalThis as { offered?: unknown }).offered;
-  });
-  await act();
-  await page.waitForFunction('globalThis.offered');
-  return Buffer.from(await page.evaluate('globalThis.offered') as string, 'base64');
 }
 
 /** Colours of a picture of the page. */

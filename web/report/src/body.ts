@@ -124,7 +124,7 @@ export class Body {
     this.camera = framing(data.points_m, this.panes[0]!.picture.size);
     for (const pane of this.panes) {
       listenToPointers(pane.canvas, {
-        grab: () => null, across: () => {}, away: () => {}, release: () => {}, lastTool: null,
+        grab: () => null, across: () => {}, away: () => {},
         turn: (dx, dy) => this.look(turned(this.camera, -0.008 * dx, 0.008 * dy)),
         shift: (dx, dy) => this.look(shifted(this.camera, pane.picture.size, dx, dy)),
         zoom: (factor) => this.look(moved(this.camera, factor, this.radius)),

@@ -114,12 +114,24 @@ export function boundsOf(points: ArrayLike<number>): Bounds {
   return { center, radius: radius || 1 };
 }
 
-/** The whole body from the front and above, as large as the picture allows with a margin for legends. */
-export function framing(points: ArrayLike<number>, size: Size): Camera {
+/** The camera with its eye at least `least` from every point that is near its line of sight, or behind it [m]. */
+export function outsideOf(camera: Camera, points: ArrayLike<number>, least: number): Camera {
+  const back = scale(-1, frameOf(camera).forward);
+  let { distance } = camera;
+  for (let i = 0; i < points.length; i += 3) {
+    const from = sub(row(points, i / 3), camera.target), along = dot(from, back), across2 = dot(from, from) - along * along;
+    if (across2 < least * least) distance = Math.max(distance, along + Math.sqrt(least * least - across2));
+  }
+  return distance > camera.distance ? { ...camera, distance } : camera;
+}
+
+const fromFront = { azimuth: (-65 * Math.PI) / 180, elevation: (32 * Math.PI) / 180 };
+
+/** The whole body, from the front and above or from where another camera is, as large as the picture allows with a margin for
+ * legends. */
+export function framing(points: ArrayLike<number>, size: Size, { azimuth, elevation }: { azimuth: number; elevation: number } = fromFront): Camera {
   const { center, radius } = boundsOf(points);
-  let camera: Camera = {
-    target: center, distance: (2 * radius) / Math.tan(angleOfView / 2), azimuth: (-65 * Math.PI) / 180, elevation: (32 * Math.PI) / 180,
-  };
+  let camera: Camera = { target: center, distance: (2 * radius) / Math.tan(angleOfView / 2), azimuth, elevation };
   for (let pass = 0; pass < 4; ++pass) {
     let left = Infinity, right = -Infinity, top = Infinity, bottom = -Infinity;
     for (let i = 0; i < points.length / 3; ++i) {

@@ -7,7 +7,7 @@ export function significant(x: number, digits: number): string {
   const size = Math.abs(x);
   if (size < 1e-5 || size >= 1e7) return x.toExponential(digits - 1).replace('-', '−').replace('e−', 'e-').replace('e+', 'e');
   const before = Math.floor(Math.log10(size)) + 1;
-  return x.toFixed(Math.min(20, Math.max(0, digits - before))).replace('-', '−');
+  return Number(x.toPrecision(digits)).toFixed(Math.min(20, Math.max(0, digits - before))).replace('-', '−');
 }
 
 /** The unit in which a quantity is shown, and the factor from its SI unit. */
@@ -54,10 +54,4 @@ export function plain(text: string, most = 200): string {
   const visible = text.replace(/[\p{Cc}\p{Default_Ignorable_Code_Point}\u2028\u2029\ufff9-\ufffb]/gu, (c) =>
     c === '\n' || c === '\t' ? ' ' : `\\u{${c.codePointAt(0)!.toString(16)}}`);
   return visible.length > most ? `${visible.slice(0, most - 1)}…` : visible;
-}
-
-/** A name for a file from a text: letters, digits and hyphens. */
-export function fileName(text: string, ending: string): string {
-  const name = text.toLowerCase().replace(/[^a-z0-9]+/g, '-').replace(/^-+|-+$/g, '').slice(0, 40);
-  return `${name || 'organ'}.${ending}`;
 }

@@ -25,12 +25,3 @@ export function setFacts(list: HTMLElement, facts: readonly (readonly [string, s
   });
   while (list.children.length > 2 * facts.length) list.lastElementChild!.remove();
 }
-
-/** Offers bytes as a file. */
-export function download(bytes: BlobPart, type: string, name: string): void {
-  const link = document.createElement('a'), url = URL.createObjectURL(new Blob([bytes], { type }));
-  link.href = url;
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(url), 10_000);
-}

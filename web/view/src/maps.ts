@@ -1,12 +1,10 @@
-// Quantities that can be shown as colours on the surface: a value for each output node, and where it is known.
+// Quantities that are shown as colours on the surface: a value for each output node, and where it is known.
 import type { Scale } from '../../shared/src/legend.js';
 import { roundedUp } from '../../shared/src/numbers.js';
-import { dot, row, scale, unit, type V3 } from '../../shared/src/vectors.js';
-import { normalsOf } from '../../shared/src/normals.js';
-import type { Runtime } from './answers.js';
+import { norm, row } from '../../shared/src/vectors.js';
+import type { HeldPlace, Runtime } from './answers.js';
 import type { NodeErrors } from './page_data.js';
-import { nodeOf, placeAt } from './places.js';
-import type { HeldTool } from './state.js';
+import { nodeOf } from './places.js';
 
 export interface MapValues {
   readonly scale: Scale;
@@ -19,77 +17,45 @@ export interface MapKind {
   readonly name: string;
   readonly title: string;
   /** @param tools  what holds the body; null: something else touches it, for which fields are not known */
-  values(tools: readonly HeldTool[] | null): MapValues;
+  values(tools: readonly HeldPlace[] | null): MapValues;
 }
 
-/** Outward unit normals of the output nodes, n x 3. */
-export function outwardNormals(runtime: Runtime): Float32Array {
-  const { outputPoints, fixedPoints, triangles } = runtime.model.info;
-  const points = Float64Array.from([...outputPoints, ...fixedPoints]);
-  return normalsOf(points, triangles, new Float32Array(points.length));
-}
+/** The maps of a model. */
+export function mapsOf(runtime: Runtime, errors: NodeErrors | null): readonly MapKind[] {
+  const { outputNodes, fields, maxDisplacement } = runtime.model.info, n = outputNodes.length;
 
-/** Secant stiffness against pressing straight in at a node that answers: the force along the inward normal by the depth [N/m]. */
-export function palpationStiffness(runtime: Runtime, node: number, normal: V3, depth: number): number {
-  const inward = scale(-1, unit(normal));
-  return dot(runtime.forceAt(node, scale(depth, inward)), inward) / depth;
-}
-
-/** A quarter of the trained depth, at most 5 mm: about what a finger does. */
-export const usualPalpationDepth = (runtime: Runtime): number => Math.min(0.005, 0.25 * runtime.model.info.maxDisplacement);
-
-/** The maps of a model. @param palpationDepth  [m] */
-export function mapsOf(runtime: Runtime, errors: NodeErrors | null, palpationDepth: () => number): readonly MapKind[] {
-  const { activeNodes, outputNodes, fields, maxDisplacement } = runtime.model.info, n = outputNodes.length;
-  const normals = outwardNormals(runtime);
-
-  /** A map with values at some nodes. */
-  const atNodes = (name: string, title: string, unitName: string, nodes: ArrayLike<number>, value: (node: number, i: number) => number,
-    note: string, from0 = true): MapKind => ({
-    name, title,
-    values() {
-      const values = new Float64Array(n), known = new Float64Array(n);
-      let low = Infinity, high = -Infinity;
-      for (let i = 0; i < nodes.length; ++i) {
-        const at = runtime.rows.get(nodes[i]!);
-        if (at === undefined || at >= n) continue;
-        const x = value(nodes[i]!, i);
-        if (!Number.isFinite(x)) continue;
-        values[at] = x;
-        known[at] = 1;
-        low = Math.min(low, x);
-        high = Math.max(high, x);
-      }
-      return { scale: { title, unit: unitName, low: from0 ? 0 : low, high: from0 ? roundedUp(high) : high, note }, values, known };
-    },
-  });
+  const ofErrors = (name: string, title: string, by: readonly number[]): MapKind => {
+    const values = new Float64Array(n), known = new Float64Array(n);
+    errors!.nodes.forEach((node, i) => {
+      const at = runtime.rows.get(node) ?? n;
+      if (at >= n) return;
+      values[at] = by[i]!;
+      known[at] = 1;
+    });
+    const note = 'Mean of the probes of a node. Grey: none', high = roundedUp(Math.max(...by));
+    return { name, title, values: () => ({ scale: { title, unit: 'fraction', low: 0, high, note }, values, known }) };
+  };
   /** A map of the present deformation; its scale only grows, so that colours can be compared while dragging. */
-  const live = (name: string, title: string, unitName: string, initial: number, fill: (tools: readonly HeldTool[] | null, out: Float64Array) => boolean,
-    note: string): MapKind => {
-    let high = initial;
+  const live = (name: string, title: string, unit: string, least: number,
+    fill: (tools: readonly HeldPlace[] | null, out: Float64Array) => boolean, note: string): MapKind => {
+    let high = least;
     return {
       name, title,
       values(tools) {
         const values = new Float64Array(n), known = new Float64Array(n).fill(fill(tools, values) ? 1 : 0);
-        high = Math.max(high, roundedUp(values.reduce((a, b) => Math.max(a, b), 0) || initial));
-        return { scale: { title, unit: unitName, low: 0, high: high || 1, ...(known[0] === 1 ? {} : { note }) }, values, known };
+        high = Math.max(high, roundedUp(values.reduce((a, b) => Math.max(a, b), 0) || least));
+        return { scale: { title, unit, low: 0, high, ...(known[0] === 1 ? {} : { note }) }, values, known };
       },
     };
   };
 
-  /** Active nodes and, where the model answers tools between them, the others there. */
-  const touched = () => outputNodes.filter((node) => runtime.active.has(node) || (!runtime.body && runtime.canHold(placeAt(node))));
-  const grey = 'Grey: not trained', unprobed = 'Mean of the probes of a node. Grey: none';
   return [
-    atNodes('palpation', 'Stiffness under a finger', 'N/m', touched(),
-      (node) => palpationStiffness(runtime, node, row(normals, runtime.rows.get(node)!), palpationDepth()), grey),
     ...(errors && errors.nodes.length > 0 ? [
-      atNodes('force-error', 'Error of the force', 'fraction', errors.nodes, (_, i) => errors.force_error[i]!, unprobed),
-      atNodes('displacement-error', 'Error of the displacement', 'fraction', errors.nodes, (_, i) => errors.displacement_error[i]!, unprobed),
+      ofErrors('force-error', 'Error of the force', errors.force_error),
+      ofErrors('displacement-error', 'Error of the displacement', errors.displacement_error),
     ] : []),
-    atNodes('trained-depth', 'Depth trained in all directions', 'm', activeNodes, (node) => runtime.model.trainedDepth(node, [0, 0, 0]), grey),
     live('displacement', 'Displacement', 'm', maxDisplacement / 4, (_, out) => {
-      for (let i = 0; i < n; ++i) out[i] = Math.hypot(...row(runtime.field, i));
+      for (let i = 0; i < n; ++i) out[i] = norm(row(runtime.field, i));
       return true;
     }, ''),
     ...fields.map((field, index) => live(`field:${field.name}`, titleOf(field.name), field.unit, 0, (tools, out) => {

@@ -1,12 +1,11 @@
-// The plot of force against depth: the model along the present direction, stored finite element increments with the
-// model in their direction, and now.
+// The plot of force against depth in one direction: the model, stored finite element increments, and now.
 import uPlot from 'uplot';
 
 export interface PlotData {
   /** of the model: depth [m], force [N] */
   readonly curve: { depths: readonly number[]; forces: readonly number[] };
-  /** of a stored direction: finite elements at its increments, and the model at the depths of `curve` */
-  readonly stored: { depths: readonly number[]; forces: readonly number[]; model: readonly number[] } | null;
+  /** finite elements in the same direction; null: none are stored */
+  readonly stored: { depths: readonly number[]; forces: readonly number[] } | null;
   readonly now: { depth: number; force: number };
 }
 
@@ -29,30 +28,30 @@ export class DepthPlot {
 
   constructor(private readonly element: HTMLElement) {
     new ResizeObserver(() => this.plot?.setSize(this.size())).observe(element);
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.rebuild());
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+      this.clear();
+      this.show(this.last);
+    });
   }
 
+  /** @param data  null: nothing is drawn */
   show(data: PlotData | null): void {
     this.last = data;
+    if (!data) return this.clear();
     this.plot ??= this.made();
-    const rows = data
-      ? joined([
-        { x: millimetres(data.curve.depths), y: data.curve.forces },
-        { x: data.stored ? millimetres(data.curve.depths) : [], y: data.stored?.model ?? [] },
-        { x: millimetres(data.stored?.depths ?? []), y: data.stored?.forces ?? [] },
-        { x: [data.now.depth * 1e3], y: [data.now.force] },
-      ])
-      : [[], [], [], [], []];
-    this.plot.setData(rows as uPlot.AlignedData);
+    this.plot.setData(joined([
+      { x: millimetres(data.curve.depths), y: data.curve.forces },
+      { x: millimetres(data.stored?.depths ?? []), y: data.stored?.forces ?? [] },
+      { x: [data.now.depth * 1e3], y: [data.now.force] },
+    ]) as uPlot.AlignedData);
   }
 
   private size(): { width: number; height: number } {
     return { width: Math.max(120, this.element.clientWidth), height: Math.max(120, this.element.clientHeight) };
   }
-  private rebuild(): void {
+  private clear(): void {
     this.plot?.destroy();
     this.plot = null;
-    this.show(this.last);
   }
   private made(): uPlot {
     const style = getComputedStyle(this.element), colour = (name: string) => style.getPropertyValue(name).trim();
@@ -76,10 +75,9 @@ export class DepthPlot {
       series: [
         {},
         { stroke: colour('--curve'), width: 2, spanGaps: true, points: { show: false } },
-        { stroke: colour('--stored'), width: 1.5, dash: [6, 4], spanGaps: true, points: { show: false } },
         dots('--stored', 8),
         dots('--now', 11),
       ],
-    }, [[], [], [], [], []], this.element);
+    }, [[], [], [], []], this.element);
   }
 }

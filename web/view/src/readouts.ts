@@ -1,135 +1,118 @@
 // The figures of the panel.
 import { shown, significant } from '../../shared/src/numbers.js';
-import { dot, norm, vector, type V3 } from '../../shared/src/vectors.js';
-import type { Answer } from './answers.js';
+import { add, dot, norm, scale, vector } from '../../shared/src/vectors.js';
 import { byId, setFacts, setText } from './dom.js';
 import { nearestRay } from './page_data.js';
 import { nameOf, nodeOf } from './places.js';
 import { DepthPlot, type PlotData } from './plot.js';
 import type { Session } from './session.js';
 
+/** Pieces of the curve. */
+const pieces = 40;
+/** Smallest noticeable difference of forces. */
+const noticeable = 0.1;
+
 const withUnit = (x: number, unitName: string, digits: number): string => {
   const { unit, factor } = shown(unitName, x);
   return `${significant(x * factor, digits)} ${unit}`;
 };
-/** Pieces of the curve, of a model and of a body. */
-const pieces = 40, piecesOfBody = 12;
 
-/** Smallest noticeable difference of forces. */
-const noticeable = 0.1;
+/** Significant digits of a force: three, or down to the first digit of the bound of its error. */
+export function digitsOf(force: number, bound: number | null): number {
+  if (!bound || !force) return 3;
+  return Math.min(3, Math.max(1, Math.floor(Math.log10(force)) - Math.floor(Math.log10(bound)) + 1));
+}
 
-/** The class of a colour, a word and a sentence with the reason.
- * @param bound  of the error, over the force; null: not known. @param ofBody  not of the model */
-function verdictOf({ warnings }: Answer, bound: number | null, ofBody: boolean): readonly [string, string, string] {
+/** A state that the user should know: the class of its colour, a word, and a sentence. */
+type State = readonly ['beyond' | 'fair' | 'good', string, string];
+
+/** The states of the present answer, the gravest first. */
+export function statesOf({ answer, tools, mode, limit, runtime, sphere }: Session): State[] {
+  const { warnings, forces, bounds, touches } = answer, states: State[] = [];
+  const [first] = tools, alone = mode === 'hold' && tools.length === 1;
   if (warnings.includes('unsettled'))
-    return ['beyond', 'unsettled', `The tools ${ofBody ? 'moved faster than the body settles, or ' : ''}are too close together to hold all points.`];
+    states.push(['beyond', 'unsettled', 'The tools move faster than the body settles, or are too close together: not every place is held exactly.']);
   if (warnings.includes('near'))
-    return ['beyond', 'too near', 'The tools are nearer than half a radius and act through springs between them.'];
-  if (warnings.includes('outside')) return ['beyond', 'beyond data', 'Deeper or stronger than the training data, or beside fixed nodes.'];
-  if (bound !== null && bound > noticeable) return ['fair', 'inexact', 'The error of the force may exceed a tenth of it.'];
-  if (warnings.includes('incomplete')) return ['fair', 'incomplete', 'Some directions of this node were not trained to the full depth.'];
-  return ['good', 'inside range', 'No warning.'];
+    states.push(['beyond', 'too near', 'The tools are nearer than half a radius and act through springs between them.']);
+  if (alone && runtime.partAt(first!.place!) === 'linear')
+    states.push(['fair', 'linear', 'This place was not trained: the force is linear in the displacement, and its error has no bound.']);
+  else if (warnings.includes('outside'))
+    states.push(['beyond', 'beyond data', `Deeper than trained, or at a place that was not trained${alone ? '' : ' (one of the tools)'}: the error has no bound.`]);
+  if (mode === 'hold' && tools.some(({ at }) => norm(at) > 0.999 * limit))
+    states.push(['fair', 'at its limit', `A tool stops at ${withUnit(limit, 'm', 3)}, twice the largest trained depth.`]);
+  const scaled = Math.min(1, ...touches.filter(({ inContact }) => inContact).map((touch) => touch.scale));
+  if (scaled < 1)
+    states.push(['fair', 'lowered', `The force is lowered to ${significant(100 * scaled, 2)} %, so that ${sphere.grasp ? 'grasping' : 'sliding'} returns no more work than was done.`]);
+  if (forces.some((force, i) => (bounds[i] ?? 0) > noticeable * norm(force)))
+    states.push(['fair', 'inexact', 'The error of the force may exceed a tenth of it.']);
+  if (warnings.includes('incomplete'))
+    states.push(['fair', 'incomplete', 'In some directions the data end before the full depth here: the body folds, a cell is crushed, or no solution was found.']);
+  return states;
 }
 
 export class Readouts {
   private readonly newtons = byId('newtons', HTMLElement);
   private readonly verdict = byId('verdict', HTMLElement);
-  private readonly reason = byId('verdict-reason', HTMLElement);
-  private readonly note = byId('body-note', HTMLElement);
-  private readonly table = byId('forces', HTMLTableElement);
+  private readonly reasons = byId('reasons', HTMLElement);
   private readonly quantities = byId('quantities', HTMLElement);
-  private readonly plotElement = byId('plot', HTMLElement);
   private readonly plotNote = byId('plot-note', HTMLElement);
-  private readonly plot = new DepthPlot(this.plotElement);
+  private readonly plot = new DepthPlot(byId('plot', HTMLElement));
 
   show(session: Session): void {
-    const { answer, state } = session, { tools } = state, forces = answer.forces;
-    const touching = state.mode === 'hold' ? tools.length > 0 : (answer.touches[0]?.inContact ?? false);
-    const last = forces.at(-1);
-    setText(this.newtons, last ? significant(norm(last), 6) : '0');
-    const { body } = session.runtime;
-    const [kind, word, reason] = verdictOf(answer, last && answer.bound !== null ? answer.bound / norm(last) : null, body !== null);
+    const { answer: { forces, bounds }, touching, mode, current } = session, force = norm(forces[current] ?? [0, 0, 0]);
+    setText(this.newtons, significant(force, digitsOf(force, bounds[current] ?? null)));
+    const states = touching ? statesOf(session) : [], good: State = ['good', 'inside range', 'No warning.'];
+    const [kind, word] = states[0] ?? good;
     this.verdict.dataset['kind'] = touching ? kind : 'unknown';
-    setText(this.verdict, touching ? word : state.mode === 'sphere' ? 'no contact' : 'at rest');
-    setText(this.reason, touching ? reason : 'Nothing touches the body.');
-    this.note.hidden = body === null;
-    if (body) setText(this.note, `Forces and deformation come from the reduced body (${body.info.nModes} modes, ${body.info.nCells} cells).`);
-    this.showTable(session, forces);
+    setText(this.verdict, touching ? word : mode === 'sphere' ? 'no contact' : 'at rest');
+    setText(this.reasons, touching ? (states.length > 0 ? states : [good]).map(([, , sentence]) => sentence).join(' ') : 'Nothing touches the body.');
     setFacts(this.quantities, this.facts(session));
   }
 
-  private showTable({ state }: Session, forces: readonly V3[]): void {
-    const many = forces.length > 1;
-    this.table.hidden = !(state.components || many) || forces.length === 0;
-    if (this.table.hidden) return;
-    const names = state.mode === 'sphere' ? ['sphere'] : state.tools.map(({ place }) => nodeOf(place) !== null ? nameOf(place) : 'between nodes');
-    const rows = forces.map((force, i) => [names[i] ?? '', ...force.map((x) => significant(x, 4)), significant(norm(force), 6)]);
-    this.table.tBodies[0]!.replaceChildren(...rows.map((cells) => {
-      const row = document.createElement('tr');
-      row.append(...cells.map((text) => Object.assign(document.createElement('td'), { textContent: text })));
-      return row;
-    }));
-  }
-
-  private facts(session: Session): (readonly [string, string])[] {
-    const { answer, state, runtime } = session, tool = state.tools.at(-1), facts: [string, string][] = [];
-    if (state.mode === 'hold' && tool) {
-      facts.push(['Held', nameOf(tool.place)]);
-      const depth = norm(tool.displacement), middle = norm(runtime.displacementAt(tool.place));
-      facts.push(['Depth', withUnit(depth, 'm', 4)]);
-      // A round tool moves the mean of the surface under it.
-      if (middle > 1.001 * depth) facts.push(['Its middle moves', withUnit(middle, 'm', 4)]);
-      if (answer.trainedDepth !== null) facts.push(['Trained to', withUnit(answer.trainedDepth, 'm', 3)]);
-      const reference = runtime.body ? 0 : runtime.model.info.provenance.boundReference;
-      const finer = ['', ', from Taylor-Hood', ', from half-size cells'][reference] ?? '';
-      if (answer.bound !== null) facts.push([`Error of the force (95 %)${finer}`, `below ${withUnit(answer.bound, 'N', 2)}`]);
+  private facts({ answer, tools, mode, runtime, current }: Session): (readonly [string, string])[] {
+    const facts: (readonly [string, string])[] = [], { forces, bounds, touches, trainedDepth, energy } = answer, tool = tools[current];
+    if (forces.length > 1)
+      forces.forEach((force, i) => facts.push([`Force of tool ${i + 1}`, `${significant(norm(force), digitsOf(norm(force), bounds[i] ?? null))} N`]));
+    if (tool?.place) {
+      facts.push(['Held', nameOf(tool.place)], ['Depth', withUnit(norm(tool.at), 'm', 3)]);
+      if (trainedDepth !== null) facts.push(['Trained to', withUnit(trainedDepth, 'm', 3)]);
+      const from = tools.length > 1 ? '' : ['', ', from Taylor-Hood', ', from half-size cells'][runtime.model.info.provenance.boundReference] ?? '';
+      const bound = bounds[current] ?? null;
+      if (bound !== null) facts.push([`Error of the force (95 %)${from}`, `below ${withUnit(bound, 'N', 2)}`]);
     }
-    const [touch] = answer.touches;
-    if (state.mode === 'sphere' && touch?.inContact) {
-      const force = vector(touch.force), pressing = -dot(force, vector(touch.normal));
-      facts.push(['Pressing, along the surface', `${significant(pressing, 3)}, ${significant(Math.sqrt(Math.max(0, dot(force, force) - pressing ** 2)), 3)} N`]);
-      if (touch.held) facts.push(['Surface pressed by', withUnit(norm(vector(touch.held.displacement)), 'm', 3)]);
-      if (touch.scale < 1) facts.push(['Force scaled by', significant(touch.scale, 3)]);
+    const touch = touches[current];
+    if (touch?.held) {
+      const force = vector(touch.force), normal = vector(touch.normal), pressing = -dot(force, normal);
+      facts.push(['Pressing, along the surface', `${significant(pressing, 3)}, ${significant(norm(add(force, scale(pressing, normal))), 3)} N`],
+        ['Depth', withUnit(norm(vector(touch.held.displacement)), 'm', 3)]);
     }
-    facts.push(['Stored energy', answer.energy === null ? 'not in this family' : withUnit(answer.energy, 'J', 4)]);
-    if (answer.residual > 1e-9) facts.push(['Points follow within', withUnit(answer.residual, 'm', 2)]);
-    if (state.tools.length > 1) facts.push(['Distance of the tools', withUnit(distance(session), 'm', 4)]);
+    if (mode === 'hold' || touches.length > 0)
+      facts.push(['Stored energy', energy === null ? 'not in this family' : withUnit(energy, 'J', 3)]);
     return facts;
   }
 
-  /** Force along the present direction of the last tool. Costs up to a few milliseconds between nodes. */
+  /** The curve and what is compared in it. */
   showPlot(session: Session): void {
-    const { state, runtime, data, answer, limit } = session, tool = state.mode === 'hold' ? state.tools.at(-1) : undefined;
-    const force = answer.forces.at(-1);
-    if (!tool || !force || norm(tool.displacement) === 0) {
-      this.plot.show(null);
-      setText(this.plotNote, state.mode === 'sphere' ? 'For tools that hold the body.' : 'Pull or push the body to see the curve.');
-      this.plotElement.setAttribute('aria-label', 'No tool has moved');
-      return;
-    }
-    const depth = norm(tool.displacement), node = nodeOf(tool.place);
-    const most = Math.min(limit, Math.max(runtime.model.info.maxDisplacement, 1.1 * depth));
-    const others = state.tools.slice(0, -1), at = runtime.forceOf(tool, others);
-    const n = runtime.body ? piecesOfBody : pieces, depths = Array.from({ length: n + 1 }, (_, i) => (i / n) * most);
-    const forces = forcesAlong(at, tool.displacement, depths);
-    const near = node !== null && others.length === 0 ? nearestRay(data.rays, node, tool.displacement) : null;
-    const stored = near
-      ? { depths: near.ray.depth_m, forces: near.ray.force_N.map(norm), model: forcesAlong(at, near.ray.direction, depths) }
-      : null;
-    this.plot.show({ curve: { depths, forces }, stored, now: { depth, force: norm(force) } } satisfies PlotData);
-    const angle = near ? Math.round((near.angle * 180) / Math.PI) : 0;
-    setText(this.plotNote, `Line: ${runtime.body ? 'body' : 'model'} along this direction.${near ? ` Dots: finite elements; dashed: ${runtime.body ? 'body' : 'model'}; both in the nearest trained direction, ${angle}° away.` : ''}`);
-    this.plotElement.setAttribute('aria-label', `Force against depth along the present direction; now ${withUnit(norm(force), 'N', 4)} at ${withUnit(depth, 'm', 4)}`);
+    const curve = curveOf(session), { mode, held, data } = session;
+    this.plot.show(curve);
+    const more = data.rays.length > 0 ? ' Choose “Probed points and directions only” to see finite elements, too.' : '';
+    setText(this.plotNote, curve ? curve.stored ? 'Line: model. Dots: finite elements. Both in the direction of the tool.' : `Line: model, in the direction of the tool.${more}`
+      : mode === 'hold' && held.length < 2 ? 'Pull or push the body to see the curve.' : 'For one tool that holds the body.');
   }
 }
 
-/** Sizes of the force [N] at depths [m] along a direction of any length. */
-export function forcesAlong(at: (displacement: V3) => V3, direction: V3, depths: readonly number[]): number[] {
-  const size = norm(direction);
-  return depths.map((depth) => norm(at(direction.map((c) => (c * depth) / size) as unknown as V3)));
+/** Forces along the direction of the only tool; null where there is none that has moved. */
+export function curveOf({ held, runtime, data, answer, limit }: Session): PlotData | null {
+  const [tool] = held, depth = tool ? norm(tool.displacement) : 0;
+  if (!tool || held.length !== 1 || depth === 0) return null;
+  const { place, displacement } = tool, node = nodeOf(place), most = Math.min(limit, Math.max(runtime.model.info.maxDisplacement, 1.1 * depth));
+  const depths = Array.from({ length: pieces + 1 }, (_, i) => (i / pieces) * most);
+  const forces = depths.map((d) => norm(runtime.forceAt(place, scale(d / depth, displacement))));
+  const ray = node === null ? null : nearestRay(data.rays, node, displacement);
+  // Forces differ several times between directions: finite elements are drawn in the same one, or not.
+  const isSame = ray !== null && dot(ray.direction, displacement) > (1 - 1e-9) * depth;
+  return {
+    curve: { depths, forces }, stored: isSame ? { depths: ray.depth_m, forces: ray.force_N.map(norm) } : null,
+    now: { depth, force: norm(answer.forces[0]!) },
+  };
 }
-
-const distance = (session: Session): number => {
-  const [a, b] = session.state.tools.map((tool) => session.pointOf(tool));
-  return a && b ? norm([a[0] - b[0], a[1] - b[1], a[2] - b[2]]) : 0;
-};

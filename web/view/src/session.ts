@@ -1,212 +1,149 @@
-// A model, what touches it, and what it answers. No page and no graphics.
+// What touches the body, and what it answers. No page and no graphics.
+import type { Sphere } from '../../runtime/src/index.js';
 import { PhynnessError } from '../../runtime/src/status.js';
-import { add, norm, row, scale, shortened, sub, unit, zero, type V3 } from '../../shared/src/vectors.js';
 import { boundsOf, type Bounds } from '../../shared/src/camera.js';
-import type { Answer, Runtime } from './answers.js';
-import { mapsOf, outwardNormals, usualPalpationDepth, type MapKind } from './maps.js';
-import type { PageData } from './page_data.js';
-import { nodeOf, placeAt, samePlace, type Place } from './places.js';
-import type { HeldTool, State } from './state.js';
+import { add, norm, scale, shortened, sub, vector, type V3 } from '../../shared/src/vectors.js';
+import type { Answer, HeldPlace, Part, Runtime } from './answers.js';
+import { mapsOf, type MapKind } from './maps.js';
+import { alongRay, type PageData } from './page_data.js';
+import { meanAt, placeAt, type Place } from './places.js';
 
-/** The sphere as a tool; other numbers are tools that hold the body. */
-export const sphereTool = 0;
+/** A tool that holds a place of the surface, or a sphere. */
+export interface Tool {
+  /** null: a sphere */
+  readonly place: Place | null;
+  /** displacement of the place, or centre of the sphere [m] */
+  at: V3;
+  /** a sphere that was put somewhere else, and starts there without contact */
+  jumped?: boolean;
+}
 
 export class Session {
   readonly bounds: Bounds;
-  readonly normals: Float32Array;
   readonly maps: readonly MapKind[];
-  /** tools may be moved this far [m] */
+  /** tools that hold places may be moved this far [m] */
   readonly limit: number;
+  mode: 'hold' | 'sphere' = 'hold';
+  tools: Tool[] = [];
+  /** the tool that was moved last */
+  private last: Tool | null = null;
+  /** how many tools at most */
+  most: 1 | 2 = 1;
+  /** tools hold probed points in stored directions only */
+  probedOnly = false;
+  /** name of a map; 'parts': the parts of the surface */
+  map = 'parts';
+  readonly sphere: { radius: number; friction: number; grasp: boolean };
   answer: Answer;
   /** why the last answer was refused */
   problem: string | null = null;
-  /** the node of the keyboard */
-  cursor: number;
   /** forces of a body still change: the next picture goes on with its steps */
   restless = false;
-  /** pictures since something moved */
-  private waited = 0;
-  private moved = '';
-  private readonly numbers: number[] = [];
-  private next = 1;
+  private patience = 0;
 
-  constructor(readonly runtime: Runtime, readonly data: PageData, readonly state: State) {
-    const { outputPoints, fixedPoints, activeNodes, maxDisplacement } = runtime.model.info;
+  constructor(readonly runtime: Runtime, readonly data: PageData) {
+    const { outputPoints, fixedPoints, maxDisplacement } = runtime.model.info;
     this.bounds = boundsOf([...outputPoints, ...fixedPoints]);
-    this.normals = outwardNormals(runtime);
     this.limit = 2 * maxDisplacement;
-    this.cursor = activeNodes[0] ?? 0;
-    if (state.palpationDepth === 0) state.palpationDepth = usualPalpationDepth(runtime);
-    if (state.sphere.radius === 0) state.sphere.radius = Number((0.08 * this.bounds.radius).toPrecision(1));
-    state.tools = state.tools.filter(({ place }) => this.canHold(place));
-    state.tools.forEach((tool) => {
-      tool.displacement = shortened(tool.displacement, this.limit);
-      this.numbers.push(this.next++);
-    });
-    if (state.level !== null && state.level >= runtime.levels.length) state.level = null;
-    runtime.setLevel(state.level);
-    this.maps = mapsOf(runtime, data.validation, () => state.palpationDepth);
-    if (!this.maps.some(({ name }) => name === state.map)) state.map = 'none';
-    if (state.mode === 'sphere') this.approach();
-    this.answer = runtime.answer([]);
-    this.update();
+    this.sphere = { radius: Number((0.08 * this.bounds.radius).toPrecision(1)), friction: 0.3, grasp: false };
+    this.maps = mapsOf(runtime, data.validation);
+    this.answer = runtime.hold([]);
   }
 
-  /** Computes the answer to the present tools. */
-  update(): void {
-    const { state, runtime } = this, before = this.answer.forces, moved = JSON.stringify([state.mode, state.tools, state.sphere]);
+  /** Computes the answer to the present tools. @param moved  false: goes on with the steps of a body */
+  update(moved = true): void {
+    const before = this.answer.forces;
     try {
-      if (state.mode === 'hold') this.answer = runtime.answer(state.tools);
-      else if (state.sphere.center) {
-        const { center, radius, friction, grasp } = state.sphere;
-        this.answer = runtime.touch({ center, radius, friction, mode: grasp ? 'grasp' : 'press' });
-      } else this.answer = runtime.answer([]);
+      this.answer = this.mode === 'hold' ? this.runtime.hold(this.held) : this.touch();
       this.problem = null;
     } catch (error) {
       if (!(error instanceof PhynnessError)) throw error;
       this.problem = `These tools are refused: ${error.reason}.`;
     }
-    this.waited = moved === this.moved ? this.waited + 1 : 0;
-    this.moved = moved;
     const { forces } = this.answer, largest = Math.max(0, ...forces.map(norm));
-    this.restless = runtime.body !== null && this.waited < 100
+    this.patience = moved ? 100 : this.patience - 1;
+    this.restless = this.runtime.body !== null && this.patience > 0
       && (forces.length !== before.length || forces.some((force, i) => norm(sub(force, before[i]!)) > 1e-9 * largest));
   }
-
-  // ---- places -----------------------------------------------------------------------------------------------------
-
-  canHold(place: Place): boolean {
-    const { runtime } = this, node = nodeOf(place);
-    if (node !== null && !runtime.body) return runtime.active.has(node);
-    return place.nodes.every((n) => runtime.rows.has(n)) && runtime.canHold(place);
+  /** The tools that hold places. */
+  get held(): HeldPlace[] {
+    return this.tools.flatMap(({ place, at }) => (place ? [{ place, displacement: at }] : []));
   }
-  /** The place that a tool holds which touches the undeformed surface at x [m]; null: nothing near was trained. */
-  placeNear(x: V3): Place | null {
-    const { runtime, state } = this;
-    if (!state.atNodes) {
-      const { nodes, weights } = runtime.model.nearest(x).tool, place = { nodes, weights };
-      if (this.canHold(place)) return place;
-    }
-    let best: number | null = null, nearest = 0.3 * this.bounds.radius;
-    for (const node of runtime.active) {
-      const distance = norm(sub(runtime.point(node), x));
-      if (distance < nearest) {
-        nearest = distance;
-        best = node;
-      }
-    }
-    return best === null ? null : placeAt(best);
+  private touch(): Answer {
+    const { radius, friction, grasp } = this.sphere;
+    const spheres = (off: boolean) => this.tools.map(({ at, jumped }): Sphere =>
+      ({ center: at, radius, friction, mode: off && jumped ? 'off' : grasp ? 'grasp' : 'press' }));
+    if (this.tools.some(({ jumped }) => jumped)) this.runtime.touch(spheres(true));
+    for (const tool of this.tools) tool.jumped = false;
+    return this.runtime.touch(spheres(false));
   }
-  /** Undeformed [m]. */
-  restPoint({ nodes, weights }: Place): V3 {
-    return nodes.reduce<V3>((sum, node, i) => add(sum, scale(weights[i]!, this.runtime.point(node))), zero);
+  /** Index of the tool that was moved last; of none -1. */
+  get current(): number {
+    const index = this.last ? this.tools.indexOf(this.last) : -1;
+    return index < 0 ? this.tools.length - 1 : index;
   }
-  /** Outward unit normal at rest. */
-  normalAt({ nodes, weights }: Place): V3 {
-    return unit(nodes.reduce<V3>((sum, node, i) => add(sum, scale(weights[i]!, row(this.normals, this.runtime.rows.get(node)!))), zero));
-  }
-  /** The tools to which maps belong; null: a sphere touches the body, whose fields are not known. */
-  get mapTools(): readonly HeldTool[] | null {
-    if (this.state.mode === 'hold') return this.state.tools;
-    return this.answer.touches.some(({ inContact }) => inContact) ? null : [];
-  }
-  pointOf(tool: HeldTool): V3 {
-    return add(this.restPoint(tool.place), tool.displacement);
+  /** Whether anything touches the body. */
+  get touching(): boolean {
+    return this.mode === 'hold' ? this.tools.length > 0 : this.answer.touches.some(({ inContact }) => inContact);
   }
 
   // ---- tools that hold --------------------------------------------------------------------------------------------
 
-  /** Holds a place; a tool that is there already is taken. @param spared  numbers of tools that must stay */
-  hold(place: Place, spared: readonly number[] = []): number {
-    const { tools } = this.state, at = tools.findIndex((tool) => samePlace(tool.place, place));
-    if (at >= 0) return this.numbers[at]!;
-    while (tools.length >= this.state.most) {
-      const index = this.numbers.findIndex((n) => !spared.includes(n));
-      if (index < 0) break;
-      this.remove(index);
-    }
-    tools.push({ place, displacement: zero });
-    this.numbers.push(this.next);
-    const node = nodeOf(place);
-    if (node !== null) this.cursor = node;
-    return this.next++;
+  /** The place that a tool holds which touches the undeformed surface at x [m], and how the model answers there. */
+  placeNear(x: V3): { place: Place; part: Part } {
+    const { runtime } = this, { active, parts, rows } = runtime, distance = (node: number) => norm(sub(runtime.point(node), x));
+    const nearest = (nodes: Iterable<number>) => [...nodes].reduce((best, node) => (distance(node) < distance(best) ? node : best));
+    if (this.probedOnly) return { place: placeAt(nearest(active)), part: 'nonlinear' };
+    const { tool: { nodes, weights }, point } = runtime.model.nearest(x), place = { nodes, weights }, part = runtime.partAt(place);
+    // The nearest place that can be touched may be far away.
+    const node = nearest(rows.keys()), beside = parts[rows.get(node)!]!;
+    const isFar = (beside === 'fixed' || beside === 'untouchable') && norm(sub(vector(point), x)) > distance(node);
+    return { place, part: isFar || (part === 'untouchable' && beside === 'fixed') ? beside : part };
   }
-  toolOf(number: number): HeldTool | null {
-    return this.state.tools[this.numbers.indexOf(number)] ?? null;
+  /** Holds a place. @param spared  tools that must stay */
+  hold(place: Place, spared: readonly Tool[] = []): Tool {
+    const same = this.tools.find((tool) => JSON.stringify(tool.place) === JSON.stringify(place));
+    if (same) return same;
+    const first = this.tools.find((tool) => !spared.includes(tool));
+    if (this.tools.length >= this.most) this.tools = this.tools.filter((tool) => tool !== first);
+    const tool = { place, at: [0, 0, 0] as V3 };
+    this.tools.push(tool);
+    return tool;
   }
-  get lastNumber(): number | null {
-    return this.state.mode === 'sphere' ? sphereTool : (this.numbers.at(-1) ?? null);
+  /** Moves a tool to a displacement, or a sphere to a position [m]. */
+  move(tool: Tool, to: V3): void {
+    this.last = tool;
+    const { place } = tool, node = this.probedOnly && place ? place.nodes[0]! : null;
+    tool.at = place ? shortened(node === null ? to : alongRay(this.data.rays, node, to), this.limit) : to;
   }
-  numberOf(index: number): number {
-    return this.numbers[index]!;
-  }
-  /** Moves a tool to a displacement, or the sphere to a position [m]. */
-  move(number: number, to: V3): void {
-    if (number === sphereTool) this.state.sphere.center = to;
-    const tool = this.toolOf(number);
-    if (tool) tool.displacement = shortened(to, this.limit);
-  }
-  /** What move() would leave where it is. */
-  positionOf(number: number): V3 {
-    return number === sphereTool ? (this.state.sphere.center ?? zero) : (this.toolOf(number)?.displacement ?? zero);
-  }
-  letGo(number: number): void {
-    const index = this.numbers.indexOf(number);
-    if (index >= 0) this.remove(index);
-  }
-  letGoAll(): void {
-    while (this.numbers.length > 0) this.remove(0);
-    this.state.sphere.center = null;
-    this.runtime.endContact();
-    if (this.state.mode === 'sphere') this.approach();
-  }
-  /** Replaces all tools. */
-  setTools(tools: readonly HeldTool[]): void {
-    const held = this.state.tools;
-    // Tools that stay where they hold the body stay the same.
-    if (tools.length === held.length && tools.every(({ place }, i) => samePlace(place, held[i]!.place))) {
-      tools.forEach(({ displacement }, i) => this.move(this.numbers[i]!, displacement));
-      return;
-    }
-    while (this.numbers.length > 0) this.remove(0);
-    this.state.most = Math.max(this.state.most, tools.length);
-    for (const { place, displacement } of tools) this.move(this.hold(place), displacement);
-  }
-  private remove(index: number): void {
-    this.state.tools.splice(index, 1);
-    this.numbers.splice(index, 1);
+  restPoint(place: Place): V3 {
+    return meanAt(place, (node) => this.runtime.point(node));
   }
 
-  // ---- the sphere -------------------------------------------------------------------------------------------------
+  // ---- modes and spheres ------------------------------------------------------------------------------------------
 
-  setMode(mode: State['mode']): void {
-    if (mode === 'sphere' && !this.runtime.hasContact) return;
-    this.letGoAll();
-    this.state.mode = mode;
-    if (mode === 'sphere') this.approach();
-  }
-  /** Puts the sphere beside a point of the undeformed surface, just not in contact. */
-  putSphere(surface: V3, normal: V3): void {
+  /** Lets go of the body; spheres go back above it, side by side. */
+  letGo(): void {
+    this.tools = [];
     this.runtime.endContact();
-    this.state.sphere.center = add(surface, scale(1.15 * this.state.sphere.radius, normal));
-    this.update();
+    if (this.mode === 'hold') return;
+    const { outputPoints } = this.runtime.model.info, { center } = this.bounds, { radius } = this.sphere;
+    const top = outputPoints.reduce((most, x, i) => (i % 3 === 2 ? Math.max(most, x) : most), -Infinity);
+    for (let i = 0; i < this.most; ++i)
+      this.tools.push({ place: null, at: [center[0] + 1.5 * radius * (2 * i + 1 - this.most), center[1], top + 1.2 * radius] });
   }
-  /** A sphere without a position is put above the body; one with a position comes to it from far above. */
-  private approach(): void {
-    const { sphere } = this.state, { center, radius } = this.bounds;
-    this.runtime.endContact();
-    if (!sphere.center) {
-      const { outputPoints, fixedPoints } = this.runtime.model.info;
-      const top = [...outputPoints, ...fixedPoints].reduce((most, x, i) => (i % 3 === 2 ? Math.max(most, x) : most), -Infinity);
-      sphere.center = [center[0], center[1], top + 1.2 * sphere.radius];
-      return;
-    }
-    const to = sphere.center, normal = unit(sub(to, center));
-    this.runtime.touch({ center: add(to, scale(2 * radius, normal)), radius: sphere.radius, friction: sphere.friction });
+  setMode(mode: Session['mode']): void {
+    this.mode = mode;
+    this.letGo();
   }
-
-  setLevel(level: number | null): void {
-    this.state.level = level;
-    this.runtime.setLevel(level);
+  setMost(most: 1 | 2): void {
+    this.most = most;
+    if (this.mode === 'hold') this.tools = this.tools.slice(-most);
+    else this.letGo();
+  }
+  /** Puts a sphere beside a point of the undeformed surface, just not in contact. */
+  putSphere(sphere: Tool, surface: V3, normal: V3): void {
+    sphere.at = add(surface, scale(1.15 * this.sphere.radius, normal));
+    sphere.jumped = true;
   }
 }
