@@ -96,7 +96,7 @@ void select(const std::filesystem::path& continued, LoadedScene& loaded) {
     const bool same_mesh = header.mesh_hash == mesh_hash(loaded.mesh);
     if (same_mesh && header.physics_hash == physics_hash(loaded.scene)) {
       loaded.sets = header.sets;
-      return;
+      return select_elsewhere(loaded.scene, loaded.mesh, loaded.sets);
     }
     if (same_mesh) probed = header.sets.active;
   }

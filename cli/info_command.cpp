@@ -29,7 +29,9 @@ void print_mesh(const Mesh& mesh, const NodeSets& sets) {
   else
     print_result("mesh      {}: {} nodes, {} tetrahedra, {} surface triangles\n", mesh_hash(mesh), mesh.n_nodes(),
                  mesh.n_cells(), mesh.surface.rows());
-  print_result("nodes     {} fixed, {} active, {} output\n", sets.fixed.size(), sets.active.size(), sets.output.size());
+  print_result("nodes     {} fixed, {} active, {} output{}\n", sets.fixed.size(), sets.active.size(),
+               sets.output.size(),
+               sets.linear.empty() ? "" : fmt::format(", {} elsewhere with the linear response", sets.linear.size()));
 }
 
 /// Prints how spread points are distributed. @param covered  ascending
@@ -159,8 +161,8 @@ json about_database(const std::filesystem::path& file, bool failed) {
                  duration(summary.seconds));
   }
   return record("kind", "database", "complete", true, "mesh_hash", h.mesh_hash, "physics_hash", h.physics_hash, "nodes",
-                h.mesh.n_nodes(), "active", h.sets.active, "fields", fields, "states", states, "failed_rays", rays,
-                "ends", ends, "newton_iterations", summary.newton_iterations, "unstable_states",
+                h.mesh.n_nodes(), "active", h.sets.active, "linear", h.sets.linear, "fields", fields, "states", states,
+                "failed_rays", rays, "ends", ends, "newton_iterations", summary.newton_iterations, "unstable_states",
                 summary.unstable_states);
 }
 
@@ -296,7 +298,8 @@ json about_scene(const std::filesystem::path& file) {
   print_result("physics   {}\n{}", physics_hash(loaded.scene), physics_summary(loaded.scene));
   print_result("not in the hash\n{}", other_settings(loaded.scene));
   return record("kind", "scene", "mesh_hash", mesh_hash(loaded.mesh), "physics_hash", physics_hash(loaded.scene),
-                "nodes", loaded.mesh.n_nodes(), "worst_cells", worst, "active", loaded.sets.active);
+                "nodes", loaded.mesh.n_nodes(), "worst_cells", worst, "active", loaded.sets.active, "linear",
+                loaded.sets.linear);
 }
 
 /// A mesh file is read as in a scene without selections. An open surface is the midsurface of a shell.

@@ -35,15 +35,15 @@ struct Options {
 struct Measured {
   std::int64_t rays = 0, nodes = 0;
   double seconds_per_ray = 0, seconds_longest_ray = 0;
-  std::optional<double> relative_standard_error;  ///< of the mean of a sample of enough nodes
-  double start_seconds = 0, node_setup_seconds = 0;
+  std::optional<double> relative_standard_error;                          ///< of the mean of a sample of enough nodes
+  double start_seconds = 0, node_setup_seconds = 0, at_rest_seconds = 0;  ///< the last: of all points
   PHYNNESS_FIGURES(rays, nodes, seconds_per_ray, seconds_longest_ray, relative_standard_error, start_seconds,
-                   node_setup_seconds)
+                   node_setup_seconds, at_rest_seconds)
 };
 
 struct Plan {
   std::int64_t rays = 0, rays_requested = 0;  ///< recorded, and solved
-  std::size_t increments = 0;
+  std::size_t increments = 0, points_at_rest = 0;
   Measured measured;
   int ranks = 1;
   double wall_seconds = 0, core_hours = 0, memory_bytes_per_rank = 0, machine_memory_bytes = 0;
@@ -52,9 +52,9 @@ struct Plan {
   std::int64_t calibration_rays = 0, probes = 0;
   double calibrate_seconds = 0, validate_seconds = 0;  ///< in run
   int ranks_of_use = 1;
-  PHYNNESS_FIGURES(rays, rays_requested, increments, measured, ranks, wall_seconds, core_hours, memory_bytes_per_rank,
-                   machine_memory_bytes, database_bytes, log_bytes, check_seconds, calibration_rays, probes,
-                   calibrate_seconds, validate_seconds, ranks_of_use)
+  PHYNNESS_FIGURES(rays, rays_requested, increments, points_at_rest, measured, ranks, wall_seconds, core_hours,
+                   memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, check_seconds,
+                   calibration_rays, probes, calibrate_seconds, validate_seconds, ranks_of_use)
 
   bool is_sample() const { return measured.rays < rays_requested; }
 };
@@ -77,6 +77,20 @@ void warn_of_states(const std::map<Status, std::int64_t>& states) {
     reasons += fmt::format("{}{} {} ({})", reasons.empty() ? "" : ", ", count, name(status), meaning(status));
   }
   if (failed > 0) message("warning: {} of {} increments failed: {}\n", failed, all, reasons);
+}
+
+/// CPU time of the responses at rest, from a few of them.
+double seconds_at_rest(ProbeSolver& solver, const NodeList& points) {
+  constexpr std::size_t most = 9;
+  if (points.empty()) return 0;
+  const auto spent = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
+  const std::size_t n = std::min(most, points.size());
+  const double start = spent();
+  solver.alone_at_rest(points.front());
+  const double begun = spent();
+  for (std::size_t i = 1; i < n; ++i) solver.alone_at_rest(points[i * points.size() / n]);
+  const double each = n > 1 ? (spent() - begun) / static_cast<double>(n - 1) : 0;
+  return begun - start + each * static_cast<double>(points.size() - 1);
 }
 
 void measure(const LoadedScene& loaded, const DatabaseHeader& header, const std::vector<RayChoice>& chosen,
@@ -106,6 +120,7 @@ void measure(const LoadedScene& loaded, const DatabaseHeader& header, const std:
   measured.relative_standard_error = costs.relative_error;
   measured.node_setup_seconds = setup_s / static_cast<double>(measured.nodes);
   measured.start_seconds = std::max(0.0, spent_s - sum(seconds) - setup_s);
+  measured.at_rest_seconds = seconds_at_rest(solver, header.sets.linear);
 }
 
 /// Sizes and times of calibrate and validate in run.
@@ -147,10 +162,12 @@ Plan make_plan(const Options& options, const LoadedScene& loaded) {
   plan.rays_requested = costs.rays;
   plan.increments = header.magnitudes_m.size();
   plan.log_bytes = static_cast<double>(plan.rays) * record_bytes(header);
-  plan.database_bytes = static_cast<double>(requested.size()) * record_bytes(header);
-  costs.packing_s = plan.database_bytes / packing_B_per_s;
+  const double at_rest = at_rest_bytes(header);
+  plan.points_at_rest = header.sets.linear.size();
+  plan.database_bytes = static_cast<double>(requested.size()) * record_bytes(header) + at_rest;
+  costs.packing_s = (plan.database_bytes - at_rest) / packing_B_per_s;
   plan.ranks = options.ranks.value_or(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
-  plan.wall_seconds = wall_seconds(costs, plan.ranks);
+  plan.wall_seconds = wall_seconds(costs, plan.ranks) + plan.measured.at_rest_seconds + at_rest / packing_B_per_s;
   if (const auto probes = loaded.scene.validation.check_probes; probes.value_or(0) == 0)
     plan.check_seconds =
         probes ? 0 : check_limit_s(plan.measured.seconds_per_ray * static_cast<double>(costs.rays), plan.ranks);
@@ -183,6 +200,9 @@ void print_plan(const Options& options, const Plan& plan) {
                plan.probes, duration(plan.calibrate_seconds + plan.validate_seconds));
   print_result("rays      {}, {} solved at {} node{}: {:.2g} s each ({}), at most {:.2g} s\n", plan.rays_requested,
                m.rays, m.nodes, m.nodes == 1 ? "" : "s", m.seconds_per_ray, trust(plan), m.seconds_longest_ray);
+  if (plan.points_at_rest > 0)
+    print_result("elsewhere {} points with the linear response at rest: {}, by one rank\n", plan.points_at_rest,
+                 duration(m.at_rest_seconds));
   print_result("memory    {} per rank, {} in all; this machine has {}\n", bytes(plan.memory_bytes_per_rank),
                bytes(plan.ranks * plan.memory_bytes_per_rank), bytes(plan.machine_memory_bytes));
   print_result("database  {} before compression, and {} of logs until it is packed\n", bytes(plan.database_bytes),

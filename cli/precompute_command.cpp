@@ -72,8 +72,9 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
              report.increments_of_run, "failed", report.failed, "increments_after_end", report.after_end,
              "rays_with_library_errors", report.library_errors, "newton_iterations", report.iterations, "ranks",
              n_ranks, "wall_seconds", report.wall_seconds, "setup_seconds", report.setup_seconds, "solve_seconds",
-             report.solve_seconds, "pack_seconds", report.pack_seconds, "core_seconds", report.core_seconds,
-             "idle_share", report.idle_share, "peak_memory_bytes", report.peak_memory_bytes);
+             report.solve_seconds, "pack_seconds", report.pack_seconds, "points_at_rest", loaded.sets.linear.size(),
+             "at_rest_seconds", report.at_rest_seconds, "core_seconds", report.core_seconds, "idle_share",
+             report.idle_share, "peak_memory_bytes", report.peak_memory_bytes);
   if (target.part)
     out["part"] = target.part->str();
   else
@@ -103,6 +104,9 @@ void print_work(const SolverSession& session, const LoadedScene& loaded, const P
                  1e3 * report.core_seconds / static_cast<double>(report.increments_of_run),
                  report.rays_found() > 0 ? fmt::format(" of the {} of this run", report.increments_of_run) : "");
   print_result("\n");
+  if (report.at_rest_seconds > 0)
+    print_result("{} points elsewhere with the linear response at rest, {}\n", loaded.sets.linear.size(),
+                 duration(report.at_rest_seconds));
   print_result("{} of set-up, {} of solving, {} of packing; ranks idle {:.1f} % of solving; peak memory {} per rank\n",
                duration(report.setup_seconds), duration(report.solve_seconds), duration(report.pack_seconds),
                100 * report.idle_share, bytes(report.peak_memory_bytes));
@@ -133,7 +137,7 @@ void run(const Options& options) {
   };
   const auto report = precompute(session, loaded.scene, loaded.mesh, loaded.sets, target,
                                  Progress(target.part ? "part " + target.part->str() : "precompute", "rays").counter(),
-                                 stop_requested, warn);
+                                 stop_requested, warn, Progress("precompute", "points at rest").counter());
   if (report.interrupted)
     throw failure("interrupted", fmt::format("{} rays are finished and kept", report.rays + report.rays_found()),
                   "run the command again with --resume to continue");

@@ -32,7 +32,7 @@ struct StageRow {
 const std::vector<StageRow>& stage_rows() {
   static const std::vector<StageRow> rows{
       // physics: all keys of the physics hash, [mesh] among them
-      {"precompute", nullptr, {"physics", "database."}},
+      {"precompute", nullptr, {"physics", "database.", "probe.elsewhere"}},
       {"check", nullptr, {"validation.check_probes"}},  // which training writes into the model
       {"train", "train.json", {"title", "training."}},
       {"calibrate", "calibrate.json", {"validation.calibration_rays"}},

@@ -28,6 +28,9 @@ std::size_t active_index(const DatabaseHeader& header, std::int32_t node) {
   const auto& active = header.sets.active;
   const auto at = std::lower_bound(active.begin(), active.end(), node);
   if (at != active.end() && *at == node) return static_cast<std::size_t>(at - active.begin());
+  if (std::ranges::binary_search(header.sets.linear, node))
+    throw input_error("of this node the database has the linear response at rest only", fmt::format("--node {}", node),
+                      "give an active node; h5py reads /rest/displacement");
   throw input_error("the database has no responses of this node", fmt::format("--node {}", node),
                     fmt::format("give one of the {} active nodes, {} to {}; phynness info lists them", active.size(),
                                 active.front(), active.back()));

@@ -208,6 +208,7 @@ nine_tools | increments | increments = 4\nkind = "patch"\ntool_radius_m = 0.01\n
 tools_of_nodes | increments | increments = 4\ntools = 2 | tools = 2 | round tools ; kind = "patch"
 tools_of_an_element_without_bodies | increments | increments = 4\nkind = "patch"\ntool_radius_m = 0.01\ntools = 2 | tools = 2
     | [solver] element is P1 ; element = "es-p1-p1"
+node_elsewhere | increments | increments = 4\nelsewhere = "linear" | elsewhere | patch ; remove it
 node_with_radius | increments | increments = 4\ntool_radius_m = 0.01 | tool_radius_m | 0.01 ; patch
 unknown_family | family = "rbfn" | family = "fourier" | | [training] family ; "fourier" ; modal
 too_many_modes | samples = 1000 | modes = 2000 | | 2000 ; 1024

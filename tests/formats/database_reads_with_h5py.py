@@ -30,7 +30,7 @@ assert len(rows) > 25, rows
 
 def check_datasets(f, everything):
     counts = {"A": len(f["sets/active"]), "D": len(f["directions"]), "I": len(f["magnitudes"]),
-              "O": len(f["sets/output"]), "N": len(f["mesh/nodes"])}
+              "O": len(f["sets/output"]), "L": len(f["rest/points"]), "N": len(f["mesh/nodes"])}
     found = {}
     f.visititems(lambda name, item: found.update({"/" + name: item}) if isinstance(item, h5py.Dataset) else None)
     for path, item in found.items():

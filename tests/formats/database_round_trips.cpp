@@ -83,6 +83,31 @@ TEST_F(RoundTrip, rounds_displacements_within_the_tolerance_of_the_scene) {
   }
 }
 
+TEST_F(RoundTrip, keeps_responses_at_rest) {
+  auto header = small_header(true);
+  header.sets.linear = {3, 5};
+  header.sets.linear_tools = {{{1, 3}, {0.25, 0.75}, true}, {{5}, {1}, true}};
+  write_logs(header);
+  const auto response = [&](std::int32_t point) {
+    AtRest one{{3, 1, 0, 1, 4, 0, 0, 0, 5 + 1.0 / 3 * point}, {}};
+    for (std::size_t i = 0; i < 9 * header.sets.output.size(); ++i)
+      one.displacement.push_back(std::sin(static_cast<double>(i) + 100 * point));
+    return one;
+  };
+  EXPECT_EQ(read_database_header(file).sets.linear, header.sets.linear);
+  DatabaseWriter::pack(file, header, {}, response);
+  expect_round_trip(file, header);
+  const auto database = Database::open(file);
+  EXPECT_EQ(database.header().sets.linear, header.sets.linear);
+  EXPECT_EQ(database.header().sets.linear_tools, header.sets.linear_tools);
+  for (const std::int32_t point : {1, 0}) {
+    EXPECT_EQ(database.at_rest(point).stiffness_N_per_m, response(point).stiffness_N_per_m);
+    EXPECT_EQ(database.at_rest(point).displacement, response(point).displacement);
+  }
+  EXPECT_THROW(database.at_rest(2), Error);
+  EXPECT_THROW(database.at_rest(-1), Error);
+}
+
 TEST_F(RoundTrip, works_without_tangents) {
   auto header = small_header(true);
   header.tangents = false;

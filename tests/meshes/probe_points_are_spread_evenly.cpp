@@ -253,4 +253,45 @@ TEST(ProbeCoordinates, AreInAModelOnlyWhereNeeded) {
   }
 }
 
+/// Claim: points beside the probed part join it to all of the surface. Triangles and coordinates of the part remain; no
+/// other node has them of probed nodes alone, but at the edges of the part. Coordinates are continuous: neighbours on
+/// the surface have coordinates of points that are near.
+TEST(ProbeCoordinates, JoinPointsBesideThePart) {
+  const Mesh mesh = sphere(4);
+  const auto part = where(mesh, above), all = where(mesh, everywhere);
+  const auto fixed = where(mesh, [](const Eigen::RowVector3d& x) { return x[0] < -0.9; });
+  NodeList free, within, linear;
+  std::ranges::set_difference(all, fixed, std::back_inserter(free));
+  std::ranges::set_difference(part, fixed, std::back_inserter(within));
+  const double spacing = 0.25;
+  const auto probed = spread_nodes(mesh.nodes, mesh.surface, within, spacing, 0);
+  const auto points = spread_nodes(mesh.nodes, mesh.surface, free, spacing, 0, probed);
+  std::ranges::set_difference(points, probed, std::back_inserter(linear));
+  ASSERT_GT(linear.size(), 20U);
+  const auto own = probe_coordinates(mesh.nodes, mesh.surface, probed, fixed, 2 * spacing);
+  const auto joined = probe_coordinates(mesh.nodes, mesh.surface, probed, fixed, 2 * spacing, linear);
+  EXPECT_EQ(joined.triangles.topRows(own.triangles.rows()), own.triangles);
+  EXPECT_EQ(joined.covered, free);
+  std::size_t n_beyond = 0;
+  for (std::size_t i = 0; i < own.covered.size(); ++i) {
+    const auto at = std::ranges::lower_bound(joined.covered, own.covered[i]) - joined.covered.begin();
+    const auto j = static_cast<std::size_t>(at);
+    n_beyond += own.is_beyond[i] != 0;
+    if (own.is_beyond[i]) continue;
+    EXPECT_EQ(joined.triangle[j], own.triangle[i]);
+    EXPECT_EQ(joined.weights.row(at), own.weights.row(static_cast<Eigen::Index>(i)));
+  }
+  EXPECT_GT(n_beyond, 10U);
+  // The place of the coordinates is that of the node: between flat triangles and the sphere, and beyond the points at
+  // the fixed part, which are up to half a spacing from it.
+  Points place(std::ssize(joined.covered), 3);
+  for (Eigen::Index i = 0; i < place.rows(); ++i) {
+    const auto corners = joined.triangles.row(joined.triangle[static_cast<std::size_t>(i)]);
+    place.row(i) = joined.weights.row(i) * mesh.nodes({corners[0], corners[1], corners[2]}, Eigen::all);
+    EXPECT_NEAR(joined.weights.row(i).sum(), 1, 1e-12);
+    const double away = (place.row(i) - mesh.nodes.row(joined.covered[static_cast<std::size_t>(i)])).norm();
+    EXPECT_LT(away, joined.is_beyond[static_cast<std::size_t>(i)] ? 0.5 * spacing : 0.1 * spacing);
+  }
+}
+
 }  // namespace

@@ -1,12 +1,15 @@
 // Claims: a solve checks between its iterations whether it is to be interrupted, and then ends within seconds,
 // independent of its length. Its ray is not recorded, and a resumed run is identical to one without interruption. A ray
-// whose displacements are too small to be halved ends.
+// whose displacements are too small to be halved ends. Responses at rest are those of touched tools, by one
+// factorization; where they are interrupted, rays are kept.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <optional>
+#include <phynness/formats/error.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <thread>
 
@@ -90,6 +93,61 @@ TEST_P(Asked, ARunKeepsItsFinishedRaysAndGoesOnLater) {
   const auto whole = Database::open(folder / "whole.h5").rays(0), part = Database::open(folder / "part.h5").rays(0);
   for (std::size_t d = 0; d < whole.size(); ++d) EXPECT_EQ(whole[d].force, part[d].force) << d;
   std::filesystem::remove_all(folder);
+}
+
+TEST_P(Asked, ResponsesAtRestAreThoseOfATouchedToolAndEndToo) {
+  auto& [scene, mesh, sets, top] = _block;
+  scene.probe.kind = ProbeKind::patch;
+  scene.probe.tool_radius_m = 0.03;
+  scene.probe.directions = Directions::three;
+  scene.probe.increments = 1;
+  scene.probe.max_displacement_m = 0.001;
+  for (const auto node : surface_nodes(mesh.surface))
+    if (node != top && !std::ranges::binary_search(sets.fixed, node)) sets.linear.push_back(node);
+  const auto n = std::ssize(sets.linear);
+  sets.output = sets.active;
+  sets.tools = sets.linear_tools = {};
+  for (const auto node : sets.linear) sets.linear_tools.push_back({{node}, {1}, true});
+  sets.tools = {sets.linear_tools.front()};
+  auto solver = _block.solver();
+  for (std::int32_t i = 0; i < n; i += 7) {
+    const auto node = sets.linear[static_cast<std::size_t>(i)];
+    solver.touch({node});
+    const auto touched = solver.rest();
+    const auto before = solver.counts().factorizations;
+    solver.alone_at_rest(sets.linear.front());
+    const auto alone = solver.alone_at_rest(node);
+    EXPECT_EQ(solver.counts().factorizations, before + 1);
+    // Rounding of the factors, whose condition number is about 1e4 times K/mu here.
+    EXPECT_LT((alone.stiffness_N_per_m - touched.stiffness_N_per_m).norm(), 1e-9 * touched.stiffness_N_per_m.norm());
+    EXPECT_LT((alone.sensitivity - touched.sensitivity).norm(), 1e-9 * touched.sensitivity.norm());
+  }
+  const auto file = std::filesystem::path(::testing::TempDir()) / ("at-rest-" + std::to_string(::getpid()) + ".h5");
+  std::filesystem::remove(file);
+  std::int64_t rays = 0, points = 0;
+  const auto run = [&](bool resume, std::int64_t most) {
+    return precompute(
+        solver_session(), scene, mesh, sets, {file, resume, {}, {}},
+        [&](std::int64_t done, std::int64_t) { rays = done; }, [&] { return points >= most; }, {},
+        [&](std::int64_t done, std::int64_t) { points = done; });
+  };
+  EXPECT_TRUE(run(false, 3).interrupted);
+  EXPECT_EQ(rays, 3);
+  EXPECT_EQ(points, 3);
+  EXPECT_EQ(database_progress(file).rays_logged, 3);
+  const auto report = run(true, n + 1);
+  EXPECT_FALSE(report.interrupted);
+  EXPECT_EQ(report.rays_resumed, 3);
+  EXPECT_EQ(report.increments_of_run, 0);
+  EXPECT_EQ(points, n);
+  const auto database = Database::open(file);
+  const auto last = solver.alone_at_rest(sets.linear.back());
+  const auto stored = database.at_rest(static_cast<std::int32_t>(n) - 1);
+  for (int i = 0; i < 9; ++i)
+    EXPECT_EQ(stored.stiffness_N_per_m[static_cast<std::size_t>(i)], last.stiffness_N_per_m(i / 3, i % 3));
+  EXPECT_EQ(stored.displacement[5], static_cast<float>(last.sensitivity(3 * top + 2, 1)));
+  EXPECT_THROW(database.at_rest(static_cast<std::int32_t>(n)), Error);
+  std::filesystem::remove(file);
 }
 
 TEST_P(Asked, ARayThatCannotBeHalvedEnds) {

@@ -40,6 +40,9 @@ struct Database::Impl {
       expected.insert(expected.end(), column.shape.begin(), column.shape.end());
       file.check_shape(column.path, expected);
     }
+    if (header.sets.linear.empty()) return;
+    file.check_shape(path::rest_stiffness, {header.sets.linear.size(), 3, 3});
+    file.check_shape(path::rest_displacement, {header.sets.linear.size(), 3, header.sets.output.size(), 3});
   }
 
   /// Some columns of all increments of the database as one ray.
@@ -96,6 +99,23 @@ std::vector<Ray> Database::rays(std::int32_t active) const {
                                ", direction " + std::to_string(ray.direction));
     }
   return rays;
+}
+
+AtRest Database::at_rest(std::int32_t point) const {
+  const auto& [file, header, columns] = *_impl;
+  if (point < 0 || point >= std::ssize(header.sets.linear))
+    throw input_error("the database has no response at rest of such a point", std::to_string(point),
+                      "it has " + std::to_string(header.sets.linear.size()) + " of them");
+  AtRest response;
+  response.displacement.resize(9 * header.sets.output.size());
+  const auto at = static_cast<hsize_t>(point);
+  file.read_slab(path::rest_stiffness, at, 1, response.stiffness_N_per_m.data());
+  file.read_slab(path::rest_displacement, at, 1, response.displacement.data());
+  for (const double k : response.stiffness_N_per_m)
+    if (!std::isfinite(k))
+      file.refuse("a stiffness at rest is not finite",
+                  "node " + std::to_string(header.sets.linear[static_cast<std::size_t>(point)]));
+  return response;
 }
 
 DatabaseSummary summarize(const Database& database) {

@@ -60,8 +60,11 @@ std::vector<Field> fields_of(const std::string& text) {
   return fields;
 }
 
-/// The tools one after another.
-void write_tools(hdf5::File& file, const std::vector<TouchedNodes>& tools) {
+std::string in(const char* group, const char* dataset) { return std::string(group) + "/" + dataset; }
+
+/// The tools one after another, in a group of their own.
+void write_tools(hdf5::File& file, const char* group, const std::vector<TouchedNodes>& tools,
+                 const std::string& where) {
   std::vector<std::int32_t> ends, nodes;
   std::vector<double> weights;
   for (const auto& tool : tools) {
@@ -69,12 +72,13 @@ void write_tools(hdf5::File& file, const std::vector<TouchedNodes>& tools) {
     weights.insert(weights.end(), tool.weights.begin(), tool.weights.end());
     ends.push_back(static_cast<std::int32_t>(nodes.size()));
   }
-  file.create_group(path::tools);
-  file.write_attribute(path::tools, "mean", std::int32_t{!tools.empty() && tools.front().mean});
-  write_array(file, path::tool_ends, {ends.size()}, ends.data(), "1",
-              "of the tool at each active node, the position behind its last node in the next two");
-  write_array(file, path::tool_nodes, {nodes.size()}, nodes.data(), "1", "ascending node numbers that each tool moves");
-  write_array(file, path::tool_weights, {weights.size()}, weights.data(), "1", "their weights");
+  file.create_group(group);
+  file.write_attribute(group, "mean", std::int32_t{!tools.empty() && tools.front().mean});
+  write_array(file, in(group, "ends").c_str(), {ends.size()}, ends.data(), "1",
+              ("of the tool at each " + where + ", the position behind its last node in the next two").c_str());
+  write_array(file, in(group, "nodes").c_str(), {nodes.size()}, nodes.data(), "1",
+              "ascending node numbers that each tool moves");
+  write_array(file, in(group, "weights").c_str(), {weights.size()}, weights.data(), "1", "their weights");
 }
 
 /// @throws Error (input) unless the numbers are those of nodes of the mesh
@@ -84,20 +88,20 @@ void require_nodes(const hdf5::File& file, const char* name, const NodeList& num
       file.refuse(std::string(name) + " has a number that no node has", std::to_string(number));
 }
 
-std::vector<TouchedNodes> read_tools(const hdf5::File& file, Eigen::Index n_nodes) {
-  const bool mean = read_flag(file, path::tools, "mean");
-  const auto ends = read_list<std::int32_t>(file, path::tool_ends),
-             nodes = read_list<std::int32_t>(file, path::tool_nodes);
-  const auto weights = read_list<double>(file, path::tool_weights);
+std::vector<TouchedNodes> read_tools(const hdf5::File& file, const char* group, Eigen::Index n_nodes) {
+  const bool mean = read_flag(file, group, "mean");
+  const auto all_ends = in(group, "ends"), all_nodes = in(group, "nodes"), all_weights = in(group, "weights");
+  const auto ends = read_list<std::int32_t>(file, all_ends), nodes = read_list<std::int32_t>(file, all_nodes);
+  const auto weights = read_list<double>(file, all_weights);
   if (weights.size() != nodes.size())
-    file.refuse(std::string(path::tool_weights) + " and " + path::tool_nodes + " have different lengths",
+    file.refuse(all_weights + " and " + all_nodes + " have different lengths",
                 std::to_string(weights.size()) + " and " + std::to_string(nodes.size()));
-  require_nodes(file, path::tool_nodes, nodes, n_nodes);
+  require_nodes(file, all_nodes.c_str(), nodes, n_nodes);
   std::vector<TouchedNodes> tools;
   std::int32_t first = 0;
   for (const auto end : ends) {
     if (end <= first || end > std::ssize(nodes))
-      file.refuse(std::string(path::tool_ends) + " must ascend, up to the length of " + path::tool_nodes,
+      file.refuse(all_ends + " must ascend, up to the length of " + all_nodes,
                   std::to_string(end) + " after " + std::to_string(first));
     tools.push_back(
         {{nodes.begin() + first, nodes.begin() + end}, {weights.begin() + first, weights.begin() + end}, mean});
@@ -179,7 +183,12 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
   write_set(file, path::active, header.sets.active, "node numbers that are probed; axis A of the responses");
   write_set(file, path::output, header.sets.output,
             "node numbers whose displacement is stored; axis O of the responses");
-  write_tools(file, header.sets.tools);
+  write_tools(file, path::tools, header.sets.tools, "active node");
+  if (!header.sets.linear.empty()) {
+    write_tools(file, path::rest, header.sets.linear_tools, "of these points");
+    write_set(file, path::rest_points, header.sets.linear,
+              "node numbers of the free surface beside those that are probed; axis L of the responses at rest");
+  }
   std::vector<double> directions;
   for (const auto& d : header.directions) directions.insert(directions.end(), d.begin(), d.end());
   write_array(file, path::directions, {header.directions.size(), 3}, directions.data(), "1",
@@ -244,7 +253,16 @@ DatabaseHeader read_header(const hdf5::File& file) {
                                   {path::active, &header.sets.active},
                                   {path::output, &header.sets.output}})
     require_nodes(file, name, *set, header.mesh.n_nodes());
-  header.sets.tools = read_tools(file, header.mesh.n_nodes());
+  header.sets.tools = read_tools(file, path::tools, header.mesh.n_nodes());
+  if (file.exists(path::rest)) {
+    header.sets.linear = read_list<std::int32_t>(file, path::rest_points);
+    require_nodes(file, path::rest_points, header.sets.linear, header.mesh.n_nodes());
+    header.sets.linear_tools = read_tools(file, path::rest, header.mesh.n_nodes());
+    if (header.sets.linear_tools.size() != header.sets.linear.size())
+      file.refuse(
+          "the points and the tools of /rest are not as many",
+          std::to_string(header.sets.linear.size()) + " and " + std::to_string(header.sets.linear_tools.size()));
+  }
   const auto directions = read_rows<double>(file, path::directions, 3, rows);
   for (hsize_t i = 0; i < rows; ++i)
     header.directions.push_back({directions[3 * i], directions[3 * i + 1], directions[3 * i + 2]});
@@ -261,6 +279,30 @@ DatabaseHeader read_header(const hdf5::File& file) {
         "the mesh inside the database " + file.path().string() + " is not the mesh on which it was computed",
         "hash " + hash + " instead of " + header.mesh_hash, hdf5::damaged);
   return header;
+}
+
+void write_at_rest(hdf5::File& file, const DatabaseHeader& header,
+                   const std::function<AtRest(std::int32_t point)>& at_rest) {
+  const auto& sets = header.sets;
+  if (sets.linear.empty()) return;
+  file.reserve(static_cast<std::uint64_t>(at_rest_bytes(header)));
+  const hsize_t n = sets.linear.size(), n_output = sets.output.size();
+  const auto type = header.float64 ? hdf5::type_of(double{}) : hdf5::type_of(float{});
+  file.create_dataset(path::rest_stiffness, hdf5::type_of(double{}).stored, {n, 3, 3}, {n, 3, 3}, "N/m",
+                      "dF/dd of a tool at each of /rest/points; row: force, column: displacement");
+  file.create_dataset(path::rest_displacement, type.stored, {n, 3, n_output, 3},
+                      n_output > 0 ? hdf5::Shape{1, 3, n_output, 3} : hdf5::Shape{}, "1",
+                      "displacement of the output nodes per unit of the tool's along x, y and z");
+  std::vector<double> stiffness;
+  for (hsize_t i = 0; i < n; ++i) {
+    auto response = at_rest(static_cast<std::int32_t>(i));
+    stiffness.insert(stiffness.end(), response.stiffness_N_per_m.begin(), response.stiffness_N_per_m.end());
+    if (header.field_bits > 0)
+      for (double& u : response.displacement)
+        u = std::ldexp(std::round(std::ldexp(u, header.field_bits)), -header.field_bits);
+    if (n_output > 0) file.write_slab(path::rest_displacement, i, 1, response.displacement.data());
+  }
+  file.write_slab(path::rest_stiffness, 0, n, stiffness.data());
 }
 
 hsize_t nodes_per_chunk(const DatabaseHeader& header) {
@@ -300,3 +342,9 @@ void create_responses(hdf5::File& file, const DatabaseHeader& header) {
 }
 
 }  // namespace phynness::database_layout
+
+double phynness::at_rest_bytes(const DatabaseHeader& header) {
+  const std::size_t of_point =
+      9 * (sizeof(double) + header.sets.output.size() * (header.float64 ? sizeof(double) : sizeof(float)));
+  return static_cast<double>(header.sets.linear.size() * of_point);
+}

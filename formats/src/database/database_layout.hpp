@@ -19,9 +19,10 @@ inline constexpr const char* fixed = "/sets/fixed";
 inline constexpr const char* active = "/sets/active";
 inline constexpr const char* output = "/sets/output";
 inline constexpr const char* tools = "/tools";
-inline constexpr const char* tool_ends = "/tools/ends";
-inline constexpr const char* tool_nodes = "/tools/nodes";
-inline constexpr const char* tool_weights = "/tools/weights";
+inline constexpr const char* rest = "/rest";
+inline constexpr const char* rest_points = "/rest/points";
+inline constexpr const char* rest_stiffness = "/rest/stiffness";
+inline constexpr const char* rest_displacement = "/rest/displacement";
 inline constexpr const char* directions = "/directions";
 inline constexpr const char* magnitudes = "/magnitudes";
 inline constexpr const char* scene = "/scene";
@@ -37,6 +38,9 @@ bool read_complete(const hdf5::File& file);
 
 /// Creates the datasets under /responses. A chunk of those without an axis of output nodes has several active nodes.
 void create_responses(hdf5::File& file, const DatabaseHeader& header);
+/// Creates and writes the responses at rest, if there are points for them.
+void write_at_rest(hdf5::File& file, const DatabaseHeader& header,
+                   const std::function<AtRest(std::int32_t point)>& at_rest);
 hsize_t nodes_per_chunk(const DatabaseHeader& header);
 /// Shape of the chunks of a column; empty if it has no values.
 hdf5::Shape chunk_shape(const StoredColumn& column, const DatabaseHeader& header);

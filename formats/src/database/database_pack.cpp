@@ -77,7 +77,7 @@ class Packing {
       : _header(header), _records(records), _ranks(ranks), _reader(index, header), _items(items_of(header)) {}
 
   /// Writes FILE, collectively.
-  void write(const std::filesystem::path& file);
+  void write(const std::filesystem::path& file, const std::function<AtRest(std::int32_t point)>& at_rest);
 
  private:
   /// Compressed chunks, one after another.
@@ -149,12 +149,13 @@ std::size_t Packing::items_per_round() const {
   return std::max<std::size_t>(1, std::min(n_ranks * bytes_of_rank, bytes_of_all) / bytes_of_node);
 }
 
-void Packing::write(const std::filesystem::path& file) {
+void Packing::write(const std::filesystem::path& file, const std::function<AtRest(std::int32_t point)>& at_rest) {
   std::optional<hdf5::File> out;
   _ranks.together([&] {
     if (_ranks.rank != 0) return;
     layout::write_header(out.emplace(hdf5::File::create(file, layout::header_bytes(_header))), _header, true);
     layout::create_responses(*out, _header);
+    layout::write_at_rest(*out, _header, at_rest);
   });
   const auto share = items_per_round(), n_ranks = static_cast<std::size_t>(_ranks.size),
              rank = static_cast<std::size_t>(_ranks.rank);
@@ -201,10 +202,11 @@ std::vector<std::pair<std::int32_t, std::int32_t>> missing_rays(const std::vecto
 }
 
 void write_packed(const std::filesystem::path& file, const DatabaseHeader& header, const dl::Index& index,
-                  const std::vector<dl::Entry>& records, const PackingRanks& ranks) {
+                  const std::vector<dl::Entry>& records, const PackingRanks& ranks,
+                  const std::function<AtRest(std::int32_t point)>& at_rest) {
   const std::filesystem::path packing = file.string() + ".packing";
   try {
-    Packing(header, index, records, ranks).write(packing);
+    Packing(header, index, records, ranks).write(packing, at_rest);
     ranks.together([&] {
       if (ranks.rank == 0) replace_durably(packing, file);
     });

@@ -25,6 +25,7 @@ std::vector<std::pair<std::int32_t, std::int32_t>> missing_rays(const std::vecto
 /// @pre no record is missing; FILE is on a file system that all ranks share
 /// @throws Error (failure)
 void write_packed(const std::filesystem::path& file, const DatabaseHeader& header, const database_log::Index& index,
-                  const std::vector<database_log::Entry>& records, const PackingRanks& ranks = {});
+                  const std::vector<database_log::Entry>& records, const PackingRanks& ranks,
+                  const std::function<AtRest(std::int32_t point)>& at_rest);
 
 }  // namespace phynness

@@ -106,6 +106,7 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
   compare_lists(on_disk.sets.fixed, wanted.sets.fixed, "fixed nodes", true);
   compare_lists(on_disk.sets.active, wanted.sets.active, "active nodes", false);
   compare_lists(on_disk.sets.output, wanted.sets.output, "output nodes", false);
+  compare_lists(on_disk.sets.linear, wanted.sets.linear, "points with a response at rest", false);
   if (const bool more = has_directions(wanted, on_disk); !more || on_disk.directions != wanted.directions)
     all.push_back({"other directions",
                    both(std::to_string(on_disk.directions.size()), std::to_string(wanted.directions.size())), !more});

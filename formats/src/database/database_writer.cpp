@@ -198,7 +198,8 @@ void DatabaseWriter::replace(const fs::path& by, const fs::path& file) {
   remove_logs(file);
 }
 
-void DatabaseWriter::pack(const fs::path& file, const DatabaseHeader& given, const PackingRanks& ranks) {
+void DatabaseWriter::pack(const fs::path& file, const DatabaseHeader& given, const PackingRanks& ranks,
+                          const std::function<AtRest(std::int32_t point)>& at_rest) {
   const DatabaseHeader header = with_hashes(given);
   ranks.together([&] {
     if (ranks.rank == 0) refuse_other_work(read_database_header(file), header, file);
@@ -212,7 +213,7 @@ void DatabaseWriter::pack(const fs::path& file, const DatabaseHeader& given, con
                       std::to_string(missing.size()) + " of " + std::to_string(records.size()),
                       "solve them with: phynness precompute SCENE -o " + file.string() + " --resume");
     });
-    write_packed(file, header, index, records, ranks);
+    write_packed(file, header, index, records, ranks, at_rest);
   }
   if (ranks.rank == 0) remove_logs(file);
 }

@@ -73,6 +73,7 @@ Scene parse_imported_scene(const std::string& text, const std::string& source_na
   sd::check_probe(probe, scene.probe);
   if (probe.has("tools"))
     probe.reject("tools", "needs the elements of a body, but the responses are imported", "remove it");
+  if (probe.has("elsewhere")) probe.reject("elsewhere", "needs a solver, but the responses are imported", "remove it");
   training.read_into(scene);
   return scene;
 }

@@ -21,6 +21,7 @@ const ShapeRow& row(Shape shape) { return every_shape[static_cast<std::size_t>(s
 
 const char* name(Shape shape) { return shape == Shape::none ? "none" : row(shape).name; }
 const char* name(ProbeKind kind) { return kind == ProbeKind::node ? "node" : "patch"; }
+const char* name(Elsewhere elsewhere) { return elsewhere == Elsewhere::linear ? "linear" : "none"; }
 const char* name(Family family) { return schema::word(family); }
 
 namespace scene_detail {
@@ -126,6 +127,10 @@ Keys probe_keys() {
             "how many round tools touch the body at the same time. From 2 on `phynness run` also makes `body.txt`, a "
             "[reduced body](body.md), which needs element `\"p1-p1\"` or `\"es-p1-p1\"`, and `\"free\"` in "
             "`nodes.output`"),
+      probe(
+          "elsewhere", &ProbeSpec::elsewhere, words_from<Elsewhere>(0, 2), not_hashed,
+          "of the free surface that is not probed: `\"linear\"` stores the linear response at rest for points with the "
+          "spacing of `nodes.active`, or a third of the radius if it has none; `\"none\"` stores nothing. Patch only"),
       probe("directions", &ProbeSpec::directions, DirectionSet{}, hashed,
             "`26`: axes and diagonals; `14`: axes and space diagonals only; `98`: the 26 and the middles between "
             "neighbors; `3`: +x, +y, +z; `\"hemisphere\"`: those of the 26 that push in or slide"),

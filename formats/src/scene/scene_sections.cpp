@@ -166,6 +166,9 @@ void check_probe(const SceneTable& table, ProbeSpec& spec) {
   if (spec.kind == ProbeKind::node && table.has("tool_radius_m"))
     table.reject("tool_radius_m", "is only used by patch probes, but kind is \"node\"",
                  "remove it, or write kind = \"patch\"");
+  if (spec.kind == ProbeKind::node && table.has("elsewhere") && spec.elsewhere == Elsewhere::linear)
+    table.reject("elsewhere", "is only used by patch probes, but kind is \"node\"",
+                 "remove it, or write kind = \"patch\"");
   if (spec.kind == ProbeKind::patch && !table.has("tool_radius_m"))
     table.missing("tool_radius_m", ", which a patch probe needs", "add tool_radius_m in metres, such as 0.01");
   if (!table.has("max_displacement_m"))

@@ -218,4 +218,13 @@ bool spreads(const Selection& selection) {
   });
 }
 
+double spacing_m(const Selection& selection) {
+  for (const Selector& s : selection) {
+    if (s.kind == SelectorKind::spread && s.length_m > 0) return s.length_m;
+    for (const Selection& part : s.of)
+      if (const double spacing = spacing_m(part); spacing > 0) return spacing;
+  }
+  return 0;
+}
+
 }  // namespace phynness

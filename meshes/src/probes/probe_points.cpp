@@ -162,48 +162,86 @@ NodeList spread_nodes(const Points& nodes, const Triangles& surface, const NodeL
   return chosen;
 }
 
-ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface, const NodeList& probed,
-                                   const NodeList& fixed, double longest_m) {
-  const SurfaceWays ways(nodes, surface, fixed);
-  const NearestProbes cells(ways, static_cast<std::size_t>(nodes.rows()), probed);
-  const auto neighbour = nearest_neighbours(ways, cells, surface, probed.size());
-  const auto all_neighbours = known_distances(neighbour);
-  const double median = all_neighbours.empty() ? 0 : all_neighbours[all_neighbours.size() / 2];
-  ProbeCoordinates made;
-  std::map<std::array<std::int32_t, 3>, Eigen::Index> known;  // of corners in ascending order
-  std::map<std::pair<std::int32_t, std::int32_t>, int> n_triangles;
-  std::vector<std::array<std::int32_t, 3>> triangles;
-  for (Eigen::Index t = 0; t < surface.rows(); ++t) {
-    std::array<std::int32_t, 3> corner{};
-    bool all = true;
-    double reach = median;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto source = cells.source[static_cast<std::size_t>(surface(t, static_cast<Eigen::Index>(k)))];
-      all = all && source >= 0;
-      corner[k] = source >= 0 ? probed[static_cast<std::size_t>(source)] : -1;
-      if (source >= 0) reach = std::max(reach, neighbour[static_cast<std::size_t>(source)]);
-    }
-    for (std::size_t k = 0; k < 3 && all; ++k) {
-      const auto a = corner[k], b = corner[(k + 1) % 3];
-      all = a != b && (nodes.row(a) - nodes.row(b)).norm() <= longest_m;
-    }
-    // Cells of the outermost probed nodes extend over all that is not probed, also around the body. A node of the
-    // probed part is within 3/4 of the spacing of a probed node, which is less than the median distance of neighbours.
-    for (Eigen::Index k = 0; k < 3 && all; ++k) all = cells.distance[static_cast<std::size_t>(surface(t, k))] <= reach;
-    if (all) {
-      const Triangles made_of = Eigen::RowVector3<std::int32_t>(corner[0], corner[1], corner[2]);
-      all = normal_of(corners_of(nodes, made_of, 0)).dot(normal_of(corners_of(nodes, surface, t))) > 0;
-    }
-    auto sorted = corner;
-    std::sort(sorted.begin(), sorted.end());
-    if (!all || !known.emplace(sorted, triangles.size()).second) continue;
-    triangles.push_back(corner);
-    for (std::size_t k = 0; k < 3; ++k) ++n_triangles[std::minmax(corner[k], corner[(k + 1) % 3])];
+namespace {
+
+/// Corners of triangles that are dual to cells.
+using DualTriangles = std::vector<std::array<std::int32_t, 3>>;
+
+std::array<std::int32_t, 3> sorted(std::array<std::int32_t, 3> corners) {
+  std::sort(corners.begin(), corners.end());
+  return corners;
+}
+
+/// Which point each node of the surface belongs to, and how far apart these are.
+struct DualCells {
+  const Points& nodes;
+  const Triangles& surface;
+  const NodeList& points;
+  NearestProbes nearest;
+  std::vector<double> neighbour;
+  double median = 0;
+
+  DualCells(const Points& of_nodes, const Triangles& of_surface, const SurfaceWays& ways, const NodeList& of)
+      : nodes(of_nodes),
+        surface(of_surface),
+        points(of),
+        nearest(ways, static_cast<std::size_t>(nodes.rows()), points),
+        neighbour(nearest_neighbours(ways, nearest, surface, points.size())) {
+    const auto all = known_distances(neighbour);
+    if (!all.empty()) median = all[all.size() / 2];
   }
+
+  /// The points of the corners of a triangle of the surface; -1: none.
+  std::array<std::int32_t, 3> of_corners(Eigen::Index t) const {
+    std::array<std::int32_t, 3> corner{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto source = nearest.source[static_cast<std::size_t>(surface(t, static_cast<Eigen::Index>(k)))];
+      corner[k] = source >= 0 ? points[static_cast<std::size_t>(source)] : -1;
+    }
+    return corner;
+  }
+
+  /// Adds the dual triangles that are not there.
+  void add_triangles(double longest_m, DualTriangles& triangles) const {
+    std::set<std::array<std::int32_t, 3>> known;
+    for (const auto& corners : triangles) known.insert(sorted(corners));
+    for (Eigen::Index t = 0; t < surface.rows(); ++t) {
+      const auto corner = of_corners(t);
+      bool all = std::ranges::all_of(corner, [](std::int32_t node) { return node >= 0; });
+      double reach = median;
+      for (Eigen::Index k = 0; k < 3 && all; ++k)
+        reach = std::max(reach,
+                         neighbour[static_cast<std::size_t>(nearest.source[static_cast<std::size_t>(surface(t, k))])]);
+      for (std::size_t k = 0; k < 3 && all; ++k) {
+        const auto a = corner[k], b = corner[(k + 1) % 3];
+        all = a != b && (nodes.row(a) - nodes.row(b)).norm() <= longest_m;
+      }
+      // Cells of the outermost probed nodes extend over all that is not probed, also around the body. A node of the
+      // probed part is within 3/4 of the spacing of a probed node, which is less than the median distance of
+      // neighbours.
+      for (Eigen::Index k = 0; k < 3 && all; ++k)
+        all = nearest.distance[static_cast<std::size_t>(surface(t, k))] <= reach;
+      if (all) {
+        const Triangles made_of = Eigen::RowVector3<std::int32_t>(corner[0], corner[1], corner[2]);
+        all = normal_of(corners_of(nodes, made_of, 0)).dot(normal_of(corners_of(nodes, surface, t))) > 0;
+      }
+      if (all && known.insert(sorted(corner)).second) triangles.push_back(corner);
+    }
+  }
+
+  /// Triangles and coordinates. @param most_beyond  how far they reach beyond the outermost triangles, in edges;
+  /// infinity: each node that belongs to the point of a triangle has some
+  ProbeCoordinates coordinates(const DualTriangles& triangles, double most_beyond) const;
+};
+
+ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double most_beyond) const {
+  ProbeCoordinates made;
+  std::map<std::pair<std::int32_t, std::int32_t>, int> n_triangles;
   made.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
   std::vector<std::vector<Eigen::Index>> around(static_cast<std::size_t>(nodes.rows()));
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k) {
+      ++n_triangles[std::minmax(triangles[t][k], triangles[t][(k + 1) % 3])];
       made.triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = triangles[t][k];
       around[static_cast<std::size_t>(triangles[t][k])].push_back(static_cast<Eigen::Index>(t));
     }
@@ -213,14 +251,14 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
   const Points normals = node_normals(nodes, surface);
   std::vector<Eigen::RowVector3d> weights;
   for (const auto node : surface_nodes(surface)) {
-    const auto source = cells.source[static_cast<std::size_t>(node)];
+    const auto source = nearest.source[static_cast<std::size_t>(node)];
     if (source < 0) continue;
     const Eigen::Vector3d x = nodes.row(node).transpose();
     double least = infinity;
     Eigen::Index best = -1;
     Eigen::Vector3d best_weights;
     // The triangle may be one beside those of the nearest probed node.
-    for (const auto beside : around[static_cast<std::size_t>(probed[static_cast<std::size_t>(source)])])
+    for (const auto beside : around[static_cast<std::size_t>(points[static_cast<std::size_t>(source)])])
       for (int k = 0; k < 3; ++k)
         for (const auto t : around[static_cast<std::size_t>(made.triangles(beside, k))]) {
           const auto corners = corners_of(nodes, made.triangles, t);
@@ -230,8 +268,14 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
         }
     if (best < 0) continue;
     // Beyond an edge of one triangle only a strip is covered, and nothing on the other side of the body.
+    const bool whole = most_beyond == infinity;
+    if (!(normal_of(corners_of(nodes, made.triangles, best)).dot(normals.row(node)) > 0)) {
+      if (!whole) continue;
+      const auto own = points[static_cast<std::size_t>(source)];
+      best = around[static_cast<std::size_t>(own)].front();
+      for (int k = 0; k < 3; ++k) best_weights[k] = made.triangles(best, k) == own ? 1 : 0;
+    }
     const auto corners = corners_of(nodes, made.triangles, best);
-    if (!(normal_of(corners).dot(normals.row(node)) > 0)) continue;
     const double apart = (x - corners * best_weights).norm();
     bool at_border = false;
     double longest = 0;
@@ -241,13 +285,56 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
       at_border = at_border || (!(best_weights[k] > 0) && n_triangles[std::minmax(a, b)] == 1) ||
                   (best_weights[k] == 1 && outermost.contains(made.triangles(best, k)));
     }
-    if (at_border && apart > beyond * longest) continue;
+    if (at_border && apart > most_beyond * longest) continue;
     made.covered.push_back(node);
     made.triangle.push_back(static_cast<std::int32_t>(best));
+    made.is_beyond.push_back(at_border && apart > 0);
     weights.emplace_back(best_weights.transpose());
   }
   made.weights.resize(static_cast<Eigen::Index>(weights.size()), 3);
   for (std::size_t i = 0; i < weights.size(); ++i) made.weights.row(static_cast<Eigen::Index>(i)) = weights[i];
+  return made;
+}
+
+}  // namespace
+
+ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface, const NodeList& probed,
+                                   const NodeList& fixed, double longest_m, const NodeList& linear) {
+  const SurfaceWays ways(nodes, surface, fixed);
+  const DualCells cells(nodes, surface, ways, probed);
+  DualTriangles triangles;
+  cells.add_triangles(longest_m, triangles);
+  auto own = cells.coordinates(triangles, beyond);
+  if (linear.empty()) return own;
+
+  NodeList points;
+  std::ranges::set_union(probed, linear, std::back_inserter(points));
+  DualCells joined(nodes, surface, ways, points);
+  // Where there are triangles of probed nodes, the cells are those of these.
+  const auto keep = [&](std::int32_t node) {
+    const auto at = static_cast<std::size_t>(node);
+    const auto probe = probed[static_cast<std::size_t>(cells.nearest.source[at])];
+    joined.nearest.source[at] = static_cast<std::int32_t>(std::ranges::lower_bound(points, probe) - points.begin());
+    joined.nearest.distance[at] = cells.nearest.distance[at];
+  };
+  std::set<std::array<std::int32_t, 3>> known;
+  for (const auto& corners : triangles) known.insert(sorted(corners));
+  for (Eigen::Index t = 0; t < surface.rows(); ++t)
+    if (known.contains(sorted(cells.of_corners(t))))
+      for (const auto node : surface.row(t)) keep(node);
+  for (std::size_t i = 0; i < own.covered.size(); ++i)
+    if (!own.is_beyond[i]) keep(own.covered[i]);
+  joined.add_triangles(infinity, triangles);
+  auto made = joined.coordinates(triangles, infinity);
+  for (std::size_t i = 0; i < own.covered.size(); ++i) {
+    const auto at = std::ranges::lower_bound(made.covered, own.covered[i]) - made.covered.begin();
+    if (own.is_beyond[i] || at == std::ssize(made.covered) ||
+        made.covered[static_cast<std::size_t>(at)] != own.covered[i])
+      continue;
+    made.triangle[static_cast<std::size_t>(at)] = own.triangle[i];
+    made.weights.row(at) = own.weights.row(static_cast<Eigen::Index>(i));
+    made.is_beyond[static_cast<std::size_t>(at)] = 0;
+  }
   return made;
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <phynness/formats/error.hpp>
 #include <phynness/meshes/meshes.hpp>
+#include <phynness/meshes/probe_points.hpp>
 #include <phynness/meshes/tool_weights.hpp>
 
 #include "probes/select_nodes.hpp"
@@ -85,6 +86,20 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets, co
                           ? "they are all active nodes: select nodes of the surface, such as \"free-surface\""
                           : "add surface_only = true to the selector, or use \"free-surface\"");
   sets.tools = tools_of(mesh, sets.fixed, sets.active, scene.probe.tool_radius_m);
+  select_elsewhere(scene, mesh, sets);
+}
+
+void select_elsewhere(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
+  sets.linear.clear();
+  if (scene.probe.kind == ProbeKind::patch && scene.probe.elsewhere == Elsewhere::linear) {
+    const double given_m = spacing_m(scene.active), radius_m = scene.probe.tool_radius_m;
+    Nodes free;
+    std::ranges::set_difference(surface_nodes(mesh.surface), sets.fixed, std::back_inserter(free));
+    const auto all = spread_nodes(mesh.nodes, mesh.surface, free,
+                                  given_m > 0 ? given_m : auto_spacing_of_radius * radius_m, 0, sets.active);
+    std::ranges::set_difference(all, sets.active, std::back_inserter(sets.linear));
+  }
+  sets.linear_tools = tools_of(mesh, sets.fixed, sets.linear, scene.probe.tool_radius_m);
 }
 
 }  // namespace phynness

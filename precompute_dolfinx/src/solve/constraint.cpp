@@ -24,27 +24,6 @@ void Constraint::condense(std::span<double> residual) const {
   as_vector(residual)(masters) += moved;
 }
 
-namespace {
-
-/// Tools that prescribe weighted means, sum_c B(t, c) a_c = q_t, of the displacements a_c of some control points.
-struct Means {
-  std::vector<int> controls;                ///< points of the body, without repeats
-  Eigen::MatrixXd B;                        ///< n_tools x n_controls
-  std::vector<std::vector<double>> shapes;  ///< per control: factor of a_c in the displacement of every point, 1 at the
-                                            ///< control itself and 0 at the others; empty: a control moves alone
-};
-
-/// Per point: the P1 hat function on the surface around a node.
-std::vector<double> hat(const Discretization& body, std::int32_t node, const std::vector<char>& fixed) {
-  std::vector<double> weights(static_cast<std::size_t>(body.n_points()), 0.0);
-  weights[static_cast<std::size_t>(node)] = 1;
-  for (int p = body.n_nodes(); p < body.n_points(); ++p)
-    if (const auto [a, b] = body.edge(p); !fixed[p] && body.on_surface(p) && (a == node || b == node)) weights[p] = 0.5;
-  return weights;
-}
-
-/// Per point: the integral of the pressure of a round tool times the function of the point, without fixed points,
-/// divided by the sum; zero everywhere if all of the tool is fixed.
 std::vector<double> mean_weights(const Discretization& body, const SurfacePoint& center, double radius,
                                  const std::vector<char>& fixed) {
   std::map<std::pair<std::int32_t, std::int32_t>, int> middle;
@@ -66,6 +45,25 @@ std::vector<double> mean_weights(const Discretization& body, const SurfacePoint&
     sum += weights[p];
   }
   for (auto& weight : weights) weight = sum > 0 ? weight / sum : 0;
+  return weights;
+}
+
+namespace {
+
+/// Tools that prescribe weighted means, sum_c B(t, c) a_c = q_t, of the displacements a_c of some control points.
+struct Means {
+  std::vector<int> controls;                ///< points of the body, without repeats
+  Eigen::MatrixXd B;                        ///< n_tools x n_controls
+  std::vector<std::vector<double>> shapes;  ///< per control: factor of a_c in the displacement of every point, 1 at the
+                                            ///< control itself and 0 at the others; empty: a control moves alone
+};
+
+/// Per point: the P1 hat function on the surface around a node.
+std::vector<double> hat(const Discretization& body, std::int32_t node, const std::vector<char>& fixed) {
+  std::vector<double> weights(static_cast<std::size_t>(body.n_points()), 0.0);
+  weights[static_cast<std::size_t>(node)] = 1;
+  for (int p = body.n_nodes(); p < body.n_points(); ++p)
+    if (const auto [a, b] = body.edge(p); !fixed[p] && body.on_surface(p) && (a == node || b == node)) weights[p] = 0.5;
   return weights;
 }
 

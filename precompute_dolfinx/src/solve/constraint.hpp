@@ -55,6 +55,11 @@ struct Constraint {
 Constraint tool_constraint(const Discretization& body, const std::vector<SurfacePoint>& centers, double radius,
                            const std::vector<char>& fixed);
 
+/// Per point: its weight in the mean that a round tool moves, as in its constraint; zero everywhere if all of the tool
+/// is fixed. Forces on the points are these times the force of the tool.
+std::vector<double> mean_weights(const Discretization& body, const SurfacePoint& center, double radius,
+                                 const std::vector<char>& fixed);
+
 /// Flags of the points that are held at zero: fixed nodes, and middles of edges between two fixed nodes.
 std::vector<char> fixed_points(const Discretization& body, std::span<const std::int32_t> fixed_nodes);
 std::vector<std::int32_t> displacement_dofs(const Discretization& body, const std::vector<char>& points);

@@ -186,6 +186,19 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
   return out;
 }
 
+Eigen::MatrixXd Equilibrium::change_under(const Eigen::MatrixXd& loads) {
+  if (must_end()) throw Interrupted();
+  Eigen::MatrixXd change = Eigen::MatrixXd::Zero(loads.rows(), loads.cols());
+  const auto& dof_of = _tangent.dof_of();
+  _counts.substitutions += loads.cols();
+  for (Eigen::Index c = 0; c < loads.cols(); ++c) {
+    WriteValues(_r).map() = loads.col(c)(dof_of);
+    if (!_linear.solve(_r, _x)) return {};
+    change.col(c)(dof_of) = ReadValues(_x).map();
+  }
+  return change;
+}
+
 Equilibrium::Velocity Equilibrium::velocity(std::span<const double> state, const Eigen::VectorXd& direction,
                                             Eigen::VectorXd guess) {
   const Eigen::VectorXd held = _constraint.G * direction;

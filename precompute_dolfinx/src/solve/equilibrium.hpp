@@ -65,6 +65,10 @@ class Equilibrium {
   ///                    sensitivity have k columns
   Linearization linearize(std::span<const double> state, const Eigen::MatrixXd& directions);
 
+  /// The change of the state under nodal forces, at the state of the latest linearize(), whose factors are used.
+  /// @param loads  n_dofs x k, dimensionless. @return n_dofs x k; empty if there are no factors
+  Eigen::MatrixXd change_under(const Eigen::MatrixXd& loads);
+
   /// dx/dq times `direction` at the converged state of the last solve(), for predictors. It is computed by one
   /// quasi-Newton correction of `guess` with the present factors, at a fifth of the cost of linearize().
   struct Velocity {

@@ -1,3 +1,4 @@
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/error.hpp>
@@ -43,6 +44,7 @@ struct ProbeSolver::Impl {
   RaySolver rays;
   NodalFields fields;
   std::size_t n_tools = 0;
+  bool is_free_at_rest = false;  ///< the factors are those of the untouched body at rest
   RaySolver::Rest rest;
   RestResponse rest_SI;
 
@@ -61,13 +63,41 @@ struct ProbeSolver::Impl {
 
   /// Prescribes the tools and computes their responses at rest.
   void touch(const std::vector<SurfacePoint>& tools) {
+    is_free_at_rest = false;
     equilibrium.prescribe(tool_constraint(body, tools, radius(), fixed));
     n_tools = tools.size();
     rest = rays.rest();
     rest_SI.stiffness_N_per_m = rest.tangent * scaling.stiffness_N_per_m();
-    rest_SI.sensitivity.resize(3 * body.n_nodes(), rest.sensitivity.cols());
+    rest_SI.sensitivity = of_nodes(rest.sensitivity);
+  }
+
+  RestResponse alone_at_rest(std::int32_t node) {
+    check_touched(node);
+    if (!is_free_at_rest) {
+      equilibrium.prescribe({});
+      n_tools = 0;
+      rest = rays.rest();
+      is_free_at_rest = true;
+    }
+    const auto weights = mean_weights(body, at_node(node), radius(), fixed);
+    Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(body.n_dofs(), 3);
+    for (int p = 0; p < body.n_points(); ++p)
+      for (int k = 0; k < 3; ++k) loads(body.dofs(p)[k], k) = weights[static_cast<std::size_t>(p)];
+    const Eigen::MatrixXd change = equilibrium.change_under(loads);
+    Eigen::Matrix3d stiffness = Eigen::Matrix3d::Constant(std::nan(""));
+    if (change.size() > 0) stiffness = Eigen::Matrix3d(loads.transpose() * change).inverse();
+    if (!stiffness.allFinite())
+      throw failure("the response at rest could not be computed", "node " + std::to_string(node),
+                    "write [probe] elsewhere = \"none\", which leaves it out");
+    return {0.5 * (stiffness + stiffness.transpose()) * scaling.stiffness_N_per_m(), of_nodes(change * stiffness)};
+  }
+
+  /// Rows of the nodes, in their order, of derivatives of the state.
+  Eigen::MatrixXd of_nodes(const Eigen::MatrixXd& of_dofs) const {
+    Eigen::MatrixXd rows(3 * body.n_nodes(), of_dofs.cols());
     for (int i = 0; i < body.n_nodes(); ++i)
-      for (int k = 0; k < 3; ++k) rest_SI.sensitivity.row(3 * i + k) = rest.sensitivity.row(body.dofs(i)[k]);
+      for (int k = 0; k < 3; ++k) rows.row(3 * i + k) = of_dofs.row(body.dofs(i)[k]);
+    return rows;
   }
 
   void set_zero(Response& response) const {
@@ -103,7 +133,10 @@ ProbeSolver::~ProbeSolver() = default;
 ProbeSolver::ProbeSolver(ProbeSolver&&) noexcept = default;
 
 int ProbeSolver::n_dofs() const { return _impl->body.n_dofs(); }
-void ProbeSolver::recover() { _impl->equilibrium.recover(); }
+void ProbeSolver::recover() {
+  _impl->is_free_at_rest = false;
+  _impl->equilibrium.recover();
+}
 void ProbeSolver::set_stop(std::function<bool()> stop, double patience_s) {
   _impl->equilibrium.set_stop(std::move(stop), patience_s);
 }
@@ -124,6 +157,8 @@ void ProbeSolver::touch_points(const std::vector<SurfacePoint>& points) {
         _impl->check_touched(point.nodes[k]);
   _impl->touch(points);
 }
+
+RestResponse ProbeSolver::alone_at_rest(std::int32_t node) { return _impl->alone_at_rest(node); }
 
 const RestResponse& ProbeSolver::rest() const { return _impl->rest_SI; }
 

@@ -136,7 +136,7 @@ class Run {
   void solve(const PrecomputeProgress& progress, const std::function<bool()>& stop,
              const std::function<void(const std::string&)>& warn);
   /// Rays that are not requested are recorded as such.
-  void pack();
+  void pack(const PrecomputeProgress& at_rest, const std::function<bool()>& stop);
   void add_up();
 
   PrecomputeReport report;
@@ -232,7 +232,7 @@ void Run::solve(const PrecomputeProgress& progress, const std::function<bool()>&
   report.interrupted = on_any_rank(_share.interrupted);
 }
 
-void Run::pack() {
+void Run::pack(const PrecomputeProgress& at_rest, const std::function<bool()>& stop) {
   if (report.interrupted || _complete || _target.part) return;
   _ranks.together([&] {
     if (_session.rank() != 0) return;
@@ -247,7 +247,21 @@ void Run::pack() {
     }
     if (log) log->close();
   });
-  DatabaseWriter::pack(_target.file, _header, _ranks);
+  bool ended = false;
+  try {
+    DatabaseWriter::pack(_target.file, _header, _ranks, [&](std::int32_t point) {
+      ended = stop && stop();
+      if (ended) throw Interrupted();
+      const auto start = Clock::now();
+      auto response = response_at_rest(*_solver, _header, point);
+      report.at_rest_seconds += seconds_since(start);
+      if (at_rest) at_rest(point + 1, std::ssize(_header.sets.linear));
+      return response;
+    });
+  } catch (...) {
+    report.interrupted = on_any_rank(ended);
+    if (!report.interrupted) throw;
+  }
 }
 
 void Run::add_up() {
@@ -260,7 +274,8 @@ void Run::add_up() {
 
 PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh, const NodeSets& sets,
                             const PrecomputeTarget& target, const PrecomputeProgress& progress,
-                            const std::function<bool()>& stop, const std::function<void(const std::string&)>& warn) {
+                            const std::function<bool()>& stop, const std::function<void(const std::string&)>& warn,
+                            const PrecomputeProgress& at_rest) {
   const auto start = Clock::now();
   Run run(session, scene, mesh, sets, target);
   run.create_file();
@@ -268,7 +283,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   const auto solving = Clock::now();
   run.solve(progress, stop, warn);
   const auto packing = Clock::now();
-  run.pack();
+  run.pack(at_rest, stop);
   const auto end = Clock::now();
   const auto seconds = [](auto from, auto to) { return std::chrono::duration<double>(to - from).count(); };
   run.report.setup_seconds = seconds(start, solving);

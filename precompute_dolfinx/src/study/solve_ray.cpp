@@ -90,4 +90,14 @@ Ray solve_ray(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t ac
   return ray;
 }
 
+AtRest response_at_rest(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t point) {
+  const auto response = solver.alone_at_rest(header.sets.linear[static_cast<std::size_t>(point)]);
+  AtRest stored;
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor>::Map(stored.stiffness_N_per_m.data()) = response.stiffness_N_per_m;
+  for (int along = 0; along < 3; ++along)
+    for (const auto node : header.sets.output)
+      for (int k = 0; k < 3; ++k) stored.displacement.push_back(response.sensitivity(3 * node + k, along));
+  return stored;
+}
+
 }  // namespace phynness

@@ -20,4 +20,7 @@ void recover(ProbeSolver& solver);
 /// @pre the solver touches the active node
 Ray solve_ray(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t active, std::int32_t direction);
 
+/// @param point  index into sets.linear
+AtRest response_at_rest(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t point);
+
 }  // namespace phynness

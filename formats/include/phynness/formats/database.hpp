@@ -1,6 +1,7 @@
 // The database of response sets. Layout, units and errors: formats/database.md.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -38,6 +39,12 @@ struct DatabaseHeader {
   std::string physics_hash, mesh_hash, software_version;
 };
 
+/// The linear response at rest to a tool at one of the points NodeSets::linear.
+struct AtRest {
+  std::array<double, 9> stiffness_N_per_m{};  ///< 3 x 3, row-major, symmetric
+  std::vector<double> displacement;  ///< 3 x n_output x 3: of the output nodes, per unit along x, y and z, without unit
+};
+
 /// The prescribed displacements, n_directions * n_increments x 3 [m], row direction * n_increments + increment.
 Points prescribed_displacements(const DatabaseHeader& header);
 
@@ -53,6 +60,9 @@ Scene stored_scene(const DatabaseHeader& header);
 
 /// Header of the database that precompute() writes for a scene.
 DatabaseHeader database_header(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
+
+/// Size of the responses at rest before compression.
+double at_rest_bytes(const DatabaseHeader& header);
 
 /// Size of the record of a ray in a log. A finished database has about five sixths of it for each ray.
 double record_bytes(const DatabaseHeader& header);
@@ -93,6 +103,8 @@ class Database {
   const DatabaseHeader& header() const;
   /// All rays of one active node (index into sets.active), one per direction, in order.
   std::vector<Ray> rays(std::int32_t active) const;
+  /// @param point  index into sets.linear
+  AtRest at_rest(std::int32_t point) const;
   /// Status of every increment, [active][direction][increment] flattened.
   std::vector<Status> statuses() const;
 
@@ -213,8 +225,12 @@ class DatabaseWriter {
 
   /// Packs all logs into a new file, renames it to FILE, and removes FILE.log. The bytes do not depend on the number of
   /// ranks. Must be called after all processes have closed their logs.
+  /// @param at_rest  gives, on rank 0, the response at rest of each of sets.linear; what it throws ends the packing,
+  /// and
+  ///                 the logs remain
   /// @throws Error (failure) if rays are missing
-  static void pack(const std::filesystem::path& file, const DatabaseHeader& header, const PackingRanks& ranks = {});
+  static void pack(const std::filesystem::path& file, const DatabaseHeader& header, const PackingRanks& ranks = {},
+                   const std::function<AtRest(std::int32_t point)>& at_rest = {});
 
  private:
   struct Impl;

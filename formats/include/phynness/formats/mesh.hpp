@@ -63,6 +63,9 @@ struct NodeSets {
   std::vector<std::int32_t> active;      ///< probed one at a time
   std::vector<std::int32_t> output;      ///< their displacements are stored and modelled
   std::vector<TouchedNodes> tools = {};  ///< what the tool at each active node moves
+  /// Points of the rest of the free surface, of whose tools only the response at rest is stored.
+  std::vector<std::int32_t> linear = {};
+  std::vector<TouchedNodes> linear_tools = {};
 };
 
 /// Boundary faces of tetrahedra with outward normals, in the order of their cells.

@@ -75,13 +75,16 @@ struct SolverSpec {
 };
 
 enum class ProbeKind { node, patch };
+/// What is stored for the points of the free surface that are not probed.
+enum class Elsewhere { linear, none };
 enum class Directions { three, fourteen, twenty_six, ninety_eight, hemisphere };
 
 struct ProbeSpec {
   ProbeKind kind = ProbeKind::node;
-  bool kind_given = false;   ///< false: the scene does not name a kind
-  double tool_radius_m = 0;  ///< patch only
-  int tools = 1;             ///< at the same time; of more than one, `run` also makes a reduced body
+  bool kind_given = false;                  ///< false: the scene does not name a kind
+  double tool_radius_m = 0;                 ///< patch only
+  int tools = 1;                            ///< at the same time; of more than one, `run` also makes a reduced body
+  Elsewhere elsewhere = Elsewhere::linear;  ///< patch only
   Directions directions = Directions::twenty_six;
   int increments = 6;
   double max_displacement_m = 0;
@@ -174,6 +177,7 @@ std::string other_settings(const Scene& scene);
 const char* name(Shape);
 const char* name(ProbeKind);
 const char* name(Directions);
+const char* name(Elsewhere);
 const char* name(Family);
 
 /// The exploratory directions of a kind as unit vectors, in the order of formats/database.md. `hemisphere` has the 26

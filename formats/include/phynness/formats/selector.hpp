@@ -66,5 +66,7 @@ struct Selector {
 /// Whether one of the selectors spreads its nodes over a part of the surface; a round tool is interpolated between
 /// them.
 bool spreads(const Selection& selection);
+/// Spacing of the first of them that gives one [m]; 0: none does.
+double spacing_m(const Selection& selection);
 
 }  // namespace phynness

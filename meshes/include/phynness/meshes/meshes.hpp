@@ -96,5 +96,8 @@ bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed);
 NodeSets resolve_selections(const Scene& scene, const Mesh& mesh, const NodeList& probed = {});
 /// The same with output `sets`, which after an error contains the selections that were made before it.
 void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets, const NodeList& probed = {});
+/// Sets the points of the free surface beside the active nodes, so that both together have one spacing, and their
+/// tools.
+void select_elsewhere(const Scene& scene, const Mesh& mesh, NodeSets& sets);
 
 }  // namespace phynness

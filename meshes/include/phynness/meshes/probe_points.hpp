@@ -37,13 +37,17 @@ struct ProbeCoordinates {
   NodeList covered;                    ///< the nodes that have coordinates, ascending, with the probed ones
   std::vector<std::int32_t> triangle;  ///< of each covered node, a row of `triangles`
   Points weights;                      ///< n_covered x 3 barycentric weights in it, >= 0 and of sum 1
+  std::vector<char> is_beyond;         ///< of each covered node: it is beyond the outermost triangles
 };
 /// Only nodes in triangles with edges of at most `longest_m` are covered, and beside the outermost ones nodes up to a
 /// quarter of an edge beyond. Triangles end at the probed part: nodes between three cells are no farther from the
 /// probed nodes of these than neighbouring probed nodes are from each other, and triangles face as the surface does.
 /// @param probed, fixed  ascending; nothing reaches across fixed nodes, which have no coordinates
+/// @param linear  ascending, other points (NodeSets::linear), to which the probed nodes are joined. The triangles of
+///   probed nodes come first and are those without them, and so are the coordinates of the nodes in them; all others
+///   follow, with edges of any length, and cover all nodes near them.
 ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface, const NodeList& probed,
-                                   const NodeList& fixed, double longest_m);
+                                   const NodeList& fixed, double longest_m, const NodeList& linear = {});
 
 /// Sets the coordinates of a model's surface nodes between its active nodes, which are the middles of round tools.
 /// @param longest_m  edge of a triangle between them

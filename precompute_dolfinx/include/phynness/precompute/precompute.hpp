@@ -41,6 +41,7 @@ struct PrecomputeReport : RayCounts {
   std::int64_t increments_of_run = 0;                             ///< increments that this run solved
   double wall_seconds = 0, core_seconds = 0;                      ///< of this run; core_seconds summed over ranks
   double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;  ///< parts of wall_seconds
+  double at_rest_seconds = 0;                                     ///< of pack_seconds: responses at rest, by rank 0
   double idle_share = 0;         ///< of the wall time of solving, on all ranks: waiting for the last ray
   double peak_memory_bytes = 0;  ///< of the largest rank
   bool interrupted = false;      ///< finished rays are kept; --resume continues
@@ -54,15 +55,17 @@ using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 /// Collective over MPI_COMM_WORLD: all ranks call it with the same arguments. Free ranks fetch rays node by node, in
 /// tasks of decreasing size. Every ray starts at rest, so that the result does not depend on the rank that solves it. A
 /// ray that cannot be solved is recorded as failed with its reason. Messages of libraries go to
-/// `<target.file>.solver.log`.
+/// `<target.file>.solver.log`. The responses at rest come last, while the database is packed.
 /// @pre without a part, rank 0 holds the DatabaseLock of the file
 /// @param stop  polled between rays, and between iterations of a solve, on every rank; true ends the run and keeps
 /// finished rays
 /// @param warn  called immediately on a rank that cannot continue, for example because its file system is full; the
 ///              other ranks finish their present nodes before this function throws
+/// @param at_rest  as `progress`, with the points whose response at rest is computed
 /// @throws Error
 PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh, const NodeSets& sets,
                             const PrecomputeTarget& target, const PrecomputeProgress& progress = {},
                             const std::function<bool()>& stop = {},
-                            const std::function<void(const std::string&)>& warn = {});
+                            const std::function<void(const std::string&)>& warn = {},
+                            const PrecomputeProgress& at_rest = {});
 }  // namespace phynness

@@ -1,0 +1,87 @@
+// Claims: of a scene of round tools the database has points of the free surface beside the active ones, at one spacing
+// with them, with the response at rest. A scene without them has the same rays and hash, and grows to them without
+// solving a ray; they end as they began if the scene no longer wants them. Commands name them.
+#include <algorithm>
+#include <phynness/formats/database.hpp>
+
+#include "command_line.hpp"
+#include "same_results.hpp"
+
+namespace phynness::test {
+namespace {
+
+class Elsewhere : public CommandLine {
+ protected:
+  /// A block whose top is active in part, with points `spacing` apart.
+  static std::string patch_scene(const std::string& keys) {
+    auto scene = small_scene("p1-p1", 1);
+    const auto active = scene.find("active = [");
+    scene.replace(active, scene.find("[probe]") - active,
+                  "active = { spacing_m = 0.04, within = { sphere = { center_fraction = [0.2, 0.5, 1], radius_m = 0.04 "
+                  "}, surface_only = true } }\noutput = \"free\"\n");
+    const std::string directions = "directions = 26";
+    return scene.replace(scene.find(directions), directions.size(),
+                         "directions = 3\nkind = \"patch\"\ntool_radius_m = 0.0375\n" + keys);
+  }
+  AtRest response(const char* file, std::int32_t point) const { return Database::open(folder / file).at_rest(point); }
+};
+
+TEST_F(Elsewhere, PointsAreSpreadAndGrow) {
+  write_file(folder / "scene.toml", patch_scene(""));
+  write_file(folder / "without.toml", patch_scene("elsewhere = \"none\"\n"));
+  const auto solved = succeed("precompute scene.toml -o database.h5 --json run.json");
+  const auto header = read_database_header(folder / "database.h5");
+  const auto& sets = header.sets;
+  ASSERT_GT(sets.linear.size(), 6U);
+  EXPECT_EQ(json("run.json").at("points_at_rest"), sets.linear.size());
+  expect_names(solved.out, {std::to_string(sets.linear.size()) + " points elsewhere"});
+  expect_names(succeed("info database.h5").out, {std::to_string(sets.linear.size()) + " elsewhere with the linear"});
+  expect_names(succeed("plan scene.toml").out, {"elsewhere " + std::to_string(sets.linear.size()) + " points"});
+  expect_error(be_refused("show database.h5 --direction 0 -o x.pvd --node " + std::to_string(sets.linear[0])).err,
+               {"response at rest only"});
+  // Distances along the surface are not shorter than straight ones.
+  NodeList free = surface_nodes(header.mesh.surface);
+  std::erase_if(free, [&](std::int32_t i) { return std::ranges::binary_search(sets.fixed, i); });
+  auto all = sets.linear;
+  all.insert(all.end(), sets.active.begin(), sets.active.end());
+  for (const auto i : free) {
+    const auto away = (header.mesh.nodes(all, Eigen::all).rowwise() - header.mesh.nodes.row(i)).rowwise().norm();
+    EXPECT_LE(away.minCoeff(), 0.75 * 0.04) << i;
+  }
+  for (const auto i : sets.linear) {
+    EXPECT_TRUE(std::ranges::binary_search(free, i)) << i;
+    EXPECT_FALSE(std::ranges::binary_search(sets.active, i)) << i;
+  }
+  ASSERT_EQ(sets.linear_tools.size(), sets.linear.size());
+  EXPECT_TRUE(sets.linear_tools[0].mean);
+
+  succeed("precompute without.toml -o grown.h5");
+  const auto before = read_database_header(folder / "grown.h5");
+  EXPECT_TRUE(before.sets.linear.empty());
+  EXPECT_EQ(before.physics_hash, header.physics_hash);
+  succeed("precompute scene.toml -o grown.h5 --resume --json run.json");
+  EXPECT_EQ(json("run.json").at("increments_of_run"), 0);
+  expect_same_results(folder / "grown.h5", folder / "database.h5");
+  for (std::int32_t i = 0; i < std::ssize(sets.linear); ++i) {
+    EXPECT_EQ(response("grown.h5", i).stiffness_N_per_m, response("database.h5", i).stiffness_N_per_m);
+    EXPECT_EQ(response("grown.h5", i).displacement, response("database.h5", i).displacement);
+  }
+  // The tool's mean moves with the tool, up to the float32 of the displacements.
+  const auto one = response("database.h5", 0);
+  for (std::size_t along = 0; along < 3; ++along)
+    for (std::size_t k = 0; k < 3; ++k) {
+      double mean = 0;
+      for (std::size_t i = 0; i < sets.linear_tools[0].nodes.size(); ++i) {
+        const auto at = std::ranges::find(sets.output, sets.linear_tools[0].nodes[i]) - sets.output.begin();
+        mean += sets.linear_tools[0].weights[i] *
+                one.displacement[3 * (along * sets.output.size() + static_cast<std::size_t>(at)) + k];
+      }
+      EXPECT_NEAR(mean, along == k, 1e-6);
+    }
+  succeed("precompute without.toml -o grown.h5 --resume --json run.json");
+  EXPECT_EQ(json("run.json").at("increments_of_run"), 0);
+  EXPECT_TRUE(read_database_header(folder / "grown.h5").sets.linear.empty());
+}
+
+}  // namespace
+}  // namespace phynness::test
