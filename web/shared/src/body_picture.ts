@@ -1,7 +1,7 @@
 // The picture of a body: its surface with light and colours, seen by a camera. The page adds its own objects to `scene`.
 import {
   BufferAttribute, BufferGeometry, Color, DirectionalLight, DynamicDrawUsage, Group, HemisphereLight, Mesh,
-  MeshBasicMaterial, MeshStandardMaterial, PerspectiveCamera, Scene, WebGLRenderer,
+  MeshStandardMaterial, PerspectiveCamera, Scene, WebGLRenderer,
 } from 'three';
 import { angleOfView, frameOf, type Camera, type Size } from './camera.js';
 import { normalsOf } from './normals.js';
@@ -19,9 +19,7 @@ export class BodyPicture {
   private readonly renderer: WebGLRenderer;
   private readonly eye = new PerspectiveCamera((angleOfView * 180) / Math.PI, 1, 0.01, 10);
   private readonly material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.62, metalness: 0 });
-  private readonly lines = new MeshBasicMaterial({ color: 0, wireframe: true, transparent: true, opacity: 0.28, depthWrite: false });
   private readonly body: Mesh<BufferGeometry, MeshStandardMaterial>;
-  private readonly edges: Mesh<BufferGeometry, MeshBasicMaterial>;
   private readonly key = new DirectionalLight(0xffffff, 2.3);
   private readonly sky = new HemisphereLight(0xffffff, 0x7a6a66, 1.25);
   private triangles: Int32Array = new Int32Array(0);
@@ -31,13 +29,13 @@ export class BodyPicture {
   constructor(readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
     this.renderer.setClearColor(new Color(0), 0);
+    // What lies on the surface is drawn over it.
     this.material.polygonOffset = true;
     this.material.polygonOffsetFactor = 1;
     this.material.polygonOffsetUnits = 1;
     this.body = new Mesh(new BufferGeometry(), this.material);
-    this.edges = new Mesh(this.body.geometry, this.lines);
-    this.body.frustumCulled = this.edges.frustumCulled = this.edges.visible = false;
-    this.scene.add(this.body, this.edges, this.objects, this.sky, this.key, this.key.target);
+    this.body.frustumCulled = false;
+    this.scene.add(this.body, this.objects, this.sky, this.key, this.key.target);
   }
 
   get size(): Size {
@@ -61,7 +59,7 @@ export class BodyPicture {
       geometry.setAttribute(name, new BufferAttribute(new Float32Array(3 * nVertices), 3).setUsage(DynamicDrawUsage));
     geometry.setIndex(new BufferAttribute(Uint32Array.from(triangles), 1));
     this.triangles = triangles;
-    this.body.geometry = this.edges.geometry = geometry;
+    this.body.geometry = geometry;
   }
   /** Positions of all vertices, n x 3 [m]; to be changed in place, then call positionsChanged. */
   get positions(): Float32Array {
@@ -85,9 +83,6 @@ export class BodyPicture {
     this.key.intensity = flat ? 0.9 : 2.3;
     this.sky.intensity = flat ? 2.3 : 1.25;
     this.material.roughness = flat ? 0.95 : 0.62;
-  }
-  set showEdges(show: boolean) {
-    this.edges.visible = show;
   }
 
   render(camera: Camera): void {

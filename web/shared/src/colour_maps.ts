@@ -59,9 +59,9 @@ export function linearColour(t: number): Rgb {
   return table[Number.isNaN(k) ? 0 : k]!;
 }
 
-/** The same as a CSS colour. */
-export function cssColour(t: number): string {
-  return `rgb(${linearColour(t).map((x) => Math.round(255 * encoded(x))).join(' ')})`;
+/** A colour in linear light as a CSS colour. */
+export function cssOf(colour: Rgb): string {
+  return `rgb(${colour.map((x) => Math.round(255 * encoded(x))).join(' ')})`;
 }
 
 /** Colours of vertices in linear light, n x 3. @param weights  0 ... 1: how far a value is known; 0 has colour `unknown` */

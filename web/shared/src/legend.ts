@@ -1,5 +1,5 @@
 // The legend of a colour map: title, bar, ticks and unit.
-import { cssColour } from './colour_maps.js';
+import { cssOf, linearColour } from './colour_maps.js';
 import { shown, significant, ticks } from './numbers.js';
 
 export interface Scale {
@@ -30,7 +30,7 @@ export class Legend {
     this.element.className = 'legend';
     this.element.hidden = true;
     this.bar.className = 'legend-bar';
-    const colours = Array.from({ length: 33 }, (_, i) => cssColour(i / 32));
+    const colours = Array.from({ length: 33 }, (_, i) => cssOf(linearColour(i / 32)));
     this.bar.style.background = `linear-gradient(to right, ${colours.join(', ')})`;
     this.marks.className = 'legend-marks';
     this.note.className = 'legend-note';

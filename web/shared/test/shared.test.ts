@@ -1,7 +1,7 @@
 // Camera, colour map and numbers, which the pages share.
 import { describe, expect, test } from 'vitest';
 import { acrossScreen, frameOf, framing, outsideOf, project, rayThrough, turned, type Camera } from '../src/camera.js';
-import { cssColour, encoded, linearColour } from '../src/colour_maps.js';
+import { cssOf, encoded, linearColour } from '../src/colour_maps.js';
 import { placeOn } from '../src/legend.js';
 import { normalsOf } from '../src/normals.js';
 import { plain, roundedDown, significant, ticks } from '../src/numbers.js';
@@ -78,8 +78,9 @@ describe('colour map', () => {
   test('all colours lie inside of sRGB and are not clipped', () => {
     for (let i = 0; i <= 255; ++i) for (const x of linearColour(i / 255)) expect(x > 0 && x < 1).toBe(true);
     expect(encoded(1)).toBeCloseTo(1, 12);
-    expect(cssColour(-1)).toBe(cssColour(0));
-    expect(cssColour(NaN)).toBe(cssColour(0));
+    expect(cssOf([0, 1, 0.2158605])).toBe('rgb(0 255 128)'); // IEC 61966-2-1
+    expect(linearColour(-1)).toEqual(linearColour(0));
+    expect(linearColour(NaN)).toEqual(linearColour(0));
   });
 });
 

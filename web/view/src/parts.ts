@@ -1,6 +1,6 @@
 // The parts of the surface by how they answer: their colours, and a legend with their shares of the free surface.
 import { held, tissue } from '../../shared/src/body_picture.js';
-import { encoded, type Rgb } from '../../shared/src/colour_maps.js';
+import { cssOf, type Rgb } from '../../shared/src/colour_maps.js';
 import { significant } from '../../shared/src/numbers.js';
 import { cross, norm, row, sub } from '../../shared/src/vectors.js';
 import type { Part, Runtime } from './answers.js';
@@ -30,19 +30,20 @@ export function partsLegend(runtime: Runtime): HTMLElement {
   for (const part of Object.keys(words) as Part[]) {
     if (shares[part] === 0) continue;
     const line = list.appendChild(document.createElement('li')), swatch = line.appendChild(document.createElement('i'));
-    swatch.style.background = `rgb(${colours[part].map((x) => Math.round(255 * encoded(x))).join(' ')})`;
+    swatch.style.background = cssOf(colours[part]);
     line.append(part === 'fixed' ? words[part] : `${words[part]} (${significant(100 * shares[part], 2)} %)`);
   }
   return list;
 }
 
 /** Colours of the vertices of a subdivided surface, n x 3, in linear light. */
-export function partColours(surface: { deform(field: Float64Array): Float32Array }, { parts, field }: Runtime, out: Float32Array): void {
+export function partColours(surface: { deform(field: Float64Array): Float32Array }, { parts, field }: Runtime): Float32Array {
   // The subdivision is linear: the share of each part at a vertex, sharpened to half a triangle.
   const of = Float64Array.from({ length: field.length }, (_, i) => Number(i % 3 === 0 ? parts[(i - (i % 3)) / 3] === 'nonlinear' : i % 3 === 1));
-  const shares = surface.deform(of), sharp = (x: number) => Math.min(1, Math.max(0, 2 * x - 0.5));
+  const shares = surface.deform(of), out = new Float32Array(shares.length), sharp = (x: number) => Math.min(1, Math.max(0, 2 * x - 0.5));
   for (let i = 0; i < out.length; i += 3) {
     const trained = sharp(shares[i]!), free = sharp(shares[i + 1]!);
     for (let k = 0; k < 3; ++k) out[i + k] = (1 - free) * held[k]! + free * (trained * tissue[k]! + (1 - trained) * pale[k]!);
   }
+  return out;
 }

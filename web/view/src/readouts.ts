@@ -51,6 +51,7 @@ export function statesOf({ answer, tools, mode, limit, runtime, sphere }: Sessio
 }
 
 export class Readouts {
+  private readonly heading = byId('force-heading', HTMLElement);
   private readonly newtons = byId('newtons', HTMLElement);
   private readonly verdict = byId('verdict', HTMLElement);
   private readonly reasons = byId('reasons', HTMLElement);
@@ -60,6 +61,7 @@ export class Readouts {
 
   show(session: Session): void {
     const { answer: { forces, bounds }, touching, mode, current } = session, force = norm(forces[current] ?? [0, 0, 0]);
+    setText(this.heading, forces.length > 1 ? `Force of tool ${current + 1} on the body` : 'Force on the body');
     setText(this.newtons, significant(force, digitsOf(force, bounds[current] ?? null)));
     const states = touching ? statesOf(session) : [], good: State = ['good', 'inside range', 'No warning.'];
     const [kind, word] = states[0] ?? good;

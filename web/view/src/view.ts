@@ -30,6 +30,7 @@ export class View {
   private readonly hint = byId('hint', HTMLElement);
   private readonly legend = new Legend();
   private readonly parts: HTMLElement;
+  private readonly partColours: Float32Array;
   private readonly overlay = new Overlay();
   private readonly readouts = new Readouts();
   private readonly controls: Controls;
@@ -51,6 +52,7 @@ export class View {
     this.camera = framing(this.rest, this.size);
     this.marks = new Marks(this.picture.objects, session.bounds.radius, runtime.active.size);
     this.parts = partsLegend(runtime);
+    this.partColours = partColours(this.surface, runtime);
     byId('foot', HTMLElement).append(this.parts, this.legend.element, this.overlay.element);
     const hands = new Hands(this);
     this.controls = new Controls(this, hands);
@@ -164,7 +166,7 @@ export class View {
     if (map) {
       const { values, weights } = onSurface(surface, map);
       coloursOf(values, weights, map.scale.low, map.scale.high, unknown, picture.colours);
-    } else partColours(surface, session.runtime, picture.colours);
+    } else picture.colours.set(this.partColours);
     picture.coloursChanged();
     picture.flatLight = kind !== undefined;
     this.legend.show(map?.scale ?? null);
