@@ -53,8 +53,10 @@ function expose(view: View): void {
 }
 
 start().catch((error: unknown) => {
-  const reason = error instanceof PhynnessError ? `${error.message}. Write it again with phynness view` : error instanceof Error ? error.message : String(error);
+  const reason = error instanceof Error ? error.message : String(error);
+  const remedy = error instanceof PhynnessError || error instanceof WebAssembly.CompileError ? ' Write the page again with phynness view.' : '';
   const problem = byId('problem', HTMLElement);
+  document.body.dataset['mode'] = 'failed';
   problem.hidden = false;
-  setText(problem, `This page cannot start: ${reason}.`);
+  setText(problem, `This page cannot start: ${reason}.${remedy}`);
 });
