@@ -1,6 +1,6 @@
 // Two tools of a body that come near to each other: no force grows without limit, and it stays that of an energy.
 #include <gtest/gtest.h>
-#include <phynness/phynness_body.h>
+#include <phynness/phynness.hpp>
 
 #include <Eigen/Dense>
 #include <phynness/formats/body.hpp>
@@ -144,6 +144,53 @@ TEST(NearTools, ApproachWithoutAJump) {
     EXPECT_LT(unsettled, n / 50);
     EXPECT_LT(change, 0.05 * largest);
     EXPECT_LT(apart, 0.05 * largest);
+  }
+}
+
+// Claim: spheres that press side by side, come near until they are at one place and leave again, at 10 mm/s each with
+// one step in each millisecond, have forces that change by at most 5 % of the largest from one to the next, and at one
+// place they share the force of one.
+TEST(NearTools, SpheresShareWithoutAJump) {
+  const Block block;
+  const std::string text = write_body_text(block.body);
+  constexpr double radius = 0.01, depth = 0.3 * block_depth, step = 1e-5;
+  for (const double friction : {0.0, 0.5}) {
+    Organ organ({}, text, 2);
+    ASSERT_TRUE(organ);
+    double largest = 0, change = 0, jump_at = 0, together = 0;
+    Eigen::Vector3d last[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    const auto sphere = [&](double x, double deep) {
+      return phn_contact_tool{{0.06 + x, 0.061, 0.03 + radius - deep}, radius, friction, PHN_TOOL_PRESS};
+    };
+    const auto move = [&](double separation, double deep) {
+      const phn_contact_tool spheres[] = {sphere(-separation / 2, deep), sphere(separation / 2, deep)};
+      phn_contact_state states[2];
+      ASSERT_GE(organ.touch({spheres, 2}, {states, 2}), 0);
+      for (int t = 0; t < 2; ++t) {
+        const Eigen::Vector3d force(states[t].force);
+        largest = std::max(largest, force.norm());
+        if ((force - last[t]).norm() > change) jump_at = separation;
+        change = std::max(change, (force - last[t]).norm());
+        last[t] = force;
+      }
+    };
+    constexpr double apart = 0.6 * block_radius;
+    for (double deep = -0.001; deep < depth; deep += step) move(apart, deep);
+    for (double separation = apart; separation > 0; separation -= step) move(separation, depth);
+    together = (last[0] + last[1]).norm();
+    EXPECT_NEAR(last[0].norm(), last[1].norm(), 0.2 * together);
+    for (double separation = 0; separation < apart; separation += step) move(separation, depth);
+    for (double deep = depth; deep > -0.001; deep -= step) move(apart, deep);
+    EXPECT_LT(change, 0.05 * largest) << friction << " at " << jump_at;
+    EXPECT_EQ(last[0].norm() + last[1].norm(), 0);
+    if (friction > 0) continue;
+    Organ one({}, text);
+    phn_contact_state state;
+    for (double deep = -0.001; deep < depth; deep += step) {
+      const phn_contact_tool alone = sphere(0, deep);
+      ASSERT_GE(one.touch({&alone, 1}, {&state, 1}), 0);
+    }
+    EXPECT_NEAR(together, Eigen::Vector3d(state.force).norm(), 0.05 * together);
   }
 }
 

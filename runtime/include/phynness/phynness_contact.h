@@ -73,7 +73,7 @@ PHN_API int phn_contact_init(void* memory, size_t bytes, const phn_model* model,
  * until the force is within 1e-4 of the cone, in at most 8 steps per call (4 with two tools in contact, 2 with more).
  * If these steps do not suffice, the force is projected onto the cone and `unbalanced` is the difference. Contact ends
  * where the force would pull. A tool that others have pushed the surface away from follows it without a force. Of
- * several tools that press at one point, only the deepest has a force.
+ * several tools that press at one point of a model, only the deepest has a force; on a body they share it.
  *
  * A tool that slides with little friction from soft to stiff tissue would return more work than was done on it, because
  * its force is normal and sideways motion does no work. In families with an energy, and of a body, the forces of
@@ -97,7 +97,9 @@ PHN_API int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_too
 
 /* The same for a body, whose triangles can be touched if their corners are not all fixed and each is fixed or within
  * the tool's radius of a probed point. `state` was made for at least n_tools. All calls of phn_body_press in a step
- * make at most `steps` (>= 1) steps of Newton's method together, before the first of which tools slide by a prediction.
+ * make at most `steps` (>= 1) steps of Newton's method together, before the first of which forces and slides of all
+ * tools are predicted together. A tool that arrives while others are felt has its first force in the next call. A proxy
+ * slides by at most twice the motion of its tool and a hundredth of the tool's radius in a call.
  * `pressed` may be null; its steps are those of the whole call. Afterwards phn_body_deform gives the deformation, and a
  * field of it is that of phn_contact_refit. */
 PHN_API int phn_body_contact_size(const phn_body* body, int32_t max_tools, size_t* bytes);

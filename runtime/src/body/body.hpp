@@ -47,14 +47,22 @@ struct ToolScratch {
 /// Mean displacements of the modes under a tool: three rows. @return PHN_OK, PHN_WARNING_OUTSIDE or an error
 int means_of_modes(phn_body_state& state, const phn_tool& tool, double* rows);
 
-/// Mean displacement under a tool in the present state [m]; zeros where that is not defined.
-void mean_displacement(phn_body_state& state, const phn_tool& tool, double mean[3]);
-
 /// Distance from which on there is no spring between two tools [m].
 double near_distance(const phn_body& body);
 
 /// state.springs, from the places of the tools and their compliance at rest. @pre state.rows are those of the tools
-void set_springs(phn_body_state& state, std::int32_t n_tools, const phn_tool* tools);
+/// @param heights  of the tools over the surface [m]; null: zeros
+void set_springs(phn_body_state& state, std::int32_t n_tools, const phn_tool* tools, const double* heights);
+
+/// Where a next step is larger than this part of the deformation, forces are those of the call before.
+inline constexpr double far_from_balance = 0.1;
+
+/// phn_body_press with tools that are not held, behind those that are: no force acts on them, but they have springs.
+/// @param n_tools   all of them, of which n_held are held
+/// @param held_by   3 n_held forces [N], in an array of zeros for PHN_MOST_COUPLED tools
+/// @return a status of phynness.h; outputs are then undefined where it is an error
+int press_body(phn_body_state& state, std::int32_t n_held, std::int32_t n_tools, const phn_tool* tools,
+               const double* heights, std::int32_t steps, double* held_by, phn_body_pressed& made);
 
 /// Dense loops, for several instruction sets (core/kernels.hpp). Strides and numbers of columns are whole blocks.
 struct BodyKernels {
@@ -105,7 +113,7 @@ struct phn_body_state {
   bool has_springs;
   double near;                        ///< near_distance
   double held[3 * PHN_MOST_COUPLED];  ///< multiples of the squares of what the tools displace that the factor has [N/m]
-  std::int32_t n_rows;                ///< of the tools that are held
+  std::int32_t n_rows, n_all_rows;    ///< of the tools that are held; and of those behind them
   double wanted[3 * PHN_MOST_COUPLED], force[3 * PHN_MOST_COUPLED];  ///< of these tools
   int status;                                                        ///< of the last press
   bool is_at_rest;                                                   ///< no tool was held since the start or a release

@@ -52,13 +52,21 @@ struct Compliance {
     for (std::int32_t r = 0; r < n; ++r)
       for (std::int32_t k = 0; k <= r; ++k)
         lower[r][k] = product(at(state.rows, r), at(state.moved, k), state.body->info.n_modes);
-    if (state.has_springs && n == state.n_rows) add_springs(state, is_held);
+    if (state.has_springs && n >= state.n_rows) add_springs(state, n, is_held);
+    factorize(n);
+  }
+
+  /// L in place of L L^T. @return whether that is definite
+  bool factorize(std::int32_t n) {
+    bool is_definite = true;
     for (std::int32_t r = 0; r < n; ++r) {
       for (std::int32_t k = 0; k < r; ++k) lower[r][k] = (lower[r][k] - product(lower[r], lower[k], k)) / lower[k][k];
       const double pivot = lower[r][r] - product(lower[r], lower[r], r);
       const double least = rounded_away * lower[r][r];
       lower[r][r] = least > 0 ? std::sqrt(std::fmax(pivot, least)) : HUGE_VAL;
+      is_definite = is_definite && pivot > least && least > 0;
     }
+    return is_definite;
   }
 
   /// Compliance of a tool alone at rest [m/N]. @param first  of its three rows
@@ -71,12 +79,11 @@ struct Compliance {
                             state.body->info.n_modes);
   }
 
-  void add_springs(const phn_body_state& state, bool is_held) {
-    const std::int32_t n = state.n_rows;
+  void add_springs(const phn_body_state& state, std::int32_t n, bool is_held) {
     for (std::int32_t r = 0; r < n; ++r)
       for (std::int32_t k = 0; k <= r; ++k) {
         lower[r][k] += state.springs[r][k];
-        for (std::int32_t i = 0; i < n && is_held; ++i)
+        for (std::int32_t i = 0; i < state.n_rows && is_held; ++i)
           lower[r][k] += state.springs[r][i] * state.held[i] * state.springs[i][k];
       }
   }

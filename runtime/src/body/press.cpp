@@ -14,7 +14,7 @@ namespace {
 /// Steps are at an end where the next one, in the norm of the energy, is smaller than the deformation by this factor.
 constexpr double settled = 1e-7;
 /// From here on the forces are not those of an equilibrium.
-constexpr double unsettled = 1e-2, far_from_balance = 0.1;
+constexpr double unsettled = 1e-2;
 /// Where a step shrinks less than by this factor, or was cut, more of the stiffness is renewed.
 constexpr double slow = 0.3;
 constexpr std::int32_t many_panels = 4;
@@ -198,29 +198,31 @@ void release(phn_body_state& state) {
   state.part = 1;
 }
 
-/// phn_body_press, of which neither output is written yet.
-int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, const phn_tool* tools, std::int32_t steps,
-          const double* forces, double* held_by, phn_body_pressed& made) {
-  if (body == nullptr || state == nullptr || state->body != body || n_tools < 0 || steps < 1 ||
-      (n_tools > 0 && (tools == nullptr || forces == nullptr)))
-    return PHN_ERROR_ARGUMENT;
+}  // namespace
+
+int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t n_tools, const phn_tool* tools,
+                            const double* heights, std::int32_t steps, double* held_by, phn_body_pressed& made) {
+  phn_body_state* const state = &s;
+  const phn_body* const body = s.body;
   if (n_tools > most_body_tools) return PHN_ERROR_TOO_MANY_TOOLS;
   if (n_tools > state->max_tools) return PHN_ERROR_TOOLS;
   const double depth = body->info.max_displacement_m, farthest = most_depths * depth;
   int status = PHN_OK;
-  if (state->n_rows != 3 * n_tools) set_zero(state->force, 3 * most_body_tools);
-  state->n_rows = 0;
-  std::int32_t n_rows = 0;
+  if (state->n_rows != 3 * n_held) set_zero(state->force, 3 * most_body_tools);
+  state->n_rows = state->n_all_rows = 0;
   for (std::int32_t t = 0; t < n_tools; ++t) {
     const int of_tool = means_of_modes(*state, tools[t], state->rows + 3 * static_cast<std::int64_t>(t) * body->stride);
     if (of_tool < 0) return of_tool;
+    if (t >= n_held) continue;
     status |= of_tool;
     if (!(length(tools[t].displacement) <= depth * depth_slack<double>)) status |= PHN_WARNING_OUTSIDE;
-    for (const double d : tools[t].displacement) state->wanted[n_rows++] = std::fmin(std::fmax(d, -farthest), farthest);
+    for (int k = 0; k < 3; ++k)
+      state->wanted[3 * t + k] = std::fmin(std::fmax(tools[t].displacement[k], -farthest), farthest);
   }
-  state->n_rows = n_rows;
-  set_springs(*state, n_tools, tools);
-  if (n_tools == 0) {
+  state->n_rows = 3 * n_held;
+  state->n_all_rows = 3 * n_tools;
+  set_springs(*state, n_tools, tools, heights);
+  if (n_held == 0) {
     release(*state);
     state->status = PHN_OK;
     return PHN_OK;
@@ -230,7 +232,7 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
   equilibrium.settle(steps, made);
   equilibrium.copy_forces(held_by);
   made.energy = state->at.energy;
-  for (std::int32_t t = 0; t < n_tools; ++t) {
+  for (std::int32_t t = 0; t < n_held; ++t) {
     double behind[3], stretch[3];
     for (int k = 0; k < 3; ++k) {
       const std::int32_t r = 3 * t + k;
@@ -253,6 +255,8 @@ int press(const phn_body* body, phn_body_state* state, std::int32_t n_tools, con
   state->status = status;
   return status;
 }
+
+namespace {
 
 /// Of the second half of the modes alone, with the stiffness of the shape at rest: a basis that is too small for the
 /// state has much in its last modes.
@@ -323,9 +327,13 @@ int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools,
   double held_by[3 * most_body_tools] = {};
   phn_body_pressed made = {};
   const std::size_t n = forces != nullptr && n_tools > 0 ? 3 * static_cast<std::size_t>(n_tools) : 0;
-  const int status = overlap(forces, n * sizeof(double), pressed, sizeof *pressed)
-                         ? PHN_ERROR_OVERLAP
-                         : press(body, state, n_tools, tools, steps, forces, held_by, made);
+  int status = PHN_ERROR_ARGUMENT;
+  if (overlap(forces, n * sizeof(double), pressed, sizeof *pressed)) {
+    status = PHN_ERROR_OVERLAP;
+  } else if (body != nullptr && state != nullptr && state->body == body && n_tools >= 0 && steps >= 1 &&
+             (n_tools == 0 || (tools != nullptr && forces != nullptr))) {
+    status = press_body(*state, n_tools, n_tools, tools, nullptr, steps, held_by, made);
+  }
   // The tools have been read; the outputs may overlap them.
   for (std::size_t r = 0; r < n; ++r) forces[r] = status < 0 ? 0 : held_by[r];
   if (pressed != nullptr) *pressed = made;

@@ -26,8 +26,9 @@ void find_place(const phn_body& body, const phn_tool& tool, double* x, double* n
 
 /// Compliance of the spring between two tools over the mean of those of the tools alone. It ends smoothly at the
 /// distance `near`. Tools at opposite faces of a thin part have none.
-double part_between(const phn_body& body, double near, const phn_tool& a, const phn_tool& b) {
-  double x[2][3], normal[2][3], square = 0, facing = 0;
+/// @param height  of both over the surface [m]
+double part_between(const phn_body& body, double near, const phn_tool& a, const phn_tool& b, double height) {
+  double x[2][3], normal[2][3], square = height * height, facing = 0;
   find_place(body, a, x[0], normal[0]);
   find_place(body, b, x[1], normal[1]);
   for (int k = 0; k < 3; ++k) {
@@ -52,12 +53,13 @@ double near_distance(const phn_body& body) {
   return near_part * sum / (3 * body.info.n_triangles);
 }
 
-void set_springs(phn_body_state& state, std::int32_t n_tools, const phn_tool* tools) {
+void set_springs(phn_body_state& state, std::int32_t n_tools, const phn_tool* tools, const double* heights) {
   state.has_springs = false;
   for (auto& row : state.springs) set_zero(row, 3 * most_body_tools);
   for (std::int32_t a = 0; a < n_tools; ++a)
     for (std::int32_t b = 0; b < a; ++b) {
-      const double part = part_between(*state.body, state.near, tools[a], tools[b]);
+      const double part =
+          part_between(*state.body, state.near, tools[a], tools[b], heights != nullptr ? heights[a] + heights[b] : 0);
       if (!(part > 0)) continue;
       state.has_springs = true;
       for (int of = 0; of < 2; ++of) {

@@ -60,37 +60,22 @@ int tool_weights(const phn_body& body, const phn_tool& tool, ToolScratch& scratc
   return is_trained && fixed <= largest_fixed_weight<double> ? PHN_OK : PHN_WARNING_OUTSIDE;
 }
 
-/// Calls add(weight, rows of the modes) for the nodes under a tool. @return that of tool_weights
-template <class Add>
-int for_nodes_under(phn_body_state& state, const phn_tool& tool, const Add& add) {
-  const phn_body& body = *state.body;
-  std::int32_t n = 0;
-  const int status = tool_weights(body, tool, state.scratch, n);
-  for (std::int32_t t = 0; t < n; ++t) {
-    const std::int32_t node = state.scratch.touched[t];
-    add(state.scratch.weight[node], body.modes + 3 * static_cast<std::int64_t>(node) * body.stride);
-    state.scratch.weight[node] = 0;
-  }
-  return status;
-}
-
 }  // namespace
 
 int means_of_modes(phn_body_state& state, const phn_tool& tool, double* rows) {
-  const std::int32_t n = 3 * state.body->stride;
-  set_zero(rows, static_cast<std::size_t>(n));
-  return for_nodes_under(state, tool, [&](double weight, const float* modes) {
-    for (std::int32_t m = 0; m < n; ++m) rows[m] += weight * modes[m];
-  });
-}
-
-void mean_displacement(phn_body_state& state, const phn_tool& tool, double mean[3]) {
-  set_zero(mean, 3);
-  for_nodes_under(state, tool, [&](double weight, const float* modes) {
-    double moved[3];
-    state.kernels->times(modes, 3, state.body->stride, state.at.q, moved);
-    for (int k = 0; k < 3; ++k) mean[k] += weight * moved[k];
-  });
+  const phn_body& body = *state.body;
+  const std::int32_t n_rows = 3 * body.stride;
+  std::int32_t n = 0;
+  const int status = tool_weights(body, tool, state.scratch, n);
+  set_zero(rows, static_cast<std::size_t>(n_rows));
+  for (std::int32_t t = 0; t < n; ++t) {
+    const std::int32_t node = state.scratch.touched[t];
+    const float* modes = body.modes + static_cast<std::int64_t>(n_rows) * node;
+    double& weight = state.scratch.weight[node];
+    for (std::int32_t m = 0; m < n_rows; ++m) rows[m] += weight * modes[m];
+    weight = 0;
+  }
+  return status;
 }
 
 }  // namespace PHN_RUNTIME

@@ -67,7 +67,8 @@ void approach(const phn_contact& contact, const ToolInput& input, ToolContact& t
       double touching[3];
       for (int k = 0; k < 3; ++k) touching[k] = tool.place[k] + part * (c[k] - tool.place[k]);
       tool.at = at;
-      tool.loose = tool.is_pressed = false;
+      tool.loose = false;
+      tool.order = 0;
       grip(contact, part < 1 ? touching : c, tool);
     }
   }

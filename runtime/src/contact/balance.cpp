@@ -7,12 +7,16 @@ namespace {
 
 constexpr int most_slides = 8, fewest_slides = 2;  // with one tool; with many tools, whose slides cost more
 constexpr double cone_tolerance = 1e-4;            ///< of the force
-constexpr double longest_slide = 2;                ///< in displacements of the touched point
-constexpr double same_place = 1e-4;                ///< tools closer than this, in sizes of the body, are at one point
-constexpr int most_shortened = 3;                  ///< tries of a slide that worsens the excess
-constexpr double shortening = 0.3;                 ///< of each
-constexpr int most_fallen = 3;                     ///< responses in a step to the falls of a tool
-constexpr int most_falls = 12;                     ///< steps of a fall
+constexpr double longest_slide = 2;                ///< in displacements of the touched point; on a body in motions of
+                                                   ///< the tool, and by itself in distances at which tools are near:
+constexpr double slid_alone = 0.02;
+constexpr double same_place = 1e-4;       ///< tools closer than this, in sizes of the body, are at one point
+constexpr int most_shortened = 3;         ///< tries of a slide that worsens the excess
+constexpr double shortening = 0.3;        ///< of each
+constexpr int most_fallen = 3;            ///< responses in a step to the falls of a tool
+constexpr int most_falls = 12;            ///< steps of a fall
+constexpr int most_sweeps = 60;           ///< over the tools on a body, and when they end:
+constexpr double sweep_tolerance = 1e-6;  ///< of a force, and of a displacement
 
 /// Solves M x = b if -M has a positive trace and determinant. @return whether it has
 bool solve_two(const double m[2][2], const double* b, double* x) {
@@ -86,7 +90,7 @@ class Balance {
       start_slides(tool);
     }
     int warned = PHN_OK;
-    const int status = _touched.is_body() ? press(coupled, warned) : respond(coupled, warned);
+    const int status = _touched.is_body() ? press(coupled) : respond(coupled, warned);
     if (status < 0) return status;
     for (std::int32_t t = 0; t < _n; ++t) _contact.tool[t].felt = false;
     for (std::int32_t i = 0; i < _n_active; ++i) finish(i);
@@ -141,63 +145,137 @@ class Balance {
   }
 
   /// Balance with a body. A response costs steps of Newton's method, so proxies slide by forces that are predicted from
-  /// the last response: with one step the body moves and the tools slide by one and the same linearization.
-  int press(phn_coupled& coupled, int& warned) {
-    int status = PHN_OK;
-    for (int pass = 0; pass < most_slides; ++pass) {
-      release();
-      for (std::int32_t t = 0; t < _n; ++t) {
-        if (_contact.tool[t].active && _inputs[t].mode == PHN_TOOL_PRESS) predict(t);
-      }
-      release();
-      warned |= separate();
-      status = couple(coupled);
-      _contact.is_settled = status >= 0 && (status & PHN_WARNING_UNSETTLED) == 0;
+  /// the last response: with one step the body moves and the tools slide by one and the same linearization. A tool that
+  /// was not part of it yet waits for the next one.
+  int press(phn_coupled& coupled) {
+    for (std::int32_t t = 0; t < _n; ++t) {
+      if (_contact.tool[t].active) find_displacement(t);
+    }
+    for (int pass = 0;; ++pass) {
+      predict();
+      const int status = couple(coupled);
+      if (status < 0) return status;
+      _contact.is_known = _touched.is_known();
       bool again = false;
-      for (std::int32_t i = 0; i < _n_active && status >= 0; ++i) {
+      for (std::int32_t i = 0; i < _n_active; ++i) {
         ToolContact& tool = _contact.tool[_active[i]];
-        tool.stiffness = _touched.stiffness(i);
-        tool.is_pressed = true;
-        for (int k = 0; k < 3; ++k) {
-          tool.pressed[k] = tool.force[k];
-          tool.pressed_by[k] = tool.displacement[k];
-        }
-        start_slides(tool);
-        tool.loose = false;
+        _contact.held_by[i] = vector_at(tool.force);
+        _contact.held_at[i] = vector_at(tool.displacement);
         if (_inputs[_active[i]].mode != PHN_TOOL_PRESS) continue;
         double tangential[3];
         const double push = split(tool, tangential);
-        tool.pulls = push <= 0;
-        again |= tool.pulls || excess_of(_active[i], push, tangential) > cone_tolerance * norm(tool.force);
+        again |= push <= 0 || excess_of(_active[i], push, tangential) > cone_tolerance * norm(tool.force);
       }
-      if (!again || !_contact.is_settled || _touched.steps < 1) break;
+      for (std::int32_t t = 0; t < _n; ++t) {
+        const ToolContact& tool = _contact.tool[t];
+        if (tool.order <= _n_active) continue;
+        _contact.held_by[tool.order - 1] = {};
+        _contact.held_at[tool.order - 1] = _touched.displacement(tool.order - 1);
+        again |= tool.anchored && tool.is_new;
+      }
+      if (!again || !_contact.is_known || _touched.steps < 1 || pass == most_slides) return status;
     }
-    for (std::int32_t t = 0; t < _n; ++t) _contact.tool[t].is_pressed &= _contact.tool[t].active;
-    return status;
   }
 
-  /// Lets the proxy slide as the linearized response demands, or leaves the tool out where it would not push.
-  void predict(std::int32_t t) {
-    ToolContact& tool = _contact.tool[t];
-    find_displacement(t);
-    if (!tool.is_pressed || tool.loose) {
-      double moved[3], gap[3];
-      _touched.displacement(held_by(_contact, tool), moved);
-      // No force holds a proxy that was left out, and a tool that arrives touches what the others have moved there.
-      if (tool.loose || norm(moved) > 0) fall(t, moved);
-      subtract(tool.displacement, moved, gap);
-      tool.active = dot(gap, tool.normal) < 0;
-      return;
+  /// Forces and places of the tools of the last response, by its linearization: projected Gauss-Seidel iterations over
+  /// the tools (Jourdan, Alart and Jean 1998, doi 10.1016/S0045-7825(97)00137-0), after which proxies slide by what the
+  /// forces leave of the distances to their tools. Tools that do not push are not held in the next response.
+  void predict() {
+    Matrix compliance[most_touching * most_touching];
+    Vector force[most_touching] = {}, left[most_touching];
+    const std::int32_t n = _contact.n_before;
+    for (std::int32_t t = 0; t < _n; ++t) {
+      if (takes_part(t)) force[order(t)] = _contact.held_by[order(t)];
     }
     // Forces of a body that is far from its equilibrium say nothing of those in the next step.
-    for (int step = 0; _contact.is_settled; ++step) {
-      double ahead[3];
-      subtract(tool.displacement, tool.pressed_by, ahead);
-      const Vector more = tool.stiffness * vector_at(ahead);
-      for (int k = 0; k < 3; ++k) tool.force[k] = tool.pressed[k] + more[k];
-      if (!judge(t, step < most_slides) || tool.pulls) return;
-      find_displacement(t);
+    const bool is_known = _contact.is_known && n > 0 && _touched.compliance(n, compliance);
+    bool slides = is_known;
+    for (int pass = 0; pass < most_slides && slides; ++pass) {
+      bool changes = true;
+      for (int sweep = 0; sweep < most_sweeps && changes; ++sweep) {
+        changes = false;
+        for (std::int32_t t = 0; t < _n; ++t) {
+          if (!takes_part(t)) continue;
+          const Vector before = force[order(t)];
+          left[order(t)] = follow(t, compliance[n * order(t) + order(t)], gap(t, compliance, force), force[order(t)]);
+          changes |= length((force[order(t)] - before).x) > sweep_tolerance * length(force[order(t)].x);
+        }
+      }
+      slides = false;
+      for (std::int32_t t = 0; t < _n; ++t) {
+        if (takes_part(t) && _inputs[t].mode == PHN_TOOL_PRESS) slides |= slide_by(t, left[order(t)]);
+      }
     }
+    for (std::int32_t t = 0; t < _n; ++t) {
+      ToolContact& tool = _contact.tool[t];
+      if (!tool.anchored) continue;
+      const bool pushes = is_known ? takes_part(t) && length(force[order(t)].x) > 0 : tool.order <= _contact.n_held;
+      tool.active = _inputs[t].mode == PHN_TOOL_GRASP || (tool.order > 0 && pushes);
+    }
+  }
+
+  bool takes_part(std::int32_t t) const { return _contact.tool[t].anchored && _contact.tool[t].order > 0; }
+  std::int32_t order(std::int32_t t) const { return _contact.tool[t].order - 1; }
+
+  /// Distance of a tool from where forces put its proxy [m].
+  Vector gap(std::int32_t t, const Matrix* compliance, const Vector* force) const {
+    const std::int32_t n = _contact.n_before;
+    Vector gap = vector_at(_contact.tool[t].displacement) - _contact.held_at[order(t)];
+    for (std::int32_t s = 0; s < n; ++s) gap -= compliance[n * order(t) + s] * (force[s] - _contact.held_by[s]);
+    return gap;
+  }
+
+  /// The force that closes a gap, inside the friction cone. @return what it leaves of the gap
+  Vector follow(std::int32_t t, const Matrix& compliance, const Vector& gap, Vector& force) const {
+    const Vector before = force, normal = vector_at(_contact.tool[t].normal);
+    force += inverse_of(compliance) * gap;
+    if (_inputs[t].mode == PHN_TOOL_PRESS) {
+      const double push = -dot(force, normal), friction = _inputs[t].friction;
+      const Vector tangential = force + push * normal;
+      const double sideways = length(tangential.x);
+      if (!(push > 0)) {
+        force = {};
+      } else if (sideways > friction * push) {
+        // On the cone, with a normal part that closes the gap along the normal.
+        Vector along = (friction / sideways) * tangential - normal;
+        if (!(dot(compliance * along, normal) < 0)) along = -1 * normal;
+        const double size = dot(gap + compliance * before, normal) / dot(compliance * along, normal);
+        force = std::fmax(size, 0) * along;
+      }
+    }
+    return gap - compliance * (force - before);
+  }
+
+  /// Moves the proxy so that it is `gap` nearer to its tool, along the surface. @return whether that is not rounding
+  bool slide_by(std::int32_t t, const Vector& gap) {
+    ToolContact& tool = _contact.tool[t];
+    const Vector sideways = gap - dot(gap.x, tool.normal) * vector_at(tool.normal);
+    if (!(length(sideways.x) > sweep_tolerance * norm(tool.displacement))) return false;
+    double axes[6], offset_gradient[9], normal_gradient[9], m[2][2], right[2], x[2];
+    gradients_at(_surface, tool.at, axes, offset_gradient, normal_gradient);
+    for (int j = 0; j < 2; ++j) {
+      Vector moved;
+      for (int k = 0; k < 3; ++k)
+        moved[k] = -axes[3 * j + k] - _inputs[t].radius * dot(offset_gradient + 3 * k, axes + 3 * j);
+      for (int l = 0; l < 2; ++l) m[l][j] = dot(axes + 3 * l, moved.x);
+      right[j] = -dot(axes + 3 * j, sideways.x);
+    }
+    if (!solve_two(m, right, x)) {
+      for (int j = 0; j < 2; ++j) x[j] = -right[j];
+    }
+    // In one step a proxy goes no farther than its tool and a little.
+    double from[3], here[3], slide[3];
+    point_at(_surface, _surface.rest, tool.first, 0, from);
+    point_at(_surface, _surface.rest, tool.at, 0, here);
+    Vector gone = vector_at(here) - vector_at(from);
+    const Vector so_far = gone;
+    for (int k = 0; k < 3; ++k) gone[k] += x[0] * axes[k] + x[1] * axes[3 + k];
+    const double farthest = longest_slide * norm(tool.moved) + slid_alone * _touched.near_m;
+    if (length(gone.x) > farthest) gone *= farthest / length(gone.x);
+    for (int k = 0; k < 3; ++k) slide[k] = gone[k] - so_far[k];
+    walk(_surface, tool.at, slide);
+    find_displacement(t);
+    return true;
   }
 
   /// Sets the displacement that the tool prescribes at its point.
@@ -278,7 +356,7 @@ class Balance {
 
   int couple(phn_coupled& coupled) {
     phn_tool tools[most_touching] = {};
-    double forces[3 * most_touching];
+    double forces[3 * most_touching] = {}, heights[most_touching] = {};
     _n_active = 0;
     for (std::int32_t t = 0; t < _n; ++t) {
       const ToolContact& tool = _contact.tool[t];
@@ -286,11 +364,37 @@ class Balance {
       tools[_n_active] = held_by(_contact, tool);
       _active[_n_active++] = t;
     }
-    const int status = _touched.hold(_n_active, tools, forces, coupled);
+    const std::int32_t n = _touched.is_body() ? add_others(tools, heights) : _n_active;
+    const int status = _touched.hold(_n_active, n, tools, heights, forces, coupled);
     for (std::int32_t i = 0; i < _n_active && status >= 0; ++i) {
       for (int k = 0; k < 3; ++k) _contact.tool[_active[i]].force[k] = forces[3 * i + k];
     }
     return status;
+  }
+
+  /// Tools on a body that are not held, but wait for a force or are near to others. @return number of tools with them
+  std::int32_t add_others(phn_tool* tools, double* heights) {
+    std::int32_t n = _n_active;
+    for (std::int32_t t = 0; t < _n; ++t) {
+      ToolContact& tool = _contact.tool[t];
+      tool.is_new = tool.order == 0;
+      tool.order = 0;
+      if (tool.active || _inputs[t].mode == PHN_TOOL_OFF) continue;
+      if (tool.anchored) {
+        tools[n] = held_by(_contact, tool);
+      } else {
+        ToolContact beside = {};
+        const double height = nearest(_surface, _contact.volumes, tool.radius, tool.place, beside.at);
+        if (_n_active == 0 || !(height < _touched.near_m) || movable(_surface, beside.at) < least_movable) continue;
+        tools[n] = held_by(_contact, beside);
+        heights[n] = height;
+      }
+      tool.order = ++n;
+    }
+    for (std::int32_t i = 0; i < _n_active; ++i) _contact.tool[_active[i]].order = i + 1;
+    _contact.n_before = n;
+    _contact.n_held = _n_active;
+    return n;
   }
 
   /// Splits the force into its normal component and the tangential rest. @return the component into the body
@@ -359,7 +463,7 @@ class Balance {
     ToolContact& tool = _contact.tool[t];
     const Vector p = vector_at(tool.displacement);
     Matrix stiffness = stiffness_of(t);
-    if (!_touched.is_body() && _n_active == 1) {
+    if (_n_active == 1) {
       const double linear = dot(stiffness * p, p), scale = linear > 0 ? dot(tool.force, p.x) / linear : 1;
       stiffness *= std::fmin(8.0, std::fmax(0.25, scale));
     }
@@ -403,9 +507,8 @@ class Balance {
     return false;
   }
 
-  /// With the other tools held; of a body at present, of a model at rest.
+  /// Of a model at rest, with the other tools held.
   Matrix stiffness_of(std::int32_t t) const {
-    if (_touched.is_body()) return _contact.tool[t].stiffness;
     std::int32_t i = 0;
     while (_active[i] != t) ++i;
     return _touched.stiffness(i);

@@ -79,7 +79,7 @@ int build_contact(const WholeSurface& whole, const void* of, std::int32_t max_to
   const int status = build_contact_surface(whole.triangles, whole.n_triangles, parts.scratch, parts.surface);
   if (status != PHN_OK) return status;
   build_volumes(parts.surface, parts.volumes);
-  *parts.contact = {of, max_tools, 0, 0, false, parts.surface, parts.volumes, {}};
+  *parts.contact = {of, max_tools, 0, 0, false, 0, 0, {}, {}, parts.surface, parts.volumes, {}};
   *contact = parts.contact;
   return PHN_OK;
 }

@@ -18,17 +18,26 @@ class Touched {
  public:
   bool has_energy = false;
   double max_displacement_m = 0;
+  double near_m = 0;  ///< distance from which on tools of a body do not matter to each other
   /// Newton's steps that are left for a phn_contact_step on a body, whose responses go on from the last one. -1: a
   /// model, whose responses depend on the tools alone.
   std::int32_t steps = -1;
 
   bool is_body() const { return steps >= 0; }
-  /// Forces [N] that hold the tools, n x 3. @return a status of phynness.h
-  virtual int hold(std::int32_t, const phn_tool*, double*, phn_coupled&) { return PHN_ERROR_UNDEFINED; }
-  /// Of a tool of the last hold(), with the others held [N/m]: of a body at present, of a model at rest.
+  /// Forces [N] that hold the first n of n_all tools, n x 3. The others are only near to them, of a body, at heights
+  /// over the surface [m]. @return a status of phynness.h
+  virtual int hold(std::int32_t, std::int32_t, const phn_tool*, const double*, double*, phn_coupled&) {
+    return PHN_ERROR_UNDEFINED;
+  }
+  /// Of a model: of a tool of the last hold(), at rest with the others held [N/m].
   virtual Matrix stiffness(std::int32_t) const { return {}; }
-  /// Present mean displacement of a body under a tool [m]; zeros where that is not defined.
-  virtual void displacement(const phn_tool&, double* mean) const { mean[0] = mean[1] = mean[2] = 0; }
+  /// Of a body: of the n tools of the last hold(), also those that are only near, n x n [m/N]. @return whether it is
+  /// known
+  virtual bool compliance(std::int32_t, Matrix*) const { return false; }
+  /// Where a body, and the springs of other tools, put a tool of the last hold() that is only near [m].
+  virtual Vector displacement(std::int32_t) const { return {}; }
+  /// Whether the forces of a body are those of the last hold(), or older ones.
+  virtual bool is_known() const { return false; }
 };
 
 /// Input of a tool in this step, clamped so that no later computation overflows.
@@ -50,10 +59,8 @@ struct ToolContact {
   double given[3];          ///< the last force [N]
   double scale;             ///< factor of the force that limits the returned work; 0: not in contact
   bool loose;               ///< anchored without a force in the last step
-  /// On a body: it was held in the last step, by these forces at these displacements, with this stiffness.
-  bool is_pressed;
-  double pressed[3], pressed_by[3];
-  Matrix stiffness;
+  std::int32_t order;       ///< on a body: 1 + its number among the tools of the last response; 0: none of them
+  bool is_new;              ///< it was none before
   // Quantities of one step.
   bool active;
   double normal[3], force[3];
@@ -70,9 +77,12 @@ struct ToolContact {
 struct phn_contact {
   const void* of;  ///< the model or the body
   std::int32_t max_tools;
-  double taken;     ///< work done by all tools since one of them is in contact [J]
-  double scale;     ///< of the forces of tools that press; 0: none is in contact
-  bool is_settled;  ///< the body at the last step
+  double taken;  ///< work done by all tools since one of them is in contact [J]
+  double scale;  ///< of the forces of tools that press; 0: none is in contact
+  bool
+      is_known;  ///< forces of the body's last step, which had n_before tools with these forces [N] at these places [m]
+  std::int32_t n_before, n_held;  ///< of which n_held were held
+  PHN_RUNTIME::Vector held_by[PHN_RUNTIME::most_touching], held_at[PHN_RUNTIME::most_touching];
   PHN_RUNTIME::ContactSurface surface;
   PHN_RUNTIME::BoundingVolumes volumes;
   PHN_RUNTIME::ToolContact tool[PHN_RUNTIME::most_touching];

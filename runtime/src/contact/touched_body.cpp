@@ -13,38 +13,63 @@ class TouchedBody final : public Touched {
   TouchedBody(phn_body_state& state, std::int32_t most_steps) : _state(state) {
     has_energy = true;
     max_displacement_m = state.body->info.max_displacement_m;
+    near_m = state.near;
     steps = most_steps;
   }
-  int hold(std::int32_t n, const phn_tool* tools, double* forces, phn_coupled& result) override {
-    phn_body_pressed made;
-    const int status = phn_body_press(_state.body, &_state, n, tools, steps, forces, &made);
+  int hold(std::int32_t n, std::int32_t n_all, const phn_tool* tools, const double* heights, double* forces,
+           phn_coupled& result) override {
+    phn_body_pressed made = {};
+    const int status = press_body(_state, n, n_all, tools, heights, steps, forces, made);
     steps -= made.steps;
     made.steps += pressed.steps;
     made.renewed += pressed.renewed;
     pressed = made;
     result = {made.behind_m, made.energy};
+    if (status >= 0) {
+      const std::int32_t first = n == 0 ? 0 : _state.n_rows;  // of the others the last step has them
+      Compliance::solve_rows(_state, n == 0 ? _state.factor_at_rest : _state.factor, first, 3 * n_all - first);
+    }
     return status;
   }
-  Matrix stiffness(std::int32_t tool) const override {
-    Compliance compliance;
-    const std::int32_t n = _state.n_rows;
-    compliance.take(_state, 0, n, true);  // of the last factor, with which the forces were found
-    Matrix result;
-    for (int k = 0; k < 3; ++k) {
-      double forces[3 * most_body_tools] = {}, held[3 * most_body_tools] = {};
-      const std::int32_t own = 3 * tool + k;
-      held[own] = _state.held[own];
-      for (std::int32_t r = 0; r < n; ++r) forces[r] = stretched(_state, r, held);
-      forces[own] += 1;
-      compliance.solve(n, forces);
-      for (std::int32_t r = 0; r < n; ++r)
-        held[r] = _state.held[r] * ((r == own ? 1 : 0) - stretched(_state, r, forces));
-      for (std::int32_t r = 0; r < n; ++r) forces[r] -= held[r];
-      for (int j = 0; j < 3; ++j) result(j, k) = forces[3 * tool + j];
+  /// The inverse of the stiffness under the tools, by the factor of the last response. Where the body is unstable, the
+  /// tools are followed as if they held it by parts of what the factor has.
+  bool compliance(std::int32_t n_tools, Matrix* blocks) const override {
+    const std::int32_t n = 3 * n_tools, n_held = _state.n_rows;
+    if (_state.n_all_rows != n) return false;
+    Compliance all, stiffness;
+    all.take(_state, 0, n, true);
+    for (double part = 0; part <= 1; part = part > 0 ? 10 * part : 0.01) {
+      for (std::int32_t own = 0; own < n; ++own) {
+        double forces[3 * most_body_tools] = {}, pulled[3 * most_body_tools] = {};
+        const double held = own < n_held ? _state.held[own] : 0;
+        if (own < n_held) pulled[own] = held;
+        for (std::int32_t r = 0; r < n; ++r) forces[r] = (r == own ? 1 : 0) + stretched(_state, r, pulled);
+        all.solve(n, forces);
+        for (std::int32_t r = own; r < n; ++r)
+          stiffness.lower[r][own] = forces[r] - (r == own ? (1 - part) * held : 0) +
+                                    (r < n_held ? _state.held[r] * product(_state.springs[r], forces, n) : 0);
+      }
+      if (stiffness.factorize(n)) break;
     }
-    return result;
+    for (std::int32_t own = 0; own < n; ++own) {
+      double moved[3 * most_body_tools] = {};
+      moved[own] = 1;
+      stiffness.solve(n, moved);
+      for (std::int32_t r = 0; r < n; ++r) blocks[n_tools * (r / 3) + own / 3](r % 3, own % 3) = moved[r];
+    }
+    return true;
   }
-  void displacement(const phn_tool& tool, double* mean) const override { mean_displacement(_state, tool, mean); }
+  bool is_known() const override { return pressed.unbalanced <= far_from_balance; }
+  Vector displacement(std::int32_t tool) const override {
+    Vector moved;
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t r = 3 * tool + k;
+      moved[k] = product(_state.rows + static_cast<std::int64_t>(r) * _state.body->stride, _state.at.q,
+                         _state.body->info.n_modes) +
+                 stretched(_state, r, _state.force);
+    }
+    return moved;
+  }
 
  private:
   phn_body_state& _state;

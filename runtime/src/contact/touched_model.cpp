@@ -14,7 +14,8 @@ class TouchedModel final : public Touched {
     has_energy = model.has_energy;
     max_displacement_m = model.max_displacement_m;
   }
-  int hold(std::int32_t n, const phn_tool* tools, double* forces, phn_coupled& result) override {
+  int hold(std::int32_t n, std::int32_t, const phn_tool* tools, const double*, double* forces,
+           phn_coupled& result) override {
     return phn_couple(&_model, &_data, n, tools, forces, &result);
   }
   Matrix stiffness(std::int32_t i) const override {
