@@ -52,7 +52,7 @@ ModelResponse respond(LoadedBody& body, const std::vector<phn_tool>& tools) {
 }
 
 /// Of a body at other nodes, zeros inside of it.
-Points on_output(const phn_body_info& info, const Points& displacement_m, const std::vector<std::int32_t>& nodes) {
+Points on_output(const phn_body_contents& info, const Points& displacement_m, const std::vector<std::int32_t>& nodes) {
   Points out = Points::Zero(std::ssize(nodes), 3);
   for (Eigen::Index i = 0; i < out.rows(); ++i) {
     const auto node = nodes[static_cast<std::size_t>(i)];

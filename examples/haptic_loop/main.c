@@ -63,8 +63,8 @@ static phn_loop_response response_at(const phn_model* model, phn_data* data, int
   r.has_stiffness = has_energy;
   r.energy = -1;
   for (int k = 0; k < 3; ++k) r.displacement[k] = tool[k];
-  r.status =
-      phn_force(model, data, node, tool, r.force, has_energy ? &r.energy : NULL, has_energy ? r.stiffness : NULL);
+  const phn_tool held = phn_tool_at(node, tool);
+  r.status = phn_force(model, data, &held, r.force, has_energy ? &r.energy : NULL, has_energy ? r.stiffness : NULL);
   return r;
 }
 
@@ -124,7 +124,7 @@ int main(int argc, char** argv) {
     largest_N = fmax(largest_N, sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]));
   }
 
-  phn_loop_get_report(loop, &report);
+  phn_loop_info(loop, &report);
   printf("%ld cycles, largest force %.3g N, controller active in %ld\n", cycles, largest_N, (long)report.limited);
   printf("energy taken from the hand %.4g mJ, most delivered %.3g mJ\n", 1e3 * report.work_J,
          1e3 * report.most_delivered_J);

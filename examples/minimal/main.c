@@ -65,12 +65,12 @@ int main(int argc, char** argv) {
   if (status < 0 || u == NULL) return stop("scratch", status);
 
   /* In a device these two calls would be the loop. */
-  const int32_t node = (int32_t)strtol(argv[2], NULL, 10);
   const double d[3] = {strtod(argv[3], NULL), strtod(argv[4], NULL), strtod(argv[5], NULL)};
+  const phn_tool tool = phn_tool_at((int32_t)strtol(argv[2], NULL, 10), d);
   double force[3], bound = 0;
-  status = phn_force(model, data, node, d, force, NULL, NULL);
+  status = phn_force(model, data, &tool, force, NULL, NULL);
   if (status < 0) return stop("force", status);
-  status = phn_deform(model, data, node, d, u);
+  status = phn_deform(model, data, &tool, u);
   if (status < 0) return stop("deformation", status);
   if (status > 0) printf("warning: %s\n", phn_status_message(status));
 
@@ -79,7 +79,7 @@ int main(int argc, char** argv) {
     largest = fmax(largest, sqrt(u[3 * i] * u[3 * i] + u[3 * i + 1] * u[3 * i + 1] + u[3 * i + 2] * u[3 * i + 2]));
   }
   printf("to hold it:      %9.5f %9.5f %9.5f N\n", force[0], force[1], force[2]);
-  if (phn_bound(model, node, d, &bound) >= 0 && bound < PHN_NO_BOUND)
+  if (phn_bound(model, &tool, &bound) >= 0 && bound < PHN_NO_BOUND)
     printf("error: at most   %9.5f N, for 95 %% of random displacements\n", bound);
   printf("to be rendered:  %9.5f %9.5f %9.5f N\n", -force[0], -force[1], -force[2]);
   printf("largest displacement of the %d output nodes: %.6f m\n", (int)info.n_output, largest);

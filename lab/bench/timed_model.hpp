@@ -48,7 +48,8 @@ struct TimedModel {
   void force_and_stiffness(int i) {
     double d[3], f[3], k[9];
     displacement(i, d);
-    check(rt::Status(phn_force(model.get(), data.get(), node(i), d, f, nullptr, k)));
+    const phn_tool tool = phn_tool_at(node(i), d);
+    check(rt::Status(phn_force(model.get(), data.get(), &tool, f, nullptr, k)));
     sink = f[0] + k[0];
   }
   void force_energy_and_stiffness(int i) {

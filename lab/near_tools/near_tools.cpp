@@ -32,7 +32,7 @@ struct Body {
     phn_body_state_size(body, 2, &bytes);
     working.resize(bytes);
     phn_body_state_init(working.data(), bytes, body, 2, &state);
-    phn_body_describe(body, &info);
+    phn_body_info(body, &info);
   }
   Vector point(std::int32_t i) const { return Eigen::Map<const Vector>(info.points + 3 * i); }
   Vector normal(std::int32_t t) const {
@@ -68,13 +68,13 @@ struct Body {
   }
   /// @param forces  6
   int press(std::int32_t n, const phn_tool* tools, int steps, double* forces) {
-    return phn_body_press(body, state, n, tools, steps, forces, nullptr);
+    return phn_body_force(body, state, n, tools, steps, forces, nullptr);
   }
 
   std::vector<char> memory, working;
   const phn_body* body = nullptr;
   phn_body_state* state = nullptr;
-  phn_body_info info{};
+  phn_body_contents info{};
 };
 
 struct Place {

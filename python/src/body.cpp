@@ -28,7 +28,7 @@ class BodyObject {
       : _body(py::isinstance<py::bytes>(of) ? LoadedBody(of.cast<std::string>(), "the text")
                                             : LoadedBody(path_of(of))) {}
 
-  const phn_body_info& info() const { return _body.info(); }
+  const phn_body_contents& info() const { return _body.info(); }
   py::bytes text() const { return _body.text(); }
 
   Pressed press(const std::vector<Place>& at, py::handle displacements, std::int32_t steps) {
@@ -84,13 +84,14 @@ at: a list of n nodes of the surface and SurfacePoints. d: (n, 3) [m]. steps: of
 increment. UnsettledWarning: more steps come closer. OutsideWarning: farther than trained. Error where nothing can move.
 )")
       .def_property_readonly("text", &BodyObject::text, "The content of body.txt, bytes.");
-  const auto property = [&](const char* name, auto phn_body_info::*member, const char* doc) {
+  const auto property = [&](const char* name, auto phn_body_contents::*member, const char* doc) {
     body.def_property_readonly(
         name, [member](const BodyObject& b) { return b.info().*member; }, doc);
   };
-  property("mesh_hash", &phn_body_info::mesh_hash, "16 hexadecimal digits.");
-  property("tool_radius_m", &phn_body_info::tool_radius_m, "Of the round tool [m]; 0: nodes.");
-  property("max_displacement_m", &phn_body_info::max_displacement_m, "Largest displacement of the training data [m].");
+  property("mesh_hash", &phn_body_contents::mesh_hash, "16 hexadecimal digits.");
+  property("tool_radius_m", &phn_body_contents::tool_radius_m, "Of the round tool [m]; 0: nodes.");
+  property("max_displacement_m", &phn_body_contents::max_displacement_m,
+           "Largest displacement of the training data [m].");
   body.def_property_readonly(
       "nodes",
       [](py::object self) {

@@ -122,9 +122,8 @@ ModelObject::Response ModelObject::response(const Place& at, py::handle displace
   double unused[3];
   for_each(d, asked, [&](py::ssize_t i, const double(&x)[3]) {
     double *const fi = f ? f + 3 * i : unused, *const ei = e ? e + i : nullptr, *const ki = k ? k + 9 * i : nullptr;
-    if (asked.is_node) return phn_force(_model.get(), memory, asked.tool.nodes[0], x, fi, ei, ki);
     std::copy(x, x + 3, asked.tool.displacement);
-    return phn_force_at(_model.get(), memory, &asked.tool, fi, ei, ki);
+    return phn_force(_model.get(), memory, &asked.tool, fi, ei, ki);
   });
   return made;
 }
@@ -136,11 +135,8 @@ py::array_t<double> ModelObject::deform(const Place& at, py::handle displacement
   Asked asked(at);
   phn_data* const memory = data(level);
   for_each(d, asked, [&, out = made.mutable_data()](py::ssize_t i, const double(&x)[3]) {
-    if (asked.is_node) return phn_deform(_model.get(), memory, asked.tool.nodes[0], x, out + n * i);
     std::copy(x, x + 3, asked.tool.displacement);
-    double force[3];
-    const int status = phn_couple(_model.get(), memory, 1, &asked.tool, force, nullptr);
-    return status < 0 ? status : phn_coupled_deform(_model.get(), memory, out + n * i) | status;
+    return phn_deform(_model.get(), memory, &asked.tool, out + n * i);
   });
   return made;
 }
@@ -153,28 +149,26 @@ py::array_t<double> ModelObject::field(std::int64_t node, py::handle displacemen
   const Vectors d(displacements, "d");
   auto made = results(d, {info().n_output});
   const Place at(node);
-  const Asked asked(at);
+  Asked asked(at);
   phn_data* const memory = data(level);
   for_each(d, asked, [&, out = made.mutable_data()](py::ssize_t i, const double(&x)[3]) {
-    return phn_field(_model.get(), memory, asked.tool.nodes[0], x, number, out + info().n_output * i);
+    std::copy(x, x + 3, asked.tool.displacement);
+    return phn_field(_model.get(), memory, &asked.tool, number, out + info().n_output * i);
   });
   return made;
 }
 
 py::array_t<double> ModelObject::bound(const Place& at, py::handle displacements) const {
   return number(at, displacements, [this](const Asked& asked, double& bound) {
-    const int status = asked.is_node ? phn_bound(_model.get(), asked.tool.nodes[0], asked.tool.displacement, &bound)
-                                     : phn_bound_at(_model.get(), &asked.tool, &bound);
+    const int status = phn_bound(_model.get(), &asked.tool, &bound);
     if (bound >= PHN_NO_BOUND) bound = std::numeric_limits<double>::infinity();
     return status;
   });
 }
 
 py::array_t<double> ModelObject::trained_depth(const Place& at, py::handle displacements) const {
-  return number(at, displacements, [&](const Asked& asked, double& depth) {
-    return asked.is_node ? phn_trained_depth(_model.get(), asked.tool.nodes[0], asked.tool.displacement, &depth)
-                         : phn_trained_depth_at(_model.get(), &asked.tool, &depth);
-  });
+  return number(at, displacements,
+                [&](const Asked& asked, double& depth) { return phn_depth(_model.get(), &asked.tool, &depth); });
 }
 
 py::tuple ModelObject::nearest(py::handle x) const {
@@ -185,7 +179,7 @@ py::tuple ModelObject::nearest(py::handle x) const {
   SurfacePoint found;
   py::array_t<double> position(3);
   Tally tally;
-  tally.add(0, phn_nearest(_model.get(), from, &found.tool, position.mutable_data()));
+  tally.add(0, phn_nearest(_model.get(), from, &found.tool, position.mutable_data(), nullptr));
   tally.report("x", 1);
   return py::make_tuple(found, position);
 }

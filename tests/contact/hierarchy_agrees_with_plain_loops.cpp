@@ -15,7 +15,7 @@ TEST(Hierarchy, FindsWhatPhnNearestFinds) {
     phn_tool a, b;
     Vector3d p, q;
     ASSERT_EQ(phn_contact_nearest(touch.contact, x.data(), &a, p.data()), PHN_OK);
-    ASSERT_EQ(phn_nearest(touch.loaded.model, x.data(), &b, q.data()), PHN_OK);
+    ASSERT_EQ(phn_nearest(touch.loaded.model, x.data(), &b, q.data(), nullptr), PHN_OK);
     ASSERT_NEAR((p - x).norm(), (q - x).norm(), 1e-15);
   }
 }

@@ -80,14 +80,14 @@ void answers_are_the_runtimes(const std::vector<Vec3>& displacements) {
         const double rounded[3] = {at[0], at[1], at[2]};
         double expected[9];
         Real got[9];
-        const int status = phn_force(loaded.model, loaded.data, node.node, rounded, expected, nullptr, nullptr);
+        const int status = phn_force(loaded.model, loaded.data, AtNode(node.node, rounded), expected, nullptr, nullptr);
         ASSERT_EQ(Image<Real>::force(image, node.node, at, got), status) << name(family);
         force.add(expected, got, 3);
         if (family != Family::rbfn) {
-          phn_force(loaded.model, loaded.data, node.node, rounded, nullptr, expected, nullptr);
+          phn_force(loaded.model, loaded.data, AtNode(node.node, rounded), nullptr, expected, nullptr);
           ASSERT_EQ(Image<Real>::energy(image, node.node, at, got), status);
           energy.add(expected, got, 1);
-          phn_force(loaded.model, loaded.data, node.node, rounded, nullptr, nullptr, expected);
+          phn_force(loaded.model, loaded.data, AtNode(node.node, rounded), nullptr, nullptr, expected);
           ASSERT_EQ(Image<Real>::stiffness(image, node.node, at, got), status);
           stiffness.add(expected, got, 9);
         } else {
@@ -99,7 +99,7 @@ void answers_are_the_runtimes(const std::vector<Vec3>& displacements) {
         depth.add(&trained.depth, got, 1);
         std::vector<double> u(n_field);
         std::vector<Real> v(n_field), scratch(Image<Real>::scratch_size(image) / sizeof(Real));
-        phn_deform(loaded.model, loaded.data, node.node, rounded, u.data());
+        phn_deform(loaded.model, loaded.data, AtNode(node.node, rounded), u.data());
         ASSERT_EQ(Image<Real>::deform(image, scratch.data(), node.node, at, v.data()), status);
         field.add(u.data(), v.data(), n_field);
         if (family == Family::rbfn || d != Vec3{0, 0, 0}) continue;

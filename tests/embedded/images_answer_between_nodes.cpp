@@ -64,7 +64,7 @@ using Reals = ::testing::Types<double, float>;
 TYPED_TEST_SUITE(BetweenNodes, Reals);
 
 // Claim: at random points of the surface the place is that of phn_nearest, and force, energy, stiffness, warnings and
-// bound are those of phn_couple, phn_force_at and phn_bound_at. In double 1e-10 of the largest value: rounding and
+// bound are those of phn_couple, phn_force and phn_bound. In double 1e-10 of the largest value: rounding and
 // another order of sums. In float 2e-4: forces at nodes are off by 5e-5 (terms cancel), and the weights of (x), some of
 // which are negative, add up to less than 3. Bounds in float 2 %: they are powers of differences of these forces.
 TYPED_TEST(BetweenNodes, AreTheRuntimes) {
@@ -80,7 +80,7 @@ TYPED_TEST(BetweenNodes, AreTheRuntimes) {
       const double at[3] = {double(x[0]), double(x[1]), double(x[2])};
       phn_tool tool;
       double found[3];
-      ASSERT_EQ(phn_nearest(body.loaded.model, at, &tool, found), PHN_OK);
+      ASSERT_EQ(phn_nearest(body.loaded.model, at, &tool, found, nullptr), PHN_OK);
       Real d[3];
       for (int k = 0; k < 3; ++k) {
         d[k] = Real(0.8 * body.model.max_displacement_m * numbers.next());
@@ -88,8 +88,8 @@ TYPED_TEST(BetweenNodes, AreTheRuntimes) {
       }
       double force[3], energy = 0, stiffness[9] = {}, bound = 0;
       const int status = phn_couple(body.loaded.model, body.loaded.data, 1, &tool, force, nullptr);
-      if (status == PHN_ERROR_NOT_ACTIVE) continue;
       ASSERT_GE(status, 0);
+      if (tool.nodes[2] < 0) continue;  // of a triangle that is not touched as a whole, which images do not hold
       ++n;
       n_warned += status != 0;
       typename TestFixture::Place place;
@@ -109,7 +109,7 @@ TYPED_TEST(BetweenNodes, AreTheRuntimes) {
       ASSERT_EQ(Image<Real>::energy_at(body.image, &place, d, &got_energy), expected);
       ASSERT_EQ(Image<Real>::stiffness_at(body.image, &place, d, got_stiffness), expected);
       if (has_energy) {
-        phn_force_at(body.loaded.model, body.loaded.data, &tool, nullptr, &energy, stiffness);
+        phn_force(body.loaded.model, body.loaded.data, &tool, nullptr, &energy, stiffness);
         compare(1, &energy, &got_energy, 1);
         compare(2, stiffness, got_stiffness, 9);
       }
@@ -117,7 +117,7 @@ TYPED_TEST(BetweenNodes, AreTheRuntimes) {
         EXPECT_EQ(Image<Real>::bound_at(body.image, &place, d, &got_bound), PHN_ERROR_UNDEFINED);
         continue;
       }
-      ASSERT_EQ(phn_bound_at(body.loaded.model, &tool, &bound), status);
+      ASSERT_EQ(phn_bound(body.loaded.model, &tool, &bound), status);
       ASSERT_EQ(Image<Real>::bound_at(body.image, &place, d, &got_bound), status);
       ASSERT_EQ(bound == PHN_NO_BOUND, got_bound == Real(PHN_IMAGE_NO_BOUND));
       if (bound == PHN_NO_BOUND) continue;
@@ -163,7 +163,7 @@ TYPED_TEST(BetweenNodes, AreTheNodesAtNodes) {
         if (Image<Real>::bound_at(body.image, &place, d, &bound) < 0) continue;
         double expected = 0;
         const double moved[3] = {double(d[0]), double(d[1]), double(d[2])};
-        ASSERT_GE(phn_bound(body.loaded.model, node, moved, &expected), 0);
+        ASSERT_GE(phn_bound(body.loaded.model, AtNode(node, moved), &expected), 0);
         if (expected == PHN_NO_BOUND) expected = PHN_IMAGE_NO_BOUND;
         // At rest it is the network's force there, of floats with their rounding.
         EXPECT_NEAR(double(bound), expected, (sizeof(Real) == 4 ? 1e-4 : 1e-12) * std::max(expected, 0.01));

@@ -48,8 +48,8 @@ TEST_P(ModelTextOf, AReaderInAnotherLanguageAgrees) {
   for (const ActiveNodeModel& node : model.nodes) {
     for (const Eigen::Vector3d& d : probes) {
       std::vector<double> force(3), u(3 * model.output.size());
-      ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data(), nullptr, nullptr), 0);
-      ASSERT_GE(phn_deform(loaded.model, loaded.data, node.node, d.data(), u.data()), 0);
+      ASSERT_GE(phn_force(loaded.model, loaded.data, AtNode(node.node, d.data()), force.data(), nullptr, nullptr), 0);
+      ASSERT_GE(phn_deform(loaded.model, loaded.data, AtNode(node.node, d.data()), u.data()), 0);
       std::string line, word;
       ASSERT_TRUE(std::getline(answers, line));
       std::istringstream words(line);

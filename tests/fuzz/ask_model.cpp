@@ -102,11 +102,11 @@ class Asker {
     double d[3];
     displacement(d);
     const int status = answer(3, _out, warnings, [&](phn_data* data, double* out) {
-      return phn_force(_model, data, node, d, out, nullptr, nullptr);
+      return phn_force(_model, data, AtNode(node, d), out, nullptr, nullptr);
     });
     if (!right(status, node, d, false) || !zero(d, 3)) return;
     double energy;
-    if (phn_force(_model, _data, node, d, nullptr, &energy, nullptr) >= 0)
+    if (phn_force(_model, _data, AtNode(node, d), nullptr, &energy, nullptr) >= 0)
       require(zero(_out.data(), 3), "no force at rest");
   }
   void energy() {
@@ -114,7 +114,7 @@ class Asker {
     double d[3];
     displacement(d);
     const int status = answer(1, _out, warnings, [&](phn_data* data, double* out) {
-      return phn_force(_model, data, node, d, nullptr, out, nullptr);
+      return phn_force(_model, data, AtNode(node, d), nullptr, out, nullptr);
     });
     if (right(status, node, d, true) && zero(d, 3)) require(_out[0] == 0, "no energy at rest");
   }
@@ -123,7 +123,7 @@ class Asker {
     double d[3];
     displacement(d);
     const int status = answer(9, _out, warnings, [&](phn_data* data, double* out) {
-      return phn_force(_model, data, node, d, nullptr, nullptr, out);
+      return phn_force(_model, data, AtNode(node, d), nullptr, nullptr, out);
     });
     right(status, node, d, true);
     for (int i = 0; i < 3; ++i) {
@@ -160,14 +160,14 @@ class Asker {
   }
   void prepare() {
     const std::int32_t node = any_node();
-    require(phn_prepare(_model, _data, node) == (active(node) ? PHN_OK : PHN_ERROR_NOT_ACTIVE), "prepared");
+    require(phn_prepare(_model, _data, AtNode(node)) == (active(node) ? PHN_OK : PHN_ERROR_NOT_ACTIVE), "prepared");
   }
   void nearest() {
     double x[3];
     displacement(x);
     phn_tool tool;
     double point[3] = {nan, nan, nan};
-    const int status = phn_nearest(_model, x, &tool, point);
+    const int status = phn_nearest(_model, x, &tool, point, nullptr);
     require(finite(point, 3) && finite(tool.weights, 3) && zero(tool.displacement, 3), "a finite point");
     if (!finite(x, 3)) return require(status == PHN_ERROR_NOT_FINITE, "not finite");
     if (info_of(_model).n_triangles == 0) return require(status == PHN_ERROR_UNDEFINED, "no surface");
@@ -190,7 +190,7 @@ class Asker {
     } else if (kind < 6) {
       double x[3];
       displacement(x);
-      phn_nearest(_model, x, &tool, nullptr);
+      phn_nearest(_model, x, &tool, nullptr, nullptr);
     } else {
       double sum = 0;
       for (int k = 0; k < 3; ++k) {
@@ -232,19 +232,19 @@ class Asker {
   void point() {
     const phn_tool tool = any_tool();
     const auto of_data = [&](phn_data* data, double* out) {
-      return phn_force_at(_model, data, &tool, out, nullptr, nullptr);
+      return phn_force(_model, data, &tool, out, nullptr, nullptr);
     };
     const int status = answer(3, _out, warnings, of_data);
     const bool at_rest = zero(_out.data(), 3);
     const int more = answer(10, _out, warnings, [&](phn_data* data, double* out) {
-      return phn_force_at(_model, data, &tool, nullptr, out, out + 1);
+      return phn_force(_model, data, &tool, nullptr, out, out + 1);
     });
     require(more == status || more == PHN_ERROR_UNDEFINED, "what has an energy and a stiffness has a force");
     if (more >= 0 && zero(tool.displacement, 3)) require(at_rest && _out[0] == 0, "nothing at rest");
-    const int trained = answer(1, _out, PHN_WARNING_OUTSIDE,
-                               [&](phn_data*, double* out) { return phn_trained_depth_at(_model, &tool, out); });
+    const int trained =
+        answer(1, _out, PHN_WARNING_OUTSIDE, [&](phn_data*, double* out) { return phn_depth(_model, &tool, out); });
     require(trained < 0 ? trained == status : status >= 0, "a depth where answered");
-    answer(1, _out, warnings, [&](phn_data*, double* out) { return phn_bound_at(_model, &tool, out); });
+    answer(1, _out, warnings, [&](phn_data*, double* out) { return phn_bound(_model, &tool, out); });
     require(_out[0] >= 0, "a bound");
   }
   void field() {
@@ -253,7 +253,7 @@ class Asker {
     double d[3];
     displacement(d);
     const int status = answer(_n_output, _out, warnings, [&](phn_data* data, double* out) {
-      return phn_field(_model, data, node, d, number, out);
+      return phn_field(_model, data, AtNode(node, d), number, out);
     });
     if (number < 0 || number >= info_of(_model).n_fields) {
       require(status == PHN_ERROR_ARGUMENT, "no such field");
@@ -277,12 +277,12 @@ class Asker {
     double d[3];
     displacement(d);
     const int status = answer(1, _out, PHN_WARNING_OUTSIDE,
-                              [&](phn_data*, double* out) { return phn_trained_depth(_model, node, d, out); });
+                              [&](phn_data*, double* out) { return phn_depth(_model, AtNode(node, d), out); });
     right(status, node, d, false);
     require(_out[0] >= 0, "a depth");
     const int warned = status;
     const int bounded = answer(1, _out, PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE,
-                               [&](phn_data*, double* out) { return phn_bound(_model, node, d, out); });
+                               [&](phn_data*, double* out) { return phn_bound(_model, AtNode(node, d), out); });
     if (!right(bounded, node, d, true)) return;
     require((bounded & PHN_WARNING_OUTSIDE) == (warned & PHN_WARNING_OUTSIDE), "the same range");
     require((_out[0] == PHN_NO_BOUND) == ((bounded & PHN_WARNING_OUTSIDE) != 0), "a bound inside of the range only");
@@ -303,15 +303,15 @@ class Asker {
     const Memory memory(bytes, static_cast<std::size_t>(_script.below(16)));
     const phn_surface* fine = nullptr;
     require(phn_surface_init(memory.data(), bytes, _model, levels, &fine) == PHN_OK, "a surface of its size");
-    const auto n = 3 * static_cast<std::size_t>(phn_surface_n_vertices(fine));
-    const float* points = phn_surface_points(fine);
+    const auto n = 3 * static_cast<std::size_t>(contents_of(fine).n_vertices);
+    const float* points = contents_of(fine).points;
     for (std::size_t i = 0; i < n; ++i) require(std::isfinite(points[i]), "finite points of the surface");
-    const std::int32_t* corner = phn_surface_triangles(fine);
-    for (std::size_t i = 0; i < 3 * static_cast<std::size_t>(phn_surface_n_triangles(fine)); ++i)
+    const std::int32_t* corner = contents_of(fine).triangles;
+    for (std::size_t i = 0; i < 3 * static_cast<std::size_t>(contents_of(fine).n_triangles); ++i)
       require(corner[i] >= 0 && 3 * static_cast<std::size_t>(corner[i]) < n, "corners are vertices");
     std::vector<double> field(3 * _n_output);
     for (std::size_t i = 0; i < field.size(); ++i) field[i] = i < 12 ? _script.number() : field[i % 12];
-    std::vector<float> scratch(phn_surface_scratch_size(fine) / sizeof(float)), out(n, 1);
+    std::vector<float> scratch(contents_of(fine).scratch_bytes / sizeof(float)), out(n, 1);
     const int deformed = phn_surface_deform(fine, scratch.data(), field.data(), out.data());
     const bool good = finite(field.data(), field.size());
     if (_n_output > 0) require(deformed == (good ? PHN_OK : PHN_ERROR_NOT_FINITE), "a fine field");

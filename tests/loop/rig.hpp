@@ -34,7 +34,7 @@ class Loop {
   operator phn_loop*() { return _loop; }
   phn_loop_report report() const {
     phn_loop_report report = {};
-    phn_loop_get_report(_loop, &report);
+    phn_loop_info(_loop, &report);
     return report;
   }
   std::string why() const { return phn_loop_trip_message(report().trip); }
@@ -89,7 +89,8 @@ struct Body {
     r.has_stiffness = energy;
     r.energy = -1;
     std::copy_n(tool, 3, r.displacement);
-    r.status = phn_force(loaded.get(), data.get(), node, tool, r.force, energy ? &r.energy : nullptr,
+    const phn_tool held = phn_tool_at(node, tool);
+    r.status = phn_force(loaded.get(), data.get(), &held, r.force, energy ? &r.energy : nullptr,
                          energy ? r.stiffness : nullptr);
     return r;
   }

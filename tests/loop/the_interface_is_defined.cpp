@@ -203,7 +203,7 @@ TEST(Interface, RefusesWhatMakesNoSense) {
   EXPECT_EQ(three[0], 0);
   EXPECT_EQ(phn_loop_hold(nullptr, nullptr, 0, three), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_loop_engage(nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_loop_get_report(nullptr, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_loop_info(nullptr, nullptr), PHN_ERROR_ARGUMENT);
   for (int t = -1; t < 14; ++t) EXPECT_NE(phn_loop_trip_message(t), nullptr);
 }
 

@@ -34,12 +34,12 @@ struct Loaded {
     status = phn_body_state_init(state_memory.data(), bytes, body, max_tools, &state);
   }
   int press(const std::vector<phn_tool>& tools, int steps = 200) {
-    return phn_body_press(body, state, static_cast<std::int32_t>(tools.size()), tools.data(), steps, force[0].data(),
+    return phn_body_force(body, state, static_cast<std::int32_t>(tools.size()), tools.data(), steps, force[0].data(),
                           &pressed);
   }
   Eigen::VectorXd deformation() const {
-    phn_body_info info;
-    phn_body_describe(body, &info);
+    phn_body_contents info;
+    phn_body_info(body, &info);
     Eigen::VectorXd u(3 * info.n_nodes);
     EXPECT_EQ(phn_body_deform(body, state, u.data()), PHN_OK);
     return u;
@@ -50,7 +50,7 @@ struct Loaded {
   const phn_body* body = nullptr;
   phn_body_state* state = nullptr;
   std::array<Eigen::Vector3d, 3> force{};
-  phn_body_pressed pressed{};
+  phn_body_report pressed{};
 };
 
 /// At the point of the surface nearest to x.
@@ -298,8 +298,8 @@ TEST(Bodies, RefuseWrongCalls) {
   held.body.tool_radius_m = 0;
   Loaded nodes(write_body_text(held.body));
   EXPECT_EQ(nodes.press({{{0, -1, -1}, {1, 0, 0}, {0, 0, 0}}}), PHN_ERROR_NOT_ACTIVE);
-  EXPECT_EQ(phn_body_press(loaded.body, nodes.state, 0, nullptr, 1, nullptr, nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_body_press(loaded.body, loaded.state, 1, tools.data(), 0, loaded.force[0].data(), nullptr),
+  EXPECT_EQ(phn_body_force(loaded.body, nodes.state, 0, nullptr, 1, nullptr, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_body_force(loaded.body, loaded.state, 1, tools.data(), 0, loaded.force[0].data(), nullptr),
             PHN_ERROR_ARGUMENT);
   std::size_t bytes = 0;
   EXPECT_EQ(phn_body_state_size(loaded.body, 9, &bytes), PHN_ERROR_ARGUMENT);
@@ -420,7 +420,7 @@ TEST(Bodies, RefuseWrongCallsOfContact) {
   EXPECT_EQ(phn_body_contact_step(contact, state, 0, 1, &tool, states, nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_body_contact_step(contact, nullptr, 1, 1, &tool, states, nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(touched.step({tool, tool, tool}, 1, states), PHN_ERROR_TOOLS);
-  EXPECT_EQ(phn_body_contact_step(contact, state, 1, 1, &tool, states, reinterpret_cast<phn_body_pressed*>(states)),
+  EXPECT_EQ(phn_body_contact_step(contact, state, 1, 1, &tool, states, reinterpret_cast<phn_body_report*>(states)),
             PHN_ERROR_OVERLAP);
   Touched other(write_body_text(block.body));
   EXPECT_EQ(phn_body_contact_step(contact, other.loaded.state, 1, 1, &tool, states, nullptr), PHN_ERROR_ARGUMENT);

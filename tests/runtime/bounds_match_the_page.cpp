@@ -42,7 +42,7 @@ double bound_of(const Model& model, const ActiveNodeModel& node, const Eigen::Ve
 double size_at_rest(const LoadedModel& loaded, std::int32_t node) {
   const Eigen::Vector3d rest(0, 0, 0);
   Eigen::Vector3d force;
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, node, rest.data(), force.data(), nullptr, nullptr) < 0, false);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, AtNode(node, rest.data()), force.data(), nullptr, nullptr) < 0, false);
   return force.norm();
 }
 
@@ -60,9 +60,10 @@ TEST_P(Bounds, AreThoseOfThePage) {
       const Eigen::Vector3d d = 0.009 * numbers.vector();
       for (const auto& node : model.nodes) {
         double bound = -1;
-        const int status = phn_bound(loaded.model, node.node, d.data(), &bound);
+        const int status = phn_bound(loaded.model, AtNode(node.node, d.data()), &bound);
         Eigen::Vector3d force;
-        EXPECT_EQ(status, phn_force(loaded.model, loaded.data, node.node, d.data(), force.data(), nullptr, nullptr));
+        EXPECT_EQ(status,
+                  phn_force(loaded.model, loaded.data, AtNode(node.node, d.data()), force.data(), nullptr, nullptr));
         if ((status & PHN_WARNING_OUTSIDE) != 0) {
           EXPECT_EQ(bound, PHN_NO_BOUND);
           continue;
@@ -92,7 +93,7 @@ TEST_P(Rest, IsWithinTheBound) {
     const double error = size_at_rest(loaded, node.node);
     double bound = -1;
     // A family that is exact at any depth has no bounds.
-    EXPECT_EQ(phn_bound(loaded.model, node.node, rest, &bound) < 0, linear);
+    EXPECT_EQ(phn_bound(loaded.model, AtNode(node.node, rest), &bound) < 0, linear);
     EXPECT_LE(error, bound);
     // 1e-14: the bound is rounded up.
     EXPECT_LE(bound, error * (1 + 1e-14));
@@ -106,19 +107,19 @@ TEST_P(Bounds, AreKnownOnlyWhereTheyAreStored) {
   const LoadedModel loaded(write_model_text(with_bounds(small_model_of(GetParam()))));
   const LoadedModel without(write_model_text(small_model_of(GetParam())));
   double bound = -1;
-  EXPECT_EQ(phn_bound(loaded.model, 3, far, &bound), PHN_WARNING_OUTSIDE);
+  EXPECT_EQ(phn_bound(loaded.model, AtNode(3, far), &bound), PHN_WARNING_OUTSIDE);
   EXPECT_EQ(bound, PHN_NO_BOUND);
   const auto refused = [&](int status, int expected) {
     EXPECT_EQ(status, expected);
     EXPECT_EQ(bound, 0);
     bound = -1;
   };
-  refused(phn_bound(without.model, 3, rest, &bound), PHN_ERROR_UNDEFINED);
-  refused(phn_bound(loaded.model, 4, rest, &bound), PHN_ERROR_NOT_ACTIVE);
-  refused(phn_bound(loaded.model, 3, no, &bound), PHN_ERROR_NOT_FINITE);
-  refused(phn_bound(nullptr, 3, rest, &bound), PHN_ERROR_ARGUMENT);
-  refused(phn_bound(loaded.model, 3, nullptr, &bound), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_bound(loaded.model, 3, rest, nullptr), PHN_ERROR_ARGUMENT);
+  refused(phn_bound(without.model, AtNode(3, rest), &bound), PHN_ERROR_UNDEFINED);
+  refused(phn_bound(loaded.model, AtNode(4, rest), &bound), PHN_ERROR_NOT_ACTIVE);
+  refused(phn_bound(loaded.model, AtNode(3, no), &bound), PHN_ERROR_NOT_FINITE);
+  refused(phn_bound(nullptr, AtNode(3, rest), &bound), PHN_ERROR_ARGUMENT);
+  refused(phn_bound(loaded.model, AtNode(3, nullptr), &bound), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_bound(loaded.model, AtNode(3, rest), nullptr), PHN_ERROR_ARGUMENT);
 }
 
 // Claim: one tool between nodes has the bound of the page, at every level. 1e-9: rounding of forces.
@@ -128,13 +129,13 @@ TEST(BoundBetween, IsThatOfThePage) {
   const auto at_node = [&](std::int32_t node, const Eigen::Vector3d& d) {
     double bound = 0;
     Eigen::Vector3d force;
-    EXPECT_GE(phn_bound(loaded.model, node, d.data(), &bound), 0);
-    EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), force.data(), nullptr, nullptr), 0);
+    EXPECT_GE(phn_bound(loaded.model, AtNode(node, d.data()), &bound), 0);
+    EXPECT_GE(phn_force(loaded.model, loaded.data, AtNode(node, d.data()), force.data(), nullptr, nullptr), 0);
     return std::pair(bound, force);
   };
   const auto bound_of = [&](const phn_tool& tool, int expected) {
     double bound = -1;
-    EXPECT_EQ(phn_bound_at(loaded.model, &tool, &bound), expected);
+    EXPECT_EQ(phn_bound(loaded.model, &tool, &bound), expected);
     return bound;
   };
   const Eigen::Vector3d d(0.003, -0.002, 0.004);

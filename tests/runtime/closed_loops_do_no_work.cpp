@@ -35,13 +35,15 @@ TEST(ClosedLoops, DoNoWork) {
         const Vector3d step = (corners[(i + 1) % corners.size()] - corners[i]) / n_parts;
         for (int part = 0; part < n_parts; ++part) {
           const Vector3d middle = corners[i] + (part + 0.5) * step;
-          EXPECT_GE(phn_force(loaded.model, loaded.data, node.node, middle.data(), nullptr, &energy, nullptr), 0);
+          EXPECT_GE(phn_force(loaded.model, loaded.data, AtNode(node.node, middle.data()), nullptr, &energy, nullptr),
+                    0);
           stored = std::max(stored, energy);
           for (int p = 0; p < 5; ++p) {
             for (const double t : {gauss_point[p], -gauss_point[p]}) {
               const Vector3d d = middle + t / 2 * step;
               Vector3d force;
-              EXPECT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data(), nullptr, nullptr), 0);
+              EXPECT_GE(
+                  phn_force(loaded.model, loaded.data, AtNode(node.node, d.data()), force.data(), nullptr, nullptr), 0);
               work += gauss_weight[p] / 2 * force.dot(step);
             }
           }

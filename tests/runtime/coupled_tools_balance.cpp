@@ -65,9 +65,9 @@ TEST_P(CoupledToolsOf, AtANodeAreThatNode) {
     const phn_tool at = tool(node, -1, -1, 1, 0, d[0], d[1], d[2]);
     Eigen::Vector3d force, said;
     Points field(12, 3), coupled(12, 3);
-    const int status = phn_force(loaded.model, loaded.data, node, d, force.data(), nullptr, nullptr);
+    const int status = phn_force(loaded.model, loaded.data, AtNode(node, d), force.data(), nullptr, nullptr);
     EXPECT_EQ(phn_couple(loaded.model, loaded.data, 1, &at, said.data(), nullptr), status);
-    phn_deform(loaded.model, loaded.data, node, d, field.data());
+    phn_deform(loaded.model, loaded.data, AtNode(node, d), field.data());
     phn_coupled_deform(loaded.model, loaded.data, coupled.data());
     EXPECT_EQ(said, force);
     EXPECT_EQ(coupled, field);
@@ -173,7 +173,7 @@ TEST_P(CoupledToolsOf, FieldsHaveNoJumpWhereNothingIsLeft) {
   const std::int32_t nodes[3] = {3, 5, 8};
   const double d[3] = {0.0005, 0.001, -0.0002};
   Points alone(12, 3);
-  ASSERT_GE(phn_deform(loaded.model, loaded.data, *nodes, d, alone.data()), 0);
+  ASSERT_GE(phn_deform(loaded.model, loaded.data, AtNode(*nodes, d), alone.data()), 0);
   const auto field_beside = [&](double apart) {
     phn_tool tools[3];
     for (int t = 0; t < 3; ++t) {
@@ -292,9 +292,9 @@ TEST(CoupledTools, ThatAreMovedAlongAreNotFelt) {
     const Eigen::Vector3d d(0.005, 0.004, -0.002);
     Eigen::Vector3d alone, straight;
     Points field(7, 3);
-    EXPECT_GE(phn_force(loaded.model, loaded.data, first, d.data(), alone.data(), nullptr, nullptr), 0);
-    EXPECT_GE(phn_force(linear.model, linear.data, first, d.data(), straight.data(), nullptr, nullptr), 0);
-    EXPECT_GE(phn_deform(loaded.model, loaded.data, first, d.data(), field.data()), 0);
+    EXPECT_GE(phn_force(loaded.model, loaded.data, AtNode(first, d.data()), alone.data(), nullptr, nullptr), 0);
+    EXPECT_GE(phn_force(linear.model, linear.data, AtNode(first, d.data()), straight.data(), nullptr, nullptr), 0);
+    EXPECT_GE(phn_deform(loaded.model, loaded.data, AtNode(first, d.data()), field.data()), 0);
     const phn_tool tools[2] = {tool(first, -1, -1, 1, 0, d[0], d[1], d[2]),
                                tool(other, -1, -1, 1, 0, field(other, 0), field(other, 1), field(other, 2))};
     Eigen::Matrix<double, 3, 2> forces;

@@ -156,52 +156,69 @@ TEST_P(BoundedToolsOf, AnswerOrRefuseEveryInput) {
   EXPECT_EQ(phn_couple(loaded.model, loaded.data, -1, &good, forces, nullptr), PHN_ERROR_ARGUMENT);
 }
 
-// Claim: phn_nearest finds the point of the surface that a search over a fine grid of every triangle finds.
-TEST(Nearest, IsTheNearestPoint) {
+// Claim: phn_nearest finds the point that a search over a fine grid of every triangle finds among those that phn_force
+// answers, and says its distance; its tool is answered, also where it was moved away from a fixed edge.
+TEST(Nearest, IsTheNearestPlaceThatAnswers) {
   const Model model = small_model();
   const LoadedModel loaded(write_model_text(model));
   const auto point_of = [&](std::int32_t node) {
     return Eigen::Vector3d(node < 2 ? model.fixed_points.row(node) : model.output_points.row(node - 2));
   };
+  constexpr int n = 60;
+  int n_compared = 0;
+  std::vector<Eigen::Vector3d> grid;  // of what is answered
+  for (Eigen::Index t = 0; t < model.surface.rows(); ++t) {
+    for (int a = 0; a <= n; ++a) {
+      for (int b = 0; b + a <= n; ++b) {
+        const int w[3] = {a, b, n - a - b};
+        phn_tool tool = {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}};
+        Eigen::Vector3d p(0, 0, 0);
+        double force[3];
+        for (int k = 0; k < 3; ++k) {
+          tool.nodes[k] = model.surface(t, k) < 2 ? model.fixed[static_cast<std::size_t>(model.surface(t, k))]
+                                                  : model.output[static_cast<std::size_t>(model.surface(t, k) - 2)];
+          tool.weights[k] = double(w[k]) / n;
+          p += tool.weights[k] * point_of(model.surface(t, k));
+        }
+        if (phn_force(loaded.model, loaded.data, &tool, force, nullptr, nullptr) >= 0) grid.push_back(p);
+      }
+    }
+  }
   Numbers numbers;
   for (int i = 0; i < 200; ++i) {
     const Eigen::Vector3d x(0.1 * numbers.next(), 0.1 * numbers.next(), 0.1 * numbers.next());
     phn_tool found;
     Eigen::Vector3d point;
-    ASSERT_EQ(phn_nearest(loaded.model, x.data(), &found, point.data()), PHN_OK);
+    double distance = -1, force[3];
+    ASSERT_EQ(phn_nearest(loaded.model, x.data(), &found, point.data(), &distance), PHN_OK);
+    EXPECT_NEAR(distance, (point - x).norm(), 1e-15);
+    EXPECT_GE(phn_force(loaded.model, loaded.data, &found, force, nullptr, nullptr), 0);
     Eigen::Vector3d said(0, 0, 0);
     double sum = 0;
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3 && found.nodes[k] >= 0; ++k) {
       EXPECT_GE(found.weights[k], 0);
       sum += found.weights[k];
       said += found.weights[k] * point_of(found.nodes[k]);
     }
     EXPECT_NEAR(sum, 1, 1e-14);
     EXPECT_LT((said - point).norm(), 1e-15);
-    double least = inf;
-    constexpr int n = 60;
-    for (Eigen::Index t = 0; t < model.surface.rows(); ++t) {
-      for (int a = 0; a <= n; ++a) {
-        for (int b = 0; b + a <= n; ++b) {
-          const Eigen::Vector3d p = (a * point_of(model.surface(t, 0)) + b * point_of(model.surface(t, 1)) +
-                                     (n - a - b) * point_of(model.surface(t, 2))) /
-                                    n;
-          least = std::min(least, (p - x).norm());
-        }
-      }
-    }
+    double fixed = 0, least = inf;
+    for (int k = 0; k < 3; ++k) fixed += found.nodes[k] == 0 || found.nodes[k] == 1 ? found.weights[k] : 0;
+    if (fixed > 0.95 - 1e-12) continue;  // moved away from a fixed edge
+    for (const Eigen::Vector3d& p : grid) least = std::min(least, (p - x).norm());
     EXPECT_LE((point - x).norm(), least + 1e-15);
-    EXPECT_GE((point - x).norm(),
-              least - 0.1 / n);  // edges are shorter than 0.2 m: no grid point is further off
+    EXPECT_GE((point - x).norm(), least - 0.1 / n);  // edges are shorter than 0.2 m: no grid point is further off
+    ++n_compared;
   }
+  EXPECT_GT(n_compared, 100);
   phn_tool found;
   const double bad[3] = {nan, 0, 0};
-  EXPECT_EQ(phn_nearest(loaded.model, bad, &found, nullptr), PHN_ERROR_NOT_FINITE);
+  EXPECT_EQ(phn_nearest(loaded.model, bad, &found, nullptr, nullptr), PHN_ERROR_NOT_FINITE);
   Model bare = model;
   bare.surface.resize(0, 3);
   const LoadedModel without(write_model_text(bare));
   const double x[3] = {0, 0, 0};
-  EXPECT_EQ(phn_nearest(without.model, x, &found, nullptr), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(phn_nearest(without.model, x, &found, nullptr, nullptr), PHN_ERROR_UNDEFINED);
 }
 
 }  // namespace

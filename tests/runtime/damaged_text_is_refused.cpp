@@ -104,10 +104,10 @@ TEST_P(DamagedText, ParserSurvivesAnythingWithAGoodChecksum) {
       for (int i = 0; i < info_of(model).n_levels * info_of(model).n_active; ++i) {
         ASSERT_EQ(phn_set_level(model, data, i / info_of(model).n_active), PHN_OK);
         const std::int32_t* touched = info_of(model).active_nodes + i % info_of(model).n_active;
-        ASSERT_GE(phn_deform(model, data, *touched, d, u.data()), 0);
+        ASSERT_GE(phn_deform(model, data, AtNode(*touched, d), u.data()), 0);
         for (const double x : u) ASSERT_TRUE(std::isfinite(x));
         double force[3];
-        ASSERT_GE(phn_force(model, data, *touched, d, force, nullptr, nullptr), 0);
+        ASSERT_GE(phn_force(model, data, AtNode(*touched, d), force, nullptr, nullptr), 0);
         for (const double x : force) ASSERT_TRUE(std::isfinite(x));
       }
     }
@@ -229,7 +229,7 @@ TEST(DefectsOfText, CoordinatesAreBounded) {
       const double x[] = {far, 0.01, -far};
       phn_tool tool;
       double point[3];
-      ASSERT_EQ(phn_nearest(loaded.model, x, &tool, point), PHN_OK);
+      ASSERT_EQ(phn_nearest(loaded.model, x, &tool, point, nullptr), PHN_OK);
       double sum = 0;
       for (int k = 0; k < 3; ++k) {
         EXPECT_TRUE(std::isfinite(point[k]));

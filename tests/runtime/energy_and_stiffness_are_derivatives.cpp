@@ -22,9 +22,9 @@ struct Derivatives {
 
 Derivatives response(const LoadedModel& loaded, std::int32_t node, const Vector3d& d) {
   Derivatives r;
-  EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), nullptr, &r.energy, nullptr), 0);
-  EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), r.force.data(), nullptr, nullptr), 0);
-  EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), nullptr, nullptr, r.stiffness.data()), 0);
+  EXPECT_GE(phn_force(loaded.model, loaded.data, AtNode(node, d.data()), nullptr, &r.energy, nullptr), 0);
+  EXPECT_GE(phn_force(loaded.model, loaded.data, AtNode(node, d.data()), r.force.data(), nullptr, nullptr), 0);
+  EXPECT_GE(phn_force(loaded.model, loaded.data, AtNode(node, d.data()), nullptr, nullptr, r.stiffness.data()), 0);
   return r;
 }
 
@@ -71,7 +71,7 @@ TEST_P(DerivativesOf, HaveTheSameBitsInAnyCall) {
       for (int asked = 1; asked < 8; ++asked) {
         const bool force = asked & 1, energy = asked & 2, stiffness = asked & 4;
         Derivatives r{-1, Vector3d::Constant(-1), Matrix3d::Constant(-1)};
-        ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force ? r.force.data() : nullptr,
+        ASSERT_GE(phn_force(loaded.model, loaded.data, AtNode(node.node, d.data()), force ? r.force.data() : nullptr,
                             energy ? &r.energy : nullptr, stiffness ? r.stiffness.data() : nullptr),
                   0);
         EXPECT_EQ(r.force, force ? alone.force : Vector3d::Constant(-1)) << asked;

@@ -58,9 +58,9 @@ TEST(Fields, MatchPlainLoops) {
         double terms = 0;
         const auto expected = plain(model, node, static_cast<std::size_t>(f), d, terms);
         Eigen::VectorXd values = Eigen::VectorXd::Constant(12, not_a_number);
-        const int status = phn_field(loaded.model, loaded.data, node.node, d.data(), f, values.data());
+        const int status = phn_field(loaded.model, loaded.data, AtNode(node.node, d.data()), f, values.data());
         double force[3];
-        EXPECT_EQ(status, phn_force(loaded.model, loaded.data, node.node, d.data(), force, nullptr, nullptr));
+        EXPECT_EQ(status, phn_force(loaded.model, loaded.data, AtNode(node.node, d.data()), force, nullptr, nullptr));
         ASSERT_GE(status, 0);
         EXPECT_LE((values - expected).cwiseAbs().maxCoeff(), 1e-6 * terms);
         positive += static_cast<int>((values.array() > 0).count());
@@ -90,15 +90,42 @@ TEST(Fields, SayWhatTheyAre) {
   double out[12];
   for (const std::int32_t field : {-1, 2, 1000}) {
     std::fill(out, out + 12, 1);
-    EXPECT_EQ(phn_field(loaded.model, loaded.data, 3, d, field, out), PHN_ERROR_ARGUMENT);
+    EXPECT_EQ(phn_field(loaded.model, loaded.data, AtNode(3, d), field, out), PHN_ERROR_ARGUMENT);
     for (const double v : out) EXPECT_EQ(v, 0);
   }
-  EXPECT_EQ(phn_field(without.model, without.data, 3, d, 0, out), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_field(loaded.model, loaded.data, 4, d, 0, out), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(phn_field(without.model, without.data, AtNode(3, d), 0, out), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_field(loaded.model, loaded.data, AtNode(4, d), 0, out), PHN_ERROR_NOT_ACTIVE);
   std::fill(out, out + 12, 1);
-  EXPECT_EQ(phn_field(loaded.model, loaded.data, 15, d, 1, out), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(phn_field(loaded.model, loaded.data, AtNode(15, d), 1, out), PHN_ERROR_UNDEFINED);
   for (const double v : out) EXPECT_EQ(v, 0);
-  EXPECT_EQ(phn_field(loaded.model, without.data, 3, d, 0, out), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_field(loaded.model, without.data, AtNode(3, d), 0, out), PHN_ERROR_ARGUMENT);
+}
+
+// Claim: the field of a round tool between nodes is the mean of the nodes' fields by the weights of the place; of node
+// probes there it is not defined. Rounding of sums: 1e-14 of the largest value.
+TEST(Fields, AreMeansUnderRoundTools) {
+  Model model = small_field_model();
+  const LoadedModel nodes(write_model_text(model));
+  for (ActiveNodeModel& node : model.nodes) {
+    node.moves_mean = node.node < 14;
+    if (node.moves_mean) node.prescribed = {3, 5, 8};
+    if (node.moves_mean) node.prescribed_weight = {0.25, 0.5, 0.25};
+  }
+  const LoadedModel loaded(write_model_text(model));
+  const double d[3] = {0.003, -0.002, 0.004};
+  const phn_tool held = {{3, 5, 8}, {0.5, 0.3, 0.2}, {d[0], d[1], d[2]}};
+  for (const std::int32_t f : {0, 1}) {
+    Eigen::ArrayXd mean = Eigen::ArrayXd::Zero(12), one(12);
+    for (int k = 0; k < 3; ++k) {
+      ASSERT_GE(phn_field(loaded.model, loaded.data, AtNode(held.nodes[k], d), f, one.data()), 0);
+      mean += held.weights[k] * one;
+    }
+    ASSERT_GE(phn_field(loaded.model, loaded.data, &held, f, one.data()), 0);
+    EXPECT_LE((one - mean).abs().maxCoeff(), 1e-14 * mean.maxCoeff());
+    EXPECT_GT(mean.maxCoeff(), 0);
+    EXPECT_EQ(phn_field(nodes.model, nodes.data, &held, f, one.data()), PHN_ERROR_UNDEFINED);
+    EXPECT_EQ(one.maxCoeff(), 0);
+  }
 }
 
 // Claim: at rest a field is exactly zero; NaN is refused, and any finite displacement gives finite values, 0
@@ -111,7 +138,7 @@ TEST(Fields, AreDefinedForEveryInput) {
         const double d[3] = {x, y, -x};
         double out[12];
         std::fill(out, out + 12, not_a_number);
-        const int status = phn_field(loaded.model, loaded.data, 3, d, f, out);
+        const int status = phn_field(loaded.model, loaded.data, AtNode(3, d), f, out);
         const bool finite = std::isfinite(x) && std::isfinite(y);
         EXPECT_EQ(status, finite ? status : PHN_ERROR_NOT_FINITE);
         for (const double v : out) {
@@ -146,7 +173,7 @@ TEST(Fields, StayFiniteAtTheBoundsOfTheFormat) {
   for (const double size : {1.0, 1e300}) {
     const double d[3] = {size, size, size};
     double out[12];
-    ASSERT_GE(phn_field(loaded.model, loaded.data, model.nodes[0].node, d, 0, out), 0);
+    ASSERT_GE(phn_field(loaded.model, loaded.data, AtNode(model.nodes[0].node, d), 0, out), 0);
     for (const double v : out) EXPECT_TRUE(std::isfinite(v));
     // The bound would be idle if values stayed small: scale 1e100 and sums of 1e30 at least.
     if (size > 1) {

@@ -38,14 +38,14 @@ struct FineSurface {
     LoadedModel::check(phn_surface_size(loaded.model, levels, &bytes));
     memory.resize(bytes);
     LoadedModel::check(phn_surface_init(memory.data(), bytes, loaded.model, levels, &surface));
-    scratch.resize(phn_surface_scratch_size(surface) / sizeof(float));
-    n_vertices = phn_surface_n_vertices(surface);
-    n_triangles = phn_surface_n_triangles(surface);
+    scratch.resize(contents_of(surface).scratch_bytes / sizeof(float));
+    n_vertices = contents_of(surface).n_vertices;
+    n_triangles = contents_of(surface).n_triangles;
   }
   RowVector3d point(int vertex) const {
-    return Eigen::Map<const Eigen::RowVector3f>(phn_surface_points(surface) + 3 * vertex).cast<double>();
+    return Eigen::Map<const Eigen::RowVector3f>(contents_of(surface).points + 3 * vertex).cast<double>();
   }
-  int corner(int triangle, int k) const { return phn_surface_triangles(surface)[3 * triangle + k]; }
+  int corner(int triangle, int k) const { return contents_of(surface).triangles[3 * triangle + k]; }
   Points deform(const Points& field) {
     Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> out(n_vertices, 3);
     out.setConstant(std::numeric_limits<float>::quiet_NaN());

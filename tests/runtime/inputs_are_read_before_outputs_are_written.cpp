@@ -49,16 +49,17 @@ void expect_same_over(const char* what, const std::vector<In>& input, std::size_
 
 TEST_P(Overlap, OfAnInputChangesNothing) {
   const auto row = [&](const char* what, std::size_t n, auto call) { expect_same_over(what, d, n, call); };
-  row("force", 3, [&](double* x, double* out) { return phn_force(model, data, 8, x, out, nullptr, nullptr); });
-  row("energy", 1, [&](double* x, double* out) { return phn_force(model, data, 8, x, nullptr, out, nullptr); });
-  row("stiffness", 9, [&](double* x, double* out) { return phn_force(model, data, 8, x, nullptr, nullptr, out); });
-  row("field", n_output, [&](double* x, double* out) { return phn_field(model, data, 8, x, 1, out); });
-  row("deform", 3 * n_output, [&](double* x, double* out) { return phn_deform(model, data, 8, x, out); });
-  row("depth", 1, [&](double* x, double* out) { return phn_trained_depth(model, 8, x, out); });
-  row("bound", 1, [&](double* x, double* out) { return phn_bound(model, 8, x, out); });
+  row("force", 3, [&](double* x, double* out) { return phn_force(model, data, AtNode(8, x), out, nullptr, nullptr); });
+  row("energy", 1, [&](double* x, double* out) { return phn_force(model, data, AtNode(8, x), nullptr, out, nullptr); });
+  row("stiffness", 9,
+      [&](double* x, double* out) { return phn_force(model, data, AtNode(8, x), nullptr, nullptr, out); });
+  row("field", n_output, [&](double* x, double* out) { return phn_field(model, data, AtNode(8, x), 1, out); });
+  row("deform", 3 * n_output, [&](double* x, double* out) { return phn_deform(model, data, AtNode(8, x), out); });
+  row("depth", 1, [&](double* x, double* out) { return phn_depth(model, AtNode(8, x), out); });
+  row("bound", 1, [&](double* x, double* out) { return phn_bound(model, AtNode(8, x), out); });
   row("nearest", 3, [&](double* x, double* out) {
     phn_tool tool;
-    return phn_nearest(model, x, &tool, out);
+    return phn_nearest(model, x, &tool, out, nullptr);
   });
   const std::vector<std::int32_t> nodes = {8, 3, 15, 0};
   const std::vector<double> displacements = {0.002, -0.001, 0.003, -0.002, 0.001, 0.004, 0.001, 0.002, -0.003};
@@ -70,24 +71,23 @@ TEST_P(Overlap, OfAnInputChangesNothing) {
   const std::vector<phn_tool> one = {{{8, -1, -1}, {1, 0, 0}, {0.001, 0.002, 0}}},
                               two = {one[0], {{3, 5, 8}, {0.5, 0.25, 0.25}, {0.001, -0.002, 0.001}}};
   expect_same_over("force at", one, 3,
-                   [&](phn_tool* tool, double* out) { return phn_force_at(model, data, tool, out, nullptr, nullptr); });
-  expect_same_over("depth at", one, 1,
-                   [&](phn_tool* tool, double* out) { return phn_trained_depth_at(model, tool, out); });
-  expect_same_over("bound at", one, 1, [&](phn_tool* tool, double* out) { return phn_bound_at(model, tool, out); });
+                   [&](phn_tool* tool, double* out) { return phn_force(model, data, tool, out, nullptr, nullptr); });
+  expect_same_over("depth at", one, 1, [&](phn_tool* tool, double* out) { return phn_depth(model, tool, out); });
+  expect_same_over("bound at", one, 1, [&](phn_tool* tool, double* out) { return phn_bound(model, tool, out); });
   expect_same_over("couple", two, 6,
                    [&](phn_tool* tools, double* out) { return phn_couple(model, data, 2, tools, out, nullptr); });
 }
 
 TEST_P(Overlap, OfOutputsAndLargeInputsIsRefused) {
   std::vector<double> out(100, 1);
-  EXPECT_EQ(phn_force(model, data, 8, d.data(), &out[0], &out[2], nullptr), PHN_ERROR_OVERLAP);
+  EXPECT_EQ(phn_force(model, data, AtNode(8, d.data()), &out[0], &out[2], nullptr), PHN_ERROR_OVERLAP);
   EXPECT_EQ(out[0] + out[1] + out[2], 0);
   const std::vector<phn_tool> tools(1, {{8, -1, -1}, {1, 0, 0}, {0.001, 0.002, 0}});
-  EXPECT_EQ(phn_force_at(model, data, tools.data(), &out[0], nullptr, &out[2]), PHN_ERROR_OVERLAP);
+  EXPECT_EQ(phn_force(model, data, tools.data(), &out[0], nullptr, &out[2]), PHN_ERROR_OVERLAP);
   auto* over = reinterpret_cast<phn_coupled*>(&out[1]);
   EXPECT_EQ(phn_couple(model, data, 1, tools.data(), &out[0], over), PHN_ERROR_OVERLAP);
   auto* tool = reinterpret_cast<phn_tool*>(&out[0]);
-  EXPECT_EQ(phn_nearest(model, d.data(), tool, &out[1]), PHN_ERROR_OVERLAP);
+  EXPECT_EQ(phn_nearest(model, d.data(), tool, &out[1], nullptr), PHN_ERROR_OVERLAP);
 
   std::size_t bytes = 0;
   EXPECT_EQ(phn_model_size(text.data(), text.size(), &bytes, &bytes), PHN_ERROR_OVERLAP);

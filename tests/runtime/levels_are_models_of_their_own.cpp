@@ -24,20 +24,20 @@ std::vector<double> answers(const LoadedModel& loaded) {
     const std::int32_t node = touched[i % 3];
     double d[6], f[6] = {}, k[9];
     for (double& x : d) x = 0.012 * numbers.next();
-    EXPECT_GE(phn_force(model, data, node, d, f, nullptr, nullptr), 0);
+    EXPECT_GE(phn_force(model, data, AtNode(node, d), f, nullptr, nullptr), 0);
     all.insert(all.end(), f, f + 3);
-    phn_force(model, data, node, d, nullptr, f, nullptr);
+    phn_force(model, data, AtNode(node, d), nullptr, f, nullptr);
     all.push_back(f[0]);
-    phn_force(model, data, node, d, nullptr, nullptr, k);
+    phn_force(model, data, AtNode(node, d), nullptr, nullptr, k);
     all.insert(all.end(), k, k + 9);
     std::vector<double> u(3 * n_output);
-    EXPECT_GE(phn_deform(model, data, node, d, u.data()), 0);
+    EXPECT_GE(phn_deform(model, data, AtNode(node, d), u.data()), 0);
     all.insert(all.end(), u.begin(), u.end());
     const std::int32_t two[] = {node, 15};
     EXPECT_GE(phn_blend_paper(model, data, 2, two, d, u.data()), 0);
     all.insert(all.end(), u.begin(), u.end());
     for (std::int32_t field = 0; field < info_of(model).n_fields; ++field) {
-      EXPECT_GE(phn_field(model, data, node, d, field, u.data()), 0);
+      EXPECT_GE(phn_field(model, data, AtNode(node, d), field, u.data()), 0);
       all.insert(all.end(), u.begin(), u.begin() + static_cast<std::ptrdiff_t>(n_output));
     }
     const phn_tool tools[] = {{{3, 5, 0}, {0.25, 0.5, 0.25}, {d[0], d[1], d[2]}},
@@ -88,10 +88,10 @@ TEST_P(Levels, AreThoseOfTheData) {
   ASSERT_EQ(phn_set_level(loaded.model, loaded.data, 0), PHN_OK);
   const double d[] = {0.001, 0.004, -0.002};
   double small[3], full[3], plain[3];
-  ASSERT_GE(phn_force(loaded.model, loaded.data, 3, d, small, nullptr, nullptr), 0);
-  ASSERT_GE(phn_force(loaded.model, other, 3, d, full, nullptr, nullptr), 0);
+  ASSERT_GE(phn_force(loaded.model, loaded.data, AtNode(3, d), small, nullptr, nullptr), 0);
+  ASSERT_GE(phn_force(loaded.model, other, AtNode(3, d), full, nullptr, nullptr), 0);
   const LoadedModel without(write_model_text(model_of(GetParam())));
-  ASSERT_GE(phn_force(without.model, without.data, 3, d, plain, nullptr, nullptr), 0);
+  ASSERT_GE(phn_force(without.model, without.data, AtNode(3, d), plain, nullptr, nullptr), 0);
   EXPECT_NE(small[0], full[0]);
   for (int k = 0; k < 3; ++k) EXPECT_EQ(full[k], plain[k]);
 }

@@ -17,8 +17,8 @@ struct Answer {
 
 Answer answer(const LoadedModel& loaded, std::int32_t node, const Eigen::Vector3d& d) {
   Answer a{{}, Points(info_of(loaded.model).n_output, 3), 0, 0};
-  a.force_status = phn_force(loaded.model, loaded.data, node, d.data(), a.force.data(), nullptr, nullptr);
-  a.deform_status = phn_deform(loaded.model, loaded.data, node, d.data(), a.u.data());
+  a.force_status = phn_force(loaded.model, loaded.data, AtNode(node, d.data()), a.force.data(), nullptr, nullptr);
+  a.deform_status = phn_deform(loaded.model, loaded.data, AtNode(node, d.data()), a.u.data());
   return a;
 }
 

@@ -1,7 +1,8 @@
 // A model in the runtime, with memory in vectors that a C program would allocate.
 #pragma once
 
-#include <phynness/phynness.h>
+#include <phynness/phynness_surface.h>
+#include <phynness/phynness_tools.h>
 
 #include <stdexcept>
 #include <string>
@@ -16,9 +17,27 @@ inline phn_info info_of(const phn_model* model) {
   return info;
 }
 
+/// The tool at a node as an argument; null without a displacement.
+struct AtNode : phn_tool {
+  explicit AtNode(std::int32_t node) : phn_tool{{node, -1, -1}, {1, 0, 0}, {0, 0, 0}} {}
+  AtNode(std::int32_t node, const double* d) : AtNode(node) {
+    is_given = d != nullptr;
+    for (int k = 0; k < 3 && is_given; ++k) displacement[k] = d[k];
+  }
+  operator const phn_tool*() const { return is_given ? this : nullptr; }
+  bool is_given = true;
+};
+
+/// Zeros for null.
+inline phn_surface_contents contents_of(const phn_surface* surface) {
+  phn_surface_contents contents;
+  phn_surface_info(surface, &contents);
+  return contents;
+}
+
 struct Trained {
   Trained(const phn_model* model, std::int32_t node, const double* d)
-      : status(phn_trained_depth(model, node, d, &depth)) {}
+      : status(phn_depth(model, AtNode(node, d), &depth)) {}
   double depth = -1;
   int status;
 };

@@ -105,9 +105,10 @@ TEST(ModalRuntime, ForceEnergyAndStiffnessAreTheFormulas) {
         Vector3d force;
         Matrix3d stiffness;
         double energy = 0;
-        ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data(), nullptr, nullptr), 0);
-        ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), nullptr, &energy, nullptr), 0);
-        ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), nullptr, nullptr, stiffness.data()), 0);
+        ASSERT_GE(phn_force(loaded.model, loaded.data, AtNode(node.node, d.data()), force.data(), nullptr, nullptr), 0);
+        ASSERT_GE(phn_force(loaded.model, loaded.data, AtNode(node.node, d.data()), nullptr, &energy, nullptr), 0);
+        ASSERT_GE(phn_force(loaded.model, loaded.data, AtNode(node.node, d.data()), nullptr, nullptr, stiffness.data()),
+                  0);
         EXPECT_LE((force - expected.force).norm(), 1e-14 * expected.force_terms);
         EXPECT_LE(std::abs(energy - expected.energy), 1e-14 * expected.energy_terms);
         EXPECT_LE((stiffness - expected.stiffness).norm(), 1e-14 * expected.stiffness_terms);
@@ -131,7 +132,7 @@ TEST(ModalRuntime, DeformationIsTheSumOfModes) {
         if (d.isZero(0)) continue;  // the printed formula rounds there; see NothingHappensAtRest
         const Response expected = plain(model, node, d);
         Points u(model.output_points.rows(), 3);
-        ASSERT_GE(phn_deform(loaded.model, loaded.data, node.node, d.data(), u.data()), 0);
+        ASSERT_GE(phn_deform(loaded.model, loaded.data, AtNode(node.node, d.data()), u.data()), 0);
         EXPECT_LE((u - expected.u).cwiseAbs().maxCoeff(), 1e-6 * expected.u_terms);
         EXPECT_LE((u - expected.u).cwiseAbs().maxCoeff(), 1e-5 * expected.u.cwiseAbs().maxCoeff());
         for (const std::int32_t near : node.modal.near)
@@ -158,9 +159,9 @@ TEST(ModalRuntime, NothingHappensAtRest) {
         Vector3d force(1, 1, 1);
         double energy = 1;
         Points u = Points::Ones(model.output_points.rows(), 3);
-        ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d, force.data(), nullptr, nullptr), 0);
-        ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d, nullptr, &energy, nullptr), 0);
-        ASSERT_GE(phn_deform(loaded.model, loaded.data, node.node, d, u.data()), 0);
+        ASSERT_GE(phn_force(loaded.model, loaded.data, AtNode(node.node, d), force.data(), nullptr, nullptr), 0);
+        ASSERT_GE(phn_force(loaded.model, loaded.data, AtNode(node.node, d), nullptr, &energy, nullptr), 0);
+        ASSERT_GE(phn_deform(loaded.model, loaded.data, AtNode(node.node, d), u.data()), 0);
         EXPECT_EQ(force.cwiseAbs().maxCoeff(), 0);
         EXPECT_EQ(energy, 0);
         EXPECT_EQ(u.cwiseAbs().maxCoeff(), 0);

@@ -37,11 +37,11 @@ struct Pair {
   /// @param separation  in radii
   int press(double separation, const Eigen::Vector3d& a, const Eigen::Vector3d& b, int steps = 100) {
     const phn_tool tools[] = {tool(-separation * radius / 2, a), tool(separation * radius / 2, b)};
-    return phn_body_press(body, state, 2, tools, steps, forces[0].data(), &pressed);
+    return phn_body_force(body, state, 2, tools, steps, forces[0].data(), &pressed);
   }
   double alone(const Eigen::Vector3d& displacement) {
     const phn_tool one = tool(0, displacement);
-    EXPECT_EQ(phn_body_press(body, state, 1, &one, 100, forces[0].data(), &pressed), PHN_OK);
+    EXPECT_EQ(phn_body_force(body, state, 1, &one, 100, forces[0].data(), &pressed), PHN_OK);
     return forces[0].norm();
   }
   double larger() const { return std::max(forces[0].norm(), forces[1].norm()); }
@@ -52,7 +52,7 @@ struct Pair {
   const phn_body* body = nullptr;
   phn_body_state* state = nullptr;
   Eigen::Vector3d forces[2];
-  phn_body_pressed pressed{};
+  phn_body_report pressed{};
 };
 
 const Eigen::Vector3d push(0, 0, -0.3 * block_depth), pull(0, 0, 0.3 * block_depth);

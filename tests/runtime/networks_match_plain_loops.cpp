@@ -26,7 +26,7 @@ TEST(Runtime, ForceIsTheNetwork) {
   for (const ActiveNodeModel& node : model.nodes) {
     for (const Eigen::Vector3d& d : network_probes) {
       Eigen::Vector3d force;
-      ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data(), nullptr, nullptr), 0);
+      ASSERT_GE(phn_force(loaded.model, loaded.data, AtNode(node.node, d.data()), force.data(), nullptr, nullptr), 0);
       EXPECT_LT((force - evaluate(node.force, d)).norm(), 1e-14 * scale_of(node.force));
     }
   }
@@ -41,7 +41,7 @@ TEST(Runtime, DeformationIsTheNetwork) {
   for (const ActiveNodeModel& node : model.nodes) {
     for (const Eigen::Vector3d& d : network_probes) {
       Points u(model.output_points.rows(), 3);
-      ASSERT_GE(phn_deform(loaded.model, loaded.data, node.node, d.data(), u.data()), 0);
+      ASSERT_GE(phn_deform(loaded.model, loaded.data, AtNode(node.node, d.data()), u.data()), 0);
       for (std::size_t o = 0; o < model.output.size(); ++o) {
         const auto row = static_cast<Eigen::Index>(o);
         Eigen::VectorXd inputs(6);
@@ -81,14 +81,16 @@ TEST(Runtime, WarnsBeyondTheTrainedDepth) {
   const Trained beyond(loaded.model, 5, d.data());
   EXPECT_EQ(beyond.status, PHN_WARNING_OUTSIDE);
   EXPECT_EQ(beyond.depth, 0.005);
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, 5, d.data(), force.data(), nullptr, nullptr),
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, AtNode(5, d.data()), force.data(), nullptr, nullptr),
             PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE);
   EXPECT_GT(force.norm(), 0);
   d = {0.0099, 0, 0};
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, 5, d.data(), force.data(), nullptr, nullptr), PHN_WARNING_INCOMPLETE);
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d.data(), force.data(), nullptr, nullptr), PHN_OK);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, AtNode(5, d.data()), force.data(), nullptr, nullptr),
+            PHN_WARNING_INCOMPLETE);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, AtNode(3, d.data()), force.data(), nullptr, nullptr), PHN_OK);
   d = {0.011, 0, 0};
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d.data(), force.data(), nullptr, nullptr), PHN_WARNING_OUTSIDE);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, AtNode(3, d.data()), force.data(), nullptr, nullptr),
+            PHN_WARNING_OUTSIDE);
   d.setZero();
   const Trained at_rest(loaded.model, 5, d.data());
   EXPECT_EQ(at_rest.status, PHN_OK);

@@ -67,18 +67,20 @@ TEST_P(OrganOfAModel, HoldsAsC) {
       std::array<double, 3> force{}, expected{};
       std::array<double, 9> stiffness{}, expected_stiffness{};
       double energy = 1, expected_energy = 2;
-      EXPECT_EQ(organ.hold(tool, force), phn_force(c.model, c.data, node, d.data(), expected.data(), nullptr, nullptr));
+      EXPECT_EQ(organ.hold(tool, force),
+                phn_force(c.model, c.data, AtNode(node, d.data()), expected.data(), nullptr, nullptr));
       EXPECT_TRUE(same(force, expected));
-      EXPECT_EQ(organ.deform(field), phn_deform(c.model, c.data, node, d.data(), expected_field.data()));
+      EXPECT_EQ(organ.deform(field), phn_deform(c.model, c.data, AtNode(node, d.data()), expected_field.data()));
       EXPECT_EQ(field, expected_field);
       double bound = -1, expected_bound = -2;
-      EXPECT_EQ(organ.bound({&bound, 1}), phn_bound(c.model, node, d.data(), &expected_bound));
+      EXPECT_EQ(organ.bound({&bound, 1}), phn_bound(c.model, AtNode(node, d.data()), &expected_bound));
       EXPECT_EQ(bound, expected_bound);
       EXPECT_EQ(organ.hold(tool, force, energy),
-                phn_force(c.model, c.data, node, d.data(), expected.data(), &expected_energy, nullptr));
+                phn_force(c.model, c.data, AtNode(node, d.data()), expected.data(), &expected_energy, nullptr));
       EXPECT_TRUE(same(force, expected) && energy == expected_energy);
-      EXPECT_EQ(organ.hold(tool, force, energy, stiffness), phn_force(c.model, c.data, node, d.data(), expected.data(),
-                                                                      &expected_energy, expected_stiffness.data()));
+      EXPECT_EQ(organ.hold(tool, force, energy, stiffness),
+                phn_force(c.model, c.data, AtNode(node, d.data()), expected.data(), &expected_energy,
+                          expected_stiffness.data()));
       EXPECT_TRUE(same(force, expected) && energy == expected_energy && same(stiffness, expected_stiffness));
       double depth = -2;
       const Trained trained(c.model, node, d.data());
@@ -93,7 +95,7 @@ TEST_P(OrganOfAModel, HoldsPlacesAndSeveralToolsAsC) {
   const double above[3] = {0.3, 0.2, 0.9};
   double point[3], expected_point[3], distance = 0;
   EXPECT_EQ(organ.nearest(above, tools[0], point, distance),
-            phn_nearest(c.model, above, &expected_tool, expected_point));
+            phn_nearest(c.model, above, &expected_tool, expected_point, nullptr));
   EXPECT_TRUE(same(tools[0], expected_tool) && same(point, expected_point));
   EXPECT_EQ(distance, std::hypot(above[0] - point[0], above[1] - point[1], above[2] - point[2]));
   EXPECT_EQ(organ.nearest({{0.9, 0.1, 0.2}}, tools[1]), PHN_OK);
@@ -125,7 +127,7 @@ TEST_P(OrganOfAModel, HoldsPlacesAndSeveralToolsAsC) {
     EXPECT_EQ(organ.deform(field), status | phn_coupled_deform(c.model, c.data, expected_field.data()));
     EXPECT_EQ(field, expected_field);
     double bound = 1, expected_bound = 2;
-    EXPECT_EQ(organ.bound({&bound, 1}), phn_bound_at(c.model, &tool, &expected_bound));
+    EXPECT_EQ(organ.bound({&bound, 1}), phn_bound(c.model, &tool, &expected_bound));
     EXPECT_EQ(bound, expected_bound);
   }
   double one[3];
@@ -144,7 +146,7 @@ class OrganOfABody : public ::testing::Test {
     EXPECT_EQ(phn_body_state_size(body, 2, &bytes), PHN_OK);
     state_memory.resize(bytes);
     EXPECT_EQ(phn_body_state_init(state_memory.data(), bytes, body, 2, &state), PHN_OK);
-    phn_body_describe(body, &info);
+    phn_body_info(body, &info);
   }
   /// Of the top, on the half away from the fixed side.
   std::int32_t node_at(double y) const {
@@ -158,7 +160,7 @@ class OrganOfABody : public ::testing::Test {
   std::vector<char> memory, state_memory;
   const phn_body* body = nullptr;
   phn_body_state* state = nullptr;
-  phn_body_info info{};
+  phn_body_contents info{};
 };
 
 TEST_F(OrganOfABody, HoldsAsC) {
@@ -168,10 +170,10 @@ TEST_F(OrganOfABody, HoldsAsC) {
   ASSERT_EQ(organ.n_deform(), 3 * static_cast<std::size_t>(info.n_nodes));
   std::vector<double> field(organ.n_deform()), expected_field(organ.n_deform());
   double forces[6], expected[6], bounds[2];
-  phn_body_pressed pressed;
+  phn_body_report pressed;
   OrganReport report;
   for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(organ.hold(tools, forces, &report), phn_body_press(body, state, 2, tools, 5, expected, &pressed));
+    EXPECT_EQ(organ.hold(tools, forces, &report), phn_body_force(body, state, 2, tools, 5, expected, &pressed));
     EXPECT_TRUE(same(forces, expected));
     EXPECT_EQ(report.energy_J, pressed.energy);
     EXPECT_EQ(report.residual_m, pressed.behind_m);
@@ -183,7 +185,7 @@ TEST_F(OrganOfABody, HoldsAsC) {
   }
   EXPECT_NE(forces[0], 0);
   double energy = 1, stiffness[9] = {1}, one[3] = {1, 1, 1};
-  EXPECT_EQ(organ.hold(tools[0], one, energy), phn_body_press(body, state, 1, tools, 5, expected, &pressed));
+  EXPECT_EQ(organ.hold(tools[0], one, energy), phn_body_force(body, state, 1, tools, 5, expected, &pressed));
   EXPECT_EQ(std::memcmp(one, expected, sizeof one), 0);
   EXPECT_EQ(energy, pressed.energy);
   EXPECT_EQ(organ.hold(tools[0], one, energy, stiffness), PHN_ERROR_UNDEFINED);
@@ -194,7 +196,7 @@ TEST_F(OrganOfABody, HoldsAsC) {
 
   EXPECT_EQ(organ.reset(), PHN_OK);
   EXPECT_EQ(phn_body_state_init(state_memory.data(), state_memory.size(), body, 2, &state), PHN_OK);
-  EXPECT_EQ(organ.hold(tools, forces), phn_body_press(body, state, 2, tools, 5, expected, nullptr));
+  EXPECT_EQ(organ.hold(tools, forces), phn_body_force(body, state, 2, tools, 5, expected, nullptr));
   EXPECT_TRUE(same(forces, expected)) << "from rest";
 }
 
@@ -208,13 +210,13 @@ TEST_F(OrganOfABody, BesideAModelAnswersSeveral) {
   std::vector<double> field(organ.n_deform()), expected_field(3 * static_cast<std::size_t>(info.n_nodes));
   double force[3], forces[6], expected[6];
   EXPECT_EQ(organ.hold(tools[0], force),
-            phn_force(c.model, c.data, tools[0].nodes[0], tools[0].displacement, expected, nullptr, nullptr));
+            phn_force(c.model, c.data, AtNode(tools[0].nodes[0], tools[0].displacement), expected, nullptr, nullptr));
   EXPECT_EQ(std::memcmp(force, expected, sizeof force), 0);
   EXPECT_EQ(organ.deform(field),
-            phn_deform(c.model, c.data, tools[0].nodes[0], tools[0].displacement, expected_field.data()));
+            phn_deform(c.model, c.data, AtNode(tools[0].nodes[0], tools[0].displacement), expected_field.data()));
   EXPECT_EQ(std::memcmp(field.data(), expected_field.data(), 8 * field.size()), 0);
 
-  EXPECT_EQ(organ.hold(tools, forces), phn_body_press(body, state, 2, tools, 5, expected, nullptr));
+  EXPECT_EQ(organ.hold(tools, forces), phn_body_force(body, state, 2, tools, 5, expected, nullptr));
   EXPECT_TRUE(same(forces, expected));
   EXPECT_EQ(organ.deform(field), phn_body_deform(body, state, expected_field.data()));
   double largest = 0;
@@ -239,7 +241,7 @@ TEST_F(OrganOfABody, TouchesAsC) {
                                          {{0.08, 0.09, z}, 0.005, 0, PHN_TOOL_PRESS}};
     phn_contact_state states[2], expected[2];
     OrganReport report;
-    phn_body_pressed pressed;
+    phn_body_report pressed;
     EXPECT_EQ(organ.touch(spheres, states, &report),
               phn_body_contact_step(contact, state, 5, 2, spheres, expected, &pressed));
     EXPECT_TRUE(same(states, expected));

@@ -59,7 +59,7 @@ TEST(PreparedNodes, GiveTheSameFieldInAnyOrder) {
         double d[6];
         for (double& x : d) x = 0.01 * numbers.next();
         if (call % 7 == 0) {
-          ASSERT_EQ(phn_prepare(loaded.model, loaded.data, active[choose(4)]), PHN_OK);
+          ASSERT_EQ(phn_prepare(loaded.model, loaded.data, AtNode(active[choose(4)])), PHN_OK);
         }
         Points u(info_of(loaded.model).n_output, 3);
         ASSERT_GE(phn_blend_paper(loaded.model, loaded.data, n_tools, nodes, d, u.data()), 0);
@@ -154,7 +154,7 @@ TEST(PreparedNodes, ServeCoupledTools) {
   ASSERT_GE(phn_couple(loaded.model, loaded.data, 2, tools, forces, nullptr), 0);
   Points cold(400, 3), warm(400, 3);
   ASSERT_GE(phn_coupled_deform(loaded.model, loaded.data, cold.data()), 0);
-  for (const std::int32_t node : {3, 5, 8}) ASSERT_EQ(phn_prepare(loaded.model, loaded.data, node), PHN_OK);
+  for (const std::int32_t node : {3, 5, 8}) ASSERT_EQ(phn_prepare(loaded.model, loaded.data, AtNode(node)), PHN_OK);
   ASSERT_GE(phn_coupled_deform(loaded.model, loaded.data, warm.data()), 0);
   EXPECT_GT(cold.cwiseAbs().maxCoeff(), 0);
   EXPECT_EQ(warm, cold);
@@ -164,13 +164,13 @@ TEST(PreparedNodes, ServeCoupledTools) {
 TEST(PreparedNodes, MisuseIsNamed) {
   const std::string text = write_model_text(small_modal_model());
   const LoadedModel loaded(text), other(text);
-  EXPECT_EQ(phn_prepare(nullptr, loaded.data, 3), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_prepare(loaded.model, nullptr, 3), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_prepare(loaded.model, other.data, 3), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_prepare(loaded.model, loaded.data, 4), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(phn_prepare(nullptr, loaded.data, AtNode(3)), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_prepare(loaded.model, nullptr, AtNode(3)), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_prepare(loaded.model, other.data, AtNode(3)), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_prepare(loaded.model, loaded.data, AtNode(4)), PHN_ERROR_NOT_ACTIVE);
   for (const Family family : {Family::rbfn, Family::linear}) {
     const LoadedModel without(write_model_text(small_model_of(family)));
-    EXPECT_EQ(phn_prepare(without.model, without.data, 3), PHN_OK);
+    EXPECT_EQ(phn_prepare(without.model, without.data, AtNode(3)), PHN_OK);
   }
 }
 

@@ -56,13 +56,13 @@ class RoundTools : public testing::TestWithParam<Family> {
   Answer at(const phn_tool& tool) const { return at(loaded, tool); }
   Answer at(const LoadedModel& in, const phn_tool& tool) const {
     Answer a;
-    a.status = phn_force_at(in.model, in.data, &tool, a.force.data(), has_energy ? &a.energy : nullptr,
-                            has_energy ? a.stiffness.data() : nullptr);
+    a.status = phn_force(in.model, in.data, &tool, a.force.data(), has_energy ? &a.energy : nullptr,
+                         has_energy ? a.stiffness.data() : nullptr);
     return a;
   }
   Answer at_node(std::int32_t node, const double* d) const {
     Answer a;
-    a.status = phn_force(loaded.model, loaded.data, node, d, a.force.data(), has_energy ? &a.energy : nullptr,
+    a.status = phn_force(loaded.model, loaded.data, AtNode(node, d), a.force.data(), has_energy ? &a.energy : nullptr,
                          has_energy ? a.stiffness.data() : nullptr);
     return a;
   }
@@ -77,7 +77,7 @@ phn_tool moved(phn_tool tool, const Eigen::Vector3d& by) {
 }
 
 // Claim: at a node, also beside fixed nodes, which do not count, the answer is that of the node; phn_couple says the
-// same as phn_force_at to the bit; the field is the mean with the weights of the point. Fields are sums in float (6e-8
+// same as phn_force to the bit; the field is the mean with the weights of the point. Fields are sums in float (6e-8
 // of amplitudes of up to 1).
 TEST_P(RoundTools, AreTheirNodesAndMeansBetween) {
   struct Case {
@@ -96,7 +96,7 @@ TEST_P(RoundTools, AreTheirNodesAndMeansBetween) {
     for (int i = 0; i < 3; ++i) {
       const Answer node = at_node(nodes[i], d);
       if (weight[i] > 0) status |= node.status;
-      phn_deform(loaded.model, loaded.data, nodes[i], d, one.data());
+      phn_deform(loaded.model, loaded.data, AtNode(nodes[i], d), one.data());
       field += weight[i] * one;
       if (weight[i] < 1) continue;
       EXPECT_EQ(said.force, node.force);
@@ -111,6 +111,9 @@ TEST_P(RoundTools, AreTheirNodesAndMeansBetween) {
     EXPECT_EQ(result.residual, 0);
     EXPECT_EQ(phn_coupled_deform(loaded.model, loaded.data, coupled.data()), said.status);
     EXPECT_LT((coupled - field).cwiseAbs().maxCoeff(), 1e-6 * field.cwiseAbs().maxCoeff());
+    EXPECT_EQ(phn_deform(loaded.model, loaded.data, &held, one.data()), said.status);
+    EXPECT_TRUE(weight[2] == 1 || one == coupled);  // at a node phn_deform has another order of sums
+    EXPECT_LT((one - field).cwiseAbs().maxCoeff(), 1e-6 * field.cwiseAbs().maxCoeff());
   }
 }
 
@@ -128,8 +131,7 @@ TEST_P(RoundTools, AreAnsweredAtCoveredNodes) {
     EXPECT_LT((said.force - wanted.force).norm(), 1e-12 * wanted.force.norm());
     EXPECT_NEAR(said.energy, wanted.energy, 1e-12 * std::abs(wanted.energy));
     double depth[2];
-    EXPECT_EQ(phn_trained_depth_at(covered.model, &by_coordinates, &depth[0]),
-              phn_trained_depth_at(covered.model, &by_corners, &depth[1]));
+    EXPECT_EQ(phn_depth(covered.model, &by_coordinates, &depth[0]), phn_depth(covered.model, &by_corners, &depth[1]));
     EXPECT_EQ(depth[0], depth[1]);
     Points field[2] = {Points(12, 3), Points(12, 3)};
     for (int i = 0; i < 2; ++i) {
@@ -224,7 +226,7 @@ TEST(RoundToolsBetween, MeetQuadraticStiffness) {
       y += held.weights[k] * at[1];
       linear += held.weights[k] * stiffness(at[0], at[1]);
     }
-    EXPECT_EQ(phn_force_at(loaded.model, loaded.data, &held, force, nullptr, nullptr), PHN_OK);
+    EXPECT_EQ(phn_force(loaded.model, loaded.data, &held, force, nullptr, nullptr), PHN_OK);
     EXPECT_LT(std::abs(force[2] - stiffness(x, y)), 0.1 * std::abs(linear - stiffness(x, y)));
   }
 }
@@ -256,7 +258,7 @@ TEST(RoundToolsBetween, SpreadPointsMeetLinearStiffness) {
     const LoadedModel flat(write_model_text(same)), slope(write_model_text(sloped));
     const auto force_of = [](const LoadedModel& in, const phn_tool& held) {
       double force[3] = {};
-      EXPECT_EQ(phn_force_at(in.model, in.data, &held, force, nullptr, nullptr), PHN_OK);
+      EXPECT_EQ(phn_force(in.model, in.data, &held, force, nullptr, nullptr), PHN_OK);
       return force[2];
     };
     for (Eigen::Index t = 0; t < same.surface.rows(); ++t) {
@@ -300,7 +302,7 @@ TEST(RoundToolsBetween, AreFeltInContact) {
     }
     ASSERT_EQ(state.in_contact, 1);
     double said[3];
-    ASSERT_GE(phn_force_at(loaded.model, loaded.data, &state.held, said, nullptr, nullptr), 0);
+    ASSERT_GE(phn_force(loaded.model, loaded.data, &state.held, said, nullptr, nullptr), 0);
     EXPECT_LT(said[2], -1);
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(state.force[k], state.scale * said[k], 1e-4 * std::abs(said[2]));
   }
@@ -340,17 +342,17 @@ TEST_P(RoundTools, HaveTheLeastDepthOfTheirNodes) {
   const phn_tool held = tool(3, 5, 8, 0.5, 0.3, far[0], far[1], far[2]),
                  without = tool(3, 8, -1, 0.5, 0.5, far[0], far[1], far[2]);
   double said = 0;
-  EXPECT_TRUE(phn_trained_depth_at(loaded.model, &held, &said) & PHN_WARNING_OUTSIDE || GetParam() == Family::linear);
+  EXPECT_TRUE(phn_depth(loaded.model, &held, &said) & PHN_WARNING_OUTSIDE || GetParam() == Family::linear);
   double depth = 1, bound = 0;
   for (const std::int32_t node : {3, 5, 8}) {
     depth = std::min(depth, Trained(loaded.model, node, far).depth);
   }
   EXPECT_EQ(said, depth);
-  const int bounded = phn_bound_at(loaded.model, &without, &bound);
+  const int bounded = phn_bound(loaded.model, &without, &bound);
   EXPECT_EQ(bounded < 0, GetParam() == Family::linear);
   if (GetParam() == Family::linear) return;
   EXPECT_LT(bound, PHN_NO_BOUND);
-  EXPECT_GT(phn_bound_at(loaded.model, &held, &bound), 0);
+  EXPECT_GT(phn_bound(loaded.model, &held, &bound), 0);
   EXPECT_EQ(bound, PHN_NO_BOUND);
 }
 
@@ -362,27 +364,48 @@ TEST_P(RoundTools, AreOutsideBesideFixedNodes) {
     const phn_tool held = tool(3, 0, 8, 0.6 - fixed / 2, fixed, small[0], small[1], small[2]);
     const bool flagged = fixed > 0.3;
     double said = 0, bound = 0;
-    EXPECT_EQ((phn_trained_depth_at(loaded.model, &held, &said) & PHN_WARNING_OUTSIDE) != 0, flagged);
+    EXPECT_EQ((phn_depth(loaded.model, &held, &said) & PHN_WARNING_OUTSIDE) != 0, flagged);
     EXPECT_EQ(said == 0, flagged);
     EXPECT_EQ((at(held).status & PHN_WARNING_OUTSIDE) != 0, flagged);
-    const bool bounded = phn_bound_at(loaded.model, &held, &bound) >= 0;
+    const bool bounded = phn_bound(loaded.model, &held, &bound) >= 0;
     EXPECT_EQ(bound == PHN_NO_BOUND, flagged && bounded);
   }
 }
 
-// Claim: tools between nodes that are not round have no force of one tool; wrong arguments are refused with zeros.
-TEST_P(RoundTools, AreNotMadeOfNodes) {
+// Claim: node probes between nodes have the force, energy and field of phn_couple of one tool, but neither stiffness
+// nor trained depth; wrong arguments are refused with zeros.
+TEST_P(RoundTools, AreCoupledWhereTheyAreNodeProbes) {
   const LoadedModel nodes(write_model_text(small_model_of(GetParam())));
   const phn_tool held = tool(3, 5, 8, 0.5, 0.3, d[0], d[1], d[2]);
   Eigen::Vector3d force(1, 1, 1);
-  EXPECT_EQ(phn_force_at(nodes.model, nodes.data, &held, force.data(), nullptr, nullptr), PHN_ERROR_UNDEFINED);
+  Eigen::Vector3d expected;
+  Eigen::Matrix3d stiffness;
+  Points field(12, 3), expected_field(12, 3);
+  phn_coupled coupled;
+  double energy = 0, depth = 1;
+  const int status = phn_couple(nodes.model, nodes.data, 1, &held, expected.data(), &coupled);
+  ASSERT_GE(status, 0);
+  ASSERT_GE(phn_coupled_deform(nodes.model, nodes.data, expected_field.data()), 0);
+  EXPECT_EQ(phn_force(nodes.model, nodes.data, &held, force.data(), has_energy ? &energy : nullptr, nullptr), status);
+  EXPECT_EQ(force, expected);
+  EXPECT_EQ(energy, coupled.energy);
+  EXPECT_GE(phn_deform(nodes.model, nodes.data, &held, field.data()), 0);
+  EXPECT_EQ(field, expected_field);
+  EXPECT_EQ(phn_force(nodes.model, nodes.data, &held, force.data(), nullptr, stiffness.data()), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(force.norm() + stiffness.norm(), 0);
+  EXPECT_EQ(phn_depth(nodes.model, &held, &depth), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(depth, 0);
+  phn_tool other = held;
+  other.reserved[1] = 1;
+  force = {1, 1, 1};
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, &other, force.data(), nullptr, nullptr), PHN_ERROR_VERSION);
   EXPECT_EQ(force.norm(), 0);
-  EXPECT_EQ(phn_force_at(loaded.model, nodes.data, &held, force.data(), nullptr, nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_force_at(loaded.model, loaded.data, nullptr, force.data(), nullptr, nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_force_at(loaded.model, loaded.data, &held, nullptr, nullptr, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, nodes.data, &held, force.data(), nullptr, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, nullptr, force.data(), nullptr, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, &held, nullptr, nullptr, nullptr), PHN_ERROR_ARGUMENT);
   const phn_tool nowhere = moved(held, {NAN, 0, 0});
-  double depth = 1;
-  EXPECT_EQ(phn_trained_depth_at(loaded.model, &nowhere, &depth), PHN_ERROR_NOT_FINITE);
+  depth = 1;
+  EXPECT_EQ(phn_depth(loaded.model, &nowhere, &depth), PHN_ERROR_NOT_FINITE);
   EXPECT_EQ(depth, 0);
 }
 

@@ -49,11 +49,12 @@ TEST(Surfaces, MisuseIsNamed) {
   EXPECT_EQ(phn_surface_init(nullptr, 100, model, 1, &surface), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_surface_init(memory.data(), 100, nullptr, 1, &surface), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_surface_init(memory.data(), 100, model, 1, nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_surface_n_vertices(nullptr), 0);
-  EXPECT_EQ(phn_surface_scratch_size(nullptr) / sizeof(float), 0u);
+  EXPECT_EQ(contents_of(nullptr).n_vertices, 0);
+  EXPECT_EQ(contents_of(nullptr).points, nullptr);
+  EXPECT_EQ(phn_surface_info(good.surface, nullptr), PHN_ERROR_ARGUMENT);
 
   std::vector<float> out(3 * static_cast<std::size_t>(good.n_vertices), 1),
-      scratch(phn_surface_scratch_size(good.surface) / sizeof(float));
+      scratch(contents_of(good.surface).scratch_bytes / sizeof(float));
   const Points field = Points::Ones(4, 3);
   EXPECT_EQ(phn_surface_deform(nullptr, scratch.data(), field.data(), out.data()), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_surface_deform(good.surface, nullptr, field.data(), out.data()), PHN_ERROR_ARGUMENT);

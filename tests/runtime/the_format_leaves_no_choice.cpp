@@ -27,7 +27,7 @@ TEST(Format, PrescribedNodesWinOverNearAndFixedOnes) {
   const LoadedModel loaded(write_model_text(model));
   const double d[3] = {0.001, -0.002, 0.003};
   std::vector<double> u(3 * model.output.size());
-  ASSERT_GE(phn_deform(loaded.model, loaded.data, 3, d, u.data()), 0);
+  ASSERT_GE(phn_deform(loaded.model, loaded.data, AtNode(3, d), u.data()), 0);
   for (int k = 0; k < 3; ++k) {
     EXPECT_EQ(u[static_cast<std::size_t>(k)], 0.5 * d[k]);
     EXPECT_EQ(u[static_cast<std::size_t>(3 + k)], d[k]);
@@ -50,7 +50,7 @@ TEST(Format, TheSmallerOfEquallyNearDirectionsCounts) {
   EXPECT_EQ(depth(0, 0, 0.001), 0);
   const double d[3] = {0, 0, 1e-6};
   double force[3];
-  EXPECT_TRUE(phn_force(loaded.model, loaded.data, 3, d, force, nullptr, nullptr) & PHN_WARNING_OUTSIDE);
+  EXPECT_TRUE(phn_force(loaded.model, loaded.data, AtNode(3, d), force, nullptr, nullptr) & PHN_WARNING_OUTSIDE);
 }
 
 }  // namespace

@@ -25,8 +25,8 @@ std::vector<double> answers(const phn_model* model, const phn_surface* surface, 
   LoadedModel::check(phn_data_init(memory.data(), bytes, model, 2, &data));
   const int n_active = info_of(model).n_active, n_output = info_of(model).n_output;
   std::vector<double> all, out(3 * static_cast<std::size_t>(n_output) + 9);
-  std::vector<float> scratch(phn_surface_scratch_size(surface) / sizeof(float)),
-      fine(3 * static_cast<std::size_t>(phn_surface_n_vertices(surface)));
+  std::vector<float> scratch(contents_of(surface).scratch_bytes / sizeof(float)),
+      fine(3 * static_cast<std::size_t>(contents_of(surface).n_vertices));
   std::vector<std::vector<double>> of_node(static_cast<std::size_t>(n_active));
   for (int i = 0; i < n_active; ++i) {
     const auto at = static_cast<std::size_t>((i + first) % n_active);
@@ -37,16 +37,16 @@ std::vector<double> answers(const phn_model* model, const phn_surface* surface, 
       kept.push_back(status);
       kept.insert(kept.end(), out.begin(), out.begin() + static_cast<std::ptrdiff_t>(n));
     };
-    keep(phn_force(model, data, node, d, out.data(), nullptr, nullptr), 3);
-    keep(phn_force(model, data, node, d, nullptr, out.data(), nullptr), 1);
-    keep(phn_force(model, data, node, d, nullptr, nullptr, out.data()), 9);
+    keep(phn_force(model, data, AtNode(node, d), out.data(), nullptr, nullptr), 3);
+    keep(phn_force(model, data, AtNode(node, d), nullptr, out.data(), nullptr), 1);
+    keep(phn_force(model, data, AtNode(node, d), nullptr, nullptr, out.data()), 9);
     const std::int32_t nodes[] = {node, other};
     keep(phn_blend_paper(model, data, 2, nodes, d, out.data()), 3 * static_cast<std::size_t>(n_output));
     keep(phn_surface_deform(surface, scratch.data(), out.data(), fine.data()), 0);
     kept.insert(kept.end(), fine.begin(), fine.end());
     phn_tool tool;
     const double x[] = {0.01, 0.02, 0.01};
-    keep(phn_nearest(model, x, &tool, nullptr), 0);
+    keep(phn_nearest(model, x, &tool, nullptr, nullptr), 0);
     std::copy_n(d, 3, tool.displacement);
     keep(phn_couple(model, data, 1, &tool, out.data(), nullptr), 3);
     keep(phn_coupled_deform(model, data, out.data()), 3 * static_cast<std::size_t>(n_output));

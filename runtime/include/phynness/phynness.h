@@ -1,8 +1,7 @@
 /* phynness: reaction force and deformation of a trained object in real time. This header is the core of the runtime.
- * Further headers: phynness_tools.h (tools between nodes, and several of node probes; it is included here),
- * phynness_body.h (several round tools), phynness_surface.h (a finer surface for drawing), phynness_contact.h (spheres
- * that touch, slide and grasp), phynness_image.h (models in flash memory), phynness_loop.h (between a haptic device and
- * a body).
+ * Further headers: phynness_body.h (several round tools), phynness_tools.h (several node probes), phynness_contact.h
+ * (spheres that touch, slide and grasp), phynness_surface.h (a finer surface for drawing), phynness_image.h (models in
+ * flash memory), phynness_loop.h (between a haptic device and a body).
  *
  * Start-up: phn_model_size, phn_model_init, phn_data_size, phn_data_init. The caller provides the memory. No function
  * allocates memory, prints or reads a file, and nothing has to be released. A phn_model is constant and may be shared
@@ -21,7 +20,7 @@
  *   phn_force; with stiffness, see there                  0.13; 1.5 times              0.17; -
  *   phn_deform; phn_prepare before a node's first         1.6; 35                     8.4; 76
  *   phn_couple, 1, 2, 4, 8 node probes between nodes      32, 150, 550, 2200          -
- *   phn_couple, phn_force_at, one round tool              5                           - */
+ *   phn_force, one round tool between nodes               5                           - */
 #ifndef PHYNNESS_H
 #define PHYNNESS_H
 
@@ -41,7 +40,7 @@ enum {
   PHN_WARNING_UNSETTLED = 4,      /* tools are not followed: too close together, or faster than the body settles */
   PHN_WARNING_NEAR = 8,           /* springs between near tools of a body take more than a tenth of a displacement */
   PHN_ERROR_ARGUMENT = -1,        /* a null pointer, a number out of range, or data of another model */
-  PHN_ERROR_NOT_ACTIVE = -2,      /* the node cannot be touched in this model */
+  PHN_ERROR_NOT_ACTIVE = -2,      /* the node, or all that the tool touches, cannot be touched */
   PHN_ERROR_NOT_FINITE = -3,      /* a displacement, position or size is NaN or infinite */
   PHN_ERROR_BUFFER = -4,          /* the memory is smaller than the _size function returned */
   PHN_ERROR_TOOLS = -5,           /* more tools than the phn_data or phn_contact was made for (phynness_tools.h) */
@@ -49,7 +48,7 @@ enum {
   PHN_ERROR_UNDEFINED = -7,       /* the model or the node has no such response, e.g. no energy or no deformation */
   PHN_ERROR_CLOCK = -8,           /* the time of a step is not later than that of the step before (phynness_loop.h) */
   PHN_ERROR_NOT_A_MODEL = -9,     /* the text is not a model.txt, or the bytes are not an image */
-  PHN_ERROR_VERSION = -10,        /* the model has another version of the format */
+  PHN_ERROR_VERSION = -10,        /* the model, or a struct with reserved words that are not 0, is of another version */
   PHN_ERROR_TRUNCATED = -11,      /* the model is incomplete at its end */
   PHN_ERROR_CHECKSUM = -12,       /* the checksum of the model is wrong: the model is damaged */
   PHN_ERROR_SYNTAX = -13,         /* a number or word of the model is malformed */
@@ -122,13 +121,44 @@ PHN_API int phn_model_info(const phn_model* model, phn_info* info);
 PHN_API int phn_data_size(const phn_model* model, int32_t max_tools, size_t* bytes);
 PHN_API int phn_data_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data);
 
-/* With active node `node` displaced by d [m]: the force [N] that holds it, the stored energy [J], which is 0 at rest,
- * and the stiffness [N/m], 3 x 3 and symmetric. Outputs that are not needed may be null; what is asked for together has
- * the same bits as alone. In the families linear and modal the force is the gradient of the energy and the stiffness is
- * the derivative of the force, so that closed paths do no work. The family rbfn has forces only; for energy or
- * stiffness it returns PHN_ERROR_UNDEFINED. Components of d are clamped to 1e6 max_displacement_m (linear: 1e100 m).
- * For a body whose moduli are all k times those of the training, a controller multiplies forces, energies, stiffnesses,
- * bounds of the force's error and stress fields by k; displacements stay the same.
+/* A tool: a place of the surface, which it holds, and the displacement of this place. A place is up to three nodes of
+ * one triangle with barycentric weights, which are >= 0 and have the sum 1. Each node is active, fixed, or covered:
+ * answered from up to three active nodes around it. In a model of round tools (patch probes that move a mean; model.txt
+ * says `mean` at each node) the tool is the round one whose middle is the place. Another struct of the headers has its
+ * own reserved words. */
+typedef struct phn_tool {
+  int32_t nodes[3]; /* -1: unused */
+  double weights[3];
+  double displacement[3];        /* of the place, from rest [m] */
+  int32_t reserved[2] PHN_ZEROS; /* 0; PHN_ERROR_VERSION otherwise */
+} phn_tool;
+
+/* The tool at a node, displaced by d [m]. */
+static inline phn_tool phn_tool_at(int32_t node, const double d[3]) {
+  const phn_tool tool = {{node, -1, -1}, {1, 0, 0}, {d[0], d[1], d[2]}, {0, 0}};
+  return tool;
+}
+
+/* The tool, with displacement 0, at that place of the undeformed surface which is nearest to x [m] among those that
+ * phn_force answers, its point and its distance from x [m]; both may be null. At a fixed edge the place is a twentieth
+ * of a triangle away from it. Components of x are clamped to 1e60 m. PHN_ERROR_UNDEFINED: no triangle can be touched.
+ */
+PHN_API int phn_nearest(const phn_model* model, const double x[3], phn_tool* tool, double point[3], double* distance);
+
+/* The force [N] that holds a tool, the stored energy [J], which is 0 at rest, and the stiffness [N/m], 3 x 3 and
+ * symmetric. Outputs that are not needed may be null; what is asked for together has the same bits as alone. In the
+ * families linear and modal the force is the gradient of the energy and the stiffness is the derivative of the force,
+ * so that closed paths do no work. The family rbfn has forces only; for energy or stiffness it returns
+ * PHN_ERROR_UNDEFINED. At a node, components of the displacement are clamped to 1e6 max_displacement_m (linear: 1e100
+ * m), between nodes to 1000 max_displacement_m.
+ *
+ * A round tool between nodes has a mean of the energies of the tools at the nodes around it for the same displacement
+ * (docs/theory.md, (x)); force and stiffness are its derivatives. Family rbfn has the same mean of the forces. They are
+ * continuous where the tool slides over edges and nodes. Fixed nodes of the triangle do not count; where their weights
+ * exceed 0.3, the tool is PHN_WARNING_OUTSIDE at any displacement. A warning of any active node of the triangle, or
+ * around its covered nodes, is one of the tool. Cost: about 12 forces.
+ * Node probes between nodes are coupled, as by phn_couple of one tool (phynness_tools.h); they have no stiffness
+ * (PHN_ERROR_UNDEFINED).
  *
  * Cost in family modal, 78 centers, AVX2 or AVX-512: a force with stiffness takes 1.5 times a force (without AVX2 2.1
  * times), with the energy as well 1.6 times. A force with energy takes no longer than a force.
@@ -139,37 +169,38 @@ PHN_API int phn_data_init(void* memory, size_t bytes, const phn_model* model, in
  * therefore leave the balance. Either couple the tool by a spring that is stiffer than the most negative eigenvalue is
  * negative, so that the sum of both stiffnesses is positive definite, or damp the step: replace eigenvalues below a
  * positive bound by this bound. */
-PHN_API int phn_force(const phn_model* model, phn_data* data, int32_t node, const double d[3], double force[3],
-                      double* energy, double stiffness[9]);
+PHN_API int phn_force(const phn_model* model, phn_data* data, const phn_tool* tool, double force[3], double* energy,
+                      double stiffness[9]);
 
-/* Displacements [m] of all output nodes, n_output x 3, with ONE tool at active node `node`. The touched node moves by
- * exactly d; under a round tool (a patch probe) the mean of the surface does, and its middle by a fifth more and
- * farther. For a tool between nodes, or several of node probes, use phn_couple and then phn_coupled_deform. */
-PHN_API int phn_deform(const phn_model* model, phn_data* data, int32_t node, const double d[3], double* out);
+/* Displacements [m] of all output nodes, n_output x 3, with ONE tool. A touched node moves by exactly its displacement;
+ * under a round tool (a patch probe) the mean of the surface does, and its middle by a fifth more and farther. The
+ * field of a round tool between nodes is the mean of its nodes' fields; node probes between nodes are coupled. */
+PHN_API int phn_deform(const phn_model* model, phn_data* data, const phn_tool* tool, double* out);
 
 /* Values of a scalar field at all output nodes, n_output numbers >= 0, with one tool as in phn_deform. They are 0 at
- * rest. `field` is an index of phn_info.field_names. */
-PHN_API int phn_field(const phn_model* model, phn_data* data, int32_t node, const double d[3], int32_t field,
-                      double* out);
+ * rest. `field` is an index of phn_info.field_names. PHN_ERROR_UNDEFINED: also between nodes of node probes. */
+PHN_API int phn_field(const phn_model* model, phn_data* data, const phn_tool* tool, int32_t field, double* out);
 
-/* Computes the quantities that all deformations of a node have in common (0.03 to 0.4 ms). Without this call the first
- * deformation of the node computes them. Forces do not use them. `data` keeps them for the nodes touched last, three
- * nodes for each tool. Results are bitwise the same with and without this call. */
-PHN_API int phn_prepare(const phn_model* model, phn_data* data, int32_t node);
+/* Computes the quantities that all deformations of a place have in common (0.03 to 0.4 ms for each of its nodes).
+ * Without this call the first deformation computes them. Forces do not use them. `data` keeps them for the nodes
+ * touched last, three nodes for each tool. Results are bitwise the same with and without this call. */
+PHN_API int phn_prepare(const phn_model* model, phn_data* data, const phn_tool* tool);
 
-/* Depth [m] of the trained range of `node` in the direction of d; at rest the smallest of all directions. A d longer
- * than that gives PHN_WARNING_OUTSIDE here and in phn_force. */
-PHN_API int phn_trained_depth(const phn_model* model, int32_t node, const double d[3], double* depth);
+/* Depth [m] of the trained range of a tool in the direction of its displacement, the smallest of its nodes; at rest the
+ * smallest of all directions. A displacement longer than that gives PHN_WARNING_OUTSIDE here and in phn_force. 0 where
+ * fixed nodes make a round tool PHN_WARNING_OUTSIDE. PHN_ERROR_UNDEFINED: between nodes of node probes. */
+PHN_API int phn_depth(const phn_model* model, const phn_tool* tool, double* depth);
 
 /* A bound [N] of the error of phn_force, |force - finite element force|, of the full level; half of the time of a
  * force. `phynness calibrate` adds the bounds to a model. For random displacements inside the trained range, of random
- * nodes, the error is below the bound with the probability that formats/model.md calls coverage (0.95). A single node,
- * or a hand that chooses its path, may do worse: the bound is a statistical one and no guarantee. Outside of the
- * trained range (PHN_WARNING_OUTSIDE) nothing is known, and the bound is PHN_NO_BOUND. PHN_ERROR_UNDEFINED: the model
- * has no bounds. At rest the bound is the size of phn_force there: 0 in family modal, whose force is exact at rest; in
- * family rbfn the networks have a small force. */
+ * places, the error is below the bound with the probability that formats/model.md calls coverage (0.95). A single
+ * place, or a hand that chooses its path, may do worse: the bound is a statistical one and no guarantee. Outside of the
+ * trained range (PHN_WARNING_OUTSIDE), and between nodes where calibration had too few tools there, nothing is known,
+ * and the bound is PHN_NO_BOUND. PHN_ERROR_UNDEFINED: the model has no bounds. At rest the bound at a node is the size
+ * of phn_force there: 0 in family modal, whose force is exact at rest; in family rbfn the networks have a small force.
+ */
 #define PHN_NO_BOUND 1e300
-PHN_API int phn_bound(const phn_model* model, int32_t node, const double d[3], double* bound);
+PHN_API int phn_bound(const phn_model* model, const phn_tool* tool, double* bound);
 
 /* Levels of a model are smaller networks that take less time.
  * A model trained with `levels` in [training] contains smaller networks beside the full one. Each level uses the first
@@ -198,7 +229,5 @@ PHN_API int phn_set_level(const phn_model* model, phn_data* data, int32_t level)
 #ifdef __cplusplus
 }
 #endif
-
-#include <phynness/phynness_tools.h>
 
 #endif

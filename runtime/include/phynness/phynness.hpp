@@ -13,6 +13,7 @@
 #define PHYNNESS_HPP
 
 #include <phynness/phynness_contact.h>
+#include <phynness/phynness_tools.h>
 
 #include <algorithm>
 #include <array>
@@ -167,7 +168,7 @@ class Organ {
 
   /// Contents; zeros and null without a model, or a body.
   const phn_info& info() const noexcept { return files().info; }
-  const phn_body_info& body_info() const noexcept { return files().body_info; }
+  const phn_body_contents& body_info() const noexcept { return files().body_info; }
   /// Bytes of model and body, and of the working memory of this object.
   std::size_t constant_bytes() const noexcept { return files().model_memory.size() + files().body_memory.size(); }
   std::size_t working_bytes() const noexcept {
@@ -244,7 +245,7 @@ class Organ {
   }
   /// Depth [m] of the trained range at the place of a tool in the direction of its displacement; at rest the smallest.
   Status depth(const phn_tool& tool, double& depth) const noexcept {
-    if (model() != nullptr) return phn_trained_depth_at(model(), &tool, &depth);
+    if (model() != nullptr) return phn_depth(model(), &tool, &depth);
     depth = body_info().max_displacement_m;
     return body() != nullptr ? PHN_OK : PHN_ERROR_ARGUMENT;
   }
@@ -266,7 +267,7 @@ class Organ {
   struct Files {
     Files() {
       phn_model_info(nullptr, &info);
-      phn_body_describe(nullptr, &body_info);
+      phn_body_info(nullptr, &body_info);
     }
     int load(std::string_view model_text, std::string_view body_text, std::size_t& wrong) {
       if (model_text.empty() && body_text.empty()) return PHN_ERROR_ARGUMENT;
@@ -286,7 +287,7 @@ class Organ {
       body_memory.resize(bytes);
       status = phn_body_init(body_memory.data(), bytes, body_text.data(), body_text.size(), &body, &wrong);
       if (status < 0) return status;
-      phn_body_describe(body, &body_info);
+      phn_body_info(body, &body_info);
       if (model == nullptr) return PHN_OK;
       const std::string_view of_model = info.mesh_hash, of_body = body_info.mesh_hash;
       if (!of_model.empty() && !of_body.empty() && of_model != of_body) return PHN_ERROR_ARGUMENT;
@@ -303,7 +304,7 @@ class Organ {
     const phn_model* model = nullptr;
     const phn_body* body = nullptr;
     phn_info info;
-    phn_body_info body_info;
+    phn_body_contents body_info;
     std::vector<std::ptrdiff_t> rows;  ///< of the output nodes among the body's nodes; -1: inside of the body
   };
 
@@ -360,14 +361,8 @@ class Organ {
     return status;
   }
   Status place(const double* x, phn_tool& tool, double* point, double* distance) const noexcept {
-    double found[3] = {0, 0, 0};
-    double* const at = point != nullptr ? point : found;
-    const double from[3] = {x[0], x[1], x[2]};
-    const int status = model() != nullptr    ? phn_nearest(model(), from, &tool, at)
-                       : _contact != nullptr ? phn_contact_nearest(_contact, from, &tool, at)
-                                             : phn_nearest(nullptr, from, &tool, at);
-    if (distance != nullptr) *distance = status < 0 ? 0 : std::hypot(from[0] - at[0], from[1] - at[1], from[2] - at[2]);
-    return status;
+    return model() != nullptr ? phn_nearest(model(), x, &tool, point, distance)
+                              : phn_body_nearest(body(), x, &tool, point, distance);
   }
   Status hold_one(const phn_tool& tool, double* force, double* energy, double* stiffness) noexcept {
     if (_data == nullptr && _state != nullptr) {
@@ -381,15 +376,7 @@ class Organ {
     }
     _last = Last::of_tool;
     _tool = tool;
-    if (_tool.nodes[1] < 0 && _tool.weights[0] == 1)
-      return phn_force(model(), _data, _tool.nodes[0], _tool.displacement, force, energy, stiffness);
-    int status = phn_force_at(model(), _data, &_tool, force, energy, stiffness);
-    if (status != PHN_ERROR_UNDEFINED || stiffness != nullptr || (energy != nullptr && info().has_energy == 0))
-      return status;
-    phn_coupled coupled{};
-    status = phn_couple(model(), _data, 1, &_tool, force, &coupled);
-    if (energy != nullptr) *energy = coupled.energy;
-    return status;
+    return phn_force(model(), _data, &_tool, force, energy, stiffness);
   }
   Status couple(std::int32_t n, const phn_tool* tools, double* forces, OrganReport& made) noexcept {
     _last = Last::of_tools;
@@ -403,8 +390,8 @@ class Organ {
   Status press(std::int32_t n, const phn_tool* tools, double* forces, OrganReport& made) noexcept {
     _last = Last::of_tools;
     _n_tools = static_cast<std::size_t>(n);
-    phn_body_pressed pressed{};
-    const int status = phn_body_press(body(), _state, n, tools, _steps, forces, &pressed);
+    phn_body_report pressed{};
+    const int status = phn_body_force(body(), _state, n, tools, _steps, forces, &pressed);
     made = {pressed.energy, pressed.behind_m, pressed.unbalanced, pressed.steps};
     return status;
   }
@@ -412,7 +399,7 @@ class Organ {
     if (_contact == nullptr) return _touch_status;
     _last = Last::of_spheres;
     if (_state != nullptr) {
-      phn_body_pressed pressed{};
+      phn_body_report pressed{};
       const int status = phn_body_contact_step(_contact, _state, _steps, n, spheres, states, &pressed);
       made = {pressed.energy, pressed.behind_m, pressed.unbalanced, pressed.steps};
       return status;
@@ -437,13 +424,10 @@ class Organ {
       return status;
     }
     if (_last != Last::of_tool) return phn_coupled_deform(model(), _data, out);
-    if (_tool.nodes[1] < 0) return phn_deform(model(), _data, _tool.nodes[0], _tool.displacement, out);
-    double force[3];
-    const int status = phn_couple(model(), _data, 1, &_tool, force, nullptr);
-    return status < 0 ? status : status | phn_coupled_deform(model(), _data, out);
+    return phn_deform(model(), _data, &_tool, out);
   }
   Status bounds_of(double* bounds) const noexcept {
-    if (_last == Last::of_tool) return phn_bound_at(model(), &_tool, bounds);
+    if (_last == Last::of_tool) return phn_bound(model(), &_tool, bounds);
     std::fill_n(bounds, _n_tools, 0.0);
     return _state != nullptr ? phn_body_bound(body(), _state, bounds) : PHN_ERROR_UNDEFINED;
   }
@@ -659,18 +643,16 @@ class Model : public detail::Built<const phn_model, detail::ModelContent> {
   Status level_info(std::int32_t level, phn_level& info) const noexcept { return phn_level_info(get(), level, &info); }
 
   Status trained_depth(std::int32_t node, In3 d, double& depth_m) const noexcept {
-    return phn_trained_depth(get(), node, d.data(), &depth_m);
+    return trained_depth(phn_tool_at(node, d.data()), depth_m);
   }
-  Status bound(std::int32_t node, In3 d, double& bound) const noexcept {
-    return phn_bound(get(), node, d.data(), &bound);
-  }
+  Status bound(std::int32_t node, In3 d, double& to) const noexcept { return bound(phn_tool_at(node, d.data()), to); }
   Status trained_depth(const phn_tool& tool, double& depth_m) const noexcept {
-    return phn_trained_depth_at(get(), &tool, &depth_m);
+    return phn_depth(get(), &tool, &depth_m);
   }
-  Status bound(const phn_tool& tool, double& bound) const noexcept { return phn_bound_at(get(), &tool, &bound); }
-  Status nearest(In3 x, phn_tool& tool) const noexcept { return phn_nearest(get(), x.data(), &tool, nullptr); }
+  Status bound(const phn_tool& tool, double& bound) const noexcept { return phn_bound(get(), &tool, &bound); }
+  Status nearest(In3 x, phn_tool& tool) const noexcept { return phn_nearest(get(), x.data(), &tool, nullptr, nullptr); }
   Status nearest(In3 x, phn_tool& tool, Out3 point) const noexcept {
-    return phn_nearest(get(), x.data(), &tool, point.data());
+    return phn_nearest(get(), x.data(), &tool, point.data(), nullptr);
   }
 
  private:
@@ -694,34 +676,31 @@ class Data : public detail::Built<phn_data, detail::DataSizes> {
     return bytes_of(phn_data_size, model.get(), max_tools);
   }
 
-  Status force(std::int32_t node, In3 d, Out3 force_N) noexcept {
-    return phn_force(more().model, get(), node, d.data(), force_N.data(), nullptr, nullptr);
-  }
+  Status force(std::int32_t node, In3 d, Out3 force_N) noexcept { return force(phn_tool_at(node, d.data()), force_N); }
   /// Force, energy and stiffness in one call. @param stiffness_N_per_m  3 x 3, symmetric
   Status force(std::int32_t node, In3 d, Out3 force_N, double& energy_J, Out9 stiffness_N_per_m) noexcept {
-    return phn_force(more().model, get(), node, d.data(), force_N.data(), &energy_J, stiffness_N_per_m.data());
+    return force(phn_tool_at(node, d.data()), force_N, energy_J, stiffness_N_per_m);
   }
   Status force(std::int32_t node, In3 d, Out3 force_N, double& energy_J) noexcept {
-    return phn_force(more().model, get(), node, d.data(), force_N.data(), &energy_J, nullptr);
+    return response(phn_tool_at(node, d.data()), force_N.data(), &energy_J, nullptr);
   }
   Status energy(std::int32_t node, In3 d, double& energy_J) noexcept {
-    return phn_force(more().model, get(), node, d.data(), nullptr, &energy_J, nullptr);
+    return response(phn_tool_at(node, d.data()), nullptr, &energy_J, nullptr);
   }
   /// @param stiffness_N_per_m  3 x 3, symmetric
   Status stiffness(std::int32_t node, In3 d, Out9 stiffness_N_per_m) noexcept {
-    return phn_force(more().model, get(), node, d.data(), nullptr, nullptr, stiffness_N_per_m.data());
+    return response(phn_tool_at(node, d.data()), nullptr, nullptr, stiffness_N_per_m.data());
   }
   /// One tool at a point; families with an energy. @param stiffness_N_per_m  3 x 3, symmetric
   Status force(const phn_tool& tool, Out3 force_N, double& energy_J, Out9 stiffness_N_per_m) noexcept {
-    return phn_force_at(more().model, get(), &tool, force_N.data(), &energy_J, stiffness_N_per_m.data());
+    return response(tool, force_N.data(), &energy_J, stiffness_N_per_m.data());
   }
-  Status force(const phn_tool& tool, Out3 force_N) noexcept {
-    return phn_force_at(more().model, get(), &tool, force_N.data(), nullptr, nullptr);
-  }
+  Status force(const phn_tool& tool, Out3 force_N) noexcept { return response(tool, force_N.data(), nullptr, nullptr); }
   /// @param out  n_output x 3
   Status deform(std::int32_t node, In3 d, Span<double> out) noexcept {
+    const phn_tool tool = phn_tool_at(node, d.data());
     return out.size() < more().n_field ? Status(PHN_ERROR_BUFFER)
-                                       : Status(phn_deform(more().model, get(), node, d.data(), out.data()));
+                                       : Status(phn_deform(more().model, get(), &tool, out.data()));
   }
   /// The paper's blending of several tools. @param displacements  nodes.size() x 3; @param out  n_output x 3
   Status blend_paper(Span<const std::int32_t> nodes, Span<const double> displacements, Span<double> out) noexcept {
@@ -730,11 +709,16 @@ class Data : public detail::Built<phn_data, detail::DataSizes> {
     return phn_blend_paper(more().model, get(), static_cast<std::int32_t>(nodes.size()), nodes.data(),
                            displacements.data(), out.data());
   }
-  Status prepare(std::int32_t node) noexcept { return phn_prepare(more().model, get(), node); }
+  Status prepare(std::int32_t node) noexcept {
+    constexpr double rest[3] = {0, 0, 0};
+    const phn_tool tool = phn_tool_at(node, rest);
+    return phn_prepare(more().model, get(), &tool);
+  }
   /// @param out  n_output values
   Status field(std::int32_t node, In3 d, std::int32_t number, Span<double> out) noexcept {
+    const phn_tool tool = phn_tool_at(node, d.data());
     return 3 * out.size() < more().n_field ? Status(PHN_ERROR_BUFFER)
-                                           : Status(phn_field(more().model, get(), node, d.data(), number, out.data()));
+                                           : Status(phn_field(more().model, get(), &tool, number, out.data()));
   }
 
   Status set_level(std::int32_t level) noexcept { return phn_set_level(more().model, get(), level); }
@@ -752,6 +736,11 @@ class Data : public detail::Built<phn_data, detail::DataSizes> {
   Status coupled_deform(Span<double> out) noexcept {
     return out.size() < more().n_field ? Status(PHN_ERROR_BUFFER)
                                        : Status(phn_coupled_deform(more().model, get(), out.data()));
+  }
+
+ private:
+  Status response(const phn_tool& tool, double* force, double* energy, double* stiffness) noexcept {
+    return phn_force(more().model, get(), &tool, force, energy, stiffness);
   }
 };
 

@@ -7,6 +7,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Initial value of reserved words, which are 0: C++ sets them, in C a struct that the caller fills begins as {0}. */
+#ifdef __cplusplus
+#define PHN_ZEROS = {}
+#else
+#define PHN_ZEROS
+#endif
+
 #if defined(_WIN32) && defined(PHYNNESS_BUILDS_SHARED)
 #define PHN_API __declspec(dllexport)
 #elif defined(_WIN32) && defined(PHYNNESS_SHARED)

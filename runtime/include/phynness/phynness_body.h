@@ -6,9 +6,9 @@
  * 0.1 to 1 ms for a step on a processor of a desktop and is not meant for microcontrollers. Spheres touch it with
  * phn_body_contact_step (phynness_contact.h).
  *
- * Memory, statuses, units, frames, overlap, the sign of the force, and phn_tool are those of phynness.h and
- * phynness_tools.h. A tool is the round tool of the training with its middle at the point; the mean displacement under
- * it is prescribed. In a body of node probes it is the point itself.
+ * Memory, statuses, units, frames, overlap, the sign of the force, and phn_tool are those of phynness.h. A tool is the
+ * round tool of the training with its middle at the point; the mean displacement under it is prescribed. In a body of
+ * node probes it is the point itself.
  */
 #ifndef PHYNNESS_BODY_H
 #define PHYNNESS_BODY_H
@@ -29,7 +29,7 @@ PHN_API int phn_body_init(void* memory, size_t bytes, const char* text, size_t l
                           size_t* wrong_byte);
 
 /* The pointers refer to memory of the body. */
-typedef struct phn_body_info {
+typedef struct phn_body_contents {
   const char *mesh_hash, *physics_hash, *law;
   double tool_radius_m;      /* 0: node probes */
   double max_displacement_m; /* largest displacement of the training data */
@@ -37,21 +37,25 @@ typedef struct phn_body_info {
   const double* points;      /* n_nodes x 3 [m] */
   const int32_t* triangles;  /* n_triangles x 3, positions among the nodes, normals outward */
   int32_t n_nodes, n_triangles, n_modes, n_pressures, n_cells;
-} phn_body_info;
-PHN_API int phn_body_describe(const phn_body* body, phn_body_info* info);
+} phn_body_contents;
+PHN_API int phn_body_info(const phn_body* body, phn_body_contents* info);
+
+/* As phn_nearest, among the places within a tool's radius of a probed point. */
+PHN_API int phn_body_nearest(const phn_body* body, const double x[3], phn_tool* tool, double point[3],
+                             double* distance);
 
 /* Working memory for up to `max_tools` (1 ... 8) tools, at rest. The body must outlive it. */
 PHN_API int phn_body_state_size(const phn_body* body, int32_t max_tools, size_t* bytes);
 PHN_API int phn_body_state_init(void* memory, size_t bytes, const phn_body* body, int32_t max_tools,
                                 phn_body_state** state);
 
-typedef struct phn_body_pressed {
+typedef struct phn_body_report {
   double energy;     /* [J] */
   double unbalanced; /* size of the next step over that of the deformation, in the norm of the energy */
   double behind_m;   /* largest distance of a tool from the mean displacement that it holds */
   int32_t steps;     /* that were made or undone */
   int32_t renewed;   /* factors of the stiffness matrix that were computed */
-} phn_body_pressed;
+} phn_body_report;
 
 /* Forces [N] that hold the tools, n_tools x 3, after at most `steps` (>= 1) steps of Newton's method from the
  * deformation that the state has. Each step renews the stiffness matrix where the body changed most, and takes about
@@ -63,17 +67,17 @@ typedef struct phn_body_pressed {
  * forces are those of the call before, or 0 if that had another number of tools. _NEAR: tools nearer than half of their
  * radius act through springs between them (docs/theory.md, Near tools), which take more than a tenth of a displacement;
  * two with equal displacements at one place share the force of one, opposed ones have five times that of each alone.
- * PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0 tools the body is at rest. `pressed` may be null.
+ * PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0 tools the body is at rest. `report` may be null.
  */
-PHN_API int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools,
-                           int32_t steps, double* forces, phn_body_pressed* pressed);
+PHN_API int phn_body_force(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools,
+                           int32_t steps, double* forces, phn_body_report* report);
 
-/* Bounds [N] of the errors of the forces of the last phn_body_press, one for each of its tools, from the finite
+/* Bounds [N] of the errors of the forces of the last phn_body_force, one for each of its tools, from the finite
  * elements of the body (formats/body.md, Bounds); PHN_NO_BOUND where that gave a warning.
  * PHN_ERROR_UNDEFINED: a body without bounds (phynness calibrate --body), or no tool. @return its status otherwise */
 PHN_API int phn_body_bound(const phn_body* body, const phn_body_state* state, double* bounds);
 
-/* Displacements [m] of the surface's nodes, n_nodes x 3, after the last phn_body_press; zeros before. */
+/* Displacements [m] of the surface's nodes, n_nodes x 3, after the last phn_body_force; zeros before. */
 PHN_API int phn_body_deform(const phn_body* body, const phn_body_state* state, double* out);
 
 #ifdef __cplusplus

@@ -1,7 +1,7 @@
 /* phynness: spherical tools that touch, slide on, press and grasp a trained object: a model, or a body.
  *
  * phn_contact_step is called once in each haptic cycle with the positions of the tools; it gives their forces. A tool
- * in contact has a proxy: the point of the undeformed surface that it touches. phn_couple, or phn_body_press, gives the
+ * in contact has a proxy: the point of the undeformed surface that it touches. phn_couple, or phn_body_force, gives the
  * force that holds this point at the position of the tool. The touched point follows the tool exactly. In a model of
  * round tools the mean of the surface around it does: exactly at a node, within a few per cent between nodes, less well
  * beside fixed ones.
@@ -19,6 +19,7 @@
 #define PHYNNESS_CONTACT_H
 
 #include <phynness/phynness_body.h>
+#include <phynness/phynness_tools.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -45,7 +46,7 @@ typedef struct phn_contact_state {
   double normal[3];   /* outward unit normal; zeros without contact */
   double scale;       /* factor of the force: 1, or less where tools would gain energy; 0 without contact */
   double unbalanced;  /* mode press: |force of phn_couple - force / scale| [N], not yet relieved by sliding */
-  phn_tool held;      /* argument of phn_couple or phn_body_press, also of a thread that draws, with its own phn_data or
+  phn_tool held;      /* argument of phn_couple or phn_body_force, also of a thread that draws, with its own phn_data or
                          phn_body_state; nodes are -1 without contact */
   int32_t in_contact; /* 1 or 0 */
 } phn_contact_state;
@@ -96,7 +97,7 @@ PHN_API int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_too
                              phn_contact_state* states, phn_coupled* result);
 
 /* The same for a body, whose triangles can be touched if their corners are not all fixed and each is fixed or within
- * the tool's radius of a probed point. `state` was made for at least n_tools. All calls of phn_body_press in a step
+ * the tool's radius of a probed point. `state` was made for at least n_tools. All calls of phn_body_force in a step
  * make at most `steps` (>= 1) steps of Newton's method together, before the first of which forces and slides of all
  * tools are predicted together. A tool that arrives while others are felt has its first force in the next call. A proxy
  * slides by at most twice the motion of its tool and a hundredth of the tool's radius in a call.
@@ -106,7 +107,7 @@ PHN_API int phn_body_contact_size(const phn_body* body, int32_t max_tools, size_
 PHN_API int phn_body_contact_init(void* memory, size_t bytes, const phn_body* body, int32_t max_tools,
                                   phn_contact** contact);
 PHN_API int phn_body_contact_step(phn_contact* contact, phn_body_state* state, int32_t steps, int32_t n_tools,
-                                  const phn_contact_tool* tools, phn_contact_state* states, phn_body_pressed* pressed);
+                                  const phn_contact_tool* tools, phn_contact_state* states, phn_body_report* pressed);
 
 /* Ends every contact and forgets all positions: in the next step all tools are new. */
 PHN_API int phn_contact_reset(phn_contact* contact);

@@ -84,7 +84,7 @@ PHN_API int phn_image_force(const phn_image* image, int32_t node, const phn_real
 PHN_API int phn_image_energy(const phn_image* image, int32_t node, const phn_real d[3], phn_real* energy);
 PHN_API int phn_image_stiffness(const phn_image* image, int32_t node, const phn_real d[3], phn_real stiffness[9]);
 
-/* Depth [m] of the trained range of `node` in the direction of d, as in phn_trained_depth. */
+/* Depth [m] of the trained range of `node` in the direction of d, as in phn_depth. */
 PHN_API int phn_image_trained_depth(const phn_image* image, int32_t node, const phn_real d[3], phn_real* depth);
 
 /* Bytes of working memory for a deformation, with the alignment of its numbers; may be 0. */
@@ -104,16 +104,16 @@ typedef struct phn_image_place {
 } phn_image_place;
 
 /* The place nearest to x [m] on that part of the undeformed surface where round tools can be, and its point [m], which
- * may be null. A place at the border of this part is also returned for an x far beyond it, so compare x and the point.
- * `from` < 0: all triangles are searched. Otherwise a walk from triangle `from` over neighbouring triangles comes
- * nearer to x until none is nearer: it stays on its side of a thin body. It crosses 32 triangles at most, then
- * PHN_WARNING_UNSETTLED says that it must go on from the returned place. PHN_ERROR_UNDEFINED: the image has no surface:
- * its tools are not round (phynness_tools.h).
+ * may be null. At a fixed edge the place is a twentieth of a triangle away from it. A place at the border of this part
+ * is also returned for an x far beyond it, so compare x and the point. `from` < 0: all triangles are searched.
+ * Otherwise a walk from triangle `from` over neighbouring triangles comes nearer to x until none is nearer: it stays on
+ * its side of a thin body. It crosses 32 triangles at most, then PHN_WARNING_UNSETTLED says that it must go on from the
+ * returned place. PHN_ERROR_UNDEFINED: the image has no surface: its tools are not round (phynness_tools.h).
  * PHN_ERROR_OVERLAP: `place` and `point` overlap. After an error the triangle is -1. */
 PHN_API int phn_image_nearest(const phn_image* image, int32_t from, const phn_real x[3], phn_image_place* place,
                               phn_real point[3]);
 
-/* Force [N], energy [J] and stiffness [N/m] of one round tool at a place, displaced by d [m], as in phn_force_at; a
+/* Force [N], energy [J] and stiffness [N/m] of one round tool at a place, displaced by d [m], as in phn_force; a
  * place at an active node has the force of the node. Cost: forces of about 12 nodes between nodes. PHN_ERROR_UNDEFINED:
  * no surface; no energy in family rbfn. PHN_ERROR_ARGUMENT: no such triangle or weights. PHN_ERROR_NOT_ACTIVE: all
  * corners with weights are fixed. */
@@ -124,7 +124,7 @@ PHN_API int phn_image_energy_at(const phn_image* image, const phn_image_place* p
 PHN_API int phn_image_stiffness_at(const phn_image* image, const phn_image_place* place, const phn_real d[3],
                                    phn_real stiffness[9]);
 
-/* The bound [N] of the error of that force, as in phn_bound_at. PHN_IMAGE_NO_BOUND: nothing is known there, above all
+/* The bound [N] of the error of that force, as in phn_bound. PHN_IMAGE_NO_BOUND: nothing is known there, above all
  * with PHN_WARNING_OUTSIDE. PHN_ERROR_UNDEFINED: no surface, or the model was not calibrated. Cost: forces and trained
  * depths of the active nodes around the place, mostly three. */
 #define PHN_IMAGE_NO_BOUND 1e30f

@@ -123,7 +123,7 @@ typedef struct phn_loop_report {
   int64_t cycles, limited; /* all; those in which the passivity controller changed the force */
   int64_t missing, late;   /* cycles without a position; positions that were not newer than the last */
 } phn_loop_report;
-PHN_API int phn_loop_get_report(const phn_loop* loop, phn_loop_report* report);
+PHN_API int phn_loop_info(const phn_loop* loop, phn_loop_report* report);
 
 #ifdef __cplusplus
 }

@@ -30,16 +30,14 @@ PHN_API int phn_surface_size(const phn_model* model, int32_t levels, size_t* byt
 PHN_API int phn_surface_init(void* memory, size_t bytes, const phn_model* model, int32_t levels,
                              const phn_surface** surface);
 
-/* Vertices and triangles of the finest level. triangles: n_triangles x 3 vertices, oriented as in the model. points:
- * n_vertices x 3, undeformed [m], in float, which resolves 0.1 mm at 1 km from the origin. A null surface gives 0 and
- * null. The arrays belong to the surface. */
-PHN_API int32_t phn_surface_n_vertices(const phn_surface* surface);
-PHN_API int32_t phn_surface_n_triangles(const phn_surface* surface);
-PHN_API const int32_t* phn_surface_triangles(const phn_surface* surface);
-PHN_API const float* phn_surface_points(const phn_surface* surface);
-
-/* Bytes of working memory for phn_surface_deform, aligned to 4, separate for each thread; 0 for levels = 0. */
-PHN_API size_t phn_surface_scratch_size(const phn_surface* surface);
+/* Vertices and triangles of the finest level. The arrays belong to the surface. */
+typedef struct phn_surface_contents {
+  int32_t n_vertices, n_triangles;
+  const int32_t* triangles; /* n_triangles x 3 vertices, oriented as in the model */
+  const float* points;      /* n_vertices x 3, undeformed [m]; a float resolves 0.1 mm at 1 km from the origin */
+  size_t scratch_bytes;     /* of phn_surface_deform, aligned to 4, separate for each thread; 0 for levels = 0 */
+} phn_surface_contents;
+PHN_API int phn_surface_info(const phn_surface* surface, phn_surface_contents* contents);
 
 /* Displacements [m] of the fine surface, out: n_vertices x 3. `field`: n_output x 3 [m], from phn_deform or
  * phn_coupled_deform; its components are clamped to 1e25 m. PHN_ERROR_OVERLAP: two of `field`, `scratch` and `out`

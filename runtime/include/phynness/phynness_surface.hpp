@@ -19,13 +19,13 @@ class Surface : public detail::Built<const phn_surface, detail::FieldSize> {
     return bytes_of(phn_surface_size, model.get(), levels);
   }
 
-  std::int32_t n_vertices() const noexcept { return phn_surface_n_vertices(get()); }
+  std::int32_t n_vertices() const noexcept { return contents().n_vertices; }
   Span<const std::int32_t> triangles() const noexcept {
-    return {phn_surface_triangles(get()), 3 * static_cast<std::size_t>(phn_surface_n_triangles(get()))};
+    return {contents().triangles, 3 * static_cast<std::size_t>(contents().n_triangles)};
   }
-  Span<const float> points() const noexcept { return {phn_surface_points(get()), n_numbers()}; }
+  Span<const float> points() const noexcept { return {contents().points, n_numbers()}; }
   /// Number of floats of working memory for deform.
-  std::size_t n_scratch() const noexcept { return phn_surface_scratch_size(get()) / sizeof(float); }
+  std::size_t n_scratch() const noexcept { return contents().scratch_bytes / sizeof(float); }
 
   /// @param scratch  n_scratch() floats, one array for each thread
   /// @param field    n_output x 3 [m]
@@ -37,6 +37,11 @@ class Surface : public detail::Built<const phn_surface, detail::FieldSize> {
   }
 
  private:
+  phn_surface_contents contents() const noexcept {
+    phn_surface_contents contents;
+    phn_surface_info(get(), &contents);
+    return contents;
+  }
   std::size_t n_numbers() const noexcept { return 3 * static_cast<std::size_t>(n_vertices()); }
 };
 

@@ -12,7 +12,7 @@
 
 /// Rows of modes and of pressures are padded with zeros to whole blocks.
 struct phn_body {
-  phn_body_info info;
+  phn_body_contents info;
   const PHN_RUNTIME::BodyLaw* law;
   double parameters[phynness::schema::largest_parameter_count];
   double bulk;          ///< of the shape: bulk/2 g^2
@@ -57,12 +57,12 @@ void set_springs(phn_body_state& state, std::int32_t n_tools, const phn_tool* to
 /// Where a next step is larger than this part of the deformation, forces are those of the call before.
 inline constexpr double far_from_balance = 0.1;
 
-/// phn_body_press with tools that are not held, behind those that are: no force acts on them, but they have springs.
+/// phn_body_force with tools that are not held, behind those that are: no force acts on them, but they have springs.
 /// @param n_tools   all of them, of which n_held are held
 /// @param held_by   3 n_held forces [N], in an array of zeros for PHN_MOST_COUPLED tools
 /// @return a status of phynness.h; outputs are then undefined where it is an error
 int press_body(phn_body_state& state, std::int32_t n_held, std::int32_t n_tools, const phn_tool* tools,
-               const double* heights, std::int32_t steps, double* held_by, phn_body_pressed& made);
+               const double* heights, std::int32_t steps, double* held_by, phn_body_report& made);
 
 /// Dense loops, for several instruction sets (core/kernels.hpp). Strides and numbers of columns are whole blocks.
 struct BodyKernels {

@@ -161,7 +161,7 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   if (arena.overflow()) return PHN_ERROR_BUFFER;
   if (arena.counting()) return PHN_OK;
   *body = {};
-  phn_body_info& info = body->info;
+  phn_body_contents& info = body->info;
   info.mesh_hash = store.mesh_hash;
   info.physics_hash = store.physics_hash;
   info.law = store.law;

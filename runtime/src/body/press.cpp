@@ -6,6 +6,7 @@
 #include "core/bound.hpp"
 #include "core/evaluate.hpp"
 #include "core/text_lines.hpp"
+#include "tools/nearest.hpp"
 
 using namespace PHN_RUNTIME;
 
@@ -34,7 +35,7 @@ class Equilibrium {
   explicit Equilibrium(phn_body_state& state)
       : _s(state), _body(*state.body), _n(state.body->info.n_modes), _stride(state.body->stride) {}
 
-  void settle(std::int32_t steps, phn_body_pressed& pressed) {
+  void settle(std::int32_t steps, phn_body_report& pressed) {
     double last = HUGE_VAL;
     bool is_new = true;  // the state, for its stiffness
     while (true) {
@@ -201,7 +202,7 @@ void release(phn_body_state& state) {
 }  // namespace
 
 int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t n_tools, const phn_tool* tools,
-                            const double* heights, std::int32_t steps, double* held_by, phn_body_pressed& made) {
+                            const double* heights, std::int32_t steps, double* held_by, phn_body_report& made) {
   phn_body_state* const state = &s;
   const phn_body* const body = s.body;
   if (n_tools > most_body_tools) return PHN_ERROR_TOO_MANY_TOOLS;
@@ -288,12 +289,28 @@ int phn_body_init(void* memory, size_t bytes, const char* text, size_t length, c
   return init_of_text<phn_body>(load_body, memory, bytes, text, length, body, wrong_byte);
 }
 
-int phn_body_describe(const phn_body* body, phn_body_info* info) {
+int phn_body_info(const phn_body* body, phn_body_contents* info) {
   if (info == nullptr) return PHN_ERROR_ARGUMENT;
   *info = {};
   if (body == nullptr) return PHN_ERROR_ARGUMENT;
   *info = body->info;
   return PHN_OK;
+}
+
+int phn_body_nearest(const phn_body* body, const double x[3], phn_tool* tool, double point[3], double* distance) {
+  return answer_nearest(
+      body != nullptr, x, tool, point, distance,
+      [&](const double* from) {
+        return nearest_place(
+            body->info.triangles, body->info.n_triangles, from,
+            [&](std::int32_t v) { return body->info.points + 3 * static_cast<std::size_t>(v); },
+            [&](std::int32_t v) {
+              return body->kinds[v] == phynness::schema::body_node_touchable ? Hold::moves
+                     : body->kinds[v] == phynness::schema::body_node_fixed   ? Hold::fixed
+                                                                             : Hold::none;
+            });
+      },
+      [&](std::int32_t v) { return body->info.nodes[v]; });
 }
 
 int phn_body_state_size(const phn_body* body, int32_t max_tools, size_t* bytes) {
@@ -322,10 +339,10 @@ int phn_body_state_init(void* memory, size_t bytes, const phn_body* body, int32_
   return PHN_OK;
 }
 
-int phn_body_press(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools, int32_t steps,
-                   double* forces, phn_body_pressed* pressed) {
+int phn_body_force(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools, int32_t steps,
+                   double* forces, phn_body_report* pressed) {
   double held_by[3 * most_body_tools] = {};
-  phn_body_pressed made = {};
+  phn_body_report made = {};
   const std::size_t n = forces != nullptr && n_tools > 0 ? 3 * static_cast<std::size_t>(n_tools) : 0;
   int status = PHN_ERROR_ARGUMENT;
   if (overlap(forces, n * sizeof(double), pressed, sizeof *pressed)) {

@@ -2,6 +2,7 @@
 #include <phynness/schema/round_tool.hpp>
 
 #include "body/body.hpp"
+#include "tools/round_tool.hpp"
 
 namespace PHN_RUNTIME {
 namespace {
@@ -29,6 +30,7 @@ int tool_weights(const phn_body& body, const phn_tool& tool, ToolScratch& scratc
   double share[3], sum = 0, fixed = 0;
   bool is_trained = true;
   n = 0;
+  if (!is_of_this_version(tool)) return PHN_ERROR_VERSION;
   for (int k = 0; k < 3; ++k) {
     const double w = tool.weights[k];
     if (!(w >= -weight_slack && w <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;

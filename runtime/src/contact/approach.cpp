@@ -23,7 +23,7 @@ bool overtaken(const phn_contact& contact, double radius, const ToolContact& too
   const double was = dot(apart, normal);
   point_at(contact.surface, contact.surface.placed, at, radius, y);
   subtract(tool.place, y, apart);
-  return was >= 0 && dot(apart, normal) < 0 && movable(contact.surface, at) >= least_movable;
+  return was >= 0 && dot(apart, normal) < 0 && movable(contact.surface, at) >= least_movable<double>;
 }
 
 /// Starts a grasp. The touched point keeps its present displacement, so that it does not jump.
@@ -60,7 +60,7 @@ void approach(const phn_contact& contact, const ToolInput& input, ToolContact& t
     }
     if (!tool.anchored && input.mode == PHN_TOOL_GRASP) {
       const double distance = nearest(surface, contact.volumes, 0, c, at);
-      tool.anchored = distance <= input.radius && movable(surface, at) >= least_movable;
+      tool.anchored = distance <= input.radius && movable(surface, at) >= least_movable<double>;
       part = 1;
     }
     if (tool.anchored) {

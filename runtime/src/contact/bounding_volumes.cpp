@@ -183,7 +183,7 @@ double sweep(const ContactSurface& s, const BoundingVolumes& v, double radius, c
       const double part = crossing(corner, way, weight);
       if (part < 0 || part >= first) continue;
       const SurfacePoint hit = {v.order[j], {weight[0], weight[1], weight[2]}};
-      if (movable(s, hit) < least_movable) continue;
+      if (movable(s, hit) < least_movable<double>) continue;
       first = part;
       at = hit;
     }

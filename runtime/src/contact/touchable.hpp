@@ -9,9 +9,6 @@
 
 namespace PHN_RUNTIME {
 
-/// Moving corners have at least this weight in a touched point, because the stiffness of a point grows without bound
-/// towards a fixed edge.
-inline constexpr double least_movable = 0.05;
 /// Largest length of an offset in radii; the corner of a cuboid needs sqrt(3).
 inline constexpr double longest_offset = 2;
 inline constexpr double largest_coordinate_m = 1e30;

@@ -8,7 +8,7 @@ namespace {
 
 class TouchedBody final : public Touched {
  public:
-  phn_body_pressed pressed = {};  ///< energy and distances after the last response; steps of all of them
+  phn_body_report pressed = {};  ///< energy and distances after the last response; steps of all of them
 
   TouchedBody(phn_body_state& state, std::int32_t most_steps) : _state(state) {
     has_energy = true;
@@ -18,7 +18,7 @@ class TouchedBody final : public Touched {
   }
   int hold(std::int32_t n, std::int32_t n_all, const phn_tool* tools, const double* heights, double* forces,
            phn_coupled& result) override {
-    phn_body_pressed made = {};
+    phn_body_report made = {};
     const int status = press_body(_state, n, n_all, tools, heights, steps, forces, made);
     steps -= made.steps;
     made.steps += pressed.steps;
@@ -115,8 +115,8 @@ int phn_body_contact_init(void* memory, size_t bytes, const phn_body* body, int3
 }
 
 int phn_body_contact_step(phn_contact* contact, phn_body_state* state, int32_t steps, int32_t n_tools,
-                          const phn_contact_tool* tools, phn_contact_state* states, phn_body_pressed* pressed) {
-  phn_body_pressed made = {};
+                          const phn_contact_tool* tools, phn_contact_state* states, phn_body_report* pressed) {
+  phn_body_report made = {};
   int status = PHN_ERROR_ARGUMENT;
   if (contact != nullptr && state != nullptr && state->body == contact->of && steps >= 1) {
     TouchedBody touched(*state, steps);

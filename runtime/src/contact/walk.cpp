@@ -10,18 +10,9 @@ void tidy(const ContactSurface& s, SurfacePoint& at) {
   double sum = 0;
   for (double& w : at.weight) sum += w = w > 0 ? w : 0;
   for (double& w : at.weight) w = sum > 0 ? w / sum : 1.0 / 3;
-  const double moves = movable(s, at);
-  if (moves >= least_movable) return;
-  int n_moving = 0;
-  for (int c = 0; c < 3; ++c) n_moving += s.active[s.triangle[3 * at.triangle + c]] >= 0;
-  for (int c = 0; c < 3; ++c) {
-    double& w = at.weight[c];
-    if (s.active[s.triangle[3 * at.triangle + c]] < 0) {
-      w *= (1 - least_movable) / (1 - moves);
-    } else {
-      w = moves > 0 ? w * least_movable / moves : least_movable / n_moving;
-    }
-  }
+  bool moves[3];
+  for (int c = 0; c < 3; ++c) moves[c] = s.active[s.triangle[3 * at.triangle + c]] >= 0;
+  keep_movable(moves, 3, movable(s, at), at.weight);
 }
 
 /// Moves the point to the triangle across the edge opposite to corner `behind` and turns the step into its plane.

@@ -42,6 +42,27 @@ inline constexpr Real depth_slack = sizeof(Real) == sizeof(float) ? static_cast<
 template <class Real>
 inline constexpr Real largest_fixed_weight = static_cast<Real>(0.3);
 
+/// Moving corners have at least this weight in a place, because the stiffness of a point grows without bound towards a
+/// fixed edge.
+template <class Real>
+inline constexpr Real least_movable = static_cast<Real>(0.05);
+/// Gives moving corners, if their weights have a sum `movable` below this, that sum. @return whether it was below
+template <class Real>
+bool keep_movable(const bool* moves, int n, Real movable, Real* weight) {
+  if (movable >= least_movable<Real>) return false;
+  int n_moving = 0;
+  for (int c = 0; c < n; ++c) n_moving += moves[c];
+  for (int c = 0; c < n; ++c) {
+    if (!moves[c]) {
+      weight[c] *= (1 - least_movable<Real>) / (1 - movable);
+    } else {
+      weight[c] =
+          movable > 0 ? weight[c] * least_movable<Real> / movable : least_movable<Real> / static_cast<Real>(n_moving);
+    }
+  }
+  return true;
+}
+
 /// @pre value is not NaN
 template <class Real>
 Real cut(Real value, Real largest) {

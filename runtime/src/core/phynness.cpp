@@ -1,5 +1,4 @@
-// The C interface of phynness.h: argument checks and statuses. The model is read in load.cpp and evaluated in
-// evaluate.cpp.
+// The C interface of phynness.h without tools, which are in tools/one_tool.cpp. The model is read in load.cpp.
 #include <phynness/phynness.h>
 
 #include <cmath>
@@ -10,36 +9,6 @@
 using namespace PHN_RUNTIME;
 
 namespace {
-
-/// A node at the level of the data, and a copy of its displacement, because an output may overlap the displacement.
-struct Asked {
-  const ActiveNode* node;
-  double d[3];
-};
-
-/// Checks the arguments of a response of one node. @return a status of phynness.h
-int find_node(const phn_model* level, std::int32_t node, const double* d, Asked& asked) {
-  if (level == nullptr || d == nullptr) return PHN_ERROR_ARGUMENT;
-  const std::int32_t at = find_active(*level, node);
-  if (at < 0) return PHN_ERROR_NOT_ACTIVE;
-  if (!finite(d)) return PHN_ERROR_NOT_FINITE;
-  asked = {&level->active[at], {d[0], d[1], d[2]}};
-  return PHN_OK;
-}
-int find_node(const phn_model* model, const phn_data* data, std::int32_t node, const double* d, Asked& asked) {
-  if (model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
-  return find_node(data->level, node, d, asked);
-}
-
-constexpr std::size_t vector_bytes = 3 * sizeof(double), matrix_bytes = 9 * sizeof(double);
-
-/// Checks the outputs for force, energy and stiffness. @return a status of phynness.h
-int check_derivatives(const phn_model& model, const double* force, const double* energy, const double* stiffness) {
-  if (overlap(force, vector_bytes, energy, sizeof *energy) || overlap(force, vector_bytes, stiffness, matrix_bytes) ||
-      overlap(energy, sizeof *energy, stiffness, matrix_bytes))
-    return PHN_ERROR_OVERLAP;
-  return model.has_energy ? PHN_OK : PHN_ERROR_UNDEFINED;
-}
 
 /// In the order of their numbers, up to 5: _UNSETTLED with another warning.
 const char* const messages[] = {
@@ -55,7 +24,9 @@ const char* const messages[] = {
     "a word or number of the model is malformed",
     "the model is damaged: its checksum is wrong",
     "the model is incomplete at its end",
-    "the model has another version of the format; train or export it again with this version",
+    "the model, or a struct whose reserved words are not 0, has another version; train or export the model again with "
+    "this "
+    "version, or compile the program with its headers",
     "this is not a phynness model",
     "the time of a step is not later than that of the step before",
     "the model's family or the node has no such response, for example no energy or no deformation",
@@ -63,7 +34,7 @@ const char* const messages[] = {
     "more tools than the phn_data or phn_contact was made for",
     "the memory is smaller than the size function returned",
     "a displacement, position or size is NaN or infinite",
-    "the node is not an active node of this model",
+    "the node, or all that the tool touches, cannot be touched in this model",
     "a null pointer, a number out of range, or data made for another model",
     "success",
     "a displacement is longer than trained in its direction (0 beside fixed nodes)",
@@ -154,80 +125,6 @@ int phn_data_init(void* memory, size_t bytes, const phn_model* model, int32_t ma
   if (arena.overflow()) return PHN_ERROR_BUFFER;
   *data = made;
   return PHN_OK;
-}
-
-int phn_force(const phn_model* model, phn_data* data, int32_t node, const double d[3], double force[3], double* energy,
-              double stiffness[9]) {
-  Asked asked;
-  int status = find_node(model, data, node, d, asked);
-  const bool derivatives = energy != nullptr || stiffness != nullptr;
-  if (force == nullptr && !derivatives) status = PHN_ERROR_ARGUMENT;
-  if (status == PHN_OK && derivatives) status = check_derivatives(*model, force, energy, stiffness);
-  if (status != PHN_OK) {
-    zero(force, 3);
-    zero(energy, 1);
-    return refuse(status, stiffness, 9);
-  }
-  double unused[3];
-  evaluate_force(*data->level, *asked.node, asked.d, force != nullptr ? force : unused, energy, stiffness);
-  return warnings(*model, *asked.node, asked.d);
-}
-
-int phn_deform(const phn_model* model, phn_data* data, int32_t node, const double d[3], double* out) {
-  if (model == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
-  Asked asked;
-  int refused = find_node(model, data, node, d, asked);
-  if (refused == PHN_OK && !has_deformation(*model, *asked.node)) refused = PHN_ERROR_UNDEFINED;
-  if (refused != PHN_OK) return refuse(refused, out, 3 * model->n_output);
-  const auto at = static_cast<std::int32_t>(asked.node - data->level->active);
-  evaluate_deformation(*data->level, *data, at, asked.d, out);
-  return warnings(*model, *asked.node, asked.d);
-}
-
-int phn_prepare(const phn_model* model, phn_data* data, int32_t node) {
-  if (model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
-  const int32_t at = find_active(*model, node);
-  if (at < 0) return PHN_ERROR_NOT_ACTIVE;
-  prepare(*model, data->prepared, at);
-  return PHN_OK;
-}
-
-int phn_field(const phn_model* model, phn_data* data, int32_t node, const double d[3], int32_t field, double* out) {
-  if (model == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
-  if (field < 0 || field >= model->n_fields) return refuse(PHN_ERROR_ARGUMENT, out, model->n_output);
-  Asked asked;
-  int refused = find_node(model, data, node, d, asked);
-  if (refused == PHN_OK && asked.node->modal->fields[field].n_modes == 0) refused = PHN_ERROR_UNDEFINED;
-  if (refused != PHN_OK) return refuse(refused, out, model->n_output);
-  modal_field(*data->level, *asked.node->modal, field, asked.d, data->scratch, out);
-  return warnings(*model, *asked.node, asked.d);
-}
-
-int phn_trained_depth(const phn_model* model, int32_t node, const double d[3], double* depth) {
-  if (depth == nullptr) return PHN_ERROR_ARGUMENT;
-  double found = 0;
-  Asked asked;
-  int status = find_node(model, node, d, asked);
-  if (status == PHN_OK) {
-    found = trained_depth(*model, *asked.node, asked.d);
-    status = outside(*model, *asked.node, asked.d) ? PHN_WARNING_OUTSIDE : PHN_OK;
-  }
-  *depth = found;
-  return status;
-}
-
-int phn_bound(const phn_model* model, int32_t node, const double d[3], double* bound) {
-  if (bound == nullptr) return PHN_ERROR_ARGUMENT;
-  double found = 0;
-  Asked asked;
-  int status = find_node(model, node, d, asked);
-  if (status == PHN_OK && asked.node->bound == nullptr) status = PHN_ERROR_UNDEFINED;
-  if (status == PHN_OK) {
-    status = warnings(*model, *asked.node, asked.d);
-    found = (status & PHN_WARNING_OUTSIDE) != 0 ? PHN_NO_BOUND : error_bound(*model, *asked.node, asked.d);
-  }
-  *bound = found;
-  return status;
 }
 
 int phn_level_info(const phn_model* model, int32_t level, phn_level* info) {

@@ -204,6 +204,7 @@ int phn_image_nearest(const phn_image* opened, int32_t from, const Real* x, phn_
       found = search.on(static_cast<uint32_t>(from));
       if (!search.walk(found)) status = PHN_WARNING_UNSETTLED;
     }
+    search.leave_fixed_edge(at<image::VertexCorners>(*image, surface->vertex), found);
   }
   for (int k = 0; k < 3 && place != nullptr; ++k) place->weights[k] = found.weight[k];
   if (place != nullptr) place->triangle = status < 0 ? -1 : static_cast<int32_t>(found.triangle);

@@ -47,17 +47,35 @@ class Search {
     Nearest<Real> found;
     const Real* corner[3];
     found.triangle = t;
-    found.square = 0;
     for (int k = 0; k < 3; ++k) corner[k] = _point + 3 * static_cast<size_t>(vertex(t, k));
     nearest_weights(corner, _x, found.weight);
-    for (int k = 0; k < 3; ++k) {
-      found.point[k] = found.weight[0] * corner[0][k] + found.weight[1] * corner[1][k] + found.weight[2] * corner[2][k];
-      found.square += (_x[k] - found.point[k]) * (_x[k] - found.point[k]);
-    }
+    put(found);
     return found;
   }
 
+  /// Moves a place away from a fixed edge. @param corners  of the vertices
+  void leave_fixed_edge(const image::VertexCorners* corners, Nearest<Real>& found) const {
+    bool moves[3];
+    Real movable = 0;
+    for (int k = 0; k < 3; ++k) {
+      moves[k] = corners[vertex(found.triangle, k)].active[0] != image::none;
+      movable += moves[k] ? found.weight[k] : 0;
+    }
+    if (keep_movable(moves, 3, movable, found.weight)) put(found);
+  }
+
  private:
+  /// The point of the weights and its distance.
+  void put(Nearest<Real>& found) const {
+    found.square = 0;
+    for (int k = 0; k < 3; ++k) {
+      found.point[k] = 0;
+      for (int c = 0; c < 3; ++c)
+        found.point[k] +=
+            found.weight[c] * _point[3 * static_cast<size_t>(vertex(found.triangle, c)) + static_cast<size_t>(k)];
+      found.square += (_x[k] - found.point[k]) * (_x[k] - found.point[k]);
+    }
+  }
   uint16_t vertex(uint32_t t, int k) const { return _triangle[6 * t + static_cast<uint32_t>(k)]; }
   uint16_t across(uint32_t t, int k) const { return vertex(t, 3 + k); }
 

@@ -172,7 +172,7 @@ int phn_loop_hold(phn_loop* loop, const phn_loop_response* response, double now,
   return status;
 }
 
-int phn_loop_get_report(const phn_loop* loop, phn_loop_report* report) {
+int phn_loop_info(const phn_loop* loop, phn_loop_report* report) {
   if (loop == nullptr || report == nullptr) return PHN_ERROR_ARGUMENT;
   const Observer& o = loop->observer;
   *report = {

@@ -149,11 +149,14 @@ int phn_surface_init(void* memory, size_t bytes, const phn_model* model, int32_t
   return PHN_OK;
 }
 
-int32_t phn_surface_n_vertices(const phn_surface* surface) { return surface ? surface->n_vertices : 0; }
-int32_t phn_surface_n_triangles(const phn_surface* surface) { return surface ? surface->n_triangles : 0; }
-const int32_t* phn_surface_triangles(const phn_surface* surface) { return surface ? surface->triangles : nullptr; }
-const float* phn_surface_points(const phn_surface* surface) { return surface ? surface->points : nullptr; }
-size_t phn_surface_scratch_size(const phn_surface* surface) { return surface ? surface->n_scratch * sizeof(float) : 0; }
+int phn_surface_info(const phn_surface* surface, phn_surface_contents* contents) {
+  if (contents == nullptr) return PHN_ERROR_ARGUMENT;
+  *contents = {};
+  if (surface == nullptr) return PHN_ERROR_ARGUMENT;
+  *contents = {surface->n_vertices, surface->n_triangles, surface->triangles, surface->points,
+               surface->n_scratch * sizeof(float)};
+  return PHN_OK;
+}
 
 int phn_surface_deform(const phn_surface* surface, float* scratch, const double* field, float* out) {
   if (surface == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;

@@ -2,6 +2,8 @@
 // model of node probes, coupled by the responses of single nodes (docs/theory.md, tools anywhere).
 #pragma once
 
+#include <phynness/phynness_tools.h>
+
 #include "tools/node_field.hpp"
 #include "tools/round_tool.hpp"
 #include "tools/surface_turn.hpp"
@@ -91,5 +93,13 @@ CoupledResult solve_coupled(const phn_model& model, Coupling& coupling, const Ve
 /// @param field      n_output x 3 [m]
 void coupled_field(const phn_model& model, const Coupling& coupling, PreparedNodes& prepared, double* scratch,
                    double* one, double* field);
+
+/// Components of displacements of tools between nodes, or of several, are clamped to this [m].
+double largest_between_nodes(const phn_model& model);
+/// The answers of phn_couple and phn_coupled_deform; forces remain in data.coupling. @return a status of phynness.h
+int couple_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, const phn_tool* tools,
+                 phn_coupled& result);
+/// @param out  n_output x 3, zeros
+int field_of_tools(const phn_model& model, phn_data& data, double* out);
 
 }  // namespace PHN_RUNTIME

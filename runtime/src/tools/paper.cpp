@@ -1,4 +1,6 @@
 // The paper's blending of several tools, equations (15)-(16).
+#include <phynness/phynness_tools.h>
+
 #include <cmath>
 
 #include "core/evaluate.hpp"

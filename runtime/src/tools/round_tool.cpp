@@ -49,6 +49,7 @@ std::int32_t find_corners(const phn_model& model, std::int32_t node, Corner corn
 }
 
 int find_place(const phn_model& model, const phn_tool& tool, Place& place) {
+  if (!is_of_this_version(tool)) return PHN_ERROR_VERSION;
   place.n_nodes = 0;
   double sum = 0, movable = 0;
   for (int k = 0; k < 3; ++k) {

@@ -1,7 +1,7 @@
 // The nodes around a tool, and one tool that is answered from their responses alone (docs/theory.md, tools anywhere).
 #pragma once
 
-#include <phynness/phynness_tools.h>
+#include <phynness/phynness.h>
 
 #include <phynness/schema/bounds.hpp>
 
@@ -30,6 +30,8 @@ struct Place {
   double weight[most_corners];        ///< of the sum of the barycentric weights that do not belong to fixed corners
   double fixed_weight;                ///< of the fixed corners
 };
+
+inline bool is_of_this_version(const phn_tool& tool) { return (tool.reserved[0] | tool.reserved[1]) == 0; }
 
 /// Checks a tool and finds its nodes. @return a status of phynness.h
 int find_place(const phn_model& model, const phn_tool& tool, Place& place);

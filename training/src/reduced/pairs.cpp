@@ -55,8 +55,8 @@ class LoadedBody {
       auto part = tools;
       for (phn_tool& tool : part)
         for (double& d : tool.displacement) d = d * i / increments;
-      phn_body_pressed pressed;
-      const int status = phn_body_press(_body, state, static_cast<std::int32_t>(part.size()), part.data(),
+      phn_body_report pressed;
+      const int status = phn_body_force(_body, state, static_cast<std::int32_t>(part.size()), part.data(),
                                         steps_of_increment, forces.data(), &pressed);
       require(status);
       if ((status & PHN_WARNING_UNSETTLED) != 0) return fields.leftCols(i - 1);

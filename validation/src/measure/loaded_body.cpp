@@ -24,7 +24,7 @@ LoadedBody::LoadedBody(std::string text, std::string name) : _name(std::move(nam
   require(phn_body_size(_text.data(), _text.size(), &bytes, &wrong));
   _body_memory.resize(bytes);
   require(phn_body_init(_body_memory.data(), bytes, _text.data(), _text.size(), &_body, &wrong));
-  require(phn_body_describe(_body, &_info));
+  require(phn_body_info(_body, &_info));
   _state_memory.resize(state_bytes(PHN_MOST_COUPLED));
   reset();
 }
@@ -55,7 +55,7 @@ BodyResponse LoadedBody::press(const std::vector<phn_tool>& tools, std::int32_t 
   BodyResponse response;
   response.force_N.resize(tools.size());
   std::vector<double> forces(3 * tools.size());  // of too many tools, too, which get zeros
-  response.status = phn_body_press(_body, _state, static_cast<std::int32_t>(tools.size()), tools.data(), steps,
+  response.status = phn_body_force(_body, _state, static_cast<std::int32_t>(tools.size()), tools.data(), steps,
                                    forces.data(), &response.pressed);
   require_good(response.status, "the runtime refuses tools on " + _name,
                tools.empty() ? "" : " (first node " + std::to_string(tools[0].nodes[0]) + ")",

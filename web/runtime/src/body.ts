@@ -25,17 +25,17 @@ export class Body extends Owner {
   constructor(engine: Engine, parent: Owner, text: Uint8Array) {
     super(engine, parent);
     this.body = this.loaded('body', text);
-    const info = this.take(bytesOf('phn_body_info')), { text: textOf, integer, pointer, real } = engine.members(info);
-    engine.call('phn_body_describe', this.body, info);
+    const info = this.take(bytesOf('phn_body_contents')), { text: textOf, integer, pointer, real } = engine.members(info);
+    engine.call('phn_body_info', this.body, info);
     this.info = Object.freeze({
-      meshHash: textOf('phn_body_info.mesh_hash'),
-      physicsHash: textOf('phn_body_info.physics_hash'),
-      law: textOf('phn_body_info.law'),
-      toolRadius: real('phn_body_info.tool_radius_m'),
-      maxDisplacement: real('phn_body_info.max_displacement_m'),
-      nodes: engine.integers(pointer('phn_body_info.nodes'), integer('phn_body_info.n_nodes')).slice(),
-      nModes: integer('phn_body_info.n_modes'),
-      nCells: integer('phn_body_info.n_cells'),
+      meshHash: textOf('phn_body_contents.mesh_hash'),
+      physicsHash: textOf('phn_body_contents.physics_hash'),
+      law: textOf('phn_body_contents.law'),
+      toolRadius: real('phn_body_contents.tool_radius_m'),
+      maxDisplacement: real('phn_body_contents.max_displacement_m'),
+      nodes: engine.integers(pointer('phn_body_contents.nodes'), integer('phn_body_contents.n_nodes')).slice(),
+      nModes: integer('phn_body_contents.n_modes'),
+      nCells: integer('phn_body_contents.n_cells'),
     });
   }
 

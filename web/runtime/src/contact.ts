@@ -36,7 +36,7 @@ const functions = {
   model: { contact: 'phn_contact', data: 'phn_data', step: 'phn_contact_step', field: 'phn_coupled_deform', result: 'phn_coupled',
     energy: 'phn_coupled.energy' },
   body: { contact: 'phn_body_contact', data: 'phn_body_state', step: 'phn_body_contact_step', field: 'phn_body_deform',
-    result: 'phn_body_pressed', energy: 'phn_body_pressed.energy' },
+    result: 'phn_body_report', energy: 'phn_body_report.energy' },
 } as const;
 
 export class Contact extends Owner {

@@ -24,7 +24,7 @@ const provenance = struct('phn_provenance', {
   finer_mean: double, finer_p95: double, finer_tool_radius_m: double, finer_probes: integer, finer_nodes: integer,
   bound_reference: integer,
 });
-const tool = struct('phn_tool', { nodes: several(3, integer), weights: vector, displacement: vector });
+const tool = struct('phn_tool', { nodes: several(3, integer), weights: vector, displacement: vector, reserved: several(2, integer) });
 
 export const layout = {
   ...provenance,
@@ -39,14 +39,17 @@ export const layout = {
   ...struct('phn_level', {
     force_centers: integer, deformation_centers: integer, modes: integer, error_force: double, error_displacement: double,
   }),
+  ...struct('phn_surface_contents', {
+    n_vertices: integer, n_triangles: integer, triangles: pointer, points: pointer, scratch_bytes: integer,
+  }),
   ...struct('phn_contact_tool', { center: vector, radius: double, friction: double, mode: integer }),
   ...struct('phn_contact_state', {
     force: vector, proxy: vector, normal: vector, scale: double, unbalanced: double, held: [tool.phn_tool, 8], in_contact: integer,
   }),
-  ...struct('phn_body_info', {
+  ...struct('phn_body_contents', {
     mesh_hash: pointer, physics_hash: pointer, law: pointer, tool_radius_m: double, max_displacement_m: double, nodes: pointer,
     points: pointer, triangles: pointer, n_nodes: integer, n_triangles: integer, n_modes: integer, n_pressures: integer,
     n_cells: integer,
   }),
-  ...struct('phn_body_pressed', { energy: double, unbalanced: double, behind_m: double, steps: integer, renewed: integer }),
+  ...struct('phn_body_report', { energy: double, unbalanced: double, behind_m: double, steps: integer, renewed: integer }),
 };

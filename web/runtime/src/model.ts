@@ -65,8 +65,8 @@ export interface Response {
 }
 
 /** Offsets of the small arguments in one block. */
-const at = { d: 0, force: 24, energy: 48, stiffness: 56, out: 128 };
-const argumentBytes = 384;
+const at = { tool: 0, force: 72, energy: 96, stiffness: 104, out: 176, x: 184 };
+const argumentBytes = 208;
 
 export class Model extends Owner {
   protected readonly what = 'model';
@@ -101,8 +101,8 @@ export class Model extends Owner {
   /** Force at an active node that is displaced by d [m]; on request energy and stiffness (not in family rbfn). */
   force(node: number, d: Vector, also: { energy?: boolean; stiffness?: boolean } = {}): Response {
     const { engine, args } = this;
-    this.put(d);
-    const status = engine.call('phn_force', this.model, this.data, integer(node), args + at.d, args + at.force,
+    this.put(node, d);
+    const status = engine.call('phn_force', this.model, this.data, args + at.tool, args + at.force,
       also.energy ? args + at.energy : 0, also.stiffness ? args + at.stiffness : 0);
     return {
       status,
@@ -115,49 +115,50 @@ export class Model extends Owner {
 
   /** Displacements [m] of all output nodes, n x 3, with one tool at an active node. @param out  is filled and returned */
   deform(node: number, d: Vector, out?: Float64Array): Float64Array {
-    this.put(d);
-    this.engine.call('phn_deform', this.model, this.data, integer(node), this.args + at.d, this.field_);
+    this.put(node, d);
+    this.engine.call('phn_deform', this.model, this.data, this.args + at.tool, this.field_);
     return copied(this.engine.reals(this.field_, 3 * this.info.outputNodes.length), out);
   }
 
   /** Values of a scalar field at all output nodes. @param field  index of info.fields, or its name */
   field(node: number, d: Vector, field: number | string, out?: Float64Array): Float64Array {
-    this.put(d);
+    this.put(node, d);
     const index = typeof field === 'number' ? field : this.info.fields.findIndex((f) => f.name === field);
-    this.engine.call('phn_field', this.model, this.data, integer(node), this.args + at.d, integer(index), this.field_);
+    this.engine.call('phn_field', this.model, this.data, this.args + at.tool, integer(index), this.field_);
     return copied(this.engine.reals(this.field_, this.info.outputNodes.length), out);
   }
 
   /** Depth [m] of the trained range of a node in the direction of d; at rest the smallest of all directions. */
   trainedDepth(node: number, d: Vector): number {
     const { engine, args } = this;
-    this.put(d);
-    engine.call('phn_trained_depth', this.model, integer(node), args + at.d, args + at.out);
+    this.put(node, d);
+    engine.call('phn_depth', this.model, args + at.tool, args + at.out);
     return engine.real(args + at.out);
   }
 
   /** Bound [N] of the error of a force; null where the model has none: outside of the trained range, or without `phynness calibrate`. */
   bound(node: number, d: Vector): number | null {
     const { engine, args } = this;
-    this.put(d);
-    const status = engine.f['phn_bound']!(this.model, integer(node), args + at.d, args + at.out);
+    this.put(node, d);
+    const status = engine.f['phn_bound']!(this.model, args + at.tool, args + at.out);
     if (status === undefinedHere || warningsOf(status).includes('outside')) return null;
     if (status < 0) throw engine.error(status, 'phn_bound');
     return engine.real(args + at.out);
   }
 
-  /** The tool at the point of the undeformed surface that is nearest to x [m]. */
-  nearest(x: Vector): { tool: Tool; point: Float64Array } {
+  /** The tool at the place, of those that can be touched, that is nearest to x [m], and its distance from x [m]. */
+  nearest(x: Vector): { tool: Tool; point: Float64Array; distance: number } {
     const { engine, args } = this;
-    this.put(x);
-    engine.call('phn_nearest', this.model, args + at.d, args + at.out, args + at.force);
-    return { tool: toolFrom(engine, args + at.out), point: engine.reals(args + at.force, 3).slice() };
+    this.alive();
+    putVector(engine, args + at.x, x, 'the point');
+    engine.call('phn_nearest', this.model, args + at.x, args + at.tool, args + at.force, args + at.out);
+    return { tool: toolFrom(engine, args + at.tool), point: engine.reals(args + at.force, 3).slice(), distance: engine.real(args + at.out) };
   }
 
   /** Computes in advance what all deformations of a node have in common. */
   prepare(node: number): void {
-    this.alive();
-    this.engine.call('phn_prepare', this.model, this.data, integer(node));
+    this.put(node, [0, 0, 0]);
+    this.engine.call('phn_prepare', this.model, this.data, this.args + at.tool);
   }
 
   /** Level of force, deform and field: index of `levels`; the last one is the full model. */
@@ -191,9 +192,14 @@ export class Model extends Owner {
     return new Contact(this.engine, this, this.model, max, this.info.outputNodes.length, null);
   }
 
-  private put(d: Vector): void {
+  /** The tool at a node. */
+  private put(node: number, d: Vector): void {
     this.alive();
-    putVector(this.engine, this.args + at.d, d, 'a vector');
+    const { engine } = this, tool = this.args + at.tool;
+    engine.integers(tool + bytesOf('phn_tool.nodes'), 3).set([integer(node), -1, -1]);
+    engine.reals(tool + bytesOf('phn_tool.weights'), 3).set([1, 0, 0]);
+    putVector(engine, tool + bytesOf('phn_tool.displacement'), d, 'a vector');
+    engine.integers(tool + bytesOf('phn_tool.reserved'), 2).fill(0);
   }
 }
 

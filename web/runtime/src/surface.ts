@@ -1,5 +1,5 @@
 // The surface of a model, subdivided by Loop's scheme, for drawing.
-import { copied, integer, Owner, type Engine } from './engine.js';
+import { bytesOf, copied, integer, Owner, type Engine } from './engine.js';
 
 export class Surface extends Owner {
   protected readonly what = 'surface';
@@ -23,12 +23,12 @@ export class Surface extends Owner {
     super(engine, parent);
     integer(levels);
     this.surface = this.made('phn_surface', model, levels);
-    const f = engine.f;
-    this.nVertices = f['phn_surface_n_vertices']!(this.surface);
-    const nTriangles = f['phn_surface_n_triangles']!(this.surface);
-    this.triangles = engine.integers(f['phn_surface_triangles']!(this.surface) >>> 0, 3 * nTriangles).slice();
-    this.points = engine.floats(f['phn_surface_points']!(this.surface) >>> 0, 3 * this.nVertices).slice();
-    this.scratch = this.take(f['phn_surface_scratch_size']!(this.surface));
+    const contents = this.take(bytesOf('phn_surface_contents')), { integer: count, pointer } = engine.members(contents);
+    engine.call('phn_surface_info', this.surface, contents);
+    this.nVertices = count('phn_surface_contents.n_vertices');
+    this.triangles = engine.integers(pointer('phn_surface_contents.triangles'), 3 * count('phn_surface_contents.n_triangles')).slice();
+    this.points = engine.floats(pointer('phn_surface_contents.points'), 3 * this.nVertices).slice();
+    this.scratch = this.take(pointer('phn_surface_contents.scratch_bytes'));
     this.field = this.take(24 * nOutput);
     this.out = this.take(12 * this.nVertices);
   }

@@ -28,6 +28,7 @@ export function putTool(engine: Engine, at: number, tool: Tool): void {
   const nodes = engine.integers(at + bytesOf('phn_tool.nodes'), 3);
   const weights = engine.reals(at + bytesOf('phn_tool.weights'), 3);
   nodes.fill(-1);
+  engine.integers(at + bytesOf('phn_tool.reserved'), 2).fill(0);
   weights.fill(0);
   tool.nodes.forEach((node, k) => {
     if (!Number.isInteger(node) || node < 0 || node > 0x7fffffff) throw new RangeError(`${node} is not a node`);

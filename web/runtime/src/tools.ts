@@ -16,10 +16,10 @@ export interface Coupled {
 
 /** The C functions of tools, and what their result holds. */
 const functions = {
-  model: { data: 'phn_data', hold: 'phn_couple', bound: 'phn_bound_at', field: 'phn_coupled_deform', result: 'phn_coupled',
+  model: { data: 'phn_data', hold: 'phn_couple', bound: 'phn_bound', field: 'phn_coupled_deform', result: 'phn_coupled',
     energy: 'phn_coupled.energy', residual: 'phn_coupled.residual' },
-  body: { data: 'phn_body_state', hold: 'phn_body_press', bound: 'phn_body_bound', field: 'phn_body_deform', result: 'phn_body_pressed',
-    energy: 'phn_body_pressed.energy', residual: 'phn_body_pressed.behind_m' },
+  body: { data: 'phn_body_state', hold: 'phn_body_force', bound: 'phn_body_bound', field: 'phn_body_deform', result: 'phn_body_report',
+    energy: 'phn_body_report.energy', residual: 'phn_body_report.behind_m' },
 } as const;
 
 export class Tools extends Owner {

@@ -17,7 +17,7 @@ struct BodyResponse {
   std::vector<Vec3> force_N;                   ///< per tool
   std::vector<std::optional<double>> bound_N;  ///< of their errors, where there is one
   Points displacement_m;                       ///< of the nodes of the body's surface
-  phn_body_pressed pressed{};                  ///< of the last call of the runtime
+  phn_body_report pressed{};                   ///< of the last call of the runtime
 };
 
 /// Must not be used by several threads at the same time.
@@ -29,7 +29,7 @@ class LoadedBody {
   /// @param name  for messages
   LoadedBody(std::string text, std::string name);
 
-  const phn_body_info& info() const { return _info; }
+  const phn_body_contents& info() const { return _info; }
   const std::string& name() const { return _name; }
   /// The content of body.txt.
   const std::string& text() const { return _text; }
@@ -52,7 +52,7 @@ class LoadedBody {
   std::vector<std::byte> _body_memory, _state_memory;
   const phn_body* _body = nullptr;
   phn_body_state* _state = nullptr;
-  phn_body_info _info{};
+  phn_body_contents _info{};
 };
 
 }  // namespace phynness

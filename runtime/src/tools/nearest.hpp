@@ -1,0 +1,117 @@
+// The place nearest to a point among those of a surface that a tool can hold.
+#pragma once
+
+#include <phynness/phynness.h>
+
+#include "tools/triangle.hpp"
+
+namespace PHN_RUNTIME {
+
+/// How a tool can hold a vertex: not at all, alone but not with others, as part of a place, or as a fixed part of one.
+enum class Hold { none, alone, moves, fixed };
+
+/// Components of points are clamped to this [m].
+inline constexpr double largest_place = 1e60;
+
+/// Vertices, of which those behind the first that is -1 are not used, with barycentric weights.
+struct NearestPlace {
+  std::int32_t vertex[3];
+  bool moves[3];
+  double weight[3], point[3], distance;  ///< distance < 0: there is none
+};
+
+/// The nearest point of up to three vertices.
+template <class PointOf>
+void improve(const double* x, const std::int32_t* vertex, const bool* moves, int n, const PointOf& point_of,
+             NearestPlace& best) {
+  // A segment or a point is a triangle whose other corners are the first; nearest_weights gives these no weight.
+  const double* corner[3];
+  for (int k = 0; k < 3; ++k) corner[k] = point_of(vertex[k < n ? k : 0]);
+  NearestPlace found;
+  nearest_on_triangle(corner, x, found.weight, found.point, found.distance);
+  if (best.distance >= 0 && found.distance >= best.distance) return;
+  for (int k = 0; k < 3; ++k) {
+    found.vertex[k] = k < n ? vertex[k] : -1;
+    found.moves[k] = k < n && moves[k];
+  }
+  best = found;
+}
+
+/// The nearest place, moved away from a fixed edge to where moving corners have least_movable.
+/// @param point_of  coordinates of a vertex
+/// @param hold_of   Hold of a vertex
+template <class PointOf, class HoldOf>
+NearestPlace nearest_place(const std::int32_t* triangles, std::int32_t n_triangles, const double* x,
+                           const PointOf& point_of, const HoldOf& hold_of) {
+  NearestPlace best;
+  best.distance = -1;
+  for (std::int32_t t = 0; t < n_triangles; ++t) {
+    const std::int32_t* vertex = triangles + 3 * static_cast<std::size_t>(t);
+    const double* const corner[3] = {point_of(vertex[0]), point_of(vertex[1]), point_of(vertex[2])};
+    double weight[3], nearest[3], distance = 0;
+    nearest_on_triangle(corner, x, weight, nearest, distance);
+    if (best.distance >= 0 && distance >= best.distance) continue;
+    std::int32_t held[3];
+    bool moves[3], any = false;
+    int n = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Hold hold = hold_of(vertex[k]);
+      const bool is_free = hold == Hold::moves, moves_alone = true;
+      if (hold == Hold::alone) improve(x, vertex + k, &moves_alone, 1, point_of, best);
+      if (!is_free && hold != Hold::fixed) continue;
+      any = any || is_free;
+      moves[n] = is_free;
+      held[n++] = vertex[k];
+    }
+    if (any) improve(x, held, moves, n, point_of, best);
+  }
+  if (best.distance < 0) return best;
+  int n = 0;
+  double movable = 0;
+  for (; n < 3 && best.vertex[n] >= 0; ++n) movable += best.moves[n] ? best.weight[n] : 0;
+  if (!keep_movable(best.moves, n, movable, best.weight)) return best;
+  double apart[3];
+  for (int k = 0; k < 3; ++k) {
+    best.point[k] = 0;
+    for (int c = 0; c < n; ++c) best.point[k] += best.weight[c] * point_of(best.vertex[c])[k];
+    apart[k] = x[k] - best.point[k];
+  }
+  best.distance = length(apart);
+  return best;
+}
+
+/// phn_nearest or phn_body_nearest. @param find  NearestPlace of a point. @param node_of  number of a vertex in the
+/// mesh
+template <class Find, class NodeOf>
+int answer_nearest(bool has_surface, const double* x, phn_tool* tool, double* point, double* distance, const Find& find,
+                   const NodeOf& node_of) {
+  NearestPlace found = {{-1, -1, -1}, {}, {0, 0, 0}, {0, 0, 0}, -1};
+  int status = PHN_ERROR_ARGUMENT;
+  if (has_surface && x != nullptr && tool != nullptr) {
+    status = PHN_OK;
+    if (overlap(tool, sizeof *tool, point, 3 * sizeof *point) ||
+        overlap(tool, sizeof *tool, distance, sizeof *distance) ||
+        overlap(point, 3 * sizeof *point, distance, sizeof *distance))
+      status = PHN_ERROR_OVERLAP;
+    if (status == PHN_OK && !finite(x)) status = PHN_ERROR_NOT_FINITE;
+  }
+  if (status == PHN_OK) {
+    double from[3];
+    for (int k = 0; k < 3; ++k) from[k] = cut(x[k], largest_place);
+    const NearestPlace place = find(from);
+    status = place.distance < 0 ? PHN_ERROR_UNDEFINED : PHN_OK;
+    if (status == PHN_OK) found = place;
+  }
+  // The outputs may overlap x.
+  for (int k = 0; k < 3 && point != nullptr; ++k) point[k] = found.point[k];
+  if (distance != nullptr) *distance = status == PHN_OK ? found.distance : 0;
+  if (tool == nullptr) return status;
+  *tool = {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}, {0, 0}};
+  for (int k = 0; k < 3 && found.vertex[k] >= 0; ++k) {
+    tool->nodes[k] = node_of(found.vertex[k]);
+    tool->weights[k] = found.weight[k];
+  }
+  return status;
+}
+
+}  // namespace PHN_RUNTIME
