@@ -44,6 +44,11 @@ class Info(ctypes.Structure):
     )
 
 
+class Tool(ctypes.Structure):
+    _fields_ = [("nodes", ctypes.c_int32 * 3), ("weights", ctypes.c_double * 3), ("displacement", ctypes.c_double * 3),
+                ("reserved", ctypes.c_int32 * 2)]
+
+
 def built(size, init):
     """Memory and address of an object: its bytes are asked for, then it is made."""
     n = ctypes.c_size_t()
@@ -70,7 +75,8 @@ assert info.provenance.mesh_hash == info.mesh_hash and len(info.provenance.physi
 assert len(info.mesh_hash) == 16 and b"title " + info.title + b"\n" in text
 
 d, force, energy, stiffness = doubles(0.001, -0.002, 0.003), doubles(0, 0, 0), ctypes.c_double(), doubles(*[0] * 9)
-status = function("force")(model, data, info.active_nodes[0], d, force, ctypes.byref(energy), stiffness)
+tool = Tool((info.active_nodes[0], -1, -1), (1, 0, 0), tuple(d))
+status = function("force")(model, data, ctypes.byref(tool), force, ctypes.byref(energy), stiffness)
 assert status >= 0, function("status_message")(status)
 work = sum(f * x for f, x in zip(force, d))
 assert abs(work / 2 - energy.value) <= 1e-12 * abs(energy.value) > 0

@@ -385,7 +385,8 @@ class Balance {
       } else {
         ToolContact beside = {};
         const double height = nearest(_surface, _contact.volumes, tool.radius, tool.place, beside.at);
-        if (_n_active == 0 || !(height < _touched.near_m) || movable(_surface, beside.at) < least_movable) continue;
+        if (_n_active == 0 || !(height < _touched.near_m) || movable(_surface, beside.at) < least_movable<double>)
+          continue;
         tools[n] = held_by(_contact, beside);
         heights[n] = height;
       }

@@ -149,9 +149,11 @@ describe('the sample model', () => {
 
   it('finds the nearest point, and subdivides', async () => {
     const model = await load(sample), { outputPoints, outputNodes } = model.info;
-    const { tool, point } = model.nearest(outputPoints.subarray(0, 3));
-    expect(tool.nodes).toContain(outputNodes[0]);
-    expect(difference(outputPoints.subarray(0, 3), point)).toBeLessThan(1e-9);
+    const touched = model.info.activeNodes[0]!, at = 3 * outputNodes.indexOf(touched);
+    const { tool, point, distance } = model.nearest(outputPoints.subarray(at, at + 3));
+    expect(tool.nodes).toContain(touched);
+    expect(distance).toBeLessThan(1e-12);
+    expect(difference(outputPoints.subarray(at, at + 3), point)).toBeLessThan(1e-9);
     const node = model.info.activeNodes[0]!, field = model.deform(node, [0, 0, -0.005]);
     const sizes = [0, 1, 2, 3].map((levels) => {
       const surface = model.surface(levels), moved = surface.deform(field);
