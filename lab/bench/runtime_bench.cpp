@@ -194,7 +194,7 @@ struct Contact {
   explicit Contact(Loaded& l) : loaded(l), contact(l.model, 1) { check(contact.status()); }
   phn_contact_state step(const phn_contact_tool& tool) {
     phn_contact_state state;
-    check(contact.step(loaded.data, tool, state));
+    check(contact.step(tool, state));
     return state;
   }
   /// A tool of 4 mm on a circle of 1 cm over the middle of the body, in steps of 0.1 mm, at `depth` below first
@@ -239,27 +239,19 @@ struct Contact {
   rt::Contact contact;
 };
 
-/// Times of queries with the hierarchy and with the loop over all triangles. For trained models also times of contact
-/// cycles and of one coupled force; with arbitrary coefficients the positions of tools would be arbitrary, too.
+/// Times of queries. For trained models also times of contact cycles and of one coupled force; with arbitrary
+/// coefficients the positions of tools would be arbitrary, too.
 void bench_contact(Table& table, Loaded& loaded, bool trained) {
   Contact contact(loaded);
   const auto path = contact.circle(0, 0);
-  const auto nearest_us = [&](bool plain) {
-    return median_us([&](int i) {
-      phn_tool found;
-      double point[3];
-      const auto& x = path[static_cast<std::size_t>(i) % path.size()].center;
-      check(plain ? loaded.model.nearest(x, found, point) : contact.contact.nearest(x, found, point));
-      sink = point[0];
-    });
-  };
-  const double plain = nearest_us(true), tree = nearest_us(false);
-  table.add("nearest_us", tree, "nearest point on the triangles, with the hierarchy [us]");
-  table.add("nearest_us_plain", plain, "phn_nearest, loop over all triangles [us]");
-  table.add("nearest_ratio_to_plain", plain / tree, "");
+  table.add("nearest_us", median_us([&](int i) {
+              phn_tool found;
+              double point[3];
+              check(loaded.model.nearest(path[static_cast<std::size_t>(i) % path.size()].center, found, point));
+              sink = point[0];
+            }),
+            "phn_nearest [us]");
   table.add("contact_us_free", contact.cycle_us(-0.001, 0, true), "cycle of a tool 1 mm above the surface [us]");
-  table.add("contact_us_refit", median_us([&](int) { check(contact.contact.refit(loaded.field)); }),
-            "phn_contact_refit [us]");
   if (!trained) return;
   phn_tool held;
   check(loaded.model.nearest(path[0].center, held));
@@ -270,7 +262,6 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
               sink = force[0];
             }),
             "phn_couple of one tool [us]");
-  check(contact.contact.refit());
   table.add("contact_us_sticking", contact.cycle_us(0.005, 1e3, false), "cycle of a pressed, sticking tool [us]");
   table.add("contact_us_sliding", contact.cycle_us(0.005, 0.3, true), "cycle of a tool that slides with friction [us]");
   table.add("contact_us_frictionless", contact.cycle_us(0.005, 0, true),

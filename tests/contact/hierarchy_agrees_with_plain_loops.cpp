@@ -6,17 +6,17 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-// Claim: at rest phn_contact_nearest finds what phn_nearest finds, where everything can be touched.
+// Claim: at rest the hierarchy finds a point as near as phn_nearest does, where everything can be touched.
 TEST(Hierarchy, FindsWhatPhnNearestFinds) {
   Touch touch(linear_ball());
   Numbers numbers;
   for (int i = 0; i < 10000; ++i) {
     const Vector3d x = 0.1 * numbers.vector();
-    phn_tool a, b;
-    Vector3d p, q;
-    ASSERT_EQ(phn_contact_nearest(touch.contact, x.data(), &a, p.data()), PHN_OK);
-    ASSERT_EQ(phn_nearest(touch.loaded.model, x.data(), &b, q.data(), nullptr), PHN_OK);
-    ASSERT_NEAR((p - x).norm(), (q - x).norm(), 1e-15);
+    phn_tool tool;
+    double distance = -1;
+    runtime::SurfacePoint at = {};
+    ASSERT_EQ(phn_nearest(touch.loaded.model, x.data(), &tool, nullptr, &distance), PHN_OK);
+    ASSERT_NEAR(runtime::nearest(touch.contact->surface, touch.contact->volumes, 0, x.data(), at), distance, 1e-15);
   }
 }
 

@@ -75,72 +75,54 @@ TEST(SeveralTools, MayBeNearEachOther) {
   EXPECT_LT((vector(states[1].force) - vector(alone.force)).norm(), 1e-9);
 }
 
-// Claim: a tool meets the surface where another has put it. Pushed in, it is felt late, exactly where the
-// other's field says, with or without that field; pulled out, it is felt early, which takes the field. 1e-5
-// m: a proxy that waits inside the surface at rest follows in a few steps a call.
+// Claim: a tool meets the surface where another has put it, pushed in late, pulled out early, exactly where the other's
+// field says. 1e-5 m: a proxy that waits inside the surface at rest follows in a few steps a call.
 TEST(SeveralTools, MeetTheSurfaceThatOthersMoved) {
   const LoadedModel& loaded = linear_ball();
   for (const bool pulled : {false, true}) {
-    for (const bool refitted : {false, true}) {
-      if (pulled && !refitted) continue;
-      Touch touch(loaded);
-      const Vector3d first(0, 0, pulled ? 0.06 : 0.046);
-      const auto other = [&](double z) { return tool_at({0.012, 0, z}, 0.002); };
-      const int mode = pulled ? PHN_TOOL_GRASP : PHN_TOOL_PRESS;
-      std::vector<phn_contact_state> states;
-      touch.step({tool_at({0, 0, 0.056}, 0.004, mode), other(0.08)});
-      touch.step({tool_at({0, 0, 0.053}, 0.004, mode), other(0.08)});
-      for (int i = 0; i < 3; ++i) states = touch.step({tool_at(first, 0.004, mode), other(0.08)});
-      Points field(info_of(loaded.model).n_output, 3);
-      ASSERT_GE(phn_coupled_deform(loaded.model, loaded.data, field.data()), 0);
-      if (refitted) {
-        ASSERT_EQ(phn_contact_refit(touch.contact, field.data()), PHN_OK);
-      }
-      double z = 0.065;
-      const Vector3d alone = vector(states[0].force);
-      while (z > 0.03 && !states[1].in_contact) {
-        z -= 1e-6;
-        states = touch.step({tool_at(first, 0.004, mode), other(z)});
-      }
-      ASSERT_EQ(states[1].in_contact, 1);
-      // Continuous: both forces are still what they were.
-      EXPECT_LT(vector(states[1].force).norm(), 250 * 2e-6);
-      EXPECT_LT((vector(states[0].force) - alone).norm(), 250 * 2e-6);
-      // The centre is on the displaced surface, moved out by the radius.
-      const phn_tool& held = states[1].held;
-      Vector3d u(0, 0, 0);
-      for (int k = 0; k < 3; ++k) u += held.weights[k] * field.row(held.nodes[k]).transpose();
-      EXPECT_GT(u.norm(), 0.001);
-      EXPECT_LT((vector(states[1].proxy) + u - Vector3d(0.012, 0, z)).norm(), 1e-5) << pulled << refitted;
+    Touch touch(loaded);
+    const Vector3d first(0, 0, pulled ? 0.06 : 0.046);
+    const auto other = [&](double z) { return tool_at({0.012, 0, z}, 0.002); };
+    const int mode = pulled ? PHN_TOOL_GRASP : PHN_TOOL_PRESS;
+    std::vector<phn_contact_state> states;
+    touch.step({tool_at({0, 0, 0.056}, 0.004, mode), other(0.08)});
+    touch.step({tool_at({0, 0, 0.053}, 0.004, mode), other(0.08)});
+    for (int i = 0; i < 3; ++i) states = touch.step({tool_at(first, 0.004, mode), other(0.08)});
+    Points field(info_of(loaded.model).n_output, 3);
+    ASSERT_GE(phn_contact_deform(touch.contact, field.data()), 0);
+    double z = 0.065;
+    const Vector3d alone = vector(states[0].force);
+    while (z > 0.03 && !states[1].in_contact) {
+      z -= 1e-6;
+      states = touch.step({tool_at(first, 0.004, mode), other(z)});
     }
+    ASSERT_EQ(states[1].in_contact, 1);
+    // Continuous: both forces are still what they were.
+    EXPECT_LT(vector(states[1].force).norm(), 250 * 2e-6);
+    EXPECT_LT((vector(states[0].force) - alone).norm(), 250 * 2e-6);
+    // The centre is on the displaced surface, moved out by the radius.
+    const phn_tool& held = states[1].held;
+    Vector3d u(0, 0, 0);
+    for (int k = 0; k < 3; ++k) u += held.weights[k] * field.row(held.nodes[k]).transpose();
+    EXPECT_GT(u.norm(), 0.001);
+    EXPECT_LT((vector(states[1].proxy) + u - Vector3d(0.012, 0, z)).norm(), 1e-5) << pulled;
   }
 }
 
 // Claim: a surface that moves over a free tool catches it: what was pushed in comes back out against a tool
-// that hovers in the dent, however old the field is.
+// that hovers in the dent.
 TEST(SeveralTools, AreCaughtByASurfaceThatComesBack) {
-  const LoadedModel& loaded = linear_ball();
-  for (const bool refitted : {false, true}) {
-    Touch touch(loaded);
-    const auto pusher = [&](double z) { return tool_at({0, 0, z}, 0.004); };
-    const auto hover = [&](double z) { return tool_at({0.008, 0, z}, 0.002); };
-    Points field(info_of(loaded.model).n_output, 3);
-    const auto step = [&](double z, double y) {
-      const auto states = touch.step({pusher(z), hover(y)});
-      EXPECT_GE(phn_coupled_deform(loaded.model, loaded.data, field.data()), 0);
-      if (refitted) {
-        EXPECT_EQ(phn_contact_refit(touch.contact, field.data()), PHN_OK);
-      }
-      return states;
-    };
-    for (int i = 0; i <= 20; ++i) step(0.056 - 0.0007 * i, 0.06);
-    for (int i = 0; i <= 20; ++i) EXPECT_EQ(step(0.042, 0.06 - 0.0006 * i)[1].in_contact, 0) << i;
-    auto states = step(0.042, 0.048);
-    for (int i = 0; i <= 30; ++i) states = step(0.042 + 0.001 * i, 0.048);
-    EXPECT_EQ(states[0].in_contact, 0);
-    EXPECT_EQ(states[1].in_contact, 1) << refitted;
-    EXPECT_LT(vector(states[1].force).dot(vector(states[1].normal)), -0.01);
-  }
+  Touch touch(linear_ball());
+  const auto pusher = [&](double z) { return tool_at({0, 0, z}, 0.004); };
+  const auto hover = [&](double z) { return tool_at({0.008, 0, z}, 0.002); };
+  const auto step = [&](double z, double y) { return touch.step({pusher(z), hover(y)}); };
+  for (int i = 0; i <= 20; ++i) step(0.056 - 0.0007 * i, 0.06);
+  for (int i = 0; i <= 20; ++i) EXPECT_EQ(step(0.042, 0.06 - 0.0006 * i)[1].in_contact, 0) << i;
+  auto states = step(0.042, 0.048);
+  for (int i = 0; i <= 30; ++i) states = step(0.042 + 0.001 * i, 0.048);
+  EXPECT_EQ(states[0].in_contact, 0);
+  EXPECT_EQ(states[1].in_contact, 1);
+  EXPECT_LT(vector(states[1].force).dot(vector(states[1].normal)), -0.01);
 }
 
 /// From outside to 3.8 mm deep and back, twice a second, while the tool goes to and fro over the surface.

@@ -19,21 +19,21 @@ struct Touch {
   }
   phn_contact_state step(const phn_contact_tool& tool) {
     phn_contact_state state;
-    status = phn_contact_step(contact, loaded.data, 1, &tool, &state, &coupled);
+    status = phn_contact_step(contact, 1, &tool, &state, &report);
     EXPECT_GE(status, 0);
     return state;
   }
   std::vector<phn_contact_state> step(const std::vector<phn_contact_tool>& tools) {
     std::vector<phn_contact_state> states(tools.size());
     const auto n = static_cast<std::int32_t>(tools.size());
-    status = phn_contact_step(contact, loaded.data, n, tools.data(), states.data(), &coupled);
+    status = phn_contact_step(contact, n, tools.data(), states.data(), &report);
     EXPECT_GE(status, 0);
     return states;
   }
   /// What the held point of the surface does in the field of the last step.
   Vector3d moved(const phn_tool& held) {
     Points field(info_of(loaded.model).n_output, 3);
-    EXPECT_GE(phn_coupled_deform(loaded.model, loaded.data, field.data()), 0);
+    EXPECT_GE(phn_contact_deform(contact, field.data()), 0);
     Vector3d u(0, 0, 0);
     for (int k = 0; k < 3; ++k) {
       if (held.nodes[k] < field.rows()) u += held.weights[k] * field.row(held.nodes[k]).transpose();
@@ -44,7 +44,7 @@ struct Touch {
   const LoadedModel& loaded;
   std::vector<char> memory;
   phn_contact* contact = nullptr;
-  phn_coupled coupled = {};
+  phn_contact_report report = {};
   int status = 0;
 };
 

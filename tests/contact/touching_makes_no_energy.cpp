@@ -34,7 +34,7 @@ Path follow(const LoadedModel& loaded, const std::vector<Vector3d>& corners, dou
       const Vector3d force = vector(state.force) / (guarded || state.scale == 0 ? 1 : state.scale);
       path.work += (f + force).dot(next - c) / 2;
       path.least = std::min(path.least, path.work);
-      path.stored = std::max(path.stored, touch.coupled.energy);
+      path.stored = std::max(path.stored, touch.report.energy);
       f = force;
       c = next;
     }

@@ -76,10 +76,10 @@ struct Body {
     phn_loop_response r = {};
     if (sphere.radius > 0) {
       std::copy_n(tool, 3, sphere.center);
-      phn_coupled coupled = {};
-      r.status = contact.step(data, sphere, state, &coupled);
+      phn_contact_report report = {};
+      r.status = contact.step(sphere, state, &report);
       r.in_contact = state.in_contact;
-      r.energy = coupled.energy;
+      r.energy = report.energy;
       std::copy_n(state.force, 3, r.force);
       std::copy_n(state.held.displacement, 3, r.displacement);
       return r;

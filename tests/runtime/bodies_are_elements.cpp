@@ -312,20 +312,21 @@ TEST(Bodies, RefuseWrongCalls) {
 
 /// Spheres on a body.
 struct Touched {
-  explicit Touched(const std::string& text, int max_tools = 2) : loaded(text, max_tools) {
+  explicit Touched(const std::string& text, int steps) : loaded(text) {
+    constexpr int max_tools = 2;
     std::size_t bytes = 0;
     EXPECT_EQ(phn_body_contact_size(loaded.body, max_tools, &bytes), PHN_OK);
     memory.resize(bytes);
-    EXPECT_EQ(phn_body_contact_init(memory.data(), bytes, loaded.body, max_tools, &contact), PHN_OK);
+    EXPECT_EQ(phn_body_contact_init(memory.data(), bytes, loaded.body, max_tools, steps, &contact), PHN_OK);
   }
-  int step(const std::vector<phn_contact_tool>& tools, int steps, phn_contact_state* states) {
-    return phn_body_contact_step(contact, loaded.state, steps, static_cast<std::int32_t>(tools.size()), tools.data(),
-                                 states, &loaded.pressed);
+  int step(const std::vector<phn_contact_tool>& tools, phn_contact_state* states) {
+    return phn_contact_step(contact, static_cast<std::int32_t>(tools.size()), tools.data(), states, &report);
   }
 
   Loaded loaded;
   std::vector<char> memory;
   phn_contact* contact = nullptr;
+  phn_contact_report report = {};
 };
 
 // Claim: a sphere that presses the block and goes sideways slides: the body's force remains in the friction cone, is
@@ -333,7 +334,7 @@ struct Touched {
 TEST(Bodies, AreTouched) {
   const Block block;
   Loaded beside(write_body_text(block.body));
-  Touched touched(write_body_text(block.body));
+  Touched touched(write_body_text(block.body), 2);
   phn_contact_state state{};
   for (int moment = 0; moment < 300; ++moment) {
     const double way = std::min(moment, 200) / 200.0;
@@ -341,8 +342,8 @@ TEST(Bodies, AreTouched) {
                                 0.005,
                                 0,
                                 PHN_TOOL_PRESS};
-    ASSERT_GE(touched.step({tool}, 2, &state), 0) << moment;
-    ASSERT_LE(touched.loaded.pressed.steps, 2);
+    ASSERT_GE(touched.step({tool}, &state), 0) << moment;
+    ASSERT_LE(touched.report.steps, 2);
     const Eigen::Map<const Eigen::Vector3d> force(state.force), normal(state.normal);
     if (!state.in_contact) continue;
     EXPECT_LE(force.dot(normal), 0) << moment;
@@ -359,11 +360,11 @@ TEST(Bodies, AreTouched) {
 TEST(Bodies, AreGrasped) {
   const Block block;
   for (const int steps : {1, 60}) {
-    Touched touched(write_body_text(block.body));
+    Touched touched(write_body_text(block.body), steps);
     for (int moment = 0; moment < 200; ++moment) {
       const phn_contact_tool tool{{0.05, 0.06, 0.031 + 0.002 * moment / 200}, 0.005, 0, PHN_TOOL_GRASP};
       phn_contact_state state;
-      ASSERT_GE(touched.step({tool}, steps, &state), 0);
+      ASSERT_GE(touched.step({tool}, &state), 0);
       ASSERT_EQ(state.in_contact, 1) << steps << " " << moment;
       if (moment > 0) {
         ASSERT_GT(state.force[2], 0) << steps << " " << moment;
@@ -382,7 +383,7 @@ TEST(Bodies, FollowTwoSpheresWithOneStepEach) {
     std::array<std::vector<Eigen::Vector3d>, 2> forces;
     int unsettled = 0;
     for (const std::size_t is_slow : {0u, 1u}) {
-      Touched touched(body_text);
+      Touched touched(body_text, is_slow ? 400 : 1);
       for (int k = 0; k < 1000; ++k) {
         phn_contact_tool tools[2];
         for (int t = 0; t < 2; ++t) {
@@ -393,7 +394,7 @@ TEST(Bodies, FollowTwoSpheresWithOneStepEach) {
                       PHN_TOOL_PRESS};
         }
         phn_contact_state states[2];
-        const int status = touched.step({tools[0], tools[1]}, is_slow ? 400 : 1, states);
+        const int status = touched.step({tools[0], tools[1]}, states);
         ASSERT_GE(status, 0) << k;
         unsettled += (status & PHN_WARNING_UNSETTLED) != 0;
         for (const auto& state : states) forces[is_slow].emplace_back(state.force);
@@ -412,27 +413,24 @@ TEST(Bodies, FollowTwoSpheresWithOneStepEach) {
 // Claim: a body is touched where it was probed; wrong calls of contact are refused.
 TEST(Bodies, RefuseWrongCallsOfContact) {
   Block block;
-  Touched touched(write_body_text(block.body));
+  Touched touched(write_body_text(block.body), 2);
   const phn_contact_tool tool{{0.06, 0.06, 0.034}, 0.005, 0, PHN_TOOL_PRESS};
   phn_contact_state states[3];
   phn_contact* contact = touched.contact;
-  phn_body_state* state = touched.loaded.state;
-  EXPECT_EQ(phn_body_contact_step(contact, state, 0, 1, &tool, states, nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_body_contact_step(contact, nullptr, 1, 1, &tool, states, nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(touched.step({tool, tool, tool}, 1, states), PHN_ERROR_TOOLS);
-  EXPECT_EQ(phn_body_contact_step(contact, state, 1, 1, &tool, states, reinterpret_cast<phn_body_report*>(states)),
+  EXPECT_EQ(touched.step({tool, tool, tool}, states), PHN_ERROR_TOOLS);
+  EXPECT_EQ(phn_contact_step(contact, 1, &tool, states, reinterpret_cast<phn_contact_report*>(states)),
             PHN_ERROR_OVERLAP);
-  Touched other(write_body_text(block.body));
-  EXPECT_EQ(phn_body_contact_step(contact, other.loaded.state, 1, 1, &tool, states, nullptr), PHN_ERROR_ARGUMENT);
   std::size_t bytes = 0;
   EXPECT_EQ(phn_body_contact_size(touched.loaded.body, 9, &bytes), PHN_ERROR_TOO_MANY_TOOLS);
   EXPECT_EQ(phn_body_contact_size(nullptr, 1, &bytes), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_body_contact_init(touched.memory.data(), 64, touched.loaded.body, 1, &contact), PHN_ERROR_BUFFER);
+  EXPECT_EQ(phn_body_contact_init(touched.memory.data(), 64, touched.loaded.body, 1, 1, &contact), PHN_ERROR_BUFFER);
+  EXPECT_EQ(phn_body_contact_init(touched.memory.data(), touched.memory.size(), touched.loaded.body, 1, 0, &contact),
+            PHN_ERROR_ARGUMENT);
   block.body.kinds.assign(block.body.kinds.size(), schema::body_node_moves);
   const Loaded unknown(write_body_text(block.body));
   ASSERT_EQ(phn_body_contact_size(unknown.body, 1, &bytes), PHN_OK);
   std::vector<char> memory(bytes);
-  EXPECT_EQ(phn_body_contact_init(memory.data(), bytes, unknown.body, 1, &contact), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(phn_body_contact_init(memory.data(), bytes, unknown.body, 1, 1, &contact), PHN_ERROR_UNDEFINED);
 }
 
 // Claim: the loops of each instruction set give the same bits; sizes that are no whole blocks, too.

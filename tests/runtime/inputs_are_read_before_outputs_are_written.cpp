@@ -109,7 +109,7 @@ TEST_P(Overlap, OfOutputsAndLargeInputsIsRefused) {
   ASSERT_EQ(phn_contact_init(memory.data(), memory.size(), model, 1, &contact), PHN_OK);
   phn_contact_state state;
   const phn_contact_tool sphere = {{0.2, 0, 0}, 0.001, 0, PHN_TOOL_PRESS};
-  EXPECT_EQ(phn_contact_step(contact, data, 1, &sphere, &state, reinterpret_cast<phn_coupled*>(&state.proxy)),
+  EXPECT_EQ(phn_contact_step(contact, 1, &sphere, &state, reinterpret_cast<phn_contact_report*>(&state.proxy)),
             PHN_ERROR_OVERLAP);
   ASSERT_EQ(phn_surface_init(memory.data(), memory.size(), model, 1, &surface), PHN_OK);
   std::vector<double> field(3 * n_output + 10000);

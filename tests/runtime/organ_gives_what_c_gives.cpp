@@ -246,15 +246,14 @@ TEST_F(OrganOfABody, TouchesAsC) {
   phn_contact* contact = nullptr;
   ASSERT_EQ(phn_body_contact_size(body, 2, &bytes), PHN_OK);
   std::vector<char> of_contact(bytes);
-  ASSERT_EQ(phn_body_contact_init(of_contact.data(), bytes, body, 2, &contact), PHN_OK);
+  ASSERT_EQ(phn_body_contact_init(of_contact.data(), bytes, body, 2, 5, &contact), PHN_OK);
   for (const double z : {0.05, 0.04, 0.034, 0.033}) {
     const phn_contact_tool spheres[2] = {{{0.08, 0.03, z}, 0.005, 0, PHN_TOOL_PRESS},
                                          {{0.08, 0.09, z}, 0.005, 0, PHN_TOOL_PRESS}};
     phn_contact_state states[2], expected[2];
     OrganReport report;
-    phn_body_report pressed;
-    EXPECT_EQ(organ.touch(spheres, states, &report),
-              phn_body_contact_step(contact, state, 5, 2, spheres, expected, &pressed));
+    phn_contact_report pressed;
+    EXPECT_EQ(organ.touch(spheres, states, &report), phn_contact_step(contact, 2, spheres, expected, &pressed));
     EXPECT_TRUE(same(states, expected));
     EXPECT_EQ(report.energy_J, pressed.energy);
     EXPECT_EQ(states[0].in_contact, z < 0.035 ? 1 : 0);
@@ -274,12 +273,12 @@ TEST_F(OrganOfABody, OfAModelAloneTouchesAsC) {
     const phn_contact_tool sphere[1] = {{{0.08, 0.03, z}, 0.005, 0, PHN_TOOL_PRESS}};
     phn_contact_state states[1], expected;
     OrganReport report;
-    phn_coupled coupled;
-    EXPECT_EQ(organ.touch(sphere, states, &report), phn_contact_step(contact, c.data, 1, sphere, &expected, &coupled));
+    phn_contact_report coupled;
+    EXPECT_EQ(organ.touch(sphere, states, &report), phn_contact_step(contact, 1, sphere, &expected, &coupled));
     EXPECT_TRUE(same(states[0], expected));
     EXPECT_EQ(report.energy_J, coupled.energy);
     EXPECT_EQ(states[0].in_contact, z < 0.035 ? 1 : 0);
-    EXPECT_EQ(organ.deform(field), phn_coupled_deform(c.model, c.data, expected_field.data()));
+    EXPECT_EQ(organ.deform(field), phn_contact_deform(contact, expected_field.data()));
     EXPECT_EQ(field, expected_field);
     double bound = 1;
     EXPECT_EQ(organ.bound({&bound, 1}), PHN_ERROR_UNDEFINED);

@@ -167,8 +167,8 @@ TEST_P(RoundTools, AreAnsweredOneAtATime) {
   const phn_contact_tool spheres[2] = {{{0.2, 0, 0}, 0.001, 0, PHN_TOOL_PRESS},
                                        {{0, 0.2, 0}, 0.001, 0, PHN_TOOL_PRESS}};
   phn_contact_state states[2];
-  EXPECT_EQ(phn_contact_step(contact, loaded.data, 1, spheres, states, nullptr), PHN_OK);
-  EXPECT_EQ(phn_contact_step(contact, loaded.data, 2, spheres, states, nullptr), PHN_ERROR_ROUND_TOOLS);
+  EXPECT_EQ(phn_contact_step(contact, 1, spheres, states, nullptr), PHN_OK);
+  EXPECT_EQ(phn_contact_step(contact, 2, spheres, states, nullptr), PHN_ERROR_ROUND_TOOLS);
 }
 
 /// Round tools at the nodes of a flat hexagon of equilateral triangles; a stiffness at each place.
@@ -298,7 +298,7 @@ TEST(RoundToolsBetween, AreFeltInContact) {
     phn_contact_state state;
     for (const double height : {0.11, 0.09, 0.05, 0.02}) {
       sphere.center[2] = height;
-      ASSERT_GE(phn_contact_step(contact, loaded.data, 1, &sphere, &state, nullptr), 0);
+      ASSERT_GE(phn_contact_step(contact, 1, &sphere, &state, nullptr), 0);
     }
     ASSERT_EQ(state.in_contact, 1);
     double said[3];

@@ -350,8 +350,12 @@ class Organ {
       _status = make(_state_memory, _state, phn_body_state_size, phn_body_state_init, body(), most());
     if (!_status.ok()) return;
     // An organ without a surface that can be touched is one for hold alone.
+    const auto init = [this](void* memory, std::size_t bytes, const phn_body* of, std::int32_t n,
+                             phn_contact** contact) {
+      return phn_body_contact_init(memory, bytes, of, n, _steps, contact);
+    };
     _touch_status = body() != nullptr
-                        ? make(_touch_memory, _contact, phn_body_contact_size, phn_body_contact_init, body(), most())
+                        ? make(_touch_memory, _contact, phn_body_contact_size, init, body(), most())
                         : make(_touch_memory, _contact, phn_contact_size, phn_contact_init, model(), most());
     if (model() != nullptr && body() != nullptr) _field.resize(3 * static_cast<std::size_t>(body_info().n_nodes));
   }
@@ -398,16 +402,9 @@ class Organ {
   Status step(std::int32_t n, const phn_contact_tool* spheres, phn_contact_state* states, OrganReport& made) noexcept {
     if (_contact == nullptr) return _touch_status;
     _last = Last::of_spheres;
-    if (_state != nullptr) {
-      phn_body_report pressed{};
-      const int status = phn_body_contact_step(_contact, _state, _steps, n, spheres, states, &pressed);
-      made = {pressed.energy, pressed.behind_m, pressed.unbalanced, pressed.steps};
-      return status;
-    }
-    phn_coupled coupled{};
-    const int status = phn_contact_step(_contact, _data, n, spheres, states, &coupled);
-    made.energy_J = coupled.energy;
-    made.residual_m = coupled.residual;
+    phn_contact_report report{};
+    const int status = phn_contact_step(_contact, n, spheres, states, &report);
+    made = {report.energy, report.residual_m, report.unbalanced, report.steps};
     return status;
   }
   Status draw(double* out) noexcept {
@@ -417,13 +414,16 @@ class Organ {
       return PHN_OK;
     }
     if (of_body) {
-      const int status = phn_body_deform(body(), _state, _data != nullptr ? _field.data() : out);
+      double* const field = _data != nullptr ? _field.data() : out;
+      const int status =
+          _last == Last::of_spheres ? phn_contact_deform(_contact, field) : phn_body_deform(body(), _state, field);
       for (std::size_t o = 0; o < files().rows.size(); ++o)
         for (std::size_t k = 0; k < 3; ++k)
           out[3 * o + k] = files().rows[o] < 0 ? 0 : _field[3 * static_cast<std::size_t>(files().rows[o]) + k];
       return status;
     }
-    if (_last != Last::of_tool) return phn_coupled_deform(model(), _data, out);
+    if (_last == Last::of_spheres) return phn_contact_deform(_contact, out);
+    if (_last == Last::of_tools) return phn_coupled_deform(model(), _data, out);
     return phn_deform(model(), _data, &_tool, out);
   }
   Status bounds_of(double* bounds) const noexcept {

@@ -4,7 +4,7 @@
  * summed over a few cells and minimized in a few hundred modes of displacement (docs/theory.md, Reduced body). It needs
  * no model. `phynness run` with `[probe] tools` of 2 to 8, or `phynness reduce DATABASE`, makes a body.txt. It takes
  * 0.1 to 1 ms for a step on a processor of a desktop and is not meant for microcontrollers. Spheres touch it with
- * phn_body_contact_step (phynness_contact.h).
+ * phn_body_contact_init (phynness_contact.h).
  *
  * Memory, statuses, units, frames, overlap, the sign of the force, and phn_tool are those of phynness.h. A tool is the
  * round tool of the training with its middle at the point; the mean displacement under it is prescribed. In a body of

@@ -19,28 +19,17 @@ class Contact : public detail::Built<phn_contact, detail::FieldSize> {
     return bytes_of(phn_contact_size, model.get(), max_tools);
   }
 
-  /// @param data    of the same thread and model
   /// @param states  tools.size() of them
-  Status step(Data& data, Span<const phn_contact_tool> tools, Span<phn_contact_state> states,
-              phn_coupled* result = nullptr) noexcept {
+  Status step(Span<const phn_contact_tool> tools, Span<phn_contact_state> states,
+              phn_contact_report* report = nullptr) noexcept {
     if (states.size() < tools.size()) return PHN_ERROR_BUFFER;
     if (tools.size() > PHN_MOST_COUPLED) return PHN_ERROR_TOO_MANY_TOOLS;
-    return phn_contact_step(get(), data.get(), static_cast<std::int32_t>(tools.size()), tools.data(), states.data(),
-                            result);
+    return phn_contact_step(get(), static_cast<std::int32_t>(tools.size()), tools.data(), states.data(), report);
   }
-  Status step(Data& data, const phn_contact_tool& tool, phn_contact_state& state,
-              phn_coupled* result = nullptr) noexcept {
-    return phn_contact_step(get(), data.get(), 1, &tool, &state, result);
+  Status step(const phn_contact_tool& tool, phn_contact_state& state, phn_contact_report* report = nullptr) noexcept {
+    return phn_contact_step(get(), 1, &tool, &state, report);
   }
   Status reset() noexcept { return phn_contact_reset(get()); }
-  /// @param field  n_output x 3 of the model [m]; empty: the undeformed surface
-  Status refit(Span<const double> field = {}) noexcept {
-    if (field.data() != nullptr && field.size() < more().n_field) return PHN_ERROR_BUFFER;
-    return phn_contact_refit(get(), field.data());
-  }
-  Status nearest(In3 x, phn_tool& tool, Out3 point) const noexcept {
-    return phn_contact_nearest(get(), x.data(), &tool, point.data());
-  }
 };
 
 }  // namespace phynness::rt

@@ -57,6 +57,11 @@ void set_springs(phn_body_state& state, std::int32_t n_tools, const phn_tool* to
 /// Where a next step is larger than this part of the deformation, forces are those of the call before.
 inline constexpr double far_from_balance = 0.1;
 
+/// A state in an arena, not yet at rest; null: counting, or no memory.
+phn_body_state* lay_out_state(Arena& arena, const phn_body& body, std::int32_t max_tools);
+/// @return a status of phynness.h
+int start_state(phn_body_state& state);
+
 /// phn_body_force with tools that are not held, behind those that are: no force acts on them, but they have springs.
 /// @param n_tools   all of them, of which n_held are held
 /// @param held_by   3 n_held forces [N], in an array of zeros for PHN_MOST_COUPLED tools

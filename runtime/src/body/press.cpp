@@ -201,6 +201,15 @@ void release(phn_body_state& state) {
 
 }  // namespace
 
+phn_body_state* PHN_RUNTIME::lay_out_state(Arena& arena, const phn_body& body, std::int32_t max_tools) {
+  return Layout(arena, body, max_tools).state;
+}
+
+int PHN_RUNTIME::start_state(phn_body_state& state) {
+  // Where the law is not defined at rest, or nothing resists, the numbers are not those of a body.
+  return find_rounding(state) && start_at_rest(state) && start_stiffness(state) ? PHN_OK : PHN_ERROR_RANGE;
+}
+
 int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t n_tools, const phn_tool* tools,
                             const double* heights, std::int32_t steps, double* held_by, phn_body_report& made) {
   phn_body_state* const state = &s;
@@ -318,7 +327,7 @@ int phn_body_state_size(const phn_body* body, int32_t max_tools, size_t* bytes) 
   *bytes = 0;
   if (body == nullptr || !are_tools(max_tools)) return PHN_ERROR_ARGUMENT;
   Arena arena;
-  Layout(arena, *body, max_tools);
+  lay_out_state(arena, *body, max_tools);
   if (arena.overflow()) return PHN_ERROR_TOO_LARGE;
   *bytes = arena.needed();
   return PHN_OK;
@@ -330,12 +339,11 @@ int phn_body_state_init(void* memory, size_t bytes, const phn_body* body, int32_
   if (memory == nullptr || body == nullptr || !are_tools(max_tools)) return PHN_ERROR_ARGUMENT;
   if (overlap(memory, bytes, state, sizeof *state)) return PHN_ERROR_OVERLAP;
   Arena arena(memory, bytes);
-  const Layout layout(arena, *body, max_tools);
-  if (layout.state == nullptr || arena.overflow()) return PHN_ERROR_BUFFER;
-  // Where the law is not defined at rest, or nothing resists, the numbers are not those of a body.
-  if (!find_rounding(*layout.state) || !start_at_rest(*layout.state) || !start_stiffness(*layout.state))
-    return PHN_ERROR_RANGE;
-  *state = layout.state;
+  phn_body_state* const made = lay_out_state(arena, *body, max_tools);
+  if (made == nullptr || arena.overflow()) return PHN_ERROR_BUFFER;
+  const int status = start_state(*made);
+  if (status != PHN_OK) return status;
+  *state = made;
   return PHN_OK;
 }
 

@@ -2,6 +2,8 @@
 // are in balance.cpp.
 #include "contact/contact.hpp"
 
+#include "body/body.hpp"
+
 #include "core/evaluate.hpp"
 
 namespace PHN_RUNTIME {
@@ -9,9 +11,11 @@ namespace {
 
 constexpr double largest_friction = 1e6;
 
-constexpr phn_contact_state nothing = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 0, {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}}, 0};
+constexpr phn_contact_state nothing = {
+    {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 0, {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}, {0, 0}}, 0, 0};
 
 int read_tool(const ContactSurface& surface, const phn_contact_tool& tool, ToolInput& input) {
+  if (tool.reserved != 0) return PHN_ERROR_VERSION;
   if (!finite(tool.center) || !std::isfinite(tool.radius) || !std::isfinite(tool.friction)) return PHN_ERROR_NOT_FINITE;
   if (tool.radius < 0 || tool.friction < 0 || tool.mode < PHN_TOOL_OFF || tool.mode > PHN_TOOL_GRASP)
     return PHN_ERROR_ARGUMENT;
@@ -42,16 +46,50 @@ void write_state(const phn_contact& contact, const ToolContact& tool, phn_contac
   state.in_contact = 1;
 }
 
-/// @param x  finite
-void find_nearest(const phn_contact& contact, const double* x, phn_tool& tool, double* point) {
-  const ContactSurface& surface = contact.surface;
-  const double far = 1e3 * largest_distance * surface.size;
-  ToolContact found = {};
-  double near[3];
-  for (int k = 0; k < 3; ++k) near[k] = surface.middle[k] + std::fmax(-far, std::fmin(far, x[k] - surface.middle[k]));
-  nearest(surface, contact.volumes, 0, near, found.at);
-  tool = held_by(contact, found);
-  point_at(surface, surface.placed, found.at, 0, point);
+/// Displaces the surface by a field; null: back to rest.
+void displace(phn_contact& contact, const double* field) {
+  ContactSurface& surface = contact.surface;
+  // Nearest surface points of free tools before the surface moves.
+  SurfacePoint beside[most_touching];
+  double distance[most_touching], from[most_touching][3];
+  for (std::int32_t t = 0; t < contact.max_tools; ++t) {
+    const ToolContact& tool = contact.tool[t];
+    distance[t] = -1;
+    if (!tool.known || tool.anchored) continue;
+    double normal[3], apart[3];
+    const double apart_by = nearest(surface, contact.volumes, tool.radius, tool.place, beside[t]);
+    normal_at(surface, beside[t], normal);
+    point_at(surface, surface.placed, beside[t], tool.radius, from[t]);
+    subtract(tool.place, from[t], apart);
+    if (dot(apart, normal) >= 0) distance[t] = apart_by;
+  }
+  const double moved = place(field, surface);
+  refit_volumes(surface, contact.volumes);
+  contact.is_displaced = field != nullptr;
+  for (std::int32_t t = 0; t < contact.max_tools; ++t) {
+    if (distance[t] >= 0 && distance[t] <= moved) carry(contact, beside[t], from[t], contact.tool[t]);
+  }
+}
+
+/// Where a tool that grasps has left the surface in the last step. Others only push it in, where a proxy that waits
+/// without a force follows.
+void follow_surface(phn_contact& contact) {
+  bool moves = false;
+  for (std::int32_t t = 0; t < contact.n_tools && contact.n_tools > 1; ++t)
+    moves = moves || (contact.tool[t].felt && contact.tool[t].mode == PHN_TOOL_GRASP);
+  if (moves && field_of_contact(contact, contact.field) >= 0) {
+    displace(contact, contact.field);
+  } else if (contact.is_displaced) {
+    displace(contact, nullptr);
+  }
+}
+
+/// After the step, because the states may overlap the tools.
+void write_states(const phn_contact* contact, int status, std::int32_t n_tools, phn_contact_state* states) {
+  for (std::int32_t t = 0; states != nullptr && t < n_tools; ++t) {
+    states[t] = nothing;
+    if (status >= 0) write_state(*contact, contact->tool[t], states[t]);
+  }
 }
 
 }  // namespace
@@ -63,49 +101,54 @@ int lay_out_contact(Arena& arena, const WholeSurface& whole, std::int32_t max_to
   parts.surface = lay_out_contact_surface(arena, whole.n_vertices, whole.n_field, whole.n_triangles);
   parts.volumes = lay_out_volumes(arena, whole.n_triangles);
   parts.scratch = arena.take<TouchableEdge>(3 * static_cast<std::size_t>(whole.n_triangles));
+  parts.field = max_tools > 1 ? arena.take<double>(3, static_cast<std::size_t>(whole.n_field)) : nullptr;
   return arena.overflow() ? PHN_ERROR_BUFFER : PHN_OK;
 }
 
-int contact_size(const WholeSurface& whole, std::int32_t max_tools, std::size_t* bytes) {
-  Arena arena;
-  ContactParts parts;
-  const int status = lay_out_contact(arena, whole, max_tools, parts);
+int size_of_contact(const Arena& arena, int status, std::size_t* bytes) {
   if (status == PHN_OK) *bytes = arena.needed();
   return status == PHN_ERROR_BUFFER ? PHN_ERROR_TOO_LARGE : status;
 }
 
-int build_contact(const WholeSurface& whole, const void* of, std::int32_t max_tools, ContactParts& parts,
+int build_contact(const WholeSurface& whole, std::int32_t max_tools, std::int32_t steps, ContactParts& parts,
                   phn_contact** contact) {
   const int status = build_contact_surface(whole.triangles, whole.n_triangles, parts.scratch, parts.surface);
   if (status != PHN_OK) return status;
   build_volumes(parts.surface, parts.volumes);
-  *parts.contact = {of, max_tools, 0, 0, false, 0, 0, {}, {}, parts.surface, parts.volumes, {}};
+  phn_contact made = {};
+  made.max_tools = max_tools;
+  made.surface = parts.surface;
+  made.volumes = parts.volumes;
+  made.data = parts.data;
+  made.state = parts.state;
+  made.steps = steps;
+  made.field = parts.field;
+  *parts.contact = made;
   *contact = parts.contact;
   return PHN_OK;
 }
 
-int step_contact(phn_contact& contact, Touched& touched, std::int32_t most, std::int32_t n_tools,
-                 const phn_contact_tool* tools, const phn_contact_state* states, const void* result,
-                 std::size_t result_bytes, phn_coupled& coupled) {
+int step_contact(phn_contact& contact, Touched& touched, std::int32_t n_tools, const phn_contact_tool* tools,
+                 const phn_contact_state* states, const phn_contact_report* report, phn_coupled& coupled) {
   if (n_tools < 0 || (n_tools > 0 && (tools == nullptr || states == nullptr))) return PHN_ERROR_ARGUMENT;
-  if (overlap(states, sizeof *states * static_cast<std::size_t>(n_tools), result, result_bytes))
+  if (overlap(states, sizeof *states * static_cast<std::size_t>(n_tools), report, sizeof *report))
     return PHN_ERROR_OVERLAP;
-  if (n_tools > contact.max_tools || n_tools > most) return PHN_ERROR_TOOLS;
+  if (n_tools > contact.max_tools) return PHN_ERROR_TOOLS;
   ToolInput inputs[most_touching];
   for (std::int32_t t = 0; t < n_tools; ++t) {
     const int refused = read_tool(contact.surface, tools[t], inputs[t]);
     if (refused != PHN_OK) return refused;
   }
+  follow_surface(contact);
+  contact.n_tools = n_tools;
   for (std::int32_t t = n_tools; t < contact.max_tools; ++t) contact.tool[t] = {};
   for (std::int32_t t = 0; t < n_tools; ++t) approach(contact, inputs[t], contact.tool[t]);
   return balance(contact, touched, n_tools, inputs, coupled);
 }
 
-void write_states(const phn_contact* contact, int status, std::int32_t n_tools, phn_contact_state* states) {
-  for (std::int32_t t = 0; states != nullptr && t < n_tools; ++t) {
-    states[t] = nothing;
-    if (status >= 0) write_state(*contact, contact->tool[t], states[t]);
-  }
+int field_of_contact(const phn_contact& contact, double* out) {
+  return contact.state != nullptr ? phn_body_deform(contact.state->body, contact.state, out)
+                                  : phn_coupled_deform(contact.data->model, contact.data, out);
 }
 
 }  // namespace PHN_RUNTIME
@@ -118,50 +161,23 @@ int phn_contact_reset(phn_contact* contact) {
   if (contact == nullptr) return PHN_ERROR_ARGUMENT;
   for (ToolContact& tool : contact->tool) tool = {};
   contact->taken = contact->scale = 0;
+  contact->n_tools = 0;
   return PHN_OK;
 }
 
-int phn_contact_refit(phn_contact* contact, const double* field) {
-  if (contact == nullptr) return PHN_ERROR_ARGUMENT;
-  ContactSurface& surface = contact->surface;
-  for (std::int32_t i = 0; field != nullptr && i < 3 * surface.n_field; ++i) {
-    if (!std::isfinite(field[i])) return PHN_ERROR_NOT_FINITE;
-  }
-  // Nearest surface points of free tools before the surface moves.
-  SurfacePoint beside[most_touching];
-  double distance[most_touching], from[most_touching][3];
-  for (std::int32_t t = 0; t < contact->max_tools; ++t) {
-    const ToolContact& tool = contact->tool[t];
-    distance[t] = -1;
-    if (!tool.known || tool.anchored) continue;
-    double normal[3], apart[3];
-    const double apart_by = nearest(surface, contact->volumes, tool.radius, tool.place, beside[t]);
-    normal_at(surface, beside[t], normal);
-    point_at(surface, surface.placed, beside[t], tool.radius, from[t]);
-    subtract(tool.place, from[t], apart);
-    if (dot(apart, normal) >= 0) distance[t] = apart_by;
-  }
-  const double moved = place(field, surface);
-  refit_volumes(surface, contact->volumes);
-  for (std::int32_t t = 0; t < contact->max_tools; ++t) {
-    if (distance[t] >= 0 && distance[t] <= moved) carry(*contact, beside[t], from[t], contact->tool[t]);
-  }
-  return PHN_OK;
-}
-
-int phn_contact_nearest(const phn_contact* contact, const double x[3], phn_tool* tool, double point[3]) {
-  phn_tool held = nothing.held;
-  double place[3] = {0, 0, 0};
+int phn_contact_step(phn_contact* contact, int32_t n_tools, const phn_contact_tool* tools, phn_contact_state* states,
+                     phn_contact_report* report) {
+  phn_contact_report made = {};
   int status = PHN_ERROR_ARGUMENT;
-  if (contact != nullptr && x != nullptr && tool != nullptr) {
-    status = overlap(tool, sizeof *tool, point, sizeof place) ? PHN_ERROR_OVERLAP
-             : finite(x)                                      ? PHN_OK
-                                                              : PHN_ERROR_NOT_FINITE;
-    if (status == PHN_OK) find_nearest(*contact, x, held, place);
-  }
-  if (tool != nullptr) *tool = held;
-  for (int k = 0; k < 3 && point != nullptr; ++k) point[k] = place[k];
+  if (contact != nullptr)
+    status = (contact->state != nullptr ? step_on_body : step_on_model)(*contact, n_tools, tools, states, report, made);
+  write_states(contact, status, n_tools, states);
+  if (report != nullptr) *report = made;
   return status;
+}
+
+int phn_contact_deform(phn_contact* contact, double* out) {
+  return contact == nullptr || out == nullptr ? PHN_ERROR_ARGUMENT : field_of_contact(*contact, out);
 }
 
 }  // extern "C"

@@ -3,6 +3,7 @@
 
 #include <phynness/phynness_body.h>
 #include <phynness/phynness_contact.h>
+#include <phynness/phynness_tools.h>
 
 #include "contact/bounding_volumes.hpp"
 #include "tools/vectors.hpp"
@@ -19,7 +20,7 @@ class Touched {
   bool has_energy = false;
   double max_displacement_m = 0;
   double near_m = 0;  ///< distance from which on tools of a body do not matter to each other
-  /// Newton's steps that are left for a phn_contact_step on a body, whose responses go on from the last one. -1: a
+  /// Newton's steps that are left for a step on a body, whose responses go on from the last one. -1: a
   /// model, whose responses depend on the tools alone.
   std::int32_t steps = -1;
 
@@ -75,17 +76,22 @@ struct ToolContact {
 }  // namespace PHN_RUNTIME
 
 struct phn_contact {
-  const void* of;  ///< the model or the body
   std::int32_t max_tools;
   double taken;  ///< work done by all tools since one of them is in contact [J]
   double scale;  ///< of the forces of tools that press; 0: none is in contact
-  bool
-      is_known;  ///< forces of the body's last step, which had n_before tools with these forces [N] at these places [m]
+  /// Forces of the body's last step, which had n_before tools with these forces [N] at these places [m].
+  bool is_known;
   std::int32_t n_before, n_held;  ///< of which n_held were held
   PHN_RUNTIME::Vector held_by[PHN_RUNTIME::most_touching], held_at[PHN_RUNTIME::most_touching];
   PHN_RUNTIME::ContactSurface surface;
   PHN_RUNTIME::BoundingVolumes volumes;
   PHN_RUNTIME::ToolContact tool[PHN_RUNTIME::most_touching];
+  phn_data* data;         ///< of contact with a model, or null
+  phn_body_state* state;  ///< of contact with a body, or null
+  std::int32_t steps;     ///< of Newton's method, at most, that a step makes on the body
+  double* field;          ///< 3 surface.n_field; null: of one tool only
+  std::int32_t n_tools;   ///< of the last step
+  bool is_displaced;      ///< surface.placed
 };
 
 namespace PHN_RUNTIME {
@@ -114,24 +120,30 @@ struct WholeSurface {
 };
 struct ContactParts {
   phn_contact* contact;
+  phn_data* data = nullptr;
+  phn_body_state* state = nullptr;
+  double* field;
   ContactSurface surface;
   BoundingVolumes volumes;
   TouchableEdge* scratch;
 };
 /// @return a status of phynness.h, as those below
-int contact_size(const WholeSurface& whole, std::int32_t max_tools, std::size_t* bytes);
 int lay_out_contact(Arena& arena, const WholeSurface& whole, std::int32_t max_tools, ContactParts& parts);
+/// @param status  of the layout, by an arena that counts
+int size_of_contact(const Arena& arena, int status, std::size_t* bytes);
 /// @param parts  rest, node and active of the surface's vertices are set
-/// @param of     the model or the body
-int build_contact(const WholeSurface& whole, const void* of, std::int32_t max_tools, ContactParts& parts,
+int build_contact(const WholeSurface& whole, std::int32_t max_tools, std::int32_t steps, ContactParts& parts,
                   phn_contact** contact);
 /// A step without its outputs.
-/// @param most    tools that `touched` can hold
-/// @param result  the other output, which must not overlap the states
-int step_contact(phn_contact& contact, Touched& touched, std::int32_t most, std::int32_t n_tools,
-                 const phn_contact_tool* tools, const phn_contact_state* states, const void* result,
-                 std::size_t result_bytes, phn_coupled& coupled);
-/// After the step, because the states may overlap the tools.
-void write_states(const phn_contact* contact, int status, std::int32_t n_tools, phn_contact_state* states);
+/// @param report  must not overlap the states
+int step_contact(phn_contact& contact, Touched& touched, std::int32_t n_tools, const phn_contact_tool* tools,
+                 const phn_contact_state* states, const phn_contact_report* report, phn_coupled& coupled);
+/// The same, for a model or a body.
+int step_on_model(phn_contact& contact, std::int32_t n_tools, const phn_contact_tool* tools,
+                  const phn_contact_state* states, const phn_contact_report* report, phn_contact_report& made);
+int step_on_body(phn_contact& contact, std::int32_t n_tools, const phn_contact_tool* tools,
+                 const phn_contact_state* states, const phn_contact_report* report, phn_contact_report& made);
+/// The field of the last step. @param out  3 surface.n_field
+int field_of_contact(const phn_contact& contact, double* out);
 
 }  // namespace PHN_RUNTIME

@@ -86,48 +86,55 @@ std::int32_t active_of(const phn_body& body, std::int32_t vertex) {
   return body.info.tool_radius_m > 0 ? several : vertex;
 }
 
+int lay_out(Arena& arena, const phn_body& body, std::int32_t max_tools, ContactParts& parts) {
+  const int refused = lay_out_contact(arena, surface_of(body), max_tools, parts);
+  if (refused != PHN_OK) return refused;
+  parts.state = lay_out_state(arena, body, max_tools);
+  return arena.overflow() ? PHN_ERROR_BUFFER : PHN_OK;
+}
+
 }  // namespace
+
+int PHN_RUNTIME::step_on_body(phn_contact& contact, std::int32_t n_tools, const phn_contact_tool* tools,
+                              const phn_contact_state* states, const phn_contact_report* report,
+                              phn_contact_report& made) {
+  TouchedBody touched(*contact.state, contact.steps);
+  phn_coupled coupled = {0, 0};
+  const int status = step_contact(contact, touched, n_tools, tools, states, report, coupled);
+  made = {touched.pressed.energy, touched.pressed.behind_m, touched.pressed.unbalanced, touched.pressed.steps};
+  return status;
+}
 
 extern "C" {
 
 int phn_body_contact_size(const phn_body* body, int32_t max_tools, size_t* bytes) {
   if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
   *bytes = 0;
-  return body == nullptr ? PHN_ERROR_ARGUMENT : contact_size(surface_of(*body), max_tools, bytes);
+  if (body == nullptr) return PHN_ERROR_ARGUMENT;
+  Arena arena;
+  ContactParts parts;
+  const int status = lay_out(arena, *body, max_tools, parts);
+  return size_of_contact(arena, status, bytes);
 }
 
-int phn_body_contact_init(void* memory, size_t bytes, const phn_body* body, int32_t max_tools, phn_contact** contact) {
+int phn_body_contact_init(void* memory, size_t bytes, const phn_body* body, int32_t max_tools, int32_t steps,
+                          phn_contact** contact) {
   if (contact == nullptr) return PHN_ERROR_ARGUMENT;
   *contact = nullptr;
-  if (memory == nullptr || body == nullptr) return PHN_ERROR_ARGUMENT;
+  if (memory == nullptr || body == nullptr || steps < 1) return PHN_ERROR_ARGUMENT;
   if (overlap(memory, bytes, contact, sizeof *contact)) return PHN_ERROR_OVERLAP;
   const WholeSurface whole = surface_of(*body);
   Arena arena(memory, bytes);
   ContactParts parts;
-  const int status = lay_out_contact(arena, whole, max_tools, parts);
+  int status = lay_out(arena, *body, max_tools, parts);
+  if (status == PHN_OK) status = start_state(*parts.state);
   if (status != PHN_OK) return status;
   for (std::int32_t v = 0; v < whole.n_vertices; ++v) {
     for (int k = 0; k < 3; ++k) row(parts.surface.rest, v)[k] = row(body->info.points, v)[k];
     parts.surface.node[v] = body->info.nodes[v];
     parts.surface.active[v] = active_of(*body, v);
   }
-  return build_contact(whole, body, max_tools, parts, contact);
-}
-
-int phn_body_contact_step(phn_contact* contact, phn_body_state* state, int32_t steps, int32_t n_tools,
-                          const phn_contact_tool* tools, phn_contact_state* states, phn_body_report* pressed) {
-  phn_body_report made = {};
-  int status = PHN_ERROR_ARGUMENT;
-  if (contact != nullptr && state != nullptr && state->body == contact->of && steps >= 1) {
-    TouchedBody touched(*state, steps);
-    phn_coupled coupled = {0, 0};
-    status =
-        step_contact(*contact, touched, state->max_tools, n_tools, tools, states, pressed, sizeof *pressed, coupled);
-    made = touched.pressed;
-  }
-  write_states(contact, status, n_tools, states);
-  if (pressed != nullptr) *pressed = made;
-  return status;
+  return build_contact(whole, max_tools, steps, parts, contact);
 }
 
 }  // extern "C"

@@ -55,14 +55,37 @@ std::int32_t active_of(const phn_model& model, std::int32_t vertex) {
   return n > 0 || vertex < model.n_output ? -2 : -1;
 }
 
+int lay_out(Arena& arena, const phn_model& model, std::int32_t max_tools, ContactParts& parts) {
+  const int refused = lay_out_contact(arena, surface_of(model), max_tools, parts);
+  if (refused != PHN_OK) return refused;
+  parts.data = make_data(arena, model, max_tools);
+  return arena.overflow() ? PHN_ERROR_BUFFER : PHN_OK;
+}
+
 }  // namespace
+
+int PHN_RUNTIME::step_on_model(phn_contact& contact, std::int32_t n_tools, const phn_contact_tool* tools,
+                               const phn_contact_state* states, const phn_contact_report* report,
+                               phn_contact_report& made) {
+  if (n_tools > 1 && has_round_tools(*contact.data->coupling)) return PHN_ERROR_ROUND_TOOLS;
+  TouchedModel touched(*contact.data->model, *contact.data);
+  phn_coupled coupled = {0, 0};
+  const int status = step_contact(contact, touched, n_tools, tools, states, report, coupled);
+  made.energy = coupled.energy;
+  made.residual_m = coupled.residual;
+  return status;
+}
 
 extern "C" {
 
 int phn_contact_size(const phn_model* model, int32_t max_tools, size_t* bytes) {
   if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
   *bytes = 0;
-  return model == nullptr ? PHN_ERROR_ARGUMENT : contact_size(surface_of(*model), max_tools, bytes);
+  if (model == nullptr) return PHN_ERROR_ARGUMENT;
+  Arena arena;
+  ContactParts parts;
+  const int status = lay_out(arena, *model, max_tools, parts);
+  return size_of_contact(arena, status, bytes);
 }
 
 int phn_contact_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_contact** contact) {
@@ -74,30 +97,14 @@ int phn_contact_init(void* memory, size_t bytes, const phn_model* model, int32_t
   const WholeSurface whole = surface_of(*model);
   Arena arena(memory, bytes);
   ContactParts parts;
-  const int status = lay_out_contact(arena, whole, max_tools, parts);
+  const int status = lay_out(arena, *model, max_tools, parts);
   if (status != PHN_OK) return status;
   for (std::int32_t v = 0; v < whole.n_vertices; ++v) {
     for (int k = 0; k < 3; ++k) row(parts.surface.rest, v)[k] = vertex_point(*model, v)[k];
     parts.surface.node[v] = vertex_node(*model, v);
     parts.surface.active[v] = active_of(*model, v);
   }
-  return build_contact(whole, model, max_tools, parts, contact);
-}
-
-int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_tools, const phn_contact_tool* tools,
-                     phn_contact_state* states, phn_coupled* result) {
-  phn_coupled coupled = {0, 0};
-  int status = PHN_ERROR_ARGUMENT;
-  if (contact != nullptr && data != nullptr && data->model == contact->of) {
-    TouchedModel touched(*data->model, *data);
-    const bool several_round = n_tools > 1 && has_round_tools(*data->coupling);
-    status = several_round ? PHN_ERROR_ROUND_TOOLS
-                           : step_contact(*contact, touched, data->max_tools, n_tools, tools, states, result,
-                                          sizeof *result, coupled);
-  }
-  write_states(contact, status, n_tools, states);
-  if (result != nullptr) *result = coupled;
-  return status;
+  return build_contact(whole, max_tools, 0, parts, contact);
 }
 
 }  // extern "C"

@@ -31,38 +31,22 @@ export interface Touch {
   readonly held: Tool | null;
 }
 
-/** The C functions of spheres, and what their result holds. */
-const functions = {
-  model: { contact: 'phn_contact', data: 'phn_data', step: 'phn_contact_step', field: 'phn_coupled_deform', result: 'phn_coupled',
-    energy: 'phn_coupled.energy' },
-  body: { contact: 'phn_body_contact', data: 'phn_body_state', step: 'phn_body_contact_step', field: 'phn_body_deform',
-    result: 'phn_body_report', energy: 'phn_body_report.energy' },
-} as const;
-
 export class Contact extends Owner {
   protected readonly what = 'contact';
-  private readonly f: (typeof functions)['model' | 'body'];
-  private readonly steps: readonly number[];
   private readonly contact: number;
-  /** what answers for the spheres */
-  private readonly data: number;
   private readonly tools: number;
   private readonly states: number;
   private readonly result: number;
   private readonly out: number;
 
   /** @param of  the model or the body. @param nField  nodes of a field. @param steps  of a body for all spheres; null: of a model */
-  constructor(engine: Engine, parent: Owner, private readonly of: number, private readonly max: number, private readonly nField: number,
-    steps: number | null) {
+  constructor(engine: Engine, parent: Owner, of: number, private readonly max: number, private readonly nField: number, steps: number | null) {
     super(engine, parent);
     few(max);
-    this.f = functions[steps === null ? 'model' : 'body'];
-    this.steps = steps === null ? [] : [steps];
-    this.contact = this.made(this.f.contact, of, max);
-    this.data = this.made(this.f.data, of, max);
+    this.contact = steps === null ? this.made('phn_contact', of, max) : this.made('phn_body_contact', of, max, steps);
     this.tools = this.take(max * bytesOf('phn_contact_tool'));
     this.states = this.take(max * bytesOf('phn_contact_state'));
-    this.result = this.take(bytesOf(this.f.result));
+    this.result = this.take(bytesOf('phn_contact_report'));
     this.out = this.take(24 * nField);
   }
 
@@ -78,13 +62,13 @@ export class Contact extends Owner {
       putVector(engine, at + bytesOf('phn_contact_tool.center'), sphere.center, 'the centre');
       engine.reals(at + bytesOf('phn_contact_tool.radius'), 1)[0] = sphere.radius;
       engine.reals(at + bytesOf('phn_contact_tool.friction'), 1)[0] = sphere.friction ?? 0;
-      engine.integers(at + bytesOf('phn_contact_tool.mode'), 1)[0] = modes[mode];
+      engine.integers(at + bytesOf('phn_contact_tool.mode'), 2).set([modes[mode], 0]); // and the reserved word
     });
-    const status = engine.call(this.f.step, this.contact, this.data, ...this.steps, spheres.length, this.tools, this.states, this.result);
+    const status = engine.call('phn_contact_step', this.contact, spheres.length, this.tools, this.states, this.result);
     return {
       status,
       warnings: warningsOf(status),
-      energy: engine.real(this.result + bytesOf(this.f.energy)),
+      energy: engine.real(this.result + bytesOf('phn_contact_report.energy')),
       touches: spheres.map((_, i) => this.touch(this.states + i * bytesOf('phn_contact_state'))),
     };
   }
@@ -92,28 +76,8 @@ export class Contact extends Owner {
   /** Displacements [m], n x 3, of the last step(): of all output nodes of a model, of all nodes of a body. */
   deform(out?: Float64Array): Float64Array {
     this.alive();
-    this.engine.call(this.f.field, this.of, this.data, this.out);
+    this.engine.call('phn_contact_deform', this.contact, this.out);
     return copied(this.engine.reals(this.out, 3 * this.nField), out);
-  }
-
-  /** Displaces the surface for spheres without contact by a field of deform(); null: the undeformed surface. */
-  refit(field: Float64Array | null): void {
-    const { engine } = this;
-    this.alive();
-    if (field && field.length !== 3 * this.nField)
-      throw new RangeError(`the field has ${field.length} numbers instead of ${3 * this.nField}`);
-    if (field) engine.reals(this.out, field.length).set(field);
-    engine.call('phn_contact_refit', this.contact, field ? this.out : 0);
-  }
-
-  /** The tool at the point, of those that can be touched, that is nearest to x [m]. */
-  nearest(x: Vector): { tool: Tool; point: Float64Array } {
-    const { engine } = this;
-    this.alive();
-    const at = this.states, tool = at + 48;
-    putVector(engine, at, x, 'the point');
-    engine.call('phn_contact_nearest', this.contact, at, tool, at + 24);
-    return { tool: toolFrom(engine, tool), point: engine.reals(at + 24, 3).slice() };
   }
 
   /** Ends every contact and forgets all positions. */

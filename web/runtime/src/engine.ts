@@ -110,12 +110,12 @@ export abstract class Owner {
     init(this.take(bytes), bytes, result);
     return engine.size(result);
   }
-  /** The same by the functions NAME_size and NAME_init. */
-  protected made(name: string, model: number, n: number): number {
+  /** The same by the functions NAME_size and NAME_init. @param more  arguments of init */
+  protected made(name: string, model: number, n: number, ...more: readonly number[]): number {
     const { engine } = this;
     return this.constructed(
       (result) => engine.call(`${name}_size`, model, n, result),
-      (block, bytes, result) => engine.call(`${name}_init`, block, bytes, model, n, result),
+      (block, bytes, result) => engine.call(`${name}_init`, block, bytes, model, n, ...more, result),
     );
   }
   /** A model or a body from its text. @throws PhynnessError with the reason and the byte */

@@ -42,10 +42,11 @@ export const layout = {
   ...struct('phn_surface_contents', {
     n_vertices: integer, n_triangles: integer, triangles: pointer, points: pointer, scratch_bytes: integer,
   }),
-  ...struct('phn_contact_tool', { center: vector, radius: double, friction: double, mode: integer }),
+  ...struct('phn_contact_tool', { center: vector, radius: double, friction: double, mode: integer, reserved: integer }),
   ...struct('phn_contact_state', {
-    force: vector, proxy: vector, normal: vector, scale: double, unbalanced: double, held: [tool.phn_tool, 8], in_contact: integer,
+    force: vector, proxy: vector, normal: vector, scale: double, unbalanced: double, held: [tool.phn_tool, 8], in_contact: integer, reserved: integer,
   }),
+  ...struct('phn_contact_report', { energy: double, residual_m: double, unbalanced: double, steps: integer, reserved: integer }),
   ...struct('phn_body_contents', {
     mesh_hash: pointer, physics_hash: pointer, law: pointer, tool_radius_m: double, max_displacement_m: double, nodes: pointer,
     points: pointer, triangles: pointer, n_nodes: integer, n_triangles: integer, n_modes: integer, n_pressures: integer,

@@ -78,7 +78,7 @@ describe('Model', () => {
     model.dispose();
     expect(() => tools.set([])).toThrow('model was disposed');
     expect(() => contact.step([])).toThrow('model was disposed');
-    expect(() => contact.refit(null)).toThrow('model was disposed');
+    expect(() => contact.deform()).toThrow('model was disposed');
     expect(() => surface.deform(field)).toThrow('model was disposed');
   });
 
