@@ -19,7 +19,8 @@ from model_grammar import Grammar, Reader, Refused
 
 MUTATIONS_PER_MODEL = 22  # of each of two kinds
 MUTATED = ("linear", "modal", "modal-bounds", "modal-covered", "modal-fields", "modal-fields-levels", "modal-forces-only",
-           "modal-levels", "rbfn", "rbfn-finer", "rbfn-levels")
+           "modal-levels",
+           "modal-linear-points", "rbfn", "rbfn-finer", "rbfn-levels", "rbfn-linear-points")
 OPTIONAL_LINES = ("finer", "mean", "solved")  # sections of one line, which a text may lack
 CHECKSUM_LINE = len("checksum 0123456789abcdef\n")
 

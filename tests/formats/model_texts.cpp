@@ -59,6 +59,8 @@ void write_all(const std::filesystem::path& folder) {
   covered.covered.resize(3, 4);
   covered.covered << 2, 1, 0, 0, 3, 0, 65535, 0, 12, 1, 20000, 65535;
   write("modal-covered", covered);
+  write("modal-linear-points", with_linear_points(with_levels(covered)));
+  write("rbfn-linear-points", with_linear_points(networks));
   write("rbfn-levels-bounds", with_bounds(with_levels(networks)));
   write("modal-large", with_bound_between(with_levels(small_field_model(), 8)));
   Model untouched = small_linear_model();

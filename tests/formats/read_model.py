@@ -95,7 +95,7 @@ def read_modal(reader, model, node):
 
 def read_model(data):
     reader = Reader(checked_lines(data))
-    if reader.fields("phynness-model") != ["3"]:
+    if reader.fields("phynness-model") != ["4"]:
         sys.exit("another version")
     family = reader.fields("family")[0]
     if family not in ("rbfn", "linear", "modal"):

@@ -152,7 +152,7 @@ TEST(DefectsOfText, AreTold) {
   const std::string text = write_model_text(small_model());
   EXPECT_EQ(size_status("solid liver\n"), PHN_ERROR_NOT_A_MODEL);
   EXPECT_EQ(size_status("phynness-mesh 1\nhash 0\nmore text to be long enough"), PHN_ERROR_NOT_A_MODEL);
-  EXPECT_EQ(size_status(replaced(text, "phynness-model 3\n", "phynness-model 2\n")), PHN_ERROR_VERSION);
+  EXPECT_EQ(size_status(replaced(text, "phynness-model 4\n", "phynness-model 2\n")), PHN_ERROR_VERSION);
   EXPECT_EQ(size_status(replaced(text, "family rbfn", "family spline")), PHN_ERROR_FAMILY);
   EXPECT_EQ(size_status(replaced(text, "spread 1.", "spread 1,")), PHN_ERROR_SYNTAX);
   EXPECT_EQ(size_status(replaced(text, "spread 1.", "spread 0x1.")), PHN_ERROR_SYNTAX);

@@ -2,8 +2,10 @@
 // nodes, a patch, failed and missing directions, networks of different sizes.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <ostream>
 #include <phynness/formats/model.hpp>
 
@@ -261,6 +263,36 @@ inline Model with_bounds(Model model) {
 inline Model with_bound_between(Model model) {
   model = with_bounds(std::move(model));
   model.bounds[0].between = {-1, 0.4, 0.2, 0.3};
+  return model;
+}
+
+/// Linear points at nodes 11 and 13, node 10 between them and the first two active nodes; more covered nodes than the
+/// model has.
+inline Model with_linear_points(Model model) {
+  Numbers numbers;
+  const auto n_active = static_cast<std::int32_t>(model.nodes.size());
+  model.rest_modes = random_table(3 * static_cast<Eigen::Index>(model.output.size()), 2, 0.5, numbers);
+  for (const std::int32_t node : {11, 13}) {
+    LinearPoint& point = model.linear_points.emplace_back();
+    point.node = node;
+    for (int k = 0; k < 3; ++k) point.point[static_cast<std::size_t>(k)] = model.output_points(node - 2, k);
+    for (int i = 0; i < 3; ++i)
+      for (int j = i; j < 3; ++j)
+        point.stiffness(i, j) = point.stiffness(j, i) = (i == j ? 40 : 0) + 20 * numbers.next();
+    point.mixing = random_table(2, 3, 1, numbers);
+    if (node == 11) point.near = {1, 9};
+    point.near_modes = random_table(3 * static_cast<Eigen::Index>(point.near.size()), 3, 1, numbers);
+  }
+  model.outer_triangles.resize(2, 3);
+  model.outer_triangles << 0, 1, n_active, n_active + 1, n_active, 1;
+  const auto before = model.covered;
+  const auto first = static_cast<std::int32_t>(model.probe_triangles.rows());
+  std::map<std::int32_t, std::array<std::int32_t, 3>> rows = {
+      {10, {first, 20000, 30000}}, {11, {first, 0, 0}}, {13, {first + 1, schema::whole_weight, 0}}};
+  for (const auto& row : before.rowwise()) rows[row[0]] = {row[1], row[2], row[3]};
+  model.covered.resize(std::ssize(rows), 4);
+  Eigen::Index i = 0;
+  for (const auto& [node, row] : rows) model.covered.row(i++) << node, row[0], row[1], row[2];
   return model;
 }
 

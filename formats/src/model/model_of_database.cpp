@@ -6,6 +6,7 @@
 #include <phynness/formats/model.hpp>
 #include <phynness/formats/printable.hpp>
 #include <phynness/formats/version.hpp>
+#include <set>
 
 namespace phynness {
 namespace {
@@ -58,6 +59,24 @@ Model model_of_database(const DatabaseHeader& header, Family family, const std::
   model.output_points = header.mesh.nodes(model.output, Eigen::all);
   model.surface = known_triangles(header.mesh, model);
   return model;
+}
+
+std::vector<std::int32_t> probed_nodes(const Model& model) {
+  const auto n_active = static_cast<std::int32_t>(model.nodes.size());
+  const auto n_inner = static_cast<std::int32_t>(model.probe_triangles.rows());
+  std::set<std::int32_t> nodes;
+  for (const auto& node : model.nodes) nodes.insert(node.node);
+  for (const auto& row : model.covered.rowwise()) {
+    const bool is_inner = row[1] < n_inner;
+    const auto corner =
+        (is_inner ? model.probe_triangles : model.outer_triangles).row(is_inner ? row[1] : row[1] - n_inner);
+    const std::int32_t first = row[2], second = row[3], rest = schema::whole_weight - first;
+    const bool counts[] = {first > 0, rest > 0 && second > 0, rest > 0 && second < schema::whole_weight};
+    bool probed = true;
+    for (int k = 0; k < 3; ++k) probed = probed && !(counts[k] && corner[k] >= n_active);
+    if (probed) nodes.insert(row[0]);
+  }
+  return {nodes.begin(), nodes.end()};
 }
 
 std::string ModelBound::from() const {

@@ -44,6 +44,7 @@ void require_consistent(const Model& model) {
                 again.centers == net.centers,
             "centers differ from those that the indices give");
   };
+  for (const auto& point : model.linear_points) symmetric(point.stiffness);
   for (const auto& node : model.nodes) {
     symmetric(node.linear.stiffness);
     symmetric(node.conservative.stiffness);

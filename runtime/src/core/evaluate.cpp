@@ -140,6 +140,7 @@ void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t a
 
 bool outside(const phn_model& model, const ActiveNode& node, const double* d) {
   if (schema::traits(model.kind).proportional) return length(d) > largest_linear;
+  if (node.rest != nullptr) return true;
   // Most displacements need no square root. Squares that overflow or underflow are handled below.
   if (dot(d, d) < node.least_depth * node.least_depth) return false;
   const double size = length(d), slack = depth_slack<double>;
@@ -151,6 +152,7 @@ int warnings(const phn_model& model, const ActiveNode& node, const double* d) {
 }
 
 double trained_depth(const phn_model& model, const ActiveNode& node, const double* d) {
+  if (node.rest != nullptr) return 0;
   const double size = length(d);
   // Products of such numbers could be subnormal or infinite.
   const bool extreme = size > 0 && (size < 1e-290 || size > 1e290);

@@ -60,6 +60,7 @@ class ModelLoader : public LinesReader {
   static void shape(const char*, double (&)[n], std::int64_t, std::int64_t) {}
   void shape(const char*, Displacements& store, std::int64_t rows, std::int64_t cols);
   void shape(const char*, Nodes& nodes, std::int64_t rows, std::int64_t);
+  void shape(const char*, LinearPoints& points, std::int64_t rows, std::int64_t);
 
   template <class Store>
   static void done(Store&) {}
@@ -69,6 +70,7 @@ class ModelLoader : public LinesReader {
   void done(FieldStore& field);
   void done(ForceStore& force);
   void done(NodeStore& node);
+  void done(LinearPointStore& point);
 
   /// Completes the model after the whole text is read. @param placed  null: without memory
   int finish(phn_model* placed);
@@ -78,6 +80,7 @@ class ModelLoader : public LinesReader {
   void respond(schema::RbfnGrammar, NodeStore& node, ActiveNode& made, ActiveNode* smaller);
   void respond(schema::LinearGrammar, NodeStore& node, ActiveNode& made, ActiveNode* smaller);
   void respond(schema::ModalGrammar, NodeStore& node, ActiveNode& made, ActiveNode* smaller);
+  void place_linear_points();
   bool modal() const { return schema::traits(_store.family).has_modes; }
   std::int64_t n_smaller() const { return _store.levels.n > 0 ? _store.levels.n - 1 : 0; }
 
@@ -115,11 +118,18 @@ void ModelLoader::shape(const char*, Displacements& store, std::int64_t rows, st
 }
 
 void ModelLoader::shape(const char*, Nodes& nodes, std::int64_t rows, std::int64_t) {
-  const std::int64_t n = good() ? rows : 0;
+  const std::int64_t n = good() ? rows : 0, n_all = good() ? rows + _model.n_linear : 0;
   nodes.numbers.shape(_load, n, 1);
-  nodes.active.shape(_load, n, 1);
+  nodes.active.shape(_load, n_all, 1);
   for (std::int64_t l = 0; l < n_smaller(); ++l)
-    nodes.at_level[l] = _arena.take<ActiveNode>(static_cast<std::size_t>(n));
+    nodes.at_level[l] = _arena.take<ActiveNode>(static_cast<std::size_t>(n_all));
+}
+
+void ModelLoader::shape(const char*, LinearPoints& points, std::int64_t rows, std::int64_t) {
+  points.n = good() ? rows : 0;
+  points.at = _arena.take<RestResponse>(static_cast<std::size_t>(points.n));
+  _model.n_linear = static_cast<std::int32_t>(points.n);
+  _store.rest_modes.make(_model.rest_modes, 3, _model.n_output);
 }
 
 /// Requires that sums over a network's neurons stay within the range of their type.
@@ -247,6 +257,30 @@ void ModelLoader::done(NodeStore& node) {
   for (std::int64_t l = 0; l < n_smaller(); ++l) nodes.at_level[l][nodes.in_work] = smaller[l];
 }
 
+void ModelLoader::done(LinearPointStore& point) {
+  if (!good() || !_load.has_memory()) return;
+  RestResponse made = {};
+  static_cast<ModalTables&>(made) = point;
+  made.n_modes = _model.rest_modes.n_modes > 0 || made.n_near > 0 ? 3 : 0;
+  for (int k = 0; k < 6; ++k) made.stiffness[k] = point.k[k];
+  for (int k = 0; k < 3; ++k) made.point[k] = point.point[k];
+  made.output = find_sorted(_model.output_nodes, _model.n_output, point.node);
+  _store.linear_points.at[_store.linear_points.in_work] = made;
+}
+
+/// Adds the linear points behind the active nodes of each level.
+void ModelLoader::place_linear_points() {
+  for (std::int32_t i = 0; i < _model.n_linear; ++i) {
+    ActiveNode made = {};
+    made.rest = _store.linear_points.at + i;
+    for (int k = 0; k < 3; ++k) made.point[k] = made.rest->point[k];
+    made.output = made.rest->output;
+    made.moves_mean = true;
+    _store.nodes.active.at[_model.n_active + i] = made;
+    for (std::int64_t l = 0; l < n_smaller(); ++l) _store.nodes.at_level[l][_model.n_active + i] = made;
+  }
+}
+
 int ModelLoader::finish(phn_model* placed) {
   phn_model& model = _model;
   model.mesh_hash = model.provenance.mesh_hash;
@@ -262,6 +296,7 @@ int ModelLoader::finish(phn_model* placed) {
   const auto n_shared = static_cast<std::size_t>(model.shared.n_modes);
   model.n_scratch = n_kernels > n_shared ? n_kernels : n_shared;
   raise(model.n_scratch, 3 * model.prepared_neurons);
+  raise(model.n_scratch, static_cast<std::size_t>(model.rest_modes.n_modes));
   model.n_scratch += model.n_basis;
   raise(model.n_scratch, model.n_field_scratch);
   auto* smaller = _arena.take<phn_model>(static_cast<std::size_t>(n_smaller()));
@@ -275,6 +310,7 @@ int ModelLoader::finish(phn_model* placed) {
   if (!good()) return _in.status();
   if (_arena.overflow()) return PHN_ERROR_BUFFER;
   if (placed == nullptr) return PHN_OK;
+  place_linear_points();
   const double unit = modal() ? model.max_displacement_m : 1;
   const double first = length(model.displacements) * unit;
   model.first_increment = model.max_displacement_m / 10;

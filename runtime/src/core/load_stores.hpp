@@ -277,7 +277,25 @@ struct ModesStore : ModalTables {
   ModesStore(const ModesStore&) = delete;
 };
 
+struct LinearPointStore : ModesStore {
+  std::int32_t node = -1;
+  double point[3] = {}, k[6] = {};
+  Stiffness stiffness{k};
+};
+
 // Lists of items.
+
+/// The linear points, which are built one after the other.
+struct LinearPoints {
+  RestResponse* at = nullptr;
+  std::int64_t n = 0, in_work = -1;
+  alignas(LinearPointStore) unsigned char memory[sizeof(LinearPointStore)];
+  std::int64_t rows() const { return n; }
+  LinearPointStore& item(std::int64_t i) {
+    in_work = i;
+    return *new (memory) LinearPointStore;
+  }
+};
 
 template <class T, std::int32_t most>
 struct Parts {
@@ -385,8 +403,11 @@ struct ModelStore {
   Parts<BoundStore, schema::largest_bound_count> bounds;
   SolvedBody solved{made.provenance};
   FinerDistance finer{made.provenance};
+  SharedTableStore rest_modes;
+  LinearPoints linear_points;
   Nodes nodes{made};
   Table<std::int32_t> probe_triangles{made.probe_triangles, &made.n_probe_triangles};
+  Table<std::int32_t> outer_triangles{made.outer_triangles, &made.n_outer_triangles};
   Covered covered{made.covered, &made.n_covered};
 
   explicit ModelStore(phn_model& model) : made(model) {}

@@ -63,6 +63,10 @@ bool keep_movable(const bool* moves, int n, Real movable, Real* weight) {
   return true;
 }
 
+/// Corners with a smaller share of a place bring no warning and no bound: they are of the size to which a place is
+/// known in single precision, and come and go along an edge.
+inline constexpr double least_share = 1e-5;
+
 /// @pre value is not NaN
 template <class Real>
 Real cut(Real value, Real largest) {

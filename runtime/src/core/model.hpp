@@ -127,6 +127,15 @@ struct Networks {
   Network force, deformation;
 };
 
+/// In fields of linear points components of displacements are clamped to this [m], so that no float overflows.
+inline constexpr double largest_at_rest = 1e15;
+/// A point that was not probed: force = stiffness d; its modes are multiplied by d itself.
+struct RestResponse : ModalTables {
+  double stiffness[6];  ///< xx xy xz yy yz zz [N/m]
+  double point[3];      ///< reference coordinates [m]
+  std::int32_t output;  ///< position among the output nodes, or -1
+};
+
 struct ActiveNode {
   double point[3];                 ///< reference coordinates [m]
   std::int32_t output;             ///< position among the output nodes, or -1
@@ -140,7 +149,8 @@ struct ActiveNode {
   double bound_scale;           ///< [N]
   double bound_at_rest;         ///< size of the force at d = 0 [N], which is an error; 0 in families with an energy
   bool incomplete;
-  // One of these is set, depending on the model's family; the others are null.
+  // One of these is set: of a linear point the first, else that of the model's family; the others are null.
+  const RestResponse* rest;
   const Networks* networks;
   const LinearResponse* linear;
   const ModalResponse* modal;
@@ -175,12 +185,13 @@ struct phn_model : phn_info {
   const double* displacements;  ///< rows of 3; in family modal over max_displacement
   PHN_RUNTIME::SharedModes shared;
   PHN_RUNTIME::SharedField fields[PHN_RUNTIME::largest_field_count];
-  const PHN_RUNTIME::ActiveNode* active;
-  /// Coordinates of output nodes between active nodes: triangles of positions among the active nodes, and rows of
+  PHN_RUNTIME::SharedTable rest_modes;    ///< of the linear points
+  const PHN_RUNTIME::ActiveNode* active;  ///< n_active, then n_linear
+  /// Coordinates of output nodes between these: triangles of positions, those of active nodes alone first, and rows of
   /// output position (ascending), triangle, weight of its first corner, and part of the rest that its second has; these
   /// over schema::whole_weight.
-  std::int32_t n_probe_triangles, n_covered;
-  const std::int32_t *probe_triangles, *covered;
+  std::int32_t n_linear, n_probe_triangles, n_outer_triangles, n_covered;
+  const std::int32_t *probe_triangles, *outer_triangles, *covered;
   const double* bound_between;  ///< of a tool between nodes, schema::n_coupled_terms; null: the model has no bounds
 };
 

@@ -26,6 +26,11 @@ inline void response_gradient(const phn_model&, const LinearResponse&, const dou
   cut(d, 1, largest_linear, basis);
   for (int i = 0; i < 9; ++i) gradient[i] = i % 4 == 0 ? 1 : 0;
 }
+inline void response_gradient(const phn_model&, const RestResponse&, const double* d, double* basis, double* gradient,
+                              double*) {
+  cut(d, 1, largest_at_rest, basis);
+  for (int i = 0; i < 9; ++i) gradient[i] = i % 4 == 0 ? 1 : 0;
+}
 inline void response_gradient(const phn_model& model, const ModalResponse& node, const double* d, double* basis,
                               double* gradient, double* scratch) {
   const double R = model.max_displacement_m, x[3] = {d[0] / R, d[1] / R, d[2] / R};
@@ -86,18 +91,18 @@ class UnitSum {
 class ModeSum {
  public:
   /// @param shared  working memory, n_modes x 3
-  ModeSum(const phn_model& model, const ModalResponse& node, double* shared)
-      : _model(model), _node(node), _shared(shared) {
-    for (std::int32_t k = 0; k < 3 * model.shared.n_modes; ++k) shared[k] = 0;
+  ModeSum(const SharedTable& modes, const ModalTables& node, double* shared)
+      : _modes(modes), _node(node), _shared(shared) {
+    for (std::int32_t k = 0; k < 3 * modes.n_modes; ++k) shared[k] = 0;
   }
   void add(std::int32_t output, const Matrix& map, NodeField& field) {
     const std::int32_t at = find_sorted(_node.near, _node.n_near, output);
     if (at >= 0) return add_near(at, map, field);
     _mixes = true;
-    const auto n_shared = static_cast<std::size_t>(_model.shared.n_modes);
+    const auto n_shared = static_cast<std::size_t>(_modes.n_modes);
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t row = 3 * static_cast<std::size_t>(output) + c;
-      const float* mode = _model.shared.modes + row / rows_per_block * rows_per_block * n_shared + row % rows_per_block;
+      const float* mode = _modes.modes + row / rows_per_block * rows_per_block * n_shared + row % rows_per_block;
       for (std::size_t s = 0; s < n_shared; ++s) {
         const auto value = static_cast<double>(mode[s * rows_per_block]);
         for (int k = 0; k < 3; ++k) _shared[3 * s + k] += map(k, static_cast<int>(c)) * value;
@@ -105,7 +110,7 @@ class ModeSum {
     }
   }
   void finish(NodeField& field) const {
-    for (std::int32_t s = 0; s < _model.shared.n_modes && _mixes; ++s)
+    for (std::int32_t s = 0; s < _modes.n_modes && _mixes; ++s)
       add_row(_node.mixing + static_cast<std::size_t>(s) * static_cast<std::size_t>(_node.n_columns),
               _node.mixing_scale, _shared + 3 * s, _node.n_modes, field.rows);
   }
@@ -127,8 +132,8 @@ class ModeSum {
     }
   }
 
-  const phn_model& _model;
-  const ModalResponse& _node;
+  const SharedTable& _modes;
+  const ModalTables& _node;
   double* _shared;
   bool _mixes = false;
 };
@@ -138,7 +143,10 @@ inline NetworkSum vertex_sum(const phn_model& model, const Networks& nets, doubl
 }
 inline UnitSum vertex_sum(const phn_model&, const LinearResponse& linear, double*) { return UnitSum(linear); }
 inline ModeSum vertex_sum(const phn_model& model, const ModalResponse& node, double* scratch) {
-  return {model, node, scratch};
+  return {model.shared, node, scratch};
+}
+inline ModeSum vertex_sum(const phn_model& model, const RestResponse& rest, double* scratch) {
+  return {model.rest_modes, rest, scratch};
 }
 
 }  // namespace PHN_RUNTIME

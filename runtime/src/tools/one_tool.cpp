@@ -58,8 +58,9 @@ int mean_response(const phn_model& model, const phn_data& data, const Asked& ask
   for (int i = 0; i < 3 && force != nullptr; ++i) force[i] = f[i];
   for (int i = 0; i < 9 && stiffness != nullptr; ++i) stiffness[i] = k.a[i];
   int status = is_beside_fixed(model, asked.place) ? PHN_WARNING_OUTSIDE : PHN_OK;
-  for (std::int32_t i = 0; i < asked.place.n_nodes; ++i)
-    status |= warnings(model, model.active[asked.place.active[i]], (d / mean.lever).x);
+  for (std::int32_t i = 0; i < asked.place.n_nodes; ++i) {
+    if (asked.place.counts(i)) status |= warnings(model, model.active[asked.place.active[i]], (d / mean.lever).x);
+  }
   return status;
 }
 
@@ -77,6 +78,7 @@ int coupled_response(const phn_model& model, phn_data& data, const phn_tool& too
 /// forces differ from their mean, and of this mean. @return a status of phynness.h
 int bound_between(const phn_model& model, const Asked& asked, double& bound) {
   const Place& place = asked.place;
+  if (model.bound_between == nullptr) return PHN_ERROR_UNDEFINED;
   const double lever = place.n_nodes == 1 ? lever_of(model, place) : 1;
   Vector d, force[most_corners], mean = {};
   cut(asked.d, lever, PHN_NO_BOUND, d.x);
@@ -85,11 +87,12 @@ int bound_between(const phn_model& model, const Asked& asked, double& bound) {
   for (std::int32_t i = 0; i < place.n_nodes; ++i) sum += place.weight[i];
   for (std::int32_t i = 0; i < place.n_nodes; ++i) {
     const ActiveNode& node = model.active[place.active[i]];
-    if (node.bound == nullptr) return PHN_ERROR_UNDEFINED;
-    const int warned = warnings(model, node, d.x);
-    const double of_node = (warned & PHN_WARNING_OUTSIDE) != 0 ? PHN_NO_BOUND : error_bound(model, node, d.x);
-    status |= warned;
-    largest = std::fmin(PHN_NO_BOUND, std::fmax(largest, of_node / lever));
+    if (place.counts(i)) {
+      const int warned = warnings(model, node, d.x);
+      const double of_node = (warned & PHN_WARNING_OUTSIDE) != 0 ? PHN_NO_BOUND : error_bound(model, node, d.x);
+      status |= warned;
+      largest = std::fmin(PHN_NO_BOUND, std::fmax(largest, of_node / lever));
+    }
     evaluate_force(model, node, d.x, force[i].x);
     force[i] /= lever;
     mean += (place.weight[i] / sum) * force[i];
@@ -109,10 +112,11 @@ int depth_between(const phn_model& model, const Asked& asked, double& depth) {
   Vector d;
   cut(asked.d, lever_of(model, place), PHN_NO_BOUND, d.x);
   int status = PHN_OK;
+  depth = PHN_NO_BOUND;
   for (std::int32_t i = 0; i < place.n_nodes; ++i) {
+    if (!place.counts(i)) continue;
     const ActiveNode& node = model.active[place.active[i]];
-    const double of_node = trained_depth(model, node, d.x);
-    depth = i == 0 ? of_node : std::fmin(depth, of_node);
+    depth = std::fmin(depth, trained_depth(model, node, d.x));
     if (outside(model, node, d.x)) status = PHN_WARNING_OUTSIDE;
   }
   if (!is_beside_fixed(model, place)) return status;
@@ -208,9 +212,9 @@ int phn_field(const phn_model* model, phn_data* data, const phn_tool* tool, int3
   double sum = 0;
   for (std::int32_t i = 0; i < asked.place.n_nodes; ++i) {
     const ActiveNode& node = data->level->active[asked.place.active[i]];
-    if (node.modal->fields[field].n_modes == 0) return refuse(PHN_ERROR_UNDEFINED, out, n);
+    if (node.rest != nullptr || node.modal->fields[field].n_modes == 0) return refuse(PHN_ERROR_UNDEFINED, out, n);
     sum += asked.place.weight[i];
-    status |= warnings(*model, node, asked.d);
+    if (asked.active >= 0 || asked.place.counts(i)) status |= warnings(*model, node, asked.d);
   }
   if (asked.active >= 0) {
     modal_field(*data->level, *data->level->active[asked.active].modal, field, asked.d, data->scratch, out);
@@ -260,7 +264,7 @@ int phn_bound(const phn_model* model, const phn_tool* tool, double* bound) {
   int status = find_tool(model, tool, asked);
   if (status == PHN_OK && asked.active >= 0) {
     const ActiveNode& node = model->active[asked.active];
-    status = node.bound == nullptr ? PHN_ERROR_UNDEFINED : warnings(*model, node, asked.d);
+    status = model->bound_between == nullptr ? PHN_ERROR_UNDEFINED : warnings(*model, node, asked.d);
     if (status >= 0) found = (status & PHN_WARNING_OUTSIDE) != 0 ? PHN_NO_BOUND : error_bound(*model, node, asked.d);
   } else if (status == PHN_OK) {
     status = bound_between(*model, asked, found);

@@ -23,6 +23,12 @@ constexpr double no_weight = 1e-12;
   weights[i] += weight;
 }
 
+/// Corners of a triangle of both lists.
+const std::int32_t* probe_triangle(const phn_model& model, std::int32_t t) {
+  const std::int32_t n = model.n_probe_triangles;
+  return (t < n ? model.probe_triangles : model.outer_triangles) + 3 * static_cast<std::size_t>(t < n ? t : t - n);
+}
+
 }  // namespace
 
 std::int32_t find_corners(const phn_model& model, std::int32_t node, Corner corner[3]) {
@@ -43,7 +49,7 @@ std::int32_t find_corners(const phn_model& model, std::int32_t node, Corner corn
   const double weight[3] = {first / whole, (whole - first) / whole * (second / whole),
                             (whole - first) / whole * ((whole - second) / whole)};
   for (int k = 0; k < 3; ++k) {
-    if (weight[k] > 0) corner[n++] = {model.probe_triangles[3 * static_cast<std::size_t>(covered[1]) + k], weight[k]};
+    if (weight[k] > 0) corner[n++] = {probe_triangle(model, covered[1])[k], weight[k]};
   }
   return n;
 }
@@ -70,6 +76,7 @@ int find_place(const phn_model& model, const phn_tool& tool, Place& place) {
   if (!(sum >= 1 - weight_slack && sum <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;
   if (!(movable > weight_slack)) return PHN_ERROR_NOT_ACTIVE;
   place.fixed_weight = sum - movable;
+  place.least_weight = least_share * movable;
   return finite(tool.displacement) ? PHN_OK : PHN_ERROR_NOT_FINITE;
 }
 
@@ -92,31 +99,37 @@ bool has_round_tools(const phn_model& model) {
 
 Neighbours find_neighbours(Arena& arena, const phn_model& model) {
   if (!has_round_tools(model)) return {};
-  auto* begin = arena.take<std::int32_t>(static_cast<std::size_t>(model.n_active) + 1);
+  const std::int32_t n_points = model.n_active + model.n_linear, n_outer = model.n_outer_triangles;
   const bool spread = model.n_probe_triangles > 0;
-  const std::int32_t n_triangles = spread ? model.n_probe_triangles : model.n_triangles;
-  auto* active = arena.take<std::int32_t>(6, static_cast<std::size_t>(n_triangles));
+  const std::int32_t n_inner = spread ? model.n_probe_triangles : model.n_triangles;
+  auto* begin = arena.take<std::int32_t>(static_cast<std::size_t>(n_points) + 1);
+  auto* active = arena.take<std::int32_t>(6, static_cast<std::size_t>(n_inner) + static_cast<std::size_t>(n_outer));
   if (begin == nullptr || active == nullptr) return {};
-  // Counts the neighbours of each node, and then enters them from the end of its part.
-  for (std::int32_t i = 0; i <= model.n_active; ++i) begin[i] = 0;
+  // Counts the neighbours of each point, and then enters them from the end of its part.
+  for (std::int32_t i = 0; i <= n_points; ++i) begin[i] = 0;
   for (int pass = 0; pass < 2; ++pass) {
-    for (std::int32_t t = 0; t < n_triangles; ++t) {
+    const auto enter = [&](const std::int32_t* at, bool linear) {
+      for (int k = 0; k < 3; ++k) {
+        for (int l = 1; l < 3; ++l) {
+          const std::int32_t own = at[k], other = at[(k + l) % 3];
+          if (own < 0 || other < 0 || own == other) continue;
+          if ((own >= model.n_active) != linear || (other >= model.n_active) != linear) continue;
+          if (pass == 0) ++begin[own];
+          if (pass == 1) active[--begin[own]] = other;
+        }
+      }
+    };
+    for (std::int32_t t = 0; t < n_inner; ++t) {
       std::int32_t at[3];
       for (int k = 0; k < 3; ++k) {
         const std::size_t corner = 3 * static_cast<std::size_t>(t) + static_cast<std::size_t>(k);
         at[k] =
             spread ? model.probe_triangles[corner] : find_active(model, vertex_node(model, model.triangles[corner]));
       }
-      for (int k = 0; k < 3; ++k) {
-        for (int l = 1; l < 3 && at[k] >= 0; ++l) {
-          const std::int32_t other = at[(k + l) % 3];
-          if (other < 0) continue;
-          if (pass == 0) ++begin[at[k]];
-          if (pass == 1) active[--begin[at[k]]] = other;
-        }
-      }
+      enter(at, false);
     }
-    for (std::int32_t i = 0; i < model.n_active && pass == 0; ++i) begin[i + 1] += begin[i];
+    for (std::int32_t t = 0; t < n_outer; ++t) enter(model.outer_triangles + 3 * static_cast<std::size_t>(t), true);
+    for (std::int32_t i = 0; i < n_points && pass == 0; ++i) begin[i + 1] += begin[i];
   }
   return {begin, active};
 }

@@ -14,7 +14,7 @@ namespace PHN_RUNTIME {
 /// that has coordinates between active nodes.
 inline constexpr std::int32_t most_corners = 9;
 
-/// An active node and its weight in a node of the surface.
+/// An active node or linear point and its weight in a node of the surface.
 struct Corner {
   std::int32_t active;
   double weight;
@@ -26,9 +26,11 @@ std::int32_t find_corners(const phn_model& model, std::int32_t node, Corner corn
 /// The active nodes around a point of the surface.
 struct Place {
   std::int32_t n_nodes;
-  std::int32_t active[most_corners];  ///< positions among the active nodes
+  std::int32_t active[most_corners];  ///< positions among the active nodes and linear points
   double weight[most_corners];        ///< of the sum of the barycentric weights that do not belong to fixed corners
   double fixed_weight;                ///< of the fixed corners
+  double least_weight;                ///< see least_share
+  bool counts(std::int32_t i) const { return weight[i] > least_weight; }
 };
 
 inline bool is_of_this_version(const phn_tool& tool) { return (tool.reserved[0] | tool.reserved[1]) == 0; }
@@ -50,11 +52,11 @@ inline bool answers_alone(const phn_model& model, const Place& place) {
 /// Whether a tool of the model is round; such a model answers one tool only.
 bool has_round_tools(const phn_model& model);
 
-/// Active neighbours of each active node: a neighbour once for each triangle that they share. Empty in models without
-/// round tools.
+/// Neighbours of each active node and each linear point, of the same kind, so that no linear point changes a response
+/// that was trained: a neighbour once for each triangle that they share. Empty in models without round tools.
 struct Neighbours {
-  const std::int32_t* begin;   ///< n_active + 1 places in `active`
-  const std::int32_t* active;  ///< positions among the active nodes
+  const std::int32_t* begin;   ///< n_active + n_linear + 1 places in `active`
+  const std::int32_t* active;  ///< positions among the active nodes and linear points
 };
 Neighbours find_neighbours(Arena& arena, const phn_model& model);
 

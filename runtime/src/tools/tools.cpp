@@ -30,7 +30,7 @@ CoupledResult answer_alone(const phn_model& model, Coupling& c, const Vector& ta
   for (std::int32_t i = 0; i < point.n_nodes; ++i) {
     const ActiveNode& node = model.active[point.active[i]];
     c.field[i] = {mean.share[i], d};
-    c.warned |= warned_at(*model.full, point.active[i], diagonal(1 / mean.lever) * target);
+    if (point.counts(i)) c.warned |= warned_at(*model.full, point.active[i], diagonal(1 / mean.lever) * target);
     if (!has_deformation(model, node)) continue;
     double* basis = c.field_basis + static_cast<std::size_t>(i) * model.n_basis;
     basis_of(model, node, d.x, basis, c.kernel);

@@ -179,6 +179,17 @@ struct ActiveNodeModel {
   std::vector<ScaledTable> bounds;
 };
 
+/// A point of the surface that was not probed. It answers as the body at rest: force = stiffness d, energy = d .
+/// stiffness d / 2, and u = near_modes d at the nodes of `near`, and u = rest_modes (mixing d) elsewhere.
+struct LinearPoint {
+  std::int32_t node = 0;                                ///< mesh node number
+  Vec3 point{0, 0, 0};                                  ///< its reference coordinates [m]
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< [N/m], bitwise symmetric
+  ScaledTable mixing;                                   ///< n_rest_modes x 3
+  std::vector<std::int32_t> near;                       ///< positions in Model::output, ascending
+  ScaledTable near_modes;                               ///< 3 n_near x 3
+};
+
 struct Model {
   Family family{};
   std::string title;
@@ -198,12 +209,18 @@ struct Model {
   SolvedBody solved;                   ///< if it is recorded
   FinerDistance finer;                 ///< if it is measured
   std::vector<ActiveNodeModel> nodes;  ///< ascending by node
-  /// Positions in `nodes`, and rows of node, triangle, weight of its first corner, and part of the rest that its second
-  /// has, in parts of schema::whole_weight; empty unless tools are answered from other nodes than those of their
-  /// triangle.
-  Triangles probe_triangles;
+  std::vector<LinearPoint> linear_points;  ///< of round tools on the rest of the surface, ascending by node
+  ScaledTable rest_modes;                  ///< 3 n_output x n_rest_modes: shared by the linear points
+  /// Triangles of positions in `nodes`; those that also have linear points, whose positions follow those of `nodes`;
+  /// and rows of node, triangle (of both lists, one after the other), weight of its first corner, and part of the rest
+  /// that its second has, in parts of schema::whole_weight. Empty unless tools are answered from other nodes than those
+  /// of their triangle.
+  Triangles probe_triangles, outer_triangles;
   Eigen::Matrix<std::int32_t, Eigen::Dynamic, 4, Eigen::RowMajor> covered;
 };
+
+/// Nodes of the surface that active nodes alone answer: these, and those that are covered between them. Ascending.
+std::vector<std::int32_t> probed_nodes(const Model& model);
 
 struct DatabaseHeader;
 /// A model with all properties that follow from the database alone. Tried displacements and active nodes are not set.

@@ -122,6 +122,25 @@ void table(IO& io, const char* key, Table& table, int64_t n_rows, int32_t n_colu
   }
 }
 
+/// Modes that are mixed from shared ones, and the nodes that have rows of their own instead.
+/// @param n_shared    of the shared modes
+/// @param m           modes
+/// @param components  rows for each output node: 3 for displacements, 1 for a scalar field
+template <class IO, class Model, class Modes>
+void mixed_modes(IO& io, Model& model, Modes& modes, int64_t n_shared, int32_t m, int32_t components) {
+  table(io, "mixing", modes.mixing, n_shared, m);
+  const int32_t n_near = count_line(io, "near", io.rows(modes.near));
+  io.shape("near node", modes.near, n_near, 1);
+  int32_t previous = -1;
+  for (int32_t i = 0; i < n_near && io.good(); ++i) {
+    const auto n_output = static_cast<int32_t>(io.rows(model.output));
+    const int32_t position = integer(io, "near node", modes.near, i, 0, 0, n_output - 1);
+    require_ascending(io, position, previous, "near nodes must ascend");
+    io.end();
+  }
+  table(io, "near_modes", modes.near_modes, static_cast<int64_t>(components) * n_near, m);
+}
+
 /// Rows of `displacements` on which kernels are centered.
 template <class IO, class Model, class Store>
 void amplitude_centers(IO& io, Model& model, Store& centers, int32_t n) {

@@ -136,10 +136,8 @@ void finer(IO& io, Distance& distance) {
   io.end();
 }
 
-/// The first lines of an active node, the same for every family. A round tool moves the weighted mean of its nodes by
-/// d; otherwise each node is displaced by its weight times d, a single one by d.
 template <class IO, class Model, class Node>
-void node_lines(IO& io, Model& model, Node& node, int32_t& previous) {
+void node_line(IO& io, Model& model, Node& node, int32_t& previous) {
   io.keyword("node");
   io.integer("node number", node.node, 0, model.n_mesh_nodes - 1);
   require_ascending(io, node.node, previous, "node numbers must ascend");
@@ -147,6 +145,13 @@ void node_lines(IO& io, Model& model, Node& node, int32_t& previous) {
   io.keyword("point");
   for (int32_t k = 0; k < 3; ++k) number(io, "point", node.point, k, 0, coordinate);
   io.end();
+}
+
+/// The first lines of an active node, the same for every family. A round tool moves the weighted mean of its nodes by
+/// d; otherwise each node is displaced by its weight times d, a single one by d.
+template <class IO, class Model, class Node>
+void node_lines(IO& io, Model& model, Node& node, int32_t& previous) {
+  node_line(io, model, node, previous);
   const bool mean = io.optional("mean", node.moves_mean);
   if (mean) {
     io.keyword("mean");
@@ -188,17 +193,44 @@ void active_node(IO& io, Model& model, Node& node, int32_t& previous) {
   io.done(node);
 }
 
-/// Coordinates of surface nodes between the active nodes: triangles of active nodes, and for each covered node its
-/// triangle, the weight of its first corner, and the part of the rest that the second has, in parts of `whole_weight`.
+/// Points of the surface that were not probed, whose response is that at rest.
 template <class IO, class Model>
-void coordinates(IO& io, Model& model, int32_t n_active) {
-  if (!io.optional("triangles", io.rows(model.probe_triangles) > 0)) return;
-  const int32_t n_triangles = count_line(io, "triangles", io.rows(model.probe_triangles), 1);
-  io.shape("triangles", model.probe_triangles, n_triangles, 3);
-  for (int32_t t = 0; t < n_triangles && io.good(); ++t) {
-    for (int32_t k = 0; k < 3; ++k) integer(io, "corner", model.probe_triangles, t, k, 0, n_active - 1);
+void linear_points(IO& io, Model& model) {
+  if (!io.optional("linear_points", io.rows(model.linear_points) > 0)) return;
+  const int32_t n = count_line(io, "linear_points", io.rows(model.linear_points), 1);
+  const int32_t n_modes = size_line(io, "rest_modes", io.cols(model.rest_modes.entries), 0, largest_mode_count);
+  table(io, "modes", model.rest_modes, 3 * io.rows(model.output), n_modes);
+  io.shape("linear_points", model.linear_points, n, 1);
+  int32_t previous = -1;
+  for (int32_t i = 0; i < n && io.good(); ++i) {
+    auto& point = io.item(model.linear_points, i);
+    node_line(io, model, point, previous);
+    stiffness_line(io, point.stiffness);
+    mixed_modes(io, model, point, n_modes, 3, 3);
+    io.done(point);
+  }
+}
+
+template <class IO, class Store>
+void triangles(IO& io, const char* key, Store& store, int32_t n_points) {
+  const int32_t n = count_line(io, key, io.rows(store));
+  io.shape(key, store, n, 3);
+  for (int32_t t = 0; t < n && io.good(); ++t) {
+    for (int32_t k = 0; k < 3; ++k) integer(io, "corner", store, t, k, 0, n_points - 1);
     io.end();
   }
+}
+
+/// Coordinates of surface nodes between points: triangles of active nodes, those that also have linear points, whose
+/// positions follow, and for each covered node its triangle, the weight of its first corner, and the part of the rest
+/// that the second has, in parts of `whole_weight`.
+template <class IO, class Model>
+void coordinates(IO& io, Model& model, int32_t n_active) {
+  if (!io.optional("triangles", io.rows(model.covered) > 0)) return;
+  const auto n_linear = static_cast<int32_t>(io.rows(model.linear_points));
+  triangles(io, "triangles", model.probe_triangles, n_active);
+  if (n_linear > 0) triangles(io, "outer_triangles", model.outer_triangles, n_active + n_linear);
+  const auto n_triangles = static_cast<int32_t>(io.rows(model.probe_triangles) + io.rows(model.outer_triangles));
   const int32_t n = count_line(io, "covered", io.rows(model.covered), 1);
   io.shape("covered", model.covered, n, 4);
   int32_t previous = -1;
@@ -245,6 +277,7 @@ void model(IO& io, Model& model) {
     bounds(io, model);
     solved(io, model.solved);
     finer(io, model.finer);
+    linear_points(io, model);
     const int32_t n_active = count_line(io, "active", io.rows(model.nodes));
     io.shape("active", model.nodes, n_active, 1);
     int32_t previous = -1;

@@ -9,7 +9,7 @@
 namespace phynness::schema {
 
 /// First word and first line of the format; the number is its version.
-inline constexpr char model_magic[] = "phynness-model ", model_first_line[] = "phynness-model 3\n";
+inline constexpr char model_magic[] = "phynness-model ", model_first_line[] = "phynness-model 4\n";
 /// Length of the last line: "checksum " and the hash of the text before it.
 inline constexpr size_t checksum_line_length = sizeof("checksum 0123456789abcdef\n") - 1;
 

@@ -69,17 +69,7 @@ struct ModalGrammar {
                     int32_t components) {
     const int32_t m = size_line(io, key, io.cols(modes.weights.entries), 0, largest_mode_count);
     table(io, "weights", modes.weights, n_basis, m);
-    table(io, "mixing", modes.mixing, n_shared, m);
-    const int32_t n_near = count_line(io, "near", io.rows(modes.near));
-    io.shape("near node", modes.near, n_near, 1);
-    int32_t previous = -1;
-    for (int32_t i = 0; i < n_near && io.good(); ++i) {
-      const auto n_output = static_cast<int32_t>(io.rows(model.output));
-      const int32_t position = integer(io, "near node", modes.near, i, 0, 0, n_output - 1);
-      require_ascending(io, position, previous, "near nodes must ascend");
-      io.end();
-    }
-    table(io, "near_modes", modes.near_modes, static_cast<int64_t>(components) * n_near, m);
+    mixed_modes(io, model, modes, n_shared, m, components);
   }
 
   template <class IO, class Model, class Node>
