@@ -294,4 +294,38 @@ TEST(ProbeCoordinates, JoinPointsBesideThePart) {
   }
 }
 
+// Claim: with linear points all free nodes have coordinates. The rows of nodes in triangles of probed nodes, and these
+// triangles, are those of the model without; beyond these triangles linear points have a part. Fixed nodes have none.
+TEST(ProbeCoordinates, CoverTheFreeSurfaceWithLinearPoints) {
+  const Mesh mesh = sphere(3);
+  const auto fixed = where(mesh, [](const Eigen::RowVector3d& x) { return x[0] < -0.8; });
+  NodeList free = where(mesh, [](const Eigen::RowVector3d& x) { return x[0] >= -0.8; });
+  const auto part = where(mesh, [](const Eigen::RowVector3d& x) { return above(x) && x[0] >= -0.8; });
+  const auto probed = spread_nodes(mesh.nodes, mesh.surface, part, 0.4, 0);
+  const auto all = spread_nodes(mesh.nodes, mesh.surface, free, 0.4, 0, probed);
+  for (const bool spread : {true, false}) {
+    Model without = model_of(mesh, probed);
+    without.fixed = fixed;
+    Model with = without;
+    for (const auto node : all)
+      if (!std::ranges::binary_search(probed, node)) with.linear_points.emplace_back().node = node;
+    if (spread) cover_surface(without, mesh, 1);
+    cover_surface(with, mesh, 1, spread);
+    EXPECT_EQ(with.probe_triangles, without.probe_triangles);
+    ASSERT_EQ(with.covered.rows(), std::ssize(free));
+    const auto answered = probed_nodes(with);
+    EXPECT_TRUE(std::ranges::includes(answered, probed));
+    EXPECT_LT(answered.size(), free.size());
+    for (Eigen::Index i = 0; i < with.covered.rows(); ++i) {
+      const auto row = with.covered.row(i);
+      EXPECT_EQ(row[0], free[static_cast<std::size_t>(i)]);
+      ASSERT_LT(row[1], with.probe_triangles.rows() + with.outer_triangles.rows());
+      const auto nodes = without.covered.col(0);
+      const auto same = std::lower_bound(nodes.begin(), nodes.end(), row[0]) - nodes.begin();
+      if (same == nodes.size() || nodes[same] != row[0] || !std::ranges::binary_search(answered, row[0])) continue;
+      EXPECT_EQ(without.covered.row(same), row);
+    }
+  }
+}
+
 }  // namespace

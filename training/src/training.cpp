@@ -7,6 +7,7 @@
 #include <string>
 
 #include "family_training.hpp"
+#include "linear_points.hpp"
 #include "threads.hpp"
 
 namespace phynness {
@@ -37,12 +38,10 @@ double median(const std::vector<NodeOutcome>& outcomes, std::vector<double> Node
 
 class Training {
  public:
-  Training(const ResponseSource& source, TrainingSpec spec)
-      : _source(source), _header(*source.header), _tables(training_tables(_header)) {
-    if (!schema::traits(spec.family).has_levels) spec.levels = 1;
-    _family = spec.family;
-    _n_levels = spec.levels;
-    _training = operations(spec.family).training(_header, _tables, spec);
+  Training(const ResponseSource& source, const TrainingSpec& spec)
+      : _source(source), _header(*source.header), _tables(training_tables(_header)), _spec(spec) {
+    if (!schema::traits(spec.family).has_levels) _spec.levels = 1;
+    _training = operations(spec.family).training(_header, _tables, _spec);
   }
 
   Model run(TrainingReport& report, const OnProgress& progress, int threads) {
@@ -89,7 +88,7 @@ class Training {
   /// Collects results in the order of the nodes, so that sums and lists do not depend on the order in which threads
   /// finish.
   Model collect(std::vector<NodeOutcome> outcomes, TrainingReport& report) const {
-    Model model = model_of_database(_header, _family, _source.title);
+    Model model = model_of_database(_header, _spec.family, _source.title);
     model.displacements = _tables.displacements;
     for (std::size_t active = 0; active < outcomes.size(); ++active) {
       NodeOutcome& outcome = outcomes[active];
@@ -109,21 +108,21 @@ class Training {
     }
     report.n_networks = static_cast<std::int32_t>(model.nodes.size());
     report.n_skipped = static_cast<std::int32_t>(report.skipped_nodes.size());
-    for (std::size_t l = 0; _n_levels > 1 && l < static_cast<std::size_t>(_n_levels); ++l)
+    for (std::size_t l = 0; _spec.levels > 1 && l < static_cast<std::size_t>(_spec.levels); ++l)
       model.levels.push_back({median(outcomes, &NodeOutcome::force_errors, l),
                               median(outcomes, &NodeOutcome::displacement_errors, l),
                               {}});
     _training->finish(model, report);
-    if (_source.spreads && _source.probe.kind == ProbeKind::patch)
-      cover_surface(model, _header.mesh, _source.probe.tool_radius_m);
+    if (_source.probe.kind != ProbeKind::patch) return model;
+    if (!_header.sets.linear.empty()) add_linear_points(model, _header, _source.at_rest, _spec);
+    cover_surface(model, _header.mesh, _source.probe.tool_radius_m, _source.spreads);
     return model;
   }
 
   const ResponseSource& _source;
   const DatabaseHeader& _header;
   TrainingTables _tables;
-  Family _family;
-  int _n_levels = 1;
+  TrainingSpec _spec;
   std::unique_ptr<FamilyTraining> _training;
   std::mutex _source_mutex;
 };
@@ -183,6 +182,7 @@ ResponseSource responses_of(const Database& database) {
   ResponseSource source;
   source.header = &database.header();
   source.rays = [&database](std::int32_t active) { return database.rays(active); };
+  source.at_rest = [&database](std::int32_t point) { return database.at_rest(point); };
   source.probe = scene.probe;
   source.spreads = spreads(scene.active);
   source.title = scene.title;

@@ -338,25 +338,62 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
   return made;
 }
 
-void cover_surface(Model& model, const Mesh& mesh, double longest_m) {
-  NodeList probed;
-  for (const auto& node : model.nodes) probed.push_back(node.node);
-  const auto made = probe_coordinates(mesh.nodes, model.surface, probed, model.fixed, longest_m);
-  if (made.covered.size() <= probed.size() &&
-      std::includes(probed.begin(), probed.end(), made.covered.begin(), made.covered.end()))
-    return;
-  model.probe_triangles = made.triangles.unaryExpr([&](std::int32_t node) {
-    return static_cast<std::int32_t>(std::lower_bound(probed.begin(), probed.end(), node) - probed.begin());
-  });
-  model.covered.resize(std::ssize(made.covered), 4);
-  for (Eigen::Index i = 0; i < model.covered.rows(); ++i) {
-    const auto w = made.weights.row(i);
+void cover_surface(Model& model, const Mesh& mesh, double longest_m, bool spread) {
+  NodeList active, linear;
+  std::map<std::int32_t, std::int32_t> position;  // of a node among the active nodes, then the linear points
+  const auto add = [&](std::int32_t node, NodeList& list) {
+    list.push_back(node);
+    position.emplace(node, static_cast<std::int32_t>(position.size()));
+  };
+  for (const auto& node : model.nodes) add(node.node, active);
+  for (const auto& point : model.linear_points) add(point.node, linear);
+  auto inner = probe_coordinates(mesh.nodes, model.surface, active, model.fixed, longest_m);
+  const bool dense = !spread || (inner.covered.size() <= active.size() && std::ranges::includes(active, inner.covered));
+  if (dense && linear.empty()) return;
+  // Without triangles of their own, active nodes have those of the surface.
+  if (dense) inner = {};
+  const Eigen::Index n_inner = inner.triangles.rows();
+  const auto made =
+      linear.empty() ? inner : probe_coordinates(mesh.nodes, model.surface, active, model.fixed, longest_m, linear);
+  const Triangles corners = made.triangles.unaryExpr([&](std::int32_t node) { return position.at(node); });
+  model.probe_triangles = corners.topRows(n_inner);
+  std::map<std::int32_t, std::array<std::int32_t, 3>> rows;
+  const auto enter = [&](const ProbeCoordinates& from, std::size_t i) {
+    const auto w = from.weights.row(static_cast<Eigen::Index>(i));
     const auto part = [](double weight, double of) {
       return of > 0 ? static_cast<std::int32_t>(std::lround(schema::whole_weight * weight / of)) : 0;
     };
-    model.covered.row(i) << made.covered[static_cast<std::size_t>(i)], made.triangle[static_cast<std::size_t>(i)],
-        part(w[0], 1), part(w[1], w[1] + w[2]);
+    rows[from.covered[i]] = {from.triangle[i], part(w[0], 1), part(w[1], w[1] + w[2])};
+  };
+  std::set<std::int32_t> beside_linear;
+  for (std::size_t i = 0; i < made.covered.size(); ++i) {
+    enter(made, i);
+    for (int k = 0; k < 3; ++k)
+      if (made.weights(static_cast<Eigen::Index>(i), k) > 0 &&
+          corners(made.triangle[i], k) >= static_cast<std::int32_t>(active.size()))
+        beside_linear.insert(made.covered[i]);
   }
+  // What probed nodes alone answer is the same without linear points.
+  for (std::size_t i = 0; i < inner.covered.size(); ++i)
+    if (!beside_linear.contains(inner.covered[i])) enter(inner, i);
+  std::map<std::int32_t, std::int32_t> alone;  // triangle of a single point
+  NodeList points;
+  std::ranges::set_union(active, linear, std::back_inserter(points));
+  const Points places = mesh.nodes(points, Eigen::all);
+  for (const auto node : surface_nodes(model.surface)) {
+    if (linear.empty() || rows.contains(node) || std::ranges::binary_search(model.fixed, node)) continue;
+    Eigen::Index nearest = 0;
+    (places.rowwise() - mesh.nodes.row(node)).rowwise().squaredNorm().minCoeff(&nearest);
+    const auto next = static_cast<std::int32_t>(corners.rows() + std::ssize(alone));
+    const auto point = position.at(points[static_cast<std::size_t>(nearest)]);
+    rows[node] = {alone.try_emplace(point, next).first->second, schema::whole_weight, 0};
+  }
+  model.outer_triangles.resize(corners.rows() - n_inner + std::ssize(alone), 3);
+  model.outer_triangles.topRows(corners.rows() - n_inner) = corners.bottomRows(corners.rows() - n_inner);
+  for (const auto& [point, triangle] : alone) model.outer_triangles.row(triangle - n_inner).setConstant(point);
+  model.covered.resize(std::ssize(rows), 4);
+  Eigen::Index at = 0;
+  for (const auto& [node, row] : rows) model.covered.row(at++) << node, row[0], row[1], row[2];
 }
 
 ProbeSpread probe_spread(const Points& nodes, const Triangles& surface, const NodeList& probed, const NodeList& fixed,

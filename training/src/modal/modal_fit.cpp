@@ -190,35 +190,42 @@ MatrixXd shared_basis(const std::vector<NodeModes>& nodes, int n_shared, std::ui
   return basis * eigen.vectors.rowwise().reverse().leftCols(wanted);
 }
 
-ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node, int n_near,
-                   int degree, const std::vector<AmplitudeLevel>& levels) {
-  ModalFit fit;
-  auto& modal = fit.deformation;
-  const MatrixXd basis = shared.modes.values();
-  const Index k = node.components, n_output = basis.rows() / k, m = node.modes.cols();
-
-  // Near nodes are the nodes with the largest errors of the shared modes, weighted by the sizes of the modes.
-  MatrixXd mixing = basis.transpose() * node.modes;
-  const MatrixXd missing = (node.modes - basis * mixing) * node.size.asDiagonal();
+MixedModes mix_modes(const MatrixXd& basis, const NodeModes& node, int n_near) {
+  MixedModes mixed;
+  const Index k = node.components, n_output = basis.rows() / k;
+  mixed.mixing = basis.transpose() * node.modes;
+  const MatrixXd missing = (node.modes - basis * mixed.mixing) * node.size.asDiagonal();
   std::vector<std::pair<double, std::int32_t>> worst;
   for (Index o = 0; o < n_output; ++o)
     if (!node.moved[static_cast<std::size_t>(o)])
       worst.emplace_back(-missing.middleRows(k * o, k).squaredNorm(), static_cast<std::int32_t>(o));
   std::sort(worst.begin(), worst.end());
   for (std::size_t i = 0; i < std::min<std::size_t>(worst.size(), static_cast<std::size_t>(n_near)); ++i)
-    modal.near.push_back(worst[i].second);
-  std::sort(modal.near.begin(), modal.near.end());
-  MatrixXd far = basis, target = node.modes, near(k * static_cast<Index>(modal.near.size()), m);
-  for (std::size_t i = 0; i < modal.near.size(); ++i)
-    near.middleRows(k * static_cast<Index>(i), k) = node.modes.middleRows(k * modal.near[i], k);
+    mixed.near.push_back(worst[i].second);
+  std::sort(mixed.near.begin(), mixed.near.end());
+  MatrixXd far = basis, target = node.modes;
+  mixed.near_modes.resize(k * static_cast<Index>(mixed.near.size()), node.modes.cols());
+  for (std::size_t i = 0; i < mixed.near.size(); ++i)
+    mixed.near_modes.middleRows(k * static_cast<Index>(i), k) = node.modes.middleRows(k * mixed.near[i], k);
   const auto without = [&](Index o) {
     far.middleRows(k * o, k).setZero();
     target.middleRows(k * o, k).setZero();
   };
-  for (const auto o : modal.near) without(o);
+  for (const auto o : mixed.near) without(o);
   for (Index o = 0; o < n_output; ++o)
     if (node.moved[static_cast<std::size_t>(o)]) without(o);
-  if (basis.cols() > 0) mixing = least_squares(far.transpose() * far, far.transpose() * target);
+  if (basis.cols() > 0) mixed.mixing = least_squares(far.transpose() * far, far.transpose() * target);
+  return mixed;
+}
+
+ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node, int n_near,
+                   int degree, const std::vector<AmplitudeLevel>& levels) {
+  ModalFit fit;
+  auto& modal = fit.deformation;
+  const MatrixXd basis = shared.modes.values();
+  const Index k = node.components, n_output = basis.rows() / k;
+  const MixedModes mixed = mix_modes(basis, node, n_near);
+  modal.near = mixed.near;
 
   const auto x = scaled_rows(tables, node.row);
   const MatrixXd f = features(x, scaled_rows(tables, shared.centers), shared.shape, degree);
@@ -227,8 +234,8 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
                            solve_positive_definite(problem.normal, problem.unit.transpose() * node.amplitudes);
 
   modal.weights = scaled_table(weights);
-  modal.mixing = scaled_table(mixing);
-  modal.near_modes = scaled_table(near);
+  modal.mixing = scaled_table(mixed.mixing);
+  modal.near_modes = scaled_table(mixed.near_modes);
 
   MatrixXd stored = basis * modal.mixing.values();
   const MatrixXd stored_near = modal.near_modes.values();

@@ -11,7 +11,7 @@ namespace {
 
 /// Few nodes with many probes each, because (17) divides by the largest force of a node's probes, which needs many
 /// probes.
-constexpr std::int64_t probed_nodes = 10;
+constexpr std::int64_t nodes_per_try = 10;
 
 }  // namespace
 
@@ -48,7 +48,7 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
     measured.training_s = training.seconds;
     const LoadedModel model(measured.model, mesh, candidate.name);
     if (solved.empty()) {
-      const auto plan = plan_probes(model, scene.probe.directions, probes, seed, probed_nodes);
+      const auto plan = plan_probes(model, scene.probe.directions, probes, seed, nodes_per_try);
       solve_probes(
           session, scene, model, plan,
           [&](std::int64_t done, std::int64_t total) { progress("solve probes", done, total); }, {},

@@ -26,14 +26,11 @@ std::array<double, 3> point_of_triangle(std::mt19937_64& random) {
 
 std::vector<Eigen::Index> answered_triangles(const LoadedModel& model) {
   const auto& surface = model.model().surface;
-  const auto& covered = model.model().covered;
-  std::set<std::int32_t> known;
-  for (const auto& node : model.model().nodes) known.insert(node.node);
-  for (Eigen::Index i = 0; i < covered.rows(); ++i) known.insert(covered(i, 0));
+  const auto probed = probed_nodes(model.model());
+  const auto known = [&](std::int32_t node) { return std::ranges::binary_search(probed, node); };
   std::vector<Eigen::Index> triangles;
   for (Eigen::Index t = 0; t < surface.rows(); ++t)
-    if (known.contains(surface(t, 0)) && known.contains(surface(t, 1)) && known.contains(surface(t, 2)))
-      triangles.push_back(t);
+    if (known(surface(t, 0)) && known(surface(t, 1)) && known(surface(t, 2))) triangles.push_back(t);
   return triangles;
 }
 

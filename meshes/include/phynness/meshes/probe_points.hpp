@@ -49,9 +49,12 @@ struct ProbeCoordinates {
 ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface, const NodeList& probed,
                                    const NodeList& fixed, double longest_m, const NodeList& linear = {});
 
-/// Sets the coordinates of a model's surface nodes between its active nodes, which are the middles of round tools.
-/// @param longest_m  edge of a triangle between them
-void cover_surface(Model& model, const Mesh& mesh, double longest_m);
+/// Sets the coordinates of a model's surface nodes between its active nodes, which are the middles of round tools. If
+/// it has linear points, all other free nodes are between these, too; those that no triangle is near have the
+/// coordinates of the nearest point, whose triangle is three times this point.
+/// @param longest_m  edge of a triangle between active nodes
+/// @param spread     the active nodes have coordinates between them; if not, they are all nodes of a part
+void cover_surface(Model& model, const Mesh& mesh, double longest_m, bool spread = true);
 
 /// How far apart probed nodes are, and how much of the surface they answer for.
 struct ProbeSpread {

@@ -62,6 +62,16 @@ struct AmplitudeLevel {
   int modes = 0;                      ///< at least 1; also limited by the number of modes of the node
 };
 
+/// The modes of a node as sums of shared modes, least squares, and at the nodes where those have the largest errors,
+/// weighted by the sizes of the modes, as they are.
+struct MixedModes {
+  Eigen::MatrixXd mixing;          ///< n_shared x n_modes
+  std::vector<std::int32_t> near;  ///< positions among the output nodes, ascending
+  Eigen::MatrixXd near_modes;      ///< components * n_near x n_modes
+};
+/// @param basis  components * n_output x n_shared, orthonormal columns up to rounding
+MixedModes mix_modes(const Eigen::MatrixXd& basis, const NodeModes& node, int n_near);
+
 struct ModalFit {
   ModalDeformation deformation;  ///< of a displacement or of a scalar field
   /// Errors on the training states: means of |difference| over states and nodes, over the largest displacement.

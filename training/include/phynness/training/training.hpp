@@ -49,6 +49,7 @@ struct ResponseSource {
   ProbeSpec probe;                                            ///< kind and radius of the tool
   std::string title;
   bool spreads = false;  ///< the scene spreads the active nodes, between which round tools are answered
+  std::function<AtRest(std::int32_t point)> at_rest = {};  ///< as Database::at_rest; unused without such points
 };
 
 /// The responses of a database, whose scene gives the kind of probe and the title. @pre the database outlives them

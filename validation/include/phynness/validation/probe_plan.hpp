@@ -15,7 +15,7 @@ Vec3 on_sphere(std::mt19937_64& random);
 
 /// Barycentric weights, uniform by area.
 std::array<double, 3> point_of_triangle(std::mt19937_64& random);
-/// Triangles of the surface whose corners are all active or covered.
+/// Triangles of the surface whose corners are all probed_nodes().
 std::vector<Eigen::Index> answered_triangles(const LoadedModel& model);
 
 /// A ray with the depths of its probes; 0: no such probe.
