@@ -52,8 +52,10 @@ class BetweenNodes : public ::testing::Test {
   static std::list<Body> bodies() {
     std::list<Body> all;
     for (const double spacing : {0.0, 0.025}) all.emplace_back(sample_of_round_tools(spacing));
-    for (const Family family : {Family::rbfn, Family::linear, Family::modal})
+    for (const Family family : {Family::rbfn, Family::linear, Family::modal}) {
       all.emplace_back(small_round_model(family));
+      all.emplace_back(small_model_touched_anywhere(family));
+    }
     return all;
   }
   static double distance(const Point& a, const Point& b) {

@@ -16,4 +16,12 @@ inline Model small_round_model(Family family) {
   return model;
 }
 
+/// The same with linear points, on triangles of their own.
+inline Model small_model_touched_anywhere(Family family) {
+  Model model = with_linear_points(small_round_model(family));
+  model.surface.conservativeResize(6, 3);
+  model.surface.bottomRows(2) << 3, 10, 11, 10, 13, 11;
+  return model;
+}
+
 }  // namespace phynness::test

@@ -22,7 +22,8 @@ std::int32_t active_position(const Model& model, std::int32_t node) {
   return is_active ? static_cast<std::int32_t>(found - model.nodes.begin()) : -1;
 }
 
-/// The active nodes between which a node of the surface lies. @return false: it can neither be touched nor is fixed
+/// The active nodes and linear points between which a node of the surface lies. @return false: it can neither be
+/// touched nor is fixed
 bool find_corners(const Model& model, std::int32_t node, image::VertexCorners& corners) {
   const std::int32_t active = active_position(model, node);
   const std::uint16_t at = active < 0 ? image::none : static_cast<std::uint16_t>(active);
@@ -31,8 +32,11 @@ bool find_corners(const Model& model, std::int32_t node, image::VertexCorners& c
   const auto rows = model.covered.col(0);
   const auto row = std::lower_bound(rows.begin(), rows.end(), node) - rows.begin();
   if (row == rows.size() || rows[row] != node) return position(model.fixed, node) >= 0;
+  const std::int32_t triangle = model.covered(row, 1),
+                     n_inner = static_cast<std::int32_t>(model.probe_triangles.rows());
   for (int k = 0; k < 3; ++k)
-    corners.active[k] = static_cast<std::uint16_t>(model.probe_triangles(model.covered(row, 1), k));
+    corners.active[k] = static_cast<std::uint16_t>(triangle < n_inner ? model.probe_triangles(triangle, k)
+                                                                      : model.outer_triangles(triangle - n_inner, k));
   corners.first = static_cast<std::uint16_t>(model.covered(row, 2));
   corners.second = static_cast<std::uint16_t>(model.covered(row, 3));
   return true;
@@ -94,16 +98,29 @@ std::vector<std::uint16_t> with_neighbours(const std::vector<Triangle>& triangle
 /// Halves of the least squares gradients of equation (x), as the parts of weights that neighbours take: mean_at in
 /// runtime/src/tools/round_tool.cpp.
 void find_gradients(const Model& model, ImageSurface& surface) {
-  std::vector<std::map<std::int32_t, int>> shared(model.nodes.size());  // triangles with each neighbour
+  const std::size_t n_active = model.nodes.size();
+  std::vector<std::map<std::int32_t, int>> shared(n_active +
+                                                  model.linear_points.size());  // triangles with each neighbour
+  const auto is_linear = [&](std::int32_t i) { return static_cast<std::size_t>(i) >= n_active; };
+  const auto enter = [&](const std::array<std::int32_t, 3>& at, bool linear) {
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t l = 1; l < 3; ++l) {
+        const std::int32_t own = at[k], other = at[(k + l) % 3];
+        if (own >= 0 && other >= 0 && own != other && is_linear(own) == linear && is_linear(other) == linear)
+          ++shared[static_cast<std::size_t>(own)][other];
+      }
+  };
   const bool spread = model.probe_triangles.rows() > 0;
   for (const auto& row : (spread ? model.probe_triangles : model.surface).rowwise()) {
-    std::int32_t at[3];
-    for (int k = 0; k < 3; ++k) at[k] = spread ? row[k] : active_position(model, row[k]);
-    for (int k = 0; k < 3; ++k)
-      for (int l = 1; l < 3; ++l)
-        if (at[k] >= 0 && at[(k + l) % 3] >= 0) ++shared[static_cast<std::size_t>(at[k])][at[(k + l) % 3]];
+    std::array<std::int32_t, 3> at{};
+    for (int k = 0; k < 3; ++k) at[static_cast<std::size_t>(k)] = spread ? row[k] : active_position(model, row[k]);
+    enter(at, false);
   }
-  const auto point = [&](std::size_t i) { return Eigen::Vector3d(Eigen::Vector3d::Map(model.nodes[i].point.data())); };
+  for (const auto& row : model.outer_triangles.rowwise()) enter({row[0], row[1], row[2]}, true);
+  const auto point = [&](std::size_t i) {
+    const Vec3& x = i < n_active ? model.nodes[i].point : model.linear_points[i - n_active].point;
+    return Eigen::Vector3d(Eigen::Vector3d::Map(x.data()));
+  };
   std::vector<Eigen::Vector3d> slopes;
   surface.begin.push_back(0);
   for (std::size_t i = 0; i < shared.size(); ++i) {
@@ -137,7 +154,7 @@ ImageSurface image_surface(const Model& model) {
   ImageSurface surface;
   if (!std::ranges::all_of(model.nodes, &ActiveNodeModel::moves_mean)) return surface;
   const auto triangles = touchable(model, surface);
-  if (std::max(triangles.size(), model.nodes.size()) >= image::none)
+  if (std::max(triangles.size(), model.nodes.size() + model.linear_points.size()) >= image::none)
     throw input_error("the surface is too large for an image",
                       std::to_string(triangles.size()) + " triangles; an image holds 65534",
                       "probe a smaller part of the body, or use a coarser mesh");

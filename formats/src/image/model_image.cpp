@@ -112,6 +112,14 @@ class ImageWriter {
     surface.begin = put(from.begin);
     surface.neighbour = put(from.neighbour);
     surface.slope = put(reals(from.slope));
+    std::vector<Real> points, stiffnesses;
+    for (const auto& point : _model.linear_points) {
+      for (const double x : point.point) points.push_back(real(x));
+      stiffnesses.resize(stiffnesses.size() + 6);
+      stiffness(point.stiffness, &stiffnesses[stiffnesses.size() - 6]);
+    }
+    surface.rest_point = put(points);
+    surface.rest_stiffness = put(stiffnesses);
     if (!_model.bounds.empty()) {
       std::vector<std::int16_t> bound;
       std::vector<Real> scale;

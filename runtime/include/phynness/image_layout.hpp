@@ -12,7 +12,7 @@
 namespace phynness::image {
 
 inline constexpr uint32_t magic = 0x494e4850;  ///< "PHNI"
-inline constexpr uint32_t version = 2;
+inline constexpr uint32_t version = 3;
 inline constexpr uint32_t largest_table = 0x7fffffff;  ///< bytes of an image
 
 using phynness::Family;
@@ -103,14 +103,17 @@ struct Surface {
   Table triangle;   ///< uint16: 6 each: its vertices, normals outward, then the triangles across from them; none: 65535
   Table vertex;     ///< VertexCorners
   Table point;      ///< Real: 3 per vertex [m]
-  Table begin;      ///< uint32: n_active + 1: first of each active node in the next two
-  Table neighbour;  ///< uint16: an active neighbour
+  Table begin;      ///< uint32: n_active + n_linear + 1: first of each active node or linear point in the next two
+  Table neighbour;  ///< uint16: a neighbour of the same kind
   Table slope;      ///< Real: 3 each [1/m]: part of the weight of the node that the neighbour takes
-  Table bound;      ///< int16: n_active x displacements; empty: no bounds
-  Table bound_scale;  ///< Real: n_active [N]
-  Table between;      ///< Real: schema::n_coupled_terms, of one tool between nodes
+  Table rest_point;      ///< Real: n_linear x 3 [m]: points that answer as the body at rest
+  Table rest_stiffness;  ///< Real: n_linear x 6: xx xy xz yy yz zz [N/m]
+  Table bound;           ///< int16: n_active x displacements; empty: no bounds
+  Table bound_scale;     ///< Real: n_active [N]
+  Table between;         ///< Real: schema::n_coupled_terms, of one tool between nodes
 };
-/// The active nodes between which a vertex lies, and two weights in parts of schema::whole_weight, as in model.txt.
+/// The active nodes and, behind them, linear points between which a vertex lies, and two weights in parts of
+/// schema::whole_weight, as in model.txt.
 struct VertexCorners {
   uint16_t active[3], first, second;
 };

@@ -128,8 +128,13 @@ class ImageCheck {
     table<uint16_t>(surface.triangle, n_triangles, 6);
     table<image::VertexCorners>(surface.vertex, n);
     reals(surface.point, n, 3);
-    table<uint32_t>(surface.begin, n_active + 1);
-    indices(surface.neighbour, n_active);
+    const uint32_t n_linear = surface.rest_point.n / 3, n_points = n_active + n_linear;
+    require(n_linear <= image::largest_count);
+    if (!_good) return;
+    reals(surface.rest_point, n_linear, 3);
+    reals(surface.rest_stiffness, n_linear, 6);
+    table<uint32_t>(surface.begin, n_points + 1);
+    indices(surface.neighbour, n_points);
     reals(surface.slope, surface.neighbour.n, 3);
     table<int16_t>(surface.bound, bounded ? _n_displacements : 0, n_active);
     reals(surface.bound_scale, bounded ? n_active : 0);
@@ -140,12 +145,12 @@ class ImageCheck {
       require(i % 6 < 3 ? triangle[i] < n : triangle[i] < n_triangles || triangle[i] == image::none);
     const auto* vertex = at<image::VertexCorners>(_image, surface.vertex);
     for (uint32_t v = 0; v < n; ++v) {
-      for (const uint16_t active : vertex[v].active) require(active < n_active || vertex[v].active[0] == image::none);
+      for (const uint16_t active : vertex[v].active) require(active < n_points || vertex[v].active[0] == image::none);
     }
     const auto* begin = at<uint32_t>(_image, surface.begin);
-    for (uint32_t i = 0; i < n_active; ++i)
+    for (uint32_t i = 0; i < n_points; ++i)
       require(begin[i] <= begin[i + 1] && begin[i + 1] - begin[i] <= image::most_neighbours);
-    require(begin[n_active] == surface.neighbour.n);
+    require(begin[n_points] == surface.neighbour.n);
   }
 
   template <int n_inputs>

@@ -37,7 +37,10 @@ struct NodeQuery {
   void add_others(const Header&) {}
   uint32_t n() const { return 1; }
   Real weight(uint32_t) const { return 1; }
-  const ActiveNode& node(const Header&, uint32_t) const { return *found; }
+  template <class Function>
+  void respond(const Header& image, uint32_t, Function&& f) const {
+    with_response(image, *found, f);
+  }
 };
 
 /// A round tool at a place: the same, with the nodes around it.
@@ -55,14 +58,23 @@ struct PlaceQuery {
     if (!finite(by)) return PHN_ERROR_NOT_FINITE;
     const bool whole = cut_displacement(image, by, d);
     status = around.fixed_weight > largest_fixed_weight<Real> ? PHN_WARNING_OUTSIDE : PHN_OK;
-    for (uint32_t i = 0; i < around.n; ++i) status |= image_warnings(image, node(image, i), whole, d);
+    for (uint32_t i = 0; i < around.n; ++i) {
+      if (around.counts(i)) status |= warned(image, around.active[i], whole);
+    }
     return PHN_OK;
   }
   void add_others(const Header& image) { add_neighbours(image, *surface_of(image), around); }
   uint32_t n() const { return around.n; }
   Real weight(uint32_t i) const { return around.weight[i]; }
-  const ActiveNode& node(const Header& image, uint32_t i) const {
-    return at<ActiveNode>(image, image.active)[around.active[i]];
+  template <class Function>
+  void respond(const Header& image, uint32_t i, Function&& f) const {
+    with_response_at(image, around.active[i], f);
+  }
+
+ private:
+  int warned(const Header& image, uint32_t own, bool whole) const {
+    if (own < image.active_nodes.n) return image_warnings(image, at<ActiveNode>(image, image.active)[own], whole, d);
+    return whole && traits(image).proportional ? PHN_OK : PHN_WARNING_OUTSIDE;
   }
 };
 
@@ -84,7 +96,7 @@ int evaluate(const phn_image* asked, Where where, const Real* d, Real* out) {
   query.add_others(*image);
   Real result[n], sum[n] = {};
   for (uint32_t i = 0; i < query.n(); ++i) {
-    with_response(*image, query.node(*image, i), [&](const auto& response) {
+    query.respond(*image, i, [&](const auto& response) {
       if constexpr (n == Force) response_force(*image, response, query.d, result);
       if constexpr (n == Energy) *result = response_energy(*image, response, query.d);
       if constexpr (n == Stiffness) response_stiffness(*image, response, query.d, result);
@@ -236,10 +248,9 @@ int phn_image_bound_at(const phn_image* opened, const phn_image_place* place, co
   const Around<Real>& around = query.around;
   Real force[image::most_corners][3], mean[3] = {0, 0, 0}, largest = 0, spread = 0;
   for (uint32_t i = 0; i < around.n_corners; ++i) {
-    const Real bound = bound_at_node(*image, surface, around.active[i], query.d);
+    const Real bound = around.counts(i) ? bound_at_node(*image, surface, around.active[i], query.d) : 0;
     largest = bound > largest ? bound : largest;
-    with_response(*image, query.node(*image, i),
-                  [&](const auto& response) { response_force(*image, response, query.d, force[i]); });
+    query.respond(*image, i, [&](const auto& response) { response_force(*image, response, query.d, force[i]); });
     for (int k = 0; k < 3; ++k) mean[k] += around.share[i] * force[i][k];
   }
   for (uint32_t i = 0; i < around.n_corners; ++i) {

@@ -118,7 +118,7 @@ class Search {
   const Real *_point, *_x;
 };
 
-/// The active nodes at a place come first; all with their weights in (x).
+/// The active nodes and linear points at a place come first; all with their weights in (x).
 template <class Real>
 struct Around {
   uint32_t n_corners = 0, n = 0;
@@ -126,6 +126,8 @@ struct Around {
   Real fixed_weight = 0;
   uint16_t active[image::most_corners * (1 + image::most_neighbours)];
   Real weight[image::most_corners * (1 + image::most_neighbours)];
+
+  bool counts(uint32_t i) const { return share[i] > static_cast<Real>(least_share); }
 
   void add(uint16_t node, Real by) {
     uint32_t i = 0;
@@ -169,11 +171,24 @@ int find_corners(const ImageHeader<Real>& image, const image::Surface& surface, 
   return PHN_OK;
 }
 
+/// Calls f with the response of an active node, or of a linear point, which has no field. @param own  of Around
+template <class Real, class Function>
+auto with_response_at(const ImageHeader<Real>& image, uint32_t own, Function&& f) {
+  const uint32_t n_active = image.active_nodes.n;
+  if (own < n_active) return with_response(image, at<image::ActiveNode<Real>>(image, image.active)[own], f);
+  const Real* k = at<Real>(image, surface_of(image)->rest_stiffness) + 6 * static_cast<size_t>(own - n_active);
+  const image::LinearResponse<Real> rest = {{k[0], k[1], k[2], k[3], k[4], k[5]}, {0, 0}};
+  return f(rest);
+}
+
 /// Adds the neighbours, by the gradients of the energies over the surface: mean_at in tools/round_tool.cpp.
 template <class Real>
 void add_neighbours(const ImageHeader<Real>& image, const image::Surface& surface, Around<Real>& around) {
-  const Real* points = at<Real>(image, image.active_points);
-  const auto point = [&](uint32_t i) { return points + 3 * static_cast<size_t>(around.active[i]); };
+  const auto point = [&](uint32_t i) {
+    const uint32_t n_active = image.active_nodes.n, own = around.active[i];
+    return own < n_active ? at<Real>(image, image.active_points) + 3 * static_cast<size_t>(own)
+                          : at<Real>(image, surface.rest_point) + 3 * static_cast<size_t>(own - n_active);
+  };
   Real x[3] = {0, 0, 0};
   for (uint32_t i = 0; i < around.n_corners; ++i) {
     for (int k = 0; k < 3; ++k) x[k] += around.share[i] * point(i)[k];
