@@ -2,7 +2,9 @@
 // with them, with the response at rest. A scene without them has the same rays and hash, and grows to them without
 // solving a ray; they end as they began if the scene no longer wants them. Commands name them.
 #include <algorithm>
+#include <iomanip>
 #include <phynness/formats/database.hpp>
+#include <sstream>
 
 #include "command_line.hpp"
 #include "same_results.hpp"
@@ -22,6 +24,11 @@ class Elsewhere : public CommandLine {
     const std::string directions = "directions = 26";
     return scene.replace(scene.find(directions), directions.size(),
                          "directions = 3\nkind = \"patch\"\ntool_radius_m = 0.0375\n" + keys);
+  }
+  static std::string point_of(const Mesh& mesh, std::int32_t node) {
+    std::ostringstream text;
+    text << std::setprecision(17) << mesh.nodes(node, 0) << ',' << mesh.nodes(node, 1) << ',' << mesh.nodes(node, 2);
+    return text.str();
   }
   AtRest response(const char* file, std::int32_t point) const { return Database::open(folder / file).at_rest(point); }
 };
@@ -81,6 +88,34 @@ TEST_F(Elsewhere, PointsAreSpreadAndGrow) {
   succeed("precompute without.toml -o grown.h5 --resume --json run.json");
   EXPECT_EQ(json("run.json").at("increments_of_run"), 0);
   EXPECT_TRUE(read_database_header(folder / "grown.h5").sets.linear.empty());
+}
+
+// Claim: a model of such a database answers on the whole free surface, at these points with the stiffness at rest; of a
+// database without them only where it was probed.
+TEST_F(Elsewhere, ModelsAnswerThere) {
+  for (const std::string keys : {"", "elsewhere = \"none\"\n"}) {
+    write_file(folder / "scene.toml", patch_scene(keys));
+    succeed("precompute scene.toml -o database.h5");
+    succeed("train scene.toml database.h5 -o model --family modal");
+    const auto said = succeed("info model --json info.json").out;
+    const auto surface = json("info.json").at("surface");
+    const auto header = read_database_header(folder / "database.h5");
+    const bool anywhere = keys.empty();
+    EXPECT_EQ(surface.at("linear_points"), header.sets.linear.size());
+    EXPECT_EQ(said.find("answer as the body at rest") != std::string::npos, anywhere);
+    const double area = surface.at("nonlinear").get<double>() + surface.at("linear").get<double>();
+    if (!anywhere) {
+      EXPECT_LT(area, 0.5);
+    } else {
+      EXPECT_NEAR(area, 1, 1e-12);
+      const auto node = header.sets.linear[0];
+      const auto expected = response("database.h5", 0).stiffness_N_per_m;
+      succeed("eval model --point " + point_of(header.mesh, node) + " --displacement 0,0,-0.001 --json eval.json");
+      const auto force = json("eval.json").at("tools").at(0).at("force");
+      for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(force.at(k).get<double>(), -0.001 * expected[3 * k + 2], 1e-12);
+    }
+    std::filesystem::remove(folder / "database.h5");
+  }
 }
 
 }  // namespace
