@@ -8,7 +8,7 @@ export { Model, type Info, type Level, type Provenance, type Response } from './
 export { PhynnessError, warningsOf, type Warning } from './status.js';
 export { Surface } from './surface.js';
 export type { ModelText } from './engine.js';
-export { toolAt, type Tool, type Vector } from './tool.js';
+export { toolAt, type Place, type Tool, type Vector } from './tool.js';
 export { Tools, type Coupled, type ModelTools } from './tools.js';
 
 /** A function that loads models with a module, which is compiled once. */

@@ -4,7 +4,7 @@ import { Contact } from './contact.js';
 import { bytesOf, bytesOfText, copied, Engine, integer, Owner, type ModelText } from './engine.js';
 import { undefinedHere, warningsOf, type Warning } from './status.js';
 import { Surface } from './surface.js';
-import { putVector, toolFrom, type Tool, type Vector } from './tool.js';
+import { putTool, putVector, toolAt, toolFrom, type Place, type Tool, type Vector } from './tool.js';
 import { ModelTools } from './tools.js';
 
 /** Where a model comes from; '' and 0: not recorded. */
@@ -98,10 +98,10 @@ export class Model extends Owner {
     this.level_ = this.levels.length - 1;
   }
 
-  /** Force at an active node that is displaced by d [m]; on request energy and stiffness (not in family rbfn). */
-  force(node: number, d: Vector, also: { energy?: boolean; stiffness?: boolean } = {}): Response {
+  /** Force at a node or place that is displaced by d [m]; on request energy and stiffness (not in family rbfn). */
+  force(place: number | Place, d: Vector, also: { energy?: boolean; stiffness?: boolean } = {}): Response {
     const { engine, args } = this;
-    this.put(node, d);
+    this.put(place, d);
     const status = engine.call('phn_force', this.model, this.data, args + at.tool, args + at.force,
       also.energy ? args + at.energy : 0, also.stiffness ? args + at.stiffness : 0);
     return {
@@ -113,33 +113,33 @@ export class Model extends Owner {
     };
   }
 
-  /** Displacements [m] of all output nodes, n x 3, with one tool at an active node. @param out  is filled and returned */
-  deform(node: number, d: Vector, out?: Float64Array): Float64Array {
-    this.put(node, d);
+  /** Displacements [m] of all output nodes, n x 3, with one tool. @param out  is filled and returned */
+  deform(place: number | Place, d: Vector, out?: Float64Array): Float64Array {
+    this.put(place, d);
     this.engine.call('phn_deform', this.model, this.data, this.args + at.tool, this.field_);
     return copied(this.engine.reals(this.field_, 3 * this.info.outputNodes.length), out);
   }
 
   /** Values of a scalar field at all output nodes. @param field  index of info.fields, or its name */
-  field(node: number, d: Vector, field: number | string, out?: Float64Array): Float64Array {
-    this.put(node, d);
+  field(place: number | Place, d: Vector, field: number | string, out?: Float64Array): Float64Array {
+    this.put(place, d);
     const index = typeof field === 'number' ? field : this.info.fields.findIndex((f) => f.name === field);
     this.engine.call('phn_field', this.model, this.data, this.args + at.tool, integer(index), this.field_);
     return copied(this.engine.reals(this.field_, this.info.outputNodes.length), out);
   }
 
-  /** Depth [m] of the trained range of a node in the direction of d; at rest the smallest of all directions. */
-  trainedDepth(node: number, d: Vector): number {
+  /** Depth [m] of the trained range in the direction of d; at rest the smallest of all directions. */
+  trainedDepth(place: number | Place, d: Vector): number {
     const { engine, args } = this;
-    this.put(node, d);
+    this.put(place, d);
     engine.call('phn_depth', this.model, args + at.tool, args + at.out);
     return engine.real(args + at.out);
   }
 
   /** Bound [N] of the error of a force; null where the model has none: outside of the trained range, or without `phynness calibrate`. */
-  bound(node: number, d: Vector): number | null {
+  bound(place: number | Place, d: Vector): number | null {
     const { engine, args } = this;
-    this.put(node, d);
+    this.put(place, d);
     const status = engine.f['phn_bound']!(this.model, args + at.tool, args + at.out);
     if (status === undefinedHere || warningsOf(status).includes('outside')) return null;
     if (status < 0) throw engine.error(status, 'phn_bound');
@@ -155,9 +155,9 @@ export class Model extends Owner {
     return { tool: toolFrom(engine, args + at.tool), point: engine.reals(args + at.force, 3).slice(), distance: engine.real(args + at.out) };
   }
 
-  /** Computes in advance what all deformations of a node have in common. */
-  prepare(node: number): void {
-    this.put(node, [0, 0, 0]);
+  /** Computes in advance what all deformations of a node or place have in common. */
+  prepare(place: number | Place): void {
+    this.put(place, [0, 0, 0]);
     this.engine.call('phn_prepare', this.model, this.data, this.args + at.tool);
   }
 
@@ -192,14 +192,10 @@ export class Model extends Owner {
     return new Contact(this.engine, this, this.model, max, this.info.outputNodes.length, null);
   }
 
-  /** The tool at a node. */
-  private put(node: number, d: Vector): void {
+  private put(place: number | Place, displacement: Vector): void {
     this.alive();
-    const { engine } = this, tool = this.args + at.tool;
-    engine.integers(tool + bytesOf('phn_tool.nodes'), 3).set([integer(node), -1, -1]);
-    engine.reals(tool + bytesOf('phn_tool.weights'), 3).set([1, 0, 0]);
-    putVector(engine, tool + bytesOf('phn_tool.displacement'), d, 'a vector');
-    engine.integers(tool + bytesOf('phn_tool.reserved'), 2).fill(0);
+    const tool = typeof place === 'number' ? toolAt(place, displacement) : { nodes: place.nodes, weights: place.weights, displacement };
+    putTool(this.engine, this.args + at.tool, tool);
   }
 }
 

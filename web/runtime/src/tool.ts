@@ -3,12 +3,15 @@ import { bytesOf, type Engine } from './engine.js';
 
 export type Vector = ArrayLike<number>;
 
-/** A tool that holds a point of the surface: up to three nodes of one triangle with weights that add up to 1. */
-export interface Tool {
-  nodes: readonly number[];
-  weights: readonly number[];
-  /** of the held point [m] */
-  displacement: Vector;
+/** A place of the surface: up to three nodes of one triangle with weights that add up to 1. */
+export interface Place {
+  readonly nodes: readonly number[];
+  readonly weights: readonly number[];
+}
+/** A tool that holds a place. */
+export interface Tool extends Place {
+  /** of the held place [m] */
+  readonly displacement: Vector;
 }
 
 /** A tool at a node. */

@@ -54,8 +54,8 @@ describe('Model', () => {
     expect(refusal(() => model.force([...active][0]!, [NaN, 0, 0])).statusName).toBe('PHN_ERROR_NOT_FINITE');
     expect(refusal(() => model.surface(7)).statusName).toBe('PHN_ERROR_ARGUMENT');
     expect(refusal(() => model.field([...active][0]!, [0, 0, 0], 'nothing')).status).toBeLessThan(0);
-    expect(() => model.force(1.5, [0, 0, 0])).toThrow('not an integer');
-    expect(() => model.force(2 ** 32 + [...active][0]!, [0, 0, 0])).toThrow('not an integer');
+    expect(() => model.force(1.5, [0, 0, 0])).toThrow('is not a node');
+    expect(() => model.force(2 ** 32 + [...active][0]!, [0, 0, 0])).toThrow('is not a node');
     expect(() => model.force([...active][0]!, [0, 0])).toThrow('2 numbers');
     expect(() => model.tools(1).set([toolAt(0, [0, 0, 0]), toolAt(1, [0, 0, 0])])).toThrow('made for 1');
   });

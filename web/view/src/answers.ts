@@ -1,8 +1,8 @@
 // What the runtime answers for tools and spheres: a model for one tool; a reduced body, if there is one, for two and for spheres.
-import type { Body, Contact, Model, ModelTools, Sphere, Tools, Touch, Warning } from '../../runtime/src/index.js';
+import type { Body, Contact, Model, Place, Sphere, Tools, Touch, Warning } from '../../runtime/src/index.js';
 import { PhynnessError } from '../../runtime/src/status.js';
 import { row, zero, type V3 } from '../../shared/src/vectors.js';
-import { meanAt, nodeOf, placeAt, type Place } from './places.js';
+import { meanAt, placeAt } from './places.js';
 
 export interface Answer {
   readonly warnings: readonly Warning[];
@@ -12,7 +12,7 @@ export interface Answer {
   readonly bounds: readonly (number | null)[];
   /** [J]; null in families without one */
   readonly energy: number | null;
-  /** of the training [m], in the direction of the only tool, if that is at a node */
+  /** of the training [m], in the direction of the only tool */
   readonly trainedDepth: number | null;
   /** of the spheres; empty for tools */
   readonly touches: readonly Touch[];
@@ -35,7 +35,6 @@ export class Runtime {
   /** displacements of the output nodes after hold() or touch(), n x 3 [m] */
   readonly field: Float64Array;
   readonly body: Body | null;
-  private readonly one: ModelTools;
   private readonly several: Tools | null;
   private readonly contact: Contact | null;
 
@@ -45,7 +44,6 @@ export class Runtime {
     this.rows = new Map([...outputNodes, ...fixedNodes].map((node, i) => [node, i]));
     this.field = new Float64Array(3 * outputNodes.length);
     this.body = bodyText === null ? null : model.body(bodyText);
-    this.one = model.tools(1);
     this.several = (this.body ?? model).tools(2);
     if (!this.body && activeNodes.length > 1) {
       const two = [...activeNodes.subarray(0, 2)].map((node) => held({ place: placeAt(node), displacement: zero }));
@@ -74,7 +72,7 @@ export class Runtime {
     });
   }
   partAt(place: Place): Part {
-    const rest = unlessRefused(() => this.one.set([held({ place, displacement: zero })]));
+    const rest = unlessRefused(() => this.model.force(place, zero));
     return rest === null ? 'untouchable' : rest.warnings.includes('outside') ? 'linear' : 'nonlinear';
   }
 
@@ -92,18 +90,12 @@ export class Runtime {
     return { ...nothing, warnings, forces: tools.map((_, i) => row(forces, i)), bounds: this.several.bounds(), energy: this.energy(energy) };
   }
   private holdOne({ place, displacement }: HeldPlace): Answer {
-    const node = nodeOf(place), { model } = this;
-    if (node === null || !this.active.has(node)) {
-      const { warnings, forces, energy } = this.one.set([held({ place, displacement })]);
-      this.one.deform(this.field);
-      return { ...nothing, warnings, forces: [row(forces, 0)], bounds: this.one.bounds(), energy: this.energy(energy) };
-    }
-    const { warnings, force, energy } = model.force(node, displacement, { energy: model.info.hasEnergy });
+    const { model, field } = this, { warnings, force, energy } = model.force(place, displacement, { energy: model.info.hasEnergy });
     // Models without deformations still have forces.
-    if (!unlessRefused(() => model.deform(node, displacement, this.field))) this.field.fill(0);
+    if (!unlessRefused(() => model.deform(place, displacement, field))) field.fill(0);
     return {
-      ...nothing, warnings, forces: [row(force, 0)], bounds: [model.bound(node, displacement)], energy: this.energy(energy ?? 0),
-      trainedDepth: model.trainedDepth(node, displacement),
+      ...nothing, warnings, forces: [row(force, 0)], bounds: [model.bound(place, displacement)], energy: this.energy(energy ?? 0),
+      trainedDepth: model.trainedDepth(place, displacement),
     };
   }
   /** The same under spheres; sphere i is the same one in every call. */
@@ -117,11 +109,9 @@ export class Runtime {
   endContact(): void {
     this.contact?.reset();
   }
-  /** Force that holds a place at d, of the model [N]. */
-  forceAt(place: Place, d: V3): V3 {
-    const node = nodeOf(place);
-    if (node !== null && this.active.has(node)) return row(this.model.force(node, d).force, 0);
-    return row(this.one.set([held({ place, displacement: d })]).forces, 0);
+  /** Values of a field of the model at the output nodes under one tool; null: not known. */
+  fieldOf({ place, displacement }: HeldPlace, field: number): Float64Array | null {
+    return unlessRefused(() => this.model.field(place, displacement, field));
   }
 
   private energy(joules: number): number | null {

@@ -4,7 +4,6 @@ import { roundedUp } from '../../shared/src/numbers.js';
 import { norm, row } from '../../shared/src/vectors.js';
 import type { HeldPlace, Runtime } from './answers.js';
 import type { NodeErrors } from './page_data.js';
-import { nodeOf } from './places.js';
 
 export interface MapValues {
   readonly scale: Scale;
@@ -60,11 +59,10 @@ export function mapsOf(runtime: Runtime, errors: NodeErrors | null): readonly Ma
     }, ''),
     ...fields.map((field, index) => live(`field:${field.name}`, titleOf(field.name), field.unit, 0, (tools, out) => {
       if (tools?.length === 0) return true;
-      const node = tools?.length === 1 ? nodeOf(tools[0]!.place) : null;
-      if (!tools || node === null) return false;
-      runtime.model.field(node, tools[0]!.displacement, index, out);
-      return true;
-    }, 'Grey: known for one tool at a node only')),
+      const values = tools?.length === 1 ? runtime.fieldOf(tools[0]!, index) : null;
+      if (values) out.set(values);
+      return values !== null;
+    }, 'Grey: known for one tool only')),
   ];
 }
 

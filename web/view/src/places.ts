@@ -1,11 +1,6 @@
 // Places of the surface that a tool can hold: a node, or a point between the nodes of a triangle.
+import type { Place } from '../../runtime/src/index.js';
 import { add, scale, zero, type V3 } from '../../shared/src/vectors.js';
-
-export interface Place {
-  readonly nodes: readonly number[];
-  /** barycentric, >= 0, with the sum 1 */
-  readonly weights: readonly number[];
-}
 
 export const placeAt = (node: number): Place => ({ nodes: [node], weights: [1] });
 

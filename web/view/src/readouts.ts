@@ -37,7 +37,7 @@ export function statesOf({ answer, tools, mode, limit, runtime, sphere }: Sessio
   if (alone && runtime.partAt(first!.place!) === 'linear')
     states.push(['fair', 'linear', 'This place was not trained: the force is linear in the displacement, and its error has no bound.']);
   else if (warnings.includes('outside'))
-    states.push(['beyond', 'beyond data', `Deeper than trained, or at a place that was not trained${alone ? '' : ' (one of the tools)'}: the error has no bound.`]);
+    states.push(['beyond', 'beyond data', `Deeper than trained${alone ? '' : ', or at a place that was not trained'}: the error has no bound.`]);
   if (mode === 'hold' && tools.some(({ at }) => norm(at) > 0.999 * limit))
     states.push(['fair', 'at its limit', `A tool stops at ${withUnit(limit, 'm', 3)}, twice the largest trained depth.`]);
   const scaled = Math.min(1, ...touches.filter(({ inContact }) => inContact).map((touch) => touch.scale));
@@ -109,7 +109,7 @@ export function curveOf({ held, runtime, data, answer, limit }: Session): PlotDa
   if (!tool || held.length !== 1 || depth === 0) return null;
   const { place, displacement } = tool, node = nodeOf(place), most = Math.min(limit, Math.max(runtime.model.info.maxDisplacement, 1.1 * depth));
   const depths = Array.from({ length: pieces + 1 }, (_, i) => (i / pieces) * most);
-  const forces = depths.map((d) => norm(runtime.forceAt(place, scale(d / depth, displacement))));
+  const forces = depths.map((d) => norm(vector(runtime.model.force(place, scale(d / depth, displacement)).force)));
   const ray = node === null ? null : nearestRay(data.rays, node, displacement);
   // Forces differ several times between directions: finite elements are drawn in the same one, or not.
   const isSame = ray !== null && dot(ray.direction, displacement) > (1 - 1e-9) * depth;

@@ -1,12 +1,12 @@
 // What touches the body, and what it answers. No page and no graphics.
-import type { Sphere } from '../../runtime/src/index.js';
+import type { Place, Sphere } from '../../runtime/src/index.js';
 import { PhynnessError } from '../../runtime/src/status.js';
 import { boundsOf, type Bounds } from '../../shared/src/camera.js';
-import { add, norm, scale, shortened, sub, vector, type V3 } from '../../shared/src/vectors.js';
+import { add, norm, scale, shortened, sub, type V3 } from '../../shared/src/vectors.js';
 import type { Answer, HeldPlace, Part, Runtime } from './answers.js';
 import { mapsOf, type MapKind } from './maps.js';
 import { alongRay, type PageData } from './page_data.js';
-import { meanAt, placeAt, type Place } from './places.js';
+import { meanAt, placeAt } from './places.js';
 
 /** A tool that holds a place of the surface, or a sphere. */
 export interface Tool {
@@ -94,11 +94,10 @@ export class Session {
     const { runtime } = this, { active, parts, rows } = runtime, distance = (node: number) => norm(sub(runtime.point(node), x));
     const nearest = (nodes: Iterable<number>) => [...nodes].reduce((best, node) => (distance(node) < distance(best) ? node : best));
     if (this.probedOnly) return { place: placeAt(nearest(active)), part: 'nonlinear' };
-    const { tool: { nodes, weights }, point } = runtime.model.nearest(x), place = { nodes, weights }, part = runtime.partAt(place);
+    const { tool: { nodes, weights }, distance: gap } = runtime.model.nearest(x), place = { nodes, weights };
     // The nearest place that can be touched may be far away.
-    const node = nearest(rows.keys()), beside = parts[rows.get(node)!]!;
-    const isFar = (beside === 'fixed' || beside === 'untouchable') && norm(sub(vector(point), x)) > distance(node);
-    return { place, part: isFar || (part === 'untouchable' && beside === 'fixed') ? beside : part };
+    const node = nearest(rows.keys()), beside = parts[rows.get(node)!]!, isFar = (beside === 'fixed' || beside === 'untouchable') && gap > distance(node);
+    return { place, part: isFar ? beside : runtime.partAt(place) };
   }
   /** Holds a place. @param spared  tools that must stay */
   hold(place: Place, spared: readonly Tool[] = []): Tool {

@@ -1,4 +1,5 @@
 // The page at work: draws a session when something changed.
+import type { Place } from '../../runtime/src/index.js';
 import { BodyPicture, unknown } from '../../shared/src/body_picture.js';
 import { framing, outsideOf, project, type Camera, type Size } from '../../shared/src/camera.js';
 import { coloursOf } from '../../shared/src/colour_maps.js';
@@ -12,7 +13,7 @@ import { Hands } from './hands.js';
 import { Marks } from './marks.js';
 import { onSurface } from './maps.js';
 import { partColours, partsLegend } from './parts.js';
-import { meanAt, type Place } from './places.js';
+import { meanAt } from './places.js';
 import { listenToPointers } from './pointer.js';
 import { digitsOf, Readouts } from './readouts.js';
 import type { Session, Tool } from './session.js';

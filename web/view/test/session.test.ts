@@ -65,7 +65,7 @@ describe('the curve', () => {
     hold(s, node, [0, 0, 0.004]);
     const { stored, curve } = curveOf(s)!, at = curve.depths.at(-1)!;
     expect(stored!.forces).toEqual([1, 2]);
-    expect(curve.forces.at(-1)).toBeCloseTo(norm(s.runtime.forceAt(placeAt(node), [0, 0, at])), 12);
+    expect(curve.forces.at(-1)).toBeCloseTo(norm(s.runtime.model.force(node, [0, 0, at]).force as unknown as V3), 12);
   });
   test('is along a stored direction if tools follow these', async () => {
     const node = (await session()).runtime.model.info.activeNodes[0]!, s = await session(ray(node));
