@@ -35,15 +35,13 @@ void print_mesh(const Mesh& mesh, const NodeSets& sets) {
 }
 
 /// Prints how spread points are distributed. @param covered  ascending
-/// @return the share of the area that can move, between them
-double tell_points(const Mesh& mesh, const std::vector<std::int32_t>& active, const std::vector<std::int32_t>& fixed,
-                   const std::vector<std::int32_t>& covered) {
+void tell_points(const Mesh& mesh, const std::vector<std::int32_t>& active, const std::vector<std::int32_t>& fixed,
+                 const std::vector<std::int32_t>& covered) {
   const auto spread = probe_spread(mesh.nodes, mesh.surface, active, fixed, covered);
   print_result(
       "points    {} spread over the surface, {:.3g} mm from their nearest neighbours in the median, {:.3g} mm at most; "
       "a tool is between them on {:.1f} % of the area that can move\n",
       active.size(), 1e3 * spread.median_m, 1e3 * spread.largest_m, 100 * spread.covered);
-  return spread.covered;
 }
 
 /// A ray that stopped short of the full depth.
@@ -227,17 +225,13 @@ json about_model(const std::filesystem::path& dir) {
   }
   if (const auto n = model.runtime().n_levels(); n > 1)
     print_result("levels    {}; phynness bench shows their sizes, errors and times\n", n);
-  json surface = nullptr;
-  if (m.covered.rows() > 0) {
-    const double probed = tell_points(model.mesh(), active, m.fixed, probed_nodes(m));
-    const auto nodes = m.covered.col(0);
-    const double all =
-        probe_spread(model.mesh().nodes, model.mesh().surface, active, m.fixed, {nodes.begin(), nodes.end()}).covered;
-    surface = record("nonlinear", probed, "linear", all - probed, "linear_points", m.linear_points.size());
-    if (!m.linear_points.empty())
-      print_result("elsewhere {} points answer as the body at rest: {:.1f} % of the area is linear\n",
-                   m.linear_points.size(), 100 * (all - probed));
-  }
+  const auto area = touched_area(m, model.mesh());
+  if (m.covered.rows() > 0) tell_points(model.mesh(), active, m.fixed, probed_nodes(m));
+  if (!m.linear_points.empty())
+    print_result("elsewhere {} points answer as the body at rest: {:.1f} % of the area is linear\n",
+                 m.linear_points.size(), 100 * area.linear);
+  const json surface =
+      record("nonlinear", area.nonlinear, "linear", area.linear, "linear_points", m.linear_points.size());
   json bounds = json::array();
   for (const auto& bound : m.bounds) {
     print_result("bounds    of the force's error{}, for {:g} % of random displacements; from {} rays at {} nodes\n",

@@ -396,6 +396,27 @@ void cover_surface(Model& model, const Mesh& mesh, double longest_m, bool spread
   for (const auto& [node, row] : rows) model.covered.row(at++) << node, row[0], row[1], row[2];
 }
 
+namespace {
+
+/// Share of the area of the triangles that can move whose corners are covered or fixed.
+double covered_share(const Points& nodes, const Triangles& surface, const NodeList& fixed, const NodeList& covered) {
+  double all = 0, known = 0;
+  for (Eigen::Index t = 0; t < surface.rows(); ++t) {
+    int n_fixed = 0, n_covered = 0;
+    for (int k = 0; k < 3; ++k) {
+      n_fixed += std::ranges::binary_search(fixed, surface(t, k));
+      n_covered += std::ranges::binary_search(covered, surface(t, k));
+    }
+    if (n_fixed == 3) continue;
+    const double area = normal_of(corners_of(nodes, surface, t)).norm();
+    all += area;
+    known += n_fixed + n_covered == 3 ? area : 0;
+  }
+  return all > 0 ? known / all : 0;
+}
+
+}  // namespace
+
 ProbeSpread probe_spread(const Points& nodes, const Triangles& surface, const NodeList& probed, const NodeList& fixed,
                          const NodeList& covered) {
   const SurfaceWays ways(nodes, surface);
@@ -403,24 +424,19 @@ ProbeSpread probe_spread(const Points& nodes, const Triangles& surface, const No
   const auto nearest = known_distances(nearest_neighbours(ways, cells, surface, probed.size()));
   ProbeSpread spread;
   if (!nearest.empty()) spread = {nearest[nearest.size() / 2], nearest.back(), 0};
-  double all = 0, known = 0;
-  const auto is_in = [](const NodeList& list, std::int32_t i) {
-    return std::binary_search(list.begin(), list.end(), i);
-  };
-  for (Eigen::Index t = 0; t < surface.rows(); ++t) {
-    const auto corners = corners_of(nodes, surface, t);
-    int n_fixed = 0, n_covered = 0;
-    for (int k = 0; k < 3; ++k) {
-      n_fixed += is_in(fixed, surface(t, k));
-      n_covered += is_in(covered, surface(t, k));
-    }
-    if (n_fixed == 3) continue;
-    const double area = normal_of(corners).norm();
-    all += area;
-    known += n_fixed + n_covered == 3 ? area : 0;
-  }
-  spread.covered = all > 0 ? known / all : 0;
+  spread.covered = covered_share(nodes, surface, fixed, covered);
   return spread;
+}
+
+TouchedArea touched_area(const Model& model, const Mesh& mesh) {
+  const NodeList touched = probed_nodes(model);
+  TouchedArea area;
+  area.nonlinear = covered_share(mesh.nodes, mesh.surface, model.fixed, touched);
+  const auto nodes = model.covered.col(0);
+  NodeList all;
+  std::ranges::set_union(touched, nodes, std::back_inserter(all));
+  area.linear = covered_share(mesh.nodes, mesh.surface, model.fixed, all) - area.nonlinear;
+  return area;
 }
 
 }  // namespace phynness

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/error.hpp>
+#include <phynness/meshes/probe_points.hpp>
 #include <phynness/pages/report.hpp>
 #include <phynness/validation/force_unit.hpp>
 #include <phynness/validation/locking.hpp>
@@ -58,6 +59,7 @@ Json conditions(const Validated& in, const std::string& software) {
         "with the mesh size."));
   for (const auto& part : in.not_done()) blocks.push_back(warning(part));
   const auto [nearest, farthest] = std::ranges::minmax(v.fixed_distance_m);
+  const auto area = touched_area(model, in.model.mesh());
   blocks.push_back(facts(
       {{"", "value"},
        {"law", name(scene.material.law)},
@@ -68,6 +70,7 @@ Json conditions(const Validated& in, const std::string& software) {
                             in.model.mesh().cells.cols() == 3 ? "triangles of a shell" : "tetrahedra")},
        {"nodes fixed, active, output",
         fmt::format("{}, {}, {}", model.fixed.size(), model.nodes.size(), model.output.size())},
+       {"area nonlinear, linear", fmt::format("{:.1f} %, {:.1f} %", 100 * area.nonlinear, 100 * area.linear)},
        {"probe", name(scene.probe.kind)},
        {"trained range R", fmt::format("{:.4g} mm", 1e3 * scene.probe.max_displacement_m)},
        {"directions, increments", fmt::format("{}, {}", model.directions.size(), scene.probe.increments)},

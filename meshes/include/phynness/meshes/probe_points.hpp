@@ -56,6 +56,13 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
 /// @param spread     the active nodes have coordinates between them; if not, they are all nodes of a part
 void cover_surface(Model& model, const Mesh& mesh, double longest_m, bool spread = true);
 
+/// Shares of the area that can move where a tool is answered by active nodes alone, and where linear points have a
+/// part.
+struct TouchedArea {
+  double nonlinear = 0, linear = 0;
+};
+TouchedArea touched_area(const Model& model, const Mesh& mesh);
+
 /// How far apart probed nodes are, and how much of the surface they answer for.
 struct ProbeSpread {
   double median_m = 0, largest_m = 0;  ///< distance of a node from its nearest neighbour along the surface
