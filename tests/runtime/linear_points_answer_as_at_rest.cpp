@@ -121,6 +121,23 @@ TEST_P(LinearPoints, JoinThoseThatWereProbed) {
   }
 }
 
+// Claim: the force changes continuously on a slide from a probed point to a linear one, also over a covered node
+// between them: in a thousandth of an edge by no more than a few thousandths, for gradients enter with products of
+// weights.
+TEST_P(LinearPoints, SlideWithoutAJump) {
+  for (const auto& [from, to] : {std::pair(3, 10), std::pair(10, 11), std::pair(5, 11), std::pair(12, 13)}) {
+    const auto force_at = [&](double share) {
+      return at(of_whole, place_at(to, from, -1, share, 1 - share), pressed).force;
+    };
+    Eigen::Vector3d last = force_at(0);
+    for (int i = 1; i <= 1000; ++i) {
+      const Eigen::Vector3d next = force_at(i / 1000.0);
+      EXPECT_LT((next - last).norm(), 5e-3 * (force_at(0).norm() + force_at(1).norm())) << from << " " << i;
+      last = next;
+    }
+  }
+}
+
 // Claim: forces are gradients of the energy there, too. Central differences over 1e-6 m leave 1e-7.
 TEST_P(LinearPoints, HaveForcesThatAreGradients) {
   if (!has_energy) return;

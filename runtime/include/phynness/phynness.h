@@ -123,9 +123,9 @@ PHN_API int phn_data_init(void* memory, size_t bytes, const phn_model* model, in
 
 /* A tool: a place of the surface, which it holds, and the displacement of this place. A place is up to three nodes of
  * one triangle with barycentric weights, which are >= 0 and have the sum 1. Each node is active, fixed, or covered:
- * answered from up to three active nodes around it. In a model of round tools (patch probes that move a mean; model.txt
- * says `mean` at each node) the tool is the round one whose middle is the place. Another struct of the headers has its
- * own reserved words. */
+ * answered from up to three points around it, active nodes or, where the model is linear, others. In a model of round
+ * tools (patch probes that move a mean; model.txt says `mean` at each node) the tool is the round one whose middle is
+ * the place. Another struct of the headers has its own reserved words. */
 typedef struct phn_tool {
   int32_t nodes[3]; /* -1: unused */
   double weights[3];
@@ -155,8 +155,9 @@ PHN_API int phn_nearest(const phn_model* model, const double x[3], phn_tool* too
  * A round tool between nodes has a mean of the energies of the tools at the nodes around it for the same displacement
  * (docs/theory.md, (x)); force and stiffness are its derivatives. Family rbfn has the same mean of the forces. They are
  * continuous where the tool slides over edges and nodes. Fixed nodes of the triangle do not count; where their weights
- * exceed 0.3, the tool is PHN_WARNING_OUTSIDE at any displacement. A warning of any active node of the triangle, or
- * around its covered nodes, is one of the tool. Cost: about 12 forces.
+ * exceed 0.3, the tool is PHN_WARNING_OUTSIDE at any displacement. So it is, but in family linear, where points have a
+ * part that were not probed and answer as the body at rest. A warning of any active node of the triangle, or around its
+ * covered nodes, with more than 1e-5 of the weight is one of the tool. Cost: about 12 forces.
  * Node probes between nodes are coupled, as by phn_couple of one tool (phynness_tools.h); they have no stiffness
  * (PHN_ERROR_UNDEFINED).
  *
