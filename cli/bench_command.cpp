@@ -15,14 +15,14 @@ json estimated(double error) { return error > 0 ? json(error) : json(nullptr); }
 std::string percent(double error) { return error > 0 ? fmt::format("{:.3f}", 100 * error) : "-"; }
 
 void run(const Options& options) {
-  LoadedModel model(options.model);
-  const std::int32_t n = model.runtime().n_levels();
+  NamedOrgan model(options.model);
+  const std::int32_t n = model.info().n_levels;
   json levels = json::array();
   print_result("{:<6} {:>13} {:>19} {:>6} {:>10} {:>14} {:>9} {:>15}\n", "level", "force centers",
                "deformation centers", "modes", "force us", "deformation us", "force %", "displacement %");
   for (std::int32_t l = 0; l < n; ++l) {
     phn_level info;
-    model.runtime().level_info(l, info).ignore();
+    phn_level_info(model.organ().model(), l, &info);
     model.set_level(l);
     const auto time = measure_speed(model);
     print_result("{:<6} {:>13} {:>19} {:>6} {:>10.3f} {:>14.3f} {:>9} {:>15}\n", l, info.force_centers,

@@ -80,7 +80,7 @@ void require_all(const BoundReport& report) {
 }
 
 /// Bounds of the body in place of the model's.
-void run_for_body(const SolverSession& session, const Database& database, const LoadedModel& model,
+void run_for_body(const SolverSession& session, const Database& database, const NamedOrgan& model,
                   const BoundSpec& spec, const Options& options) {
   ReducedBody body;
   session.together([&] {
@@ -114,7 +114,7 @@ void run(const Options& given) {
     check_place("MODEL_DIR", options.output = options.model, PathKind::model);
   install_stop_handler();
   const SolverSession session;
-  std::optional<LoadedModel> model;
+  std::optional<NamedOrgan> model;
   std::optional<Database> database;
   session.together([&] {
     model.emplace(options.model);

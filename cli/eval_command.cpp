@@ -3,9 +3,8 @@
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/vtk.hpp>
-#include <phynness/phynness_surface.hpp>
-#include <phynness/validation/loaded_body.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/validation/fine_surface.hpp>
+#include <phynness/validation/named_organ.hpp>
 
 #include "commands.hpp"
 #include "query_table.hpp"
@@ -27,28 +26,16 @@ struct Options {
 /// Newton's steps of a body for each increment from rest.
 constexpr std::int32_t body_steps = 60;
 
-LoadedModel loaded(const Options& options) {
-  LoadedModel model(options.model);
+NamedOrgan loaded(const Options& options) {
+  NamedOrgan model(options.model);
   if (options.level) model.set_level(*options.level);
   return model;
 }
-std::optional<LoadedBody> loaded_body(const Options& options, const LoadedModel& model) {
-  std::optional<LoadedBody> body;
-  if (options.body) body.emplace(*options.body).require_mesh(model.model().mesh_hash, options.model.string());
+std::optional<NamedOrgan> loaded_body(const Options& options, const NamedOrgan& model) {
+  if (!options.body) return std::nullopt;
+  auto body = NamedOrgan::body(*options.body, body_steps);
+  model.require_same("the body " + body.name(), body.body_info().mesh_hash, model.info().provenance.physics_hash);
   return body;
-}
-
-/// Of a body; the displacements are those of its nodes.
-ModelResponse respond(LoadedBody& body, const std::vector<phn_tool>& tools) {
-  const auto said = body.press_from_rest(tools, increments_from_rest, body_steps);
-  ModelResponse response;
-  response.force_N.assign(said.force_N.begin(), said.force_N.end());
-  response.energy_J = said.pressed.energy;
-  response.displacement_m = said.displacement_m;
-  response.status = said.status;
-  response.coupled = {said.pressed.behind_m, said.pressed.energy};
-  if (body.has_bounds()) response.bound_N = said.bound_N;
-  return response;
 }
 
 /// Of a body at other nodes, zeros inside of it.
@@ -79,34 +66,30 @@ std::string obj_text(const VtkGrid& grid, const Eigen::MatrixXd& displacement, c
 /// @param levels          0 ... 6
 /// @return number of vertices
 /// @throws Error (input) if the model has no surface, or if the surface cannot be subdivided that often
-std::int32_t write_fine_surface(const LoadedModel& model, const Points& displacement_m, int levels,
+std::int32_t write_fine_surface(const NamedOrgan& model, const Points& displacement_m, int levels,
                                 const std::filesystem::path& file, const std::string& title) {
-  const rt::Surface surface(model.runtime(), levels);
+  FineSurface surface(model.organ().model(), levels);
   if (surface.status() == PHN_ERROR_UNDEFINED)
     throw input_error(
         "the model has no surface", file.string(),
         "its triangles connect output and fixed nodes: select the surface as nodes.output and train again");
-  if (!surface)
+  if (surface.status() < 0)
     throw input_error("the surface cannot be subdivided", fmt::format("--subdivide {}", levels),
-                      std::string("use fewer levels (") + surface.status().message() + ")");
+                      std::string("use fewer levels (") + phn_status_message(surface.status()) + ")");
   const auto n = surface.n_vertices();
-  std::vector<float> scratch(surface.n_scratch());
-  using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
-  FloatRows fine(n, 3);
-  const rt::Status status =
-      surface.deform(scratch, {displacement_m.data(), static_cast<std::size_t>(displacement_m.size())},
-                     {fine.data(), static_cast<std::size_t>(fine.size())});
-  if (!status.ok())
-    throw failure("the runtime cannot deform the surface", status.message(), "please report this defect");
+  using FloatRows = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>;
+  if (const int status = surface.deform(displacement_m.data()); status < 0)
+    throw failure("the runtime cannot deform the surface", phn_status_message(status), "please report this defect");
 
   VtkGrid grid;
-  grid.points = Eigen::Map<const FloatRows>(surface.points().data(), n, 3).cast<double>();
+  grid.points = FloatRows(surface.points().data(), n, 3).cast<double>();
   grid.cells = Eigen::Map<const Eigen::Matrix<std::int32_t, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-      surface.triangles().data(), static_cast<Eigen::Index>(surface.triangles().size() / 3), 3);
-  for (const auto part : {model.runtime().output_nodes(), model.runtime().fixed_nodes()})
-    grid.node_numbers.insert(grid.node_numbers.end(), part.begin(), part.end());
+      surface.triangles(), surface.n_triangles(), 3);
+  const auto& info = model.info();
+  grid.node_numbers.assign(info.output_nodes, info.output_nodes + info.n_output);
+  grid.node_numbers.insert(grid.node_numbers.end(), info.fixed_nodes, info.fixed_nodes + info.n_fixed);
   grid.node_numbers.resize(static_cast<std::size_t>(n), -1);
-  const Eigen::MatrixXd displacement = fine.cast<double>();
+  const Eigen::MatrixXd displacement = FloatRows(surface.displacements.data(), n, 3).cast<double>();
   if (file.extension() == ".obj") {
     write_text_file(file, obj_text(grid, displacement, title));
   } else {
@@ -123,18 +106,18 @@ std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places, const st
 
 /// Of every tool that is displaced farther than a node below it was trained: both lengths; of several without such a
 /// one what else it may be. "": the status says no such thing.
-std::string lengths_outside(const LoadedModel& model, const std::optional<LoadedBody>& body, int status,
+std::string lengths_outside(const NamedOrgan& model, const std::optional<NamedOrgan>& body, int status,
                             const std::vector<SurfacePoint>& places, const std::vector<Vec3>& displacements) {
   std::string text;
   if ((status & PHN_WARNING_OUTSIDE) == 0) return text;
   if (body) {
-    const double trained_m = body->info().max_displacement_m;
+    const double trained_m = body->body_info().max_displacement_m;
     for (const Vec3& d : displacements)
       if (const double length_m = std::hypot(d[0], d[1], d[2]); length_m > trained_m)
         text += fmt::format("\n  {:.4g} m, the body was trained to {:.4g} m", length_m, trained_m);
     return text.empty() ? "\n  no displacement is longer: near a tool there is no probed point" : text;
   }
-  const auto active = model.runtime().active_nodes();
+  const auto active = model.active_nodes();
   for (std::size_t t = 0; t < places.size(); ++t) {
     const Vec3& d = displacements[t];
     const double length_m = std::hypot(d[0], d[1], d[2]);
@@ -153,11 +136,11 @@ std::string lengths_outside(const LoadedModel& model, const std::optional<Loaded
 }
 
 /// Columns behind those of the query; energy and bound only if the model has them.
-std::string answer_of(const LoadedModel& model, std::optional<LoadedBody>& body, const Query& query, bool has_energy,
+std::string answer_of(const NamedOrgan& model, std::optional<NamedOrgan>& body, const Query& query, bool has_energy,
                       bool has_bounds) {
   const auto& [node, d] = query;
   if (body) {
-    const auto said = respond(*body, {tool_at(at_node(node), d)});
+    const auto said = body->hold_from_rest({tool_at(node, d)}, increments_from_rest);
     const Vec3& f = *said.force_N[0];
     auto text = fmt::format(",{},{},{},{},{}", f[0], f[1], f[2], *said.energy_J, said.status);
     if (has_bounds) text += said.bound_N[0] ? fmt::format(",{}", *said.bound_N[0]) : ",";
@@ -165,7 +148,8 @@ std::string answer_of(const LoadedModel& model, std::optional<LoadedBody>& body,
   }
   Vec3 f{};
   double energy = 0;
-  const rt::Status status = has_energy ? model.data().force(node, d, f, energy) : model.data().force(node, d, f);
+  const phn_tool tool = tool_at(node, d);
+  const Organ::Status status = has_energy ? model.organ().hold(tool, f, energy) : model.organ().hold(tool, f);
   if (!status.ok()) throw failure(status.message(), fmt::format("node {}", node), "give a smaller displacement");
   std::string text = fmt::format(",{},{},{}", f[0], f[1], f[2]);
   if (has_energy) text += fmt::format(",{}", energy);
@@ -177,18 +161,18 @@ std::string answer_of(const LoadedModel& model, std::optional<LoadedBody>& body,
 
 /// --queries replaces the options of a single query, and its result is a table.
 void run_queries(const Options& options) {
-  const LoadedModel model = loaded(options);
+  const NamedOrgan model = loaded(options);
   auto body = loaded_body(options, model);
-  const bool has_energy = body || model.runtime().info().has_energy != 0,
+  const bool has_energy = body || model.info().has_energy != 0,
              has_bounds = body ? body->has_bounds() : model.has_bounds();
-  const auto active = model.runtime().active_nodes();
+  const auto active = model.active_nodes();
   QueryAnswers answers;
   answers.command = "eval";
   answers.columns = fmt::format(",fx_N,fy_N,fz_N{},status{}{}", has_energy ? ",energy_J" : "",
                                 body ? "" : ",trained_depth_m", has_bounds ? ",bound_N" : "");
   answers.check = [&](const Query& query) {
     if (body)
-      body->press({tool_at(at_node(query.node), {0, 0, 0})}, 1);  // throws an error if nothing there can move
+      body->hold({tool_at(query.node, {0, 0, 0})});  // throws an error if nothing there can move
     else if (!std::binary_search(active.begin(), active.end(), query.node))
       model.force(query.node, {0, 0, 0});  // throws an error with the nearest active nodes
   };
@@ -196,7 +180,7 @@ void run_queries(const Options& options) {
   answer_queries(options.queries, answers);
 }
 
-void print_bound(const LoadedModel& model, const std::optional<LoadedBody>& body, int status,
+void print_bound(const NamedOrgan& model, const std::optional<NamedOrgan>& body, int status,
                  const std::optional<double>& bound_N) {
   if (bound_N)
     print_result(
@@ -217,14 +201,14 @@ void run_single(const Options& options) {
   if (options.tools == "paper" && !options.tool.points.empty())
     throw input_error("--tools paper is only defined for tools at nodes", "--point " + options.tool.points.front(),
                       "use --tools coupled, or use --node");
-  const LoadedModel model = loaded(options);
+  const NamedOrgan model = loaded(options);
   auto body = loaded_body(options, model);
   const auto places = options.tool.places(model.mesh());
   const bool coupled = options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty() || body);
   const auto tools = tools_at(places, displacements);
-  const auto response = body      ? respond(*body, tools)
-                        : coupled ? model.couple(tools)
-                                  : model.respond(options.tool.nodes, displacements);
+  const auto response = body      ? body->hold_from_rest(tools, increments_from_rest)
+                        : coupled ? model.hold(tools)
+                                  : model.blend(options.tool.nodes, displacements);
   const auto& wanted = options.tool.deformation_csv ? options.tool.deformation_csv : options.surface;
   if (response.displacement_m.rows() == 0 && wanted)
     throw input_error("this model has forces only", wanted->string(),
@@ -232,7 +216,7 @@ void run_single(const Options& options) {
   if (response.status > 0)
     message("warning: {}{}\n", phn_status_message(response.status),
             lengths_outside(model, body, response.status, places, displacements));
-  json extra = record("status", response.status, "family", model.runtime().info().family, "level", model.level());
+  json extra = record("status", response.status, "family", model.info().family, "level", model.level());
   const bool single = !coupled && places.size() == 1, bounded = single && model.has_bounds();
   std::optional<double> bound_N;
   if (single) {
@@ -242,13 +226,13 @@ void run_single(const Options& options) {
   if (options.body) extra["body"] = options.body->string();
   if (bounded) extra["bound_N"] = bound_N ? json(*bound_N) : json(nullptr);
   const auto& bounds = response.bound_N;  // of coupled tools
-  if (coupled) extra["residual"] = response.coupled.residual;
+  if (coupled) extra["residual"] = response.report.residual_m;
   for (const auto& bound : bounds) extra["bounds_N"].push_back(bound ? json(*bound) : json(nullptr));
-  const auto& info = model.runtime().info();
-  const auto all = model.runtime().output_nodes();
+  const auto& info = model.info();
+  const auto all = model.output_nodes();
   const std::vector<std::int32_t> output(all.begin(), all.end());
   ToolResult result{response.force_N, response.energy_J, response.displacement_m, output, {}};
-  if (body) result.nodes.assign(body->info().nodes, body->info().nodes + body->info().n_nodes);
+  if (body) result.nodes.assign(body->body_info().nodes, body->body_info().nodes + body->body_info().n_nodes);
   for (Eigen::Index f = 0; f < response.fields.cols(); ++f) {
     const std::string field = info.field_names[f];
     const auto known = field_named(field);
@@ -257,7 +241,7 @@ void run_single(const Options& options) {
   report_tools(options.tool, places, displacements, model.mesh(), result, extra, [&] {
     if (!options.surface) return;
     const auto& u = response.displacement_m;
-    const auto n = write_fine_surface(model, body ? on_output(body->info(), u, output) : u, options.levels,
+    const auto n = write_fine_surface(model, body ? on_output(body->body_info(), u, output) : u, options.levels,
                                       *options.surface, info.title);
     message("surface of {} vertices: {}\n", n, options.surface->string());
   });

@@ -2,7 +2,7 @@
 #include <phynness/formats/image.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/training/families.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/validation/named_organ.hpp>
 
 #include "commands.hpp"
 
@@ -46,14 +46,13 @@ void run(const Options& options) {
   check_name(options.name);
   for (const auto* suffix : {".h", ".c", ".bin", "_golden.h", "_golden.c"})
     declare_output("--output", options.output / (options.name + suffix));
-  const LoadedModel loaded(options.model);
+  const NamedOrgan loaded(options.model);
   const Model& model = loaded.model();
   ImageOptions kind = options.image;
   const bool deforms = !schema::traits(model.family).has_modes || sizes_of(model).modes > 0;
   kind.force_only = kind.force_only || model.output.empty() || !deforms;
   const ModelImage image = model_image(model, kind);
-  auto queries =
-      golden_queries(loaded.model(), loaded.runtime(), loaded.data(), image, std::max(options.golden, least_queries));
+  auto queries = golden_queries(loaded.model(), loaded.organ(), image, std::max(options.golden, least_queries));
   const std::size_t n_measured = queries.query.size();
   queries.query.resize(options.golden);
   queries.place.resize(std::min(queries.place.size(), options.golden / 4));

@@ -8,8 +8,7 @@
 #include <phynness/meshes/probe_points.hpp>
 #include <phynness/schema/body_grammar.hpp>
 #include <phynness/training/families.hpp>
-#include <phynness/validation/loaded_body.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/validation/named_organ.hpp>
 #include <set>
 
 #include "commands.hpp"
@@ -208,7 +207,7 @@ json about_image(const std::filesystem::path& file) {
 }
 
 json about_model(const std::filesystem::path& dir) {
-  const LoadedModel model(dir);
+  const NamedOrgan model(dir);
   const auto& m = model.model();
   std::vector<std::int32_t> active;
   for (const auto& node : m.nodes) active.push_back(node.node);
@@ -223,7 +222,7 @@ json about_model(const std::filesystem::path& dir) {
                  field.modes.cols(), field.scale);
     fields.push_back(field.name);
   }
-  if (const auto n = model.runtime().n_levels(); n > 1)
+  if (const auto n = model.info().n_levels; n > 1)
     print_result("levels    {}; phynness bench shows their sizes, errors and times\n", n);
   const auto area = touched_area(m, model.mesh());
   if (m.covered.rows() > 0) tell_points(model.mesh(), active, m.fixed, probed_nodes(m));
@@ -239,14 +238,14 @@ json about_model(const std::filesystem::path& dir) {
     bounds.push_back(record("coverage", bound.coverage, "rays", bound.n_rays, "nodes", bound.n_nodes, "reference",
                             reference_names.at(static_cast<std::size_t>(bound.reference))));
   }
-  const json provenance = tell_provenance(model.runtime().info().provenance);
-  print_result("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n", bytes(model.text_bytes()),
-               bytes(model.mesh_text_bytes()), bytes(model.memory_bytes()));
+  const json provenance = tell_provenance(model.info().provenance);
+  print_result("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n", bytes(model.text().size()),
+               bytes(model.mesh_text_bytes()), bytes(model.organ().constant_bytes()));
   return record("kind", "model", "family", name(m.family), "model_hash", model.hash(), "mesh_hash", m.mesh_hash,
                 "physics_hash", m.physics_hash, "active", active, "deformation_neurons", sizes.deformation_neurons,
                 "force_neurons", sizes.force_neurons, "force_centers", sizes.force_centers, "modes", sizes.modes,
-                "levels", model.runtime().n_levels(), "fields", fields, "bounds", bounds, "surface", surface,
-                "provenance", provenance, "model_text_bytes", model.text_bytes(), "memory_bytes", model.memory_bytes());
+                "levels", model.info().n_levels, "fields", fields, "bounds", bounds, "surface", surface, "provenance",
+                provenance, "model_text_bytes", model.text().size(), "memory_bytes", model.organ().constant_bytes());
 }
 
 /// By the first word, whatever the name of the file.
@@ -258,10 +257,11 @@ bool is_body(const std::filesystem::path& file) {
 }
 
 json about_body(const std::filesystem::path& file) {
-  const LoadedBody body(file);
-  const auto& info = body.info();
+  const auto body = NamedOrgan::body(file);
+  const auto& info = body.body_info();
   const auto text = read_body_text(body.text(), file.string());
-  const auto state_bytes = body.state_bytes(2);
+  std::size_t state_bytes = 0;
+  phn_body_state_size(body.organ().body(), 2, &state_bytes);
   print_result("body      {}: law {}, {} modes, {} cells, {} pressures\n", file.string(), info.law, info.n_modes,
                info.n_cells, info.n_pressures);
   print_result("mesh      {}, physics {}: {} nodes and {} triangles of the surface\n", info.mesh_hash,
@@ -275,13 +275,13 @@ json about_body(const std::filesystem::path& file) {
   else
     print_result("bounds    none; phynness calibrate --body adds them\n");
   print_result("size      {}, {} in the runtime's memory, {} for a state of 2 tools\n", bytes(body.text().size()),
-               bytes(body.memory_bytes()), bytes(state_bytes));
+               bytes(body.organ().constant_bytes()), bytes(state_bytes));
   const json bounds = body.has_bounds() ? record("coverage", text.coverage, "rays", text.n_rays) : json(nullptr);
   return record("kind", "body", "mesh_hash", info.mesh_hash, "physics_hash", info.physics_hash, "law", info.law,
                 "nodes", info.n_nodes, "triangles", info.n_triangles, "modes", info.n_modes, "cells", info.n_cells,
                 "pressures", info.n_pressures, "tool_radius_m", info.tool_radius_m, "max_displacement_m",
                 info.max_displacement_m, "bounds", bounds, "body_bytes", body.text().size(), "memory_bytes",
-                body.memory_bytes(), "state_bytes", state_bytes);
+                body.organ().constant_bytes(), "state_bytes", state_bytes);
 }
 
 json about_scene(const std::filesystem::path& file) {

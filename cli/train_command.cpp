@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <fstream>
 #include <phynness/training/families.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/validation/named_organ.hpp>
 
 #include "commands.hpp"
 
@@ -92,7 +92,7 @@ FinerDistance distance_of(const std::filesystem::path& file, const Scene& scene,
 }
 
 struct Trained {
-  std::optional<LoadedModel> loaded;
+  std::optional<NamedOrgan> loaded;
   TrainingReport report;
   std::vector<Field> stored;  ///< fields of the database
 };
@@ -144,7 +144,7 @@ void print(const Trained& t, const std::filesystem::path& output) {
   print_fields(model, report, t.stored);
   if (report.n_skipped > 0)
     message("warning: {} active nodes have no converged increment and are omitted from the model\n", report.n_skipped);
-  print_result("model.txt {}, mesh.txt {} -> {}\n", bytes(t.loaded->text_bytes()), bytes(t.loaded->mesh_text_bytes()),
+  print_result("model.txt {}, mesh.txt {} -> {}\n", bytes(t.loaded->text().size()), bytes(t.loaded->mesh_text_bytes()),
                output.string());
 }
 
@@ -158,7 +158,7 @@ json to_json(const Trained& t) {
              sizes.deformation_neurons, "force_neurons", sizes.force_neurons, "deformation_spread",
              report.deformation_spread, "force_spread", report.force_spread, "mean_deformation_mse",
              report.mean_deformation_mse, "mean_force_mse", report.mean_force_mse, "seconds", report.seconds,
-             "model_bytes", t.loaded->text_bytes(), "mesh_bytes", t.loaded->mesh_text_bytes());
+             "model_bytes", t.loaded->text().size(), "mesh_bytes", t.loaded->mesh_text_bytes());
   for (const auto& figure : operations(model.family).figures(report))
     out[name(model.family)][figure.key] = figure.value;
   for (const auto& level : model.levels)

@@ -28,15 +28,15 @@ struct Options {
 /// Scene, model and body, loaded on every rank and checked by the first.
 Validated load(const Options& options, const SolverSession& session) {
   Scene scene;
-  std::optional<LoadedModel> loaded;
-  std::optional<LoadedBody> body;
+  std::optional<NamedOrgan> loaded;
+  std::optional<NamedOrgan> body;
   session.together([&] {
     scene = open_scene(options.scene);
     loaded.emplace(options.model);
     if (options.level) loaded->set_level(*options.level);
     if (options.body) {
-      body.emplace(*options.body);
-      loaded->require_same("the body " + body->name(), body->info().mesh_hash, body->info().physics_hash);
+      body = NamedOrgan::body(*options.body);
+      loaded->require_same("the body " + body->name(), body->body_info().mesh_hash, body->body_info().physics_hash);
     }
     if (options.pairs > 0 && !body && loaded->has_round_tools())
       throw input_error("--pairs needs a body: a model of round tools answers one tool", options.model.string(),
@@ -50,9 +50,9 @@ Validated load(const Options& options, const SolverSession& session) {
 }
 
 /// @throws Error (input) if the model has forces only
-void require_deformations(const Options& options, const LoadedModel& model) {
+void require_deformations(const Options& options, const NamedOrgan& model) {
   if (!model.model().nodes.empty() &&
-      model.respond({model.model().nodes.front().node}, {Vec3{}}).displacement_m.rows() == 0)
+      model.blend({model.model().nodes.front().node}, {Vec3{}}).displacement_m.rows() == 0)
     throw input_error("coupled tools need deformations, but the model has forces only", options.model.string(),
                       "omit --points and --pairs, or train the model with modes");
 }
@@ -69,7 +69,7 @@ std::optional<Error> try_part(const Part& part) {
 }
 
 /// Of the database on which a model of the scene was trained.
-DatabaseHeader header_of(const Scene& scene, const LoadedModel& model) {
+DatabaseHeader header_of(const Scene& scene, const NamedOrgan& model) {
   NodeSets sets{model.model().fixed, {}, model.model().output};
   for (const auto& node : model.model().nodes) sets.active.push_back(node.node);
   return database_header(scene, model.mesh(), sets);
@@ -78,7 +78,7 @@ DatabaseHeader header_of(const Scene& scene, const LoadedModel& model) {
 void measure(const Options& options, const SolverSession& session, Validated& v) {
   const auto& scene = v.scene;
   const auto& model = v.model;
-  LoadedBody* const body = v.body ? &*v.body : nullptr;
+  const NamedOrgan* const body = v.body ? &*v.body : nullptr;
   const bool bounded = !schema::traits(model.model().family).proportional;
   const auto probes = options.probes.value_or(sizes_of_checks(scene, header_of(scene, model), bounded).probes);
   v.report = validate(session, scene, model, probes, v.seed, Progress("validate", "rays").counter(), stop_requested,

@@ -1,8 +1,7 @@
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/pages/pages.hpp>
-#include <phynness/validation/loaded_body.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/validation/named_organ.hpp>
 #include <tuple>
 
 #include "commands.hpp"
@@ -52,7 +51,7 @@ Error wrong_errors(const std::filesystem::path& file, const std::string& why) {
 }
 
 /// @throws Error (input) unless the file holds the hashes of this model and its mesh, and errors of the whole model
-void require_same_model(const std::filesystem::path& file, const json& whole, const LoadedModel& loaded) {
+void require_same_model(const std::filesystem::path& file, const json& whole, const NamedOrgan& loaded) {
   for (const auto& [key, name, own] :
        {std::tuple{"mesh_hash", "mesh", loaded.model().mesh_hash}, {"model_hash", "model", loaded.hash()}}) {
     const auto found = whole.value(key, json());
@@ -68,7 +67,7 @@ void require_same_model(const std::filesystem::path& file, const json& whole, co
 }
 
 /// The mean errors by node from a file of `validate --json`.
-json errors_json(const std::filesystem::path& file, const LoadedModel& loaded) {
+json errors_json(const std::filesystem::path& file, const NamedOrgan& loaded) {
   const InputFile about{"the file of errors", "give the file that phynness validate --json wrote", 1ULL << 30};
   const auto whole = json::parse(read_input_file(file, about), nullptr, false);
   if (!whole.is_object()) throw wrong_errors(file, "it contains no JSON object");
@@ -93,7 +92,7 @@ json errors_json(const std::filesystem::path& file, const LoadedModel& loaded) {
   return known;
 }
 
-std::string page_json(const Options& options, const LoadedModel& loaded, const std::optional<LoadedBody>& body) {
+std::string page_json(const Options& options, const NamedOrgan& loaded, const std::optional<NamedOrgan>& body) {
   json page = record("format", "phynness view 1", "model", loaded.text());
   if (body) page["body"] = body->text();
   if (options.errors) page["validation"] = errors_json(*options.errors, loaded);
@@ -112,9 +111,12 @@ std::string page_json(const Options& options, const LoadedModel& loaded, const s
 void run(const Options& options) {
   const auto page = embedded_page("view.html");
   if (!page) throw input_error("this build has no page", "phynness view", missing_pages_remedy());
-  const LoadedModel loaded(options.model);
-  std::optional<LoadedBody> body;
-  if (options.body) body.emplace(*options.body).require_mesh(loaded.model().mesh_hash, options.model.string());
+  const NamedOrgan loaded(options.model);
+  std::optional<NamedOrgan> body;
+  if (options.body) {
+    body = NamedOrgan::body(*options.body);
+    loaded.require_same("the body " + body->name(), body->body_info().mesh_hash, loaded.info().provenance.physics_hash);
+  }
   if (loaded.model().surface.rows() == 0)
     throw input_error("the model has no surface, and nothing can be drawn", options.model.string(),
                       "train it again with output nodes, so that model.txt contains triangles");

@@ -38,11 +38,11 @@ def main() -> None:
 
     # A second tool changes what the first one feels.
     above = model.output_points[list(model.output_nodes).index(node)] + [0.03, 0, 0]
-    point, position = model.nearest(above)
-    pair = model.couple([node, point], [depth / 2 * down, depth / 2 * down])
+    organ = phynness.Organ(model, max_tools=2)
+    pair = organ.hold([node, organ.nearest(above)], [depth / 2 * down, depth / 2 * down])
     alone = model.force(node, depth / 2 * down)
     print(f"  alone {np.linalg.norm(alone):.3f} N, beside another tool {np.linalg.norm(pair.forces[0]):.3f} N")
-    print(f"  the surface moves by at most {1000 * np.linalg.norm(pair.deform(), axis=1).max():.1f} mm")
+    print(f"  the surface moves by at most {1000 * np.linalg.norm(organ.deform(), axis=1).max():.1f} mm")
 
 
 main()

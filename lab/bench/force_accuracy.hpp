@@ -27,12 +27,12 @@ inline Eigen::Vector3d within_depth(Arbitrary& arbitrary) {
   return x;
 }
 
-inline void check_force(rt::Status status) {
+inline void check_force(Organ::Status status) {
   if (!status.ok()) throw std::runtime_error(status.message());
 }
 
 /// For each node: the largest difference from sums in double over the largest force of the node, for 400 displacements.
-inline MedianAndWorst rounding_of_forces(const Model& model, rt::Data& data) {
+inline MedianAndWorst rounding_of_forces(const Model& model, Organ& organ) {
   Arbitrary arbitrary;
   std::vector<double> errors;
   for (const auto& node : model.nodes) {
@@ -40,7 +40,7 @@ inline MedianAndWorst rounding_of_forces(const Model& model, rt::Data& data) {
     for (int trial = 0; trial < 400; ++trial) {
       const Eigen::Vector3d x = within_depth(arbitrary), d = model.max_displacement_m * x;
       Eigen::Vector3d force;
-      check_force(data.force(node.node, d, force));
+      check_force(organ.hold(phn_tool_at(node.node, d.data()), force));
       const Eigen::Vector3d in_double =
           evaluate_force(node.conservative, model.displacements, model.max_displacement_m, x);
       largest = std::max(largest, in_double.norm());
@@ -53,7 +53,7 @@ inline MedianAndWorst rounding_of_forces(const Model& model, rt::Data& data) {
 
 /// Work along a quadrilateral of displacements over the largest energy on the path, with three Gauss-Legendre points on
 /// each of `pieces` parts of each side.
-inline double work_of_loop(rt::Data& data, std::int32_t node, const std::array<Eigen::Vector3d, 4>& corners) {
+inline double work_of_loop(Organ& organ, std::int32_t node, const std::array<Eigen::Vector3d, 4>& corners) {
   constexpr int pieces = 300;
   const double off = std::sqrt(0.15);
   constexpr std::array<double, 3> weight{5.0 / 18, 8.0 / 18, 5.0 / 18};
@@ -65,7 +65,7 @@ inline double work_of_loop(rt::Data& data, std::int32_t node, const std::array<E
         const Eigen::Vector3d d = corners[side] + (i + 0.5 + off * (static_cast<double>(j) - 1)) * step;
         Eigen::Vector3d force;
         double energy = 0;
-        check_force(data.force(node, d, force, energy));
+        check_force(organ.hold(phn_tool_at(node, d.data()), force, energy));
         work += weight[j] * force.dot(step);
         most_energy = std::max(most_energy, std::abs(energy));
       }
@@ -76,7 +76,7 @@ inline double work_of_loop(rt::Data& data, std::int32_t node, const std::array<E
 /// 100 quadrilaterals at each node, with corners uniform in a ball around rest.
 /// @param share  radius of the ball over the trained depth. An error of the force has more influence in small loops,
 ///               whose energy is proportional to the square of their size
-inline MedianAndWorst work_of_loops(const Model& model, rt::Data& data, double share) {
+inline MedianAndWorst work_of_loops(const Model& model, Organ& organ, double share) {
   Arbitrary arbitrary;
   std::vector<double> work;
   for (const auto& node : model.nodes)
@@ -88,7 +88,7 @@ inline MedianAndWorst work_of_loops(const Model& model, rt::Data& data, double s
         } while (corner.norm() > 1);
         corner *= share * model.max_displacement_m;
       }
-      work.push_back(work_of_loop(data, node.node, corners));
+      work.push_back(work_of_loop(organ, node.node, corners));
     }
   return median_and_worst(work);
 }

@@ -8,9 +8,8 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <phynness/phynness_contact.hpp>
-#include <phynness/phynness_surface.hpp>
 #include <phynness/training/conservative_fit.hpp>
+#include <phynness/validation/fine_surface.hpp>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -30,15 +29,12 @@ using bench::sink;
 constexpr int n_neurons_force = 100, n_neurons_deformation = 200, n_levels = 3;
 
 struct Loaded : bench::TimedModel {
-  explicit Loaded(const std::string& text) : TimedModel(text), surface(model, n_levels) {
+  explicit Loaded(const std::string& text) : TimedModel(text), surface(organ.model(), n_levels) {
     check(surface.status());
-    scratch.resize(surface.n_scratch());
-    fine.resize(surface.points().size());
   }
-  void refine() { surface.deform(scratch, field, fine).ignore(); }
+  void refine() { surface.deform(field.data()); }
 
-  rt::Surface surface;
-  std::vector<float> scratch, fine;
+  FineSurface surface;
 };
 
 class Table {
@@ -78,7 +74,7 @@ double frames_per_s(Loaded& loaded, std::int32_t touched) {
            displacement(i, d);
            loaded.deform(touched, d);
            loaded.refine();
-           sink = static_cast<double>(loaded.fine[0]);
+           sink = static_cast<double>(loaded.surface.displacements[0]);
          });
 }
 
@@ -153,7 +149,7 @@ void bench_modes(Table& table, Loaded& loaded) {
   std::int32_t next = 0;
   const double prepare = median_us([&](int) {
     // Every fourth node in turn, which is never among the three prepared nodes.
-    check(loaded.data.prepare(loaded.node(next = (next + 1) % 4)));
+    check(loaded.prepare(loaded.node(next = (next + 1) % 4)));
   });
   const double unprepared = median_us([&](int i) {
     double d[3];
@@ -161,14 +157,14 @@ void bench_modes(Table& table, Loaded& loaded) {
     loaded.deform(loaded.node(next = (next + 1) % 4), d);
     sink = loaded.field[0];
   });
-  check(loaded.data.prepare(loaded.node(7)));
+  check(loaded.prepare(loaded.node(7)));
   const double modal = loaded.deformation_us(loaded.node(7));
   table.add("deformation_us_486_modal", modal, "deformation of a prepared node [us]");
   table.add("deformation_us_486_modal_first", unprepared, "first deformation of a node, with preparation [us]");
   table.add("prepare_us_486_modal", prepare, "phn_prepare [us]");
   table.add("surface_us_38018", median_us([&](int) {
               loaded.refine();
-              sink = static_cast<double>(loaded.fine[0]);
+              sink = static_cast<double>(loaded.surface.displacements[0]);
             }),
             "three levels of subdivision [us]");
   table.add("frames_per_s_38018_modal", frames_per_s(loaded, loaded.node(7)), "deformation with subdivision");
@@ -176,12 +172,12 @@ void bench_modes(Table& table, Loaded& loaded) {
 
 void accuracy_of_forces(Table& table, const Model& model, Loaded& loaded) {
   if (!schema::traits(model.family).has_modes) return;
-  const auto rounding = bench::rounding_of_forces(model, loaded.data);
+  const auto rounding = bench::rounding_of_forces(model, loaded.organ);
   table.add("force_rounding_median", rounding.median,
             "largest difference from sums in double, over the largest force of the node: median over nodes");
   table.add("force_rounding_max", rounding.worst, "the worst node");
   for (const double share : {1.0, 0.1}) {
-    const auto work = bench::work_of_loops(model, loaded.data, share);
+    const auto work = bench::work_of_loops(model, loaded.organ, share);
     const std::string size = share < 1 ? "_tenth" : "",
                       of = share < 1 ? " of a tenth of the trained depth" : " of the trained depth";
     table.add("loop_work_median" + size, work.median,
@@ -191,20 +187,21 @@ void accuracy_of_forces(Table& table, const Model& model, Loaded& loaded) {
 }
 
 struct Contact {
-  explicit Contact(Loaded& l) : loaded(l), contact(l.model, 1) { check(contact.status()); }
+  explicit Contact(Loaded& l) : loaded(l) { check(l.organ.reset()); }
   phn_contact_state step(const phn_contact_tool& tool) {
     phn_contact_state state;
-    check(contact.step(tool, state));
+    check(loaded.organ.touch({&tool, 1}, {&state, 1}));
     return state;
   }
   /// A tool of 4 mm on a circle of 1 cm over the middle of the body, in steps of 0.1 mm, at `depth` below first
   /// contact.
   std::vector<phn_contact_tool> circle(double depth, double friction) {
-    const double* x = loaded.model.output_points().data();
+    const phn_info& info = loaded.organ.info();
+    const double* x = info.output_points;
     double low[3], high[3];
     for (int k = 0; k < 3; ++k) {
       low[k] = high[k] = x[k];
-      for (int o = 0; o < loaded.model.n_output(); ++o) {
+      for (int o = 0; o < info.n_output; ++o) {
         low[k] = std::min(low[k], x[3 * o + k]);
         high[k] = std::max(high[k], x[3 * o + k]);
       }
@@ -216,7 +213,7 @@ struct Contact {
                                0.004,
                                friction,
                                PHN_TOOL_GRASP};  // sticks at any force
-      check(contact.reset());
+      check(loaded.organ.reset());
       step(tool);
       tool.center[2] = (low[2] + high[2]) / 2;
       tool.center[2] = step(tool).proxy[2] - depth;
@@ -229,14 +226,13 @@ struct Contact {
     const std::vector<phn_contact_tool> path = circle(depth, friction);
     phn_contact_tool above = path[0];
     above.center[2] += depth + 0.001;
-    check(contact.reset());
+    check(loaded.organ.reset());
     step(above);
     std::size_t next = 0;
     return median_us([&](int) { sink = step(path[moves ? ++next % path.size() : 0]).force[0]; });
   }
 
   Loaded& loaded;
-  rt::Contact contact;
 };
 
 /// Times of queries. For trained models also times of contact cycles and of one coupled force; with arbitrary
@@ -247,18 +243,18 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
   table.add("nearest_us", median_us([&](int i) {
               phn_tool found;
               double point[3];
-              check(loaded.model.nearest(path[static_cast<std::size_t>(i) % path.size()].center, found, point));
+              check(loaded.organ.nearest(path[static_cast<std::size_t>(i) % path.size()].center, found, point));
               sink = point[0];
             }),
             "phn_nearest [us]");
   table.add("contact_us_free", contact.cycle_us(-0.001, 0, true), "cycle of a tool 1 mm above the surface [us]");
   if (!trained) return;
   phn_tool held;
-  check(loaded.model.nearest(path[0].center, held));
+  check(loaded.organ.nearest(path[0].center, held));
   held.displacement[2] = -0.005;
   table.add("couple_us", median_us([&](int) {
               double force[3];
-              check(loaded.data.couple(held, force));
+              check(phn_couple(loaded.organ.model(), loaded.organ.data(), 1, &held, force, nullptr));
               sink = force[0];
             }),
             "phn_couple of one tool [us]");
@@ -271,16 +267,15 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
 /// Several tools, distributed over the body and moved at every call: at nodes, and in the middles of triangles.
 void bench_several_tools(Table& table, const Loaded& loaded) {
   constexpr std::size_t most = 8;
-  rt::Data data(loaded.model, int{most});
-  check(data.status());
+  Organ organ(loaded.text, {}, int{most});
+  check(organ.status());
 
   std::vector<phn_tool> at_nodes, between;
-  const auto active = loaded.model.active_nodes();
-  const std::set<std::int32_t> touchable(active.begin(), active.end());
+  const phn_info& info = organ.info();
+  const std::set<std::int32_t> touchable(info.active_nodes, info.active_nodes + info.n_active);
   for (const std::int32_t node : touchable) at_nodes.push_back({{node, -1, -1}, {1, 0, 0}, {}});
-  const std::int32_t* triangles = loaded.model.triangles().data();
-  for (int t = 0; t < loaded.model.info().n_triangles; ++t) {
-    const std::int32_t* nodes = triangles + 3 * t;
+  for (int t = 0; t < info.n_triangles; ++t) {
+    const std::int32_t* nodes = info.triangles + 3 * t;
     if (!std::all_of(nodes, nodes + 3, [&](std::int32_t node) { return touchable.count(node) == 1; })) continue;
     between.push_back({{nodes[0], nodes[1], nodes[2]}, {0.4, 0.3, 0.3}, {}});
   }
@@ -291,13 +286,13 @@ void bench_several_tools(Table& table, const Loaded& loaded) {
     return median_us([&](int i) {
       for (std::size_t k = 0; k < n_tools; ++k) displacement(i + 7 * static_cast<int>(k), tools[k].displacement);
       double forces[3 * most];
-      check(data.couple({tools.data(), n_tools}, forces));
+      check(phn_couple(organ.model(), organ.data(), static_cast<std::int32_t>(n_tools), tools.data(), forces, nullptr));
       sink = forces[0];
     });
   };
   double forces[6];
   const std::array<phn_tool, 2> two = {at_nodes.front(), at_nodes.back()};
-  const bool round = data.couple({two.data(), 2}, forces) == PHN_ERROR_ROUND_TOOLS;
+  const bool round = organ.hold(two, forces) == PHN_ERROR_ROUND_TOOLS;
   for (const std::size_t n_tools : {1u, 2u, 4u, 8u}) {
     if (round && n_tools > 1) break;
     const std::string n = std::to_string(n_tools), tools = n + (n_tools == 1 ? " tool" : " tools");
@@ -331,7 +326,7 @@ int run(int argc, char** argv) {
     const std::string text = read_model_texts(model_dir).model;
     Loaded loaded(text);
     std::printf("%s: %d output nodes, %d fine vertices (not in the JSON file)\n", model_dir.c_str(),
-                loaded.model.n_output(), loaded.surface.n_vertices());
+                loaded.organ.info().n_output, loaded.surface.n_vertices());
     Table other;
     bench_modes(other, loaded);
     accuracy_of_forces(other, read_model_text(text, model_dir), loaded);

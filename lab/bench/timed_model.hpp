@@ -13,8 +13,8 @@
 
 namespace phynness::bench {
 
-inline void check(rt::Status status) {
-  if (!status.ok()) throw std::runtime_error(status.message());
+inline void check(int status) {
+  if (status < 0) throw std::runtime_error(phn_status_message(status));
 }
 
 /// Receives results, so that the compiler does not remove the calls.
@@ -26,22 +26,27 @@ inline void displacement(int i, double* d) {
 }
 
 struct TimedModel {
-  explicit TimedModel(const std::string& text) : model(text), data(model, 1) {
-    check(model.status());
-    check(data.status());
-    field.resize(3 * static_cast<std::size_t>(model.n_output()));
+  explicit TimedModel(std::string of_model) : text(std::move(of_model)), organ(text) {
+    check(organ.status());
+    field.resize(organ.n_deform());
   }
 
-  std::int32_t node(int i) const {
-    const auto nodes = model.active_nodes();
-    return nodes[static_cast<std::size_t>(i) % nodes.size()];
+  std::int32_t node(int i) const { return organ.info().active_nodes[i % organ.info().n_active]; }
+  void deform(std::int32_t touched, const double (&d)[3]) {
+    const phn_tool tool = phn_tool_at(touched, d);
+    phn_deform(organ.model(), organ.data(), &tool, field.data());
   }
-  void deform(std::int32_t touched, rt::In3 d) { data.deform(touched, d, field).ignore(); }
+  int prepare(std::int32_t touched) {
+    const double rest[3] = {0, 0, 0};
+    const phn_tool tool = phn_tool_at(touched, rest);
+    return phn_prepare(organ.model(), organ.data(), &tool);
+  }
   /// All active nodes in turn.
   void force(int i) {
     double d[3], f[3];
     displacement(i, d);
-    data.force(node(i), d, f).ignore();
+    const phn_tool tool = phn_tool_at(node(i), d);
+    phn_force(organ.model(), organ.data(), &tool, f, nullptr, nullptr);
     sink = f[0];
   }
   /// The same with the stiffness, and also with the energy.
@@ -49,13 +54,14 @@ struct TimedModel {
     double d[3], f[3], k[9];
     displacement(i, d);
     const phn_tool tool = phn_tool_at(node(i), d);
-    check(rt::Status(phn_force(model.get(), data.get(), &tool, f, nullptr, k)));
+    check(phn_force(organ.model(), organ.data(), &tool, f, nullptr, k));
     sink = f[0] + k[0];
   }
   void force_energy_and_stiffness(int i) {
     double d[3], f[3], e, k[9];
     displacement(i, d);
-    data.force(node(i), d, f, e, k).ignore();
+    const phn_tool tool = phn_tool_at(node(i), d);
+    phn_force(organ.model(), organ.data(), &tool, f, &e, k);
     sink = f[0] + e + k[0];
   }
   double force_us() {
@@ -70,8 +76,8 @@ struct TimedModel {
     });
   }
 
-  rt::Model model;
-  rt::Data data;
+  std::string text;
+  Organ organ;
   std::vector<double> field;
 };
 

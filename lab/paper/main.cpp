@@ -40,11 +40,11 @@ void measure(const path& folder) {
   session.together([&] {
     const auto settings = read_json(folder / "study.json");
     const auto database = Database::open(folder / "database.h5");
-    std::optional<LoadedModel> networks;
+    std::optional<NamedOrgan> networks;
     if (std::filesystem::exists(folder / "networks/model.txt")) networks.emplace(folder / "networks");
     const auto measured = measure_case(
         session, read_scene(folder / "scene.toml"), database, networks ? &*networks : nullptr,
-        LoadedModel(folder / "ours"), settings.at("sizes").get<StudySizes>(), settings.at("two_tools").get<bool>(),
+        NamedOrgan(folder / "ours"), settings.at("sizes").get<StudySizes>(), settings.at("two_tools").get<bool>(),
         [](const std::string& what, auto done, auto total) {
           std::fprintf(stderr, "\r%s: %ld of %ld ", what.c_str(), static_cast<long>(done), static_cast<long>(total));
         });
@@ -70,8 +70,8 @@ json rows(const Matrix& matrix) {
 void measure_times(const path& folder) {
   json out{{"samples", read_scene(folder / "scene.toml").training.samples}, {"surfaces", json::array()}};
   if (std::filesystem::exists(folder / "networks/model.txt")) {
-    const LoadedModel networks(folder / "networks"), ours(folder / "ours");
-    if (!networks.runtime().triangles().empty()) {
+    const NamedOrgan networks(folder / "networks"), ours(folder / "ours");
+    if (networks.info().n_triangles > 0) {
       out["runtime"] = measure_runtime(networks, ours, n_surface_levels);
       for (int level = 0; level < n_surface_levels; ++level) {
         const auto shape = surface_at(networks, level);

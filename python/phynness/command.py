@@ -1,4 +1,4 @@
-"""What needs the finite element solver: the command phynness, started as a process of its own, with its messages and results."""
+"""What needs files or the solver: the command phynness, started as a process of its own, with its messages and results."""
 from __future__ import annotations
 
 import contextlib
@@ -13,14 +13,20 @@ import sys
 import tempfile
 import webbrowser
 from pathlib import Path as File
-from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Union
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._phynness import Error, Model
 
+__all__ = ["Page", "Solution", "precompute", "save", "show", "solve", "train", "validate"]
+
 Path = Union[str, "os.PathLike[str]"]
+
+
+def __dir__() -> List[str]:
+    return sorted(__all__)
 
 
 class Solution(NamedTuple):
@@ -83,6 +89,36 @@ def _run(*arguments: object, ranks: int = 1, progress: Optional[bool] = None) ->
         raise RuntimeError(text.strip() or f"phynness {arguments[0]} ended with status {status}")
     if text and not shown:
         sys.stderr.write(text)
+
+
+def save(model: Model, path: Path) -> None:
+    """Writes a model directory, model.txt and mesh.txt; of a model that was read without a mesh the file model.txt alone."""
+    texts = {File(path): model.text}
+    if model.mesh_text is not None:
+        File(path).mkdir(parents=True, exist_ok=True)
+        texts = {File(path) / "model.txt": model.text, File(path) / "mesh.txt": model.mesh_text}
+    for file, text in texts.items():
+        half = file.with_name(file.name + ".part")  # an interruption leaves what was there
+        half.write_bytes(text)
+        half.replace(file)
+
+
+def train(database: Path, *, progress: Optional[Callable[[int, int], object]] = None, threads: int = 0,
+          **keys: Union[int, float, str]) -> Model:
+    """Trains a Model on the database in a file; its figures are in Model.training.
+
+    progress: called with the numbers of trained and of all nodes. threads: 0: one for each core; the result does not depend on it.
+    Other arguments are keys of [training] (formats/scene.md), which replace those of the database's scene, as family="modal".
+
+    Error for impossible values, as in a scene. Ctrl-C ends the training.
+    """
+    try:
+        from . import _training
+    except ImportError:
+        raise Error("this package has the runtime alone; install the wheel of tools/build-wheel for training") from None
+    model = Model.__new__(Model)
+    model.__setstate__(_training.train(database, progress, threads, **keys))
+    return model
 
 
 @contextlib.contextmanager

@@ -1,13 +1,14 @@
-// What both parts of the module share: arrays of numpy, and statuses and errors as exceptions and warnings of Python.
+// What all parts of the module share: places and arrays of numpy, and statuses as exceptions and warnings of Python.
 #pragma once
 
+#include <phynness/phynness.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <initializer_list>
 #include <string>
+#include <vector>
 
 namespace phynness::python {
 
@@ -17,8 +18,8 @@ namespace py = pybind11;
 [[noreturn]] void raise(const std::string& message, int status = 0);
 [[noreturn]] void raise_type(const std::string& message);
 
-/// Of a str, bytes or os.PathLike.
-std::filesystem::path path_of(const py::object& given);
+/// The content of a file, by the function open of Python. @param what  for messages. @throws phynness.Error
+std::string content_of(const py::object& path, const char* what);
 
 /// Vectors that a caller gives: one of shape (3,), or n of shape (n, 3), read where they are if they are float64 in C
 /// order. @throws TypeError, ValueError of Python
@@ -34,8 +35,40 @@ class Vectors {
   py::array_t<double, py::array::forcecast | py::array::c_style | aligned> _numbers;
 };
 
-/// An array for the results of n vectors, n x ..., or of one, whose shape has no n.
-py::array_t<double> results(const Vectors& d, std::initializer_list<py::ssize_t> of_one);
+/// A place on the surface: what tools of the runtime have besides their displacement.
+struct SurfacePoint {
+  phn_tool tool{};
+  py::object position = py::none(), distance = py::none();  ///< of nearest
+
+  SurfacePoint() = default;
+  SurfacePoint(const std::vector<std::int32_t>& nodes, const std::vector<double>& weights);
+  std::vector<std::int32_t> nodes() const;
+  std::vector<double> weights() const;
+  std::string text() const;
+};
+
+/// Tools that a caller gives: one or n places, each a node or a SurfacePoint, and one or n displacements. One place or
+/// one displacement stands for all. @throws TypeError, ValueError of Python
+class Tools {
+ public:
+  Tools(py::handle at, py::handle displacements);
+  bool is_one() const { return _at_one && _d.is_one(); }
+  py::ssize_t size() const { return _at_one ? _d.size() : static_cast<py::ssize_t>(_places.size()); }
+  const phn_tool& get(py::ssize_t i) {
+    phn_tool& tool = _places[_at_one ? 0 : static_cast<std::size_t>(i)];
+    _d.get(_d.is_one() ? 0 : i, tool.displacement);
+    return tool;
+  }
+  /// For messages. @param i  of a tool, or -1: of all
+  std::string name(py::ssize_t i = -1) const;
+  /// An array for the results of all, n x ..., or of one, whose shape has no n.
+  py::array_t<double> results(std::initializer_list<py::ssize_t> of_one) const;
+
+ private:
+  Vectors _d;
+  bool _at_one;
+  std::vector<phn_tool> _places;
+};
 
 /// Warnings of many evaluations: one of Python for each kind, with their count. The first error is thrown.
 class Tally {
@@ -47,13 +80,18 @@ class Tally {
     return add_unusual(row, status);
   }
   bool is_unusual() const { return _is_unusual; }
-  void report(const std::string& where, py::ssize_t n) const;
+  /// @param where  of a row, or of all (-1)
+  template <class Where>
+  void report(const Where& where, py::ssize_t n) const {
+    if (_is_unusual) report_unusual(where(_error < 0 ? _row : -1), n);
+  }
 
  private:
   bool add_unusual(py::ssize_t row, int status);
+  void report_unusual(const std::string& where, py::ssize_t n) const;
   bool _is_unusual = false;
   int _error = 0;
-  py::ssize_t _row = 0, _warnings[3] = {0, 0, 0};
+  py::ssize_t _row = 0, _warnings[4] = {0, 0, 0, 0};
 };
 
 /// Numbers that belong to `owner`, which then lives as long as the array. They cannot be written to.
@@ -64,11 +102,8 @@ py::array_t<T> view(py::handle owner, const T* numbers, std::initializer_list<py
   return array;
 }
 
+void add_places(py::module_& module);
 void add_model(py::module_& module);
-void add_body(py::module_& module);
-void add_training(py::module_& module);
-
-/// The model of a text. @param mesh  the content of mesh.txt, or None
-py::object model_of(const std::string& text, const std::string& name, py::object mesh, py::object training);
+void add_organ(py::module_& module);
 
 }  // namespace phynness::python

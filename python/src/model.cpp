@@ -1,220 +1,308 @@
-#include "model.hpp"
+// Model, as Python sees it.
+#include <pybind11/stl.h>
 
-#include <phynness/formats/error.hpp>
-#include <phynness/formats/input_file.hpp>
-#include <phynness/formats/model.hpp>
-#include <phynness/formats/text_file.hpp>
-
+#include <filesystem>
 #include <limits>
 
+#include "organ.hpp"
+
 namespace phynness::python {
-
-phn_tool tool_at(const Place& at) {
-  if (const auto* point = std::get_if<SurfacePoint>(&at)) return point->tool;
-  const auto node = std::get<std::int64_t>(at);
-  constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
-  return {{node < 0 || node > most ? -1 : static_cast<std::int32_t>(node), -1, -1}, {1, 0, 0}, {0, 0, 0}};
-}
-
 namespace {
 
-/// Answers the questions about one place by the functions for nodes, or those for points.
-struct Asked {
-  phn_tool tool;
-  bool is_node;
-  const Place& at;
+using py::arg, py::kw_only;
+using ModelClass = py::class_<ModelObject>;
 
-  explicit Asked(const Place& place) : tool(tool_at(place)), is_node(place.index() == 0), at(place) {}
-  std::string name() const {
-    return is_node ? "node " + std::to_string(std::get<std::int64_t>(at)) : std::get<SurfacePoint>(at).text();
-  }
+/// A number of one tool, or the array of those of several.
+py::object scalar_or_array(py::array_t<double> array) {
+  if (array.ndim() == 0) return py::float_(*array.data());
+  return array;
+}
+
+/// The argument of every evaluation.
+py::arg_v level() { return arg("level") = py::none(); }
+
+/// @param of  a path, or bytes of a text
+std::unique_ptr<ModelObject> open(const py::object& of) {
+  if (py::isinstance<py::bytes>(of))
+    return std::make_unique<ModelObject>(NamedText{"the text", of.cast<std::string>()}, py::none(), py::none());
+  const std::filesystem::path path = py::module_::import("os").attr("fsdecode")(of).cast<std::string>();
+  std::error_code code;
+  const bool is_folder = std::filesystem::is_directory(path, code);
+  const std::string file = (is_folder ? path / "model.txt" : path).string(), beside = (path / "mesh.txt").string();
+  py::object mesh = py::none();
+  if (is_folder && std::filesystem::exists(beside, code)) mesh = py::bytes(content_of(py::str(beside), "the mesh"));
+  return std::make_unique<ModelObject>(NamedText{file, content_of(py::str(file), "the model")}, mesh, py::none());
+}
+
+struct Response {
+  py::array_t<double> force, energy, stiffness;
 };
 
-void set_level(rt::Data& data, const Level& level, std::int32_t n_levels) {
-  const int status = data.set_level(level.value_or(n_levels - 1));
-  if (status < 0)
-    raise("the model has the levels 0 to " + std::to_string(n_levels - 1) + ", not " + std::to_string(*level), status);
-}
-
-/// Evaluates all rows; Ctrl-C ends them.
-/// @param evaluate  of a row and its displacement, returns a status
-template <class Evaluate>
-void for_each(const Vectors& d, const Asked& asked, Evaluate&& evaluate) {
-  Tally tally;
-  double x[3];
-  for (py::ssize_t i = 0; i < d.size(); ++i) {
-    d.get(i, x);
-    if (!tally.add(i, evaluate(i, x))) break;
-    if (i % (1 << 14) == (1 << 14) - 1 && PyErr_CheckSignals() != 0) throw py::error_already_set();
-  }
-  if (tally.is_unusual()) tally.report(asked.name(), d.size());
-}
-
-/// A number about each displacement, without warnings, because it tells of them.
-template <class Value>
-py::array_t<double> number(const Place& at, py::handle displacements, Value&& value) {
-  const Vectors d(displacements, "d");
-  auto made = results(d, {});
-  Asked asked(at);
-  for_each(d, asked, [&, out = made.mutable_data()](py::ssize_t i, const double(&x)[3]) {
-    std::copy(x, x + 3, asked.tool.displacement);
-    return std::min(value(asked, out[i]), 0);
+/// What is asked for together has the same bits as alone.
+Response response(ModelObject& model, py::handle at, py::handle displacements, const Level& l, bool energy,
+                  bool stiffness) {
+  Tools tools(at, displacements);
+  Response made;
+  double* const f = (made.force = tools.results({3})).mutable_data();
+  double* const e = energy || stiffness ? (made.energy = tools.results({})).mutable_data() : nullptr;
+  double* const k = stiffness ? (made.stiffness = tools.results({3, 3})).mutable_data() : nullptr;
+  Organ& organ = model.at(l);
+  for_each(tools, [&](py::ssize_t i, const phn_tool& tool) {
+    double force[3], of_all[9];
+    const int status = k   ? organ.hold(tool, force, e[i], of_all)
+                       : e ? organ.hold(tool, force, e[i])
+                           : organ.hold(tool, force);
+    std::copy_n(force, 3, f + 3 * i);
+    if (k != nullptr) std::copy_n(of_all, 9, k + 9 * i);
+    return status;
   });
   return made;
+}
+
+py::array_t<double> deform(ModelObject& model, py::handle at, py::handle displacements, const Level& l) {
+  Tools tools(at, displacements);
+  auto made = tools.results({model.info().n_output, 3});
+  Organ& organ = model.at(l);
+  const std::size_t n = organ.n_deform();
+  for_each(tools, [&, out = made.mutable_data()](py::ssize_t i, const phn_tool& tool) -> int {
+    double force[3];
+    const int held = organ.hold(tool, force);
+    return held < 0 ? held : held | organ.deform({out + static_cast<py::ssize_t>(n) * i, n});
+  });
+  return made;
+}
+
+py::array_t<double> field(ModelObject& model, py::handle at, py::handle displacements, const std::string& name,
+                          const Level& l) {
+  const phn_info& info = model.info();
+  std::int32_t number = 0;
+  while (number < info.n_fields && name != info.field_names[number]) ++number;
+  if (number == info.n_fields)
+    raise("the model has no field " + py::repr(py::cast(name)).cast<std::string>(), PHN_ERROR_UNDEFINED);
+  Tools tools(at, displacements);
+  auto made = tools.results({info.n_output});
+  Organ& organ = model.at(l);
+  for_each(tools, [&, out = made.mutable_data()](py::ssize_t i, const phn_tool& tool) {
+    return phn_field(organ.model(), organ.data(), &tool, number, out + info.n_output * i);
+  });
+  return made;
+}
+
+/// A number about each tool, without warnings, because it tells of them.
+template <class Value>
+py::object number(py::handle at, py::handle displacements, Value&& value) {
+  Tools tools(at, displacements);
+  auto made = tools.results({});
+  for_each(tools, [&, out = made.mutable_data()](py::ssize_t i, const phn_tool& tool) {
+    return std::min(int{value(tool, out[i])}, 0);
+  });
+  return scalar_or_array(made);
+}
+
+void add_responses(ModelClass& model) {
+  model.def(py::init(&open), arg("path"))
+      .def(
+          "force",
+          [](ModelObject& m, py::handle at, py::handle d, const Level& l) {
+            return response(m, at, d, l, false, false).force;
+          },
+          arg("at"), arg("d"), kw_only(), level(), R"(Force that holds the displacement d, (3,) or (n, 3) [N].
+
+at: an active node, a SurfacePoint, or a list or array of n of them, each with its own displacement.
+level: index of levels; without it the full model.
+
+Error for other nodes and for numbers that are not finite. OutsideWarning where a displacement is longer than trained.
+
+>>> model = phynness.Model("examples/model")
+>>> model.force(95, [0, 0, -0.01]).round(4)
+array([ 0.0259, -0.0017, -0.0922])
+>>> model.force(95, np.zeros((5, 3))).shape
+(5, 3)
+>>> model.force(model.nearest([[0, 0, 0.1], [0.05, 0, 0.1]]), [0, 0, -0.002]).shape
+(2, 3)
+)")
+      .def(
+          "energy",
+          [](ModelObject& m, py::handle at, py::handle d, const Level& l) {
+            return scalar_or_array(response(m, at, d, l, true, false).energy);
+          },
+          arg("at"), arg("d"), kw_only(), level(),
+          "Stored energy, a float or (n,) [J]; the force is its gradient. Error in family rbfn. As force.")
+      .def(
+          "stiffness",
+          [](ModelObject& m, py::handle at, py::handle d, const Level& l) {
+            return response(m, at, d, l, false, true).stiffness;
+          },
+          arg("at"), arg("d"), kw_only(), level(),
+          "Derivative of the force, symmetric, (3, 3) or (n, 3, 3) [N/m]. Error in family rbfn, and between nodes of a "
+          "model of node probes. As force.")
+      .def(
+          "response",
+          [](ModelObject& m, py::handle at, py::handle d, const Level& l) {
+            auto made = response(m, at, d, l, true, true);
+            return py::make_tuple(made.force, scalar_or_array(made.energy), made.stiffness);
+          },
+          arg("at"), arg("d"), kw_only(), level(),
+          "Force, energy and stiffness together, in 1.6 times the time of a force, with the same bits as alone.")
+      .def("deform", &deform, arg("at"), arg("d"), kw_only(), level(),
+           R"(Displacements of all output nodes under one tool, (n_output, 3) or (n, n_output, 3) [m]. As force.
+
+>>> model = phynness.Model("examples/model")
+>>> model.deform(model.nearest([0, 0, 0.1]), [0, 0, -0.01]).shape == model.output_points.shape
+True
+)")
+      .def(
+          "field", &field, arg("at"), arg("d"), arg("name"), kw_only(), level(),
+          "A scalar field at all output nodes, (n_output,) or (n, n_output), in its unit in fields. Error if the model "
+          "has no such field. As force.")
+      .def(
+          "trained_depth",
+          [](const ModelObject& m, py::handle at, py::handle d) {
+            return number(at, d, [&](const phn_tool& tool, double& depth) { return m.organ.depth(tool, depth); });
+          },
+          arg("at"), arg("d"), "Depth of the trained range in the direction of d, a float or (n,) [m].")
+      .def(
+          "bound",
+          [](const ModelObject& m, py::handle at, py::handle d) {
+            return number(at, d, [&](const phn_tool& tool, double& bound) {
+              const auto status = m.organ.bound(tool, bound);
+              if (bound >= PHN_NO_BOUND) bound = std::numeric_limits<double>::infinity();
+              return status;
+            });
+          },
+          arg("at"), arg("d"), R"(Bound of the error of force, a float or (n,) [N]; inf beyond the trained range.
+
+It holds for random displacements with the coverage of the model (formats/model.md), and is no guarantee.
+Error if the model has none (phynness calibrate).
+
+>>> model = phynness.Model("examples/model")
+>>> model.bound(95, [[0, 0, -0.01], [0, 0, -0.1]]).round(5)
+array([0.00045,     inf])
+)")
+      .def(
+          "nearest", [](const ModelObject& m, py::handle x) { return nearest_places(m.organ, x); }, arg("x"),
+          R"(The place of the undeformed surface that is nearest to x, (3,) [m]: a SurfacePoint, also for force.
+
+Of n points, (n, 3), it is a list of n.
+
+>>> model = phynness.Model("examples/model")
+>>> model.force(model.nearest([0, 0, 0.1]), [0, 0, -0.01]).shape
+(3,)
+)");
+}
+
+void add_texts(ModelClass& model) {
+  model
+      .def_property_readonly(
+          "text", [](const ModelObject& m) { return py::bytes(m.text); }, "The content of model.txt, bytes.")
+      .def_readonly("mesh_text", &ModelObject::mesh, "The content of mesh.txt, bytes; None if it was read without.")
+      .def_readonly("training", &ModelObject::training, "Figures of train, a dict; None in a model that was read.")
+      .def(py::pickle([](const ModelObject& m) { return py::make_tuple(py::bytes(m.text), m.mesh, m.training); },
+                      [](const py::tuple& state) {
+                        return std::make_unique<ModelObject>(NamedText{"the text", state[0].cast<std::string>()},
+                                                             state[1], state[2]);
+                      }))
+      .def_property_readonly(
+          "levels",
+          [](const ModelObject& m) {
+            py::list all;
+            for (std::int32_t l = 0; l < m.info().n_levels; ++l) {
+              phn_level level;
+              phn_level_info(m.organ.model(), l, &level);
+              all.append(py::dict(arg("force_centers") = level.force_centers,
+                                  arg("deformation_centers") = level.deformation_centers, arg("modes") = level.modes,
+                                  arg("error_force") = level.error_force,
+                                  arg("error_displacement") = level.error_displacement));
+            }
+            return all;
+          },
+          "Sizes and errors of the levels, dicts with the names of phn_level in phynness.h; the last one is the full "
+          "model.");
+}
+
+void add_properties(ModelClass& model) {
+  const auto property = [&](const char* name, auto phn_info::*member, const char* doc) {
+    model.def_property_readonly(
+        name, [member](const ModelObject& m) { return m.info().*member; }, doc);
+  };
+  property("family", &phn_info::family, "\"modal\", \"rbfn\" or \"linear\".");
+  property("title", &phn_info::title, "Of the scene.");
+  property("mesh_hash", &phn_info::mesh_hash, "16 hexadecimal digits.");
+  property("max_displacement_m", &phn_info::max_displacement_m, "Largest displacement of the training data [m].");
+  property("n_nodes", &phn_info::n_nodes, "Of the mesh.");
+  model.def_property_readonly(
+      "provenance",
+      [](const ModelObject& m) {
+        const phn_provenance& p = m.info().provenance;
+        return py::dict(arg("mesh_hash") = p.mesh_hash, arg("physics_hash") = p.physics_hash,
+                        arg("element") = p.element, arg("shear_modulus_Pa") = p.shear_modulus_Pa,
+                        arg("reference") = p.reference, arg("finer_mean") = p.finer_mean,
+                        arg("finer_p95") = p.finer_p95, arg("finer_tool_radius_m") = p.finer_tool_radius_m,
+                        arg("finer_probes") = p.finer_probes, arg("finer_nodes") = p.finer_nodes,
+                        arg("bound_reference") = p.bound_reference);
+      },
+      R"(What the finite elements of the training solved, and how far they are from a finer solution, a dict with the names
+of phn_provenance in phynness.h. "" and 0: not recorded.)");
+  model.def_property_readonly(
+      "has_energy", [](const ModelObject& m) { return m.info().has_energy != 0; }, "False in family rbfn.");
+  model.def_property_readonly(
+      "fields",
+      [](const ModelObject& m) {
+        py::dict fields;
+        for (int f = 0; f < m.info().n_fields; ++f) fields[m.info().field_names[f]] = m.info().field_units[f];
+        return fields;
+      },
+      "Names of the scalar fields, each with its unit.");
+  const auto array = [&](const char* name, auto phn_info::*member, std::int32_t phn_info::*n, py::ssize_t columns,
+                         const char* doc) {
+    model.def_property_readonly(
+        name,
+        [member, n, columns](py::object self) {
+          const phn_info& info = self.cast<const ModelObject&>().info();
+          return columns == 1 ? view(self, info.*member, {info.*n}) : view(self, info.*member, {info.*n, columns});
+        },
+        doc);
+  };
+  array("active_nodes", &phn_info::active_nodes, &phn_info::n_active, 1, "Nodes that can be touched, ascending.");
+  array("output_nodes", &phn_info::output_nodes, &phn_info::n_output, 1, "Nodes whose displacement is modelled.");
+  array("fixed_nodes", &phn_info::fixed_nodes, &phn_info::n_fixed, 1, "Nodes of the surface that never move.");
+  array("output_points", &phn_info::output_points, &phn_info::n_output, 3, "(n_output, 3) [m], undeformed.");
+  array("fixed_points", &phn_info::fixed_points, &phn_info::n_fixed, 3, "(n_fixed, 3) [m].");
+  array("triangles", &phn_info::triangles, &phn_info::n_triangles, 3,
+        "(n, 3), normals outward: 0 ... n_output - 1 are output nodes, then come fixed nodes.");
 }
 
 }  // namespace
 
-phn_data* ModelObject::data(const Level& level) {
-  if (!_data) _data = rt::Data(_model, 1);
-  if (!_data) raise(_data.status().message(), _data.status());
-  set_level(_data, level, info().n_levels);
-  return _data.get();
+ModelObject::ModelObject(NamedText named, py::object mesh_text, py::object figures)
+    : mesh(std::move(mesh_text)), training(std::move(figures)), organ(organ_of(named, {}, 1, 1)) {
+  text = std::move(named.text);
 }
 
-ModelObject::ModelObject(const std::string& name, std::string text, py::object mesh, py::object training)
-    : _text(std::move(text)), _mesh(std::move(mesh)), _training(std::move(training)), _model(_text) {
-  if (_model) return;
-  const int status = _model.status();
-  std::string said = name + ": " + _model.status().message();
-  try {
-    read_model_text(_text, name);
-  } catch (const Error& error) {
-    said = error.what();
-  }
-  raise(said, status);
+Organ& ModelObject::at(const Level& level) {
+  const std::int32_t n = info().n_levels;
+  const auto number = level.value_or(n - 1);
+  const int status = phn_set_level(organ.model(), organ.data(), number);
+  if (status < 0)
+    raise("the model has the levels 0 to " + std::to_string(n - 1) + ", not " + std::to_string(number), status);
+  return organ;
 }
 
-std::unique_ptr<ModelObject> ModelObject::open(const py::object& of) {
-  if (py::isinstance<py::bytes>(of))
-    return std::make_unique<ModelObject>("the text", of.cast<std::string>(), py::none(), py::none());
-  const auto path = path_of(of);
-  std::error_code code;
-  constexpr std::uint64_t most_bytes = std::uint64_t{1} << 40;
-  const bool is_folder = std::filesystem::is_directory(path, code);
-  const auto file = is_folder ? path / "model.txt" : path;
-  auto text =
-      read_input_file(file, {"the model", "give a model directory, or the path of its model.txt", most_bytes, true});
-  py::object mesh = py::none();
-  if (is_folder && std::filesystem::exists(path / "mesh.txt", code))
-    mesh = py::bytes(read_input_file(path / "mesh.txt", {"the mesh", "restore mesh.txt", most_bytes, true}));
-  return std::make_unique<ModelObject>(file.string(), std::move(text), std::move(mesh), py::none());
-}
+void add_model(py::module_& module) {
+  ModelClass model(module, "Model", R"(A trained model, which answers one tool.
 
-void ModelObject::save(const py::object& to) const {
-  const auto path = path_of(to);
-  if (_mesh.is_none())
-    write_text_file(path, _text);
-  else
-    write_model_texts(path, {_text, _mesh.cast<std::string>()});
-}
+path: a model directory, the path of a model.txt, or the content of a model.txt as bytes.
 
-ModelObject::Response ModelObject::response(const Place& at, py::handle displacements, const Level& level, bool force,
-                                            bool energy, bool stiffness) {
-  const Vectors d(displacements, "d");
-  Response made;
-  double *f = nullptr, *e = nullptr, *k = nullptr;
-  if (force) f = made.force.emplace(results(d, {3})).mutable_data();
-  if (energy) e = made.energy.emplace(results(d, {})).mutable_data();
-  if (stiffness) k = made.stiffness.emplace(results(d, {3, 3})).mutable_data();
-  Asked asked(at);
-  phn_data* const memory = data(level);
-  double unused[3];
-  for_each(d, asked, [&](py::ssize_t i, const double(&x)[3]) {
-    double *const fi = f ? f + 3 * i : unused, *const ei = e ? e + i : nullptr, *const ki = k ? k + 9 * i : nullptr;
-    std::copy(x, x + 3, asked.tool.displacement);
-    return phn_force(_model.get(), memory, &asked.tool, fi, ei, ki);
-  });
-  return made;
-}
+Error if it is missing or damaged. A model is constant; its arrays are views of it, which cannot be written to. Pickles and
+copies hold its text.
 
-py::array_t<double> ModelObject::deform(const Place& at, py::handle displacements, const Level& level) {
-  const Vectors d(displacements, "d");
-  auto made = results(d, {info().n_output, 3});
-  const auto n = 3 * static_cast<py::ssize_t>(info().n_output);
-  Asked asked(at);
-  phn_data* const memory = data(level);
-  for_each(d, asked, [&, out = made.mutable_data()](py::ssize_t i, const double(&x)[3]) {
-    std::copy(x, x + 3, asked.tool.displacement);
-    return phn_deform(_model.get(), memory, &asked.tool, out + n * i);
-  });
-  return made;
-}
-
-py::array_t<double> ModelObject::field(std::int64_t node, py::handle displacements, const std::string& name,
-                                       const Level& level) {
-  std::int32_t number = 0;
-  while (number < info().n_fields && name != info().field_names[number]) ++number;
-  if (number == info().n_fields) raise("the model has no field " + printable(name), PHN_ERROR_UNDEFINED);
-  const Vectors d(displacements, "d");
-  auto made = results(d, {info().n_output});
-  const Place at(node);
-  Asked asked(at);
-  phn_data* const memory = data(level);
-  for_each(d, asked, [&, out = made.mutable_data()](py::ssize_t i, const double(&x)[3]) {
-    std::copy(x, x + 3, asked.tool.displacement);
-    return phn_field(_model.get(), memory, &asked.tool, number, out + info().n_output * i);
-  });
-  return made;
-}
-
-py::array_t<double> ModelObject::bound(const Place& at, py::handle displacements) const {
-  return number(at, displacements, [this](const Asked& asked, double& bound) {
-    const int status = phn_bound(_model.get(), &asked.tool, &bound);
-    if (bound >= PHN_NO_BOUND) bound = std::numeric_limits<double>::infinity();
-    return status;
-  });
-}
-
-py::array_t<double> ModelObject::trained_depth(const Place& at, py::handle displacements) const {
-  return number(at, displacements,
-                [&](const Asked& asked, double& depth) { return phn_depth(_model.get(), &asked.tool, &depth); });
-}
-
-py::tuple ModelObject::nearest(py::handle x) const {
-  const Vectors point(x, "x");
-  if (!point.is_one()) throw py::value_error("x must have the shape (3,)");
-  double from[3];
-  point.get(0, from);
-  SurfacePoint found;
-  py::array_t<double> position(3);
-  Tally tally;
-  tally.add(0, phn_nearest(_model.get(), from, &found.tool, position.mutable_data(), nullptr));
-  tally.report("x", 1);
-  return py::make_tuple(found, position);
-}
-
-Coupled::Coupled(py::object owner, const std::vector<Place>& at, py::handle displacements, const Level& level)
-    : _owner(std::move(owner)), _model(_owner.cast<ModelObject&>()) {
-  const Vectors d(displacements, "d");
-  if (d.is_one() || d.size() != static_cast<py::ssize_t>(at.size()))
-    throw py::value_error("d must have the shape (" + std::to_string(at.size()) +
-                          ", 3): a displacement for each place");
-  if (at.empty()) throw py::value_error("there is no tool");
-  std::vector<phn_tool> tools;
-  for (std::size_t i = 0; i < at.size(); ++i)
-    d.get(static_cast<py::ssize_t>(i), tools.emplace_back(tool_at(at[i])).displacement);
-  if (at.size() > PHN_MOST_COUPLED) raise(phn_status_message(PHN_ERROR_TOO_MANY_TOOLS), PHN_ERROR_TOO_MANY_TOOLS);
-  _data = rt::Data(_model.runtime(), static_cast<std::int32_t>(at.size()));
-  if (!_data) raise(_data.status().message(), _data.status());
-  set_level(_data, level, _model.info().n_levels);
-  forces = py::array_t<double>({static_cast<py::ssize_t>(at.size()), py::ssize_t{3}});
-  double* const f = forces.mutable_data();
-  Tally tally;
-  tally.add(0, _data.couple(tools, {f, 3 * tools.size()}, &result));
-  tally.report(at.size() == 1 ? "one tool" : std::to_string(at.size()) + " tools", 1);
-}
-
-py::array_t<double> Coupled::deform() {
-  py::array_t<double> out({static_cast<py::ssize_t>(_model.info().n_output), py::ssize_t{3}});
-  Tally tally;
-  tally.add(0, phn_coupled_deform(_model.runtime().get(), _data.get(), out.mutable_data()));
-  tally.report("coupled tools", 1);
-  return out;
-}
-
-py::object model_of(const std::string& text, const std::string& name, py::object mesh, py::object training) {
-  return py::cast(std::make_unique<ModelObject>(name, text, std::move(mesh), std::move(training)));
+>>> model = phynness.Model("examples/model")
+>>> model.family, model.n_nodes, len(model.active_nodes), model.triangles.shape
+('modal', 200, 62, (382, 3))
+)");
+  add_responses(model);
+  add_texts(model);
+  add_properties(model);
 }
 
 }  // namespace phynness::python

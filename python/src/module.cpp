@@ -1,7 +1,5 @@
 // The module phynness._phynness; the package and its types are in phynness/.
-#include <phynness/phynness.h>
-
-#include <phynness/formats/error.hpp>
+#include <pybind11/stl.h>
 
 #include "arrays.hpp"
 
@@ -45,8 +43,16 @@ void raise(const std::string& message, int status) {
 
 void raise_type(const std::string& message) { throw py::type_error(message); }
 
-std::filesystem::path path_of(const py::object& given) {
-  return py::module_::import("os").attr("fsdecode")(given).cast<std::string>();
+std::string content_of(const py::object& path, const char* what) {
+  try {
+    const auto file = py::module_::import("builtins").attr("open")(path, "rb");
+    const std::string content = file.attr("read")().cast<std::string>();
+    file.attr("close")();
+    return content;
+  } catch (py::error_already_set& error) {
+    if (!error.matches(PyExc_OSError)) throw;
+    raise(std::string(what) + " cannot be read: " + py::str(error.value()).cast<std::string>());
+  }
 }
 
 Vectors::Vectors(py::handle given, const char* name) {
@@ -67,26 +73,20 @@ Vectors::Vectors(py::handle given, const char* name) {
   if (!_numbers) raise_type(std::string(name) + " cannot be converted to float64");
 }
 
-py::array_t<double> results(const Vectors& d, std::initializer_list<py::ssize_t> of_one) {
-  py::array::ShapeContainer shape(of_one);
-  if (!d.is_one()) shape->insert(shape->begin(), d.size());
-  return py::array_t<double>(std::move(shape));
-}
-
 bool Tally::add_unusual(py::ssize_t row, int status) {
   if (status < 0) {
     _error = status;
     _row = row;
     return false;
   }
-  for (int k = 0; k < 3; ++k) _warnings[k] += (status & warnings[k].status) != 0;
+  for (int k = 0; k < 4; ++k) _warnings[k] += (status & warnings[k].status) != 0;
   return true;
 }
 
-void Tally::report(const std::string& where, py::ssize_t n) const {
+void Tally::report_unusual(const std::string& where, py::ssize_t n) const {
   const auto of_row = [&](py::ssize_t row) { return n == 1 ? "" : ", row " + std::to_string(row); };
   if (_error < 0) raise(phn_status_message(_error) + std::string(" (") + where + of_row(_row) + ")", _error);
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < 4; ++k) {
     if (_warnings[k] == 0) continue;
     std::string text = phn_status_message(warnings[k].status) + std::string(" (") + where;
     if (n > 1) text += ", " + std::to_string(_warnings[k]) + " of " + std::to_string(n) + " rows";
@@ -117,16 +117,16 @@ PYBIND11_MODULE(_phynness, module) {
     members["status"] = kind.status;
     kind.type = new_type(module, kind.name, kind.doc, base, members);
   }
-  py::register_exception_translator([](std::exception_ptr thrown) {
-    try {
-      if (thrown) std::rethrow_exception(thrown);
-    } catch (const phynness::Error& error) {
-      PyErr_SetString(error_type.ptr(), error.what());
-    }
-  });
+  add_places(module);
   add_model(module);
-  add_body(module);
-  add_training(module);
+  add_organ(module);
   for (const auto& [name, value] : module.attr("__dict__").cast<py::dict>())
     if (PyType_Check(value.ptr())) value.attr("__module__") = "phynness";
+  module.def("__dir__", [] {
+    std::vector<std::string> names;
+    for (const auto& [name, value] : py::module_::import("phynness._phynness").attr("__dict__").cast<py::dict>())
+      if (const auto text = name.cast<std::string>(); text[0] != '_') names.push_back(text);
+    std::sort(names.begin(), names.end());
+    return names;
+  });
 }

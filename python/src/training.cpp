@@ -1,16 +1,18 @@
-// Training on a database.
+// The module phynness._training: training on a database, which the package has where it was built with it.
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/model.hpp>
 #include <phynness/training/families.hpp>
 #include <phynness/training/training.hpp>
 
-#include <string>
+#include <pybind11/numpy.h>
 
-#include "arrays.hpp"
+#include <string>
 
 namespace phynness::python {
 namespace {
+
+namespace py = pybind11;
 
 /// [training] with other values: numbers and words of Python are written as JSON does, which TOML reads.
 TrainingSpec chosen(const Scene& scene, const py::kwargs& given) {
@@ -18,7 +20,7 @@ TrainingSpec chosen(const Scene& scene, const py::kwargs& given) {
   const auto dumps = py::module_::import("json").attr("dumps");
   for (const auto& [name, value] : given) {
     if (!py::isinstance<py::str>(value) && !PyNumber_Check(value.ptr()))
-      raise_type(name.cast<std::string>() + " must be a number or a word");
+      throw py::type_error(name.cast<std::string>() + " must be a number or a word");
     const py::object plain =
         py::hasattr(value, "item") ? value.attr("item")() : py::reinterpret_borrow<py::object>(value);
     keys += name.cast<std::string>() + " = " + dumps(plain).cast<std::string>() + "\n";
@@ -26,8 +28,9 @@ TrainingSpec chosen(const Scene& scene, const py::kwargs& given) {
   return changed_training(scene, keys, "train()");
 }
 
-py::object train_database(const py::object& path, const py::object& progress, int threads, const py::kwargs& given) {
-  const auto database = Database::open(path_of(path));
+/// Texts of model.txt and mesh.txt, and the figures of the training.
+py::tuple train_database(const py::object& path, const py::object& progress, int threads, const py::kwargs& given) {
+  const auto database = Database::open(py::module_::import("os").attr("fsdecode")(path).cast<std::string>());
   const TrainingSpec spec = chosen(stored_scene(database.header()), given);
   ResponseSource source = responses_of(database);
   // HDF5 may not be thread-safe, and other threads of Python may use it.
@@ -52,22 +55,21 @@ py::object train_database(const py::object& path, const py::object& progress, in
   figures["increments_fitted"] = report.n_increments_fitted;
   figures["seconds"] = report.seconds;
   for (const auto& figure : operations(model.family).figures(report)) figures[figure.key] = figure.value;
-  return model_of(write_model_text(model), "the trained model", py::bytes(write_mesh_text(database.header().mesh)),
-                  figures);
+  return py::make_tuple(py::bytes(write_model_text(model)), py::bytes(write_mesh_text(database.header().mesh)),
+                        figures);
 }
 
 }  // namespace
-
-void add_training(py::module_& module) {
-  using py::arg;
-  module.def("train", &train_database, arg("database"), py::kw_only(), arg("progress") = py::none(), arg("threads") = 0,
-             R"(Trains a Model on the database in a file; its figures are in Model.training.
-
-progress: called with the numbers of trained and of all nodes. threads: 0: one for each core; the result does not depend on it.
-Other arguments are keys of [training] (formats/scene.md), which replace those of the database's scene, as family="modal".
-
-Error for impossible values, as in a scene. Ctrl-C ends the training.
-)");
-}
-
 }  // namespace phynness::python
+
+PYBIND11_MODULE(_training, module) {
+  using namespace phynness::python;
+  module.def("train", &train_database, py::arg("database"), py::arg("progress"), py::arg("threads"));
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const phynness::Error& error) {
+      PyErr_SetString(py::module_::import("phynness").attr("Error").ptr(), error.what());
+    }
+  });
+}

@@ -102,7 +102,7 @@ TEST(ErrorBounds, HoldForStatesOfOtherNodes) {
   const Model bounded = add_bounds(model, predictors, seen, 1000, 0.95);
   ASSERT_EQ(bounded.bounds.size(), 1u);
   EXPECT_EQ(bounded.bounds[0].n_nodes, 30);
-  const LoadedModel loaded(bounded, no_cells(), "model");
+  const NamedOrgan loaded(bounded, no_cells(), "model");
   const auto coverage = coverage_of(bounded_errors(loaded, fresh), model.max_displacement_m);
   // The level is 0.95 (1 + 1/30). Quantiles of 3000 states scatter by 0.004, shares of 6000 by 0.003.
   EXPECT_GT(coverage.all, 0.95);
@@ -128,7 +128,7 @@ TEST(ErrorBounds, TooFewStatesAreRefused) {
 TEST(ErrorBounds, HoldForTheForceOfNetworksAtRest) {
   std::mt19937_64 random(7);
   const Model model = test::small_model();
-  const LoadedModel plain(model, no_cells(), "model");
+  const NamedOrgan plain(model, no_cells(), "model");
   const double first = model.displacements.row(0).norm(), small_N = 1e-4;
   const BoundPredictors predictors{{1, 1, 1, 1}, std::vector<std::vector<double>>(4, std::vector<double>(8, -1))};
   std::vector<BoundState> states;
@@ -144,7 +144,7 @@ TEST(ErrorBounds, HoldForTheForceOfNetworksAtRest) {
   }
   const Model bounded = add_bounds(model, predictors, states, 250, 0.95);
   int held = 0;
-  for (const auto& b : bounded_errors(LoadedModel(bounded, no_cells(), "model"), states))
+  for (const auto& b : bounded_errors(NamedOrgan(bounded, no_cells(), "model"), states))
     held += b.error_N <= b.bound_N ? 1 : 0;
   EXPECT_GE(held, 950);
   // The fit of the logarithms of all errors gives the shape, which need not be flat: a factor of 3.
@@ -166,7 +166,7 @@ TEST(ErrorBounds, NeedNoInformation) {
 }
 
 /// States of one tool between nodes, each at a place of its own, with an error whose logarithm scatters.
-std::vector<CoupledState> between_nodes(const LoadedModel& loaded, std::mt19937_64& random, int n) {
+std::vector<CoupledState> between_nodes(const NamedOrgan& loaded, std::mt19937_64& random, int n) {
   std::vector<CoupledState> states;
   while (std::ssize(states) < n) {
     const double a = uniform_in(random), b = uniform_in(random) * (1 - a);
@@ -175,7 +175,7 @@ std::vector<CoupledState> between_nodes(const LoadedModel& loaded, std::mt19937_
     const double z = 2 * uniform_in(random) - 1, angle = 6.28 * uniform_in(random), r = std::sqrt(1 - z * z);
     const Vec3 e{r * std::cos(angle), r * std::sin(angle), z};
     for (std::size_t k = 0; k < 3; ++k) tool.displacement[k] = depth * e[k];
-    const auto said = loaded.couple({tool});
+    const auto said = loaded.hold({tool});
     if (!said.bound_N[0]) continue;  // outside of the trained range
     CoupledState& state = states.emplace_back();
     state.ray = static_cast<std::int32_t>(states.size()) - 1;
@@ -192,15 +192,15 @@ std::vector<CoupledState> between_nodes(const LoadedModel& loaded, std::mt19937_
 TEST(BoundBetween, HoldsInTheMeanForFreshPlaces) {
   std::mt19937_64 random(7);
   const Model model = test::with_bound_between(test::small_modal_model());
-  const LoadedModel loaded(model, no_cells(), "model");
+  const NamedOrgan loaded(model, no_cells(), "model");
   double held = 0, all = 0;
   for (int calibration = 0; calibration < 300; ++calibration) {
     Model bounded = model;
     const auto coverage = add_bound_between(bounded, no_cells(), between_nodes(loaded, random, 20));
     EXPECT_EQ(coverage.rays, 20);
-    const LoadedModel with(bounded, no_cells(), "model");
+    const NamedOrgan with(bounded, no_cells(), "model");
     for (const auto& state : between_nodes(loaded, random, 60)) {
-      const auto said = with.couple({state.tools[0]});
+      const auto said = with.hold({state.tools[0]});
       all += 1;
       held += std::abs((*said.force_N[0])[0] - state.force_N[0][0]) <= *said.bound_N[0];
     }

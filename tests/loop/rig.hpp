@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <phynness/phynness_contact.hpp>
+#include <phynness/phynness.hpp>
 #include <string>
 #include <vector>
 
@@ -65,39 +65,29 @@ inline Model ball_of(double harder, Family family = Family::linear) {
 /// A tool at a node, or, with a radius, a sphere.
 struct Body {
   Body(const Model& model, int at_node, double radius = 0, double friction = 0)
-      : text(write_model_text(model)),
-        loaded(text),
-        data(loaded, 1),
-        node(at_node),
-        sphere{{}, radius, friction, PHN_TOOL_PRESS} {
-    if (radius > 0) contact = rt::Contact(loaded, 1);
-  }
+      : organ(write_model_text(model)), node(at_node), sphere{{}, radius, friction, PHN_TOOL_PRESS} {}
   phn_loop_response at(const double (&tool)[3]) {
     phn_loop_response r = {};
     if (sphere.radius > 0) {
       std::copy_n(tool, 3, sphere.center);
-      phn_contact_report report = {};
-      r.status = contact.step(sphere, state, &report);
+      OrganReport report;
+      r.status = organ.touch({&sphere, 1}, {&state, 1}, &report);
       r.in_contact = state.in_contact;
-      r.energy = report.energy;
+      r.energy = report.energy_J;
       std::copy_n(state.force, 3, r.force);
       std::copy_n(state.held.displacement, 3, r.displacement);
       return r;
     }
-    const bool energy = loaded.info().has_energy != 0;
+    const bool energy = organ.info().has_energy != 0;
+    const phn_tool held = phn_tool_at(node, tool);
     r.in_contact = 1;
     r.has_stiffness = energy;
     r.energy = -1;
     std::copy_n(tool, 3, r.displacement);
-    const phn_tool held = phn_tool_at(node, tool);
-    r.status = phn_force(loaded.get(), data.get(), &held, r.force, energy ? &r.energy : nullptr,
-                         energy ? r.stiffness : nullptr);
+    r.status = energy ? organ.hold(held, r.force, r.energy, r.stiffness) : organ.hold(held, r.force);
     return r;
   }
-  std::string text;
-  rt::Model loaded;
-  rt::Data data;
-  rt::Contact contact;
+  Organ organ;
   int node;
   phn_contact_tool sphere;
   phn_contact_state state = {};

@@ -5,8 +5,10 @@ Usage: answers_as_the_command.py SOURCES BUILD PHYNNESS WRITE_DATABASE WRITE_MOD
 
 Results are compared bit for bit; the JSON of the command has all digits.
 """
+import copy
 import json
 import os
+import pickle
 import random
 import re
 import shutil
@@ -26,6 +28,8 @@ import phynness
 WRITE_DATABASE, WRITE_MODELS = OTHERS
 NODE = 95
 model = phynness.Model(MODEL)
+# Triangles that can be touched.
+inner = [t for t in model.triangles if max(t) < len(model.output_nodes) and np.isin(model.output_nodes[t], model.active_nodes).all()]
 numbers = np.random.default_rng(1)
 directions = numbers.normal(size=(500, 3))
 d = 0.01 * directions / np.linalg.norm(directions, axis=1)[:, None] * numbers.random((500, 1))
@@ -93,10 +97,49 @@ class Models(unittest.TestCase):
         self.same(model.deform(NODE, d[:3])[2], model.deform(NODE, d[2]))
         point = phynness.SurfacePoint([NODE], [1.0])
         self.same(model.force(point, d), model.force(NODE, d))
-        self.same(model.deform(point, d[0]), model.couple([NODE], d[:1]).deform())
-        point, position = model.nearest(model.output_points[9])
-        self.assertLess(np.abs(position - model.output_points[9]).max(), 1e-15)  # rounding, of points of 0.1 m
-        self.assertEqual(point.nodes[int(np.argmax(point.weights))], model.output_nodes[9])
+        self.same(model.deform(point, d[0]), model.deform(NODE, d[0]))
+        corner = inner[0][0]
+        point = model.nearest(model.output_points[corner])
+        self.assertLess(np.abs(point.position - model.output_points[corner]).max(), 1e-15)  # rounding, of points of 0.1 m
+        self.assertLess(point.distance, 1e-15)
+        self.assertEqual(point.nodes[int(np.argmax(point.weights))], model.output_nodes[corner])
+
+    def test_places_are_one_or_many(self):
+        nodes = model.active_nodes[:5]
+        for answers in (model.force, model.energy, model.stiffness, model.deform, model.bound, model.trained_depth):
+            each = [answers(int(n), x) for n, x in zip(nodes, d)]
+            for places in (nodes, nodes.tolist(), tuple(nodes), [phynness.SurfacePoint([n], [1.0]) for n in nodes]):
+                self.same(answers(places, d[:5]), each)
+            self.same(answers(nodes, d[0]), [answers(int(n), d[0]) for n in nodes])
+        above = np.array([model.output_points[t].mean(axis=0) for t in inner[:4]]) + 1e-5
+        points = model.nearest(above)
+        for one, x in zip(points, above):
+            alone = model.nearest(x)
+            self.assertEqual((one.nodes, one.weights, one.distance), (alone.nodes, alone.weights, alone.distance))
+            self.assertLess(abs(np.linalg.norm(x - one.position) - one.distance), 1e-15)  # rounding, of 0.1 m
+        self.same(model.force(points, d[:4]), [model.force(point, x) for point, x in zip(points, d)])
+        self.assertEqual(model.force([], np.zeros((0, 3))).shape, (0, 3))
+        self.assertRaisesRegex(ValueError, "5 places, but 3", model.force, nodes, d[:3])
+        with self.assertRaisesRegex(phynness.Error, "node -1") as caught:
+            model.force([NODE, -1], d[:2])
+        self.assertEqual(caught.exception.status, -2)
+
+    def test_copies_and_pickles_answer_the_same(self):
+        organ = phynness.Organ(model, max_tools=2)
+        point = model.nearest([0, 0, 0.1])
+        for made in (copy.copy, copy.deepcopy, lambda given: pickle.loads(pickle.dumps(given))):
+            self.same(made(model).response(NODE, d)[2], model.response(NODE, d)[2])
+            self.assertEqual((made(model).text, made(model).mesh_text), (model.text, model.mesh_text))
+            self.same(made(organ).hold([NODE, point], d[:2]).forces, organ.hold([NODE, point], d[:2]).forces)
+            again = made(point)
+            self.assertEqual((again.nodes, again.weights, again.distance), (point.nodes, point.weights, point.distance))
+            self.same(again.position, point.position)
+
+    def test_names_are_those_of_the_package(self):
+        self.assertEqual(dir(phynness), sorted(phynness.__all__))
+        self.assertEqual(dir(phynness._phynness), sorted({name for name in phynness.__all__ if hasattr(phynness._phynness, name)}))
+        self.assertEqual(dir(phynness.command), sorted(phynness.command.__all__))
+        self.assertEqual(set(dir(phynness)), set(dir(phynness._phynness)) | set(dir(phynness.command)) - {"save"})
 
     def test_levels_and_bounds(self):
         self.assertEqual(len(model.levels), 1)
@@ -106,11 +149,33 @@ class Models(unittest.TestCase):
         self.assertTrue(0 < model.trained_depth(NODE, [0, 0, -1]) <= model.max_displacement_m)
 
     def test_several_tools(self):
-        point, _ = model.nearest([0, 0, 0.1])
-        pair = model.couple([NODE, point], [[0, 0, -0.01], [0, 0, 0.002]])
-        self.assertEqual((pair.forces.shape, pair.deform().shape), ((2, 3), (len(model.output_nodes), 3)))
+        organ = phynness.Organ(MODEL, max_tools=2)
+        self.same(organ.deform(), np.zeros_like(model.output_points))
+        pair = organ.hold([NODE, organ.nearest([0, 0, 0.1])], [[0, 0, -0.01], [0, 0, 0.002]])
+        self.assertEqual((pair.forces.shape, organ.deform().shape), ((2, 3), (len(model.output_nodes), 3)))
         self.assertLess(pair.residual, 1e-12)  # rounding, of displacements of 0.01 m
-        self.same(model.couple([NODE], d[:1]).forces[0], model.force(NODE, d[0]))
+        self.assertRaisesRegex(phynness.Error, "bound", organ.bound)  # a model has none of coupled tools
+        one = organ.hold(NODE, d[0])
+        self.same(one.forces, model.force(NODE, d[0]))
+        self.assertEqual(one.energy, model.energy(NODE, d[0]))
+        self.same(organ.deform(), model.deform(NODE, d[0]))
+        self.same(organ.bound(), [model.bound(NODE, d[0])])
+        self.same(organ.points, model.output_points)
+
+    def test_spheres_touch(self):
+        organ = phynness.Organ(model)
+        place = organ.nearest(model.output_points[list(model.output_nodes).index(NODE)])
+        outward = organ.touch(place.position + [0, 0, 1], 0.005)
+        self.assertFalse(outward.in_contact[0] or outward.forces.any())
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", phynness.OutsideWarning)
+            for depth in np.linspace(0.02, -0.009, 30):
+                touched = organ.touch([place.position + [0, 0, depth]], 0.005)
+        self.assertTrue(touched.in_contact[0] and touched.forces[0, 2] < 0 and touched.energy > 0)
+        self.assertLess(organ.deform()[:, 2].min(), -0.003)
+        organ.reset()
+        self.same(organ.deform(), np.zeros_like(model.output_points))
+        self.assertRaisesRegex(ValueError, "mode", organ.touch, [0, 0, 0], 0.005, mode="x")
 
     def test_statuses_are_warnings_and_errors(self):
         with warnings.catch_warnings(record=True) as caught:
@@ -132,31 +197,35 @@ class Models(unittest.TestCase):
             self.assertRaisesRegex(ValueError, "shape", model.force, NODE, wrong)
         for wrong in ("abc", [1j, 0, 0], [None] * 3, np.zeros(3, "M8[s]"), [[1, 2, 3], [1]], object()):
             self.assertRaises((TypeError, ValueError), model.force, NODE, wrong)
-        for node in (1.5, "95", None, [95]):
+        for node in (1.5, "95", None, [1.5], [[95]], b"95"):
             self.assertRaises(TypeError, model.force, node, [0, 0, 0])
         self.assertRaisesRegex(phynness.Error, "levels 0 to 0", model.force, NODE, [0, 0, 0], level=5)
         self.assertRaisesRegex(phynness.Error, "no field", model.field, NODE, [0, 0, 0], "x")
-        self.assertRaises(ValueError, model.couple, [], np.zeros((0, 3)))
-        self.assertRaises(ValueError, model.couple, [NODE], [0, 0, 0])
-        self.assertRaises(phynness.Error, model.couple, [NODE] * 9, np.zeros((9, 3)))
-        self.assertRaises(phynness.Error, model.couple, [NODE, NODE], np.zeros((2, 3)))
+        organ = phynness.Organ(model, max_tools=2)
+        self.assertRaisesRegex(ValueError, "1 places, but 2", organ.hold, [NODE], d[:2])
+        self.assertRaises(phynness.Error, organ.hold, [NODE] * 9, np.zeros((9, 3)))
+        self.assertRaises(phynness.Error, organ.hold, model.active_nodes[:3], np.zeros((3, 3)))
+        self.assertRaises(phynness.Error, phynness.Organ, None)
+        for keys in ({"max_tools": 0}, {"steps": 0}):
+            self.assertRaises(ValueError, phynness.Organ, model, **keys)
+        self.assertRaises(ValueError, organ.hold, [NODE], d[:1], increments=-1)
         self.assertRaises(ValueError, phynness.SurfacePoint, [1, 2], [1.0])
         with self.assertRaises(ValueError):
             model.triangles[0, 0] = 1
 
     def test_texts_and_files(self):
         text = (MODEL / "model.txt").read_bytes()
-        copy = work / "copied"
-        shutil.copytree(MODEL, copy)
-        copied = phynness.Model(copy)
-        shutil.rmtree(copy)
+        copied_from = work / "copied"
+        shutil.copytree(MODEL, copied_from)
+        copied = phynness.Model(copied_from)
+        shutil.rmtree(copied_from)
         for other in (copied, phynness.Model(text), phynness.Model(str(MODEL / "model.txt"))):
             self.same(other.force(NODE, d), model.force(NODE, d))
         copied.save(work / "saved")
         for name in ("model.txt", "mesh.txt"):
             self.assertEqual((work / "saved" / name).read_bytes(), (MODEL / name).read_bytes())
-        self.assertRaisesRegex(phynness.Error, "does not exist", phynness.Model, copy)
-        with self.assertRaisesRegex(phynness.Error, "checksum") as caught:
+        self.assertRaisesRegex(phynness.Error, "No such file", phynness.Model, copied_from)
+        with self.assertRaisesRegex(phynness.Error, "checksum.*line") as caught:
             phynness.Model(text.replace(b"title Demo", b"title demo"))
         self.assertEqual(caught.exception.status, -12)
         points = copied.output_points
@@ -202,14 +271,15 @@ class Models(unittest.TestCase):
     def test_random_calls(self):
         """100,000 calls with any arguments end with a result or an exception in words."""
         dice = random.Random(1)
-        point = model.nearest([0, 0, 0])[0]
+        point = model.nearest([0, 0, 0])
+        organ = phynness.Organ(model, max_tools=3)
         places = [NODE, int(model.active_nodes[0]), 0, -1, 2**31, 2**70, 1.5, None, point, phynness.SurfacePoint([95, 96], [2, -1]),
                   phynness.SurfacePoint([7], [float("nan")]), "x"]
         vectors = [[0, 0, 0], d[0], d[:7], d[:4, :2], d.T[:, :3], np.nan * d[0], np.inf * d[:2], 1e308 * d[:3], [], "x", None,
                    np.zeros((0, 3)), np.zeros((3, 3), "c16"), d[:8].astype("f4")[::-2], np.zeros(3, object), d[0] * 0 - 1e-320]
         levels = [None, None, None, 0, -1, 7, 2**40, "x"]
         functions = [model.force, model.energy, model.stiffness, model.response, model.deform, model.bound,
-                     model.trained_depth, model.field, model.nearest, model.couple, phynness.SurfacePoint]
+                     model.trained_depth, model.field, model.nearest, organ.hold, phynness.SurfacePoint]
         refused = 0
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -220,7 +290,7 @@ class Models(unittest.TestCase):
                     arguments.append(dice.choice(["x", ""]))
                 elif function == model.nearest:
                     arguments = [dice.choice(vectors)]
-                elif function == model.couple:
+                elif function == organ.hold:
                     arguments[0] = dice.choices(places, k=dice.randrange(4))
                 keys = {"level": dice.choice(levels)} if dice.random() < 0.2 else {}
                 try:
@@ -345,27 +415,33 @@ class Solves(unittest.TestCase):
         run(COMMAND, "train", work / "free.h5", "-o", work / "free")
         file = work / "body.txt"
         run(COMMAND, "reduce", work / "free.h5", "-o", file)
-        body, model = phynness.Body(file), phynness.Model(work / "free")
+        body, model = phynness.Organ(None, file), phynness.Model(work / "free")
         self.assertEqual((body.mesh_hash, body.max_displacement_m), (model.mesh_hash, model.max_displacement_m))
         at, d = [int(n) for n in model.active_nodes], np.array([[0, 0.001, -0.004], [0.002, 0, -0.003]])
-        both = body.press(at, d)
+        both = body.hold(at, d, increments=8)
+        displacements = body.deform()
         tools = [word for n, x in zip(at, d) for word in ("--node", n, "--displacement", ",".join(map(repr, x.tolist())))]
         run(COMMAND, "eval", work / "free", "--body", file, *tools, "--json", work / "both.json")
         said = json.loads((work / "both.json").read_text())
         self.assertEqual(both.forces.tolist(), [tool["force"] for tool in said["tools"]])
         self.assertEqual((both.energy, both.residual), (said["energy"], said["residual"]))
-        self.assertEqual(np.linalg.norm(both.displacements, axis=1).max(), said["max_displacement"])
-        self.assertEqual(both.displacements.shape, (len(body.nodes), 3))
-        self.assertIsNone(both.bounds)
+        self.assertEqual(np.linalg.norm(displacements, axis=1).max(), said["max_displacement"])
+        self.assertEqual(displacements.shape, body.points.shape)
+        self.assertRaisesRegex(phynness.Error, "bound", body.bound)
+        # Beside a model the body answers several tools, the model one; both move the model's nodes.
+        organ = pickle.loads(pickle.dumps(phynness.Organ(model, file)))
+        self.assertEqual(organ.hold(at, d, increments=8).forces.tobytes(), both.forces.tobytes())
+        shared = np.isin(organ.nodes, body.nodes)
+        self.assertEqual(organ.deform()[shared].tobytes(), displacements[np.isin(body.nodes, organ.nodes)].tobytes())
+        self.assertEqual(organ.hold(at[0], d[0]).forces.tobytes(), model.force(at[0], d[0]).tobytes())
         run(COMMAND, "calibrate", work / "free", work / "free.h5", "--rays", 100, "--body", file)
-        bounded = phynness.Body(file.read_bytes())
-        self.assertEqual(bounded.press(at, d, steps=60).forces.tobytes(), both.forces.tobytes())
-        self.assertTrue((bounded.press(at, d).bounds > 0).all())
-        self.assertRaisesRegex(phynness.Error, "not a phynness body", phynness.Body, scene)
-        self.assertRaisesRegex(phynness.Error, "does not exist", phynness.Body, work / "none.txt")
-        self.assertRaisesRegex(phynness.Error, "refuses tools", body.press, [10**6], [[0, 0, 0]])
-        for wrong in (lambda: body.press(at, d, steps=0), lambda: body.press([], np.zeros((0, 3))), lambda: body.press(at, d[0])):
-            self.assertRaises(ValueError, wrong)
+        bounded = phynness.Organ(None, file.read_bytes())
+        self.assertEqual(bounded.hold(at, d, increments=8).forces.tobytes(), both.forces.tobytes())
+        self.assertTrue((bounded.bound() > 0).all())
+        self.assertRaisesRegex(phynness.Error, scene.name, phynness.Organ, None, scene)
+        self.assertRaisesRegex(phynness.Error, "No such file", phynness.Organ, None, work / "none.txt")
+        self.assertRaisesRegex(phynness.Error, "another mesh", phynness.Organ, MODEL, file)
+        self.assertRaises(phynness.Error, body.hold, [10**6], [[0, 0, 0]])
 
     def test_what_the_command_refuses_is_an_error_in_words(self):
         self.assertRaisesRegex(phynness.Error, "does not exist", phynness.precompute, work / "none.toml", work / "none.h5")

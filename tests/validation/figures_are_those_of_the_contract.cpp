@@ -27,8 +27,8 @@ JudgedProbe probe(std::int32_t node, Status status) {
   return p;
 }
 
-LoadedModel checked_sample() {
-  const LoadedModel sample(source + "/examples/model");
+NamedOrgan checked_sample() {
+  const NamedOrgan sample(source + "/examples/model");
   Model model = sample.model();
   model.finer.is_measured = true;
   model.finer.element = "p1-p1";

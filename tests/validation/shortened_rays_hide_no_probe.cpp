@@ -15,7 +15,7 @@ namespace {
 constexpr double R = 0.01;
 
 /// A linear body of three nodes with the given trained depths in its four directions.
-LoadedModel body(const std::vector<double>& depths) {
+NamedOrgan body(const std::vector<double>& depths) {
   Model model = LinearBody(3).model;
   for (auto& node : model.nodes) node.trained_depth_m = depths;
   Mesh mesh;
@@ -32,7 +32,7 @@ struct RangeProbes {
   std::vector<std::array<double, 4>> inside;  ///< node, displacement
 };
 
-RangeProbes drawn_for(const LoadedModel& model, double range_m, std::int64_t probes = 8000) {
+RangeProbes drawn_for(const NamedOrgan& model, double range_m, std::int64_t probes = 8000) {
   RangeProbes out;
   for (const auto& entry : plan_probes(model, Directions::twenty_six, probes, 3, 3, range_m))
     for (const auto& pair : entry.pairs) {

@@ -15,8 +15,10 @@ namespace {
 
 struct Loaded {
   const Model& model;
-  const rt::Model& runtime;
-  rt::Data& data;
+  Organ& organ;
+
+  std::size_t n_active() const { return static_cast<std::size_t>(organ.info().n_active); }
+  std::int32_t active(std::size_t i) const { return organ.info().active_nodes[i % n_active()]; }
 };
 
 /// Reproducible numbers in [-1, 1), the same on every machine, which those of std::uniform_real_distribution are not.
@@ -50,8 +52,8 @@ Vec3 displacement(const Loaded& model, std::int32_t node, std::size_t i, Numbers
     share = 1 + 0.43 * share;
   }
   double depth = 0;
-  model.runtime.trained_depth(node, e, depth).ignore();
-  const double deep = depth > 0 ? depth : model.runtime.info().max_displacement_m;
+  model.organ.depth(phn_tool_at(node, e.data()), depth).ignore();
+  const double deep = depth > 0 ? depth : model.organ.info().max_displacement_m;
   return {share * deep * e[0], share * deep * e[1], share * deep * e[2]};
 }
 
@@ -142,38 +144,36 @@ GoldenPlace place_query(const Loaded& model, const Device<Real>& device, const V
   GoldenPlace at;
   at.point_m = device.held(point);
   phn_tool tool;
-  model.runtime.nearest(at.point_m, tool).ignore();
-  const auto nodes = model.runtime.active_nodes();
-  at.displacement_m = device.held(displacement(model, nodes[i % nodes.size()], i, numbers));
+  model.organ.nearest(at.point_m, tool).ignore();
+  at.displacement_m = device.held(displacement(model, model.active(i), i, numbers));
   std::ranges::copy(at.displacement_m, tool.displacement);
-  if (!model.data.force(tool, at.force_N).ok())
+  if (!model.organ.hold(tool, at.force_N).ok())
     throw failure("a place of the image's surface has no force", "", "this is a defect; please report it");
-  model.runtime.bound(tool, at.bound_N).ignore();
+  model.organ.bound(tool, at.bound_N).ignore();
   device.answer(at);
   return at;
 }
 
 template <class Real>
 GoldenQueries queries(const Loaded& model, const ModelImage& image, std::size_t n) {
-  const auto nodes = model.runtime.active_nodes();
-  if (nodes.empty()) throw input_error("the model has no active nodes", "", "train it with active nodes");
+  if (model.n_active() == 0) throw input_error("the model has no active nodes", "", "train it with active nodes");
   Device<Real> device(image);
   Numbers numbers;
   GoldenQueries all;
   Deviation force, deformation;
-  std::vector<double> field(3 * static_cast<std::size_t>(model.runtime.n_output()));
+  std::vector<double> field(model.organ.n_deform());
   for (std::size_t i = 0; i < n; ++i) {
     GoldenQuery query;
     // The stride visits all nodes and seldom neighbouring nodes in succession.
-    query.node = nodes[(i * 7919) % nodes.size()];
+    query.node = model.active(i * 7919);
     query.displacement_m = device.held(displacement(model, query.node, i, numbers));
     const Vec3& d = query.displacement_m;
-    model.data.force(query.node, d, query.force_N).ignore();
+    model.organ.hold(phn_tool_at(query.node, d.data()), query.force_N).ignore();
     query.status = device.force(query.node, d, query.image_force_N);
     force.add(query.force_N, query.image_force_N);
     if (image.n_output > 0) {
       query.output = static_cast<std::int32_t>((i * 104729) % image.n_output);
-      model.data.deform(query.node, d, field).ignore();
+      model.organ.deform(field).ignore();
       std::copy_n(&field[3 * static_cast<std::size_t>(query.output)], 3, query.deformation_m.begin());
       device.deformation(query.node, d, query.output, query.image_deformation_m);
       deformation.add(query.deformation_m, query.image_deformation_m);
@@ -192,9 +192,8 @@ GoldenQueries queries(const Loaded& model, const ModelImage& image, std::size_t 
 
 }  // namespace
 
-GoldenQueries golden_queries(const Model& model, const rt::Model& runtime, rt::Data& data, const ModelImage& image,
-                             std::size_t n) {
-  const Loaded loaded{model, runtime, data};
+GoldenQueries golden_queries(const Model& model, Organ& organ, const ModelImage& image, std::size_t n) {
+  const Loaded loaded{model, organ};
   return image.options.floats ? queries<float>(loaded, image, n) : queries<double>(loaded, image, n);
 }
 

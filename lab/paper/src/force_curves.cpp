@@ -2,7 +2,7 @@
 
 namespace phynness::study {
 
-void measure_curves(ProbeSolver& solver, const NodeUnderStudy& node, const LoadedModel& ours, const Vec3& inward,
+void measure_curves(ProbeSolver& solver, const NodeUnderStudy& node, const NamedOrgan& ours, const Vec3& inward,
                     double deepest_m, const StudySizes& sizes, NodeMeasurements& out) {
   solver.touch({out.node});
   const Eigen::Vector3d direction(inward[0], inward[1], inward[2]);

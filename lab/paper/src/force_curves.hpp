@@ -8,7 +8,7 @@
 namespace phynness::study {
 
 /// Displaces the node along the inward normal to beyond the trained range. Sets curves and stiffness_N_per_m.
-void measure_curves(ProbeSolver& solver, const NodeUnderStudy& node, const LoadedModel& ours, const Vec3& inward,
+void measure_curves(ProbeSolver& solver, const NodeUnderStudy& node, const NamedOrgan& ours, const Vec3& inward,
                     double deepest_m, const StudySizes& sizes, NodeMeasurements& out);
 
 }  // namespace phynness::study

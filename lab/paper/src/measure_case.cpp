@@ -49,7 +49,7 @@ double chosen_force_spread(const NodeData& data, const std::vector<NodePlan>& pl
 }  // namespace
 
 CaseMeasurements measure_case(const SolverSession& session, const Scene& scene, const Database& database,
-                              const LoadedModel* networks, const LoadedModel& ours, const StudySizes& sizes,
+                              const NamedOrgan* networks, const NamedOrgan& ours, const StudySizes& sizes,
                               bool two_tools, const StudyProgress& progress) {
   const auto start = std::chrono::steady_clock::now();
   if (physics_hash(scene) != database.header().physics_hash)

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <cstdint>
 #include <phynness/formats/error.hpp>
-#include <phynness/phynness_surface.hpp>
 #include <phynness/studies/measure.hpp>
 #include <phynness/training/network_fit.hpp>
+#include <phynness/validation/fine_surface.hpp>
 
 #include "median_time.hpp"
 
@@ -20,51 +20,40 @@ Vec3 displacement(const Model& model, int i) {
   return d;
 }
 
-class Surface {
- public:
-  Surface(const LoadedModel& model, int levels) : _surface(model.runtime(), levels) {
-    if (!_surface)
-      throw input_error("the surface cannot be subdivided", _surface.status().message(),
-                        "use a scene whose output nodes are the whole surface");
-    _scratch.resize(_surface.n_scratch());
-    _fine.resize(_surface.points().size());
-  }
-  std::int32_t vertices() const { return _surface.n_vertices(); }
-  std::int32_t triangles() const { return static_cast<std::int32_t>(_surface.triangles().size() / 3); }
-  const std::int32_t* corners() const { return _surface.triangles().data(); }
-  const float* points() const { return _surface.points().data(); }
-  void deform(const std::vector<double>& field) { _surface.deform(_scratch, field, _fine).ignore(); }
-
- private:
-  rt::Surface _surface;
-  std::vector<float> _scratch, _fine;
-};
+FineSurface fine_surface(const NamedOrgan& model, int levels) {
+  FineSurface surface(model.organ().model(), levels);
+  if (surface.status() < 0)
+    throw input_error("the surface cannot be subdivided", phn_status_message(surface.status()),
+                      "use a scene whose output nodes are the whole surface");
+  return surface;
+}
 
 /// A deformation of a prepared node.
 class Deformation {
  public:
-  explicit Deformation(const LoadedModel& model)
+  explicit Deformation(const NamedOrgan& model)
       : _model(model), _node(model.model().nodes[model.model().nodes.size() / 2].node) {
     field.resize(3 * model.model().output.size());
-    model.data().prepare(_node).ignore();
+    const phn_tool tool = tool_at(_node, Vec3{});
+    phn_prepare(_model.organ().model(), _model.organ().data(), &tool);
   }
   void at(int i) {
-    const Vec3 d = displacement(_model.model(), i);
-    _model.data().deform(_node, d, field).ignore();
+    const phn_tool tool = tool_at(_node, displacement(_model.model(), i));
+    phn_deform(_model.organ().model(), _model.organ().data(), &tool, field.data());
   }
   std::vector<double> field;
 
  private:
-  const LoadedModel& _model;
+  const NamedOrgan& _model;
   std::int32_t _node;
 };
 
-double force_us(const LoadedModel& model) {
+double force_us(const NamedOrgan& model) {
   const auto& nodes = model.model().nodes;
   Vec3 f{};
   return median_us([&](int i) {
     const Vec3 d = displacement(model.model(), i);
-    model.data().force(nodes[static_cast<std::size_t>(i) % nodes.size()].node, d, f).ignore();
+    model.organ().hold(tool_at(nodes[static_cast<std::size_t>(i) % nodes.size()].node, d), f).ignore();
   });
 }
 
@@ -86,7 +75,7 @@ double every_vertex_us(const RbfNetwork& network, const Model& model, const floa
 
 }  // namespace
 
-RuntimeTimes measure_runtime(const LoadedModel& networks, const LoadedModel& ours, int n_levels) {
+RuntimeTimes measure_runtime(const NamedOrgan& networks, const NamedOrgan& ours, int n_levels) {
   RuntimeTimes times;
   Deformation of_networks(networks), of_ours(ours);
   times.force_us = force_us(networks);
@@ -100,17 +89,17 @@ RuntimeTimes measure_runtime(const LoadedModel& networks, const LoadedModel& our
     times.force_neurons = std::max(times.force_neurons, static_cast<int>(one.force.weights.rows()));
   }
   for (int level = 0; level < n_levels; ++level) {
-    Surface surface(networks, level);
-    SurfaceLevel row{surface.vertices(), surface.triangles(), 0, 0, 0};
+    FineSurface surface = fine_surface(networks, level);
+    SurfaceLevel row{surface.n_vertices(), surface.n_triangles(), 0, 0, 0};
     row.network_us = median_us([&](int i) {
       of_networks.at(i);
-      surface.deform(of_networks.field);
+      surface.deform(of_networks.field.data());
     });
     row.ours_us = median_us([&](int i) {
       of_ours.at(i);
-      surface.deform(of_ours.field);
+      surface.deform(of_ours.field.data());
     });
-    row.every_vertex_us = every_vertex_us(node.deformation, model, surface.points(), surface.vertices());
+    row.every_vertex_us = every_vertex_us(node.deformation, model, surface.points().data(), surface.n_vertices());
     times.levels.push_back(row);
   }
   std::vector<float> points(model.output_points.size());
@@ -121,13 +110,13 @@ RuntimeTimes measure_runtime(const LoadedModel& networks, const LoadedModel& our
   return times;
 }
 
-SurfaceShape surface_at(const LoadedModel& model, int level) {
-  const Surface surface(model, level);
+SurfaceShape surface_at(const NamedOrgan& model, int level) {
+  const FineSurface surface = fine_surface(model, level);
   SurfaceShape shape;
-  shape.points = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(surface.points(),
-                                                                                            surface.vertices(), 3)
+  shape.points = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(surface.points().data(),
+                                                                                            surface.n_vertices(), 3)
                      .cast<double>();
-  shape.triangles = Eigen::Map<const Triangles>(surface.corners(), surface.triangles(), 3);
+  shape.triangles = Eigen::Map<const Triangles>(surface.triangles(), surface.n_triangles(), 3);
   return shape;
 }
 

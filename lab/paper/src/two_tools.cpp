@@ -42,7 +42,7 @@ PairDraw draw_pair(const Model& model, std::mt19937_64& random) {
 }
 
 ToolPair measure_pair(ProbeSolver& solver, const PairDraw& pair, const std::vector<double>& depths_m,
-                      const LoadedModel& networks, const LoadedModel& ours) {
+                      const NamedOrgan& networks, const NamedOrgan& ours) {
   const auto& output = networks.model().output;
   solver.touch({pair.a, pair.b});
   const auto counts = counted_nodes(networks.model(), {pair.a, pair.b});
@@ -54,11 +54,11 @@ ToolPair measure_pair(ProbeSolver& solver, const PairDraw& pair, const std::vect
     state.depth_m = depths_m[i];
     const std::vector<Vec3> d{scaled(pair.first, depths_m[i]), scaled(pair.second, depths_m[i])};
     state.finite_elements = at_output(response.displacement_m, output);
-    state.paper = networks.respond({pair.a, pair.b}, d).displacement_m;
+    state.paper = networks.blend({pair.a, pair.b}, d).displacement_m;
     std::vector<phn_tool> tools;
     for (std::size_t t = 0; t < 2; ++t)
       tools.push_back({{t == 0 ? pair.a : pair.b, -1, -1}, {1, 0, 0}, {d[t][0], d[t][1], d[t][2]}});
-    const auto coupled = ours.couple(tools);
+    const auto coupled = ours.hold(tools);
     state.coupled = coupled.displacement_m;
     const Eigen::Matrix<double, 6, 1> both{d[0][0], d[0][1], d[0][2], d[1][0], d[1][1], d[1][2]};
     const Eigen::VectorXd u = solver.rest().sensitivity * both, f = solver.rest().stiffness_N_per_m * both;

@@ -4,7 +4,7 @@
 
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/studies/measurements.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/validation/named_organ.hpp>
 #include <random>
 
 namespace phynness::study {
@@ -18,6 +18,6 @@ PairDraw draw_pair(const Model& model, std::mt19937_64& random);
 
 /// Solves both displacements for the depths `depths_m` of the deeper tool.
 ToolPair measure_pair(ProbeSolver& solver, const PairDraw& pair, const std::vector<double>& depths_m,
-                      const LoadedModel& networks, const LoadedModel& ours);
+                      const NamedOrgan& networks, const NamedOrgan& ours);
 
 }  // namespace phynness::study

@@ -41,7 +41,7 @@ constexpr double bytes_per_factor = 350;
 constexpr std::size_t state_size = 7;
 
 /// A direction in which the node has a trained range. Of a node that has none in half of the sphere, every second one.
-Vec3 trained_direction(const LoadedModel& model, std::int32_t node, std::mt19937_64& random) {
+Vec3 trained_direction(const NamedOrgan& model, std::int32_t node, std::mt19937_64& random) {
   Vec3 e{};
   for (int attempt = 0; attempt < 1000; ++attempt) {
     e = on_sphere(random);
@@ -70,7 +70,7 @@ std::vector<std::size_t> sampled_nodes(std::size_t n_nodes, std::size_t n_active
 }
 
 /// Draws the next ray of a node. @return without parts if none of its depths is inside the trained range
-ToolRay draw_ray(const LoadedModel& model, std::int32_t node, std::mt19937_64& random) {
+ToolRay draw_ray(const NamedOrgan& model, std::int32_t node, std::mt19937_64& random) {
   const double largest = model.model().max_displacement_m;
   const Vec3 e = trained_direction(model, node, random);
   const double trained = model.trained_depth(node, e);
@@ -83,7 +83,7 @@ ToolRay draw_ray(const LoadedModel& model, std::int32_t node, std::mt19937_64& r
   return ray;
 }
 
-void add_states(const LoadedModel& model, std::size_t index, const ToolRay& ray, const std::vector<Vec3>& forces,
+void add_states(const NamedOrgan& model, std::size_t index, const ToolRay& ray, const std::vector<Vec3>& forces,
                 NodeRays& out) {
   const double largest = model.model().max_displacement_m;
   Vec3 e{};
@@ -102,7 +102,7 @@ void add_states(const LoadedModel& model, std::size_t index, const ToolRay& ray,
 }
 
 /// Of each node with a solution: its index, and the columns of its stiffness [N/m]. Collective.
-std::vector<double> stiffnesses_at_rest(const SolverSession& session, const LoadedModel& model, const ShouldStop& stop,
+std::vector<double> stiffnesses_at_rest(const SolverSession& session, const NamedOrgan& model, const ShouldStop& stop,
                                         RayForces& rays) {
   std::vector<double> at_rest;
   session.together([&] {
@@ -119,14 +119,16 @@ std::vector<double> stiffnesses_at_rest(const SolverSession& session, const Load
 /// A finer solution is off by nearly the same share along a ray, which the stiffness at rest tells: in place of J the
 /// logarithm of the difference of both in the direction of each trained displacement.
 /// @param stiffness  those of the finer solution, as stiffnesses_at_rest() of all ranks gives them
-void predict_by_rest(const LoadedModel& model, const std::vector<double>& stiffness, BoundPredictors& predictors) {
+void predict_by_rest(const NamedOrgan& model, const std::vector<double>& stiffness, BoundPredictors& predictors) {
   constexpr double least = 1e-4;
   if (stiffness.size() < 10 * model.model().nodes.size()) return;  // one failed, or an early end
   const auto& displacements = model.model().displacements;
   for (std::size_t at = 0; at + 10 <= stiffness.size(); at += 10) {
     const auto node = static_cast<std::size_t>(stiffness[at]);
     std::array<double, 9> own{};
-    if (model.data().stiffness(model.model().nodes[node].node, std::array{0.0, 0.0, 0.0}, own) < 0) return;
+    Vec3 force;
+    double energy = 0;
+    if (model.organ().hold(tool_at(model.model().nodes[node].node, Vec3{}), force, energy, own) < 0) return;
     const Eigen::Matrix3d off =
         Eigen::Map<const Eigen::Matrix3d>(own.data()) - Eigen::Map<const Eigen::Matrix3d>(&stiffness[at + 1]);
     for (Eigen::Index row = 0; row < displacements.rows(); ++row)
@@ -147,7 +149,7 @@ std::vector<BoundState> states_of(const std::vector<double>& numbers) {
 }
 
 /// Every fifth node with the bounds that the other nodes give; every fifth ray if no node of the model is without rays.
-std::vector<BoundedError> left_out(const LoadedModel& model, const BoundPredictors& predictors,
+std::vector<BoundedError> left_out(const NamedOrgan& model, const BoundPredictors& predictors,
                                    const std::vector<BoundState>& states, std::int64_t n_rays, double coverage) {
   constexpr std::size_t n_parts = 5;
   std::set<std::int32_t> nodes;
@@ -162,8 +164,8 @@ std::vector<BoundedError> left_out(const LoadedModel& model, const BoundPredicto
     for (const auto& state : states) (part[key(state)] == p ? out : kept).push_back(state);
     const auto share = static_cast<std::int64_t>(n_rays * static_cast<std::int64_t>(kept.size()) /
                                                  static_cast<std::int64_t>(states.size()));
-    const LoadedModel other(add_bounds(model.model(), predictors, kept, std::max<std::int64_t>(1, share), coverage),
-                            model.mesh(), "model");
+    const NamedOrgan other(add_bounds(model.model(), predictors, kept, std::max<std::int64_t>(1, share), coverage),
+                           model.mesh(), "model");
     const auto now = bounded_errors(other, out);
     errors.insert(errors.end(), now.begin(), now.end());
   }
@@ -176,7 +178,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-void tell_medians(const LoadedModel& bounded, const std::vector<BoundState>& states, BoundReport& report) {
+void tell_medians(const NamedOrgan& bounded, const std::vector<BoundState>& states, BoundReport& report) {
   std::vector<double> bounds, shares;
   for (const auto& error : bounded_errors(bounded, states)) {
     shares.push_back(error.bound_N / std::max(states[bounds.size()].force_N, 1e-300));
@@ -286,14 +288,14 @@ void tell_coverages(const std::array<CoupledCoverage, 2>& coverages, BoundReport
 
 }  // namespace
 
-void calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, ReducedBody& body,
+void calibrate(const SolverSession& session, const Database& database, const NamedOrgan& model, ReducedBody& body,
                const BoundSpec& spec, const OnProgress& progress, const ShouldStop& stop, BoundReport& report) {
   const auto begin = std::chrono::steady_clock::now();
   const auto& header = database.header();
-  std::optional<LoadedBody> loaded;
+  std::optional<NamedOrgan> loaded;
   session.together([&] {
     require_scene(header);
-    loaded.emplace(write_body_text(body), "body");
+    loaded = NamedOrgan::body(write_body_text(body), "body");
   });
   const ProbeSpec probe = stored_scene(header).probe;
   RayForces rays(header, Variant::scene, stop);
@@ -310,7 +312,7 @@ void calibrate(const SolverSession& session, const Database& database, const Loa
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-Model calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, const BoundSpec& spec,
+Model calibrate(const SolverSession& session, const Database& database, const NamedOrgan& model, const BoundSpec& spec,
                 const OnProgress& progress, const ShouldStop& stop, BoundReport& report) {
   const auto begin = std::chrono::steady_clock::now();
   const auto& header = database.header();
@@ -376,7 +378,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     report.left_out = coverage_of(left_out(model, predictors, states, report.rays, spec.coverage), range_m);
     tell_coverages({add_bound_between(bounded, model.mesh(), coupled_states), {}}, report);
     bounded.bounds[0].reference = static_cast<std::int32_t>(spec.reference);
-    tell_medians(LoadedModel(bounded, model.mesh(), "model"), states, report);
+    tell_medians(NamedOrgan(bounded, model.mesh(), "model"), states, report);
   });
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return bounded;

@@ -180,8 +180,8 @@ CoupledCoverage add_bound_between(Model& model, const Mesh& mesh, const std::vec
   const Load load = [&](const Coefficients& coefficients) {
     Model with = model;
     with.bounds[0].between = coefficients.row(0).transpose();
-    return [loaded = std::make_shared<LoadedModel>(std::move(with), mesh, "model")](const auto& tools) {
-      const auto said = loaded->couple(tools);
+    return [loaded = std::make_shared<NamedOrgan>(std::move(with), mesh, "model")](const auto& tools) {
+      const auto said = loaded->hold(tools);
       return Said{said.force_N, said.bound_N};
     };
   };
@@ -200,9 +200,10 @@ std::array<CoupledCoverage, 2> add_coupled_bounds(ReducedBody& body, int increme
   const Load load = [&](const Coefficients& coefficients) {
     ReducedBody with = body;
     with.bounds = coefficients;
-    return [loaded = std::make_shared<LoadedBody>(write_body_text(with), "body"), increments](const auto& tools) {
-      const auto said = loaded->press_from_rest(tools, increments, steps_of_increment);
-      return Said{{said.force_N.begin(), said.force_N.end()}, said.bound_N};
+    return [loaded = std::make_shared<NamedOrgan>(NamedOrgan::body(write_body_text(with), "body")),
+            increments](const auto& tools) {
+      const auto said = loaded->hold_from_rest(tools, increments);
+      return Said{said.force_N, said.bound_N};
     };
   };
   std::array<CoupledCoverage, 2> coverages;

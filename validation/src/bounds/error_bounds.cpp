@@ -98,7 +98,7 @@ std::vector<double> forces_at_rest(const Model& model) {
   if (schema::traits(model.family).has_energy) return sizes;
   Mesh mesh;  // forces need none
   mesh.cells.resize(0, 4);
-  const LoadedModel loaded(model, mesh, "the model");
+  const NamedOrgan loaded(model, mesh, "the model");
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     const Vec3 force = loaded.force(model.nodes[i].node, {0, 0, 0});
     sizes[i] = std::hypot(force[0], force[1], force[2]);
@@ -215,7 +215,7 @@ Model add_bounds(Model model, const BoundPredictors& predictors, const std::vect
   return model;
 }
 
-std::vector<BoundedError> bounded_errors(const LoadedModel& bounded, const std::vector<BoundState>& states) {
+std::vector<BoundedError> bounded_errors(const NamedOrgan& bounded, const std::vector<BoundState>& states) {
   std::vector<BoundedError> out;
   const Model& model = bounded.model();
   for (const auto& state : states) {

@@ -46,7 +46,7 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
     measured.candidate.name = operations(candidate.spec.family).model_name(sizes_of(measured.model));
     measured.model.title = scene.title;
     measured.training_s = training.seconds;
-    const LoadedModel model(measured.model, mesh, candidate.name);
+    const NamedOrgan model(measured.model, mesh, candidate.name);
     if (solved.empty()) {
       const auto plan = plan_probes(model, scene.probe.directions, probes, seed, nodes_per_try);
       solve_probes(
@@ -61,8 +61,8 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
     }
     measured.errors = model_errors(model, solved);
     measured.speed = measure_speed(model);
-    measured.memory_bytes = static_cast<double>(model.memory_bytes());
-    measured.text_bytes = static_cast<double>(model.text_bytes());
+    measured.memory_bytes = static_cast<double>(model.organ().constant_bytes());
+    measured.text_bytes = static_cast<double>(model.text().size());
     report.models.push_back(std::move(measured));
   }
   if (report.models.empty())

@@ -2,20 +2,17 @@
 #pragma once
 
 #include <algorithm>
-#include <phynness/validation/loaded_body.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/validation/named_organ.hpp>
 
 namespace phynness {
-
-/// Steps that a body may make in each increment.
-inline constexpr std::int32_t steps_of_increment = 600;
 
 class BodyPredictions {
  public:
   /// @param increments  from rest to a displacement
-  BodyPredictions(LoadedBody& body, const LoadedModel& model, int increments) : _body(body), _increments(increments) {
+  BodyPredictions(const NamedOrgan& body, const NamedOrgan& model, int increments)
+      : _body(body), _increments(increments) {
     const auto& output = model.model().output;
-    const auto& info = body.info();
+    const auto& info = body.body_info();
     for (std::size_t o = 0; o < output.size(); ++o) {
       const auto* at = std::lower_bound(info.nodes, info.nodes + info.n_nodes, output[o]);
       if (at == info.nodes + info.n_nodes || *at != output[o]) continue;
@@ -25,8 +22,8 @@ class BodyPredictions {
   }
 
   /// Displacements are those of the shared nodes.
-  BodyResponse at(const std::vector<phn_tool>& tools) const {
-    BodyResponse said = _body.press_from_rest(tools, _increments, steps_of_increment);
+  OrganResponse at(const std::vector<phn_tool>& tools) const {
+    OrganResponse said = _body.hold_from_rest(tools, _increments);
     said.displacement_m = Points(said.displacement_m(_shared_nodes, Eigen::all));
     return said;
   }
@@ -39,7 +36,7 @@ class BodyPredictions {
   }
 
  private:
-  LoadedBody& _body;
+  const NamedOrgan& _body;
   int _increments;
   std::vector<Eigen::Index> _shared_output, _shared_nodes;
 };

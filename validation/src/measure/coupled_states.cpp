@@ -16,7 +16,7 @@ constexpr double near_radii = 2.5;
 
 }  // namespace
 
-CoupledRays::CoupledRays(const LoadedModel& model, const ProbeSpec& probe, LoadedBody* body)
+CoupledRays::CoupledRays(const NamedOrgan& model, const ProbeSpec& probe, const NamedOrgan* body)
     : _model(model),
       _body(body),
       _increments(probe.increments),
@@ -53,7 +53,7 @@ double CoupledRays::trained_depth(const phn_tool& tool, const Vec3& e) const {
   phn_tool moved = tool;
   for (std::size_t k = 0; k < 3; ++k) moved.displacement[k] = 1e-6 * _model.model().max_displacement_m * e[k];
   double depth_m = 0;
-  if (_model.runtime().trained_depth(moved, depth_m) >= 0) return depth_m;
+  if (_model.organ().depth(moved, depth_m) >= 0) return depth_m;
   double depth = _model.model().max_displacement_m;  // a tool between the nodes of a model without round tools
   for (int k = 0; k < 3; ++k)
     if (tool.weights[k] > 0) depth = std::min(depth, _model.trained_depth(tool.nodes[k], e));
@@ -72,8 +72,7 @@ bool CoupledRays::displace(std::mt19937_64& random, phn_tool& tool) const {
 }
 
 bool CoupledRays::is_flagged(const std::vector<phn_tool>& tools) const {
-  const int status =
-      _body ? _body->press_from_rest(tools, _increments, steps_of_increment).status : _model.couple(tools).status;
+  const int status = _body ? _body->hold_from_rest(tools, _increments).status : _model.hold(tools).status;
   return (status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED | PHN_WARNING_NEAR)) != 0;
 }
 

@@ -2,8 +2,7 @@
 #pragma once
 
 #include <phynness/formats/scene.hpp>
-#include <phynness/validation/loaded_body.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/validation/named_organ.hpp>
 #include <random>
 
 #include "tool_rays.hpp"
@@ -18,7 +17,7 @@ struct DrawnStates {
 class CoupledRays {
  public:
   /// @param body  whose flags and depth count, where the model is trained; null: those of the model
-  CoupledRays(const LoadedModel& model, const ProbeSpec& probe, LoadedBody* body = nullptr);
+  CoupledRays(const NamedOrgan& model, const ProbeSpec& probe, const NamedOrgan* body = nullptr);
   /// Whether there are places for one tool between nodes, or for two.
   bool possible(int n_tools) const;
   /// Draws rays of one state until one is not flagged. Of pairs every second one is at nodes, and every third one near
@@ -35,8 +34,8 @@ class CoupledRays {
   /// Fewer tools if there is no such place.
   ToolRay draw_any(std::mt19937_64& random, std::int32_t n_tools, bool at_nodes, bool near) const;
 
-  const LoadedModel& _model;
-  LoadedBody* _body;
+  const NamedOrgan& _model;
+  const NamedOrgan* _body;
   int _increments;
   std::vector<Eigen::Index> _triangles;
   double _near_m;

@@ -22,43 +22,47 @@ double median_us(int batches, int calls, const Call& call) {
 
 }  // namespace
 
-RuntimeSpeed measure_speed(const LoadedModel& model) {
-  const auto nodes = model.runtime().active_nodes();
+RuntimeSpeed measure_speed(const NamedOrgan& model) {
+  const auto nodes = model.active_nodes();
   if (nodes.size() == 0) return {};
-  const double depth = model.runtime().info().max_displacement_m;
-  std::vector<double> u(3 * static_cast<std::size_t>(model.runtime().n_output()));
+  Organ& organ = model.organ();
+  const double depth = model.info().max_displacement_m;
+  std::vector<double> u(3 * static_cast<std::size_t>(model.info().n_output));
   double f[3], sink = 0;
   // The displacement changes from call to call, as that of a moving hand.
-  const auto displacement = [&](int i, double* d) {
-    for (int k = 0; k < 3; ++k) d[k] = depth * 0.01 * ((i * (k + 3)) % 50);
+  const auto displacement = [&](int i, Vec3& d) {
+    for (int k = 0; k < 3; ++k) d[static_cast<std::size_t>(k)] = depth * 0.01 * ((i * (k + 3)) % 50);
   };
   RuntimeSpeed speed;
   speed.force_us = median_us(15, 200, [&](int i) {
-    double d[3];
+    Vec3 d;
     displacement(i, d);
-    model.data().force(nodes[static_cast<std::size_t>(i) % nodes.size()], d, f).ignore();
+    organ.hold(tool_at(nodes[static_cast<std::size_t>(i) % nodes.size()], d), f).ignore();
     sink += f[0];
   });
   // A tool stays at a node for many frames, so that the preparation of the node is not measured.
   std::vector<double> times;
   for (std::size_t b = 0; b < 7; ++b) {
     const auto node = nodes[b * nodes.size() / 7];
-    model.data().prepare(node).ignore();
+    phn_tool tool = tool_at(node, Vec3{});
+    phn_prepare(organ.model(), organ.data(), &tool);
     times.push_back(median_us(1, 5, [&](int i) {
-      double d[3];
+      Vec3 d;
       displacement(i, d);
-      model.data().deform(node, d, u).ignore();
+      tool = tool_at(node, d);
+      phn_deform(organ.model(), organ.data(), &tool, u.data());
       sink += u[0];
     }));
   }
   std::nth_element(times.begin(), times.begin() + 3, times.end());
-  if (model.data().deform(nodes[0], Vec3{}, u).ok()) speed.deformation_us = times[3];
-  if (model.runtime().n_fields() > 0)
+  organ.hold(tool_at(nodes[0], Vec3{}), f).ignore();
+  if (organ.deform(u).ok()) speed.deformation_us = times[3];
+  if (model.info().n_fields > 0)
     speed.field_us = median_us(7, 5, [&](int i) {
-      double d[3];
+      Vec3 d;
       displacement(i, d);
-      const auto node = nodes[static_cast<std::size_t>(i) % nodes.size()];
-      model.data().field(node, d, 0, u).ignore();
+      const phn_tool tool = tool_at(nodes[static_cast<std::size_t>(i) % nodes.size()], d);
+      phn_field(organ.model(), organ.data(), &tool, 0, u.data());
       sink += u[0];
     });
   volatile double keep = sink;  // prevents the compiler from removing the calls

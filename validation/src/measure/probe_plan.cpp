@@ -24,7 +24,7 @@ std::array<double, 3> point_of_triangle(std::mt19937_64& random) {
   return {1 - s, s * (1 - q), s * q};
 }
 
-std::vector<Eigen::Index> answered_triangles(const LoadedModel& model) {
+std::vector<Eigen::Index> answered_triangles(const NamedOrgan& model) {
   const auto& surface = model.model().surface;
   const auto probed = probed_nodes(model.model());
   const auto known = [&](std::int32_t node) { return std::ranges::binary_search(probed, node); };
@@ -42,14 +42,14 @@ void shuffle(std::vector<T>& items, std::mt19937_64& random) {
     std::swap(items[i - 1], items[static_cast<std::size_t>(uniform(random) * static_cast<double>(i))]);
 }
 
-double distance_to_fixed(const LoadedModel& model, std::int32_t node) {
+double distance_to_fixed(const NamedOrgan& model, std::int32_t node) {
   const Points& nodes = model.mesh().nodes;
   const Points fixed = nodes(model.model().fixed, Eigen::all);
   if (fixed.rows() == 0) return std::numeric_limits<double>::infinity();
   return (fixed.rowwise() - nodes.row(node)).rowwise().norm().minCoeff();
 }
 
-std::vector<NodePlan> choose_nodes(const LoadedModel& model, std::int64_t wanted, std::mt19937_64& random) {
+std::vector<NodePlan> choose_nodes(const NamedOrgan& model, std::int64_t wanted, std::mt19937_64& random) {
   std::vector<std::int32_t> active;
   for (const auto& entry : model.model().nodes) active.push_back(entry.node);
   wanted = std::min<std::int64_t>(wanted, static_cast<std::int64_t>(active.size()));
@@ -102,7 +102,7 @@ void set_range_probes(ProbePair& pair, const DrawnDepths& drawn, double depth, d
 
 }  // namespace
 
-std::vector<NodePlan> plan_probes(const LoadedModel& model, Directions directions, std::int64_t probes,
+std::vector<NodePlan> plan_probes(const NamedOrgan& model, Directions directions, std::int64_t probes,
                                   std::uint64_t seed, std::int64_t nodes, double range_m) {
   if (probes < 1)
     throw input_error("the number of probes must be at least 1", std::to_string(probes),

@@ -75,7 +75,7 @@ void add_ranks(const SolverSession& session, std::vector<std::int64_t*> counts, 
   for (auto* count : counts) *count = static_cast<std::int64_t>(session.sum(static_cast<double>(*count)));
 }
 
-ProbeRecords::ProbeRecords(const LoadedModel& model)
+ProbeRecords::ProbeRecords(const NamedOrgan& model)
     : _model(model), _error_sum(model.model().output.size()), _error_count(model.model().output.size()) {}
 
 void ProbeRecords::add(std::size_t entry, double weight, const NodeProbes& probes) {
@@ -91,7 +91,7 @@ void ProbeRecords::add_group(const NodeProbes& probes, std::size_t group) {
   LargestResponse largest;
   for (const auto& state : probes.states[group]) largest.take(state.force_FE, state.u_FE, probes.counts);
   for (const auto& state : probes.states[group]) {
-    const auto said = _model.respond({probes.node}, {state.d});
+    const auto said = _model.blend({probes.node}, {state.d});
     auto model =
         probe_errors({*said.force_N[0], state.force_FE, said.displacement_m, state.u_FE}, largest, probes.counts);
     if (!(largest.force_N > 0)) model.force = 0;
@@ -120,7 +120,7 @@ void ProbeRecords::add_to_range(double entry, double weight, const NodeProbes& p
     if (probe.beyond) continue;
     Vec3 force;
     to_R.take(state.force_FE, state.u_FE, probes.counts,
-              is_flagged(int{_model.data().force(probes.node, probe.d, force)}));
+              is_flagged(int{_model.organ().hold(tool_at(probes.node, probe.d), force)}));
   }
   for (const auto& probe : probes.range) {
     JudgedProbe judged;
@@ -130,7 +130,7 @@ void ProbeRecords::add_to_range(double entry, double weight, const NodeProbes& p
     judged.beyond = probe.beyond;
     judged.status = probe.status;
     judged.reached_m = probe.reached_m;
-    const auto said = _model.respond({probes.node}, {probe.d});
+    const auto said = _model.blend({probes.node}, {probe.d});
     judged.flagged = is_flagged(said.status);
     if (_model.has_bounds())
       judged.bound_N = _model.error_bound(probes.node, probe.d).value_or(std::numeric_limits<double>::infinity());

@@ -71,7 +71,7 @@ void add_ranks(const SolverSession& session, std::vector<std::int64_t*> counts, 
 class ToolComparison {
  public:
   /// @param body  null: none
-  ToolComparison(const Scene& scene, const LoadedModel& model, LoadedBody* body, const ShouldStop& stop)
+  ToolComparison(const Scene& scene, const NamedOrgan& model, const NamedOrgan* body, const ShouldStop& stop)
       : _model(model),
         _increments(scene.probe.increments),
         _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {
@@ -80,7 +80,7 @@ class ToolComparison {
   }
 
  protected:
-  const LoadedModel& _model;
+  const NamedOrgan& _model;
   int _increments;
   ProbeSolver _solver;
   std::optional<BodyPredictions> _body;
@@ -88,7 +88,7 @@ class ToolComparison {
 
 class ProbeRecords {
  public:
-  explicit ProbeRecords(const LoadedModel& model);
+  explicit ProbeRecords(const NamedOrgan& model);
   /// @param entry  position in the plan. @param weight  of the node
   void add(std::size_t entry, double weight, const NodeProbes& probes);
   /// Fills `records`, `curves`, `shown`, `output_error` and `to_range` on rank 0. Collective.
@@ -99,7 +99,7 @@ class ProbeRecords {
   void add_to_range(double entry, double weight, const NodeProbes& probes);
   std::vector<ShownState> gathered_states(const SolverSession& session) const;
 
-  const LoadedModel& _model;
+  const NamedOrgan& _model;
   OrderedRows<ProbeRecord> _records;
   OrderedRows<ForceCurve> _curves;
   JudgedRows _judged;

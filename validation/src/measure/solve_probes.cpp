@@ -182,7 +182,7 @@ NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& e
 
 }  // namespace
 
-std::int64_t solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+std::int64_t solve_probes(const SolverSession& session, const Scene& scene, const NamedOrgan& model,
                           const std::vector<NodePlan>& plan, const OnProgress& progress, const ShouldStop& stop,
                           const std::function<void(std::size_t, NodeProbes&&)>& take) {
   // The physics hash does not depend on stored fields, so that the fields of the model are solved for in place of the

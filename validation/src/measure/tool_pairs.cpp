@@ -25,7 +25,7 @@ bool moves(const ActiveNodeModel& tool, std::int32_t other) {
   return !tool.moves_mean && std::find(tool.prescribed.begin(), tool.prescribed.end(), other) != tool.prescribed.end();
 }
 
-std::vector<Pair> choose_pairs(const Scene& scene, const LoadedModel& model, std::int64_t n, double depth_m,
+std::vector<Pair> choose_pairs(const Scene& scene, const NamedOrgan& model, std::int64_t n, double depth_m,
                                std::uint64_t seed) {
   const auto& nodes = model.model().nodes;
   const Points normals = node_normals(model.mesh());
@@ -93,7 +93,7 @@ class PairComparison : public ToolComparison {
     if (_body)
       judge(_body->at(tools), pair, judged, counts);
     else
-      judge(_model.couple(tools), pair, judged, counts);
+      judge(_model.hold(tools), pair, judged, counts);
     return judged;
   }
 
@@ -115,9 +115,9 @@ class PairComparison : public ToolComparison {
 
 }  // namespace
 
-PairReport validate_pairs(const SolverSession& session, const Scene& scene, const LoadedModel& model, LoadedBody* body,
-                          std::int64_t pairs, double depth_m, std::uint64_t seed, const OnProgress& progress,
-                          const ShouldStop& stop) {
+PairReport validate_pairs(const SolverSession& session, const Scene& scene, const NamedOrgan& model,
+                          const NamedOrgan* body, std::int64_t pairs, double depth_m, std::uint64_t seed,
+                          const OnProgress& progress, const ShouldStop& stop) {
   const auto start = std::chrono::steady_clock::now();
   PairReport report;
   report.pairs = pairs;

@@ -27,9 +27,9 @@ struct Prediction {
 };
 using Predict = std::function<Prediction(std::int32_t node, const ProbedState&)>;
 
-Predict by_model(const LoadedModel& model) {
+Predict by_model(const NamedOrgan& model) {
   return [&model](std::int32_t node, const ProbedState& state) {
-    auto said = model.respond({node}, {state.d});
+    auto said = model.blend({node}, {state.d});
     return Prediction{*said.force_N[0], std::move(said.displacement_m), std::move(said.fields)};
   };
 }
@@ -41,7 +41,7 @@ Prediction by_zero(std::int32_t, const ProbedState& state) {
           Eigen::MatrixXd::Zero(state.fields_FE.rows(), state.fields_FE.cols())};
 }
 
-void check_same_scene(const Scene& scene, const LoadedModel& model) {
+void check_same_scene(const Scene& scene, const NamedOrgan& model) {
   if (physics_hash(scene) != model.model().physics_hash)
     throw input_error("the model was trained for another scene",
                       "physics " + model.model().physics_hash + ", this scene's " + physics_hash(scene),
@@ -106,13 +106,13 @@ PredictorErrors errors_of(const Predict& predict, const std::vector<NodeProbes>&
 
 }  // namespace
 
-PredictorErrors model_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes) {
+PredictorErrors model_errors(const NamedOrgan& model, const std::vector<NodeProbes>& probes) {
   return errors_of(by_model(model), probes);
 }
 
 PredictorErrors linear_errors(const std::vector<NodeProbes>& probes) { return errors_of(by_linear, probes); }
 
-ValidationReport validate(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+ValidationReport validate(const SolverSession& session, const Scene& scene, const NamedOrgan& model,
                           std::int64_t probes, std::uint64_t seed, const OnProgress& progress, const ShouldStop& stop,
                           std::int64_t nodes) {
   const auto start = std::chrono::steady_clock::now();

@@ -21,7 +21,7 @@ struct Place : SurfacePoint {
   }
 };
 
-std::vector<Place> choose_places(const Scene& scene, const LoadedModel& model, std::int64_t points,
+std::vector<Place> choose_places(const Scene& scene, const NamedOrgan& model, std::int64_t points,
                                  std::int64_t displacements, std::uint64_t seed) {
   const auto& surface = model.model().surface;
   const auto triangles = answered_triangles(model);
@@ -81,7 +81,7 @@ class PointComparison : public ToolComparison {
     JudgedProbe made;
     made.node = static_cast<std::int32_t>(point);
     made.displacement_m = d;
-    made.flagged = is_flagged(_model.couple({tool_at(place, d)}).status);
+    made.flagged = is_flagged(_model.hold({tool_at(place, d)}).status);
     made.reached_m = -1;
     return made;
   }
@@ -100,7 +100,7 @@ class PointComparison : public ToolComparison {
         continue;
       }
       const Points u = truth.displacement_m(_model.model().output, Eigen::all);
-      const auto said = _model.couple({tool_at(place, d)});
+      const auto said = _model.hold({tool_at(place, d)});
       report.answers.take(said, truth.force_N);
       record.flagged[1] += probes.back().flagged;
       coupled.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m, u});
@@ -110,7 +110,7 @@ class PointComparison : public ToolComparison {
       auto answer = _body->at({tool_at(place, d)});
       report.body_answers.take(answer, truth.force_N);
       record.flagged[2] += is_flagged(answer.status);
-      of_body.push_back({answer.force_N[0], truth.force_N[0], std::move(answer.displacement_m), _body->shared(u)});
+      of_body.push_back({*answer.force_N[0], truth.force_N[0], std::move(answer.displacement_m), _body->shared(u)});
     }
     const auto largest = judge(point, probes, coupled, linear);
     const auto mean = [&](const std::vector<Compared>& compared) {
@@ -169,8 +169,8 @@ class PointComparison : public ToolComparison {
 
 }  // namespace
 
-PointReport validate_points(const SolverSession& session, const Scene& scene, const LoadedModel& model,
-                            LoadedBody* body, std::int64_t points, std::int64_t displacements, std::uint64_t seed,
+PointReport validate_points(const SolverSession& session, const Scene& scene, const NamedOrgan& model,
+                            const NamedOrgan* body, std::int64_t points, std::int64_t displacements, std::uint64_t seed,
                             const OnProgress& progress, const ShouldStop& stop) {
   const auto start = std::chrono::steady_clock::now();
   PointReport report;

@@ -182,8 +182,8 @@ Json cost(const Validated& in) {
       "The runtime on this machine, one core: a force in {:.2f} us{}. An increment of the finite elements "
       "took {:.1f} ms of one core, including all other work of this validation. The model has {} in the runtime's "
       "memory and {} as text.",
-      speed.force_us, deformation, in.report.solve_ms_per_increment, bytes(in.model.memory_bytes()),
-      bytes(in.model.text_bytes())));
+      speed.force_us, deformation, in.report.solve_ms_per_increment, bytes(in.model.organ().constant_bytes()),
+      bytes(in.model.text().size())));
   return section("Size and time", {times});
 }
 

@@ -73,9 +73,8 @@ struct GoldenQueries {
 /// inside the trained range. Every fourth query is outside of it, up to a factor of 1.43, and every sixteenth has a
 /// factor of 3. On the surface of an image there are a quarter as many places, too. The queries are reproducible.
 /// Displacements and points are numbers that the image can represent.
-/// @param runtime, data  the same model, loaded
-GoldenQueries golden_queries(const Model& model, const rt::Model& runtime, rt::Data& data, const ModelImage& image,
-                             std::size_t n);
+/// @param organ  the same model in the runtime
+GoldenQueries golden_queries(const Model& model, Organ& organ, const ModelImage& image, std::size_t n);
 
 struct CSource {
   std::string header, source;

@@ -56,13 +56,13 @@ FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSp
 /// @param progress  receives the finished nodes and rays of coupled tools, and their number
 /// @param stop  asked between solves; ends the calibration, and the bounds are those of the finished nodes and rays
 /// @throws Error (failure) if it ended with fewer than 20 nodes
-Model calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, const BoundSpec& spec,
+Model calibrate(const SolverSession& session, const Database& database, const NamedOrgan& model, const BoundSpec& spec,
                 const OnProgress& progress, const ShouldStop& stop, BoundReport& report);
 
 /// The same for the body, where one tool or two act as the model is trained; every depth counts. Only rank 0 has
 /// bounds.
 /// @throws Error (failure) if fewer than 20 rays of either kind are solved
-void calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, ReducedBody& body,
+void calibrate(const SolverSession& session, const Database& database, const NamedOrgan& model, ReducedBody& body,
                const BoundSpec& spec, const OnProgress& progress, const ShouldStop& stop, BoundReport& report);
 
 }  // namespace phynness

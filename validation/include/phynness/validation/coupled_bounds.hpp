@@ -4,7 +4,7 @@
 
 #include <phynness/formats/body.hpp>
 #include <phynness/validation/bound_coverage.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/validation/named_organ.hpp>
 #include <vector>
 
 namespace phynness {

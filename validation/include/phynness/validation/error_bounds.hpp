@@ -3,7 +3,7 @@
 
 #include <phynness/formats/database.hpp>
 #include <phynness/validation/bound_coverage.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/validation/named_organ.hpp>
 #include <vector>
 
 namespace phynness {
@@ -29,6 +29,6 @@ Model add_bounds(Model model, const BoundPredictors& predictors, const std::vect
                  std::int64_t n_rays, double coverage);
 
 /// The bounds of a model at given states.
-std::vector<BoundedError> bounded_errors(const LoadedModel& bounded, const std::vector<BoundState>& states);
+std::vector<BoundedError> bounded_errors(const NamedOrgan& bounded, const std::vector<BoundState>& states);
 
 }  // namespace phynness

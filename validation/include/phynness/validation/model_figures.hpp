@@ -1,7 +1,7 @@
 // How fast the runtime answers on this machine.
 #pragma once
 
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/validation/named_organ.hpp>
 
 namespace phynness {
 
@@ -10,6 +10,6 @@ struct RuntimeSpeed {
   double force_us = 0, deformation_us = 0;
   double field_us = 0;  ///< of one scalar field; 0: the model has no fields
 };
-RuntimeSpeed measure_speed(const LoadedModel& model);
+RuntimeSpeed measure_speed(const NamedOrgan& model);
 
 }  // namespace phynness

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/validation/named_organ.hpp>
 #include <random>
 #include <vector>
 
@@ -16,7 +16,7 @@ Vec3 on_sphere(std::mt19937_64& random);
 /// Barycentric weights, uniform by area.
 std::array<double, 3> point_of_triangle(std::mt19937_64& random);
 /// Triangles of the surface whose corners are all probed_nodes().
-std::vector<Eigen::Index> answered_triangles(const LoadedModel& model);
+std::vector<Eigen::Index> answered_triangles(const NamedOrgan& model);
 
 /// A ray with the depths of its probes; 0: no such probe.
 struct ProbePair {
@@ -41,7 +41,7 @@ struct NodePlan {
 /// @param nodes  number of probed nodes; 0: a twentieth of the probes, at least ten
 /// @param range_m  R of the scene; 0: only probes inside and outside
 /// @throws Error (input) if `probes` is less than 1, or if `range_m` is 0 and no direction of a node was trained
-std::vector<NodePlan> plan_probes(const LoadedModel& model, Directions directions, std::int64_t probes,
+std::vector<NodePlan> plan_probes(const NamedOrgan& model, Directions directions, std::int64_t probes,
                                   std::uint64_t seed, std::int64_t nodes = 0, double range_m = 0);
 
 }  // namespace phynness

@@ -44,12 +44,12 @@ struct NodeProbes {
 /// Solves the part of the plan of this rank. `take` receives each solved entry with its position in the plan. If `stop`
 /// returns true, solving ends after the present ray; the last entry then has fewer probes than planned.
 /// @return number of solved rays of this rank
-std::int64_t solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+std::int64_t solve_probes(const SolverSession& session, const Scene& scene, const NamedOrgan& model,
                           const std::vector<NodePlan>& plan, const OnProgress& progress, const ShouldStop& stop,
                           const std::function<void(std::size_t, NodeProbes&&)>& take);
 
 /// Errors of the model for these probes.
-PredictorErrors model_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes);
+PredictorErrors model_errors(const NamedOrgan& model, const std::vector<NodeProbes>& probes);
 /// Errors of the linear predictor for these probes.
 PredictorErrors linear_errors(const std::vector<NodeProbes>& probes);
 

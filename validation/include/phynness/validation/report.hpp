@@ -27,12 +27,12 @@ struct VerdictLine {
 /// A validation with its parts; points and pairs that were not requested have finished = 0.
 struct Validated {
   Scene scene;
-  LoadedModel model;
+  NamedOrgan model;
   std::uint64_t seed = 0;
   ValidationReport report{};
   PointReport points{};
   PairReport pairs{};
-  std::optional<LoadedBody> body{};              ///< with which points and pairs are compared, too
+  std::optional<NamedOrgan> body{};              ///< with which points and pairs are compared, too
   std::optional<Error> no_points{}, no_pairs{};  ///< why this requested part was not done
   bool interrupted() const { return report.interrupted() || points.interrupted() || pairs.interrupted(); }
   /// Requested parts that were not done, and why.

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <phynness/formats/described.hpp>
-#include <phynness/validation/loaded_body.hpp>
+#include <phynness/validation/named_organ.hpp>
 #include <phynness/validation/validation.hpp>
 #include <vector>
 
@@ -16,7 +16,7 @@ namespace phynness {
 struct AnswerCounts {
   std::int64_t unsettled = 0, outside = 0, near = 0;  ///< answers with this warning
   std::int64_t bounded = 0, covered = 0;  ///< forces with a bound; of these, with an error that is not above it
-  /// @param said  a ModelResponse or a BodyResponse. @param truth  [N] of the finite elements
+  /// @param said  a OrganResponse or a OrganResponse. @param truth  [N] of the finite elements
   void take(const auto& said, const std::vector<Vec3>& truth) {
     unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
     outside += (said.status & PHN_WARNING_OUTSIDE) != 0;
@@ -78,8 +78,8 @@ std::vector<WorseThanLinear> worse_than_linear(const PointReport& report);
 /// for any number of ranks and complete on rank 0. If `stop` returns true, the function returns the finished points.
 /// @param body  of the same mesh and physics; null: none
 /// @throws Error (input) if no triangle has three active corners, or if the model has forces only
-PointReport validate_points(const SolverSession& session, const Scene& scene, const LoadedModel& model,
-                            LoadedBody* body, std::int64_t points, std::int64_t displacements, std::uint64_t seed,
+PointReport validate_points(const SolverSession& session, const Scene& scene, const NamedOrgan& model,
+                            const NamedOrgan* body, std::int64_t points, std::int64_t displacements, std::uint64_t seed,
                             const OnProgress& progress = {}, const ShouldStop& stop = {});
 
 /// Pairs that a reduced body answers, or else a model of node probes, by warnings of their status. Errors of force are
@@ -113,8 +113,8 @@ inline constexpr double pair_depth_fraction = 12.0 / 28;
 /// @param body  of the same mesh and physics; null: none, if the model has node probes
 /// @throws Error (input) if the model has no two active nodes that can be touched at the same time, or if it has forces
 ///   only, or round tools and there is no body
-PairReport validate_pairs(const SolverSession& session, const Scene& scene, const LoadedModel& model, LoadedBody* body,
-                          std::int64_t pairs, double depth_m, std::uint64_t seed, const OnProgress& progress = {},
-                          const ShouldStop& stop = {});
+PairReport validate_pairs(const SolverSession& session, const Scene& scene, const NamedOrgan& model,
+                          const NamedOrgan* body, std::int64_t pairs, double depth_m, std::uint64_t seed,
+                          const OnProgress& progress = {}, const ShouldStop& stop = {});
 
 }  // namespace phynness

@@ -146,7 +146,7 @@ class SolverSession;
 /// @param nodes  number of probed active nodes; 0: a twentieth of the probes, at least ten. (17) divides by the largest
 ///               response of the probes of a node, so that few probes per node result in large errors
 /// @throws Error (input) if physics or mesh of the scene differ from those of the model
-ValidationReport validate(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+ValidationReport validate(const SolverSession& session, const Scene& scene, const NamedOrgan& model,
                           std::int64_t probes, std::uint64_t seed, const OnProgress& progress = {},
                           const ShouldStop& stop = {}, std::int64_t nodes = 0);
 

@@ -5,7 +5,7 @@
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/studies/measurements.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/validation/named_organ.hpp>
 
 namespace phynness {
 
@@ -20,19 +20,19 @@ using StudyProgress = std::function<void(const std::string&, std::int64_t, std::
 /// @param ours      a model of the family that is compared with the networks
 /// @throws Error if the database belongs to another scene
 CaseMeasurements measure_case(const SolverSession& session, const Scene& scene, const Database& database,
-                              const LoadedModel* networks, const LoadedModel& ours, const StudySizes& sizes,
+                              const NamedOrgan* networks, const NamedOrgan& ours, const StudySizes& sizes,
                               bool two_tools, const StudyProgress& progress);
 /// Combines the parts of all ranks. @pre parts is not empty and in the order of the ranks
 CaseMeasurements merged(const std::vector<CaseMeasurements>& parts);
 
 /// Times of both models on this machine. Surfaces: levels 0 ... n_levels - 1 of Loop's subdivision.
-RuntimeTimes measure_runtime(const LoadedModel& networks, const LoadedModel& ours, int n_levels);
+RuntimeTimes measure_runtime(const NamedOrgan& networks, const NamedOrgan& ours, int n_levels);
 
 struct SurfaceShape {
   Points points;
   Triangles triangles;
 };
 /// The subdivided surface at rest. @throws Error (input) if the model has none
-SurfaceShape surface_at(const LoadedModel& model, int level);
+SurfaceShape surface_at(const NamedOrgan& model, int level);
 
 }  // namespace phynness
