@@ -1,11 +1,8 @@
 #include "parts.hpp"
 
-#include <phynness/phynness.h>
-#include <phynness/phynness_body.h>
-
-#include <cstddef>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mesh.hpp>
+#include <phynness/phynness.hpp>
 #include <string>
 
 #include "sampling.hpp"
@@ -31,61 +28,39 @@ Vector3d direction(SplitMix64& random) {
   }
 }
 
-/// A body in the runtime.
-class LoadedBody {
- public:
-  explicit LoadedBody(const std::string& text) {
-    std::size_t bytes = 0;
-    require(phn_body_size(text.data(), text.size(), &bytes, nullptr));
-    _memory.resize(bytes);
-    require(phn_body_init(_memory.data(), bytes, text.data(), text.size(), &_body, nullptr));
-    require(phn_body_state_size(_body, PHN_MOST_COUPLED, &bytes));
-    _state_memory.resize(bytes);
+/// Displacements from rest to `tools`: the fields of the increments that settle.
+/// @param n  nodes of the body's surface
+MatrixXd press(Organ& organ, const std::vector<phn_tool>& tools, Index n) {
+  const auto require = [](Organ::Status status) {
+    if (!status.ok())
+      throw failure("the runtime refuses the body of the pairs", status.message(), "please report this defect");
+  };
+  require(organ.reset());
+  MatrixXd fields(3 * n, increments);
+  Points displacement(n, 3);
+  std::vector<double> forces(3 * tools.size());
+  for (int i = 1; i <= increments; ++i) {
+    auto part = tools;
+    for (phn_tool& tool : part)
+      for (double& d : tool.displacement) d = d * i / increments;
+    const auto status = organ.hold(part, forces);
+    require(status);
+    if (status.unsettled()) return fields.leftCols(i - 1);
+    require(organ.deform({displacement.data(), static_cast<std::size_t>(displacement.size())}));
+    fields.col(i - 1) = displacement.reshaped();
   }
-
-  /// Displacements from rest to `tools`: the fields of the increments that settle.
-  /// @param n  nodes of its surface
-  MatrixXd press(const std::vector<phn_tool>& tools, Index n) {
-    phn_body_state* state = nullptr;
-    require(phn_body_state_init(_state_memory.data(), _state_memory.size(), _body, PHN_MOST_COUPLED, &state));
-    MatrixXd fields(3 * n, increments);
-    Points displacement(n, 3);
-    std::vector<double> forces(3 * tools.size());
-    for (int i = 1; i <= increments; ++i) {
-      auto part = tools;
-      for (phn_tool& tool : part)
-        for (double& d : tool.displacement) d = d * i / increments;
-      phn_body_report pressed;
-      const int status = phn_body_force(_body, state, static_cast<std::int32_t>(part.size()), part.data(),
-                                        steps_of_increment, forces.data(), &pressed);
-      require(status);
-      if ((status & PHN_WARNING_UNSETTLED) != 0) return fields.leftCols(i - 1);
-      require(phn_body_deform(_body, state, displacement.data()));
-      fields.col(i - 1) = displacement.reshaped();
-    }
-    return fields;
-  }
-
- private:
-  static void require(int status) {
-    if (status < 0)
-      throw failure("the runtime refuses the body of the pairs", phn_status_message(status),
-                    "please report this defect");
-  }
-
-  std::vector<std::byte> _memory, _state_memory;
-  const phn_body* _body = nullptr;
-};
+  return fields;
+}
 
 }  // namespace
 
 MatrixXd fields_of_pairs(const ReducedBody& body, const std::vector<std::int32_t>& active, bool inward, int pairs,
                          std::uint64_t seed, int threads, const std::function<void()>& done) {
-  const std::string text = write_body_text(body);
+  const Organ of_threads({}, write_body_text(body), PHN_MOST_COUPLED, steps_of_increment);
   const Points normals = node_normals(body.points, body.surface);
   std::vector<MatrixXd> of_pairs(static_cast<std::size_t>(pairs));
   for_each_index(threads, threads, [&](std::int32_t first) {
-    LoadedBody loaded(text);
+    Organ organ = of_threads.another();
     for (std::int32_t p = first; p < pairs; p += threads) {
       SplitMix64 random(node_seed(seed, p));
       std::vector<phn_tool> tools;
@@ -95,7 +70,7 @@ MatrixXd fields_of_pairs(const ReducedBody& body, const std::vector<std::int32_t
         if (inward && normals.row(node).dot(d) > 0) d = -d;
         tools.push_back({{node, -1, -1}, {1, 0, 0}, {d[0], d[1], d[2]}});
       }
-      of_pairs[static_cast<std::size_t>(p)] = loaded.press(tools, body.points.rows());
+      of_pairs[static_cast<std::size_t>(p)] = press(organ, tools, body.points.rows());
       done();
     }
   });
