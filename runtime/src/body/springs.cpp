@@ -36,7 +36,7 @@ double part_between(const phn_body& body, double near, const phn_tool& a, const 
     facing += normal[0][k] * normal[1][k];
   }
   const double left = 1 - square / (near * near);
-  return left > 0 && facing > 0 ? spring_part * left * left * facing : 0;
+  return left > 0 && facing > 0 ? spring_part * left * left * left * facing : 0;
 }
 
 }  // namespace
