@@ -140,6 +140,30 @@ TEST_P(CoupledToolsOf, PointsFollowTheirTools) {
   }
 }
 
+// Claim: two tools at one node with one displacement share the force of one, and its energy. With others they are the
+// limit of tools that come near: their mean displacement is held, with a warning. 1e-6 of an edge apart changes forces
+// by at most 1e-4.
+TEST_P(CoupledToolsOf, AtOneNodeActAsOne) {
+  const LoadedModel loaded(write_model_text(small_model_of(GetParam())), 2);
+  const phn_tool one = tool(3, -1, -1, 1, 0, 0.002, -0.001, 0.001), other = tool(3, -1, -1, 1, 0, -0.001, 0.001, 0),
+                 beside = tool(3, 5, -1, 1 - 1e-6, 1e-6, -0.001, 0.001, 0);
+  double alone[3], forces[6];
+  phn_coupled of_one, of_two;
+  ASSERT_GE(phn_couple(loaded.model, loaded.data, 1, &one, alone, &of_one), 0);
+  const phn_tool same[] = {one, one}, opposed[] = {one, other}, apart[] = {one, beside};
+  EXPECT_EQ(phn_couple(loaded.model, loaded.data, 2, same, forces, &of_two) & PHN_WARNING_UNSETTLED, 0);
+  for (int k = 0; k < 6; ++k) EXPECT_NEAR(forces[k], alone[k % 3] / 2, 1e-10 * std::abs(alone[0])) << k;
+  EXPECT_NEAR(of_two.energy, of_one.energy, 1e-10 * of_one.energy);
+  Points field(info_of(loaded.model).n_output, 3);
+  EXPECT_NE(phn_couple(loaded.model, loaded.data, 2, opposed, forces, &of_two) & PHN_WARNING_UNSETTLED, 0);
+  EXPECT_GE(phn_coupled_deform(loaded.model, loaded.data, field.data()), 0);
+  for (int k = 0; k < 3; ++k)
+    EXPECT_NEAR(field(3 - 2, k), (one.displacement[k] + other.displacement[k]) / 2, 1e-9) << k;
+  double near_forces[6];
+  ASSERT_GE(phn_couple(loaded.model, loaded.data, 2, apart, near_forces, nullptr), 0);
+  for (int k = 0; k < 6; ++k) EXPECT_NEAR(near_forces[k], forces[k], 1e-4 * std::abs(forces[0])) << k;
+}
+
 // Claim: how tools are numbered is nothing to the answer, be they far from each other or too near to be told
 // apart. 1e-9: sums in another order, and compliances between tools that are nearly one.
 TEST_P(CoupledToolsOf, AreTheSameInAnyOrder) {

@@ -141,7 +141,6 @@ TEST_P(BoundedToolsOf, AnswerOrRefuseEveryInput) {
   EXPECT_EQ(status({tool(3, 5, 1000, 0.5, 0.25, 0.001, 0, 0)}), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(status({tool(0, 1, -1, 0.5, 0.5, 0.001, 0, 0)}), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(status({tool(3, 5, 15, 0.5, 0.25, 0.001, 0, 0)}), PHN_ERROR_UNDEFINED);
-  EXPECT_EQ(status({tool(3, -1, -1, 1, 0, 0.001, 0, 0), tool(3, -1, -1, 1, 0, 0.002, 0, 0)}), PHN_ERROR_SAME_NODE);
   EXPECT_EQ(status(std::vector<phn_tool>(5, good)), PHN_ERROR_TOOLS);
   EXPECT_GE(status({good, good}), 0);  // one point twice: no answer fits unless the tools agree
   for (const double size : {1e-320, 1e-100, 1e-3, 1.0, 1e30, 1e300}) {

@@ -176,11 +176,10 @@ TEST(EveryInput, MisuseIsNamed) {
   EXPECT_EQ(phn_force(loaded.model, loaded.data, AtNode(4, d), nullptr, nullptr, stiffness), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(stiffness[0], 0);
   EXPECT_EQ(phn_force(loaded.model, loaded.data, AtNode(3, nullptr), nullptr, nullptr, stiffness), PHN_ERROR_ARGUMENT);
-  const std::int32_t three[] = {3, 5, 8}, twice[] = {3, 3}, stranger[] = {3, 4};
+  const std::int32_t three[] = {3, 5, 8}, stranger[] = {3, 4};
   Points u = Points::Ones(12, 3);
   EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 3, three, d, u.data()), PHN_ERROR_TOOLS);
   EXPECT_EQ(u.norm(), 0);
-  EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 2, twice, d, u.data()), PHN_ERROR_SAME_NODE);
   EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 2, stranger, d, u.data()), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, -1, three, d, u.data()), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 1, nullptr, d, u.data()), PHN_ERROR_ARGUMENT);

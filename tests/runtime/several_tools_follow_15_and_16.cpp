@@ -51,6 +51,14 @@ TEST(SeveralTools, TouchedNodesFollowExactly) {
   }
 }
 
+// Claim: two tools at one node act as one with their mean displacement there. Rounding of a mean: 1e-15.
+TEST(SeveralTools, AtOneNodeActAsTheirMean) {
+  const LoadedModel loaded(write_model_text(small_model()));
+  const std::int32_t twice[] = {3, 3};
+  const Points u = deform(loaded, 2, twice, displacements);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(u(3 - 2, k), (displacements[k] + displacements[3 + k]) / 2, 1e-15);
+}
+
 // Claim: two nodes at one place (the lips of a slit) share the weight there instead of dividing by zero.
 TEST(SeveralTools, CoincidentNodesAreDefined) {
   Model model = small_model(0, 0);

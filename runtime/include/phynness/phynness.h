@@ -44,7 +44,7 @@ enum {
   PHN_ERROR_NOT_FINITE = -3,      /* a displacement, position or size is NaN or infinite */
   PHN_ERROR_BUFFER = -4,          /* the memory is smaller than the _size function returned */
   PHN_ERROR_TOOLS = -5,           /* more tools than the phn_data or phn_contact was made for (phynness_tools.h) */
-  PHN_ERROR_SAME_NODE = -6,       /* two tools at one node */
+  PHN_ERROR_ROUND_TOOLS = -6,     /* two round tools on a model, which answers one; a body answers several */
   PHN_ERROR_UNDEFINED = -7,       /* the model or the node has no such response, e.g. no energy or no deformation */
   PHN_ERROR_CLOCK = -8,           /* the time of a step is not later than that of the step before (phynness_loop.h) */
   PHN_ERROR_NOT_A_MODEL = -9,     /* the text is not a model.txt, or the bytes are not an image */
@@ -57,8 +57,7 @@ enum {
   PHN_ERROR_OVERLAP = -16,        /* an output overlaps another output or a large input in memory */
   PHN_ERROR_TOO_LARGE = -17,      /* the result has more bytes or numbers than size_t or int32_t can count */
   PHN_ERROR_GEOMETRY = -18,       /* a triangle has equal corners, or coordinates are too large for contact */
-  PHN_ERROR_TOO_MANY_TOOLS = -19, /* more than PHN_MOST_COUPLED tools in one call */
-  PHN_ERROR_ROUND_TOOLS = -20     /* two round tools on a model, which answers one; a body answers several */
+  PHN_ERROR_TOO_MANY_TOOLS = -19  /* more than PHN_MOST_COUPLED tools in one call */
 };
 enum { PHN_MOST_COUPLED = 8, PHN_MOST_FIELDS = 8 };
 

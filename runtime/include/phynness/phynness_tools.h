@@ -21,8 +21,9 @@ typedef struct phn_coupled {
  * are coupled: every held point follows its tool, and forces are exact for a linear body. Forces are continuous where
  * tools slide over edges and nodes, and in families with an energy its gradient while the tools hold their points. They
  * depend on these arguments only. _UNSETTLED: tools within half an edge length pull apart, and their points follow them
- * only in part. PHN_ERROR_TOOLS: more tools than `data` holds. PHN_ERROR_UNDEFINED: a node of coupled tools is no
- * output node or has no deformation. `result` may be null. Displacements are clamped to 1000 max_displacement_m. */
+ * only in part; two with one displacement at one place share the force of one. PHN_ERROR_TOOLS: more tools than `data`
+ * holds. PHN_ERROR_UNDEFINED: a node of coupled tools is no output node or has no deformation. `result` may be null.
+ * Displacements are clamped to 1000 max_displacement_m. */
 PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
                        phn_coupled* result);
 
@@ -35,8 +36,8 @@ PHN_API int phn_coupled_deform(const phn_model* model, phn_data* data, double* o
  * Displacements [m] of all output nodes, out: n_output x 3, with tool t at active node nodes[t] displaced by
  * displacements[3 t ... 3 t + 2] [m]. The fields of the tools are averaged with the weights of equations (15)-(16),
  * which are inverse distances in the undeformed state. These weights are singular at the touched nodes, where the
- * result is exactly the displacement of the tool. The nodes must differ (PHN_ERROR_SAME_NODE). One tool gives the
- * result of phn_deform, no tool gives zeros. Cost: that of n_tools phn_deform. */
+ * result is exactly the displacement of the tool, or the mean of those of its tools. One tool gives the result of
+ * phn_deform, no tool gives zeros. Cost: that of n_tools phn_deform. */
 PHN_API int phn_blend_paper(const phn_model* model, phn_data* data, int32_t n_tools, const int32_t* nodes,
                             const double* displacements, double* out);
 

@@ -12,9 +12,6 @@ namespace {
 
 /// In the order of their numbers, up to 5: _UNSETTLED with another warning.
 const char* const messages[] = {
-    // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): two lines of one text
-    "a model of round tools answers one tool; several need the reduced body that phynness run makes of a scene with "
-    "tools = 2 to 8 in [probe], of the elements p1-p1 and es-p1-p1",
     "more than 8 tools in one call",
     "the surface has a triangle with equal corners, or coordinates that are too large for contact",
     "the result has more bytes or numbers than this machine can address",
@@ -30,7 +27,9 @@ const char* const messages[] = {
     "this is not a phynness model",
     "the time of a step is not later than that of the step before",
     "the model's family or the node has no such response, for example no energy or no deformation",
-    "two tools at the same node",
+    // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): two lines of one text
+    "a model of round tools answers one tool; several need the reduced body that phynness run makes of a scene with "
+    "tools = 2 to 8 in [probe], of the elements p1-p1 and es-p1-p1",
     "more tools than the phn_data or phn_contact was made for",
     "the memory is smaller than the size function returned",
     "a displacement, position or size is NaN or infinite",
@@ -45,7 +44,7 @@ const char* const messages[] = {
     "tools are not followed, and a displacement is outside of the trained range or a node was not "
     "trained to the full depth in all directions",
 };
-constexpr int first_message = PHN_ERROR_ROUND_TOOLS, last_message = PHN_WARNING_UNSETTLED + 1;
+constexpr int first_message = PHN_ERROR_TOO_MANY_TOOLS, last_message = PHN_WARNING_UNSETTLED + 1;
 constexpr int all_warnings = PHN_WARNING_NEAR | PHN_WARNING_UNSETTLED | PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE;
 static_assert(sizeof messages / sizeof *messages == last_message - first_message + 1);
 

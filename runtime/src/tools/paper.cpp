@@ -22,9 +22,6 @@ int read_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, con
     const std::int32_t at = find_active(model, data.asked_nodes[t]);
     if (at < 0) return PHN_ERROR_NOT_ACTIVE;
     if (!finite(d)) return PHN_ERROR_NOT_FINITE;
-    for (std::int32_t s = 0; s < t; ++s) {
-      if (data.asked_nodes[s] == data.asked_nodes[t]) return PHN_ERROR_SAME_NODE;
-    }
     if (n_tools > 1 && model.active[at].moves_mean) return PHN_ERROR_ROUND_TOOLS;
     if (!has_deformation(model, model.active[at])) return PHN_ERROR_UNDEFINED;
     status |= warnings(model, model.active[at], d);
@@ -63,10 +60,18 @@ void blend_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, c
       for (int k = 0; k < 3; ++k) out[3 * o + k] += weight * data.field[3 * o + k];
     }
   }
-  // At a touched node the weights are singular; their limit is the node's own displacement.
+  // At a touched node the weights are singular; their limit is the displacement of its tool, or of its tools the mean.
   for (std::int32_t t = 0; t < n_tools; ++t) {
-    if (tool(t).output < 0) continue;
-    for (int k = 0; k < 3; ++k) out[3 * tool(t).output + k] = displacements[3 * t + k];
+    const std::int32_t o = tool(t).output;
+    for (int k = 0; k < 3 && o >= 0; ++k) {
+      double sum = 0, n = 0;
+      for (std::int32_t s = 0; s < n_tools; ++s) {
+        if (nodes[s] != nodes[t]) continue;
+        sum += displacements[3 * s + k];
+        ++n;
+      }
+      out[3 * o + k] = sum / n;
+    }
   }
 }
 

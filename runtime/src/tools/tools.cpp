@@ -7,10 +7,6 @@ using namespace PHN_RUNTIME;
 
 namespace {
 
-bool same_node(const Place& a, const Place& b) {
-  return a.n_nodes == 1 && b.n_nodes == 1 && a.active[0] == b.active[0];
-}
-
 /// The warnings of a node of a tool at a displacement [m].
 int warned_at(const phn_model& model, std::int32_t active, const Vector& d) {
   return warnings(model, model.active[active], d.x);
@@ -85,9 +81,6 @@ int couple_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, c
     const int refused = find_place(model, tools[t], c.point[t]);
     if (refused != PHN_OK) return refused;
     cut(tools[t].displacement, 1, largest, targets[t].x);
-    for (std::int32_t s = 0; s < t; ++s) {
-      if (same_node(c.point[s], c.point[t])) return PHN_ERROR_SAME_NODE;
-    }
   }
   c.model = data.level;
   if (n_tools == 0) return PHN_OK;

@@ -10,8 +10,8 @@ export const noBound = 1e300;
 
 /** Of the statuses -1, -2, ... */
 const errorNames = [
-  'ARGUMENT', 'NOT_ACTIVE', 'NOT_FINITE', 'BUFFER', 'TOOLS', 'SAME_NODE', 'UNDEFINED', 'CLOCK', 'NOT_A_MODEL', 'VERSION', 'TRUNCATED',
-  'CHECKSUM', 'SYNTAX', 'RANGE', 'FAMILY', 'OVERLAP', 'TOO_LARGE', 'GEOMETRY', 'TOO_MANY_TOOLS', 'ROUND_TOOLS',
+  'ARGUMENT', 'NOT_ACTIVE', 'NOT_FINITE', 'BUFFER', 'TOOLS', 'ROUND_TOOLS', 'UNDEFINED', 'CLOCK', 'NOT_A_MODEL', 'VERSION', 'TRUNCATED',
+  'CHECKSUM', 'SYNTAX', 'RANGE', 'FAMILY', 'OVERLAP', 'TOO_LARGE', 'GEOMETRY', 'TOO_MANY_TOOLS',
 ];
 
 /** A refused call of the runtime. */
