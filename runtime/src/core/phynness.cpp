@@ -36,7 +36,7 @@ const char* const messages[] = {
     "the node, or all that the tool touches, cannot be touched in this model",
     "a null pointer, a number out of range, or data made for another model",
     "success",
-    "a displacement is longer than trained in its direction (0 beside fixed nodes)",
+    "a displacement is longer than trained in its direction (0 beside fixed nodes and where the model is linear)",
     "this node was not trained to the full depth in all directions",
     "a displacement is longer than trained in its direction, and a node was not trained to the full depth in all "
     "directions",
