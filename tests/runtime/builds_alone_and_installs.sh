@@ -24,9 +24,9 @@ for file in phynness_image.h phynness_image.cpp; do
 done
 "$cmake" -S "$consumer" -B "$work/consumer" -DCMAKE_PREFIX_PATH="$work/prefix" >> "$work.log"
 "$cmake" --build "$work/consumer" >> "$work.log"
-"$work/consumer/c_consumer"
+"$work/consumer/c_consumer" "$runtime/../examples/model/model.txt"
 "$work/consumer/cpp_consumer"
-"$work/consumer/shared_consumer"
+"$work/consumer/shared_consumer" "$runtime/../examples/model/model.txt"
 # The example of a haptic loop, outside of the repository, against what is installed.
 cp -r "$runtime/../examples/haptic_loop" "$work/haptic_loop"
 "$cmake" -S "$work/haptic_loop" -B "$work/haptic_build" -DCMAKE_PREFIX_PATH="$work/prefix" >> "$work.log"
@@ -41,7 +41,7 @@ fi
 export PKG_CONFIG_PATH=$folder
 [ "$(pkg-config --modversion phynness)" = "$(pkg-config --modversion phynness-image)" ]
 read -ra flags <<< "$(pkg-config --cflags --libs phynness phynness-image)"
-"${CC:-cc}" -std=c99 -Wall -Wextra -Wpedantic -Werror "$consumer/c_consumer.c" "${flags[@]}" -o "$work/by_pkg_config"
+"${CC:-cc}" -std=c99 -Wall -Wextra -Wpedantic -Werror "$consumer/c_consumer.c" "${flags[@]}" -lm -o "$work/by_pkg_config"
 "$work/by_pkg_config"
 for standard in c++17 c++20; do
   cpp=("${CXX:-c++}" -std=$standard -fno-exceptions -fno-rtti -Wall -Wextra -Wpedantic -Wconversion -Werror)

@@ -26,7 +26,7 @@ class Provenance(ctypes.Structure):
     _fields_ = (
         [(name, ctypes.c_char_p) for name in ("mesh_hash", "physics_hash", "element", "reference")]
         + [(name, ctypes.c_double) for name in ("shear_modulus_Pa", "finer_mean", "finer_p95", "finer_tool_radius_m")]
-        + [(name, ctypes.c_int32) for name in ("finer_probes", "finer_nodes", "bound_reference")]
+        + [(name, ctypes.c_int32) for name in ("finer_probes", "finer_nodes", "bound_reference", "reserved")]
     )
 
 
@@ -40,7 +40,7 @@ class Info(ctypes.Structure):
         + [(name, ctypes.c_char_p * 8) for name in ("field_names", "field_units")]
         + [(name, ctypes.c_int32) for name in ("n_nodes", "n_active", "n_output", "n_fixed", "n_triangles", "n_fields",
                                                "n_levels", "has_energy")]
-        + [("provenance", Provenance)]
+        + [("provenance", Provenance), ("reserved", ctypes.c_int32 * 4)]
     )
 
 
@@ -58,6 +58,10 @@ def built(size, init):
     return memory, handle
 
 
+assert function("abi_version")() == 1
+for struct in (Provenance, Info, Tool):
+    name = b"phn_" + struct.__name__.lower().encode()
+    assert function("sizeof")(ctypes.c_char_p(name)) == ctypes.sizeof(struct), name
 function("status_message").restype = ctypes.c_char_p
 length, wrong = ctypes.c_size_t(len(text)), ctypes.c_size_t()
 model_memory, model = built(

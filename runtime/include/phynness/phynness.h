@@ -7,7 +7,14 @@
  * allocates memory, prints or reads a file, and nothing has to be released. A phn_model is constant and may be shared
  * between threads. A phn_data is working memory of one thread.
  *
- * Units are SI. Vectors have the components x, y, z in the frame of the mesh. Displacements d are measured from the
+ * Memory of an object must not move, and stays the caller's: in a language that moves objects (C#, Java) it is pinned
+ * or native memory, as are arrays during a call. Bindings check, before all else, that phn_abi_version is the one for
+ * which they were written, and that phn_sizeof of every struct that they use is the size of theirs. Reserved words are
+ * 0.
+ *
+ * Units are SI. Vectors have the components x, y, z in the right-handed frame of the mesh; no axis has a meaning. A
+ * left-handed host (Unity, Unreal) negates one component of every position, displacement and force, both ways, and
+ * swaps two corners of every triangle; energies and depths stay the same. Displacements d are measured from the
  * undeformed state. Nodes have the numbers of the mesh, starting with 0. A force is the force that must be applied to
  * the object to hold a displacement; a haptic device renders its negative.
  *
@@ -64,6 +71,12 @@ enum { PHN_MOST_COUPLED = 8, PHN_MOST_FIELDS = 8 };
 /* The version of this library, "major.minor.patch". */
 PHN_API const char* phn_version(void);
 
+/* Rises with every change of a function or a struct that programs compiled before would not survive. */
+#define PHN_ABI_VERSION 1
+PHN_API int32_t phn_abi_version(void);
+/* Bytes of a struct of the headers in this library, for example of "phn_tool"; 0: there is none of this name. */
+PHN_API int32_t phn_sizeof(const char* struct_name);
+
 /* The meaning of a status in one sentence; never null. */
 PHN_API const char* phn_status_message(int status);
 
@@ -94,6 +107,7 @@ typedef struct phn_provenance {
   int32_t finer_probes;                 /* that both solve; 0: no distance is known */
   int32_t finer_nodes;                  /* of the mesh of the reference */
   int32_t bound_reference;              /* of the bounds; 0: these finite elements, 1: taylor-hood, 2: half-size */
+  int32_t reserved PHN_ZEROS;
 } phn_provenance;
 
 /* Contents of a model. The pointers refer to memory of the model. Lists of nodes are in ascending order. Points are
@@ -112,6 +126,7 @@ typedef struct phn_info {
   int32_t n_levels;   /* 1 or more: phn_level_info */
   int32_t has_energy; /* 1, or 0 in family rbfn */
   phn_provenance provenance;
+  int32_t reserved[4] PHN_ZEROS;
 } phn_info;
 PHN_API int phn_model_info(const phn_model* model, phn_info* info);
 
@@ -216,6 +231,7 @@ typedef struct phn_level {
   int32_t deformation_centers; /* centers of the amplitudes; in family rbfn neurons of a deformation network */
   int32_t modes;               /* of a node; 0 in other families than modal */
   double error_force, error_displacement;
+  int32_t reserved[2] PHN_ZEROS;
 } phn_level;
 PHN_API int phn_level_info(const phn_model* model, int32_t level, phn_level* info);
 

@@ -265,6 +265,18 @@ class Organ {
   using Bytes = std::vector<std::byte>;
   enum class Last { none, of_tool, of_tools, of_spheres };
 
+  static bool is_of_this_library() noexcept {
+    const auto same = [](const char* name, std::size_t bytes) {
+      return phn_sizeof(name) == static_cast<std::int32_t>(bytes);
+    };
+    return phn_abi_version() == PHN_ABI_VERSION && same("phn_info", sizeof(phn_info)) &&
+           same("phn_level", sizeof(phn_level)) && same("phn_tool", sizeof(phn_tool)) &&
+           same("phn_coupled", sizeof(phn_coupled)) && same("phn_body_contents", sizeof(phn_body_contents)) &&
+           same("phn_body_report", sizeof(phn_body_report)) && same("phn_contact_tool", sizeof(phn_contact_tool)) &&
+           same("phn_contact_state", sizeof(phn_contact_state)) &&
+           same("phn_contact_report", sizeof(phn_contact_report));
+  }
+
   /// What threads share.
   struct Files {
     Files() {
@@ -272,6 +284,7 @@ class Organ {
       phn_body_info(nullptr, &body_info);
     }
     int load(std::string_view model_text, std::string_view body_text, std::size_t& wrong) {
+      if (!is_of_this_library()) return PHN_ERROR_VERSION;
       if (model_text.empty() && body_text.empty()) return PHN_ERROR_ARGUMENT;
       std::size_t bytes = 0;
       int status = PHN_OK;

@@ -37,6 +37,7 @@ typedef struct phn_body_contents {
   const double* points;      /* n_nodes x 3 [m] */
   const int32_t* triangles;  /* n_triangles x 3, positions among the nodes, normals outward */
   int32_t n_nodes, n_triangles, n_modes, n_pressures, n_cells;
+  int32_t reserved PHN_ZEROS;
 } phn_body_contents;
 PHN_API int phn_body_info(const phn_body* body, phn_body_contents* info);
 
@@ -55,6 +56,7 @@ typedef struct phn_body_report {
   double behind_m;   /* largest distance of a tool from the mean displacement that it holds */
   int32_t steps;     /* that were made or undone */
   int32_t renewed;   /* factors of the stiffness matrix that were computed */
+  int32_t reserved[2] PHN_ZEROS;
 } phn_body_report;
 
 /* Forces [N] that hold the tools, n_tools x 3, after at most `steps` (>= 1) steps of Newton's method from the

@@ -54,13 +54,14 @@ typedef struct phn_loop_settings {
   double largest_slew_N_per_s; /* rate of change of the force [4000] */
   double ramp_s;               /* of the force after phn_loop_engage and phn_loop_release [0.1] */
 
-  double trip_energy_J;      /* delivered by the loop beyond what it took and device_damping dissipated [3e-4] */
-  double trip_force_N;       /* of the coupling before all limits [40] */
-  double trip_speed_m_per_s; /* of the device, over 4 positions [2] */
-  double trip_jump_m;        /* between two positions one period apart [0.01] */
-  double trip_stale_s;       /* age of the newest position [0.01] */
-  double trip_frozen_s;      /* no change by one bit after a motion of more than 20 mm/s [0.05] */
-  double trip_overrun_s;     /* between two calls of phn_loop_hold [0.02] */
+  double trip_energy_J;          /* delivered by the loop beyond what it took and device_damping dissipated [3e-4] */
+  double trip_force_N;           /* of the coupling before all limits [40] */
+  double trip_speed_m_per_s;     /* of the device, over 4 positions [2] */
+  double trip_jump_m;            /* between two positions one period apart [0.01] */
+  double trip_stale_s;           /* age of the newest position [0.01] */
+  double trip_frozen_s;          /* no change by one bit after a motion of more than 20 mm/s [0.05] */
+  double trip_overrun_s;         /* between two calls of phn_loop_hold [0.02] */
+  int32_t reserved[2] PHN_ZEROS; /* 0; PHN_ERROR_VERSION otherwise */
 } phn_loop_settings;
 PHN_API int phn_loop_defaults(phn_loop_settings* settings);
 
@@ -98,13 +99,14 @@ PHN_API int phn_loop_read(phn_loop* loop, const double position_m[3], double mea
 
 /* Response of the body to the tool, body frame. */
 typedef struct phn_loop_response {
-  int32_t status;         /* of the function that computed it; < 0 trips the loop */
-  int32_t in_contact;     /* 0: the body is not touched, and the tool follows the device without force */
-  int32_t has_stiffness;  /* 0: the secant stiffness force . displacement / |displacement|^2 is used */
-  double force[3];        /* on the body [N] */
-  double stiffness[9];    /* its derivative [N/m], symmetric; may be indefinite */
-  double displacement[3]; /* of the held point of the body from its rest position [m] */
-  double energy;          /* stored [J]; < 0: not known */
+  int32_t status;                /* of the function that computed it; < 0 trips the loop */
+  int32_t in_contact;            /* 0: the body is not touched, and the tool follows the device without force */
+  int32_t has_stiffness;         /* 0: the secant stiffness force . displacement / |displacement|^2 is used */
+  double force[3];               /* on the body [N] */
+  double stiffness[9];           /* its derivative [N/m], symmetric; may be indefinite */
+  double displacement[3];        /* of the held point of the body from its rest position [m] */
+  double energy;                 /* stored [J]; < 0: not known */
+  int32_t reserved[2] PHN_ZEROS; /* 0; PHN_ERROR_VERSION otherwise */
 } phn_loop_response;
 
 /* Ends a cycle: moves the tool by one Newton step towards the balance of body and coupling, and gives the force for the
@@ -122,8 +124,26 @@ typedef struct phn_loop_report {
   double force_N[3];       /* last force */
   int64_t cycles, limited; /* all; those in which the passivity controller changed the force */
   int64_t missing, late;   /* cycles without a position; positions that were not newer than the last */
+  int32_t reserved[2] PHN_ZEROS;
 } phn_loop_report;
 PHN_API int phn_loop_info(const phn_loop* loop, phn_loop_report* report);
+
+/* A force for a device whose host may lose an answer, without a phn_loop, which has this in its trips. A call that was
+ * refused, a thread that was late, a message that did not arrive: neither zero at once, which lets the hand fall
+ * through, nor the last force for ever is right. The last answer is held for 10 ms and then lowered to zero in 100 ms;
+ * when answers come again, the force rises to them in the same way. Begin with {0} and call it in every cycle.
+ *
+ * `answer` [N] is the new force, or null if there is none; `now_s` that of a monotonic clock. PHN_ERROR_CLOCK: now_s is
+ * not later than in the call before, and PHN_ERROR_NOT_FINITE: an answer is not finite and counts as none; `force` is
+ * then still the one to render, not zeros. */
+typedef struct phn_bridge {
+  double answer[3];
+  double answered_s, now_s;
+  double part; /* of the answer that is rendered */
+  int32_t is_running;
+  int32_t reserved PHN_ZEROS; /* 0; PHN_ERROR_VERSION otherwise */
+} phn_bridge;
+PHN_API int phn_bridge_force(phn_bridge* bridge, const double answer[3], double now_s, double force[3]);
 
 #ifdef __cplusplus
 }

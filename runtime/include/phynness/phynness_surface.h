@@ -36,6 +36,7 @@ typedef struct phn_surface_contents {
   const int32_t* triangles; /* n_triangles x 3 vertices, oriented as in the model */
   const float* points;      /* n_vertices x 3, undeformed [m]; a float resolves 0.1 mm at 1 km from the origin */
   size_t scratch_bytes;     /* of phn_surface_deform, aligned to 4, separate for each thread; 0 for levels = 0 */
+  int32_t reserved[2] PHN_ZEROS;
 } phn_surface_contents;
 PHN_API int phn_surface_info(const phn_surface* surface, phn_surface_contents* contents);
 

@@ -14,6 +14,7 @@ extern "C" {
 typedef struct phn_coupled {
   double residual; /* largest distance [m] of a tool from the point that it holds; rounding unless _UNSETTLED */
   double energy;   /* [J]; 0 in family rbfn */
+  int32_t reserved[2] PHN_ZEROS;
 } phn_coupled;
 
 /* Forces [N] of tools anywhere on the surface, n_tools x 3. One tool has the force of phn_force. A model of round tools

@@ -153,6 +153,10 @@ int phn_loop_read(phn_loop* loop, const double position[3], double measured, dou
 int phn_loop_hold(phn_loop* loop, const phn_loop_response* response, double now, double force[3]) {
   if (force != nullptr && (loop == nullptr || response == nullptr)) store({}, force);
   if (loop == nullptr || response == nullptr || force == nullptr) return PHN_ERROR_ARGUMENT;
+  if ((response->reserved[0] | response->reserved[1]) != 0) {
+    store({}, force);
+    return PHN_ERROR_VERSION;
+  }
   const int status = advance(*loop, now);
   const double duration = loop->has_held ? loop->now - loop->last_hold : loop->settings.period_s;
   const double overrun = loop->settings.trip_overrun_s;
@@ -177,7 +181,7 @@ int phn_loop_info(const phn_loop* loop, phn_loop_report* report) {
   const Observer& o = loop->observer;
   *report = {
       loop->state, loop->trip, o.work,       o.most_delivered, o.unsure,      o.dissipated, length(o.velocity(4)),
-      loop->age,   {},         loop->cycles, loop->limited,    loop->missing, loop->late};
+      loop->age,   {},         loop->cycles, loop->limited,    loop->missing, loop->late,   {}};
   store(loop->force, report->force_N);
   return PHN_OK;
 }

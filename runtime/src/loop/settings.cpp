@@ -22,6 +22,7 @@ bool proper_rotation(const double* R) {
 }  // namespace
 
 int phynness::loop::status_of(const phn_loop_settings& s) {
+  if ((s.reserved[0] | s.reserved[1]) != 0) return PHN_ERROR_VERSION;
   const double positive[] = {s.period_s, s.motion_scale, s.force_scale, s.coupling_N_per_m, s.largest_force_N};
   const double at_least_0[] = {s.position_resolution_m,
                                s.coupling_damping_Ns_per_m,

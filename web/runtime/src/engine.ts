@@ -19,6 +19,17 @@ export class Engine {
     this.memory = exports['memory'] as WebAssembly.Memory;
     this.f = exports as unknown as Functions;
     this.f['__wasm_call_ctors']!();
+    for (const [name, bytes] of Object.entries(layout)) {
+      if (!name.includes('.') && this.sizeOf(name) !== bytes) throw new Error(`phynness.wasm is of another version: ${name}`);
+    }
+  }
+
+  private sizeOf(name: string): number {
+    const at = this.take(name.length + 1);
+    this.bytes(at, name.length + 1).set([...new TextEncoder().encode(name), 0]);
+    const bytes = this.f['phn_sizeof']!(at);
+    this.give(at);
+    return bytes;
   }
 
   /** @throws PhynnessError if the status is below 0 */

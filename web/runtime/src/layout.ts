@@ -22,7 +22,7 @@ const texts = several(8, pointer), vector = several(3, double);
 const provenance = struct('phn_provenance', {
   mesh_hash: pointer, physics_hash: pointer, element: pointer, reference: pointer, shear_modulus_Pa: double,
   finer_mean: double, finer_p95: double, finer_tool_radius_m: double, finer_probes: integer, finer_nodes: integer,
-  bound_reference: integer,
+  bound_reference: integer, reserved: integer,
 });
 const tool = struct('phn_tool', { nodes: several(3, integer), weights: vector, displacement: vector, reserved: several(2, integer) });
 
@@ -34,13 +34,16 @@ export const layout = {
     output_nodes: pointer, fixed_nodes: pointer, output_points: pointer, fixed_points: pointer, triangles: pointer,
     field_names: texts, field_units: texts, n_nodes: integer, n_active: integer, n_output: integer, n_fixed: integer,
     n_triangles: integer, n_fields: integer, n_levels: integer, has_energy: integer, provenance: [provenance.phn_provenance, 8],
+    reserved: several(4, integer),
   }),
-  ...struct('phn_coupled', { residual: double, energy: double }),
+  ...struct('phn_coupled', { residual: double, energy: double, reserved: several(2, integer) }),
   ...struct('phn_level', {
     force_centers: integer, deformation_centers: integer, modes: integer, error_force: double, error_displacement: double,
+    reserved: several(2, integer),
   }),
   ...struct('phn_surface_contents', {
     n_vertices: integer, n_triangles: integer, triangles: pointer, points: pointer, scratch_bytes: integer,
+    reserved: several(2, integer),
   }),
   ...struct('phn_contact_tool', { center: vector, radius: double, friction: double, mode: integer, reserved: integer }),
   ...struct('phn_contact_state', {
@@ -50,7 +53,7 @@ export const layout = {
   ...struct('phn_body_contents', {
     mesh_hash: pointer, physics_hash: pointer, law: pointer, tool_radius_m: double, max_displacement_m: double, nodes: pointer,
     points: pointer, triangles: pointer, n_nodes: integer, n_triangles: integer, n_modes: integer, n_pressures: integer,
-    n_cells: integer,
+    n_cells: integer, reserved: integer,
   }),
-  ...struct('phn_body_report', { energy: double, unbalanced: double, behind_m: double, steps: integer, renewed: integer }),
+  ...struct('phn_body_report', { energy: double, unbalanced: double, behind_m: double, steps: integer, renewed: integer, reserved: several(2, integer) }),
 };
