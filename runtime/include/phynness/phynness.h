@@ -23,11 +23,11 @@
  * ever NaN or infinite. An output may overlap an input in memory. Two outputs must not overlap, nor may an object
  * overlap the memory from which it is made. Equation numbers are those of the paper.
  *
- * Cost [us], 486 output nodes, AVX-512         modal, 78 centers, 16 modes   rbfn, 100 and 200 neurons
- *   phn_force; with stiffness, see there                  0.13; 1.5 times              0.17; -
- *   phn_deform; phn_prepare before a node's first         1.6; 35                     8.4; 76
- *   phn_couple, 1, 2, 4, 8 node probes between nodes      32, 150, 550, 2200          -
- *   phn_force, one round tool between nodes               5                           - */
+ * Cost [us], medians on one core of an AMD EPYC, demo: modal model of 47 points, body of 160 modes and 400 cells
+ *   phn_force at a node; with energy and stiffness                   0.12; 0.23
+ *   phn_force of a round tool between nodes                          1.1
+ *   phn_deform at a node, prepared                                   1.6
+ *   phn_body_force, one step, 1, 2, 4, 8 tools that move             350, 400, 480, 730 */
 #ifndef PHYNNESS_H
 #define PHYNNESS_H
 
@@ -42,29 +42,29 @@ typedef struct phn_data phn_data;
 
 enum {
   PHN_OK = 0,
-  PHN_WARNING_OUTSIDE = 1,        /* a displacement is larger than trained, or the place was not trained */
-  PHN_WARNING_INCOMPLETE = 2,     /* some direction of a touched node was not trained to the full depth */
-  PHN_WARNING_UNSETTLED = 4,      /* tools are not followed: too close together, or faster than the body settles */
-  PHN_WARNING_NEAR = 8,           /* springs between near tools of a body take more than a tenth of a displacement */
-  PHN_ERROR_ARGUMENT = -1,        /* a null pointer, a number out of range, or data of another model */
-  PHN_ERROR_NOT_ACTIVE = -2,      /* the node, or all that the tool touches, cannot be touched */
-  PHN_ERROR_NOT_FINITE = -3,      /* a displacement, position or size is NaN or infinite */
-  PHN_ERROR_BUFFER = -4,          /* the memory is smaller than the _size function returned */
-  PHN_ERROR_TOOLS = -5,           /* more tools than the phn_data or phn_contact was made for (phynness_tools.h) */
-  PHN_ERROR_ROUND_TOOLS = -6,     /* two round tools on a model, which answers one; a body answers several */
-  PHN_ERROR_UNDEFINED = -7,       /* the model or the node has no such response, e.g. no energy or no deformation */
-  PHN_ERROR_CLOCK = -8,           /* the time of a step is not later than that of the step before (phynness_loop.h) */
-  PHN_ERROR_NOT_A_MODEL = -9,     /* the text is not a model.txt, or the bytes are not an image */
-  PHN_ERROR_VERSION = -10,        /* the model, or a struct with reserved words that are not 0, is of another version */
-  PHN_ERROR_TRUNCATED = -11,      /* the model is incomplete at its end */
-  PHN_ERROR_CHECKSUM = -12,       /* the checksum of the model is wrong: the model is damaged */
-  PHN_ERROR_SYNTAX = -13,         /* a number or word of the model is malformed */
-  PHN_ERROR_RANGE = -14,          /* a count, index or value of the model is out of range */
-  PHN_ERROR_FAMILY = -15,         /* this version does not know the model's family */
-  PHN_ERROR_OVERLAP = -16,        /* an output overlaps another output or a large input in memory */
-  PHN_ERROR_TOO_LARGE = -17,      /* the result has more bytes or numbers than size_t or int32_t can count */
-  PHN_ERROR_GEOMETRY = -18,       /* a triangle has equal corners, or coordinates are too large for contact */
-  PHN_ERROR_TOO_MANY_TOOLS = -19  /* more than PHN_MOST_COUPLED tools in one call */
+  PHN_WARNING_OUTSIDE = 1,       /* a displacement is larger than trained, or the place was not trained */
+  PHN_WARNING_INCOMPLETE = 2,    /* some direction of a touched node was not trained to the full depth */
+  PHN_WARNING_UNSETTLED = 4,     /* tools are not followed: too close together, or faster than the body settles */
+  PHN_WARNING_NEAR = 8,          /* springs between near tools of a body take more than a tenth of a displacement */
+  PHN_ERROR_ARGUMENT = -1,       /* a null pointer, a number out of range, or data of another model */
+  PHN_ERROR_NOT_ACTIVE = -2,     /* the node, or all that the tool touches, cannot be touched */
+  PHN_ERROR_NOT_FINITE = -3,     /* a displacement, position or size is NaN or infinite */
+  PHN_ERROR_BUFFER = -4,         /* the memory is smaller than the _size function returned */
+  PHN_ERROR_TOOLS = -5,          /* more tools than the phn_data or phn_contact was made for (phynness_tools.h) */
+  PHN_ERROR_ROUND_TOOLS = -6,    /* two round tools on a model, which answers one; a body answers several */
+  PHN_ERROR_UNDEFINED = -7,      /* the model or the node has no such response, e.g. no energy or no deformation */
+  PHN_ERROR_CLOCK = -8,          /* the time of a step is not later than that of the step before (phynness_loop.h) */
+  PHN_ERROR_NOT_A_MODEL = -9,    /* the text is not a model.txt, or the bytes are not an image */
+  PHN_ERROR_VERSION = -10,       /* the model, or a struct with reserved words that are not 0, is of another version */
+  PHN_ERROR_TRUNCATED = -11,     /* the model is incomplete at its end */
+  PHN_ERROR_CHECKSUM = -12,      /* the checksum of the model is wrong: the model is damaged */
+  PHN_ERROR_SYNTAX = -13,        /* a number or word of the model is malformed */
+  PHN_ERROR_RANGE = -14,         /* a count, index or value of the model is out of range */
+  PHN_ERROR_FAMILY = -15,        /* this version does not know the model's family */
+  PHN_ERROR_OVERLAP = -16,       /* an output overlaps another output or a large input in memory */
+  PHN_ERROR_TOO_LARGE = -17,     /* the result has more bytes or numbers than size_t or int32_t can count */
+  PHN_ERROR_GEOMETRY = -18,      /* a triangle has equal corners, or coordinates are too large for contact */
+  PHN_ERROR_TOO_MANY_TOOLS = -19 /* more than PHN_MOST_COUPLED tools in one call */
 };
 enum { PHN_MOST_COUPLED = 8, PHN_MOST_FIELDS = 8 };
 
