@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <phynness/phynness_body.h>
 #include <Eigen/LU>
 #include <filesystem>
 #include <phynness/formats/error.hpp>
@@ -57,7 +58,12 @@ class ReducedBodies : public testing::Test {
         writer.append(ray);
       }
     writer.close();
-    DatabaseWriter::pack(file, header);
+    DatabaseWriter::pack(file, header, {}, [&](std::int32_t point) {
+      AtRest response;
+      Eigen::Matrix3d::Map(response.stiffness_N_per_m.data()) = at_rest.at(static_cast<std::size_t>(point));
+      response.displacement.resize(9 * header.sets.output.size());
+      return response;
+    });
     return Database::open(file);
   }
 
@@ -78,6 +84,7 @@ class ReducedBodies : public testing::Test {
     }
   }
 
+  std::vector<Eigen::Matrix3d> at_rest;  ///< of sets.linear
   std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("phynness_reduced_" + std::to_string(getpid()) + ".h5");
 };
@@ -176,6 +183,63 @@ TEST_F(ReducedBodies, KeepAPartOfTheBulkModulusInTheShape) {
   EXPECT_DOUBLE_EQ(reduced(written(scene("es-p1-p1", "mooney-rivlin")), small).bulk_in_shape_Pa, 400);
   EXPECT_EQ(reduced(written(scene("p1-p1", "mooney-rivlin")), small).bulk_in_shape_Pa, 0);
   EXPECT_EQ(reduced(written(), small).bulk_in_shape_Pa, 0);
+}
+
+/// Stiffness at rest of a tool alone at a node, by small displacements.
+Eigen::Matrix3d stiffness_of(const ReducedBody& body, std::int32_t node) {
+  const std::string text = write_body_text(body);
+  std::size_t bytes = 0;
+  EXPECT_EQ(phn_body_size(text.data(), text.size(), &bytes, nullptr), PHN_OK);
+  std::vector<char> memory(bytes);
+  const phn_body* loaded = nullptr;
+  EXPECT_EQ(phn_body_init(memory.data(), bytes, text.data(), text.size(), &loaded, nullptr), PHN_OK);
+  EXPECT_EQ(phn_body_state_size(loaded, 1, &bytes), PHN_OK);
+  std::vector<char> state_memory(bytes);
+  Eigen::Matrix3d stiffness;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    phn_body_state* state = nullptr;
+    EXPECT_EQ(phn_body_state_init(state_memory.data(), bytes, loaded, 1, &state), PHN_OK);
+    constexpr double small = 1e-6;  // 1e-4 of the depth
+    phn_tool tool{};
+    tool.nodes[0] = node;
+    tool.nodes[1] = tool.nodes[2] = -1;
+    tool.weights[0] = 1;
+    tool.displacement[k] = small;
+    EXPECT_GE(phn_body_force(loaded, state, 1, &tool, 100, stiffness.col(k).data(), nullptr), 0);
+    stiffness.col(k) /= small;
+  }
+  return stiffness;
+}
+
+// Claim: with responses at rest a body has the stiffness of the elements at their points, where its own is larger, and
+// is otherwise as without them; so it is at probed nodes. Between, no node lacks more than the points around it.
+TEST_F(ReducedBodies, HaveTheStiffnessAtRestOfPointsElsewhere) {
+  const std::vector<std::int32_t> points{20, 34, 47};
+  const auto before = reduced(written(), small);
+  EXPECT_EQ(before.lacking.rows(), 0);
+  for (const auto node : points)
+    at_rest.push_back((node == 47 ? 2 : 0.5) *
+                      stiffness_of(before, node).selfadjointView<Eigen::Lower>().toDenseMatrix());
+  const auto database = written(scene(), [&](DatabaseHeader& header) {
+    header.sets.linear = points;
+    for (const auto node : points) header.sets.linear_tools.push_back({{node}, {1}, true});
+  });
+  auto after = reduced(database, small, 2);
+  ASSERT_EQ(after.lacking.rows(), std::ssize(after.nodes));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Matrix3d wanted = points[i] == 47 ? 0.5 * at_rest[i] : at_rest[i];
+    // The stiffness that is found for the difference has the square of the small displacement.
+    EXPECT_LT((stiffness_of(after, points[i]) - wanted).norm(), 2e-3 * wanted.norm()) << points[i];
+  }
+  for (const auto node : database.header().sets.active)
+    EXPECT_EQ(stiffness_of(after, node), stiffness_of(before, node)) << node;
+  const Eigen::MatrixXd lacking = after.lacking.values();
+  for (const std::int32_t node : {37, 42, 47}) {
+    const auto row = std::ranges::lower_bound(after.nodes, node) - after.nodes.begin();
+    EXPECT_EQ(lacking.row(row).cwiseAbs().maxCoeff(), 0) << node;
+  }
+  after.lacking = {};
+  EXPECT_EQ(write_body_text(after), write_body_text(before));
 }
 
 // Claim: a database that cannot be reduced is refused with what is wrong.

@@ -1,4 +1,6 @@
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <atomic>
@@ -6,6 +8,7 @@
 #include <mutex>
 #include <numeric>
 #include <phynness/formats/error.hpp>
+#include <phynness/meshes/probe_points.hpp>
 #include <phynness/schema/body_grammar.hpp>
 #include <phynness/training/reduction.hpp>
 
@@ -84,7 +87,9 @@ class Reduction {
     find(fields, _spec.modes, _spec.cells);
     const MatrixXd inner = _modes.transpose() * laplace_of(of_database);
     _report.captured = inner.squaredNorm() / _energy;
-    return body(surface_nodes(surface));
+    auto out = body(surface_nodes(surface));
+    if (!_header.sets.linear.empty()) set_lacking(out);
+    return out;
   }
 
  private:
@@ -380,6 +385,32 @@ class Reduction {
     out.surface = _header.mesh.surface.unaryExpr([&](std::int32_t node) {
       return static_cast<std::int32_t>(std::ranges::lower_bound(out.nodes, node) - out.nodes.begin());
     });
+  }
+
+  /// At the points whose response at rest is known, what the body lacks of it; none at probed nodes, and between all of
+  /// them by the coordinates of the nodes. Roots of matrices are interpolated, so that the sum is semidefinite.
+  void set_lacking(ReducedBody& out) {
+    const auto& [mesh, sets] = std::tie(_header.mesh, _header.sets);
+    const auto stiffness = stiffnesses_at_rest(out, sets.linear, _threads);
+    Eigen::MatrixXd root_of = Eigen::MatrixXd::Zero(mesh.n_nodes(), schema::n_of_root);
+    for (std::size_t i = 0; i < sets.linear.size(); ++i) {
+      const auto rest = _database.at_rest(static_cast<std::int32_t>(i));
+      const Eigen::Matrix3d whole = Eigen::Matrix3d::Map(rest.stiffness_N_per_m.data()).inverse();
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(whole - stiffness[i].inverse());
+      const Eigen::Matrix3d root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
+                                   eigen.eigenvectors().transpose();
+      root_of.row(sets.linear[i]) << root(0, 0), root(0, 1), root(0, 2), root(1, 1), root(1, 2), root(2, 2);
+    }
+    const auto places =
+        probe_coordinates(mesh.nodes, mesh.surface, sets.active, sets.fixed, out.tool_radius_m, sets.linear);
+    Eigen::MatrixXd lacking = Eigen::MatrixXd::Zero(std::ssize(out.nodes), schema::n_of_root);
+    for (std::size_t i = 0; i < places.covered.size(); ++i) {
+      const auto row = std::ranges::lower_bound(out.nodes, places.covered[i]) - out.nodes.begin();
+      for (Index k = 0; k < 3; ++k)
+        lacking.row(row) +=
+            places.weights(static_cast<Index>(i), k) * root_of.row(places.triangles(places.triangle[i], k));
+    }
+    out.lacking = scaled_table(lacking);
   }
 
   const Database& _database;

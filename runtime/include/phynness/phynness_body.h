@@ -64,7 +64,9 @@ typedef struct phn_body_report {
  * the same time; for tools that move by fractions of a millimetre one in each millisecond is enough. A step that does
  * not lower the energy is undone and tried again by a quarter, in the next call if it was the last. Displacements are
  * clamped to 1000 max_displacement_m. Unlike those of a model, forces depend on the motion before. _OUTSIDE: a
- * displacement is larger than trained, or no probed point is within a radius of the tool. _UNSETTLED: `unbalanced` is
+ * displacement is larger than trained, or no probed point is within a radius of the tool; all of the surface that is
+ * not fixed answers then, with the stiffness at rest of the elements if the database had it (docs/theory.md, Elsewhere;
+ * else the body is too stiff there, and neither phn_body_nearest nor contact finds places there). _UNSETTLED: `unbalanced` is
  * above 0.01 or a tool is ahead; call again with the same tools to come closer. Where `unbalanced` is above 0.1 the
  * forces are those of the call before, or 0 if that had another number of tools. _NEAR: tools nearer than half of their
  * radius act through springs between them (docs/theory.md, Near tools), which take more than a tenth of a displacement;

@@ -29,13 +29,28 @@ struct phn_body {
   std::int32_t n_pressed;           ///< cells with a pressure
   const std::int32_t* pressed_row;  ///< of the cells: their rows of `pressures`, ascending; -1: none
   const float* pressures;           ///< n_pressed rows
-  const double* bounds;             ///< coefficients of core/bound.hpp, n_coupled_kinds x n_coupled_terms; null: none
+  const float* lacking;             ///< n_nodes rows: roots of the compliance that the modes lack there; null: none
+  std::int32_t lacking_stride;
+  const double* bounds;  ///< coefficients of core/bound.hpp, n_coupled_kinds x n_coupled_terms; null: none
 };
 
 namespace PHN_RUNTIME {
 
 /// @return a status of phynness.h; *result is null on failure and when only counting
 int load_body(const char* text, std::size_t length, Arena& arena, const phn_body** result, std::size_t& wrong_byte);
+
+/// Whether a tool may be at a node: that of a probe is near, or it is known what the modes lack.
+inline bool is_touchable(const phn_body& body, std::int32_t node) {
+  return body.kinds[node] == phynness::schema::body_node_touchable ||
+         (body.kinds[node] == phynness::schema::body_node_moves && body.lacking != nullptr);
+}
+
+/// A place of the surface.
+struct BodyPlace {
+  double x[3], normal[3];                    ///< at rest
+  double root[phynness::schema::n_of_root];  ///< of the compliance that the modes lack
+  bool lacks;                                ///< the root is not zero
+};
 
 /// Working memory of the means below.
 struct ToolScratch {
@@ -50,7 +65,8 @@ int means_of_modes(phn_body_state& state, const phn_tool& tool, double* rows);
 /// Distance from which on there is no spring between two tools [m].
 double near_distance(const phn_body& body);
 
-/// state.springs, from the places of the tools and their compliance at rest. @pre state.rows are those of the tools
+/// state.springs and what belongs to them, from the places of the tools and their compliance at rest.
+/// @pre state.rows are those of the tools
 /// @param heights  of the tools over the surface [m]; null: zeros
 void set_springs(phn_body_state& state, std::int32_t n_tools, const phn_tool* tools, const double* heights);
 
@@ -68,6 +84,12 @@ int start_state(phn_body_state& state);
 /// @return a status of phynness.h; outputs are then undefined where it is an error
 int press_body(phn_body_state& state, std::int32_t n_held, std::int32_t n_tools, const phn_tool* tools,
                const double* heights, std::int32_t steps, double* held_by, phn_body_report& made);
+
+/// Adds what the forces of the last press move at a place beside what they move in the modes [m].
+void add_lacking(const phn_body_state& state, const BodyPlace& place, double* displacement);
+/// The place of a node, or of a tool.
+BodyPlace place_of(const phn_body& body, std::int32_t node);
+BodyPlace place_of(const phn_body& body, const phn_tool& tool);
 
 /// Dense loops, for several instruction sets (core/kernels.hpp). Strides and numbers of columns are whole blocks.
 struct BodyKernels {
@@ -113,10 +135,12 @@ struct phn_body_state {
   double *of_cells, *lacking;      ///< products of these derivatives with q
   float *factor, *factor_at_rest;  ///< of the stiffness
   float* bulk_rows;                ///< db/dq of the state of the factor, n_pressures rows
-  /// Springs between near tools: how far they stretch, in each row, by unit forces of the others [m/N].
-  double springs[3 * PHN_MOST_COUPLED][3 * PHN_MOST_COUPLED];
+  /// Springs of the tools: how far they stretch, in each row, by unit forces of all [m/N]; and those of them between
+  /// near tools.
+  double springs[3 * PHN_MOST_COUPLED][3 * PHN_MOST_COUPLED], near_springs[3 * PHN_MOST_COUPLED][3 * PHN_MOST_COUPLED];
   bool has_springs;
-  double near;                        ///< near_distance
+  PHN_RUNTIME::BodyPlace places[PHN_MOST_COUPLED];  ///< of the tools
+  double near;                                      ///< near_distance
   double held[3 * PHN_MOST_COUPLED];  ///< multiples of the squares of what the tools displace that the factor has [N/m]
   std::int32_t n_rows, n_all_rows;    ///< of the tools that are held; and of those behind them
   double wanted[3 * PHN_MOST_COUPLED], force[3 * PHN_MOST_COUPLED];  ///< of these tools

@@ -67,7 +67,7 @@ struct BodyStore {
   double bulk_in_shape_Pa = 0, tool_radius_m = 0, depth_m = 0;
   Numbers<std::int32_t> nodes, kinds, surface;
   Numbers<double> points, shear_m3, bulk_rJ;
-  ScaledRows modes, gradients, cells_at_rest, lack_at_rest, pressures;
+  ScaledRows modes, gradients, cells_at_rest, lack_at_rest, pressures, lacking;
   double coverage = 0;
   std::int32_t n_rays = 0;
   Numbers<double> bounds;
@@ -189,6 +189,8 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   keep_pressed(*body, store.pressures.entries.at, pressed_row);
   body->cells_at_rest = store.cells_at_rest.entries.n > 0 ? store.cells_at_rest.entries.at : nullptr;
   body->lack_at_rest = store.lack_at_rest.entries.at;
+  body->lacking = store.lacking.entries.n > 0 ? store.lacking.entries.at : nullptr;
+  body->lacking_stride = store.lacking.entries.stride;
   body->bounds = store.bounds.n > 0 ? store.bounds.at : nullptr;
   schema::set_across(info.triangles, info.n_triangles, info.n_nodes, last_at, before, across);
   set_normals(*body, normals);

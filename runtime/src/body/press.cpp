@@ -252,7 +252,9 @@ int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t
       made.energy += held_by[r] * stretch[k] / 2;
     }
     made.behind_m = std::fmax(made.behind_m, length(behind));
-    if (length(stretch) > much_stretched * length(state->wanted + 3 * t)) status |= PHN_WARNING_NEAR;
+    double near[3];
+    for (int k = 0; k < 3; ++k) near[k] = product(state->near_springs[3 * t + k], held_by, state->n_rows);
+    if (length(near) > much_stretched * length(state->wanted + 3 * t)) status |= PHN_WARNING_NEAR;
   }
   if (!all_finite(held_by, 3 * most_body_tools) || !all_finite(&made.unbalanced, 1)) {
     set_zero(held_by, 3 * most_body_tools);
@@ -314,9 +316,9 @@ int phn_body_nearest(const phn_body* body, const double x[3], phn_tool* tool, do
             body->info.triangles, body->info.n_triangles, from,
             [&](std::int32_t v) { return body->info.points + 3 * static_cast<std::size_t>(v); },
             [&](std::int32_t v) {
-              return body->kinds[v] == phynness::schema::body_node_touchable ? Hold::moves
-                     : body->kinds[v] == phynness::schema::body_node_fixed   ? Hold::fixed
-                                                                             : Hold::none;
+              return is_touchable(*body, v)                                ? Hold::moves
+                     : body->kinds[v] == phynness::schema::body_node_fixed ? Hold::fixed
+                                                                           : Hold::none;
             });
       },
       [&](std::int32_t v) { return body->info.nodes[v]; });
@@ -392,6 +394,8 @@ int phn_body_bound(const phn_body* body, const phn_body_state* state, double* bo
 int phn_body_deform(const phn_body* body, const phn_body_state* state, double* out) {
   if (body == nullptr || state == nullptr || state->body != body || out == nullptr) return PHN_ERROR_ARGUMENT;
   state->kernels->times(body->modes, 3 * static_cast<std::int64_t>(body->info.n_nodes), body->stride, state->at.q, out);
+  for (std::int32_t i = 0; i < body->info.n_nodes && body->lacking != nullptr; ++i)
+    add_lacking(*state, place_of(*body, i), out + 3 * static_cast<std::size_t>(i));
   return PHN_OK;
 }
 

@@ -81,8 +81,7 @@ WholeSurface surface_of(const phn_body& body) {
 
 /// See ContactSurface::active. A round tool beside fixed nodes is not that of a single one.
 std::int32_t active_of(const phn_body& body, std::int32_t vertex) {
-  const std::int32_t kind = body.kinds[vertex];
-  if (kind != phynness::schema::body_node_touchable) return kind == phynness::schema::body_node_fixed ? -1 : -2;
+  if (!is_touchable(body, vertex)) return body.kinds[vertex] == phynness::schema::body_node_fixed ? -1 : -2;
   return body.info.tool_radius_m > 0 ? several : vertex;
 }
 

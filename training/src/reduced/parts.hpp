@@ -59,4 +59,8 @@ Cubature nonnegative_weights(const Eigen::MatrixXf& parts, const Eigen::VectorXd
 Eigen::MatrixXd fields_of_pairs(const ReducedBody& body, const std::vector<std::int32_t>& active, bool inward,
                                 int pairs, std::uint64_t seed, int threads, const std::function<void()>& done);
 
+/// Stiffness at rest of a tool alone at each of some nodes [N/m]; the result is bitwise independent of `threads`.
+std::vector<Eigen::Matrix3d> stiffnesses_at_rest(const ReducedBody& body, const std::vector<std::int32_t>& nodes,
+                                                 int threads);
+
 }  // namespace phynness::reduced

@@ -31,6 +31,9 @@ struct ReducedBody {
   /// n_modes x n_modes, symmetric [J]: the second derivative of the first sum at rest, and what it lacks; or none.
   ScaledTable cells_at_rest, lack_at_rest;
   ScaledTable pressures;    ///< n_cells x n_pressures
+  /// n x 6, or none: xx, xy, xz, yy, yz, zz of the root of the compliance that the modes lack at a node at rest
+  /// [(m/N)^1/2]; zeros where tools are probed.
+  ScaledTable lacking;
   double coverage = 0;      ///< of the bounds
   std::int32_t n_rays = 0;  ///< from which they are
   /// Empty, or schema::n_coupled_kinds rows of coefficients: one tool, several tools.

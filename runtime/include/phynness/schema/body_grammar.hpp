@@ -18,6 +18,9 @@ void word_line(IO& io, const char* key, Word& word) {
   io.end();
 }
 
+/// Entries xx, xy, xz, yy, yz, zz of a symmetric matrix.
+inline constexpr int32_t n_of_root = 6;
+
 inline constexpr char body_bounds_word[] = "bounds";
 
 /// Coefficients of the bounds of errors, as many as those of coupled tools in a model.
@@ -77,6 +80,8 @@ void body(IO& io, Body& b) {
   }
   const int32_t n_pressures = size_line(io, "pressures", io.cols(b.pressures.entries), 1, most_body_modes);
   table(io, "pressures-at-cells", b.pressures, n_points, n_pressures);
+  if (io.optional("lacking-at-nodes", io.rows(b.lacking.entries) > 0))
+    table(io, "lacking-at-nodes", b.lacking, n_nodes, n_of_root);
   body_bounds(io, b);
 }
 
