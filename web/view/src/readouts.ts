@@ -35,7 +35,7 @@ export function statesOf({ answer, tools, mode, limit, runtime, sphere }: Sessio
   if (warnings.includes('near'))
     states.push(['beyond', 'too near', 'The tools are nearer than half a radius and act through springs between them.']);
   if (alone && runtime.partAt(first!.place!) === 'linear')
-    states.push(['fair', 'linear', 'This place was not trained: the force is linear in the displacement, and its error has no bound.']);
+    states.push(['fair', 'linear', 'This place was not trained itself: the force is linear in the displacement, wholly or in part, and its error has no bound.']);
   else if (warnings.includes('outside'))
     states.push(['beyond', 'beyond data', `Deeper than trained${alone ? '' : ', or at a place that was not trained'}: the error has no bound.`]);
   if (mode === 'hold' && tools.some(({ at }) => norm(at) > 0.999 * limit))
