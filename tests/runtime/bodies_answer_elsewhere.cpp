@@ -62,14 +62,14 @@ struct Part {
   phn_body_report report{};
 };
 
-const Eigen::Vector3d push(0.05 * block_depth, 0, -0.3 * block_depth);
+const Eigen::Vector3d inward(0.05 * block_depth, 0, -0.3 * block_depth);
 
 // Claim: where tools were probed, all numbers are those without the table.
 TEST(Elsewhere, ProbedPlacesKeepTheirBits) {
   Part knows(true), knows_not(false);
   for (const double x : {0.03, 0.041, 0.06}) {
     for (Part* part : {&knows, &knows_not})
-      ASSERT_EQ(part->press({part->tool(x, push), part->tool(0.06, push)}) & ~PHN_WARNING_NEAR, 0);
+      ASSERT_EQ(part->press({part->tool(x, inward), part->tool(0.06, inward)}) & ~PHN_WARNING_NEAR, 0);
     EXPECT_EQ(knows.forces[0], knows_not.forces[0]);
     EXPECT_EQ(knows.forces[1], knows_not.forces[1]);
     EXPECT_EQ(knows.report.energy, knows_not.report.energy);
@@ -96,11 +96,11 @@ TEST(Elsewhere, AToolHasTheComplianceOfBoth) {
   root << 0.1, 0.02, -0.01, 0.02, 0.12, 0.01, -0.01, 0.01, 0.15;
   const Eigen::Matrix3d lacking = root * root;
   EXPECT_LT((compliance[0] - compliance[1] - lacking).norm(), 2e-3 * lacking.norm());
-  ASSERT_EQ(knows.press({knows.tool(0.12, push)}), PHN_WARNING_OUTSIDE);
+  ASSERT_EQ(knows.press({knows.tool(0.12, inward)}), PHN_WARNING_OUTSIDE);
   const Eigen::Vector3d added = lacking * knows.forces[0];
-  EXPECT_GT(added.norm(), 0.1 * push.norm());
+  EXPECT_GT(added.norm(), 0.1 * inward.norm());
   const Eigen::Vector3d force = knows.forces[0];
-  ASSERT_EQ(knows_not.press({knows_not.tool(0.12, push - added)}), PHN_WARNING_OUTSIDE);
+  ASSERT_EQ(knows_not.press({knows_not.tool(0.12, inward - added)}), PHN_WARNING_OUTSIDE);
   EXPECT_LT((knows_not.forces[0] - force).norm(), 1e-4 * force.norm());
   const Points more = knows.field() - knows_not.field();
   for (Eigen::Index i = 0; i < more.rows(); ++i) {
@@ -117,7 +117,7 @@ TEST(Elsewhere, AToolHasTheComplianceOfBoth) {
 TEST(Elsewhere, SeveralToolsHaveAnEnergy) {
   Part part(true);
   for (const double other : {0.04, 0.1, 0.112}) {
-    const Eigen::Vector3d a = push, b(-0.1 * block_depth, 0, -0.2 * block_depth);
+    const Eigen::Vector3d a = inward, b(-0.1 * block_depth, 0, -0.2 * block_depth);
     ASSERT_GE(part.press({part.tool(0.1, a), part.tool(other, b)}), 0);
     const Eigen::Vector3d forces[] = {part.forces[0], part.forces[1]};
     for (Eigen::Index k = 0; k < 6; ++k) {
@@ -134,11 +134,11 @@ TEST(Elsewhere, SeveralToolsHaveAnEnergy) {
     }
   }
   part.rest();
-  ASSERT_EQ(part.press({part.tool(0.1, push)}), PHN_WARNING_OUTSIDE);
+  ASSERT_EQ(part.press({part.tool(0.1, inward)}), PHN_WARNING_OUTSIDE);
   const Eigen::Vector3d alone = part.forces[0];
-  ASSERT_EQ(part.press({part.tool(0.1, push), part.tool(0.1, push)}), PHN_WARNING_OUTSIDE);
+  ASSERT_EQ(part.press({part.tool(0.1, inward), part.tool(0.1, inward)}), PHN_WARNING_OUTSIDE);
   EXPECT_LT((part.forces[0] - alone / 2).norm(), 1e-3 * alone.norm());
-  ASSERT_EQ(part.press({part.tool(0.1, push), part.tool(0.1, -push)}), PHN_WARNING_OUTSIDE | PHN_WARNING_NEAR);
+  ASSERT_EQ(part.press({part.tool(0.1, inward), part.tool(0.1, -inward)}), PHN_WARNING_OUTSIDE | PHN_WARNING_NEAR);
   EXPECT_LT(part.forces[0].norm(), 6 * alone.norm());
 }
 
@@ -149,9 +149,9 @@ TEST(Elsewhere, SlidesCrossTheBorder) {
   Part part(true);
   Eigen::Vector3d last = Eigen::Vector3d::Zero();
   double largest = 0, change = 0;
-  ASSERT_GE(part.press({part.tool(from, push)}), 0);
+  ASSERT_GE(part.press({part.tool(from, inward)}), 0);
   for (double x = from; x < to; x += step) {
-    ASSERT_GE(part.press({part.tool(x, push)}, 1), 0);
+    ASSERT_GE(part.press({part.tool(x, inward)}, 1), 0);
     if (x > from) change = std::max(change, (part.forces[0] - last).norm());
     last = part.forces[0];
     largest = std::max(largest, last.norm());
