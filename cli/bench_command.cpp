@@ -7,12 +7,30 @@ namespace {
 
 struct Options {
   std::filesystem::path model;
+  OptionalPath body;
   OptionalPath json_file;
 };
 
 /// An error of 0 means that it was not estimated (phn_level).
 json estimated(double error) { return error > 0 ? json(error) : json(nullptr); }
 std::string percent(double error) { return error > 0 ? fmt::format("{:.3f}", 100 * error) : "-"; }
+
+/// Times of a step of the body with several tools, at nodes of the model spread over their list.
+json steps_of(const NamedOrgan& model, const std::filesystem::path& file) {
+  const auto body = NamedOrgan::body(file);
+  model.require_same("the body " + body.name(), body.body_info().mesh_hash, model.info().provenance.physics_hash);
+  const auto active = model.active_nodes();
+  json steps = json::array();
+  print_result("{:<6} {:>13}\n", "tools", "body step us");
+  for (std::size_t n = 1; n <= std::min<std::size_t>(PHN_MOST_COUPLED, active.size()); n *= 2) {
+    std::vector<std::int32_t> nodes;
+    for (std::size_t t = 0; t < n; ++t) nodes.push_back(active[t * active.size() / n]);
+    const double us = measure_step_us(body, nodes);
+    print_result("{:<6} {:>13.0f}\n", n, us);
+    steps.push_back(record("tools", n, "step_us", us));
+  }
+  return steps;
+}
 
 void run(const Options& options) {
   NamedOrgan model(options.model);
@@ -40,15 +58,19 @@ void run(const Options& options) {
   else
     print_result(
         "errors: not estimated for a model of one level; [training] levels trains more and estimates errors\n");
-  write_json(options.json_file, record("levels", levels));
+  json figures = record("levels", levels);
+  if (options.body) figures["body"] = steps_of(model, *options.body);
+  write_json(options.json_file, figures);
 }
 
 }  // namespace
 
 void add(CLI::App& app) {
-  auto [command, options] =
-      add_command(app, "bench", "Measure the time of a force and a deformation at each level of a model", run);
+  auto [command, options] = add_command(
+      app, "bench", "Measure the time of a force and a deformation of a model, and of a step of a body", run);
   add_model(command, options.model);
+  add_path(command, "--body", options.body, PathKind::input,
+           "body.txt of the same mesh: also the time of a step with 1 to 8 tools");
   add_json(command, options.json_file);
 }
 

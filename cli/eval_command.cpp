@@ -204,7 +204,11 @@ void run_single(const Options& options) {
   const NamedOrgan model = loaded(options);
   auto body = loaded_body(options, model);
   const auto places = options.tool.places(model.mesh());
-  const bool coupled = options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty() || body);
+  const auto active = model.active_nodes();
+  const bool probed = std::ranges::all_of(options.tool.nodes,
+                                          [&](std::int32_t node) { return std::ranges::binary_search(active, node); });
+  const bool coupled =
+      options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty() || body || !probed);
   const auto tools = tools_at(places, displacements);
   const auto response = body      ? body->hold_from_rest(tools, increments_from_rest)
                         : coupled ? model.hold(tools)

@@ -70,4 +70,22 @@ RuntimeSpeed measure_speed(const NamedOrgan& model) {
   return speed;
 }
 
+double measure_step_us(const NamedOrgan& body, std::span<const std::int32_t> nodes) {
+  Organ& organ = body.organ();
+  organ.reset().ignore();
+  const double depth = body.body_info().max_displacement_m;
+  std::vector<phn_tool> tools(nodes.size());
+  std::vector<double> forces(3 * nodes.size());
+  int calls = 0;
+  // From rest to half of the depth and back.
+  return median_us(9, 100, [&](int) {
+    const int at = calls++ % 100;
+    const double part = 0.01 * (at < 50 ? at : 100 - at);
+    for (std::size_t t = 0; t < nodes.size(); ++t)
+      tools[t] = tool_at(nodes[t], Vec3{depth * part * 0.6, 0, -depth * part * 0.8});
+    phn_body_force(organ.body(), organ.state(), static_cast<std::int32_t>(tools.size()), tools.data(), 1, forces.data(),
+                   nullptr);
+  });
+}
+
 }  // namespace phynness
