@@ -9,7 +9,7 @@
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/training/training.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/validation/named_organ.hpp>
 
 #include "probe_block.hpp"
 
@@ -42,7 +42,7 @@ class Models : public ::testing::Test {
       rays.push_back(solve_rays(solver, header, which, {}, {}).rays);
     }
   }
-  LoadedModel trained(Family family) const {
+  NamedOrgan trained(Family family) const {
     TrainingSpec spec;
     spec.family = family;
     spec.samples = 2000;
@@ -58,7 +58,7 @@ class Models : public ::testing::Test {
     double force = 0, displacement = 0;
     int warned = 0, n = 0;
   };
-  Errors errors(const LoadedModel* model, double depth_m) const {
+  Errors errors(const NamedOrgan* model, double depth_m) const {
     Random random(11);
     auto solver = block.touched();
     const RestResponse rest = solver.rest();
@@ -78,7 +78,7 @@ class Models : public ::testing::Test {
         return rows;
       };
       if (model) {
-        const auto said = model->respond({block.top}, {{d[0], d[1], d[2]}});
+        const auto said = model->blend({block.top}, {{d[0], d[1], d[2]}});
         e.warned += (said.status & PHN_WARNING_OUTSIDE) != 0;
         Points all = Points::Zero(block.mesh.n_nodes(), 3);
         for (std::size_t o = 0; o < block.sets.output.size(); ++o)
@@ -99,7 +99,7 @@ class Models : public ::testing::Test {
     return e;
   }
 
-  Errors errors_of(const LoadedModel& model, double depth_m) const { return errors(&model, depth_m); }
+  Errors errors_of(const NamedOrgan& model, double depth_m) const { return errors(&model, depth_m); }
 
   ProbeBlock block;
   DatabaseHeader header;
