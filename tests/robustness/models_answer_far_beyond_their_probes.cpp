@@ -151,10 +151,10 @@ TEST_F(Models, WithHalfTheRaysFailedAreStillBetterThanLinearTheory) {
   for (auto& ray : none) ray.status = {Status::diverged, Status::after_failure, Status::after_failure};
   const auto model = trained(Family::modal);
   double f[3] = {1, 1, 1};
-  const double d[3] = {0, 0, -0.001};
-  EXPECT_EQ(model.data().force(lost, d, f), PHN_ERROR_NOT_ACTIVE);
+  const Vec3 d{0, 0, -0.001};
+  EXPECT_EQ(model.organ().hold(tool_at(lost, d), f), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(f[2], 0);
-  EXPECT_EQ(model.data().force(block.top, d, f) & ~PHN_WARNING_INCOMPLETE, PHN_OK);
+  EXPECT_EQ(model.organ().hold(tool_at(block.top, d), f) & ~PHN_WARNING_INCOMPLETE, PHN_OK);
   EXPECT_LT(f[2], 0);
 }
 
