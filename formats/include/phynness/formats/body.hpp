@@ -30,7 +30,7 @@ struct ReducedBody {
   ScaledTable gradients;            ///< 9 n_cells x n_modes: du_i/dX_j in row 9 c + 3 i + j, smaller in the last modes
   /// n_modes x n_modes, symmetric [J]: the second derivative of the first sum at rest, and what it lacks; or none.
   ScaledTable cells_at_rest, lack_at_rest;
-  ScaledTable pressures;    ///< n_cells x n_pressures
+  ScaledTable pressures;  ///< n_cells x n_pressures
   /// n x 6, or none: xx, xy, xz, yy, yz, zz of the root of the compliance that the modes lack at a node at rest
   /// [(m/N)^1/2]; zeros where tools are probed.
   ScaledTable lacking;
