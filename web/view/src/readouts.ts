@@ -105,8 +105,9 @@ export class Readouts {
 
 /** Forces along the direction of the only tool; null where there is none that has moved. */
 export function curveOf({ held, runtime, data, answer, limit }: Session): PlotData | null {
-  const [tool] = held, depth = tool ? norm(tool.displacement) : 0;
-  if (!tool || held.length !== 1 || depth === 0) return null;
+  const [tool] = held, [force] = answer.forces, depth = tool ? norm(tool.displacement) : 0;
+  // A tool that has just come has no answer before the next picture.
+  if (!tool || !force || held.length !== 1 || depth === 0) return null;
   const { place, displacement } = tool, node = nodeOf(place), most = Math.min(limit, Math.max(runtime.model.info.maxDisplacement, 1.1 * depth));
   const depths = Array.from({ length: pieces + 1 }, (_, i) => (i / pieces) * most);
   const forces = depths.map((d) => norm(vector(runtime.model.force(place, scale(d / depth, displacement)).force)));
@@ -115,6 +116,6 @@ export function curveOf({ held, runtime, data, answer, limit }: Session): PlotDa
   const isSame = ray !== null && dot(ray.direction, displacement) > (1 - 1e-9) * depth;
   return {
     curve: { depths, forces }, stored: isSame ? { depths: ray.depth_m, forces: ray.force_N.map(norm) } : null,
-    now: { depth, force: norm(answer.forces[0]!) },
+    now: { depth, force: norm(force) },
   };
 }
