@@ -7,6 +7,8 @@
 
 #include <cstring>
 
+#include "core/arithmetic.hpp"
+
 namespace {
 
 struct Size {
