@@ -126,7 +126,7 @@ TEST_P(LinearPoints, JoinThoseThatWereProbed) {
 // weights.
 TEST_P(LinearPoints, SlideWithoutAJump) {
   for (const auto& [from, to] : {std::pair(3, 10), std::pair(10, 11), std::pair(5, 11), std::pair(12, 13)}) {
-    const auto force_at = [&](double share) {
+    const auto force_at = [&, from = from, to = to](double share) {
       return at(of_whole, place_at(to, from, -1, share, 1 - share), pressed).force;
     };
     Eigen::Vector3d last = force_at(0);
