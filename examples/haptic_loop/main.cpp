@@ -175,6 +175,10 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
     unsettled += status.unsettled();
     if (status < 0) return status;
   }
+  if (largest == 0) {
+    std::printf("nothing was touched: a sphere must start outside of the body; choose another place with --at\n");
+    return 1;
+  }
   std::printf("%ld cycles, largest force %.3g N, largest change in a cycle %.3g %% of it, settled %.3g %%\n", cycles,
               largest, 100 * change / largest, 100 * settled_change / largest);
   std::printf("%ld cycles unsettled, energy taken from the hand %.3g mJ, at most given %.3g mJ\n", unsettled,
