@@ -157,6 +157,7 @@ class Asker {
     for (std::size_t t = 0; t < size; ++t) {
       const auto at = std::lower_bound(output, output + _n_output, nodes[t]) - output;
       if (static_cast<std::size_t>(at) == _n_output || output[at] != nodes[t]) continue;
+      if (std::count(nodes.begin(), nodes.end(), nodes[t]) > 1) continue;  // the mean of its tools
       const bool small = std::all_of(&d[3 * t], &d[3 * t] + 3, [](double x) { return std::fabs(x) < 1; });
       if (n > 1 || (_trained && small))
         for (int k = 0; k < 3; ++k) require(_out[3 * at + k] == d[3 * t + k], "a touched node moves by exactly d");
