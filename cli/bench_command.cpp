@@ -16,9 +16,7 @@ json estimated(double error) { return error > 0 ? json(error) : json(nullptr); }
 std::string percent(double error) { return error > 0 ? fmt::format("{:.3f}", 100 * error) : "-"; }
 
 /// Times of a step of the body with several tools, at nodes of the model spread over their list.
-json steps_of(const NamedOrgan& model, const std::filesystem::path& file) {
-  const auto body = NamedOrgan::body(file);
-  model.require_same("the body " + body.name(), body.body_info().mesh_hash, model.info().provenance.physics_hash);
+json steps_of(const NamedOrgan& model, const NamedOrgan& body) {
   const auto active = model.active_nodes();
   json steps = json::array();
   print_result("{:<6} {:>13}\n", "tools", "body step us");
@@ -34,6 +32,11 @@ json steps_of(const NamedOrgan& model, const std::filesystem::path& file) {
 
 void run(const Options& options) {
   NamedOrgan model(options.model);
+  std::optional<NamedOrgan> body;
+  if (options.body) {
+    body = NamedOrgan::body(*options.body);
+    model.require_same("the body " + body->name(), body->body_info().mesh_hash, model.info().provenance.physics_hash);
+  }
   const std::int32_t n = model.info().n_levels;
   json levels = json::array();
   print_result("{:<6} {:>13} {:>19} {:>6} {:>10} {:>14} {:>9} {:>15}\n", "level", "force centers",
@@ -59,7 +62,7 @@ void run(const Options& options) {
     print_result(
         "errors: not estimated for a model of one level; [training] levels trains more and estimates errors\n");
   json figures = record("levels", levels);
-  if (options.body) figures["body"] = steps_of(model, *options.body);
+  if (body) figures["body"] = steps_of(model, *body);
   write_json(options.json_file, figures);
 }
 
