@@ -33,10 +33,7 @@ json steps_of(const NamedOrgan& model, const NamedOrgan& body) {
 void run(const Options& options) {
   NamedOrgan model(options.model);
   std::optional<NamedOrgan> body;
-  if (options.body) {
-    body = NamedOrgan::body(*options.body);
-    model.require_same("the body " + body->name(), body->body_info().mesh_hash, model.info().provenance.physics_hash);
-  }
+  if (options.body) body = model.body_beside(*options.body);
   const std::int32_t n = model.info().n_levels;
   json levels = json::array();
   print_result("{:<6} {:>13} {:>19} {:>6} {:>10} {:>14} {:>9} {:>15}\n", "level", "force centers",

@@ -33,9 +33,7 @@ NamedOrgan loaded(const Options& options) {
 }
 std::optional<NamedOrgan> loaded_body(const Options& options, const NamedOrgan& model) {
   if (!options.body) return std::nullopt;
-  auto body = NamedOrgan::body(*options.body, body_steps);
-  model.require_same("the body " + body.name(), body.body_info().mesh_hash, model.info().provenance.physics_hash);
-  return body;
+  return model.body_beside(*options.body, body_steps);
 }
 
 /// Of a body at other nodes, zeros inside of it.

@@ -113,10 +113,7 @@ void run(const Options& options) {
   if (!page) throw input_error("this build has no page", "phynness view", missing_pages_remedy());
   const NamedOrgan loaded(options.model);
   std::optional<NamedOrgan> body;
-  if (options.body) {
-    body = NamedOrgan::body(*options.body);
-    loaded.require_same("the body " + body->name(), body->body_info().mesh_hash, loaded.info().provenance.physics_hash);
-  }
+  if (options.body) body = loaded.body_beside(*options.body);
   if (loaded.model().surface.rows() == 0)
     throw input_error("the model has no surface, and nothing can be drawn", options.model.string(),
                       "train it again with output nodes, so that model.txt contains triangles");

@@ -1,6 +1,5 @@
 // A body that knows what its modes lack at rest answers where no tool was probed.
 #include <gtest/gtest.h>
-#include <phynness/phynness_body.h>
 
 #include <Eigen/Dense>
 #include <phynness/formats/body.hpp>
@@ -9,13 +8,15 @@
 #include <vector>
 
 #include "../block_body.hpp"
+#include "loaded_body.hpp"
 
 namespace phynness::test {
 namespace {
 
 /// A block of which only the part up to x = 60 mm was probed; beyond, from 90 mm on, its modes lack a compliance.
 struct Part {
-  explicit Part(bool knows) {
+  explicit Part(bool knows) : text(text_of(block, knows)) {}
+  static std::string text_of(Block& block, bool knows) {
     Eigen::MatrixXd lacking = Eigen::MatrixXd::Zero(block.mesh.n_nodes(), schema::n_of_root);
     for (Eigen::Index i = 0; i < lacking.rows(); ++i)
       if (block.mesh.nodes(i, 0) > 0.07) {
@@ -23,43 +24,22 @@ struct Part {
         lacking.row(i) << 0.1, 0.02, -0.01, 0.12, 0.01, 0.15;
       }
     if (knows) block.body.lacking = scaled_table(lacking);
-    text = write_body_text(block.body);
-    std::size_t bytes = 0;
-    EXPECT_EQ(phn_body_size(text.data(), text.size(), &bytes, nullptr), PHN_OK);
-    memory.resize(bytes);
-    EXPECT_EQ(phn_body_init(memory.data(), bytes, text.data(), text.size(), &body, nullptr), PHN_OK);
-    EXPECT_EQ(phn_body_state_size(body, 2, &bytes), PHN_OK);
-    state_memory.resize(bytes);
-    rest();
+    return write_body_text(block.body);
   }
-  void rest() { EXPECT_EQ(phn_body_state_init(state_memory.data(), state_memory.size(), body, 2, &state), PHN_OK); }
+  void rest() { body.rest(); }
   phn_tool tool(double x, const Eigen::Vector3d& displacement) const {
-    const auto at = nearest_on_surface(block.mesh.nodes, block.mesh.surface, {x, 0.062, 0.03});
-    phn_tool tool{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      tool.nodes[k] = at.nodes[k];
-      tool.weights[k] = at.weights[k];
-      tool.displacement[k] = displacement[static_cast<Eigen::Index>(k)];
-    }
-    return tool;
+    return tool_at(nearest_on_surface(block.mesh.nodes, block.mesh.surface, {x, 0.062, 0.03}), displacement);
   }
-  int press(const std::vector<phn_tool>& tools, int steps = 100) {
-    return phn_body_force(body, state, static_cast<std::int32_t>(tools.size()), tools.data(), steps, forces[0].data(),
-                          &report);
-  }
+  int press(const std::vector<phn_tool>& tools, int steps = 100) { return body.press(tools, steps); }
   Points field() const {
-    Points u(block.mesh.n_nodes(), 3);
-    EXPECT_EQ(phn_body_deform(body, state, u.data()), PHN_OK);
-    return u;
+    const Eigen::VectorXd u = body.deformation();
+    return Eigen::Map<const Points>(u.data(), u.size() / 3, 3);
   }
 
   Block block;
   std::string text;
-  std::vector<char> memory, state_memory;
-  const phn_body* body = nullptr;
-  phn_body_state* state = nullptr;
-  Eigen::Vector3d forces[2];
-  phn_body_report report{};
+  LoadedBody body{text};
+  const std::array<Eigen::Vector3d, 3>& forces = body.force;
 };
 
 const Eigen::Vector3d inward(0.05 * block_depth, 0, -0.3 * block_depth);
@@ -72,7 +52,7 @@ TEST(Elsewhere, ProbedPlacesKeepTheirBits) {
       ASSERT_EQ(part->press({part->tool(x, inward), part->tool(0.06, inward)}) & ~PHN_WARNING_NEAR, 0);
     EXPECT_EQ(knows.forces[0], knows_not.forces[0]);
     EXPECT_EQ(knows.forces[1], knows_not.forces[1]);
-    EXPECT_EQ(knows.report.energy, knows_not.report.energy);
+    EXPECT_EQ(knows.body.pressed.energy, knows_not.body.pressed.energy);
     EXPECT_EQ(knows.field(), knows_not.field());
   }
 }
@@ -127,7 +107,7 @@ TEST(Elsewhere, SeveralToolsHaveAnEnergy) {
         Eigen::Vector3d moved[] = {a, b};
         moved[k / 3][k % 3] += side == 0 ? -h : h;
         ASSERT_GE(part.press({part.tool(0.1, moved[0]), part.tool(other, moved[1])}), 0);
-        energy[side] = part.report.energy;
+        energy[side] = part.body.pressed.energy;
       }
       EXPECT_NEAR((energy[1] - energy[0]) / (2 * h), forces[k / 3][k % 3], 1e-3 * forces[0].norm())
           << other << " " << k;
@@ -193,7 +173,7 @@ TEST(Elsewhere, PlacesAreFound) {
     const Part part(knows);
     phn_tool tool;
     double point[3];
-    ASSERT_EQ(phn_body_nearest(part.body, x, &tool, point, nullptr), PHN_OK);
+    ASSERT_EQ(phn_body_nearest(part.body.body, x, &tool, point, nullptr), PHN_OK);
     EXPECT_EQ(std::abs(point[0] - 0.1) < 1e-9, knows) << point[0];
   }
 }

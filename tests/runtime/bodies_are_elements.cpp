@@ -1,7 +1,6 @@
 // A reduced body whose modes are all displacements of the nodes of a block and whose cells are all tetrahedra, each
 // with its pressure, is the body of linear elements itself: energies, forces and tools are known without the runtime.
 #include <gtest/gtest.h>
-#include <phynness/phynness_body.h>
 #include <phynness/phynness_contact.h>
 
 #include <Eigen/Dense>
@@ -14,6 +13,7 @@
 #include "../block_body.hpp"
 #include "body/body.hpp"
 #include "core/kernels.hpp"
+#include "loaded_body.hpp"
 
 namespace phynness::test {
 namespace {
@@ -21,46 +21,6 @@ namespace {
 constexpr double radius = block_radius, depth = block_depth;
 /// Tables of 16 bits round a value by up to 1/65534 of the largest of its column.
 constexpr double rounding = 2e-4;
-
-struct Loaded {
-  explicit Loaded(const std::string& text, std::int32_t max_tools = 3) {
-    std::size_t bytes = 0, wrong = 0;
-    status = phn_body_size(text.data(), text.size(), &bytes, &wrong);
-    if (status != PHN_OK) return;
-    memory.resize(bytes);
-    status = phn_body_init(memory.data(), bytes, text.data(), text.size(), &body, &wrong);
-    if (status != PHN_OK || phn_body_state_size(body, max_tools, &bytes) != PHN_OK) return;
-    state_memory.resize(bytes);
-    status = phn_body_state_init(state_memory.data(), bytes, body, max_tools, &state);
-  }
-  int press(const std::vector<phn_tool>& tools, int steps = 200) {
-    return phn_body_force(body, state, static_cast<std::int32_t>(tools.size()), tools.data(), steps, force[0].data(),
-                          &pressed);
-  }
-  Eigen::VectorXd deformation() const {
-    phn_body_contents info;
-    phn_body_info(body, &info);
-    Eigen::VectorXd u(3 * info.n_nodes);
-    EXPECT_EQ(phn_body_deform(body, state, u.data()), PHN_OK);
-    return u;
-  }
-
-  int status;
-  std::vector<char> memory, state_memory;
-  const phn_body* body = nullptr;
-  phn_body_state* state = nullptr;
-  std::array<Eigen::Vector3d, 3> force{};
-  phn_body_report pressed{};
-};
-
-/// At the point of the surface nearest to x.
-phn_tool tool_at(const SurfacePoint& at, const Eigen::Vector3d& d) {
-  phn_tool tool;
-  std::copy_n(at.nodes.begin(), 3, tool.nodes);
-  std::copy_n(at.weights.begin(), 3, tool.weights);
-  std::copy_n(d.data(), 3, tool.displacement);
-  return tool;
-}
 
 /// On the top, around (0.06, 0.06, 0.03) and 1.2 radii from it.
 std::vector<phn_tool> two_tools(const Mesh& mesh, double scale) {
@@ -71,7 +31,7 @@ std::vector<phn_tool> two_tools(const Mesh& mesh, double scale) {
 }
 
 /// That forces are those of the energy, at the tools that are pressed.
-void expect_derivatives(Loaded& loaded, const std::vector<phn_tool>& tools) {
+void expect_derivatives(LoadedBody& loaded, const std::vector<phn_tool>& tools) {
   const auto forces = loaded.force;
   for (std::size_t t = 0; t < 2; ++t)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -108,7 +68,7 @@ Eigen::MatrixXd stiffness_of_shape(const Block& block) {
 TEST(Bodies, HaveTheEnergyOfTheirElements) {
   for (const char* law : {"mooney-rivlin", "gent"}) {
     const Block block(law);
-    Loaded loaded(write_body_text(block.body));
+    LoadedBody loaded(write_body_text(block.body));
     ASSERT_EQ(loaded.status, PHN_OK) << phn_status_message(loaded.status);
     const auto tools = two_tools(block.mesh, 1);
     ASSERT_EQ(loaded.press(tools), PHN_OK);
@@ -123,7 +83,7 @@ TEST(Bodies, HaveTheBoundsOfThePage) {
   block.body.bounds = (Eigen::MatrixXd(2, 4) << -1, 0.2, 0.3, 0.4, -2, 0.1, 0.5, 0.3).finished();
   block.body.coverage = 0.95;
   block.body.n_rays = 20;
-  Loaded loaded(write_body_text(block.body));
+  LoadedBody loaded(write_body_text(block.body));
   ASSERT_EQ(loaded.status, PHN_OK);
   double bounds[] = {-1, -1};
   EXPECT_EQ(phn_body_bound(loaded.body, loaded.state, bounds), PHN_ERROR_UNDEFINED);
@@ -149,7 +109,7 @@ TEST(Bodies, HaveTheBoundsOfThePage) {
       EXPECT_NEAR(bounds[t], expected, 1e-3 * expected);  // the small tools bend the body a little
     }
   }
-  Loaded without(write_body_text(Block().body));
+  LoadedBody without(write_body_text(Block().body));
   ASSERT_EQ(without.press(two_tools(block.mesh, 1)), PHN_OK);
   EXPECT_EQ(phn_body_bound(without.body, without.state, bounds), PHN_ERROR_UNDEFINED);
 }
@@ -158,18 +118,18 @@ TEST(Bodies, HaveTheBoundsOfThePage) {
 // hardly deformed, and elsewhere forces are derivatives of the energy.
 TEST(Bodies, AreExactNearRest) {
   Block block;
-  Loaded right(write_body_text(block.body));
+  LoadedBody right(write_body_text(block.body));
   Random random(5);
   const Eigen::MatrixXd of_all = stiffness_of_shape(block);
   for (double& weight : block.body.shear_m3) weight *= 1 + 0.5 * random();
   const Eigen::MatrixXd of_cells = stiffness_of_shape(block);
-  Loaded wrong(write_body_text(block.body));
+  LoadedBody wrong(write_body_text(block.body));
   block.body.cells_at_rest = scaled_table(of_cells);
   block.body.lack_at_rest = scaled_table(of_all - of_cells);
-  Loaded scaled(write_body_text(block.body));
+  LoadedBody scaled(write_body_text(block.body));
   ASSERT_EQ(scaled.status, PHN_OK);
   const auto tools = two_tools(block.mesh, 1e-3);
-  for (Loaded* loaded : {&right, &wrong, &scaled}) ASSERT_EQ(loaded->press(tools), PHN_OK);
+  for (LoadedBody* loaded : {&right, &wrong, &scaled}) ASSERT_EQ(loaded->press(tools), PHN_OK);
   // What is curved is some thousandths of what is not, and half of it is wrong.
   EXPECT_LT((scaled.force[0] - right.force[0]).norm(), 2e-3 * right.force[0].norm());
   EXPECT_GT((wrong.force[0] - right.force[0]).norm(), 1e-2 * right.force[0].norm());
@@ -182,7 +142,7 @@ TEST(Bodies, AreExactNearRest) {
 // down to 0.4 % of the radius; also beside fixed nodes and over an edge of the block.
 TEST(Bodies, HoldTheMeanUnderATool) {
   const Block block;
-  Loaded loaded(write_body_text(block.body));
+  LoadedBody loaded(write_body_text(block.body));
   Random random(1);
   for (int draw = 0; draw < 30; ++draw) {
     const auto at = nearest_on_surface(block.mesh.nodes, block.mesh.surface,
@@ -205,7 +165,7 @@ TEST(Bodies, HoldTheMeanUnderATool) {
 TEST(Bodies, FindTheirWayBack) {
   const Block block;
   const std::string text = write_body_text(block.body);
-  Loaded loaded(text), fresh(text);
+  LoadedBody loaded(text), fresh(text);
   Random random(2);
   for (int moment = 0; moment < 200; ++moment) {
     auto tools = two_tools(block.mesh, 1 + random());
@@ -230,7 +190,7 @@ TEST(Bodies, FindTheirWayBack) {
 TEST(Bodies, FollowToolsThatMove) {
   const Block block;
   const std::string text = write_body_text(block.body);
-  Loaded loaded(text), slow(text);
+  LoadedBody loaded(text), slow(text);
   int unsettled = 0;
   double largest = 0, off = 0;
   for (int moment = 0; moment < 600; ++moment) {
@@ -259,22 +219,22 @@ TEST(Bodies, FollowToolsThatMove) {
 // unsettled.
 TEST(Bodies, WarnOfWhatTheyDoNotKnow) {
   Block block;
-  Loaded loaded(write_body_text(block.body));
+  LoadedBody loaded(write_body_text(block.body));
   EXPECT_EQ(loaded.press(two_tools(block.mesh, 1.3)), PHN_OK);
   auto far = two_tools(block.mesh, 1);
   far[0].displacement[2] = -1.01 * depth;
   EXPECT_EQ(loaded.press(far), PHN_WARNING_OUTSIDE);
-  Loaded other(write_body_text(block.body));
+  LoadedBody other(write_body_text(block.body));
   EXPECT_EQ(other.press(two_tools(block.mesh, 1), 1), PHN_WARNING_UNSETTLED);
   block.body.kinds.assign(block.body.kinds.size(), schema::body_node_moves);
-  Loaded unknown(write_body_text(block.body));
+  LoadedBody unknown(write_body_text(block.body));
   EXPECT_EQ(unknown.press(two_tools(block.mesh, 0.5)), PHN_WARNING_OUTSIDE);
 }
 
 // Claim: wrong calls are refused, with forces of zero.
 TEST(Bodies, RefuseWrongCalls) {
   const Block block;
-  Loaded loaded(write_body_text(block.body), 2);
+  LoadedBody loaded(write_body_text(block.body), 2);
   const auto tools = two_tools(block.mesh, 1);
   const auto refused = [&](const std::vector<phn_tool>& those) {
     loaded.force.fill(Eigen::Vector3d::Ones());
@@ -296,7 +256,7 @@ TEST(Bodies, RefuseWrongCalls) {
   EXPECT_EQ(refused({tools[0], tools[1], tools[0]}), PHN_ERROR_TOOLS);
   Block held;
   held.body.tool_radius_m = 0;
-  Loaded nodes(write_body_text(held.body));
+  LoadedBody nodes(write_body_text(held.body));
   EXPECT_EQ(nodes.press({{{0, -1, -1}, {1, 0, 0}, {0, 0, 0}}}), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(phn_body_force(loaded.body, nodes.state, 0, nullptr, 1, nullptr, nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_body_force(loaded.body, loaded.state, 1, tools.data(), 0, loaded.force[0].data(), nullptr),
@@ -323,7 +283,7 @@ struct Touched {
     return phn_contact_step(contact, static_cast<std::int32_t>(tools.size()), tools.data(), states, &report);
   }
 
-  Loaded loaded;
+  LoadedBody loaded;
   std::vector<char> memory;
   phn_contact* contact = nullptr;
   phn_contact_report report = {};
@@ -333,7 +293,7 @@ struct Touched {
 // nearly normal without friction, and settles on that of the body held at the touched point.
 TEST(Bodies, AreTouched) {
   const Block block;
-  Loaded beside(write_body_text(block.body));
+  LoadedBody beside(write_body_text(block.body));
   Touched touched(write_body_text(block.body), 2);
   phn_contact_state state{};
   for (int moment = 0; moment < 300; ++moment) {
@@ -427,7 +387,7 @@ TEST(Bodies, RefuseWrongCallsOfContact) {
   EXPECT_EQ(phn_body_contact_init(touched.memory.data(), touched.memory.size(), touched.loaded.body, 1, 0, &contact),
             PHN_ERROR_ARGUMENT);
   block.body.kinds.assign(block.body.kinds.size(), schema::body_node_moves);
-  const Loaded unknown(write_body_text(block.body));
+  const LoadedBody unknown(write_body_text(block.body));
   ASSERT_EQ(phn_body_contact_size(unknown.body, 1, &bytes), PHN_OK);
   std::vector<char> memory(bytes);
   EXPECT_EQ(phn_body_contact_init(memory.data(), bytes, unknown.body, 1, 1, &contact), PHN_ERROR_UNDEFINED);
@@ -469,7 +429,7 @@ TEST(Bodies, HaveKernelsWithTheSameBits) {
 TEST(Bodies, SurviveDamagedTexts) {
   const Block block;
   const std::string text = write_body_text(block.body);
-  for (std::size_t n = 0; n < text.size(); n += 997) EXPECT_LT(Loaded(text.substr(0, n)).status, 0) << n;
+  for (std::size_t n = 0; n < text.size(); n += 997) EXPECT_LT(LoadedBody(text.substr(0, n)).status, 0) << n;
   Random random(3);
   const std::size_t end = text.rfind("checksum ");
   int accepted = 0;
@@ -480,7 +440,7 @@ TEST(Bodies, SurviveDamagedTexts) {
     for (int k = 0; k < 3; ++k)
       if (char& c = changed[random.below(within)]; std::isxdigit(static_cast<unsigned char>(c)) || draw % 5 == 0)
         c = "0189-. p"[random.below(draw % 5 == 0 ? 8 : 4)];
-    Loaded loaded(changed + "checksum " + hash_of(changed) + "\n");
+    LoadedBody loaded(changed + "checksum " + hash_of(changed) + "\n");
     if (loaded.status != PHN_OK) continue;
     ++accepted;
     loaded.press(two_tools(block.mesh, 1), 3);
@@ -489,7 +449,7 @@ TEST(Bodies, SurviveDamagedTexts) {
   EXPECT_GT(accepted, 10);
   std::string strange = text.substr(0, end);
   strange.replace(strange.find("mooney-rivlin"), 13, "nobodys-law");
-  EXPECT_EQ(Loaded(strange + "checksum " + hash_of(strange) + "\n").status, PHN_ERROR_FAMILY);
+  EXPECT_EQ(LoadedBody(strange + "checksum " + hash_of(strange) + "\n").status, PHN_ERROR_FAMILY);
 }
 
 }  // namespace

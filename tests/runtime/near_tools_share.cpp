@@ -8,51 +8,30 @@
 #include <vector>
 
 #include "../block_body.hpp"
+#include "loaded_body.hpp"
 
 namespace phynness::test {
 namespace {
 
 /// Two tools on the top of a block, around its middle, with their separation along x.
 struct Pair {
-  Pair() : text(write_body_text(block.body)) {
-    std::size_t bytes = 0;
-    EXPECT_EQ(phn_body_size(text.data(), text.size(), &bytes, nullptr), PHN_OK);
-    memory.resize(bytes);
-    EXPECT_EQ(phn_body_init(memory.data(), bytes, text.data(), text.size(), &body, nullptr), PHN_OK);
-    EXPECT_EQ(phn_body_state_size(body, 2, &bytes), PHN_OK);
-    state_memory.resize(bytes);
-    EXPECT_EQ(phn_body_state_init(state_memory.data(), bytes, body, 2, &state), PHN_OK);
-  }
   static constexpr double radius = block_radius;
   phn_tool tool(double x, const Eigen::Vector3d& displacement) const {
-    const auto at = nearest_on_surface(block.mesh.nodes, block.mesh.surface, {0.06 + x, 0.06, 0.03});
-    phn_tool tool;
-    for (std::size_t k = 0; k < 3; ++k) {
-      tool.nodes[k] = at.nodes[k];
-      tool.weights[k] = at.weights[k];
-      tool.displacement[k] = displacement[static_cast<Eigen::Index>(k)];
-    }
-    return tool;
+    return tool_at(nearest_on_surface(block.mesh.nodes, block.mesh.surface, {0.06 + x, 0.06, 0.03}), displacement);
   }
   /// @param separation  in radii
   int press(double separation, const Eigen::Vector3d& a, const Eigen::Vector3d& b, int steps = 100) {
-    const phn_tool tools[] = {tool(-separation * radius / 2, a), tool(separation * radius / 2, b)};
-    return phn_body_force(body, state, 2, tools, steps, forces[0].data(), &pressed);
+    return body.press({tool(-separation * radius / 2, a), tool(separation * radius / 2, b)}, steps);
   }
   double alone(const Eigen::Vector3d& displacement) {
-    const phn_tool one = tool(0, displacement);
-    EXPECT_EQ(phn_body_force(body, state, 1, &one, 100, forces[0].data(), &pressed), PHN_OK);
+    EXPECT_EQ(body.press({tool(0, displacement)}, 100), PHN_OK);
     return forces[0].norm();
   }
   double larger() const { return std::max(forces[0].norm(), forces[1].norm()); }
 
   Block block;
-  std::string text;
-  std::vector<char> memory, state_memory;
-  const phn_body* body = nullptr;
-  phn_body_state* state = nullptr;
-  Eigen::Vector3d forces[2];
-  phn_body_report pressed{};
+  LoadedBody body{write_body_text(block.body)};
+  const std::array<Eigen::Vector3d, 3>& forces = body.force;
 };
 
 const Eigen::Vector3d push(0, 0, -0.3 * block_depth), pull(0, 0, 0.3 * block_depth);
@@ -84,15 +63,15 @@ TEST(NearTools, OpposedHaveTheForceOfTheSprings) {
   EXPECT_NEAR((pair.forces[0] + pair.forces[1]).norm(), 0, 1e-3 * alone);
   for (double separation = 0; separation < 0.4; separation += 0.02) {
     EXPECT_EQ(pair.press(separation, push, pull), PHN_WARNING_NEAR) << separation;
-    EXPECT_LT(pair.pressed.behind_m, 1e-3 * block_depth) << separation;
+    EXPECT_LT(pair.body.pressed.behind_m, 1e-3 * block_depth) << separation;
   }
   EXPECT_EQ(pair.press(0.51, push, pull), PHN_OK);
   // The body stays at rest, and all energy is that of the springs.
   for (const double depth : {0.01, 0.1, 1.0}) {
     const Eigen::Vector3d deep(0, 0, -depth * block_depth);
     ASSERT_EQ(pair.press(0, deep, -deep), PHN_WARNING_NEAR) << depth;
-    EXPECT_NEAR(pair.forces[0].dot(deep) - pair.forces[1].dot(deep), 2 * pair.pressed.energy,
-                1e-4 * pair.pressed.energy)  // steps end by the rounding of the energies of cells
+    EXPECT_NEAR(pair.forces[0].dot(deep) - pair.forces[1].dot(deep), 2 * pair.body.pressed.energy,
+                1e-4 * pair.body.pressed.energy)  // steps end by the rounding of the energies of cells
         << depth;
   }
 }
@@ -111,7 +90,7 @@ TEST(NearTools, HaveAnEnergy) {
         Eigen::Vector3d moved[] = {a, b};
         moved[k / 3][k % 3] += side == 0 ? -h : h;
         ASSERT_GE(pair.press(separation, moved[0], moved[1]), PHN_OK);
-        energy[side] = pair.pressed.energy;
+        energy[side] = pair.body.pressed.energy;
       }
       EXPECT_NEAR((energy[1] - energy[0]) / (2 * h), forces[k / 3][k % 3], 1e-3 * forces[0].norm())
           << separation << " " << k;

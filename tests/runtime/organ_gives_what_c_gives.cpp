@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "../block_body.hpp"
+#include "loaded_body.hpp"
 #include "loaded_model.hpp"
 #include "small_model.hpp"
 
@@ -149,16 +150,7 @@ TEST_P(OrganOfAModel, HoldsPlacesAndSeveralToolsAsC) {
 
 class OrganOfABody : public ::testing::Test {
  protected:
-  OrganOfABody() {
-    std::size_t bytes = 0;
-    EXPECT_EQ(phn_body_size(body_text.data(), body_text.size(), &bytes, nullptr), PHN_OK);
-    memory.resize(bytes);
-    EXPECT_EQ(phn_body_init(memory.data(), bytes, body_text.data(), body_text.size(), &body, nullptr), PHN_OK);
-    EXPECT_EQ(phn_body_state_size(body, 2, &bytes), PHN_OK);
-    state_memory.resize(bytes);
-    EXPECT_EQ(phn_body_state_init(state_memory.data(), bytes, body, 2, &state), PHN_OK);
-    phn_body_info(body, &info);
-  }
+  OrganOfABody() { phn_body_info(body, &info); }
   /// Of the top, on the half away from the fixed side.
   std::int32_t node_at(double y) const {
     Eigen::Index nearest = 0;
@@ -168,9 +160,9 @@ class OrganOfABody : public ::testing::Test {
   Block block;
   const phn_tool tools[2] = {at_node(node_at(0.03), {0.004, 0, 0.002}), at_node(node_at(0.09), {0, -0.003, 0})};
   std::string body_text = write_body_text(block.body), model_text = write_model_text(springs_on(block));
-  std::vector<char> memory, state_memory;
-  const phn_body* body = nullptr;
-  phn_body_state* state = nullptr;
+  LoadedBody loaded{body_text, 2};
+  const phn_body* body = loaded.body;
+  phn_body_state* state = loaded.state;
   phn_body_contents info{};
 };
 
@@ -206,7 +198,7 @@ TEST_F(OrganOfABody, HoldsAsC) {
   EXPECT_EQ(depth, info.max_displacement_m);
 
   EXPECT_EQ(organ.reset(), PHN_OK);
-  EXPECT_EQ(phn_body_state_init(state_memory.data(), state_memory.size(), body, 2, &state), PHN_OK);
+  loaded.rest();
   EXPECT_EQ(organ.hold(tools, forces), phn_body_force(body, state, 2, tools, 5, expected, nullptr));
   EXPECT_TRUE(same(forces, expected)) << "from rest";
 }

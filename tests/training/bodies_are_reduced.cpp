@@ -1,13 +1,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <phynness/phynness_body.h>
 #include <Eigen/LU>
 #include <filesystem>
 #include <phynness/formats/error.hpp>
 #include <phynness/training/reduction.hpp>
 
 #include "../block_mesh.hpp"
+#include "../runtime/loaded_body.hpp"
 
 namespace phynness::test {
 namespace {
@@ -187,26 +187,13 @@ TEST_F(ReducedBodies, KeepAPartOfTheBulkModulusInTheShape) {
 
 /// Stiffness at rest of a tool alone at a node, by small displacements.
 Eigen::Matrix3d stiffness_of(const ReducedBody& body, std::int32_t node) {
-  const std::string text = write_body_text(body);
-  std::size_t bytes = 0;
-  EXPECT_EQ(phn_body_size(text.data(), text.size(), &bytes, nullptr), PHN_OK);
-  std::vector<char> memory(bytes);
-  const phn_body* loaded = nullptr;
-  EXPECT_EQ(phn_body_init(memory.data(), bytes, text.data(), text.size(), &loaded, nullptr), PHN_OK);
-  EXPECT_EQ(phn_body_state_size(loaded, 1, &bytes), PHN_OK);
-  std::vector<char> state_memory(bytes);
+  LoadedBody loaded(write_body_text(body), 1);
   Eigen::Matrix3d stiffness;
   for (Eigen::Index k = 0; k < 3; ++k) {
-    phn_body_state* state = nullptr;
-    EXPECT_EQ(phn_body_state_init(state_memory.data(), bytes, loaded, 1, &state), PHN_OK);
+    loaded.rest();
     constexpr double small = 1e-6;  // 1e-4 of the depth
-    phn_tool tool{};
-    tool.nodes[0] = node;
-    tool.nodes[1] = tool.nodes[2] = -1;
-    tool.weights[0] = 1;
-    tool.displacement[k] = small;
-    EXPECT_GE(phn_body_force(loaded, state, 1, &tool, 100, stiffness.col(k).data(), nullptr), 0);
-    stiffness.col(k) /= small;
+    EXPECT_GE(loaded.press({tool_at({{node, -1, -1}, {1, 0, 0}}, small * Eigen::Vector3d::Unit(k))}, 100), 0);
+    stiffness.col(k) = loaded.force[0] / small;
   }
   return stiffness;
 }

@@ -51,6 +51,12 @@ NamedOrgan NamedOrgan::body(std::string text, std::string name, std::int32_t ste
   return organ;
 }
 
+NamedOrgan NamedOrgan::body_beside(const std::filesystem::path& file, std::int32_t steps) const {
+  auto made = body(file, steps);
+  require_same("the body " + made.name(), made.body_info().mesh_hash, info().provenance.physics_hash);
+  return made;
+}
+
 void NamedOrgan::load(std::int32_t steps) {
   _organ = _is_body ? Organ({}, _text, PHN_MOST_COUPLED, steps) : Organ(_text, {}, most_tools);
   if (_organ) return;

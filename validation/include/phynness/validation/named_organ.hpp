@@ -47,6 +47,8 @@ class NamedOrgan {
   /// Loads a body.txt, or its text. @param steps  of Newton's method, at most, in each increment
   static NamedOrgan body(const std::filesystem::path& file, std::int32_t steps = 600);
   static NamedOrgan body(std::string text, std::string name, std::int32_t steps = 600);
+  /// Loads a body.txt that must have the mesh of this model; it may have been made of other physics.
+  NamedOrgan body_beside(const std::filesystem::path& file, std::int32_t steps = 600) const;
 
   Organ& organ() const { return _organ; }
   const phn_info& info() const { return _organ.info(); }
