@@ -44,16 +44,10 @@ TEST(Cells, WithNanCoordinatesAreRefused) {
 const char* twin_nodes = "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n6 1 0 0\n7 0 1 0\n8 0 0 1\n";
 const char* unmerged_cells = "1 4 2 0 1 1 2 3 4\n2 4 2 0 1 6 5 7 8\n";
 
-TEST(Cells, UnmergedCoincidentNodesAreNamed) {
-  const std::string message = error_of([] { import_bytes(msh_2(unmerged_cells, 2, twin_nodes, 8), ".msh"); });
-  EXPECT_TRUE(contains(message, "2 components") && contains(message, "3 nodes") && contains(message, "(5, 6, 7)"))
-      << message;
-}
-
-TEST(Cells, RepairMergesCoincidentNodesByName) {
-  const MeshResult result = import_bytes(msh_2(unmerged_cells, 2, twin_nodes, 8), ".msh", true);
+TEST(Cells, NodesAtTheSamePlaceAreMergedWithANote) {
+  const MeshResult result = import_bytes(msh_2(unmerged_cells, 2, twin_nodes, 8), ".msh");
   EXPECT_EQ(result.mesh.n_nodes(), 5);
-  EXPECT_TRUE(contains(joined(result.notes), "repair: merged coincident nodes")) << joined(result.notes);
+  EXPECT_TRUE(contains(joined(result.notes), "merged 3 nodes")) << joined(result.notes);
 }
 
 TEST(Cells, SeparatePiecesAreRefusedOrTheLargestIsKept) {

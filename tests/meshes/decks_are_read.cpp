@@ -1,6 +1,6 @@
-// Claim: the nodes, four-node tetrahedra, three-node triangles and sets of a deck of CalculiX or Abaqus are read, and
-// its steps, materials and loads are skipped. A card that makes or moves nodes in an unsupported way is refused and
-// never ignored.
+// Claim: the nodes, solid elements of first order, triangles and sets of a deck of CalculiX or Abaqus are read, and
+// its steps, materials and loads are skipped with a note. An empty coordinate is 0. A card that makes or moves nodes in
+// an unsupported way is refused and never ignored.
 #include "mesh_under_test.hpp"
 #include "read/raw_mesh.hpp"
 
@@ -44,6 +44,28 @@ TEST(Decks, MayHoldTheTrianglesOfASurface) {
   EXPECT_EQ(meshes::read_mesh_file(file.path).triangles, (std::vector<meshes::Triangle>{{0, 2, 1}, {0, 1, 3}}));
 }
 
+TEST(Decks, HoldSetsOfSetsAndTheNodesOfElements) {
+  const std::string deck = deck_nodes +
+                           "*ELEMENT, TYPE=C3D4H\n1, 1, 2, 3, 4\n7, 2, 5, 3, 4\n*NSET, NSET=near, ELSET=later\n"
+                           "*NSET, NSET=outer\nNEAR, , 5\n*ELSET, ELSET=later\n1\n*ELSET, ELSET=all\nlater, 7\n";
+  const MeshResult result = import_bytes(deck, ".inp");
+  EXPECT_EQ(result.mesh.groups.at("near"), (Nodes{0, 1, 2, 3}));
+  EXPECT_EQ(result.mesh.groups.at("outer"), (Nodes{0, 1, 2, 3, 4}));
+  EXPECT_EQ(result.mesh.groups.at("all"), (Nodes{0, 1, 2, 3, 4}));
+  EXPECT_TRUE(result.notes.empty()) << joined(result.notes);
+  EXPECT_TRUE(contains(joined(import_bytes(deck + "*NSET, NSET=none\n", ".inp").notes), "set none holds nothing"));
+}
+
+TEST(Decks, SayThatTheirMaterialsAreNotUsed) {
+  EXPECT_TRUE(contains(joined(import_bytes(tissue_deck, ".inp").notes), "materials"));
+}
+
+TEST(Decks, TakeAnEmptyCoordinateForZero) {
+  std::string empty = tissue_deck;
+  for (std::size_t at = 0; (at = empty.find(" 0.,", at)) != std::string::npos;) empty.replace(at, 4, " ,");
+  EXPECT_EQ(mesh_hash(import_bytes(empty, ".inp").mesh), mesh_hash(import_bytes(tissue_deck, ".inp").mesh));
+}
+
 TEST(Decks, OfTwoSetsOfOneNameKeepBoth) {
   const MeshResult result = import_bytes(tissue_deck + "*NSET, NSET=BODY\n5\n", ".inp");
   EXPECT_EQ(result.mesh.groups.at("BODY"), (Nodes{4}));
@@ -74,7 +96,8 @@ TEST(Decks, AreRefusedWithTheLineOfWhatIsNotRead) {
       {deck_nodes + cells + "*NSET, NSET=a\nb\n", "not in the file"},
       {deck_nodes + cells + "*NSET\n1\n", "no name"},
       {deck_nodes + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, x\n", "expected a number"},
-      {deck_nodes + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4", "without a line break"},
+      {"8 1 0 0 0\n1 0 0 0\n", ":1: not a deck of Abaqus or CalculiX"},
+      {deck_nodes + "*NODE\n6\n" + cells, "three coordinates"},
       {deck_nodes, "neither tetrahedra"},
       {",\n\n*\n*,\n", "neither tetrahedra"}};
   for (const auto& [bytes, part] : decks) {

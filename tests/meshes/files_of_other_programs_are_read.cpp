@@ -76,9 +76,13 @@ TEST(FilesOfOtherPrograms, IncludeThoseOfShow) {
 TEST(FilesOfOtherPrograms, AreNotReadWhenCut) {
   for (const auto& file : foreign_files({".vtu", ".ply", ".off"})) {
     const std::string bytes = bytes_of_file(file);
-    for (std::size_t n = 0; n + 1 < bytes.size(); n += n + 100 < bytes.size() ? 7 : 1)
-      ASSERT_THROW(meshes::read_mesh_file(TemporaryFile(bytes.substr(0, n), file.extension()).path), Error)
-          << file.filename() << " cut to " << n << " of " << bytes.size() << " bytes";
+    for (std::size_t n = 0; n + 1 < bytes.size(); n += n + 100 < bytes.size() ? 7 : 1) {
+      SCOPED_TRACE(file.filename().string() + " cut to " + std::to_string(n) + " bytes");
+      const TemporaryFile cut(bytes.substr(0, n), file.extension());
+      // Only a part of the very last number may look whole.
+      ASSERT_TRUE(!error_of([&] { meshes::read_mesh_file(cut.path); }).empty() ||
+                  contains(joined(meshes::read_mesh_file(cut.path).notes), "without a line break"));
+    }
   }
 }
 
@@ -167,7 +171,7 @@ TEST(FilesOfOtherPrograms, NameTheDefectOfAnXmlFile) {
     EXPECT_TRUE(contains(message, part)) << "expected '" << part << "' in '" << message << "'";
   }
   EXPECT_TRUE(contains(error_of([] { import_bytes("<VTKFile></VTKFile>", ".vtu"); }), "no UnstructuredGrid"));
-  EXPECT_TRUE(contains(error_of([] { import_bytes("# vtk DataFile Version 3.0\n", ".vtu"); }), "XML file"));
+  EXPECT_TRUE(contains(error_of([] { import_bytes("\n# vtk DataFile Version 3.0\n", ".vtu"); }), "XML file"));
   // Entities are not expanded.
   const std::string laughs = changed_vtu("<VTKFile", "<!DOCTYPE a [<!ENTITY a \"&a;&a;\">]><VTKFile");
   EXPECT_EQ(import_bytes(laughs, ".vtu").mesh.n_cells(), 1);
@@ -193,8 +197,7 @@ TEST(FilesOfOtherPrograms, NameTheDefectOfASurface) {
       {ply + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "not in the file: 3"},
       {ply + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "not in the file"},
       {ply + "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "fewer than three"},
-      {ply + "0 0 0\n1 0 0\n0 1 0\n200 0 1 2\n", "truncated"},
-      {ply + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2", "line break"}};
+      {ply + "0 0 0\n1 0 0\n0 1 0\n200 0 1 2\n", "truncated"}};
   for (const auto& [bytes, part] : plys) {
     const std::string message = error_of([&, &text = bytes] { import_bytes(text, ".ply"); });
     EXPECT_TRUE(contains(message, part)) << "expected '" << part << "' in '" << message << "'";

@@ -18,12 +18,6 @@ std::int32_t file_number(const RawMesh& raw, std::int32_t node) {
   return raw.file_number.empty() ? node : raw.file_number[node];
 }
 
-template <class Visit>
-void for_each_corner(RawMesh& raw, const Visit& visit) {
-  for (auto& cell : raw.tetrahedra) std::for_each(cell.begin(), cell.end(), visit);
-  for (auto& triangle : raw.triangles) std::for_each(triangle.begin(), triangle.end(), visit);
-}
-
 }  // namespace
 
 void require_coordinates(const std::array<double, 3>& x, const std::string& where, std::int64_t node) {
@@ -55,7 +49,7 @@ void drop_useless_triangles(RawMesh& raw, std::vector<std::string>& notes) {
 
 std::vector<std::int32_t> drop_unused_nodes(RawMesh& raw) {
   std::vector<std::int32_t> position(raw.nodes.size(), -1), numbers, dropped;
-  for_each_corner(raw, [&](std::int32_t node) { position[node] = 0; });
+  raw.for_each_corner([&](std::int32_t node) { position[node] = 0; });
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(position.size()); ++i) {
     (position[i] < 0 ? dropped : numbers).push_back(file_number(raw, i));
     if (position[i] < 0) continue;
@@ -64,7 +58,7 @@ std::vector<std::int32_t> drop_unused_nodes(RawMesh& raw) {
   }
   raw.nodes.resize(numbers.size());
   raw.file_number = std::move(numbers);
-  for_each_corner(raw, [&](std::int32_t& node) { node = position[node]; });
+  raw.for_each_corner([&](std::int32_t& node) { node = position[node]; });
   for (auto& [name, nodes] : raw.groups) {
     for (auto& node : nodes) node = position[node];
     std::erase(nodes, -1);
@@ -106,7 +100,7 @@ std::string describe_twins(const RawMesh& raw, const std::vector<std::int32_t>& 
 }
 
 void merge_nodes(RawMesh& raw, const std::vector<std::int32_t>& first) {
-  for_each_corner(raw, [&](std::int32_t& node) { node = first[node]; });
+  raw.for_each_corner([&](std::int32_t& node) { node = first[node]; });
   for (auto& [name, nodes] : raw.groups) {
     for (auto& node : nodes) node = first[node];
     sort_unique(nodes);

@@ -1,8 +1,9 @@
-// Decks of CalculiX and Abaqus: nodes, C3D4 tetrahedra, three-node triangles, and their sets as groups. Materials,
-// steps and loads are skipped.
+// Decks of CalculiX and Abaqus: nodes, first-order solid elements, triangles and quadrilaterals, their sets as groups.
+// Materials, steps and loads are skipped.
 #include <algorithm>
 #include <map>
 #include <set>
+#include <tuple>
 #include <unordered_map>
 
 #include "raw_mesh.hpp"
@@ -14,13 +15,6 @@ namespace {
 std::string_view trimmed(std::string_view text) {
   const auto begin = text.find_first_not_of(" \t\r"), end = text.find_last_not_of(" \t\r");
   return begin == text.npos ? std::string_view() : text.substr(begin, end - begin + 1);
-}
-
-std::string upper(std::string_view text) {
-  std::string result(text);
-  for (char& c : result)
-    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
-  return result;
 }
 
 std::vector<std::string_view> fields(std::string_view line) {
@@ -56,16 +50,18 @@ struct Card {
   }
 };
 
-enum class Kind { tetrahedron, triangle, line, other };
+enum class Kind { solid, flat, line, other };
 
-Kind kind_of(const std::string& type) {
-  static const std::set<std::string> tetrahedra = {"C3D4", "C3D4H", "C3D4T"};
-  static const std::set<std::string> triangles = {"S3", "S3R", "STRI3", "CPS3", "CPE3", "M3D3", "SFM3D3", "R3D3"};
-  static const std::set<std::string> lines = {"T3D2", "B31", "B31R", "T2D2", "MASS", "SPRINGA", "SPRING1", "SPRING2"};
-  return tetrahedra.contains(type)  ? Kind::tetrahedron
-         : triangles.contains(type) ? Kind::triangle
-         : lines.contains(type)     ? Kind::line
-                                    : Kind::other;
+/// Kind and number of nodes, the first digit behind the letters, as in C3D8R and STRI3.
+std::pair<Kind, std::size_t> kind_of(const std::string& type) {
+  for (const auto prefix : {"T2D", "T3D", "B21", "B31", "MASS", "ROTARYI", "SPRING", "DASHPOT", "GAP", "CONN"})
+    if (type.starts_with(prefix)) return {Kind::line, 0};
+  for (const std::string prefix : {"C3D", "S", "STRI", "CPS", "CPE", "M3D", "SFM3D", "R3D"}) {
+    const char n = type.starts_with(prefix) && type.size() > prefix.size() ? type[prefix.size()] : '0';
+    if (prefix == "C3D" ? n == '4' || n == '5' || n == '6' || n == '8' : n == '3' || n == '4')
+      return {prefix == "C3D" ? Kind::solid : Kind::flat, n - '0'};
+  }
+  return {Kind::other, 0};
 }
 
 class InpFile {
@@ -83,11 +79,16 @@ class InpFile {
         card = Card(whole);
         begin(card);
       } else if (!_line.empty()) {
+        if (card.name.empty() && !_line.starts_with(','))
+          fail("not a deck of Abaqus or CalculiX: a line is before its first card", _line,
+               "`meshio convert FILE mesh.vtu` reads the .inp of AVS");
         read_data(card);
       }
     }
     require_no_rest();
     finish_groups();
+    if (_materials)
+      _raw.notes.push_back("the deck's materials, sections, steps and loads are not used: the scene has its own");
     return std::move(_raw);
   }
 
@@ -125,14 +126,18 @@ class InpFile {
       fail("the nodes are not in Cartesian coordinates", _line, "export the mesh in Cartesian coordinates");
     if (card.name == "*ELEMENT") begin_elements(card);
     if (card.name == "*NODE") _set = named(_node_sets, card.value("NSET"));
-    if (card.name == "*NSET") _set = required(_node_sets, card, "NSET");
+    if (card.name == "*NSET") {
+      _set = required(_node_sets, card, "NSET");
+      if (const std::string of = card.value("ELSET"); !of.empty()) _set->of_elements.push_back(upper(of));
+    }
     if (card.name == "*ELSET") _set = required(_element_sets, card, "ELSET");
+    _materials |= card.name == "*MATERIAL" || card.name.ends_with("SECTION");
     _generate = card.parameters.contains("GENERATE");
   }
 
   void begin_elements(const Card& card) {
     const std::string type = upper(card.value("TYPE"));
-    _kind = kind_of(type);
+    std::tie(_kind, _corners) = kind_of(type);
     if (_kind == Kind::other)
       fail("elements of a type that is not supported", type.empty() ? _line : type,
            "mesh the body with 4-node tetrahedra (C3D4) and export it again");
@@ -142,7 +147,7 @@ class InpFile {
   struct Set {
     std::string name;
     std::vector<std::int64_t> numbers;
-    std::vector<std::string> sets;  ///< names in capitals
+    std::vector<std::string> sets, of_elements;  ///< names in capitals; the nodes of these sets of elements
   };
   using Sets = std::map<std::string, Set>;
 
@@ -168,19 +173,21 @@ class InpFile {
 
   void read_node() {
     const auto parts = fields(_line);
-    if (parts.size() < 2 || parts.size() > 4) fail("a node does not have a number and three coordinates", _line);
+    if (parts.size() < 2 || parts.size() > 7)  // a normal may follow the coordinates
+      fail("a node does not have a number and three coordinates", _line);
     const auto tag = number<std::int64_t>(parts[0], "a node's number");
     if (!_position.emplace(tag, static_cast<std::int32_t>(_raw.nodes.size())).second)
       fail("two nodes have the same number", std::to_string(tag), "write one part with its own numbers");
     auto& x = _raw.nodes.emplace_back(std::array<double, 3>{});
-    for (std::size_t k = 1; k < parts.size(); ++k) x[k - 1] = number<double>(parts[k], "a node's coordinate");
+    for (std::size_t k = 1; k < std::min<std::size_t>(parts.size(), 4); ++k)
+      if (!parts[k].empty()) x[k - 1] = number<double>(parts[k], "a node's coordinate");  // an empty field is 0
     if (_set) _set->numbers.push_back(tag);
   }
 
   void read_element() {
     for (const auto field : fields(_line))
       _pending.push_back(number<std::int64_t>(field, "an element's number or node"));
-    const std::size_t size = _kind == Kind::tetrahedron ? 5 : 4;
+    const std::size_t size = 1 + _corners;
     if (_pending.size() > size) fail("an element has too many nodes", "element " + std::to_string(_pending.front()));
     if (_pending.size() < size) return;  // it continues in the next line
     const std::int64_t tag = _pending.front();
@@ -188,10 +195,10 @@ class InpFile {
     for (std::size_t k = 1; k < size; ++k) nodes.push_back(position(_pending[k], "element " + std::to_string(tag)));
     if (!_elements.emplace(tag, nodes).second)
       fail("two elements have the same number", std::to_string(tag), "write one part with its own numbers");
-    if (size == 5)
-      _raw.tetrahedra.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
+    if (_kind == Kind::solid)
+      _raw.add_cell(nodes);
     else
-      _raw.triangles.push_back({nodes[0], nodes[1], nodes[2]});
+      _raw.add_polygon(nodes);
     if (_set) _set->numbers.push_back(tag);
     _pending.clear();
   }
@@ -217,7 +224,8 @@ class InpFile {
       return;
     }
     for (const auto field : parts) {
-      const bool is_number = !field.empty() && field.find_first_not_of("0123456789") == field.npos;
+      if (field.empty()) continue;
+      const bool is_number = field.find_first_not_of("0123456789") == field.npos;
       if (is_number)
         _set->numbers.push_back(number<std::int64_t>(field, "a set's number"));
       else
@@ -225,9 +233,9 @@ class InpFile {
     }
   }
 
-  /// The numbers of a set and of the sets that it names, each of which is visited once.
-  std::set<std::int64_t> numbers_of(const Sets& sets, const std::string& name) const {
-    std::set<std::int64_t> numbers;
+  /// Calls visit with a set and the sets that it names, each once.
+  template <class Visit>
+  void for_each_of(const Sets& sets, const std::string& name, const Visit& visit) const {
     std::set<std::string> seen{name};
     std::vector<std::string> open{name};
     while (!open.empty()) {
@@ -235,33 +243,47 @@ class InpFile {
       if (found == sets.end())
         throw input_error(_source + ": a set names another one that is not in the file", open.back(), again);
       open.pop_back();
-      numbers.insert(found->second.numbers.begin(), found->second.numbers.end());
+      visit(found->second);
       for (const auto& other : found->second.sets)
         if (seen.insert(other).second) open.push_back(other);
     }
-    return numbers;
+  }
+
+  std::set<std::int32_t> nodes_of_elements(const std::string& name) const {
+    std::set<std::int32_t> nodes;
+    for_each_of(_element_sets, name, [&](const Set& set) {
+      for (const std::int64_t tag : set.numbers)
+        if (const auto found = _elements.find(tag); found != _elements.end())
+          nodes.insert(found->second.begin(), found->second.end());
+    });
+    return nodes;
+  }
+
+  void add_group(const std::string& name, const std::set<std::int32_t>& nodes) {
+    if (nodes.empty())
+      _raw.notes.push_back("the set " + name + " holds nothing that is read");
+    else
+      _raw.groups[name].assign(nodes.begin(), nodes.end());
   }
 
   void finish_groups() {
     for (const auto& [key, set] : _node_sets) {
       std::set<std::int32_t> nodes;
-      for (const std::int64_t tag : numbers_of(_node_sets, key))
-        if (const auto found = _position.find(tag); found != _position.end()) nodes.insert(found->second);
-      if (!nodes.empty()) _raw.groups[set.name].assign(nodes.begin(), nodes.end());
+      for_each_of(_node_sets, key, [&](const Set& part) {
+        for (const std::int64_t tag : part.numbers)
+          if (const auto found = _position.find(tag); found != _position.end()) nodes.insert(found->second);
+        for (const auto& elements : part.of_elements) nodes.merge(nodes_of_elements(elements));
+      });
+      add_group(set.name, nodes);
     }
     for (const auto& [key, set] : _element_sets) {
-      std::set<std::int32_t> nodes;
-      for (const std::int64_t tag : numbers_of(_element_sets, key))
-        if (const auto found = _elements.find(tag); found != _elements.end())
-          nodes.insert(found->second.begin(), found->second.end());
-      if (nodes.empty()) continue;
       std::string name = set.name;
       if (_node_sets.contains(key)) {
         name = "elements " + set.name;
         _raw.notes.push_back("a set of nodes and one of elements are both called " + set.name + ": the group '" + name +
                              "' holds the nodes of the elements");
       }
-      _raw.groups[name].assign(nodes.begin(), nodes.end());
+      add_group(name, nodes_of_elements(key));
     }
   }
 
@@ -272,7 +294,8 @@ class InpFile {
   RawMesh _raw;
   Kind _kind = Kind::other;
   Set* _set = nullptr;
-  bool _generate = false;
+  std::size_t _corners = 0;
+  bool _generate = false, _materials = false;
   Sets _node_sets, _element_sets;
   std::vector<std::int64_t> _pending;  ///< number and nodes of an incomplete element
   std::unordered_map<std::int64_t, std::int32_t> _position;
@@ -283,9 +306,6 @@ class InpFile {
 
 RawMesh read_inp(const std::string& bytes, const std::string& source) {
   Scanner scanner(bytes, source);
-  if (!bytes.ends_with('\n') && !bytes.ends_with('\r'))
-    throw input_error(source + ": the file ends without a line break, so that its last number may be incomplete", "",
-                      "export the file again; if it is complete, end its last line with a line break");
   return InpFile(scanner, source).read();
 }
 

@@ -80,11 +80,6 @@ class MshBuilder {
   /// @param physical  physical tags of the element; 0: none
   void add_element(std::int64_t tag, std::int64_t type, const Tags& node_tags, const Tags& physical) {
     const int dimension = element_type(type).dimension;
-    if (dimension == 3 && type != gmsh_tetrahedron)
-      _scanner.fail(
-          "element " + std::to_string(tag) + " is not a 4-node tetrahedron",
-          "gmsh element type " + std::to_string(type) + " with " + std::to_string(node_tags.size()) + " nodes",
-          "mesh the body with first-order tetrahedra (gmsh -3 -order 1) and export it again");
     _nodes.clear();
     for (const std::int64_t node : node_tags) {
       const auto found = _position.find(node);
@@ -95,8 +90,12 @@ class MshBuilder {
     }
     for (const std::int64_t group : physical)
       if (group != 0) append(_groups[{dimension, group}], _nodes);
-    if (type == gmsh_tetrahedron) _raw.tetrahedra.push_back({_nodes[0], _nodes[1], _nodes[2], _nodes[3]});
-    if (type == gmsh_triangle) _raw.triangles.push_back({_nodes[0], _nodes[1], _nodes[2]});
+    if (dimension == 2 && _nodes.size() <= 4) _raw.add_polygon(_nodes);
+    if (dimension == 3 && !_raw.add_cell(_nodes))
+      _scanner.fail(
+          "element " + std::to_string(tag) + " is not of first order",
+          "gmsh element type " + std::to_string(type) + " with " + std::to_string(node_tags.size()) + " nodes",
+          "mesh the body with first-order tetrahedra (gmsh -3 -order 1) and export it again");
   }
 
   /// Lines of dimension, tag and "name".
@@ -275,12 +274,10 @@ void read_elements_4(Values& values, MshBuilder& builder, const Physical& physic
   });
 }
 
-/// Moves past the line that ends a section.
+/// Moves past the word that ends a section; binary data need no line break before it.
 void skip_section(Scanner& scanner, const std::string& name) {
   const std::string end = "$End" + name.substr(1);
-  while (!scanner.at_end())
-    if (scanner.line().starts_with(end)) return;
-  scanner.truncated(end);
+  if (!scanner.skip_past(end)) scanner.truncated(end);
 }
 
 void expect_end(Scanner& scanner, const std::string& name) {

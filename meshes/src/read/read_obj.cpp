@@ -5,9 +5,9 @@ namespace phynness::meshes {
 namespace {
 
 std::string_view next_field(std::string_view& rest) {
-  const std::size_t begin = std::min(rest.find_first_not_of(" \t"), rest.size());
+  const std::size_t begin = std::min(rest.find_first_not_of(" \t\r"), rest.size());
   rest.remove_prefix(begin);
-  const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
+  const std::size_t end = std::min(rest.find_first_of(" \t\r"), rest.size());
   const std::string_view field = rest.substr(0, end);
   rest.remove_prefix(end);
   return field;
@@ -22,7 +22,9 @@ RawMesh read_obj(const std::string& bytes, const std::string& source) {
   std::vector<std::int32_t> corners;
   while (!scanner.at_end()) {
     const Scanner here = scanner;  // errors name this line, not the next one
-    std::string_view rest = scanner.line();
+    std::string line(scanner.line());
+    while (line.ends_with('\\') && !scanner.at_end()) line.back() = ' ', line += scanner.line();
+    std::string_view rest = line;
     const std::string_view word = next_field(rest);
     if (word == "v") {
       auto& x = raw.nodes.emplace_back();

@@ -98,7 +98,7 @@ class PlyFile {
 
   double value(const std::string& type) {
     constexpr const char* what = "a value";
-    if (_text) return _scanner.closed_number<double>(what);
+    if (_text) return _scanner.number<double>(what);
     switch (bytes_of_type(type)) {
       case 1:
         return type[0] == 'u' ? _scanner.raw<std::uint8_t>(what, _swap) : _scanner.raw<std::int8_t>(what, _swap);

@@ -13,32 +13,25 @@ class VtkFile {
   explicit VtkFile(Scanner& scanner) : _scanner(scanner) { read_header(); }
 
   RawMesh read() {
-    bool points_seen = false, cells_seen = false, types_seen = _poly_data;
-    while (!(points_seen && cells_seen && types_seen)) {
-      const std::string section(_scanner.word("the next section"));
+    for (std::string section = next_section(); !section.empty(); section = next_section()) {
       if (section == "POINTS") {
         read_points();
-        points_seen = true;
-      } else if (section == "CELLS" || section == "POLYGONS") {
-        if (!points_seen) _scanner.fail(section + " is before POINTS");
-        read_cells(_ends, _points);
-        cells_seen = true;
       } else if (section == "CELL_TYPES") {
         _types.resize(count("cell types", 4));
         begin();
         for (auto& type : _types) type = integer("int", "a cell's type");
-        types_seen = true;
-      } else if (section == "VERTICES" || section == "LINES") {
-        std::vector<std::int64_t> ends, points;
-        read_cells(ends, points);
-      } else if (section == "METADATA") {
-        while (!_scanner.at_end() && !_scanner.line().empty()) {
-        }
       } else {
-        _scanner.fail("unsupported section before the cells", section, "save the mesh alone, without other data");
+        read_cells();
+        if (_poly_data)
+          _types.resize(_ends.size(), section == "POLYGONS"          ? vtk_polygon
+                                      : section == "TRIANGLE_STRIPS" ? vtk_strip
+                                      : section == "LINES"           ? vtk_poly_line
+                                                                     : vtk_poly_vertex);
       }
     }
-    if (!_poly_data && _types.size() != _ends.size())
+    if (_raw.nodes.empty() || (_types.empty() && !_poly_data))
+      _scanner.truncated(_raw.nodes.empty() ? "POINTS" : "CELLS and CELL_TYPES");
+    if (_types.size() != _ends.size())
       _scanner.fail("the numbers of cells and of cell types differ",
                     std::to_string(_ends.size()) + " and " + std::to_string(_types.size()));
     add_vtk_cells(_ends, _points, _raw.nodes.size(), 0, _types, _raw,
@@ -47,26 +40,49 @@ class VtkFile {
   }
 
  private:
+  /// Moves behind the name of the next section of the mesh; empty at the end of the file. The lines of fields, metadata
+  /// and attributes before it are skipped.
+  std::string next_section() {
+    double number = 0;
+    Scanner next = _scanner;
+    if (const auto word = next.word_or_end(); !_binary && !_raw.nodes.empty() && Scanner::is_number(word, number))
+      _scanner.fail("a section has more values than it declares", word);
+    constexpr std::string_view names = " POINTS CELLS CELL_TYPES POLYGONS LINES VERTICES TRIANGLE_STRIPS ";
+    while (!_scanner.at_end()) {
+      next = _scanner;
+      Scanner words(_scanner.line(), "");
+      const std::string name = upper(words.word_or_end());
+      if (names.find(" " + name + " ") == names.npos || !Scanner::is_number(words.word_or_end(), number)) continue;
+      // An array of a field may have such a name, but has more words.
+      const bool alone = words.word_or_end().empty();
+      if (alone != (name == "CELL_TYPES") || !words.word_or_end().empty()) continue;
+      _scanner = next;
+      _scanner.word_or_end();
+      return name;
+    }
+    return "";
+  }
+
   void read_header() {
     const std::string header(_scanner.line().substr(0, 256));  // the largest length in the format
     const std::string_view magic = "# vtk DataFile Version ";
     if (!header.starts_with(magic))
       throw input_error(_scanner.source() + ":1: not a legacy VTK file", header.substr(0, 40),
-                        "give an XML file the name .vtu, or save the mesh as legacy VTK");
+                        "save the mesh as legacy VTK or as .vtu");
     _with_offsets = header.compare(magic.size(), std::string::npos, "5.1") >= 0;
     _scanner.line();
-    const std::string encoding(_scanner.word("ASCII or BINARY"));
+    const std::string encoding = upper(_scanner.word("ASCII or BINARY"));
     if (encoding != "ASCII" && encoding != "BINARY") _scanner.fail("expected ASCII or BINARY", encoding);
     _binary = encoding == "BINARY";
     expect("DATASET");
-    const std::string dataset(_scanner.closed_word("the kind of the data set"));
+    const std::string dataset = upper(_scanner.word("the kind of the data set"));
     if (dataset != "UNSTRUCTURED_GRID" && dataset != "POLYDATA")
       _scanner.fail("unsupported kind of data set", dataset, "save the mesh as UNSTRUCTURED_GRID or POLYDATA");
     _poly_data = dataset == "POLYDATA";
   }
 
   void expect(const char* name) {
-    if (_scanner.word(name) != name) _scanner.fail(std::string("expected ") + name);
+    if (upper(_scanner.word(name)) != name) _scanner.fail(std::string("expected ") + name);
   }
 
   /// To be called before the values of an array: binary data start on the next line.
@@ -74,7 +90,7 @@ class VtkFile {
     if (_binary) _scanner.line();
   }
   std::int64_t integer(const std::string& type, const char* what) {
-    if (!_binary) return _scanner.closed_number<std::int64_t>(what);
+    if (!_binary) return _scanner.number<std::int64_t>(what);
     return type == "vtktypeint64" ? _scanner.raw<std::int64_t>(what, swap) : _scanner.raw<std::int32_t>(what, swap);
   }
   std::size_t count(const char* what, std::size_t binary_bytes) {
@@ -83,7 +99,7 @@ class VtkFile {
 
   void read_points() {
     const std::size_t n = count("points", 12);
-    const std::string type(_scanner.closed_word("the type of the points"));
+    const std::string type(_scanner.word("the type of the points"));
     if (type != "float" && type != "double")
       _scanner.fail("unsupported type of the points", type, "save them as float or double");
     begin();
@@ -91,7 +107,7 @@ class VtkFile {
     constexpr const char* what = "a point's coordinate";
     for (auto& x : _raw.nodes)
       for (double& value : x)
-        value = !_binary           ? _scanner.closed_number<double>(what)
+        value = !_binary           ? _scanner.number<double>(what)
                 : type == "double" ? _scanner.raw<double>(what, swap)
                                    : _scanner.raw<float>(what, swap);
   }
@@ -109,25 +125,29 @@ class VtkFile {
   }
 
   /// In both layouts: "n a b c ..." (up to version 4.2), and offsets with connectivity (5.1).
-  void read_cells(std::vector<std::int64_t>& ends, std::vector<std::int64_t>& points) {
-    const std::size_t n = count("cells", 4), size = count("cell entries", 4);
+  void read_cells() {
+    const std::size_t n = count("cells", 4), size = count("cell entries", 4), first = _points.size();
     if (_with_offsets) {
-      ends = array("OFFSETS", n);
-      points = array("CONNECTIVITY", size);
+      const auto ends = array("OFFSETS", n), points = array("CONNECTIVITY", size);
       if (n > 0 && ends[0] != 0) _scanner.fail("the first cell offset is not 0", std::to_string(ends[0]));
-      if (n > 0) ends.erase(ends.begin());
+      for (std::size_t c = 1; c < n; ++c) {
+        if (ends[c] < 0 || static_cast<std::uint64_t>(ends[c]) > size)
+          _scanner.fail("a cell offset is not in the file", std::to_string(ends[c]));
+        _ends.push_back(static_cast<std::int64_t>(first) + ends[c]);
+      }
+      _points.insert(_points.end(), points.begin(), points.end());
       return;
     }
     begin();
     for (std::size_t c = 0; c < n; ++c) {
       const std::size_t corners =
           _scanner.checked_count(integer("int", "a cell's number of points"), 2, "points of a cell");
-      for (std::size_t k = 0; k < corners; ++k) points.push_back(integer("int", "a cell's point"));
-      ends.push_back(static_cast<std::int64_t>(points.size()));
+      for (std::size_t k = 0; k < corners; ++k) _points.push_back(integer("int", "a cell's point"));
+      _ends.push_back(static_cast<std::int64_t>(_points.size()));
     }
-    if (points.size() + n != size)
+    if (_points.size() - first + n != size)
       _scanner.fail("the cells do not hold the declared number of entries",
-                    std::to_string(points.size() + n) + " instead of " + std::to_string(size));
+                    std::to_string(_points.size() - first + n) + " instead of " + std::to_string(size));
   }
 
   static constexpr bool swap = std::endian::native == std::endian::little;  // the format is big-endian

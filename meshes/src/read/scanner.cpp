@@ -9,6 +9,13 @@ bool is_white(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' |
 
 }  // namespace
 
+std::string upper(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  return result;
+}
+
 void Scanner::fail(const std::string& what, std::string_view value, const std::string& remedy) const {
   const auto end = _bytes.begin() + static_cast<std::ptrdiff_t>(std::min(_position, _bytes.size()));
   const auto line = 1 + std::count(_bytes.begin(), end, '\n');
@@ -44,20 +51,18 @@ std::string_view Scanner::word(const char* expected) {
   return text;
 }
 
-std::string_view Scanner::closed_word(const char* expected) {
-  const std::string_view text = word(expected);
-  if (at_end())
-    fail(std::string("the file ends directly after ") + expected + ", which may be incomplete", text,
-         "export the file again; if it is complete, end its last line with a line break");
-  return text;
-}
-
 std::size_t Scanner::checked_count(std::int64_t count, std::size_t bytes_each, const char* what) const {
   if (count < 0) fail(std::string("negative number of ") + what, std::to_string(count));
   if (static_cast<std::uint64_t>(count) > remaining() / bytes_each)
     fail("the file is truncated: it declares " + std::to_string(count) + " " + what + " but is too short for them",
          std::to_string(remaining()) + " bytes remain", "copy or export the file again");
   return static_cast<std::size_t>(count);
+}
+
+bool Scanner::skip_past(std::string_view text) {
+  const auto at = _bytes.find(text, _position);
+  if (at != _bytes.npos) _position = at + text.size();
+  return at != _bytes.npos;
 }
 
 void Scanner::skip(std::size_t bytes, const char* expected) {

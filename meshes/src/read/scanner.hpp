@@ -14,6 +14,9 @@ namespace phynness::meshes {
 /// The remedy for a damaged file.
 inline constexpr const char* again = "export the file again";
 
+/// The same text with its letters a to z as capitals.
+std::string upper(std::string_view text);
+
 class Scanner {
  public:
   Scanner(std::string_view bytes, std::string source) : _bytes(bytes), _source(std::move(source)) {}
@@ -32,16 +35,10 @@ class Scanner {
   std::string_view word_or_end();
   /// The next word. @throws Error if the file ends
   std::string_view word(const char* expected);
-  /// The next word, which white space must follow. In formats without an end marker this detects a truncated number.
-  std::string_view closed_word(const char* expected);
 
   template <class Number>
   Number number(const char* expected) {
     return parse<Number>(word(expected), expected);
-  }
-  template <class Number>
-  Number closed_number(const char* expected) {
-    return parse<Number>(closed_word(expected), expected);
   }
   template <class Number>
   Number parse(std::string_view text, const char* expected) const {
@@ -80,6 +77,8 @@ class Scanner {
   std::size_t checked_count(std::int64_t count, std::size_t bytes_each, const char* what) const;
 
   void skip(std::size_t bytes, const char* expected);
+  /// Moves past the next occurrence of a text. @return false if there is none
+  bool skip_past(std::string_view text);
 
  private:
   void skip_white();
