@@ -185,6 +185,49 @@ TEST(Bodies, FindTheirWayBack) {
   EXPECT_LT(loaded.deformation().norm(), 1e-6 * depth);
 }
 
+// Claim: a tool that jumps beyond the trained range, however far, and is held there for 20 calls with two steps, is
+// followed again when it returns: within 80 calls it has the force of a body that did not jump.
+TEST(Bodies, ReturnFromJumps) {
+  const Block block;
+  const std::string text = write_body_text(block.body);
+  LoadedBody loaded(text), fresh(text);
+  for (const Vec3& x : {Vec3{0.06, 0.06, 0.03}, {0.12, 0.12, 0.03}, {0.12, 0.06, 0.0}}) {
+    const auto at = nearest_on_surface(block.mesh.nodes, block.mesh.surface, x);
+    const std::vector<phn_tool> back = {tool_at(at, {0, 0, -0.2 * depth})};
+    fresh.rest();
+    ASSERT_EQ(fresh.press(back), PHN_OK);
+    for (const double jump : {2.0, 5.0, 50.0, 1e5}) {
+      for (int call = 0; call < 20; ++call) {
+        const int status = loaded.press({tool_at(at, jump * depth * Eigen::Vector3d(0.5, 0.6, -0.6))}, 2);
+        ASSERT_GE(status, 0);
+        ASSERT_TRUE(loaded.force[0].allFinite());
+        EXPECT_NE(status & PHN_WARNING_OUTSIDE, 0);
+      }
+      int calls = 0;
+      while (loaded.press(back, 2) != PHN_OK && calls < 80) ++calls;
+      EXPECT_LT(calls, 80) << x[0] << " by " << jump;
+      ASSERT_EQ(loaded.press(back), PHN_OK);
+      EXPECT_LT((loaded.force[0] - fresh.force[0]).norm(), 1e-5 * fresh.force[0].norm()) << x[0] << " by " << jump;
+    }
+  }
+}
+
+// Claim: a tool that is held keeps its force when another one comes or goes, in any order of the tools.
+TEST(Bodies, KeepForcesWhereToolsComeAndGo) {
+  const Block block;
+  LoadedBody loaded(write_body_text(block.body));
+  auto tools = two_tools(block.mesh, 0.5);
+  ASSERT_EQ(loaded.press({tools[0]}), PHN_OK);
+  const Eigen::Vector3d alone = loaded.force[0];
+  for (double& d : tools[1].displacement) d *= 40;  // far from what two steps can follow
+  EXPECT_NE(loaded.press({tools[1], tools[0]}, 2) & PHN_WARNING_UNSETTLED, 0);
+  EXPECT_GT(loaded.pressed.unbalanced, runtime::far_from_balance);
+  EXPECT_EQ(loaded.force[0].norm(), 0);
+  EXPECT_EQ(loaded.force[1], alone);
+  loaded.press({tools[0]}, 2);
+  EXPECT_GT(loaded.force[0].norm(), 0.5 * alone.norm());
+}
+
 // Claim: two tools that slide over the block by 5 cm/s and turn are followed by one step in each millisecond. Forces
 // are then within 0.1 % of those of many steps.
 TEST(Bodies, FollowToolsThatMove) {

@@ -62,17 +62,18 @@ typedef struct phn_body_report {
 /* Forces [N] that hold the tools, n_tools x 3, after at most `steps` (>= 1) steps of Newton's method from the
  * deformation that the state has. Each step renews the stiffness matrix where the body changed most, and takes about
  * the same time; for tools that move by fractions of a millimetre one in each millisecond is enough. A step that does
- * not lower the energy is undone and tried again by a quarter, in the next call if it was the last. Displacements are
- * clamped to 1000 max_displacement_m. Unlike those of a model, forces depend on the motion before. _OUTSIDE: a
- * displacement is larger than trained, or no probed point is within a radius of the tool; all of the surface that is
- * not fixed answers then, with the stiffness at rest of the elements if the database had it (docs/theory.md, Elsewhere;
- * else the body is too stiff there, and neither phn_body_nearest nor contact finds places there). _UNSETTLED:
- * `unbalanced` is above 0.01 or a tool is ahead; call again with the same tools to come closer. Where `unbalanced` is
- * above 0.1 the forces are those of the call before, or 0 if that had another number of tools. _NEAR: tools nearer than
- * half of their radius act through springs between them (docs/theory.md, Near tools), which take more than a tenth of a
- * displacement; two with equal displacements at one place share the force of one, opposed ones have five times that of
- * each alone. PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0 tools the body is at rest. `report` may
- * be null.
+ * not lower the energy is undone and tried again by a quarter, in the next call if it was the last. In a step a tool
+ * moves by at most half of max_displacement_m, and larger motions take several; displacements are clamped to 1000
+ * max_displacement_m. Unlike those of a model, forces depend on the motion before. _OUTSIDE: a displacement is larger
+ * than trained, or no probed point is within a radius of the tool; all of the surface that is not fixed answers then,
+ * with the stiffness at rest of the elements if the database had it (docs/theory.md, Elsewhere; else the body is too
+ * stiff there, and neither phn_body_nearest nor contact finds places there). _UNSETTLED: `unbalanced` is above 0.01 or
+ * a tool is ahead; call again with the same tools to come closer. Where `unbalanced` is above 0.1 the forces are those
+ * of the call before, or 0 for a tool that was not there; after 50 such steps the body starts again from rest. _NEAR:
+ * tools nearer than half of their radius act through springs between them (docs/theory.md, Near tools), which take
+ * more than a tenth of a displacement; two with equal displacements at one place share the force of one, opposed ones
+ * have five times that of each alone. PHN_ERROR_NOT_ACTIVE: all that the tool touches is fixed. With 0 tools the body
+ * is at rest. `report` may be null.
  */
 PHN_API int phn_body_force(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools,
                            int32_t steps, double* forces, phn_body_report* report);

@@ -144,9 +144,11 @@ struct phn_body_state {
   double held[3 * PHN_MOST_COUPLED];  ///< multiples of the squares of what the tools displace that the factor has [N/m]
   std::int32_t n_rows, n_all_rows;    ///< of the tools that are held; and of those behind them
   double wanted[3 * PHN_MOST_COUPLED], force[3 * PHN_MOST_COUPLED];  ///< of these tools
-  int status;                                                        ///< of the last press
-  bool is_at_rest;                                                   ///< no tool was held since the start or a release
-  double part;                                                       ///< of the next step
+  double solved[3 * PHN_MOST_COUPLED];  ///< forces of the last step, however far from balance
+  int status;                           ///< of the last press
+  bool is_at_rest;                      ///< no tool was held since the start or a release
+  std::int32_t n_far;                   ///< steps since the forces were last near balance
+  double part;                          ///< of the next step
   /// What the stiffness has of a cell: its strain, pressure and second derivatives.
   struct Cell {
     double strain[9], pressure;

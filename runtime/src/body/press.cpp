@@ -26,6 +26,10 @@ constexpr double sufficient = 1e-4;
 constexpr double cut = 4, growth = 2, least_part = 1e-6;
 /// Part of a displacement that springs take from which on there is a warning.
 constexpr double much_stretched = 0.1;
+/// After so many steps far from balance the body starts from rest again.
+constexpr std::int32_t most_far = 50;
+/// In a step a tool moves by at most so many depths.
+constexpr double longest_motion = 0.5;
 /// Components of displacements are clamped to so many times the depth.
 constexpr double most_depths = 1000;
 
@@ -33,7 +37,9 @@ constexpr double most_depths = 1000;
 class Equilibrium {
  public:
   explicit Equilibrium(phn_body_state& state)
-      : _s(state), _body(*state.body), _n(state.body->info.n_modes), _stride(state.body->stride) {}
+      : _s(state), _body(*state.body), _n(state.body->info.n_modes), _stride(state.body->stride) {
+    memcpy(_force, state.solved, sizeof _force);
+  }
 
   void settle(std::int32_t steps, phn_body_report& pressed) {
     double last = HUGE_VAL;
@@ -52,7 +58,7 @@ class Equilibrium {
         last = pressed.steps > 0 ? pressed.unbalanced : HUGE_VAL;
         pressed.unbalanced = direction();
       }
-      if (pressed.unbalanced <= settled || pressed.steps >= steps) return;
+      if ((pressed.unbalanced <= settled && !_is_shortened) || pressed.steps >= steps) return;
       is_new = step();
       ++pressed.steps;
     }
@@ -72,10 +78,9 @@ class Equilibrium {
     _s.kernels->solve(_s.factor, _n, _stride, _s.alone);
     const std::int32_t n = _s.n_rows;
     double pulled[3 * most_body_tools];
-    for (std::int32_t r = 0; r < n; ++r) {
-      _behind[r] = _s.wanted[r] - product(row(_s.rows, r), _s.at.q, _n);
-      pulled[r] = _s.held[r] * _behind[r];
-    }
+    for (std::int32_t r = 0; r < n; ++r) _behind[r] = _s.wanted[r] - product(row(_s.rows, r), _s.at.q, _n);
+    shorten_motions();
+    for (std::int32_t r = 0; r < n; ++r) pulled[r] = _s.held[r] * _behind[r];
     for (std::int32_t r = 0; r < n; ++r)
       _force[r] = _behind[r] + stretched(_s, r, pulled) + product(row(_s.rows, r), _s.alone, _n);
     _compliance.solve(n, _force);
@@ -97,6 +102,20 @@ class Equilibrium {
       held += of_tools * moved;
     }
     return std::sqrt(std::fmax(_decrease, 0) / (held + 2 * std::fmax(_s.at.energy, _s.rounding)));
+  }
+
+  /// Tools that moved far are followed in substeps of their displacements. _force is still that of the step before.
+  void shorten_motions() {
+    const double longest = longest_motion * _body.info.max_displacement_m;
+    _is_shortened = false;
+    for (std::int32_t t = 0; t < _s.n_rows; t += 3) {
+      double motion[3];
+      for (int k = 0; k < 3; ++k) motion[k] = _behind[t + k] - stretched(_s, t + k, _force);
+      const double size = length(motion);
+      if (!(size > longest)) continue;
+      _is_shortened = true;
+      for (int k = 0; k < 3; ++k) _behind[t + k] -= (1 - longest / size) * motion[k];
+    }
   }
 
   /// What a step has to lower: the energy less the work of the tools.
@@ -135,6 +154,7 @@ class Equilibrium {
   Compliance _compliance;
   double _force[3 * most_body_tools] = {}, _behind[3 * most_body_tools] = {};
   double _decrease = 0;
+  bool _is_shortened = false;
 };
 
 template <class... Array>
@@ -197,6 +217,27 @@ void release(phn_body_state& state) {
   start_at_rest(state);
   release_stiffness(state);
   state.part = 1;
+  state.n_far = 0;
+  set_zero(state.solved, 3 * most_body_tools);
+}
+
+/// Where tools came or went, those that stayed, which are near their places before, keep the forces of the call before.
+void keep_forces(phn_body_state& state, const BodyPlace* before, std::int32_t n_before) {
+  double* const all[] = {state.force, state.solved};
+  for (double* forces : all) {
+    double kept[3 * most_body_tools] = {};
+    for (std::int32_t t = 0; 3 * t < state.n_rows; ++t) {
+      double nearest = state.near;
+      for (std::int32_t s = 0; s < n_before; ++s) {
+        double apart[3];
+        for (int k = 0; k < 3; ++k) apart[k] = state.places[t].x[k] - before[s].x[k];
+        if (!(length(apart) < nearest)) continue;
+        nearest = length(apart);
+        memcpy(kept + 3 * t, forces + 3 * s, 3 * sizeof(double));
+      }
+    }
+    memcpy(forces, kept, sizeof kept);
+  }
 }
 
 }  // namespace
@@ -218,7 +259,9 @@ int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t
   if (n_tools > state->max_tools) return PHN_ERROR_TOOLS;
   const double depth = body->info.max_displacement_m, farthest = most_depths * depth;
   int status = PHN_OK;
-  if (state->n_rows != 3 * n_held) set_zero(state->force, 3 * most_body_tools);
+  const std::int32_t n_before = state->n_rows / 3;
+  BodyPlace before[most_body_tools];
+  memcpy(before, state->places, sizeof before);
   state->n_rows = state->n_all_rows = 0;
   for (std::int32_t t = 0; t < n_tools; ++t) {
     const int of_tool = means_of_modes(*state, tools[t], state->rows + 3 * static_cast<std::int64_t>(t) * body->stride);
@@ -232,15 +275,18 @@ int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t
   state->n_rows = 3 * n_held;
   state->n_all_rows = 3 * n_tools;
   set_springs(*state, n_tools, tools, heights);
+  if (n_before != n_held) keep_forces(*state, before, n_before);
   if (n_held == 0) {
     release(*state);
     state->status = PHN_OK;
     return PHN_OK;
   }
+  if (state->n_far >= most_far) release(*state);
   state->is_at_rest = false;
   Equilibrium equilibrium(*state);
   equilibrium.settle(steps, made);
   equilibrium.copy_forces(held_by);
+  memcpy(state->solved, held_by, sizeof state->solved);
   made.energy = state->at.energy;
   for (std::int32_t t = 0; t < n_held; ++t) {
     double behind[3], stretch[3];
@@ -258,11 +304,14 @@ int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t
   }
   if (!all_finite(held_by, 3 * most_body_tools) || !all_finite(&made.unbalanced, 1)) {
     set_zero(held_by, 3 * most_body_tools);
+    set_zero(state->solved, 3 * most_body_tools);
     made.unbalanced = 1;
   }
   if (made.unbalanced > unsettled || !(made.behind_m <= unsettled * depth)) status |= PHN_WARNING_UNSETTLED;
   // Far from balance the solution of the linearized problem says nothing of the forces; those before are kept.
-  if (made.unbalanced > far_from_balance) memcpy(held_by, state->force, sizeof state->force);
+  const bool is_far = made.unbalanced > far_from_balance;
+  if (is_far) memcpy(held_by, state->force, sizeof state->force);
+  state->n_far = is_far ? state->n_far + made.steps : 0;
   memcpy(state->force, held_by, sizeof state->force);
   state->status = status;
   return status;
