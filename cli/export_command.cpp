@@ -9,9 +9,6 @@
 namespace phynness::cli::export_command {
 namespace {
 
-/// Least number of queries by which the deviation of an image from the model is measured, with or without --golden.
-constexpr std::size_t least_queries = 256;
-
 struct Options {
   std::filesystem::path model, output;
   std::string name = "model";
@@ -31,14 +28,12 @@ void check_name(const std::string& name) {
         "--name " + name, "give for example --name liver");
 }
 
-json golden_json(const GoldenQueries& queries, std::size_t n) {
+json golden_json(const GoldenQueries& queries) {
   json all = json::array();
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto& q = queries.query[i];
-    all.push_back(record("node", q.node, "displacement", q.displacement_m, "force", q.force_N, "image_force",
-                         q.image_force_N, "status", q.status, "output", q.output, "deformation", q.deformation_m,
-                         "image_deformation", q.image_deformation_m));
-  }
+  for (const auto& q : queries.query)
+    all.push_back(record("node", q.node, "point", q.point_m, "displacement", q.displacement_m, "force", q.force_N,
+                         "image_force", q.image_force_N, "status", q.status, "output", q.output, "deformation",
+                         q.deformation_m, "image_deformation", q.image_deformation_m));
   return all;
 }
 
@@ -52,10 +47,7 @@ void run(const Options& options) {
   const bool deforms = !schema::traits(model.family).has_modes || sizes_of(model).modes > 0;
   kind.force_only = kind.force_only || model.output.empty() || !deforms;
   const ModelImage image = model_image(model, kind);
-  auto queries = golden_queries(loaded.model(), loaded.organ(), image, std::max(options.golden, least_queries));
-  const std::size_t n_measured = queries.query.size();
-  queries.query.resize(options.golden);
-  queries.place.resize(std::min(queries.place.size(), options.golden / 4));
+  const auto queries = golden_queries(loaded.model(), loaded.organ(), image, options.golden);
   make_folder(options.output);
   std::vector<std::pair<std::filesystem::path, std::string>> files;
   const auto write = [&](const std::string& suffix, const std::string& text) {
@@ -74,7 +66,7 @@ void run(const Options& options) {
       record("family", name(model.family), "name", options.name, "real_bytes", image.real_bytes(), "image_bytes",
              image.bytes.size(), "ram_bytes", image.ram_bytes(), "active", image.n_active, "output", image.n_output,
              "triangles", image.n_triangles, "force_deviation", queries.force_deviation, "deformation_deviation",
-             queries.deformation_deviation, "golden", golden_json(queries, options.golden));
+             queries.deformation_deviation, "golden", golden_json(queries));
   write_each({[&] { write_text_files(files); }, [&] { write_json(options.json_file, figures); }});
   print_result("{}: family {}, {} active nodes, {}, {}\n", (options.output / options.name).string(), name(model.family),
                image.n_active, kind.force_only ? "forces only" : fmt::format("{} output nodes", image.n_output),
@@ -84,7 +76,7 @@ void run(const Options& options) {
                bytes(image.ram_bytes()));
   print_result("largest difference from the runtime: {:.2g} of the largest force", queries.force_deviation);
   if (!kind.force_only) print_result(" and {:.2g} of the largest displacement", queries.deformation_deviation);
-  print_result(" at {} queries\n", n_measured);
+  print_result(" at {} queries\n", queries.n_measured);
   if (!model.fields.empty())
     message("note: the model's fields are omitted; images contain force and deformation only\n");
   const double deviation = std::max(queries.force_deviation, kind.force_only ? 0 : queries.deformation_deviation);

@@ -1,8 +1,8 @@
 /* Evaluates every golden query with the model in flash, compares with the host in double, counts instructions.
  * Prints one figure per line, NAME VALUE, and exits with 0 if all agree.
  *
- * In a device the loop is one call of phn_image_force. Only open is called before, and only the stack is used as
- * memory.
+ * In a device the loop is one call of phn_image_force, before it phn_image_nearest for a tool that slides. Only open is
+ * called before, and only the stack is used as memory.
  */
 #include <phynness/phynness_image.h>
 #include <stdint.h>
@@ -63,139 +63,93 @@ static int agrees(const struct agreement* agreement, const char* what, double to
   return relative <= tolerance && agreement->other_bits == 0;
 }
 
-static int check_forces(void) {
-  struct agreement agreement = {0, 0, 0};
-  uint32_t other_statuses = 0;
-  for (uint32_t i = 0; i < MODEL_GOLDEN; ++i) {
-    const struct model_query* query = &model_golden[i];
-    phn_real d[3], force[3];
-    set(query->displacement, d);
-    if (phn_image_force(model, query->node, d, force) != query->status) ++other_statuses;
-    compare(&agreement, query->force, query->image_force, force);
-  }
-  report("other_statuses", other_statuses);
-  return agrees(&agreement, "force", FORCE_TOLERANCE) && other_statuses == 0;
-}
-
-/* Instructions of all golden queries, minus those of the same loop without the call. */
-static void count_forces(void) {
-  uint32_t most = 0, spent[2];
-  phn_real d[3], force[3] = {0, 0, 0};
-  for (int called = 0; called < 2; ++called) {
-    board_start_counting();
-    for (uint32_t i = 0; i < MODEL_GOLDEN; ++i) {
-      set(model_golden[i].displacement, d);
-      __asm volatile("" ::: "memory");
-      if (called) phn_image_force(model, model_golden[i].node, d, force);
-    }
-    spent[called] = board_instructions();
-  }
-  report("instructions_per_force", (spent[1] - spent[0]) / MODEL_GOLDEN);
-  for (uint32_t i = 0; i < MODEL_GOLDEN; ++i) {
-    set(model_golden[i].displacement, d);
-    board_start_counting();
-    for (int repeated = 0; repeated < 10; ++repeated) phn_image_force(model, model_golden[i].node, d, force);
-    const uint32_t once = board_instructions() / 10;
-    if (once > most) most = once;
-  }
-  report("instructions_per_force_at_most", most);
-  board_mark_stack();
-  phn_image_force(model, model_golden[MODEL_GOLDEN - 1].node, d, force);
-  report("stack_of_force", board_used_stack());
-}
-
-#if MODEL_GOLDEN_AT > 0
-/* Instructions and stack of one call on average, and the most of any. */
+/* Instructions and stack of one call: on average, and the most of any. */
 struct cost {
-  uint32_t sum, most, stack;
+  uint32_t n, sum, most, stack;
 };
 
-static void begin(void) {
-  board_mark_stack();
-  board_start_counting();
-}
-
-static void end(struct cost* cost) {
-  const uint32_t n = board_instructions(), stack = board_used_stack();
-  cost->sum += n;
-  if (n > cost->most) cost->most = n;
+static void measured(struct cost* cost, uint32_t times) {
+  const uint32_t once = board_instructions() / times, stack = board_used_stack();
+  ++cost->n;
+  cost->sum += once;
+  if (once > cost->most) cost->most = once;
   if (stack > cost->stack) cost->stack = stack;
 }
 
+#define MEASURE(cost, times, call)                               \
+  do {                                                           \
+    board_mark_stack();                                          \
+    board_start_counting();                                      \
+    for (int repeated = 0; repeated < (times); ++repeated) call; \
+    measured(cost, times);                                       \
+  } while (0)
+
 static void report_cost(const char* name, const struct cost* cost) {
+  if (cost->n == 0) return;
   board_print(name);
-  report("_instructions", cost->sum / MODEL_GOLDEN_AT);
+  report("_instructions", cost->sum / cost->n);
   board_print(name);
   report("_instructions_at_most", cost->most);
   board_print(name);
   report("_stack", cost->stack);
 }
 
-/* A tool between nodes: the place by a search of all triangles, then by a walk after it slid by a tenth of its
- * displacement, force and bound there. */
-static int check_places(void) {
-  struct agreement agreement = {0, 0, 0};
-  struct cost search = {0, 0, 0}, walk = {0, 0, 0}, force_cost = {0, 0, 0}, bound_cost = {0, 0, 0};
-  uint32_t other_statuses = 0, other_bits = 0;
-  for (uint32_t i = 0; i < MODEL_GOLDEN_AT; ++i) {
-    const struct model_place* query = &model_golden_at[i];
-    phn_image_place place, next;
-    phn_real x[3], d[3], force[3], bound = PHN_IMAGE_NO_BOUND;
-    set(query->point, x);
-    set(query->displacement, d);
-    begin();
-    phn_image_nearest(model, -1, x, &place, 0);
-    end(&search);
-    begin();
-    const int status = phn_image_force_at(model, &place, d, force);
-    end(&force_cost);
-    begin();
-    if (phn_image_bound_at(model, &place, d, &bound) < 0) bound = PHN_IMAGE_NO_BOUND;
-    end(&bound_cost);
-    if (status != query->status) ++other_statuses;
-    compare(&agreement, query->force, query->image_force, force);
-    if (place.triangle != query->triangle || (double)bound != query->image_bound) ++other_bits;
-    for (int k = 0; k < 3; ++k) {
-      if ((double)place.weights[k] != query->weights[k]) ++other_bits;
-      x[k] += d[k] / 10;
-    }
-    begin();
-    phn_image_nearest(model, place.triangle, x, &next, 0);
-    end(&walk);
+/* Of all queries; index 0: of tools at nodes, 1: between nodes. */
+struct results {
+  struct cost force[2], bound[2], search, walk, deformation;
+  struct agreement forces, deformations;
+  uint32_t other_statuses, other_places, other_bounds;
+};
+
+#if MODEL_TRIANGLES > 0
+/* The place by a search of all triangles, and a walk after it slid by a tenth of its displacement. */
+static void find_place(struct results* results, const struct model_query* query, phn_image_tool* tool) {
+  phn_image_tool next;
+  phn_real x[3];
+  set(query->point, x);
+  MEASURE(&results->search, 10, phn_image_nearest(model, -1, x, tool, 0, 0));
+  set(query->displacement, tool->displacement);
+  if (tool->triangle != query->triangle) ++results->other_places;
+  for (int k = 0; k < 3; ++k) {
+    if ((double)tool->weights[k] != query->weights[k]) ++results->other_places;
+    x[k] += tool->displacement[k] / 10;
   }
-  report_cost("search", &search);
-  report_cost("walk", &walk);
-  report_cost("force_at", &force_cost);
-  report_cost("bound_at", &bound_cost);
-  report("place_other_bits", other_bits);
-  return agrees(&agreement, "force_at", FORCE_TOLERANCE) && other_statuses == 0 && other_bits == 0;
+  MEASURE(&results->walk, 10, phn_image_nearest(model, tool->triangle, x, &next, 0, 0));
 }
-#else
-static int check_places(void) { return 1; }
+
+static void check_bound(struct results* results, const struct model_query* query, const phn_image_tool* tool) {
+  phn_real bound = PHN_IMAGE_NO_BOUND;
+  int status;
+  MEASURE(&results->bound[query->node < 0], 10, status = phn_image_bound(model, tool, &bound));
+  if (status < 0) bound = PHN_IMAGE_NO_BOUND;
+  if ((double)bound != query->image_bound) ++results->other_bounds;
+}
 #endif
 
 #if MODEL_OUTPUT > 0
-static phn_real scratch[MODEL_SCRATCH > 0 ? MODEL_SCRATCH : 1], field[MODEL_FIELD];
-
-static int check_deformations(void) {
-  struct agreement agreement = {0, 0, 0};
-  const uint32_t n = MODEL_GOLDEN < 32 ? MODEL_GOLDEN : 32;
-  uint32_t spent = 0;
-  for (uint32_t i = 0; i < n; ++i) {
-    const struct model_query* query = &model_golden[i];
-    phn_real d[3];
-    set(query->displacement, d);
-    board_start_counting();
-    phn_image_deform(model, scratch, query->node, d, field);
-    spent += board_instructions() / n;
-    compare(&agreement, query->deformation, query->image_deformation, &field[3 * query->output]);
-  }
-  report("instructions_per_deformation", spent);
-  return agrees(&agreement, "deformation", DEFORMATION_TOLERANCE);
+static void check_deformation(struct results* results, const struct model_query* query, const phn_image_tool* tool) {
+  static phn_real scratch[MODEL_SCRATCH > 0 ? MODEL_SCRATCH : 1], field[MODEL_FIELD];
+  MEASURE(&results->deformation, 1, phn_image_deform(model, scratch, tool, field));
+  compare(&results->deformations, query->deformation, query->image_deformation, &field[3 * query->output]);
 }
-#else
-static int check_deformations(void) { return 1; }
 #endif
+
+static void check(struct results* results, const struct model_query* query) {
+  phn_real d[3], force[3];
+  int status;
+  set(query->displacement, d);
+  phn_image_tool tool = phn_image_tool_at(query->node, d);
+#if MODEL_TRIANGLES > 0
+  if (query->node < 0) find_place(results, query, &tool);
+  check_bound(results, query, &tool);
+#endif
+  MEASURE(&results->force[query->node < 0], 10, status = phn_image_force(model, &tool, force));
+  if (status != query->status) ++results->other_statuses;
+  compare(&results->forces, query->force, query->image_force, force);
+#if MODEL_OUTPUT > 0
+  if (query->node >= 0 && results->deformation.n < 32) check_deformation(results, query, &tool);
+#endif
+}
 
 int main(void) {
   board_start_counting();
@@ -205,8 +159,22 @@ int main(void) {
     board_print("the image is not valid\n");
     return 1;
   }
-  count_forces();
-  const int forces = check_forces(), places = check_places(), deformations = check_deformations();
-  board_print(forces && places && deformations ? "agree 1\n" : "agree 0\n");
-  return forces && places && deformations ? 0 : 1;
+  struct results results = {0};
+  for (uint32_t i = 0; i < MODEL_GOLDEN; ++i) check(&results, &model_golden[i]);
+  report_cost("force_at_node", &results.force[0]);
+  report_cost("force_between", &results.force[1]);
+  report_cost("bound_at_node", &results.bound[0]);
+  report_cost("bound_between", &results.bound[1]);
+  report_cost("search", &results.search);
+  report_cost("walk", &results.walk);
+  report_cost("deformation", &results.deformation);
+  report("other_statuses", results.other_statuses);
+  report("other_places", results.other_places);
+  report("other_bounds", results.other_bounds);
+  const int forces = agrees(&results.forces, "force", FORCE_TOLERANCE);
+  const int deformations = agrees(&results.deformations, "deformation", DEFORMATION_TOLERANCE);
+  const int agree =
+      forces && deformations && results.other_statuses == 0 && results.other_places == 0 && results.other_bounds == 0;
+  report("agree", (uint32_t)agree);
+  return agree ? 0 : 1;
 }

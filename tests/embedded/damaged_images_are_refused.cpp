@@ -94,6 +94,19 @@ TEST_P(Damaged, TablesThatDoNotFitAreRefused) {
     refused([=](auto& h) { h.provenance = at; }, PHN_ERROR_RANGE);
 }
 
+/// A family that is exact has no bounds, of which linear points would need a row.
+TEST(DamagedSurface, BoundsOfAnExactFamilyAreRefused) {
+  Bytes bytes{model_image(small_model_touched_anywhere(Family::linear), {false, true})};
+  ASSERT_EQ(bytes.open(), PHN_OK);
+  const auto at = reinterpret_cast<image::Provenance*>(bytes.data() + bytes.header().provenance)->surface;
+  auto& surface = *reinterpret_cast<image::Surface*>(bytes.data() + at);
+  const image::Table somewhere = bytes.header().active_points;
+  surface.bound = {somewhere.at, bytes.header().displacements.n / 3 * bytes.header().active_nodes.n};
+  surface.bound_scale = {somewhere.at, bytes.header().active_nodes.n};
+  surface.between = {somewhere.at, schema::n_coupled_terms};
+  EXPECT_EQ(bytes.open_sealed(), PHN_ERROR_RANGE);
+}
+
 /// Every word, replaced by numbers of all kinds under a right checksum: refused, or every answer is finite.
 template <class Real>
 void words_never_harm(const Model& model) {
@@ -109,33 +122,33 @@ void words_never_harm(const Model& model) {
       word[4] = image::checksum(word + image::n_unchecked_words, made.bytes.size() / 4 - image::n_unchecked_words);
       const typename Image<Real>::Type* image = nullptr;
       if (Image<Real>::open(words.data(), made.bytes.size(), &image) != PHN_OK) continue;
-      phn_provenance said;
-      ASSERT_EQ(Image<Real>::provenance(image, &said), PHN_OK);
+      typename Image<Real>::Contents contents;
+      ASSERT_EQ(Image<Real>::info(image, &contents), PHN_OK);
+      const phn_provenance& said = contents.provenance;
       for (const double x : {said.shear_modulus_Pa, said.finer_mean, said.finer_p95, said.finer_tool_radius_m})
         ASSERT_TRUE(std::isfinite(x) && x >= 0) << "word " << w << " = " << value;
       for (const char* text : {said.mesh_hash, said.physics_hash, said.element, said.reference})
         ASSERT_LT(std::strlen(text), 20U) << "word " << w << " = " << value;
-      std::vector<Real> scratch(Image<Real>::scratch_size(image) / sizeof(Real));
-      std::vector<Real> field(3 * static_cast<std::size_t>(Image<Real>::n_output(image)));
+      std::vector<Real> scratch(contents.scratch_bytes / sizeof(Real));
+      std::vector<Real> field(3 * static_cast<std::size_t>(contents.n_output));
       for (const Real size : {Real(0), Real(0.003), largest}) {
         const Real d[3] = {size, -size / 2, -size};
-        Real out[14] = {};
-        Image<Real>::force(image, 3, d, out);
-        Image<Real>::energy(image, 3, d, out + 3);
-        Image<Real>::stiffness(image, 3, d, out + 4);
-        Image<Real>::trained_depth(image, 3, d, out + 13);
-        for (const Real x : out) ASSERT_TRUE(std::isfinite(x)) << "word " << w << " = " << value;
-        Image<Real>::deform(image, scratch.data(), 3, d, field.data());
-        for (const Real x : field) ASSERT_TRUE(std::isfinite(x)) << "word " << w << " = " << value;
-        for (const std::int32_t from : {-1, 0}) {
-          typename Image<Real>::Place place;
-          Image<Real>::nearest(image, from, d, &place, out);
-          Image<Real>::force_at(image, &place, d, out + 3);
-          Image<Real>::stiffness_at(image, &place, d, out + 4);
-          Image<Real>::energy_at(image, &place, d, out + 4);
-          Image<Real>::bound_at(image, &place, d, out + 13);
+        Real out[16] = {}, *point = out + 3, *apart = out + 6;
+        typename Image<Real>::Tool places[3] = {Image<Real>::tool_at(3, d)};
+        Image<Real>::nearest(image, -1, d, &places[1], point, apart);
+        Image<Real>::nearest(image, 0, d, &places[2], point, apart);
+        for (auto& tool : places) {
+          std::copy_n(d, 3, tool.displacement);
+          Image<Real>::force(image, &tool, out);
+          Image<Real>::stiffness(image, &tool, out + 7);
           for (const Real x : out) ASSERT_TRUE(std::isfinite(x)) << "word " << w << " = " << value;
-          for (const Real x : place.weights) ASSERT_TRUE(x >= 0 && x <= 1) << "word " << w << " = " << value;
+          Image<Real>::energy(image, &tool, out);
+          Image<Real>::depth(image, &tool, out + 1);
+          Image<Real>::bound(image, &tool, out + 2);
+          for (const Real x : out) ASSERT_TRUE(std::isfinite(x)) << "word " << w << " = " << value;
+          Image<Real>::deform(image, scratch.data(), &tool, field.data());
+          for (const Real x : field) ASSERT_TRUE(std::isfinite(x)) << "word " << w << " = " << value;
+          for (const Real x : tool.weights) ASSERT_TRUE(x >= 0 && x <= 1) << "word " << w << " = " << value;
         }
       }
     }

@@ -36,13 +36,17 @@ int main(int argc, char **argv) {
   for (int i = 0; i < LIVER_2_GOLDEN; ++i) {
     const struct liver_2_query *q = &liver_2_golden[i];
     const phn_image *image;
+    phn_image_contents contents;
+    phn_image_tool tool;
     phn_real d[3], f[3];
     double force[3];
     int status;
     for (int k = 0; k < 3; ++k) d[k] = (phn_real)q->displacement[k];
     if (phn_image_open(liver_2_image, sizeof liver_2_image, &image) != PHN_OK) return 3;
-    if (phn_image_n_output(image) != LIVER_2_OUTPUT || phn_image_scratch_size(image) != LIVER_2_SCRATCH * sizeof(phn_real)) return 4;
-    status = phn_image_force(image, q->node, d, f);
+    if (phn_image_info(image, &contents) != PHN_OK || contents.n_output != LIVER_2_OUTPUT ||
+        contents.scratch_bytes != LIVER_2_SCRATCH * sizeof(phn_real)) return 4;
+    tool = phn_image_tool_at(q->node, d);
+    status = phn_image_force(image, &tool, f);
     for (int k = 0; k < 3; ++k) force[k] = (double)f[k];
     if (status != q->status || memcmp(force, q->image_force, sizeof force) != 0) return 5;
   }

@@ -70,41 +70,45 @@ void answers_are_the_runtimes(const std::vector<Vec3>& displacements) {
     const LoadedModel loaded(write_model_text(model));
     const OpenedImage<Real> opened(model_image(model, {false, sizeof(Real) == 4}));
     const auto* image = opened.image;
-    ASSERT_EQ(opened.n_active(), info_of(loaded.model).n_active);
-    ASSERT_EQ(opened.n_output(), info_of(loaded.model).n_output);
-    const auto n_field = 3 * static_cast<std::size_t>(opened.n_output());
+    ASSERT_EQ(opened.contents.n_active, info_of(loaded.model).n_active);
+    ASSERT_EQ(opened.contents.n_output, info_of(loaded.model).n_output);
+    EXPECT_EQ(opened.contents.has_energy, info_of(loaded.model).has_energy);
+    EXPECT_EQ(Real(opened.contents.max_displacement_m), Real(model.max_displacement_m));
     Difference force, energy, stiffness, depth, field;
-    for (const auto& node : model.nodes) {
+    for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+      const std::int32_t node = opened.contents.active_nodes[i];
+      ASSERT_EQ(node, model.nodes[i].node);
       for (const Vec3& d : displacements) {
         const Real at[3] = {static_cast<Real>(d[0]), static_cast<Real>(d[1]), static_cast<Real>(d[2])};
+        const auto tool = Image<Real>::tool_at(node, at);
         const double rounded[3] = {at[0], at[1], at[2]};
         double expected[9];
         Real got[9];
-        const int status = phn_force(loaded.model, loaded.data, AtNode(node.node, rounded), expected, nullptr, nullptr);
-        ASSERT_EQ(Image<Real>::force(image, node.node, at, got), status) << name(family);
+        const int status = phn_force(loaded.model, loaded.data, AtNode(node, rounded), expected, nullptr, nullptr);
+        ASSERT_EQ(Image<Real>::force(image, &tool, got), status) << name(family);
         force.add(expected, got, 3);
         if (family != Family::rbfn) {
-          phn_force(loaded.model, loaded.data, AtNode(node.node, rounded), nullptr, expected, nullptr);
-          ASSERT_EQ(Image<Real>::energy(image, node.node, at, got), status);
+          phn_force(loaded.model, loaded.data, AtNode(node, rounded), nullptr, expected, nullptr);
+          ASSERT_EQ(Image<Real>::energy(image, &tool, got), status);
           energy.add(expected, got, 1);
-          phn_force(loaded.model, loaded.data, AtNode(node.node, rounded), nullptr, nullptr, expected);
-          ASSERT_EQ(Image<Real>::stiffness(image, node.node, at, got), status);
+          phn_force(loaded.model, loaded.data, AtNode(node, rounded), nullptr, nullptr, expected);
+          ASSERT_EQ(Image<Real>::stiffness(image, &tool, got), status);
           stiffness.add(expected, got, 9);
         } else {
-          ASSERT_EQ(Image<Real>::energy(image, node.node, at, got), PHN_ERROR_UNDEFINED);
-          ASSERT_EQ(Image<Real>::stiffness(image, node.node, at, got), PHN_ERROR_UNDEFINED);
+          ASSERT_EQ(Image<Real>::energy(image, &tool, got), PHN_ERROR_UNDEFINED);
+          ASSERT_EQ(Image<Real>::stiffness(image, &tool, got), PHN_ERROR_UNDEFINED);
         }
-        const Trained trained(loaded.model, node.node, rounded);
-        ASSERT_EQ(Image<Real>::trained_depth(image, node.node, at, got), trained.status);
+        const Trained trained(loaded.model, node, rounded);
+        ASSERT_EQ(Image<Real>::depth(image, &tool, got), trained.status);
         depth.add(&trained.depth, got, 1);
-        std::vector<double> u(n_field);
-        std::vector<Real> v(n_field), scratch(Image<Real>::scratch_size(image) / sizeof(Real));
-        phn_deform(loaded.model, loaded.data, AtNode(node.node, rounded), u.data());
-        ASSERT_EQ(Image<Real>::deform(image, scratch.data(), node.node, at, v.data()), status);
-        field.add(u.data(), v.data(), n_field);
+        std::vector<double> u(opened.n_field());
+        std::vector<Real> v(opened.n_field()), scratch(opened.n_scratch());
+        phn_deform(loaded.model, loaded.data, AtNode(node, rounded), u.data());
+        ASSERT_EQ(Image<Real>::deform(image, scratch.data(), &tool, v.data()), status);
+        field.add(u.data(), v.data(), v.size());
         if (family == Family::rbfn || d != Vec3{0, 0, 0}) continue;
-        Image<Real>::force(image, node.node, at, got);
-        Image<Real>::energy(image, node.node, at, got + 3);
+        Image<Real>::force(image, &tool, got);
+        Image<Real>::energy(image, &tool, got + 3);
         EXPECT_EQ(std::count(got, got + 4, Real(0)), 4);
         EXPECT_EQ(std::count(v.begin(), v.end(), Real(0)), std::ssize(v));
       }
@@ -138,8 +142,7 @@ TYPED_TEST(Answers, SayWhereTheModelComesFrom) {
       }
       const LoadedModel loaded(write_model_text(model));
       OpenedImage<Real> opened(model_image(model, {false, sizeof(Real) == 4}));
-      phn_provenance said;
-      ASSERT_EQ(Image<Real>::provenance(opened.image, &said), PHN_OK);
+      const phn_provenance& said = opened.contents.provenance;
       const auto& of_runtime = info_of(loaded.model).provenance;
       EXPECT_EQ(words_of(said), words_of(of_runtime));
       EXPECT_EQ(said.mesh_hash, model.mesh_hash);
@@ -150,36 +153,65 @@ TYPED_TEST(Answers, SayWhereTheModelComesFrom) {
       EXPECT_EQ(said.finer_nodes, recorded ? 300 : 0);
     }
   }
-  phn_provenance said;
-  EXPECT_EQ(Image<Real>::provenance(nullptr, &said), PHN_ERROR_ARGUMENT);
-  EXPECT_STREQ(said.element, "");
-  EXPECT_EQ(Image<Real>::provenance(nullptr, nullptr), PHN_ERROR_ARGUMENT);
+  typename Image<Real>::Contents said;
+  said.n_active = 7;
+  EXPECT_EQ(Image<Real>::info(nullptr, &said), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(said.n_active, 0);
+  EXPECT_STREQ(said.provenance.element, "");
+  EXPECT_EQ(Image<Real>::info(nullptr, nullptr), PHN_ERROR_ARGUMENT);
 }
 
 TYPED_TEST(Answers, ToBadQuestionsAreZeros) {
   using Real = TypeParam;
   const Model model = small_model_of(Family::modal);
   const OpenedImage<Real> opened(model_image(model, {true, sizeof(Real) == 4}));
-  EXPECT_EQ(opened.n_output(), 0);
-  EXPECT_EQ(Image<Real>::scratch_size(opened.image) / sizeof(Real), 0U);
+  EXPECT_EQ(opened.contents.n_output, 0);
+  EXPECT_EQ(opened.n_scratch(), 0U);
   const Real d[3] = {0, 0, Real(-0.01)}, huge = std::numeric_limits<Real>::max();
-  Real force[3] = {1, 1, 1};
-  EXPECT_EQ(Image<Real>::force(opened.image, 4, d, force), PHN_ERROR_NOT_ACTIVE);
-  EXPECT_EQ(force[2], 0);
-  for (const Real bad : {std::numeric_limits<Real>::infinity(), std::numeric_limits<Real>::quiet_NaN()}) {
-    const Real at[3] = {0, bad, 0};
-    EXPECT_EQ(Image<Real>::force(opened.image, 3, at, force), PHN_ERROR_NOT_FINITE);
+  const auto good = Image<Real>::tool_at(3, d);
+  Real out[9];
+  const auto refused = [&](const auto* image, const auto* tool, int status) {
+    const auto check = [&](auto function, std::ptrdiff_t n) {
+      std::fill(out, out + n, Real(1));
+      EXPECT_EQ(function(image, tool, out), status);
+      EXPECT_EQ(std::count(out, out + n, Real(0)), n);
+    };
+    check(Image<Real>::force, 3);
+    check(Image<Real>::energy, 1);
+    check(Image<Real>::stiffness, 9);
+    check(Image<Real>::depth, 1);
+    check(Image<Real>::bound, 1);
+  };
+  for (const std::int32_t node : {4, 0, -2, std::numeric_limits<std::int32_t>::min()}) {
+    const auto elsewhere = Image<Real>::tool_at(node, d);
+    refused(opened.image, &elsewhere, PHN_ERROR_NOT_ACTIVE);
   }
-  EXPECT_EQ(Image<Real>::force(nullptr, 3, d, force), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(Image<Real>::deform(opened.image, nullptr, 3, d, force), PHN_ERROR_UNDEFINED);
+  const auto nowhere = Image<Real>::tool_at(-1, d);
+  refused(opened.image, &nowhere, PHN_ERROR_UNDEFINED);
+  for (const Real bad : {std::numeric_limits<Real>::infinity(), std::numeric_limits<Real>::quiet_NaN()}) {
+    auto tool = good;
+    tool.displacement[1] = bad;
+    refused(opened.image, &tool, PHN_ERROR_NOT_FINITE);
+  }
+  for (int word = 0; word < 2; ++word) {
+    auto tool = good;
+    tool.reserved[word] = 1;
+    refused(opened.image, &tool, PHN_ERROR_VERSION);
+  }
+  const std::nullptr_t none = nullptr;
+  refused(static_cast<const typename Image<Real>::Type*>(none), &good, PHN_ERROR_ARGUMENT);
+  refused(opened.image, static_cast<const typename Image<Real>::Tool*>(none), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(Image<Real>::force(opened.image, &good, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(Image<Real>::bound(opened.image, &good, out), PHN_ERROR_UNDEFINED);  // of a model of node probes
+  EXPECT_EQ(Image<Real>::deform(opened.image, nullptr, &good, out), PHN_ERROR_UNDEFINED);
   for (const Family family : {Family::rbfn, Family::linear, Family::modal}) {
     const OpenedImage<Real> other(model_image(small_model_of(family), {true, sizeof(Real) == 4}));
     const Real away[3] = {huge, -huge, huge};
-    EXPECT_EQ(Image<Real>::force(other.image, 3, away, force), PHN_WARNING_OUTSIDE);
-    for (const Real f : force) EXPECT_TRUE(std::isfinite(f)) << name(family);
-    Real energy = 0;
-    Image<Real>::energy(other.image, 3, away, &energy);
-    EXPECT_TRUE(std::isfinite(energy));
+    const auto tool = Image<Real>::tool_at(3, away);
+    EXPECT_EQ(Image<Real>::force(other.image, &tool, out), PHN_WARNING_OUTSIDE);
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(std::isfinite(out[k])) << name(family);
+    Image<Real>::energy(other.image, &tool, out);
+    EXPECT_TRUE(std::isfinite(out[0]));
   }
 }
 
@@ -188,18 +220,22 @@ TYPED_TEST(Answers, MayOverlapTheirQuestions) {
   using Real = TypeParam;
   for (const Family family : {Family::rbfn, Family::linear, Family::modal}) {
     const OpenedImage<Real> opened(model_image(small_model_of(family), {false, sizeof(Real) == 4}));
-    const auto n = 3 * static_cast<std::size_t>(opened.n_output());
+    const auto n = opened.n_field();
     const Real d[3] = {Real(0.002), Real(-0.001), Real(0.003)};
-    std::vector<Real> scratch(Image<Real>::scratch_size(opened.image) / sizeof(Real)), field(n), over(n + 3);
-    Real force[3], in_place[3] = {d[0], d[1], d[2]};
-    EXPECT_EQ(Image<Real>::force(opened.image, 8, d, force), Image<Real>::force(opened.image, 8, in_place, in_place));
-    EXPECT_TRUE(std::equal(force, force + 3, in_place));
-    std::copy(d, d + 3, &over[1]);
-    EXPECT_EQ(Image<Real>::deform(opened.image, scratch.data(), 8, d, field.data()),
-              Image<Real>::deform(opened.image, scratch.data(), 8, &over[1], over.data()));
+    const auto tool = Image<Real>::tool_at(8, d);
+    std::vector<Real> scratch(opened.n_scratch()), field(n), over(n + sizeof tool / sizeof(Real));
+    auto in_place = tool;
+    Real force[3];
+    EXPECT_EQ(Image<Real>::force(opened.image, &tool, force),
+              Image<Real>::force(opened.image, &in_place, in_place.displacement));
+    EXPECT_TRUE(std::equal(force, force + 3, in_place.displacement));
+    std::memcpy(over.data(), &tool, sizeof tool);
+    EXPECT_EQ(Image<Real>::deform(opened.image, scratch.data(), &tool, field.data()),
+              Image<Real>::deform(opened.image, scratch.data(),
+                                  reinterpret_cast<const typename Image<Real>::Tool*>(over.data()), over.data()));
     EXPECT_TRUE(std::equal(field.begin(), field.end(), over.begin()));
     if (scratch.empty()) continue;
-    EXPECT_EQ(Image<Real>::deform(opened.image, over.data(), 8, d, over.data()), PHN_ERROR_OVERLAP);
+    EXPECT_EQ(Image<Real>::deform(opened.image, over.data(), &tool, over.data()), PHN_ERROR_OVERLAP);
     EXPECT_EQ(over[1], 0);
   }
 }

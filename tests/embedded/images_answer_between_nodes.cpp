@@ -16,7 +16,7 @@ namespace {
 template <class Real>
 class BetweenNodes : public ::testing::Test {
  protected:
-  using Place = typename Image<Real>::Place;
+  using Tool = typename Image<Real>::Tool;
   using Point = std::array<Real, 3>;
 
   struct Body {
@@ -83,10 +83,15 @@ TYPED_TEST(BetweenNodes, AreTheRuntimes) {
       phn_tool tool;
       double found[3];
       ASSERT_EQ(phn_nearest(body.loaded.model, at, &tool, found, nullptr), PHN_OK);
-      Real d[3];
+      typename TestFixture::Tool asked;
+      typename TestFixture::Point nearest;
+      Real apart = 0;
+      ASSERT_EQ(Image<Real>::nearest(body.image, -1, x.data(), &asked, nearest.data(), &apart), PHN_OK);
+      EXPECT_EQ(std::count(asked.displacement, asked.displacement + 3, Real(0)), 3);
+      EXPECT_NEAR(double(apart), this->distance(x, nearest), 1e-7);
       for (int k = 0; k < 3; ++k) {
-        d[k] = Real(0.8 * body.model.max_displacement_m * numbers.next());
-        tool.displacement[k] = double(d[k]);
+        asked.displacement[k] = Real(0.8 * body.model.max_displacement_m * numbers.next());
+        tool.displacement[k] = double(asked.displacement[k]);
       }
       double force[3], energy = 0, stiffness[9] = {}, bound = 0;
       const int status = phn_couple(body.loaded.model, body.loaded.data, 1, &tool, force, nullptr);
@@ -94,12 +99,12 @@ TYPED_TEST(BetweenNodes, AreTheRuntimes) {
       if (tool.nodes[2] < 0) continue;  // of a triangle that is not touched as a whole, which images do not hold
       ++n;
       n_warned += status != 0;
-      typename TestFixture::Place place;
-      typename TestFixture::Point nearest;
-      ASSERT_EQ(Image<Real>::nearest(body.image, -1, x.data(), &place, nearest.data()), PHN_OK);
       EXPECT_LT(this->distance(nearest, {Real(found[0]), Real(found[1]), Real(found[2])}), 1e-7);
-      Real got[3], got_energy = 0, got_stiffness[9] = {}, got_bound = 0;
-      ASSERT_EQ(Image<Real>::force_at(body.image, &place, d, got), status);
+      Real got[3], got_energy = 0, got_stiffness[9] = {}, got_bound = 0, got_depth = 0;
+      ASSERT_EQ(Image<Real>::force(body.image, &asked, got), status);
+      double depth = 0;
+      ASSERT_EQ(Image<Real>::depth(body.image, &asked, &got_depth), phn_depth(body.loaded.model, &tool, &depth));
+      EXPECT_NEAR(double(got_depth), depth, (floats ? 1e-5 : 1e-12) * body.model.max_displacement_m);
       const auto compare = [&](std::size_t what, const double* expected, const Real* value, int size) {
         for (int k = 0; k < size; ++k) {
           largest[what] = std::max(largest[what], std::abs(expected[k]));
@@ -108,19 +113,19 @@ TYPED_TEST(BetweenNodes, AreTheRuntimes) {
       };
       compare(0, force, got, 3);
       const int expected = has_energy ? status : PHN_ERROR_UNDEFINED;
-      ASSERT_EQ(Image<Real>::energy_at(body.image, &place, d, &got_energy), expected);
-      ASSERT_EQ(Image<Real>::stiffness_at(body.image, &place, d, got_stiffness), expected);
+      ASSERT_EQ(Image<Real>::energy(body.image, &asked, &got_energy), expected);
+      ASSERT_EQ(Image<Real>::stiffness(body.image, &asked, got_stiffness), expected);
       if (has_energy) {
         phn_force(body.loaded.model, body.loaded.data, &tool, nullptr, &energy, stiffness);
         compare(1, &energy, &got_energy, 1);
         compare(2, stiffness, got_stiffness, 9);
       }
       if (!has_bounds) {
-        EXPECT_EQ(Image<Real>::bound_at(body.image, &place, d, &got_bound), PHN_ERROR_UNDEFINED);
+        EXPECT_EQ(Image<Real>::bound(body.image, &asked, &got_bound), PHN_ERROR_UNDEFINED);
         continue;
       }
       ASSERT_EQ(phn_bound(body.loaded.model, &tool, &bound), status);
-      ASSERT_EQ(Image<Real>::bound_at(body.image, &place, d, &got_bound), status);
+      ASSERT_EQ(Image<Real>::bound(body.image, &asked, &got_bound), status);
       ASSERT_EQ(bound == PHN_NO_BOUND, got_bound == Real(PHN_IMAGE_NO_BOUND));
       if (bound == PHN_NO_BOUND) continue;
       ++n_bounds;
@@ -134,35 +139,38 @@ TYPED_TEST(BetweenNodes, AreTheRuntimes) {
   }
 }
 
-// Claim: at an active node force, energy, stiffness, warnings and bound are those of the node, to the bit.
+// Claim: at the place of an active node force, energy, stiffness, depth, warnings and bound are those of the node, to
+// the bit, and the bound is that of phn_bound.
 TYPED_TEST(BetweenNodes, AreTheNodesAtNodes) {
   using Real = TypeParam;
   for (const auto& body : this->bodies()) {
-    const auto* nodes = Image<Real>::active_nodes(body.image);
+    const auto& contents = body.opened.contents;
     std::int32_t n = 0;
-    for (std::int32_t i = 0; i < body.opened.n_active(); ++i) {
-      const auto node = nodes[i];
-      const Vec3& at = body.model.nodes[static_cast<std::size_t>(i)].point;
-      const Real x[3] = {Real(at[0]), Real(at[1]), Real(at[2])};
-      typename TestFixture::Place place;
-      typename TestFixture::Point point;
-      ASSERT_EQ(Image<Real>::nearest(body.image, -1, x, &place, point.data()), PHN_OK);
-      if (this->distance(point, {x[0], x[1], x[2]}) > 0)
-        continue;  // in no triangle of which all corners can be touched
+    for (std::int32_t i = 0; i < contents.n_active; ++i) {
+      const auto node = contents.active_nodes[i];
+      const Real* x = contents.active_points + 3 * i;
+      typename TestFixture::Tool place;
+      Real apart = 1;
+      ASSERT_EQ(Image<Real>::nearest(body.image, -1, x, &place, nullptr, &apart), PHN_OK);
+      if (apart > 0) continue;  // in no triangle of which all corners can be touched
       ++n;
       for (const double share : {0.0, 0.1, 0.5, 1.2}) {
         const auto size = Real(share * body.model.max_displacement_m);
         const Real d[3] = {size / 2, -size / 3, -size};
-        Real at_node[10] = {}, at_place[10] = {}, bound = 0;
-        const int status = Image<Real>::force(body.image, node, d, at_node);
-        ASSERT_EQ(Image<Real>::force_at(body.image, &place, d, at_place), status) << node;
-        EXPECT_EQ(Image<Real>::energy(body.image, node, d, at_node + 3),
-                  Image<Real>::energy_at(body.image, &place, d, at_place + 3));
-        for (int k = 0; k < 4; ++k) EXPECT_EQ(at_place[k], at_node[k]) << node;
-        Image<Real>::stiffness(body.image, node, d, at_node);
-        Image<Real>::stiffness_at(body.image, &place, d, at_place);
-        for (int k = 0; k < 9; ++k) EXPECT_EQ(at_place[k], at_node[k]) << node;
-        if (Image<Real>::bound_at(body.image, &place, d, &bound) < 0) continue;
+        const auto at_node = Image<Real>::tool_at(node, d);
+        std::copy_n(d, 3, place.displacement);
+        const auto compare = [&](auto function, int size) {
+          Real of_node[9] = {}, of_place[9] = {};
+          EXPECT_EQ(function(body.image, &at_node, of_node), function(body.image, &place, of_place)) << node;
+          for (int k = 0; k < size; ++k) EXPECT_EQ(of_place[k], of_node[k]) << node;
+          return of_place[0];
+        };
+        compare(Image<Real>::force, 3);
+        compare(Image<Real>::energy, 1);
+        compare(Image<Real>::stiffness, 9);
+        compare(Image<Real>::depth, 1);
+        const Real bound = compare(Image<Real>::bound, 1);
+        if (contents.has_bounds == 0) continue;
         double expected = 0;
         const double moved[3] = {double(d[0]), double(d[1]), double(d[2])};
         ASSERT_GE(phn_bound(body.loaded.model, AtNode(node, moved), &expected), 0);
@@ -171,7 +179,7 @@ TYPED_TEST(BetweenNodes, AreTheNodesAtNodes) {
         EXPECT_NEAR(double(bound), expected, (sizeof(Real) == 4 ? 1e-4 : 1e-12) * std::max(expected, 0.01));
       }
     }
-    EXPECT_GT(2 * n, body.opened.n_active());
+    EXPECT_GT(2 * n, contents.n_active);
   }
 }
 
@@ -183,16 +191,16 @@ TYPED_TEST(BetweenNodes, WalksArrive) {
   using Real = TypeParam;
   for (const auto& body : this->bodies()) {
     Numbers numbers;
-    typename TestFixture::Place place, searched;
+    typename TestFixture::Tool place, searched;
     typename TestFixture::Point at = body.point(numbers), point;
     const bool small = body.model.surface.rows() < 10;  // of arbitrary points: tools jump over folds
     int n_nearest = 0;
-    ASSERT_EQ(Image<Real>::nearest(body.image, -1, at.data(), &place, at.data()), PHN_OK);
+    ASSERT_EQ(Image<Real>::nearest(body.image, -1, at.data(), &place, at.data(), nullptr), PHN_OK);
     for (int i = 0; i < 3000 && !small; ++i) {
       typename TestFixture::Point x;
       for (std::size_t k = 0; k < 3; ++k) x[k] = at[k] + Real(0.002 * numbers.next());
-      ASSERT_EQ(Image<Real>::nearest(body.image, place.triangle, x.data(), &place, at.data()), PHN_OK);
-      ASSERT_EQ(Image<Real>::nearest(body.image, -1, x.data(), &searched, point.data()), PHN_OK);
+      ASSERT_EQ(Image<Real>::nearest(body.image, place.triangle, x.data(), &place, at.data(), nullptr), PHN_OK);
+      ASSERT_EQ(Image<Real>::nearest(body.image, -1, x.data(), &searched, point.data(), nullptr), PHN_OK);
       n_nearest += this->distance(x, at) < this->distance(x, point) + 1e-7;
     }
     EXPECT_GE(n_nearest, small ? 0 : 2900);
@@ -202,13 +210,13 @@ TYPED_TEST(BetweenNodes, WalksArrive) {
       double before = std::numeric_limits<double>::infinity();
       for (int calls = 0; status != PHN_OK; ++calls) {
         ASSERT_LT(calls, body.model.surface.rows());
-        status = Image<Real>::nearest(body.image, place.triangle, x.data(), &place, at.data());
+        status = Image<Real>::nearest(body.image, place.triangle, x.data(), &place, at.data(), nullptr);
         ASSERT_GE(status, 0);
         ASSERT_LE(this->distance(x, at), before + 1e-7);
         before = this->distance(x, at);
       }
-      typename TestFixture::Place again;
-      ASSERT_EQ(Image<Real>::nearest(body.image, place.triangle, x.data(), &again, point.data()), PHN_OK);
+      typename TestFixture::Tool again;
+      ASSERT_EQ(Image<Real>::nearest(body.image, place.triangle, x.data(), &again, point.data(), nullptr), PHN_OK);
       EXPECT_EQ(again.triangle, place.triangle);
     }
   }
@@ -220,10 +228,13 @@ TYPED_TEST(BetweenNodes, SayHowFarThePointIs) {
   const typename TestFixture::Body body(sample_of_round_tools(0));
   for (const Real far : {Real(1), Real(1e6), std::numeric_limits<Real>::max()}) {
     const typename TestFixture::Point x = {far, -far, far};
-    typename TestFixture::Place place;
+    typename TestFixture::Tool place;
     typename TestFixture::Point point;
-    ASSERT_EQ(Image<Real>::nearest(body.image, -1, x.data(), &place, point.data()), PHN_OK);
-    EXPECT_GT(this->distance(x, point), 0.5);
+    Real apart = 0;
+    ASSERT_EQ(Image<Real>::nearest(body.image, -1, x.data(), &place, point.data(), &apart), PHN_OK);
+    EXPECT_GT(apart, Real(0.5));
+    EXPECT_TRUE(std::isfinite(apart));
+    EXPECT_EQ(place.node, -1);
     EXPECT_EQ(place.weights[0] + place.weights[1] + place.weights[2], 1);
     for (const Real p : point) EXPECT_LT(std::abs(p), Real(1));
   }
@@ -233,50 +244,58 @@ TYPED_TEST(BetweenNodes, SayHowFarThePointIs) {
 TYPED_TEST(BetweenNodes, RefuseBadQuestions) {
   using Real = TypeParam;
   const typename TestFixture::Body body(small_round_model(Family::modal));
-  const Real nan = std::numeric_limits<Real>::quiet_NaN(), x[3] = {0, 0, 0}, d[3] = {0, 0, Real(0.001)};
-  typename TestFixture::Place good = {{Real(0.5), Real(0.25), Real(0.25)}, 0};
+  const Real nan = std::numeric_limits<Real>::quiet_NaN(), x[3] = {0, 0, 0};
+  using Tool = typename TestFixture::Tool;
+  const auto at = [](std::int32_t triangle, Real a, Real b, Real c) {
+    return Tool{-1, triangle, {a, b, c}, {0, 0, Real(0.001)}, {}};
+  };
+  const Tool good = at(0, Real(0.5), Real(0.25), Real(0.25));
   Real force[3] = {1, 1, 1}, bound = 1;
-  ASSERT_GE(Image<Real>::force_at(body.image, &good, d, force), 0);
-  const auto refused = [&](const auto* image, const typename TestFixture::Place* at, const Real* moved, int status) {
+  ASSERT_GE(Image<Real>::force(body.image, &good, force), 0);
+  const auto refused = [&](const auto* image, const Tool& tool, int status) {
     force[0] = bound = 1;
-    EXPECT_EQ(Image<Real>::force_at(image, at, moved, force), status);
-    EXPECT_EQ(Image<Real>::bound_at(image, at, moved, &bound), status);
+    EXPECT_EQ(Image<Real>::force(image, &tool, force), status);
+    EXPECT_EQ(Image<Real>::bound(image, &tool, &bound), status);
     EXPECT_EQ(force[0], 0);
     EXPECT_EQ(bound, 0);
   };
-  for (const std::int32_t triangle : {-1, 1000, std::numeric_limits<std::int32_t>::max()}) {
-    const typename TestFixture::Place at = {{1, 0, 0}, triangle};
-    refused(body.image, &at, d, PHN_ERROR_ARGUMENT);
-  }
-  for (const auto& [a, b] : {std::pair<Real, Real>{nan, 1}, {Real(0.7), Real(0.7)}, {Real(-0.1), Real(1.1)}, {0, 0}}) {
-    const typename TestFixture::Place at = {{a, b, 0}, 0};
-    refused(body.image, &at, d, PHN_ERROR_ARGUMENT);
-  }
-  const Real wild[3] = {0, nan, 0};
-  refused(body.image, &good, wild, PHN_ERROR_NOT_FINITE);
-  refused(body.image, nullptr, d, PHN_ERROR_ARGUMENT);
-  const std::nullptr_t none = nullptr;
-  EXPECT_EQ(Image<Real>::force_at(none, &good, d, force), PHN_ERROR_ARGUMENT);
+  for (const std::int32_t triangle : {-1, 1000, std::numeric_limits<std::int32_t>::max()})
+    refused(body.image, at(triangle, 1, 0, 0), PHN_ERROR_ARGUMENT);
+  for (const auto& [a, b] : {std::pair<Real, Real>{nan, 1}, {Real(0.7), Real(0.7)}, {Real(-0.1), Real(1.1)}, {0, 0}})
+    refused(body.image, at(0, a, b, 0), PHN_ERROR_ARGUMENT);
+  Tool wild = good;
+  wild.displacement[1] = nan;
+  refused(body.image, wild, PHN_ERROR_NOT_FINITE);
   int n_fixed = 0;
   for (std::int32_t t = 0; t < 4; ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
-      typename TestFixture::Place corner = {{0, 0, 0}, t};
-      corner.weights[k] = 1;
-      n_fixed += Image<Real>::force_at(body.image, &corner, d, force) == PHN_ERROR_NOT_ACTIVE;
+      const Tool corner = at(t, k == 0, k == 1, k == 2);
+      n_fixed += Image<Real>::force(body.image, &corner, force) == PHN_ERROR_NOT_ACTIVE;
     }
   }
   EXPECT_EQ(n_fixed, 3);  // one triangle has one fixed corner, another one two
 
-  typename TestFixture::Place place = good;
-  EXPECT_EQ(Image<Real>::nearest(body.image, 1000, x, &place, nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(place.triangle, -1);
-  EXPECT_EQ(Image<Real>::nearest(body.image, -1, wild, &place, nullptr), PHN_ERROR_NOT_FINITE);
-  EXPECT_EQ(place.triangle, -1);
+  Tool place = good;
+  Real apart = 1;
+  const auto not_found = [&](const auto* image, std::int32_t from, const Real* near, int status) {
+    place.triangle = 0;
+    apart = 1;
+    EXPECT_EQ(Image<Real>::nearest(image, from, near, &place, nullptr, &apart), status);
+    EXPECT_EQ(place.triangle, -1);
+    EXPECT_EQ(apart, 0);
+  };
+  not_found(body.image, 1000, x, PHN_ERROR_ARGUMENT);
+  not_found(body.image, -1, wild.displacement, PHN_ERROR_NOT_FINITE);
+  EXPECT_EQ(Image<Real>::nearest(body.image, -1, x, &place, place.displacement, nullptr), PHN_ERROR_OVERLAP);
   const OpenedImage<Real> not_round(model_image(small_modal_model(), {true, sizeof(Real) == 4}));
-  refused(not_round.image, &good, d, PHN_ERROR_UNDEFINED);
-  EXPECT_EQ(Image<Real>::nearest(not_round.image, -1, x, &place, nullptr), PHN_ERROR_UNDEFINED);
-  EXPECT_EQ(place.triangle, -1);
-  EXPECT_GE(Image<Real>::force(not_round.image, 3, d, force), 0);
+  EXPECT_EQ(not_round.contents.n_triangles, 0);
+  refused(not_round.image, good, PHN_ERROR_UNDEFINED);
+  not_found(not_round.image, -1, x, PHN_ERROR_UNDEFINED);
+  // A deformation is that of a node: at its place, but not between nodes.
+  const OpenedImage<Real> deforms(model_image(body.model, {false, sizeof(Real) == 4}));
+  std::vector<Real> scratch(deforms.n_scratch()), field(deforms.n_field(), 1);
+  EXPECT_EQ(Image<Real>::deform(deforms.image, scratch.data(), &good, field.data()), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(field[0], 0);
 }
 
 }  // namespace

@@ -17,12 +17,15 @@ struct OpenedImage {
     std::memcpy(words.data(), from.bytes.data(), from.bytes.size());
     if (Image<Real>::open(words.data(), from.bytes.size(), &image) != PHN_OK)
       throw std::runtime_error("the image is refused");
+    Image<Real>::info(image, &contents);
   }
-  std::int32_t n_active() const { return Image<Real>::n_active(image); }
-  std::int32_t n_output() const { return Image<Real>::n_output(image); }
+  /// Numbers of a deformation and of its working memory.
+  std::size_t n_field() const { return 3 * static_cast<std::size_t>(contents.n_output); }
+  std::size_t n_scratch() const { return contents.scratch_bytes / sizeof(Real); }
 
   std::vector<std::uint64_t> words;
   const typename Image<Real>::Type* image = nullptr;
+  typename Image<Real>::Contents contents;
 };
 
 }  // namespace phynness::test

@@ -1,5 +1,6 @@
 // Arbitrary bytes as an image are refused with a documented status, or every result is defined. Input: a byte (bit 0:
 // set the right checksum and size, bit 1: floats), 8 bytes that determine the queries, 7 unused bytes, the image.
+#include <algorithm>
 #include <phynness/image_layout.hpp>
 
 #include "../../formats/src/image/image_functions.hpp"
@@ -40,50 +41,48 @@ void open_and_ask(const std::vector<std::uint64_t>& words, std::size_t bytes, Sc
     require(status <= PHN_ERROR_NOT_A_MODEL && status >= PHN_ERROR_FAMILY, "a documented refusal");
     return;
   }
-  const std::size_t n_field = 3 * static_cast<std::size_t>(Image<Real>::n_output(image));
-  require(Image<Real>::scratch_size(image) / sizeof(Real) <= bytes, "no more working memory than the image describes");
-  std::vector<Real> scratch(Image<Real>::scratch_size(image) / sizeof(Real)), out;
-  const auto check = [&](int told, const std::vector<Real>& values) {
+  typename Image<Real>::Contents contents;
+  require(Image<Real>::info(image, &contents) == PHN_OK, "contents");
+  const std::size_t n_scratch = contents.scratch_bytes / sizeof(Real);
+  require(n_scratch <= bytes, "no more working memory than the image describes");
+  std::vector<Real> scratch(n_scratch), out;
+  using Tool = typename Image<Real>::Tool;
+  const auto check = [&](int told, std::size_t n) {
     require(told <= 3 && (told >= 0 || (told <= PHN_ERROR_ARGUMENT && told >= PHN_ERROR_UNDEFINED)),
             "a documented status");
-    for (const Real x : values) require(told >= 0 ? std::isfinite(x) : x == 0, "finite, or zeros where refused");
-    return told >= 0;
+    for (std::size_t k = 0; k < n; ++k) require(told >= 0 ? std::isfinite(out[k]) : out[k] == 0, "finite, or zeros");
   };
-  const auto n_active = Image<Real>::n_active(image);
-  const std::int32_t* active = Image<Real>::active_nodes(image);
+  const auto ask = [&](auto function, const Tool& tool, std::size_t n) {
+    out.assign(n, 1);
+    check(function(image, &tool, out.data()), n);
+  };
   for (int i = 0; i < 12; ++i) {
-    const bool any = n_active == 0 || script.below(8) == 0;
-    const std::int32_t node = any ? script.raw<std::int32_t>() : active[script.raw<std::uint16_t>() % n_active];
+    const bool any = contents.n_active == 0 || script.below(8) == 0;
+    const std::int32_t node =
+        any ? script.raw<std::int32_t>() : contents.active_nodes[script.raw<std::uint16_t>() % contents.n_active];
     const Real d[3] = {number<Real>(script), number<Real>(script), number<Real>(script)};
-    out.assign(3, 1);
-    check(Image<Real>::force(image, node, d, out.data()), out);
-    out.assign(1, 1);
-    check(Image<Real>::energy(image, node, d, out.data()), out);
-    out.assign(9, 1);
-    check(Image<Real>::stiffness(image, node, d, out.data()), out);
-    require(out[1] == out[3] && out[2] == out[6] && out[5] == out[7], "a symmetric stiffness");
-    out.assign(1, 1);
-    check(Image<Real>::trained_depth(image, node, d, out.data()), out);
-    out.assign(n_field, 1);
-    std::fill(scratch.begin(), scratch.end(), std::numeric_limits<Real>::quiet_NaN());
-    check(Image<Real>::deform(image, scratch.data(), node, d, out.data()), out);
-    typename Image<Real>::Place place;
-    out.assign(3, 1);
-    const int found = Image<Real>::nearest(image, script.below(2) == 0 ? -1 : script.below(100), d, &place, out.data());
+    Tool tools[2] = {Image<Real>::tool_at(node, d)};
+    out.assign(4, 1);
+    const int found = Image<Real>::nearest(image, script.below(2) == 0 ? -1 : script.below(100), d, &tools[1],
+                                           out.data(), out.data() + 3);
     require(found <= PHN_WARNING_UNSETTLED, "a documented status");
-    check(found < 0 ? found : PHN_OK, out);
+    check(found < 0 ? found : PHN_OK, 4);
+    std::copy_n(d, 3, tools[1].displacement);
     if (script.below(2) == 0) {
-      place.triangle = script.below(100);
-      for (Real& weight : place.weights) weight = Real(0.25) * Real(script.below(4));
+      tools[1].triangle = script.below(100);
+      for (Real& weight : tools[1].weights) weight = Real(0.25) * Real(script.below(4));
     }
-    out.assign(3, 1);
-    check(Image<Real>::force_at(image, &place, d, out.data()), out);
-    out.assign(1, 1);
-    check(Image<Real>::energy_at(image, &place, d, out.data()), out);
-    out.assign(9, 1);
-    check(Image<Real>::stiffness_at(image, &place, d, out.data()), out);
-    out.assign(1, 1);
-    check(Image<Real>::bound_at(image, &place, d, out.data()), out);
+    for (const Tool& tool : tools) {
+      ask(Image<Real>::force, tool, 3);
+      ask(Image<Real>::energy, tool, 1);
+      ask(Image<Real>::stiffness, tool, 9);
+      require(out[1] == out[3] && out[2] == out[6] && out[5] == out[7], "a symmetric stiffness");
+      ask(Image<Real>::depth, tool, 1);
+      ask(Image<Real>::bound, tool, 1);
+      out.assign(3 * static_cast<std::size_t>(contents.n_output), 1);
+      std::fill(scratch.begin(), scratch.end(), std::numeric_limits<Real>::quiet_NaN());
+      check(Image<Real>::deform(image, scratch.data(), &tool, out.data()), out.size());
+    }
   }
 }
 

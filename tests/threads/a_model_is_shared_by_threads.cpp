@@ -91,11 +91,11 @@ TEST_P(Shared, ModelsAnswerAsToOneThread) {
 TEST_P(Shared, ImagesAnswerAsToOneThread) {
   const OpenedImage<float> opened(model_image(small_model_of(GetParam()), {false, true}));
   const auto ask = [&] {
-    std::vector<float> scratch(Image<float>::scratch_size(opened.image) / sizeof(float)),
-        out(3 * static_cast<std::size_t>(opened.n_output()) + 3);
+    std::vector<float> scratch(opened.n_scratch()), out(opened.n_field() + 3);
     const float d[] = {0.002F, -0.001F, 0.003F};
-    Image<float>::force(opened.image, 3, d, out.data());
-    Image<float>::deform(opened.image, scratch.data(), 3, d, out.data() + 3);
+    const auto tool = Image<float>::tool_at(3, d);
+    Image<float>::force(opened.image, &tool, out.data());
+    Image<float>::deform(opened.image, scratch.data(), &tool, out.data() + 3);
     return out;
   };
   const auto alone = ask();

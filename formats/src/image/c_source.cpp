@@ -90,53 +90,34 @@ CSource c_source(const ModelImage& image, const Model& model, const std::string&
 CSource c_source(const GoldenQueries& queries, const Model& model, const std::string& name) {
   const std::string type = "struct " + name + "_query", n = std::to_string(queries.query.size());
   const std::string array = "const " + type + " " + name + "_golden[" + n + "]";
-  std::string h = head(model, name, "responses of the runtime and of the image");
-  h += "#include <stdint.h>\n\n" + define(upper(name) + "_GOLDEN", queries.query.size(), "queries") +
-       define(upper(name) + "_GOLDEN_AT", queries.place.size(), "places between nodes");
+  std::string h = head(model, name, "responses of the runtime in double and of the image on the host");
+  h += "#include <stdint.h>\n\n" + define(upper(name) + "_GOLDEN", queries.query.size(), "queries");
   h += std::string("\n") + begin_c + type +
        " {\n"
-       "  int32_t node, status;        /* active node; status of the image's force */\n"
-       "  double displacement[3];      /* [m] */\n"
-       "  double force[3];             /* [N], by the runtime in double */\n"
-       "  double image_force[3];       /* by the image on the host; the same bits on a device */\n"
+       "  int32_t node;                /* -1: the tool is at the place nearest to the point */\n"
+       "  int32_t triangle;            /* of this place, as are the weights */\n"
+       "  int32_t status;              /* of the image's force */\n"
        "  int32_t output;              /* position among the output nodes */\n"
-       "  double deformation[3];       /* of that node [m], by the runtime */\n"
-       "  double image_deformation[3]; /* by the image */\n"
+       "  double point[3], weights[3];\n"
+       "  double displacement[3];      /* [m] */\n"
+       "  double force[3];             /* [N], by the runtime */\n"
+       "  double image_force[3];       /* by the image; the same bits on a device, as below */\n"
+       "  double bound, image_bound;   /* [N]; PHN_IMAGE_NO_BOUND: none */\n"
+       "  double deformation[3];       /* of the output node [m], at nodes only */\n"
+       "  double image_deformation[3];\n"
        "};\n"
        "extern " +
-       array + ";\n";
-  const std::string place = "struct " + name + "_place", n_places = std::to_string(queries.place.size());
-  const std::string places = "const " + place + " " + name + "_golden_at[" + n_places + "]";
-  if (!queries.place.empty())
-    h +=
-        place +
-        " {\n"
-        "  int32_t triangle, status;       /* of the place nearest to the point; status of the image's force there */\n"
-        "  double point[3], weights[3];    /* [m]; by the image */\n"
-        "  double displacement[3];         /* [m] */\n"
-        "  double force[3];                /* [N], by the runtime in double */\n"
-        "  double image_force[3];          /* by the image on the host; the same bits on a device */\n"
-        "  double bound, image_bound;      /* [N]; PHN_IMAGE_NO_BOUND: none */\n"
-        "};\n"
-        "extern " +
-        places + ";\n";
-  h += end_c;
+       array + ";\n" + end_c;
   std::string c = head(model, name, "golden queries") + "#include \"" + name + "_golden.h\"\n\n" + array + " = {\n";
   for (const auto& q : queries.query) {
-    c += "  {" + std::to_string(q.node) + ", " + std::to_string(q.status);
-    for (const auto* v : {&q.displacement_m, &q.force_N, &q.image_force_N}) c += ", " + vector(*v);
-    c += ", " + std::to_string(q.output) + ", " + vector(q.deformation_m) + ", " + vector(q.image_deformation_m) +
-         "},\n";
+    c += "  {";
+    for (const std::int32_t value : {q.node, q.triangle, q.status, q.output}) c += std::to_string(value) + ", ";
+    for (const auto* v : {&q.point_m, &q.weights, &q.displacement_m, &q.force_N, &q.image_force_N})
+      c += vector(*v) + ", ";
+    c += number(q.bound_N) + ", " + number(q.image_bound_N) + ", " + vector(q.deformation_m) + ", " +
+         vector(q.image_deformation_m) + "},\n";
   }
   c += "};\n";
-  if (!queries.place.empty()) c += places + " = {\n";
-  for (const auto& p : queries.place) {
-    c += "  {" + std::to_string(p.triangle) + ", " + std::to_string(p.status);
-    for (const auto* v : {&p.point_m, &p.weights, &p.displacement_m, &p.force_N, &p.image_force_N})
-      c += ", " + vector(*v);
-    c += ", " + number(p.bound_N) + ", " + number(p.image_bound_N) + "},\n";
-  }
-  if (!queries.place.empty()) c += "};\n";
   return {guarded(name + "_golden", h), c};
 }
 

@@ -77,28 +77,22 @@ class Device {
     const auto at = rounded(d);
     return {at[0], at[1], at[2]};
   }
-  int force(std::int32_t node, const Vec3& d, Vec3& force) const {
-    Real out[3];
-    const int status = Functions::force(_image, node, rounded(d).data(), out);
-    std::copy_n(out, 3, force.begin());
-    return status;
-  }
-  /// Sets what the image says of a place, at its point with its displacement.
-  void answer(GoldenPlace& at) const {
-    typename Functions::Place place;
-    const auto d = rounded(at.displacement_m);
-    Functions::nearest(_image, -1, rounded(at.point_m).data(), &place, nullptr);
-    at.triangle = place.triangle;
-    std::copy_n(place.weights, 3, at.weights.begin());
+  /// Sets what the image says of a query.
+  void answer(GoldenQuery& query) {
+    const auto d = rounded(query.displacement_m);
+    auto tool = Functions::tool_at(query.node, d.data());
+    if (query.node < 0) {
+      Functions::nearest(_image, -1, rounded(query.point_m).data(), &tool, nullptr, nullptr);
+      std::ranges::copy(d, tool.displacement);
+      query.triangle = tool.triangle;
+      std::copy_n(tool.weights, 3, query.weights.begin());
+    }
     Real force[3], bound = PHN_IMAGE_NO_BOUND;
-    at.status = Functions::force_at(_image, &place, d.data(), force);
-    std::copy_n(force, 3, at.image_force_N.begin());
-    if (Functions::bound_at(_image, &place, d.data(), &bound) >= 0) at.image_bound_N = bound;
-  }
-  void deformation(std::int32_t node, const Vec3& d, std::int32_t output, Vec3& u) {
-    if (_field.empty()) return;
-    Functions::deform(_image, _scratch.data(), node, rounded(d).data(), _field.data());
-    std::copy_n(&_field[3 * static_cast<std::size_t>(output)], 3, u.begin());
+    query.status = Functions::force(_image, &tool, force);
+    std::copy_n(force, 3, query.image_force_N.begin());
+    if (Functions::bound(_image, &tool, &bound) >= 0) query.image_bound_N = bound;
+    if (!_field.empty() && Functions::deform(_image, _scratch.data(), &tool, _field.data()) >= 0)
+      std::copy_n(&_field[3 * static_cast<std::size_t>(query.output)], 3, query.image_deformation_m.begin());
   }
 
  private:
@@ -138,53 +132,51 @@ Vec3 point_on(const ImageSurface& surface, Numbers& numbers) {
   return {x[0], x[1], x[2]};
 }
 
-template <class Real>
-GoldenPlace place_query(const Loaded& model, const Device<Real>& device, const Vec3& point, std::size_t i,
-                        Numbers& numbers) {
-  GoldenPlace at;
-  at.point_m = device.held(point);
-  phn_tool tool;
-  model.organ.nearest(at.point_m, tool).ignore();
-  at.displacement_m = device.held(displacement(model, model.active(i), i, numbers));
-  std::ranges::copy(at.displacement_m, tool.displacement);
-  if (!model.organ.hold(tool, at.force_N).ok())
-    throw failure("a place of the image's surface has no force", "", "this is a defect; please report it");
-  model.organ.bound(tool, at.bound_N).ignore();
-  device.answer(at);
-  return at;
-}
+/// Least number of queries by which the deviation of an image from the model is measured.
+constexpr std::size_t least_queries = 256;
 
 template <class Real>
-GoldenQueries queries(const Loaded& model, const ModelImage& image, std::size_t n) {
+GoldenQueries queries(const Loaded& model, const ModelImage& image, std::size_t n_kept) {
   if (model.n_active() == 0) throw input_error("the model has no active nodes", "", "train it with active nodes");
   Device<Real> device(image);
   Numbers numbers;
   GoldenQueries all;
   Deviation force, deformation;
   std::vector<double> field(model.organ.n_deform());
+  const std::size_t n = std::max(n_kept, least_queries);
+  const auto ask = [&](GoldenQuery query, phn_tool tool, std::int32_t node, std::size_t i, bool kept) {
+    query.displacement_m = device.held(displacement(model, node, i, numbers));
+    std::ranges::copy(query.displacement_m, tool.displacement);
+    if (!model.organ.hold(tool, query.force_N).ok())
+      throw failure("a place of the image's surface has no force", "", "this is a defect; please report it");
+    if (!model.organ.bound(tool, query.bound_N).ok()) query.bound_N = PHN_NO_BOUND;
+    device.answer(query);
+    force.add(query.force_N, query.image_force_N);
+    if (image.n_output > 0 && query.node >= 0) {
+      model.organ.deform(field).ignore();
+      std::copy_n(&field[3 * static_cast<std::size_t>(query.output)], 3, query.deformation_m.begin());
+      deformation.add(query.deformation_m, query.image_deformation_m);
+    }
+    if (kept) all.query.push_back(query);
+  };
+  const Vec3 rest{0, 0, 0};
   for (std::size_t i = 0; i < n; ++i) {
     GoldenQuery query;
     // The stride visits all nodes and seldom neighbouring nodes in succession.
     query.node = model.active(i * 7919);
-    query.displacement_m = device.held(displacement(model, query.node, i, numbers));
-    const Vec3& d = query.displacement_m;
-    model.organ.hold(phn_tool_at(query.node, d.data()), query.force_N).ignore();
-    query.status = device.force(query.node, d, query.image_force_N);
-    force.add(query.force_N, query.image_force_N);
-    if (image.n_output > 0) {
-      query.output = static_cast<std::int32_t>((i * 104729) % image.n_output);
-      model.organ.deform(field).ignore();
-      std::copy_n(&field[3 * static_cast<std::size_t>(query.output)], 3, query.deformation_m.begin());
-      device.deformation(query.node, d, query.output, query.image_deformation_m);
-      deformation.add(query.deformation_m, query.image_deformation_m);
-    }
-    all.query.push_back(query);
+    if (image.n_output > 0) query.output = static_cast<std::int32_t>((i * 104729) % image.n_output);
+    ask(query, phn_tool_at(query.node, rest.data()), query.node, i, i < n_kept);
   }
   const ImageSurface surface = image.n_triangles > 0 ? image_surface(model.model) : ImageSurface{};
-  for (std::size_t i = 0; i < n / 4 && image.n_triangles > 0; ++i) {
-    all.place.push_back(place_query(model, device, point_on(surface, numbers), i, numbers));
-    force.add(all.place.back().force_N, all.place.back().image_force_N);
+  const std::size_t n_places = image.n_triangles > 0 ? n / 4 : 0;
+  for (std::size_t i = 0; i < n_places; ++i) {
+    GoldenQuery query;
+    query.point_m = device.held(point_on(surface, numbers));
+    phn_tool tool;
+    model.organ.nearest(query.point_m, tool).ignore();
+    ask(query, tool, model.active(i), i, i < n_kept / 4);
   }
+  all.n_measured = n + n_places;
   all.force_deviation = force.relative();
   all.deformation_deviation = deformation.relative();
   return all;

@@ -300,8 +300,9 @@ class ImageWriter {
     const Real rest[3] = {0, 0, 0};
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       Real force[3], energy = 0;
-      Functions::force(opened, _model.nodes[i].node, rest, force);
-      Functions::energy(opened, _model.nodes[i].node, rest, &energy);
+      const auto tool = Functions::tool_at(_model.nodes[i].node, rest);
+      Functions::force(opened, &tool, force);
+      Functions::energy(opened, &tool, &energy);
       image::ModalResponse<Real> response;
       std::byte* at = _bytes.data() + nodes[i].response;
       std::memcpy(&response, at, sizeof response);
@@ -347,11 +348,10 @@ ImageContents read_image(const std::vector<std::uint64_t>& words, std::size_t by
     using Functions = Image<decltype(real)>;
     const typename Functions::Type* image = nullptr;
     const int status = Functions::open(words.data(), bytes, &image);
-    if (status != PHN_OK) return status;
-    contents.floats = sizeof real == sizeof(float);
-    contents.n_active = Functions::n_active(image);
-    contents.n_output = Functions::n_output(image);
-    return Functions::provenance(image, &contents.provenance);
+    typename Functions::Contents said;
+    if (Functions::info(image, &said) == PHN_OK)
+      contents = {sizeof real == sizeof(float), said.n_active, said.n_output, said.provenance};
+    return status;
   };
   int status = read(double{});
   if (status == PHN_ERROR_VERSION) status = read(float{});

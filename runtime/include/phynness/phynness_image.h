@@ -9,9 +9,9 @@
  * image gives bitwise the same results on every machine with IEEE 754 arithmetic. Layout: formats/image.md.
  *
  * Units, signs, frames and statuses are those of phynness.h: after a status < 0 outputs are zeros, a status > 0 is a
- * sum of PHN_WARNING_*, and no output of an opened image is ever NaN or infinite. Components of displacements are
- * clamped to 1e6 times the largest trained displacement R. Only phynness.h has several tools, fields, and deformations
- * under a tool between nodes. Inputs are read before outputs are written, so a force may overlap its displacement.
+ * sum of PHN_WARNING_*, and no output of an opened image is ever NaN or infinite. Inputs are read before outputs are
+ * written, so an output may overlap its tool. Only phynness.h has several tools, fields, and deformations between
+ * nodes.
  */
 #ifndef PHYNNESS_IMAGE_H
 #define PHYNNESS_IMAGE_H
@@ -25,26 +25,18 @@ extern "C" {
 #ifdef PHYNNESS_IMAGE_FLOAT
 #define phn_real phn_realf
 #define phn_image phn_imagef
-#define phn_image_place phn_imagef_place
+#define phn_image_contents phn_imagef_contents
+#define phn_image_tool phn_imagef_tool
+#define phn_image_tool_at phn_imagef_tool_at
 #define phn_image_open phn_imagef_open
-#define phn_image_n_active phn_imagef_n_active
-#define phn_image_active_nodes phn_imagef_active_nodes
-#define phn_image_active_points phn_imagef_active_points
-#define phn_image_provenance phn_imagef_provenance
-#define phn_image_n_output phn_imagef_n_output
-#define phn_image_output_nodes phn_imagef_output_nodes
-#define phn_image_output_points phn_imagef_output_points
+#define phn_image_info phn_imagef_info
+#define phn_image_nearest phn_imagef_nearest
 #define phn_image_force phn_imagef_force
 #define phn_image_energy phn_imagef_energy
 #define phn_image_stiffness phn_imagef_stiffness
-#define phn_image_trained_depth phn_imagef_trained_depth
-#define phn_image_scratch_size phn_imagef_scratch_size
+#define phn_image_depth phn_imagef_depth
+#define phn_image_bound phn_imagef_bound
 #define phn_image_deform phn_imagef_deform
-#define phn_image_nearest phn_imagef_nearest
-#define phn_image_force_at phn_imagef_force_at
-#define phn_image_energy_at phn_imagef_energy_at
-#define phn_image_stiffness_at phn_imagef_stiffness_at
-#define phn_image_bound_at phn_imagef_bound_at
 typedef float phn_real;
 #else
 typedef double phn_real;
@@ -61,75 +53,71 @@ typedef struct phn_image phn_image;
  * failure *image is null. */
 PHN_API int phn_image_open(const void* memory, size_t bytes, const phn_image** image);
 
-/* Active nodes: their numbers in the mesh, in ascending order, and undeformed coordinates, n_active x 3 [m]. The arrays
- * belong to the image. */
-PHN_API int32_t phn_image_n_active(const phn_image* image);
-PHN_API const int32_t* phn_image_active_nodes(const phn_image* image);
-PHN_API const phn_real* phn_image_active_points(const phn_image* image);
+/* The arrays and strings belong to the image. Nodes are numbers in the mesh, in ascending order; points are n x 3,
+ * undeformed [m]. */
+typedef struct phn_image_contents {
+  double max_displacement_m;   /* R: largest displacement of the training data */
+  const int32_t* active_nodes; /* n_active: nodes that can be touched */
+  const int32_t* output_nodes; /* n_output: nodes whose displacement is modelled; 0 after export --force-only */
+  const phn_real *active_points, *output_points;
+  size_t scratch_bytes; /* of phn_image_deform, aligned as phn_real; may be 0 */
+  int32_t n_active, n_output;
+  int32_t n_triangles;            /* where tools can be between nodes; 0: at nodes only */
+  int32_t has_energy, has_bounds; /* 0 or 1 */
+  phn_provenance provenance;
+  int32_t reserved[3] PHN_ZEROS;
+} phn_image_contents;
+PHN_API int phn_image_info(const phn_image* image, phn_image_contents* contents);
 
-/* Where the model of the image comes from, as in phynness.h; the strings belong to the image. PHN_ERROR_ARGUMENT: a
- * null pointer; *provenance is then as if nothing was recorded. PHN_ERROR_OVERLAP: `provenance` lies in the image. */
-PHN_API int phn_image_provenance(const phn_image* image, phn_provenance* provenance);
-
-/* Output nodes, whose displacements are modelled; none if the image was exported with --force-only. */
-PHN_API int32_t phn_image_n_output(const phn_image* image);
-PHN_API const int32_t* phn_image_output_nodes(const phn_image* image);
-PHN_API const phn_real* phn_image_output_points(const phn_image* image);
-
-/* Reaction force [N] at active node `node` displaced by d [m], as in phn_force; it needs no working memory. */
-PHN_API int phn_image_force(const phn_image* image, int32_t node, const phn_real d[3], phn_real force[3]);
-
-/* Energy [J] and stiffness [N/m], 3 x 3 and bitwise symmetric, as in phn_force. At d = 0 the energy is exactly 0.
- * PHN_ERROR_UNDEFINED in family rbfn. */
-PHN_API int phn_image_energy(const phn_image* image, int32_t node, const phn_real d[3], phn_real* energy);
-PHN_API int phn_image_stiffness(const phn_image* image, int32_t node, const phn_real d[3], phn_real stiffness[9]);
-
-/* Depth [m] of the trained range of `node` in the direction of d, as in phn_depth. */
-PHN_API int phn_image_trained_depth(const phn_image* image, int32_t node, const phn_real d[3], phn_real* depth);
-
-/* Bytes of working memory for a deformation, with the alignment of its numbers; may be 0. */
-PHN_API size_t phn_image_scratch_size(const phn_image* image);
-
-/* Displacements [m] of all output nodes, n_output x 3, with one tool at `node` displaced by d [m], as in phn_deform.
- * `scratch`: working memory, one for each thread, outside of the image. Cost for family modal: 3 n_output x shared
- * modes products with 16-bit integers. PHN_ERROR_OVERLAP: `scratch` and `out` overlap. PHN_ERROR_UNDEFINED: the image
- * or the node has forces only. */
-PHN_API int phn_image_deform(const phn_image* image, phn_real* scratch, int32_t node, const phn_real d[3],
-                             phn_real* out);
-
-/* A place on the surface: a triangle of the image and barycentric weights of its corners, >= 0 and with the sum 1. */
-typedef struct phn_image_place {
+/* A tool: a place of the surface and the displacement of this place. The place is an active node, or a point of a
+ * triangle of the image with barycentric weights of its corners, which are >= 0 and have the sum 1. */
+typedef struct phn_image_tool {
+  int32_t node;     /* number in the mesh; -1: the tool is on the triangle */
+  int32_t triangle; /* 0 ... n_triangles - 1; unused at a node, as are the weights */
   phn_real weights[3];
-  int32_t triangle;
-} phn_image_place;
+  phn_real displacement[3];      /* of the place, from rest [m]; components are clamped to 1e6 R */
+  int32_t reserved[2] PHN_ZEROS; /* 0; PHN_ERROR_VERSION otherwise */
+} phn_image_tool;
 
-/* The place nearest to x [m] on that part of the undeformed surface where round tools can be, and its point [m], which
- * may be null. At a fixed edge the place is a twentieth of a triangle away from it. A place at the border of this part
- * is also returned for an x far beyond it, so compare x and the point. `from` < 0: all triangles are searched.
- * Otherwise a walk from triangle `from` over neighbouring triangles comes nearer to x until none is nearer: it stays on
- * its side of a thin body. It crosses 32 triangles at most, then PHN_WARNING_UNSETTLED says that it must go on from the
- * returned place. PHN_ERROR_UNDEFINED: the image has no surface: its tools are not round (phynness_tools.h).
- * PHN_ERROR_OVERLAP: `place` and `point` overlap. After an error the triangle is -1. */
-PHN_API int phn_image_nearest(const phn_image* image, int32_t from, const phn_real x[3], phn_image_place* place,
-                              phn_real point[3]);
+/* The tool at a node, displaced by d [m]. */
+static inline phn_image_tool phn_image_tool_at(int32_t node, const phn_real d[3]) {
+  const phn_image_tool tool = {node, -1, {0, 0, 0}, {d[0], d[1], d[2]}, {0, 0}};
+  return tool;
+}
 
-/* Force [N], energy [J] and stiffness [N/m] of one round tool at a place, displaced by d [m], as in phn_force; a
- * place at an active node has the force of the node. Cost: forces of about 12 nodes between nodes. PHN_ERROR_UNDEFINED:
- * no surface; no energy in family rbfn. PHN_ERROR_ARGUMENT: no such triangle or weights. PHN_ERROR_NOT_ACTIVE: all
- * corners with weights are fixed. */
-PHN_API int phn_image_force_at(const phn_image* image, const phn_image_place* place, const phn_real d[3],
-                               phn_real force[3]);
-PHN_API int phn_image_energy_at(const phn_image* image, const phn_image_place* place, const phn_real d[3],
-                                phn_real* energy);
-PHN_API int phn_image_stiffness_at(const phn_image* image, const phn_image_place* place, const phn_real d[3],
-                                   phn_real stiffness[9]);
+/* As phn_nearest: the tool, with displacement 0, at the place nearest to x [m] on that part of the undeformed surface
+ * where round tools can be, its point, and its distance from x [m], which is large for an x beyond the border of this
+ * part; both may be null. Components of x are clamped to 1e12 m (doubles: 1e100 m). `from` < 0: all triangles are
+ * searched. Otherwise a walk from triangle `from`, that of the tool before, over neighbouring triangles comes nearer to
+ * x until none is nearer: it stays on its side of a thin body. It crosses 32 triangles at most, then
+ * PHN_WARNING_UNSETTLED says that it must go on from the returned triangle. PHN_ERROR_UNDEFINED: the image has no
+ * triangles. After an error the triangle is -1. */
+PHN_API int phn_image_nearest(const phn_image* image, int32_t from, const phn_real x[3], phn_image_tool* tool,
+                              phn_real point[3], phn_real* distance);
 
-/* The bound [N] of the error of that force, as in phn_bound. PHN_IMAGE_NO_BOUND: nothing is known there, above all
- * with PHN_WARNING_OUTSIDE. PHN_ERROR_UNDEFINED: no surface, or the model was not calibrated. Cost: forces and trained
- * depths of the active nodes around the place, mostly three. */
+/* The force [N] that holds a tool, its energy [J], exactly 0 at rest, and its stiffness [N/m], 3 x 3 and bitwise
+ * symmetric, as in phn_force. They are separate functions so that a device links only what it calls, and need no memory
+ * but the stack. Between nodes they cost about 12 times as much as at a node. PHN_ERROR_ARGUMENT: no such triangle or
+ * weights. PHN_ERROR_NOT_ACTIVE: not an active node, or only fixed corners have weights. PHN_ERROR_UNDEFINED: no
+ * triangles; energy and stiffness in family rbfn. */
+PHN_API int phn_image_force(const phn_image* image, const phn_image_tool* tool, phn_real force[3]);
+PHN_API int phn_image_energy(const phn_image* image, const phn_image_tool* tool, phn_real* energy);
+PHN_API int phn_image_stiffness(const phn_image* image, const phn_image_tool* tool, phn_real stiffness[9]);
+
+/* Depth [m] of the trained range, as phn_depth. */
+PHN_API int phn_image_depth(const phn_image* image, const phn_image_tool* tool, phn_real* depth);
+
+/* The bound [N] of the error of the force, as phn_bound; PHN_IMAGE_NO_BOUND: nothing is known, above all with
+ * PHN_WARNING_OUTSIDE. PHN_ERROR_UNDEFINED: has_bounds is 0. Cost: a force and a bound of each active node at the
+ * place, mostly three. */
 #define PHN_IMAGE_NO_BOUND 1e30f
-PHN_API int phn_image_bound_at(const phn_image* image, const phn_image_place* place, const phn_real d[3],
-                               phn_real* bound);
+PHN_API int phn_image_bound(const phn_image* image, const phn_image_tool* tool, phn_real* bound);
+
+/* Displacements [m] of all output nodes, n_output x 3, as phn_deform, with a tool at an active node. `scratch`: working
+ * memory, one for each thread, outside of the image. Cost for family modal: 3 n_output x shared modes products with
+ * 16-bit integers. PHN_ERROR_OVERLAP: `scratch` and `out` overlap. PHN_ERROR_UNDEFINED: the tool is between nodes, or
+ * the image or the node has forces only. */
+PHN_API int phn_image_deform(const phn_image* image, phn_real* scratch, const phn_image_tool* tool, phn_real* out);
 
 #ifdef __cplusplus
 }

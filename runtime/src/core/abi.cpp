@@ -31,8 +31,10 @@ constexpr Size sizes[] = {
     {"phn_loop_response", sizeof(phn_loop_response)},
     {"phn_loop_report", sizeof(phn_loop_report)},
     {"phn_bridge", sizeof(phn_bridge)},
-    {"phn_image_place", sizeof(phn_image_place)},
-    {"phn_imagef_place", 3 * sizeof(float) + sizeof(int32_t)},
+    {"phn_image_contents", sizeof(phn_image_contents)},
+    {"phn_imagef_contents", sizeof(phn_image_contents)},
+    {"phn_image_tool", sizeof(phn_image_tool)},
+    {"phn_imagef_tool", 6 * sizeof(float) + 4 * sizeof(int32_t)},
 };
 
 }  // namespace

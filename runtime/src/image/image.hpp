@@ -9,15 +9,14 @@
 #include "image/modal_response.hpp"
 #include "image/rbfn_response.hpp"
 
-namespace PHN_RUNTIME {
+namespace PHN_IMAGES {
 
 /// Calls f with a null pointer to the type of a response. The only place that distinguishes the families of images.
-template <class Real, class Function>
-auto with_response_type(Family family, Function&& f) {
-  using image::LinearResponse, image::ModalResponse, image::RbfnResponse;
-  if (family == RbfnResponse<Real>::family) return f(static_cast<const RbfnResponse<Real>*>(nullptr));
-  if (family == LinearResponse<Real>::family) return f(static_cast<const LinearResponse<Real>*>(nullptr));
-  return f(static_cast<const ModalResponse<Real>*>(nullptr));
+template <class Function>
+PHN_INLINE auto with_response_type(Family family, Function&& f) {
+  if (family == RbfnResponse::family) return f(static_cast<const RbfnResponse*>(nullptr));
+  if (family == LinearResponse::family) return f(static_cast<const LinearResponse*>(nullptr));
+  return f(static_cast<const ModalResponse*>(nullptr));
 }
 
 template <class Response>
@@ -28,47 +27,66 @@ constexpr schema::FamilyTraits traits_of(const Response*) {
 
 /// Traits of the family as constants in the code. Position-independent code would access a table through a global
 /// offset table in memory, which a device without an operating system does not initialize.
-template <class Real>
-schema::FamilyTraits traits(const ImageHeader<Real>& image) {
-  return with_response_type<Real>(image.family, [](const auto* type) { return traits_of(type); });
+inline schema::FamilyTraits traits(const Header& image) {
+  return with_response_type(image.family, [](const auto* type) { return traits_of(type); });
 }
 
-/// @param whole  false if d was clamped
-template <class Real>
-int image_warnings(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, bool whole, const Real* d) {
-  const bool outside = !whole || (!traits(image).proportional &&
-                                  square_root(dot(d, d)) > depth_slack<Real> * trained_depth(image, node, d));
-  return (outside ? PHN_WARNING_OUTSIDE : 0) | (node.incomplete ? PHN_WARNING_INCOMPLETE : 0);
-}
-
-template <class Real, class Response>
-const Response& response_at(const ImageHeader<Real>& image, uint32_t offset, const Response*) {
+template <class Response>
+const Response& response_at(const Header& image, uint32_t offset, const Response*) {
   return *at<Response>(image, offset);
 }
 
-/// Calls f with the response of the node. @pre the image was checked
-template <class Real, class Function>
-auto with_response(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, Function&& f) {
-  return with_response_type<Real>(image.family,
-                                  [&](const auto* type) { return f(response_at(image, node.response, type)); });
+/// Null: the image has none.
+inline const image::Surface* surface_of(const Header& image) {
+  const uint32_t found = at<image::Provenance>(image, image.provenance)->surface;
+  return found == 0 ? nullptr : at<image::Surface>(image, found);
 }
 
-template <class Real>
-bool image_has_deformation(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node) {
-  return image.output_nodes.n > 0 &&
-         with_response(image, node, [](const auto& response) { return has_deformation(response); });
+/// What answers has a position: active nodes come first, then linear points, which have no field and no trained depth.
+inline const ActiveNode* active_node(const Header& image, uint32_t position) {
+  return position < image.active_nodes.n ? at<ActiveNode>(image, image.active) + position : nullptr;
 }
 
-/// @param d  clamped. @pre image_has_deformation(image, node)
-template <class Real>
-void image_field_at(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, const Real* d, Real* scratch,
-                    Real* field) {
-  with_response(image, node, [&](const auto& response) { response_field(image, response, d, scratch, field); });
-  const auto* moved = at<uint16_t>(image, node.prescribed);
-  const Real* weight = at<Real>(image, node.prescribed_weight);
-  for (uint32_t p = 0; p < node.prescribed.n; ++p) {
-    for (uint32_t k = 0; k < 3; ++k) field[3 * moved[p] + k] = weight[p] * d[k];
-  }
+/// Calls f with the response at a position; the stiffness of a linear point is the start of a LinearResponse.
+/// @pre the image was checked
+template <class Function>
+PHN_INLINE auto with_response(const Header& image, uint32_t position, Function&& f) {
+  const ActiveNode* node = active_node(image, position);
+  const uint32_t linear = position - image.active_nodes.n;
+  const uint32_t offset =
+      node != nullptr ? node->response : surface_of(image)->rest_stiffness.at + 6 * uint32_t{sizeof(Real)} * linear;
+  return with_response_type(node != nullptr ? image.family : Family::linear,
+                            [&](const auto* type) { return f(response_at(image, offset, type)); });
 }
 
-}  // namespace PHN_RUNTIME
+/// What is asked for, and how many numbers it has.
+enum Quantity : int { Force = 3, Energy = 1, Stiffness = 9 };
+
+/// @tparam n  Force, Energy or Stiffness
+/// @param d  clamped, also in the functions below
+template <int n>
+[[gnu::noinline]] void respond(const Header& image, uint32_t position, const Real* d, Real* out) {
+  with_response(image, position, [&](const auto& response) {
+    if constexpr (n == Force) response_force(image, response, d, out);
+    if constexpr (n == Energy) *out = response_energy(image, response, d);
+    if constexpr (n == Stiffness) response_stiffness(image, response, d, out);
+  });
+}
+
+[[gnu::noinline]] inline Real trained_depth(const Header& image, uint32_t position, const Real* d) {
+  const ActiveNode* node = active_node(image, position);
+  if (node == nullptr) return 0;
+  return depth_along(at<Real>(image, image.directions), at<Real>(image, node->trained_depth),
+                     static_cast<int32_t>(node->trained_depth.n), d, square_root(dot(d, d)), image.max_displacement);
+}
+
+/// @param whole  false if d was clamped
+inline int warnings(const Header& image, uint32_t position, bool whole, const Real* d) {
+  const ActiveNode* node = active_node(image, position);
+  const bool outside =
+      !whole || (!traits(image).proportional &&
+                 (node == nullptr || square_root(dot(d, d)) > depth_slack<Real> * trained_depth(image, position, d)));
+  return (outside ? PHN_WARNING_OUTSIDE : 0) | (node != nullptr && node->incomplete ? PHN_WARNING_INCOMPLETE : 0);
+}
+
+}  // namespace PHN_IMAGES

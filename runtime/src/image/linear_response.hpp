@@ -3,40 +3,31 @@
 
 #include "image/view.hpp"
 
-namespace PHN_RUNTIME {
+namespace PHN_IMAGES {
 
 /// @param d  clamped, also in the functions below
-template <class Real>
-void response_force(const ImageHeader<Real>&, const image::LinearResponse<Real>& linear, const Real* d, Real* force) {
+inline void response_force(const Header&, const LinearResponse& linear, const Real* d, Real* force) {
   multiply_symmetric(linear.stiffness, d, force);
 }
 
-template <class Real>
-Real response_energy(const ImageHeader<Real>&, const image::LinearResponse<Real>& linear, const Real* d) {
+inline Real response_energy(const Header&, const LinearResponse& linear, const Real* d) {
   Real force[3];
   multiply_symmetric(linear.stiffness, d, force);
   return dot(d, force) / 2;
 }
 
-template <class Real>
-void response_stiffness(const ImageHeader<Real>&, const image::LinearResponse<Real>& linear, const Real*,
-                        Real* stiffness) {
+inline void response_stiffness(const Header&, const LinearResponse& linear, const Real*, Real* stiffness) {
   fill_symmetric(linear.stiffness, stiffness);
 }
 
 /// Every response of this family has a deformation.
-template <class Real>
-bool has_deformation(const image::LinearResponse<Real>&) {
-  return true;
-}
+inline bool has_deformation(const LinearResponse&) { return true; }
 
-template <class Real>
-void response_field(const ImageHeader<Real>& image, const image::LinearResponse<Real>& linear, const Real* d, Real*,
-                    Real* field) {
+inline void response_field(const Header& image, const LinearResponse& linear, const Real* d, Real*, Real* field) {
   const Real* unit = at<Real>(image, linear.unit_responses);
   for (uint32_t o = 0; o < image.output_nodes.n; ++o, unit += 9, field += 3) {
     for (int k = 0; k < 3; ++k) field[k] = d[0] * unit[k] + d[1] * unit[3 + k] + d[2] * unit[6 + k];
   }
 }
 
-}  // namespace PHN_RUNTIME
+}  // namespace PHN_IMAGES

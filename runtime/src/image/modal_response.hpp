@@ -3,12 +3,12 @@
 
 #include "image/view.hpp"
 
-namespace PHN_RUNTIME {
+namespace PHN_IMAGES {
 
 /// Force, energy and stiffness are derivatives of one potential (ModalForce in core/model.hpp): sums over the same
 /// centers. Calls add(x - c, b) for every center, including the one at 0.
-template <class Real, class Add>
-void for_each_center(const ImageHeader<Real>& image, const image::ModalResponse<Real>& node, const Real* x, Add add) {
+template <class Add>
+void for_each_center(const Header& image, const ModalResponse& node, const Real* x, Add add) {
   const Real* rows = at<Real>(image, image.displacements);
   const auto* row = at<uint16_t>(image, node.center);
   const Real* b = at<Real>(image, node.coefficient);
@@ -22,17 +22,13 @@ void for_each_center(const ImageHeader<Real>& image, const image::ModalResponse<
 }
 
 /// K R x
-template <class Real>
-void linear_force(const ImageHeader<Real>& image, const image::ModalResponse<Real>& node, const Real* x, Real* d,
-                  Real* force) {
+inline void linear_force(const Header& image, const ModalResponse& node, const Real* x, Real* d, Real* force) {
   for (int k = 0; k < 3; ++k) d[k] = image.max_displacement * x[k];
   multiply_symmetric(node.stiffness, d, force);
 }
 
 /// @param d  clamped, also in the functions below
-template <class Real>
-void response_force(const ImageHeader<Real>& image, const image::ModalResponse<Real>& node, const Real* d,
-                    Real* force) {
+inline void response_force(const Header& image, const ModalResponse& node, const Real* d, Real* force) {
   Real x[3], scaled[3], sum[3] = {0, 0, 0};
   scale_displacement(image, d, x);
   const Real s2 = node.shape * node.shape;
@@ -44,8 +40,7 @@ void response_force(const ImageHeader<Real>& image, const image::ModalResponse<R
   for (int k = 0; k < 3; ++k) force[k] += sum[k] + node.force_at_rest[k];
 }
 
-template <class Real>
-Real response_energy(const ImageHeader<Real>& image, const image::ModalResponse<Real>& node, const Real* d) {
+inline Real response_energy(const Header& image, const ModalResponse& node, const Real* d) {
   Real x[3], scaled[3], force[3], sum = 0;
   scale_displacement(image, d, x);
   const Real s2 = node.shape * node.shape;
@@ -56,9 +51,7 @@ Real response_energy(const ImageHeader<Real>& image, const image::ModalResponse<
   return dot(scaled, force) / 2 + image.max_displacement * ((sum + node.energy_at_rest) + dot(rest, x));
 }
 
-template <class Real>
-void response_stiffness(const ImageHeader<Real>& image, const image::ModalResponse<Real>& node, const Real* d,
-                        Real* stiffness) {
+inline void response_stiffness(const Header& image, const ModalResponse& node, const Real* d, Real* stiffness) {
   Real x[3], sum[6] = {};
   scale_displacement(image, d, x);
   const Real s2 = node.shape * node.shape;
@@ -66,8 +59,7 @@ void response_stiffness(const ImageHeader<Real>& image, const image::ModalRespon
     const Real q = square_root(dot(y, y) + s2), n[3] = {y[0] / q, y[1] / q, y[2] / q}, along = dot(n, b);
     Real* at = sum;
     for (int i = 0; i < 3; ++i) {
-      for (int j = i; j < 3; ++j)
-        *at++ += b[i] * n[j] + n[i] * b[j] + along * (static_cast<Real>(i == j) - n[i] * n[j]);
+      for (int j = i; j < 3; ++j) *at++ += b[i] * n[j] + n[i] * b[j] + along * (Real(i == j) - n[i] * n[j]);
     }
   });
   for (int i = 0; i < 6; ++i) sum[i] = node.stiffness[i] + sum[i] / image.max_displacement;
@@ -75,31 +67,24 @@ void response_stiffness(const ImageHeader<Real>& image, const image::ModalRespon
 }
 
 /// out = table times vector. @param scaled  the vector times the columns' factors
-template <class Real>
-void multiply_rows(const int16_t* entry, uint32_t n_rows, uint32_t n_columns, const Real* scaled, Real* out) {
+inline void multiply_rows(const int16_t* entry, uint32_t n_rows, uint32_t n_columns, const Real* scaled, Real* out) {
   for (uint32_t r = 0; r < n_rows; ++r, entry += n_columns) {
     Real sum = 0;
-    for (uint32_t j = 0; j < n_columns; ++j) sum += static_cast<Real>(entry[j]) * scaled[j];
+    for (uint32_t j = 0; j < n_columns; ++j) sum += Real(entry[j]) * scaled[j];
     out[r] = sum;
   }
 }
 
-template <class Real>
-void scale_columns(const ImageHeader<Real>& image, const image::ScaledTable& table, const Real* value, Real* scaled) {
+inline void scale_columns(const Header& image, const image::ScaledTable& table, const Real* value, Real* scaled) {
   const Real* scale = at<Real>(image, table.scale);
   for (uint32_t j = 0; j < table.scale.n; ++j) scaled[j] = scale[j] * value[j];
 }
 
 /// False for a model without modes, which has forces only.
-template <class Real>
-bool has_deformation(const image::ModalResponse<Real>& modal) {
-  return modal.weights.scale.n > 0;
-}
+inline bool has_deformation(const ModalResponse& modal) { return modal.weights.scale.n > 0; }
 
 /// @param scratch  n_amplitude_centers + 3, then n_shared, then twice n_modes
-template <class Real>
-void response_field(const ImageHeader<Real>& image, const image::ModalResponse<Real>& node, const Real* d,
-                    Real* scratch, Real* field) {
+inline void response_field(const Header& image, const ModalResponse& node, const Real* d, Real* scratch, Real* field) {
   const uint32_t n_centers = image.amplitude_center.n, n_shared = image.modes.scale.n, m = node.weights.scale.n;
   Real *basis = scratch, *amount = basis + n_centers + 3, *amplitude = amount + n_shared, *scaled = amplitude + m;
   Real x[3];
@@ -116,7 +101,7 @@ void response_field(const ImageHeader<Real>& image, const image::ModalResponse<R
   clear(amplitude, m);
   const auto* weight = at<int16_t>(image, node.weights.entry);
   for (uint32_t r = 0; r < n_centers + 3; ++r, weight += m) {
-    for (uint32_t j = 0; j < m; ++j) amplitude[j] += basis[r] * static_cast<Real>(weight[j]);
+    for (uint32_t j = 0; j < m; ++j) amplitude[j] += basis[r] * Real(weight[j]);
   }
   scale_columns(image, node.weights, amplitude, amplitude);
   scale_columns(image, node.mixing, amplitude, scaled);
@@ -130,4 +115,4 @@ void response_field(const ImageHeader<Real>& image, const image::ModalResponse<R
     multiply_rows(mode, 3, m, scaled, field + 3 * static_cast<size_t>(near[i]));
 }
 
-}  // namespace PHN_RUNTIME
+}  // namespace PHN_IMAGES

@@ -4,47 +4,38 @@
 #include "core/bound.hpp"
 #include "image/image.hpp"
 
-namespace PHN_RUNTIME {
-
-/// Null: the image has none.
-template <class Real>
-const image::Surface* surface_of(const ImageHeader<Real>& image) {
-  const uint32_t found = at<image::Provenance>(image, image.provenance)->surface;
-  return found == 0 ? nullptr : at<image::Surface>(image, found);
-}
+namespace PHN_IMAGES {
 
 /// Triangles that a walk crosses at most, and triangles around a vertex that it looks at.
 inline constexpr uint32_t most_crossings = 32, most_around_vertex = 64;
 
-template <class Real>
 struct Nearest {
   uint32_t triangle;
   Real weight[3], point[3], square;  ///< square of the distance
 };
 
 /// Finds the place nearest to x on the surface.
-template <class Real>
 class Search {
  public:
-  Search(const ImageHeader<Real>& image, const image::Surface& surface, const Real* x)
+  Search(const Header& image, const image::Surface& surface, const Real* x)
       : _triangle(at<uint16_t>(image, surface.triangle)), _point(at<Real>(image, surface.point)), _x(x) {}
 
-  Nearest<Real> everywhere(uint32_t n_triangles) const {
-    Nearest<Real> best = on(0);
+  Nearest everywhere(uint32_t n_triangles) const {
+    Nearest best = on(0);
     for (uint32_t t = 1; t < n_triangles; ++t) improve(t, best);
     return best;
   }
 
   /// @param best  where the walk starts, then ends. @return whether it arrived
-  bool walk(Nearest<Real>& best) const {
+  bool walk(Nearest& best) const {
     for (uint32_t crossed = 0; crossed <= most_crossings; ++crossed) {
       if (!step(best)) return true;
     }
     return false;
   }
 
-  [[gnu::noinline]] Nearest<Real> on(uint32_t t) const {
-    Nearest<Real> found;
+  [[gnu::noinline]] Nearest on(uint32_t t) const {
+    Nearest found;
     const Real* corner[3];
     found.triangle = t;
     for (int k = 0; k < 3; ++k) corner[k] = _point + 3 * static_cast<size_t>(vertex(t, k));
@@ -54,7 +45,7 @@ class Search {
   }
 
   /// Moves a place away from a fixed edge. @param corners  of the vertices
-  void leave_fixed_edge(const image::VertexCorners* corners, Nearest<Real>& found) const {
+  void leave_fixed_edge(const image::VertexCorners* corners, Nearest& found) const {
     bool moves[3];
     Real movable = 0;
     for (int k = 0; k < 3; ++k) {
@@ -66,7 +57,7 @@ class Search {
 
  private:
   /// The point of the weights and its distance.
-  void put(Nearest<Real>& found) const {
+  void put(Nearest& found) const {
     found.square = 0;
     for (int k = 0; k < 3; ++k) {
       found.point[k] = 0;
@@ -79,8 +70,8 @@ class Search {
   uint16_t vertex(uint32_t t, int k) const { return _triangle[6 * t + static_cast<uint32_t>(k)]; }
   uint16_t across(uint32_t t, int k) const { return vertex(t, 3 + k); }
 
-  bool improve(uint32_t t, Nearest<Real>& best) const {
-    const Nearest<Real> found = on(t);
+  bool improve(uint32_t t, Nearest& best) const {
+    const Nearest found = on(t);
     const bool nearer = found.square < best.square;
     if (nearer) best = found;
     return nearer;
@@ -88,7 +79,7 @@ class Search {
 
   /// To a nearer triangle at the edge or the vertex on which the nearest point is. Distances only decrease, so that no
   /// triangle is entered twice.
-  bool step(Nearest<Real>& best) const {
+  bool step(Nearest& best) const {
     const Real* w = best.weight;
     for (int k = 0; k < 3; ++k) {
       if (w[k] == 1) return around(k, 1, best) || around(k, 2, best);
@@ -101,7 +92,7 @@ class Search {
   }
 
   /// Looks at the triangles around corner k, from that across the edge opposite to the corner k + turn.
-  bool around(int k, int turn, Nearest<Real>& best) const {
+  bool around(int k, int turn, Nearest& best) const {
     const uint16_t middle = vertex(best.triangle, k);
     uint32_t t = best.triangle;
     for (uint32_t i = 0; i < most_around_vertex; ++i) {
@@ -118,86 +109,95 @@ class Search {
   const Real *_point, *_x;
 };
 
-/// The active nodes and linear points at a place come first; all with their weights in (x).
-template <class Real>
-struct Around {
-  uint32_t n_corners = 0, n = 0;
-  Real share[image::most_corners];  ///< of the first, with the sum 1
-  Real fixed_weight = 0;
-  uint16_t active[image::most_corners * (1 + image::most_neighbours)];
-  Real weight[image::most_corners * (1 + image::most_neighbours)];
+/// Weights of positions, as with_response takes them. @tparam most  of them
+template <uint32_t most>
+struct Weights {
+  uint32_t n = 0;
+  uint32_t position[most];
+  Real weight[most];
 
-  bool counts(uint32_t i) const { return share[i] > static_cast<Real>(least_share); }
-
-  void add(uint16_t node, Real by) {
+  void add(uint32_t at, Real by) {
     uint32_t i = 0;
-    while (i < n && active[i] != node) ++i;
+    while (i < n && position[i] != at) ++i;
     if (i == n) {
-      active[n++] = node;
+      position[n++] = at;
       weight[i] = 0;
     }
     weight[i] += by;
   }
 };
 
-/// Finds the active nodes at a place and checks it. @return a status of phynness.h
-template <class Real>
-int find_corners(const ImageHeader<Real>& image, const image::Surface& surface, uint32_t triangle, const Real* weights,
-                 Around<Real>& around) {
+/// What answers at a tool: one active node, or the active nodes and linear points between which it is. The weights have
+/// the sum 1.
+struct Corners : Weights<image::most_corners> {
+  Real fixed_weight = 0;
+
+  bool counts(uint32_t i) const { return weight[i] > Real(least_share); }
+};
+
+/// Finds the corners of a place and checks it. @return a status of phynness.h
+[[gnu::cold]] inline int find_between(const Header& image, const phn_image_tool& tool, Corners& corners) {
   constexpr Real slack = Real(1e-6), whole = schema::whole_weight;
-  if (triangle >= surface.triangle.n / 6) return PHN_ERROR_ARGUMENT;
+  const image::Surface* surface = surface_of(image);
+  if (surface == nullptr) return PHN_ERROR_UNDEFINED;
+  const auto triangle = static_cast<uint32_t>(tool.triangle);
+  if (triangle >= surface->triangle.n / 6) return PHN_ERROR_ARGUMENT;
+  const auto* vertex = at<uint16_t>(image, surface->triangle) + 6 * static_cast<size_t>(triangle);
   Real sum = 0, movable = 0;
-  for (uint32_t k = 0; k < 3; ++k) {
-    const Real w = weights[k];
+  for (int k = 0; k < 3; ++k) {
+    const Real w = tool.weights[k];
     if (!(w >= 0 && w <= 1 + slack)) return PHN_ERROR_ARGUMENT;
     sum += w;
-    const auto& corner =
-        at<image::VertexCorners>(image, surface.vertex)[at<uint16_t>(image, surface.triangle)[6 * triangle + k]];
+    const auto& corner = at<image::VertexCorners>(image, surface->vertex)[vertex[k]];
     if (w == 0 || corner.active[0] == image::none) continue;
     movable += w;
     const Real first = corner.first, second = corner.second, rest = (whole - first) / whole;
     const Real part[3] = {first / whole, rest * (second / whole), rest * ((whole - second) / whole)};
     for (int i = 0; i < 3; ++i) {
-      if (part[i] > 0) around.add(corner.active[i], w * part[i]);
+      if (part[i] > 0) corners.add(corner.active[i], w * part[i]);
     }
   }
   if (!(sum >= 1 - slack && sum <= 1 + slack)) return PHN_ERROR_ARGUMENT;
   if (!(movable > slack)) return PHN_ERROR_NOT_ACTIVE;
-  around.fixed_weight = sum - movable;
-  around.n_corners = around.n;
+  corners.fixed_weight = sum - movable;
   sum = 0;
-  for (uint32_t i = 0; i < around.n; ++i) sum += around.weight[i];
-  for (uint32_t i = 0; i < around.n; ++i) around.share[i] = around.weight[i] /= sum;
+  for (uint32_t i = 0; i < corners.n; ++i) sum += corners.weight[i];
+  for (uint32_t i = 0; i < corners.n; ++i) corners.weight[i] /= sum;
   return PHN_OK;
 }
 
-/// Calls f with the response of an active node, or of a linear point, which has no field. @param own  of Around
-template <class Real, class Function>
-auto with_response_at(const ImageHeader<Real>& image, uint32_t own, Function&& f) {
-  const uint32_t n_active = image.active_nodes.n;
-  if (own < n_active) return with_response(image, at<image::ActiveNode<Real>>(image, image.active)[own], f);
-  const Real* k = at<Real>(image, surface_of(image)->rest_stiffness) + 6 * static_cast<size_t>(own - n_active);
-  const image::LinearResponse<Real> rest = {{k[0], k[1], k[2], k[3], k[4], k[5]}, {0, 0}};
-  return f(rest);
+/// @return a status of phynness.h
+inline int find_corners(const Header& image, const phn_image_tool& tool, Corners& corners) {
+  if (tool.node == -1) return find_between(image, tool, corners);
+  const auto n_active = static_cast<int32_t>(image.active_nodes.n);
+  const int32_t found = find_sorted(at<int32_t>(image, image.active_nodes), n_active, tool.node);
+  corners.n = 1;
+  corners.position[0] = static_cast<uint32_t>(found);
+  corners.weight[0] = 1;
+  return found < 0 ? PHN_ERROR_NOT_ACTIVE : PHN_OK;
 }
 
-/// Adds the neighbours, by the gradients of the energies over the surface: mean_at in tools/round_tool.cpp.
-template <class Real>
-void add_neighbours(const ImageHeader<Real>& image, const image::Surface& surface, Around<Real>& around) {
+/// The corners, then their neighbours, with the weights of (x).
+using Around = Weights<image::most_corners*(1 + image::most_neighbours)>;
+
+/// By the gradients of the energies over the surface: mean_at in tools/round_tool.cpp.
+[[gnu::cold]] inline void find_neighbours(const Header& image, const Corners& corners, Around& around) {
+  const image::Surface& surface = *surface_of(image);
   const auto point = [&](uint32_t i) {
-    const uint32_t n_active = image.active_nodes.n, own = around.active[i];
-    return own < n_active ? at<Real>(image, image.active_points) + 3 * static_cast<size_t>(own)
-                          : at<Real>(image, surface.rest_point) + 3 * static_cast<size_t>(own - n_active);
+    const size_t n_active = image.active_nodes.n, own = corners.position[i];
+    return own < n_active ? at<Real>(image, image.active_points) + 3 * own
+                          : at<Real>(image, surface.rest_point) + 3 * (own - n_active);
   };
   Real x[3] = {0, 0, 0};
-  for (uint32_t i = 0; i < around.n_corners; ++i) {
-    for (int k = 0; k < 3; ++k) x[k] += around.share[i] * point(i)[k];
+  for (uint32_t i = 0; i < corners.n; ++i) {
+    around.add(corners.position[i], corners.weight[i]);
+    for (int k = 0; k < 3; ++k) x[k] += corners.weight[i] * point(i)[k];
   }
-  for (uint32_t i = 0; i < around.n_corners && around.n_corners > 1; ++i) {
-    const uint32_t* begin = at<uint32_t>(image, surface.begin) + around.active[i];
+  for (uint32_t i = 0; i < corners.n; ++i) {
+    const uint32_t* begin = at<uint32_t>(image, surface.begin) + corners.position[i];
     const Real away[3] = {x[0] - point(i)[0], x[1] - point(i)[1], x[2] - point(i)[2]};
     for (uint32_t m = begin[0]; m < begin[1]; ++m) {
-      const Real part = around.share[i] * dot(away, at<Real>(image, surface.slope) + 3 * static_cast<size_t>(m));
+      const Real part = corners.weight[i] * dot(away, at<Real>(image, surface.slope) + 3 * static_cast<size_t>(m));
       around.add(at<uint16_t>(image, surface.neighbour)[m], part);
       around.weight[i] -= part;
     }
@@ -205,8 +205,7 @@ void add_neighbours(const ImageHeader<Real>& image, const image::Surface& surfac
 }
 
 /// Bound of the force at one active node. @param d  clamped, inside the trained range
-template <class Real>
-Real bound_at_node(const ImageHeader<Real>& image, const image::Surface& surface, uint32_t active, const Real* d) {
+inline Real bound_at_node(const Header& image, const image::Surface& surface, uint32_t active, const Real* d) {
   const uint32_t n_rows = image.displacements.n / 3, n = n_rows / (image.directions.n / 3);
   const Real* directions = at<Real>(image, image.directions);
   uint32_t nearest = 0;
@@ -220,10 +219,7 @@ Real bound_at_node(const ImageHeader<Real>& image, const image::Surface& surface
   const auto rest = [&] {  // the size of the force
     const Real none[3] = {0, 0, 0};
     Real force[3] = {0, 0, 0};
-    if (!modal) {
-      with_response(image, at<image::ActiveNode<Real>>(image, image.active)[active],
-                    [&](const auto& response) { response_force(image, response, none, force); });
-    }
+    if (!modal) respond<Force>(image, active, none, force);
     return square_root(dot(force, force));
   };
   return bound_along(at<Real>(image, image.displacements) + 3 * first, static_cast<int32_t>(n),
@@ -231,4 +227,4 @@ Real bound_at_node(const ImageHeader<Real>& image, const image::Surface& surface
                      at<Real>(image, surface.bound_scale)[active], dot(x, x), rest);
 }
 
-}  // namespace PHN_RUNTIME
+}  // namespace PHN_IMAGES

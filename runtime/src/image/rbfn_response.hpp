@@ -4,10 +4,9 @@
 #include "core/rbfn/exponential.hpp"
 #include "image/view.hpp"
 
-namespace PHN_RUNTIME {
+namespace PHN_IMAGES {
 
-template <class Real>
-void network_force(const ImageHeader<Real>& image, const image::Network<Real, 3>& net, const Real* d, Real* force) {
+inline void network_force(const Header& image, const image::Network<Real, 3>& net, const Real* d, Real* force) {
   const Real d0 = d[0], d1 = d[1], d2 = d[2], f0 = net.factor[0], f1 = net.factor[1], f2 = net.factor[2];
   const Real* rows = at<Real>(image, image.displacements);
   const auto* row = at<uint16_t>(image, net.displacement);
@@ -27,9 +26,8 @@ void network_force(const ImageHeader<Real>& image, const image::Network<Real, 3>
 }
 
 /// @param factor  working memory, one number per neuron: its factor that depends on the displacement
-template <class Real>
-void network_field(const ImageHeader<Real>& image, const image::Network<Real, 6>& net, const Real* d, Real* factor,
-                   Real* field) {
+inline void network_field(const Header& image, const image::Network<Real, 6>& net, const Real* d, Real* factor,
+                          Real* field) {
   const uint32_t n = net.displacement.n;
   const auto* row = at<uint16_t>(image, net.displacement);
   const auto* output = at<uint16_t>(image, net.output);
@@ -62,32 +60,22 @@ void network_field(const ImageHeader<Real>& image, const image::Network<Real, 6>
 }
 
 /// @param d  clamped, also in the functions below
-template <class Real>
-void response_force(const ImageHeader<Real>& image, const image::RbfnResponse<Real>& rbfn, const Real* d, Real* force) {
+inline void response_force(const Header& image, const RbfnResponse& rbfn, const Real* d, Real* force) {
   network_force(image, rbfn.force, d, force);
 }
 
 /// Family rbfn has no energy.
-template <class Real>
-Real response_energy(const ImageHeader<Real>&, const image::RbfnResponse<Real>&, const Real*) {
-  return 0;
-}
+inline Real response_energy(const Header&, const RbfnResponse&, const Real*) { return 0; }
 
 /// Family rbfn has no stiffness.
-template <class Real>
-void response_stiffness(const ImageHeader<Real>&, const image::RbfnResponse<Real>&, const Real*, Real*) {}
+inline void response_stiffness(const Header&, const RbfnResponse&, const Real*, Real*) {}
 
 /// Every response of this family has a deformation.
-template <class Real>
-bool has_deformation(const image::RbfnResponse<Real>&) {
-  return true;
-}
+inline bool has_deformation(const RbfnResponse&) { return true; }
 
 /// @param scratch  one number per neuron
-template <class Real>
-void response_field(const ImageHeader<Real>& image, const image::RbfnResponse<Real>& rbfn, const Real* d, Real* scratch,
-                    Real* field) {
+inline void response_field(const Header& image, const RbfnResponse& rbfn, const Real* d, Real* scratch, Real* field) {
   network_field(image, rbfn.deformation, d, scratch, field);
 }
 
-}  // namespace PHN_RUNTIME
+}  // namespace PHN_IMAGES

@@ -22,11 +22,14 @@ static void refuse_what_is_no_model(void) {
   size_t bytes = 1, of_contact = 1, wrong_byte = 0;
   const double words[] = {1, 2, 3};
   const phn_image* image = NULL;
+  const phn_image_tool tool = phn_image_tool_at(3, words);
+  phn_real force[3] = {1, 1, 1};
   phn_info info;
   const int status = phn_model_size("hello", 5, &bytes, &wrong_byte);
   printf("phynness %s: %s\n", phn_version(), phn_status_message(status));
   expect(status == PHN_ERROR_NOT_A_MODEL && bytes == 0 && wrong_byte == 1, "a text that is no model is refused");
   expect(phn_image_open(words, sizeof words, &image) == PHN_ERROR_NOT_A_MODEL && image == NULL, "nor is it an image");
+  expect(phn_image_force(image, &tool, force) == PHN_ERROR_ARGUMENT && force[0] == 0, "no image has no force");
   expect(phn_contact_size(NULL, 1, &of_contact) == PHN_ERROR_ARGUMENT && of_contact == 0, "contact needs a model");
   expect(phn_model_info(NULL, &info) == PHN_ERROR_ARGUMENT, "no model has no contents");
 }
@@ -34,6 +37,7 @@ static void refuse_what_is_no_model(void) {
 static void check_version(void) {
   expect(phn_abi_version() == PHN_ABI_VERSION, "header and library have one version");
   expect(phn_sizeof("phn_info") == (int32_t)sizeof(phn_info) && phn_sizeof("phn_tool") == (int32_t)sizeof(phn_tool) &&
+             phn_sizeof("phn_image_tool") == (int32_t)sizeof(phn_image_tool) &&
              phn_sizeof("phn_contact_state") == (int32_t)sizeof(phn_contact_state) &&
              phn_sizeof("phn_loop_settings") == (int32_t)sizeof(phn_loop_settings),
          "structs have the sizes of the library");

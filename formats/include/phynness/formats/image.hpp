@@ -41,38 +41,31 @@ struct ImageContents {
 /// @throws Error (input) if it is no image, or damaged
 ImageContents read_image(const std::vector<std::uint64_t>& words, std::size_t bytes, const std::string& source);
 
-/// A query of a model with the responses of the runtime in double and of the image.
+/// A tool with the responses of the runtime in double and of the image.
 struct GoldenQuery {
-  std::int32_t node = 0;
+  std::int32_t node = -1;  ///< -1: the tool is at the place that the image finds for the point
+  Vec3 point_m{0, 0, 0};
   Vec3 displacement_m{0, 0, 0};
-  Vec3 force_N{0, 0, 0}, image_force_N{0, 0, 0};
-  int status = 0;           ///< of the force of the image
-  std::int32_t output = 0;  ///< a position in the list of output nodes, which varies from query to query
-  Vec3 deformation_m{0, 0, 0}, image_deformation_m{0, 0, 0};  ///< of that node; 0 if there are forces only
-};
-
-/// A round tool at a place between active nodes, with the responses of both.
-struct GoldenPlace {
-  Vec3 point_m{0, 0, 0};  ///< on a triangle; the image finds its place there
-  std::int32_t triangle = -1;
+  std::int32_t triangle = -1;  ///< of the place, as are the weights
   Vec3 weights{0, 0, 0};
-  Vec3 displacement_m{0, 0, 0};
+  int status = 0;  ///< of the force of the image
   Vec3 force_N{0, 0, 0}, image_force_N{0, 0, 0};
   double bound_N = PHN_NO_BOUND, image_bound_N = PHN_IMAGE_NO_BOUND;
-  int status = 0;  ///< of the force of the image
+  std::int32_t output = 0;  ///< a position in the list of output nodes, which varies from query to query
+  Vec3 deformation_m{0, 0, 0}, image_deformation_m{0, 0, 0};  ///< of that node; 0 between nodes and with forces only
 };
 
 struct GoldenQueries {
   std::vector<GoldenQuery> query;
-  std::vector<GoldenPlace> place;
+  std::size_t n_measured = 0;  ///< queries from which the deviations are, at least 256 at nodes
   /// Largest difference between image and runtime, over the largest component of all responses.
   double force_deviation = 0, deformation_deviation = 0;
 };
 
 /// `n` queries at all active nodes in turn: rest, both directions along each axis, then random directions and depths
 /// inside the trained range. Every fourth query is outside of it, up to a factor of 1.43, and every sixteenth has a
-/// factor of 3. On the surface of an image there are a quarter as many places, too. The queries are reproducible.
-/// Displacements and points are numbers that the image can represent.
+/// factor of 3. On the surface of an image there are a quarter as many between nodes, too. The queries are
+/// reproducible. Displacements and points are numbers that the image can represent.
 /// @param organ  the same model in the runtime
 GoldenQueries golden_queries(const Model& model, Organ& organ, const ModelImage& image, std::size_t n);
 
