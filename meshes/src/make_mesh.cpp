@@ -141,7 +141,7 @@ MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::str
   if (spec.remesh)
     throw input_error(place(spec) + ": remesh = true makes new tetrahedra within a body, but the file holds a surface",
                       source, "remove mesh.remesh: a closed surface is filled with tetrahedra without it");
-  std::vector<std::string> notes = raw.notes;
+  std::vector<std::string> notes;
   Surface surface = checked_surface(raw, spec.scale_to_m, spec.repair, source, notes);
   return filled(spec, std::move(surface), source, std::move(notes));
 }
@@ -157,10 +157,11 @@ std::string summary(const QualityReport& quality) {
 /// New tetrahedra within the surface of a body.
 MeshResult remeshed_body(const MeshSpec& spec, const MeshResult& body, const std::string& source) {
   const Mesh& old = body.mesh;
-  if (const auto topology = surface_topology(old.surface); topology.component_sizes.size() > 1)
-    throw input_error(place(spec) + ": remesh = true cannot keep the cavities of the body",
-                      source + ", whose surface has " + describe_components(topology.component_sizes, "triangles"),
-                      "remove mesh.remesh, and mesh the body again in the program that made it");
+  if (const std::string defects = describe_defects(surface_topology(old.surface), true); !defects.empty())
+    throw input_error(
+        place(spec) + ": remesh = true keeps neither cavities of the body nor places where it touches itself",
+        source + ", whose surface has " + defects,
+        "remove mesh.remesh, and mesh the body again in the program that made it");
   const auto nodes = surface_nodes(old.surface);
   Surface surface{old.nodes(nodes, Eigen::indexing::all), old.surface};
   for (auto& node : surface.triangles.reshaped())

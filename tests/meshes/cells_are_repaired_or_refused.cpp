@@ -1,7 +1,8 @@
 // Claims: cells with opposite numbering are flipped with a note. Flat, overlapping or separate cells, NaN coordinates
-// and pinched bodies are refused with their numbers. Unreferenced nodes are dropped with a note, and the order of all
-// others is kept.
+// and faces that do not match are refused with their numbers. Bodies that touch themselves are taken with a warning.
+// Unreferenced nodes are dropped with a note, and the order of all others is kept.
 #include "mesh_under_test.hpp"
+#include "read/file_mesh.hpp"
 
 namespace phynness::test {
 namespace {
@@ -57,14 +58,100 @@ TEST(Cells, SeparatePiecesAreRefusedOrTheLargestIsKept) {
   EXPECT_TRUE(contains(message, "2 components of 2 and 1 cells")) << message;
   const MeshResult result = import_bytes(msh_2(cells, 3, nodes, 9), ".msh", true);
   EXPECT_EQ(result.mesh.n_cells(), 2);
-  EXPECT_TRUE(contains(joined(result.notes), "kept the largest of 2 components"));
+  EXPECT_TRUE(
+      contains(joined(result.notes), "kept the largest of 2 components of 2 and 1 cells, 0.5 m^3; dropped 0.167"))
+      << joined(result.notes);
 }
 
-TEST(Cells, TouchingAlongAnEdgeOnlyAreNoManifold) {
+// One would turn about the other: no finite elements hold it.
+TEST(Cells, TouchingAlongAnEdgeOnlyAreTwoPieces) {
   const std::string nodes = "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0 -1 0\n6 0 0 -1\n";
-  const std::string message =
-      error_of([&] { import_bytes(msh_2("1 4 2 0 1 1 2 3 4\n2 4 2 0 1 1 2 5 6\n", 2, nodes, 6), ".msh"); });
-  EXPECT_TRUE(contains(message, "1 non-manifold edge (nodes 0-1)")) << message;
+  const std::string cells = "1 4 2 0 1 1 2 3 4\n2 4 2 0 1 1 2 5 6\n";
+  const std::string message = error_of([&] { import_bytes(msh_2(cells, 2, nodes, 6), ".msh"); });
+  EXPECT_TRUE(contains(message, "2 components") && contains(message, "nodes 0, 1")) << message;
+  EXPECT_EQ(import_bytes(msh_2(cells, 2, nodes, 6), ".msh", true).mesh.n_cells(), 1);
+}
+
+/// Cubes at integer places, divided from the corner of the smallest number.
+meshes::RawMesh cubes(const std::vector<std::array<int, 3>>& places) {
+  meshes::RawMesh raw;
+  for (const auto& [i, j, k] : places) {
+    std::vector<std::int32_t> corners;
+    for (const auto& [a, b, c] :
+         {std::array{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}) {
+      corners.push_back(static_cast<std::int32_t>(raw.nodes.size()));
+      raw.nodes.push_back({1.0 * i + a, 1.0 * j + b, 1.0 * k + c});
+    }
+    raw.add_cell(corners);
+  }
+  raw.finish(false);
+  raw.file_number.clear();
+  return raw;
+}
+
+using Places = std::vector<std::array<int, 3>>;
+const Places arch = {{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {2, 0, 1}, {2, 1, 1}};
+
+TEST(Bodies, ThatTouchThemselvesAreTakenWithAWarning) {
+  Places node = arch, edge = arch;
+  edge.push_back({1, 1, 1}), edge.push_back({1, 1, 0});  // beside the first cube along an edge
+  node.push_back({2, 1, 0}), node.push_back({2, 1, -1}), node.push_back({1, 1, -1});  // at a corner of it
+  const Places corner = {{0, 0, 0}, {1, 0, 0}, {1, 1, 1}, {1, 0, 1}, {0, 0, 1}};
+  const std::pair<Places, const char*> bodies[] = {{edge, "non-manifold edge"}, {node, "pinched vert"}};
+  for (const auto& [places, defect] : bodies) {
+    const MeshResult result = meshes::checked_body(cubes(places), 1, false, "f");
+    EXPECT_NEAR(result.quality.volume_m3, static_cast<double>(places.size()), 1e-12);
+    EXPECT_TRUE(contains(joined(result.warnings), "touches itself") && contains(joined(result.warnings), defect))
+        << joined(result.warnings);
+  }
+  EXPECT_FALSE(contains(joined(meshes::checked_body(cubes(corner), 1, false, "f").warnings), "touches"));
+}
+
+TEST(Bodies, WhosePiecesShareNodesThatAreNotOnALineAreOnePiece) {
+  const MeshResult result = meshes::checked_body(cubes({{0, 0, 0}, {0, 0, -1}, {1, 0, -1}, {1, 1, 0}}), 1, false, "f");
+  EXPECT_EQ(result.mesh.n_cells(), 24);
+  EXPECT_TRUE(contains(joined(result.warnings), "touches itself")) << joined(result.warnings);
+  EXPECT_TRUE(contains(error_of([] {
+                         meshes::checked_body(cubes({{0, 0, 0}, {1, 1, 1}}), 1, false, "f");
+                       }),
+                       "turn about"));
+}
+
+TEST(Bodies, WhoseCellsAreDividedAlongCrossingDiagonalsAreRefusedForThat) {
+  for (const bool crossing : {false, true}) {
+    meshes::RawMesh raw = cubes({{0, 0, 0}}), other = cubes({{0, 0, 0}});
+    for (auto& x : other.nodes) x = {x[0] + 1, crossing ? 1 - x[1] : x[1], x[2]};
+    for (auto cell : other.tetrahedra) {
+      for (auto& node : cell) node += 8;
+      raw.tetrahedra.push_back(cell);
+    }
+    raw.nodes.insert(raw.nodes.end(), other.nodes.begin(), other.nodes.end());
+    raw.finish(true);
+    const std::string message =
+        error_of([&] { EXPECT_EQ(meshes::checked_body(raw, 1, false, "f").mesh.n_nodes(), 12); });
+    EXPECT_EQ(contains(message, "split along different diagonals: 1 place, first nodes 1 2 5 6"), crossing) << message;
+    EXPECT_EQ(message.empty(), !crossing);
+  }
+}
+
+// A gap of rounding errors is closed on request, and told without.
+TEST(Bodies, WhoseHalvesAreApartByRoundingErrorsAreMergedOnRequest) {
+  meshes::RawMesh raw = cubes({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});
+  const auto half = [&](double gap) {
+    meshes::RawMesh apart = raw;
+    const auto n = static_cast<std::int32_t>(raw.nodes.size());
+    for (const auto& x : raw.nodes) apart.nodes.push_back({x[0] + gap, x[1], x[2]});
+    for (std::size_t c = 12; c < 18; ++c)
+      for (auto& node : apart.tetrahedra[c]) node += n;
+    return apart;
+  };
+  const std::string message = error_of([&] { meshes::checked_body(half(1e-7), 1, false, "f"); });
+  EXPECT_TRUE(contains(message, "4 nodes are within 1e-07 m") && contains(message, "mesh.repair")) << message;
+  const MeshResult merged = meshes::checked_body(half(1e-7), 1, true, "f");
+  EXPECT_EQ(merged.mesh.n_nodes(), 16);
+  EXPECT_TRUE(contains(joined(merged.notes), "repair: merged nodes nearer than a hundredth")) << joined(merged.notes);
+  EXPECT_FALSE(contains(error_of([&] { meshes::checked_body(half(0.1), 1, false, "f"); }), "within"));
+  EXPECT_EQ(meshes::checked_body(half(0.1), 1, true, "f").mesh.n_cells(), 12);
 }
 
 TEST(Nodes, UnreferencedAreDroppedByNameAndTheRestKeepTheirOrder) {

@@ -143,19 +143,21 @@ TEST(DegenerateFiles, WithoutAnythingAreRefused) {
   EXPECT_TRUE(contains(error_of([&] { meshes::checked_body(nothing, 1, true, "f"); }), "holds no tetrahedra"));
   EXPECT_TRUE(contains(error_of([&] { meshes::checked_surface(nothing, 1, true, "f", notes); }), "no triangle"));
   EXPECT_TRUE(contains(error_of([&] { meshes::checked_shell(nothing, 1, true, "f"); }), "no triangle"));
-  EXPECT_TRUE(meshes::coincident_nodes(Points(0, 3)).empty());
+  RawMesh empty;
+  EXPECT_TRUE(meshes::join_near_nodes(empty, true).empty());
   meshes::Surface surface;
   surface.nodes.resize(0, 3);
   surface.triangles.resize(0, 3);
   EXPECT_TRUE(meshes::crossing_triangles(surface).empty());
 }
 
-// Repair merges what lies in one place: a cell smaller than that would keep no volume.
-TEST(DegenerateFiles, WithCellsSmallerThanOnePlaceAreRefused) {
+// Near is what is near beside the edges there: the cell is small, but a piece of its own.
+TEST(DegenerateFiles, KeepTheCornersOfSmallCellsApart) {
   RawMesh raw;
   raw.nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {2, 0, 0}, {2 + 1e-10, 0, 0}, {2, 1e-10, 0}, {2, 0, 1e-10}};
   raw.tetrahedra = {{0, 1, 2, 3}, {4, 5, 6, 7}};
-  EXPECT_TRUE(contains(error_of([&] { meshes::checked_body(raw, 1, true, "f"); }), "cell 1"));
+  EXPECT_TRUE(contains(error_of([&] { meshes::checked_body(raw, 1, false, "f"); }), "2 components of 1 and 1 cells"));
+  EXPECT_EQ(meshes::checked_body(raw, 1, true, "f").mesh.n_cells(), 1);
 }
 
 }  // namespace

@@ -51,6 +51,44 @@ TEST(Surfaces, AHoleIsCounted) {
   EXPECT_TRUE(contains(message, "4 open edges")) << message;
 }
 
+TEST(Surfaces, AHoleMayBeThatOfAShell) {
+  const std::string message = error_of([&] { fill_cube(cube_obj.substr(0, cube_obj.rfind("f "))); });
+  EXPECT_TRUE(contains(message, "close the holes") && contains(message, "thickness_m")) << message;
+}
+
+/// The cube, moved and scaled, with corners of its own.
+std::string another_cube(double size, double at) {
+  std::string text;
+  for (int i = 0; i < 8; ++i) {
+    const double x = (i + 1) / 2 % 2, y = i / 2 % 2, z = i / 4;
+    text +=
+        "v " + std::to_string(at + size * x) + " " + std::to_string(size * y) + " " + std::to_string(size * z) + "\n";
+  }
+  return text + "f -8 -5 -6 -7\nf -4 -3 -2 -1\nf -8 -7 -3 -4\nf -7 -6 -2 -3\nf -6 -5 -1 -2\nf -5 -8 -4 -1\n";
+}
+
+TEST(Surfaces, OfSeveralClosedPiecesAreCountedAndTheDroppedOnesToldBySize) {
+  const std::string pieces = another_cube(0.5, -2) + another_cube(1, 0) + another_cube(0.1, 3);
+  const std::string message = error_of([&] { import_bytes(pieces, ".obj"); });
+  EXPECT_TRUE(contains(message, "several closed surfaces: 3 components of 12, 12 and 12")) << message;
+  SKIP_WITHOUT_GMSH();
+  const MeshResult result = import_bytes(pieces, ".obj", true);
+  EXPECT_NEAR(result.quality.volume_m3, 1, 1e-12);
+  EXPECT_TRUE(contains(joined(result.notes), "triangles, 1 m^3; dropped 0.125, 0.001 m^3")) << joined(result.notes);
+}
+
+// Vertices of a seam differ in the last digits of the file.
+TEST(Surfaces, WithVerticesThatAreNearlyEqualAreClosedOnRequest) {
+  SKIP_WITHOUT_GMSH();
+  std::string seam = cube_obj;
+  seam.replace(seam.find("f 2 3 7 6"), 9, "f 2 3 10 9");
+  seam.insert(seam.find("vn"), "v 1.0000001 0 1\nv 1 1.0000001 1\n");
+  seam.replace(seam.find("f -8 -4 -1 -5"), 13, "f 1 5 8 4");
+  const std::string message = error_of([&] { import_bytes(seam, ".obj"); });
+  EXPECT_TRUE(contains(message, "2 nodes are within 1e-07 m")) << message;
+  EXPECT_NEAR(import_bytes(seam, ".obj", true).quality.volume_m3, 1, 1e-6);
+}
+
 TEST(Surfaces, AFlatSurfaceHasNoInside) {
   const std::string flat = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
   EXPECT_TRUE(contains(error_of([&] { fill_cube(flat); }), "encloses no volume"));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <phynness/formats/error.hpp>
 #include <sstream>
@@ -10,9 +11,6 @@
 
 namespace phynness::meshes {
 namespace {
-
-// Relative to the bounding box; closer nodes are coincident.
-constexpr double coincident = 1e-9;
 
 std::int32_t file_number(const RawMesh& raw, std::int32_t node) {
   return raw.file_number.empty() ? node : raw.file_number[node];
@@ -41,10 +39,10 @@ Points to_points(const std::vector<std::array<double, 3>>& nodes) {
   return Eigen::Map<const Points>(reinterpret_cast<const double*>(nodes.data()), std::ssize(nodes), 3);
 }
 
-void drop_useless_triangles(RawMesh& raw, std::vector<std::string>& notes) {
+void drop_useless_triangles(RawMesh& raw) {
   const auto n =
       std::erase_if(raw.triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[0] == t[2]; });
-  if (n > 0) notes.push_back("dropped " + counted(n, "triangle", "triangles") + " with two equal corners");
+  if (n > 0) raw.notes.push_back("dropped " + counted(n, "triangle", "triangles") + " with two equal corners");
 }
 
 std::vector<std::int32_t> drop_unused_nodes(RawMesh& raw) {
@@ -74,38 +72,62 @@ void drop_unreferenced_nodes(RawMesh& raw) {
                         " (numbers in the file's list, from 0): " + first_few(dropped, 20));
 }
 
-std::vector<std::int32_t> coincident_nodes(const Points& nodes) {
-  if (nodes.rows() == 0) return {};
-  const double tolerance = coincident * extent_of(nodes).norm();
-  std::vector<std::int32_t> by_x(static_cast<std::size_t>(nodes.rows())), first(by_x.size());
-  std::iota(by_x.begin(), by_x.end(), 0);
-  std::iota(first.begin(), first.end(), 0);
-  std::sort(by_x.begin(), by_x.end(),
-            [&](std::int32_t p, std::int32_t q) { return std::pair(nodes(p, 0), p) < std::pair(nodes(q, 0), q); });
-  for (std::size_t i = 0; i < by_x.size(); ++i)
-    for (std::size_t j = i + 1; j < by_x.size() && nodes(by_x[j], 0) - nodes(by_x[i], 0) <= tolerance; ++j)
-      if ((nodes.row(by_x[i]) - nodes.row(by_x[j])).norm() <= tolerance) {
-        const auto [low, high] = std::minmax(by_x[i], by_x[j]);
-        first[high] = std::min(first[high], first[low]);
-      }
-  return first;
+std::string describe_sizes(std::vector<double> sizes, std::ptrdiff_t kept, const char* unit) {
+  std::ostringstream text;
+  text.precision(3);
+  text << sizes[kept] << ' ' << unit << "; dropped";
+  sizes.erase(sizes.begin() + kept);
+  std::sort(sizes.rbegin(), sizes.rend());
+  for (std::size_t i = 0; i < std::min<std::size_t>(sizes.size(), 4); ++i) text << (i ? ", " : " ") << sizes[i];
+  text << (sizes.size() > 4 ? ", ... " : " ") << unit;
+  return text.str();
 }
 
-std::string describe_twins(const RawMesh& raw, const std::vector<std::int32_t>& first) {
-  std::vector<std::int32_t> twins;
-  for (std::int32_t i = 0; i < static_cast<std::int32_t>(first.size()); ++i)
+std::string join_near_nodes(RawMesh& raw, bool repair) {
+  const Points x = to_points(raw.nodes);
+  std::vector<double> near(raw.nodes.size(), std::numeric_limits<double>::infinity());  // of each node
+  const auto look = [&](const auto& element) {
+    for (const auto i : element)
+      for (const auto j : element)
+        if (const double length = (x.row(i) - x.row(j)).norm(); length > 0) near[i] = std::min(near[i], 0.01 * length);
+  };
+  std::for_each(raw.tetrahedra.begin(), raw.tetrahedra.end(), look);
+  std::for_each(raw.triangles.begin(), raw.triangles.end(), look);
+  // Along a direction in which the nodes of a grid differ.
+  const Eigen::VectorXd along = x * Eigen::Vector3d(0.5371, 0.3719, 0.7571);
+  std::vector<std::int32_t> order, first(raw.nodes.size()), twins;
+  std::iota(first.begin(), first.end(), 0);
+  for (const auto i : first)
+    if (std::isfinite(near[i]) && std::isfinite(along(i))) order.push_back(i);
+  std::sort(order.begin(), order.end(),
+            [&](auto p, auto q) { return std::pair(along(p), p) < std::pair(along(q), q); });
+  double farthest = 0;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    for (std::size_t j = i + 1; j < order.size() && along(order[j]) - along(order[i]) <= near[order[i]]; ++j)
+      if (const double distance = (x.row(order[i]) - x.row(order[j])).norm();
+          distance <= std::min(near[order[i]], near[order[j]])) {
+        const auto [low, high] = std::minmax(order[i], order[j]);
+        first[high] = std::min(first[high], first[low]);
+        farthest = std::max(farthest, distance);
+      }
+  for (std::int32_t i = 0; i < std::ssize(first); ++i)
     if (first[i] != i) twins.push_back(file_number(raw, i));
   if (twins.empty()) return "";
-  return counted(twins.size(), "node lies", "nodes lie") + " exactly on another node (" + first_few(twins) + ")";
-}
-
-void merge_nodes(RawMesh& raw, const std::vector<std::int32_t>& first) {
-  raw.for_each_corner([&](std::int32_t& node) { node = first[node]; });
+  std::ostringstream text;
+  text << counted(twins.size(), "node is", "nodes are") << " within " << farthest << " m of another one ("
+       << first_few(twins) << ")";
+  if (!repair) return text.str() + ", which mesh.repair = true merges: nearer than a hundredth of the edges there";
+  raw.notes.push_back("repair: merged nodes nearer than a hundredth of the edges there: " + text.str());
+  const auto merge = [&](std::int32_t& node) {
+    while (first[node] != node) node = first[node];
+  };
+  raw.for_each_corner(merge);
   for (auto& [name, nodes] : raw.groups) {
-    for (auto& node : nodes) node = first[node];
+    std::for_each(nodes.begin(), nodes.end(), merge);
     sort_unique(nodes);
   }
-  raw.notes.push_back("repair: merged coincident nodes: " + describe_twins(raw, first));
+  drop_unused_nodes(raw);
+  return "";
 }
 
 void warn_of_shape_and_size(MeshResult& result, const char* cell, double scale_to_m) {

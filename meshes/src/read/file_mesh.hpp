@@ -24,7 +24,7 @@ void scale(RawMesh& raw, double scale_to_m);
 Points to_points(const std::vector<std::array<double, 3>>& nodes);
 
 /// Drops triangles with two equal corners.
-void drop_useless_triangles(RawMesh& raw, std::vector<std::string>& notes);
+void drop_useless_triangles(RawMesh& raw);
 
 /// Drops the nodes that no cell and no triangle uses; the others keep their order. Groups that become empty are dropped
 /// with a note. @return the dropped nodes, by their position in the file
@@ -32,27 +32,29 @@ std::vector<std::int32_t> drop_unused_nodes(RawMesh& raw);
 /// The same with a note about the nodes.
 void drop_unreferenced_nodes(RawMesh& raw);
 
-/// Of the elements, in their order, keeps those of the largest component.
+/// "8e-06 m^3; dropped 8e-06, 1e-09 m^3".
+std::string describe_sizes(std::vector<double> sizes, std::ptrdiff_t kept, const char* unit);
+/// Of the elements, in their order, keeps those of the largest component; a note says how large it and the others are.
+/// @param size  of an element, with sign, in `unit`; those of a component are added
 template <class Element>
-void keep_largest(std::vector<Element>& elements, const std::vector<std::int32_t>& component,
-                  const std::vector<std::size_t>& sizes, const char* things, std::vector<std::string>& notes) {
-  const auto keep = static_cast<std::int32_t>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
-  notes.push_back("repair: kept the largest of " + describe_components(sizes, things));
+void keep_largest(std::vector<Element>& elements, const Components& parts, const char* things,
+                  const std::vector<double>& size, const char* unit, std::vector<std::string>& notes) {
+  std::vector<double> sums(parts.component_sizes.size());
+  for (std::size_t i = 0; i < elements.size(); ++i) sums[parts.component[i]] += size[i];
+  for (double& sum : sums) sum = std::abs(sum);
+  const auto keep = std::max_element(sums.begin(), sums.end()) - sums.begin();
+  notes.push_back("repair: kept the largest of " + describe_components(parts.component_sizes, things) + ", " +
+                  describe_sizes(sums, keep, unit));
   std::size_t at = 0;
-  std::erase_if(elements, [&](const Element&) { return component[at++] != keep; });
+  std::erase_if(elements, [&](const Element&) { return parts.component[at++] != keep; });
 }
 
-/// For each node the first node at the same position (the node itself if there is no other), with a tolerance of 1e-9
-/// of the bounding box.
-std::vector<std::int32_t> coincident_nodes(const Points& nodes);
-/// "3 nodes lie exactly on another node (5, 6, 7)"; empty if each node is the first at its position.
-std::string describe_twins(const RawMesh& raw, const std::vector<std::int32_t>& first);
-/// Replaces each node by the first one at its position.
-void merge_nodes(RawMesh& raw, const std::vector<std::int32_t>& first);
+/// Nodes that are nearer to each other than a hundredth of the shortest edge at each. With `repair` they become one,
+/// with a note. @return otherwise how many there are, how near, and what `repair` does; empty if there are none
+std::string join_near_nodes(RawMesh& raw, bool repair);
 
 /// Scales, drops unreferenced nodes, orients cells, and checks finiteness, volumes, overlaps, components and the
-/// surface. With `repair`, coincident nodes of separate pieces are merged and only the largest of several components is
-/// kept.
+/// surface. With `repair` near nodes are merged, and only the largest of several components is kept.
 /// @return mesh with surface and groups, notes and warnings; quality is set
 /// @throws Error naming the defect with its count and the first cells or nodes
 MeshResult checked_body(RawMesh raw, double scale_to_m, bool repair, const std::string& source);

@@ -22,28 +22,6 @@ constexpr double thick_layer = 0.75, thickest_layer = 0.05;
 // this.
 constexpr double thinnest_wall = 1e-12;
 
-/// A seam with duplicate nodes is a slit: it results in a warning, or with `repair` the nodes are merged.
-void look_at_twins(RawMesh& raw, bool repair, std::vector<std::string>& warnings) {
-  const auto first = coincident_nodes(to_points(raw.nodes));
-  const std::string twins = describe_twins(raw, first);
-  if (twins.empty()) return;
-  if (!repair) {
-    warnings.push_back(twins +
-                       ": the surface has a slit there, unless the nodes should be merged; mesh.repair = true "
-                       "merges them");
-    return;
-  }
-  merge_nodes(raw, first);
-  drop_useless_triangles(raw, raw.notes);
-  drop_unreferenced_nodes(raw);
-}
-
-void require_triangles(const RawMesh& raw, const std::string& source) {
-  if (raw.triangles.empty())
-    throw input_error(source + ": holds no triangle with three different corners", "",
-                      "give the middle surface of a shell");
-}
-
 void require_sound_edges(SurfaceTopology topology, const std::string& source) {
   topology.open_edges.clear();
   topology.inconsistent_edges.clear();
@@ -104,20 +82,19 @@ void look_at_folds(const Mesh& mesh, const std::string& source, std::vector<std:
 MeshResult checked_shell(RawMesh raw, double scale_to_m, bool repair, const std::string& source) {
   MeshResult result;
   raw.tetrahedra.clear();
-  drop_useless_triangles(raw, raw.notes);
+  drop_useless_triangles(raw);
   drop_unreferenced_nodes(raw);
-  require_triangles(raw, source);
   scale(raw, scale_to_m);
   for (std::size_t i = 0; i < raw.nodes.size(); ++i)
     require_coordinates(raw.nodes[i], source + ": a node", raw.file_number[i]);
-  look_at_twins(raw, repair, result.warnings);
-  require_triangles(raw, source);
+  if (const std::string near = join_near_nodes(raw, repair); !near.empty())
+    result.warnings.push_back("the surface has a slit there, unless the nodes should be merged: " + near);
+  if (raw.triangles.empty())
+    throw input_error(source + ": holds no triangle with three different corners", "",
+                      "give the middle surface of a shell");
   auto topology = surface_topology(to_matrix(raw.triangles));
-  if (repair && topology.component_sizes.size() > 1) {
-    keep_largest(raw.triangles, topology.component, topology.component_sizes, "triangles", raw.notes);
-    drop_unreferenced_nodes(raw);
-    topology = surface_topology(to_matrix(raw.triangles));
-  }
+  if (repair) keep_largest_surface(raw, topology);
+  drop_unreferenced_nodes(raw);
   require_sound_edges(topology, source);
 
   Mesh& mesh = result.mesh;

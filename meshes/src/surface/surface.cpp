@@ -12,26 +12,36 @@
 namespace phynness::meshes {
 namespace {
 
-void drop_repeated_triangles(RawMesh& raw, std::vector<std::string>& notes) {
-  std::set<Triangle> seen;
-  const auto n = std::erase_if(raw.triangles, [&](Triangle key) {
-    std::sort(key.begin(), key.end());
-    return !seen.insert(key).second;
-  });
-  if (n > 0) notes.push_back("repair: dropped " + counted(n, "repeated triangle", "repeated triangles"));
+/// Six times the volume between a triangle and a point.
+double six_volumes(const Points& nodes, const Triangles& triangles, Eigen::Index t, const Eigen::RowVector3d& origin) {
+  const auto [a, b, c] = corners_of(nodes, triangles, t);
+  return (a - origin).dot((b - origin).cross(c - origin));
 }
 
 }  // namespace
 
+void keep_largest_surface(RawMesh& raw, SurfaceTopology& topology) {
+  if (topology.component_sizes.size() < 2) return;
+  std::vector<double> sizes;
+  const Points nodes = to_points(raw.nodes);
+  Triangles triangles = to_matrix(raw.triangles);
+  const bool closed = topology.open_edges.empty() && topology.non_manifold_edges.empty() &&
+                      orient_consistently(triangles, topology) >= 0;
+  const Eigen::RowVector3d origin = nodes.colwise().mean();
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    const auto [a, b, c] = corners_of(nodes, triangles, t);
+    sizes.push_back(closed ? six_volumes(nodes, triangles, t, origin) / 6 : (b - a).cross(c - a).norm() / 2);
+  }
+  keep_largest(raw.triangles, topology, "triangles", sizes, closed ? "m^3" : "m^2", raw.notes);
+  topology = surface_topology(to_matrix(raw.triangles));
+}
+
 double enclosed_volume(const Points& nodes, const Triangles& triangles) {
   if (nodes.rows() == 0) return 0;
   const Eigen::RowVector3d origin = nodes.colwise().mean();  // near the body, which reduces cancellation
-  double six_volumes = 0;
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    const auto [a, b, c] = corners_of(nodes, triangles, t);
-    six_volumes += (a - origin).dot((b - origin).cross(c - origin));
-  }
-  return six_volumes / 6;
+  double sum = 0;
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) sum += six_volumes(nodes, triangles, t, origin);
+  return sum / 6;
 }
 
 double area(const Points& nodes, const Triangles& triangles) {
@@ -65,25 +75,26 @@ Surface checked_surface(RawMesh raw, double scale_to_m, bool repair, const std::
     require_coordinates(raw.nodes[i], source + ": a vertex", static_cast<std::int64_t>(i));
   const std::string counts =
       counted(raw.triangles.size(), "triangle", "triangles") + ", " + counted(raw.nodes.size(), "vertex", "vertices");
-  drop_useless_triangles(raw, notes);
-  if (repair) drop_repeated_triangles(raw, notes);
+  const std::string near = join_near_nodes(raw, repair);
+  drop_useless_triangles(raw);
   if (raw.triangles.empty())
     throw input_error(source + ": the surface has no triangle with three different corners", counts,
                       "export a closed surface");
   SurfaceTopology topology = surface_topology(to_matrix(raw.triangles));
-  if (repair && topology.component_sizes.size() > 1) {
-    keep_largest(raw.triangles, topology.component, topology.component_sizes, "triangles", notes);
-    topology = surface_topology(to_matrix(raw.triangles));
+  if (repair) keep_largest_surface(raw, topology);
+  notes.insert(notes.end(), raw.notes.begin(), raw.notes.end());
+  if (const std::string defects = describe_defects(topology, true, raw.file_number); !defects.empty()) {
+    const bool pieces = topology.component_sizes.size() > 1, closed = topology.closed_manifold();
+    const bool holes = !closed && topology.non_manifold_edges.empty() && topology.pinched_nodes.empty();
+    std::string remedy = "close the holes and separate parts that touch in the program that made the file";
+    if (closed) remedy = "keep one of them, or set mesh.repair = true to keep the largest";
+    if (holes && !pieces) remedy = "close the holes, or give mesh.thickness_m to simulate the surface as a shell";
+    if (!closed && pieces && !repair)
+      remedy += "; mesh.repair = true keeps the largest component, if this component has no defects";
+    throw input_error(source + (closed ? ": the file holds several closed surfaces"
+                                       : ": the surface is not one closed manifold, so it has no inside to fill"),
+                      defects + (near.empty() || closed ? "" : "; " + near), remedy);
   }
-  if (const std::string defects = describe_defects(topology, true); !defects.empty())
-    throw input_error(
-        source + ": the surface is not one closed manifold, so it has no inside to fill", defects,
-        topology.closed_manifold()
-            ? "keep one component, or set mesh.repair = true to keep the largest"
-            : std::string("close the holes and separate parts that touch in the program that made the file") +
-                  (repair || topology.component_sizes.size() < 2
-                       ? ""
-                       : "; mesh.repair = true keeps the largest component, if this component has no defects"));
 
   raw.tetrahedra.clear();
   raw.groups.clear();

@@ -40,9 +40,12 @@ void untangle(Surface& surface, std::vector<std::string>& notes);
 /// @pre surface is a closed oriented manifold
 Surface remeshed(const Surface& surface, double edge_m);
 
+/// Of several components keeps that of the largest volume, or area if any is open, with a note.
+void keep_largest_surface(RawMesh& raw, SurfaceTopology& topology);
+
 /// Scales and checks the triangles of a file: finite, closed, manifold, one component, normals outward. Triangles are
 /// always reoriented and unused nodes always dropped. Only with `repair` the largest of several components is kept and
-/// repeated triangles are dropped. `notes` lists all changes.
+/// repeated triangles are dropped. `notes` gets those of `raw` and all changes.
 /// @throws Error with the number of defects of each kind
 Surface checked_surface(RawMesh raw, double scale_to_m, bool repair, const std::string& source,
                         std::vector<std::string>& notes);

@@ -26,16 +26,13 @@ class Sets {
   std::vector<std::int32_t> _parent;
 };
 
-/// Components by shared nodes, numbered by first appearance. @param node  of an element and its corner
-template <class NodeOf>
-Components components_of(std::size_t n_elements, int corners, std::size_t n_nodes, const NodeOf& node) {
-  Sets sets(n_nodes);
-  for (std::size_t e = 0; e < n_elements; ++e)
-    for (int k = 1; k < corners; ++k) sets.join(node(e, 0), node(e, k));
+/// Numbers by first appearance. @param set  of each of n_elements elements, below n_sets
+template <class SetOf>
+Components components_of(std::size_t n_elements, std::size_t n_sets, const SetOf& set) {
   Components found;
-  std::vector<std::int32_t> number(n_nodes, -1);
+  std::vector<std::int32_t> number(n_sets, -1);
   for (std::size_t e = 0; e < n_elements; ++e) {
-    auto& n = number[sets.find(node(e, 0))];
+    auto& n = number[set(e)];
     if (n < 0) {
       n = static_cast<std::int32_t>(found.component_sizes.size());
       found.component_sizes.push_back(0);
@@ -107,10 +104,6 @@ std::string few(const std::vector<Item>& items, std::size_t how_many, const Text
   return text + (items.size() > how_many ? ", ..." : "");
 }
 
-std::string first_few_edges(const std::vector<Edge>& edges) {
-  return few(edges, 4, [](const Edge& e) { return std::to_string(e[0]) + "-" + std::to_string(e[1]); });
-}
-
 }  // namespace
 
 Triangles to_matrix(const std::vector<std::array<std::int32_t, 3>>& list) {
@@ -127,9 +120,12 @@ SurfaceTopology surface_topology(const Triangles& triangles) {
   });
   topology.pinched_nodes = pinched(triangles, edges);
   const auto n_nodes = static_cast<std::size_t>(triangles.rows() == 0 ? 0 : triangles.maxCoeff() + 1);
+  Sets sets(n_nodes);
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t)
+    for (int k = 1; k < 3; ++k) sets.join(triangles(t, 0), triangles(t, k));
   static_cast<Components&>(topology) =
-      components_of(static_cast<std::size_t>(triangles.rows()), 3, n_nodes,
-                    [&](std::size_t t, int k) { return triangles(static_cast<Eigen::Index>(t), k); });
+      components_of(static_cast<std::size_t>(triangles.rows()), n_nodes,
+                    [&](std::size_t t) { return sets.find(triangles(static_cast<Eigen::Index>(t), 0)); });
   return topology;
 }
 
@@ -177,7 +173,7 @@ std::int32_t orient_consistently(Triangles& triangles, const SurfaceTopology& to
   return turned;
 }
 
-CellTopology cell_topology(const std::vector<std::array<std::int32_t, 4>>& cells, std::size_t n_nodes) {
+CellTopology cell_topology(const std::vector<std::array<std::int32_t, 4>>& cells) {
   constexpr int faces_of[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
   struct Face {
     std::array<std::int32_t, 3> key;
@@ -185,8 +181,7 @@ CellTopology cell_topology(const std::vector<std::array<std::int32_t, 4>>& cells
     bool even;  // the face's nodes are an even permutation of the sorted ones
   };
   CellTopology topology;
-  static_cast<Components&>(topology) =
-      components_of(cells.size(), 4, n_nodes, [&](std::size_t c, int k) { return cells[c][k]; });
+  Sets sets(cells.size());
   std::vector<Face> faces;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const auto& cell = cells[c];
@@ -203,7 +198,10 @@ CellTopology cell_topology(const std::vector<std::array<std::int32_t, 4>>& cells
     auto& defects = j - i > 2 ? topology.crowded_cells : topology.folded_cells;
     if (j - i > 2 || (j - i == 2 && faces[i].even == faces[i + 1].even))
       for (std::size_t f = i; f < j; ++f) defects.push_back(faces[f].cell);
+    for (std::size_t f = i + 1; f < j; ++f) sets.join(faces[i].cell, faces[f].cell);
   });
+  static_cast<Components&>(topology) =
+      components_of(cells.size(), cells.size(), [&](std::size_t c) { return sets.find(static_cast<std::int32_t>(c)); });
   for (auto* list : {&topology.folded_cells, &topology.crowded_cells}) sort_unique(*list);
   return topology;
 }
@@ -226,18 +224,22 @@ std::string describe_components(const std::vector<std::size_t>& sizes, const cha
   return text + (sorted.size() > shown ? ", ... " : " ") + things;
 }
 
-std::string describe_defects(const SurfaceTopology& topology, bool with_components) {
+std::string describe_defects(const SurfaceTopology& topology, bool with_components,
+                             const std::vector<std::int32_t>& numbers) {
   std::string text;
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+  const auto name = [&](std::int32_t node) { return std::to_string(numbers.empty() ? node : numbers[node]); };
+  const auto edges = [&](const std::vector<Edge>& list) {
+    return " (nodes " + few(list, 4, [&](const Edge& e) { return name(e[0]) + "-" + name(e[1]); }) + ")";
+  };
   if (!topology.open_edges.empty())
-    add(counted(topology.open_edges.size(), "open edge", "open edges") + " (nodes " +
-        first_few_edges(topology.open_edges) + ")");
+    add(counted(topology.open_edges.size(), "open edge", "open edges") + edges(topology.open_edges));
   if (!topology.non_manifold_edges.empty())
-    add(counted(topology.non_manifold_edges.size(), "non-manifold edge", "non-manifold edges") + " (nodes " +
-        first_few_edges(topology.non_manifold_edges) + ")");
+    add(counted(topology.non_manifold_edges.size(), "non-manifold edge", "non-manifold edges") +
+        edges(topology.non_manifold_edges));
   if (!topology.pinched_nodes.empty())
     add(counted(topology.pinched_nodes.size(), "pinched vertex", "pinched vertices") + " (node " +
-        first_few(topology.pinched_nodes) + ")");
+        few(topology.pinched_nodes, 8, name) + ")");
   if (with_components && topology.component_sizes.size() > 1)
     add(describe_components(topology.component_sizes, "triangles"));
   return text;

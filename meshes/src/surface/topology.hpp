@@ -15,7 +15,7 @@ inline Edge edge_of(std::int32_t a, std::int32_t b) { return a < b ? Edge{a, b} 
 Triangles to_matrix(const std::vector<std::array<std::int32_t, 3>>& list);
 
 struct Components {
-  std::vector<std::int32_t> component;       ///< of each element; elements that share a node have the same number
+  std::vector<std::int32_t> component;       ///< of each element; triangles that share a node, cells that share a face
   std::vector<std::size_t> component_sizes;  ///< elements, by component number
 };
 
@@ -38,11 +38,12 @@ struct CellTopology : Components {
   std::vector<std::int32_t> crowded_cells;  ///< share a face with more than one other cell
 };
 /// @pre cells have positive orientation
-CellTopology cell_topology(const std::vector<std::array<std::int32_t, 4>>& cells, std::size_t n_nodes);
+CellTopology cell_topology(const std::vector<std::array<std::int32_t, 4>>& cells);
 
 /// The defects of the surface in one line, such as "31 open edges (first: 3-17, 17-20), 16 components (...)"; empty if
-/// there are none.
-std::string describe_defects(const SurfaceTopology& topology, bool with_components);
+/// there are none. @param numbers  of the nodes; empty: their positions
+std::string describe_defects(const SurfaceTopology& topology, bool with_components,
+                             const std::vector<std::int32_t>& numbers = {});
 
 /// The first entries: "12, 15, 18, ...".
 std::string first_few(const std::vector<std::int32_t>& numbers, std::size_t how_many = 8);
