@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/image.hpp>
 #include <random>
@@ -63,10 +62,8 @@ class Device {
   using Functions = Image<Real>;
 
  public:
-  explicit Device(const ModelImage& image)
-      : _words(image.bytes.size() / 8), _scratch(image.n_scratch), _field(3 * image.n_output) {
-    std::memcpy(_words.data(), image.bytes.data(), image.bytes.size());
-    const int status = Functions::open(_words.data(), image.bytes.size(), &_image);
+  explicit Device(const ModelImage& image) : _scratch(image.n_scratch), _field(3 * image.n_output) {
+    const int status = Functions::open(image.bytes.data(), image.bytes.size(), &_image);
     if (status != PHN_OK)
       throw failure("the loader refuses the exported image", std::to_string(status),
                     "this is a defect; please report it");
@@ -100,7 +97,6 @@ class Device {
     return {static_cast<Real>(d[0]), static_cast<Real>(d[1]), static_cast<Real>(d[2])};
   }
 
-  std::vector<std::uint64_t> _words;
   const typename Functions::Type* _image = nullptr;
   std::vector<Real> _scratch, _field;
 };

@@ -1,8 +1,10 @@
 // Conversion of a model to an image, whose layout is in runtime/include/phynness/image_layout.hpp.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <functional>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/image.hpp>
 #include <phynness/image_layout.hpp>
@@ -36,21 +38,14 @@ class ImageWriter {
     _header.max_displacement = rounded;
     if (_has_modes) _header.amplitude_shape = real(_model.shared.shape);
     std::vector<std::int32_t> active;
-    std::vector<Real> points;
-    for (const auto& node : _model.nodes) {
-      active.push_back(node.node);
-      for (const double x : node.point) points.push_back(real(x));
-    }
+    for (const auto& node : _model.nodes) active.push_back(node.node);
     _header.active_nodes = put(active);
-    _header.active_points = put(points);
+    _header.active_points = put(numbers(_model.nodes, &ActiveNodeModel::point));
     if (deforms) {
       _header.output_nodes = put(_model.output);
       _header.output_points = put(reals(_model.output_points));
     }
-    std::vector<Real> directions;
-    for (const auto& e : _model.directions)
-      for (const double component : e) directions.push_back(real(component));
-    _header.directions = put(directions);
+    _header.directions = put(numbers(_model.directions));
     const double unit = _has_modes ? R : 1;
     _displacements = reals(_model.displacements, [&](double value) {
       if (_has_modes && !(std::fabs(value / unit) <= image::largest_displacement))
@@ -112,13 +107,10 @@ class ImageWriter {
     surface.begin = put(from.begin);
     surface.neighbour = put(from.neighbour);
     surface.slope = put(reals(from.slope));
-    std::vector<Real> points, stiffnesses;
-    for (const auto& point : _model.linear_points) {
-      for (const double x : point.point) points.push_back(real(x));
-      stiffnesses.resize(stiffnesses.size() + 6);
-      stiffness(point.stiffness, &stiffnesses[stiffnesses.size() - 6]);
-    }
-    surface.rest_point = put(points);
+    std::vector<Real> stiffnesses(6 * _model.linear_points.size());
+    for (std::size_t i = 0; i < _model.linear_points.size(); ++i)
+      stiffness(_model.linear_points[i].stiffness, &stiffnesses[6 * i]);
+    surface.rest_point = put(numbers(_model.linear_points, &LinearPoint::point));
     surface.rest_stiffness = put(stiffnesses);
     if (!_model.bounds.empty()) {
       std::vector<std::int16_t> bound;
@@ -157,7 +149,15 @@ class ImageWriter {
   }
   template <class Matrix>
   std::vector<Real> reals(const Matrix& values) const {
-    return reals(values, [](double value) { return value; });
+    return reals(values, std::identity{});
+  }
+  /// The numbers of all items, in turn. @param of  gives those of an item
+  template <class Items, class Of = std::identity>
+  std::vector<Real> numbers(const Items& items, Of of = {}) const {
+    std::vector<Real> out;
+    for (const auto& item : items)
+      for (const double value : std::invoke(of, item)) out.push_back(real(value));
+    return out;
   }
 
   /// Appends values and returns their position. Equal tables of depths, weights and points are stored once.
@@ -215,10 +215,8 @@ class ImageWriter {
     }
     // Successive nodes often have the same trained depths.
     if (node.trained_depth_m != _depth) {
-      std::vector<Real> depth;
-      for (const double value : node.trained_depth_m) depth.push_back(real(value));
       _depth = node.trained_depth_m;
-      _depth_table = put(depth);
+      _depth_table = put(numbers(std::array{_depth}));
     }
     out.trained_depth = _depth_table;
     out.incomplete = node.n_incomplete > 0 ? 1 : 0;
@@ -291,9 +289,8 @@ class ImageWriter {
     _header.max_displacement = 1;
     seal();
     using Functions = Image<Real>;
-    const auto copy = aligned();
     const typename Functions::Type* opened = nullptr;
-    const int status = Functions::open(copy.data(), _bytes.size(), &opened);
+    const int status = Functions::open(_bytes.data(), _bytes.size(), &opened);
     if (status != PHN_OK)
       throw failure("the loader refuses the exported image", phn_status_message(status),
                     "this is a defect; please report it");
@@ -318,17 +315,10 @@ class ImageWriter {
     _bytes.resize((_bytes.size() + 7) / 8 * 8);
     _header.bytes = static_cast<std::uint32_t>(_bytes.size());
     std::memcpy(_bytes.data(), &_header, sizeof _header);
-    const auto copy = aligned();
-    const auto* words = reinterpret_cast<const std::uint32_t*>(copy.data());
+    const auto* words = reinterpret_cast<const std::uint32_t*>(_bytes.data());
     _header.checksum = image::checksum(words + image::n_unchecked_words, _bytes.size() / 4 - image::n_unchecked_words);
     std::memcpy(_bytes.data(), &_header, sizeof _header);
   }
-  std::vector<std::uint64_t> aligned() const {
-    std::vector<std::uint64_t> copy(_bytes.size() / 8);
-    std::memcpy(copy.data(), _bytes.data(), copy.size() * 8);
-    return copy;
-  }
-
   const Model& _model;
   const bool _has_modes = schema::traits(_model.family).has_modes;
   const ImageOptions& _options;

@@ -26,7 +26,6 @@ struct Asked {
 [[gnu::noinline]] int ask(const phn_image* opened, const phn_image_tool* tool, const Real* out, Asked& asked) {
   if (opened == nullptr || tool == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
   if (tool->reserved[0] != 0 || tool->reserved[1] != 0) return PHN_ERROR_VERSION;
-  if (!finite(tool->displacement)) return PHN_ERROR_NOT_FINITE;
   const Header& image = *header(opened);
   int status = find_corners(image, *tool, asked.corners);
   if (status != PHN_OK) return status;
@@ -36,6 +35,7 @@ struct Asked {
     asked.d[k] = tool->displacement[k];
     whole = whole && asked.d[k] <= largest && -asked.d[k] <= largest;
   }
+  if (!whole && !finite(asked.d)) return PHN_ERROR_NOT_FINITE;
   for (int k = 0; k < 3 && !whole; ++k) asked.d[k] = cut(asked.d[k], largest);
   if (asked.corners.fixed_weight > largest_fixed_weight<Real>) status = PHN_WARNING_OUTSIDE;
   for (uint32_t i = 0; i < asked.corners.n; ++i) {
@@ -226,9 +226,7 @@ int phn_image_deform(const phn_image* opened, Real* scratch, const phn_image_too
   const bool at_node = corners.n == 1 && corners.fixed_weight == 0 && n > 0;
   const ActiveNode* node = at_node ? active_node(image, corners.position[0]) : nullptr;
   const bool deforms = node != nullptr && with_response(image, corners.position[0], [&](const auto& response) {
-                         if (!has_deformation(response)) return false;
-                         response_field(image, response, asked.d, scratch, out);
-                         return true;
+                         return response_field(image, response, asked.d, scratch, out);
                        });
   if (!deforms) return refuse(PHN_ERROR_UNDEFINED, out, n);
   const auto* moved = at<uint16_t>(image, node->prescribed);

@@ -2,7 +2,7 @@
 // overloads of these functions:
 //
 //   response_force, response_energy, response_stiffness   of one node
-//   has_deformation, response_field                       whether a node has a deformation, and the field
+//   response_field                                        its field; false: it has forces only
 #pragma once
 
 #include "image/linear_response.hpp"

@@ -80,12 +80,10 @@ inline void scale_columns(const Header& image, const image::ScaledTable& table, 
   for (uint32_t j = 0; j < table.scale.n; ++j) scaled[j] = scale[j] * value[j];
 }
 
-/// False for a model without modes, which has forces only.
-inline bool has_deformation(const ModalResponse& modal) { return modal.weights.scale.n > 0; }
-
 /// @param scratch  n_amplitude_centers + 3, then n_shared, then twice n_modes
-inline void response_field(const Header& image, const ModalResponse& node, const Real* d, Real* scratch, Real* field) {
+inline bool response_field(const Header& image, const ModalResponse& node, const Real* d, Real* scratch, Real* field) {
   const uint32_t n_centers = image.amplitude_center.n, n_shared = image.modes.scale.n, m = node.weights.scale.n;
+  if (m == 0) return false;  // forces only
   Real *basis = scratch, *amount = basis + n_centers + 3, *amplitude = amount + n_shared, *scaled = amplitude + m;
   Real x[3];
   scale_displacement(image, d, x);
@@ -113,6 +111,7 @@ inline void response_field(const Header& image, const ModalResponse& node, const
   const auto* mode = at<int16_t>(image, node.near_modes.entry);
   for (uint32_t i = 0; i < node.near.n; ++i, mode += 3 * static_cast<size_t>(m))
     multiply_rows(mode, 3, m, scaled, field + 3 * static_cast<size_t>(near[i]));
+  return true;
 }
 
 }  // namespace PHN_IMAGES

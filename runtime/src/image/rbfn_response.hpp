@@ -70,12 +70,10 @@ inline Real response_energy(const Header&, const RbfnResponse&, const Real*) { r
 /// Family rbfn has no stiffness.
 inline void response_stiffness(const Header&, const RbfnResponse&, const Real*, Real*) {}
 
-/// Every response of this family has a deformation.
-inline bool has_deformation(const RbfnResponse&) { return true; }
-
 /// @param scratch  one number per neuron
-inline void response_field(const Header& image, const RbfnResponse& rbfn, const Real* d, Real* scratch, Real* field) {
+inline bool response_field(const Header& image, const RbfnResponse& rbfn, const Real* d, Real* scratch, Real* field) {
   network_field(image, rbfn.deformation, d, scratch, field);
+  return true;
 }
 
 }  // namespace PHN_IMAGES

@@ -17,7 +17,7 @@ struct ImageOptions {
 };
 
 struct ModelImage {
-  std::vector<std::byte> bytes;
+  std::vector<std::byte> bytes;  ///< aligned as phn_image_open needs them
   ImageOptions options;
   std::size_t n_active = 0, n_output = 0;
   std::size_t n_triangles = 0;  ///< on which a tool can be; 0: at nodes only
