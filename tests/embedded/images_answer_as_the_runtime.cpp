@@ -125,7 +125,7 @@ TYPED_TEST(Answers, AreTheRuntimesFarBeyond) { answers_are_the_runtimes<TypePara
 std::vector<std::string> words_of(const phn_provenance& p) {
   std::vector<std::string> words{p.mesh_hash, p.physics_hash, p.element, p.reference};
   for (const double number : {p.shear_modulus_Pa, p.finer_mean, p.finer_p95, p.finer_tool_radius_m,
-                              double(p.finer_probes), double(p.finer_nodes)})
+                              double(p.finer_probes), double(p.finer_nodes), double(p.bound_reference)})
     words.push_back(std::to_string(number));
   return words;
 }
@@ -139,6 +139,10 @@ TYPED_TEST(Answers, SayWhereTheModelComesFrom) {
       if (recorded) {
         model.solved = {true, "es-p1-p1", 1e3 / 3};
         model.finer = {true, "es-p1-p1", "taylor-hood", 11, 0.03, 0.04, 1.0 / 11, 300, 12};
+        if (family != Family::linear) {
+          model = with_bound_between(model);
+          model.bounds[0].reference = 2;
+        }
       }
       const LoadedModel loaded(write_model_text(model));
       OpenedImage<Real> opened(model_image(model, {false, sizeof(Real) == 4}));
@@ -151,6 +155,7 @@ TYPED_TEST(Answers, SayWhereTheModelComesFrom) {
       EXPECT_EQ(said.shear_modulus_Pa, recorded ? 1e3 / 3 : 0);
       EXPECT_EQ(said.finer_p95, recorded ? 1.0 / 11 : 0);
       EXPECT_EQ(said.finer_nodes, recorded ? 300 : 0);
+      EXPECT_EQ(said.bound_reference, recorded && family != Family::linear ? 2 : 0);
     }
   }
   typename Image<Real>::Contents said;

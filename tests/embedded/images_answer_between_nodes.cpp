@@ -145,6 +145,7 @@ TYPED_TEST(BetweenNodes, AreTheNodesAtNodes) {
   using Real = TypeParam;
   for (const auto& body : this->bodies()) {
     const auto& contents = body.opened.contents;
+    EXPECT_GT(contents.n_triangles, 0);
     std::int32_t n = 0;
     for (std::int32_t i = 0; i < contents.n_active; ++i) {
       const auto node = contents.active_nodes[i];
@@ -291,11 +292,52 @@ TYPED_TEST(BetweenNodes, RefuseBadQuestions) {
   EXPECT_EQ(not_round.contents.n_triangles, 0);
   refused(not_round.image, good, PHN_ERROR_UNDEFINED);
   not_found(not_round.image, -1, x, PHN_ERROR_UNDEFINED);
-  // A deformation is that of a node: at its place, but not between nodes.
-  const OpenedImage<Real> deforms(model_image(body.model, {false, sizeof(Real) == 4}));
-  std::vector<Real> scratch(deforms.n_scratch()), field(deforms.n_field(), 1);
-  EXPECT_EQ(Image<Real>::deform(deforms.image, scratch.data(), &good, field.data()), PHN_ERROR_UNDEFINED);
-  EXPECT_EQ(field[0], 0);
+}
+
+// Claim: where one active node answers, at its place or beside fixed nodes, the deformation is that of phn_deform;
+// between active nodes it is refused. In double 1e-6 of the largest displacement, because the runtime sums modes in
+// float, in float 1e-5.
+TYPED_TEST(BetweenNodes, DeformAsOneNode) {
+  using Real = TypeParam;
+  const typename TestFixture::Body body(small_round_model(Family::modal));
+  const OpenedImage<Real> opened(model_image(body.model, {false, sizeof(Real) == 4}));
+  std::vector<Real> scratch(opened.n_scratch()), field(opened.n_field());
+  std::vector<double> expected(opened.n_field());
+  Numbers numbers;
+  int n_refused = 0, n_nodes = 0, n_beside_fixed = 0;
+  for (std::int32_t i = 0; i < 200; ++i) {
+    auto x = body.point(numbers);
+    if (i < opened.contents.n_active) std::copy_n(opened.contents.active_points + 3 * i, 3, x.begin());
+    const double at[3] = {double(x[0]), double(x[1]), double(x[2])};
+    typename TestFixture::Tool tool;
+    phn_tool asked;
+    double apart = 1;
+    ASSERT_EQ(Image<Real>::nearest(opened.image, -1, x.data(), &tool, nullptr, nullptr), PHN_OK);
+    ASSERT_EQ(phn_nearest(body.loaded.model, at, &asked, nullptr, &apart), PHN_OK);
+    if (apart > 1e-6) continue;
+    for (int k = 0; k < 3; ++k) {
+      tool.displacement[k] = Real(0.5 * body.model.max_displacement_m * numbers.next());
+      asked.displacement[k] = double(tool.displacement[k]);
+    }
+    const int status = Image<Real>::deform(opened.image, scratch.data(), &tool, field.data());
+    if (status == PHN_ERROR_UNDEFINED) {
+      ++n_refused;
+      EXPECT_EQ(std::count(field.begin(), field.end(), Real(0)), std::ssize(field));
+      continue;
+    }
+    ASSERT_EQ(phn_deform(body.loaded.model, body.loaded.data, &asked, expected.data()), status);
+    double largest = 0, difference = 0;
+    for (std::size_t k = 0; k < field.size(); ++k) {
+      largest = std::max(largest, std::abs(expected[k]));
+      difference = std::max(difference, std::abs(expected[k] - double(field[k])));
+    }
+    EXPECT_LT(difference, (sizeof(Real) == 4 ? 1e-5 : 1e-6) * largest) << i;
+    const bool at_node = std::count(tool.weights, tool.weights + 3, Real(1)) == 1;
+    ++(at_node ? n_nodes : n_beside_fixed);
+  }
+  EXPECT_GT(n_refused, 10);
+  EXPECT_GT(n_nodes, 0);
+  EXPECT_GT(n_beside_fixed, 10);
 }
 
 }  // namespace

@@ -91,6 +91,7 @@ class ImageWriter {
     number(finer.tool_radius_m, origin.finer_tool_radius_m);
     origin.finer_probes = finer.probes;
     origin.finer_nodes = finer.nodes;
+    if (!_model.bounds.empty()) origin.bound_reference = _model.bounds[0].reference;
     origin.surface = put_surface();
     _header.provenance = put_bytes(&origin, sizeof origin);
   }

@@ -12,7 +12,7 @@
 namespace phynness::image {
 
 inline constexpr uint32_t magic = 0x494e4850;  ///< "PHNI"
-inline constexpr uint32_t version = 3;
+inline constexpr uint32_t version = 4;
 inline constexpr uint32_t largest_table = 0x7fffffff;  ///< bytes of an image
 
 using phynness::Family;
@@ -127,7 +127,7 @@ inline constexpr double largest_exponent = 1e3;  ///< of `between`
 struct Provenance {
   char mesh_hash[20], physics_hash[20], element[20], reference[20];
   uint32_t shear_modulus_Pa[2], finer_mean[2], finer_p95[2], finer_tool_radius_m[2];
-  int32_t finer_probes, finer_nodes;
+  int32_t finer_probes, finer_nodes, bound_reference;
   uint32_t surface;  ///< offset of a Surface; 0: none
 };
 

@@ -113,10 +113,10 @@ PHN_API int phn_image_depth(const phn_image* image, const phn_image_tool* tool, 
 #define PHN_IMAGE_NO_BOUND 1e30f
 PHN_API int phn_image_bound(const phn_image* image, const phn_image_tool* tool, phn_real* bound);
 
-/* Displacements [m] of all output nodes, n_output x 3, as phn_deform, with a tool at an active node. `scratch`: working
- * memory, one for each thread, outside of the image. Cost for family modal: 3 n_output x shared modes products with
- * 16-bit integers. PHN_ERROR_OVERLAP: `scratch` and `out` overlap. PHN_ERROR_UNDEFINED: the tool is between nodes, or
- * the image or the node has forces only. */
+/* Displacements [m] of all output nodes, n_output x 3, as phn_deform, with a tool at an active node or between one and
+ * fixed nodes. `scratch`: working memory, one for each thread, outside of the image. Cost for family modal: 3 n_output
+ * x shared modes products with 16-bit integers. PHN_ERROR_OVERLAP: `scratch` and `out` overlap. PHN_ERROR_UNDEFINED: a
+ * tool elsewhere, or the image or the node has forces only. */
 PHN_API int phn_image_deform(const phn_image* image, phn_real* scratch, const phn_image_tool* tool, phn_real* out);
 
 #ifdef __cplusplus

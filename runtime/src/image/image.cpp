@@ -88,6 +88,7 @@ void tell(const image::Provenance& from, phn_provenance& out) {
   copy_number(from.finer_tool_radius_m, out.finer_tool_radius_m);
   out.finer_probes = from.finer_probes;
   out.finer_nodes = from.finer_nodes;
+  out.bound_reference = from.bound_reference;
 }
 
 }  // namespace
@@ -223,8 +224,7 @@ int phn_image_deform(const phn_image* opened, Real* scratch, const phn_image_too
   if (overlap(scratch, image.n_scratch * sizeof(Real), out, n * sizeof(Real))) status = PHN_ERROR_OVERLAP;
   if (status < 0) return refuse(status, out, n);
   const Corners& corners = asked.corners;
-  const bool at_node = corners.n == 1 && corners.fixed_weight == 0 && n > 0;
-  const ActiveNode* node = at_node ? active_node(image, corners.position[0]) : nullptr;
+  const ActiveNode* node = corners.n == 1 && n > 0 ? active_node(image, corners.position[0]) : nullptr;
   const bool deforms = node != nullptr && with_response(image, corners.position[0], [&](const auto& response) {
                          return response_field(image, response, asked.d, scratch, out);
                        });

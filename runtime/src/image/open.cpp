@@ -114,6 +114,7 @@ class ImageCheck {
     const uint32_t* const numbers[] = {origin.shear_modulus_Pa, origin.finer_mean, origin.finer_p95,
                                        origin.finer_tool_radius_m};
     for (const uint32_t* number : numbers) require(number[1] < 0x7ff00000);  // not negative, infinite or NaN
+    require(origin.bound_reference >= 0 && origin.bound_reference <= schema::n_bound_references);
     if (origin.surface == 0) return;
     require(inside<image::Surface>(origin.surface, 1));
     if (_good) surface(*surface_of(_image));
