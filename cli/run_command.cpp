@@ -208,7 +208,7 @@ void run(const Options& options) {
     return true;
   });
   unless_finished("page", [&] {
-    if (!embedded_page("view.html")) {
+    if (embedded_page().empty()) {
       message("note: no page of the model is written\n  remedy: {}\n", missing_pages_remedy());
       return false;
     }

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/version.hpp>
-#include <phynness/pages/report.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/report.hpp>
 #include <phynness/validation/sizes.hpp>
@@ -138,7 +137,6 @@ void run(const Options& options) {
   if (options.body && options.points == 0 && options.pairs == 0)
     throw input_error("--body is compared at tools of --points and --pairs only", options.body->string(),
                       "add one of these options, or omit --body");
-  if (options.report_file) report::require_page();
   const SolverSession session;
   Validated v = load(options, session);
   install_stop_handler();

@@ -109,18 +109,18 @@ std::string page_json(const Options& options, const NamedOrgan& loaded, const st
 }
 
 void run(const Options& options) {
-  const auto page = embedded_page("view.html");
-  if (!page) throw input_error("this build has no page", "phynness view", missing_pages_remedy());
+  const auto page = embedded_page();
+  if (page.empty()) throw input_error("this build has no page", "phynness view", missing_pages_remedy());
   const NamedOrgan loaded(options.model);
   std::optional<NamedOrgan> body;
   if (options.body) body = loaded.body_beside(*options.body);
   if (loaded.model().surface.rows() == 0)
     throw input_error("the model has no surface, and nothing can be drawn", options.model.string(),
                       "train it again with output nodes, so that model.txt contains triangles");
-  const auto whole = page_with_data(*page, page_json(options, loaded, body));
+  const auto whole = page_with_data(page, page_json(options, loaded, body));
   write_text_file(options.output, whole);
   print_result("{}: {}, of which {} are the page and its runtime\n", options.output.string(), bytes(whole.size()),
-               bytes(page->size()));
+               bytes(page.size()));
   print_result("Open it in a browser. It needs no network and no server.\n");
 }
 

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Makes the npm package and the pages from a copy of this folder, and writes them into embedded_pages.cpp.
+# Makes the npm package and the page from a copy of this folder, and writes them into embedded_pages.cpp.
 # Usage: build.sh SOURCE BUILD      BUILD/wasm contains phynness.wasm; BUILD/work and BUILD/out are made
 set -euo pipefail
 source=$1 build=$2
@@ -11,15 +11,15 @@ if [ ! -f "$work/node_modules/installed" ] || [ "$(cat "$work/node_modules/insta
   cp "$source/package.json" "$source/package-lock.json" "$source/.npmrc" "$work"
   if ! (cd "$work" && npm ci --no-progress --no-audit --no-fund --loglevel=error > "$build/npm.log" 2>&1); then
     echo "warning: the packages of web/package-lock.json cannot be installed: $(tail -n 3 "$build/npm.log" | tr '\n' ' ')" >&2
-    echo "  remedy: give npm a registry (npm config set registry URL), and build again; without them phynness view and" >&2
-    echo "  reports are left out. All messages: $build/npm.log" >&2
+    echo "  remedy: give npm a registry (npm config set registry URL), and build again; without them phynness view" >&2
+    echo "  is left out. All messages: $build/npm.log" >&2
     cp "$source/pages/no_files.cpp" "$build/embedded_pages.cpp"
     exit 0
   fi
   echo "$lock" > "$work/node_modules/installed"
 fi
 
-for folder in runtime shared view report browser_tests; do
+for folder in runtime shared view browser_tests; do
   rm -rf "${work:?}/$folder"
   cp -r "$source/$folder" "$work"
 done

@@ -9,12 +9,12 @@
 #include <limits>
 #include <map>
 #include <phynness/training/conservative_fit.hpp>
-#include <phynness/validation/fine_surface.hpp>
 #include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "fine_surface.hpp"
 #include "force_accuracy.hpp"
 #include "timed_model.hpp"
 

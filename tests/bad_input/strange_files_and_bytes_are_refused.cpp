@@ -56,6 +56,10 @@ TEST(ControlCharacters, and_long_values_leave_room_for_the_remedy) {
   EXPECT_EQ(shortened("\xC3\xA9\xC3\xA9", 3), "\xC3\xA9 ... (4 bytes)");
 }
 
+TEST(ControlCharacters, and_what_cannot_be_seen_is_escaped) {
+  EXPECT_EQ(printable("a\u202Eb\u200B"), "a\\xe2\\x80\\xaeb\\xe2\\x80\\x8b");
+}
+
 // Cut characters, a continuation alone, longer forms than needed, a surrogate, and codes beyond the last character.
 TEST(ControlCharacters, and_bytes_that_are_no_utf8_are_escaped_alone) {
   for (const std::string bytes : {"\xE2\x80", "\x80", "\xC0\xAF", "\xE0\x80\xAF", "\xED\xA0\x80", "\xF4\x90\x80\x80",

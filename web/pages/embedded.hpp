@@ -1,12 +1,8 @@
-// Files that web/build.mjs writes into a C++ source.
+// The page of `phynness view`, which web/build.mjs writes into a C++ source.
 #pragma once
 
 namespace phynness {
 
-struct EmbeddedFile {
-  const char* name;           ///< nullptr ends the list
-  const char* const* chunks;  ///< parts of the text in order; nullptr ends the list
-};
-extern const EmbeddedFile embedded_files[];
+extern const char* const embedded_page_chunks[];  ///< parts of the text in order; nullptr ends the list
 
 }  // namespace phynness

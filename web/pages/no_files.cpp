@@ -1,8 +1,4 @@
 // For builds without Node, npm or clang for WebAssembly.
 #include "embedded.hpp"
 
-namespace phynness {
-
-const EmbeddedFile embedded_files[] = {{nullptr, nullptr}};
-
-}  // namespace phynness
+const char* const phynness::embedded_page_chunks[] = {nullptr};

@@ -16,6 +16,10 @@ std::size_t visible_bytes(std::string_view text) {
     if ((byte(i) & 0xC0) != 0x80) return 0;
     code = code << 6 | (byte(i) & 0x3Fu);
   }
+  // Without width, or change the direction of others.
+  if ((code >= 0x200B && code <= 0x200F) || (code >= 0x2028 && code <= 0x202E) || (code >= 0x2060 && code <= 0x206F) ||
+      code == 0xFEFF)
+    return 0;
   // A longer form of a character and a half of a pair are no UTF-8.
   constexpr char32_t least[] = {0, 0, 0xA0, 0x800, 0x10000};
   return code < least[n] || code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF) ? 0 : n;
@@ -36,6 +40,20 @@ std::string printable(std::string_view text) {
       out += {'\\', 'x', digits[byte >> 4], digits[byte & 0xF]};
     text.remove_prefix(std::max<std::size_t>(n, 1));
   }
+  return out;
+}
+
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : printable(text))
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
   return out;
 }
 

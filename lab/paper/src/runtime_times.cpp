@@ -4,8 +4,8 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/studies/measure.hpp>
 #include <phynness/training/network_fit.hpp>
-#include <phynness/validation/fine_surface.hpp>
 
+#include "fine_surface.hpp"
 #include "median_time.hpp"
 
 namespace phynness {

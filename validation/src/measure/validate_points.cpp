@@ -89,7 +89,6 @@ class PointComparison : public ToolComparison {
   void at(std::size_t point, const Place& place, PointReport& report) {
     std::vector<Compared> coupled, linear, of_body;
     std::vector<JudgedProbe> probes;
-    PointRecord record{place.nodes, place.weights};
     _solver.touch_points({place});
     for (const auto& d : place.displacements) {
       const auto truth = _solver.solve({d}, _increments);
@@ -102,32 +101,23 @@ class PointComparison : public ToolComparison {
       const Points u = truth.displacement_m(_model.model().output, Eigen::all);
       const auto said = _model.hold({tool_at(place, d)});
       report.answers.take(said, truth.force_N);
-      record.flagged[1] += probes.back().flagged;
       coupled.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m, u});
       auto [linear_force, linear_u] = linear_response(_solver, _model.model(), {d});
       linear.push_back({*linear_force[0], truth.force_N[0], std::move(linear_u), u});
       if (!_body) continue;
       auto answer = _body->at({tool_at(place, d)});
       report.body_answers.take(answer, truth.force_N);
-      record.flagged[2] += is_flagged(answer.status);
       of_body.push_back({*answer.force_N[0], truth.force_N[0], std::move(answer.displacement_m), _body->shared(u)});
     }
-    const auto largest = judge(point, probes, coupled, linear);
-    const auto mean = [&](const std::vector<Compared>& compared) {
-      double sum = 0;
-      for (const auto& one : compared) sum += probe_errors(one, largest, {}).force;
-      return sum / static_cast<double>(compared.size());
-    };
-    record.error = {mean(linear), mean(coupled), mean(of_body)};
-    _records.add({static_cast<double>(point)}, record);
+    judge(point, probes, coupled, linear);
     add_errors(coupled, {}, _coupled);
     add_errors(linear, {}, _linear);
     add_errors(of_body, {}, _of_body);
   }
 
   /// @param coupled, linear  of the solved probes
-  LargestResponse judge(std::size_t point, std::vector<JudgedProbe>& probes, const std::vector<Compared>& coupled,
-                        const std::vector<Compared>& linear) {
+  void judge(std::size_t point, std::vector<JudgedProbe>& probes, const std::vector<Compared>& coupled,
+             const std::vector<Compared>& linear) {
     LargestResponse largest;
     std::size_t at = 0;
     for (const auto& judged : probes)
@@ -141,13 +131,11 @@ class PointComparison : public ToolComparison {
       }
       _rows.add({static_cast<double>(point)}, judged);
     }
-    return largest;
   }
 
  public:
   void finish(const SolverSession& session, PointReport& report) const {
     static_cast<ErrorsByWarning&>(report) = errors_by_warning(_rows.gathered(session));
-    report.records = _records.gathered(session);
     const auto errors_of = [&](const PointSamples& samples) {
       const auto errors = statistics(session, samples);
       return PointErrors{errors.force, errors.displacement, errors.field_l2};
@@ -162,7 +150,6 @@ class PointComparison : public ToolComparison {
  private:
   PointSamples _coupled, _linear, _of_body;
   JudgedRows _rows;
-  OrderedRows<PointRecord> _records;
   std::int64_t _refused = 0;
   std::optional<Error> _first_refusal;
 };

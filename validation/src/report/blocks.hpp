@@ -25,9 +25,8 @@ inline std::string percent(double fraction) {
   return value > 0 && value < 0.005 ? fmt::format("{:.0e}", value) : fmt::format("{:.2f}", value);
 }
 
-/// What the script of a report needs to draw the body: BodyData of web/report/src/data.ts; null if the model has no
-/// surface or no displacements.
-Json body_data(const Validated& validated);
+/// Pictures of the errors on the body, and of the worst cases; none if the model has no surface or no displacements.
+std::vector<Json> body_pictures(const Validated& validated);
 
 }  // namespace report
 

@@ -87,7 +87,7 @@ Json conditions(const Validated& in, const std::string& software) {
   return section("Scene and probes", blocks);
 }
 
-/// The node, with the number of the case that the page's script shows on the body.
+/// The node, with the number of the case of which there is a picture.
 Json case_link(const Validated& in, const ProbeRecord& record) {
   const auto& shown = in.report.shown;
   const auto found = std::find_if(shown.begin(), shown.end(), [&](const auto& state) {
@@ -162,15 +162,6 @@ Json curves(const Validated& in) {
        charts(drawn)});
 }
 
-Json picture(const Validated& in, Json&& data) {
-  std::vector<Json> blocks{
-      Json{{"body", std::move(data)}},
-      text("Means over all probes up to R; of the displacements in the picture, over those inside the trained range.")};
-  if (in.points.finished > 0)
-    blocks.push_back(text("Between nodes: means over the displacements of a place, over its largest unflagged force."));
-  return section("Distribution of the error on the body", blocks);
-}
-
 Json cost(const Validated& in) {
   const auto& speed = in.report.speed;
   std::string deformation;
@@ -191,7 +182,11 @@ Json cost(const Validated& in) {
 
 std::string html_report(const Validated& in, const std::string& software) {
   std::vector<Json> sections{verdict_first(in), error_section(in), worst(in), curves(in)};
-  if (auto data = body_data(in); !data.is_null()) sections.push_back(picture(in, std::move(data)));
+  if (const auto pictures = body_pictures(in); !pictures.empty())
+    sections.push_back(section("Distribution of the error on the body",
+                               {Json{{"pictures", pictures}},
+                                text("Means over all probes up to R; of the displacements, over those inside the "
+                                     "trained range.")}));
   for (auto& last : {cost(in), conditions(in, software)}) sections.push_back(last);
   return page(in.scene.title.empty() ? "Model compared with finite elements" : in.scene.title, sections);
 }

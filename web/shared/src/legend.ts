@@ -8,15 +8,9 @@ export interface Scale {
   readonly unit: string;
   readonly low: number;
   readonly high: number;
-  /** logarithmic, from `low` > 0 */
-  readonly log?: boolean;
   /** what bodies without a value look like, for example "grey: not trained" */
   readonly note?: string;
 }
-
-/** Where a value is on a scale: 0 at its low end, 1 at its high end. */
-export const placeOn = ({ low, high, log }: Scale, value: number): number =>
-  log ? Math.log(value / low) / Math.log(high / low) : high > low ? (value - low) / (high - low) : 0;
 
 export class Legend {
   readonly element = document.createElement('figure');
@@ -46,11 +40,10 @@ export class Legend {
     const { unit, factor } = shown(scale.unit, scale.high);
     this.title.textContent = `${scale.title} [${unit}]`;
     const low = scale.low * factor, high = scale.high * factor;
-    const marked = scale.log ? [0, 1, 2, 3, 4].map((k) => low * 10 ** k).filter((x) => x < 1.01 * high) : ticks(low, high, 4);
-    this.marks.replaceChildren(...marked.map((value) => {
+    this.marks.replaceChildren(...ticks(low, high, 4).map((value) => {
       const mark = document.createElement('span');
       mark.textContent = significant(value, 3).replace(/(\.\d*?)0+$/, '$1').replace(/\.$/, '');
-      mark.style.left = `${100 * placeOn(scale, value / factor)}%`;
+      mark.style.left = `${high > low ? (100 * (value - low)) / (high - low) : 0}%`;
       return mark;
     }));
     this.note.textContent = scale.note ?? '';

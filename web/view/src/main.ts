@@ -1,5 +1,4 @@
 // Starts the page with the model that it contains.
-import '../../shared/src/locale.js';
 import { loader, PhynnessError } from '../../runtime/src/index.js';
 import { project } from '../../shared/src/camera.js';
 import { plain } from '../../shared/src/numbers.js';

@@ -4,7 +4,7 @@ import { add, dot, norm, scale, vector } from '../../shared/src/vectors.js';
 import { byId, setFacts, setText } from './dom.js';
 import { nearestRay } from './page_data.js';
 import { nameOf, nodeOf } from './places.js';
-import { DepthPlot, type PlotData } from './plot.js';
+import { drawn, type PlotData } from './plot.js';
 import type { Session } from './session.js';
 
 /** Pieces of the curve. */
@@ -57,7 +57,7 @@ export class Readouts {
   private readonly reasons = byId('reasons', HTMLElement);
   private readonly quantities = byId('quantities', HTMLElement);
   private readonly plotNote = byId('plot-note', HTMLElement);
-  private readonly plot = new DepthPlot(byId('plot', HTMLElement));
+  private readonly plot = byId('plot', HTMLElement);
 
   show(session: Session): void {
     const { answer: { forces, bounds }, touching, mode, current } = session, force = norm(forces[current] ?? [0, 0, 0]);
@@ -96,7 +96,7 @@ export class Readouts {
   /** The curve and what is compared in it. */
   showPlot(session: Session): void {
     const curve = curveOf(session), { mode, held, data } = session;
-    this.plot.show(curve);
+    this.plot.innerHTML = curve ? drawn(curve) : '';
     const more = data.rays.length > 0 ? ' Choose “Probed points and directions only” to see finite elements, too.' : '';
     setText(this.plotNote, curve ? curve.stored ? 'Line: model. Dots: finite elements. Both in the direction of the tool.' : `Line: model, in the direction of the tool.${more}`
       : mode === 'hold' && held.length < 2 ? 'Pull or push the body to see the curve.' : 'For one tool that holds the body.');

@@ -7,7 +7,7 @@ import { mapsOf, onSurface } from '../src/maps.js';
 import { alongRay, pageDataOf } from '../src/page_data.js';
 import { sharesOf } from '../src/parts.js';
 import { placeAt } from '../src/places.js';
-import { joined } from '../src/plot.js';
+import { drawn } from '../src/plot.js';
 import { curveOf, digitsOf, statesOf } from '../src/readouts.js';
 import { Session } from '../src/session.js';
 
@@ -75,8 +75,12 @@ describe('the curve', () => {
     expect(alongRay(s.data.rays, node, [0, 0, -1])).toEqual([0, 0, 0]);
     expect(alongRay([], node, [1, 2, 3])).toEqual([1, 2, 3]);
   });
-  test('has the depths of all, and no value where one was not asked', () => {
-    expect(joined([{ x: [0, 2], y: [5, 6] }, { x: [1], y: [7] }])).toEqual([[0, 1, 2], [5, null, 6], [null, 7, null]]);
+  test('is drawn with its finite elements and now, in the picture', () => {
+    const svg = drawn({ curve: { depths: [0, 0.01], forces: [0, 2] }, stored: { depths: [0.005, 0.01], forces: [1, 2.1] }, now: { depth: 0.004, force: 0.7 } });
+    const at = [...svg.matchAll(/c[xy]="([-\d.]+)"/g)].map(([, number]) => Number(number));
+    expect(at.length).toBe(6);
+    at.forEach((pixel) => expect(pixel > 0 && pixel < 340).toBe(true));
+    expect(svg).toMatch(/<polyline points="52.0,152.0 330.0,\d/);
   });
 });
 

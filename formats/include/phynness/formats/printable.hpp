@@ -13,6 +13,9 @@ namespace phynness {
 /// direction of others, by which two different names could look alike. Line breaks and tabs stay.
 std::string printable(std::string_view text);
 
+/// printable() as text or an attribute of HTML and XML.
+std::string escaped(std::string_view text);
+
 /// The beginning of a text that is too long for a message, with its length; a shorter text as it is.
 std::string shortened(std::string_view text, std::size_t most_bytes);
 

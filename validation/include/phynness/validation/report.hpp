@@ -55,10 +55,8 @@ std::string check_again(const FinerDistance& finer);
 /// formats/validation.md
 Json validation_figures(const Validated& validated);
 
-/// Self-contained HTML in UTF-8 with its style and script, without references to other files or servers. It has a light
-/// and a dark style and can be printed; its script draws it.
-/// @param software  versions of the software that computed it
-/// @throws Error (input) in a build without pages
+/// Self-contained HTML in UTF-8 with its style, without scripts and references to other files or servers. It has a
+/// light and a dark style and can be printed. @param software  versions of the software that computed it
 std::string html_report(const Validated& validated, const std::string& software);
 
 }  // namespace phynness

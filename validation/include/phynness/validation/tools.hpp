@@ -41,15 +41,6 @@ struct PointErrors {
   }
 };
 
-/// A finished place between nodes. By linear predictor, model and reduced body, over the solved displacements: the mean
-/// error, like ErrorsOfNode::force (not a number: none), and how many have a warning.
-struct PointRecord {
-  std::array<std::int32_t, 3> nodes{};
-  std::array<double, 3> weights{};
-  std::array<double, 3> error{};
-  std::array<std::int64_t, 3> flagged{};
-};
-
 struct PointReport : ErrorsByWarning {  ///< the model, by warnings of phn_couple; its nodes are points, by number
   std::int64_t points = 0, displacements = 0;  ///< requested points, and displacements of each
   std::int64_t finished = 0;                   ///< finished points; fewer than `points` if it was interrupted
@@ -58,7 +49,6 @@ struct PointReport : ErrorsByWarning {  ///< the model, by warnings of phn_coupl
   PointErrors linear;                          ///< unit responses of the undeformed body at the points
   std::optional<PointErrors> body;             ///< a reduced body at the points; empty without one
   AnswerCounts answers, body_answers;
-  std::vector<PointRecord> records;  ///< in the order of the seed; on rank 0
   double seconds = 0;
   bool interrupted() const { return finished < points; }
   static void describe(const auto& result, auto&& see) {

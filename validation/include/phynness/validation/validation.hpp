@@ -70,7 +70,7 @@ struct ShownState {
     each(s.node, s.displacement_m, s.force_error, s.finite_elements_m, s.model_m);
   }
 };
-inline constexpr std::size_t most_shown_states = 10;
+inline constexpr std::size_t most_shown_states = 3;
 
 /// Finite element forces along one ray of a node.
 struct ForceCurve {
