@@ -13,7 +13,9 @@ export interface BodyInfo {
   readonly maxDisplacement: number;
   /** of the surface, ascending numbers in the mesh */
   readonly nodes: Int32Array;
+  readonly nTriangles: number;
   readonly nModes: number;
+  readonly nPressures: number;
   readonly nCells: number;
 }
 
@@ -25,18 +27,10 @@ export class Body extends Owner {
   constructor(engine: Engine, parent: Owner, text: Uint8Array) {
     super(engine, parent);
     this.body = this.loaded('body', text);
-    const info = this.take(bytesOf('phn_body_contents')), { text: textOf, integer, pointer, real } = engine.members(info);
+    const info = this.take(bytesOf('phn_body_contents'));
     engine.call('phn_body_info', this.body, info);
-    this.info = Object.freeze({
-      meshHash: textOf('phn_body_contents.mesh_hash'),
-      physicsHash: textOf('phn_body_contents.physics_hash'),
-      law: textOf('phn_body_contents.law'),
-      toolRadius: real('phn_body_contents.tool_radius_m'),
-      maxDisplacement: real('phn_body_contents.max_displacement_m'),
-      nodes: engine.integers(pointer('phn_body_contents.nodes'), integer('phn_body_contents.n_nodes')).slice(),
-      nModes: integer('phn_body_contents.n_modes'),
-      nCells: integer('phn_body_contents.n_cells'),
-    });
+    const { nNodes, ...read } = engine.read<BodyInfo & { nNodes: number }>('phn_body_contents', info);
+    this.info = Object.freeze({ ...read, nodes: engine.integers(engine.size(info + bytesOf('phn_body_contents.nodes')), nNodes).slice() });
   }
 
   /** Up to 8 tools at the same time, each set() of which makes at most so many of Newton's steps. */

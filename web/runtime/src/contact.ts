@@ -87,16 +87,15 @@ export class Contact extends Owner {
   }
 
   private touch(at: number): Touch {
-    const { engine } = this, { integer, real } = engine.members(at);
-    const inContact = integer('phn_contact_state.in_contact') === 1;
+    const { engine } = this, { inContact, scale, unbalanced } = engine.read<Record<'inContact' | 'scale' | 'unbalanced', number>>('phn_contact_state', at);
     return {
-      inContact,
+      inContact: inContact === 1,
       force: engine.reals(at + bytesOf('phn_contact_state.force'), 3).slice(),
       proxy: engine.reals(at + bytesOf('phn_contact_state.proxy'), 3).slice(),
       normal: engine.reals(at + bytesOf('phn_contact_state.normal'), 3).slice(),
-      scale: real('phn_contact_state.scale'),
-      unbalanced: real('phn_contact_state.unbalanced'),
-      held: inContact ? toolFrom(engine, at + bytesOf('phn_contact_state.held')) : null,
+      scale,
+      unbalanced,
+      held: inContact === 1 ? toolFrom(engine, at + bytesOf('phn_contact_state.held')) : null,
     };
   }
 }

@@ -1,5 +1,5 @@
 // One instance of phynness.wasm with its memory.
-import { layout } from './layout.js';
+import { layout, readable } from './layout.js';
 import { PhynnessError } from './status.js';
 
 type Functions = Readonly<Record<string, (...args: number[]) => number>>;
@@ -75,14 +75,10 @@ export class Engine {
   real(at: number): number {
     return this.reals(at, 1)[0]!;
   }
-  /** Readers of the members of the struct at an address. */
-  members(at: number) {
-    return {
-      text: (member: Member) => this.text(this.size(at + bytesOf(member))),
-      integer: (member: Member) => this.integer(at + bytesOf(member)),
-      pointer: (member: Member) => this.size(at + bytesOf(member)),
-      real: (member: Member) => this.real(at + bytesOf(member)),
-    };
+  /** The numbers and texts of the struct at an address. @template T  names them in camel case, without units */
+  read<T>(struct: string, at: number): T {
+    const of = { integer: (a: number) => this.integer(a), real: (a: number) => this.real(a), text: (a: number) => this.text(this.size(a)) };
+    return Object.fromEntries(readable[struct]!.map(({ key, read, offset }) => [key, of[read](at + offset)])) as T;
   }
   /** A text that ends with a 0; empty for a null pointer. */
   text(at: number): string {

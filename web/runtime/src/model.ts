@@ -9,6 +9,7 @@ import { ModelTools } from './tools.js';
 
 /** Where a model comes from; '' and 0: not recorded. */
 export interface Provenance {
+  readonly meshHash: string;
   readonly physicsHash: string;
   readonly element: string;
   /** at rest, of the body that was trained [Pa] */
@@ -93,7 +94,7 @@ export class Model extends Owner {
     this.field_ = this.take(24 * this.info.outputNodes.length);
     this.levels = Array.from({ length: engine.integer(info + bytesOf('phn_info.n_levels')) }, (_, i) => {
       engine.call('phn_level_info', this.model, i, level);
-      return levelAt(engine, level);
+      return engine.read<Level>('phn_level', level);
     });
     this.level_ = this.levels.length - 1;
   }
@@ -199,53 +200,24 @@ export class Model extends Owner {
   }
 }
 
-function provenanceAt(engine: Engine, at: number): Provenance {
-  const { text, integer, real } = engine.members(at);
-  return {
-    physicsHash: text('phn_provenance.physics_hash'),
-    element: text('phn_provenance.element'),
-    shearModulus: real('phn_provenance.shear_modulus_Pa'),
-    reference: text('phn_provenance.reference'),
-    finerNodes: integer('phn_provenance.finer_nodes'),
-    finerProbes: integer('phn_provenance.finer_probes'),
-    finerToolRadius: real('phn_provenance.finer_tool_radius_m'),
-    finerMean: real('phn_provenance.finer_mean'),
-    finerP95: real('phn_provenance.finer_p95'),
-    boundReference: integer('phn_provenance.bound_reference'),
-  };
-}
-
 function infoAt(engine: Engine, at: number): Info {
-  const { text, integer: n, pointer, real } = engine.members(at);
-  const nOutput = n('phn_info.n_output'), nFixed = n('phn_info.n_fixed');
+  const { nOutput, nFixed, nActive, nTriangles, nFields, hasEnergy, nLevels, ...info } = engine.read<
+    Info & Record<'nOutput' | 'nFixed' | 'nActive' | 'nTriangles' | 'nFields' | 'nLevels', number>>('phn_info', at);
+  const pointer = (member: 'active_nodes' | 'output_nodes' | 'fixed_nodes' | 'output_points' | 'fixed_points' | 'triangles') =>
+    engine.size(at + bytesOf(`phn_info.${member}`));
   return Object.freeze({
-    family: text('phn_info.family'),
-    title: text('phn_info.title'),
-    meshHash: text('phn_info.mesh_hash'),
-    maxDisplacement: real('phn_info.max_displacement_m'),
-    nNodes: n('phn_info.n_nodes'),
-    activeNodes: engine.integers(pointer('phn_info.active_nodes'), n('phn_info.n_active')).slice(),
-    outputNodes: engine.integers(pointer('phn_info.output_nodes'), nOutput).slice(),
-    fixedNodes: engine.integers(pointer('phn_info.fixed_nodes'), nFixed).slice(),
-    outputPoints: engine.reals(pointer('phn_info.output_points'), 3 * nOutput).slice(),
-    fixedPoints: engine.reals(pointer('phn_info.fixed_points'), 3 * nFixed).slice(),
-    triangles: engine.integers(pointer('phn_info.triangles'), 3 * n('phn_info.n_triangles')).slice(),
-    fields: Array.from({ length: n('phn_info.n_fields') }, (_, i) => ({
+    ...info,
+    activeNodes: engine.integers(pointer('active_nodes'), nActive).slice(),
+    outputNodes: engine.integers(pointer('output_nodes'), nOutput).slice(),
+    fixedNodes: engine.integers(pointer('fixed_nodes'), nFixed).slice(),
+    outputPoints: engine.reals(pointer('output_points'), 3 * nOutput).slice(),
+    fixedPoints: engine.reals(pointer('fixed_points'), 3 * nFixed).slice(),
+    triangles: engine.integers(pointer('triangles'), 3 * nTriangles).slice(),
+    fields: Array.from({ length: nFields }, (_, i) => ({
       name: engine.text(engine.size(at + bytesOf('phn_info.field_names') + 4 * i)),
       unit: engine.text(engine.size(at + bytesOf('phn_info.field_units') + 4 * i)),
     })),
-    hasEnergy: n('phn_info.has_energy') === 1,
-    provenance: provenanceAt(engine, at + bytesOf('phn_info.provenance')),
+    hasEnergy: Boolean(hasEnergy),
+    provenance: engine.read<Provenance>('phn_provenance', at + bytesOf('phn_info.provenance')),
   });
-}
-
-function levelAt(engine: Engine, at: number): Level {
-  const { integer, real } = engine.members(at);
-  return {
-    forceCenters: integer('phn_level.force_centers'),
-    deformationCenters: integer('phn_level.deformation_centers'),
-    modes: integer('phn_level.modes'),
-    errorForce: real('phn_level.error_force'),
-    errorDisplacement: real('phn_level.error_displacement'),
-  };
 }

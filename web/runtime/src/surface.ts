@@ -23,12 +23,13 @@ export class Surface extends Owner {
     super(engine, parent);
     integer(levels);
     this.surface = this.made('phn_surface', model, levels);
-    const contents = this.take(bytesOf('phn_surface_contents')), { integer: count, pointer } = engine.members(contents);
+    const contents = this.take(bytesOf('phn_surface_contents'));
     engine.call('phn_surface_info', this.surface, contents);
-    this.nVertices = count('phn_surface_contents.n_vertices');
-    this.triangles = engine.integers(pointer('phn_surface_contents.triangles'), 3 * count('phn_surface_contents.n_triangles')).slice();
-    this.points = engine.floats(pointer('phn_surface_contents.points'), 3 * this.nVertices).slice();
-    this.scratch = this.take(pointer('phn_surface_contents.scratch_bytes'));
+    const { nVertices, nTriangles, scratchBytes } = engine.read<Record<'nVertices' | 'nTriangles' | 'scratchBytes', number>>('phn_surface_contents', contents);
+    this.nVertices = nVertices;
+    this.triangles = engine.integers(engine.size(contents + bytesOf('phn_surface_contents.triangles')), 3 * nTriangles).slice();
+    this.points = engine.floats(engine.size(contents + bytesOf('phn_surface_contents.points')), 3 * nVertices).slice();
+    this.scratch = this.take(scratchBytes);
     this.field = this.take(24 * nOutput);
     this.out = this.take(12 * this.nVertices);
   }

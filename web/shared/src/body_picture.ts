@@ -4,7 +4,6 @@ import {
   MeshStandardMaterial, PerspectiveCamera, Scene, WebGLRenderer,
 } from 'three';
 import { angleOfView, frameOf, type Camera, type Size } from './camera.js';
-import { normalsOf } from './normals.js';
 
 /** Colour of a body without a map, in linear light. */
 export const tissue: readonly [number, number, number] = [0.5, 0.135, 0.1];
@@ -22,7 +21,6 @@ export class BodyPicture {
   private readonly body: Mesh<BufferGeometry, MeshStandardMaterial>;
   private readonly key = new DirectionalLight(0xffffff, 2.3);
   private readonly sky = new HemisphereLight(0xffffff, 0x7a6a66, 1.25);
-  private triangles: Int32Array = new Int32Array(0);
   private size_: Size = { width: 1, height: 1 };
 
   /** @throws Error if the browser has no WebGL 2 */
@@ -58,7 +56,6 @@ export class BodyPicture {
     for (const name of ['position', 'normal', 'color'])
       geometry.setAttribute(name, new BufferAttribute(new Float32Array(3 * nVertices), 3).setUsage(DynamicDrawUsage));
     geometry.setIndex(new BufferAttribute(Uint32Array.from(triangles), 1));
-    this.triangles = triangles;
     this.body.geometry = geometry;
   }
   /** Positions of all vertices, n x 3 [m]; to be changed in place, then call positionsChanged. */
@@ -70,9 +67,7 @@ export class BodyPicture {
     return this.attribute('color').array as Float32Array;
   }
   positionsChanged(): void {
-    const normal = this.attribute('normal');
-    normalsOf(this.positions, this.triangles, normal.array as Float32Array);
-    normal.needsUpdate = true;
+    this.body.geometry.computeVertexNormals();
     this.attribute('position').needsUpdate = true;
   }
   coloursChanged(): void {

@@ -1,57 +1,25 @@
-// A colour map that is perceptually even and readable by the colour-blind, computed here; no table of others is used.
-// Its colours lie on a curve from dark blue through green to yellow in Oklab (B. Ottosson, "A perceptual color space for
-// image processing", 2020), at equal distances along this curve; lightness rises all the way, so that it also reads in grey.
+// A colour map that is perceptually even and readable by the colour-blind, computed for this program. Its colours lie on a
+// curve from dark blue through green to yellow in Oklab (B. Ottosson, "A perceptual color space for image processing",
+// 2020), at equal distances along this curve; lightness rises all the way, so that it also reads in grey.
 
 export type Rgb = readonly [number, number, number];
-type Lab = readonly [number, number, number];
 
-/** Control points of the Bezier curve: lightness, green-red, blue-yellow. */
-const curve: readonly Lab[] = [
-  [0.27, 0.02, -0.115],
-  [0.52, -0.035, -0.13],
-  [0.68, -0.13, 0.06],
-  [0.93, -0.035, 0.165],
+/** sRGB, 0 ... 255, at equal distances. Between them colours are linear, at most 1.4 of 255 from the curve. */
+const stops: readonly Rgb[] = [
+  [31, 24, 93], [38, 55, 119], [44, 86, 136], [56, 116, 143], [79, 144, 142], [113, 171, 134], [154, 195, 120], [202, 216, 102], [255, 235, 80],
 ];
 
-function bezier(t: number): Lab {
-  const s = 1 - t, w = [s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t];
-  const at = (k: 0 | 1 | 2) => curve.reduce((sum, point, i) => sum + w[i]! * point[k], 0);
-  return [at(0), at(1), at(2)];
-}
-
-/** Red, green and blue in linear light, 0 ... 1. */
-function linearOf([L, a, b]: Lab): Rgb {
-  const l = (L + 0.3963377774 * a + 0.2158037573 * b) ** 3;
-  const m = (L - 0.1055613458 * a - 0.0638541728 * b) ** 3;
-  const s = (L - 0.0894841775 * a - 1.291485548 * b) ** 3;
-  const inside = (x: number) => Math.min(1, Math.max(0, x));
-  return [
-    inside(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
-    inside(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
-    inside(-0.0041960863 * l - 0.7034186147 * m + 1.707614701 * s),
-  ];
-}
-
-/** Of linear light to sRGB, 0 ... 1. */
+/** Of linear light to sRGB, 0 ... 1, and back. */
 export const encoded = (x: number): number => (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
+const decoded = (x: number): number => (x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4);
 
 const steps = 256;
-/** `steps` colours in linear light at equal distances along the curve. */
-const table: readonly Rgb[] = (() => {
-  const fine = 4096, lengths = [0];
-  let last = bezier(0);
-  for (let i = 1; i <= fine; ++i) {
-    const next = bezier(i / fine);
-    lengths.push(lengths[i - 1]! + Math.hypot(next[0] - last[0], next[1] - last[1], next[2] - last[2]));
-    last = next;
-  }
-  let i = 0;
-  return Array.from({ length: steps }, (_, k) => {
-    const length = (k / (steps - 1)) * lengths[fine]!;
-    while (i < fine && lengths[i + 1]! < length) ++i;
-    return linearOf(bezier(Math.min(1, (i + (length - lengths[i]!) / (lengths[i + 1]! - lengths[i]! || 1)) / fine)));
-  });
-})();
+/** `steps` colours in linear light. */
+const table: readonly Rgb[] = Array.from({ length: steps }, (_, i) => {
+  const at = (i / (steps - 1)) * (stops.length - 1), k = Math.min(stops.length - 2, Math.floor(at));
+  const part = (c: 0 | 1 | 2) => decoded((stops[k]![c] + (at - k) * (stops[k + 1]![c] - stops[k]![c])) / 255);
+  return [part(0), part(1), part(2)];
+});
 
 /** The colour of 0 ... 1 in linear light; values beyond have the colours of the ends. */
 export function linearColour(t: number): Rgb {
