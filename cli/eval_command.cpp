@@ -3,7 +3,6 @@
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/vtk.hpp>
-#include <phynness/validation/fine_surface.hpp>
 #include <phynness/validation/named_organ.hpp>
 
 #include "commands.hpp"
@@ -17,7 +16,6 @@ struct Options {
   std::string tools = "coupled";
   ToolOptions tool;
   OptionalPath surface;
-  int levels = 0;  ///< of subdivision
   std::optional<std::int32_t> level;
   QueryOptions queries;
   OptionalPath body;
@@ -47,53 +45,23 @@ Points on_output(const phn_body_contents& info, const Points& displacement_m, co
   return out;
 }
 
-std::string obj_text(const VtkGrid& grid, const Eigen::MatrixXd& displacement, const std::string& title) {
-  std::string text = "# " + title + "\n";
-  for (Eigen::Index i = 0; i < grid.points.rows(); ++i) {
-    const Eigen::RowVector3d x = grid.points.row(i) + displacement.row(i);
-    text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", x[0], x[1], x[2]);
-  }
-  for (Eigen::Index t = 0; t < grid.cells.rows(); ++t)
-    text += fmt::format("f {} {} {}\n", grid.cells(t, 0) + 1, grid.cells(t, 1) + 1, grid.cells(t, 2) + 1);
-  return text;
-}
-
-/// A VTK file has the undeformed surface with the fields `displacement` [m] and `node` (-1: a vertex between nodes). An
-/// OBJ file has the deformed surface.
+/// A VTK file of the undeformed surface with the fields `displacement` [m] and `node`.
 /// @param displacement_m  n_output x 3
-/// @param levels          0 ... 6
-/// @return number of vertices
-/// @throws Error (input) if the model has no surface, or if the surface cannot be subdivided that often
-std::int32_t write_fine_surface(const NamedOrgan& model, const Points& displacement_m, int levels,
-                                const std::filesystem::path& file, const std::string& title) {
-  FineSurface surface(model.organ().model(), levels);
-  if (surface.status() == PHN_ERROR_UNDEFINED)
+/// @throws Error (input) if the model has no surface
+void write_surface(const NamedOrgan& model, const Points& displacement_m, const std::filesystem::path& file) {
+  const auto& info = model.info();
+  if (info.n_triangles == 0)
     throw input_error(
         "the model has no surface", file.string(),
         "its triangles connect output and fixed nodes: select the surface as nodes.output and train again");
-  if (surface.status() < 0)
-    throw input_error("the surface cannot be subdivided", fmt::format("--subdivide {}", levels),
-                      std::string("use fewer levels (") + phn_status_message(surface.status()) + ")");
-  const auto n = surface.n_vertices();
-  using FloatRows = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>;
-  if (const int status = surface.deform(displacement_m.data()); status < 0)
-    throw failure("the runtime cannot deform the surface", phn_status_message(status), "please report this defect");
-
   VtkGrid grid;
-  grid.points = FloatRows(surface.points().data(), n, 3).cast<double>();
-  grid.cells = Eigen::Map<const Eigen::Matrix<std::int32_t, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-      surface.triangles(), surface.n_triangles(), 3);
-  const auto& info = model.info();
   grid.node_numbers.assign(info.output_nodes, info.output_nodes + info.n_output);
   grid.node_numbers.insert(grid.node_numbers.end(), info.fixed_nodes, info.fixed_nodes + info.n_fixed);
-  grid.node_numbers.resize(static_cast<std::size_t>(n), -1);
-  const Eigen::MatrixXd displacement = FloatRows(surface.displacements.data(), n, 3).cast<double>();
-  if (file.extension() == ".obj") {
-    write_text_file(file, obj_text(grid, displacement, title));
-  } else {
-    write_text_file(file, vtu_text(grid, {0, {{"displacement", displacement}}}));
-  }
-  return n;
+  grid.points = model.mesh().nodes(grid.node_numbers, Eigen::all);
+  grid.cells = Eigen::Map<const Triangles>(info.triangles, info.n_triangles, 3);
+  Eigen::MatrixXd displacement = Eigen::MatrixXd::Zero(grid.points.rows(), 3);
+  displacement.topRows(displacement_m.rows()) = displacement_m;
+  write_text_file(file, vtu_text(grid, {0, {{"displacement", displacement}}}));
 }
 
 std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places, const std::vector<Vec3>& displacements) {
@@ -192,9 +160,9 @@ void print_bound(const NamedOrgan& model, const std::optional<NamedOrgan>& body,
 }
 
 void run_single(const Options& options) {
-  if (options.surface && options.surface->extension() != ".vtu" && options.surface->extension() != ".obj")
+  if (options.surface && options.surface->extension() != ".vtu")
     throw input_error("the format of the surface file is unknown", options.surface->string(),
-                      "give --surface a name that ends in .vtu or .obj");
+                      "give --surface a name that ends in .vtu");
   const auto displacements = options.tool.parsed_displacements();
   if (options.tools == "paper" && !options.tool.points.empty())
     throw input_error("--tools paper is only defined for tools at nodes", "--point " + options.tool.points.front(),
@@ -243,9 +211,8 @@ void run_single(const Options& options) {
   report_tools(options.tool, places, displacements, model.mesh(), result, extra, [&] {
     if (!options.surface) return;
     const auto& u = response.displacement_m;
-    const auto n = write_fine_surface(model, body ? on_output(body->body_info(), u, output) : u, options.levels,
-                                      *options.surface, info.title);
-    message("surface of {} vertices: {}\n", n, options.surface->string());
+    write_surface(model, body ? on_output(body->body_info(), u, output) : u, *options.surface);
+    message("surface of {} triangles: {}\n", info.n_triangles, options.surface->string());
   });
   if (bounded) print_bound(model, body, response.status, bound_N);
   for (const auto& bound : bounds) print_bound(model, body, response.status, bound);
@@ -273,10 +240,8 @@ void add(CLI::App& app) {
                   "method for several tools: coupled (with forces), or paper (weights (15)-(16), without forces)")
       ->check(CLI::IsMember({"coupled", "paper"}));
   command.add_option("--level", options.level, "level of the model; 0 is the smallest (default: the full one)");
-  auto* surface = add_path(command, "--surface", options.surface, PathKind::file,
-                           "write the surface: undeformed with its displacement (.vtu) or deformed (.obj)");
-  add_count(command, "--subdivide", options.levels, 0, 6, "levels of subdivision of that surface (Loop's scheme)")
-      ->needs(surface);
+  add_path(command, "--surface", options.surface, PathKind::file,
+           "write the undeformed surface with its displacement, .vtu for ParaView");
   add_path(command, "--body", options.body, PathKind::input,
            "a reduced body (body.txt) of the model's mesh, which answers every tool");
   options.queries.add_to(command,

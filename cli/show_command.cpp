@@ -11,7 +11,6 @@ struct Options {
   std::filesystem::path database, output;
   std::int32_t node = 0;
   int direction = 0;
-  std::string increment;
 };
 
 struct ShownResponse {
@@ -34,20 +33,6 @@ std::size_t active_index(const DatabaseHeader& header, std::int32_t node) {
   throw input_error("the database has no responses of this node", fmt::format("--node {}", node),
                     fmt::format("give one of the {} active nodes, {} to {}; phynness info lists them", active.size(),
                                 active.front(), active.back()));
-}
-
-void check_increment(const DatabaseHeader& header, const Ray& ray, std::optional<int> increment) {
-  const auto n = static_cast<int>(header.magnitudes_m.size());
-  if (increment && (*increment < 1 || *increment > n))
-    throw input_error("there is no such increment", fmt::format("--increment {}", *increment),
-                      fmt::format("give a number from 1 to {}", n));
-  const auto wanted = [&](int i) { return !increment || *increment == i + 1; };
-  for (int i = 0; i < n; ++i)
-    if (wanted(i) && ray.status[static_cast<std::size_t>(i)] == Status::converged) return;
-  const auto status = ray.status[static_cast<std::size_t>(increment.value_or(1) - 1)];
-  throw input_error(increment ? "this increment did not converge" : "no increment of this ray converged",
-                    fmt::format("{}: {}", name(status), meaning(status)),
-                    "choose another --increment or --direction; phynness info counts the outcomes");
 }
 
 /// Rows of `all` whose nodes are all known, with node numbers replaced by point numbers.
@@ -89,9 +74,8 @@ Cells shown_cells(const Mesh& mesh, const std::vector<std::int32_t>& point_of, s
 /// cells are all tetrahedra if every node is known, else surface triangles between known nodes, else the known nodes.
 /// @param node       mesh node number of an active node
 /// @param direction  index of the direction
-/// @param increment  1 ... n; empty: all converged increments
-/// @throws Error (input) if there is no such ray, or if no requested increment converged
-ShownResponse shown_response(const Database& database, std::int32_t node, int direction, std::optional<int> increment) {
+/// @throws Error (input) if there is no such ray, or if no increment converged
+ShownResponse shown_response(const Database& database, std::int32_t node, int direction) {
   const auto& header = database.header();
   const auto active = active_index(header, node);
   if (direction < 0 || direction >= static_cast<int>(header.directions.size()))
@@ -100,7 +84,10 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
                                   header.directions.size() - 1));
   const auto rays = database.rays(static_cast<std::int32_t>(active));
   const Ray& ray = rays[static_cast<std::size_t>(direction)];
-  check_increment(header, ray, increment);
+  if (std::ranges::count(ray.status, Status::converged) == 0)
+    throw input_error("no increment of this ray converged",
+                      fmt::format("{}: {}", name(ray.status.front()), meaning(ray.status.front())),
+                      "choose another --direction; phynness info counts the outcomes");
 
   const auto& tool = header.sets.tools[active];
   constexpr std::int32_t unknown = -1;
@@ -126,7 +113,6 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
   const Points all = prescribed_displacements(header);
   for (std::size_t i = 0; i < header.magnitudes_m.size(); ++i) {
     const int number = static_cast<int>(i) + 1;
-    if (increment && *increment != number) continue;
     if (ray.status[i] != Status::converged) {
       shown.notes.push_back(
           fmt::format("increment {} is left out: {}: {}", number, name(ray.status[i]), meaning(ray.status[i])));
@@ -155,15 +141,6 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
   return shown;
 }
 
-/// Whether the file is a collection of all increments. @throws Error (input) if its extension is unknown
-bool is_collection(const std::filesystem::path& file) {
-  const auto extension = file.extension();
-  if (extension != ".pvd" && extension != ".vtu")
-    throw input_error("the format of the output is unknown", file.string(),
-                      "give -o a name that ends in .pvd (all increments) or in .vtu (one increment)");
-  return extension == ".pvd";
-}
-
 void write_collection(const ShownResponse& shown, const std::filesystem::path& file) {
   std::vector<std::string> names;
   std::vector<double> times;
@@ -181,29 +158,17 @@ void write_collection(const ShownResponse& shown, const std::filesystem::path& f
 }
 
 void run(const Options& options) {
-  const bool all = is_collection(options.output);
-  if (!all && options.increment == "all")
-    throw input_error("this format can only hold one increment", options.output.string(),
-                      "write all increments to a file that ends in .pvd");
-  std::optional<int> increment;  // empty: all
-  if (!options.increment.empty() && options.increment != "all" && !parse_number(options.increment, increment.emplace()))
-    throw input_error("--increment is neither a number nor 'all'", "'" + options.increment + "'",
-                      "give for example --increment 3, or --increment all");
+  if (options.output.extension() != ".pvd")
+    throw input_error("the format of the output is unknown", options.output.string(),
+                      "give -o a name that ends in .pvd");
   const auto database = Database::open(options.database);
-  auto shown = shown_response(database, options.node, options.direction, increment);
-  if (!all) {
-    shown.states.erase(shown.states.begin(), shown.states.end() - 1);
-    shown.increments.erase(shown.increments.begin(), shown.increments.end() - 1);
-  }
+  const auto shown = shown_response(database, options.node, options.direction);
   for (const auto& note : shown.notes) message("note: {}\n", note);
   const auto& header = database.header();
   const auto& e = header.directions[static_cast<std::size_t>(options.direction)];
   const auto title =
       fmt::format("node {}, direction {} ({:.3g} {:.3g} {:.3g})", options.node, options.direction, e[0], e[1], e[2]);
-  if (all)
-    write_collection(shown, options.output);
-  else
-    write_text_file(options.output, vtu_text(shown.grid, shown.states.back()));
+  write_collection(shown, options.output);
   const auto& cells = shown.grid.cells;
   print_result(
       "{}: {} points, {} {}, {} increment{} to {:.4g} m -> {}\n", title, shown.grid.points.rows(), cells.rows(),
@@ -216,16 +181,13 @@ void run(const Options& options) {
 }  // namespace
 
 void add(CLI::App& app) {
-  auto [command, options] = add_command(app, "show", "Write a stored response for ParaView: PVD or VTU", run);
+  auto [command, options] = add_command(app, "show", "Write a stored response for ParaView", run);
   add_database(command, options.database, "finished database.h5");
   command.add_option("--node", options.node, "number of an active node, starting with 0")->required();
   command.add_option("--direction", options.direction, "number of the direction, starting with 0")->required();
-  command.add_option("--increment", options.increment,
-                     "number of the increment, starting with 1, or all (default: all in .pvd, the last "
-                     "converged one in .vtu)");
-  add_output(
-      command, options.output, PathKind::file,
-      "file to write: .pvd (with .vtu files in the same folder) or .vtu; its time is the prescribed displacement [m]");
+  add_output(command, options.output, PathKind::file,
+             "file to write, .pvd, with a .vtu file for each converged increment in the same folder; its time is the "
+             "prescribed displacement [m]");
 }
 
 }  // namespace phynness::cli::show_command

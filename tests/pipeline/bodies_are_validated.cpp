@@ -248,7 +248,7 @@ TEST_F(BodiesBesideModels, AnswerEveryToolOfEval) {
   const auto force = one.at("tools")[0].at("force").get<std::vector<double>>();
   EXPECT_EQ(std::vector(row.begin() + 4, row.begin() + 7), force);
   EXPECT_EQ(row.at(7), one.at("energy").get<double>());
-  succeed("eval m --body body.txt --deformation u.csv --surface s.obj" + pair);
+  succeed("eval m --body body.txt --deformation u.csv --surface s.vtu" + pair);
   const auto moved = read_file(folder / "u.csv");
   EXPECT_EQ(std::ranges::count(moved, '\n'), 1 + answer("info body.txt").at("nodes").get<int>());
 

@@ -107,8 +107,8 @@ TEST_F(FieldsOfAScene, AreStoredAsSolved) {
     // Rounded to float32 (6e-8), and solved to 1e-8 of the reactions.
     for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(rays[2].fields[f][last * n + i], solved[i][7 + f], 1e-6 * largest);
   }
-  const auto shown = succeed("show d.h5 --node " + std::to_string(header.sets.active[0]) + " --direction 2 -o p.vtu");
-  EXPECT_NE(read_file(folder / "p.vtu").find("von_mises_stress_Pa"), std::string::npos);
+  const auto shown = succeed("show d.h5 --node " + std::to_string(header.sets.active[0]) + " --direction 2 -o p.pvd");
+  EXPECT_NE(read_file(folder / "p-0001.vtu").find("von_mises_stress_Pa"), std::string::npos);
   EXPECT_NE(shown.err.find("stored at output nodes only"), std::string::npos) << shown.err;
 }
 

@@ -2,8 +2,9 @@
 // and outside of the trained depth: forces to 1e-8 (the solver's relative tolerance), displacements to 1e-6 (float32 in
 // the database, 6e-8, twice). So does the linear predictor. Scenes that cannot be trained are refused before anything
 // is solved.
-#include <array>
 #include <cstdio>
+#include <phynness/formats/model.hpp>
+#include <phynness/formats/vtk.hpp>
 #include <sstream>
 
 #include "command_line.hpp"
@@ -139,45 +140,36 @@ TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
   be_refused("solve scene.toml --point 0.03,0.033,0.0 --displacement 0,0,0.001");
 }
 
-// Claim: eval writes the surface at any level: at level 0 the vertex of the touched node lies where the tool
-// put it, to the float's rounding; each level has four times the triangles. Files that cannot be written are
-// refused before that.
-TEST_F(LinearScenes, EvalWritesTheDeformedSurface) {
+// Claim: eval writes the surface with the displacements of its table, and refuses files that it cannot write.
+TEST_F(LinearScenes, EvalWritesTheSurface) {
   write_file(folder / "scene.toml", linear_scene());
   succeed("run scene.toml -o out");
   succeed("info out/model --json info.json");
   const auto node = json("info.json").at("active").at(0).dump();
   const auto eval = "eval out/model --node " + node + " --displacement 0,0,-0.006 --deformation u.csv";
-  long before = 0;
-  for (const int levels : {0, 1, 2}) {
-    const auto written =
-        phynness(eval + " --surface s.obj" + (levels > 0 ? " --subdivide " + std::to_string(levels) : ""));
-    ASSERT_EQ(written.exit_status, 0) << written.err;
-    std::istringstream obj(read_file(folder / "s.obj")), csv(read_file(folder / "u.csv"));
-    long n_triangles = 0;
-    std::vector<std::array<double, 3>> vertices;
-    for (std::string line; std::getline(obj, line);) {
-      n_triangles += line.starts_with("f ");
-      auto& v = vertices.emplace_back();
-      if (std::sscanf(line.c_str(), "v %lf %lf %lf", &v[0], &v[1], &v[2]) != 3) vertices.pop_back();
-    }
-    if (levels > 0) {
-      EXPECT_EQ(n_triangles, 4 * before);
-    }
-    before = n_triangles;
-    std::string line;
-    std::getline(csv, line);
-    for (std::size_t row = 0; levels == 0 && std::getline(csv, line); ++row) {
-      double x[3], u[3];
-      ASSERT_EQ(std::sscanf(line.c_str(), "%*d,%lf,%lf,%lf,%lf,%lf,%lf", x, x + 1, x + 2, u, u + 1, u + 2), 6);
-      for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(vertices.at(row)[k], x[k] + u[k], 1e-7);
-    }
+  succeed(eval + " --surface s.vtu");
+  const auto texts = read_model_texts(folder / "out/model");
+  const Model model = read_model_text(texts.model, "model.txt");
+  const auto text = read_file(folder / "u.csv");
+  VtkGrid grid;
+  std::vector<Eigen::RowVector3d> moved;
+  std::istringstream csv(text.substr(text.find('\n') + 1));
+  for (std::string line; std::getline(csv, line);) {
+    auto& u = moved.emplace_back();
+    ASSERT_EQ(
+        std::sscanf(line.c_str(), "%d,%*f,%*f,%*f,%lf,%lf,%lf", &grid.node_numbers.emplace_back(), &u[0], &u[1], &u[2]),
+        4);
   }
-  EXPECT_GT(before, 0);
-  succeed(eval + " --surface s.vtu --subdivide 1");
-  EXPECT_EQ(read_file(folder / "s.vtu").substr(0, 5), "<?xml");
-  for (const char* wrong : {" --surface s.vtk", " --subdivide 1", " --surface out/model/model.txt", " --surface u.csv",
-                            " --surface s.obj --subdivide 7"})
+  grid.node_numbers.insert(grid.node_numbers.end(), model.fixed.begin(), model.fixed.end());
+  grid.points = read_mesh_text(texts.mesh, "mesh.txt").nodes(grid.node_numbers, Eigen::all);
+  grid.cells = model.surface.unaryExpr([&](std::int32_t node) {
+    return static_cast<std::int32_t>(std::ranges::find(grid.node_numbers, node) - grid.node_numbers.begin());
+  });
+  Eigen::MatrixXd u = Eigen::MatrixXd::Zero(grid.points.rows(), 3);
+  for (std::size_t i = 0; i < moved.size(); ++i) u.row(static_cast<Eigen::Index>(i)) = moved[i];
+  EXPECT_GT(u.norm(), 0.006);
+  EXPECT_EQ(read_file(folder / "s.vtu"), vtu_text(grid, {0, {{"displacement", u}}}));
+  for (const char* wrong : {" --surface s.vtk", " --surface out/model/model.txt", " --surface u.csv"})
     EXPECT_NE(phynness(eval + wrong).exit_status, 0) << wrong;
 }
 
