@@ -21,8 +21,16 @@ void write_array(hdf5::File& file, const char* name, const hdf5::Shape& shape, c
   if (!empty) file.write_slab(name, 0, shape[0], values);
 }
 
-void write_set(hdf5::File& file, const char* name, const std::vector<std::int32_t>& nodes, const char* description) {
-  write_array(file, name, {nodes.size()}, nodes.data(), "1", description);
+template <class T>
+void write_list(hdf5::File& file, const std::string& name, const std::vector<T>& list, const std::string& description,
+                const char* unit = "1") {
+  write_array(file, name.c_str(), {list.size()}, list.data(), unit, description.c_str());
+}
+
+template <class Matrix>
+void write_rows(hdf5::File& file, const char* name, const Matrix& matrix, const char* unit, const char* description) {
+  write_array(file, name, {static_cast<hsize_t>(matrix.rows()), static_cast<hsize_t>(matrix.cols())}, matrix.data(),
+              unit, description);
 }
 
 template <class T>
@@ -33,11 +41,12 @@ std::vector<T> read_list(const hdf5::File& file, const std::string& name) {
 }
 
 /// Reads rows of `columns` entries; the file determines the number of rows.
-template <class T>
-std::vector<T> read_rows(const hdf5::File& file, const char* name, hsize_t columns, hsize_t& rows) {
+template <class Matrix>
+Matrix read_rows(const hdf5::File& file, const char* name, hsize_t columns = 3) {
   const auto shape = file.shape(name);
-  rows = shape.empty() ? 0 : shape[0];
-  return file.read<T>(name, {rows, columns});
+  const hsize_t rows = shape.empty() ? 0 : shape[0];
+  const auto values = file.read<typename Matrix::Scalar>(name, {rows, columns});
+  return Eigen::Map<const Matrix>(values.data(), static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
 }
 
 bool read_flag(const hdf5::File& file, const char* object, const char* name) {
@@ -74,11 +83,10 @@ void write_tools(hdf5::File& file, const char* group, const std::vector<TouchedN
   }
   file.create_group(group);
   file.write_attribute(group, "mean", std::int32_t{!tools.empty() && tools.front().mean});
-  write_array(file, in(group, "ends").c_str(), {ends.size()}, ends.data(), "1",
-              ("of the tool at each " + where + ", the position behind its last node in the next two").c_str());
-  write_array(file, in(group, "nodes").c_str(), {nodes.size()}, nodes.data(), "1",
-              "ascending node numbers that each tool moves");
-  write_array(file, in(group, "weights").c_str(), {weights.size()}, weights.data(), "1", "their weights");
+  write_list(file, in(group, "ends"), ends,
+             "of the tool at each " + where + ", the position behind its last node in the next two");
+  write_list(file, in(group, "nodes"), nodes, "ascending node numbers that each tool moves");
+  write_list(file, in(group, "weights"), weights, "their weights");
 }
 
 /// @throws Error (input) unless the numbers are those of nodes of the mesh
@@ -163,38 +171,35 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
   file.write_text(path::scene, header.scene_text, "the scene file, verbatim (TOML)");
 
   const Mesh& mesh = header.mesh;
-  const auto rows = [](const auto& matrix) { return static_cast<hsize_t>(matrix.rows()); };
   file.create_group("/mesh");
-  write_array(file, path::nodes, {rows(mesh.nodes), 3}, mesh.nodes.data(), "m", "reference positions of the nodes");
-  write_array(file, path::cells, {rows(mesh.cells), static_cast<hsize_t>(mesh.cells.cols())}, mesh.cells.data(), "1",
-              "node numbers of each cell, 0-based, positively oriented");
-  write_array(file, path::surface, {rows(mesh.surface), 3}, mesh.surface.data(), "1",
-              "node numbers of each boundary triangle, normal outward");
+  write_rows(file, path::nodes, mesh.nodes, "m", "reference positions of the nodes");
+  write_rows(file, path::cells, mesh.cells, "1", "node numbers of each cell, 0-based, positively oriented");
+  write_rows(file, path::surface, mesh.surface, "1", "node numbers of each boundary triangle, normal outward");
   file.create_group(path::groups);
   int number = 0;
   for (const auto& [group, nodes] : mesh.groups) {
     const std::string name = std::string(path::groups) + "/" + std::to_string(number++);
-    write_set(file, name.c_str(), nodes, "nodes of a physical group of the mesh file");
+    write_list(file, name, nodes, "nodes of a physical group of the mesh file");
     file.write_attribute(name, "name", group);
   }
 
   file.create_group("/sets");
-  write_set(file, path::fixed, header.sets.fixed, "node numbers where u = 0");
-  write_set(file, path::active, header.sets.active, "node numbers that are probed; axis A of the responses");
-  write_set(file, path::output, header.sets.output,
-            "node numbers whose displacement is stored; axis O of the responses");
+  write_list(file, path::fixed, header.sets.fixed, "node numbers where u = 0");
+  write_list(file, path::active, header.sets.active, "node numbers that are probed; axis A of the responses");
+  write_list(file, path::output, header.sets.output,
+             "node numbers whose displacement is stored; axis O of the responses");
   write_tools(file, path::tools, header.sets.tools, "active node");
   if (!header.sets.linear.empty()) {
     write_tools(file, path::rest, header.sets.linear_tools, "of these points");
-    write_set(file, path::rest_points, header.sets.linear,
-              "node numbers of the free surface beside those that are probed; axis L of the responses at rest");
+    write_list(file, path::rest_points, header.sets.linear,
+               "node numbers of the free surface beside those that are probed; axis L of the responses at rest");
   }
-  std::vector<double> directions;
-  for (const auto& d : header.directions) directions.insert(directions.end(), d.begin(), d.end());
-  write_array(file, path::directions, {header.directions.size(), 3}, directions.data(), "1",
-              "unit vectors of the exploratory directions; axis D of the responses");
-  write_array(file, path::magnitudes, {header.magnitudes_m.size()}, header.magnitudes_m.data(), "m",
-              "prescribed displacement of each increment; axis I of the responses");
+  const Vec3* first = header.directions.data();
+  const Eigen::Map<const Points> directions(first ? first->data() : nullptr, std::ssize(header.directions), 3);
+  write_rows(file, path::directions, directions, "1",
+             "unit vectors of the exploratory directions; axis D of the responses");
+  write_list(file, path::magnitudes, header.magnitudes_m,
+             "prescribed displacement of each increment; axis I of the responses", "m");
 }
 
 bool read_complete(const hdf5::File& file) {
@@ -228,16 +233,10 @@ DatabaseHeader read_header(const hdf5::File& file) {
 
   header.imported = file.has_attribute("/", "imported") && read_flag(file, "/", "imported");
 
-  hsize_t rows = 0;
-  const auto nodes = read_rows<double>(file, path::nodes, 3, rows);
-  header.mesh.nodes = Eigen::Map<const Points>(nodes.data(), static_cast<Eigen::Index>(rows), 3);
+  header.mesh.nodes = read_rows<Points>(file, path::nodes);
   const auto cell_shape = file.shape(path::cells);
-  const hsize_t columns = cell_shape.size() == 2 ? cell_shape[1] : 0;
-  const auto cells = read_rows<std::int32_t>(file, path::cells, columns, rows);
-  header.mesh.cells =
-      Eigen::Map<const Cells>(cells.data(), static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
-  const auto surface = read_rows<std::int32_t>(file, path::surface, 3, rows);
-  header.mesh.surface = Eigen::Map<const Triangles>(surface.data(), static_cast<Eigen::Index>(rows), 3);
+  header.mesh.cells = read_rows<Cells>(file, path::cells, cell_shape.size() == 2 ? cell_shape[1] : 0);
+  header.mesh.surface = read_rows<Triangles>(file, path::surface);
   for (int number = 0;; ++number) {
     const std::string name = std::string(path::groups) + "/" + std::to_string(number);
     if (!file.exists(name)) break;
@@ -263,9 +262,8 @@ DatabaseHeader read_header(const hdf5::File& file) {
           "the points and the tools of /rest are not as many",
           std::to_string(header.sets.linear.size()) + " and " + std::to_string(header.sets.linear_tools.size()));
   }
-  const auto directions = read_rows<double>(file, path::directions, 3, rows);
-  for (hsize_t i = 0; i < rows; ++i)
-    header.directions.push_back({directions[3 * i], directions[3 * i + 1], directions[3 * i + 2]});
+  const auto directions = read_rows<Points>(file, path::directions);
+  for (const auto& d : directions.rowwise()) header.directions.push_back({d[0], d[1], d[2]});
   header.magnitudes_m = read_list<double>(file, path::magnitudes);
   double last = 0;
   for (const double magnitude : header.magnitudes_m) {
