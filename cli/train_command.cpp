@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <fstream>
 #include <phynness/training/families.hpp>
@@ -14,6 +16,7 @@ struct Options {
   std::optional<std::string> family;
   std::optional<int> neurons, modes;
   std::optional<double> spread;
+  std::vector<std::string> settings;
 };
 
 /// Inputs are scaled to the range [-1, 1]. Far smaller spreads separate all points, far larger ones separate none.
@@ -44,7 +47,8 @@ void print_fields(const Model& model, const TrainingReport& report, const std::v
 }
 
 /// [training] of the scene, overridden by options.
-TrainingSpec chosen_spec(TrainingSpec spec, const Options& options) {
+TrainingSpec chosen_spec(const Scene& scene, const Options& options) {
+  TrainingSpec spec = changed_training(scene, fmt::format("{}", fmt::join(options.settings, "\n")), "--set");
   for (const auto* family : every_family())
     if (options.family == name(family->family)) spec.family = family->family;
   for (const auto& [given, words] : {std::pair{options.neurons || options.spread, "neurons and spreads"},
@@ -105,7 +109,7 @@ Trained trained(const Options& options) {
   const Scene scene = opened ? stored_scene(opened->header()) : open_scene(options.scene);
   const auto database = opened ? std::move(*opened) : open_database(scene, *options.database);
   const auto& header = database.header();
-  const TrainingSpec spec = chosen_spec(scene.training, options);
+  const TrainingSpec spec = chosen_spec(scene, options);
   const auto finer = options.check_file ? distance_of(*options.check_file, scene, header) : FinerDistance{};
   Trained t;
   // All long work is done before a file is written, so that a signal may end it at any time.
@@ -199,6 +203,10 @@ void add(CLI::App& app) {
   command.add_option("--spread", options.spread,
                      "rbfn: spread of the deformation networks, in scaled inputs; 0: search");
   add_count(command, "--modes", options.modes, 0, largest_mode_count, "modal: modes of each node; 0: forces only");
+  command
+      .add_option("--set", options.settings,
+                  "KEY=VALUE of [training] in place of that of the scene, as modes=8; repeat for several")
+      ->allow_extra_args(false);
   add_path(command, "--check", options.check_file, PathKind::input,
            "file of check --json: the model then holds the distance of its finite elements from a finer solution");
   add_json(command, options.json_file);

@@ -1,4 +1,4 @@
-"""Packs the Python package into a wheel. As a build backend of pip (PEP 517) it builds the runtime and its bindings alone.
+"""Makes a wheel of the Python package, as a build backend of pip (PEP 517): builds the runtime and its bindings, and packs them.
 
 Needs CMake, a compiler, pybind11 and the headers of Python (tools/install-deps --python); nothing is downloaded.
 """
@@ -8,6 +8,7 @@ import os
 import re
 import subprocess
 import sys
+import sysconfig
 import tempfile
 import zipfile
 from pathlib import Path
@@ -15,12 +16,11 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 
 
-def pack(package, folder, python=sys.executable):
-    """A wheel of the folder `package` for the interpreter `python`, in `folder`; its path."""
+def pack(package, folder):
+    """A wheel of the folder `package` for this interpreter, in `folder`; its name."""
     version = re.search(r"project\(phynness VERSION ([0-9.]+)", (HERE.parent / "CMakeLists.txt").read_text())[1]
-    asked = "import sys, sysconfig; print('%d%d' % sys.version_info[:2], sysconfig.get_platform())"
-    number, platform = subprocess.run([python, "-c", asked], check=True, capture_output=True, text=True).stdout.split()
-    tag = f"cp{number}-cp{number}-{platform.replace('-', '_').replace('.', '_')}"
+    number, platform = "%d%d" % sys.version_info[:2], sysconfig.get_platform().replace("-", "_").replace(".", "_")
+    tag = f"cp{number}-cp{number}-{platform}"
     info = f"phynness-{version}.dist-info"
     contents = {f"phynness/{file.name}": file.read_bytes() for file in sorted(package.iterdir()) if file.is_file()}
     contents[f"{info}/METADATA"] = (
@@ -33,12 +33,11 @@ def pack(package, folder, python=sys.executable):
         digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
         record += f"{name},sha256={digest},{len(data)}\n"
     contents[f"{info}/RECORD"] = (record + f"{info}/RECORD,,\n").encode()
-    folder.mkdir(parents=True, exist_ok=True)
     wheel = folder / f"phynness-{version}-{tag}.whl"
     with zipfile.ZipFile(wheel, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in contents.items():
             archive.writestr(zipfile.ZipInfo(name, (2000, 1, 1, 0, 0, 0)), data, zipfile.ZIP_DEFLATED)
-    return wheel
+    return wheel.name
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
@@ -46,4 +45,4 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
         options = [f"-DPHYNNESS_SYSTEM_PYTHON={sys.executable}", "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_UNITY_BUILD=ON"]
         subprocess.run(["cmake", "-S", HERE, "-B", build, *options], check=True)
         subprocess.run(["cmake", "--build", build, "--target", "phynness_python", "--parallel", str(os.cpu_count())], check=True)
-        return pack(Path(build) / "phynness", Path(wheel_directory)).name
+        return pack(Path(build) / "phynness", Path(wheel_directory))

@@ -1,4 +1,4 @@
-"""Forces and deformations of trained soft bodies: models, organs and training.
+"""Forces and deformations of trained soft bodies: models and organs, and the command phynness for solving and training.
 
 Units are SI. A force is the force that must be applied to hold a displacement; a haptic device renders its negative. Nodes have
 the numbers of the mesh. Arguments called d are displacements, one of shape (3,) or n of shape (n, 3), float64 in C order without

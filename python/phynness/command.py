@@ -13,7 +13,7 @@ import sys
 import tempfile
 import webbrowser
 from pathlib import Path as File
-from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Union
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -103,21 +103,18 @@ def save(model: Model, path: Path) -> None:
         half.replace(file)
 
 
-def train(database: Path, *, progress: Optional[Callable[[int, int], object]] = None, threads: int = 0,
-          **keys: Union[int, float, str]) -> Model:
-    """Trains a Model on the database in a file; its figures are in Model.training.
+def train(database: Path, *, progress: Optional[bool] = None, **keys: Union[int, float, str]) -> Model:
+    """Trains a Model on the database in a file; Model.training are the numbers of `phynness train --json`.
 
-    progress: called with the numbers of trained and of all nodes. threads: 0: one for each core; the result does not depend on it.
     Other arguments are keys of [training] (formats/scene.md), which replace those of the database's scene, as family="modal".
-
     Error for impossible values, as in a scene. Ctrl-C ends the training.
     """
-    try:
-        from . import _training
-    except ImportError:
-        raise Error("this package has the runtime alone; install the wheel of tools/build-wheel for training") from None
-    model = Model.__new__(Model)
-    model.__setstate__(_training.train(database, progress, threads, **keys))
+    settings = [word for key, value in keys.items() for word in ("--set", f"{key}={json.dumps(getattr(value, 'item', lambda: value)())}")]
+    with tempfile.TemporaryDirectory(prefix="phynness-") as folder:
+        out, figures = File(folder) / "model", File(folder) / "figures.json"
+        _run("train", os.fspath(database), "-o", out, *settings, "--json", figures, progress=progress)
+        model = Model.__new__(Model)
+        model.__setstate__(((out / "model.txt").read_bytes(), (out / "mesh.txt").read_bytes(), json.loads(figures.read_text())))
     return model
 
 
