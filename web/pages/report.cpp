@@ -13,7 +13,7 @@ namespace {
 std::string text_of(const Json& text) { return escaped(text.get<std::string>()); }
 
 // Of a chart, in pixels.
-constexpr double left = 58, right = 470, top = 8, bottom = 226;
+constexpr double left = 58, right = 460, top = 8, bottom = 226;
 
 /// An axis of a chart: its values, and where they lie.
 struct Axis {

@@ -9,7 +9,7 @@ export { PhynnessError, warningsOf, type Warning } from './status.js';
 export { Surface } from './surface.js';
 export type { ModelText } from './engine.js';
 export { toolAt, type Place, type Tool, type Vector } from './tool.js';
-export { Tools, type Coupled, type ModelTools } from './tools.js';
+export { Tools, type Coupled } from './tools.js';
 
 /** A function that loads models with a module, which is compiled once. */
 export function loader(module: () => Promise<WebAssembly.Module>): (text: ModelText) => Promise<Model> {

@@ -5,7 +5,7 @@ import { bytesOf, bytesOfText, copied, Engine, integer, Owner, type ModelText } 
 import { undefinedHere, warningsOf, type Warning } from './status.js';
 import { Surface } from './surface.js';
 import { putTool, putVector, toolAt, toolFrom, type Place, type Tool, type Vector } from './tool.js';
-import { ModelTools } from './tools.js';
+import { Tools } from './tools.js';
 
 /** Where a model comes from; '' and 0: not recorded. */
 export interface Provenance {
@@ -156,12 +156,6 @@ export class Model extends Owner {
     return { tool: toolFrom(engine, args + at.tool), point: engine.reals(args + at.force, 3).slice(), distance: engine.real(args + at.out) };
   }
 
-  /** Computes in advance what all deformations of a node or place have in common. */
-  prepare(place: number | Place): void {
-    this.put(place, [0, 0, 0]);
-    this.engine.call('phn_prepare', this.model, this.data, this.args + at.tool);
-  }
-
   /** Level of force, deform and field: index of `levels`; the last one is the full model. */
   get level(): number {
     return this.level_;
@@ -173,9 +167,9 @@ export class Model extends Owner {
   }
 
   /** Up to 8 tools at the same time. It cannot be used after dispose() of this model. */
-  tools(max: number): ModelTools {
+  tools(max: number): Tools {
     this.alive();
-    return new ModelTools(this.engine, this, this.model, max, this.info.outputNodes.length, null);
+    return new Tools(this.engine, this, this.model, max, this.info.outputNodes.length, null);
   }
   /** A reduced body, in the memory of this model. @param text  contents of body.txt */
   body(text: ModelText): Body {

@@ -1,5 +1,5 @@
 // Several tools at the same time, at nodes or between them: of a model, or of a reduced body.
-import { bytesOf, copied, few, integer, Owner, type Engine } from './engine.js';
+import { bytesOf, copied, few, Owner, type Engine } from './engine.js';
 import { noBound, undefinedHere, warningsOf, type Warning } from './status.js';
 import { putTool, type Tool } from './tool.js';
 
@@ -24,7 +24,7 @@ const functions = {
 
 export class Tools extends Owner {
   protected readonly what = 'tools';
-  protected readonly data: number;
+  private readonly data: number;
   private readonly f: (typeof functions)['model' | 'body'];
   private readonly steps: readonly number[];
   private readonly tools: number;
@@ -36,7 +36,7 @@ export class Tools extends Owner {
 
   /** @param of  the model or the body. @param nField  nodes of a field. @param steps  of a body for each set(), which goes on from
    * the last deformation; null: of a model */
-  constructor(engine: Engine, parent: Owner, protected readonly of: number, private readonly max: number, private readonly nField: number,
+  constructor(engine: Engine, parent: Owner, private readonly of: number, private readonly max: number, private readonly nField: number,
     steps: number | null) {
     super(engine, parent);
     few(max);
@@ -83,13 +83,5 @@ export class Tools extends Owner {
     this.alive();
     this.engine.call(this.f.field, this.of, this.data, this.out);
     return copied(this.engine.reals(this.out, 3 * this.nField), out);
-  }
-}
-
-export class ModelTools extends Tools {
-  /** Level of later calls: an index of Model.levels. */
-  set level(level: number) {
-    this.alive();
-    this.engine.call('phn_set_level', this.of, this.data, integer(level));
   }
 }
