@@ -47,7 +47,7 @@ export interface Opened {
   readonly requested: string[];
 }
 
-export async function open(browser: Browser, file: string, { width = 1280, height = 800, scripts = true, ready = 'globalThis.phynness' } = {}): Promise<Opened> {
+export async function open(browser: Browser, file: string, { ready = 'globalThis.phynness' } = {}): Promise<Opened> {
   const page = await browser.newPage(), logged: string[] = [], requested: string[] = [];
   page.setDefaultTimeout(patience);
   page.on('console', (message) => logged.push(`${message.type()}: ${message.text()}`));
@@ -61,10 +61,9 @@ export async function open(browser: Browser, file: string, { width = 1280, heigh
     const url = request.url();
     if (!url.startsWith('data:') && !url.startsWith('blob:') && url.split('#')[0] !== address) requested.push(url);
   });
-  if (!scripts) await page.setJavaScriptEnabled(false);
-  await page.setViewport({ width, height });
+  await page.setViewport({ width: 1280, height: 800 });
   await page.goto(address);
-  if (scripts) await page.waitForFunction(ready, { timeout: patience });
+  await page.waitForFunction(ready, { timeout: patience });
   return { page, logged, requested };
 }
 
