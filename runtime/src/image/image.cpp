@@ -183,7 +183,7 @@ int phn_image_depth(const phn_image* opened, const phn_image_tool* tool, Real* o
 }
 
 /// As bound_between in tools/one_tool.cpp.
-int phn_image_bound(const phn_image* opened, const phn_image_tool* tool, Real* out) {
+[[gnu::cold]] int phn_image_bound(const phn_image* opened, const phn_image_tool* tool, Real* out) {
   Asked asked;
   int status = ask(opened, tool, out, asked);
   const image::Surface* surface = status < 0 ? nullptr : surface_of(*header(opened));

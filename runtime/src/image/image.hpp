@@ -3,6 +3,8 @@
 //
 //   response_force, response_energy, response_stiffness   of one node
 //   response_field                                        its field; false: it has forces only
+//
+// They take most of the time. Others are optimized for size where that costs little, by the attribute `cold`.
 #pragma once
 
 #include "image/linear_response.hpp"

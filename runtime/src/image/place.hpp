@@ -45,7 +45,7 @@ class Search {
   }
 
   /// Moves a place away from a fixed edge. @param corners  of the vertices
-  void leave_fixed_edge(const image::VertexCorners* corners, Nearest& found) const {
+  [[gnu::cold]] void leave_fixed_edge(const image::VertexCorners* corners, Nearest& found) const {
     bool moves[3];
     Real movable = 0;
     for (int k = 0; k < 3; ++k) {
@@ -92,7 +92,7 @@ class Search {
   }
 
   /// Looks at the triangles around corner k, from that across the edge opposite to the corner k + turn.
-  bool around(int k, int turn, Nearest& best) const {
+  [[gnu::noinline]] bool around(int k, int turn, Nearest& best) const {
     const uint16_t middle = vertex(best.triangle, k);
     uint32_t t = best.triangle;
     for (uint32_t i = 0; i < most_around_vertex; ++i) {
