@@ -74,9 +74,7 @@ json errors_json(const std::filesystem::path& file, const NamedOrgan& loaded) {
   const auto by_node = whole.find("by_node");
   if (by_node == whole.end() || !by_node->is_object()) throw wrong_errors(file, "it has no by_node");
   require_same_model(file, whole, loaded);
-  json known{{"nodes", json::array()},
-             {"force_error", json::array()},
-             {"displacement_error", json::array()}};
+  json known{{"nodes", json::array()}, {"force_error", json::array()}, {"displacement_error", json::array()}};
   try {
     for (std::size_t i = 0; i < by_node->at("nodes").size(); ++i) {
       if (by_node->at("force_error").at(i).is_null() || by_node->at("displacement_error").at(i).is_null()) continue;
