@@ -136,32 +136,19 @@ class Asker {
     }
   }
   void deform() {
-    constexpr std::int32_t counts[] = {1, 1, 1, 2, 2, 3, 4, 0, 9, -1};
-    const std::int32_t n = _script.below(64) == 63 ? 10000 : counts[_script.below(10)];
-    const auto size = static_cast<std::size_t>(std::max(n, 0));
-    std::vector<std::int32_t> nodes(size);
-    std::vector<double> d(3 * size);
-    for (std::size_t t = 0; t < std::min<std::size_t>(size, 12); ++t) {
-      nodes[t] = any_node();
-      displacement(&d[3 * t]);
-    }
+    const std::int32_t node = any_node();
+    double d[3];
+    displacement(d);
     const int status = answer(3 * _n_output, _out, warnings, [&](phn_data* data, double* out) {
-      return phn_blend_paper(_model, data, n, nodes.data(), d.data(), out);
+      return phn_deform(_model, data, AtNode(node, d), out);
     });
-    if (n < 0) require(status == PHN_ERROR_ARGUMENT, "a negative number of tools");
-    if (n == 0) require(status == PHN_OK && zero(_out.data(), _out.size()), "no tools, no displacement");
-    if (n > _max_tools) require(status == PHN_ERROR_TOOLS, "too many tools");
-    if (n == 1) right(status, nodes[0], d.data(), true);
-    if (n <= 0 || status < 0) return;
+    right(status, node, d, true);
+    if (status < 0) return;
     const std::int32_t* output = info_of(_model).output_nodes;
-    for (std::size_t t = 0; t < size; ++t) {
-      const auto at = std::lower_bound(output, output + _n_output, nodes[t]) - output;
-      if (static_cast<std::size_t>(at) == _n_output || output[at] != nodes[t]) continue;
-      if (std::count(nodes.begin(), nodes.end(), nodes[t]) > 1) continue;  // the mean of its tools
-      const bool small = std::all_of(&d[3 * t], &d[3 * t] + 3, [](double x) { return std::fabs(x) < 1; });
-      if (n > 1 || (_trained && small))
-        for (int k = 0; k < 3; ++k) require(_out[3 * at + k] == d[3 * t + k], "a touched node moves by exactly d");
-    }
+    const auto at = std::lower_bound(output, output + _n_output, node) - output;
+    if (static_cast<std::size_t>(at) == _n_output || output[at] != node || !_trained) return;
+    if (!std::all_of(d, d + 3, [](double x) { return std::fabs(x) < 1; })) return;
+    for (int k = 0; k < 3; ++k) require(_out[3 * at + k] == d[k], "a touched node moves by exactly d");
   }
   void prepare() {
     const std::int32_t node = any_node();

@@ -61,13 +61,6 @@ TEST_P(Overlap, OfAnInputChangesNothing) {
     phn_tool tool;
     return phn_nearest(model, x, &tool, out, nullptr);
   });
-  const std::vector<std::int32_t> nodes = {8, 3, 15, 0};
-  const std::vector<double> displacements = {0.002, -0.001, 0.003, -0.002, 0.001, 0.004, 0.001, 0.002, -0.003};
-  expect_same_over("nodes of the paper's tools", nodes, 3 * n_output, [&](std::int32_t* of, double* out) {
-    return phn_blend_paper(model, data, 3, of, displacements.data(), out);
-  });
-  expect_same_over("the paper's tools", displacements, 3 * n_output,
-                   [&](double* by, double* out) { return phn_blend_paper(model, data, 3, nodes.data(), by, out); });
   const std::vector<phn_tool> one = {{{8, -1, -1}, {1, 0, 0}, {0.001, 0.002, 0}}},
                               two = {one[0], {{3, 5, 8}, {0.5, 0.25, 0.25}, {0.001, -0.002, 0.001}}};
   expect_same_over("force at", one, 3,

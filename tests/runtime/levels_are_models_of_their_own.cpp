@@ -33,9 +33,6 @@ std::vector<double> answers(const LoadedModel& loaded) {
     std::vector<double> u(3 * n_output);
     EXPECT_GE(phn_deform(model, data, AtNode(node, d), u.data()), 0);
     all.insert(all.end(), u.begin(), u.end());
-    const std::int32_t two[] = {node, 15};
-    EXPECT_GE(phn_blend_paper(model, data, 2, two, d, u.data()), 0);
-    all.insert(all.end(), u.begin(), u.end());
     for (std::int32_t field = 0; field < info_of(model).n_fields; ++field) {
       EXPECT_GE(phn_field(model, data, AtNode(node, d), field, u.data()), 0);
       all.insert(all.end(), u.begin(), u.begin() + static_cast<std::ptrdiff_t>(n_output));

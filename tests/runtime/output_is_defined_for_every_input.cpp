@@ -41,15 +41,9 @@ TEST_P(EveryInputOf, NeverNaNOut) {
         const Trained trained(loaded.model, 5, d);
         EXPECT_EQ(trained.status < 0, !finite);
         EXPECT_TRUE(finite ? std::isfinite(trained.depth) : trained.depth == 0);
-        const std::int32_t tools[] = {5, 8};
-        for (const int n_tools : {1, 2}) {
-          Points u = Points::Constant(12, 3, nan);
-          EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, n_tools, tools, d, u.data()) < 0, !finite);
-          EXPECT_TRUE(u.allFinite());
-          if (!finite) {
-            EXPECT_EQ(u.norm(), 0);
-          }
-        }
+        Points u = Points::Constant(12, 3, nan);
+        EXPECT_EQ(phn_deform(loaded.model, loaded.data, AtNode(5, d), u.data()) < 0, !finite);
+        EXPECT_TRUE(finite ? u.allFinite() : u.norm() == 0);
         if (finite && std::abs(x) > 1) {
           EXPECT_TRUE(status & PHN_WARNING_OUTSIDE);  // in linear models: beyond 1e100, where values are cut
         }
@@ -147,9 +141,6 @@ TEST(EveryInput, WhatIsUndefinedIsNamed) {
   Points u = Points::Ones(12, 3);
   EXPECT_EQ(phn_deform(loaded.model, loaded.data, AtNode(tools[1], d), u.data()), PHN_ERROR_UNDEFINED);
   EXPECT_EQ(u.norm(), 0);
-  u.setOnes();
-  EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 2, tools, d, u.data()), PHN_ERROR_UNDEFINED);
-  EXPECT_EQ(u.norm(), 0);
   EXPECT_EQ(phn_deform(loaded.model, loaded.data, AtNode(*tools, d), u.data()), PHN_WARNING_INCOMPLETE);
   EXPECT_EQ(phn_force(loaded.model, loaded.data, AtNode(3, d), force, nullptr, nullptr), PHN_OK);
   EXPECT_EQ(phn_force(loaded.model, loaded.data, AtNode(3, d), nullptr, &energy, nullptr), PHN_OK);
@@ -176,13 +167,7 @@ TEST(EveryInput, MisuseIsNamed) {
   EXPECT_EQ(phn_force(loaded.model, loaded.data, AtNode(4, d), nullptr, nullptr, stiffness), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(stiffness[0], 0);
   EXPECT_EQ(phn_force(loaded.model, loaded.data, AtNode(3, nullptr), nullptr, nullptr, stiffness), PHN_ERROR_ARGUMENT);
-  const std::int32_t three[] = {3, 5, 8}, stranger[] = {3, 4};
   Points u = Points::Ones(12, 3);
-  EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 3, three, d, u.data()), PHN_ERROR_TOOLS);
-  EXPECT_EQ(u.norm(), 0);
-  EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 2, stranger, d, u.data()), PHN_ERROR_NOT_ACTIVE);
-  EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, -1, three, d, u.data()), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 1, nullptr, d, u.data()), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_deform(loaded.model, loaded.data, AtNode(3, nullptr), u.data()), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_deform(loaded.model, loaded.data, AtNode(4, d), u.data()), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(phn_deform(loaded.model, loaded.data, AtNode(3, d), nullptr), PHN_ERROR_ARGUMENT);

@@ -29,20 +29,19 @@ std::vector<Model> prepared_models() {
 }
 
 /// What a node says that was never touched before.
-Points fresh_field(const phn_model* model, std::int32_t max_tools, std::int32_t n_tools, const std::int32_t* nodes,
-                   const double* d) {
+Points fresh_field(const phn_model* model, std::int32_t max_tools, const AtNode& tool) {
   std::size_t bytes = 0;
   EXPECT_EQ(phn_data_size(model, max_tools, &bytes), PHN_OK);
   std::vector<char> memory(bytes);
   phn_data* data = nullptr;
   EXPECT_EQ(phn_data_init(memory.data(), bytes, model, max_tools, &data), PHN_OK);
   Points u(info_of(model).n_output, 3);
-  EXPECT_GE(phn_blend_paper(model, data, n_tools, nodes, d, u.data()), 0);
+  EXPECT_GE(phn_deform(model, data, tool, u.data()), 0);
   return u;
 }
 
-// Claim: whatever was touched before, in whatever order, by one tool or several, prepared or not: fields are
-// the same to the last bit. Scratch for one tool keeps three of four nodes.
+// Claim: whatever was touched before, in whatever order, prepared or not: fields are the same to the last bit.
+// Scratch for one tool keeps three of four nodes.
 TEST(PreparedNodes, GiveTheSameFieldInAnyOrder) {
   auto all = prepared_models();
   all.push_back(small_model());  // of family rbfn
@@ -53,17 +52,15 @@ TEST(PreparedNodes, GiveTheSameFieldInAnyOrder) {
       const auto choose = [&](int n) { return static_cast<int>((numbers.next() + 1) / 2 * n * 0.999); };
       const std::int32_t active[] = {3, 5, 8, 15};
       for (int call = 0; call < 400; ++call) {
-        const int first = choose(4);
-        const std::int32_t nodes[] = {active[first], active[(first + 1 + choose(3)) % 4]};
-        const int n_tools = max_tools > 1 && call % 5 == 0 ? 2 : 1;
-        double d[6];
+        double d[3];
         for (double& x : d) x = 0.01 * numbers.next();
+        const AtNode tool(active[choose(4)], d);
         if (call % 7 == 0) {
           ASSERT_EQ(phn_prepare(loaded.model, loaded.data, AtNode(active[choose(4)])), PHN_OK);
         }
         Points u(info_of(loaded.model).n_output, 3);
-        ASSERT_GE(phn_blend_paper(loaded.model, loaded.data, n_tools, nodes, d, u.data()), 0);
-        ASSERT_EQ(u, fresh_field(loaded.model, max_tools, n_tools, nodes, d));
+        ASSERT_GE(phn_deform(loaded.model, loaded.data, tool, u.data()), 0);
+        ASSERT_EQ(u, fresh_field(loaded.model, max_tools, tool));
       }
     }
   }

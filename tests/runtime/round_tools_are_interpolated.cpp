@@ -155,8 +155,6 @@ TEST_P(RoundTools, AreAnsweredOneAtATime) {
   EXPECT_EQ(forces.norm(), 0);
   EXPECT_EQ(phn_coupled_deform(loaded.model, loaded.data, field.data()), PHN_OK);
   EXPECT_EQ(field.norm(), 0);
-  const std::int32_t nodes[2] = {3, 5};
-  EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 2, nodes, forces.data(), field.data()), PHN_ERROR_ROUND_TOOLS);
   EXPECT_NE(std::string(phn_status_message(PHN_ERROR_ROUND_TOOLS)).find("[probe]"), std::string::npos);
 
   std::size_t bytes = 0;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "loaded_model.hpp"
+#include <phynness/validation/named_organ.hpp>
+
 #include "small_model.hpp"
 
 namespace {
@@ -9,31 +10,32 @@ using namespace phynness;
 using namespace phynness::test;
 
 const std::vector<std::int32_t> tools = {3, 8, 15};
-const double displacements[] = {0.004, 0.001, 0, 0, -0.006, 0.002, 0.003, 0.003, -0.001};
+const std::vector<Vec3> displacements = {{0.004, 0.001, 0}, {0, -0.006, 0.002}, {0.003, 0.003, -0.001}};
 
-Points deform(const LoadedModel& loaded, int n_tools, const std::int32_t* nodes, const double* d) {
-  Points u(info_of(loaded.model).n_output, 3);
-  EXPECT_GE(phn_blend_paper(loaded.model, loaded.data, n_tools, nodes, d, u.data()), 0);
-  return u;
+NamedOrgan organ_of(const Model& model) {
+  Mesh mesh;
+  mesh.cells.resize(0, 4);
+  mesh.nodes = Points::Zero(model.n_mesh_nodes, 3);
+  for (const auto& node : model.nodes) mesh.nodes.row(node.node) = to_eigen(node.point).transpose();
+  return NamedOrgan(model, mesh, "model");
 }
 
 // Claim: away from the touched nodes the field is sum Theta_I U_I with Theta_I of (16), here computed as
 // printed; U_I is the field of tool I alone. 1e-13 relative is rounding of a weighted sum.
 TEST(SeveralTools, FieldIsTheWeightedSum) {
   const Model model = small_model();
-  const LoadedModel loaded(write_model_text(model));
-  const Points u = deform(loaded, 3, tools.data(), displacements);
+  const NamedOrgan organ = organ_of(model);
+  const Points u = organ.blend(tools, displacements).displacement_m;
   for (Eigen::Index o = 0; o < u.rows(); ++o) {
     Eigen::RowVector3d expected(0, 0, 0);
     double sum = 0;
     bool touched = false;
-    for (int t = 0; t < 3; ++t) {
+    for (std::size_t t = 0; t < 3; ++t) {
       const ActiveNodeModel& node = model.nodes[t == 0 ? 0 : t + 1];
-      const Eigen::RowVector3d x(node.point[0], node.point[1], node.point[2]);
-      const double distance = (model.output_points.row(o) - x).norm();
+      const double distance = (model.output_points.row(o) - to_eigen(node.point).transpose()).norm();
       touched = touched || distance == 0;
       sum += 1 / distance;
-      expected += 1 / distance * deform(loaded, 1, &tools[t], displacements + 3 * t).row(o);
+      expected += 1 / distance * organ.blend({tools[t]}, {displacements[t]}).displacement_m.row(o);
     }
     if (!touched) {
       EXPECT_LT((u.row(o) - expected / sum).norm(), 1e-13 * u.norm());
@@ -43,20 +45,15 @@ TEST(SeveralTools, FieldIsTheWeightedSum) {
 
 // Claim: where (16) is singular, at a touched node, that node takes exactly its own displacement.
 TEST(SeveralTools, TouchedNodesFollowExactly) {
-  const LoadedModel loaded(write_model_text(small_model()));
-  const Points u = deform(loaded, 3, tools.data(), displacements);
-  for (int k = 0; k < 3; ++k) {
-    EXPECT_EQ(u(3 - 2, k), displacements[k]);
-    EXPECT_EQ(u(8 - 2, k), displacements[3 + k]);
-  }
+  const Points u = organ_of(small_model()).blend(tools, displacements).displacement_m;
+  EXPECT_EQ(u.row(3 - 2), to_eigen(displacements[0]).transpose());
+  EXPECT_EQ(u.row(8 - 2), to_eigen(displacements[1]).transpose());
 }
 
 // Claim: two tools at one node act as one with their mean displacement there. Rounding of a mean: 1e-15.
 TEST(SeveralTools, AtOneNodeActAsTheirMean) {
-  const LoadedModel loaded(write_model_text(small_model()));
-  const std::int32_t twice[] = {3, 3};
-  const Points u = deform(loaded, 2, twice, displacements);
-  for (int k = 0; k < 3; ++k) EXPECT_NEAR(u(3 - 2, k), (displacements[k] + displacements[3 + k]) / 2, 1e-15);
+  const Points u = organ_of(small_model()).blend({3, 3}, {displacements[0], displacements[1]}).displacement_m;
+  EXPECT_LT((u.row(3 - 2).transpose() - (to_eigen(displacements[0]) + to_eigen(displacements[1])) / 2).norm(), 1e-15);
 }
 
 // Claim: two nodes at one place (the lips of a slit) share the weight there instead of dividing by zero.
@@ -64,15 +61,7 @@ TEST(SeveralTools, CoincidentNodesAreDefined) {
   Model model = small_model(0, 0);
   model.nodes[1].point = model.nodes[0].point;
   model.output_points.row(3) = model.output_points.row(1);
-  const LoadedModel loaded(write_model_text(model));
-  const std::int32_t pair[] = {3, 5};
-  EXPECT_TRUE(deform(loaded, 2, pair, displacements).allFinite());
-}
-
-// Claim: no tool, no displacement.
-TEST(SeveralTools, NoToolLeavesTheObjectAtRest) {
-  const LoadedModel loaded(write_model_text(small_model()));
-  EXPECT_EQ(deform(loaded, 0, nullptr, nullptr).norm(), 0);
+  EXPECT_TRUE(organ_of(model).blend({3, 5}, {displacements[0], displacements[1]}).displacement_m.allFinite());
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ std::vector<double> answers(const phn_model* model, const phn_surface* surface, 
   for (int i = 0; i < n_active; ++i) {
     const auto at = static_cast<std::size_t>((i + first) % n_active);
     const std::int32_t node = info_of(model).active_nodes[at], other = info_of(model).active_nodes[(at + 1) % n_active];
-    const double d[] = {0.002, -0.001, 0.003, 0.001, 0.002, -0.001};
+    const double d[] = {0.002, -0.001, 0.003};
     auto& kept = of_node[at];
     const auto keep = [&](int status, std::size_t n) {
       kept.push_back(status);
@@ -40,8 +40,7 @@ std::vector<double> answers(const phn_model* model, const phn_surface* surface, 
     keep(phn_force(model, data, AtNode(node, d), out.data(), nullptr, nullptr), 3);
     keep(phn_force(model, data, AtNode(node, d), nullptr, out.data(), nullptr), 1);
     keep(phn_force(model, data, AtNode(node, d), nullptr, nullptr, out.data()), 9);
-    const std::int32_t nodes[] = {node, other};
-    keep(phn_blend_paper(model, data, 2, nodes, d, out.data()), 3 * static_cast<std::size_t>(n_output));
+    keep(phn_deform(model, data, AtNode(other, d), out.data()), 3 * static_cast<std::size_t>(n_output));
     keep(phn_surface_deform(surface, scratch.data(), out.data(), fine.data()), 0);
     kept.insert(kept.end(), fine.begin(), fine.end());
     phn_tool tool;

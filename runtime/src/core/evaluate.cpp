@@ -36,16 +36,11 @@ PreparedNodes lay_out_prepared(Arena& arena, const phn_model& model, std::int32_
 
 phn_data* make_data(Arena& arena, const phn_model& model, std::int32_t max_tools) {
   phn_data data = {};
-  const auto n_output = static_cast<std::size_t>(model.n_output), n_tools = static_cast<std::size_t>(max_tools);
   auto* made = arena.take<phn_data>(1);
   data.model = data.level = &model;
   data.max_tools = max_tools;
   data.scratch = arena.take<double>(model.n_scratch);
-  data.field = arena.take<double>(3 * n_output);
-  data.nearest = arena.take<double>(n_output);
-  data.weight_sum = arena.take<double>(n_output);
-  data.asked_nodes = arena.take<std::int32_t>(n_tools);
-  data.asked = arena.take<double>(n_tools, 3);
+  data.field = arena.take<double>(3, static_cast<std::size_t>(model.n_output));
   data.prepared = lay_out_prepared(arena, model, max_tools);
   data.coupling = make_coupling(arena, model, max_tools);
   if (made != nullptr && !arena.overflow()) *made = data;

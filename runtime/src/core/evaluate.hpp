@@ -33,12 +33,8 @@ struct phn_data {
   const phn_model* model;
   const phn_model* level;  ///< the level that is evaluated
   std::int32_t max_tools;
-  double* scratch;            ///< model.n_scratch: quantities of a deformation that are common to all output nodes
-  double* field;              ///< n_output x 3: the field of one tool
-  double* nearest;            ///< n_output: distance to the nearest tool [m]
-  double* weight_sum;         ///< n_output: sum of nearest / distance over the tools
-  std::int32_t* asked_nodes;  ///< max_tools: copied arguments of a deformation, because its output may overlap them
-  double* asked;              ///< max_tools x 3 displacements, copied for the same reason
+  double* scratch;  ///< model.n_scratch: quantities of a deformation that are common to all output nodes
+  double* field;    ///< n_output x 3: the field of one tool
   PHN_RUNTIME::PreparedNodes prepared;
   PHN_RUNTIME::Coupling* coupling;
 };

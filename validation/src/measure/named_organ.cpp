@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/schema/body_grammar.hpp>
@@ -8,9 +10,25 @@
 namespace phynness {
 namespace {
 
-constexpr std::int32_t most_tools = 16;
-
 Span<double> span(Points& points) { return {points.data(), static_cast<std::size_t>(points.size())}; }
+
+/// The fields of tools, averaged with the weights of equations (15)-(16), which are inverse distances in the undeformed
+/// state, here times the smallest one, so that every term is in [0, 1].
+Points blended(const Points& output, const std::vector<Eigen::RowVector3d>& tools, const std::vector<Points>& fields) {
+  Points sum = Points::Zero(output.rows(), 3);
+  std::vector<double> distance(tools.size()), weight(tools.size());
+  for (Eigen::Index o = 0; o < output.rows(); ++o) {
+    for (std::size_t t = 0; t < tools.size(); ++t) {
+      const Eigen::RowVector3d apart = output.row(o) - tools[t];
+      distance[t] = std::sqrt(apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2]);
+    }
+    const double nearest = *std::ranges::min_element(distance);
+    for (std::size_t t = 0; t < tools.size(); ++t) weight[t] = distance[t] > 0 ? nearest / distance[t] : 1;
+    const double all = std::accumulate(weight.begin(), weight.end(), 0.0);
+    for (std::size_t t = 0; t < tools.size(); ++t) sum.row(o) += weight[t] / all * fields[t].row(o);
+  }
+  return sum;
+}
 
 }  // namespace
 
@@ -58,7 +76,7 @@ NamedOrgan NamedOrgan::body_beside(const std::filesystem::path& file, std::int32
 }
 
 void NamedOrgan::load(std::int32_t steps) {
-  _organ = _is_body ? Organ({}, _text, PHN_MOST_COUPLED, steps) : Organ(_text, {}, most_tools);
+  _organ = _is_body ? Organ({}, _text, PHN_MOST_COUPLED, steps) : Organ(_text, {}, PHN_MOST_COUPLED);
   if (_organ) return;
   if (_is_body)
     read_body_text(_text, _name);  // throws an error with the line and the value if the text is invalid
@@ -207,26 +225,38 @@ OrganResponse NamedOrgan::hold_from_rest(const std::vector<phn_tool>& tools, int
 OrganResponse NamedOrgan::blend(const std::vector<std::int32_t>& nodes, const std::vector<Vec3>& displacement_m) const {
   const std::size_t n_tools = nodes.size();
   const std::int32_t n_output = info().n_output;
-  if (n_tools > static_cast<std::size_t>(most_tools))
-    throw input_error("there are too many tools", std::to_string(n_tools),
-                      "give at most " + std::to_string(most_tools) + " tools");
-  OrganResponse response;
-  response.displacement_m.resize(n_output, 3);
-  std::vector<double> d;
-  for (const auto& v : displacement_m) d.insert(d.end(), v.begin(), v.end());
   for (const auto node : nodes) force(node, {0, 0, 0});  // throws an error with the number of an inactive node
-  // Without output nodes there is no place for displacements, which the runtime would refuse.
-  response.status = n_output == 0 ? PHN_ERROR_UNDEFINED
-                                  : phn_blend_paper(_organ.model(), _organ.data(), static_cast<std::int32_t>(n_tools),
-                                                    nodes.data(), d.data(), response.displacement_m.data());
-  if (response.status == PHN_ERROR_UNDEFINED) {
-    response.status = PHN_OK;
-    response.displacement_m.resize(0, 3);
+  if (n_tools > 1 && has_round_tools()) check(PHN_ERROR_ROUND_TOOLS, std::vector<phn_tool>(n_tools));
+  OrganResponse response;
+  std::vector<Points> fields;
+  std::vector<Eigen::RowVector3d> places;
+  for (std::size_t t = 0; t < n_tools && n_output > 0; ++t) {
+    const phn_tool tool = tool_at(nodes[t], displacement_m[t]);
+    const int status = phn_deform(_organ.model(), _organ.data(), &tool, fields.emplace_back(n_output, 3).data());
+    if (status == PHN_ERROR_UNDEFINED) break;
+    check(status, nodes[t]);
+    response.status |= status;
+    places.push_back(_mesh.nodes.row(nodes[t]));
   }
-  if (response.status == PHN_ERROR_ROUND_TOOLS) check(response.status, std::vector<phn_tool>(n_tools));
-  check(response.status, nodes.empty() ? -1 : nodes[0]);
   response.force_N.assign(n_tools, std::nullopt);
-  if (n_tools != 1) return response;
+  if (places.size() < n_tools)
+    response.status = PHN_OK;  // the model has forces only
+  else if (n_tools == 1)
+    response.displacement_m = std::move(fields[0]);
+  else
+    response.displacement_m = blended(Eigen::Map<const Points>(info().output_points, n_output, 3), places, fields);
+  if (n_tools != 1) {
+    // The weights are singular at a touched node; their limit is the displacement of its tool, or the mean of those.
+    const auto output = output_nodes();
+    for (Eigen::Index o = 0; o < response.displacement_m.rows(); ++o) {
+      Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+      double n = 0;
+      for (std::size_t t = 0; t < n_tools; ++t)
+        if (nodes[t] == output[static_cast<std::size_t>(o)]) sum += to_eigen(displacement_m[t]).transpose(), ++n;
+      if (n > 0) response.displacement_m.row(o) = sum / n;
+    }
+    return response;
+  }
   const Vec3& v = displacement_m[0];
   const phn_tool tool = tool_at(nodes[0], v);
   Vec3 f{};

@@ -90,8 +90,8 @@ class NamedOrgan {
   OrganResponse hold(const std::vector<phn_tool>& tools) const;
   /// The same from rest to `tools` in equal increments of the displacement.
   OrganResponse hold_from_rest(const std::vector<phn_tool>& tools, int increments) const;
-  /// Response of a model to several tools at nodes with the paper's weights (15)-(16), without forces of several.
-  /// @throws Error (input) for round tools
+  /// Response of a model to tools at nodes, of several the paper's: their fields averaged with the weights (15)-(16),
+  /// for comparison, without forces. @pre there is a tool. @throws Error (input) for several round tools
   OrganResponse blend(const std::vector<std::int32_t>& nodes, const std::vector<Vec3>& displacement_m) const;
 
  private:
