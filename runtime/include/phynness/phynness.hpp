@@ -169,11 +169,8 @@ class Organ {
   /// Contents; zeros and null without a model, or a body.
   const phn_info& info() const noexcept { return files().info; }
   const phn_body_contents& body_info() const noexcept { return files().body_info; }
-  /// Bytes of model and body, and of the working memory of this object.
+  /// Bytes of model and body.
   std::size_t constant_bytes() const noexcept { return files().model_memory.size() + files().body_memory.size(); }
-  std::size_t working_bytes() const noexcept {
-    return _data_memory.size() + _state_memory.size() + _touch_memory.size();
-  }
   /// The objects of the C library, for what is not wrapped; null where there is none.
   const phn_model* model() const noexcept { return files().model; }
   phn_data* data() noexcept { return _data; }

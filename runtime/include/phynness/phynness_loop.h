@@ -52,7 +52,7 @@ typedef struct phn_loop_settings {
 
   double largest_force_N;      /* a longer force is shortened [8] */
   double largest_slew_N_per_s; /* rate of change of the force [4000] */
-  double ramp_s;               /* of the force after phn_loop_engage and phn_loop_release [0.1] */
+  double ramp_s;               /* of the force after phn_loop_engage [0.1] */
 
   double trip_energy_J;          /* delivered by the loop beyond what it took and device_damping dissipated [3e-4] */
   double trip_force_N;           /* of the coupling before all limits [40] */
@@ -65,7 +65,7 @@ typedef struct phn_loop_settings {
 } phn_loop_settings;
 PHN_API int phn_loop_defaults(phn_loop_settings* settings);
 
-enum { /* phn_loop_report.state */ PHN_LOOP_OFF = 0, PHN_LOOP_ON = 1, PHN_LOOP_RELEASING = 2, PHN_LOOP_TRIPPED = 3 };
+enum { /* phn_loop_report.state */ PHN_LOOP_OFF = 0, PHN_LOOP_ON = 1, PHN_LOOP_TRIPPED = 2 };
 enum { /* phn_loop_report.trip */
        PHN_TRIP_NONE = 0,
        PHN_TRIP_ENERGY = 1,
@@ -88,9 +88,8 @@ PHN_API const char* phn_loop_trip_message(int trip);
 PHN_API int phn_loop_size(size_t* bytes);
 PHN_API int phn_loop_init(void* memory, size_t bytes, const phn_loop_settings* settings, phn_loop** loop);
 
-/* Raises the force from zero; lowers it to zero and switches off. PHN_ERROR_ARGUMENT: the loop is tripped. */
+/* Switches the loop on; its force rises from zero. PHN_ERROR_ARGUMENT: the loop is tripped. */
 PHN_API int phn_loop_engage(phn_loop* loop);
-PHN_API int phn_loop_release(phn_loop* loop);
 
 /* Begins a cycle. `position_m` is the newest position of the device, measured at `measured_s`, or null if none arrived.
  * Late, repeated and reordered positions are recognized by their times; a lost one is bridged with constant velocity.

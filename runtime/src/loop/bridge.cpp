@@ -2,11 +2,11 @@
 #include <phynness/phynness.h>
 #include <phynness/phynness_loop.h>
 
+#include "core/lookup.hpp"
+
 namespace {
 
 constexpr double held_s = 0.01, lowered_s = 0.1;
-
-bool is_finite(const double* x) { return x[0] - x[0] == 0 && x[1] - x[1] == 0 && x[2] - x[2] == 0; }
 
 double within_0_and_1(double x) { return x < 0 ? 0 : x < 1 ? x : 1; }
 
@@ -15,7 +15,7 @@ double within_0_and_1(double x) { return x < 0 ? 0 : x < 1 ? x : 1; }
 extern "C" int phn_bridge_force(phn_bridge* bridge, const double answer[3], double now_s, double force[3]) {
   if (bridge == nullptr || force == nullptr) return PHN_ERROR_ARGUMENT;
   phn_bridge& b = *bridge;
-  const bool is_answered = answer != nullptr && is_finite(answer);
+  const bool is_answered = answer != nullptr && phynness::runtime::finite(answer);
   int status = answer != nullptr && !is_answered ? PHN_ERROR_NOT_FINITE : PHN_OK;
   if (b.reserved != 0) {
     for (int k = 0; k < 3; ++k) force[k] = 0;

@@ -12,9 +12,8 @@ constexpr double recovery_s = 0.05;
 void count_unseen(phn_loop& loop, Vector change, Vector velocity) {
   const double step = loop.settings.position_resolution_m, slow = 0.25 * step / loop.settings.period_s;
   const Vector d = change - loop.change;
-  const double seen = (std::fabs(velocity.x) < slow ? std::fabs(d.x) : 0) +
-                      (std::fabs(velocity.y) < slow ? std::fabs(d.y) : 0) +
-                      (std::fabs(velocity.z) < slow ? std::fabs(d.z) : 0);
+  double seen = 0;
+  for (int k = 0; k < 3; ++k) seen += std::fabs(velocity[k]) < slow ? std::fabs(d[k]) : 0;
   loop.observer.unsure += 0.5 * step * seen;
   loop.change = change;
 }

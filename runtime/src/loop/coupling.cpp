@@ -6,14 +6,19 @@ namespace phynness::loop {
 
 namespace {
 
+Matrix rotation_of(const phn_loop_settings& settings) {
+  Matrix rotation;
+  for (int i = 0; i < 9; ++i) rotation.a[i] = settings.rotation[i];
+  return rotation;
+}
+
 /// Solves (K + a I) x = b; K symmetric, K + a I positive definite.
 Vector solve(const double* K, double a, Vector b) {
   const double p = K[0] + a, q = K[4] + a, r = K[8] + a, u = K[1], v = K[2], w = K[5];
   const double c00 = q * r - w * w, c01 = w * v - u * r, c02 = u * w - q * v;
   const double c11 = p * r - v * v, c12 = u * v - p * w, c22 = p * q - u * u;
   const double scale = 1 / (p * c00 + u * c01 + v * c02);
-  return scale * Vector{c00 * b.x + c01 * b.y + c02 * b.z, c01 * b.x + c11 * b.y + c12 * b.z,
-                        c02 * b.x + c12 * b.y + c22 * b.z};
+  return scale * (Matrix{{c00, c01, c02, c01, c11, c12, c02, c12, c22}} * b);
 }
 
 /// A lower bound of the eigenvalues of a symmetric matrix (Gershgorin).
@@ -29,8 +34,8 @@ Vector newton_step(const phn_loop_response& response, double coupling, Vector un
     for (int i = 0; i < 9; ++i) K[i] = response.stiffness[i];
   } else {
     // The step finds the balance if the tangent is at most twice as stiff as this secant and the coupling together.
-    const Vector d = load(response.displacement);
-    const double d2 = dot(d, d), secant = d2 > 0 ? std::fmax(0.0, dot(load(response.force), d) / d2) : 0;
+    const Vector d = vector_at(response.displacement);
+    const double d2 = dot(d, d), secant = d2 > 0 ? std::fmax(0.0, dot(vector_at(response.force), d) / d2) : 0;
     K[0] = K[4] = K[8] = secant;
   }
   // Where the body softens more than half as fast as the coupling is stiff, the step is damped.
@@ -51,28 +56,16 @@ Vector ToolPath::velocity(double period) const {
 }
 
 Vector to_body(const phn_loop& loop, Vector x) {
-  const double* R = loop.settings.rotation;
-  const double s = loop.settings.motion_scale;
-  return load(loop.settings.origin_m) + s * Vector{R[0] * x.x + R[1] * x.y + R[2] * x.z,  //
-                                                   R[3] * x.x + R[4] * x.y + R[5] * x.z,
-                                                   R[6] * x.x + R[7] * x.y + R[8] * x.z};
+  const phn_loop_settings& s = loop.settings;
+  return vector_at(s.origin_m) + s.motion_scale * (rotation_of(s) * x);
 }
-
-namespace {
-
-Vector turned_back(const double* R, Vector b) {
-  return {R[0] * b.x + R[3] * b.y + R[6] * b.z, R[1] * b.x + R[4] * b.y + R[7] * b.z,
-          R[2] * b.x + R[5] * b.y + R[8] * b.z};
-}
-
-}  // namespace
 
 Vector vector_to_device(const phn_loop& loop, Vector body) {
-  return (1 / loop.settings.motion_scale) * turned_back(loop.settings.rotation, body);
+  return (1 / loop.settings.motion_scale) * transposed_times(rotation_of(loop.settings), body);
 }
 
 Vector force_to_device(const phn_loop& loop, Vector body) {
-  return loop.settings.force_scale * turned_back(loop.settings.rotation, body);
+  return loop.settings.force_scale * transposed_times(rotation_of(loop.settings), body);
 }
 
 Vector predicted(const phn_loop& loop, double now) {
@@ -95,11 +88,11 @@ Vector couple(phn_loop& loop, const phn_loop_response& response, double now, dou
     return {};
   }
   const double coupling = s.coupling_N_per_m / (s.force_scale * s.motion_scale);
-  const Vector of_body = load(response.force), displacement = load(response.displacement);
+  const Vector of_body = vector_at(response.force), displacement = vector_at(response.displacement);
   Vector step = newton_step(response, coupling, coupling * (target - loop.tool) - of_body);
   if (s.reach_m > 0 && length(displacement + step) > s.reach_m)
     step = shortened(displacement + step, s.reach_m) - displacement;
-  if (!finite(step)) {
+  if (!is_finite(step)) {
     trip(loop, PHN_TRIP_NOT_FINITE);
     return {};
   }

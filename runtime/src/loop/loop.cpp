@@ -16,13 +16,13 @@ constexpr double largest_lead = 0.02;
 /// A position that a device can have [m]; others are treated like NaN.
 bool plausible(Vector p) {
   constexpr double largest = 1e3;
-  return std::fabs(p.x) <= largest && std::fabs(p.y) <= largest && std::fabs(p.z) <= largest;
+  return std::fabs(p[0]) <= largest && std::fabs(p[1]) <= largest && std::fabs(p[2]) <= largest;
 }
 
 /// A time that a clock can have [s]; others are treated like NaN.
 bool usable(double time) { return std::fabs(time) <= 1e12; }
 
-bool is_on(const phn_loop& loop) { return loop.state == PHN_LOOP_ON || loop.state == PHN_LOOP_RELEASING; }
+bool is_on(const phn_loop& loop) { return loop.state == PHN_LOOP_ON; }
 
 /// Sets the clock. A time that is earlier than the last one trips the loop.
 int advance(phn_loop& loop, double now) {
@@ -35,11 +35,10 @@ int advance(phn_loop& loop, double now) {
   return PHN_OK;
 }
 
-/// Factor of the force; ends the ramp of a release.
+/// Factor of the force, which rises to 1 after the loop is engaged.
 double advance_ramp(phn_loop& loop, double duration) {
   const double ramp_s = loop.settings.ramp_s, step = ramp_s > 0 ? duration / ramp_s : 1;
-  loop.ramp = loop.state == PHN_LOOP_ON ? std::fmin(1.0, loop.ramp + step) : std::fmax(0.0, loop.ramp - step);
-  if (loop.state == PHN_LOOP_RELEASING && loop.ramp <= 0) loop.state = PHN_LOOP_OFF;
+  loop.ramp = std::fmin(1.0, loop.ramp + step);
   return loop.ramp;
 }
 
@@ -53,12 +52,12 @@ Vector next_force(phn_loop& loop, const phn_loop_response& response, double dura
   force = shortened(advance_ramp(loop, duration) * force, s.largest_force_N);
   if (s.largest_slew_N_per_s > 0) force = loop.force + shortened(force - loop.force, s.largest_slew_N_per_s * duration);
   force = shortened(kept_passive(loop, force, stored, loop.now), s.largest_force_N);
-  if (!finite(force)) trip(loop, PHN_TRIP_NOT_FINITE);
+  if (!is_finite(force)) trip(loop, PHN_TRIP_NOT_FINITE);
   return force;
 }
 
 bool is_finite(const phn_loop_response& r) {
-  bool all = finite(load(r.force)) && finite(load(r.displacement)) && std::isfinite(r.energy);
+  bool all = is_finite(vector_at(r.force)) && is_finite(vector_at(r.displacement)) && std::isfinite(r.energy);
   for (int i = 0; i < 9 && r.has_stiffness != 0; ++i) all &= std::isfinite(r.stiffness[i]);
   return all;
 }
@@ -74,7 +73,7 @@ void check_response(phn_loop& loop, const phn_loop_response& response) {
 int take_sample(phn_loop& loop, Vector position, double time) {
   if (!plausible(position) || !usable(time)) {
     trip(loop, PHN_TRIP_NOT_FINITE);
-    return finite(position) && std::isfinite(time) ? PHN_OK : PHN_ERROR_NOT_FINITE;
+    return is_finite(position) && std::isfinite(time) ? PHN_OK : PHN_ERROR_NOT_FINITE;
   }
   if (time > loop.now + largest_lead * loop.settings.period_s) {
     trip(loop, PHN_TRIP_CLOCK);
@@ -119,14 +118,8 @@ int phn_loop_engage(phn_loop* loop) {
   if (loop->state == PHN_LOOP_ON) return PHN_OK;
   loop->observer.restart();
   loop->forgotten = 0;
-  if (loop->state == PHN_LOOP_OFF) loop->placed = false;
+  loop->placed = false;
   loop->state = PHN_LOOP_ON;
-  return PHN_OK;
-}
-
-int phn_loop_release(phn_loop* loop) {
-  if (loop == nullptr || loop->state == PHN_LOOP_TRIPPED) return PHN_ERROR_ARGUMENT;
-  if (loop->state == PHN_LOOP_ON) loop->state = PHN_LOOP_RELEASING;
   return PHN_OK;
 }
 
@@ -138,7 +131,7 @@ int phn_loop_read(phn_loop* loop, const double position[3], double measured, dou
     if (position == nullptr)
       ++loop->missing;
     else
-      status = take_sample(*loop, load(position), measured);
+      status = take_sample(*loop, vector_at(position), measured);
     loop->age = loop->observer.started() ? now - loop->observer.time() : 0;
     if (is_on(*loop)) check_cycle(*loop, now);
   }
@@ -164,7 +157,7 @@ int phn_loop_hold(phn_loop* loop, const phn_loop_response* response, double now,
   if (is_on(*loop) && overrun > 0 && duration > overrun) trip(*loop, PHN_TRIP_OVERRUN);
   if (is_on(*loop)) check_response(*loop, *response);
 
-  Vector next;
+  Vector next = {};
   if (is_on(*loop) && loop->observer.started()) next = next_force(*loop, *response, duration);
   if (loop->state == PHN_LOOP_TRIPPED) next = {};
   loop->force = next;

@@ -15,7 +15,7 @@ inline constexpr int n_velocity = 3;
 
 /// Position of the tool in the last cycles, in the frame of the device, for its velocity.
 struct ToolPath {
-  Vector last[n_velocity + 1];
+  Vector last[n_velocity + 1] = {};
   int n = 0;
   void add(Vector tool);
   Vector velocity(double period) const;
@@ -41,12 +41,12 @@ struct phn_loop {
   double stopped = 0;       ///< time since which the position is the same, bit for bit
   double stopped_from = 0;  ///< speed before [m/s]
 
-  Vector tool;          ///< body frame
+  Vector tool = {};     ///< body frame
   bool placed = false;  ///< `tool` has been set
   phynness::loop::ToolPath path;
-  Vector force;          ///< for the device, as held
+  Vector force = {};     ///< for the device, as held
   double share = 1;      ///< factor of the passivity controller
-  Vector change;         ///< of the force by the passivity controller in the last cycle
+  Vector change = {};    ///< of the force by the passivity controller in the last cycle
   double forgotten = 0;  ///< observed energy that must not be returned [J]
 
   std::int64_t cycles = 0, limited = 0, missing = 0, late = 0;

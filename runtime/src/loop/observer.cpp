@@ -36,12 +36,12 @@ void Observer::hold(double from, Vector force) {
 bool Observer::sample(double time, Vector measured) {
   if (started() && !is_newer(time)) return false;
   _measured = measured;
-  const Vector position = {_steps[0].next(time, _period, measured.x), _steps[1].next(time, _period, measured.y),
-                           _steps[2].next(time, _period, measured.z)};
+  Vector position;
+  for (int k = 0; k < 3; ++k) position[k] = _steps[k].next(time, _period, measured[k]);
   if (started()) {
     const double duration = time - _samples[0].time;
     const Vector moved = position - _samples[0].position, velocity = (1 / duration) * moved;
-    Vector impulse;
+    Vector impulse = {};
     each_force(_samples[0].time, time,
                [&](const Held& held, double seconds) { impulse = impulse + seconds * held.force; });
     work -= dot(impulse, velocity);

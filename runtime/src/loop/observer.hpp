@@ -2,25 +2,16 @@
 // measured, each with its time.
 #pragma once
 
-#include <cmath>
+#include "tools/vectors.hpp"
 
 namespace phynness::loop {
 
-struct Vector {
-  double x = 0, y = 0, z = 0;
-};
-inline Vector operator+(Vector a, Vector b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Vector operator*(double s, Vector a) { return {s * a.x, s * a.y, s * a.z}; }
-inline double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline double length(Vector a) { return std::sqrt(dot(a, a)); }
-inline bool finite(Vector a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
-inline bool equal(Vector a, Vector b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
-inline Vector load(const double* v) { return {v[0], v[1], v[2]}; }
-inline void store(Vector a, double* v) {
-  v[0] = a.x;
-  v[1] = a.y;
-  v[2] = a.z;
+using runtime::Matrix, runtime::Vector, runtime::vector_at;
+
+inline double length(const Vector& a) { return std::sqrt(dot(a, a)); }
+inline bool equal(const Vector& a, const Vector& b) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
+inline void store(const Vector& a, double* v) {
+  for (int k = 0; k < 3; ++k) v[k] = a[k];
 }
 /// a, shortened to `longest`.
 inline Vector shortened(Vector a, double longest) {
@@ -85,11 +76,11 @@ class Observer {
  private:
   struct Sample {
     double time = 0;
-    Vector position;
+    Vector position = {};
   };
   struct Held {
     double from = 0;
-    Vector force;
+    Vector force = {};
   };
   static constexpr int n_kept = 128;
 
@@ -108,7 +99,7 @@ class Observer {
 
   double _period, _damping, _resolution;
   Steps _steps[3];
-  Vector _measured;
+  Vector _measured = {};
   Held _held[n_kept];
   int _newest = 0, _n_held = 0;
   Sample _samples[5];  ///< the newest first

@@ -50,7 +50,7 @@ int phynness::loop::status_of(const phn_loop_settings& s) {
     if (!std::isfinite(v)) return PHN_ERROR_NOT_FINITE;
     if (v < 0 || v > largest) return PHN_ERROR_ARGUMENT;
   }
-  if (!finite(load(s.origin_m))) return PHN_ERROR_NOT_FINITE;
+  if (!is_finite(vector_at(s.origin_m))) return PHN_ERROR_NOT_FINITE;
   for (const double x : s.origin_m)
     if (std::fabs(x) > largest) return PHN_ERROR_ARGUMENT;
   for (const double v : s.rotation)
