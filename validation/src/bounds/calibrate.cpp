@@ -37,9 +37,6 @@ std::int64_t coupled_rays_per_kind(std::int64_t rays) { return 60 + 3 * rays / 1
 /// Over unknowns^(4/3): 55, 150 and 400 MB more than at start for Taylor-Hood on livers of 320, 736 and 1,477 nodes.
 constexpr double bytes_per_factor = 350;
 
-/// A state is exchanged between ranks as this many numbers.
-constexpr std::size_t state_size = 7;
-
 /// A direction in which the node has a trained range. Of a node that has none in half of the sphere, every second one.
 Vec3 trained_direction(const NamedOrgan& model, std::int32_t node, std::mt19937_64& random) {
   Vec3 e{};
@@ -51,7 +48,7 @@ Vec3 trained_direction(const NamedOrgan& model, std::int32_t node, std::mt19937_
 }
 
 struct NodeRays {
-  std::vector<double> states;  ///< state_size numbers each
+  std::vector<double> states;  ///< packed
   std::int64_t rays = 0, failed = 0;
 };
 
@@ -95,57 +92,53 @@ void add_states(const NamedOrgan& model, std::size_t index, const ToolRay& ray, 
     const Vec3& truth = forces[i];
     const double error = std::hypot(said[0] - truth[0], said[1] - truth[1], said[2] - truth[2]);
     const double size = std::hypot(truth[0], truth[1], truth[2]);
-    for (const double x : {static_cast<double>(index), e[0], e[1], e[2], largest * ray.parts[i], error, size})
-      out.states.push_back(x);
+    pack(out.states, BoundState{static_cast<std::int32_t>(index), e, largest * ray.parts[i], error, size});
   }
   out.failed += forces.size() < ray.parts.size();
 }
 
-/// Of each node with a solution: its index, and the columns of its stiffness [N/m]. Collective.
-std::vector<double> stiffnesses_at_rest(const SolverSession& session, const NamedOrgan& model, const ShouldStop& stop,
-                                        RayForces& rays) {
-  std::vector<double> at_rest;
+/// A node's index, and the columns of its stiffness [N/m].
+struct NodeAtRest {
+  std::int32_t node = 0;
+  std::array<double, 9> stiffness{};
+};
+
+/// Of each node with a solution, on rank 0. Collective.
+std::vector<NodeAtRest> stiffnesses_at_rest(const SolverSession& session, const NamedOrgan& model,
+                                            const ShouldStop& stop, RayForces& rays) {
+  std::vector<double> rows;
   session.together([&] {
     share_out(session, std::ssize(model.model().nodes), {}, stop, [&](std::size_t i) {
       const auto columns = rays.solve({{{{model.model().nodes[i].node, -1, -1}, {1, 0, 0}, {}}}, {}});
       if (columns.size() < 3) return;
-      at_rest.push_back(static_cast<double>(i));
-      for (const auto& column : columns) at_rest.insert(at_rest.end(), column.begin(), column.end());
+      NodeAtRest at_rest{static_cast<std::int32_t>(i)};
+      for (std::size_t k = 0; k < 3; ++k) std::ranges::copy(columns[k], at_rest.stiffness.begin() + 3 * k);
+      pack(rows, at_rest);
     });
   });
-  return at_rest;
+  return unpacked<NodeAtRest>(session.gather(rows));
 }
 
 /// A finer solution is off by nearly the same share along a ray, which the stiffness at rest tells: in place of J the
 /// logarithm of the difference of both in the direction of each trained displacement.
-/// @param stiffness  those of the finer solution, as stiffnesses_at_rest() of all ranks gives them
-void predict_by_rest(const NamedOrgan& model, const std::vector<double>& stiffness, BoundPredictors& predictors) {
+/// @param at_rest  of the finer solution
+void predict_by_rest(const NamedOrgan& model, const std::vector<NodeAtRest>& at_rest, BoundPredictors& predictors) {
   constexpr double least = 1e-4;
-  if (stiffness.size() < 10 * model.model().nodes.size()) return;  // one failed, or an early end
+  if (at_rest.size() < model.model().nodes.size()) return;  // one failed, or an early end
   const auto& displacements = model.model().displacements;
-  for (std::size_t at = 0; at + 10 <= stiffness.size(); at += 10) {
-    const auto node = static_cast<std::size_t>(stiffness[at]);
+  for (const auto& [number, stiffness] : at_rest) {
+    const auto node = static_cast<std::size_t>(number);
     std::array<double, 9> own{};
     Vec3 force;
     double energy = 0;
     if (model.organ().hold(tool_at(model.model().nodes[node].node, Vec3{}), force, energy, own) < 0) return;
     const Eigen::Matrix3d off =
-        Eigen::Map<const Eigen::Matrix3d>(own.data()) - Eigen::Map<const Eigen::Matrix3d>(&stiffness[at + 1]);
+        Eigen::Map<const Eigen::Matrix3d>(own.data()) - Eigen::Map<const Eigen::Matrix3d>(stiffness.data());
     for (Eigen::Index row = 0; row < displacements.rows(); ++row)
       predictors.crush[node][static_cast<std::size_t>(row)] =
           std::log(std::max(least, (off * displacements.row(row).transpose().normalized()).norm() *
                                        model.model().max_displacement_m / predictors.largest_N[node]));
   }
-}
-
-std::vector<BoundState> states_of(const std::vector<double>& numbers) {
-  std::vector<BoundState> states;
-  for (std::size_t at = 0; at + state_size <= numbers.size(); at += state_size) {
-    const double* x = &numbers[at];
-    states.push_back({static_cast<std::int32_t>(x[0]), {x[1], x[2], x[3]}, x[4], x[5], x[6]});
-  }
-  std::stable_sort(states.begin(), states.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
-  return states;
 }
 
 /// Every fifth node with the bounds that the other nodes give; every fifth ray if no node of the model is without rays.
@@ -236,10 +229,6 @@ std::vector<std::pair<std::int32_t, std::int32_t>> planned_rays(const CoupledRay
   return planned;
 }
 
-std::int64_t total(const SolverSession& session, std::int64_t of_rank) {
-  return static_cast<std::int64_t>(session.sum(static_cast<double>(of_rank)));
-}
-
 /// Solves these rays. Collective. @param seed  of the first one. @return on rank 0, all states
 std::vector<CoupledState> solve_coupled(const SolverSession& session, const CoupledRays& coupled,
                                         const std::vector<std::pair<std::int32_t, std::int32_t>>& planned,
@@ -268,8 +257,8 @@ std::vector<CoupledState> solve_coupled(const SolverSession& session, const Coup
     });
   });
   report.planned_coupled_rays = std::ssize(planned);
-  report.coupled_rays = total(session, finished);
-  report.failed_coupled_rays = total(session, failed);
+  report.coupled_rays = session.total(finished);
+  report.failed_coupled_rays = session.total(failed);
   for (std::size_t kind = 0; kind < 2; ++kind) {
     const double all = session.sum(drawn[kind].all), flagged = session.sum(drawn[kind].flagged);
     (kind == 0 ? report.between : report.two).flagged = all > 0 ? flagged / all : 0;
@@ -356,15 +345,16 @@ Model calibrate(const SolverSession& session, const Database& database, const Na
     });
   });
   const auto at_rest =
-      spec.reference == Variant::scene ? std::vector<double>() : stiffnesses_at_rest(session, model, stop, rays);
+      spec.reference == Variant::scene ? std::vector<NodeAtRest>() : stiffnesses_at_rest(session, model, stop, rays);
   const auto coupled_states = solve_coupled(session, coupled, coupled_rays, spec.seed * 1000003 + n_active,
                                             counted(static_cast<std::int64_t>(n_nodes)), stop, rays, report);
-  report.nodes = total(session, finished);
+  report.nodes = session.total(finished);
   report.planned_nodes = static_cast<std::int64_t>(n_nodes);
-  report.rays = total(session, solved.rays);
-  report.failed_rays = total(session, solved.failed);
-  const auto states = states_of(session.gather(solved.states));
-  predict_by_rest(model, session.gather(at_rest), predictors);
+  report.rays = session.total(solved.rays);
+  report.failed_rays = session.total(solved.failed);
+  auto states = unpacked<BoundState>(session.gather(solved.states));
+  std::ranges::stable_sort(states, {}, &BoundState::node);
+  predict_by_rest(model, at_rest, predictors);
   Model bounded = model.model();
   session.together([&] {
     if (report.nodes < static_cast<std::int64_t>(std::min(n_nodes, fewest_nodes)))

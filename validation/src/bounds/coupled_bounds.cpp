@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <phynness/validation/coupled_bounds.hpp>
+#include <phynness/validation/error_statistics.hpp>
 #include <set>
 
 #include "measure/body_predictions.hpp"
@@ -89,9 +90,7 @@ double missing(const Samples& samples, const std::vector<double>& scores, double
     }
   if (those.empty()) return -std::numeric_limits<double>::infinity();
   std::sort(those.begin(), those.end());
-  const double share = coverage * (1 + 1 / static_cast<double>(rays.size()));
-  const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(those.size())));
-  return those[std::min(at, those.size()) - 1];
+  return quantile(those, coverage * (1 + 1 / static_cast<double>(rays.size())));
 }
 
 /// The same for the share `coverage`, and nearly so in each third of the depth.

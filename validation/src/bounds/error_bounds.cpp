@@ -5,6 +5,8 @@
 #include <cmath>
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/error_bounds.hpp>
+#include <phynness/validation/error_statistics.hpp>
+#include <set>
 #include <tuple>
 
 namespace phynness {
@@ -106,13 +108,6 @@ std::vector<double> forces_at_rest(const Model& model) {
   return sizes;
 }
 
-/// The value at position ceil(share n) in ascending order, or the largest.
-double quantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
-  return values[std::min(std::max<std::size_t>(at, 1), values.size()) - 1];
-}
-
 /// Errors over bounds with the factor 1.
 std::vector<double> scores_of(const Model& model, const BoundPredictors& predictors,
                               const std::vector<BoundState>& states, const std::vector<double>& at_rest,
@@ -136,24 +131,11 @@ std::vector<double> scores_of(const Model& model, const BoundPredictors& predict
 /// The least share of scores up to `factor` in a third of the depth.
 double least_third(const Model& model, const std::vector<BoundState>& states, const std::vector<double>& scores,
                    double factor) {
-  std::array<double, 3> held{}, drawn{};
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    const auto third =
-        std::min<std::size_t>(2, static_cast<std::size_t>(3 * states[i].depth_m / model.max_displacement_m));
-    ++drawn[third];
-    held[third] += scores[i] <= factor;
-  }
+  std::vector<BoundedError> errors;
+  for (std::size_t i = 0; i < states.size(); ++i) errors.push_back({states[i].depth_m, scores[i], factor});
   double least = 1;
-  for (std::size_t k = 0; k < 3; ++k)
-    if (drawn[k] > 0) least = std::min(least, held[k] / drawn[k]);
+  for (const double third : coverage_of(errors, model.max_displacement_m).thirds) least = std::fmin(least, third);
   return least;
-}
-
-std::size_t distinct_nodes(const std::vector<BoundState>& states) {
-  std::vector<std::int32_t> nodes;
-  for (const auto& state : states) nodes.push_back(state.node);
-  std::sort(nodes.begin(), nodes.end());
-  return static_cast<std::size_t>(std::unique(nodes.begin(), nodes.end()) - nodes.begin());
 }
 
 }  // namespace
@@ -193,7 +175,9 @@ Model add_bounds(Model model, const BoundPredictors& predictors, const std::vect
   if (states.size() < fewest_states)
     throw input_error("there are too few states inside the trained range to calibrate bounds",
                       std::to_string(states.size()) + " states", "use more --rays; 1000 rays give about 3000 states");
-  const auto n_nodes = distinct_nodes(states);
+  std::set<std::int32_t> nodes;
+  for (const auto& state : states) nodes.insert(state.node);
+  const std::size_t n_nodes = nodes.size();
   const Eigen::Vector4d fitted = shrinkage * fit(model, predictors, states);
   const auto at_rest = forces_at_rest(model);
   // A sample of nodes is a sample of clusters: the next node adds one to their number.
@@ -203,7 +187,9 @@ Model add_bounds(Model model, const BoundPredictors& predictors, const std::vect
     Eigen::Vector4d coefficients = fitted;
     coefficients[3] += shrinkage * power;
     const auto scores = scores_of(model, predictors, states, at_rest, coefficients);
-    const double factor = quantile(scores, coverage * (1 + 1 / n));
+    auto ascending = scores;
+    std::ranges::sort(ascending);
+    const double factor = quantile(ascending, coverage * (1 + 1 / n));
     const double least = least_third(model, states, scores, factor);
     if (least <= best) continue;
     best = least;

@@ -12,6 +12,11 @@ namespace phynness {
 
 const char* name(Predictor p) { return std::array{"model", "linear", "zero"}[static_cast<std::size_t>(p)]; }
 
+double quantile(const std::vector<double>& ascending, double share) {
+  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(ascending.size())));
+  return ascending[std::clamp<std::size_t>(rank, 1, ascending.size()) - 1];
+}
+
 ErrorStatistics ErrorStatistics::of(std::vector<double> samples) {
   ErrorStatistics s;
   s.n = static_cast<std::int64_t>(samples.size());
@@ -19,9 +24,7 @@ ErrorStatistics ErrorStatistics::of(std::vector<double> samples) {
   std::sort(samples.begin(), samples.end());
   s.mean = std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(samples.size());
   s.median = samples[(samples.size() - 1) / 2];
-  // Nearest rank: the smallest sample that is not exceeded by at least 95 % of the samples.
-  const auto rank = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(samples.size())));
-  s.p95 = samples[rank - 1];
+  s.p95 = quantile(samples, 0.95);
   s.max = samples.back();
   return s;
 }

@@ -72,7 +72,7 @@ std::pair<std::vector<std::optional<Vec3>>, Points> linear_response(const ProbeS
 void add_ranks(const SolverSession& session, std::vector<std::int64_t*> counts, AnswerCounts& answers) {
   counts.insert(counts.end(),
                 {&answers.unsettled, &answers.outside, &answers.near, &answers.bounded, &answers.covered});
-  for (auto* count : counts) *count = static_cast<std::int64_t>(session.sum(static_cast<double>(*count)));
+  for (auto* count : counts) *count = session.total(*count);
 }
 
 ProbeRecords::ProbeRecords(const NamedOrgan& model)

@@ -56,12 +56,12 @@ std::vector<Pair> choose_pairs(const Scene& scene, const NamedOrgan& model, std:
 }
 
 /// Errors of an answer or of the linear predictor. @param counts  per output node: 0 if a tool itself moves it
-ProbeErrors errors_of(const auto& force_N, const Points& u, const std::vector<Vec3>& truth, const Points& u_FE,
-                      const std::vector<char>& counts) {
+ProbeErrors errors_of(const std::vector<std::optional<Vec3>>& force_N, const Points& u, const std::vector<Vec3>& truth,
+                      const Points& u_FE, const std::vector<char>& counts) {
   ProbeErrors errors;
   const double sizes[2] = {to_eigen(truth[0]).norm(), to_eigen(truth[1]).norm()}, larger = std::max(sizes[0], sizes[1]);
   for (std::size_t t = 0; t < 2 && larger > 0; ++t) {
-    const double off = (to_eigen(*std::optional<Vec3>(force_N[t])) - to_eigen(truth[t])).norm();
+    const double off = (to_eigen(*force_N[t]) - to_eigen(truth[t])).norm();
     errors.force = std::max(errors.force, off / larger);
     errors.force_own = std::max(errors.force_own, off / std::max(sizes[t], force_floor * larger));
   }
@@ -90,15 +90,12 @@ class PairComparison : public ToolComparison {
     }
     std::vector<phn_tool> tools;
     for (std::size_t t = 0; t < 2; ++t) tools.push_back(tool_at(at_node(pair.nodes[t]), pair.displacement_m[t]));
-    if (_body)
-      judge(_body->at(tools), pair, judged, counts);
-    else
-      judge(_model.hold(tools), pair, judged, counts);
+    judge(_body ? _body->at(tools) : _model.hold(tools), pair, judged, counts);
     return judged;
   }
 
  private:
-  void judge(const auto& said, const Pair& pair, JudgedProbe& judged, AnswerCounts& answers) {
+  void judge(const OrganResponse& said, const Pair& pair, JudgedProbe& judged, AnswerCounts& answers) {
     judged.flagged = is_flagged(said.status);
     const auto truth = _solver.solve(pair.displacement_m, _increments);
     judged.status = truth.status;

@@ -123,31 +123,32 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   for (auto& of_predictor : samples)  // the same on every rank
     for (auto& group : of_predictor) group.fields.resize(model.model().fields.size());
   ProbeRecords records(model);
-  double failed = 0, solved[2] = {0, 0}, increments = 0, cpu_s = 0;
+  std::int64_t failed = 0, solved[2] = {0, 0}, increments = 0;
+  double cpu_s = 0;
   session.together([&] {
     check_same_scene(scene, model);
     plan = plan_probes(model, scene.probe.directions, probes, seed, nodes, scene.probe.max_displacement_m);
     rays = solve_probes(session, scene, model, plan, progress, stop, [&](std::size_t e, NodeProbes&& found) {
       for (const Group g : {inside, outside}) {
         for (std::size_t p = 0; p < n_predictors; ++p) collect(predict[p], found, g, samples[p]);
-        solved[g] += static_cast<double>(found.states[g].size());
+        solved[g] += std::ssize(found.states[g]);
       }
       records.add(e, plan[e].weight, found);
-      failed += static_cast<double>(found.failed);
-      increments += static_cast<double>(found.increments);
+      failed += found.failed;
+      increments += found.increments;
       cpu_s += found.cpu_s;
     });
   });
 
   ValidationReport report;
   report.probes = probes;
-  for (const auto& entry : plan) report.rays += static_cast<std::int64_t>(entry.pairs.size());
-  report.rays_finished = static_cast<std::int64_t>(session.sum(static_cast<double>(rays)));
-  report.failed = static_cast<std::int64_t>(session.sum(failed));
-  report.solved_inside = static_cast<std::int64_t>(session.sum(solved[inside]));
-  report.solved_outside = static_cast<std::int64_t>(session.sum(solved[outside]));
+  report.rays_finished = session.total(rays);
+  report.failed = session.total(failed);
+  report.solved_inside = session.total(solved[inside]);
+  report.solved_outside = session.total(solved[outside]);
   report.outside_factor = outside_factor;
   for (const auto& entry : plan) {
+    report.rays += std::ssize(entry.pairs);
     report.nodes.push_back(entry.node);
     report.fixed_distance_m.push_back(entry.fixed_distance_m);
   }
@@ -158,7 +159,8 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   records.finish(session, scene.probe.max_displacement_m, report);
   if (session.rank() == 0) report.speed = measure_speed(model);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  report.solve_ms_per_increment = 1e3 * session.sum(cpu_s) / std::max(1.0, session.sum(increments));
+  report.solve_ms_per_increment =
+      1e3 * session.sum(cpu_s) / std::max(1.0, static_cast<double>(session.total(increments)));
   return report;
 }
 

@@ -69,7 +69,7 @@ class PointComparison : public ToolComparison {
 
   /// @throws Error if every place was refused. Collective.
   void require_some(const SolverSession& session, std::int64_t finished) const {
-    const double refused = session.sum(static_cast<double>(_refused)), all = session.sum(static_cast<double>(finished));
+    const auto refused = session.total(_refused), all = session.total(finished);
     session.together([&] {
       if (refused > 0 && refused == all && _first_refusal) throw Error(*_first_refusal);
     });
@@ -136,13 +136,9 @@ class PointComparison : public ToolComparison {
  public:
   void finish(const SolverSession& session, PointReport& report) const {
     static_cast<ErrorsByWarning&>(report) = errors_by_warning(_rows.gathered(session));
-    const auto errors_of = [&](const PointSamples& samples) {
-      const auto errors = statistics(session, samples);
-      return PointErrors{errors.force, errors.displacement, errors.field_l2};
-    };
-    report.coupled = errors_of(_coupled);
-    report.linear = errors_of(_linear);
-    if (_body) report.body = errors_of(_of_body);
+    report.coupled = statistics(session, _coupled);
+    report.linear = statistics(session, _linear);
+    if (_body) report.body = statistics(session, _of_body);
     add_ranks(session, {&report.finished, &report.failed}, report.answers);
     add_ranks(session, {}, report.body_answers);
   }

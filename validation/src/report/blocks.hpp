@@ -1,8 +1,6 @@
 // Blocks of a report's sections (phynness/pages/report.hpp), and parts of it.
 #pragma once
 
-#include <fmt/core.h>
-
 #include <phynness/pages/report.hpp>
 #include <phynness/validation/report.hpp>
 #include <string>
@@ -19,11 +17,6 @@ inline Json table(const Json& rows) { return {{"table", rows}}; }
 inline Json folded(const std::string& title, const Json& rows) { return {{"folded", title}, {"table", rows}}; }
 inline Json facts(const Rows& rows) { return {{"table", rows}, {"words", true}}; }
 inline Json charts(const std::vector<Json>& all) { return {{"charts", all}}; }
-
-inline std::string percent(double fraction) {
-  const double value = 100 * fraction;
-  return value > 0 && value < 0.005 ? fmt::format("{:.0e}", value) : fmt::format("{:.2f}", value);
-}
 
 /// Pictures of the errors on the body, and of the worst cases; none if the model has no surface or no displacements.
 std::vector<Json> body_pictures(const Validated& validated);

@@ -20,8 +20,9 @@ void add_rows(const Validated& in, bool outside, Rows& rows) {
     const auto& [title, m] = model[i];
     const auto &l = linear[i].second, &z = zero[i].second;
     if (m.n == 0) continue;
-    rows.push_back({title + (outside ? ", outside" : ", inside"), percent(m.mean), percent(m.median), percent(m.p95),
-                    percent(m.max), percent(l.mean), percent(l.p95), percent(l.max), percent(z.mean)});
+    rows.push_back({title + (outside ? ", outside" : ", inside"), in_percent(m.mean), in_percent(m.median),
+                    in_percent(m.p95), in_percent(m.max), in_percent(l.mean), in_percent(l.p95), in_percent(l.max),
+                    in_percent(z.mean)});
   }
 }
 

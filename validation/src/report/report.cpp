@@ -113,9 +113,10 @@ Json worst(const Validated& in) {
     double nearest = 1e300;
     for (const auto fixed : in.model.model().fixed)
       nearest = std::min(nearest, (points.row(fixed) - points.row(r->node)).norm());
-    rows.push_back({case_link(in, *r), fmt::format("{:.0f}", 1e3 * nearest), vector(r->displacement_m),
-                    vector(r->finite_elements_N, unit.per_N), vector(r->model_N, unit.per_N), percent(r->force_error),
-                    in.report.of(Predictor::model).inside.displacement.n > 0 ? percent(r->displacement_error) : "-"});
+    rows.push_back(
+        {case_link(in, *r), fmt::format("{:.0f}", 1e3 * nearest), vector(r->displacement_m),
+         vector(r->finite_elements_N, unit.per_N), vector(r->model_N, unit.per_N), in_percent(r->force_error),
+         in.report.of(Predictor::model).inside.displacement.n > 0 ? in_percent(r->displacement_error) : "-"});
   }
   return section("Largest errors of force inside the trained range", {table(rows)});
 }

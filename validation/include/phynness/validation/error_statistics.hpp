@@ -23,6 +23,9 @@ struct ErrorStatistics {
   }
 };
 
+/// The smallest of the values that the share is not above: nearest rank. @pre they ascend, and there are some
+double quantile(const std::vector<double>& ascending, double share);
+
 /// The statistics of a result that tables show, with their titles.
 template <Described T>
 ByName<ErrorStatistics> titled(const T& result) {

@@ -16,14 +16,14 @@ namespace phynness {
 struct AnswerCounts {
   std::int64_t unsettled = 0, outside = 0, near = 0;  ///< answers with this warning
   std::int64_t bounded = 0, covered = 0;  ///< forces with a bound; of these, with an error that is not above it
-  /// @param said  a OrganResponse or a OrganResponse. @param truth  [N] of the finite elements
-  void take(const auto& said, const std::vector<Vec3>& truth) {
+  /// @param truth  [N] of the finite elements
+  void take(const OrganResponse& said, const std::vector<Vec3>& truth) {
     unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
     outside += (said.status & PHN_WARNING_OUTSIDE) != 0;
     near += (said.status & PHN_WARNING_NEAR) != 0;
     for (std::size_t t = 0; t < said.bound_N.size(); ++t) {
       if (!said.bound_N[t]) continue;
-      const Vec3 own = *std::optional<Vec3>(said.force_N[t]), &right = truth[t];
+      const Vec3 own = *said.force_N[t], &right = truth[t];
       ++bounded;
       covered += std::hypot(own[0] - right[0], own[1] - right[1], own[2] - right[2]) <= *said.bound_N[t];
     }
@@ -31,15 +31,8 @@ struct AnswerCounts {
   PHYNNESS_FIGURES(unsettled, outside, near, bounded, covered)
 };
 
-/// As in (17), over the largest finite element response to the displacements of the same point.
-struct PointErrors {
-  ErrorStatistics force, displacement, field_l2;
-  static void describe(const auto& e, auto&& see) {
-    see("force", e.force, "force, as eq. (17)");
-    see("displacement", e.displacement, "displacement");
-    see("field_l2", e.field_l2, "field, relative L2");
-  }
-};
+/// (17) over the largest finite element response to the displacements of the same point.
+using PointErrors = GroupMeasures<ErrorStatistics>;
 
 struct PointReport : ErrorsByWarning {  ///< the model, by warnings of phn_couple; its nodes are points, by number
   std::int64_t points = 0, displacements = 0;  ///< requested points, and displacements of each
