@@ -89,14 +89,18 @@ double SolverSession::sum(double value) const {
   return value;
 }
 
-std::vector<double> SolverSession::gather(const std::vector<double>& values) const {
+template <class T>
+std::vector<T> SolverSession::gather(const std::vector<T>& values) const {
+  const MPI_Datatype type = std::is_same_v<T, double> ? MPI_DOUBLE : MPI_UNSIGNED_CHAR;
   int n = static_cast<int>(values.size());
   std::vector<int> counts(_size), offsets(_size);
   MPI_Gather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, MPI_COMM_WORLD);
   std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
-  std::vector<double> all(offsets.back() + counts.back());  // on other ranks all counts are 0
-  MPI_Gatherv(values.data(), n, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, 0, MPI_COMM_WORLD);
+  std::vector<T> all(offsets.back() + counts.back());  // on other ranks all counts are 0
+  MPI_Gatherv(values.data(), n, type, all.data(), counts.data(), offsets.data(), type, 0, MPI_COMM_WORLD);
   return all;
 }
+template std::vector<double> SolverSession::gather(const std::vector<double>&) const;
+template std::vector<unsigned char> SolverSession::gather(const std::vector<unsigned char>&) const;
 
 }  // namespace phynness

@@ -69,7 +69,7 @@ void sum_shares(const SolverSession& session, const Share& share, double core_se
   report.core_seconds = session.sum(core_seconds);
   const double busy = session.sum(share.busy_seconds), all = session.sum(report.solve_seconds);
   report.idle_share = report.rays > 0 ? 1 - busy / all : 0;
-  for (const double bytes : session.gather({peak_memory_bytes()}))
+  for (const double bytes : session.gather(std::vector{peak_memory_bytes()}))
     report.peak_memory_bytes = std::max(report.peak_memory_bytes, bytes);
 }
 
@@ -99,18 +99,6 @@ std::vector<std::int64_t> gathered(const std::vector<std::int64_t>& own, int n_r
   std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
   std::vector<std::int64_t> all(static_cast<std::size_t>(offsets.back() + counts.back()));
   MPI_Allgatherv(own.data(), n, MPI_INT64_T, all.data(), counts.data(), offsets.data(), MPI_INT64_T, MPI_COMM_WORLD);
-  return all;
-}
-
-/// The bytes of all ranks, one after another, on rank 0.
-std::vector<unsigned char> to_first(const std::vector<unsigned char>& own, int n_ranks) {
-  const int n = static_cast<int>(own.size());
-  std::vector<int> counts(static_cast<std::size_t>(n_ranks)), offsets(counts.size());
-  MPI_Gather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, MPI_COMM_WORLD);
-  std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
-  std::vector<unsigned char> all(static_cast<std::size_t>(offsets.back() + counts.back()));
-  MPI_Gatherv(own.data(), n, MPI_UNSIGNED_CHAR, all.data(), counts.data(), offsets.data(), MPI_UNSIGNED_CHAR, 0,
-              MPI_COMM_WORLD);
   return all;
 }
 
@@ -181,7 +169,7 @@ class Run {
                         });
                       },
                       [this](const auto& own) { return gathered(own, _session.size()); },
-                      [this](const auto& own) { return to_first(own, _session.size()); },
+                      [this](const auto& own) { return _session.gather(own); },
                       [this](const Ray& ray) { count(ray.status, ray.iterations, _packed); }};
 };
 
@@ -205,7 +193,7 @@ void Run::take_rays() {
     taken = DatabaseWriter::take(_target.file, _header, _target.from, missing(), log_number(), _session.rank(),
                                  _session.size());
   });
-  report.rays_taken = static_cast<std::int64_t>(_session.sum(static_cast<double>(taken)));
+  report.rays_taken = _session.total(taken);
   if (report.rays_taken > 0) _logged = DatabaseWriter::logged(_target.file, _header, _ranks);
 }
 

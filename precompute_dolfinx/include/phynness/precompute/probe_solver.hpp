@@ -14,12 +14,6 @@
 
 namespace phynness {
 
-/// A tool holds a surface node, or the mean of a patch around it, at a displacement.
-struct Tool {
-  std::int32_t node = 0;
-  Vec3 displacement_m{};
-};
-
 /// One equilibrium state.
 struct Response {
   Status status = Status::converged;
@@ -130,8 +124,11 @@ class SolverSession {
   void together(const std::function<void()>& work) const;
   /// Sum over all ranks, on all ranks. Collective.
   double sum(double value) const;
+  std::int64_t total(std::int64_t n) const { return static_cast<std::int64_t>(sum(static_cast<double>(n))); }
   /// The concatenated values of all ranks on rank 0; empty on other ranks. Collective.
-  std::vector<double> gather(const std::vector<double>& values) const;
+  /// @tparam T  double or unsigned char
+  template <class T>
+  std::vector<T> gather(const std::vector<T>& values) const;
 
  private:
   int _rank = 0, _size = 1;
