@@ -2,28 +2,15 @@
 
 #include <limits>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/hash.hpp>
 #include <phynness/formats/model.hpp>
 
-#include "model_text_of.hpp"
+#include "changed_text.hpp"
 #include "small_model.hpp"
 
 namespace {
 
 using namespace phynness;
 using namespace phynness::test;
-
-std::string with_checksum(const std::string& body) { return body + "checksum " + hash_of(body) + "\n"; }
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  text.replace(at, from.size(), to);
-  return with_checksum(text.substr(0, text.rfind("checksum ")));
-}
-
-INSTANTIATE_TEST_SUITE_P(Families, ModelTextOf, testing::Values(Family::rbfn, Family::linear, Family::modal),
-                         [](const auto& info) { return std::string(name(info.param)); });
 
 std::string refusal(const std::string& text) {
   try {
