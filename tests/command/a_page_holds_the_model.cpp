@@ -16,14 +16,12 @@ class Page : public CommandLine {
  protected:
   void SetUp() override {
     CommandLine::SetUp();
-    auto text = with_training(small_scene(), "levels = 2");
+    const auto text = with_training(small_scene(), "levels = 2");
     const std::string title = R"(</script><script>alert(\"x\")</script> <!-- 'q' \u202E \u2028 ä)";
-    text.replace(text.find("small block"), 11, title);
-    write_file(folder / "scene.toml", text);
-    for (const char* line : {"precompute scene.toml -o d.h5", "train scene.toml d.h5 --family modal -o model",
-                             "info d.h5 --json info.json"})
-      succeed(line);
-    node = json("info.json").at("active").at(0).get<int>();
+    write_file(folder / "scene.toml", changed(text, "small block", title));
+    succeed("precompute scene.toml -o d.h5");
+    succeed("train scene.toml d.h5 --family modal -o model");
+    node = active_of("d.h5").at(0);
   }
   /// Errors with the hashes of the model, by which `view` knows whose they are, of its finer level.
   void write_errors(const Json& by_node, const char* changed = "", int level = 1) const {
@@ -107,9 +105,7 @@ TEST_F(Page, HoldsABodyOfTheModel) {
 }
 
 TEST_F(Page, FilesOfOtherModelsAreRefused) {
-  auto other = small_scene();
-  other.replace(other.find("0.025"), 5, "0.030");
-  write_file(folder / "other.toml", other);
+  write_file(folder / "other.toml", changed(small_scene(), "0.025", "0.030"));
   succeed("precompute other.toml -o other.h5");
   expect_refused("--database other.h5", {"another mesh", "other.h5"});
   for (const auto& [by_node, part] :

@@ -72,9 +72,7 @@ TEST_F(AbsurdInput, ABodyThatIsFixedAllOverIsSaidToBe) {
 }
 
 TEST_F(AbsurdInput, ControlCharactersReachNoTerminal) {
-  auto text = small_scene();
-  text.replace(text.find("small block"), 11, "\\u001b[31mred\\u0007\\u009b");
-  write_file(folder / "scene.toml", text);
+  write_file(folder / "scene.toml", changed(small_scene(), "small block", "\\u001b[31mred\\u0007\\u009b"));
   const auto info = succeed("info scene.toml");
   EXPECT_NE(info.out.find("\\x1b[31mred\\x07\\xc2\\x9b"), std::string::npos) << info.out;
   write_scene_with("element", "element = \"a\\u0000\\u001b[2J\"");

@@ -17,10 +17,9 @@ class Outputs : public CommandLine {
     CommandLine::SetUp();
     write_file(folder / "scene.toml", small_scene());
     fs::create_directory(folder / "fresh");
-    for (const char* line :
-         {"precompute scene.toml -o d.h5", "train scene.toml d.h5 -o model", "info d.h5 --json info.json"})
-      succeed(line);
-    node = std::to_string(json("info.json").at("active").at(0).get<int>());
+    succeed("precompute scene.toml -o d.h5");
+    succeed("train scene.toml d.h5 -o model");
+    node = std::to_string(active_of("d.h5").at(0));
   }
   std::string eval() const { return "eval model --node " + node + " --displacement 0,0,-0.001 "; }
   std::string node;
@@ -44,9 +43,7 @@ TEST_F(Outputs, OfARunReplaceNothing) {
   fs::remove(folder / "out/mesh.json");
   succeed("run scene.toml -o out");
   const auto before = read_file(folder / "out/model/model.txt");
-  auto text = small_scene();
-  text.replace(text.find("0.05]"), 5, "0.06]");
-  write_file(folder / "other.toml", text);
+  write_file(folder / "other.toml", changed(small_scene(), "0.05]", "0.06]"));
   for (const char* line : {"run other.toml -o out", "run other.toml -o out --resume", "run scene.toml -o out"})
     expect_names(be_refused(line).err, {"out/database.h5"});
   EXPECT_EQ(read_file(folder / "out/model/model.txt"), before);
@@ -98,10 +95,8 @@ TEST_F(Outputs, AreWrittenIfStdoutTakesNothing) {
 // The networks have as many neurons as they may, so that each fit takes minutes. The limit ends a training that does
 // not notice the signal.
 TEST_F(Outputs, OfATrainingAreNotBegunWhenASignalEndsAFit) {
-  auto text = small_scene("P1", 3);
-  text.replace(text.find("target_size_m = 0.025"), 21, "target_size_m = 0.01");
-  text.replace(text.find("samples = 500"), 13, "samples = 5000");
-  write_file(folder / "scene.toml", text);
+  const auto text = changed(small_scene("P1", 3), "target_size_m = 0.025", "target_size_m = 0.01");
+  write_file(folder / "scene.toml", changed(text, "samples = 500", "samples = 5000"));
   succeed("precompute scene.toml -o many.h5");
   const auto outcome = shell(
       "PHYNNESS_PROGRESS=1 timeout -s KILL 120 \"$PHYNNESS\" train scene.toml many.h5 -o fresh/model --family rbfn "

@@ -20,8 +20,7 @@ class Queries : public CommandLine {
     succeed("precompute scene.toml -o d.h5");
     for (const char* family : {"rbfn", "modal"})
       succeed(std::string("train scene.toml d.h5 --family ") + family + " -o " + family);
-    succeed("info d.h5 --json info.json");
-    nodes = json("info.json").at("active").get<std::vector<int>>();
+    nodes = active_of("d.h5");
     ASSERT_EQ(nodes.size(), 2u);
   }
 

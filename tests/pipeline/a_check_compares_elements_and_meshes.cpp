@@ -12,12 +12,6 @@
 namespace phynness::test {
 namespace {
 
-std::string changed(std::string text, const std::string& old_part, const std::string& new_part) {
-  const auto at = text.find(old_part);
-  EXPECT_NE(at, std::string::npos) << old_part;
-  return text.replace(at, old_part.size(), new_part);
-}
-
 class Check : public CommandLine {
  protected:
   static std::string scene(const std::string& element) {
@@ -112,10 +106,7 @@ TEST_F(Check, NamesSolvesThatFail) {
 }
 
 TEST_F(Check, KeepsWhatIsFinishedWhenInterrupted) {
-  auto many = scene("p1-p1");
-  const auto active = many.find("active = [");
-  many.replace(active, many.find("[probe]") - active,
-               "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
+  const auto many = with_active(scene("p1-p1"), active_top);
   write_file(folder / "scene.toml", changed(many, "increments = 2", "increments = 6"));
   const auto stopped = shell(
       "PHYNNESS_PROGRESS=1 \"$PHYNNESS\" check scene.toml --probes 1000 --seconds 1000 --json part.json "

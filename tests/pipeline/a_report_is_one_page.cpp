@@ -11,9 +11,8 @@ class Report : public CommandLine {
  protected:
   void SetUp() override {
     CommandLine::SetUp();
-    auto scene = with_training(small_scene("P1", 3), "levels = 2");
-    scene.replace(scene.find("small block"), 11, "<b>small & odd</b>\\u202E");
-    write_file(folder / "scene.toml", scene);
+    const auto scene = with_training(small_scene("P1", 3), "levels = 2");
+    write_file(folder / "scene.toml", changed(scene, "small block", "<b>small & odd</b>\\u202E"));
     succeed("precompute scene.toml -o d.h5");
     succeed("train scene.toml d.h5 -o m --family modal");
     succeed("validate scene.toml m --probes 80 --report r.html --json v.json");

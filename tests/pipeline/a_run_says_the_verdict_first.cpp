@@ -41,10 +41,8 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   const auto family = scene.find("family = \"rbfn\"");
   scene.replace(family, scene.find("[validation]") - family, "family = \"modal\"\n");
   // Tools between nodes need triangles of active nodes.
-  scene.replace(scene.find("active = ["), scene.find("[probe]") - scene.find("active = ["),
-                "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
-  scene.replace(scene.find("0.025"), 5, "0.040");
-  scene.replace(scene.find("check_probes = 0"), 16, "check_probes = 2");
+  scene = with_active(scene, active_top);
+  scene = changed(changed(scene, "0.025", "0.040"), "check_probes = 0", "check_probes = 2");
   write_file(folder / "scene.toml", scene);
   const auto run = succeed("run scene.toml -o out --json all.json");
   expect_narrow(run.out);

@@ -14,26 +14,11 @@ namespace {
 
 class Bodies : public CommandLine {
  protected:
-  /// A block whose top is active, with round tools of one and a half edges.
-  static std::string round_tools() {
-    auto scene = small_scene("p1-p1", 2);
-    const auto active = scene.find("active = [");
-    scene.replace(active, scene.find("[probe]") - active,
-                  "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n"
-                  "output = \"free\"\n");
-    scene.replace(scene.find("rbfn"), 4, "modal");
-    const auto neurons = scene.find("deformation_neurons");
-    scene.erase(neurons, scene.find("[validation]") - neurons);
-    scene.insert(scene.find("directions = 26"), "kind = \"patch\"\ntool_radius_m = 0.0375\n");
-    return scene;
-  }
+  static std::string round_tools() { return patch_scene("p1-p1", "output = \"free\"\n"); }
   /// The same block of another material, of which one node is probed.
   static std::string other_physics() {
-    auto scene = std::regex_replace(round_tools(), std::regex("0\\.45"), "0.44");
-    const auto active = scene.find("active = ");
-    scene.replace(active, scene.find('\n', active) - active,
-                  "active = { nearest = { point_fraction = [0.3, 0.4, 1.0] }, surface_only = true }");
-    return scene;
+    return changed(changed(round_tools(), "0.45", "0.44"), active_top,
+                   "active = { nearest = { point_fraction = [0.3, 0.4, 1.0] }, surface_only = true }\n");
   }
   /// Figures without times.
   nlohmann::json figures(const std::string& file) const {
@@ -68,8 +53,7 @@ TEST_F(Bodies, AreComparedBesideTheModel) {
   EXPECT_LT(all.at("displacement").at("max"), 0.02);
   EXPECT_LT(with.at("points").at("body").at("force").at("max"), 0.02);
 
-  const auto ranks = shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" " + validate + "ranks.json --body body.txt");
-  ASSERT_EQ(ranks.exit_status, 0) << ranks.err;
+  on_two_ranks(validate + "ranks.json --body body.txt");
   EXPECT_EQ(json("ranks.json").at("points"), with.at("points"));
   EXPECT_EQ(json("ranks.json").at("pairs"), with.at("pairs"));
 
@@ -115,7 +99,7 @@ TEST_F(Bodies, GetBounds) {
   body.bounds.resize(0, 4);
   EXPECT_EQ(write_body_text(body), plain);
 
-  ASSERT_EQ(shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" " + calibrate + "ranks.txt").exit_status, 0);
+  on_two_ranks(calibrate + "ranks.txt");
   EXPECT_EQ(read_file(folder / "ranks.txt"), text);
 
   succeed("validate scene.toml m --probes 2 --points 20 --pairs 40 --json v.json --body body.txt");
@@ -156,8 +140,7 @@ class BodiesBesideModels : public Bodies {
     succeed("precompute scene.toml -o d.h5");
     succeed("train d.h5 -o m");
     succeed("reduce d.h5 -o body.txt --cells 1000000");
-    succeed("info m --json info.json");
-    nodes = json("info.json").at("active").get<std::vector<int>>();
+    nodes = active_of("m");
   }
   std::string tool(std::size_t node, const std::string& displacement) const {
     return " --node " + std::to_string(nodes.at(node)) + " --displacement " + displacement;
@@ -173,9 +156,7 @@ class BodiesBesideModels : public Bodies {
 TEST_F(Bodies, AreMadeByARunOfSeveralTools) {
   auto scene = round_tools();
   scene.insert(scene.find("directions = 26"), "tools = 2\n");
-  auto of_surface = scene;
-  of_surface.replace(of_surface.find("output = \"free\""), 15, "output = \"free-surface\"");
-  write_file(folder / "surface.toml", of_surface);
+  write_file(folder / "surface.toml", changed(scene, "output = \"free\"", "output = \"free-surface\""));
   expect_error(be_refused("run surface.toml -o surface").err, {"surface.toml:", "tools", "output = \"free\""});
   write_file(folder / "scene.toml", scene);
   expect_names(succeed("run scene.toml -o out").out, {"reduce", "calibrate body", "two tools, reduced body"});
@@ -183,8 +164,7 @@ TEST_F(Bodies, AreMadeByARunOfSeveralTools) {
   EXPECT_EQ(read_body_text(body, "body.txt").bounds.rows(), 2);
   EXPECT_EQ(json("out/validate.json").at("pairs").at("all").at("force").at("n"), 40);
   EXPECT_NE(read_file(folder / "out/organ.html").find("phynness-body "), std::string::npos);
-  succeed("info out/model --json info.json");
-  const auto node = json("info.json").at("active").at(0).dump();
+  const auto node = std::to_string(active_of("out/model").at(0));
   const auto said = succeed("eval out/model --body out/body.txt --node " + node + " --displacement 0,0,-0.004");
   expect_names(said.out, {"error of the force from the elements of the body: at most"});
   expect_names(succeed("run scene.toml -o out --resume").err, {"reduce, calibrate body, validate"});

@@ -79,7 +79,7 @@ TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
 
 TEST_F(Calibrate, RanksDoNotMatterButTheSeedDoes) {
   succeed("calibrate m d.h5 -o one --rays 100");
-  ASSERT_EQ(shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" calibrate m d.h5 -o two --rays 100").exit_status, 0);
+  on_two_ranks("calibrate m d.h5 -o two --rays 100");
   succeed("calibrate m d.h5 -o other --rays 100 --seed 2");
   const auto one = read_file(folder / "one" / "model.txt");
   EXPECT_EQ(read_file(folder / "two" / "model.txt"), one);
@@ -87,25 +87,19 @@ TEST_F(Calibrate, RanksDoNotMatterButTheSeedDoes) {
 }
 
 TEST_F(Calibrate, RefusesWhatCannotBeCalibrated) {
-  auto scene = small_scene("P1", 3);
-  scene.replace(scene.find("0.008"), 5, "0.007");
-  write_file(folder / "other.toml", scene);
+  write_file(folder / "other.toml", changed(small_scene("P1", 3), "0.008", "0.007"));
   succeed("precompute other.toml -o other.h5");
   const auto other = be_refused("calibrate m other.h5 -o b");
   expect_names(other.err, {"the model was not trained on this database"});
 
-  scene = small_scene("P1", 3);
-  scene.replace(scene.find("target_size_m = 0.025"), 21, "target_size_m = 0.021");
-  write_file(folder / "mesh.toml", scene);
+  write_file(folder / "mesh.toml", changed(small_scene("P1", 3), "target_size_m = 0.025", "target_size_m = 0.021"));
   succeed("precompute mesh.toml -o mesh.h5");
   const auto mesh = be_refused("calibrate m mesh.h5 -o b");
   const auto of_model = read_model_dir(folder / "m").model.mesh_hash;
   expect_names(mesh.err, {"mesh hash " + of_model + ", of the database "});
   EXPECT_EQ(mesh.err.find("of the database " + of_model), std::string::npos) << mesh.err;  // the one that differs
 
-  scene = small_scene("P1", 3);
-  scene.replace(scene.find("neo-hookean"), 11, "linear");
-  write_file(folder / "linear.toml", scene);
+  write_file(folder / "linear.toml", changed(small_scene("P1", 3), "neo-hookean", "linear"));
   succeed("precompute linear.toml -o linear.h5");
   succeed("train linear.toml linear.h5 -o linear --family linear");
   const auto linear = be_refused("calibrate linear linear.h5 -o b");
@@ -119,10 +113,7 @@ TEST_F(Calibrate, RefusesWhatCannotBeCalibrated) {
 }
 
 TEST_F(Calibrate, InterruptedCalibrationKeepsTheFinishedNodes) {
-  auto scene = small_scene("P1", 2);
-  const auto active = scene.find("active = [");
-  scene.replace(active, scene.find("[probe]") - active, "active = \"free-surface\"\n");
-  write_file(folder / "scene.toml", scene);
+  write_file(folder / "scene.toml", with_active(small_scene("P1", 2), "active = \"free-surface\"\n"));
   succeed("precompute scene.toml -o many.h5");
   succeed("train scene.toml many.h5 -o many --family modal");
   const auto [plain, mesh] = read_model_dir(folder / "many");
@@ -153,8 +144,7 @@ std::string round_tool(std::string scene) {
 TEST_F(Calibrate, BoundsStateTheDistanceToAFinerSolution) {
   const auto scene = round_tool(small_scene("p1-p1", 2));
   write_file(folder / "scene.toml", scene);
-  auto finer = scene;
-  write_file(folder / "finer.toml", finer.replace(finer.find("p1-p1"), 5, "taylor-hood"));
+  write_file(folder / "finer.toml", changed(scene, "p1-p1", "taylor-hood"));
   succeed("precompute scene.toml -o p.h5");
   succeed("train scene.toml p.h5 -o p --family modal");
   succeed("calibrate p p.h5 -o own --rays 100");
@@ -202,15 +192,14 @@ TEST_F(Calibrate, BoundsStateTheDistanceToAFinerSolution) {
 
 TEST_F(Calibrate, RefusesReferencesThatTellNoError) {
   expect_names(be_refused("calibrate m d.h5 -o b --reference finer").err, {"single node", "kind = \"patch\""});
-  auto scene = round_tool(small_scene("P1", 2));
-  scene.replace(scene.find("0.45"), 4, "0.498");  // K/mu = 250
+  const auto scene = changed(round_tool(small_scene("P1", 2)), "0.45", "0.498");  // K/mu = 250
   write_file(folder / "scene.toml", scene);
   succeed("precompute scene.toml -o p.h5");
   succeed("train scene.toml p.h5 -o p --family modal");
   expect_names(unbroken(be_refused("calibrate p p.h5 -o b --reference half-size").err),
                {"half the size lock, too", "P1, K/mu = 249.7", "--reference taylor-hood"});
   be_refused("calibrate p p.h5 -o b --reference finer --rays 2");
-  write_file(folder / "finer.toml", scene.replace(scene.find("P1"), 2, "taylor-hood"));
+  write_file(folder / "finer.toml", changed(scene, "P1", "taylor-hood"));
   succeed("precompute finer.toml -o t.h5");
   succeed("train finer.toml t.h5 -o t --family modal");
   expect_names(unbroken(be_refused("calibrate t t.h5 -o b --reference taylor-hood").err),

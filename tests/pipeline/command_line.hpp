@@ -12,6 +12,7 @@
 #include <regex>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "../messages.hpp"
 
@@ -30,6 +31,13 @@ inline void write_file(const std::filesystem::path& file, const std::string& tex
 
 /// The text with its lines as they were before the command broke those of more than 100 characters.
 inline std::string unbroken(const std::string& text) { return std::regex_replace(text, std::regex("\n +"), " "); }
+
+/// The text with its first `from` replaced.
+inline std::string changed(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
 
 struct Outcome {
   int exit_status = -1;
@@ -69,6 +77,16 @@ class CommandLine : public ::testing::Test {
   }
   Outcome succeed(const std::string& arguments) const { return ended(0, arguments); }
   Outcome be_refused(const std::string& arguments) const { return ended(2, arguments); }
+  Outcome on_two_ranks(const std::string& arguments) const {
+    auto outcome = shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" " + arguments);
+    EXPECT_EQ(outcome.exit_status, 0) << arguments << "\n" << outcome.err;
+    return outcome;
+  }
+  /// Active nodes of a scene, database or model; `info.json` has the other figures.
+  std::vector<int> active_of(const std::string& file) const {
+    succeed("info " + file + " --json info.json");
+    return json("info.json").at("active").get<std::vector<int>>();
+  }
   nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(read_file(folder / name)); }
 
   /// A block of a few dozen nodes, fixed below, two nodes of its top touched: seconds, not minutes.
@@ -89,6 +107,21 @@ class CommandLine : public ::testing::Test {
            "[training]\nfamily = \"rbfn\"\ndeformation_neurons = 40\nforce_neurons = 20\nforce_spread = 2.0\nsamples = "
            "500\n"
            "[validation]\nprobes = 8\ncheck_probes = 0\n";
+  }
+
+  static constexpr const char* active_top =
+      "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n";
+  /// The scene with other lines from `active` to the end of [nodes].
+  static std::string with_active(const std::string& scene, const std::string& lines) {
+    const auto at = scene.find("active = ");
+    return changed(scene, scene.substr(at, scene.find("[probe]") - at), lines);
+  }
+  /// A small_scene with round tools of one and a half edges at every node of the top, family modal.
+  static std::string patch_scene(const std::string& element, const std::string& output = "") {
+    auto scene = with_active(small_scene(element, 2), active_top + output);
+    const auto training = scene.find("family = ");
+    scene = changed(scene, scene.substr(training, scene.find("[validation]") - training), "family = \"modal\"\n");
+    return changed(scene, "directions = 26", "kind = \"patch\"\ntool_radius_m = 0.0375\ndirections = 26");
   }
 
   /// A small_scene with more lines in [training].

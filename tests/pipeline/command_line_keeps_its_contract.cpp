@@ -33,8 +33,8 @@ TEST_F(Contract, PipelineFromSceneToForce) {
   EXPECT_GT(v.at("linear").at("inside").at("force").at("mean").get<double>(), 0.0);
 
   // The same question to the model and to the finite elements, the same shape of answer.
-  succeed("info out/database.h5 --json info.json");
-  const auto node = json("info.json").at("active").at(0).get<int>();
+  const auto active = active_of("out/database.h5");
+  const auto node = active.at(0);
   const auto tool = " --node " + std::to_string(node) + " --displacement 0,0,-0.006";
   const auto eval = succeed("eval out/model" + tool + " --json eval.json --deformation eval.csv");
   for (const char* source : {"scene.toml", "out/database.h5"}) {
@@ -59,7 +59,7 @@ TEST_F(Contract, PipelineFromSceneToForce) {
   }
 
   // Two tools: the paper's weights define no force.
-  const auto other = json("info.json").at("active").at(1).get<int>();
+  const auto other = active.at(1);
   const auto two = succeed("eval out/model" + tool + " --node " + std::to_string(other) +
                            " --displacement 0.003,0,0 --tools paper --json two.json");
   EXPECT_TRUE(json("two.json").at("tools").at(0).at("force").is_null());
@@ -73,15 +73,11 @@ TEST_F(Contract, PipelineFromSceneToForce) {
   EXPECT_TRUE(json("one.json").at("outside").at("force").at("mean").is_null());
   EXPECT_FALSE(json("one.json").at("inside").at("force").at("mean").is_null());
   // The same probes on any number of ranks.
-  const auto two_ranks =
-      shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" validate scene.toml out/model --json two_ranks.json");
-  ASSERT_EQ(two_ranks.exit_status, 0) << two_ranks.err;
+  on_two_ranks("validate scene.toml out/model --json two_ranks.json");
   for (const char* group : {"inside", "outside"}) EXPECT_EQ(json("two_ranks.json").at(group), v.at(group));
 
   // A model of another scene is refused, by all ranks together.
-  auto changed = small_scene();
-  changed.replace(changed.find("2000.0"), 6, "2500.0");
-  write_file(folder / "other.toml", changed);
+  write_file(folder / "other.toml", changed(small_scene(), "2000.0", "2500.0"));
   be_refused("validate other.toml out/model --probes 2");
   be_refused("train other.toml out/database.h5 -o m2");
   const auto refused = shell("timeout 60 mpirun --oversubscribe -n 2 \"$PHYNNESS\" validate other.toml out/model");
@@ -119,8 +115,7 @@ TEST_F(Contract, WrongUsageExitsWith2AndSaysWhy) {
 
 TEST_F(Contract, SolveThatCannotConvergeExitsWith1) {
   write_file(folder / "scene.toml", small_scene());
-  succeed("info scene.toml --json info.json");
-  const auto node = json("info.json").at("active").at(0).get<int>();
+  const auto node = active_of("scene.toml").at(0);
   // Pushed through the fixed bottom: every path inverts a cell.
   const auto outcome =
       phynness("solve scene.toml --node " + std::to_string(node) + " --displacement 0,0,-0.2 --increments 2");

@@ -17,11 +17,8 @@ class EveryRankPacks : public CommandLine {
   /// whole.h5, and its rays in the logs of an unfinished database.
   void SetUp() override {
     CommandLine::SetUp();
-    auto text = small_scene("P1", 12);
-    text.replace(text.find("0.025"), 5, "0.05");
-    const auto active = text.find("active = ");
-    text.replace(active, text.find("[probe]") - active, "active = \"free-surface\"\n");
-    write_file(folder / "scene.toml", text);
+    write_file(folder / "scene.toml",
+               changed(with_active(small_scene("P1", 12), "active = \"free-surface\"\n"), "0.025", "0.05"));
     succeed("precompute scene.toml -o whole.h5");
     const auto whole = Database::open(folder / "whole.h5");
     const auto& header = whole.header();

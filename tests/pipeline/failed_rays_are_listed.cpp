@@ -11,11 +11,9 @@ class FailedRays : public CommandLine {};
 
 TEST_F(FailedRays, AreListedWithDepthAndReason) {
   // St. Venant-Kirchhoff bodies fold under compression; 30 mm is more than half of this one.
-  auto scene = small_scene("P1", 4);
-  scene.replace(scene.find("neo-hookean"), 11, "st-venant-kirchhoff");
+  const auto scene = changed(small_scene("P1", 4), "neo-hookean", "st-venant-kirchhoff");
   // Without these limits the solver fails, which is listed; with them the rays end before.
-  scene.replace(scene.find("0.008"), 5, "0.030\nmin_jacobian = 0\nstop_at_fold = false");
-  write_file(folder / "scene.toml", scene);
+  write_file(folder / "scene.toml", changed(scene, "0.008", "0.030\nmin_jacobian = 0\nstop_at_fold = false"));
   succeed("precompute scene.toml -o d.h5");
   const auto listed = succeed("info d.h5 --failed --json info.json");
   const auto failed = json("info.json").at("failed_rays");

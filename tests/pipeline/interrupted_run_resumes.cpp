@@ -57,8 +57,7 @@ std::string run_and_signal_check(const std::string& out, const std::string& sign
 /// Of the comparison with a finer solution nothing else depends: a check that fails costs the distance alone, and a run
 /// that is interrupted in it keeps the database.
 TEST_F(Interrupted, CheckThatFailsCostsTheDistanceAlone) {
-  auto scene = small_scene();
-  write_file(folder / "scene.toml", scene.replace(scene.find("check_probes = 0"), 16, "check_probes = 2"));
+  write_file(folder / "scene.toml", changed(small_scene(), "check_probes = 0", "check_probes = 2"));
   succeed("run scene.toml -o whole");
   const auto failed = shell(run_and_signal_check("failed", "KILL", false));
   EXPECT_EQ(failed.exit_status, 0) << failed.err;

@@ -9,11 +9,7 @@ class InterruptedValidation : public CommandLine {
  protected:
   void SetUp() override {
     CommandLine::SetUp();
-    auto scene = small_scene("P1", 2);
-    const auto active = scene.find("active = [");
-    scene.replace(active, scene.find("[probe]") - active,
-                  "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
-    write_file(folder / "scene.toml", scene);
+    write_file(folder / "scene.toml", with_active(small_scene("P1", 2), active_top));
     succeed("run scene.toml -o out");
   }
 

@@ -12,12 +12,6 @@
 namespace phynness::test {
 namespace {
 
-std::string changed(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
-
 class LinearScenes : public CommandLine {
  protected:
   static std::string linear_scene(const std::string& element = "P1") {
@@ -26,11 +20,8 @@ class LinearScenes : public CommandLine {
     return changed(text, "\"rbfn\"", "\"linear\"");
   }
   /// `run` of the scene, with every node of the top active.
-  void run_with_active_top(std::string scene) const {
-    const auto active = scene.find("active = [");
-    scene.replace(active, scene.find("[probe]") - active,
-                  "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
-    write_file(folder / "scene.toml", scene);
+  void run_with_active_top(const std::string& scene) const {
+    write_file(folder / "scene.toml", with_active(scene, active_top));
     std::filesystem::remove_all(folder / "out");
     succeed("run scene.toml -o out");
   }
@@ -63,8 +54,7 @@ TEST_F(LinearScenes, ModelRepeatsTheFiniteElements) {
 TEST_F(LinearScenes, EvalWarnsOfNothingAtAnyDepth) {
   write_file(folder / "scene.toml", linear_scene());
   succeed("run scene.toml -o out");
-  succeed("info out/model --json info.json");
-  const auto node = json("info.json").at("active").at(0).dump();
+  const auto node = std::to_string(active_of("out/model").at(0));
   const auto eval = succeed("eval out/model --node " + node + " --displacement 0.3,0,-0.4 --json eval.json");
   EXPECT_EQ(eval.err.find("warning"), std::string::npos) << eval.err;
   const auto result = json("eval.json");
@@ -77,10 +67,9 @@ TEST_F(LinearScenes, EvalWarnsOfNothingAtAnyDepth) {
 // Claim: a model answers one round tool; a second one is refused in a sentence that names what answers several.
 TEST_F(LinearScenes, SeveralRoundToolsAreRefused) {
   run_with_active_top(changed(linear_scene("p1-p1"), "[probe]\n", "[probe]\nkind = \"patch\"\ntool_radius_m = 0.02\n"));
-  succeed("info out/model --json info.json");
-  const auto active = json("info.json").at("active");
+  const auto active = active_of("out/model");
   std::string two;
-  for (const std::size_t i : {0, 1}) two += " --node " + active.at(i).dump() + " --displacement 0,0,-0.001";
+  for (const std::size_t i : {0, 1}) two += " --node " + std::to_string(active.at(i)) + " --displacement 0,0,-0.001";
   for (const std::string& command : {"eval out/model" + two, "eval out/model --tools paper" + two,
                                      std::string("validate scene.toml out/model --probes 2 --pairs 2 --json v.json")})
     expect_names(unbroken(be_refused(command).err), {"answers one tool", "--body", "tools = 2", "[probe]", "es-p1-p1"});
@@ -129,8 +118,7 @@ TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
     for (const char* measure : {"force", "displacement"})
       for (const auto& who : {pairs.at("all"), pairs.at("all").at("linear")})
         EXPECT_LT(who.at(measure).at("max").get<double>(), 1e-6) << element;
-    const auto ranks = shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" " + validate + "ranks.json");
-    ASSERT_EQ(ranks.exit_status, 0) << ranks.err;
+    on_two_ranks(validate + "ranks.json");
     EXPECT_EQ(json("ranks.json").at("points"), points);
     EXPECT_EQ(json("ranks.json").at("pairs"), pairs);
   }
@@ -144,8 +132,7 @@ TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
 TEST_F(LinearScenes, EvalWritesTheSurface) {
   write_file(folder / "scene.toml", linear_scene());
   succeed("run scene.toml -o out");
-  succeed("info out/model --json info.json");
-  const auto node = json("info.json").at("active").at(0).dump();
+  const auto node = std::to_string(active_of("out/model").at(0));
   const auto eval = "eval out/model --node " + node + " --displacement 0,0,-0.006 --deformation u.csv";
   succeed(eval + " --surface s.vtu");
   const auto texts = read_model_texts(folder / "out/model");

@@ -33,9 +33,7 @@ TEST_F(Parts, OfProcessesAndRanksMakeTheDatabaseOfOneRun) {
 TEST_F(Parts, ContinueAFinishedDatabase) {
   write_file(folder / "scene.toml", small_scene());
   succeed("precompute scene.toml -o whole.h5");
-  auto fewer = small_scene();
-  fewer.replace(fewer.find("directions = 26"), 15, "directions = 14");
-  write_file(folder / "fewer.toml", fewer);
+  write_file(folder / "fewer.toml", changed(small_scene(), "directions = 26", "directions = 14"));
   succeed("precompute fewer.toml -o database.h5");
   for (const char* part : {"0/2", "1/2"}) {
     succeed(std::string("precompute scene.toml -o database.h5 --part ") + part + " --json part.json");

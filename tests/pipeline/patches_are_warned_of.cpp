@@ -13,14 +13,10 @@ class Patches : public CommandLine {
   /// A block with edges of about 25 mm.
   static std::string scene(const std::string& radius, const std::string& depth,
                            const std::string& size = "target_size_m = 0.025") {
-    auto text = small_scene();
-    const auto replace = [&](const std::string& from, const std::string& to) {
-      text.replace(text.find(from), from.size(), to);
-    };
-    replace("[probe]\n", "[probe]\nkind = \"patch\"\ntool_radius_m = " + radius + "\n");
-    replace("max_displacement_m = 0.008", "max_displacement_m = " + depth);
-    replace("target_size_m = 0.025", size);
-    return text;
+    const auto text =
+        changed(small_scene(), "[probe]\n", "[probe]\nkind = \"patch\"\ntool_radius_m = " + radius + "\n");
+    return changed(changed(text, "max_displacement_m = 0.008", "max_displacement_m = " + depth),
+                   "target_size_m = 0.025", size);
   }
   std::string warnings(const std::string& text) {
     write_file(folder / "scene.toml", text);
@@ -60,12 +56,10 @@ TEST_F(Patches, AreResolvedAsRecommended) {
   EXPECT_FALSE(holds(warnings(scene(radius.substr(radius.find("= ") + 2), "0.008")), unresolved)) << words;
   // A liver, as a block has a whole number of cells along each edge.
   const auto liver = [](const std::string& size) {
-    auto text = scene("0.03", "0.008", size);
-    const std::string block = "shape = \"block\"\nsize_m = [0.1, 0.08, 0.05]\n";
-    text.replace(text.find(block), block.size(), "shape = \"liver\"\n");
-    const std::string bottom = "plane = { point_fraction = [0, 0, 0], normal = [0, 0, 1], tolerance_m = 1e-6 }";
-    return text.replace(text.find(bottom), bottom.size(),
-                        "box = { min_fraction = [0, 0, 0], max_fraction = [0.2, 1, 1] }");
+    const auto text =
+        changed(scene("0.03", "0.008", size), "shape = \"block\"\nsize_m = [0.1, 0.08, 0.05]\n", "shape = \"liver\"\n");
+    return changed(text, "plane = { point_fraction = [0, 0, 0], normal = [0, 0, 1], tolerance_m = 1e-6 }",
+                   "box = { min_fraction = [0, 0, 0], max_fraction = [0.2, 1, 1] }");
   };
   const auto of_liver = warnings(liver("target_size_m = 0.02"));
   EXPECT_TRUE(holds(of_liver, unresolved));

@@ -54,10 +54,7 @@ TEST_F(Plans, sizes_are_those_of_the_run) {
 }
 
 TEST_F(Plans, hemispheres_count_what_is_asked_for) {
-  auto scene = small_scene();
-  const std::string all = "directions = 26";
-  scene.replace(scene.find(all), all.size(), "directions = \"hemisphere\"");
-  write_file(folder / "scene.toml", scene);
+  write_file(folder / "scene.toml", changed(small_scene(), "directions = 26", "directions = \"hemisphere\""));
   succeed("plan scene.toml --rays 8 --json plan.json");
   // Top of a block, normal z: 9 directions press, 8 are tangential.
   EXPECT_EQ(json("plan.json")["rays_requested"], 2 * 17);

@@ -16,14 +16,11 @@ class Elsewhere : public CommandLine {
  protected:
   /// A block whose top is active in part, with points `spacing` apart.
   static std::string patch_scene(const std::string& keys) {
-    auto scene = small_scene("p1-p1", 1);
-    const auto active = scene.find("active = [");
-    scene.replace(active, scene.find("[probe]") - active,
-                  "active = { spacing_m = 0.04, within = { sphere = { center_fraction = [0.2, 0.5, 1], radius_m = 0.04 "
-                  "}, surface_only = true } }\noutput = \"free\"\n");
-    const std::string directions = "directions = 26";
-    return scene.replace(scene.find(directions), directions.size(),
-                         "directions = 3\nkind = \"patch\"\ntool_radius_m = 0.0375\n" + keys);
+    const auto scene = with_active(
+        small_scene("p1-p1", 1),
+        "active = { spacing_m = 0.04, within = { sphere = { center_fraction = [0.2, 0.5, 1], radius_m = 0.04 "
+        "}, surface_only = true } }\noutput = \"free\"\n");
+    return changed(scene, "directions = 26", "directions = 3\nkind = \"patch\"\ntool_radius_m = 0.0375\n" + keys);
   }
   static std::string point_of(const Mesh& mesh, std::int32_t node) {
     std::ostringstream text;

@@ -7,12 +7,7 @@ namespace {
 class PointsFarAway : public CommandLine {};
 
 TEST_F(PointsFarAway, AreRefused) {
-  auto scene = small_scene("P1", 2);
-  const auto active = scene.find("active = [");
-  scene.replace(active, scene.find("[probe]") - active,
-                "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
-  scene.replace(scene.find("rbfn"), 4, "modal");
-  write_file(folder / "scene.toml", scene);
+  write_file(folder / "scene.toml", changed(with_active(small_scene("P1", 2), active_top), "rbfn", "modal"));
   succeed("precompute scene.toml -o d.h5");
   succeed("train scene.toml d.h5 -o m");
   const std::string d = " --displacement 0,0,-0.002";

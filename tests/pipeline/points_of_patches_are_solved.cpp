@@ -13,19 +13,6 @@ namespace {
 
 class PointsOfPatches : public CommandLine {
  protected:
-  /// A block whose top is active, with patches of one and a half edges.
-  static std::string patch_scene() {
-    auto scene = small_scene("P1", 2);
-    const auto active = scene.find("active = [");
-    scene.replace(active, scene.find("[probe]") - active,
-                  "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
-    scene.replace(scene.find("rbfn"), 4, "modal");
-    const auto neurons = scene.find("deformation_neurons");
-    scene.erase(neurons, scene.find("[validation]") - neurons);
-    scene.insert(scene.find("directions = 26"), "kind = \"patch\"\ntool_radius_m = 0.0375\n");
-    return scene;
-  }
-
   std::vector<double> force(const std::string& command) const {
     const auto done = succeed(command + " --json answer.json");
     if (done.exit_status != 0) return {0, 0, 0};
@@ -34,7 +21,7 @@ class PointsOfPatches : public CommandLine {
 };
 
 TEST_F(PointsOfPatches, AreSolvedAndValidated) {
-  write_file(folder / "scene.toml", patch_scene());
+  write_file(folder / "scene.toml", patch_scene("P1"));
   succeed("run scene.toml -o out");
   const std::string d = " --displacement 0.002,0,-0.006";
   const auto at_corner = force("solve out/database.h5 --point 0.1,0.08,0.05" + d);
@@ -64,7 +51,7 @@ TEST_F(PointsOfPatches, AreSolvedAndValidated) {
 }
 
 TEST_F(PointsOfPatches, MayOverlapInSolves) {
-  write_file(folder / "scene.toml", patch_scene());
+  write_file(folder / "scene.toml", patch_scene("P1"));
   const std::string first = " --point 0.03,0.03,0.05 --displacement 0,0,-0.003",
                     second = " --point 0.06,0.03,0.05 --displacement 0,0,-0.002";
   succeed("solve scene.toml" + first + second + " --json both.json");
@@ -74,12 +61,11 @@ TEST_F(PointsOfPatches, MayOverlapInSolves) {
 }
 
 TEST_F(PointsOfPatches, APartThatCannotBeDoneCostsNoOther) {
-  auto scene = patch_scene();  // two active nodes: no triangle has three
-  const auto active = scene.find("active = {");
-  scene.replace(active, scene.find("[probe]") - active,
-                "active = [{ nearest = { point_fraction = [0.4, 0.4, 1.0] }, surface_only = true },\n"
-                "          { nearest = { point_fraction = [0.6, 0.6, 1.0] }, surface_only = true }]\n");
-  scene.replace(scene.find("0.0375"), 6, "0.09");
+  // Two active nodes: no triangle has three.
+  auto scene = with_active(patch_scene("P1"),
+                           "active = [{ nearest = { point_fraction = [0.4, 0.4, 1.0] }, surface_only = true },\n"
+                           "          { nearest = { point_fraction = [0.6, 0.6, 1.0] }, surface_only = true }]\n");
+  scene = changed(scene, "0.0375", "0.09");
   write_file(folder / "scene.toml", scene);
   succeed("run scene.toml -o out");
   const auto validated = phynness("validate scene.toml out/model --probes 4 --points 3 --json v.json --report r.html");

@@ -27,12 +27,6 @@ class Shells : public CommandLine {
            "[validation]\nprobes = 12\ncheck_probes = 0\n";
   }
 
-  static std::string changed(std::string text, const std::string& from, const std::string& to) {
-    const auto at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    return text.replace(at, from.size(), to);
-  }
-
   void write_scene(const std::string& text) const { write_file(folder / "scene.toml", text); }
 };
 

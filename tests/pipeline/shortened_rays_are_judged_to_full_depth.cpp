@@ -16,6 +16,10 @@ namespace fs = std::filesystem;
 
 class ShortenedRays : public CommandLine {
  protected:
+  /// St. Venant-Kirchhoff bodies fold under compression; 30 mm is more than half of this one.
+  static std::string folding_scene() {
+    return changed(changed(small_scene("P1", 4), "neo-hookean", "st-venant-kirchhoff"), "0.008", "0.030");
+  }
   nlohmann::json validated(const std::string& options, const std::string& before = "") const {
     const auto done = shell(before + "\"$PHYNNESS\" validate scene.toml " + options + " --json v.json");
     EXPECT_EQ(done.exit_status, 0) << done.err;
@@ -56,11 +60,7 @@ TEST_F(ShortenedRays, AreJudgedToFullDepth) {
 }
 
 TEST_F(ShortenedRays, ThatNobodyReachesAreCounted) {
-  // St. Venant-Kirchhoff bodies fold under compression; 30 mm is more than half of this one.
-  auto scene = small_scene("P1", 4);
-  scene.replace(scene.find("neo-hookean"), 11, "st-venant-kirchhoff");
-  scene.replace(scene.find("0.008"), 5, "0.030");
-  write_file(folder / "scene.toml", scene);
+  write_file(folder / "scene.toml", folding_scene());
   succeed("precompute scene.toml -o d.h5");
   succeed("train scene.toml d.h5 -o m --family modal");
   const auto v = validated("m --probes 40 --report r.html");
@@ -85,11 +85,8 @@ TEST_F(ShortenedRays, ThatNobodyReachesAreCounted) {
 TEST_F(ShortenedRays, HaveOneShareOfTheProbeVolume) {
   // Folds are between increments, and a hemisphere asks for some of its directions only.
   for (const char* directions : {"26", "\"hemisphere\""}) {
-    auto scene = small_scene("P1", 4);
-    scene.replace(scene.find("neo-hookean"), 11, "st-venant-kirchhoff");
-    scene.replace(scene.find("0.008"), 5, "0.030");
-    scene.replace(scene.find("directions = 26"), 15, std::string("directions = ") + directions);
-    write_file(folder / "scene.toml", scene);
+    write_file(folder / "scene.toml",
+               changed(folding_scene(), "directions = 26", std::string("directions = ") + directions));
     fs::remove_all(folder / "d.h5.log");
     fs::remove(folder / "d.h5");
     succeed("precompute scene.toml -o d.h5");

@@ -14,19 +14,12 @@ namespace {
 
 class Growth : public CommandLine {
  protected:
-  static std::string changed(std::string text, const std::string& from, const std::string& to) {
-    const auto at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    return text.replace(at, from.size(), to);
-  }
   /// The scene of the tests with `n` of four active nodes.
   static std::string scene(int n, int increments = 2) {
-    const auto text = small_scene("P1", increments);
     std::string active = "active = [";
     for (const char* at : {"0.3, 0.4", "0.7, 0.6", "0.1, 0.9", "0.9, 0.1"})
       if (n-- > 0) active += "{ nearest = { point_fraction = [" + std::string(at) + ", 1.0] }, surface_only = true }, ";
-    return changed(text, text.substr(text.find("active ="), text.find("[probe]") - text.find("active =")),
-                   active + "]\n");
+    return with_active(small_scene("P1", increments), active + "]\n");
   }
   /// The same with the displacement of the top only.
   static std::string top_of(const std::string& text) {
@@ -57,9 +50,7 @@ TEST_F(Growth, ToALargerDepthKeepsTheRaysThatEndBefore) {
   const auto ends = Database::open(folder / "grown.h5").ends();
   const auto early = std::count_if(ends.begin(), ends.end(), [](const auto& end) { return end.is_early(); });
   EXPECT_GT(early, 0);
-  const auto grown =
-      shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" precompute deep.toml -o grown.h5 --resume --json deep.json");
-  ASSERT_EQ(grown.exit_status, 0) << grown.err;
+  const auto grown = on_two_ranks("precompute deep.toml -o grown.h5 --resume --json deep.json");
   EXPECT_EQ(json("deep.json").at("rays_taken"), early);
   expect_names(unbroken(grown.out), {std::to_string(early) + " taken from grown.h5"});
   expect_fresh("grown.h5", "deep.toml");
@@ -72,9 +63,7 @@ TEST_F(Growth, SolvesOnlyWhatIsMissing) {
   write_file(folder / "two.toml", changed(scene(2), "directions = 26", "directions = 14"));
   write_file(folder / "four.toml", scene(4));
   succeed("precompute two.toml -o grown.h5");
-  const auto grown =
-      shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" precompute four.toml -o grown.h5 --resume --json four.json");
-  ASSERT_EQ(grown.exit_status, 0) << grown.err;
+  on_two_ranks("precompute four.toml -o grown.h5 --resume --json four.json");
   EXPECT_EQ(json("four.json").at("rays_taken"), 28);
   EXPECT_EQ(json("four.json").at("rays"), 104);
   expect_fresh("grown.h5", "four.toml");
@@ -83,8 +72,7 @@ TEST_F(Growth, SolvesOnlyWhatIsMissing) {
   write_file(folder / "less.toml", top_of(scene(1)));
   expect_names(be_refused("precompute less.toml -o grown.h5 --resume").err, {"other active nodes", "would be lost"});
 
-  auto other = changed(scene(4), "poisson_ratio = 0.45", "poisson_ratio = 0.4");
-  write_file(folder / "other.toml", other);
+  write_file(folder / "other.toml", changed(scene(4), "poisson_ratio = 0.45", "poisson_ratio = 0.4"));
   expect_names(be_refused("precompute other.toml -o grown.h5 --resume").err, {"material."});
   write_file(folder / "other.toml", changed(scene(4), "max_displacement_m = 0.008", "max_displacement_m = 0.01"));
   expect_names(be_refused("precompute other.toml -o grown.h5 --resume").err, {"probe.max_displacement_m"});
@@ -110,9 +98,7 @@ TEST_F(Growth, ContinuesAnUnfinishedDatabaseToMoreNodes) {
 
 TEST_F(Growth, KeepsSpreadPoints) {
   const auto spread = [](const char* active) {
-    const auto text = small_scene("P1", 1);
-    return changed(text, text.substr(text.find("active ="), text.find("[probe]") - text.find("active =")),
-                   std::string("active = ") + active + "\n");
+    return with_active(small_scene("P1", 1), std::string("active = ") + active + "\n");
   };
   const char* const small =
       "{ spacing_m = 0.03, within = { sphere = { center_fraction = [0.3, 0.5, 1.0], radius_m = 0.03 } } }";
