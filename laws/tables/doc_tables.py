@@ -39,12 +39,11 @@ def keys(laws):
 
 
 def sets(laws):
-    rows = ["| law | energy density W | sets (K stands for `bulk_modulus_Pa` or `d1_per_Pa`) |", "|---|---|---|"]
+    rows = ["| law | sets (K stands for `bulk_modulus_Pa` or `d1_per_Pa`) |", "|---|---|"]
     for law in laws:
         texts = [[q.text for q in a.given] for a in law.accepted if D1 not in a.given]
         given = "; ".join(" and ".join(filter(None, (", ".join(t[:-1]), t[-1]))) for t in texts)
-        formula = f"{law.formulas['shape']} + {_text_of(law, law.kappa)}/2 ({law.formulas['volumetric']})^2"
-        rows.append(f"| {law.name} | {formula} | {given} |")
+        rows.append(f"| {law.name} | {given} |")
     return rows
 
 
