@@ -18,7 +18,7 @@ inline void PrintTo(Family family, std::ostream* out) { *out << name(family); }
 
 namespace phynness::test {
 
-/// q of formats/model.md.
+/// q of docs/theory.md.
 inline double q(const Eigen::Vector3d& y, double s) { return std::sqrt(y.squaredNorm() + s * s); }
 
 /// Repeatable numbers in [-1, 1].

@@ -1,6 +1,7 @@
-"""Makes own/ and broken/ from built-in shapes: python3 make.py PHYNNESS (the command, build/release/phynness).
+"""Makes own/ and broken/ from built-in shapes: /usr/bin/python3 make.py PHYNNESS (the command, build/release/phynness).
 
-Another version of gmsh makes other meshes; the tests are valid for the files of the repository.
+Needs meshio (Debian: python3-meshio). Another version of gmsh makes other meshes; the tests are valid for the files of the
+repository.
 """
 import os
 import struct
@@ -8,38 +9,24 @@ import subprocess
 import sys
 import tempfile
 
+import meshio
+import numpy
+
 here = os.path.dirname(os.path.abspath(__file__))
 
 
 def built_in(phynness, mesh_keys):
     """Nodes in m, triangles of the boundary pointing outward and tetrahedra, of a built-in shape."""
     with tempfile.TemporaryDirectory() as folder:
-        scene = os.path.join(folder, "scene.toml")
+        scene, mesh = os.path.join(folder, "scene.toml"), os.path.join(folder, "body.msh")
         with open(scene, "w") as out:
             out.write(f"[mesh]\n{mesh_keys}\n[material]\nlaw = \"neo-hookean\"\nc10_Pa = 250.0\nbulk_modulus_Pa = 1e4\n"
                       "[nodes]\nfixed = { box = { min_fraction = [0,0,0], max_fraction = [0.3,1,1] } }\n"
                       "active = [{ nearest = { point_fraction = [0.9,0.5,1] }, surface_only = true }]\n"
                       "[probe]\nmax_displacement_m = 0.001\n")
-        subprocess.run([phynness, "mesh", scene, "-o", os.path.join(folder, "body.msh")], check=True,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        with open(os.path.join(folder, "body.msh")) as text:
-            lines = text.read().split("\n")
-    nodes, triangles, tetrahedra = [], [], []
-    i = lines.index("$Nodes") + 2
-    while lines[i] != "$EndNodes":
-        n = int(lines[i].split()[3])
-        nodes += [tuple(map(float, row.split())) for row in lines[i + 1 + n:i + 1 + 2 * n]]
-        i += 1 + 2 * n
-    i = lines.index("$Elements") + 2
-    while lines[i] != "$EndElements":
-        _, _, kind, n = map(int, lines[i].split())
-        rows = [tuple(int(word) - 1 for word in row.split()[1:]) for row in lines[i + 1:i + 1 + n]]
-        if kind == 2:
-            triangles += rows
-        if kind == 4:
-            tetrahedra += rows
-        i += 1 + n
-    return nodes, triangles, tetrahedra
+        subprocess.run([phynness, "mesh", scene, "-o", mesh], check=True, capture_output=True)
+        body = meshio.read(mesh)
+    return list(body.points), *([tuple(map(int, cell)) for cell in body.get_cells_type(kind)] for kind in ("triangle", "tetra"))
 
 
 def surface_only(nodes, triangles):
@@ -91,36 +78,22 @@ def write_vtk(name, scale, nodes, triangles=(), tetrahedra=()):
             out.write(b"CELL_TYPES %d\n" % len(cells) + struct.pack(">i", 10) * len(cells) + b"\n")
 
 
-def minus(a, b):
-    return tuple(x - y for x, y in zip(a, b))
-
-
-def plus(a, b, factor=1.0):
-    return tuple(x + factor * y for x, y in zip(a, b))
-
-
-def cross(a, b):
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-def dot(a, b):
-    return sum(x * y for x, y in zip(a, b))
-
-
 def tetrahedron(nodes, corners):
     """Four triangles of a closed tetrahedron, pointing outward."""
     a, b, c, d = corners
     x = [nodes[i] for i in corners]
-    if dot(cross(minus(x[1], x[0]), minus(x[2], x[0])), minus(x[3], x[0])) < 0:
+    if numpy.linalg.det([x[1] - x[0], x[2] - x[0], x[3] - x[0]]) < 0:
         b, c = c, b
     return [(a, c, b), (a, b, d), (b, c, d), (a, d, c)]
 
 
+def unit(x):
+    return x / (x * x).sum() ** 0.5
+
+
 def outward(nodes, triangle):
     a, b, c = (nodes[i] for i in triangle)
-    n = cross(minus(b, a), minus(c, a))
-    size = dot(n, n) ** 0.5
-    return tuple(x / size for x in n)
+    return unit(numpy.cross(b - a, c - a))
 
 
 def apart(triangles, count):
@@ -142,8 +115,8 @@ def with_small_bodies(nodes, triangles, count):
     start = max(x[0] for x in nodes) + 0.01
     for k in range(count):
         first = len(nodes)
-        origin = (start + 0.01 * k, 0.0, 0.0)
-        nodes += [origin] + [plus(origin, e, 0.005) for e in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
+        origin = numpy.array([start + 0.01 * k, 0.0, 0.0])
+        nodes += [origin, *(origin + 0.005 * numpy.eye(3))]
         triangles += tetrahedron(nodes, range(first, first + 4))
     return nodes, triangles
 
@@ -154,15 +127,12 @@ def non_manifold(nodes, triangles):
     for k, t in enumerate(apart(triangles, 9)):
         n = outward(nodes, t)
         a, b = nodes[t[0]], nodes[t[1]]
-        middle = plus(a, minus(b, a), 0.5)
-        sideways = tuple(0.003 * x for x in cross(n, minus(b, a)))
-        length = dot(sideways, sideways) ** 0.5
-        sideways = tuple(0.001 * x / length for x in sideways)
+        above, sideways = a + 0.5 * (b - a) + 0.004 * n, 0.001 * unit(numpy.cross(n, b - a))
         first = len(nodes)
-        nodes += [plus(plus(middle, n, 0.004), sideways), plus(plus(middle, n, 0.004), sideways, -1.0)]
+        nodes += [above + sideways, above - sideways]
         corners = [t[0], t[1], first, first + 1]
         if k == 8:
-            nodes.append(plus(plus(a, n, 0.004), sideways, 3.0))
+            nodes.append(a + 0.004 * n + 3 * sideways)
             corners = [t[0], first, first + 1, first + 2]
         triangles += tetrahedron(nodes, corners)
     return nodes, triangles
@@ -188,17 +158,15 @@ def with_slivers(nodes, tetrahedra):
 
     def volume(cell):
         a, b, c, d = (nodes[i] for i in cell)
-        return dot(cross(minus(b, a), minus(c, a)), minus(d, a))
+        return numpy.linalg.det([b - a, c - a, d - a])
 
     for cell in tetrahedra:
         inner = [i for i in cell if i not in outer]
         if len(inner) != 1 or moved.intersection(cell) or len(moved) == 6:
             continue
         i = inner[0]
-        face = [nodes[j] for j in cell if j != i]
-        centre = tuple(sum(x) / 3 for x in zip(*face))
-        old = nodes[i]
-        nodes[i] = plus(centre, minus(old, centre), 0.03)
+        centre, old = sum(nodes[j] for j in cell if j != i) / 3, nodes[i]
+        nodes[i] = centre + 0.03 * (old - centre)
         if min(volume(other) for other in tetrahedra if i in other) <= 0:
             nodes[i] = old
         else:
