@@ -8,6 +8,7 @@
 #include <phynness/formats/scene.hpp>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "closed_forms.hpp"
@@ -50,6 +51,14 @@ inline std::vector<Case> every_case() {
 inline std::vector<Case> nonlinear_cases() {
   auto cases = every_case();
   std::erase_if(cases, [](const Case& c) { return c.law->linear; });
+  return cases;
+}
+
+/// @param of  names of laws, each with names of elements
+inline std::vector<Case> cases(const std::vector<std::pair<const char*, std::vector<const char*>>>& of) {
+  std::vector<Case> cases;
+  for (const auto& [law, elements] : of)
+    for (const auto* element : elements) cases.push_back({law_named(law), element_named(element)});
   return cases;
 }
 

@@ -76,15 +76,10 @@ std::string probe_name(const ::testing::TestParamInfo<std::tuple<Case, ProbeKind
 }
 INSTANTIATE_TEST_SUITE_P(
     Elements, ForceOfProbe,
-    ::testing::Combine(::testing::Values(Case{law_named("neo-hookean"), element_named("P1")},
-                                         Case{law_named("neo-hookean"), element_named("P2")},
-                                         Case{law_named("neo-hookean"), element_named("taylor-hood")},
-                                         Case{law_named("neo-hookean"), element_named("p1-p1")},
-                                         Case{law_named("neo-hookean"), element_named("es-p1-p1")},
-                                         Case{law_named("st-venant-kirchhoff"), element_named("P1")},
-                                         Case{law_named("mooney-rivlin"), element_named("p1-p1")},
-                                         Case{law_named("mooney-rivlin"), element_named("es-p1-p1")},
-                                         Case{law_named("linear"), element_named("P2")}),
+    ::testing::Combine(::testing::ValuesIn(cases({{"neo-hookean", {"P1", "P2", "taylor-hood", "p1-p1", "es-p1-p1"}},
+                                                  {"st-venant-kirchhoff", {"P1"}},
+                                                  {"mooney-rivlin", {"p1-p1", "es-p1-p1"}},
+                                                  {"linear", {"P2"}}})),
                        ::testing::Values(ProbeKind::node, ProbeKind::patch)),
     probe_name);
 

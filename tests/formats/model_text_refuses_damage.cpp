@@ -22,7 +22,7 @@ std::string refusal(const std::string& text) {
   return "accepted";
 }
 
-// Claim: each defect has its own message.
+// Claim: each kind of defect has its own message. That all of them are refused is shown by grammar_of_model_text.py.
 TEST(ModelText, RefusalsSayWhatIsWrong) {
   const std::string text = write_model_text(small_model());
   std::string corrupted = text;
@@ -52,47 +52,32 @@ TEST(ModelText, RefusalsSayWhatIsWrong) {
   };
   const std::string linear = write_model_text(small_linear_model());
   const std::pair<std::string, const char*> linear_cases[] = {
-      {linear.substr(0, linear.size() / 2), "truncated"},
       {replaced(linear, "family linear", "family rbfn"), "expected 'force'"},
       {replaced(text, "family rbfn", "family linear"), "expected 'stiffness'"},
       {replaced(linear, "stiffness ", "stiffness 1p+400 "), "stiffness is beyond 1e100"},
-      {replaced(linear, "stiffness ", "stiffness nan "), "not finite"},
       {replaced(linear, "stiffness ", "stiffness 0p+0 "), "end of the line"},
       {replaced(linear, "unit_responses\n", ""), "expected 'unit_responses'"},
       {replaced(linear, "unit_responses\n", "unit_responses\n-1p+400 "), "unit response is beyond 1e100"},
-      {replaced(linear, "output 12", "output 11"), ""},
-      {replaced(linear, "checksum", "0p+0\nchecksum"), "after the last"},
   };
   const std::string modal = write_model_text(small_modal_model());
   const std::pair<std::string, const char*> modal_cases[] = {
       {replaced(modal, "family modal", "family linear"), "expected 'active'"},
       {replaced(modal, "shared_modes 6", "shared_modes 1025"), "out of range 0 ... 1024"},
-      {replaced(modal, "\ndeformation 3", "\ndeformation 1025"), "out of range 0 ... 1024"},
       {replaced(modal, "\nmodes ", "\nmodes -"), "scale is negative"},
       {replaced(modal, "\nweights ", "\nweights 1p+5 "), "scale is negative or too large"},
       {replaced(modal, "\nshape 1", "\nshape -1"), "out of range"},
-      {replaced(modal, "\nshape ", "\nshape 1p+20 "), "out of range"},
-      {replaced(modal, "stiffness ", "stiffness 1p+400 "), "stiffness is beyond 1e100"},
       {replaced(modal, "near 4\n0\n1\n2\n4\n", "near 4\n0\n1\n1\n4\n"), "must ascend"},
       {replaced(modal, "near 4\n0\n1\n2\n4\n", "near 4\n0\n1\n2\n12\n"), "near node is out of range"},
-      {replaced(modal, "near 4", "near 2000000000"), "larger than the rest"},
-      {replaced(modal, "amplitude_centers 4", "amplitude_centers 30000"), ""},
-      {replaced(modal, "checksum", "0\nchecksum"), "after the last"},
   };
   const std::string leveled = write_model_text(with_levels(small_modal_model())),
                     networks = write_model_text(with_levels(small_model()));
   const std::pair<std::string, const char*> level_cases[] = {
       {replaced(leveled, "\nlevels 3", "\nlevels 1"), "out of range 2 ... 8"},
-      {replaced(leveled, "\nlevels 3", "\nlevels 9"), "out of range 2 ... 8"},
-      {replaced(leveled, "\nlevels 3", "\nlevels 2"), "expected 'active'"},
       {replaced(networks, "\nlevels 3", "\nlevels 4"), "expected 'level'"},
       {replaced(networks, "\nlevel 1p-1", "\nlevel -1p-1"), "is negative or beyond 1e100"},
-      {replaced(networks, "\nlevel 1p-1", "\nlevel inf"), "not finite"},
       {replaced(leveled, "\nlevel 1p-1 1p-2\namplitude_centers 2", "\nlevel 1p-1 1p-2\namplitude_centers 5\n1\n1\n1"),
        "more centers than its model"},
       {replaced(leveled, "\ndeformation 1\n", "\ndeformation 0\n"), "modes of a level is out of range 1 ... 3"},
-      {replaced(leveled, "\ndeformation 1\n", "\ndeformation 4\n"), "modes of a level is out of range 1 ... 3"},
-      {replaced(leveled, "\nforce 2\n", "\nforce 3\n"), ""},
       {replaced(networks, "\ndeformation 3\n", "\ndeformation 10\n"), "more neurons than its model"},
   };
   const auto expect_messages = [](const auto& of) {

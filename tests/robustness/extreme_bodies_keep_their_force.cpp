@@ -45,12 +45,8 @@ TEST_P(Incompressible, ForceHasALimit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Mixed, Incompressible,
-                         ::testing::Values(Case{law_named("neo-hookean"), element_named("p1-p1")},
-                                           Case{law_named("neo-hookean"), element_named("es-p1-p1")},
-                                           Case{law_named("neo-hookean"), element_named("taylor-hood")},
-                                           Case{law_named("mooney-rivlin"), element_named("p1-p1")},
-                                           Case{law_named("mooney-rivlin"), element_named("es-p1-p1")},
-                                           Case{law_named("mooney-rivlin"), element_named("taylor-hood")}),
+                         ::testing::ValuesIn(cases({{"neo-hookean", {"p1-p1", "es-p1-p1", "taylor-hood"}},
+                                                    {"mooney-rivlin", {"p1-p1", "es-p1-p1", "taylor-hood"}}})),
                          case_name);
 
 TEST(LockedP1, FeelsTheBulkModulusInstead) {

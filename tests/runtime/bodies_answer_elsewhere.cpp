@@ -96,23 +96,14 @@ TEST(Elsewhere, AToolHasTheComplianceOfBoth) {
 // the force of one, up to what is not linear; opposed ones have at most a few times that of each alone.
 TEST(Elsewhere, SeveralToolsHaveAnEnergy) {
   Part part(true);
-  for (const double other : {0.04, 0.1, 0.112}) {
-    const Eigen::Vector3d a = inward, b(-0.1 * block_depth, 0, -0.2 * block_depth);
-    ASSERT_GE(part.press({part.tool(0.1, a), part.tool(other, b)}), 0);
-    const Eigen::Vector3d forces[] = {part.forces[0], part.forces[1]};
-    for (Eigen::Index k = 0; k < 6; ++k) {
-      constexpr double h = 1e-3 * block_depth;
-      double energy[2];
-      for (const int side : {0, 1}) {
-        Eigen::Vector3d moved[] = {a, b};
-        moved[k / 3][k % 3] += side == 0 ? -h : h;
-        ASSERT_GE(part.press({part.tool(0.1, moved[0]), part.tool(other, moved[1])}), 0);
-        energy[side] = part.body.pressed.energy;
-      }
-      EXPECT_NEAR((energy[1] - energy[0]) / (2 * h), forces[k / 3][k % 3], 1e-3 * forces[0].norm())
-          << other << " " << k;
-    }
-  }
+  const Eigen::Vector3d b(-0.1 * block_depth, 0, -0.2 * block_depth);
+  for (const double other : {0.04, 0.1, 0.112})
+    expect_forces_of_an_energy(
+        part.body, {inward, b}, 1e-3 * block_depth,
+        [&](const auto& x, const auto& y) {
+          return part.press({part.tool(0.1, x), part.tool(other, y)});
+        },
+        other);
   part.rest();
   ASSERT_EQ(part.press({part.tool(0.1, inward)}), PHN_WARNING_OUTSIDE);
   const Eigen::Vector3d alone = part.forces[0];

@@ -144,21 +144,14 @@ TEST(DefectsOfText, AreTold) {
   EXPECT_EQ(size_status(replaced(text, "phynness-model 4\n", "phynness-model 2\n")), PHN_ERROR_VERSION);
   EXPECT_EQ(size_status(replaced(text, "family rbfn", "family spline")), PHN_ERROR_FAMILY);
   EXPECT_EQ(size_status(replaced(text, "spread 1.", "spread 1,")), PHN_ERROR_SYNTAX);
-  EXPECT_EQ(size_status(replaced(text, "spread 1.", "spread 0x1.")), PHN_ERROR_SYNTAX);
   EXPECT_EQ(size_status(replaced(text, "point ", "point  ")), PHN_ERROR_SYNTAX);
-  EXPECT_EQ(size_status(replaced(text, "force 5", "force 6")), PHN_ERROR_SYNTAX);
   EXPECT_EQ(size_status(replaced(text, "force 5", "force 2000000000")), PHN_ERROR_RANGE);
-  EXPECT_EQ(size_status(replaced(text, "output 12", "output 99999999999999")), PHN_ERROR_RANGE);
   EXPECT_EQ(size_status(replaced(text, "\nnode 5\n", "\nnode 2\n")), PHN_ERROR_RANGE);
-  EXPECT_EQ(size_status(replaced(text, "mesh_nodes 20", "mesh_nodes 10")), PHN_ERROR_RANGE);
   EXPECT_EQ(size_status(with_checksum(body_of(text) + "more\n")), PHN_ERROR_SYNTAX);
   const std::string linear = write_model_text(small_linear_model());
   EXPECT_EQ(size_status(replaced(linear, "family linear", "family linea")), PHN_ERROR_FAMILY);
   EXPECT_EQ(size_status(replaced(linear, "family linear", "family rbfn")), PHN_ERROR_SYNTAX);
-  EXPECT_EQ(size_status(replaced(linear, "stiffness ", "stiffness 0p+0 ")), PHN_ERROR_SYNTAX);
   EXPECT_EQ(size_status(replaced(linear, "stiffness ", "stiffness 1p+400 ")), PHN_ERROR_RANGE);
-  EXPECT_EQ(size_status(replaced(linear, "unit_responses\n", "unit_responses\n1p+0 ")), PHN_ERROR_SYNTAX);
-  EXPECT_EQ(size_status(replaced(linear, "unit_responses\n", "")), PHN_ERROR_SYNTAX);
   EXPECT_EQ(phn_model_size(nullptr, 10, nullptr, nullptr), PHN_ERROR_ARGUMENT);
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "loaded_model.hpp"
-#include "small_model.hpp"
+#include "round_models.hpp"
 
 namespace {
 
@@ -15,17 +15,8 @@ using namespace phynness::test;
 
 /// Nodes 3, 5 and 8 have round tools, between which node 12 is covered.
 Model probed_part(Family family) {
-  Model model = family == Family::linear ? small_linear_model() : with_bound_between(small_model_of(family));
+  Model model = covered_model_of(family);
   model.nodes.pop_back();
-  for (ActiveNodeModel& node : model.nodes) {
-    node.moves_mean = true;
-    node.prescribed = {3, 5, 8};
-    node.prescribed_weight = {0.25, 0.5, 0.25};
-  }
-  model.probe_triangles.resize(1, 3);
-  model.probe_triangles << 0, 1, 2;
-  model.covered.resize(4, 4);
-  model.covered << 3, 0, schema::whole_weight, 0, 5, 0, 0, schema::whole_weight, 8, 0, 0, 0, 12, 0, 20000, 30000;
   return model;
 }
 

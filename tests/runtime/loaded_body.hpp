@@ -48,6 +48,27 @@ struct LoadedBody {
   phn_body_report pressed{};
 };
 
+/// Expects the forces of two tools to be the derivatives of the energy, by differences over h [m].
+/// @param press  with the displacements of both. @param where  for messages
+template <class Press>
+void expect_forces_of_an_energy(const LoadedBody& body, const std::array<Eigen::Vector3d, 2>& d, double h,
+                                const Press& press, double where) {
+  ASSERT_GE(press(d[0], d[1]), PHN_OK);
+  const Eigen::Vector3d forces[] = {body.force[0], body.force[1]};
+  for (std::size_t k = 0; k < 6; ++k) {
+    double energy[2];
+    for (const int side : {0, 1}) {
+      auto moved = d;
+      moved[k / 3][static_cast<Eigen::Index>(k % 3)] += side == 0 ? -h : h;
+      ASSERT_GE(press(moved[0], moved[1]), PHN_OK);
+      energy[side] = body.pressed.energy;
+    }
+    EXPECT_NEAR((energy[1] - energy[0]) / (2 * h), forces[k / 3][static_cast<Eigen::Index>(k % 3)],
+                1e-3 * forces[0].norm())
+        << where << " " << k;
+  }
+}
+
 inline phn_tool tool_at(const SurfacePoint& at, const Eigen::Vector3d& d) {
   phn_tool tool{};
   std::copy_n(at.nodes.begin(), 3, tool.nodes);

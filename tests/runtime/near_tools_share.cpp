@@ -80,22 +80,10 @@ TEST(NearTools, OpposedHaveTheForceOfTheSprings) {
 TEST(NearTools, HaveAnEnergy) {
   Pair pair;
   const Eigen::Vector3d a(0.1 * block_depth, 0, -0.3 * block_depth), b(-0.1 * block_depth, 0, 0.1 * block_depth);
-  for (const double separation : {0.0, 0.1, 0.3, 0.45}) {
-    ASSERT_GE(pair.press(separation, a, b), PHN_OK);
-    const Eigen::Vector3d forces[] = {pair.forces[0], pair.forces[1]};
-    for (Eigen::Index k = 0; k < 6; ++k) {
-      constexpr double h = 1e-3 * block_depth;  // the error is of its square, and rounding far below
-      double energy[2];
-      for (const int side : {0, 1}) {
-        Eigen::Vector3d moved[] = {a, b};
-        moved[k / 3][k % 3] += side == 0 ? -h : h;
-        ASSERT_GE(pair.press(separation, moved[0], moved[1]), PHN_OK);
-        energy[side] = pair.body.pressed.energy;
-      }
-      EXPECT_NEAR((energy[1] - energy[0]) / (2 * h), forces[k / 3][k % 3], 1e-3 * forces[0].norm())
-          << separation << " " << k;
-    }
-  }
+  constexpr double h = 1e-3 * block_depth;  // the error is of its square, and rounding far below
+  for (const double separation : {0.0, 0.1, 0.3, 0.45})
+    expect_forces_of_an_energy(
+        pair.body, {a, b}, h, [&](const auto& x, const auto& y) { return pair.press(separation, x, y); }, separation);
 }
 
 // Claim: in an approach with one step in each millisecond at 50 mm/s the force of a settled pair changes by at most 5 %
