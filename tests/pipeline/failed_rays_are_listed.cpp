@@ -43,8 +43,7 @@ TEST_F(FailedRays, AreListedWithDepthAndReason) {
   expect_names(counted.out, {"--failed"});
 
   // With a limit of J all of these are crushed instead.
-  const auto no_limit = scene.find("min_jacobian = 0\n");
-  write_file(folder / "scene.toml", scene.replace(no_limit, 16, "min_jacobian = 0.2"));
+  write_file(folder / "scene.toml", changed(scene, "0.008", "0.030\nmin_jacobian = 0.2\nstop_at_fold = false"));
   std::filesystem::remove(folder / "d.h5");
   succeed("precompute scene.toml -o d.h5");
   succeed("info d.h5 --json info.json");
