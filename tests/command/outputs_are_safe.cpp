@@ -110,7 +110,7 @@ TEST_F(Outputs, OfATrainingAreNotBegunWhenASignalEndsAFit) {
 
 /// Texts that are not names of files. A new option that names a file is declared, with add_path() of
 /// cli/command_files.hpp.
-const std::set<std::string> texts{"--part",      "--displacement", "--point", "--tools",    "--family",
+const std::set<std::string> texts{"--part",      "--displacement", "--point", "--tools",     "--family",
                                   "--max-error", "--max-time",     "--name",  "--reference", "--set"};
 
 TEST_F(Outputs, OfEveryOptionAreDeclared) {

@@ -96,8 +96,9 @@ class Surface {
 Json picture(const Surface& surface, const std::string& caption, const std::vector<double>& values) {
   double high = 0;
   for (const double value : values) high = std::max(high, std::isnan(value) ? 0 : value);
-  return {
-      {"svg", surface.svg(values, high > 0 ? high : 1)}, {"caption", caption}, {"scale", {"0", in_percent(high) + " %"}}};
+  return {{"svg", surface.svg(values, high > 0 ? high : 1)},
+          {"caption", caption},
+          {"scale", {"0", in_percent(high) + " %"}}};
 }
 
 /// Values of some nodes by output node.
