@@ -87,12 +87,15 @@ CLI::Option* add_number(CLI::App& command, const char* name, Value& value, doubl
 
 /// Values between commas, without surrounding spaces.
 std::vector<std::string_view> fields_of(std::string_view row);
-/// @return false unless the whole field is a number
+/// @return false unless the whole field is a number; numbers that are too small are 0
 template <class Number>
 bool parse_number(std::string_view field, Number& number) {
   if (field.starts_with('+')) field.remove_prefix(1);
   const auto [end, code] = std::from_chars(field.data(), field.data() + field.size(), number);
-  return code == std::errc{} && end == field.data() + field.size();
+  const bool small =
+      code == std::errc::result_out_of_range && (field.find("e-") != field.npos || field.find("E-") != field.npos);
+  if (small) number = {};
+  return (small || code == std::errc{}) && end == field.data() + field.size();
 }
 
 using Units = std::map<std::string, double>;

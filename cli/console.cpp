@@ -186,7 +186,7 @@ void message_text(fmt::string_view format, fmt::format_args values) noexcept {
 }
 
 int finish_streams(int exit_status) {
-  if (first_error == 0) return exit_status;
+  if (first_error == 0 || first_error == EPIPE) return exit_status;  // `| head` has read enough
   message(
       "error: results could not be written to stdout: {}\n"
       "  remedy: all files are written; to see the text, run the command again with a writable stdout\n",

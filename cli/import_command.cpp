@@ -19,6 +19,9 @@ void run(const Options& options) {
   if (report.energy_over_work > 0)
     print_result("energy over force . displacement {:.3f} in the median; of linear responses it is 0.5\n",
                  report.energy_over_work);
+  if (!report.against.empty())
+    message("warning: forces of {} of {} rays point against the displacement, first {}: check their signs\n",
+            report.against.size(), report.rays, report.against.front());
   write_json(options.json_file, figures(report));
 }
 

@@ -298,11 +298,15 @@ json about_scene(const std::filesystem::path& file) {
                             .covered
                       : sets.active);
   }
+  const Material& m = loaded.scene.material;
+  print_result("at rest   E {:.4g} Pa, nu {:.4g}, mu {:.4g} Pa, K {:.4g} Pa, K/mu {:.4g}\n", m.youngs_modulus_Pa(),
+               m.poisson_ratio(), m.shear_modulus_Pa, m.bulk_modulus_Pa, m.bulk_to_shear());
   print_result("physics   {}\n{}", physics_hash(loaded.scene), physics_summary(loaded.scene));
   print_result("not in the hash\n{}", other_settings(loaded.scene));
   return record("kind", "scene", "mesh_hash", mesh_hash(loaded.mesh), "physics_hash", physics_hash(loaded.scene),
-                "nodes", loaded.mesh.n_nodes(), "worst_cells", worst, "active", loaded.sets.active, "linear",
-                loaded.sets.linear);
+                "youngs_modulus_Pa", m.youngs_modulus_Pa(), "poisson_ratio", m.poisson_ratio(), "bulk_to_shear",
+                m.bulk_to_shear(), "nodes", loaded.mesh.n_nodes(), "worst_cells", worst, "active", loaded.sets.active,
+                "linear", loaded.sets.linear);
 }
 
 /// A mesh file is read as in a scene without selections. An open surface is the midsurface of a shell.
@@ -312,7 +316,7 @@ json about_mesh(const std::filesystem::path& file) {
   const auto made = shell ? make_shell(absolute) : [&] {
     Scene scene;
     scene.mesh.file = absolute;
-    return make_mesh(scene);
+    return make_mesh(scene, true);
   }();
   for (const auto& note : made.notes) message("note: {}\n", note);
   for (const auto& warning : made.warnings) message("warning: {}\n", warning);
@@ -334,8 +338,8 @@ json about_mesh(const std::filesystem::path& file) {
 
 void run(const Options& options) {
   const auto& what = options.what;
-  if (!std::filesystem::exists(what))
-    throw input_error("there is no such file or directory", what.string(),
+  if (std::error_code code; !std::filesystem::exists(what, code))
+    throw input_error("there is no such file or directory", what.string() + (code ? ": " + code.message() : ""),
                       "give a scene, a mesh, a database, a model directory, an image or a body");
   json out;
   const auto extension = what.extension();

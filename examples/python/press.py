@@ -20,6 +20,8 @@ def press(model: phynness.Model, node: int, depth_m: float) -> Tuple[NDArray[np.
 
 
 def main() -> None:
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
     model = phynness.Model(sys.argv[1])
     node = int(model.active_nodes[len(model.active_nodes) // 2])
     down = np.array([0, 0, -1.0])

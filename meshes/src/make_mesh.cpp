@@ -19,8 +19,9 @@ using namespace meshes;
 std::string place(const MeshSpec& spec) { return spec.where.prefix() + "mesh"; }
 
 /// Reason and place of flat cells of a mesh that was made here.
-std::string reason_of_slivers(const MeshResult& result) {
-  return "the worst of these is " + cell_quality(result.mesh, result.quality.worst_cell, {}).str() +
+std::string reason_of_slivers(const MeshResult& result, bool in_file_units) {
+  const auto worst = cell_quality(result.mesh, result.quality.worst_cell, {});
+  return "the worst of these is " + (in_file_units ? worst.str(1, " (file units)") : worst.str()) +
          ": the body is thinner there, or its surface is more sharply folded, than its edges are long; use a smaller "
          "mesh.target_size_m or a smoother surface";
 }
@@ -45,7 +46,7 @@ MeshResult generated_body(RawMesh raw, const std::string& source) {
   if (split > 0)
     result.notes.push_back("added " + counted(static_cast<std::size_t>(split), "node", "nodes") +
                            " inside, between faces of the surface with flat cells");
-  if (result.quality.n_slivers > 0) result.warnings.push_back(reason_of_slivers(result));
+  result.made_here = true;
   return result;
 }
 
@@ -232,10 +233,14 @@ MeshResult make_shell(const std::filesystem::path& file) {
   return checked_shell(read_mesh_file(file), 1, false, file.filename().string());
 }
 
-MeshResult make_mesh(const Scene& scene) {
+MeshResult make_mesh(const Scene& scene, bool in_file_units) {
   const MeshSpec spec = with_standard_sizes(scene.mesh);
   try {
-    return spec.shape == Shape::none ? from_file(spec) : from_shape(spec);
+    MeshResult result = spec.shape == Shape::none ? from_file(spec) : from_shape(spec);
+    if (result.made_here && result.quality.n_slivers > 0)
+      result.warnings.push_back(reason_of_slivers(result, in_file_units));
+    if (!in_file_units) warn_of_size(result, spec.scale_to_m);
+    return result;
   } catch (const Error& error) {
     // Errors of gmsh and of the checks of its meshes do not contain the place in the scene.
     if (error.kind() == Error::Kind::input || spec.where.file.empty()) throw;

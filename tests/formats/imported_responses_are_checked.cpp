@@ -17,6 +17,7 @@ struct Given {
   std::vector<double> points{0, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1}, directions{1, 0, 0, 0, 2, 0, 0, 0, -1, 3, 0, 4},
       magnitudes{0.002, 0.005, 0.01}, forces, energies, displacements;
   std::vector<std::int64_t> cells{0, 2, 1, 3}, touched{1, 3}, output{0, 1, 3};
+  std::vector<double> radius;  // of a round tool; none for single nodes
   std::string unit = "N";
 
   Given() {
@@ -49,6 +50,7 @@ struct Imports : DatabaseTest {
     put("/tetrahedra", {g.cells.size() / 4, 4}, g.cells);
     put("/touched", {a}, g.touched);
     put("/output", {g.output.size()}, g.output);
+    put("/tool_radius", {1}, g.radius, "m");
     put("/directions", {4, 3}, g.directions);
     put("/magnitudes", {3}, g.magnitudes, "m");
     put("/forces", {g.forces.size() / 36, 4, 3, 3}, g.forces, g.unit);
@@ -75,6 +77,7 @@ TEST_F(Imports, are_stored_as_given) {
   const auto report = import_responses(given_file(), file, tools_of);
   EXPECT_EQ(report.rays, 7);
   EXPECT_EQ(report.missing_rays, 1);
+  EXPECT_TRUE(report.against.empty());
   EXPECT_TRUE(report.energy_over_work > 0.25 && report.energy_over_work < 0.5) << "it stiffens";
   const auto database = Database::open(file);
   const auto& header = database.header();
@@ -100,6 +103,23 @@ TEST_F(Imports, are_stored_as_given) {
   // Another scene's responses are not those of imported ones.
   EXPECT_EQ(coverage(header, small_header(false)), Coverage::other);
   expect_contains(refusal([&] { import_responses(given_file(), file, tools_of); }), {"exists"});
+}
+
+TEST_F(Imports, name_rays_whose_forces_point_against_the_displacement) {
+  Given given;
+  given.radius = {0.02};
+  for (std::size_t i = 0; i < 9; ++i) given.forces[i] *= -1;  // one ray of eight
+  write(given);
+  EXPECT_EQ(import_responses(given_file(), file, tools_of).against, (std::vector<std::string>{"node 1, direction 0"}));
+}
+
+TEST_F(Imports, of_round_tools_whose_mean_is_elsewhere_are_refused) {
+  expect_contains(refused([&](Given& g) {
+                    g.radius = {0.02};
+                    for (std::size_t i = 0; i < g.displacements.size(); i += 3)
+                      std::swap(g.displacements[i], g.displacements[i + 1]);
+                  }),
+                  {"the mean under the round tool", "order of the axes"});
 }
 
 TEST_F(Imports, are_refused_in_words) {

@@ -301,6 +301,36 @@ TEST(Notes, tell_that_a_node_has_no_limit_unless_the_scene_asks_for_one) {
   EXPECT_TRUE(scene_notes(parsed(with(good_scene, key, key + "\nkind = \"patch\"\ntool_radius_m = 0.01"))).empty());
 }
 
+TEST(Notes, ask_about_moduli_that_are_often_meant_otherwise) {
+  const std::string known = with(good_scene, "increments = 4", "increments = 4\nkind = \"node\"");
+  EXPECT_TRUE(scene_notes(parsed(known)).empty());
+  const auto exchanged = scene_notes(parsed(with(known, moduli, "shear_modulus_Pa = 5000.0\nbulk_modulus_Pa = 500.0")));
+  ASSERT_EQ(exchanged.size(), 1u);
+  expect_names(exchanged[0], {"body.toml:4", "K/mu = 0.1", "nu = -0.65", "exchanged"});
+  const auto d1 = scene_notes(parsed(with(known, moduli, "shear_modulus_Pa = 500\nd1_per_Pa = 2e-4")));
+  ASSERT_EQ(d1.size(), 1u);
+  expect_names(d1[0], {"K = 1/D1", "2/D1", "Abaqus", "bulk_modulus_Pa"});
+  const Material m = parsed(known).material;
+  EXPECT_NEAR(m.youngs_modulus_Pa(), 9 * 5000.0 * 500 / (3 * 5000 + 500), 1e-9);
+  EXPECT_NEAR(m.poisson_ratio(), (3 * 5000.0 - 1000) / (2 * (3 * 5000 + 500)), 1e-14);
+}
+
+TEST(Material, refuses_with_a_remedy_what_people_expect_of_one) {
+  const auto refusal = [](const std::string& text) -> std::string {
+    try {
+      parsed(text);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  expect_names(refusal(with(good_scene, moduli, "shear_modulus_Pa = 500\nd1_per_Pa = 0")),
+               {"d1_per_Pa", "greater than 0", "bulk_modulus_Pa = 100 to 1,000 times mu"});
+  for (const std::string key : {"regions = { brain = 1 }", "density = 1000", "prony = [1, 2]", "skull.E = 1e9"})
+    expect_names(refusal(with(good_scene, moduli, moduli + "\n" + key)), {"body.toml:8", "a body has one material"});
+  expect_names(refusal("regions = [1]\n" + good_scene), {"body.toml:1", "a body has one material"});
+}
+
 TEST(Documentation, names_every_key_of_the_parser) {
   std::ifstream stream(PHYNNESS_SOURCE_DIR "/formats/scene.md");
   std::ostringstream text;

@@ -169,6 +169,12 @@ TEST(Units, ASizeThatCannotBeMetresIsAskedAbout) {
   EXPECT_TRUE(contains(joined(import_file(file.path, 1000).warnings), "mesh.scale_to_m = 1000"));
   EXPECT_TRUE(contains(joined(import_file(file.path, 1e-5).warnings), "mesh.scale_to_m"));
   EXPECT_FALSE(contains(joined(import_file(file.path, 0.1).warnings), "mesh.scale_to_m"));
+  // Without a scene there is no scale to ask about.
+  const TemporaryFile millimetres(msh_2(two_cells, 2, "1 0 0 0\n2 99 0 0\n3 0 99 0\n4 0 0 99\n5 99 99 99\n"), ".msh");
+  Scene scene;
+  scene.mesh.file = millimetres.path;
+  EXPECT_TRUE(make_mesh(scene, true).warnings.empty());
+  EXPECT_FALSE(make_mesh(scene).warnings.empty());
 }
 
 }  // namespace

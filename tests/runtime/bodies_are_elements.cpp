@@ -492,7 +492,10 @@ TEST(Bodies, SurviveDamagedTexts) {
   EXPECT_GT(accepted, 10);
   std::string strange = text.substr(0, end);
   strange.replace(strange.find("mooney-rivlin"), 13, "nobodys-law");
-  EXPECT_EQ(LoadedBody(strange + "checksum " + hash_of(strange) + "\n").status, PHN_ERROR_FAMILY);
+  strange += "checksum " + hash_of(strange) + "\n";
+  EXPECT_EQ(LoadedBody(strange).status, PHN_ERROR_FAMILY);
+  std::size_t bytes = 0;
+  EXPECT_EQ(phn_body_size(strange.data(), strange.size(), &bytes, nullptr), PHN_ERROR_FAMILY);
 }
 
 }  // namespace

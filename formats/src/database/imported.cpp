@@ -23,8 +23,9 @@ const char* const layout_remedy = "write the file as formats/imported.md describ
 constexpr double largest_body_m = 10;
 /// Energy over force . displacement is 1/2 for linear responses and above 1/20 for all stiffening up to |f| ~ |d|^19.
 constexpr double least_energy = 0.05, most_energy = 1;
-/// A touched point and its tool may differ by this fraction of the displacement.
-constexpr double most_misplaced = 0.02;
+/// A touched point and its tool may differ by this fraction of the displacement; the mean under a round tool by more,
+/// because its weights differ from program to program.
+constexpr double most_misplaced = 0.02, most_misplaced_mean = 0.25;
 
 std::string brief(double value) { return number_text(value, std::chars_format::general, 4); }
 
@@ -185,6 +186,7 @@ void check_forces(const Given& given, ImportReport& report) {
   std::vector<double> ratios;
   for (std::size_t ray = 0; ray < given.rays(); ++ray) {
     ++(given.is_known(ray) ? report.rays : report.missing_rays);
+    const double before = work;
     for (std::size_t i = 0; given.is_known(ray) && i < given.increments(); ++i) {
       const auto force = Eigen::Vector3d::Map(given.force(ray, i));
       const double energy = given.energies_J[ray * given.increments() + i];
@@ -196,6 +198,7 @@ void check_forces(const Given& given, ImportReport& report) {
       work += along;
       if (energy != 0 && along != 0) ratios.push_back(energy / along);
     }
+    if (work < before) report.against.push_back(given.name(ray));
   }
   if (report.rays == 0 || report.largest_force_N == 0)
     throw input_error("there are no forces", std::to_string(report.rays) + " rays", layout_remedy);
@@ -212,25 +215,33 @@ void check_forces(const Given& given, ImportReport& report) {
                       "check signs and units (J, N, m); an energy is 0 at rest, and that of the whole body");
 }
 
-/// @throws Error (input) unless the displacements of the output nodes are finite and the touched one follows the tool
+/// @throws Error (input) unless the displacements of the output nodes are finite and what the tool moves follows it
 void check_output(const Given& given, const Ray& ray, std::size_t number) {
   const auto& output = given.header.sets.output;
-  for (std::size_t i = 0; i < given.increments(); ++i)
+  const TouchedNodes& tool = given.header.sets.tools[static_cast<std::size_t>(ray.active)];
+  const bool is_known = std::ranges::includes(output, tool.nodes);
+  for (std::size_t i = 0; i < given.increments(); ++i) {
+    const double depth_m = given.header.magnitudes_m[i];
+    const auto where = given.name(number) + ", increment " + std::to_string(i);
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (std::size_t o = 0; o < output.size(); ++o) {
       const auto u = Eigen::Vector3d::Map(&ray.displacement[3 * (i * output.size() + o)]);
-      const double depth_m = given.header.magnitudes_m[i];
-      const auto where =
-          given.name(number) + ", increment " + std::to_string(i) + ", output node " + std::to_string(output[o]);
       if (!(u.norm() <= 10 * depth_m))
-        throw input_error("an output node moves ten times as far as the tool", where + ": " + brief(u.norm()) + " m",
+        throw input_error("an output node moves ten times as far as the tool",
+                          where + ", output node " + std::to_string(output[o]) + ": " + brief(u.norm()) + " m",
                           "give displacements, not positions, in metres");
-      const bool is_touched =
-          given.tool_radius_m == 0 && output[o] == given.header.sets.active[static_cast<std::size_t>(ray.active)];
-      if (is_touched && (u - depth_m * given.direction(number)).norm() > most_misplaced * depth_m)
-        throw input_error("the touched node does not follow the tool",
-                          where + ": it moves by " + brief(u.norm()) + " m",
-                          "check the order of the axes and of the output nodes; of a round tool give its radius");
+      const auto touched = std::ranges::lower_bound(tool.nodes, output[o]);
+      if (touched != tool.nodes.end() && *touched == output[o])
+        mean += tool.weights[static_cast<std::size_t>(touched - tool.nodes.begin())] * u;
     }
+    const double apart = (mean - depth_m * given.direction(number)).norm();
+    if (is_known && apart > (tool.mean ? most_misplaced_mean : most_misplaced) * depth_m)
+      throw input_error(
+          tool.mean ? "the mean under the round tool does not follow it" : "the touched node does not follow the tool",
+          where + (tool.mean ? "" : ", output node " + std::to_string(tool.nodes[0])) + ": it is " + brief(apart) +
+              " m beside the tool",
+          "check the order of the axes and of the output nodes; of a round tool give its radius");
+  }
 }
 
 Ray ray_of(const Given& given, std::size_t number, const double* displacements) {
@@ -283,8 +294,8 @@ ImportReport import_responses(const fs::path& file, const fs::path& database, co
     refuse_layout(error, file);
   }
   report.largest_displacement_m = given->header.magnitudes_m.back();
-  DatabaseWriter::create(database, given->header, false);
   try {
+    DatabaseWriter::create(database, given->header, false);
     write(*given, database);
   } catch (...) {
     std::error_code code;

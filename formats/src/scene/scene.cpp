@@ -1,6 +1,7 @@
 // Reads a scene: the keys of each section and the checks across them; warnings and notes.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/input_file.hpp>
+#include <phynness/formats/printable.hpp>
 #include <phynness/formats/scene.hpp>
 
 #include "scene_keys.hpp"
@@ -87,11 +88,21 @@ TrainingSpec changed_training(Scene scene, const std::string& keys, const std::s
 }
 
 std::vector<std::string> scene_notes(const Scene& scene) {
-  if (scene.probe.kind_given) return {};
-  return {
-      scene.probe.where.str() +
-      ": the scene does not name a kind of probe, so that single nodes are displaced. The force at a single node does "
-      "not converge under mesh refinement; with kind = \"patch\" and tool_radius_m it does"};
+  std::vector<std::string> notes;
+  if (!scene.probe.kind_given)
+    notes.push_back(scene.probe.where.str() +
+                    ": the scene does not name a kind of probe, so that single nodes are displaced. The force at a "
+                    "single node does "
+                    "not converge under mesh refinement; with kind = \"patch\" and tool_radius_m it does");
+  const Material& m = scene.material;
+  if (m.d1_given)
+    notes.push_back(m.where.str() +
+                    ": K = 1/D1 here, and 2/D1 in Abaqus and CalculiX: halve their D1, or give bulk_modulus_Pa");
+  if (m.bulk_modulus_Pa < m.shear_modulus_Pa)
+    notes.push_back(m.where.str() + ": K/mu = " + number_text(m.bulk_to_shear(), std::chars_format::general, 3) +
+                    " is below 1, nu = " + number_text(m.poisson_ratio(), std::chars_format::fixed, 2) +
+                    ": are K and mu exchanged?");
+  return notes;
 }
 
 }  // namespace phynness

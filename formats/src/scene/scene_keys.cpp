@@ -133,6 +133,10 @@ std::string remedy_for_unknown_key(std::string_view table, std::string_view key)
     if (key.starts_with(stem) && key.size() > stem.size() && key[stem.size()] == '_' && key.size() <= stem.size() + 5)
       return "values are in SI units: write " + std::string(candidate) + " and convert the value";
   }
+  if (table == "material" || key.starts_with("region") || key.starts_with("material"))
+    if (nearest(key, known).empty())
+      return "remove it: a body has one material, the same everywhere, elastic and isotropic, without mass" +
+             (table == "material" ? "; keys are " + listed(known, " and ") : "");
   if (const auto near = nearest(key, known); !near.empty()) return "did you mean " + std::string(near) + "?";
   for (const auto& other : tables())
     if (!other.name.starts_with("selector.") &&

@@ -78,6 +78,9 @@ Material parse_material(const SceneTable& table) {
   const auto law = table.choice<Law>("law", choices(laws()));
   const LawSet& set = the_accepted_set(table, *law);
   std::vector<double> given;
+  if (const auto* d1 = table.find("d1_per_Pa"); d1 && d1->value<double>() == 0.0)
+    table.reject("d1_per_Pa", "must be greater than 0, because K is 1/D1",
+                 "give bulk_modulus_Pa = 100 to 1,000 times mu in its place");
   for (const auto& q : set.given) given.push_back(*table.number(q.key, {q.low, q.high, q.low_open, q.high_open}));
   for (const auto& bound : set.bounds) {
     const double value = given[static_cast<std::size_t>(bound.given)], limit = bound.value(given.data());
@@ -87,6 +90,7 @@ Material parse_material(const SceneTable& table) {
         std::string(bound.remedy) + " it must be " + (bound.greater ? "greater" : "less") + " than " + shortest(limit));
   }
   Material m = converted(*law, set, given);
+  m.d1_given = table.has("d1_per_Pa");
   m.where = table.where();
   return m;
 }

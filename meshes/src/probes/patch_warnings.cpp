@@ -101,9 +101,10 @@ std::string warn_of_fixed(const Scene& scene, const Mesh& mesh, const NodeSets& 
   return scene.probe.where.str() + ": fixed nodes take a part of the patch at " + std::to_string(n) + " of " +
          std::to_string(sets.active.size()) + " active nodes; what remains has its middle up to " +
          three_digits(largest * radius) + " m beside the node (" + three_digits(largest) + " of the radius, at node " +
-         std::to_string(where) +
-         "), and the force is that of this part; without these nodes: active = { difference = " +
-         "[\"free-surface\", { near = { to = \"fixed\", distance_m = " + three_digits(radius) + " } }] }";
+         std::to_string(where) + "), and the force is that of this part; " +
+         (spreads(scene.active)
+              ? "without these nodes: add from_fixed_m = " + three_digits(radius) + " to active"
+              : "exclude these nodes: { near = { to = \"fixed\", distance_m = " + three_digits(radius) + " } }");
 }
 
 /// A spacing with which every node of the part is probed.
@@ -112,12 +113,20 @@ std::string warn_of_choice(const Scene& scene, const Mesh& mesh, const NodeSets&
   body.fixed = sets.fixed;
   body.tool_radius_m = scene.probe.tool_radius_m;
   for (const auto& s : scene.active) {
-    if (s.kind != SelectorKind::spread || !(s.length_m > 0)) continue;
+    if (s.kind != SelectorKind::spread) continue;
     const auto nodes = meshes::nodes_to_spread_over(s, body, {"active nodes", ""});
-    if (std::ranges::includes(sets.active, nodes))
-      return s.where.str() + ": spacing_m = " + number_text(s.length_m) +
-             " is below the edges of the mesh, so that each of the " + std::to_string(nodes.size()) +
-             " nodes is probed; give a larger spacing, or spacing = \"auto\"";
+    const auto n = std::ranges::count_if(nodes, [&](auto i) { return std::ranges::binary_search(sets.active, i); });
+    const bool automatic = !(s.length_m > 0);
+    if (static_cast<double>(n) < (automatic ? 0.8 : 1.0) * static_cast<double>(nodes.size())) continue;
+    return s.where.str() + ": " +
+           (automatic ? "spacing = \"auto\" follows the radius of the tool, few edges of the mesh"
+                      : "spacing_m = " + number_text(s.length_m) + " is below the edges of the mesh") +
+           ", so that " +
+           (automatic ? std::to_string(n) + " of " + std::to_string(nodes.size()) + " nodes are"
+                      : "each of the " + std::to_string(nodes.size()) + " nodes is") +
+           " probed; give a " +
+           (automatic ? "smaller part in `within`, or see the cost with phynness plan"
+                      : "larger spacing, or spacing = \"auto\"");
   }
   return "";
 }

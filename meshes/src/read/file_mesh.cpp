@@ -130,17 +130,20 @@ std::string join_near_nodes(RawMesh& raw, bool repair) {
   return "";
 }
 
-void warn_of_shape_and_size(MeshResult& result, const char* cell, double scale_to_m) {
+void warn_of_shape(MeshResult& result, const char* cell) {
   const QualityReport& quality = result.quality;
-  std::ostringstream slivers, size;
-  if (quality.n_slivers > 0) {
-    slivers.precision(2);
-    slivers << counted(static_cast<std::size_t>(quality.n_slivers), "sliver", "slivers") << ", worst quality "
-            << quality.min_quality << " in " << cell << " " << quality.worst_cell;
-    result.warnings.push_back(slivers.str());
-  }
+  if (quality.n_slivers == 0) return;
+  std::ostringstream slivers;
+  slivers.precision(2);
+  slivers << counted(static_cast<std::size_t>(quality.n_slivers), "sliver", "slivers") << ", worst quality "
+          << quality.min_quality << " in " << cell << " " << quality.worst_cell;
+  result.warnings.push_back(slivers.str());
+}
+
+void warn_of_size(MeshResult& result, double scale_to_m) {
   const double extent = extent_of(result.mesh.nodes).maxCoeff();
   if (extent <= 1 && extent >= 1e-3) return;  // organs of a mouse and of a man
+  std::ostringstream size;
   size << "the body is " << extent << " m long; check whether mesh.scale_to_m = " << scale_to_m << " is correct";
   result.warnings.push_back(size.str());
 }

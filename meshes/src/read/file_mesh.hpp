@@ -65,9 +65,10 @@ MeshResult checked_shell(RawMesh raw, double scale_to_m, bool repair, const std:
 /// thicker than half the radius of a bend.
 void check_wall(MeshResult& shell, double thickness_m, const std::string& source);
 
-/// Warns of slivers, and of a body that is larger than 1 m or smaller than 1 mm, whose file may have other units.
-/// @param cell  what a cell is called
-void warn_of_shape_and_size(MeshResult& result, const char* cell, double scale_to_m);
+/// Warns of slivers. @param cell  what a cell is called
+void warn_of_shape(MeshResult& result, const char* cell);
+/// Warns of a body that is larger than 1 m or smaller than 1 mm, whose file may have other units.
+void warn_of_size(MeshResult& result, double scale_to_m);
 
 // sizing.cpp
 

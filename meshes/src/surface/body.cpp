@@ -186,7 +186,7 @@ MeshResult checked_body(RawMesh raw, double scale_to_m, bool repair, const std::
     result.warnings.push_back("the body touches itself, and is joined there by these nodes alone: " + touching +
                               "; forces and stresses near them depend on the size of the cells");
   result.quality = measure_quality(mesh);
-  warn_of_shape_and_size(result, "cell", scale_to_m);
+  warn_of_shape(result, "cell");
   return result;
 }
 

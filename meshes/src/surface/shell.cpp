@@ -111,7 +111,7 @@ MeshResult checked_shell(RawMesh raw, double scale_to_m, bool repair, const std:
   require_areas(mesh, source);
   look_at_folds(mesh, source, result.warnings);
   result.quality = measure_quality(mesh);
-  warn_of_shape_and_size(result, "triangle", scale_to_m);
+  warn_of_shape(result, "triangle");
   return result;
 }
 

@@ -78,8 +78,11 @@ class BodyLoader : public LinesReader {
  public:
   BodyLoader(TextReader& in, Arena& arena) : LinesReader(in), _arena(arena) {}
 
-  void word(const char*, const char*& word) {
+  void word(const char* key, const char*& word) {
     const auto token = _in.word(static_cast<std::size_t>(schema::longest_word));
+    char copy[schema::longest_word + 1] = {};
+    if (good()) memcpy(copy, token.begin, token.length());
+    if (strcmp(key, "law") == 0) law = find_body_law(copy);
     char* to = _arena.take<char>(token.length() + 1);
     if (to == nullptr) return;
     memcpy(to, token.begin, token.length());
@@ -102,6 +105,8 @@ class BodyLoader : public LinesReader {
   void shape(const char*, Store& store, std::int64_t rows, std::int64_t cols) {
     store.shape(_arena, good() ? rows : 0, good() ? cols : 0);
   }
+
+  const BodyLaw* law = nullptr;  ///< null for an unknown one
 
  private:
   Arena& _arena;
@@ -158,6 +163,7 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   auto* normals = arena.take<double>(static_cast<std::size_t>(store.nodes.n), 3);
   wrong_byte = in.wrong_byte();
   if (!in.good()) return in.status();
+  if (loader.law == nullptr || loader.law->n_parameters != store.parameters.n) return PHN_ERROR_FAMILY;
   if (arena.overflow()) return PHN_ERROR_BUFFER;
   if (arena.counting()) return PHN_OK;
   *body = {};
@@ -175,8 +181,7 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   info.n_modes = static_cast<std::int32_t>(store.modes.entries.n_cols);
   info.n_pressures = static_cast<std::int32_t>(store.pressures.entries.n_cols);
   info.n_cells = static_cast<std::int32_t>(store.shear_m3.n);
-  body->law = find_body_law(store.law);
-  if (body->law == nullptr || body->law->n_parameters != store.parameters.n) return PHN_ERROR_FAMILY;
+  body->law = loader.law;
   for (int k = 0; k < schema::largest_parameter_count; ++k) body->parameters[k] = store.parameters.at[k];
   body->bulk = store.bulk_in_shape_Pa;
   body->stride = store.modes.entries.stride;

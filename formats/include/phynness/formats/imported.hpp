@@ -12,6 +12,7 @@ struct ImportReport {
   double largest_displacement_m = 0, largest_force_N = 0;
   /// Median of energy over force . displacement, 1/2 for linear responses; 0: not known.
   double energy_over_work = 0;
+  std::vector<std::string> against;  ///< rays whose forces point against their displacements in the sum
   PHYNNESS_FIGURES(rays, missing_rays, largest_displacement_m, largest_force_N, energy_over_work)
 };
 

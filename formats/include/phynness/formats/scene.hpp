@@ -60,8 +60,13 @@ MeshSpec with_standard_sizes(MeshSpec spec);
 struct Material : Moduli {
   Law law = law_named("neo-hookean");
   std::vector<double> parameters;
+  bool d1_given = false;  ///< K is 1/D1 of the scene
   SourceLocation where;
   double bulk_to_shear() const { return bulk_modulus_Pa / shear_modulus_Pa; }
+  double youngs_modulus_Pa() const {
+    return 9 * bulk_modulus_Pa * shear_modulus_Pa / (3 * bulk_modulus_Pa + shear_modulus_Pa);
+  }
+  double poisson_ratio() const { return youngs_modulus_Pa() / (2 * shear_modulus_Pa) - 1; }
 };
 /// The material from one of the sets of keys that the law accepts. Ranges are not checked here.
 /// @throws Error (input) if the keys are not one of these sets

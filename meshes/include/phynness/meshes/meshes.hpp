@@ -30,14 +30,16 @@ struct MeshResult {
   QualityReport quality;
   std::vector<std::string> notes;     ///< repairs and facts: "dropped 3 unreferenced nodes: 17, 18, 44"
   std::vector<std::string> warnings;  ///< doubts about the mesh: "12 slivers, worst quality 0.017 in cell 871"
+  bool made_here = false;             ///< the cells are not those of a file
 };
 
 /// The mesh of a scene: a built-in shape (gmsh) or a file, scaled to metres and checked. Cells are positively oriented,
 /// every node is referenced, the body is one connected component and its surface is a closed manifold. Any defect
 /// results in an error that names it, or in a repair that `notes` lists. With a thickness the mesh is the middle
 /// surface of a shell: cells are triangles, and the surface may be open.
+/// @param in_file_units  the scene has no scale: nothing is said of metres
 /// @throws Error
-MeshResult make_mesh(const Scene& scene);
+MeshResult make_mesh(const Scene& scene, bool in_file_units = false);
 
 /// True if a file has only triangles and some edges belong to one triangle. Such a surface does not enclose a body, but
 /// may be that of a shell.

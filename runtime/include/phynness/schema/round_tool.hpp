@@ -23,7 +23,8 @@ struct ToolSearch {
   std::int32_t* reached;  ///< the triangles under the tool
 };
 
-/// The triangles at both sides of each edge. Of an edge of more than two triangles, two are joined.
+/// The triangles at both sides of each edge. Of an edge of more than two triangles, two are joined. Of the triangles at
+/// a node the first thousand are searched, which bounds the time for any text.
 /// @param last_at, before  working memory: n_nodes, 3 n_triangles
 inline void set_across(const std::int32_t* corner, std::int32_t n_triangles, std::int32_t n_nodes,
                        std::int32_t* last_at, std::int32_t* before, std::int32_t* across) {
@@ -37,7 +38,9 @@ inline void set_across(const std::int32_t* corner, std::int32_t n_triangles, std
   }
   const auto next = [](std::int32_t c) { return c % 3 == 2 ? c - 2 : c + 1; };
   for (std::int32_t c = 0; c < n_corners; ++c) {
-    for (std::int32_t other = last_at[corner[next(c)]]; other >= 0 && across[c] < 0; other = before[other])
+    std::int32_t left = 1000;
+    for (std::int32_t other = last_at[corner[next(c)]]; other >= 0 && across[c] < 0 && left > 0;
+         other = before[other], --left)
       if (corner[next(other)] == corner[c]) across[c] = other / 3;
   }
 }
