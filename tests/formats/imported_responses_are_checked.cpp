@@ -55,7 +55,7 @@ struct Imports : DatabaseTest {
     put("/magnitudes", {3}, g.magnitudes, "m");
     put("/forces", {g.forces.size() / 36, 4, 3, 3}, g.forces, g.unit);
     put("/energies", {a, 4, 3}, g.energies, "J");
-    put("/output_displacements", {a, 4, 3, 3, 3}, g.displacements, "m");
+    put("/output_displacements", {a, 4, 3, g.output.size(), 3}, g.displacements, "m");
     out.close();
   }
   /// The message of the refusal; nothing is left behind.
@@ -114,12 +114,23 @@ TEST_F(Imports, name_rays_whose_forces_point_against_the_displacement) {
 }
 
 TEST_F(Imports, of_round_tools_whose_mean_is_elsewhere_are_refused) {
-  expect_contains(refused([&](Given& g) {
-                    g.radius = {0.02};
-                    for (std::size_t i = 0; i < g.displacements.size(); i += 3)
-                      std::swap(g.displacements[i], g.displacements[i + 1]);
-                  }),
-                  {"the mean under the round tool", "order of the axes"});
+  Given given;
+  given.radius = {0.02};
+  given.output = {0, 1, 2, 3};  // all that the tool moves, with it
+  given.displacements.clear();
+  for (int ray = 0; ray < 8; ++ray)
+    for (const double m : given.magnitudes)
+      for (int o = 0; o < 4; ++o)
+        for (const double u : Eigen::Vector3d(
+                 m * Eigen::Vector3d::Map(&given.directions[static_cast<std::size_t>(ray % 4 * 3)]).normalized()))
+          given.displacements.push_back(u);
+  const auto swapped = [&](Given& g) {
+    g = given;
+    for (std::size_t i = 0; i < g.displacements.size(); i += 3) std::swap(g.displacements[i], g.displacements[i + 1]);
+  };
+  expect_contains(refused(swapped), {"the mean under the round tool", "order of the axes"});
+  write(given);
+  EXPECT_EQ(import_responses(given_file(), file, tools_of).rays, 8);
 }
 
 TEST_F(Imports, are_refused_in_words) {
