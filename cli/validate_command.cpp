@@ -14,12 +14,13 @@ namespace {
 /// Equation (17) divides by the largest response of a point. With a single displacement per point it would divide a
 /// response by itself.
 constexpr std::int64_t displacements_per_point = 4;
+/// Probes at nodes for each point of a round tool between them, unless --points says how many.
+constexpr std::int64_t probes_per_point = 12;
 
 struct Options {
   std::filesystem::path scene, model;
-  std::optional<std::int64_t> probes;
-  std::optional<std::int64_t> seed;
-  std::int64_t nodes = 0, points = 0, pairs = 0;
+  std::optional<std::int64_t> probes, points, seed;
+  std::int64_t nodes = 0, pairs = 0;
   std::optional<std::int32_t> level;
   OptionalPath body, json_file, report_file;
 };
@@ -82,12 +83,19 @@ void measure(const Options& options, const SolverSession& session, Validated& v)
   const auto probes = options.probes.value_or(sizes_of_checks(scene, header_of(scene, model), bounded).probes);
   v.report = validate(session, scene, model, probes, v.seed, Progress("validate", "rays").counter(), stop_requested,
                       options.nodes);
-  if (options.points > 0 && !v.interrupted())
-    v.no_points = try_part([&] {
+  const auto points = options.points.value_or(model.has_round_tools() ? probes / probes_per_point + 1 : 0);
+  if (points > 0 && !v.interrupted()) {
+    const auto failed = try_part([&] {
       require_deformations(options, model);
-      v.points = validate_points(session, scene, model, body, options.points, displacements_per_point, v.seed,
-                                 Progress("validate", "points").counter(), stop_requested);
+      const auto at = [&](SurfacePart part, std::int64_t n) {
+        return validate_points(session, scene, model, body, part, n, displacements_per_point, v.seed,
+                               Progress("validate", "points").counter(), stop_requested);
+      };
+      v.points = at(SurfacePart::probed, points);
+      if (model.has_round_tools() && !v.interrupted()) v.rim = at(SurfacePart::rim, (points + 1) / 2);
     });
+    if (options.points) v.no_points = failed;
+  }
   if (options.pairs > 0 && !v.interrupted())
     v.no_pairs = try_part([&] {
       require_deformations(options, model);
@@ -100,7 +108,8 @@ void measure(const Options& options, const SolverSession& session, Validated& v)
 /// @throws Error (failure)
 void refuse_half(const Options& options, const Validated& v) {
   std::string finished = fmt::format("{} of {} rays", v.report.rays_finished, v.report.rays);
-  if (options.points > 0) finished += fmt::format(", {} of {} points", v.points.finished, options.points);
+  if (const auto points = options.points.value_or(v.points.points); points > 0)
+    finished += fmt::format(", {} of {} points", v.points.finished, points);
   if (options.pairs > 0) finished += fmt::format(", {} of {} pairs", v.pairs.finished, options.pairs);
   throw failure("validate was interrupted; the figures above are those of the finished part", finished,
                 fmt::format("run it again; --seed {} repeats the same probes{}", v.seed,
@@ -161,8 +170,10 @@ void add(CLI::App& app) {
             "number of probes, inside and outside of the trained range (default: validation.probes of the scene)");
   add_count(command, "--nodes", options.nodes, 1, 10'000'000,
             "number of probed active nodes (default: a twentieth of the probes, at least 10)");
-  add_count(command, "--points", options.points, 1, 1'000'000,
-            "also compare tools at this number of random points between nodes, by point-constrained solves");
+  add_count(
+      command, "--points", options.points, 0, 1'000'000,
+      "also compare tools at this number of random points between nodes, and round tools at half as many where only\n"
+      "one or two corners of a triangle were probed (default: one for twelve probes of a round tool, otherwise none)");
   add_count(command, "--pairs", options.pairs, 1, 1'000'000,
             "also compare two tools at this number of random pairs of nodes, by solves with both tools, each as deep\n"
             "as 3/7 of the scene's max_displacement_m (12 mm of 28 mm in the paper)");

@@ -52,18 +52,21 @@ TEST_F(Bodies, AreComparedBesideTheModel) {
   EXPECT_LT(all.at("force").at("max"), 0.02);
   EXPECT_LT(all.at("displacement").at("max"), 0.02);
   EXPECT_LT(with.at("points").at("body").at("force").at("max"), 0.02);
+  // Measured: 0.6 %, where the model is off by 8.7 %.
+  EXPECT_LT(with.at("rim").at("body").at("force").at("max"), 0.02);
 
   on_two_ranks(validate + "ranks.json --body body.txt");
   EXPECT_EQ(json("ranks.json").at("points"), with.at("points"));
   EXPECT_EQ(json("ranks.json").at("pairs"), with.at("pairs"));
 
-  with.at("points").erase("body");
-  with.at("points").erase("body_answers");
+  for (const char* part : {"points", "rim"})
+    for (const char* of_body : {"body", "body_answers"}) with.at(part).erase(of_body);
   with.erase("pairs");
   for (auto* all_figures : {&with, &without}) all_figures->erase("verdict");  // says that there are no pairs
   EXPECT_EQ(with, without);
 
-  expect_error(be_refused("validate scene.toml out/model --probes 2 --body body.txt").err, {"--points", "--pairs"});
+  expect_error(be_refused("validate scene.toml out/model --probes 2 --points 0 --body body.txt").err,
+               {"--points", "--pairs"});
   auto text = read_file(folder / "body.txt");
   const auto at = text.find("physics ") + 8;
   text[at] = text[at] == '0' ? '1' : '0';

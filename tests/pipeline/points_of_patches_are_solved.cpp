@@ -48,6 +48,13 @@ TEST_F(PointsOfPatches, AreSolvedAndValidated) {
   EXPECT_EQ(points.at("finished"), 3);
   EXPECT_EQ(points.at("failed"), 0);
   EXPECT_LT(points.at("coupled").at("force").at("mean").get<double>(), 0.1);
+  // Without --points there is one for twelve probes, and one more; beside the probed part all answers have a warning.
+  const auto done = succeed("validate scene.toml out/model --probes 24 --nodes 1 --json v.json");
+  expect_names(done.out, {"tools between nodes", "at the rim"});
+  EXPECT_EQ(json("v.json").at("points").at("finished"), 3);
+  const auto rim = json("v.json").at("rim");
+  EXPECT_EQ(rim.at("finished"), 2);
+  EXPECT_EQ(rim.at("flagged").at("probes"), rim.at("all").at("probes"));
 }
 
 TEST_F(PointsOfPatches, MayOverlapInSolves) {

@@ -53,6 +53,7 @@ Validated results() {
   v.points.linear.force = ErrorStatistics::of({0.1});
   v.pairs.pairs = v.pairs.finished = 2;
   v.points.body.emplace();
+  v.rim = v.points;
   return v;
 }
 

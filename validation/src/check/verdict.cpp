@@ -137,8 +137,18 @@ std::vector<std::vector<std::string>> summary_cells(const Validated& v) {
   add("without a warning", e.unflagged, e.all.probes);
   add("with a warning", e.flagged, e.all.probes);
   add("beyond R, to 1.43 R", e.beyond);
+  const auto add_body = [&](const std::optional<PointErrors>& errors) {
+    if (!errors) return;
+    const auto &f = errors->force, &u = errors->displacement;
+    cells.push_back({"  by the reduced body", std::to_string(f.n), shown(f, f.mean), shown(f, f.p95), shown(f, f.max),
+                     "-", shown(u, u.mean), shown(u, u.p95), shown(u, u.max), "-", "-"});
+  };
   add("tools between nodes", v.points.all);
-  add(v.pairs.by_body ? "two tools, reduced body" : "two tools", v.pairs.all);
+  add_body(v.points.body);
+  add("at the rim", v.rim.all);
+  add_body(v.rim.body);
+  add(v.pairs.by_body ? "two tools, reduced body" : "two tools", v.pairs.unflagged);
+  add("two tools, with a warning", v.pairs.flagged);
   return cells;
 }
 
@@ -189,6 +199,7 @@ Json validation_figures(const Validated& v) {
     if (!line.figures.empty()) out["verdict"][line.key] = figures(line.figures);
   out["worse_than_linear"] = figures(worse_than_linear(v));
   if (v.points.finished > 0) out["points"] = figures(v.points);
+  if (v.rim.finished > 0) out["rim"] = figures(v.rim);
   if (v.pairs.finished > 0) out["pairs"] = figures(v.pairs);
   if (v.no_points) out["points"] = {{"not_done", v.no_points->what()}};
   if (v.no_pairs) out["pairs"] = {{"not_done", v.no_pairs->what()}};

@@ -20,7 +20,7 @@ CoupledRays::CoupledRays(const NamedOrgan& model, const ProbeSpec& probe, const 
     : _model(model),
       _body(body),
       _increments(probe.increments),
-      _triangles(answered_triangles(model)),
+      _triangles(triangles_by_corners(model)[3]),
       _near_m(near_radii * probe.tool_radius_m) {}
 
 bool CoupledRays::possible(int n_tools) const {

@@ -24,13 +24,14 @@ std::array<double, 3> point_of_triangle(std::mt19937_64& random) {
   return {1 - s, s * (1 - q), s * q};
 }
 
-std::vector<Eigen::Index> answered_triangles(const NamedOrgan& model) {
+std::array<std::vector<Eigen::Index>, 4> triangles_by_corners(const NamedOrgan& model) {
   const auto& surface = model.model().surface;
   const auto probed = probed_nodes(model.model());
   const auto known = [&](std::int32_t node) { return std::ranges::binary_search(probed, node); };
-  std::vector<Eigen::Index> triangles;
+  std::array<std::vector<Eigen::Index>, 4> triangles;
   for (Eigen::Index t = 0; t < surface.rows(); ++t)
-    if (known(surface(t, 0)) && known(surface(t, 1)) && known(surface(t, 2))) triangles.push_back(t);
+    triangles[static_cast<std::size_t>(known(surface(t, 0)) + known(surface(t, 1)) + known(surface(t, 2)))].push_back(
+        t);
   return triangles;
 }
 

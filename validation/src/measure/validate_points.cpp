@@ -21,10 +21,15 @@ struct Place : SurfacePoint {
   }
 };
 
-std::vector<Place> choose_places(const Scene& scene, const NamedOrgan& model, std::int64_t points,
+std::vector<Place> choose_places(const Scene& scene, const NamedOrgan& model, SurfacePart where, std::int64_t points,
                                  std::int64_t displacements, std::uint64_t seed) {
   const auto& surface = model.model().surface;
-  const auto triangles = answered_triangles(model);
+  auto by_corners = triangles_by_corners(model);
+  auto& triangles = by_corners[where == SurfacePart::rim ? 2 : 3];
+  if (where == SurfacePart::rim) {
+    triangles.insert(triangles.end(), by_corners[1].begin(), by_corners[1].end());
+    if (triangles.empty()) return {};
+  }
   if (triangles.empty())
     throw input_error("no triangle of the surface has three active corners, or corners between active nodes",
                       std::to_string(model.model().nodes.size()) + " active nodes",
@@ -153,18 +158,18 @@ class PointComparison : public ToolComparison {
 }  // namespace
 
 PointReport validate_points(const SolverSession& session, const Scene& scene, const NamedOrgan& model,
-                            const NamedOrgan* body, std::int64_t points, std::int64_t displacements, std::uint64_t seed,
-                            const OnProgress& progress, const ShouldStop& stop) {
+                            const NamedOrgan* body, SurfacePart part, std::int64_t points, std::int64_t displacements,
+                            std::uint64_t seed, const OnProgress& progress, const ShouldStop& stop) {
   const auto start = std::chrono::steady_clock::now();
   PointReport report;
-  report.points = points;
   report.displacements = displacements;
   std::optional<PointComparison> comparison;
   session.together([&] {
-    const auto places = choose_places(scene, model, points, displacements, seed);
+    const auto places = choose_places(scene, model, part, points, displacements, seed);
+    report.points = std::ssize(places);
     comparison.emplace(scene, model, body, stop);
-    report.finished =
-        share_out(session, points, progress, stop, [&](std::size_t i) { comparison->try_at(i, places[i], report); });
+    report.finished = share_out(session, report.points, progress, stop,
+                                [&](std::size_t i) { comparison->try_at(i, places[i], report); });
   });
   comparison->require_some(session, report.finished);
   comparison->finish(session, report);

@@ -15,8 +15,8 @@ Vec3 on_sphere(std::mt19937_64& random);
 
 /// Barycentric weights, uniform by area.
 std::array<double, 3> point_of_triangle(std::mt19937_64& random);
-/// Triangles of the surface whose corners are all probed_nodes().
-std::vector<Eigen::Index> answered_triangles(const NamedOrgan& model);
+/// Triangles of the surface, by how many of their corners are probed_nodes().
+std::array<std::vector<Eigen::Index>, 4> triangles_by_corners(const NamedOrgan& model);
 
 /// A ray with the depths of its probes; 0: no such probe.
 struct ProbePair {

@@ -30,11 +30,13 @@ struct Validated {
   NamedOrgan model;
   std::uint64_t seed = 0;
   ValidationReport report{};
-  PointReport points{};
+  PointReport points{}, rim{};  ///< tools between probed nodes, and at the rim of the probed part
   PairReport pairs{};
   std::optional<NamedOrgan> body{};              ///< with which points and pairs are compared, too
   std::optional<Error> no_points{}, no_pairs{};  ///< why this requested part was not done
-  bool interrupted() const { return report.interrupted() || points.interrupted() || pairs.interrupted(); }
+  bool interrupted() const {
+    return report.interrupted() || points.interrupted() || rim.interrupted() || pairs.interrupted();
+  }
   /// Requested parts that were not done, and why.
   std::vector<std::string> not_done() const;
 };
@@ -44,7 +46,7 @@ std::vector<VerdictLine> verdict(const Validated& validated);
 /// Of the probes at nodes, of points and of pairs.
 std::vector<WorseThanLinear> worse_than_linear(const Validated& validated);
 
-/// The table below the verdict, in percent: two rows of headings, and at most six rows that differ from each other.
+/// The table below the verdict, in percent: two rows of headings, and rows that differ from each other.
 std::vector<std::vector<std::string>> summary_cells(const Validated& validated);
 
 /// The command that repeats the probes of a validation, with the words SCENE and MODEL_DIR for its inputs.

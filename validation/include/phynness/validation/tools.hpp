@@ -55,15 +55,19 @@ struct PointReport : ErrorsByWarning {  ///< the model, by warnings of phn_coupl
 /// For tools between nodes.
 std::vector<WorseThanLinear> worse_than_linear(const PointReport& report);
 
-/// Random points are distributed uniformly in triangles whose corners are all active; each such triangle has the same
-/// probability. Directions are uniform on the sphere, or in scenes with hemispheres on the inward half of it.
-/// Magnitudes are uniform up to the scene's R, whatever was trained. Collective; the result is the same
-/// for any number of ranks and complete on rank 0. If `stop` returns true, the function returns the finished points.
+/// Triangles whose corners are all probed; or at the rim of these, where one or two are.
+enum class SurfacePart { probed, rim };
+
+/// Random points are distributed uniformly in such triangles; each of them has the same probability. Directions are
+/// uniform on the sphere, or in scenes with hemispheres on the inward half of it. Magnitudes are uniform up to the
+/// scene's R, whatever was trained. Collective; the result is the same for any number of ranks and complete on rank 0.
+/// If `stop` returns true, the function returns the finished points.
 /// @param body  of the same mesh and physics; null: none
+/// @return without points if there is no rim
 /// @throws Error (input) if no triangle has three active corners, or if the model has forces only
 PointReport validate_points(const SolverSession& session, const Scene& scene, const NamedOrgan& model,
-                            const NamedOrgan* body, std::int64_t points, std::int64_t displacements, std::uint64_t seed,
-                            const OnProgress& progress = {}, const ShouldStop& stop = {});
+                            const NamedOrgan* body, SurfacePart part, std::int64_t points, std::int64_t displacements,
+                            std::uint64_t seed, const OnProgress& progress = {}, const ShouldStop& stop = {});
 
 /// Pairs that a reduced body answers, or else a model of node probes, by warnings of their status. Errors of force are
 /// those of the worse tool, over the larger one of the two finite element forces, or as force_own over its own. Errors
