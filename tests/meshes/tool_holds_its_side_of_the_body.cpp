@@ -1,12 +1,13 @@
 // Claims: a round tool moves the mean of the surface that is connected to its middle within its radius, and not the far
 // side of a thin body; its weights are positive, have the sum 1 and on flat faces the tool's middle as their center;
-// fixed nodes have none; the weights are continuous while the tool slides, also around the rim of a thin body; a part
-// of the surface has the weight that a flat disc of its area in the tangent plane at the middle would have; integrals
-// of linear and quadratic functions are those of a midpoint rule on small parts.
+// fixed nodes have none, and the sum is less beside them; the weights are continuous while the tool slides, also around
+// the rim of a thin body; a part of the surface has the weight that a flat disc of its area in the tangent plane at the
+// middle would have; integrals of linear and quadratic functions are those of a midpoint rule on small parts.
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <phynness/formats/error.hpp>
 #include <phynness/meshes/tool_weights.hpp>
 #include <phynness/schema/round_tool.hpp>
@@ -54,9 +55,37 @@ TEST(RoundTool, LeavesFixedNodesAlone) {
   ASSERT_EQ(some.nodes.size() + 1, all.nodes.size());
   for (std::size_t i = 0; i < some.nodes.size(); ++i) {
     EXPECT_EQ(some.nodes[i], all.nodes[i + 1]);
-    EXPECT_NEAR(some.weights[i], all.weights[i + 1] / (1 - all.weights[0]), 1e-14);
+    EXPECT_NEAR(some.weights[i], all.weights[i + 1] / (1 - 0.2 * all.weights[0]), 1e-14);
   }
   EXPECT_THROW(touched_nodes(slab.mesh.nodes, slab.mesh.surface, all.nodes, at_node(slab.middle), 0.02), Error);
+}
+
+TEST(RoundTool, DoesNotCountWhatIsFixedAltogether) {
+  // Fixed are the nodes to x = 0.03. Triangles between them do not count, nodes at x = 0.03 count by 4/5 in the others:
+  // the tool around x = 0.04 has the sum of the weights of its nodes beyond 0.03 over that sum and 4/5 of the half of
+  // the strip beside that belongs to nodes at 0.03. A tool that touches little that moves has at least half of its
+  // weights.
+  const Slab slab;
+  std::vector<std::int32_t> fixed;
+  for (std::int32_t i = 0; i < slab.mesh.n_nodes(); ++i)
+    if (slab.mesh.nodes(i, 0) < 0.031) fixed.push_back(i);
+  const auto sum_of = [&](double x) {
+    const auto place = nearest_on_surface(slab.mesh.nodes, slab.mesh.surface, {x, 0.04, 0.01});
+    const auto touched = touched_nodes(slab.mesh.nodes, slab.mesh.surface, fixed, place, 0.02);
+    return std::accumulate(touched.weights.begin(), touched.weights.end(), 0.0);
+  };
+  // Over x > 0.03, in radii s = (x - 0.04) / 0.02: chords 2 sqrt(1 - s^2), and (s + 1/2) / (1/2) up to x = 0.04 for
+  // what moves.
+  double moving = 0, fixed_part = 0;
+  constexpr int n = 10000;
+  for (int i = 0; i < n; ++i) {
+    const double s = -0.5 + 1.5 * (i + 0.5) / n, chord = std::sqrt(1 - s * s), moves = std::min(1.0, 2 * (s + 0.5));
+    moving += moves * chord;
+    fixed_part += (1 - moves) * chord;
+  }
+  EXPECT_NEAR(sum_of(0.04), moving / (moving + 0.8 * fixed_part), 1e-6);
+  EXPECT_NEAR(sum_of(0.07), 1, 1e-14);
+  EXPECT_NEAR(sum_of(0.02), 0.5, 1e-14);
 }
 
 /// The largest change of a weight while the tool slides along a line on the surface in 200 steps.

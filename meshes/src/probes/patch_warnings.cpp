@@ -76,8 +76,12 @@ std::string warn_of_fixed(const Scene& scene, const Mesh& mesh, const NodeSets& 
   const double radius = scene.probe.tool_radius_m;
   const auto middle_of = [&](const TouchedNodes& touched) {
     Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-    for (std::size_t i = 0; i < touched.nodes.size(); ++i) sum += touched.weights[i] * mesh.nodes.row(touched.nodes[i]);
-    return sum;
+    double weights = 0;
+    for (std::size_t i = 0; i < touched.nodes.size(); ++i) {
+      sum += touched.weights[i] * mesh.nodes.row(touched.nodes[i]);
+      weights += touched.weights[i];
+    }
+    return Eigen::RowVector3d(sum / weights);
   };
   const auto is_beside_fixed = [&](std::int32_t node) {
     return std::any_of(sets.fixed.begin(), sets.fixed.end(), [&](std::int32_t fixed) {

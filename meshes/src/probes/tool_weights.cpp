@@ -98,8 +98,11 @@ void SurfaceTools::press(const SurfacePoint& center, double radius, bool quadrat
 TouchedNodes SurfaceTools::touched_nodes(std::span<const std::int32_t> fixed, const SurfacePoint& center,
                                          double radius) {
   std::map<std::int32_t, double> weight;
+  double at_fixed = 0;
+  const auto is_fixed = [&](std::int32_t node) { return std::binary_search(fixed.begin(), fixed.end(), node); };
   if (radius > 0)
     press(center, radius, false, [&](Eigen::Index t, std::span<const double> integrals) {
+      at_fixed += schema::integrals_at_fixed(integrals.data(), 3, [&](int k) { return is_fixed(_surface(t, k)); });
       for (std::size_t k = 0; k < 3; ++k)
         if (integrals[k] > 0) weight[_surface(t, static_cast<Eigen::Index>(k))] += integrals[k];
     });
@@ -110,14 +113,14 @@ TouchedNodes SurfaceTools::touched_nodes(std::span<const std::int32_t> fixed, co
   touched.mean = radius > 0;
   double sum = 0;
   for (const auto& [node, w] : weight)
-    if (!std::binary_search(fixed.begin(), fixed.end(), node)) {
+    if (!is_fixed(node)) {
       touched.nodes.push_back(node);
       touched.weights.push_back(w);
       sum += w;
     }
   if (!(sum > 0)) throw input_error("all nodes of a tool are fixed", "", "touch a part of the surface that can move");
   if (touched.mean)
-    for (auto& w : touched.weights) w /= sum;
+    for (auto& w : touched.weights) w /= schema::weight_divisor(sum, at_fixed);
   return touched;
 }
 

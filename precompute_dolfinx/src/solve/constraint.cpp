@@ -5,6 +5,7 @@
 #include <map>
 #include <phynness/formats/error.hpp>
 #include <phynness/meshes/tool_weights.hpp>
+#include <phynness/schema/round_tool.hpp>
 
 namespace phynness {
 
@@ -31,20 +32,25 @@ std::vector<double> mean_weights(const Discretization& body, const SurfacePoint&
     if (body.on_surface(p)) middle[std::minmax({body.edge(p)[0], body.edge(p)[1]})] = p;
   std::vector<double> weights(static_cast<std::size_t>(body.n_points()), 0.0);
   const Points nodes = body.points().topRows(body.n_nodes());
+  double at_fixed = 0;
   SurfaceTools(nodes, body.surface())
       .press(center, radius, !middle.empty(), [&](Eigen::Index t, std::span<const double> integrals) {
+        std::array<int, 6> points{};
         for (int k = 0; k < 3; ++k) {
           const auto a = body.surface()(t, k), b = body.surface()(t, (k + 1) % 3);
-          weights[a] += integrals[static_cast<std::size_t>(k)];
-          if (!middle.empty()) weights[middle.at(std::minmax({a, b}))] += integrals[static_cast<std::size_t>(k) + 3];
+          weights[points[k] = a] += integrals[static_cast<std::size_t>(k)];
+          if (!middle.empty())
+            weights[points[k + 3] = middle.at(std::minmax({a, b}))] += integrals[static_cast<std::size_t>(k) + 3];
         }
+        at_fixed += schema::integrals_at_fixed(integrals.data(), static_cast<int>(integrals.size()),
+                                               [&](int k) { return fixed[points[k]] != 0; });
       });
   double sum = 0;
   for (int p = 0; p < body.n_points(); ++p) {
     if (fixed[p]) weights[p] = 0;
     sum += weights[p];
   }
-  for (auto& weight : weights) weight = sum > 0 ? weight / sum : 0;
+  for (auto& weight : weights) weight = sum > 0 ? weight / schema::weight_divisor(sum, at_fixed) : 0;
   return weights;
 }
 

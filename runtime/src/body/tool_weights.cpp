@@ -27,7 +27,7 @@ struct Sum {
 /// @return PHN_OK, PHN_WARNING_OUTSIDE or an error
 int tool_weights(const phn_body& body, const phn_tool& tool, ToolScratch& scratch, std::int32_t& n) {
   std::int32_t corner[3];
-  double share[3], sum = 0, fixed = 0;
+  double share[3], sum = 0, fixed = 0, at_fixed = 0;
   bool is_trained = true;
   n = 0;
   if (!is_of_this_version(tool)) return PHN_ERROR_VERSION;
@@ -49,7 +49,10 @@ int tool_weights(const phn_body& body, const phn_tool& tool, ToolScratch& scratc
                                       body.info.n_triangles};
     schema::press<3>(surface, {scratch.taken, scratch.reached}, corner, share, body.info.tool_radius_m,
                      [&](std::int32_t t, const double* integrals) {
-                       for (int k = 0; k < 3; ++k) all.add(body.info.triangles[3 * t + k], integrals[k]);
+                       const std::int32_t* node = body.info.triangles + 3 * t;
+                       for (int k = 0; k < 3; ++k) all.add(node[k], integrals[k]);
+                       at_fixed += schema::integrals_at_fixed(
+                           integrals, 3, [&](int k) { return body.kinds[node[k]] == schema::body_node_fixed; });
                      });
   } else {
     for (int k = 0; k < 3; ++k) all.add(corner[k], share[k]);
@@ -58,7 +61,8 @@ int tool_weights(const phn_body& body, const phn_tool& tool, ToolScratch& scratc
   double total = 0;
   for (std::int32_t i = 0; i < n; ++i) total += scratch.weight[scratch.touched[i]];
   if (!(total > 0)) return PHN_ERROR_NOT_ACTIVE;
-  for (std::int32_t i = 0; i < n; ++i) scratch.weight[scratch.touched[i]] /= total;
+  const double divisor = schema::weight_divisor(total, at_fixed);
+  for (std::int32_t i = 0; i < n; ++i) scratch.weight[scratch.touched[i]] /= divisor;
   return is_trained && fixed <= largest_fixed_weight<double> ? PHN_OK : PHN_WARNING_OUTSIDE;
 }
 

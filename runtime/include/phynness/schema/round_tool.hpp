@@ -177,6 +177,27 @@ void integrate(const Vector (&corner)[3], const Vector& x, double radius, const 
 
 }  // namespace round_tool
 
+/// What integrals of the pressure are divided by to be weights of a round tool: their sum over points that move, and a
+/// share of the sum over fixed points of triangles of which a point moves. The surface rises there from the fixed
+/// points faster than linear functions, hence less than all of it (docs/decisions/element.md). Where a tool touches
+/// little that moves, weights have at least the sum 1/2.
+/// @param moving, fixed  these two sums
+inline double weight_divisor(double moving, double fixed) { return std::fmin(moving + 0.8 * fixed, 2 * moving); }
+
+/// The part of `fixed` from one triangle. @param is_fixed  of its points: is_fixed(k)
+template <class IsFixed>
+double integrals_at_fixed(const double* integrals, int n_functions, const IsFixed& is_fixed) {
+  double sum = 0;
+  bool moves = false;
+  for (int k = 0; k < n_functions; ++k) {
+    if (is_fixed(k))
+      sum += integrals[k];
+    else
+      moves = true;
+  }
+  return moves ? sum : 0;
+}
+
 /// Calls take(triangle, integrals) for the triangles that a round tool presses: those that are connected to its middle
 /// over edges within its radius (straight distance). The integrals, of n_functions as in round_tool::integrate, have
 /// the factor max(0, n . n_0) of the normals there and at the middle (docs/decisions/facing-tool.md), so that a tool
