@@ -28,8 +28,8 @@ class SurfaceTools {
 
   /// The nodes that a tool moves, without fixed nodes. A tool of radius 0 moves the corners of its triangle, with their
   /// barycentric weights. A round tool moves the mean with the weights int phi N_i dA / int phi dA, where phi is the
-  /// pressure and N_i is the linear function of node i on the surface; without the fixed nodes the weights are
-  /// normalized again. Its forces on the nodes are w_i F.
+  /// pressure and N_i is the linear function of node i on the surface, divided beside fixed nodes as weight_divisor()
+  /// of schema says. Its forces on the nodes are w_i F.
   /// @param fixed   fixed nodes, ascending
   /// @param center  its nodes and weights are used; corners of weight 0 may be -1
   /// @throws Error (input) if nothing is left of the tool
