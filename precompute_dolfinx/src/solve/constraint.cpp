@@ -35,15 +35,14 @@ std::vector<double> mean_weights(const Discretization& body, const SurfacePoint&
   double at_fixed = 0;
   SurfaceTools(nodes, body.surface())
       .press(center, radius, !middle.empty(), [&](Eigen::Index t, std::span<const double> integrals) {
-        std::array<int, 6> points{};
+        const Eigen::RowVector3i corner = body.surface().row(t);
         for (int k = 0; k < 3; ++k) {
-          const auto a = body.surface()(t, k), b = body.surface()(t, (k + 1) % 3);
-          weights[points[k] = a] += integrals[static_cast<std::size_t>(k)];
-          if (!middle.empty())
-            weights[points[k + 3] = middle.at(std::minmax({a, b}))] += integrals[static_cast<std::size_t>(k) + 3];
+          const auto a = corner[k], b = corner[(k + 1) % 3];
+          weights[a] += integrals[static_cast<std::size_t>(k)];
+          if (!middle.empty()) weights[middle.at(std::minmax({a, b}))] += integrals[static_cast<std::size_t>(k) + 3];
         }
-        at_fixed += schema::integrals_at_fixed(integrals.data(), static_cast<int>(integrals.size()),
-                                               [&](int k) { return fixed[points[k]] != 0; });
+        if (middle.empty())
+          at_fixed += schema::integrals_at_fixed(integrals.data(), 3, [&](int k) { return fixed[corner[k]] != 0; });
       });
   double sum = 0;
   for (int p = 0; p < body.n_points(); ++p) {

@@ -47,7 +47,7 @@ struct Constraint {
 /// and N_i are the functions of the element on the surface. A tool of radius 0 moves the mean of the corners of its
 /// triangle with their barycentric weights, each together with the P1 hat function around it: 1 at the node and 1/2 at
 /// the middles of its surface edges. At a node this prescribes the displacement of the node. Fixed points are left out;
-/// the weights of round tools are then divided as schema::weight_divisor() says.
+/// the weights of round tools are then divided by what is left, of linear functions by schema::weight_divisor().
 /// @param centers  their nodes and weights are used; corners of weight 0 may be -1
 /// @param radius   in units of length_m
 /// @param fixed    flag of each point

@@ -6,7 +6,7 @@
 
 namespace phynness::schema {
 
-inline constexpr char body_first_line[] = "phynness-body 2\n";
+inline constexpr char body_first_line[] = "phynness-body 3\n";
 inline constexpr int32_t largest_parameter_count = 8, most_body_modes = 1024;
 /// What a tool does at a node of the surface.
 inline constexpr int32_t body_node_fixed = 0, body_node_moves = 1, body_node_touchable = 2, n_body_node_kinds = 3;

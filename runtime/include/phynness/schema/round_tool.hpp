@@ -177,10 +177,10 @@ void integrate(const Vector (&corner)[3], const Vector& x, double radius, const 
 
 }  // namespace round_tool
 
-/// What integrals of the pressure are divided by to be weights of a round tool: their sum over points that move, and a
-/// share of the sum over fixed points of triangles of which a point moves. The surface rises there from the fixed
-/// points faster than linear functions, hence less than all of it (docs/decisions/element.md). Where a tool touches
-/// little that moves, weights have at least the sum 1/2.
+/// What integrals of linear functions with the pressure are divided by to be weights of a round tool: their sum over
+/// points that move, and a share of the sum over fixed points of triangles of which a point moves. The surface rises
+/// there from the fixed points faster than linear functions, hence less than all of it (docs/decisions/element.md).
+/// Where a tool touches little that moves, weights have at least the sum 1/2.
 /// @param moving, fixed  these two sums
 inline double weight_divisor(double moving, double fixed) { return std::fmin(moving + 0.8 * fixed, 2 * moving); }
 
