@@ -76,15 +76,16 @@ TEST_F(Patches, ThatLoseAPartToFixedNodesAreNamedWithTheirShift) {
     text.replace(at, next - at, key + " = " + value);
   };
   set("fixed", "{ half_space = { point_fraction = [0.49, 0, 0], normal = [1, 0, 0] } }");
-  set("active",
-      "[{ nearest = { point_fraction = [0.55, 0.5, 1] } }, { nearest = { point_fraction = [0.9, 0.5, 1] } }]");
+  const std::string selection =
+      "[{ nearest = { point_fraction = [0.55, 0.5, 1] } }, { nearest = { point_fraction = [0.9, 0.5, 1] } }]";
+  set("active", selection);
   const auto words = warnings(text);
   std::smatch found;
   ASSERT_TRUE(std::regex_search(words, found, std::regex("part of the patch at 1 of 2 .*\\(([0-9.]+) of the radius")))
       << words;
   EXPECT_NEAR(std::stod(found[1]), 0.42, 0.25) << words;
   EXPECT_TRUE(std::regex_search(words, found, std::regex("active = (.*\\] \\})"))) << words;
-  set("active", found[1]);
+  set("active", changed(found[1], "SELECTION", selection));
   EXPECT_FALSE(holds(warnings(text), "part of the patch"));
 }
 

@@ -108,7 +108,8 @@ std::string warn_of_fixed(const Scene& scene, const Mesh& mesh, const NodeSets& 
          std::to_string(where) + "), and the force is that of this part; " +
          (spreads(scene.active)
               ? "without these nodes: add from_fixed_m = " + three_digits(radius) + " to active"
-              : "exclude these nodes: { near = { to = \"fixed\", distance_m = " + three_digits(radius) + " } }");
+              : "without these nodes: active = { difference = [SELECTION, { near = { to = \"fixed\", distance_m = " +
+                    three_digits(radius) + " } }] }, where SELECTION is that of now");
 }
 
 /// A spacing with which every node of the part is probed.
