@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <cctype>
+#include <limits>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/hash.hpp>
 #include <phynness/meshes/tool_weights.hpp>
@@ -212,20 +213,40 @@ TEST(Bodies, ReturnFromJumps) {
   }
 }
 
-// Claim: a tool that is held keeps its force when another one comes or goes, in any order of the tools.
+// Claim: a tool that is held keeps its force when others come, go or take its place in the list, also after a call that
+// is refused, and a tool that comes has none, however near it is.
 TEST(Bodies, KeepForcesWhereToolsComeAndGo) {
   const Block block;
   LoadedBody loaded(write_body_text(block.body));
-  auto tools = two_tools(block.mesh, 0.5);
+  const auto tools = two_tools(block.mesh, 0.5);
+  const auto far = [](phn_tool tool) {  // from what two steps can follow
+    for (double& d : tool.displacement) d *= 40;
+    return tool;
+  };
+  const auto is_far = [&](const std::vector<phn_tool>& next) {
+    return (loaded.press(next, 2) & PHN_WARNING_UNSETTLED) != 0 &&
+           loaded.pressed.unbalanced > runtime::far_from_balance;
+  };
   ASSERT_EQ(loaded.press({tools[0]}), PHN_OK);
   const Eigen::Vector3d alone = loaded.force[0];
-  for (double& d : tools[1].displacement) d *= 40;  // far from what two steps can follow
-  EXPECT_NE(loaded.press({tools[1], tools[0]}, 2) & PHN_WARNING_UNSETTLED, 0);
-  EXPECT_GT(loaded.pressed.unbalanced, runtime::far_from_balance);
+  ASSERT_TRUE(is_far({far(tools[1]), tools[0]}));
   EXPECT_EQ(loaded.force[0].norm(), 0);
   EXPECT_EQ(loaded.force[1], alone);
-  loaded.press({tools[0]}, 2);
-  EXPECT_GT(loaded.force[0].norm(), 0.5 * alone.norm());
+
+  loaded.rest();
+  ASSERT_EQ(loaded.press(tools), PHN_OK);
+  const auto both = loaded.force;
+  auto refused = tools;
+  refused[0].displacement[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(loaded.press(refused), PHN_ERROR_NOT_FINITE);
+  ASSERT_TRUE(is_far({far(tools[1]), tools[0]}));
+  EXPECT_EQ(loaded.force[0], both[1]);
+  EXPECT_EQ(loaded.force[1], both[0]);
+  // The first goes, and another one comes a quarter of a radius beside the second.
+  const auto near = nearest_on_surface(block.mesh.nodes, block.mesh.surface, {0.09 + radius / 4, 0.08, 0.03});
+  ASSERT_TRUE(is_far({tools[1], far(tool_at(near, {0, 0, -depth}))}));
+  EXPECT_EQ(loaded.force[0], both[1]);
+  EXPECT_EQ(loaded.force[1].norm(), 0);
 }
 
 // Claim: two tools that slide over the block by 5 cm/s and turn are followed by one step in each millisecond. Forces

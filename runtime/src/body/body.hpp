@@ -147,7 +147,7 @@ struct phn_body_state {
   double solved[3 * PHN_MOST_COUPLED];  ///< forces of the last step, however far from balance
   int status;                           ///< of the last press
   bool is_at_rest;                      ///< no tool was held since the start or a release
-  std::int32_t n_far;                   ///< steps since the forces were last near balance
+  std::int32_t n_far, n_restarts;       ///< steps since the forces were last near balance; starts from rest meanwhile
   double part;                          ///< of the next step
   /// What the stiffness has of a cell: its strain, pressure and second derivatives.
   struct Cell {

@@ -26,10 +26,10 @@ constexpr double sufficient = 1e-4;
 constexpr double cut = 4, growth = 2, least_part = 1e-6;
 /// Part of a displacement that springs take from which on there is a warning.
 constexpr double much_stretched = 0.1;
-/// After so many steps far from balance the body starts from rest again.
-constexpr std::int32_t most_far = 50;
 /// In a step a tool moves by at most so many depths.
 constexpr double longest_motion = 0.5;
+/// After so many steps far from balance the body starts from rest again, with smaller motions and more steps.
+constexpr std::int32_t most_far = 50, most_halved = 3;
 /// Components of displacements are clamped to so many times the depth.
 constexpr double most_depths = 1000;
 
@@ -106,7 +106,7 @@ class Equilibrium {
 
   /// Tools that moved far are followed in substeps of their displacements. _force is still that of the step before.
   void shorten_motions() {
-    const double longest = longest_motion * _body.info.max_displacement_m;
+    const double longest = longest_motion / (1 << _s.n_restarts) * _body.info.max_displacement_m;
     _is_shortened = false;
     for (std::int32_t t = 0; t < _s.n_rows; t += 3) {
       double motion[3];
@@ -221,23 +221,39 @@ void release(phn_body_state& state) {
   set_zero(state.solved, 3 * most_body_tools);
 }
 
-/// Where tools came or went, those that stayed, which are near their places before, keep the forces of the call before.
+/// Tools that stayed, which are near their places before, keep the forces of the call before, whatever others came or
+/// went. Each has been one tool: the nearest pairs are found first, and as many tools keep their order where they can.
 void keep_forces(phn_body_state& state, const BodyPlace* before, std::int32_t n_before) {
-  double* const all[] = {state.force, state.solved};
-  for (double* forces : all) {
-    double kept[3 * most_body_tools] = {};
-    for (std::int32_t t = 0; 3 * t < state.n_rows; ++t) {
-      double nearest = state.near;
+  const std::int32_t n = state.n_rows / 3;
+  double kept[2][3 * most_body_tools] = {};
+  bool is_found[most_body_tools] = {}, was_found[most_body_tools] = {};
+  const auto apart = [&](std::int32_t t, std::int32_t s) {
+    double x[3];
+    for (int k = 0; k < 3; ++k) x[k] = state.places[t].x[k] - before[s].x[k];
+    return length(x);
+  };
+  const auto keep = [&](std::int32_t t, std::int32_t s) {
+    is_found[t] = was_found[s] = true;
+    memcpy(kept[0] + 3 * t, state.force + 3 * s, 3 * sizeof(double));
+    memcpy(kept[1] + 3 * t, state.solved + 3 * s, 3 * sizeof(double));
+  };
+  for (std::int32_t t = 0; t < n && n == n_before; ++t)
+    if (apart(t, t) < state.near) keep(t, t);
+  for (bool goes_on = true; goes_on;) {
+    std::int32_t stayed = -1, was = -1;
+    double nearest = state.near;
+    for (std::int32_t t = 0; t < n; ++t)
       for (std::int32_t s = 0; s < n_before; ++s) {
-        double apart[3];
-        for (int k = 0; k < 3; ++k) apart[k] = state.places[t].x[k] - before[s].x[k];
-        if (!(length(apart) < nearest)) continue;
-        nearest = length(apart);
-        memcpy(kept + 3 * t, forces + 3 * s, 3 * sizeof(double));
+        if (is_found[t] || was_found[s] || !(apart(t, s) < nearest)) continue;
+        nearest = apart(t, s);
+        stayed = t;
+        was = s;
       }
-    }
-    memcpy(forces, kept, sizeof kept);
+    goes_on = stayed >= 0;
+    if (goes_on) keep(stayed, was);
   }
+  memcpy(state.force, kept[0], sizeof kept[0]);
+  memcpy(state.solved, kept[1], sizeof kept[1]);
 }
 
 }  // namespace
@@ -262,12 +278,15 @@ int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t
   const std::int32_t n_before = state->n_rows / 3;
   BodyPlace before[most_body_tools];
   memcpy(before, state->places, sizeof before);
-  state->n_rows = state->n_all_rows = 0;
+  // A refused call changes nothing.
   for (std::int32_t t = 0; t < n_tools; ++t) {
-    const int of_tool = means_of_modes(*state, tools[t], state->rows + 3 * static_cast<std::int64_t>(t) * body->stride);
+    const int of_tool =
+        means_of_modes(*state, tools[t], state->moved + 3 * static_cast<std::int64_t>(t) * body->stride);
     if (of_tool < 0) return of_tool;
-    if (t >= n_held) continue;
-    status |= of_tool;
+    if (t < n_held) status |= of_tool;
+  }
+  memcpy(state->rows, state->moved, 3 * static_cast<std::size_t>(n_tools * body->stride) * sizeof(double));
+  for (std::int32_t t = 0; t < n_held; ++t) {
     if (!(length(tools[t].displacement) <= depth * depth_slack<double>)) status |= PHN_WARNING_OUTSIDE;
     for (int k = 0; k < 3; ++k)
       state->wanted[3 * t + k] = std::fmin(std::fmax(tools[t].displacement[k], -farthest), farthest);
@@ -275,13 +294,17 @@ int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t
   state->n_rows = 3 * n_held;
   state->n_all_rows = 3 * n_tools;
   set_springs(*state, n_tools, tools, heights);
-  if (n_before != n_held) keep_forces(*state, before, n_before);
+  keep_forces(*state, before, n_before);
   if (n_held == 0) {
     release(*state);
+    state->n_restarts = 0;
     state->status = PHN_OK;
     return PHN_OK;
   }
-  if (state->n_far >= most_far) release(*state);
+  if (state->n_far >= most_far << state->n_restarts) {
+    release(*state);
+    if (state->n_restarts < most_halved) ++state->n_restarts;
+  }
   state->is_at_rest = false;
   Equilibrium equilibrium(*state);
   equilibrium.settle(steps, made);
@@ -313,6 +336,7 @@ int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t
   if (is_far) memcpy(held_by, state->force, sizeof state->force);
   state->n_far = is_far ? state->n_far + made.steps : 0;
   memcpy(state->force, held_by, sizeof state->force);
+  if ((status & PHN_WARNING_UNSETTLED) == 0) state->n_restarts = 0;
   state->status = status;
   return status;
 }

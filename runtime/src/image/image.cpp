@@ -60,9 +60,9 @@ template <int n>
 int evaluate(const phn_image* opened, const phn_image_tool* tool, Real* out) {
   Asked asked;
   int status = ask(opened, tool, out, asked);
-  const Header& image = *header(opened);
-  if (status >= 0 && n != Force && !traits(image).has_energy) status = PHN_ERROR_UNDEFINED;
+  if (status >= 0 && n != Force && !traits(*header(opened)).has_energy) status = PHN_ERROR_UNDEFINED;
   if (status < 0) return refuse(status, out, n);
+  const Header& image = *header(opened);
   Real result[n] = {};
   if (asked.corners.n == 1) {
     respond<n>(image, asked.corners.position[0], asked.d, result);
