@@ -100,6 +100,8 @@ int field_of_tools(const phn_model& model, phn_data& data, double* out) {
     }
   }
   coupled_field(*c.model, c, data.prepared, data.scratch, data.field, out);
+  // Sums of the fields of several nodes overflow where a model has numbers near the largest.
+  for (std::int32_t i = 0; i < 3 * model.n_output; ++i) out[i] = std::isfinite(out[i]) ? out[i] : 0;
   return c.warned;
 }
 
