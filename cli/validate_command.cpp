@@ -173,7 +173,8 @@ void add(CLI::App& app) {
   add_count(
       command, "--points", options.points, 0, 1'000'000,
       "also compare tools at this number of random points between nodes, and round tools at half as many where only\n"
-      "one or two corners of a triangle were probed (default: one for twelve probes of a round tool, otherwise none)");
+      "one or two corners of a triangle were probed (default: a twelfth of the probes and one for round tools, "
+      "otherwise none)");
   add_count(command, "--pairs", options.pairs, 1, 1'000'000,
             "also compare two tools at this number of random pairs of nodes, by solves with both tools, each as deep\n"
             "as 3/7 of the scene's max_displacement_m (12 mm of 28 mm in the paper)");

@@ -222,7 +222,8 @@ void release(phn_body_state& state) {
 }
 
 /// Tools that stayed, which are near their places before, keep the forces of the call before, whatever others came or
-/// went. Each has been one tool: the nearest pairs are found first, and as many tools keep their order where they can.
+/// went. A force goes to one tool only. Where the number of tools is the same, those that are near the place of the
+/// same number are the same tools; the others are matched by their distances, the nearest first.
 void keep_forces(phn_body_state& state, const BodyPlace* before, std::int32_t n_before) {
   const std::int32_t n = state.n_rows / 3;
   double kept[2][3 * most_body_tools] = {};
