@@ -83,7 +83,7 @@ void run(const Options& options) {
   if (deviation > 1e-3)
     message(
         "warning: large terms of this model cancel each other: the image differs by {:.2g} of the largest response\n"
-        "  remedy: {}train it with --family modal or a smaller --spread\n",
+        "  remedy: {}train it with --family modal or smaller spreads\n",
         deviation, kind.floats ? "export it without --float, or " : "");
 }
 

@@ -14,17 +14,8 @@ struct Options {
   std::filesystem::path scene, output;
   OptionalPath database, json_file, check_file;
   std::optional<std::string> family;
-  std::optional<int> neurons, modes;
-  std::optional<double> spread;
   std::vector<std::string> settings;
 };
-
-/// Inputs are scaled to the range [-1, 1]. Far smaller spreads separate all points, far larger ones separate none.
-void check_spread(const std::optional<double>& spread) {
-  if (spread && *spread != 0 && !(*spread >= 1e-3 && *spread <= 1e3))
-    throw input_error("a spread must be 0 (search) or between 1e-3 and 1e3", fmt::format("--spread {}", *spread),
-                      "inputs are scaled to [-1, 1]; the paper uses 0.75");
-}
 
 void print_levels(const Model& model) {
   for (std::size_t l = 0; l < model.levels.size(); ++l)
@@ -51,14 +42,6 @@ TrainingSpec chosen_spec(const Scene& scene, const Options& options) {
   TrainingSpec spec = changed_training(scene, fmt::format("{}", fmt::join(options.settings, "\n")), "--set");
   for (const auto* family : every_family())
     if (options.family == name(family->family)) spec.family = family->family;
-  for (const auto& [given, words] : {std::pair{options.neurons || options.spread, "neurons and spreads"},
-                                     std::pair{options.modes.has_value(), "modes and centers"}})
-    if (given && std::string_view(words) != operations(spec.family).option_words)
-      message("note: options of {} have no effect in family {}\n", words, name(spec.family));
-  spec.deformation_neurons = options.neurons.value_or(spec.deformation_neurons);
-  spec.force_neurons = std::min(spec.force_neurons, options.neurons.value_or(spec.force_neurons));
-  spec.deformation_spread = options.spread.value_or(spec.deformation_spread);
-  spec.modes = options.modes.value_or(spec.modes);
   return spec;
 }
 
@@ -107,9 +90,9 @@ Trained trained(const Options& options) {
   // Without a scene the database is the first argument, and tells its own.
   auto opened = options.database ? std::nullopt : std::optional(Database::open(options.scene));
   const Scene scene = opened ? stored_scene(opened->header()) : open_scene(options.scene);
+  const TrainingSpec spec = chosen_spec(scene, options);
   const auto database = opened ? std::move(*opened) : open_database(scene, *options.database);
   const auto& header = database.header();
-  const TrainingSpec spec = chosen_spec(scene, options);
   const auto finer = options.check_file ? distance_of(*options.check_file, scene, header) : FinerDistance{};
   Trained t;
   // All long work is done before a file is written, so that a signal may end it at any time.
@@ -174,7 +157,6 @@ json to_json(const Trained& t) {
 }
 
 void run(const Options& options) {
-  check_spread(options.spread);
   const Trained result = trained(options);
   print(result, options.output);
   write_json(options.json_file, to_json(result));
@@ -198,11 +180,6 @@ void add(CLI::App& app) {
     about += fmt::format("{}{}: {}", about.empty() ? "" : "; ", words.back(), family->about);
   }
   command.add_option("--family", options.family, about)->check(CLI::IsMember(words));
-  add_count(command, "--neurons", options.neurons, 1, 100'000,
-            "rbfn: neurons of a deformation network, and largest number of neurons of a force network");
-  command.add_option("--spread", options.spread,
-                     "rbfn: spread of the deformation networks, in scaled inputs; 0: search");
-  add_count(command, "--modes", options.modes, 0, largest_mode_count, "modal: modes of each node; 0: forces only");
   command
       .add_option("--set", options.settings,
                   "KEY=VALUE of [training] in place of that of the scene, as modes=8; repeat for several")

@@ -100,7 +100,7 @@ TEST_F(Outputs, OfATrainingAreNotBegunWhenASignalEndsAFit) {
   succeed("precompute scene.toml -o many.h5");
   const auto outcome = shell(
       "PHYNNESS_PROGRESS=1 timeout -s KILL 120 \"$PHYNNESS\" train scene.toml many.h5 -o fresh/model --family rbfn "
-      "--neurons 100000 2>progress.txt & "
+      "--set deformation_neurons=100000 --set force_neurons=100000 2>progress.txt & "
       "for i in $(seq 600); do grep -qs ' 0/' progress.txt && break; sleep 0.1; done; "
       "pkill -INT -P $!; wait $!; status=$?; cat progress.txt >&2; exit $status");
   EXPECT_EQ(outcome.exit_status, 1) << outcome.err;

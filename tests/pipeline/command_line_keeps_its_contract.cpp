@@ -103,7 +103,7 @@ TEST_F(Contract, WrongUsageExitsWith2AndSaysWhy) {
            Case{"validate scene.toml . --seed -1", "--seed"},
            Case{"prcompute scene.toml -o d.h5", "prcompute"},
            Case{"solve scene.toml --node 3 --displacement 0,0,-1e9", "'0,0,-1e9'"},
-           Case{"train scene.toml d.h5 -o m --spread nan", "spread"},
+           Case{"train scene.toml d.h5 -o m --set deformation_spread=nan", "spread"},
        }) {
     const auto outcome = be_refused(arguments);
     SCOPED_TRACE(arguments);

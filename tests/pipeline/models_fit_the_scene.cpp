@@ -39,7 +39,7 @@ TEST_F(Families, EnergyIsTheWorkOfTheForce) {
 }
 
 TEST_F(Families, ModelsOfForcesAloneSayThatTheyHaveNoDeformation) {
-  succeed("train scene.toml d.h5 -o m --family modal --modes 0");
+  succeed("train scene.toml d.h5 -o m --family modal --set modes=0");
   const auto tool = " --node " + std::to_string(active_of("m").at(0)) + " --displacement 0,0,-0.005";
   const auto eval = succeed("eval m" + tool + " --json e.json");
   EXPECT_TRUE(json("e.json").at("max_displacement").is_null());

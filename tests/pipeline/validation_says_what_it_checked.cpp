@@ -33,7 +33,7 @@ TEST_F(ValidationWords, AreDistances) {
 
 TEST_F(ValidationWords, NameWhatIsWorseThanLinear) {
   // A single neuron cannot repeat a deformation; 16 modes can.
-  succeed("train scene.toml d.h5 -o poor --family rbfn --neurons 1");
+  succeed("train scene.toml d.h5 -o poor --family rbfn --set deformation_neurons=1 --set force_neurons=1");
   const auto validated = succeed("validate scene.toml poor --probes 8 --json v.json --report r.html");
   expect_names(validated.out, {"worse than the linear predictor", "displacement"});
   std::set<std::string> ranges;

@@ -48,7 +48,6 @@ std::vector<TrainingFigure> figures_of_linear(const TrainingReport& report) {
 
 const FamilyOperations linear_operations = {Family::linear,
                                             "unit responses, for the linear law",
-                                            "",
                                             [](const TrainingSpec&) {},
                                             made<LinearFamilyTraining>,
                                             {},

@@ -177,7 +177,6 @@ std::vector<TrainingFigure> figures_of_modal(const TrainingReport& report) {
 const FamilyOperations modal_operations = {
     Family::modal,
     "conservative forces and modes",
-    "modes and centers",
     check_modal,
     made<ModalTraining>,
     {{"modes", &TrainingSpec::modes},

@@ -91,7 +91,6 @@ std::string describe_rbfn(const Model& model) {
 const FamilyOperations rbfn_operations = {
     Family::rbfn,
     "the paper's networks",
-    "neurons and spreads",
     check_rbfn,
     made<RbfnTraining>,
     {{"deformation_neurons", &TrainingSpec::deformation_neurons}, {"force_neurons", &TrainingSpec::force_neurons}},

@@ -22,8 +22,7 @@ struct TrainingFigure {
 
 struct FamilyOperations {
   Family family;
-  const char* about;         ///< description for --help
-  const char* option_words;  ///< names of its size options; empty: none
+  const char* about;  ///< description for --help
   /// @throws Error (input) on impossible sizes
   void (*check)(const TrainingSpec& spec);
   std::unique_ptr<FamilyTraining> (*training)(const DatabaseHeader& header, const TrainingTables& tables,
