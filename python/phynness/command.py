@@ -113,9 +113,7 @@ def train(database: Path, *, progress: Optional[bool] = None, **keys: Union[int,
     with tempfile.TemporaryDirectory(prefix="phynness-") as folder:
         out, figures = File(folder) / "model", File(folder) / "figures.json"
         _run("train", os.fspath(database), "-o", out, *settings, "--json", figures, progress=progress)
-        model = Model.__new__(Model)
-        model.__setstate__(((out / "model.txt").read_bytes(), (out / "mesh.txt").read_bytes(), json.loads(figures.read_text())))
-    return model
+        return Model((out / "model.txt").read_bytes(), (out / "mesh.txt").read_bytes(), json.loads(figures.read_text()))
 
 
 @contextlib.contextmanager

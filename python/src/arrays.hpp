@@ -106,4 +106,20 @@ void add_places(py::module_& module);
 void add_model(py::module_& module);
 void add_organ(py::module_& module);
 
+/// The conversion of a class of the module. Objects that no constructor made, as C.__new__(C), have no content.
+template <class T>
+struct MadeCaster : py::detail::type_caster_base<T> {
+  bool load(py::handle given, bool converts) {
+    if (!py::detail::type_caster_base<T>::load(given, converts)) return false;
+    auto* const object = reinterpret_cast<py::detail::instance*>(given.ptr());
+    if (!given.is_none() && !object->get_value_and_holder().holder_constructed())
+      raise_type("an object of __new__ has no content; call its class");
+    return true;
+  }
+};
+
 }  // namespace phynness::python
+
+template <>
+class pybind11::detail::type_caster<phynness::python::SurfacePoint>
+    : public phynness::python::MadeCaster<phynness::python::SurfacePoint> {};

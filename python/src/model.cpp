@@ -101,6 +101,11 @@ py::object number(py::handle at, py::handle displacements, Value&& value) {
 
 void add_responses(ModelClass& model) {
   model.def(py::init(&open), arg("path"))
+      .def(py::init([](const py::bytes& text, py::object mesh_text, py::object training) {
+             return std::make_unique<ModelObject>(NamedText{"the text", text}, std::move(mesh_text),
+                                                  std::move(training));
+           }),
+           arg("text"), arg("mesh_text"), arg("training"))
       .def(
           "force",
           [](ModelObject& m, py::handle at, py::handle d, const Level& l) {
@@ -197,11 +202,11 @@ void add_texts(ModelClass& model) {
           "text", [](const ModelObject& m) { return py::bytes(m.text); }, "The content of model.txt, bytes.")
       .def_readonly("mesh_text", &ModelObject::mesh, "The content of mesh.txt, bytes; None if it was read without.")
       .def_readonly("training", &ModelObject::training, "Figures of train, a dict; None in a model that was read.")
-      .def(py::pickle([](const ModelObject& m) { return py::make_tuple(py::bytes(m.text), m.mesh, m.training); },
-                      [](const py::tuple& state) {
-                        return std::make_unique<ModelObject>(NamedText{"the text", state[0].cast<std::string>()},
-                                                             state[1], state[2]);
-                      }))
+      .def("__reduce__",
+           [](const py::object& self) {
+             const auto& m = self.cast<const ModelObject&>();
+             return py::make_tuple(py::type::of(self), py::make_tuple(py::bytes(m.text), m.mesh, m.training));
+           })
       .def_property_readonly(
           "levels",
           [](const ModelObject& m) {

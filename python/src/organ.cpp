@@ -182,10 +182,25 @@ void add_report(py::class_<Result>& result) {
       .def_property_readonly(
           "residual", [](const Result& r) { return r.report.residual_m; },
           "Largest distance of a tool from what it holds [m].")
-      .def_readonly("status", &Result::status, "0, or a sum of PHN_WARNING_* of phynness.h.");
+      .def_readonly("status", &Result::status, "0, or a sum of PHN_WARNING_* of phynness.h.")
+      .def("__reduce__",
+           [](const Result&) -> py::object { raise_type("what an Organ answers is not pickled; its arrays are"); });
 }
 
 }  // namespace
+}  // namespace phynness::python
+
+template <>
+class pybind11::detail::type_caster<phynness::python::Held>
+    : public phynness::python::MadeCaster<phynness::python::Held> {};
+template <>
+class pybind11::detail::type_caster<phynness::python::Touched>
+    : public phynness::python::MadeCaster<phynness::python::Touched> {};
+template <>
+class pybind11::detail::type_caster<phynness::python::OrganObject>
+    : public phynness::python::MadeCaster<phynness::python::OrganObject> {};
+
+namespace phynness::python {
 
 void add_organ(py::module_& module) {
   py::class_<Held> held(module, "Held", "What Organ.hold answers.");
@@ -274,13 +289,13 @@ centers: (n, 3) or (3,) [m]. radius [m]. mode: "press", "grasp" or "off". A sphe
                                         : view(self, o.body_info().points, {o.body_info().n_nodes, 3});
           },
           "Of nodes, (n, 3) [m], undeformed.")
-      .def(py::pickle(
-          [](const OrganObject& o) {
-            return py::make_tuple(bytes_or_none(o.model_text), bytes_or_none(o.body_text), o.max_tools, o.steps);
-          },
-          [](const py::tuple& state) {
-            return OrganObject::open(state[0], state[1], state[2].cast<std::int32_t>(), state[3].cast<std::int32_t>());
-          }));
+      .def("__reduce__", [](const py::object& self) {
+        const auto& o = self.cast<const OrganObject&>();
+        return py::make_tuple(
+            py::module_::import("functools")
+                .attr("partial")(py::type::of(self), arg("max_tools") = o.max_tools, arg("steps") = o.steps),
+            py::make_tuple(bytes_or_none(o.model_text), bytes_or_none(o.body_text)));
+      });
 }
 
 }  // namespace phynness::python

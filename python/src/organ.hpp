@@ -51,3 +51,7 @@ class ModelObject {
 };
 
 }  // namespace phynness::python
+
+template <>
+class pybind11::detail::type_caster<phynness::python::ModelObject>
+    : public phynness::python::MadeCaster<phynness::python::ModelObject> {};

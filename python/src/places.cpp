@@ -84,20 +84,23 @@ void add_places(py::module_& module) {
   py::class_<SurfacePoint>(module, "SurfacePoint",
                            "A place on the surface: one to three nodes of a triangle, with barycentric weights >= 0 of "
                            "sum 1.\n\nSee Model.nearest.")
-      .def(py::init<const std::vector<std::int32_t>&, const std::vector<double>&>(), arg("nodes"), arg("weights"))
+      .def(py::init([](const std::vector<std::int32_t>& nodes, const std::vector<double>& weights, py::object position,
+                       py::object distance) {
+             SurfacePoint point(nodes, weights);
+             point.position = std::move(position);
+             point.distance = std::move(distance);
+             return point;
+           }),
+           arg("nodes"), arg("weights"), arg("position") = py::none(), arg("distance") = py::none())
       .def_property_readonly("nodes", [](const SurfacePoint& p) { return tuple_of(p.nodes()); })
       .def_property_readonly("weights", [](const SurfacePoint& p) { return tuple_of(p.weights()); })
       .def_readonly("position", &SurfacePoint::position, "Of nearest: of this place, undeformed, (3,) [m]; else None.")
       .def_readonly("distance", &SurfacePoint::distance, "Of nearest: from this place to x [m]; else None.")
       .def("__repr__", &SurfacePoint::text)
-      .def(py::pickle(
-          [](const SurfacePoint& p) { return py::make_tuple(p.nodes(), p.weights(), p.position, p.distance); },
-          [](const py::tuple& state) {
-            SurfacePoint point(state[0].cast<std::vector<std::int32_t>>(), state[1].cast<std::vector<double>>());
-            point.position = state[2];
-            point.distance = state[3];
-            return point;
-          }));
+      .def("__reduce__", [](const py::object& self) {
+        const auto& p = self.cast<const SurfacePoint&>();
+        return py::make_tuple(py::type::of(self), py::make_tuple(p.nodes(), p.weights(), p.position, p.distance));
+      });
 }
 
 }  // namespace phynness::python

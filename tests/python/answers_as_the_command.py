@@ -127,13 +127,24 @@ class Models(unittest.TestCase):
     def test_copies_and_pickles_answer_the_same(self):
         organ = phynness.Organ(model, max_tools=2)
         point = model.nearest([0, 0, 0.1])
-        for made in (copy.copy, copy.deepcopy, lambda given: pickle.loads(pickle.dumps(given))):
+        for made in (copy.copy, copy.deepcopy, *(
+                lambda given, p=p: pickle.loads(pickle.dumps(given, p)) for p in range(pickle.HIGHEST_PROTOCOL + 1))):
             self.same(made(model).response(NODE, d)[2], model.response(NODE, d)[2])
             self.assertEqual((made(model).text, made(model).mesh_text), (model.text, model.mesh_text))
             self.same(made(organ).hold([NODE, point], d[:2]).forces, organ.hold([NODE, point], d[:2]).forces)
             again = made(point)
             self.assertEqual((again.nodes, again.weights, again.distance), (point.nodes, point.weights, point.distance))
             self.same(again.position, point.position)
+        held, touched = organ.hold(NODE, d[0]), organ.touch([0, 0, 1], 0.005)
+        for given in (model, organ, point, held, touched):
+            bare = type(given).__new__(type(given))
+            for name in dir(type(given)):
+                if isinstance(getattr(type(given), name), property):
+                    self.assertRaisesRegex(TypeError, "call its class", getattr, bare, name)
+            self.assertRaisesRegex(TypeError, "call its class", bare.__reduce__)
+            for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
+                if given in (held, touched):
+                    self.assertRaisesRegex(TypeError, "not pickled", pickle.dumps, given, protocol)
 
     def test_names_are_those_of_the_package(self):
         self.assertEqual(dir(phynness), sorted(phynness.__all__))
