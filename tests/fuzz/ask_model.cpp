@@ -91,10 +91,10 @@ class Asker {
   }
   /// Of one node and displacement: which refusals are right. @return whether it was answered
   bool right(int status, std::int32_t node, const double* d, bool may_be_undefined) const {
-    if (!active(node)) {
-      require(status == PHN_ERROR_NOT_ACTIVE, "not active");
-    } else if (!finite(d, 3)) {
+    if (!finite(d, 3)) {
       require(status == PHN_ERROR_NOT_FINITE, "not finite");
+    } else if (!active(node)) {
+      require(status == PHN_ERROR_NOT_ACTIVE, "not active");
     } else {
       require(status >= 0 || (may_be_undefined && status == PHN_ERROR_UNDEFINED), "answered");
     }

@@ -87,7 +87,7 @@ TEST(Bodies, HaveTheBoundsOfThePage) {
   LoadedBody loaded(write_body_text(block.body));
   ASSERT_EQ(loaded.status, PHN_OK);
   double bounds[] = {-1, -1};
-  EXPECT_EQ(phn_body_bound(loaded.body, loaded.state, bounds), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(phn_body_bound(loaded.body, loaded.state, 0, bounds), PHN_ERROR_UNDEFINED);
   const Eigen::MatrixXd stiffness = stiffness_of_shape(block), modes = block.body.modes.values();
   for (const std::size_t n : {1, 2}) {
     auto tools = two_tools(block.mesh, 1), small = two_tools(block.mesh, 1e-4);
@@ -96,7 +96,9 @@ TEST(Bodies, HaveTheBoundsOfThePage) {
     ASSERT_EQ(loaded.press(small), PHN_OK);
     const auto linear = loaded.force;
     ASSERT_EQ(loaded.press(tools), PHN_OK);
-    ASSERT_EQ(phn_body_bound(loaded.body, loaded.state, bounds), PHN_OK);
+    const auto n_tools = static_cast<std::int32_t>(n);
+    EXPECT_EQ(phn_body_bound(loaded.body, loaded.state, 3 - n_tools, bounds), PHN_ERROR_ARGUMENT);
+    ASSERT_EQ(phn_body_bound(loaded.body, loaded.state, n_tools, bounds), PHN_OK);
     const Eigen::VectorXd q = modes.colPivHouseholderQr().solve(loaded.deformation());
     const Eigen::Index half = q.size() - q.size() / 2;
     double square = 0;
@@ -112,7 +114,7 @@ TEST(Bodies, HaveTheBoundsOfThePage) {
   }
   LoadedBody without(write_body_text(Block().body));
   ASSERT_EQ(without.press(two_tools(block.mesh, 1)), PHN_OK);
-  EXPECT_EQ(phn_body_bound(without.body, without.state, bounds), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(phn_body_bound(without.body, without.state, 2, bounds), PHN_ERROR_UNDEFINED);
 }
 
 // Claim: tables of the energy at rest make a body whose cells have wrong weights the one with right ones where it is
@@ -318,6 +320,9 @@ TEST(Bodies, RefuseWrongCalls) {
   EXPECT_EQ(with([](phn_tool& t) { t.weights[0] += 0.5; }), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(with([](phn_tool& t) { t.nodes[0] = t.nodes[1] = t.nodes[2] = 99; }), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(refused({tools[0], tools[1], tools[0]}), PHN_ERROR_TOOLS);
+  Block few;  // of five modes, which do not suffice for the six directions of two tools
+  for (ScaledTable* table : {&few.body.modes, &few.body.gradients}) *table = scaled_table(table->values().leftCols(5));
+  EXPECT_EQ(LoadedBody(write_body_text(few.body)).press(tools), PHN_ERROR_TOO_MANY_TOOLS);
   Block held;
   held.body.tool_radius_m = 0;
   LoadedBody nodes(write_body_text(held.body));
@@ -326,11 +331,12 @@ TEST(Bodies, RefuseWrongCalls) {
   EXPECT_EQ(phn_body_force(loaded.body, loaded.state, 1, tools.data(), 0, loaded.force[0].data(), nullptr),
             PHN_ERROR_ARGUMENT);
   std::size_t bytes = 0;
-  EXPECT_EQ(phn_body_state_size(loaded.body, 9, &bytes), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_body_state_size(loaded.body, 9, &bytes), PHN_ERROR_TOO_MANY_TOOLS);
+  EXPECT_EQ(phn_body_contact_size(loaded.body, 9, &bytes), PHN_ERROR_TOO_MANY_TOOLS);
   ASSERT_EQ(phn_body_state_size(loaded.body, 2, &bytes), PHN_OK);
   phn_body_state* state = nullptr;
   std::vector<char> memory(bytes);
-  EXPECT_EQ(phn_body_state_init(memory.data(), bytes / 2, loaded.body, 2, &state), PHN_ERROR_BUFFER);
+  EXPECT_EQ(phn_body_state_init(memory.data(), bytes - 1, loaded.body, 2, &state), PHN_ERROR_BUFFER);
   EXPECT_EQ(state, nullptr);
 }
 

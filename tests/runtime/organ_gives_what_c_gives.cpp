@@ -184,9 +184,14 @@ TEST_F(OrganOfABody, HoldsAsC) {
     EXPECT_EQ(report.steps, pressed.steps);
     EXPECT_EQ(organ.deform(field), phn_body_deform(body, state, expected_field.data()));
     EXPECT_EQ(field, expected_field);
-    EXPECT_EQ(organ.bound(bounds), phn_body_bound(body, state, expected));
+    EXPECT_EQ(organ.bound(bounds), phn_body_bound(body, state, 2, expected));
   }
   EXPECT_NE(forces[0], 0);
+  EXPECT_GE(phn_body_force(body, organ.state(), 1, tools, 5, expected, nullptr), PHN_OK);  // another user
+  EXPECT_EQ(organ.bound(bounds), PHN_ERROR_ARGUMENT);
+  EXPECT_GE(organ.hold(tools, forces), PHN_OK);
+  EXPECT_GE(phn_body_force(body, state, 1, tools, 5, expected, nullptr), PHN_OK);
+  EXPECT_GE(phn_body_force(body, state, 2, tools, 5, expected, nullptr), PHN_OK);
   double energy = 1, stiffness[9] = {1}, one[3] = {1, 1, 1};
   EXPECT_EQ(organ.hold(tools[0], one, energy), phn_body_force(body, state, 1, tools, 5, expected, &pressed));
   EXPECT_EQ(std::memcmp(one, expected, sizeof one), 0);

@@ -233,7 +233,7 @@ class Organ {
   }
 
   /// Bounds [N] of the errors of the forces of the last hold, one for each of its tools. PHN_ERROR_UNDEFINED: there are
-  /// none, or the last call was not hold.
+  /// none, or the last call was not hold. PHN_ERROR_ARGUMENT: state() was since pressed by another number of tools.
   Status bound(Span<double> bounds) noexcept {
     const std::size_t n = _last == Last::of_tool ? 1 : _last == Last::of_tools ? _n_tools : 0;
     if (n == 0) return PHN_ERROR_UNDEFINED;
@@ -440,8 +440,9 @@ class Organ {
   }
   Status bounds_of(double* bounds) const noexcept {
     if (_last == Last::of_tool) return phn_bound(model(), &_tool, bounds);
+    if (_state != nullptr) return phn_body_bound(body(), _state, static_cast<std::int32_t>(_n_tools), bounds);
     std::fill_n(bounds, _n_tools, 0.0);
-    return _state != nullptr ? phn_body_bound(body(), _state, bounds) : PHN_ERROR_UNDEFINED;
+    return PHN_ERROR_UNDEFINED;
   }
 
   void swap(Organ& other) noexcept {

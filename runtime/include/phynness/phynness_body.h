@@ -73,15 +73,17 @@ typedef struct phn_body_report {
  * smaller motions in a step. _NEAR: tools nearer than half of their radius act through springs between them
  * (docs/theory.md, Near tools), which take more than a tenth of a displacement; two with equal displacements at one
  * place share the force of one, opposed ones have five times that of each alone. PHN_ERROR_NOT_ACTIVE: all that the
- * tool touches is fixed. With 0 tools the body is at rest. `report` may be null.
+ * tool touches is fixed. PHN_ERROR_TOO_MANY_TOOLS: also of more tools than a third of n_modes. With 0 tools the body is
+ * at rest. `report` may be null.
  */
 PHN_API int phn_body_force(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools,
                            int32_t steps, double* forces, phn_body_report* report);
 
-/* Bounds [N] of the errors of the forces of the last phn_body_force, one for each of its tools, from the finite
- * elements of the body (formats/body.md, Bounds); PHN_NO_BOUND where that gave a warning.
- * PHN_ERROR_UNDEFINED: a body without bounds (phynness calibrate --body), or no tool. @return its status otherwise */
-PHN_API int phn_body_bound(const phn_body* body, const phn_body_state* state, double* bounds);
+/* Bounds [N] of the errors of the forces of the last phn_body_force, one for each of its n_tools, from the finite
+ * elements of the body (formats/body.md, Bounds); PHN_NO_BOUND where that gave a warning. PHN_ERROR_ARGUMENT: it had
+ * another number of tools. PHN_ERROR_UNDEFINED: a body without bounds (phynness calibrate --body), or no tool.
+ * @return its status otherwise */
+PHN_API int phn_body_bound(const phn_body* body, const phn_body_state* state, int32_t n_tools, double* bounds);
 
 /* Displacements [m] of the surface's nodes, n_nodes x 3, after the last phn_body_force; zeros before. */
 PHN_API int phn_body_deform(const phn_body* body, const phn_body_state* state, double* out);

@@ -272,7 +272,7 @@ int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t
                             const double* heights, std::int32_t steps, double* held_by, phn_body_report& made) {
   phn_body_state* const state = &s;
   const phn_body* const body = s.body;
-  if (n_tools > most_body_tools) return PHN_ERROR_TOO_MANY_TOOLS;
+  if (n_tools > most_body_tools || 3 * n_held > body->info.n_modes) return PHN_ERROR_TOO_MANY_TOOLS;
   if (n_tools > state->max_tools) return PHN_ERROR_TOOLS;
   const double depth = body->info.max_displacement_m, farthest = most_depths * depth;
   int status = PHN_OK;
@@ -359,7 +359,10 @@ double energy_of_last_modes(const phn_body_state& state) {
   return energy;
 }
 
-bool are_tools(std::int32_t n) { return n >= 1 && n <= most_body_tools; }
+/// @return a status of phynness.h
+int check_tools(std::int32_t n) {
+  return n < 1 ? PHN_ERROR_ARGUMENT : n > most_body_tools ? PHN_ERROR_TOO_MANY_TOOLS : PHN_OK;
+}
 
 }  // namespace
 
@@ -401,7 +404,8 @@ int phn_body_nearest(const phn_body* body, const double x[3], phn_tool* tool, do
 int phn_body_state_size(const phn_body* body, int32_t max_tools, size_t* bytes) {
   if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
   *bytes = 0;
-  if (body == nullptr || !are_tools(max_tools)) return PHN_ERROR_ARGUMENT;
+  if (body == nullptr) return PHN_ERROR_ARGUMENT;
+  if (const int refused = check_tools(max_tools); refused != PHN_OK) return refused;
   Arena arena;
   lay_out_state(arena, *body, max_tools);
   if (arena.overflow()) return PHN_ERROR_TOO_LARGE;
@@ -412,7 +416,8 @@ int phn_body_state_size(const phn_body* body, int32_t max_tools, size_t* bytes) 
 int phn_body_state_init(void* memory, size_t bytes, const phn_body* body, int32_t max_tools, phn_body_state** state) {
   if (state == nullptr) return PHN_ERROR_ARGUMENT;
   *state = nullptr;
-  if (memory == nullptr || body == nullptr || !are_tools(max_tools)) return PHN_ERROR_ARGUMENT;
+  if (memory == nullptr || body == nullptr) return PHN_ERROR_ARGUMENT;
+  if (const int refused = check_tools(max_tools); refused != PHN_OK) return refused;
   if (overlap(memory, bytes, state, sizeof *state)) return PHN_ERROR_OVERLAP;
   Arena arena(memory, bytes);
   phn_body_state* const made = lay_out_state(arena, *body, max_tools);
@@ -441,9 +446,11 @@ int phn_body_force(const phn_body* body, phn_body_state* state, int32_t n_tools,
   return status;
 }
 
-int phn_body_bound(const phn_body* body, const phn_body_state* state, double* bounds) {
+int phn_body_bound(const phn_body* body, const phn_body_state* state, int32_t n_tools, double* bounds) {
+  for (std::int32_t t = 0; t < n_tools && bounds != nullptr; ++t) bounds[t] = 0;
   if (body == nullptr || state == nullptr || state->body != body || bounds == nullptr) return PHN_ERROR_ARGUMENT;
   const std::int32_t n = state->n_rows;
+  if (n_tools != n / 3) return PHN_ERROR_ARGUMENT;
   if (body->bounds == nullptr || n == 0) return PHN_ERROR_UNDEFINED;
   Compliance at_rest;
   at_rest.set(*state, state->factor_at_rest);

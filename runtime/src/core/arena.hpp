@@ -29,7 +29,7 @@ class Arena {
     const std::size_t off = reinterpret_cast<std::uintptr_t>(memory) % alignment;
     const std::size_t skipped = off == 0 ? 0 : alignment - off;
     _base = static_cast<unsigned char*>(memory) + skipped;
-    _bytes = bytes > skipped ? bytes - skipped : 0;
+    _bytes = bytes > alignment - 1 ? bytes - (alignment - 1) : 0;  // less than needed() is refused at any alignment
   }
 
   /// `n` x `per` objects of T, uninitialized; null when counting or when the memory is used up.

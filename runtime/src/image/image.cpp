@@ -28,6 +28,7 @@ struct Asked {
   if (tool->reserved[0] != 0 || tool->reserved[1] != 0) return PHN_ERROR_VERSION;
   const Header& image = *header(opened);
   int status = find_corners(image, *tool, asked.corners);
+  if (status == PHN_ERROR_NOT_ACTIVE && !finite(tool->displacement)) return PHN_ERROR_NOT_FINITE;
   if (status != PHN_OK) return status;
   const Real largest = Real(image::largest_displacement) * image.max_displacement;
   bool whole = true;

@@ -108,7 +108,7 @@ int phn_loop_init(void* memory, size_t bytes, const phn_loop_settings* settings,
   if (refused != PHN_OK) return refused;
   const std::size_t off = reinterpret_cast<std::uintptr_t>(memory) % alignof(phn_loop);
   const std::size_t skipped = off == 0 ? 0 : alignof(phn_loop) - off;
-  if (bytes < sizeof(phn_loop) + skipped) return PHN_ERROR_BUFFER;
+  if (bytes < sizeof(phn_loop) + alignof(phn_loop) - 1) return PHN_ERROR_BUFFER;
   *loop = new (static_cast<unsigned char*>(memory) + skipped) phn_loop(copied);
   return PHN_OK;
 }

@@ -56,6 +56,7 @@ std::int32_t find_corners(const phn_model& model, std::int32_t node, Corner corn
 
 int find_place(const phn_model& model, const phn_tool& tool, Place& place) {
   if (!is_of_this_version(tool)) return PHN_ERROR_VERSION;
+  if (!finite(tool.displacement)) return PHN_ERROR_NOT_FINITE;
   place.n_nodes = 0;
   double sum = 0, movable = 0;
   for (int k = 0; k < 3; ++k) {
@@ -77,7 +78,7 @@ int find_place(const phn_model& model, const phn_tool& tool, Place& place) {
   if (!(movable > weight_slack)) return PHN_ERROR_NOT_ACTIVE;
   place.fixed_weight = sum - movable;
   place.least_weight = least_share * movable;
-  return finite(tool.displacement) ? PHN_OK : PHN_ERROR_NOT_FINITE;
+  return PHN_OK;
 }
 
 bool is_round(const phn_model& model, const Place& place) {

@@ -71,8 +71,8 @@ export class Tools extends Owner {
     const { engine } = this;
     this.alive();
     const ofModel = this.f === functions.model;
-    const status =
-      ofModel && this.held !== 1 ? undefinedHere : engine.f[this.f.bound]!(this.of, ofModel ? this.tools : this.data, this.boundsAt);
+    const those = ofModel ? [this.tools] : [this.data, this.held];
+    const status = ofModel && this.held !== 1 ? undefinedHere : engine.f[this.f.bound]!(this.of, ...those, this.boundsAt);
     if (status !== undefinedHere && status < 0) throw engine.error(status, 'bounds');
     const bounds = Array.from(engine.reals(this.boundsAt, this.held));
     return bounds.map((bound) => (status === undefinedHere || bound >= noBound ? null : bound));
