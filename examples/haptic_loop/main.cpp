@@ -8,7 +8,7 @@
 // --at X,Y,Z              the middle of the motion: the nearest point of the surface [highest]; --along X,Y,Z
 // --depth, --reach, --speed     in metres, and at most in metres in a second
 // --device                a simulated device with phn_loop between hand and tool
-// --csv FILE              time, position, force, energy and status, which plot.py draws
+// --csv FILE              time, position, force, energy, status, and the tool that holds the body, which plot.py draws
 // Exit status: 0; 1: an error; 2: wrong usage; 3: the loop tripped.
 #include <phynness/phynness_loop.h>
 #include <phynness/phynness.hpp>
@@ -141,8 +141,9 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
     phynness::OrganReport report;
     status = radius > 0 ? organ.touch(spheres, states, &report) : organ.hold(tools, forces, &report);
     for (std::size_t t = 0; t < n; ++t) {
-      const double *force = radius > 0 ? states[t].force : &forces[3 * t],
-                   *touched = radius > 0 ? states[t].held.displacement : tools[t].displacement;
+      const double* force = radius > 0 ? states[t].force : &forces[3 * t];
+      const phn_tool& held = radius > 0 ? states[t].held : tools[t];
+      const double* touched = held.displacement;
       answer[t] = {{force[0], force[1], force[2]}, {touched[0], touched[1], touched[2]}};
       answer[t].in_contact = radius == 0 || states[t].in_contact != 0;
       Vector on_device = -1 * answer[t].force;
@@ -167,9 +168,13 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
       before[t] = answer[t];
       tip_before[t] = tip[t];
       if (csv != nullptr)
-        std::fprintf(csv, "%.3f,%zu,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%d,%.9g,%.9g\n", now_s, t, tip[t][0], tip[t][1],
-                     tip[t][2], force[0], force[1], force[2], report.energy_J, static_cast<int>(status), taken,
-                     hand.away(now_s));
+        std::fprintf(csv,
+                     "%.3f,%zu,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%d,%.9g,%.9g,%d,%d,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,"
+                     "%.9g,%.9g\n",
+                     now_s, t, tip[t][0], tip[t][1], tip[t][2], force[0], force[1], force[2], report.energy_J,
+                     static_cast<int>(status), taken, hand.away(now_s), held.nodes[0], held.nodes[1], held.nodes[2],
+                     held.weights[0], held.weights[1], held.weights[2], touched[0], touched[1], touched[2],
+                     radius > 0 ? states[t].scale : 1, radius > 0 ? states[t].unbalanced : 0);
     }
     given = std::max(given, -taken);
     unsettled += status.unsettled();
@@ -259,7 +264,10 @@ int main(int argc, char** argv) {
   }
   std::FILE* csv = text("--csv") != nullptr ? std::fopen(text("--csv"), "w") : nullptr;
   if (text("--csv") != nullptr && csv == nullptr) return stop(1, text("--csv"), "cannot be written");
-  if (csv != nullptr) std::fprintf(csv, "time_s,tool,x_m,y_m,z_m,fx_N,fy_N,fz_N,energy_J,status,taken_J,apart_m\n");
+  if (csv != nullptr)
+    std::fprintf(csv,
+                 "time_s,tool,x_m,y_m,z_m,fx_N,fy_N,fz_N,energy_J,status,taken_J,apart_m,"
+                 "node0,node1,node2,weight0,weight1,weight2,ux_m,uy_m,uz_m,scale,unbalanced_N\n");
   const int result = run(organ, hand, radius, friction, text("--device") != nullptr, csv);
   if (csv != nullptr) std::fclose(csv);
   return result < 0 ? stop(1, argv[2], phn_status_message(result)) : result;

@@ -27,7 +27,8 @@ within() {
 "$loop" - same --body block/body.txt | within 2 0 1e-2
 "$loop" - opposed --body block/body.txt --speed 0.02 | within 5 0 1
 "$loop" - same --body block/body.txt --sphere 0.01 --csv spheres.csv | within 2 0 1e-3
-"$loop" - same --body block/body.txt --sphere 0.01 --friction 0.5 | within 2 0 1e-3
+# The last cycle of contact is 5 um deep, less than the motion in it.
+"$loop" - same --body block/body.txt --sphere 0.01 --friction 0.5 | within 2 1 1e-3
 # Behind the virtual coupling.
 for motion in closed slide; do "$loop" "$example" $motion --device | tee device.txt | within 3 0 0.2; grep -q 'has not tripped' device.txt; done
 "$loop" - same --body block/body.txt --sphere 0.01 --device | tee device.txt

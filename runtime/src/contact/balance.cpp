@@ -13,6 +13,7 @@ constexpr double slid_alone = 0.02;
 constexpr double same_place = 1e-4;       ///< tools closer than this, in sizes of the body, are at one point
 constexpr int most_shortened = 3;         ///< tries of a slide that worsens the excess
 constexpr double shortening = 0.3;        ///< of each
+constexpr int most_turns = 20;            ///< of the direction of friction, to the slide
 constexpr int most_fallen = 3;            ///< responses in a step to the falls of a tool
 constexpr int most_falls = 12;            ///< steps of a fall
 constexpr int most_sweeps = 60;           ///< over the tools on a body, and when they end:
@@ -173,16 +174,33 @@ class Balance {
         _contact.held_at[tool.order - 1] = _touched.displacement(tool.order - 1);
         again |= tool.anchored && tool.is_new;
       }
-      if (!again || !_contact.is_known || _touched.steps < 1 || pass == most_slides) return status;
+      if (again && _contact.is_known && _touched.steps >= 1 && pass < most_slides) continue;
+      if (predict()) relieve();
+      return status;
+    }
+  }
+
+  /// Gives the tools the forces of the last prediction, to which the body comes in the next step. Those of the response
+  /// may be far outside of the cone: between near tools a slide of a micrometre is much force.
+  void relieve() {
+    _n_active = 0;
+    for (std::int32_t t = 0; t < _n; ++t) {
+      ToolContact& tool = _contact.tool[t];
+      if (!takes_part(t)) continue;
+      tool.unbalanced = length((vector_at(tool.force) - _predicted[order(t)]).x);
+      for (int k = 0; k < 3; ++k) tool.force[k] = _predicted[order(t)][k];
+      if (tool.active) _active[_n_active++] = t;
     }
   }
 
   /// Forces and places of the tools of the last response, by its linearization: projected Gauss-Seidel iterations over
   /// the tools (Jourdan, Alart and Jean 1998, doi 10.1016/S0045-7825(97)00137-0), after which proxies slide by what the
   /// forces leave of the distances to their tools. Tools that do not push are not held in the next response.
-  void predict() {
+  /// @return whether the last response says something of the forces, which then are in _predicted
+  bool predict() {
     Matrix compliance[most_touching * most_touching];
-    Vector force[most_touching] = {}, left[most_touching];
+    Vector(&force)[most_touching] = _predicted, left[most_touching];
+    for (Vector& f : force) f = {};
     const std::int32_t n = _contact.n_before;
     for (std::int32_t t = 0; t < _n; ++t) {
       if (takes_part(t)) force[order(t)] = _contact.held_by[order(t)];
@@ -203,15 +221,22 @@ class Balance {
       }
       slides = false;
       for (std::int32_t t = 0; t < _n; ++t) {
+        _contact.tool[t].stopped = false;
         if (takes_part(t) && _inputs[t].mode == PHN_TOOL_PRESS) slides |= slide_by(t, left[order(t)]);
       }
     }
     for (std::int32_t t = 0; t < _n; ++t) {
       ToolContact& tool = _contact.tool[t];
       if (!tool.anchored) continue;
+      // A tool beyond an edge is let go where the surface could follow it only if it pulled.
+      if (is_known && takes_part(t) && tool.stopped &&
+          dot(force[order(t)] + inverse_of(compliance[n * order(t) + order(t)]) * left[order(t)],
+              vector_at(tool.normal)) >= 0)
+        force[order(t)] = {};
       const bool pushes = is_known ? takes_part(t) && length(force[order(t)].x) > 0 : tool.order <= _contact.n_held;
       tool.active = _inputs[t].mode == PHN_TOOL_GRASP || (tool.order > 0 && pushes);
     }
+    return is_known;
   }
 
   bool takes_part(std::int32_t t) const { return _contact.tool[t].anchored && _contact.tool[t].order > 0; }
@@ -225,28 +250,47 @@ class Balance {
     return gap;
   }
 
-  /// The force that closes a gap, inside the friction cone. @return what it leaves of the gap
+  /// The force that closes a gap, inside the friction cone. Where it is on the cone, friction has the direction of the
+  /// whole slide of this step (Coulomb's law). @return what it leaves of the gap
   Vector follow(std::int32_t t, const Matrix& compliance, const Vector& gap, Vector& force) const {
-    const Vector before = force, normal = vector_at(_contact.tool[t].normal);
-    force += inverse_of(compliance) * gap;
-    if (_inputs[t].mode == PHN_TOOL_PRESS) {
-      const double push = -dot(force, normal), friction = _inputs[t].friction;
-      const Vector tangential = force + push * normal;
-      const double sideways = length(tangential.x);
-      if (!(push > 0)) {
-        force = {};
-      } else if (sideways > friction * push) {
-        // On the cone, with a normal part that closes the gap along the normal.
-        Vector along = (friction / sideways) * tangential - normal;
-        if (!(dot(compliance * along, normal) < 0)) along = -1 * normal;
-        const double size = dot(gap + compliance * before, normal) / dot(compliance * along, normal);
-        force = std::fmax(size, 0) * along;
+    const ToolContact& tool = _contact.tool[t];
+    const Vector before = force, normal = vector_at(tool.normal), open = gap + compliance * before,
+                 moved = compliance * normal;
+    const double soft = dot(moved, normal), pushed = -dot(open, normal) / soft, friction = _inputs[t].friction;
+    force = {};
+    if (_inputs[t].mode != PHN_TOOL_PRESS) {
+      force = before + inverse_of(compliance) * gap;
+    } else if (soft > 0 && pushed > 0) {
+      // Friction f_t slides the point by s, and (S + s / f_t) f_t = what it slides without friction, where S is the
+      // compliance along the surface with the normal gap closed. The push is pushed + moved . f_t / soft.
+      double first[3];
+      point_at(_surface, _surface.rest, tool.first, _inputs[t].radius, first);
+      Vector slide =
+          open + pushed * moved + vector_at(_inputs[t].center) - vector_at(tool.displacement) - vector_at(first);
+      slide -= dot(slide, normal) * normal;
+      const Matrix along = compliance - (1 / soft) * outer(moved, moved) + soft * outer(normal, normal);
+      double push = pushed;
+      const auto excess = [&](double part) {
+        force = inverse_of(along + diagonal(soft * part / (1 - part))) * slide;
+        push = pushed + dot(moved, force) / soft;
+        return length(force.x) - friction * push;
+      };
+      double low = 0, high = 1, at_low = friction > 0 ? excess(0) : 0, at_high = -friction * pushed;
+      bool was_over = false;
+      for (int i = 0; i < most_turns && at_low > 0; ++i) {
+        const double middle = (low * at_high - high * at_low) / (at_high - at_low), here = excess(middle);
+        if (std::fabs(here) <= sweep_tolerance * friction * pushed) break;
+        (here > 0 ? low : high) = middle;
+        (here > 0 ? at_low : at_high) = here;
+        if ((here > 0) == was_over) (here > 0 ? at_high : at_low) /= 2;
+        was_over = here > 0;
       }
+      force -= push * normal;
     }
     return gap - compliance * (force - before);
   }
 
-  /// Moves the proxy so that it is `gap` nearer to its tool, along the surface. @return whether that is not rounding
+  /// Moves the proxy so that it is `gap` nearer to its tool, along the surface. @return whether it went
   bool slide_by(std::int32_t t, const Vector& gap) {
     ToolContact& tool = _contact.tool[t];
     const Vector sideways = gap - dot(gap.x, tool.normal) * vector_at(tool.normal);
@@ -274,8 +318,10 @@ class Balance {
     if (length(gone.x) > farthest) gone *= farthest / length(gone.x);
     for (int k = 0; k < 3; ++k) slide[k] = gone[k] - so_far[k];
     walk(_surface, tool.at, slide);
+    point_at(_surface, _surface.rest, tool.at, 0, from);
+    tool.stopped = length((vector_at(from) - vector_at(here)).x) < sweep_tolerance * norm(slide);
     find_displacement(t);
-    return true;
+    return !tool.stopped;
   }
 
   /// Sets the displacement that the tool prescribes at its point.
@@ -530,7 +576,7 @@ class Balance {
       cut_off[k] = tool.felt ? tool.force[k] - f : 0;
       tool.force[k] = f;
     }
-    tool.unbalanced = norm(cut_off);
+    tool.unbalanced += norm(cut_off);
   }
 
   /// Ends the contact of a tool without a pushing force: it becomes free if it is outside; otherwise it is inside a
@@ -549,6 +595,7 @@ class Balance {
   Touched& _touched;
   std::int32_t _n, _n_active = 0;
   std::int32_t _active[most_touching];
+  Vector _predicted[most_touching];  ///< forces, of a body
   const ToolInput* _inputs;
 };
 

@@ -70,7 +70,8 @@ struct ToolContact {
   SurfacePoint before;      ///< the proxy before the latest slide
   double slide[3], excess;  ///< that slide [m]; force in excess of the cone before it [N], -1: no slide yet
   std::int32_t n_shortened, n_fallen;
-  bool pulls;  ///< and should be left out
+  bool pulls;    ///< and should be left out
+  bool stopped;  ///< by an edge, on a body
 };
 
 }  // namespace PHN_RUNTIME
