@@ -13,7 +13,7 @@ function given(name: string): string {
 }
 
 /** Paths from CMake. */
-export const built = { phynness: given('PHYNNESS'), writeModels: given('PHYNNESS_WRITE_MODELS'), model: given('PHYNNESS_SAMPLE_MODEL'), source: given('PHYNNESS_SOURCE') };
+export const built = { phynness: given('PHYNNESS'), package: given('PHYNNESS_PACKAGE'), writeModels: given('PHYNNESS_WRITE_MODELS'), model: given('PHYNNESS_SAMPLE_MODEL'), source: given('PHYNNESS_SOURCE') };
 export type BrowserName = 'chromium' | 'firefox';
 export const browserName = given('PHYNNESS_BROWSER') as BrowserName;
 export const folder = mkdtempSync(join(tmpdir(), 'phynness-browser-'));

@@ -5,9 +5,12 @@
 import { execFileSync } from 'node:child_process';
 import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { gunzipSync, gzipSync } from 'node:zlib';
 import axe from 'axe-core';
 import type { Browser, Page } from 'puppeteer-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
+import { loader } from '../runtime/src/index.js';
+import { placeAt } from '../view/src/places.js';
 import { browserName, built, drawn, folder, open, phynness, pixels, start, type Opened } from './browser.js';
 
 type V3 = [number, number, number];
@@ -103,7 +106,7 @@ async function violations(): Promise<unknown[]> {
 describe(`the page in ${browserName}`, () => {
   it('shows hostile texts as texts', async () => {
     expect(await textAt('#title')).toBe(hostile.replace('\u202E', '\\u{202e}'));
-    expect(await ask<number[]>("[document.querySelectorAll('img').length, document.querySelectorAll('script').length]")).toEqual([0, 2]);
+    expect(await ask<number[]>("[document.querySelectorAll('img').length, document.querySelectorAll('script').length]")).toEqual([0, 4]);
   });
 
   it('shows the parts of the surface in the colours of their legend', async () => {
@@ -204,9 +207,24 @@ describe(`the page in ${browserName}`, () => {
     (await forces()).forEach((force) => expect(size(force)).toBeGreaterThan(0.001));
   });
 
+  it('is committed for a liver, with the forces of the present runtime', async () => {
+    await closed();
+    const committed = join(built.source, 'docs/liver.html');
+    const load = loader(() => WebAssembly.compile(new Uint8Array(readFileSync(join(built.package, 'phynness.wasm')))));
+    const model = await load((JSON.parse(elementOf(readFileSync(committed, 'utf8'), 'data')) as { model: string }).model);
+    await view(committed);
+    for (const place of [placeAt(front), model.nearest(await ask<V3>(`phynness.session.runtime.point(${front}).map((x) => x + 0.004)`)).tool]) {
+      const tool = JSON.stringify({ place, at: [0.004, -0.002, 0.003] });
+      await ask(`phynness.session.tools = [${tool}], phynness.session.update()`);
+      expect(Math.abs(size((await forces())[0]!) / size([...model.force(place, [0.004, -0.002, 0.003]).force]) - 1)).toBeLessThan(1e-9);
+      expect(await ask<number[]>('phynness.session.answer.bounds')).toEqual([model.bound(place, [0.004, -0.002, 0.003])]);
+    }
+  });
+
   it.each([
-    ['a model of another version', (html: string) => html.replace(/"phynness-model \d+/, '"phynness-model 999'), /another version.*phynness view/],
-    ['a damaged runtime', (html: string) => html.replaceAll('AGFzbQEAAAA', 'AGFzbQIAAAA'), /cannot start: .*phynness view/],
+    ['a model of another version', (html: string) => withElement(html, 'data', (data) => data.replace(/"phynness-model \d+/, '"phynness-model 999')), /another version.*phynness view/],
+    ['a damaged runtime', (html: string) => withElement(html, 'script', (script) => script.replaceAll('AGFzbQEAAAA', 'AGFzbQIAAAA')), /cannot start: .*phynness view/],
+    ['a damaged script', (html: string) => html.replace('>H4sI', '>H4sX'), /cannot start: .*decompressed.*phynness view/],
   ])('says in a sentence that it cannot start with %s', async (name, damaged, sentence) => {
     const file = join(folder, `${name.replaceAll(' ', '_')}.html`), html = readFileSync(block, 'utf8');
     expect(damaged(html)).not.toBe(html);
@@ -216,6 +234,13 @@ describe(`the page in ${browserName}`, () => {
     await other.close();
   });
 });
+
+/** The text in the element phynness-`name` of a page, which is base64 of gzip. */
+const elementOf = (page: string, name: 'data' | 'script'): string =>
+  gunzipSync(Buffer.from(page.match(`id="phynness-${name}">([^<]*)`)![1]!, 'base64')).toString();
+/** A page with a changed text in such an element. */
+const withElement = (page: string, name: 'data' | 'script', changed: (text: string) => string): string =>
+  page.replace(new RegExp(`(?<=id="phynness-${name}">)[^<]*`), gzipSync(changed(elementOf(page, name))).toString('base64'));
 
 /** A model's text with another title, and the checksum of what it holds: 64-bit FNV-1a (formats/model.md). */
 function titled(model: string, title: string): string {

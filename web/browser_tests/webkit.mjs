@@ -1,14 +1,14 @@
-// Claims, in WebKit by its own driver: the page starts, answers as `phynness eval`, and its picture has content.
-// Usage: node webkit.mjs PHYNNESS MODEL_DIR     (with a screen, and WebKitWebDriver in the path)
-import { execFileSync, spawn } from 'node:child_process';
-import { mkdtempSync, readFileSync, readdirSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+// Claims, in WebKit by its own driver: a page starts, answers as the npm package of its model, and its picture has content.
+// Usage: node webkit.mjs PAGE PACKAGE_DIR     (with a screen, and WebKitWebDriver in the path)
+import { spawn } from 'node:child_process';
+import { readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
+import { gunzipSync } from 'node:zlib';
 
-const [phynness, model] = process.argv.slice(2), folder = mkdtempSync(join(tmpdir(), 'phynness-webkit-'));
-const page = join(folder, 'organ.html');
-execFileSync(phynness, ['view', model, '-o', page]);
+const [page, folder] = process.argv.slice(2), { modelFromText } = await import(join(folder, 'node.js'));
+const data = readFileSync(page, 'utf8').match(/id="phynness-data">([^<]*)/)[1];
+const model = await modelFromText(JSON.parse(gunzipSync(Buffer.from(data, 'base64'))).model);
 
 function fail(why) {
   console.error(`FAILED: ${why}`);
@@ -41,14 +41,12 @@ try {
   for (let i = 0; i < 120 && (await run('return typeof globalThis.phynness')) !== 'object'; ++i) await pause(250);
   const nodes = (await run('return [...phynness.session.runtime.active]')).slice(0, 5);
   for (const node of nodes) {
-    const displacement = [0.001, -0.002, 0.004 + 0.002 * (node % 5)], json = join(folder, 'answer.json');
-    execFileSync(phynness, ['eval', model, '--node', String(node), '--displacement', displacement.join(','), '--json', json]);
-    const expected = Math.hypot(...JSON.parse(readFileSync(json, 'utf8')).tools[0].force);
+    const displacement = [0.001, -0.002, 0.004 + 0.002 * (node % 5)], expected = Math.hypot(...model.force(node, displacement).force);
     const held = JSON.stringify([{ node, displacement }]);
     const [force, shown] = await run(`phynness.hold(${held}); return [Math.hypot(...phynness.session.answer.forces[0]), document.getElementById('newtons').textContent]`);
-    console.log(`node ${node}: page ${shown} N, eval ${expected} N`);
+    console.log(`node ${node}: page ${shown} N, package ${expected} N`);
     // The figure that is shown has up to three digits.
-    if (!(Math.abs(force / expected - 1) < 1e-9) || !(Math.abs(shown / expected - 1) < 0.34)) fail('the page and eval differ');
+    if (!(Math.abs(force / expected - 1) < 1e-9) || !(Math.abs(shown / expected - 1) < 0.34)) fail('the page and the package differ');
   }
   const colours = await run(`phynness.view.draw(); const gl = document.getElementById('canvas').getContext('webgl2'), n = 4 * gl.drawingBufferWidth * gl.drawingBufferHeight;
     const bytes = new Uint8Array(n); phynness.view.draw(); gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, bytes);

@@ -12,7 +12,7 @@ export interface Answer {
   readonly bounds: readonly (number | null)[];
   /** [J]; null in families without one */
   readonly energy: number | null;
-  /** of the training [m], in the direction of the only tool */
+  /** of the training [m], in the direction of the only tool; null: several tools, or between nodes of node probes */
   readonly trainedDepth: number | null;
   /** of the spheres; empty for tools */
   readonly touches: readonly Touch[];
@@ -95,7 +95,7 @@ export class Runtime {
     if (!unlessRefused(() => model.deform(place, displacement, field))) field.fill(0);
     return {
       ...nothing, warnings, forces: [row(force, 0)], bounds: [model.bound(place, displacement)], energy: this.energy(energy ?? 0),
-      trainedDepth: model.trainedDepth(place, displacement),
+      trainedDepth: unlessRefused(() => model.trainedDepth(place, displacement)),
     };
   }
   /** The same under spheres; sphere i is the same one in every call. */

@@ -43,6 +43,15 @@ describe('tools', () => {
     const mean = [0, 1, 2].map((k) => nodes.reduce((sum, n, i) => sum + weights[i]! * runtime.displacementAt(placeAt(n))[k]!, 0));
     runtime.displacementAt({ nodes, weights }).forEach((u, k) => expect(u).toBeCloseTo(mean[k]!, 12));
   });
+  test('hold places between probed nodes of node probes, too', async () => {
+    const s = await session(), { activeNodes, triangles, outputNodes } = s.runtime.model.info;
+    const corners = Array.from({ length: triangles.length / 3 }, (_, i) => [...triangles.slice(3 * i, 3 * i + 3)].map((c) => outputNodes[c]!))
+      .find((nodes) => nodes.every((node) => activeNodes.includes(node)))!;
+    s.move(s.hold({ nodes: corners, weights: [0.2, 0.3, 0.5] }), [0.001, 0.002, 0.003]);
+    s.update();
+    expect(s.problem).toBeNull();
+    expect(norm(s.answer.forces[0]!)).toBeGreaterThan(0);
+  });
 });
 
 test('parts of the surface: probed nodes are held, fixed ones are not, and the shares of the free surface add up to 1', async () => {
