@@ -64,7 +64,7 @@ enum {
   PHN_ERROR_OVERLAP = -16,       /* an output overlaps another output or a large input in memory */
   PHN_ERROR_TOO_LARGE = -17,     /* the result has more bytes or numbers than size_t or int32_t can count */
   PHN_ERROR_GEOMETRY = -18,      /* a triangle has equal corners, or coordinates are too large for contact */
-  PHN_ERROR_TOO_MANY_TOOLS = -19 /* more than PHN_MOST_COUPLED, or a body's n_modes / 3 */
+  PHN_ERROR_TOO_MANY_TOOLS = -19 /* more than PHN_MOST_COUPLED, or a body's n_modes / 9 */
 };
 enum { PHN_MOST_COUPLED = 8, PHN_MOST_FIELDS = 8 };
 

@@ -73,8 +73,8 @@ typedef struct phn_body_report {
  * smaller motions in a step. _NEAR: tools nearer than half of their radius act through springs between them
  * (docs/theory.md, Near tools), which take more than a tenth of a displacement; two with equal displacements at one
  * place share the force of one, opposed ones have five times that of each alone. PHN_ERROR_NOT_ACTIVE: all that the
- * tool touches is fixed. PHN_ERROR_TOO_MANY_TOOLS: also of more tools than a third of n_modes. With 0 tools the body is
- * at rest. `report` may be null.
+ * tool touches is fixed. PHN_ERROR_TOO_MANY_TOOLS: also of fewer than 9 modes for each of several tools. With 0 tools
+ * the body is at rest. `report` may be null.
  */
 PHN_API int phn_body_force(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools,
                            int32_t steps, double* forces, phn_body_report* report);

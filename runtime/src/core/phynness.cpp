@@ -12,7 +12,7 @@ namespace {
 
 /// In the order of their numbers, up to 5: _UNSETTLED with another warning.
 const char* const messages[] = {
-    "more than 8 tools in one call, or more than a third of the modes of the body",
+    "more than 8 tools in one call, or fewer than 9 modes of the body for each of them",
     "the surface has a triangle with equal corners, or coordinates that are too large for contact",
     "the result has more bytes or numbers than this machine can address",
     "an output overlaps another output or a large input in memory",
