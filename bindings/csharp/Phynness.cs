@@ -1,0 +1,639 @@
+// phynness for C# 7 and later, Mono, .NET and Unity: one file without packages, for the shared libraries phynness and, for
+// Loop and Bridge, phynness_loop. Meaning, cost, units and errors are described in phynness.h, phynness_body.h and
+// phynness_contact.h; docs/howto/csharp.md has an example. All memory of the library is unmanaged, and no verb allocates.
+using System;
+using System.IO;
+using System.Runtime.InteropServices;
+using System.Text;
+using System.Threading;
+
+namespace Phynness {
+
+/// Success, a sum of warnings, or an error.
+[Flags]
+public enum Status {
+  Ok = 0,
+  Outside = 1,
+  Incomplete = 2,
+  Unsettled = 4,
+  Near = 8,
+  ErrorArgument = -1,
+  ErrorNotActive = -2,
+  ErrorNotFinite = -3,
+  ErrorBuffer = -4,
+  ErrorTools = -5,
+  ErrorRoundTools = -6,
+  ErrorUndefined = -7,
+  ErrorClock = -8,
+  ErrorNotAModel = -9,
+  ErrorVersion = -10,
+  ErrorTruncated = -11,
+  ErrorChecksum = -12,
+  ErrorSyntax = -13,
+  ErrorRange = -14,
+  ErrorFamily = -15,
+  ErrorOverlap = -16,
+  ErrorTooLarge = -17,
+  ErrorGeometry = -18,
+  ErrorTooManyTools = -19
+}
+
+/// A refused call. Its outputs are zeros; Bridge says what to render then.
+public sealed class PhynnessException : Exception {
+  public PhynnessException(Status status, string message) : base(message) { Status = status; }
+  public Status Status { get; }
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct Vec3 {
+  public double X, Y, Z;
+  public Vec3(double x, double y, double z) {
+    X = x;
+    Y = y;
+    Z = z;
+  }
+}
+
+/// phn_tool: a place of the surface and its displacement from rest [m].
+[StructLayout(LayoutKind.Sequential)]
+public struct Tool {
+  public int Node0, Node1, Node2;
+  public double Weight0, Weight1, Weight2;
+  public Vec3 Displacement;
+  int reserved0, reserved1;
+
+  public static Tool At(int node, Vec3 displacement) {
+    return new Tool { Node0 = node, Node1 = -1, Node2 = -1, Weight0 = 1, Displacement = displacement };
+  }
+}
+
+public enum SphereMode { Off = 0, Press = 1, Grasp = 2 }
+
+/// phn_contact_tool.
+[StructLayout(LayoutKind.Sequential)]
+public struct Sphere {
+  public Vec3 Center;
+  public double Radius, Friction;
+  public SphereMode Mode;
+  int reserved;
+}
+
+/// phn_contact_state.
+[StructLayout(LayoutKind.Sequential)]
+public struct Touch {
+  public Vec3 Force, Proxy, Normal;
+  public double Scale, Unbalanced;
+  public Tool Held;
+  int inContact, reserved;
+  public bool InContact { get { return inContact != 0; } }
+}
+
+/// Of all tools of a call.
+public struct Report {
+  /// [J]; 0 in family rbfn.
+  public double Energy;
+  /// The largest distance of a tool from the place that it holds [m].
+  public double Residual;
+  /// Of a body: the size of the next step over that of the deformation.
+  public double Unbalanced;
+  public int Steps;
+}
+
+/// A model's folder and, where several tools act, a body's file, with the verbs Nearest, Hold, Touch and Deform. They
+/// return Ok or warnings and throw PhynnessException for an error. An object belongs to one thread at a time; Another()
+/// makes one of the same model and body for another thread.
+public sealed class Organ : IDisposable {
+  enum Last { None, OfTool, OfTools, OfSpheres }
+
+  readonly Files files;
+  readonly int mostTools, steps;
+  readonly Block data, state, contact;
+  readonly double[] bodyField;
+  readonly Status touchStatus;
+  Tool tool;
+  int nTools, isBusy;
+  Last last;
+  bool isDisposed;
+
+  Organ(Files files, int mostTools, int steps) {
+    this.files = files;
+    this.mostTools = mostTools;
+    this.steps = steps;
+    int most = Math.Min(mostTools, Native.MostCoupled);
+    if (files.Model != null) data = Block.Of(files.Model, mostTools, Native.phn_data_size, Native.phn_data_init);
+    if (files.Body != null) state = Block.Of(files.Body, most, Native.phn_body_state_size, Native.phn_body_state_init);
+    try {
+      contact = files.Body != null
+        ? Block.Of(files.Body, most, Native.phn_body_contact_size,
+            (IntPtr memory, UIntPtr bytes, IntPtr of, int n, out IntPtr made) =>
+              Native.phn_body_contact_init(memory, bytes, of, n, steps, out made))
+        : Block.Of(files.Model, most, Native.phn_contact_size, Native.phn_contact_init);
+    } catch (PhynnessException error) {
+      touchStatus = error.Status;  // An organ without a surface that can be touched is one for Hold alone.
+    }
+    if (files.Model != null && files.Body != null) bodyField = new double[3 * files.BodyContents.n_nodes];
+  }
+
+  /// model: a model's folder or its model.txt; null: a body alone. body: a body.txt; null: a model alone. mostTools: of one
+  /// call; a body and contact have at most 8. steps: of Newton's method, at most, that a body makes in a call.
+  public static Organ Load(string model, string body = null, int mostTools = 1, int steps = 1) {
+    if (model == null && body == null) throw new ArgumentNullException(nameof(model), "give a model or a body");
+    if (steps < 1) throw new ArgumentOutOfRangeException(nameof(steps), steps, "at least 1");
+    string file = model != null && Directory.Exists(model) ? Path.Combine(model, "model.txt") : model;
+    return new Organ(new Files(file, body), mostTools, steps);
+  }
+  public Organ Another() { return new Organ(files, mostTools, steps); }
+
+  public string Title { get { return Native.Text(files.Info.title); } }
+  public string Family { get { return Native.Text(files.Info.family); } }
+  public bool HasEnergy { get { return files.Model == null || files.Info.has_energy != 0; } }
+  /// The largest displacement of the training data [m].
+  public double MaxDisplacement {
+    get { return files.Model != null ? files.Info.max_displacement_m : files.BodyContents.max_displacement_m; }
+  }
+  /// Copies: numbers of nodes, points at rest [m], and triangles, normals outward in the right-handed frame of the mesh.
+  /// Corners of triangles are positions among MovingPoints and then FixedPoints; of a body alone, all points are moving.
+  public int[] ActiveNodes { get { return Native.Copy(files.Info.active_nodes, files.Info.n_active); } }
+  public int[] MovingNodes {
+    get {
+      return files.Model != null ? Native.Copy(files.Info.output_nodes, files.Info.n_output)
+                                 : Native.Copy(files.BodyContents.nodes, files.BodyContents.n_nodes);
+    }
+  }
+  public Vec3[] MovingPoints {
+    get {
+      return files.Model != null ? Native.Points(files.Info.output_points, files.Info.n_output)
+                                 : Native.Points(files.BodyContents.points, files.BodyContents.n_nodes);
+    }
+  }
+  public Vec3[] FixedPoints { get { return Native.Points(files.Info.fixed_points, files.Info.n_fixed); } }
+  public int[] Triangles {
+    get {
+      return files.Model != null ? Native.Copy(files.Info.triangles, 3 * files.Info.n_triangles)
+                                 : Native.Copy(files.BodyContents.triangles, 3 * files.BodyContents.n_triangles);
+    }
+  }
+  public int MovingCount { get { return files.Model != null ? files.Info.n_output : files.BodyContents.n_nodes; } }
+
+  /// The place of the undeformed surface nearest to x [m] that can be held, with displacement 0, its point and distance.
+  public Status Nearest(Vec3 x, out Tool place, out Vec3 point, out double distance) {
+    Enter();
+    int status = files.Model != null
+      ? Native.phn_nearest(files.Model.Object, ref x, out place, out point, out distance)
+      : Native.phn_body_nearest(files.Body.Object, ref x, out place, out point, out distance);
+    return Leave(status);
+  }
+
+  /// The force [N] that holds a tool.
+  public Status Hold(ref Tool held, out Vec3 force) {
+    double energy;
+    return Hold(ref held, out force, out energy);
+  }
+  /// The same with the stored energy [J], 0 in family rbfn.
+  public Status Hold(ref Tool held, out Vec3 force, out double energy) {
+    Enter();
+    if (files.Model == null) {
+      Report report;
+      int pressed = Press(1, ref held, out force, out report);
+      energy = report.Energy;
+      return Leave(pressed);
+    }
+    last = Last.OfTool;
+    tool = held;
+    energy = 0;
+    return Leave(HasEnergy
+      ? Native.phn_force(files.Model.Object, data.Object, ref tool, out force, out energy, IntPtr.Zero)
+      : Native.phn_force(files.Model.Object, data.Object, ref tool, out force, IntPtr.Zero, IntPtr.Zero));
+  }
+  /// Of the first n of several tools. forces: at least n.
+  public Status Hold(Tool[] tools, int n, Vec3[] forces, out Report report) {
+    report = new Report();
+    RequireLengths(n, tools.Length, forces.Length);
+    if (n == 0) {
+      Enter();
+      if (files.Body != null) {
+        Tool none = new Tool();
+        Vec3 nothing;
+        return Leave(Press(0, ref none, out nothing, out report));
+      }
+      last = Last.None;
+      return Leave(0);
+    }
+    if (n == 1 && files.Model != null) return Hold(ref tools[0], out forces[0], out report.Energy);
+    Enter();
+    if (files.Body != null) return Leave(Press(n, ref tools[0], out forces[0], out report));
+    last = Last.OfTools;
+    nTools = n;
+    Native.Coupled coupled;
+    int status = Native.phn_couple(files.Model.Object, data.Object, n, ref tools[0], out forces[0], out coupled);
+    report.Energy = coupled.energy;
+    report.Residual = coupled.residual;
+    return Leave(status);
+  }
+  int Press(int n, ref Tool tools, out Vec3 forces, out Report report) {
+    last = Last.OfTools;
+    nTools = n;
+    Native.BodyReport pressed;
+    int status = Native.phn_body_force(files.Body.Object, state.Object, n, ref tools, steps, out forces, out pressed);
+    report = new Report { Energy = pressed.energy, Residual = pressed.behind_m, Unbalanced = pressed.unbalanced,
+                          Steps = pressed.steps };
+    return status;
+  }
+
+  /// Moves the first n spheres, in every millisecond of a haptic loop. touches: at least n.
+  public Status Touch(Sphere[] spheres, int n, Touch[] touches, out Report report) {
+    report = new Report();
+    RequireLengths(n, spheres.Length, touches.Length);
+    Enter();
+    if (contact == null) return Leave((int)touchStatus);
+    last = Last.OfSpheres;
+    Native.ContactReport made;
+    int status = Native.phn_contact_step(contact.Object, n, spheres, touches, out made);
+    report = new Report { Energy = made.energy, Residual = made.residual_m, Unbalanced = made.unbalanced,
+                          Steps = made.steps };
+    return Leave(status);
+  }
+
+  /// Displacements [m] of MovingPoints in the last Hold or Touch, zeros before. field: at least MovingCount. Where a body
+  /// answered beside a model, nodes inside of the body stay at 0.
+  public Status Deform(Vec3[] field) {
+    RequireLengths(MovingCount, field.Length, field.Length);
+    Enter();
+    if (last == Last.None) {
+      Array.Clear(field, 0, MovingCount);
+      return Leave(0);
+    }
+    bool ofBody = files.Body != null && (files.Model == null || last != Last.OfTool);
+    if (ofBody && files.Model != null) {
+      int status = last == Last.OfSpheres ? Native.phn_contact_deform(contact.Object, bodyField)
+                                          : Native.phn_body_deform(files.Body.Object, state.Object, bodyField);
+      for (int o = 0; o < files.Rows.Length; ++o) {
+        int row = 3 * files.Rows[o];
+        field[o] = row < 0 ? new Vec3() : new Vec3(bodyField[row], bodyField[row + 1], bodyField[row + 2]);
+      }
+      return Leave(status);
+    }
+    if (last == Last.OfSpheres) return Leave(Native.phn_contact_deform(contact.Object, field));
+    if (ofBody) return Leave(Native.phn_body_deform(files.Body.Object, state.Object, field));
+    return Leave(last == Last.OfTools ? Native.phn_coupled_deform(files.Model.Object, data.Object, field)
+                                      : Native.phn_deform(files.Model.Object, data.Object, ref tool, field));
+  }
+
+  /// Bounds [N] of the errors of the forces of the last Hold; +infinity where nothing is known.
+  public Status Bound(double[] bounds) {
+    int n = last == Last.OfTool ? 1 : last == Last.OfTools ? nTools : 0;
+    RequireLengths(n, bounds.Length, bounds.Length);
+    Enter();
+    int status = (int)Status.ErrorUndefined;
+    if (last == Last.OfTool) status = Native.phn_bound(files.Model.Object, ref tool, bounds);
+    else if (n > 0 && files.Body != null) status = Native.phn_body_bound(files.Body.Object, state.Object, n, bounds);
+    for (int i = 0; i < n; ++i)
+      if (bounds[i] >= Native.NoBound) bounds[i] = double.PositiveInfinity;
+    return Leave(status);
+  }
+
+  /// The body back to rest, and every contact ended.
+  public Status Reset() {
+    Enter();
+    last = Last.None;
+    int status = contact != null ? Native.phn_contact_reset(contact.Object) : 0;
+    if (status >= 0 && state != null) status = state.Restart(files.Body, Math.Min(mostTools, Native.MostCoupled),
+                                                             Native.phn_body_state_init);
+    return Leave(status);
+  }
+
+  /// Releases the working memory; that of model and body when the last Organ of them is released.
+  public void Dispose() {
+    if (isDisposed) return;
+    Enter();
+    isDisposed = true;
+    foreach (Block block in new[] { data, state, contact }) block?.Dispose();
+    isBusy = 0;
+  }
+
+  void Enter() {
+    if (isDisposed) throw new ObjectDisposedException(nameof(Organ));
+    if (Interlocked.Exchange(ref isBusy, 1) != 0)
+      throw new InvalidOperationException("another thread is inside this Organ; give each thread its own by Another()");
+  }
+  Status Leave(int status) {
+    Volatile.Write(ref isBusy, 0);  // this also keeps the object alive until here
+    if (status < 0) throw Native.Error(status, "");
+    return (Status)status;
+  }
+  static void RequireLengths(int n, int length, int lengthOfResults) {
+    if (n < 0 || n > length || n > lengthOfResults)
+      throw new ArgumentException("arrays of " + length + " and " + lengthOfResults + " elements do not have " + n);
+  }
+}
+
+/// Forces for a device whose Organ may miss an answer (phn_bridge_force): holds the last one for 10 ms, then lowers it to
+/// zero in 100 ms, and rises in the same way.
+public sealed class Bridge {
+  Native.BridgeState state;
+
+  /// answer [N]: null if the call threw or was late. now [s]: of a monotonic clock. Never throws, and is never NaN.
+  public Vec3 Force(Vec3? answer, double now) {
+    Vec3 force, given = answer.GetValueOrDefault();
+    if (answer.HasValue) Native.phn_bridge_force(ref state, ref given, now, out force);
+    else Native.phn_bridge_force(ref state, IntPtr.Zero, now, out force);
+    return force;
+  }
+}
+
+/// phn_loop_settings: SI units, values of Defaults in phynness_loop.h.
+[StructLayout(LayoutKind.Sequential)]
+public struct LoopSettings {
+  public double Period, PositionResolution;
+  public Vec3 RotationRow0, RotationRow1, RotationRow2, Origin;
+  public double MotionScale, ForceScale;
+  public double Coupling, CouplingDamping, DeviceDamping, Reach, LargestDamping, LeastMass, Allowance, LargestReserve;
+  public double LargestForce, LargestSlew, Ramp;
+  public double TripEnergy, TripForce, TripSpeed, TripJump, TripStale, TripFrozen, TripOverrun;
+  int reserved0, reserved1;
+
+  public static LoopSettings Defaults {
+    get {
+      LoopSettings settings;
+      Native.Require(Native.phn_loop_defaults(out settings), "");
+      return settings;
+    }
+  }
+}
+
+/// phn_loop_response: what the body does to the tool.
+[StructLayout(LayoutKind.Sequential)]
+public struct LoopResponse {
+  public Status Status;
+  int inContact, hasStiffness;
+  public Vec3 Force, StiffnessRow0, StiffnessRow1, StiffnessRow2, Displacement;
+  public double Energy;
+  int reserved0, reserved1;
+  public bool InContact { set { inContact = value ? 1 : 0; } }
+  public bool HasStiffness { set { hasStiffness = value ? 1 : 0; } }
+}
+
+public enum LoopState { Off = 0, On = 1, Tripped = 2 }
+
+/// phn_loop_report.
+[StructLayout(LayoutKind.Sequential)]
+public struct LoopReport {
+  public LoopState State;
+  public int Trip;
+  public double Work, MostDelivered, Unsure, Dissipated, Speed, Age;
+  public Vec3 Force;
+  public long Cycles, Limited, Missing, Late;
+  int reserved0, reserved1;
+  public string TripMessage { get { return Native.Text(Native.phn_loop_trip_message(Trip)); } }
+}
+
+/// phn_loop: coupling, limits, passivity and trips between a device and a body. Positions [m], times [s], forces [N].
+public sealed class Loop : IDisposable {
+  readonly Block block;
+
+  public Loop(LoopSettings settings) {
+    Native.RequireSize("phn_loop_settings", typeof(LoopSettings));
+    Native.RequireSize("phn_loop_response", typeof(LoopResponse));
+    Native.RequireSize("phn_loop_report", typeof(LoopReport));
+    block = Block.OfLoop(ref settings);
+  }
+  public void Engage() { Native.Require(Native.phn_loop_engage(block.Object), ""); }
+  /// position: null if none arrived. tool: its position in the frame of the body.
+  public Status Read(Vec3? position, double measured, double now, out Vec3 tool) {
+    Vec3 at = position.GetValueOrDefault();
+    return (Status)(position.HasValue ? Native.phn_loop_read(block.Object, ref at, measured, now, out tool)
+                                      : Native.phn_loop_read(block.Object, IntPtr.Zero, measured, now, out tool));
+  }
+  /// The force for the device; zeros while the loop is off or tripped.
+  public Status Hold(ref LoopResponse response, double now, out Vec3 force) {
+    return (Status)Native.phn_loop_hold(block.Object, ref response, now, out force);
+  }
+  public LoopReport Report {
+    get {
+      LoopReport report;
+      Native.Require(Native.phn_loop_info(block.Object, out report), "");
+      return report;
+    }
+  }
+  public void Dispose() { block.Dispose(); }
+}
+
+/// Unmanaged memory with an object of the library in it, which needs no release of its own.
+sealed class Block : IDisposable {
+  public delegate int SizeOf(IntPtr of, int n, out UIntPtr bytes);
+  public delegate int Init(IntPtr memory, UIntPtr bytes, IntPtr of, int n, out IntPtr made);
+  public delegate int SizeOfText(byte[] text, UIntPtr length, out UIntPtr bytes, out UIntPtr wrongByte);
+  public delegate int InitOfText(IntPtr memory, UIntPtr bytes, byte[] text, UIntPtr length, out IntPtr made,
+                                 out UIntPtr wrongByte);
+  public IntPtr Object;
+  IntPtr memory;
+  UIntPtr bytes;
+
+  Block(UIntPtr bytes) {
+    this.bytes = bytes;
+    memory = Marshal.AllocHGlobal(checked((IntPtr)(long)(ulong)bytes));
+  }
+  ~Block() { Dispose(); }
+  public void Dispose() {
+    Marshal.FreeHGlobal(memory);
+    memory = Object = IntPtr.Zero;
+    GC.SuppressFinalize(this);
+  }
+  public static Block Of(Block of, int n, SizeOf size, Init init) {
+    UIntPtr bytes;
+    Native.Require(size(of.Object, n, out bytes), "");
+    var block = new Block(bytes);
+    Native.Require(block.Restart(of, n, init), "");
+    return block;
+  }
+  public static Block OfLoop(ref LoopSettings settings) {
+    UIntPtr bytes;
+    Native.Require(Native.phn_loop_size(out bytes), "");
+    var block = new Block(bytes);
+    Native.Require(Native.phn_loop_init(block.memory, bytes, ref settings, out block.Object), "settings of a loop: ");
+    return block;
+  }
+  public int Restart(Block of, int n, Init init) { return init(memory, bytes, of.Object, n, out Object); }
+  public static Block OfFile(string file, SizeOfText size, InitOfText init) {
+    byte[] text = File.ReadAllBytes(file);
+    UIntPtr bytes, wrong;
+    int status = size(text, (UIntPtr)text.Length, out bytes, out wrong);
+    Native.Require(status, file + ", byte " + wrong + ": ");
+    var block = new Block(bytes);
+    Native.Require(init(block.memory, bytes, text, (UIntPtr)text.Length, out block.Object, out wrong), file + ": ");
+    return block;
+  }
+}
+
+/// What threads share.
+sealed class Files {
+  public readonly Block Model, Body;
+  public readonly Native.Info Info;
+  public readonly Native.BodyContents BodyContents;
+  /// Of the model's moving nodes among the body's nodes; -1: inside of the body.
+  public readonly int[] Rows = new int[0];
+
+  public Files(string model, string body) {
+    Native.RequireLibrary();
+    if (model != null) {
+      Model = Block.OfFile(model, Native.phn_model_size, Native.phn_model_init);
+      Native.Require(Native.phn_model_info(Model.Object, out Info), "");
+    }
+    if (body == null) return;
+    Body = Block.OfFile(body, Native.phn_body_size, Native.phn_body_init);
+    Native.Require(Native.phn_body_info(Body.Object, out BodyContents), "");
+    if (model == null) return;
+    string of = Native.Text(Info.mesh_hash), other = Native.Text(BodyContents.mesh_hash);
+    if (of != "" && other != "" && of != other)
+      throw Native.Error((int)Status.ErrorArgument, "the body of mesh " + other + ", the model of mesh " + of + ": ");
+    int[] nodes = Native.Copy(BodyContents.nodes, BodyContents.n_nodes);
+    Rows = Native.Copy(Info.output_nodes, Info.n_output);
+    for (int i = 0; i < Rows.Length; ++i) Rows[i] = Math.Max(-1, Array.BinarySearch(nodes, Rows[i]));
+  }
+}
+
+/// The C interface.
+static class Native {
+  public const int AbiVersion = 1, MostCoupled = 8;
+  public const double NoBound = 1e300;
+  const string library = "phynness", loop = "phynness_loop";
+
+  [StructLayout(LayoutKind.Sequential)]
+  public struct Provenance {
+    public IntPtr mesh_hash, physics_hash, element, reference;
+    public double shear_modulus_Pa, finer_mean, finer_p95, finer_tool_radius_m;
+    public int finer_probes, finer_nodes, bound_reference, reserved;
+  }
+  [StructLayout(LayoutKind.Sequential)]
+  public struct Info {
+    public IntPtr family, title, mesh_hash;
+    public double max_displacement_m;
+    public IntPtr active_nodes, output_nodes, fixed_nodes, output_points, fixed_points, triangles;
+    [MarshalAs(UnmanagedType.ByValArray, SizeConst = 16)] public IntPtr[] field_names_and_units;
+    public int n_nodes, n_active, n_output, n_fixed, n_triangles, n_fields, n_levels, has_energy;
+    public Provenance provenance;
+    [MarshalAs(UnmanagedType.ByValArray, SizeConst = 4)] public int[] reserved;
+  }
+  [StructLayout(LayoutKind.Sequential)]
+  public struct BodyContents {
+    public IntPtr mesh_hash, physics_hash, law;
+    public double tool_radius_m, max_displacement_m;
+    public IntPtr nodes, points, triangles;
+    public int n_nodes, n_triangles, n_modes, n_pressures, n_cells, reserved;
+  }
+  [StructLayout(LayoutKind.Sequential)]
+  public struct Coupled {
+    public double residual, energy;
+    public int reserved0, reserved1;
+  }
+  [StructLayout(LayoutKind.Sequential)]
+  public struct BodyReport {
+    public double energy, unbalanced, behind_m;
+    public int steps, renewed, reserved0, reserved1;
+  }
+  [StructLayout(LayoutKind.Sequential)]
+  public struct ContactReport {
+    public double energy, residual_m, unbalanced;
+    public int steps, reserved;
+  }
+  [StructLayout(LayoutKind.Sequential)]
+  public struct BridgeState {
+    public Vec3 answer;
+    public double answered_s, now_s, part;
+    public int is_running, reserved;
+  }
+
+  [DllImport(library)] static extern int phn_abi_version();
+  [DllImport(library)] static extern int phn_sizeof(string name);
+  [DllImport(library)] static extern IntPtr phn_status_message(int status);
+  [DllImport(library)] public static extern int phn_model_size(byte[] text, UIntPtr length, out UIntPtr bytes, out UIntPtr wrong);
+  [DllImport(library)] public static extern int phn_model_init(IntPtr memory, UIntPtr bytes, byte[] text, UIntPtr length, out IntPtr model, out UIntPtr wrong);
+  [DllImport(library)] public static extern int phn_model_info(IntPtr model, out Info info);
+  [DllImport(library)] public static extern int phn_data_size(IntPtr model, int mostTools, out UIntPtr bytes);
+  [DllImport(library)] public static extern int phn_data_init(IntPtr memory, UIntPtr bytes, IntPtr model, int mostTools, out IntPtr data);
+  [DllImport(library)] public static extern int phn_nearest(IntPtr model, ref Vec3 x, out Tool tool, out Vec3 point, out double distance);
+  [DllImport(library)] public static extern int phn_force(IntPtr model, IntPtr data, ref Tool tool, out Vec3 force, out double energy, IntPtr stiffness);
+  [DllImport(library)] public static extern int phn_force(IntPtr model, IntPtr data, ref Tool tool, out Vec3 force, IntPtr energy, IntPtr stiffness);
+  [DllImport(library)] public static extern int phn_deform(IntPtr model, IntPtr data, ref Tool tool, [Out] Vec3[] field);
+  [DllImport(library)] public static extern int phn_bound(IntPtr model, ref Tool tool, [Out] double[] bound);
+  [DllImport(library)] public static extern int phn_couple(IntPtr model, IntPtr data, int n, ref Tool tools, out Vec3 forces, out Coupled coupled);
+  [DllImport(library)] public static extern int phn_coupled_deform(IntPtr model, IntPtr data, [Out] Vec3[] field);
+  [DllImport(library)] public static extern int phn_body_size(byte[] text, UIntPtr length, out UIntPtr bytes, out UIntPtr wrong);
+  [DllImport(library)] public static extern int phn_body_init(IntPtr memory, UIntPtr bytes, byte[] text, UIntPtr length, out IntPtr body, out UIntPtr wrong);
+  [DllImport(library)] public static extern int phn_body_info(IntPtr body, out BodyContents contents);
+  [DllImport(library)] public static extern int phn_body_nearest(IntPtr body, ref Vec3 x, out Tool tool, out Vec3 point, out double distance);
+  [DllImport(library)] public static extern int phn_body_state_size(IntPtr body, int mostTools, out UIntPtr bytes);
+  [DllImport(library)] public static extern int phn_body_state_init(IntPtr memory, UIntPtr bytes, IntPtr body, int mostTools, out IntPtr state);
+  [DllImport(library)] public static extern int phn_body_force(IntPtr body, IntPtr state, int n, ref Tool tools, int steps, out Vec3 forces, out BodyReport report);
+  [DllImport(library)] public static extern int phn_body_bound(IntPtr body, IntPtr state, int n, [Out] double[] bounds);
+  [DllImport(library)] public static extern int phn_body_deform(IntPtr body, IntPtr state, [Out] double[] field);
+  [DllImport(library)] public static extern int phn_body_deform(IntPtr body, IntPtr state, [Out] Vec3[] field);
+  [DllImport(library)] public static extern int phn_contact_size(IntPtr model, int mostTools, out UIntPtr bytes);
+  [DllImport(library)] public static extern int phn_contact_init(IntPtr memory, UIntPtr bytes, IntPtr model, int mostTools, out IntPtr contact);
+  [DllImport(library)] public static extern int phn_body_contact_size(IntPtr body, int mostTools, out UIntPtr bytes);
+  [DllImport(library)] public static extern int phn_body_contact_init(IntPtr memory, UIntPtr bytes, IntPtr body, int mostTools, int steps, out IntPtr contact);
+  [DllImport(library)] public static extern int phn_contact_step(IntPtr contact, int n, [In] Sphere[] spheres, [Out] Touch[] touches, out ContactReport report);
+  [DllImport(library)] public static extern int phn_contact_deform(IntPtr contact, [Out] double[] field);
+  [DllImport(library)] public static extern int phn_contact_deform(IntPtr contact, [Out] Vec3[] field);
+  [DllImport(library)] public static extern int phn_contact_reset(IntPtr contact);
+  [DllImport(loop)] public static extern int phn_bridge_force(ref BridgeState bridge, ref Vec3 answer, double now, out Vec3 force);
+  [DllImport(loop)] public static extern int phn_bridge_force(ref BridgeState bridge, IntPtr answer, double now, out Vec3 force);
+  [DllImport(loop)] public static extern int phn_loop_defaults(out LoopSettings settings);
+  [DllImport(loop)] public static extern int phn_loop_size(out UIntPtr bytes);
+  [DllImport(loop)] public static extern int phn_loop_init(IntPtr memory, UIntPtr bytes, ref LoopSettings settings, out IntPtr made);
+  [DllImport(loop)] public static extern int phn_loop_engage(IntPtr loop);
+  [DllImport(loop)] public static extern int phn_loop_read(IntPtr loop, ref Vec3 position, double measured, double now, out Vec3 tool);
+  [DllImport(loop)] public static extern int phn_loop_read(IntPtr loop, IntPtr position, double measured, double now, out Vec3 tool);
+  [DllImport(loop)] public static extern int phn_loop_hold(IntPtr loop, ref LoopResponse response, double now, out Vec3 force);
+  [DllImport(loop)] public static extern int phn_loop_info(IntPtr loop, out LoopReport report);
+  [DllImport(loop)] public static extern IntPtr phn_loop_trip_message(int trip);
+
+  public static void RequireLibrary() {
+    int version = phn_abi_version();
+    if (version != AbiVersion)
+      throw new PhynnessException(Status.ErrorVersion, "the library phynness has interface " + version + ", and this file is for " +
+                                  AbiVersion + ": use both of one release");
+    RequireSize("phn_tool", typeof(Tool));
+    RequireSize("phn_contact_tool", typeof(Sphere));
+    RequireSize("phn_contact_state", typeof(Touch));
+    RequireSize("phn_contact_report", typeof(ContactReport));
+    RequireSize("phn_info", typeof(Info));
+    RequireSize("phn_coupled", typeof(Coupled));
+    RequireSize("phn_body_contents", typeof(BodyContents));
+    RequireSize("phn_body_report", typeof(BodyReport));
+  }
+  public static void RequireSize(string name, Type type) {
+    int bytes = phn_sizeof(name), own = Marshal.SizeOf(type);
+    if (bytes != own)
+      throw new PhynnessException(Status.ErrorVersion, name + " has " + bytes + " bytes in the library and " + own +
+                                  " in this file: use both of one release");
+  }
+  public static void Require(int status, string where) {
+    if (status < 0) throw Error(status, where);
+  }
+  public static PhynnessException Error(int status, string where) {
+    return new PhynnessException((Status)status, where + Text(phn_status_message(status)));
+  }
+  public static string Text(IntPtr utf8) {
+    if (utf8 == IntPtr.Zero) return "";
+    int n = 0;
+    while (Marshal.ReadByte(utf8, n) != 0) ++n;
+    var bytes = new byte[n];
+    Marshal.Copy(utf8, bytes, 0, n);
+    return Encoding.UTF8.GetString(bytes);
+  }
+  public static int[] Copy(IntPtr from, int n) {
+    var numbers = new int[n];
+    if (n > 0) Marshal.Copy(from, numbers, 0, n);
+    return numbers;
+  }
+  public static Vec3[] Points(IntPtr from, int n) {
+    var numbers = new double[3 * n];
+    if (n > 0) Marshal.Copy(from, numbers, 0, 3 * n);
+    var points = new Vec3[n];
+    for (int i = 0; i < n; ++i) points[i] = new Vec3(numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]);
+    return points;
+  }
+}
+
+}  // namespace Phynness
