@@ -62,7 +62,8 @@ typedef struct phn_contact_report {
 } phn_contact_report;
 
 /* Contact of up to max_tools (1 ... 8) tools with a model, or with a body, for which a step makes at most `steps` (>=
- * 1) steps of Newton's method. It has a phn_data or phn_body_state of its own. Memory: that, and about 200 bytes for
+ * 1) steps of Newton's method, and one more for each twentieth of max_displacement_m that a tool moves in it, up to 20,
+ * so that a tool that jumps is felt at once. It has a phn_data or phn_body_state of its own. Memory: that, and about 200 bytes for
  * each triangle. Cost of init: a millisecond for 1,000 triangles. A triangle can be touched if its corners are active,
  * covered or fixed, of a body fixed or within the tool's radius of a probed point, and not all fixed. Tools pass
  * through other triangles, and through a strip of 1/20 of a triangle beside a fixed edge. PHN_ERROR_UNDEFINED: no
@@ -105,9 +106,9 @@ PHN_API int phn_body_contact_init(void* memory, size_t bytes, const phn_body* bo
  * out; offsets keep their undeformed directions. A surface that others push in is met late without that, and a tool
  * that hovers in a dent is caught by the surface that comes back.
  *
- * A body: forces and slides of all tools are predicted together before the first of Newton's steps. A tool that arrives
- * while others are felt has its first force in the next call. A proxy slides by at most twice the motion of its tool
- * and a hundredth of the tool's radius in a call.
+ * A body: forces and slides of all tools are predicted together before and after each of Newton's steps, and the forces
+ * are the last predicted ones. A proxy slides by at most twice the motion of its tool and a hundredth of the tool's
+ * radius in a call.
  *
  * `report` may be null. A refused call does not move the tools. PHN_ERROR_NOT_FINITE: a centre, radius or friction is
  * NaN or infinite. _ROUND_TOOLS: several tools on a model of round tools. Cost: for each tool without contact a sweep,

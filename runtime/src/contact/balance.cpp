@@ -1,5 +1,7 @@
 // Force balance of tools in contact: friction, sliding, release.
 #include "contact/contact.hpp"
+
+#include "body/body.hpp"
 #include "core/evaluate.hpp"
 
 namespace PHN_RUNTIME {
@@ -18,6 +20,11 @@ constexpr int most_fallen = 3;            ///< responses in a step to the falls 
 constexpr int most_falls = 12;            ///< steps of a fall
 constexpr int most_sweeps = 60;           ///< over the tools on a body, and when they end:
 constexpr double sweep_tolerance = 1e-6;  ///< of a force, and of a displacement
+/// A step on a body makes one more of Newton's steps for each of these parts of the depth that a tool goes in it, at
+/// most:
+constexpr double motion_of_step = 0.05, most_more = 20;
+/// Or fewer, if the next one, over the deformation, is smaller than this.
+constexpr double balanced = 1e-4;
 
 /// Solves M x = b if -M has a positive trace and determinant. @return whether it has
 bool solve_two(const double m[2][2], const double* b, double* x) {
@@ -146,26 +153,28 @@ class Balance {
   }
 
   /// Balance with a body. A response costs steps of Newton's method, so proxies slide by forces that are predicted from
-  /// the last response: with one step the body moves and the tools slide by one and the same linearization. A tool that
+  /// the last response: in each step the body moves and the tools slide by one and the same linearization. A tool that
   /// was not part of it yet waits for the next one.
   int press(phn_coupled& coupled) {
+    double farthest = 0;
     for (std::int32_t t = 0; t < _n; ++t) {
-      if (_contact.tool[t].active) find_displacement(t);
+      const ToolContact& tool = _contact.tool[t];
+      if (!tool.active) continue;
+      find_displacement(t);
+      farthest = std::fmax(farthest, std::fmin(norm(tool.moved), norm(tool.displacement)));
     }
+    _touched.steps +=
+        static_cast<std::int32_t>(std::fmin(farthest / (motion_of_step * _touched.max_displacement_m), most_more));
     for (int pass = 0;; ++pass) {
+      const std::int32_t steps = _touched.steps;
       predict();
       const int status = couple(coupled);
       if (status < 0) return status;
-      _contact.is_known = _touched.is_known();
-      bool again = false;
+      _contact.is_known = _touched.unbalanced <= far_from_balance;
+      bool again = _touched.unbalanced > balanced;
       for (std::int32_t i = 0; i < _n_active; ++i) {
-        ToolContact& tool = _contact.tool[_active[i]];
-        _contact.held_by[i] = vector_at(tool.force);
-        _contact.held_at[i] = vector_at(tool.displacement);
-        if (_inputs[_active[i]].mode != PHN_TOOL_PRESS) continue;
-        double tangential[3];
-        const double push = split(tool, tangential);
-        again |= push <= 0 || excess_of(_active[i], push, tangential) > cone_tolerance * norm(tool.force);
+        _contact.held_by[i] = vector_at(_contact.tool[_active[i]].force);
+        _contact.held_at[i] = vector_at(_contact.tool[_active[i]].displacement);
       }
       for (std::int32_t t = 0; t < _n; ++t) {
         const ToolContact& tool = _contact.tool[t];
@@ -174,7 +183,7 @@ class Balance {
         _contact.held_at[tool.order - 1] = _touched.displacement(tool.order - 1);
         again |= tool.anchored && tool.is_new;
       }
-      if (again && _contact.is_known && _touched.steps >= 1 && pass < most_slides) continue;
+      if (again && _touched.steps >= 1 && (pass == 0 || _touched.steps < steps)) continue;
       if (predict()) relieve();
       return status;
     }

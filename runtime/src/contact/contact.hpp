@@ -23,6 +23,7 @@ class Touched {
   /// Newton's steps that are left for a step on a body, whose responses go on from the last one. -1: a
   /// model, whose responses depend on the tools alone.
   std::int32_t steps = -1;
+  double unbalanced = 0;  ///< of the last hold()
 
   bool is_body() const { return steps >= 0; }
   /// Forces [N] that hold the first n of n_all tools, n x 3. The others are only near to them, of a body, at heights
@@ -37,8 +38,6 @@ class Touched {
   virtual bool compliance(std::int32_t, Matrix*) const { return false; }
   /// Where a body, and the springs of other tools, put a tool of the last hold() that is only near [m].
   virtual Vector displacement(std::int32_t) const { return {}; }
-  /// Whether the forces of a body are those of the last hold(), or older ones.
-  virtual bool is_known() const { return false; }
 };
 
 /// Input of a tool in this step, clamped so that no later computation overflows.

@@ -19,11 +19,12 @@ class TouchedBody final : public Touched {
   int hold(std::int32_t n, std::int32_t n_all, const phn_tool* tools, const double* heights, double* forces,
            phn_coupled& result) override {
     phn_body_report made = {};
-    const int status = press_body(_state, n, n_all, tools, heights, steps, forces, made);
+    const int status = press_body(_state, n, n_all, tools, heights, 1, forces, made);
     steps -= made.steps;
     made.steps += pressed.steps;
     made.renewed += pressed.renewed;
     pressed = made;
+    unbalanced = made.unbalanced;
     result = {made.behind_m, made.energy};
     if (status >= 0) {
       const std::int32_t first = n == 0 ? 0 : _state.n_rows;  // of the others the last step has them
@@ -59,7 +60,6 @@ class TouchedBody final : public Touched {
     }
     return true;
   }
-  bool is_known() const override { return pressed.unbalanced <= far_from_balance; }
   Vector displacement(std::int32_t tool) const override {
     Vector moved;
     for (int k = 0; k < 3; ++k) {

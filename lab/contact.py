@@ -1,0 +1,78 @@
+"""Compares the forces of two spheres that slide over a body with finite elements, which hold the same places.
+
+Usage: lab/study contact DATABASE BODY RADIUS [options of haptic_loop, as --friction 0.5 --at X,Y,Z]
+DATABASE and BODY are those of one scene. The program is build/release/tests/loop/example/haptic_loop, or $HAPTIC_LOOP.
+
+Every hundredth cycle is solved from rest. Errors are those of all components of the force of the worse sphere, over the
+larger force; beside them stands linear theory, from displacements a thousand times smaller. Left out are spheres nearer
+than half of the tool's radius: between them are springs, which finite elements do not have (docs/decisions/near-tools.md).
+"""
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+from commands import SOURCE, answer, text, vector
+
+
+def rows(body, radius, options):
+    """Table of the CSV, n_cycles x n_tools."""
+    program = os.environ.get("HAPTIC_LOOP", str(SOURCE / "build/release/tests/loop/example/haptic_loop"))
+    with tempfile.NamedTemporaryFile(suffix=".csv") as file:
+        subprocess.run([program, "-", "same", "--body", body, "--sphere", radius, *options, "--csv", file.name], check=True)
+        table = np.genfromtxt(file.name, delimiter=",", names=True)
+    return table.reshape(-1, int(table["tool"].max()) + 1)
+
+
+def columns(row, *names):
+    return np.array([row[name] for name in names])
+
+
+def solved(database, points, displacements):
+    """Forces [N]; None without an equilibrium."""
+    words = [w for p, d in zip(points, displacements) for w in (f"--point={vector(p)}", f"--displacement={vector(d)}")]
+    found = answer("solve", database, *words)
+    return found and np.array([tool["force"] for tool in found["tools"]])
+
+
+def main(database, body, radius, *options):
+    with h5py.File(database) as file:
+        nodes, scene = file["mesh/nodes"][()], text(file["scene"][()])
+    near_m = float(re.search(r"tool_radius_m *= *([0-9.e-]+)", scene).group(1)) / 2
+    errors, left_out = {1: [], 2: []}, {"near": 0, "unsettled": 0, "without an equilibrium": 0}
+    for cycle in rows(body, radius, options)[::100]:
+        held = [row for row in cycle if row["node0"] >= 0]
+        if not held:
+            continue
+        points = [columns(r, "weight0", "weight1", "weight2") @ nodes[columns(r, "node0", "node1", "node2").astype(int)]
+                  for r in held]
+        displacements = np.array([columns(r, "ux_m", "uy_m", "uz_m") for r in held])
+        given = np.array([columns(r, "fx_N", "fy_N", "fz_N") for r in held])
+        forces = None
+        if int(held[0]["status"]) & 4:
+            reason = "unsettled"
+        elif len(held) == 2 and np.linalg.norm(points[0] - points[1]) < near_m:
+            reason = "near"
+        else:
+            reason, forces = "without an equilibrium", solved(database, points, displacements)
+        if forces is None:
+            left_out[reason] += 1
+            continue
+        linear = 1000 * solved(database, points, displacements / 1000)
+        size = np.linalg.norm(forces, axis=1).max()
+        errors[len(held)].append([100 * np.linalg.norm(f - forces, axis=1).max() / size for f in (given, linear)])
+    for n_spheres, found in errors.items():
+        for name, e in zip(("contact", "linear theory"), np.transpose(found)):
+            print(f"{n_spheres} in contact, {len(e)} states, {name}: mean {e.mean():.2f}, p95 {np.percentile(e, 95):.2f}, "
+                  f"max {e.max():.2f} %")
+    print("left out:", ", ".join(f"{n} {reason}" for reason, n in left_out.items()))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 4:
+        raise SystemExit(__doc__)
+    main(*sys.argv[1:])
