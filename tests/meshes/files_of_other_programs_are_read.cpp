@@ -197,7 +197,9 @@ TEST(FilesOfOtherPrograms, NameTheDefectOfASurface) {
       {ply + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "not in the file: 3"},
       {ply + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "not in the file"},
       {ply + "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "fewer than three"},
-      {ply + "0 0 0\n1 0 0\n0 1 0\n200 0 1 2\n", "truncated"}};
+      {ply + "0 0 0\n1 0 0\n0 1 0\n200 0 1 2\n", "truncated"},
+      {"ply\nformat ascii 1.0\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n3 0 1 2\n",
+       "strips"}};
   for (const auto& [bytes, part] : plys) {
     const std::string message = error_of([&, &text = bytes] { import_bytes(text, ".ply"); });
     EXPECT_TRUE(contains(message, part)) << "expected '" << part << "' in '" << message << "'";
@@ -210,7 +212,7 @@ TEST(FilesOfOtherPrograms, NameTheDefectOfASurface) {
       {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", ":6: a face uses a vertex"},
       {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n", ":6: a face has fewer"},
       {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n1000000000000 0 1 2\n", ":6: a line is too short"},
-      {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n", "truncated"}};
+      {"OFF\n3 1 0\n0 0 0 1 0 0 0 1 0\n3 0 1 2\n", "each of which has a line of its own"}};
   for (const auto& [bytes, part] : offs) {
     const std::string message = error_of([&, &text = bytes] { import_bytes(text, ".off"); });
     EXPECT_TRUE(contains(message, part)) << "expected '" << part << "' in '" << message << "'";

@@ -92,7 +92,7 @@ TEST(Stl, MayBeInCapitalsAndEndInSeveralWays) {
   }
   for (const char* end : {"endsolid corner\n", "endsolid", "end solid\n", "ENDSOLID", "end\n"})
     for (const bool capitals : {false, true}) {
-      std::string text = stl + end;
+      std::string text = (capitals ? "\n" : "") + stl + end;
       if (capitals)
         for (char& c : text) c = static_cast<char>(std::toupper(c));
       const meshes::RawMesh raw = meshes::read_mesh_file(TemporaryFile(text, ".STL").path);
@@ -100,6 +100,16 @@ TEST(Stl, MayBeInCapitalsAndEndInSeveralWays) {
       EXPECT_EQ(raw.triangles.size(), 4u) << end;
       EXPECT_TRUE(raw.notes.empty()) << joined(raw.notes);
     }
+  EXPECT_TRUE(contains(error_of([&] { import_bytes(replaced(stl, "facet", "colour red facet"), ".stl"); }), "colour"));
+}
+
+TEST(Stl, MayLeaveItsNumberOfTrianglesOpen) {
+  for (const char* number : {"\xff\xff\xff\xff", "\0\0\0\0"}) {
+    std::string stl = "solid of a stream" + std::string(63, ' ') + std::string(number, 4);
+    for (const float x : {0.f, 0.f, 0.f, 0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f})
+      stl.append(reinterpret_cast<const char*>(&x), sizeof x);
+    EXPECT_EQ(meshes::read_mesh_file(TemporaryFile(stl + std::string(2, '\0'), ".stl").path).triangles.size(), 1u);
+  }
 }
 
 TEST(Surfaces, OfFacesWithVerticesOfTheirOwnAreWelded) {

@@ -1,5 +1,7 @@
-// Claim: the same body in every format gives the same mesh: node numbers in the file's order, cells, hash.
+// Claim: the same body in every format gives the same mesh: node numbers in the file's order, cells, hash. Lines may
+// end in any of three ways, words may be in the forms that other programs write, and meshes may be in parts.
 #include "mesh_under_test.hpp"
+#include "read/raw_mesh.hpp"
 #include "small_files.hpp"
 
 namespace phynness::test {
@@ -26,10 +28,55 @@ TEST(Readers, GiveTheSameMeshFromEveryFormat) {
   }
 }
 
-TEST(Readers, TakeWindowsLineEndings) {
-  std::string windows;
-  for (const char c : small_msh_4) windows += c == '\n' ? std::string("\r\n") : std::string(1, c);
-  EXPECT_EQ(mesh_hash(import_bytes(windows, ".msh").mesh), mesh_hash(import_bytes(small_msh_4, ".msh").mesh));
+TEST(Readers, TakeAnyLineEndingsAndTheMarkOfUtf8) {
+  const std::string x = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n", faces = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+  const std::string ply =
+      "ply \nformat ascii 1.0\nelement vertex 4\nproperty float z\nproperty float y\nproperty float x\n"
+      "element face 4\nproperty list uchar int vertex_indices\nend_header \n";
+  const std::pair<const char*, std::string> files[] = {
+      {".msh", small_msh_4},
+      {".vtk", small_vtk_5},
+      {".inp", "*NODE\n1, 0, 0, 0\n2, 1\n3, 0, 1\n4, 0, 0, 1\n*ELEMENT, TYPE=C3D4,\n1, 1, 2, 3, 4\n"},
+      {".obj", "v 0 0 0 # a\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1/1/1 3//1 -3/9 # b\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"},
+      {".off", "off 4 4 0 # counts\n" + x + faces},
+      {".ply", ply + x + faces},
+      {".stl",
+       "solid a\nfacet normal nan 0 0\nouter\tloop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+       "endfacet\nendsolid a\n"}};
+  for (const auto& [extension, text] : files) {
+    SCOPED_TRACE(extension);
+    const auto read = [&](const std::string& bytes, const char* mark = "") {
+      return meshes::read_mesh_file(TemporaryFile(mark + bytes, extension).path);
+    };
+    const meshes::RawMesh expected = read(text);
+    EXPECT_GT(expected.tetrahedra.size() + expected.triangles.size(), 0u);
+    for (const std::string end : {"\n", "\r\n", "\r"})
+      for (const char* mark : {"", "\xef\xbb\xbf"}) {
+        std::string ended;
+        for (const char c : text) ended += c == '\n' ? end : std::string(1, c);
+        const meshes::RawMesh raw = read(ended, mark);
+        EXPECT_EQ(raw.nodes, expected.nodes);
+        EXPECT_EQ(raw.tetrahedra, expected.tetrahedra);
+        EXPECT_EQ(raw.triangles, expected.triangles);
+      }
+    EXPECT_TRUE(contains(error_of([&] { read(text, "\xff\xfe"); }), "UTF-16"));
+  }
+}
+
+TEST(Readers, TakePartitionedMeshes) {
+  std::string parts = small_msh_4;  // the parts of surface 3 and volume 1 are surface 4 and volumes 5 and 6
+  const auto turn = [&](const std::string& from, const std::string& to) {
+    parts.replace(parts.find(from), from.size(), to);
+  };
+  turn("$EndEntities\n",
+       "$EndEntities\n$PartitionedEntities\n2\n1\n9 2\n0 0 1 2\n4 2 3 1 1 0 0 0 1 1 0 1 7 0\n"
+       "5 3 1 1 1 0 0 0 1 1 1 0 1 4\n6 3 1 2 1 2 0 0 0 1 1 1 0 0\n$EndPartitionedEntities\n");
+  turn("2 3 0 3", "2 4 0 3");
+  turn("3 1 0 2\n4", "3 5 0 2\n4");
+  turn("2 3 1 3\n2 3 2 1\n1 1 2 3\n3 1 4 2\n2 1 2 3 4\n", "3 3 1 3\n2 4 2 1\n1 1 2 3\n3 5 4 1\n2 1 2 3 4\n3 6 4 1\n");
+  const MeshResult result = import_bytes(parts, ".msh");
+  EXPECT_EQ(mesh_hash(result.mesh), mesh_hash(import_bytes(small_msh_4, ".msh").mesh));
+  EXPECT_EQ(result.mesh.groups.at("hilum"), (std::vector<std::int32_t>{0, 1, 2}));
 }
 
 TEST(Readers, TurnPhysicalGroupsIntoNodeLists) {

@@ -75,7 +75,7 @@ class InpFile {
       if (_line.starts_with('*')) {
         require_no_rest();
         std::string whole(_line);
-        while (whole.ends_with(',') && next_line()) whole += _line;
+        while (whole.ends_with(',') && !data_follow() && next_line()) whole += _line;
         card = Card(whole);
         begin(card);
       } else if (!_line.empty()) {
@@ -98,6 +98,12 @@ class InpFile {
     _here = _scanner;
     _line = trimmed(_scanner.line());
     return true;
+  }
+
+  /// Whether the next line begins with a number, so that a comma at the end of a card is one too many.
+  bool data_follow() const {
+    const std::string_view next = Scanner(_scanner).word_or_end();
+    return !next.empty() && next.front() >= '0' && next.front() <= '9';
   }
 
   [[noreturn]] void fail(const std::string& what, std::string_view value, const std::string& remedy = again) const {

@@ -16,7 +16,7 @@ constexpr std::pair<std::string_view, Reader> readers[] = {
 
 /// By the extension; the contents tell the two kinds of VTK, whose names are often exchanged.
 Reader reader_of(const std::string& extension, std::string_view bytes) {
-  const auto first = std::min(bytes.find_first_not_of("\xef\xbb\xbf \t\r\n"), bytes.size());  // behind a mark of UTF-8
+  const auto first = std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size());
   if (extension == ".vtk" && bytes.substr(first, 1) == "<") return &read_vtu;
   if (extension == ".vtu" && bytes.starts_with("# vtk")) return &read_vtk;
   for (const auto& [ending, reader] : readers)
@@ -34,8 +34,13 @@ RawMesh read_mesh_file(const std::filesystem::path& file) {
   // Ten million tetrahedra, a hundred times the number that can be solved, take about 600 MB as text.
   constexpr std::uint64_t most_bytes = 1 << 30;
   const bool is_text = extension == ".obj" || extension == ".inp";  // the others may be binary
-  const std::string bytes = read_input_file(file, {"the mesh file", mesh_file_kinds(), most_bytes, is_text});
+  std::string bytes = read_input_file(file, {"the mesh file", mesh_file_kinds(), most_bytes, is_text});
   if (bytes.empty()) throw input_error("the mesh file is empty", file.string(), again);
+  if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))
+    throw input_error("the mesh file has two bytes for each letter (UTF-16)", file.string(), "save it as UTF-8");
+  if (bytes.starts_with("\xef\xbb\xbf")) bytes.erase(0, 3);            // the mark of UTF-8
+  if (bytes.find_first_of(std::string_view("\n\0", 2)) == bytes.npos)  // text whose lines end with carriage returns
+    std::replace(bytes.begin(), bytes.end(), '\r', '\n');
   const auto reader = reader_of(extension, bytes);
   RawMesh raw = reader(bytes, file.filename().string());
   raw.finish(reader == &read_stl);

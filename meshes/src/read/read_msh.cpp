@@ -204,14 +204,25 @@ void read_elements_2(Values& values, MshBuilder& builder) {
 
 using Physical = std::map<GroupKey, Tags>;  // of each entity
 
-Physical read_entities(Values& values) {
+/// @param is_partitioned  of $PartitionedEntities, whose blocks of nodes and elements refer to these
+Physical read_entities(Values& values, bool is_partitioned) {
   Physical physical;
   values.begin();
+  if (is_partitioned) {
+    values.size("the number of partitions");
+    const std::size_t n = values.count("ghost entities", 4, 8);
+    for (std::size_t i = 0; i < 2 * n; ++i) values.integer("a ghost entity");
+  }
   std::size_t counts[4];
   for (auto& n : counts) n = values.count("entities", 6, 28);
   for (int dimension = 0; dimension < 4; ++dimension)
     for (std::size_t i = 0; i < counts[dimension]; ++i) {
       const std::int64_t tag = values.integer("an entity's tag");
+      if (is_partitioned) {
+        for (int k = 0; k < 2; ++k) values.integer("an entity's parent");
+        const std::size_t n = values.count("partitions of an entity", 2, 4);
+        for (std::size_t k = 0; k < n; ++k) values.integer("a partition");
+      }
       for (int k = 0; k < (dimension == 0 ? 3 : 6); ++k) values.real("an entity's bounding box");
       auto& tags = physical[{dimension, tag}];
       tags.resize(values.count("physical tags", 2, 4));
@@ -307,14 +318,13 @@ RawMesh read_sections(Values values, int version) {
       elements_seen = true;
     } else if (version > 1 && section == "$PhysicalNames") {
       builder.read_names(scanner);
-    } else if (version == 4 && section == "$Entities") {
-      physical = read_entities(values);
+    } else if (version == 4 && (section == "$Entities" || section == "$PartitionedEntities")) {
+      Physical more = read_entities(values, section != "$Entities");  // the parts go before the whole
+      more.merge(physical);
+      physical = std::move(more);
     } else {
       if (version == 1 || !section.starts_with("$") || section.starts_with("$End"))
         scanner.fail("expected the start of a section", section);
-      if (section == "$PartitionedEntities")
-        scanner.fail("the mesh is partitioned", section,
-                     "save it unpartitioned (gmsh: Mesh.PartitionSplitMeshFiles 0)");
       skip_section(scanner, section);
       continue;
     }

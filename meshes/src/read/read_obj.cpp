@@ -24,7 +24,7 @@ RawMesh read_obj(const std::string& bytes, const std::string& source) {
     const Scanner here = scanner;  // errors name this line, not the next one
     std::string line(scanner.line());
     while (line.ends_with('\\') && !scanner.at_end()) line.back() = ' ', line += scanner.line();
-    std::string_view rest = line;
+    std::string_view rest = std::string_view(line).substr(0, line.find('#'));
     const std::string_view word = next_field(rest);
     if (word == "v") {
       auto& x = raw.nodes.emplace_back();

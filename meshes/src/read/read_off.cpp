@@ -24,7 +24,7 @@ class LineNumbers {
  public:
   LineNumbers(Scanner& file, const char* expected)
       : _here(file), _words(filled_line(file, _here), ""), _expected(expected) {
-    if (_words.at_end()) file.truncated(expected);
+    if (_words.at_end()) file.truncated(expected + std::string(", each of which has a line of its own"));
   }
   template <class Number>
   Number next() {
@@ -46,7 +46,7 @@ void read_format(Scanner& scanner, const std::string& source) {
   Scanner words(line, source);
   const std::string format(words.word_or_end());
   if (format.empty() || format.find_first_not_of("0123456789") == std::string::npos) return;  // the name may be absent
-  if (!format.ends_with("OFF") || format.size() > 7)
+  if (!upper(format).ends_with("OFF") || format.size() > 7)
     throw input_error(source + ":1: not an .off file", format.substr(0, 40), again);
   if (format.find('4') != std::string::npos || format.find('n') != std::string::npos || words.word_or_end() == "BINARY")
     throw input_error(source + ":1: unsupported kind of .off file", std::string(line.substr(0, 40)),

@@ -40,6 +40,8 @@ class PlyFile {
       for (const auto& p : element.properties)
         least += _text ? 2 : bytes_of_type(p.count_type.empty() ? p.type : p.count_type);
       if (least == 0 && element.count > 0) _scanner.fail("an element has no properties", element.name);
+      if (element.name == "tristrips" && element.count > 0)
+        _scanner.fail("the triangles are written as strips", element.name, "save them as faces");
       const std::size_t n =
           _scanner.checked_count(element.count, std::max<std::size_t>(least, 1), "items of an element");
       for (std::size_t i = 0; i < n; ++i)
@@ -51,7 +53,8 @@ class PlyFile {
 
  private:
   void read_header() {
-    if (_scanner.line() != "ply") throw input_error(_scanner.source() + ":1: not a .ply file", "", again);
+    if (_scanner.word_or_end() != "ply") throw input_error(_scanner.source() + ":1: not a .ply file", "", again);
+    _scanner.line();
     bool format_known = false;
     while (true) {
       if (_scanner.at_end()) _scanner.truncated("'end_header'");

@@ -19,7 +19,10 @@ void read_binary(Scanner& scanner, RawMesh& raw) {
   const bool swap = std::endian::native == std::endian::big;
   scanner.skip(80, "the header");
   const auto declared = scanner.raw<std::uint32_t>("the number of triangles", swap);
-  const std::size_t n = scanner.checked_count(declared, binary_facet, "triangles");
+  // Programs that write while they compute leave the number open.
+  const bool is_open = (declared == 0 || declared == ~0u) && scanner.remaining() >= binary_facet;
+  const std::size_t n =
+      is_open ? scanner.remaining() / binary_facet : scanner.checked_count(declared, binary_facet, "triangles");
   for (std::size_t t = 0; t < n; ++t) {
     scanner.skip(12, "a triangle's normal");
     raw.triangles.emplace_back();
@@ -37,6 +40,7 @@ void expect(Scanner& scanner, const char* word) {
 
 /// In any case of letters; what ends a solid begins with "end".
 void read_text(Scanner& scanner, RawMesh& raw) {
+  scanner.word_or_end();
   scanner.line();
   while (true) {
     const std::string_view word = scanner.word("'endsolid'");
@@ -66,13 +70,14 @@ void read_text(Scanner& scanner, RawMesh& raw) {
 RawMesh read_stl(const std::string& bytes, const std::string& source) {
   Scanner scanner(bytes, source);
   RawMesh raw;
-  // Binary headers may begin with "solid" too, so that the next line decides: 'facet' or an end in a text file.
+  // Binary headers may begin with "solid" too, so that the next line decides: 'facet' or an end in a text file. Without
+  // a byte 0 it is text with something else there.
   Scanner probe = scanner;
   bool text = upper(probe.word_or_end()) == "SOLID";
   if (text) {
     probe.line();
     const std::string next = upper(probe.word_or_end());
-    text = next == "FACET" || next.starts_with("END") || bytes.size() < binary_header;
+    text = next == "FACET" || next.starts_with("END") || bytes.find('\0') == bytes.npos;
   }
   if (text)
     read_text(scanner, raw);

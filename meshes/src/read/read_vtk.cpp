@@ -99,8 +99,8 @@ class VtkFile {
 
   void read_points() {
     const std::size_t n = count("points", 12);
-    const std::string type(_scanner.word("the type of the points"));
-    if (type != "float" && type != "double")
+    const std::string type = upper(_scanner.word("the type of the points"));
+    if (type != "FLOAT" && type != "DOUBLE")
       _scanner.fail("unsupported type of the points", type, "save them as float or double");
     begin();
     _raw.nodes.resize(_scanner.checked_count(static_cast<std::int64_t>(n), 6, "points"));
@@ -108,7 +108,7 @@ class VtkFile {
     for (auto& x : _raw.nodes)
       for (double& value : x)
         value = !_binary           ? _scanner.number<double>(what)
-                : type == "double" ? _scanner.raw<double>(what, swap)
+                : type == "DOUBLE" ? _scanner.raw<double>(what, swap)
                                    : _scanner.raw<float>(what, swap);
   }
 
