@@ -108,12 +108,18 @@ class Equilibrium {
   }
 
   /// Tools that moved far are followed in substeps of their displacements. _force is still that of the step before.
+  /// Where that is far from balance it may stretch springs by more than the tools are apart, which must not be
+  /// followed.
   void shorten_motions() {
     const double longest = longest_motion / (1 << _s.n_restarts) * _body.info.max_displacement_m;
+    double farthest = 0;
+    for (std::int32_t t = 0; t < _s.n_rows; t += 3) farthest = std::fmax(farthest, 2 * length(_s.wanted + t));
     _is_shortened = false;
     for (std::int32_t t = 0; t < _s.n_rows; t += 3) {
       double motion[3];
-      for (int k = 0; k < 3; ++k) motion[k] = _behind[t + k] - stretched(_s, t + k, _force);
+      for (int k = 0; k < 3; ++k) motion[k] = stretched(_s, t + k, _force);
+      const double stretch = length(motion), kept = stretch > farthest ? farthest / stretch : 1;
+      for (int k = 0; k < 3; ++k) motion[k] = _behind[t + k] - kept * motion[k];
       const double size = length(motion);
       if (!(size > longest)) continue;
       _is_shortened = true;
