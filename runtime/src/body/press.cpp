@@ -29,7 +29,7 @@ constexpr double much_stretched = 0.1;
 /// In a step a tool moves by at most so many depths.
 constexpr double longest_motion = 0.5;
 /// After so many steps far from balance the body starts from rest again, with smaller motions and more steps.
-constexpr std::int32_t most_far = 50, most_halved = 3;
+constexpr std::int32_t most_far = 20, most_halved = 3;
 /// Modes for n tools. Of two tools at random places the largest forces of a body of 6, 9, 12, 18, 24 and 40 modes are
 /// 3e9, 3e4, 35, 4.6, 4.6 and 3.6 N (demo, displacements up to 10 mm).
 constexpr std::int32_t least_modes(std::int32_t n_tools) { return n_tools > 1 ? 9 * n_tools : 3 * n_tools; }
