@@ -31,18 +31,6 @@ class Page : public CommandLine {
       all[key] = std::string(changed) == key ? Json("0123456789abcdef") : json("info.json").at(key);
     write_file(folder / "e.json", all.dump());
   }
-  /// The content of the element with the data, which is base64 of gzip.
-  std::string element(const std::string& page) const {
-    const std::string start = R"(<script type="text/plain" id="phynness-data">)";
-    const auto from = page.find(start);
-    EXPECT_NE(from, std::string::npos);
-    const auto at = from + start.size();
-    const auto packed = folder / "packed", data = folder / "data.json";
-    write_file(packed, page.substr(at, page.find("</script>", at) - at));
-    const auto unpack = "base64 --decode " + packed.string() + " | gunzip > " + data.string();
-    EXPECT_EQ(std::system(unpack.c_str()), 0);
-    return read_file(data);
-  }
   void expect_refused(const std::string& options, const std::vector<std::string>& parts) const {
     const auto refused = be_refused("view model " + options + " -o none.html");
     EXPECT_FALSE(std::filesystem::exists(folder / "none.html"));
@@ -56,8 +44,7 @@ class Page : public CommandLine {
 TEST_F(Page, HoldsModelIncrementsAndErrors) {
   write_errors({{"nodes", {node}}, {"force_error", {0.25}}, {"displacement_error", {0.5}}});
   succeed("view model --database d.h5 --errors e.json -o organ.html");
-  const auto page = read_file(folder / "organ.html");
-  const auto data = Json::parse(element(page));
+  const auto data = page_data("organ.html");
   EXPECT_EQ(data.at("format"), "phynness view 1");
   EXPECT_EQ(data.at("model").get<std::string>(), read_file(folder / "model/model.txt"));
   EXPECT_EQ(data.at("validation").at("force_error"), Json({0.25}));
@@ -99,7 +86,7 @@ TEST_F(Page, HoldsABodyOfTheModel) {
   const auto body = write_body_text(block.body);
   write_file(folder / "body.txt", body);
   succeed("view block --body body.txt -o organ.html");
-  EXPECT_EQ(Json::parse(element(read_file(folder / "organ.html"))).at("body").get<std::string>(), body);
+  EXPECT_EQ(page_data("organ.html").at("body").get<std::string>(), body);
   expect_refused("--body body.txt", {"another mesh", "body.txt", "phynness reduce"});
   write_file(folder / "body.txt", body.substr(0, body.size() / 2));
   expect_refused("--body body.txt", {"body.txt", "truncated"});

@@ -88,6 +88,13 @@ class CommandLine : public ::testing::Test {
     return json("info.json").at("active").get<std::vector<int>>();
   }
   nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(read_file(folder / name)); }
+  /// What a page of `phynness view` holds, base64 of gzip.
+  nlohmann::json page_data(const std::string& page) const {
+    const auto packed = shell("sed -n 's/.*id=\"phynness-data\">\\([^<]*\\).*/\\1/p' " + page +
+                              " | base64 --decode | gunzip > page.json");
+    EXPECT_EQ(packed.exit_status, 0) << packed.err;
+    return json("page.json");
+  }
 
   /// A block of a few dozen nodes, fixed below, two nodes of its top touched: seconds, not minutes.
   static std::string small_scene(const std::string& element = "P1", int increments = 2) {
