@@ -49,6 +49,7 @@ struct Bound {
 };
 inline constexpr Bound any_number{-DBL_MAX, DBL_MAX, "is not finite"};
 inline constexpr Bound positive{DBL_TRUE_MIN, DBL_MAX, "must be positive"};
+inline constexpr Bound body_depth{1e-90, 1e90, "is out of range 1e-90 ... 1e90 m"};
 inline constexpr Bound not_negative{0, DBL_MAX, "is negative"};
 inline constexpr Bound coordinate{-largest_coordinate, largest_coordinate, "is beyond 1e30 m"};
 inline constexpr Bound linear_entry{-largest_linear_entry, largest_linear_entry, "is beyond 1e100"};
