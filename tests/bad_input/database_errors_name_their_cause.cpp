@@ -68,6 +68,21 @@ TEST_F(BadDatabase, with_a_mesh_that_was_changed) {
   expect_contains(open_error(), {"mesh", file.c_str(), "hash"});
 }
 
+TEST_F(BadDatabase, with_a_code_that_is_none) {
+  for (const char* column : {"/responses/status", "/responses/end_reason"}) {
+    fs::remove(file);
+    write_packed();
+    tamper([&](hid_t id) {
+      const hid_t codes = H5Dopen2(id, column, H5P_DEFAULT), space = H5Dget_space(codes);
+      const std::vector<std::int8_t> sevens(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)), 77);
+      EXPECT_GE(H5Dwrite(codes, H5T_NATIVE_INT8, H5S_ALL, H5S_ALL, H5P_DEFAULT, sevens.data()), 0);
+      H5Sclose(space);
+      H5Dclose(codes);
+    });
+    expect_contains(refusal([&] { Database::open(file).rays(0); }), {column, "77", file.c_str()});
+  }
+}
+
 // Data is under fletcher32, metadata under the checksums of the 1.10 format, the mesh under its hash. Texts
 // are not: HDF5 keeps those of variable length in heaps without a checksum (and trusts what it reads there),
 // so these are left out.
@@ -115,6 +130,8 @@ TEST_F(BadDatabase, begun_in_a_folder_that_is_missing_or_not_writable) {
   const auto header = small_header(true);
   expect_contains(refusal([&] { DatabaseWriter::create(folder() / "no" / "x.h5", header, false); }),
                   {"does not exist", "mkdir"});
+  for (const bool resume : {false, true})
+    expect_contains(refusal([&] { DatabaseWriter::create(folder(), header, resume); }), {"is a folder", "database.h5"});
   fs::permissions(folder(), fs::perms::owner_read | fs::perms::owner_exec);
   const AsNobody as_nobody;
   expect_contains(refusal([&] { DatabaseWriter::create(file, header, false); }), {"not writable", folder().c_str()});

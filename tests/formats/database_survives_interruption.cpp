@@ -1,10 +1,7 @@
 // Claims: a process killed at any byte loses at most the ray it was writing; finished work is never
 // overwritten; a resumed run continues only the same work; a full disk leaves whole records behind.
-#include <sys/resource.h>
-
-#include <csignal>
-
 #include "database_under_test.hpp"
+#include "file_size_limit.hpp"
 
 namespace phynness::test {
 namespace {
@@ -177,26 +174,6 @@ TEST_F(Interruption, a_ray_of_the_wrong_size_is_refused) {
   ray.displacement.pop_back();
   expect_contains(refusal([&] { writer.append(ray); }, Error::Kind::failure), {"active 0, direction 0"});
 }
-
-/// The size limit of files stands in for a full disk: write(2) comes back short, then fails.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    _handler = std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &_before);
-    rlimit limit = _before;
-    limit.rlim_cur = bytes;
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &_before);
-    std::signal(SIGXFSZ, _handler);
-  }
-
- private:
-  rlimit _before{};
-  void (*_handler)(int) = SIG_DFL;
-};
 
 TEST_F(Interruption, a_full_disk_is_an_error_and_leaves_whole_records) {
   const auto header = small_header(false);

@@ -6,6 +6,7 @@
 
 #include "database/hdf5_file.hpp"
 #include "database_under_test.hpp"
+#include "file_size_limit.hpp"
 
 namespace phynness::test {
 namespace {
@@ -102,7 +103,17 @@ TEST_F(Imports, are_stored_as_given) {
   EXPECT_EQ(stored_scene(header).title, "given.h5");
   // Another scene's responses are not those of imported ones.
   EXPECT_EQ(coverage(header, small_header(false)), Coverage::other);
-  expect_contains(refusal([&] { import_responses(given_file(), file, tools_of); }), {"exists"});
+  expect_contains(refusal([&] { import_responses(given_file(), file, tools_of); }), {"exists", "choose another name"});
+}
+
+TEST_F(Imports, leave_nothing_on_a_full_disk) {
+  write(Given());
+  for (const rlim_t bytes : {100, 4000, 12000}) {
+    const FileSizeLimit full(bytes);
+    const auto said = refusal([&] { import_responses(given_file(), file, tools_of); }, Error::Kind::failure);
+    expect_contains(said, {"cannot write", "import again"});
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder()), fs::directory_iterator()), 1) << bytes;  // what is given
+  }
 }
 
 TEST_F(Imports, name_rays_whose_forces_point_against_the_displacement) {

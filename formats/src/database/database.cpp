@@ -22,8 +22,14 @@ struct Database::Impl {
   void read(const StoredColumn& column, std::int32_t first, std::size_t count, std::span<Ray> rays) const {
     std::visit(
         [&](auto member) {
-          std::vector<ValueOf<decltype(member)>> all(count * header.directions.size() * column.count);
+          using Value = ValueOf<decltype(member)>;
+          std::vector<Value> all(count * header.directions.size() * column.count);
           file.read_slab(column.path, static_cast<std::size_t>(first), count, all.data());
+          if constexpr (std::is_enum_v<Value>)
+            for (const Value code : all)
+              if (std::string_view(name(code)) == "unknown")
+                file.refuse(column.path + " has a code that is none of formats/database.md",
+                            std::to_string(static_cast<int>(code)));
           auto from = all.begin();
           for (Ray& ray : rays) {
             const auto to = values_of(ray, member);

@@ -35,6 +35,9 @@ bool is_complete(const fs::path& file, const PackingRanks& ranks) {
 
 bool DatabaseWriter::refuse_begun(const fs::path& file, bool resume) {
   std::error_code code;
+  if (fs::is_directory(file, code))
+    throw input_error("the database to write is a folder", file.string(),
+                      "give the name of a file, for example " + (file / "database.h5").string());
   const bool exists = fs::exists(file, code);
   if (exists && !resume)
     throw input_error("the database exists and is not overwritten", file.string(),

@@ -286,7 +286,11 @@ void write(const Given& given, const fs::path& database) {
 }  // namespace
 
 ImportReport import_responses(const fs::path& file, const fs::path& database, const ToolsOf& tools_of) {
-  DatabaseWriter::refuse_begun(database, false);
+  try {
+    DatabaseWriter::refuse_begun(database, false);
+  } catch (const Error& error) {
+    throw input_error(error.what(), "", "choose another name, or delete what is there");
+  }
   ImportReport report;
   std::optional<Given> given;
   try {
@@ -305,7 +309,12 @@ ImportReport import_responses(const fs::path& file, const fs::path& database, co
     std::error_code code;
     fs::remove(database, code);
     remove_logs(database);
-    throw;
+    try {
+      throw;
+    } catch (const Error& error) {
+      if (error.kind() == Error::Kind::input) throw;
+      throw failure(error.what(), "", "free space, raise the limit or choose another folder, then import again");
+    }
   }
   return report;
 }
