@@ -70,35 +70,30 @@ std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places, const st
   return tools;
 }
 
-/// Of every tool that is displaced farther than a node below it was trained: both lengths; of several without such a
-/// one what else it may be. "": the status says no such thing.
-std::string lengths_outside(const NamedOrgan& model, const std::optional<NamedOrgan>& body, int status,
-                            const std::vector<SurfacePoint>& places, const std::vector<Vec3>& displacements) {
-  std::string text;
-  if ((status & PHN_WARNING_OUTSIDE) == 0) return text;
-  if (body) {
-    const double trained_m = body->body_info().max_displacement_m;
-    for (const Vec3& d : displacements)
-      if (const double length_m = std::hypot(d[0], d[1], d[2]); length_m > trained_m)
-        text += fmt::format("\n  {:.4g} m, the body was trained to {:.4g} m", length_m, trained_m);
-    return text.empty() ? "\n  no displacement is longer: near a tool there is no probed point" : text;
-  }
+/// The words for a status above 0. Displacements that are not longer than trained have the cause instead.
+std::string warning_of(const NamedOrgan& model, const std::optional<NamedOrgan>& body, int status,
+                       const std::vector<SurfacePoint>& places, const std::vector<Vec3>& displacements) {
+  std::string longer;
   const auto active = model.active_nodes();
-  for (std::size_t t = 0; t < places.size(); ++t) {
+  for (std::size_t t = 0; t < places.size() && (status & PHN_WARNING_OUTSIDE) != 0; ++t) {
     const Vec3& d = displacements[t];
     const double length_m = std::hypot(d[0], d[1], d[2]);
-    for (std::size_t k = 0; k < 3; ++k) {
+    if (body && length_m > body->body_info().max_displacement_m)
+      longer +=
+          fmt::format("\n  {:.4g} m, the body was trained to {:.4g} m", length_m, body->body_info().max_displacement_m);
+    for (std::size_t k = 0; k < 3 && !body; ++k) {
       const auto node = places[t].nodes[k];
       if (places[t].weights[k] == 0 || std::find(active.begin(), active.end(), node) == active.end()) continue;
       const double trained_m = model.trained_depth(node, d);
       if (length_m > trained_m)
-        text += fmt::format("\n  {:.4g} m at node {}, trained to {:.4g} m in its direction", length_m, node, trained_m);
+        longer +=
+            fmt::format("\n  {:.4g} m at node {}, trained to {:.4g} m in its direction", length_m, node, trained_m);
     }
   }
-  if (text.empty() && places.size() > 1)
-    text =
-        "\n  no displacement is longer: the tools work against each other, or one is between nodes beside fixed ones";
-  return text;
+  if (status != PHN_WARNING_OUTSIDE || !longer.empty()) return phn_status_message(status) + longer;
+  return body                ? "near a tool there is no probed point"
+         : places.size() > 1 ? "the tools work against each other, or one is between nodes beside fixed ones"
+                             : "the tool is at or beside nodes where the model is linear or that are fixed";
 }
 
 /// Columns behind those of the query; energy and bound only if the model has them.
@@ -183,9 +178,7 @@ void run_single(const Options& options) {
   if (response.displacement_m.rows() == 0 && wanted)
     throw input_error("this model has forces only", wanted->string(),
                       "omit the output file, or train the model with [training] modes of 1 or more");
-  if (response.status > 0)
-    message("warning: {}{}\n", phn_status_message(response.status),
-            lengths_outside(model, body, response.status, places, displacements));
+  if (response.status > 0) message("warning: {}\n", warning_of(model, body, response.status, places, displacements));
   json extra = record("status", response.status, "family", model.info().family, "level", model.level());
   const bool single = !coupled && places.size() == 1, bounded = single && model.has_bounds();
   std::optional<double> bound_N;

@@ -39,6 +39,9 @@ json golden_json(const GoldenQueries& queries) {
 
 void run(const Options& options) {
   check_name(options.name);
+  std::error_code code;
+  if (std::filesystem::equivalent(options.output, options.model, code))
+    throw input_error("--output is the folder of the model itself", options.output.string(), "give another folder");
   for (const auto* suffix : {".h", ".c", ".bin", "_golden.h", "_golden.c"})
     declare_output("--output", options.output / (options.name + suffix));
   const NamedOrgan loaded(options.model);

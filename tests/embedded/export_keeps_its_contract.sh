@@ -76,6 +76,7 @@ refuse "letters, digits and _" "$good" -o "$work/out" --name 2fast
 refuse "letters, digits and _" "$good" -o "$work/out" --name "a-b"
 refuse "model.txt" "$work/nowhere" -o "$work/out"
 refuse "--output" "$good"
+refuse "of the model itself" "$good" -o "$good/."
 refuse "would overwrite" "$good" -o "$work/out" --json "$good/model.txt"
 refuse "100000" "$good" -o "$work/out" --golden 100001
 : > "$work/file"
