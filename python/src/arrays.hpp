@@ -37,6 +37,7 @@ class Vectors {
 
 /// A place on the surface: what tools of the runtime have besides their displacement.
 struct SurfacePoint {
+  using OfModule = void;
   phn_tool tool{};
   py::object position = py::none(), distance = py::none();  ///< of nearest
 
@@ -106,20 +107,16 @@ void add_places(py::module_& module);
 void add_model(py::module_& module);
 void add_organ(py::module_& module);
 
-/// The conversion of a class of the module. Objects that no constructor made, as C.__new__(C), have no content.
+}  // namespace phynness::python
+
+/// The conversion of the classes of the module. Objects that no constructor made, as C.__new__(C), have no content.
 template <class T>
-struct MadeCaster : py::detail::type_caster_base<T> {
-  bool load(py::handle given, bool converts) {
-    if (!py::detail::type_caster_base<T>::load(given, converts)) return false;
-    auto* const object = reinterpret_cast<py::detail::instance*>(given.ptr());
-    if (!given.is_none() && !object->get_value_and_holder().holder_constructed())
-      raise_type("an object of __new__ has no content; call its class");
+class pybind11::detail::type_caster<T, std::void_t<typename T::OfModule>> : public type_caster_base<T> {
+ public:
+  bool load(handle given, bool converts) {
+    if (!type_caster_base<T>::load(given, converts)) return false;
+    if (!given.is_none() && !reinterpret_cast<instance*>(given.ptr())->get_value_and_holder().holder_constructed())
+      phynness::python::raise_type("an object of __new__ has no content; call its class");
     return true;
   }
 };
-
-}  // namespace phynness::python
-
-template <>
-class pybind11::detail::type_caster<phynness::python::SurfacePoint>
-    : public phynness::python::MadeCaster<phynness::python::SurfacePoint> {};

@@ -45,12 +45,14 @@ namespace {
 using py::arg, py::kw_only;
 
 struct Held {
+  using OfModule = void;
   py::array_t<double> forces;
   OrganReport report;
   int status;
 };
 
 struct Touched {
+  using OfModule = void;
   py::array_t<double> forces, proxies, normals;
   py::array_t<bool> in_contact;
   OrganReport report;
@@ -60,6 +62,7 @@ struct Touched {
 /// Used with the GIL held.
 class OrganObject {
  public:
+  using OfModule = void;
   OrganObject(NamedText model, NamedText body, std::int32_t of_max_tools, std::int32_t of_steps)
       : model_text(std::move(model.text)), body_text(std::move(body.text)), max_tools(of_max_tools), steps(of_steps) {
     if (max_tools < 1) throw py::value_error("max_tools must be 1 or more");
@@ -188,19 +191,6 @@ void add_report(py::class_<Result>& result) {
 }
 
 }  // namespace
-}  // namespace phynness::python
-
-template <>
-class pybind11::detail::type_caster<phynness::python::Held>
-    : public phynness::python::MadeCaster<phynness::python::Held> {};
-template <>
-class pybind11::detail::type_caster<phynness::python::Touched>
-    : public phynness::python::MadeCaster<phynness::python::Touched> {};
-template <>
-class pybind11::detail::type_caster<phynness::python::OrganObject>
-    : public phynness::python::MadeCaster<phynness::python::OrganObject> {};
-
-namespace phynness::python {
 
 void add_organ(py::module_& module) {
   py::class_<Held> held(module, "Held", "What Organ.hold answers.");

@@ -39,6 +39,7 @@ void for_each(Tools& tools, Evaluate&& evaluate) {
 /// A trained model of one tool. Used with the GIL held.
 class ModelObject {
  public:
+  using OfModule = void;
   ModelObject(NamedText named, py::object mesh, py::object training);
 
   const phn_info& info() const { return organ.info(); }
@@ -51,7 +52,3 @@ class ModelObject {
 };
 
 }  // namespace phynness::python
-
-template <>
-class pybind11::detail::type_caster<phynness::python::ModelObject>
-    : public phynness::python::MadeCaster<phynness::python::ModelObject> {};
