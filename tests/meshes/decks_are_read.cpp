@@ -31,7 +31,7 @@ TEST(Decks, HoldNodesTetrahedraAndSets) {
 }
 
 TEST(Decks, MayHaveContinuedCards) {
-  const std::string continued = deck_nodes + "*ELEMENT,\nTYPE=C3D4\n1, 1, 2, 3, 4\n7, 2, 5, 3, 4\n";
+  const std::string continued = deck_nodes + "*ELEMENT,\n** a comment,\nTYPE=C3D4\n1, 1, 2, 3, 4\n7, 2, 5, 3, 4\n";
   EXPECT_EQ(mesh_hash(import_bytes(continued, ".inp").mesh), mesh_hash(import_bytes(tissue_deck, ".inp").mesh));
 }
 

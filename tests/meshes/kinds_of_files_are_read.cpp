@@ -54,6 +54,7 @@ TEST(LegacyVtk, MayHaveOtherSectionsAnywhere) {
     EXPECT_EQ(hash_of(replaced(file, "POINTS", "Points"), ".vtk"), hash);
   }
   const std::string binary = small_vtk_binary(), hash = hash_of(binary, ".vtk");
+  EXPECT_EQ(hash_of(replaced(small_vtk_4, " double", " DOUBLE"), ".vtk"), hash);
   EXPECT_EQ(hash_of(replaced(binary, "POINTS", "FIELD FieldData 1\nTIME 1 1 double\n12345678\nPOINTS"), ".vtk"), hash);
   EXPECT_EQ(hash_of(replaced(binary, "\nCELLS", "\nMETADATA\nINFORMATION 0\n\nCELLS"), ".vtk"), hash);
 }
@@ -101,6 +102,7 @@ TEST(Stl, MayBeInCapitalsAndEndInSeveralWays) {
       EXPECT_TRUE(raw.notes.empty()) << joined(raw.notes);
     }
   EXPECT_TRUE(contains(error_of([&] { import_bytes(replaced(stl, "facet", "colour red facet"), ".stl"); }), "colour"));
+  EXPECT_TRUE(contains(error_of([&] { import_bytes(stl, ".stl"); }), "it ends before 'endsolid'"));
 }
 
 TEST(Stl, MayLeaveItsNumberOfTrianglesOpen) {

@@ -108,21 +108,6 @@ TEST(Surfaces, AnInsideThatCannotBeFilledIsAnErrorOfTheInput) {
   }
 }
 
-TEST(Surfaces, AsciiStlIsWelded) {
-  SKIP_WITHOUT_GMSH();
-  const char* x[] = {"0 0 0", "1 0 0", "0 1 0", "0 0 1"};
-  const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  std::string stl = "solid corner\n";
-  for (const auto& face : faces) {
-    stl += "facet normal 0 0 0\nouter loop\n";
-    for (const int i : face) stl += std::string("vertex ") + x[i] + "\n";
-    stl += "endloop\nendfacet\n";
-  }
-  const MeshResult result = import_bytes(stl + "endsolid corner\n", ".stl");
-  EXPECT_NEAR(result.quality.volume_m3, 1.0 / 6, 1e-12);
-  EXPECT_NE(error_of([&] { import_bytes(stl, ".stl"); }), "");
-}
-
 TEST(Surfaces, OversizedWishesAreRefusedAtOnce) {
   const std::string message = error_of([] { fill_cube(cube_obj, 1e-4); });
   EXPECT_TRUE(contains(message, "0.0001 m") && contains(message, "scale_to_m")) << message;

@@ -75,7 +75,8 @@ class InpFile {
       if (_line.starts_with('*')) {
         require_no_rest();
         std::string whole(_line);
-        while (whole.ends_with(',') && !data_follow() && next_line()) whole += _line;
+        while (whole.ends_with(',') && !data_follow() && next_line())
+          if (!_line.starts_with("**")) whole += _line;
         card = Card(whole);
         begin(card);
       } else if (!_line.empty()) {

@@ -2,18 +2,6 @@
 #include "scanner.hpp"
 
 namespace phynness::meshes {
-namespace {
-
-std::string_view next_field(std::string_view& rest) {
-  const std::size_t begin = std::min(rest.find_first_not_of(" \t\r"), rest.size());
-  rest.remove_prefix(begin);
-  const std::size_t end = std::min(rest.find_first_of(" \t\r"), rest.size());
-  const std::string_view field = rest.substr(0, end);
-  rest.remove_prefix(end);
-  return field;
-}
-
-}  // namespace
 
 RawMesh read_obj(const std::string& bytes, const std::string& source) {
   Scanner scanner(bytes, source);
@@ -24,18 +12,18 @@ RawMesh read_obj(const std::string& bytes, const std::string& source) {
     const Scanner here = scanner;  // errors name this line, not the next one
     std::string line(scanner.line());
     while (line.ends_with('\\') && !scanner.at_end()) line.back() = ' ', line += scanner.line();
-    std::string_view rest = std::string_view(line).substr(0, line.find('#'));
-    const std::string_view word = next_field(rest);
+    Scanner words(std::string_view(line).substr(0, line.find('#')), "");
+    const std::string_view word = words.word_or_end();
     if (word == "v") {
       auto& x = raw.nodes.emplace_back();
       for (double& value : x) {
-        const std::string_view field = next_field(rest);
+        const std::string_view field = words.word_or_end();
         if (field.empty()) here.fail("a vertex has fewer than three coordinates");
         value = here.parse<double>(field, "a vertex coordinate");
       }
     } else if (word == "f") {
       corners.clear();
-      for (std::string_view field = next_field(rest); !field.empty(); field = next_field(rest)) {
+      for (std::string_view field = words.word_or_end(); !field.empty(); field = words.word_or_end()) {
         const auto index = here.parse<std::int64_t>(field.substr(0, field.find('/')), "a face's vertex");
         const auto n = static_cast<std::int64_t>(raw.nodes.size());
         const std::int64_t position = index > 0 ? index - 1 : n + index;  // negative: relative to the last vertex
