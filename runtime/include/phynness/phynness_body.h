@@ -85,6 +85,10 @@ PHN_API int phn_body_force(const phn_body* body, phn_body_state* state, int32_t 
  * @return its status otherwise */
 PHN_API int phn_body_bound(const phn_body* body, const phn_body_state* state, int32_t n_tools, double* bounds);
 
+/* What these bounds are computed from, three numbers >= 0 [N] for each of the n_tools (x, y, z of formats/body.md,
+ * Bounds), of a body with or without bounds: phynness calibrate fits them. @return as phn_body_bound */
+PHN_API int phn_body_bound_terms(const phn_body* body, const phn_body_state* state, int32_t n_tools, double* terms);
+
 /* Displacements [m] of the surface's nodes, n_nodes x 3, after the last phn_body_force; zeros before. */
 PHN_API int phn_body_deform(const phn_body* body, const phn_body_state* state, double* out);
 

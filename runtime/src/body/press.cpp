@@ -455,12 +455,12 @@ int phn_body_force(const phn_body* body, phn_body_state* state, int32_t n_tools,
   return status;
 }
 
-int phn_body_bound(const phn_body* body, const phn_body_state* state, int32_t n_tools, double* bounds) {
-  for (std::int32_t t = 0; t < n_tools && bounds != nullptr; ++t) bounds[t] = 0;
-  if (body == nullptr || state == nullptr || state->body != body || bounds == nullptr) return PHN_ERROR_ARGUMENT;
+int phn_body_bound_terms(const phn_body* body, const phn_body_state* state, int32_t n_tools, double* terms) {
+  for (std::int32_t i = 0; i < 3 * n_tools && terms != nullptr; ++i) terms[i] = 0;
+  if (body == nullptr || state == nullptr || state->body != body || terms == nullptr) return PHN_ERROR_ARGUMENT;
   const std::int32_t n = state->n_rows;
   if (n_tools != n / 3) return PHN_ERROR_ARGUMENT;
-  if (body->bounds == nullptr || n == 0) return PHN_ERROR_UNDEFINED;
+  if (n == 0) return PHN_ERROR_UNDEFINED;
   Compliance at_rest;
   at_rest.set(*state, state->factor_at_rest);
   double linear[3 * most_body_tools];
@@ -469,16 +469,29 @@ int phn_body_bound(const phn_body* body, const phn_body_state* state, int32_t n_
   const double displaced = std::sqrt(product(state->wanted, state->wanted, n));
   const auto per_displacement = [&](double energy) { return displaced > 0 ? std::fmax(energy, 0) / displaced : 0; };
   const double last = per_displacement(energy_of_last_modes(*state)), all = per_displacement(state->at.energy);
-  const double* c = body->bounds + (n > 3 ? phynness::schema::n_coupled_terms : 0);
   for (std::int32_t r = 0; r < n; r += 3) {
     double curved[3];
     for (int k = 0; k < 3; ++k) curved[k] = state->force[r + k] - linear[r + k];
-    const double x[] = {last, length(curved), all};
-    bounds[r / 3] = (state->status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED | PHN_WARNING_NEAR)) != 0
-                        ? PHN_NO_BOUND
-                        : coupled_bound(c, x, PHN_NO_BOUND);
+    terms[r] = last;
+    terms[r + 1] = length(curved);
+    terms[r + 2] = all;
   }
   return state->status;
+}
+
+int phn_body_bound(const phn_body* body, const phn_body_state* state, int32_t n_tools, double* bounds) {
+  for (std::int32_t t = 0; t < n_tools && bounds != nullptr; ++t) bounds[t] = 0;
+  if (bounds == nullptr || n_tools > most_body_tools) return PHN_ERROR_ARGUMENT;
+  double terms[3 * most_body_tools];
+  const int status = phn_body_bound_terms(body, state, n_tools, terms);
+  if (status < 0) return status;
+  if (body->bounds == nullptr) return PHN_ERROR_UNDEFINED;
+  const double* c = body->bounds + (n_tools > 1 ? phynness::schema::n_coupled_terms : 0);
+  for (std::int32_t t = 0; t < n_tools; ++t)
+    bounds[t] = (status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED | PHN_WARNING_NEAR)) != 0
+                    ? PHN_NO_BOUND
+                    : coupled_bound(c, terms + 3 * t, PHN_NO_BOUND);
+  return status;
 }
 
 int phn_body_deform(const phn_body* body, const phn_body_state* state, double* out) {
