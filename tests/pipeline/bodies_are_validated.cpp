@@ -88,10 +88,10 @@ TEST_F(Bodies, GetBounds) {
   write_file(folder / "ranks.txt", plain);
   const std::string calibrate = "calibrate m d.h5 --rays 100 --json c.json --body ";
   const auto done = succeed(calibrate + "body.txt");
-  expect_names(done.out, {"one tool: ", "two tools: ", "body with bounds -> body.txt"});
-  EXPECT_EQ(json("c.json").at("planned_coupled_rays"), 180);
+  expect_names(done.out, {"one tool: ", "several tools: ", "of fresh ones", "body with bounds -> body.txt"});
+  EXPECT_EQ(json("c.json").at("planned_coupled_rays"), 120);
   EXPECT_FALSE(json("c.json").contains("median_bound_N"));
-  for (const char* kind : {"between", "two"})
+  for (const char* kind : {"between", "several"})
     EXPECT_NEAR(json("c.json").at(kind).at("all").at("coverage").get<double>(), 0.95, 0.06);
   EXPECT_EQ(read_file(folder / "m" / "model.txt"), model);
   const auto text = read_file(folder / "body.txt");
@@ -115,6 +115,8 @@ TEST_F(Bodies, GetBounds) {
     EXPECT_GT(counts.at("covered").get<double>(), 0.85 * counts.at("bounded").get<double>());
   }
 
+  succeed("reduce d.h5 -o few.txt --modes 9");
+  expect_names(succeed(calibrate + "few.txt").err, {"several tools will have no bound", "more --modes"});
   be_refused(calibrate + "body.txt -o other");
   be_refused(calibrate + "body.txt --reference finer");
   write_file(folder / "other.toml", other_physics());

@@ -42,7 +42,7 @@ TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
   // No triangle of the surface has three active corners.
   EXPECT_EQ(c.at("planned_coupled_rays"), 0);
   EXPECT_EQ(c.at("between").at("rays"), 0);
-  EXPECT_FALSE(c.contains("two"));
+  EXPECT_FALSE(c.contains("several"));
 
   auto [plain, mesh] = read_model_dir(folder / "m");
   auto [bounded, same_mesh] = read_model_dir(folder / "b");

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <phynness/validation/bound_coverage.hpp>
 
@@ -21,6 +22,21 @@ BoundCoverage coverage_of(const std::vector<BoundedError>& errors, double range_
     out.thirds[k] = drawn_of[k] > 0 ? held_of[k] / drawn_of[k] : std::numeric_limits<double>::quiet_NaN();
   if (drawn > 0) out.all = held / drawn;
   return out;
+}
+
+double promised_coverage(std::int64_t n, double coverage) {
+  constexpr double risk = 0.05;
+  const auto all = static_cast<double>(n), k = std::ceil(coverage * (all + 1));
+  double low = 0, high = k > all ? 0 : 1;
+  for (int halving = 0; halving < 40; ++halving) {
+    const double x = (low + high) / 2;
+    double below = 0;  // the distribution function at x: of n uniform numbers at least k are below x
+    for (double i = k; i <= all; ++i)
+      below += std::exp(std::lgamma(all + 1) - std::lgamma(i + 1) - std::lgamma(all - i + 1) + i * std::log(x) +
+                        (all - i) * std::log1p(-x));
+    (below < risk ? low : high) = x;
+  }
+  return low;
 }
 
 }  // namespace phynness

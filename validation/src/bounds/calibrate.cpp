@@ -25,14 +25,13 @@ namespace {
 constexpr std::size_t states_per_ray = 3, rays_per_node = 10;
 /// The distance to a finer solution is a property of the place more than of the state.
 constexpr std::size_t finer_rays_per_node = 2;
-/// A state of one tool between nodes or of a body's tools is a ray of its own, because errors at one place are alike,
-/// and takes about as long as two of three states of a ray.
-constexpr double increments_per_coupled = 2;
+/// A ray of one tool between nodes, or of a body's tools, has a place of its own, because errors at one place are
+/// alike; its two states take about as long as the three of a ray.
+constexpr double increments_per_coupled = 3;
 /// The nodes are a sample of clusters: with fewer, 0.95 (1 + 1 / n) is above 1 and nothing is known of the next node.
 constexpr std::size_t fewest_nodes = 20;
-/// Of one tool between nodes; on a body of one tool, and of two. 90 places hold 95 % to 2 %:
-/// docs/decisions/finer-bounds.md
-std::int64_t coupled_rays_per_kind(std::int64_t rays) { return 60 + 3 * rays / 10; }
+/// Of one tool between nodes; on a body of one tool, and of several: docs/decisions/error-bounds.md
+std::int64_t coupled_rays_per_kind(std::int64_t rays) { return 50 + rays / 10; }
 
 /// Over unknowns^(4/3): 55, 150 and 400 MB more than at start for Taylor-Hood on livers of 320, 736 and 1,477 nodes.
 constexpr double bytes_per_factor = 350;
@@ -217,68 +216,82 @@ double calibration_increments(std::int64_t rays, bool between) {
 
 namespace {
 
-/// Numbers of the rays of coupled tools, and of their tools.
-/// @param most_tools  of a ray: 1 for a model, 2 for a body
-std::vector<std::pair<std::int32_t, std::int32_t>> planned_rays(const CoupledRays& coupled, std::int64_t rays,
-                                                                std::int32_t most_tools) {
-  std::vector<std::pair<std::int32_t, std::int32_t>> planned;
-  const std::int64_t per_kind = coupled_rays_per_kind(rays);
-  for (std::int32_t ray = 0; ray < per_kind; ++ray)
-    for (std::int32_t n_tools = 1; n_tools <= most_tools; ++n_tools)
-      if (coupled.possible(n_tools)) planned.emplace_back(ray, n_tools);
+using PlannedRay = std::pair<std::int32_t, CoupledKind>;  ///< its number among those of the kind
+
+/// Each rank gets as many rays of one kind as of the other, which take longer.
+std::vector<PlannedRay> planned_rays(const CoupledRays& coupled, std::int64_t rays,
+                                     const std::vector<CoupledKind>& kinds, int ranks) {
+  std::vector<PlannedRay> planned;
+  const auto per_kind = static_cast<std::int32_t>(coupled_rays_per_kind(rays));
+  for (std::int32_t first = 0; first < per_kind; first += ranks)
+    for (const auto kind : kinds)
+      for (std::int32_t ray = first; coupled.possible(kind) && ray < std::min(per_kind, first + ranks); ++ray)
+        planned.emplace_back(ray, kind);
   return planned;
 }
 
 /// Solves these rays. Collective. @param seed  of the first one. @return on rank 0, all states
 std::vector<CoupledState> solve_coupled(const SolverSession& session, const CoupledRays& coupled,
-                                        const std::vector<std::pair<std::int32_t, std::int32_t>>& planned,
-                                        std::uint64_t seed, const OnProgress& progress, const ShouldStop& stop,
-                                        RayForces& rays, BoundReport& report) {
+                                        const std::vector<PlannedRay>& planned, std::uint64_t seed,
+                                        const OnProgress& progress, const ShouldStop& stop, RayForces& rays,
+                                        BoundReport& report) {
   std::array<DrawnStates, 2> drawn;
   std::vector<double> rows;
   std::int64_t finished = 0, failed = 0;
   const bool go_on = session.sum(stop && stop() ? 1 : 0) == 0;
   session.together([&] {
     finished = share_out(session, go_on ? std::ssize(planned) : 0, progress, stop, [&](std::size_t i) {
-      const auto [number, n_tools] = planned[i];
-      // What is drawn for one tool does not depend on whether there are rays of two.
-      std::mt19937_64 of_ray(seed + static_cast<std::uint64_t>(2 * number + n_tools - 1));
-      const auto ray = coupled.draw(of_ray, number, n_tools, drawn[static_cast<std::size_t>(n_tools - 1)]);
+      const auto [number, kind] = planned[i];
+      // What is drawn for one tool does not depend on whether there are rays of several.
+      std::mt19937_64 of_ray(seed + static_cast<std::uint64_t>(2 * number + static_cast<int>(kind)));
+      auto ray = coupled.draw(of_ray, number, kind, drawn[static_cast<std::size_t>(kind)]);
       if (ray.parts.empty()) return;
       const auto forces = rays.solve(ray);
-      if (forces.empty()) {
-        ++failed;
-        return;
+      failed += forces.size() < ray.states.size();
+      for (std::size_t f = 0; f < forces.size(); ++f) {
+        ray.states[f].force_N = forces[f];
+        pack(rows, ray.states[f]);
       }
-      CoupledState state{number, n_tools, {}, {}};
-      std::ranges::copy(ray.tools, state.tools.begin());
-      std::ranges::copy(forces, state.force_N.begin());
-      pack(rows, state);
     });
   });
   report.planned_coupled_rays = std::ssize(planned);
   report.coupled_rays = session.total(finished);
   report.failed_coupled_rays = session.total(failed);
-  for (std::size_t kind = 0; kind < 2; ++kind) {
+  for (std::size_t kind = 0; kind < drawn.size(); ++kind) {
     const double all = session.sum(drawn[kind].all), flagged = session.sum(drawn[kind].flagged);
-    (kind == 0 ? report.between : report.two).flagged = all > 0 ? flagged / all : 0;
+    if (all > 0) report.coupled[kind].flagged = flagged / all;
   }
   auto states = unpacked<CoupledState>(session.gather(rows));
-  std::ranges::stable_sort(states, {}, [](const auto& s) { return std::pair{s.ray, s.n_tools}; });
+  std::ranges::stable_sort(states, {}, &CoupledState::ray);
   return states;
 }
 
-void tell_coverages(const std::array<CoupledCoverage, 2>& coverages, BoundReport& report) {
-  for (auto [kind, to] : {std::pair{coverages[0], &report.between}, {coverages[1], &report.two}}) {
-    kind.flagged = to->flagged;
-    *to = kind;
+/// Draws rays before any is solved. @return the kinds of which the body does not flag all
+std::vector<CoupledKind> unflagged_kinds(const CoupledRays& coupled, std::uint64_t seed, const OnNote& note,
+                                         BoundReport& report) {
+  std::vector<CoupledKind> kinds;
+  for (const auto kind : {CoupledKind::one, CoupledKind::several}) {
+    DrawnStates drawn;
+    std::mt19937_64 random(seed);
+    if (!coupled.possible(kind) || !coupled.draw(random, 0, kind, drawn).parts.empty()) {
+      kinds.push_back(kind);
+      continue;
+    }
+    report.coupled[static_cast<std::size_t>(kind)].flagged = 1;
+    note(fmt::format(
+        "{} will have no bound: all random states are refused or have warnings ({} of {} are unsettled); {}",
+        kind == CoupledKind::one ? "one tool" : "several tools", drawn.unsettled, drawn.all,
+        2 * drawn.unsettled >= drawn.all ? "reduce the database with more --modes and --cells"
+                                         : "probe a larger part of the surface, where tools can be apart"));
   }
+  return kinds;
 }
 
 }  // namespace
 
 void calibrate(const SolverSession& session, const Database& database, const NamedOrgan& model, ReducedBody& body,
-               const BoundSpec& spec, const OnProgress& progress, const ShouldStop& stop, BoundReport& report) {
+               const BoundSpec& spec, const OnNote& note, const OnProgress& progress, const ShouldStop& stop,
+               BoundReport& report) {
   const auto begin = std::chrono::steady_clock::now();
   const auto& header = database.header();
   std::optional<NamedOrgan> loaded;
@@ -289,13 +302,14 @@ void calibrate(const SolverSession& session, const Database& database, const Nam
   const ProbeSpec probe = stored_scene(header).probe;
   RayForces rays(header, Variant::scene, stop);
   const CoupledRays coupled(model, probe, &*loaded);
-  const auto states = solve_coupled(session, coupled, planned_rays(coupled, spec.rays, 2), spec.seed * 1000003,
-                                    progress, stop, rays, report);
+  const auto kinds = unflagged_kinds(coupled, spec.seed, note, report);  // the same on every rank
+  const auto planned = planned_rays(coupled, spec.rays, kinds, session.size());
+  const auto states = solve_coupled(session, coupled, planned, spec.seed * 1000003, progress, stop, rays, report);
   session.together([&] {
-    if (session.rank() == 0) tell_coverages(add_coupled_bounds(body, probe.increments, spec.coverage, states), report);
+    if (session.rank() == 0) add_coupled_bounds(body, spec.coverage, states, report.coupled);
     if (session.rank() == 0 && body.bounds.rows() == 0)
       throw failure("too few rays were solved for bounds of the body",
-                    fmt::format("{} of {} rays", states.size(), report.planned_coupled_rays),
+                    fmt::format("{} of {} rays", report.coupled_rays, report.planned_coupled_rays),
                     "run it again; nothing was written");
   });
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -319,7 +333,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Na
   const auto sample = sampled_nodes(n_nodes, n_active, random);
   RayForces rays(header, spec.reference, stop);
   const CoupledRays coupled(model, stored_scene(header).probe);
-  const auto coupled_rays = planned_rays(coupled, spec.rays, 1);
+  const auto coupled_rays = planned_rays(coupled, spec.rays, {CoupledKind::one}, session.size());
   report.reference = spec.reference;
   const auto n_items = static_cast<std::int64_t>(n_nodes) + std::ssize(coupled_rays);
   const auto counted = [&](std::int64_t before) {
@@ -366,7 +380,8 @@ Model calibrate(const SolverSession& session, const Database& database, const Na
     report.all_nodes = static_cast<std::size_t>(report.nodes) == n_active;
     const double range_m = bounded.max_displacement_m;
     report.left_out = coverage_of(left_out(model, predictors, states, report.rays, spec.coverage), range_m);
-    tell_coverages({add_bound_between(bounded, model.mesh(), coupled_states), {}}, report);
+    report.promised = promised_coverage(report.all_nodes ? report.rays : report.nodes, spec.coverage);
+    add_bound_between(bounded, model.mesh(), coupled_states, report.coupled[0]);
     bounded.bounds[0].reference = static_cast<std::int32_t>(spec.reference);
     tell_medians(NamedOrgan(bounded, model.mesh(), "model"), states, report);
   });

@@ -2,12 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <phynness/validation/coupled_bounds.hpp>
 #include <phynness/validation/error_statistics.hpp>
+#include <phynness/validation/named_organ.hpp>
 #include <set>
-
-#include "measure/body_predictions.hpp"
 
 namespace phynness {
 namespace {
@@ -21,10 +19,11 @@ constexpr std::int64_t fewest_of_kind = 20;
 /// A prediction is made without each of these parts of the rays.
 constexpr int n_parts = 10;
 constexpr int n_coefficients = schema::n_coupled_terms;
+/// Added to what bounds are computed from [N] (formats/body.md, Bounds).
+constexpr double least_term = 1e-12;
 /// The term of the spread of the nodes' forces, or of the difference to the linear force.
 constexpr int bending = 2;
 
-/// The error of a tool's force, and what its bound is computed from.
 struct Sample {
   std::int32_t ray = 0;
   double depth_m = 0, error_N = 0;
@@ -34,40 +33,37 @@ struct Sample {
 };
 using Samples = std::vector<Sample>;
 
-/// Forces of tools, and their bounds where there are some.
-struct Said {
-  std::vector<std::optional<Vec3>> force_N;
-  std::vector<std::optional<double>> bound_N;
-};
-using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, n_coefficients>;
-/// Loads a model or a body with these coefficients.
-using Load = std::function<std::function<Said(const std::vector<phn_tool>&)>(const Coefficients&)>;
+Sample sample_of(const CoupledState& state, const Vec3& said_N) {
+  return {state.ray,
+          Eigen::Map<const Eigen::Vector3d>(state.tool.displacement).norm(),
+          (to_eigen(said_N) - to_eigen(state.force_N)).norm(),
+          {1}};
+}
 
-/// The samples of a kind. What bounds are computed from are bounds of which one coefficient is 1 and the others are 0.
-Samples samples_of(const Load& load, const std::vector<CoupledState>& states, int n_tools) {
-  std::vector<Sample> samples;
+/// What bounds are computed from are bounds of which one coefficient is 1 and the others are 0.
+Samples samples_between(const Model& model, const Mesh& mesh, const std::vector<CoupledState>& states) {
+  Samples samples;
   for (int term = 1; term < n_coefficients; ++term) {
-    Coefficients unit = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_coefficients);
-    unit.col(term).setOnes();
-    const auto loaded = load(unit);
+    Model with = model;
+    with.bounds.at(0).between = Eigen::Vector4d::Unit(term);
+    const NamedOrgan loaded(std::move(with), mesh, "model");
     std::size_t at = 0;
     for (const auto& state : states) {
-      if (state.n_tools != n_tools) continue;
-      const auto said = loaded({state.tools.begin(), state.tools.begin() + n_tools});
-      for (std::size_t t = 0; t < said.bound_N.size(); ++t) {
-        if (!said.bound_N[t]) continue;
-        if (term == 1) {
-          const auto& tool = state.tools[t];
-          const Vec3 &own = *said.force_N[t], &truth = state.force_N[t];
-          samples.push_back({state.ray,
-                             std::hypot(tool.displacement[0], tool.displacement[1], tool.displacement[2]),
-                             std::hypot(own[0] - truth[0], own[1] - truth[1], own[2] - truth[2]),
-                             {}});
-          samples.back().terms[0] = 1;
-        }
-        samples.at(at++).terms[static_cast<std::size_t>(term)] = std::log(*said.bound_N[t]);
-      }
+      const auto said = loaded.hold({state.tool});
+      if (said.bound_N.empty() || !said.bound_N[0]) continue;
+      if (term == 1) samples.push_back(sample_of(state, *said.force_N[0]));
+      samples.at(at++).terms[static_cast<std::size_t>(term)] = std::log(*said.bound_N[0]);
     }
+  }
+  return samples;
+}
+
+Samples samples_of(const std::vector<CoupledState>& states, CoupledKind kind) {
+  Samples samples;
+  for (const auto& state : states) {
+    if (state.kind != kind) continue;
+    auto& sample = samples.emplace_back(sample_of(state, state.said_N));
+    for (std::size_t i = 0; i < state.terms.size(); ++i) sample.terms[i + 1] = std::log(state.terms[i] + least_term);
   }
   return samples;
 }
@@ -148,7 +144,8 @@ Eigen::Vector4d fit(const Samples& samples, double coverage, double range_m) {
   return best;
 }
 
-CoupledCoverage left_out(const Samples& samples, double coverage, double range_m) {
+/// How bounds hold for a fifth of the rays at a time that the others give.
+BoundCoverage left_out(const Samples& samples, double coverage, double range_m) {
   constexpr int n_fifths = 5;
   std::vector<BoundedError> errors;
   for (int part = 0; part < n_fifths; ++part) {
@@ -159,62 +156,42 @@ CoupledCoverage left_out(const Samples& samples, double coverage, double range_m
     for (const auto& s : samples)
       if (s.ray % n_fifths == part) errors.push_back({s.depth_m, s.error_N, std::exp(s.times(c))});
   }
-  return {rays_of(samples), coverage_of(errors, range_m), 0};
+  return coverage_of(errors, range_m);
 }
 
-/// @param found  the coefficients, if there are enough rays of so many tools
-CoupledCoverage fit_kind(const Load& load, const std::vector<CoupledState>& states, int n_tools, double coverage,
-                         double range_m, std::optional<Eigen::Vector4d>& found) {
-  const Samples samples = samples_of(load, states, n_tools);
-  CoupledCoverage out;
-  out.rays = rays_of(samples);
-  if (out.rays < fewest_of_kind) return out;
-  found = fit(samples, coverage, range_m);
-  return left_out(samples, coverage, range_m);
+/// @return the coefficients, if there are enough rays of the kind
+std::optional<Eigen::Vector4d> fit_kind(const Samples& samples, double coverage, double range_m,
+                                        CoupledCoverage& found) {
+  found.rays = rays_of(samples);
+  if (found.rays < fewest_of_kind) return std::nullopt;
+  found.all = left_out(samples, coverage, range_m);
+  found.promised = promised_coverage(found.rays, coverage);
+  return fit(samples, coverage, range_m);
 }
 
 }  // namespace
 
-CoupledCoverage add_bound_between(Model& model, const Mesh& mesh, const std::vector<CoupledState>& states) {
-  const Load load = [&](const Coefficients& coefficients) {
-    Model with = model;
-    with.bounds[0].between = coefficients.row(0).transpose();
-    return [loaded = std::make_shared<NamedOrgan>(std::move(with), mesh, "model")](const auto& tools) {
-      const auto said = loaded->hold(tools);
-      return Said{said.force_N, said.bound_N};
-    };
-  };
-  std::optional<Eigen::Vector4d> found;
+void add_bound_between(Model& model, const Mesh& mesh, const std::vector<CoupledState>& states,
+                       CoupledCoverage& found) {
   auto& bound = model.bounds.at(0);
-  const auto coverage = fit_kind(load, states, 1, bound.coverage, model.max_displacement_m, found);
-  if (found) bound.between = *found;
-  return coverage;
+  const auto c = fit_kind(samples_between(model, mesh, states), bound.coverage, model.max_displacement_m, found);
+  if (c) bound.between = *c;
 }
 
-std::array<CoupledCoverage, 2> add_coupled_bounds(ReducedBody& body, int increments, double coverage,
-                                                  const std::vector<CoupledState>& states) {
+void add_coupled_bounds(ReducedBody& body, double coverage, const std::vector<CoupledState>& states,
+                        std::array<CoupledCoverage, 2>& found) {
   body.bounds.resize(0, n_coefficients);
   body.coverage = coverage;
-  body.n_rays = static_cast<std::int32_t>(states.size());
-  const Load load = [&](const Coefficients& coefficients) {
-    ReducedBody with = body;
-    with.bounds = coefficients;
-    return [loaded = std::make_shared<NamedOrgan>(NamedOrgan::body(write_body_text(with), "body")),
-            increments](const auto& tools) {
-      const auto said = loaded->hold_from_rest(tools, increments);
-      return Said{said.force_N, said.bound_N};
-    };
-  };
-  std::array<CoupledCoverage, 2> coverages;
-  Coefficients rows = Eigen::MatrixXd::Zero(schema::n_coupled_kinds, n_coefficients);
+  Eigen::Matrix<double, schema::n_coupled_kinds, n_coefficients> rows;
+  rows.setZero();
   rows.col(0).setConstant(schema::no_coupled_bound);
-  for (int kind = 0; kind < schema::n_coupled_kinds; ++kind) {
-    std::optional<Eigen::Vector4d> found;
-    coverages[static_cast<std::size_t>(kind)] = fit_kind(load, states, kind + 1, coverage, body.depth_m, found);
-    if (found) rows.row(kind) = found->transpose();
+  for (const auto kind : {CoupledKind::one, CoupledKind::several}) {
+    const auto at = static_cast<std::size_t>(kind);
+    const auto c = fit_kind(samples_of(states, kind), coverage, body.depth_m, found[at]);
+    if (c) rows.row(static_cast<Eigen::Index>(at)) = c->transpose();
   }
+  body.n_rays = static_cast<std::int32_t>(found[0].rays + found[1].rays);
   if ((rows.col(0).array() < schema::no_coupled_bound).any()) body.bounds = rows;
-  return coverages;
 }
 
 }  // namespace phynness

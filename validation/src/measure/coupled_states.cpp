@@ -1,17 +1,16 @@
 #include "coupled_states.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/probe_plan.hpp>
-
-#include "body_predictions.hpp"
 
 namespace phynness {
 namespace {
 
-/// Of a ray. A draw takes less than a thousandth of a solve.
-constexpr int most_draws = 200;
-/// Pairs that are near are no farther from each other than this, in radii of the tool.
+/// Of a ray. If nine states of ten are flagged, two rays in a thousand find none.
+constexpr int most_draws = 60;
+/// Tools that are near are no farther from the first one than this, in radii of the tool.
 constexpr double near_radii = 2.5;
 
 }  // namespace
@@ -23,8 +22,8 @@ CoupledRays::CoupledRays(const NamedOrgan& model, const ProbeSpec& probe, const 
       _triangles(triangles_by_corners(model)[3]),
       _near_m(near_radii * probe.tool_radius_m) {}
 
-bool CoupledRays::possible(int n_tools) const {
-  return n_tools == 1 ? !_triangles.empty() : _model.model().nodes.size() > 1;
+bool CoupledRays::possible(CoupledKind kind) const {
+  return kind == CoupledKind::one ? !_triangles.empty() : _model.model().nodes.size() > 1;
 }
 
 phn_tool CoupledRays::random_tool(std::mt19937_64& random, bool at_node) const {
@@ -60,44 +59,70 @@ double CoupledRays::trained_depth(const phn_tool& tool, const Vec3& e) const {
   return depth;
 }
 
-bool CoupledRays::displace(std::mt19937_64& random, phn_tool& tool) const {
+double CoupledRays::displace(std::mt19937_64& random, phn_tool& tool) const {
   for (int attempt = 0; attempt < 1000; ++attempt) {
     const Vec3 e = on_sphere(random);
-    const double trained = trained_depth(tool, e), all = _model.model().max_displacement_m;
-    const double depth = (_body && trained > 0 ? all : trained) * (1 - uniform(random));
+    const double trained = trained_depth(tool, e), part = 1 - uniform(random);
+    const double depth = part * (_body && trained > 0 ? _model.model().max_displacement_m : trained);
     for (std::size_t k = 0; k < 3; ++k) tool.displacement[k] = depth * e[k];
-    if (depth > 0) return true;
+    if (depth > 0) return part;
   }
-  return false;
-}
-
-bool CoupledRays::is_flagged(const std::vector<phn_tool>& tools) const {
-  const int status = _body ? _body->hold_from_rest(tools, _increments).status : _model.hold(tools).status;
-  return (status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED | PHN_WARNING_NEAR)) != 0;
+  return 0;
 }
 
 ToolRay CoupledRays::draw_any(std::mt19937_64& random, std::int32_t n_tools, bool at_nodes, bool near) const {
-  ToolRay ray{{}, {1}};
+  ToolRay ray;
+  double deepest = 0;
   for (int attempt = 0; attempt < 1000 && std::ssize(ray.tools) < n_tools; ++attempt) {
     phn_tool tool = random_tool(random, at_nodes);
-    const double away = ray.tools.empty() ? 1 : (place(tool) - place(ray.tools[0])).norm();
-    if (!(away > 0 && (ray.tools.empty() || !near || away < _near_m))) continue;
-    if (displace(random, tool)) ray.tools.push_back(tool);
+    const auto away = [&](const phn_tool& other) { return (place(tool) - place(other)).norm(); };
+    if (std::ranges::any_of(ray.tools, [&](const auto& other) { return !(away(other) > 0); })) continue;
+    if (near && !ray.tools.empty() && away(ray.tools[0]) >= _near_m) continue;
+    const double part = displace(random, tool);
+    if (part > 0) ray.tools.push_back(tool);
+    deepest = std::max(deepest, part);
   }
+  ray.tools = tools_at(ray, 1 / deepest);
+  for (const double half : {0.0, 0.5})  // the largest of n independent numbers is below x with the probability x^n
+    ray.parts.push_back(std::pow(half + (1 - uniform(random)) / 2, 1.0 / n_tools));
   return ray;
 }
 
-ToolRay CoupledRays::draw(std::mt19937_64& random, std::int32_t number, std::int32_t n_tools,
-                          DrawnStates& drawn) const {
+DrawnRay CoupledRays::unflagged(const ToolRay& ray, DrawnStates& drawn) const {
+  DrawnRay kept{{ray.tools, {}}, {}};
+  if (_body) _body->organ().reset().ignore();
+  double at = 0;
+  for (const double part : ray.parts) {
+    OrganResponse said;
+    const auto n = _body ? static_cast<int>(std::ceil(_increments * (part - at) / ray.parts.back())) : 1;
+    for (int i = 1; i <= n; ++i) said = (_body ? _body : &_model)->hold(tools_at(ray, at + (part - at) * i / n));
+    at = part;
+    const bool flagged = (said.status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED | PHN_WARNING_NEAR)) != 0;
+    drawn.all += 1;
+    drawn.flagged += flagged;
+    drawn.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
+    if (flagged) continue;
+    kept.parts.push_back(part);
+    const auto tools = tools_at(ray, part);
+    std::array<double, 3> terms[PHN_MOST_COUPLED] = {};
+    const auto n_tools = static_cast<std::int32_t>(tools.size());
+    if (_body) phn_body_bound_terms(_body->organ().body(), _body->organ().state(), n_tools, terms[0].data());
+    for (std::size_t t = 0; t < tools.size(); ++t)
+      kept.states.push_back({0, CoupledKind::one, tools[t], {}, *said.force_N[t], terms[t]});
+  }
+  return kept;
+}
+
+DrawnRay CoupledRays::draw(std::mt19937_64& random, std::int32_t number, CoupledKind kind, DrawnStates& drawn) const {
+  const std::int32_t n_tools = kind == CoupledKind::one ? 1 : 2 + number / 6 % 2;  // 6: at nodes or not, near or not
   const bool at_nodes = n_tools > 1 && number % 2 == 0, near = number % 3 == 0 && _near_m > 0;
   for (int attempt = 0; attempt < most_draws; ++attempt) {
-    ToolRay ray = draw_any(random, n_tools, at_nodes, near && attempt < most_draws / 2);
+    const ToolRay ray = draw_any(random, n_tools, at_nodes, near && attempt < most_draws / 2);
     if (std::ssize(ray.tools) < n_tools) continue;
     try {
-      const bool flagged = is_flagged(ray.tools);
-      drawn.all += 1;
-      drawn.flagged += flagged;
-      if (!flagged) return ray;
+      auto kept = unflagged(ray, drawn);
+      for (auto& state : kept.states) state.ray = number, state.kind = kind;
+      if (!kept.parts.empty()) return kept;
     } catch (const Error&) {  // of a model of forces only, or a node without output
     }
   }

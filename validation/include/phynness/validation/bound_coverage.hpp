@@ -29,4 +29,11 @@ struct BoundCoverage {
 /// @param range_m  length of which thirds are taken
 BoundCoverage coverage_of(const std::vector<BoundedError>& errors, double range_m);
 
+/// The share of fresh errors below a bound that 19 calibrations of 20 reach or exceed. The bound is the k-th smallest
+/// of n independent errors over their prediction, k = ceil(coverage (n + 1)), and the share of fresh ones below has the
+/// distribution Beta(k, n + 1 - k) (Vovk 2012, arXiv:1209.2673). Errors of one place count as one, because they are
+/// alike.
+/// @param n  number of places, or of rays. @return 0 if n is too small for a bound
+double promised_coverage(std::int64_t n, double coverage);
+
 }  // namespace phynness

@@ -23,20 +23,23 @@ struct BoundReport {
   bool all_nodes = false;                     ///< of the model have rays
   /// Each fifth of the nodes with the bounds that the others give; of the rays if all nodes have rays.
   BoundCoverage left_out;
+  double promised = 0;                                      ///< promised_coverage() of so many nodes, or rays
   double median_bound_N = 0, median_share = 0;              ///< of the states: bound; bound over force
   std::int64_t coupled_rays = 0, planned_coupled_rays = 0;  ///< of tools between nodes; of all tools of a body
   std::int64_t failed_coupled_rays = 0;                     ///< of these, that ended early
-  CoupledCoverage between, two;                             ///< one tool between nodes or of a body; two of a body
+  std::array<CoupledCoverage, 2> coupled;                   ///< one tool between nodes, or of a body; several of a body
   double seconds = 0;
 
   bool interrupted() const { return nodes < planned_nodes || coupled_rays < planned_coupled_rays; }
   static void describe(const auto& result, auto&& see) {
     if (result.planned_nodes > 0) {  // none for a body
       see("reference", name(result.reference));
-      PHYNNESS_SEE(rays, failed_rays, nodes, planned_nodes, all_nodes, states, median_bound_N, median_share, left_out);
+      PHYNNESS_SEE(rays, failed_rays, nodes, planned_nodes, all_nodes, states, median_bound_N, median_share, left_out,
+                   promised);
     }
-    PHYNNESS_SEE(coupled_rays, planned_coupled_rays, failed_coupled_rays, between);
-    if (result.planned_nodes == 0) see("two", result.two);
+    PHYNNESS_SEE(coupled_rays, planned_coupled_rays, failed_coupled_rays);
+    see("between", result.coupled[0]);
+    if (result.planned_nodes == 0) see("several", result.coupled[1]);
     PHYNNESS_SEE(seconds);
   }
 };
@@ -59,10 +62,14 @@ FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSp
 Model calibrate(const SolverSession& session, const Database& database, const NamedOrgan& model, const BoundSpec& spec,
                 const OnProgress& progress, const ShouldStop& stop, BoundReport& report);
 
-/// The same for the body, where one tool or two act as the model is trained; every depth counts. Only rank 0 has
+using OnNote = std::function<void(const std::string&)>;
+
+/// The same for the body, where one tool, two or three act as the model is trained; every depth counts. Only rank 0 has
 /// bounds.
+/// @param note  receives, before anything is solved, that all states of one tool or of several are flagged
 /// @throws Error (failure) if fewer than 20 rays of either kind are solved
 void calibrate(const SolverSession& session, const Database& database, const NamedOrgan& model, ReducedBody& body,
-               const BoundSpec& spec, const OnProgress& progress, const ShouldStop& stop, BoundReport& report);
+               const BoundSpec& spec, const OnNote& note, const OnProgress& progress, const ShouldStop& stop,
+               BoundReport& report);
 
 }  // namespace phynness
