@@ -16,13 +16,6 @@ TEST(BrokenFiles, NonManifoldSurfaceNamesEdgesAndPinchedVertex) {
   EXPECT_TRUE(contains(message, "1 pinched vertex")) << message;
 }
 
-TEST(BrokenFiles, SeveralInwardComponentsAreCounted) {
-  const auto file = broken("inward_normals_four_components.vtk");
-  const std::string message = error_of([&] { import_file(file); });
-  EXPECT_TRUE(contains(message, "4 components")) << message;
-  EXPECT_TRUE(contains(message, "mesh.repair")) << message;
-}
-
 TEST(BrokenFiles, RepairKeepsTheLargestComponentAndTurnsItByName) {
   SKIP_WITHOUT_GMSH();
   const auto file = broken("inward_normals_four_components.vtk");
@@ -31,13 +24,6 @@ TEST(BrokenFiles, RepairKeepsTheLargestComponentAndTurnsItByName) {
   EXPECT_TRUE(contains(notes, "kept the largest of 4 components")) << notes;
   EXPECT_TRUE(contains(notes, "inward")) << notes;
   EXPECT_GT(result.quality.volume_m3, 0);
-}
-
-TEST(BrokenFiles, OpenSurfaceNamesOpenEdgesAndComponents) {
-  const auto file = broken("open_liver.stl");
-  const std::string message = error_of([&] { import_file(file); });
-  EXPECT_TRUE(contains(message, "31 open edges")) << message;
-  EXPECT_TRUE(contains(message, "16 components")) << message;
 }
 
 TEST(BrokenFiles, SliversAreAWarningWithNumberAndQuality) {

@@ -49,10 +49,6 @@ TEST(Surfaces, AHoleIsCounted) {
   const std::string open = cube_obj.substr(0, cube_obj.rfind("f "));
   const std::string message = error_of([&] { fill_cube(open); });
   EXPECT_TRUE(contains(message, "4 open edges")) << message;
-}
-
-TEST(Surfaces, AHoleMayBeThatOfAShell) {
-  const std::string message = error_of([&] { fill_cube(cube_obj.substr(0, cube_obj.rfind("f "))); });
   EXPECT_TRUE(contains(message, "close the holes") && contains(message, "thickness_m")) << message;
 }
 

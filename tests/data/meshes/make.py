@@ -138,14 +138,6 @@ def non_manifold(nodes, triangles):
     return nodes, triangles
 
 
-def opened(triangles):
-    """Nine holes of one triangle and one of two: 31 open edges."""
-    holes = apart(triangles, 10)
-    last = holes[-1]
-    neighbour = next(t for t in triangles if t != last and len(set(t).intersection(last)) == 2)
-    return [t for t in triangles if t not in holes and t != neighbour]
-
-
 def with_slivers(nodes, tetrahedra):
     """Inner nodes of a few tetrahedra moved almost into the opposite face."""
     boundary = {}
@@ -194,8 +186,6 @@ def main():
     write_stl("broken/non_manifold_liver.stl", 0.001, *non_manifold(nodes, triangles))
     several = with_small_bodies(nodes, triangles, 3)
     write_vtk("broken/inward_normals_four_components.vtk", 0.001, several[0], [t[::-1] for t in several[1]])
-    scattered = with_small_bodies(nodes, triangles, 15)
-    write_stl("broken/open_liver.stl", 0.001, scattered[0], opened(triangles) + scattered[1][len(triangles):])
     write_vtk("broken/sliver_liver.vtk", 0.001, with_slivers(fine[0], fine[2]), tetrahedra=fine[2])
 
 
