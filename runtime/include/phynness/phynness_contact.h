@@ -107,8 +107,8 @@ PHN_API int phn_body_contact_init(void* memory, size_t bytes, const phn_body* bo
  * that hovers in a dent is caught by the surface that comes back.
  *
  * A body: forces and slides of all tools are predicted together before and after each of Newton's steps, and the forces
- * are the last predicted ones. A proxy slides by at most twice the motion of its tool and a hundredth of the tool's
- * radius in a call.
+ * are the last predicted ones. _UNSETTLED: also where this moves a force by more than a twentieth of the largest. A
+ * proxy slides by at most twice the motion of its tool and a hundredth of the tool's radius in a call.
  *
  * `report` may be null. A refused call does not move the tools. PHN_ERROR_NOT_FINITE: a centre, radius or friction is
  * NaN or infinite. _ROUND_TOOLS: several tools on a model of round tools. Cost: for each tool without contact a sweep,

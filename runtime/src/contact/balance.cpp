@@ -15,6 +15,7 @@ constexpr double slid_alone = 0.02;
 constexpr double same_place = 1e-4;       ///< tools closer than this, in sizes of the body, are at one point
 constexpr int most_shortened = 3;         ///< tries of a slide that worsens the excess
 constexpr double shortening = 0.3;        ///< of each
+constexpr double most_returned = 3;       ///< of the displacement, by the surface that is let go
 constexpr int most_turns = 20;            ///< of the direction of friction, to the slide
 constexpr int most_fallen = 3;            ///< responses in a step to the falls of a tool
 constexpr int most_falls = 12;            ///< steps of a fall
@@ -25,6 +26,7 @@ constexpr double sweep_tolerance = 1e-6;  ///< of a force, and of a displacement
 constexpr double motion_of_step = 0.05, most_more = 20;
 /// Or fewer, if the next one, over the deformation, is smaller than this.
 constexpr double balanced = 1e-4;
+constexpr double jump = 0.05;  ///< of a force in a step, over the largest, that is not settled
 
 /// Solves M x = b if -M has a positive trace and determinant. @return whether it has
 bool solve_two(const double m[2][2], const double* b, double* x) {
@@ -184,22 +186,29 @@ class Balance {
         again |= tool.anchored && tool.is_new;
       }
       if (again && _touched.steps >= 1 && (pass == 0 || _touched.steps < steps)) continue;
-      if (predict()) relieve();
-      return status;
+      return status | (predict() ? relieve() : PHN_OK);
     }
   }
 
   /// Gives the tools the forces of the last prediction, to which the body comes in the next step. Those of the response
   /// may be far outside of the cone: between near tools a slide of a micrometre is much force.
-  void relieve() {
+  /// @return PHN_WARNING_UNSETTLED where a force jumps by this, or PHN_OK
+  int relieve() {
+    double largest = 0;
+    int status = PHN_OK;
+    for (std::int32_t i = 0; i < _contact.n_before; ++i) largest = std::fmax(largest, length(_predicted[i].x));
     _n_active = 0;
     for (std::int32_t t = 0; t < _n; ++t) {
       ToolContact& tool = _contact.tool[t];
       if (!takes_part(t)) continue;
-      tool.unbalanced = length((vector_at(tool.force) - _predicted[order(t)]).x);
-      for (int k = 0; k < 3; ++k) tool.force[k] = _predicted[order(t)][k];
+      const Vector given = _predicted[order(t)];
+      tool.unbalanced = length((vector_at(tool.force) - given).x);
+      if (std::fmin(tool.unbalanced, length((given - vector_at(tool.given)).x)) > jump * largest)
+        status = PHN_WARNING_UNSETTLED;
+      for (int k = 0; k < 3; ++k) tool.force[k] = given[k];
       if (tool.active) _active[_n_active++] = t;
     }
+    return status;
   }
 
   /// Forces and places of the tools of the last response, by its linearization: projected Gauss-Seidel iterations over
@@ -269,6 +278,13 @@ class Balance {
     force = {};
     if (_inputs[t].mode != PHN_TOOL_PRESS) {
       force = before + inverse_of(compliance) * gap;
+    } else if (length((compliance * before).x) >
+               most_returned * std::fmax(norm(tool.displacement), _touched.max_displacement_m)) {
+      // The body is nearly unstable, and its forces cannot be followed to zero.
+      const Vector stuck = before + inverse_of(compliance) * gap;
+      const double push = std::fmax(-dot(stuck, normal), 0);
+      const Vector along = stuck - dot(stuck, normal) * normal;
+      force = std::fmin(1, friction * push / std::fmax(length(along.x), 1e-300)) * along - push * normal;
     } else if (soft > 0 && pushed > 0) {
       // Friction f_t slides the point by s, and (S + s / f_t) f_t = what it slides without friction, where S is the
       // compliance along the surface with the normal gap closed. The push is pushed + moved . f_t / soft.
@@ -328,7 +344,8 @@ class Balance {
     for (int k = 0; k < 3; ++k) slide[k] = gone[k] - so_far[k];
     walk(_surface, tool.at, slide);
     point_at(_surface, _surface.rest, tool.at, 0, from);
-    tool.stopped = length((vector_at(from) - vector_at(here)).x) < sweep_tolerance * norm(slide);
+    tool.stopped = norm(slide) > sweep_tolerance * norm(tool.displacement) &&
+                   length((vector_at(from) - vector_at(here)).x) < sweep_tolerance * norm(slide);
     find_displacement(t);
     return !tool.stopped;
   }
