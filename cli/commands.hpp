@@ -119,9 +119,12 @@ struct LoadedScene {
 };
 /// @param refused    called with the mesh, and with the sets selected so far, before an error about them leaves
 /// @param continued  a database that --resume continues, if it exists: spread points keep those that it has
+/// @param made       the mesh as `mesh` has written it, which is then not made again, and nothing is printed; or empty
 LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false,
                        const std::function<void(const LoadedScene&)>& refused = {},
-                       const std::filesystem::path& continued = {});
+                       const std::filesystem::path& continued = {}, const std::filesystem::path& made = {});
+/// The option for it.
+void add_made_mesh(CLI::App& command, std::filesystem::path& file);
 
 /// Prints the worst cells of a mesh in a line each. @return their figures
 json tell_worst_cells(const Mesh& mesh, const NodeList& fixed);

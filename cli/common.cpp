@@ -103,13 +103,27 @@ void select(const std::filesystem::path& continued, LoadedScene& loaded) {
   resolve_selections(loaded.scene, loaded.mesh, loaded.sets, probed);
 }
 
+/// Without the groups that write_msh() adds for node sets.
+MeshResult read_made(Scene scene, const std::filesystem::path& file) {
+  MeshSpec spec;
+  spec.file = file;
+  spec.thickness_m = scene.mesh.thickness_m;
+  spec.where = scene.mesh.where;
+  scene.mesh = spec;
+  auto made = make_mesh(scene);
+  std::erase_if(made.mesh.groups, [](const auto& group) { return group.first.starts_with("phynness_"); });
+  return made;
+}
+
 }  // namespace
 
 LoadedScene load_scene(const std::filesystem::path& file, bool quiet,
-                       const std::function<void(const LoadedScene&)>& refused, const std::filesystem::path& continued) {
+                       const std::function<void(const LoadedScene&)>& refused, const std::filesystem::path& continued,
+                       const std::filesystem::path& made_file) {
   LoadedScene loaded;
   loaded.scene = open_scene(file);
-  auto made = make_mesh(loaded.scene);
+  quiet = quiet || !made_file.empty();
+  auto made = made_file.empty() ? make_mesh(loaded.scene) : read_made(loaded.scene, made_file);
   if (!quiet) {
     for (const auto& note : made.notes) message("note: {}\n", note);
     for (const auto& note : scene_notes(loaded.scene)) message("note: {}\n", note);
@@ -200,6 +214,10 @@ void write_json(const OptionalPath& file, const json& value) {
 
 void add_scene(CLI::App& command, std::filesystem::path& file, const char* what) {
   add_path(command, "SCENE", file, PathKind::input, what)->required();
+}
+void add_made_mesh(CLI::App& command, std::filesystem::path& file) {
+  add_path(command, "--mesh", file, PathKind::input,
+           "file that phynness mesh has written of SCENE: the mesh is not made again");
 }
 void add_database(CLI::App& command, std::filesystem::path& file, const char* what) {
   add_path(command, "DATABASE", file, PathKind::input, what)->required();

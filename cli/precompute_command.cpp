@@ -9,7 +9,7 @@ namespace phynness::cli::precompute_command {
 namespace {
 
 struct Options {
-  std::filesystem::path scene, output;
+  std::filesystem::path scene, output, mesh;
   OptionalPath json_file;
   std::string part;
   bool resume = false;
@@ -120,7 +120,8 @@ void run(const Options& options) {
   LoadedScene loaded;
   std::vector<DatabaseLock> locks;
   session.together([&] {
-    loaded = load_scene(options.scene, !first, {}, target.resume ? options.output : std::filesystem::path());
+    loaded =
+        load_scene(options.scene, !first, {}, target.resume ? options.output : std::filesystem::path(), options.mesh);
     grow_beside(target, loaded);
     if (first) locks = begin(target, loaded);
   });
@@ -177,6 +178,7 @@ void add(CLI::App& app) {
                   "phynness precompute ...)",
                   run);
   add_scene(command, options.scene, "scene file (formats/scene.md)");
+  add_made_mesh(command, options.mesh);
   add_output(command, options.output, PathKind::database, "database to write (formats/database.md)");
   command.add_flag("--resume", options.resume,
                    "continue a database, finished or not: that of the scene, or one of the same\nphysics with some of "
