@@ -10,7 +10,7 @@ namespace phynness::cli::check_command {
 namespace {
 
 struct Options {
-  std::filesystem::path scene;
+  std::filesystem::path scene, mesh;
   bool trade = false;
   std::optional<double> seconds;
   std::optional<std::string> max_error;
@@ -58,6 +58,7 @@ void print(const Scene& scene, const DiscretizationReport& report) {
   }
   if (const auto distance = report.distance(scene); distance.probes > 0)
     print_result("  forces are {}\n", distance.sentence());
+  if (!report.at_rest.why_not.empty()) print_result("  not compared at rest: {}\n", report.at_rest.why_not);
   print_failed(report, "scene", &CheckedProbe::own);
   print_failed(report, "finer solution", &CheckedProbe::finer);
   if (report.left_out > 0)
@@ -161,7 +162,7 @@ void run(const Options& given) {
   Options options = given;
   options.check.seconds = options.seconds.value_or(options.trade ? 900 : options.check.seconds);
   const SolverSession session;
-  const auto loaded = load_scene(options.scene);
+  const auto loaded = load_scene(options.scene, false, {}, {}, options.mesh);
   options.check.reference = options.reference ? *variant_named(*options.reference) : finer_reference(loaded.scene);
   install_stop_handler();
   if (options.trade) return run_trade(options, loaded);
@@ -178,7 +179,9 @@ void add(CLI::App& app) {
   auto [command, options] =
       add_command(app, "check", "Compare element and mesh of a scene with better ones at a few probes", run);
   add_scene(command, options.scene);
-  add_count(command, "--probes", options.check.probes, 1, 10'000, "number of probes, each at another node")
+  add_made_mesh(command, options.mesh);
+  add_count(command, "--probes", options.check.probes, 1, 10'000,
+            "most probes, each at another place; fewer if these agree")
       ->capture_default_str();
   add_number(command, "--seconds", options.seconds, 1, 1e7, "time for all (default: 60; with --trade 900)");
   auto* reference = command

@@ -166,7 +166,7 @@ json about_database(const std::filesystem::path& file, bool failed) {
 }
 
 /// Prints what the finite elements solved and how far they are from a finer solution.
-json tell_provenance(const phn_provenance& p) {
+json tell_provenance(const phn_provenance& p, const FinerDistance* whole = nullptr) {
   const auto said = [](const char* text) { return *text != 0 ? json(text) : json(nullptr); };
   const auto known = [](auto value) { return value > 0 ? json(value) : json(nullptr); };
   const FinerDistance finer{.is_measured = *p.reference != 0,
@@ -178,8 +178,10 @@ json tell_provenance(const phn_provenance& p) {
                             .p95 = p.finer_p95};
   print_result("elements  {}; shear modulus at rest {}\n", *p.element != 0 ? p.element : "not recorded",
                p.shear_modulus_Pa > 0 ? fmt::format("{:.6g} Pa", p.shear_modulus_Pa) : "not recorded");
-  print_result("distance  {}{}\n", finer.is_measured ? finer.sentence() : "from a finer solution: not recorded",
-               p.finer_nodes > 0 ? fmt::format(", whose mesh has {} nodes", p.finer_nodes) : "");
+  print_result(
+      "distance  {}{}\n",
+      finer.is_measured ? (whole != nullptr ? *whole : finer).sentence() : "from a finer solution: not recorded",
+      p.finer_nodes > 0 ? fmt::format(", whose mesh has {} nodes", p.finer_nodes) : "");
   return record("mesh_hash", said(p.mesh_hash), "physics_hash", said(p.physics_hash), "element", said(p.element),
                 "shear_modulus_Pa", known(p.shear_modulus_Pa), "reference", said(p.reference), "finer_nodes",
                 known(p.finer_nodes), "finer_probes", finer.is_measured ? json(p.finer_probes) : json(nullptr),
@@ -238,7 +240,7 @@ json about_model(const std::filesystem::path& dir) {
     bounds.push_back(record("coverage", bound.coverage, "rays", bound.n_rays, "nodes", bound.n_nodes, "reference",
                             reference_names.at(static_cast<std::size_t>(bound.reference))));
   }
-  const json provenance = tell_provenance(model.info().provenance);
+  const json provenance = tell_provenance(model.info().provenance, &m.finer);
   print_result("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n", bytes(model.text().size()),
                bytes(model.mesh_text_bytes()), bytes(model.organ().constant_bytes()));
   return record("kind", "model", "family", name(m.family), "model_hash", model.hash(), "mesh_hash", m.mesh_hash,

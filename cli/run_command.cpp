@@ -13,7 +13,6 @@
 namespace phynness::cli::run_command {
 namespace {
 
-constexpr int most_checked = 12;     ///< probes, unless the scene says how many
 constexpr const char* pairs = "40";  ///< of tools, with which the body is compared
 
 struct Options {
@@ -115,11 +114,11 @@ bool check(const Options& options, const Scene& scene, const std::string& self, 
   const double spent_s = std::max(stages.back().seconds, summarize(Database::open(database)).seconds / options.ranks);
   const double seconds = check_limit_s(spent_s, 1);
   try {
-    stages.push_back(
-        stage("check", file,
-              {self, "check", options.scene.string(), "--probes", std::to_string(probes.value_or(most_checked)),
-               "--seconds", fmt::format("{:.3g}", probes ? 1e7 : seconds), "--json", file.string()},
-              1));
+    stages.push_back(stage("check", file,
+                           {self, "check", options.scene.string(), "--mesh", (options.output / "mesh.msh").string(),
+                            "--probes", std::to_string(probes.value_or(DiscretizationOptions().probes)), "--seconds",
+                            fmt::format("{:.3g}", probes ? 1e7 : seconds), "--json", file.string()},
+                           1));
   } catch (const Error&) {
     if (stop_requested()) throw;
     message("warning: the finite elements are not compared with a finer solution; the reason is above\n");
@@ -161,8 +160,8 @@ void run(const Options& options) {
   std::vector<Stage> stages;
   stages.push_back(
       stage("mesh", in("mesh.msh"), {self, "mesh", scene, "-o", in("mesh.msh"), "--json", in("mesh.json")}, 1));
-  std::vector<std::string> precompute{self,     "precompute",         scene, "-o", in("database.h5"),
-                                      "--json", in("precompute.json")};
+  std::vector<std::string> precompute{
+      self, "precompute", scene, "--mesh", in("mesh.msh"), "-o", in("database.h5"), "--json", in("precompute.json")};
   if (options.resume) precompute.push_back("--resume");
   RunStages finished(options.output, read, covered == Coverage::same);
   stages.push_back(stage("precompute", in("database.h5"), precompute, options.ranks));

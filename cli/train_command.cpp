@@ -59,16 +59,19 @@ FinerDistance distance_of(const std::filesystem::path& file, const Scene& scene,
     if (check.at("mesh_hash") != header.mesh_hash || check.at("physics_hash") != header.physics_hash)
       throw refuse("another mesh or physics");
     const auto& said = check.at("distance");
-    const auto within = [&](const char* key, double least, double most) {
-      if (!(said.at(key) >= least && said.at(key) <= most)) throw refuse(std::string(key) + " is out of range");
+    const auto take = [&](const json& from, auto& to, const auto& self) -> void {
+      to.describe(to, [&]<class Value>(const char* key, Value& value) {
+        if constexpr (Described<Value>) return self(from.at(key), value, self);
+        if constexpr (std::is_same_v<Value, std::int32_t>)
+          if (!from.at(key).is_number_integer()) throw refuse("a count is no integer");
+        if constexpr (std::is_arithmetic_v<Value>)
+          if (!(from.at(key) >= 0 && from.at(key) <= 1e6)) throw refuse(std::string(key) + " is out of range");
+        if constexpr (!Described<Value>) from.at(key).get_to(value);
+      });
     };
-    within("probes", 0, 10'000);
-    within("solved", 0, 10'000);
-    within("nodes", 1, 1e9);
-    for (const char* key : {"mean", "p95", "tool_radius_m"}) within(key, 0, 1e6);
-    for (const char* key : {"probes", "solved", "nodes"})
-      if (!said.at(key).is_number_integer()) throw refuse("a count is no integer");
-    FinerDistance::describe(distance, [&]<class Value>(const char* key, Value& value) { said.at(key).get_to(value); });
+    take(said, distance, take);
+    if (distance.nodes < 1) throw refuse("nodes is out of range");
+    distance.has_parts = distance.probes > 0;
   } catch (const nlohmann::json::exception& error) {
     throw refuse(error.what());
   }

@@ -105,12 +105,19 @@ TEST(ModelText, ProvenanceRoundTrips) {
   Model model = small_modal_model();
   const std::string plain = write_model_text(model);
   for (const char* word : {"field", "bound", "finer", "solved"}) EXPECT_EQ(plain.find(word), std::string::npos) << word;
-  model.finer = {true, "p1-p1", "taylor-hood", 12, 0.03, 0.25, 0.5, 300, 13};
+  model.finer = {true, "p1-p1",          "taylor-hood", 12,         0.03,       0.25,       0.5,         300, 13,
+                 true, {4, 0.125, 0.25}, {8, 0.5, 1},   {24, 3, 4}, {23, 5, 6}, {22, 7, 8}, {12, 9, 10}, 11};
   model.solved = {true, "p1-p1", 1e3 / 3};
   const Model again = read_model_text(write_model_text(model), "model.txt");
   const auto figures_of = [](const FinerDistance& f) {
-    return std::tuple(f.is_measured, f.element, f.reference, f.probes, f.tool_radius_m, f.mean, f.p95, f.nodes,
-                      f.solved);
+    std::string all = f.element + f.reference;
+    const auto see = [&]<class Value>(const char*, const Value& value, const auto& self) -> void {
+      if constexpr (std::is_arithmetic_v<Value>) all += " " + std::to_string(value);
+      if constexpr (Described<Value>)
+        Value::describe(value, [&](const char* key, const auto& part) { self(key, part, self); });
+    };
+    see("", f, see);
+    return all;
   };
   EXPECT_EQ(figures_of(again.finer), figures_of(model.finer));
   EXPECT_EQ(again.solved.element, "p1-p1");

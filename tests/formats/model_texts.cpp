@@ -51,6 +51,8 @@ void write_all(const std::filesystem::path& folder) {
   write("modal-bounds", with_bounds(modes));
   Model measured = with_bounds(networks);
   measured.finer = {true, "p1-p1", "taylor-hood", 12, 0.03, 0.25, 0.5, 300, 13};
+  measured.finer.has_parts = true;
+  measured.finer.shape_at_rest = {24, 0.125, 0.5};
   measured.solved = {true, "p1-p1", 500.5};
   write("rbfn-finer", measured);
   Model covered = modes;

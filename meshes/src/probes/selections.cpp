@@ -17,7 +17,30 @@ std::string listed(const Nodes& nodes) {
   return std::to_string(nodes.size()) + " nodes: " + meshes::first_few(nodes, 5);
 }
 
+/// Whether some nodes are those of one mesh, so that another one of the body has none in their place.
+bool is_of_one_mesh(const Selection& selection) {
+  return std::ranges::any_of(selection, [](const Selector& s) {
+    return s.kind == SelectorKind::nodes || s.kind == SelectorKind::nearest || s.kind == SelectorKind::spread ||
+           std::ranges::any_of(s.of, is_of_one_mesh);
+  });
+}
+
+NodeList held_nodes(const Scene& scene, const meshes::SelectableBody& body) {
+  auto fixed = meshes::select_nodes(scene.fixed, body, {"fixed nodes", scene.fixed_where.prefix()});
+  if (!hold_the_body(body.mesh, fixed))
+    throw input_error(scene.fixed_where.prefix() + "the fixed nodes do not prevent rotations of the body",
+                      listed(fixed), "fix at least three nodes that are not on one line");
+  return fixed;
+}
+
 }  // namespace
+
+NodeList resolve_fixed(const Scene& scene, const Mesh& other) {
+  if (is_of_one_mesh(scene.fixed))
+    throw input_error(scene.fixed_where.prefix() + "fixed nodes of one mesh cannot be found on another one", "",
+                      "select them by a box, a sphere or a half-space");
+  return held_nodes(scene, meshes::SelectableBody(other));
+}
 
 bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed) {
   std::vector<char> held(static_cast<std::size_t>(mesh.n_nodes()), 0);
@@ -47,12 +70,8 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets, co
   const auto nodes_of = [&](const Selection& selection, const char* what, const SourceLocation& where) {
     return meshes::select_nodes(selection, body, {what, where.prefix()});
   };
-  sets.fixed = nodes_of(scene.fixed, "fixed nodes", scene.fixed_where);
-  body.fixed = sets.fixed;
+  body.fixed = sets.fixed = held_nodes(scene, body);
   body.tool_radius_m = scene.probe.tool_radius_m;
-  if (!hold_the_body(mesh, sets.fixed))
-    throw input_error(scene.fixed_where.prefix() + "the fixed nodes do not prevent rotations of the body",
-                      listed(sets.fixed), "fix at least three nodes that are not on one line");
   if (std::includes(sets.fixed.begin(), sets.fixed.end(), body.surface.begin(), body.surface.end()))
     throw input_error(scene.fixed_where.prefix() + "every node of the surface is fixed, so that nothing can be touched",
                       std::to_string(sets.fixed.size()) + " of " + std::to_string(mesh.n_nodes()) + " nodes",

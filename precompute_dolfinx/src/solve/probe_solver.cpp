@@ -71,15 +71,21 @@ struct ProbeSolver::Impl {
     rest_SI.sensitivity = of_nodes(rest.sensitivity);
   }
 
-  RestResponse alone_at_rest(std::int32_t node) {
-    check_touched(node);
+  void check_touched(const SurfacePoint& point) const {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (point.weights[k] > 0 && !(point.weights[k] < 1 && fixed.at(static_cast<std::size_t>(point.nodes[k]))))
+        check_touched(point.nodes[k]);
+  }
+
+  RestResponse alone_at_rest(const SurfacePoint& point) {
+    check_touched(point);
     if (!is_free_at_rest) {
       equilibrium.prescribe({});
       n_tools = 0;
       rest = rays.rest();
       is_free_at_rest = true;
     }
-    const auto weights = mean_weights(body, at_node(node), radius(), fixed);
+    const auto weights = mean_weights(body, point, radius(), fixed);
     Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(body.n_dofs(), 3);
     for (int p = 0; p < body.n_points(); ++p)
       for (int k = 0; k < 3; ++k) loads(body.dofs(p)[k], k) = weights[static_cast<std::size_t>(p)];
@@ -87,7 +93,7 @@ struct ProbeSolver::Impl {
     Eigen::Matrix3d stiffness = Eigen::Matrix3d::Constant(std::nan(""));
     if (change.size() > 0) stiffness = Eigen::Matrix3d(loads.transpose() * change).inverse();
     if (!stiffness.allFinite())
-      throw failure("the response at rest could not be computed", "node " + std::to_string(node),
+      throw failure("the response at rest could not be computed", "node " + std::to_string(point.nodes[0]),
                     "write [probe] elsewhere = \"none\", which leaves it out");
     return {0.5 * (stiffness + stiffness.transpose()) * scaling.stiffness_N_per_m(), of_nodes(change * stiffness)};
   }
@@ -151,14 +157,11 @@ void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
 }
 
 void ProbeSolver::touch_points(const std::vector<SurfacePoint>& points) {
-  for (const auto& point : points)
-    for (std::size_t k = 0; k < 3; ++k)
-      if (point.weights[k] > 0 && !(point.weights[k] < 1 && _impl->fixed.at(static_cast<std::size_t>(point.nodes[k]))))
-        _impl->check_touched(point.nodes[k]);
+  for (const auto& point : points) _impl->check_touched(point);
   _impl->touch(points);
 }
 
-RestResponse ProbeSolver::alone_at_rest(std::int32_t node) { return _impl->alone_at_rest(node); }
+RestResponse ProbeSolver::alone_at_rest(const SurfacePoint& point) { return _impl->alone_at_rest(point); }
 
 const RestResponse& ProbeSolver::rest() const { return _impl->rest_SI; }
 

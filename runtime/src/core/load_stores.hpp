@@ -320,6 +320,11 @@ struct SolvedBody {
   double& shear_modulus_Pa = made.shear_modulus_Pa;
 };
 
+struct DistancePart {
+  std::int32_t places = 0;
+  double mean = 0, p95 = 0;
+};
+
 struct FinerDistance {
   phn_provenance& made;
   bool is_measured = false;
@@ -328,6 +333,9 @@ struct FinerDistance {
   std::int32_t solved = 0;
   std::int32_t &probes = made.finer_probes, &nodes = made.finer_nodes;
   double &tool_radius_m = made.finer_tool_radius_m, &mean = made.finer_mean, &p95 = made.finer_p95;
+  bool has_parts = false;
+  DistancePart near_fixed{}, elsewhere{}, element_at_rest{}, cells_at_rest{}, shape_at_rest{}, of_reference{};
+  double time_factor = 0;
 };
 
 struct LevelStore {

@@ -3,6 +3,7 @@
 
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
+#include <phynness/validation/discretization.hpp>
 
 namespace phynness {
 
@@ -14,5 +15,17 @@ constexpr double cost_exponent = 2;
 Scene compared_scene(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 
 double unknowns_of(Element element, double nodes, double edges);
+
+/// "9.10 GB of memory are needed, 2.00 GB are available" for the factors of a solid; empty: they are available.
+std::string why_no_memory(double unknowns, const DiscretizationOptions& options);
+
+/// Compares stiffnesses of round tools at rest, by one factorization for each body. A body that does not fit into
+/// memory or time ends the steps, and `why_not` says so.
+/// @param own     the scene with round tools, as check solves it
+/// @param places  nodes of its mesh, which the result completes
+/// @param left_s  the time that is left
+ComparisonAtRest compare_at_rest(const VariantBody& own, Variant reference, std::vector<PlaceAtRest> places,
+                                 const DiscretizationOptions& options, const std::function<double()>& left_s,
+                                 const ShouldStop& stop);
 
 }  // namespace phynness

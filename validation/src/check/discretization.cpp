@@ -2,16 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <numeric>
 #include <phynness/formats/error.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/meshes/patch_warnings.hpp>
+#include <phynness/meshes/probe_points.hpp>
+#include <phynness/meshes/tool_weights.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/validation/discretization.hpp>
 #include <phynness/validation/error_statistics.hpp>
+#include <tuple>
 
 #include "compared_scene.hpp"
 
@@ -26,16 +31,26 @@ std::optional<Variant> variant_named(std::string_view given) {
 }
 
 std::optional<double> CheckedProbe::ratio(std::size_t depth) const {
-  if (!own.converged(depth) || !finer.converged(depth) || !(to_eigen(finer.force_N[depth]).norm() > 0)) return {};
-  return to_eigen(own.force_N[depth]).norm() / to_eigen(finer.force_N[depth]).norm();
+  if (!own.converged(depth) || !finer.converged(depth) || !(finest_N(depth).norm() > 0)) return {};
+  return to_eigen(own.force_N[depth]).norm() / finest_N(depth).norm();
 }
 
-std::optional<double> CheckedProbe::error() const {
+std::optional<double> CheckedProbe::error_of(const VariantForces& forces) const {
   for (std::size_t depth = own.status.size(); depth-- > 0;)
-    if (ratio(depth))
-      return (to_eigen(own.force_N[depth]) - to_eigen(finer.force_N[depth])).norm() /
-             to_eigen(finer.force_N[depth]).norm();
+    if (ratio(depth)) return (to_eigen(forces.force_N[depth]) - finest_N(depth)).norm() / finest_N(depth).norm();
   return {};
+}
+
+bool is_known(const std::vector<CheckedProbe>& probes, double near_share) {
+  std::vector<double> errors;
+  std::size_t near = 0;
+  for (const auto& probe : probes)
+    if (const auto error = probe.error()) errors.push_back(*error), near += probe.near_fixed ? 1 : 0;
+  const std::size_t n = errors.size();
+  if (n < 4 || (near_share >= 1.0 / 6 && near < 2) || (near_share <= 5.0 / 6 && n - near < 2)) return false;
+  const auto all = Eigen::Map<const Eigen::ArrayXd>(errors.data(), std::ssize(errors));
+  const double standard_error = std::sqrt((all - all.mean()).square().sum() / static_cast<double>(n * (n - 1)));
+  return standard_error <= std::max(all.mean() / 3, 0.01);
 }
 
 RatioStatistics DiscretizationReport::ratios(std::size_t depth) const {
@@ -49,20 +64,44 @@ RatioStatistics DiscretizationReport::ratios(std::size_t depth) const {
 }
 
 FinerDistance DiscretizationReport::distance(const Scene& scene) const {
-  std::vector<double> errors;
+  std::vector<double> near, elsewhere, better;
   for (const auto& probe : probes)
-    if (const auto error = probe.error()) errors.push_back(*error);
-  const auto all = ErrorStatistics::of(errors);
-  return {.is_measured = true,
-          .element = name(scene.solver.element),
-          .reference = name(reference),
-          .probes = static_cast<std::int32_t>(all.n),
-          .tool_radius_m = tool_radius_m,
-          .mean = all.mean,
-          .p95 = all.p95,
-          .nodes = nodes,
-          .solved = static_cast<std::int32_t>(
-              std::ranges::count_if(probes, [](const auto& probe) { return !probe.finer.status.empty(); }))};
+    if (const auto error = probe.error()) {
+      (probe.near_fixed ? near : elsewhere).push_back(*error);
+      better.push_back(*probe.error_of(probe.finer));
+    }
+  auto both = near;
+  both.insert(both.end(), elsewhere.begin(), elsewhere.end());
+  const auto part = [](const std::vector<double>& errors) {
+    const auto all = ErrorStatistics::of(errors);
+    return DistancePart{static_cast<std::int32_t>(all.n), all.mean, all.p95};
+  };
+  const auto at_rest_part = [&](double PlaceAtRest::*of) {
+    std::vector<double> errors;
+    for (const auto& place : at_rest.places)
+      if (std::isfinite(place.*of)) errors.push_back(place.*of);
+    return part(errors);
+  };
+  const auto all = part(both);
+  FinerDistance distance{.is_measured = true,
+                         .element = name(scene.solver.element),
+                         .reference = name(reference),
+                         .probes = all.places,
+                         .tool_radius_m = tool_radius_m,
+                         .mean = all.mean,
+                         .p95 = all.p95,
+                         .nodes = nodes,
+                         .solved = static_cast<std::int32_t>(std::ranges::count_if(
+                             probes, [](const auto& probe) { return !probe.finer.status.empty(); })),
+                         .has_parts = all.places > 0,
+                         .near_fixed = part(near),
+                         .elsewhere = part(elsewhere),
+                         .element_at_rest = at_rest_part(&PlaceAtRest::element),
+                         .cells_at_rest = at_rest_part(&PlaceAtRest::cells),
+                         .shape_at_rest = at_rest_part(&PlaceAtRest::shape),
+                         .time_factor = time_factor};
+  if (distance.cells_at_rest.places > 0) distance.of_reference = part(better);
+  return distance;
 }
 
 namespace {
@@ -134,40 +173,74 @@ double unknowns_of(Element element, double nodes, double edges) {
   return 3 * points + pressures + (element->is_shell ? 3 * edges : 0);
 }
 
-std::vector<std::pair<std::int32_t, std::int32_t>> choose_checked_rays(const DatabaseHeader& header,
-                                                                       const std::vector<char>& requested, int wanted) {
-  const auto& active = header.sets.active;
+NodeList answered_nodes(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  if (scene.probe.kind != ProbeKind::patch || sets.active.size() < 3) return sets.active;
+  auto all = probe_coordinates(mesh.nodes, mesh.surface, sets.active, sets.fixed, scene.probe.tool_radius_m).covered;
+  all.insert(all.end(), sets.active.begin(), sets.active.end());
+  std::ranges::sort(all);
+  const auto repeated = std::ranges::unique(all);
+  all.erase(repeated.begin(), repeated.end());
+  return all;
+}
+
+CheckedRays choose_checked_rays(const DatabaseHeader& header, const std::vector<char>& requested, double radius_m,
+                                std::size_t wanted) {
+  const auto& [mesh, sets] = std::tie(header.mesh, header.sets);
   const std::size_t n_directions = header.directions.size();
-  const Points normals = node_normals(header.mesh);
-  // Distance of each candidate from the fixed and the selected nodes.
-  std::vector<double> distance(active.size(), std::numeric_limits<double>::infinity());
-  const auto keep_away_from = [&](std::int32_t node) {
-    for (std::size_t a = 0; a < active.size(); ++a)
-      distance[a] = std::min(distance[a], (header.mesh.nodes.row(active[a]) - header.mesh.nodes.row(node)).norm());
-  };
-  for (const auto node : header.sets.fixed) keep_away_from(node);
-  for (std::size_t a = 0; a < active.size(); ++a) {
+  Eigen::VectorXd area = Eigen::VectorXd::Zero(mesh.n_nodes());
+  for (Eigen::Index t = 0; t < mesh.surface.rows(); ++t)
+    for (const auto node : mesh.surface.row(t))
+      area[node] += normal_of(corners_of(mesh.nodes, mesh.surface, t)).norm() / 6;
+  Eigen::Index along = 0;
+  (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).maxCoeff(&along);
+  std::vector<std::tuple<bool, double, std::size_t>> order;  // near fixed nodes, coordinate, index of the active node
+  for (std::size_t a = 0; a < sets.active.size(); ++a) {
     const auto first = requested.begin() + static_cast<std::ptrdiff_t>(a * n_directions);
-    if (std::count(first, first + static_cast<std::ptrdiff_t>(n_directions), char{1}) == 0) distance[a] = 0;
+    if (std::count(first, first + static_cast<std::ptrdiff_t>(n_directions), char{1}) == 0) continue;
+    const Eigen::RowVector3d x = mesh.nodes.row(sets.active[a]);
+    const bool near = std::ranges::any_of(
+        sets.fixed, [&](std::int32_t node) { return (mesh.nodes.row(node) - x).norm() < radius_m; });
+    order.emplace_back(near, x[along], a);
   }
-  std::vector<std::pair<std::int32_t, std::int32_t>> chosen;
-  for (int k = 0; k < wanted && k < static_cast<int>(active.size()); ++k) {
-    const auto a = static_cast<std::size_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
-    if (!(distance[a] > 0)) break;
+  std::ranges::sort(order);
+  std::vector<double> area_to;
+  CheckedRays chosen;
+  for (const auto& [near, x, a] : order) {
+    area_to.push_back((area_to.empty() ? 0 : area_to.back()) + area[sets.active[a]]);
+    chosen.near_share += near ? area[sets.active[a]] : 0;
+  }
+  if (!order.empty()) chosen.near_share /= area_to.back();
+  const Points normals = node_normals(mesh);
+  std::vector<char> taken(order.size(), 0);
+  while (chosen.rays.size() < std::min(wanted, order.size())) {
+    double whole = 0;
+    const double at = std::modf((static_cast<double>(chosen.rays.size()) + 0.5) * std::numbers::phi, &whole);
+    auto i = static_cast<std::size_t>(std::ranges::lower_bound(area_to, at * area_to.back()) - area_to.begin());
+    while (taken[i % order.size()]) ++i;
+    taken[i % order.size()] = 1;
+    const auto& [near, x, a] = order[i % order.size()];
     std::size_t best = n_directions;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t d = 0; d < n_directions; ++d) {
-      const double inward = -normals.row(active[a]).dot(to_eigen(header.directions[d]).transpose());
-      const double off = std::abs(inward - std::array{1.0, 0.0, -1.0}[static_cast<std::size_t>(k % 3)]);
+      const double inward = -normals.row(sets.active[a]).dot(to_eigen(header.directions[d]).transpose());
+      const double off = std::abs(inward - std::array{1.0, 0.0, -1.0}[chosen.rays.size() % 3]);
       if (requested[a * n_directions + d] && off < least) least = off, best = d;
     }
-    chosen.emplace_back(static_cast<std::int32_t>(a), static_cast<std::int32_t>(best));
-    keep_away_from(active[a]);
+    chosen.rays.push_back({static_cast<std::int32_t>(a), static_cast<std::int32_t>(best), near});
   }
   return chosen;
 }
 
 namespace {
+
+constexpr std::size_t most_at_rest = 24;  ///< places
+
+void require_memory(double unknowns, const DiscretizationOptions& options) {
+  if (const auto why = why_no_memory(unknowns, options); !why.empty())
+    throw input_error("the finer solution does not fit into the memory", why,
+                      "use a coarser mesh, or a machine with more memory; with check_probes = 0 phynness run goes on "
+                      "without it");
+}
 
 /// The solver of a variant, made at its first ray.
 class VariantSolver {
@@ -181,12 +254,12 @@ class VariantSolver {
   bool was_asked_to_stop() const { return _asked; }
 
   /// @return false: it was given up
-  bool solve(const std::pair<std::int32_t, std::int32_t>& ray, VariantForces& forces) {
+  bool solve(const CheckedRay& ray, VariantForces& forces) {
     if (!_solver) {
       _header = database_header(_body.scene, _body.mesh, _body.sets);
       _solver = std::make_unique<ProbeSolver>(_body.scene, _body.mesh, _body.sets);
     }
-    const auto solved = solve_rays(*_solver, *_header, {ray}, {}, [&] {
+    const auto solved = solve_rays(*_solver, *_header, {{ray.active, ray.direction}}, {}, [&] {
       _asked = _asked || (_stop && _stop());
       return _asked || _spent_s() > _end_s;
     });
@@ -210,57 +283,85 @@ class VariantSolver {
 
 }  // namespace
 
-DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, const NodeSets& sets,
+DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, const NodeSets& given,
                                           const DiscretizationOptions& options, const OnProgress& progress,
                                           const ShouldStop& stop) {
-  const auto spent_s = [&options, start = options.clock()] { return options.clock() - start; };
+  const std::function<double()> spent_s = [&options, start = options.clock()] { return options.clock() - start; };
   require_variant(scene, options.reference);
-  const Scene common = compared_scene(scene, mesh, sets);
+  require_memory(variant_unknowns(options.reference, scene.solver.element, mesh), options);
+  const Scene common = compared_scene(scene, mesh, given);
+  const NodeSets sets{given.fixed, answered_nodes(scene, mesh, given), {}};
   const auto header = database_header(common, mesh, sets);
   DiscretizationReport report;
   report.reference = options.reference;
   report.mean_edge_m = measure_quality(mesh).mean_edge_m;
   report.patch_for_node = scene.probe.kind == ProbeKind::node;
   report.tool_radius_m = common.probe.tool_radius_m;
-  report.tool_edges = report.tool_radius_m / surface_edge_m(mesh, sets);
+  report.tool_edges = report.tool_radius_m / surface_edge_m(mesh, given);
   report.depth_m = header.magnitudes_m;
   const bool finer_mesh = options.reference == Variant::half_size;
   report.nodes = mesh.n_nodes() + (finer_mesh ? static_cast<std::int32_t>(mesh_edges(mesh).size()) : 0);
-  const auto rays = choose_checked_rays(header, requested_rays(common, mesh, header), options.probes);
+  const auto most = static_cast<std::size_t>(options.probes);
+  auto [rays, near_share] = choose_checked_rays(header, requested_rays(common, mesh, header), report.tool_radius_m,
+                                                std::max(most, most_at_rest));
+  report.near_share = near_share;
   if (rays.empty())
     throw input_error("the scene has no rays", scene.source_name, "check nodes.active and the directions");
+  std::vector<PlaceAtRest> places;
+  for (const auto& ray : rays)
+    places.push_back({.node = sets.active[static_cast<std::size_t>(ray.active)], .near_fixed = ray.near_fixed});
+  if (rays.size() > most) rays.resize(most);
 
-  VariantSolver own({common, mesh, {sets.fixed, sets.active, sets.active}}, options.seconds, spent_s, stop);
+  const VariantBody body{common, mesh, {sets.fixed, sets.active, {}}};
+  if (mesh.cells.cols() == 4)
+    report.at_rest = compare_at_rest(
+        body, options.reference, places, options, [&] { return options.seconds / 2 - spent_s(); }, stop);
+
+  VariantSolver own(body, options.seconds, spent_s, stop);
   std::optional<VariantSolver> finer;
   const Points normals = node_normals(mesh);
   double guess_s = 0;
   std::int64_t compared = 0;
+  std::clock_t own_cpu = 0, finer_cpu = 0;
+  const double start_s = spent_s();
   for (const auto& ray : rays) {
     report.interrupted = stop && stop();
-    const double mean_s = compared > 0 ? spent_s() / static_cast<double>(compared) : 0;
+    const double mean_s = compared > 0 ? (spent_s() - start_s) / static_cast<double>(compared) : 0;
     if (report.interrupted || spent_s() + mean_s > options.seconds) break;
     CheckedProbe probe;
-    probe.node = sets.active[static_cast<std::size_t>(ray.first)];
-    probe.direction = header.directions[static_cast<std::size_t>(ray.second)];
+    probe.node = places[report.probes.size()].node;
+    probe.near_fixed = ray.near_fixed;
+    probe.direction = header.directions[static_cast<std::size_t>(ray.direction)];
     probe.inward = -normals.row(probe.node).dot(to_eigen(probe.direction).transpose());
+    if (!report.at_rest.places.empty()) {
+      const auto& change = report.at_rest.places[report.probes.size()].finest_over_reference;
+      if (change.allFinite()) probe.finest_over_reference = change;
+    }
+    const std::clock_t begin = std::clock();
     if (!own.solve(ray, probe.own)) break;
+    const std::clock_t middle = std::clock();
     report.probes.push_back(probe);
     if (progress) progress(2 * compared + 1, 2 * std::ssize(rays));
     if (!finer) {  // a finer mesh is made only if it is affordable; the guess may be ten times too large
-      guess_s = spent_s() * std::pow(variant_unknowns(options.reference, common.solver.element, mesh) /
-                                         variant_unknowns(Variant::scene, common.solver.element, mesh),
-                                     cost_exponent);
+      guess_s = (spent_s() - start_s) * std::pow(variant_unknowns(options.reference, common.solver.element, mesh) /
+                                                     variant_unknowns(Variant::scene, common.solver.element, mesh),
+                                                 cost_exponent);
       if (guess_s > 10 * (options.seconds - spent_s())) break;
       finer.emplace(variant_body(options.reference, own.body()), options.seconds, spent_s, stop);
     }
     if (!finer->solve(ray, report.probes.back().finer)) break;
+    if (report.probes.back().error()) own_cpu += middle - begin, finer_cpu += std::clock() - middle;
     ++compared;
     if (progress) progress(2 * compared, 2 * std::ssize(rays));
+    if (is_known(report.probes, near_share)) break;
   }
   report.interrupted = report.interrupted || own.was_asked_to_stop() || (finer && finer->was_asked_to_stop());
-  report.left_out = report.interrupted ? 0 : std::ssize(rays) - compared;
+  const bool is_done = report.interrupted || is_known(report.probes, near_share);
+  report.left_out = is_done ? 0 : std::ssize(rays) - compared;
+  report.time_factor = own_cpu > 0 ? static_cast<double>(finer_cpu) / static_cast<double>(own_cpu) : 0;
   report.seconds = spent_s();
-  report.sufficient_s = compared > 0 ? report.seconds / static_cast<double>(compared) * static_cast<double>(rays.size())
+  report.sufficient_s = compared > 0 ? start_s + (report.seconds - start_s) / static_cast<double>(compared) *
+                                                     static_cast<double>(is_done ? compared : std::ssize(rays))
                                      : 2 * std::max(report.seconds, guess_s) * static_cast<double>(rays.size());
   return report;
 }

@@ -69,12 +69,14 @@ Trade::Trade(const Scene& scene, const Mesh& mesh, const NodeSets& sets, const D
     : _options(options), _progress(progress), _stop(stop) {
   const Scene common = compared_scene(scene, mesh, sets);
   _report.tool_radius_m = common.probe.tool_radius_m;
-  const auto header = database_header(common, mesh, sets);
+  const NodeSets answered{sets.fixed, answered_nodes(scene, mesh, sets), {}};
+  const auto header = database_header(common, mesh, answered);
   _depths = header.magnitudes_m;
-  for (const auto& [active, direction] :
-       choose_checked_rays(header, requested_rays(common, mesh, header), options.probes)) {
-    const Eigen::RowVector3d x = mesh.nodes.row(sets.active[static_cast<std::size_t>(active)]);
-    _places.push_back({{x[0], x[1], x[2]}, header.directions[static_cast<std::size_t>(direction)]});
+  const auto chosen = choose_checked_rays(header, requested_rays(common, mesh, header), _report.tool_radius_m,
+                                          static_cast<std::size_t>(options.probes));
+  for (const auto& ray : chosen.rays) {
+    const Eigen::RowVector3d x = mesh.nodes.row(answered.active[static_cast<std::size_t>(ray.active)]);
+    _places.push_back({{x[0], x[1], x[2]}, header.directions[static_cast<std::size_t>(ray.direction)]});
   }
   if (_places.empty())
     throw input_error("the scene has no rays", scene.source_name, "check nodes.active and the directions");

@@ -137,18 +137,34 @@ struct SolvedBody {
   static void describe(auto& result, auto&& see) { PHYNNESS_SEE(element, shear_modulus_Pa); }
 };
 
+/// Errors at some of the places of a check.
+struct DistancePart {
+  std::int32_t places = 0;  ///< without any the errors are 0
+  double mean = 0, p95 = 0;
+  static void describe(auto& result, auto&& see) { PHYNNESS_SEE(places, mean, p95); }
+};
+
 /// Distance of the scene's finite elements from a finer solution (`phynness check`). Errors of a probe: the difference
-/// of the forces at the largest displacement that both solve, over the size of the finer one.
+/// of the forces at the largest displacement that both solve, over the size of the finer one. That is the force of the
+/// reference, changed as cells of half the size and the scene's own surface change the stiffness at rest.
 struct FinerDistance {
   bool is_measured = false;
-  std::string element, reference;  ///< names: of the scene's element; of reference_names
-  std::int32_t probes = 0;         ///< that both have solved; without any the errors are 0
-  double tool_radius_m = 0;        ///< of the round tool of these probes, which may stand for single nodes
-  double mean = 0, p95 = 0;        ///< of the errors
-  std::int32_t nodes = 0;          ///< of the mesh of the finer solution; 0: not recorded, nor is `solved`
-  std::int32_t solved = 0;         ///< probes of the finer solution, with those that failed
+  std::string element, reference;          ///< names: of the scene's element; of reference_names
+  std::int32_t probes = 0;                 ///< that both have solved; without any the errors are 0
+  double tool_radius_m = 0;                ///< of the round tool of these probes, which may stand for single nodes
+  double mean = 0, p95 = 0;                ///< of the errors
+  std::int32_t nodes = 0;                  ///< of the mesh of the finer solution; 0: not recorded, nor is `solved`
+  std::int32_t solved = 0;                 ///< probes of the finer solution, with those that failed
+  bool has_parts = false;                  ///< the following are recorded
+  DistancePart near_fixed{}, elsewhere{};  ///< probes nearer than the tool's radius to a fixed node, and the others
+  /// Steps of the stiffness at rest, if they are compared: to Taylor-Hood on the same mesh, to cells of half the size,
+  /// to the scene's own surface.
+  DistancePart element_at_rest{}, cells_at_rest{}, shape_at_rest{};
+  DistancePart of_reference{};  ///< what the error of the reference itself is, if cells are compared
+  double time_factor = 0;       ///< time of a probe of the reference over that of the scene
   static void describe(auto& result, auto&& see) {
-    PHYNNESS_SEE(element, reference, probes, tool_radius_m, mean, p95, nodes, solved);
+    PHYNNESS_SEE(element, reference, probes, tool_radius_m, mean, p95, nodes, solved, near_fixed, elsewhere);
+    PHYNNESS_SEE(element_at_rest, cells_at_rest, shape_at_rest, of_reference, time_factor);
   }
   /// "4.1 % (p95 9.3 %) from a finer solution (...) at 12 probes of a round tool of 30.0 mm radius".
   std::string sentence() const;

@@ -90,6 +90,10 @@ void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::pa
 /// zero pivots into small numbers.
 bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed);
 
+/// The fixed nodes that the scene has on another mesh of its body.
+/// @throws Error (input) also if it selects nodes of one mesh, as by their numbers
+NodeList resolve_fixed(const Scene& scene, const Mesh& other);
+
 /// Resolves the selections of the scene on a mesh.
 /// @throws Error (with file:line) if a selection is empty, an active node is also fixed, no node is fixed, a group is
 ///   unknown (the message lists the existing ones), or a node number is out of range

@@ -72,10 +72,11 @@ class ProbeSolver {
   /// The same at any points of the surface; of the corners of a triangle some may be fixed.
   void touch_points(const std::vector<SurfacePoint>& points);
   const RestResponse& rest() const;
-  /// What touch() of one node and rest() give, of round tools. One factorization serves all calls until the next
-  /// touch(), and each takes three substitutions. Afterwards nothing is touched.
+  /// What touch_points() of one point and rest() give, of round tools. One factorization serves all calls until the
+  /// next touch(), and each takes three substitutions. Afterwards nothing is touched.
   /// @throws Error as touch()
-  RestResponse alone_at_rest(std::int32_t node);
+  RestResponse alone_at_rest(const SurfacePoint& point);
+  RestResponse alone_at_rest(std::int32_t node) { return alone_at_rest(at_node(node)); }
   /// Scalar fields of a displacement by linear theory, n_nodes x n_fields, in their units. They are computed from the
   /// sensitivities at rest at a very small displacement and scaled by the power with which each field grows.
   /// @pre as many displacements [m] as touched tools, not all zero

@@ -134,6 +134,20 @@ void finer(IO& io, Distance& distance) {
   io.integer("nodes", distance.nodes, 1, largest_integer);
   io.integer("solved probes", distance.solved, 0, largest_integer);
   io.end();
+  const bool with_parts = io.optional("parts", distance.has_parts);
+  keep(distance.has_parts, with_parts);
+  if (!with_parts) return;
+  io.keyword("parts");
+  io.real("time factor", distance.time_factor, not_negative);
+  io.end();
+  decltype(&distance.near_fixed) parts[] = {&distance.near_fixed,    &distance.elsewhere,     &distance.element_at_rest,
+                                            &distance.cells_at_rest, &distance.shape_at_rest, &distance.of_reference};
+  for (auto* part : parts) {
+    io.integer("places", part->places, 0, largest_integer);
+    io.real("mean", part->mean, not_negative);
+    io.real("p95", part->p95, not_negative);
+    io.end();
+  }
 }
 
 template <class IO, class Model, class Node>

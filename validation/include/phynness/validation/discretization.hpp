@@ -41,19 +41,53 @@ struct VariantForces {
   }
 };
 
+/// What finer bodies do to the stiffness of a round tool at rest. Distances are Frobenius norms of differences over
+/// those of the finer one; undefined: not compared.
+struct PlaceAtRest {
+  std::int32_t node = 0;
+  bool near_fixed = false;
+  double element = undefined;  ///< of the scene's element from Taylor-Hood on the same mesh
+  double cells = undefined;    ///< of these from cells of half the size, whose surface is that of the mesh
+  double shape = undefined;    ///< of these from a mesh of about the same size, whose surface is that of the scene
+  double all = undefined;      ///< of the scene from the finest of these bodies
+  /// Stiffness of the finest one times the inverse of that of the reference.
+  Eigen::Matrix3d finest_over_reference = Eigen::Matrix3d::Identity();
+  PHYNNESS_FIGURES(node, near_fixed, element, cells, shape, all)
+};
+
+struct ComparisonAtRest {
+  std::vector<PlaceAtRest> places;
+  std::string why_not;  ///< what is left out, with the reason
+  static void describe(const auto& result, auto&& see) {
+    PHYNNESS_SEE(places);
+    see("left_out", result.why_not.empty() ? std::nullopt : std::optional(result.why_not));
+  }
+};
+
 struct CheckedProbe {
   std::int32_t node = 0;
+  bool near_fixed = false;  ///< nearer than the radius of the tool to a fixed node
   Vec3 direction{};
   double inward = 0;  ///< cosine between the direction and the inward normal
   VariantForces own, finer;
-  /// Size of the scene's force over that of the finer one; empty unless both converged.
+  /// As of PlaceAtRest.
+  Eigen::Matrix3d finest_over_reference = Eigen::Matrix3d::Identity();
+  /// The force of the finer solution, changed as finer bodies change the stiffness at rest.
+  Eigen::Vector3d finest_N(std::size_t depth) const { return finest_over_reference * to_eigen(finer.force_N[depth]); }
+  /// Size of the scene's force over that of the finest one; empty unless both converged.
   std::optional<double> ratio(std::size_t depth) const;
   /// As FinerDistance: the relative error of the scene's force at the largest displacement that both solve.
-  std::optional<double> error() const;
+  std::optional<double> error() const { return error_of(own); }
+  /// The same of `own` or `finer`.
+  std::optional<double> error_of(const VariantForces& forces) const;
   static void describe(const auto& result, auto&& see) {
-    PHYNNESS_SEE(node, direction, inward);
+    PHYNNESS_SEE(node, near_fixed, direction, inward);
     see("scene", result.own);
     see("finer", result.finer);
+    std::vector<double> sizes;
+    for (std::size_t i = 0; i < result.finer.status.size(); ++i)
+      sizes.push_back(result.finer.converged(i) ? result.finest_N(i).norm() : undefined);
+    see("finest_force", sizes);
   }
 };
 
@@ -80,6 +114,9 @@ struct DiscretizationReport {
   double tool_edges = 0;        ///< tool_radius_m in mean surface edges at the active nodes (surface_edges_at)
   std::vector<double> depth_m;  ///< ascending; the last one is the largest displacement of the scene
   std::vector<CheckedProbe> probes;
+  ComparisonAtRest at_rest;
+  double near_share = 0;      ///< of the answered surface: nearer than the tool's radius to a fixed node
+  double time_factor = 0;     ///< CPU time of the finer solves over that of the scene's
   std::int64_t left_out = 0;  ///< probes that the time does not allow
   double seconds = 0;
   double sufficient_s = 0;  ///< about what all probes need
@@ -93,13 +130,16 @@ struct DiscretizationReport {
     std::vector<RatioStatistics> all;
     for (std::size_t i = 0; i < result.depth_m.size(); ++i) all.push_back(result.ratios(i));
     see("ratios", all);
-    PHYNNESS_SEE(nodes, probes, left_out, interrupted, seconds);
+    PHYNNESS_SEE(nodes, near_share, probes, at_rest, left_out, interrupted, seconds);
     see("sufficient_seconds", result.sufficient_s);
   }
 };
 
+/// Memory that a process can still take, by /proc/meminfo; infinite where there is none.
+double available_memory_bytes();
+
 struct DiscretizationOptions {
-  int probes = 6;
+  int probes = 12;                           ///< at most; the check ends earlier when is_known()
   Variant reference = Variant::taylor_hood;  ///< of a check
   /// No probe is begun whose predicted end is later, and one that is at work then is given up at its next iteration.
   double seconds = 60;
@@ -107,6 +147,7 @@ struct DiscretizationOptions {
   std::function<double()> clock = [] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
   };
+  std::function<double()> available_bytes = available_memory_bytes;
 };
 
 /// The finer solution that is named with a model: Taylor-Hood on the same mesh, which does not lock, or cells of half
@@ -135,11 +176,28 @@ inline double check_limit_s(double solve_s, int ranks) { return std::max(1.0, so
 /// @param edge_m  mean length of the surface's edges at the active nodes
 double patch_radius_for_node(double edge_m, double max_displacement_m);
 
-/// Selects the rays: `wanted` active nodes, far from each other and from the fixed nodes. Their directions are in turn
-/// the most inward, the most tangential and the most outward direction that the scene requests.
-/// @return pairs (index of the active node, index of the direction)
-std::vector<std::pair<std::int32_t, std::int32_t>> choose_checked_rays(const DatabaseHeader& header,
-                                                                       const std::vector<char>& requested, int wanted);
+/// A ray of a check, by the indices of an active node and a direction.
+struct CheckedRay {
+  std::int32_t active = 0, direction = 0;
+  bool near_fixed = false;
+};
+/// Rays in an order of which each beginning represents the surface of the active nodes: places follow the sequence of
+/// the golden ratio over the area, counted along the body and then along its part near fixed nodes. Their directions
+/// are in turn the most inward, the most tangential and the most outward one that the scene requests.
+struct CheckedRays {
+  std::vector<CheckedRay> rays;
+  double near_share = 0;  ///< of the area
+};
+/// @param radius_m  nodes nearer than this to a fixed node are near to it
+CheckedRays choose_checked_rays(const DatabaseHeader& header, const std::vector<char>& requested, double radius_m,
+                                std::size_t wanted);
+
+/// The scene's nodes at which a check may place its tools: those that active nodes answer, also between them.
+NodeList answered_nodes(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
+
+/// Whether the mean error of a check is known well enough: from four places on, of which two are in each part with at
+/// least a sixth of the area, when its standard error is at most a third of the mean or 1 %.
+bool is_known(const std::vector<CheckedProbe>& probes, double near_share);
 
 /// Solves each probe with the scene and the reference until the time is over. Must run as one process.
 /// @param progress  finished rays and their largest possible number
