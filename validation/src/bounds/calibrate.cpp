@@ -22,7 +22,7 @@
 namespace phynness {
 namespace {
 
-constexpr std::size_t states_per_ray = 3, rays_per_node = 10;
+constexpr std::size_t states_per_ray = 3, rays_per_node = 5;
 /// The distance to a finer solution is a property of the place more than of the state.
 constexpr std::size_t finer_rays_per_node = 2;
 /// A ray of one tool between nodes, or of a body's tools, has a place of its own, because errors at one place are
