@@ -350,7 +350,8 @@ DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, 
       finer.emplace(variant_body(options.reference, own.body()), options.seconds, spent_s, stop);
     }
     if (!finer->solve(ray, report.probes.back().finer)) break;
-    if (report.probes.back().error()) own_cpu += middle - begin, finer_cpu += std::clock() - middle;
+    if (report.probes.back().ratio(report.depth_m.size() - 1))
+      own_cpu += middle - begin, finer_cpu += std::clock() - middle;
     ++compared;
     if (progress) progress(2 * compared, 2 * std::ssize(rays));
     if (is_known(report.probes, near_share)) break;
