@@ -1,7 +1,9 @@
 #include "parts.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/Jacobi>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "threads.hpp"
@@ -14,34 +16,41 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// The chosen points with their equations and weights.
+/// The chosen points with their equations and weights. The Cholesky factor of the normal equations follows each change,
+/// so that a point costs squares of their number only.
 class Chosen {
  public:
-  Chosen(const Eigen::MatrixXf& parts, const VectorXd& wanted) : _parts(parts), _wanted(wanted), _left(wanted) {}
+  Chosen(const Eigen::MatrixXf& parts, const VectorXd& wanted, Index most)
+      : _parts(parts),
+        _wanted(wanted),
+        _columns(parts.rows(), most),
+        _factor(most, most),
+        _right(most),
+        _weights(most),
+        _left(wanted) {}
 
   Index size() const { return static_cast<Index>(_points.size()); }
   const std::vector<std::int32_t>& points() const { return _points; }
-  const VectorXd& weights() const { return _weights; }
+  auto weights() const { return _weights.head(size()); }
   /// wanted - parts weights
   const VectorXd& left() const { return _left; }
 
   /// Adds a point, and removes those whose weights would not be positive.
   void add(std::int32_t point) {
     const Index n = size();
-    _points.push_back(point);
-    _columns.conservativeResize(_parts.rows(), n + 1);
     _columns.col(n) = _parts.col(point).cast<double>();
-    _gram.conservativeResize(n + 1, n + 1);
-    _gram.col(n) = _columns.transpose() * _columns.col(n);
-    _gram.row(n) = _gram.col(n).transpose();
-    _right.conservativeResize(n + 1);
+    VectorXd row = _columns.leftCols(n).transpose() * _columns.col(n);
+    factor(n).triangularView<Eigen::Lower>().solveInPlace(row);
+    const double square = _columns.col(n).squaredNorm();
+    _factor.row(n).head(n) = row.transpose();
+    _factor(n, n) = std::sqrt(std::max(square - row.squaredNorm(), ridge * square));
     _right[n] = _columns.col(n).dot(_wanted);
-    _weights.conservativeResize(n + 1);
     _weights[n] = 0;
+    _points.push_back(point);
     for (;;) {
-      MatrixXd gram = _gram;
-      gram.diagonal().array() += 1e-12 * _gram.trace() / static_cast<double>(size());
-      const VectorXd solved = gram.llt().solve(_right);
+      VectorXd solved = _right.head(size());
+      factor(size()).triangularView<Eigen::Lower>().solveInPlace(solved);
+      factor(size()).triangularView<Eigen::Lower>().transpose().solveInPlace(solved);
       double step = 1;
       Index last = -1;
       for (Index i = 0; i < size(); ++i) {
@@ -49,34 +58,51 @@ class Chosen {
         const double to_zero = _weights[i] / std::max(_weights[i] - solved[i], 1e-300);
         if (last < 0 || to_zero < step) step = to_zero, last = i;
       }
-      _weights += step * (solved - _weights);
+      _weights.head(size()) += step * (solved - weights());
       if (last < 0) break;
       remove(last);
     }
-    _left = _wanted - _columns * _weights;
+    _left = _wanted - _columns.leftCols(size()) * weights();
   }
 
  private:
+  /// Of the square of a column, what at least remains of it beside the others.
+  static constexpr double ridge = 1e-12;
+
+  Eigen::Block<MatrixXd> factor(Index n) { return _factor.topLeftCorner(n, n); }
+
   void remove(Index i) {
     const Index behind = size() - 1 - i;
-    const auto shortened = [&](auto& list) {
-      list.segment(i, behind) = list.tail(behind).eval();
-      list.conservativeResize(list.size() - 1);
-    };
+    // Without row i the square of the rows behind lacks that of column i (Golub and Van Loan, Matrix
+    // computations, 6.5).
+    const VectorXd lacking = _factor.col(i).segment(i + 1, behind);
+    _factor.middleRows(i, behind).leftCols(i) = _factor.middleRows(i + 1, behind).leftCols(i).eval();
+    MatrixXd corner = _factor.block(i + 1, i + 1, behind, behind).triangularView<Eigen::Lower>();
+    add_square(corner, lacking);
+    _factor.block(i, i, behind, behind) = corner;
+    _columns.middleCols(i, behind) = _columns.middleCols(i + 1, behind).eval();
+    _right.segment(i, behind) = _right.segment(i + 1, behind).eval();
+    _weights.segment(i, behind) = _weights.segment(i + 1, behind).eval();
     _points.erase(_points.begin() + i);
-    _columns.middleCols(i, behind) = _columns.rightCols(behind).eval();
-    _columns.conservativeResize(Eigen::NoChange, size());
-    _gram.middleCols(i, behind) = _gram.rightCols(behind).eval();
-    _gram.middleRows(i, behind) = _gram.bottomRows(behind).eval();
-    _gram.conservativeResize(size(), size());
-    shortened(_right);
-    shortened(_weights);
+  }
+
+  /// The factor of L L^T + x x^T in place of L, by rotations.
+  static void add_square(MatrixXd& L, VectorXd x) {
+    for (Index k = 0; k < x.size(); ++k) {
+      Eigen::JacobiRotation<double> rotation;
+      rotation.makeGivens(L(k, k), x[k], &L(k, k));
+      const Index n = x.size() - k - 1;
+      const VectorXd below = L.col(k).tail(n);
+      L.col(k).tail(n) = rotation.c() * below - rotation.s() * x.tail(n);
+      x.tail(n) = rotation.s() * below + rotation.c() * x.tail(n);
+      if (L(k, k) < 0) L.col(k).tail(n + 1) *= -1;
+    }
   }
 
   const Eigen::MatrixXf& _parts;
   const VectorXd& _wanted;
   std::vector<std::int32_t> _points;
-  MatrixXd _columns, _gram;
+  MatrixXd _columns, _factor;  ///< of those, in their order; the lower triangle
   VectorXd _right, _weights, _left;
 };
 
@@ -86,7 +112,7 @@ Cubature nonnegative_weights(const Eigen::MatrixXf& parts, const VectorXd& wante
                              const std::function<void(Index)>& told) {
   constexpr Index block = 256;
   const Index n = parts.cols();
-  Chosen chosen(parts, wanted);
+  Chosen chosen(parts, wanted, std::min(count, n) + 1);
   std::vector<char> refused(static_cast<std::size_t>(n), 0);  // those without a weight by rounding
   Eigen::VectorXf gain(n);
   while (chosen.size() < count) {
