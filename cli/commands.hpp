@@ -103,7 +103,8 @@ using Units = std::map<std::string, double>;
 std::optional<double> limit_of(const std::optional<std::string>& text, const char* option, const Units& units,
                                const char* example);
 
-/// Executes the program with the solver instead of this one, if it is another one and has the subcommand argv[1].
+/// Executes the program with the solver instead of this one, if it is another one and argv[1] is a subcommand that
+/// needs it or, as reduce, does more with it.
 /// @throws Error (failure) if it cannot be started
 void leave_to_solver(char** argv);
 

@@ -44,7 +44,7 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
 }
 
 /// The commands whose ranks share the work. Under mpirun each rank of any other would write the same files.
-constexpr std::string_view commands_for_ranks[] = {"precompute", "calibrate", "validate"};
+constexpr std::string_view commands_for_ranks[] = {"precompute", "calibrate", "reduce", "validate"};
 
 /// MPI itself is not asked, because most commands do without it. @throws Error (input)
 void refuse_ranks(const CLI::App& app) {

@@ -1,35 +1,42 @@
+#include "reduce_command.hpp"
+
 #include <phynness/formats/text_file.hpp>
 #include <phynness/schema/body_grammar.hpp>
-#include <phynness/training/reduction.hpp>
-
-#include "commands.hpp"
 
 namespace phynness::cli::reduce_command {
 namespace {
 
+constexpr double usual_target = 0.1;
+
 struct Options {
   std::filesystem::path database, output;
-  ReductionSpec spec;
+  std::optional<int> modes, cells;
+  std::optional<std::string> target_error;
   OptionalPath json_file;
 };
 
 void run(const Options& options) {
-  const auto database = Database::open(options.database);
+  const auto target = limit_of(options.target_error, "--target-error", {{"%", 0.01}, {"", 1}}, "10%");
+  ReductionSpec spec;
+  spec.modes = options.modes.value_or(spec.modes);
+  spec.cells = options.cells.value_or(spec.cells);
   // Nothing is written before all long work is done, so that a signal may end it at any time.
   end_at_signals("the reduction was interrupted\n  remedy: run the same command again; nothing was written\n");
-  ReductionReport report;
-  std::string text;
-  {
-    Progress progress("reduce", "steps");
-    text = write_body_text(reduce(database, options.spec, report, progress.counter()));
-  }
+  const auto made =
+      reduced(options.database, spec,
+              options.modes || options.cells ? std::nullopt : std::optional(target.value_or(usual_target)));
+  if (!made) return;
+  const auto& [body, report, sizes] = *made;
+  const auto text = write_body_text(body);
   install_stop_handler();  // the file is written, or not at all
   json out = figures(report);
+  out["sizes"] = sizes;
   out["body_bytes"] = text.size();
   write_each({[&] { write_text_file(options.output, text); }, [&] { write_json(options.json_file, out); }});
   print_result(
-      "{} fields, and {} of pairs, in {}: {} modes have {:.4g} % of the first, and there are {} of the pressure\n",
-      report.fields, report.pair_fields, duration(report.seconds), report.modes, 100 * report.captured,
+      "{} fields, and {} of several tools, in {}: {} modes have {:.4g} % of the first, and there are {} of the "
+      "pressure\n",
+      report.fields, report.several_fields, duration(report.seconds), report.modes, 100 * report.captured,
       report.pressures);
   print_result("{} of {} points, cells and edges, have weights", report.cells, report.points);
   if (report.states > 0)
@@ -49,11 +56,21 @@ void add(CLI::App& app) {
       add_command(app, "reduce", "Reduce the finite elements of a database to modes and a few cells -> BODY.txt", run);
   add_database(command, options.database, "database.h5 of phynness precompute, with output = \"free\"");
   add_output(command, options.output, PathKind::file, "file to write (formats/body.md)");
-  add_count(command, "--modes", options.spec.modes, 1, schema::most_body_modes, "modes of the displacement")
-      ->capture_default_str();
-  add_count(command, "--cells", options.spec.cells, 1, 1'000'000,
-            "cells and edges with weights; all of them, with weight 1, if there are not more")
-      ->capture_default_str();
+  const ReductionSpec usual;
+  auto* target =
+      command.add_option("--target-error", options.target_error,
+                         fmt::format("error of the force of two tools that 95 % of random states have at most; "
+                                     "bodies grow up to it (default: {:.3g} %)",
+                                     100 * usual_target));
+  add_count(command, "--modes", options.modes, 1, schema::most_body_modes,
+            fmt::format("modes of the displacement, of a body that does not grow (default: {} at first)", usual.modes))
+      ->excludes(target);
+  add_count(
+      command, "--cells", options.cells, 1, 1'000'000,
+      fmt::format("cells and edges with weights, of a body that does not grow; all of them, with weight 1, if there "
+                  "are not more (default: {} at first)",
+                  usual.cells))
+      ->excludes(target);
   add_json(command, options.json_file);
 }
 

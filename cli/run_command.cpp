@@ -193,7 +193,7 @@ void run(const Options& options) {
     unless_finished("reduce", [&] {
       stages.push_back(stage("reduce", in("body.txt"),
                              {self, "reduce", in("database.h5"), "-o", in("body.txt"), "--json", in("reduce.json")},
-                             1));
+                             options.ranks));
       return true;
     });
     unless_finished("calibrate body", [&] { return calibrate(options, self, true, stages); });

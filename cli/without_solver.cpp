@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "commands.hpp"
+#include "reduce_command.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -26,9 +26,18 @@ void add_refusal(CLI::App& app, const std::string& name) {
   void name##_command::add(CLI::App& app) { add_refusal(app, #name); }
 PHYNNESS_SOLVER_COMMANDS(PHYNNESS_REFUSE)
 
+std::optional<Reduced> reduced(const std::filesystem::path& database, const ReductionSpec& spec,
+                               std::optional<double>) {
+  message("note: without a finite element solver there are no modes of several tools, and errors are not known\n");
+  Progress progress("reduce", "steps");
+  Reduced made;
+  made.body = reduce(Database::open(database), {}, spec, made.report, progress.counter());
+  return made;
+}
+
 void leave_to_solver(char** argv) {
 #define PHYNNESS_NAME(name) #name,
-  constexpr std::string_view commands[] = {PHYNNESS_SOLVER_COMMANDS(PHYNNESS_NAME)};
+  constexpr std::string_view commands[] = {PHYNNESS_SOLVER_COMMANDS(PHYNNESS_NAME) "reduce"};
   // Help and the version are texts of all subcommands together.
   if (!PHYNNESS_SOLVER || (argv[1] && argv[1][0] != '-' && std::ranges::find(commands, argv[1]) == std::end(commands)))
     return;

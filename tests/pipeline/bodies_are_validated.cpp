@@ -85,7 +85,8 @@ TEST_F(Bodies, GetBounds) {
   succeed("reduce d.h5 -o body.txt");
   const auto plain = read_file(folder / "body.txt"), model = read_file(folder / "m" / "model.txt");
   EXPECT_EQ(write_body_text(read_body_text(plain, "body.txt")), plain);
-  write_file(folder / "ranks.txt", plain);
+  on_two_ranks("reduce d.h5 -o ranks.txt");
+  EXPECT_EQ(read_file(folder / "ranks.txt"), plain);
   const std::string calibrate = "calibrate m d.h5 --rays 100 --json c.json --body ";
   const auto done = succeed(calibrate + "body.txt");
   expect_names(done.out, {"one tool: ", "several tools: ", "of fresh ones", "body with bounds -> body.txt"});

@@ -43,7 +43,7 @@ TEST_F(ReducedBodyCommand, StoresTheEnergyOfSolvedStates) {
   const auto database = Database::open(folder / "d.h5");
   const auto& header = database.header();
   ReductionReport report;
-  const auto body = reduce(database, {400, 1'000'000, 300, 1, 0}, report);
+  const auto body = reduce(database, {}, {400, 1'000'000, 300, 1}, report);
   const auto modes = body.modes.values();
   const double mu = body.parameters.at(0);
   for (const std::int32_t active : {0, 1})
@@ -64,12 +64,17 @@ TEST_F(ReducedBodyCommand, StoresTheEnergyOfSolvedStates) {
     }
 }
 
+// Claim: a body of given size is compared with states of two tools, and one that misses its target says so.
 TEST_F(ReducedBodyCommand, WritesABodyAndItsFigures) {
   const auto outcome = succeed("reduce d.h5 -o body.txt --modes 20 --cells 50 --json r.json");
   EXPECT_TRUE(read_file(folder / "body.txt").starts_with("phynness-body 3\nmesh "));
   EXPECT_EQ(json("r.json").at("cells"), 50);
   EXPECT_EQ(json("r.json").at("body_bytes"), read_file(folder / "body.txt").size());
   EXPECT_NE(outcome.out.find("-> body.txt"), std::string::npos) << outcome.out;
+  ASSERT_EQ(json("r.json").at("sizes").size(), 1u);
+  const auto errors = json("r.json").at("sizes")[0].at("errors");
+  EXPECT_GT(errors.at("pairs").at("n").get<int>() + errors.at("near").at("n").get<int>(), 50);
+  EXPECT_NE(succeed("reduce d.h5 -o b.txt --target-error 1e-9").err.find("1e-07 % were wanted"), std::string::npos);
   write_file(folder / "plain.toml", small_scene("es-p1-p1"));
   succeed("precompute plain.toml -o p.h5");
   EXPECT_NE(be_refused("reduce p.h5 -o other.txt").err.find("output = \"free\""), std::string::npos);

@@ -29,13 +29,11 @@ constexpr double lost_of_a_node = 1e-6;         ///< share of int |grad u|^2 tha
 constexpr std::size_t most_candidates = 8'000;  ///< points among which those with a weight are
 /// The forces and changes of volume of a state are so many random sums of all of them.
 constexpr int sums_of_a_state = 16;
-/// Of the body whose pairs of tools are pressed, over those of the result; of its cells, over its modes. With 1.5 in
-/// place of 2 pairs of the gallbladder and the liver (K/mu 200) were off by 8.9 and 13 instead of 7.5 and 11 % (p95).
-constexpr int modes_of_pairs = 2;
-constexpr double cells_of_pairs = 2.5;
-/// int |grad u|^2 of all pairs over that of all fields of the database. 1, 2 and 4 differ less than
+/// int |grad u|^2 of all fields of several tools over that of all fields of the database. 1, 2 and 4 differ less than
 /// choices of cells do: pairs of a liver with K/mu 200 were off by 10 to 13 % (p95) with 300 cells.
-constexpr double weight_of_pairs = 2;
+constexpr double weight_of_several = 2;
+/// Of modes and cells, from one size to the next.
+constexpr double growth = 1.5;
 /// Modes are too stiff by what they leave out, of which the last ones are the nearest likeness. From this part of the
 /// modes on, they displace the surface more than they strain the cells, at the end by (1 - softest)^-1/2; less where
 /// they leave out less than this share of int |grad u|^2 of all fields (docs/decisions/reduced-body.md).
@@ -47,8 +45,9 @@ double scale_of(const MatrixXd& values) {
   return largest > 0 ? largest : 1;
 }
 
-/// The scene of a database that can be reduced. @throws Error (input), as reduce()
-Scene checked_scene(const DatabaseHeader& header) {
+}  // namespace
+
+Scene reducible_scene(const DatabaseHeader& header) {
   require_scene(header);
   Scene scene = stored_scene(header);
   const auto element = scene.solver.element;
@@ -64,13 +63,16 @@ Scene checked_scene(const DatabaseHeader& header) {
   return scene;
 }
 
+namespace {
+
 class Reduction {
  public:
-  Reduction(const Database& database, const ReductionSpec& spec, ReductionReport& report, const OnProgress& progress,
-            int threads)
+  Reduction(const Database& database, const MatrixXd& several, const ReductionSpec& spec, ReductionReport& report,
+            const OnProgress& progress, int threads)
       : _database(database),
         _header(database.header()),
-        _scene(checked_scene(_header)),
+        _scene(reducible_scene(_header)),
+        _several(several),
         _spec(spec),
         _report(report),
         _progress(progress),
@@ -78,18 +80,24 @@ class Reduction {
         _elements(_header.mesh, _scene.material, _scene.solver.element),
         _rest(at_rest(_elements)) {}
 
-  ReducedBody run() {
-    const auto& surface = _header.mesh.surface;
+  ReducedBody run(const IsEnough& is_enough) {
     draw_states();
     MatrixXd fields = modes_of_nodes();
     const MatrixXd of_database = fields;
-    if (_spec.pairs > 0 && n_active() > 1) add_pairs(fields);
-    find(fields, _spec.modes, _spec.cells);
-    const MatrixXd inner = _modes.transpose() * laplace_of(of_database);
-    _report.captured = inner.squaredNorm() / _energy;
-    auto out = body(surface_nodes(surface));
-    if (!_header.sets.linear.empty()) set_lacking(out);
-    return out;
+    if (_several.cols() > 0) add_several(fields);
+    int modes = _spec.modes, cells = _spec.cells;
+    for (;;) {
+      find(fields, modes, cells);
+      const MatrixXd inner = _modes.transpose() * laplace_of(of_database);
+      _report.captured = inner.squaredNorm() / _energy;
+      auto out = body(surface_nodes(_header.mesh.surface));
+      if (!_header.sets.linear.empty()) set_lacking(out);
+      const bool is_largest = _modes.cols() < modes && cells >= _elements.n_points;
+      if (!is_enough || is_enough(out, _report) || is_largest || modes == schema::most_body_modes) return out;
+      modes = std::min(static_cast<int>(growth * modes), static_cast<int>(schema::most_body_modes));
+      cells = static_cast<int>(growth * cells);
+      _steps += steps_of(cells);
+    }
   }
 
  private:
@@ -164,29 +172,20 @@ class Reduction {
     return side_by_side(std::move(modes), 3 * _elements.n_nodes);
   }
 
-  /// Adds the fields of pairs of tools on a larger body, which those of single tools do not span.
-  void add_pairs(MatrixXd& fields) {
-    const int modes = std::min(modes_of_pairs * _spec.modes, static_cast<int>(schema::most_body_modes));
-    const int cells = std::max(_spec.cells, static_cast<int>(cells_of_pairs * modes));
-    _steps += _spec.pairs + steps_of(cells);
-    find(fields, modes, cells);
-    std::vector<std::int32_t> nodes(static_cast<std::size_t>(_elements.n_nodes));
-    std::iota(nodes.begin(), nodes.end(), 0);
-    const MatrixXd pairs =
-        fields_of_pairs(body(nodes), _header.sets.active, _scene.probe.directions == Directions::hemisphere,
-                        _spec.pairs, _spec.seed + 2, _threads, [this] { step(); });
-    const double energy = pairs.cwiseProduct(laplace_of(pairs)).sum();
+  /// Adds the fields of several tools, which those of single tools do not span.
+  void add_several(MatrixXd& fields) {
+    const double energy = _several.cwiseProduct(laplace_of(_several)).sum();
     if (!(energy > 0)) return;
-    fields.conservativeResize(Eigen::NoChange, fields.cols() + pairs.cols());
-    fields.rightCols(pairs.cols()) = std::sqrt(weight_of_pairs * _energy / energy) * pairs;
-    _report.pair_fields = pairs.cols();
+    fields.conservativeResize(Eigen::NoChange, fields.cols() + _several.cols());
+    fields.rightCols(_several.cols()) = std::sqrt(weight_of_several * _energy / energy) * _several;
+    _report.several_fields = _several.cols();
     // The weights fit some of them, too.
     SplitMix64 random(_spec.seed + 7);
-    const auto drawn = draw_without_replacement(static_cast<std::size_t>(pairs.cols()),
+    const auto drawn = draw_without_replacement(static_cast<std::size_t>(_several.cols()),
                                                 static_cast<std::size_t>(_spec.states), random);
     const Index before = _states.cols();
     _states.conservativeResize(Eigen::NoChange, before + static_cast<Index>(drawn.size()));
-    _states.rightCols(static_cast<Index>(drawn.size())) = pairs(Eigen::all, drawn);
+    _states.rightCols(static_cast<Index>(drawn.size())) = _several(Eigen::all, drawn);
     _steps += _states.cols() - before;
   }
 
@@ -416,6 +415,7 @@ class Reduction {
   const Database& _database;
   const DatabaseHeader& _header;
   const Scene _scene;
+  const MatrixXd& _several;
   const ReductionSpec& _spec;
   ReductionReport& _report;
   const OnProgress& _progress;
@@ -436,12 +436,12 @@ class Reduction {
 
 }  // namespace
 
-ReducedBody reduce(const Database& database, const ReductionSpec& spec, ReductionReport& report,
-                   const OnProgress& progress, int threads) {
+ReducedBody reduce(const Database& database, const MatrixXd& several, const ReductionSpec& spec,
+                   ReductionReport& report, const OnProgress& progress, int threads, const IsEnough& is_enough) {
   const auto start = std::chrono::steady_clock::now();
   report = {};
   if (threads <= 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  ReducedBody body = Reduction(database, spec, report, progress, threads).run();
+  ReducedBody body = Reduction(database, several, spec, report, progress, threads).run(is_enough);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return body;
 }

@@ -1,4 +1,4 @@
-// Parts of a reduction: proper orthogonal modes in a metric, the choice of weighted points, fields of pairs of tools.
+// Parts of a reduction: proper orthogonal modes in a metric, the choice of weighted points, stiffness at rest.
 #pragma once
 
 #include <Eigen/Core>
@@ -46,18 +46,6 @@ struct Cubature {
 /// @param threads at least 1; the result is bitwise independent of it
 Cubature nonnegative_weights(const Eigen::MatrixXf& parts, const Eigen::VectorXd& wanted, Eigen::Index count,
                              int threads, const std::function<void(Eigen::Index)>& chosen);
-
-/// Fields of pairs of tools, which nobody has solved, from a reduced body with more modes and cells.
-/// Displacements in steps from rest to half the depth of the body under two tools, at random touched nodes in random
-/// directions. What does not settle is left out.
-/// @param body     with all nodes of the mesh
-/// @param active   nodes that a tool may touch, at least 2
-/// @param inward   directions do not leave the body
-/// @param done     called after each pair, on any thread
-/// @param threads  at least 1; the result is bitwise independent of it
-/// @return 3 n_nodes x any: all of their x, then y, then z
-Eigen::MatrixXd fields_of_pairs(const ReducedBody& body, const std::vector<std::int32_t>& active, bool inward,
-                                int pairs, std::uint64_t seed, int threads, const std::function<void()>& done);
 
 /// Stiffness at rest of a tool alone at each of some nodes [N/m]; the result is bitwise independent of `threads`.
 std::vector<Eigen::Matrix3d> stiffnesses_at_rest(const ReducedBody& body, const std::vector<std::int32_t>& nodes,

@@ -2,7 +2,9 @@
 // cells with weights (docs/decisions/reduced-body.md).
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/described.hpp>
@@ -13,30 +15,40 @@ namespace phynness {
 struct ReductionSpec {
   int modes = 160;   ///< of the displacement; there are a quarter as many of the pressure
   int cells = 400;   ///< points of the sum, cells and edges. All of them, with weight 1, if there are not more.
-  int states = 300;  ///< random states of the database, and of pairs, from which pressures and weights follow
+  int states = 300;  ///< random states of the database, and of several tools, from which pressures and weights follow
   std::uint64_t seed = 1;
-  int pairs = 300;  ///< random pairs of tools on a larger body, whose fields the modes have, too; 0: none
 };
 
 struct ReductionReport {
   std::int64_t fields = 0;                ///< converged increments of the database
-  std::int64_t pair_fields = 0;           ///< of pairs of tools
+  std::int64_t several_fields = 0;        ///< of several tools
   std::int64_t states = 0;                ///< that the weights fit; 0 if all points have weight 1
   std::int64_t modes = 0, pressures = 0;  ///< at most as many as the fields and states span
   std::int64_t points = 0, cells = 0;     ///< of the whole sum, and those with a weight
   double captured = 0;                    ///< share of all fields' int |grad u|^2 dV that the modes have
   double residual = 0;                    ///< of the weights: error of forces and volumes over their size
   double seconds = 0;
-  PHYNNESS_FIGURES(fields, pair_fields, states, modes, pressures, points, cells, captured, residual, seconds)
+  PHYNNESS_FIGURES(fields, several_fields, states, modes, pressures, points, cells, captured, residual, seconds)
 };
 
-/// @param report    output
-/// @param progress  called with what is done and of how much, never concurrently
-/// @param threads   0: the number of cores; the result is bitwise independent of it
-/// @throws Error (input) if the responses are imported, of another element than p1-p1 and es-p1-p1 or of earlier
-///   equations, of a tool that is no longer solved, without the displacements inside of the body (output = "free"), or
-///   without a converged increment; (failure) if the database has values that are not finite
-ReducedBody reduce(const Database& database, const ReductionSpec& spec, ReductionReport& report,
-                   const OnProgress& progress = {}, int threads = 0);
+/// Whether a body is good enough; if not, one with half as many modes and cells more follows.
+using IsEnough = std::function<bool(const ReducedBody&, const ReductionReport&)>;
+
+/// The scene of a database that can be reduced. @throws Error (input) if the responses are imported, of another element
+///   than p1-p1 and es-p1-p1 or of earlier equations, of a tool that is no longer solved, or without the displacements
+///   inside of the body (output = "free")
+Scene reducible_scene(const DatabaseHeader& header);
+
+/// @param several    3 n_nodes x any: solved fields of several tools, of each all of its x, then y, then z, of which
+///   there are modes, too; without columns: none
+/// @param report     output
+/// @param progress   called with what is done and of how much, never concurrently
+/// @param threads    0: the number of cores; the result is bitwise independent of it
+/// @param is_enough  asked for each size; empty: the first is the last. It ends with all fields' modes and all cells.
+/// @throws Error (input) as reducible_scene(), or without a converged increment; (failure) if the database has values
+///   that are not finite
+ReducedBody reduce(const Database& database, const Eigen::MatrixXd& several, const ReductionSpec& spec,
+                   ReductionReport& report, const OnProgress& progress = {}, int threads = 0,
+                   const IsEnough& is_enough = {});
 
 }  // namespace phynness

@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <phynness/formats/error.hpp>
+#include <phynness/validation/named_organ.hpp>
+#include <phynness/validation/probe_plan.hpp>
+#include <phynness/validation/several_tools.hpp>
+
+#include "packed.hpp"
+#include "shared_work.hpp"
+#include "tool_rays.hpp"
+
+namespace phynness {
+namespace {
+
+constexpr double part_of_depth = 0.5;
+constexpr int increments = 4, most_steps = 100, most_attempts = 1000;
+/// Springs act between tools that are nearer than so many radii.
+constexpr double spring_radii = 0.5;
+
+class RandomTools {
+ public:
+  explicit RandomTools(const DatabaseHeader& header)
+      : _nodes(header.mesh.nodes),
+        _active(header.sets.active),
+        _normals(node_normals(header.mesh)),
+        _inward(stored_scene(header).probe.directions == Directions::hemisphere),
+        _depth_m(part_of_depth * header.magnitudes_m.back()) {}
+
+  /// @param within_m  from the first tool, unless no such point is found
+  /// @pre there are so many active nodes
+  std::vector<phn_tool> draw(std::size_t n_tools, double within_m, std::mt19937_64& random) const {
+    std::vector<phn_tool> tools;
+    for (int attempt = 0; tools.size() < n_tools; ++attempt) {
+      const auto node = _active[static_cast<std::size_t>(uniform(random) * static_cast<double>(_active.size()))];
+      if (std::ranges::any_of(tools, [&](const auto& tool) { return tool.nodes[0] == node; })) continue;
+      const bool is_far = !tools.empty() && (_nodes.row(node) - _nodes.row(tools[0].nodes[0])).norm() > within_m;
+      if (is_far && attempt < most_attempts) continue;
+      Eigen::Vector3d d = _depth_m * to_eigen(on_sphere(random));
+      if (_inward && _normals.row(node).dot(d) > 0) d = -d;
+      tools.push_back(tool_at(node, {d[0], d[1], d[2]}));
+    }
+    return tools;
+  }
+
+ private:
+  const Points& _nodes;
+  const NodeList& _active;
+  Points _normals;
+  bool _inward;
+  double _depth_m;
+};
+
+/// @return whether the finite elements hold these tools
+bool solve(ProbeSolver& solver, SolvedTools& state) {
+  std::vector<std::int32_t> nodes;
+  std::vector<Vec3> d;
+  for (const auto& tool : state.tools) {
+    nodes.push_back(tool.nodes[0]);
+    d.push_back({tool.displacement[0], tool.displacement[1], tool.displacement[2]});
+  }
+  std::vector<double> parts;
+  for (int i = 1; i <= increments; ++i) parts.push_back(static_cast<double>(i) / increments);
+  try {
+    solver.touch(nodes);
+    solver.follow(d, parts, false, [&](std::size_t, const Response& response) {
+      if (response.status != Status::converged) return false;
+      state.force_N = response.force_N;
+      state.displacement_m.push_back(response.displacement_m);
+      return true;
+    });
+  } catch (const Error&) {  // a tangent that is not factorized
+    solver.recover();
+  }
+  return state.displacement_m.size() == parts.size();
+}
+
+}  // namespace
+
+std::vector<SolvedTools> solve_several_tools(const SolverSession& session, const DatabaseHeader& header,
+                                             const ToolDraws& draws, const OnProgress& progress) {
+  OrderedRows<SolvedTools> rows;
+  session.together([&] {
+    const RandomTools random_tools(header);
+    ProbeSolver solver(stored_scene(header), header.mesh, header.sets);
+    share_out(session, draws.pairs + draws.triples, progress, {}, [&](std::size_t i) {
+      const std::size_t n_tools = static_cast<std::int64_t>(i) < draws.pairs ? 2 : 3;
+      if (header.sets.active.size() < n_tools) return;
+      const double within_m = i % 2 == 1 && draws.half_within_m > 0 ? draws.half_within_m : HUGE_VAL;
+      std::mt19937_64 random(draws.seed * 1000003 + i);
+      SolvedTools state{random_tools.draw(n_tools, within_m, random), {}, {}};
+      if (solve(solver, state)) rows.add({static_cast<double>(i)}, state);
+    });
+  });
+  return rows.gathered(session);
+}
+
+Eigen::MatrixXd fields_of(const std::vector<SolvedTools>& solved) {
+  Eigen::MatrixXd fields;
+  Eigen::Index n = 0;
+  for (const auto& state : solved)
+    for (const auto& u : state.displacement_m) {
+      if (n == 0) fields.resize(u.size(), std::ssize(solved) * increments);
+      fields.col(n++) = u.reshaped();
+    }
+  return fields;
+}
+
+ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& solved) {
+  const auto loaded = NamedOrgan::body(write_body_text(body), "body", most_steps);
+  const auto place = [&](const phn_tool& tool) {
+    return body.points.row(std::ranges::lower_bound(body.nodes, tool.nodes[0]) - body.nodes.begin());
+  };
+  std::vector<double> errors[2], near;
+  ToolErrors out;
+  std::int64_t steps = 0;
+  const auto begin = std::chrono::steady_clock::now();
+  for (const auto& state : solved) {
+    OrganResponse said;
+    loaded.organ().reset().ignore();
+    for (int i = 1; i <= increments; ++i) {
+      said = loaded.hold(tools_at({state.tools, {}}, static_cast<double>(i) / increments));
+      steps += said.report.steps;
+    }
+    double largest = 0, off = 0, apart_m = HUGE_VAL;
+    for (std::size_t t = 0; t < state.tools.size(); ++t) {
+      largest = std::max(largest, to_eigen(state.force_N[t]).norm());
+      off = std::max(off, (to_eigen(*said.force_N[t]) - to_eigen(state.force_N[t])).norm());
+      for (std::size_t s = 0; s < t; ++s)
+        apart_m = std::min(apart_m, (place(state.tools[t]) - place(state.tools[s])).norm());
+    }
+    const bool is_near = apart_m < spring_radii * body.tool_radius_m || (said.status & PHN_WARNING_NEAR) != 0;
+    (is_near ? near : errors[state.tools.size() > 2]).push_back(off / largest);
+    out.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
+  }
+  out.step_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() /
+               static_cast<double>(std::max<std::int64_t>(1, steps));
+  out.pairs = ErrorStatistics::of(errors[0]);
+  out.triples = ErrorStatistics::of(errors[1]);
+  out.near = ErrorStatistics::of(near);
+  return out;
+}
+
+}  // namespace phynness
