@@ -45,6 +45,9 @@ void run(const Options& options) {
   // Bodies of a tenth had errors of 2 to 4 % (docs/decisions/reduced-body.md), those of nine tenths of 100 %.
   if (report.residual > 0.2)
     message("warning: the forces of the cells are off by {:.3g} %; give more --cells\n", 100 * report.residual);
+  if (report.modes < schema::least_body_modes(2))
+    message("warning: a body of {} modes answers one tool, two need {}; give more --modes\n", report.modes,
+            schema::least_body_modes(2));
   if (report.captured < 0.99)
     message("warning: the modes leave out {:.3g} % of the fields; give more --modes\n", 100 - 100 * report.captured);
 }

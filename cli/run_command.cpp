@@ -216,9 +216,9 @@ void run(const Options& options) {
   });
   if (!kept.empty())
     message("note: kept from an earlier run, because nothing that they depend on has changed: {}\n", kept);
-  print_result("\n{:<12} {:>12} {:>10}  written\n", "stage", "time", "size");
+  print_result("\n{:<14} {:>12} {:>10}  written\n", "stage", "time", "size");
   for (const auto& s : stages)
-    print_result("{:<12} {:>12} {:>10}  {}\n", s.title, duration(s.seconds), bytes(size_of(s.written)),
+    print_result("{:<14} {:>12} {:>10}  {}\n", s.title, duration(s.seconds), bytes(size_of(s.written)),
                  s.written.string());
   write_figures(options);
 }

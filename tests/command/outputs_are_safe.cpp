@@ -110,8 +110,9 @@ TEST_F(Outputs, OfATrainingAreNotBegunWhenASignalEndsAFit) {
 
 /// Texts that are not names of files. A new option that names a file is declared, with add_path() of
 /// cli/command_files.hpp.
-const std::set<std::string> texts{"--part",      "--displacement", "--point", "--tools",     "--family",
-                                  "--max-error", "--max-time",     "--name",  "--reference", "--set"};
+const std::set<std::string> texts{"--part",      "--displacement", "--point",       "--tools",
+                                  "--family",    "--max-error",    "--max-time",    "--name",
+                                  "--reference", "--set",          "--target-error"};
 
 TEST_F(Outputs, OfEveryOptionAreDeclared) {
   for (const auto& command : offered_options(succeed("--help").out).subcommands)

@@ -74,7 +74,8 @@ TEST_F(ReducedBodyCommand, WritesABodyAndItsFigures) {
   ASSERT_EQ(json("r.json").at("sizes").size(), 1u);
   const auto errors = json("r.json").at("sizes")[0].at("errors");
   EXPECT_GT(errors.at("pairs").at("n").get<int>() + errors.at("near").at("n").get<int>(), 50);
-  EXPECT_NE(succeed("reduce d.h5 -o b.txt --target-error 1e-9").err.find("1e-07 % were wanted"), std::string::npos);
+  EXPECT_NE(unbroken(succeed("reduce d.h5 -o b.txt --target-error 1e-9").err).find("1e-07 % were wanted"),
+            std::string::npos);
   write_file(folder / "plain.toml", small_scene("es-p1-p1"));
   succeed("precompute plain.toml -o p.h5");
   EXPECT_NE(be_refused("reduce p.h5 -o other.txt").err.find("output = \"free\""), std::string::npos);

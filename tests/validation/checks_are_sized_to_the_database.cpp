@@ -61,7 +61,7 @@ TEST(Checks, have_limits_and_take_what_is_left) {
   for (Eigen::Index k = 0; k < 3; ++k) large.header.sets.active.push_back(large.header.mesh.surface(0, k));
   std::ranges::sort(large.header.sets.active);
   large.scene.validation.calibration_rays = 1000;
-  EXPECT_EQ(sizes_of_checks(large.scene, large.header, true).calibration_increments, 3 * 1000 + 2 * 360);
+  EXPECT_EQ(sizes_of_checks(large.scene, large.header, true).calibration_increments, 3 * 1000 + 3 * 150);
   auto s = study(20, Directions::twenty_six, 6);  // 3,120 increments
   sizes = sizes_of_checks(s.scene, s.header, true);
   s.scene.validation.calibration_rays = sizes.calibration_rays + 100;

@@ -112,8 +112,8 @@ std::string FinerDistance::sentence() const {
     if (part->places > 0) steps += (steps.empty() ? "; at rest " : ", ") + (what + percent(part->mean));
   text += steps;
   if (of_reference.places > 0 && of_reference.mean < mean)
-    text += "; " + in_words(reference, element) + " would be " + percent(of_reference.mean) + " from it, in " +
-            fixed(time_factor, time_factor < 9.95 ? 1 : 0) + " times the time";
+    text += "; " + in_words(reference, element) + " would be " + percent(of_reference.mean) + " from it, with " +
+            fixed(unknowns_factor, unknowns_factor < 9.95 ? 1 : 0) + " times the unknowns";
   return text;
 }
 

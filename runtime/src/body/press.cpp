@@ -30,9 +30,6 @@ constexpr double much_stretched = 0.1;
 constexpr double longest_motion = 0.5;
 /// After so many steps far from balance the body starts from rest again, with smaller motions and more steps.
 constexpr std::int32_t most_far = 20, most_halved = 3;
-/// Modes for n tools. Of two tools at random places the largest forces of a body of 6, 9, 12, 18, 24 and 40 modes are
-/// 3e9, 3e4, 35, 4.6, 4.6 and 3.6 N (demo, displacements up to 10 mm).
-constexpr std::int32_t least_modes(std::int32_t n_tools) { return n_tools > 1 ? 9 * n_tools : 3 * n_tools; }
 /// Components of displacements are clamped to so many times the depth.
 constexpr double most_depths = 1000;
 
@@ -281,7 +278,7 @@ int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t
                             const double* heights, std::int32_t steps, double* held_by, phn_body_report& made) {
   phn_body_state* const state = &s;
   const phn_body* const body = s.body;
-  if (n_tools > most_body_tools || least_modes(n_held) > body->info.n_modes) return PHN_ERROR_TOO_MANY_TOOLS;
+  if (n_tools > most_body_tools || schema::least_body_modes(n_held) > body->info.n_modes) return PHN_ERROR_TOO_MANY_TOOLS;
   if (n_tools > state->max_tools) return PHN_ERROR_TOOLS;
   const double depth = body->info.max_displacement_m, farthest = most_depths * depth;
   int status = PHN_OK;

@@ -335,7 +335,7 @@ struct FinerDistance {
   double &tool_radius_m = made.finer_tool_radius_m, &mean = made.finer_mean, &p95 = made.finer_p95;
   bool has_parts = false;
   DistancePart near_fixed{}, elsewhere{}, element_at_rest{}, cells_at_rest{}, shape_at_rest{}, of_reference{};
-  double time_factor = 0;
+  double unknowns_factor = 0;
 };
 
 struct LevelStore {

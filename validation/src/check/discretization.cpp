@@ -99,7 +99,7 @@ FinerDistance DiscretizationReport::distance(const Scene& scene) const {
                          .element_at_rest = at_rest_part(&PlaceAtRest::element),
                          .cells_at_rest = at_rest_part(&PlaceAtRest::cells),
                          .shape_at_rest = at_rest_part(&PlaceAtRest::shape),
-                         .time_factor = time_factor};
+                         .unknowns_factor = unknowns_factor};
   if (distance.cells_at_rest.places > 0) distance.of_reference = part(better);
   return distance;
 }
@@ -301,6 +301,8 @@ DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, 
   report.depth_m = header.magnitudes_m;
   const bool finer_mesh = options.reference == Variant::half_size;
   report.nodes = mesh.n_nodes() + (finer_mesh ? static_cast<std::int32_t>(mesh_edges(mesh).size()) : 0);
+  report.unknowns_factor = variant_unknowns(options.reference, common.solver.element, mesh) /
+                           variant_unknowns(Variant::scene, common.solver.element, mesh);
   const auto most = static_cast<std::size_t>(options.probes);
   auto [rays, near_share] = choose_checked_rays(header, requested_rays(common, mesh, header), report.tool_radius_m,
                                                 std::max(most, most_at_rest));
@@ -322,7 +324,6 @@ DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, 
   const Points normals = node_normals(mesh);
   double guess_s = 0;
   std::int64_t compared = 0;
-  std::clock_t own_cpu = 0, finer_cpu = 0;
   const double start_s = spent_s();
   for (const auto& ray : rays) {
     report.interrupted = stop && stop();
@@ -337,21 +338,15 @@ DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, 
       const auto& change = report.at_rest.places[report.probes.size()].finest_over_reference;
       if (change.allFinite()) probe.finest_over_reference = change;
     }
-    const std::clock_t begin = std::clock();
     if (!own.solve(ray, probe.own)) break;
-    const std::clock_t middle = std::clock();
     report.probes.push_back(probe);
     if (progress) progress(2 * compared + 1, 2 * std::ssize(rays));
     if (!finer) {  // a finer mesh is made only if it is affordable; the guess may be ten times too large
-      guess_s = (spent_s() - start_s) * std::pow(variant_unknowns(options.reference, common.solver.element, mesh) /
-                                                     variant_unknowns(Variant::scene, common.solver.element, mesh),
-                                                 cost_exponent);
+      guess_s = (spent_s() - start_s) * std::pow(report.unknowns_factor, cost_exponent);
       if (guess_s > 10 * (options.seconds - spent_s())) break;
       finer.emplace(variant_body(options.reference, own.body()), options.seconds, spent_s, stop);
     }
     if (!finer->solve(ray, report.probes.back().finer)) break;
-    if (report.probes.back().ratio(report.depth_m.size() - 1))
-      own_cpu += middle - begin, finer_cpu += std::clock() - middle;
     ++compared;
     if (progress) progress(2 * compared, 2 * std::ssize(rays));
     if (is_known(report.probes, near_share)) break;
@@ -359,7 +354,6 @@ DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, 
   report.interrupted = report.interrupted || own.was_asked_to_stop() || (finer && finer->was_asked_to_stop());
   const bool is_done = report.interrupted || is_known(report.probes, near_share);
   report.left_out = is_done ? 0 : std::ssize(rays) - compared;
-  report.time_factor = own_cpu > 0 ? static_cast<double>(finer_cpu) / static_cast<double>(own_cpu) : 0;
   report.seconds = spent_s();
   report.sufficient_s = compared > 0 ? start_s + (report.seconds - start_s) / static_cast<double>(compared) *
                                                      static_cast<double>(is_done ? compared : std::ssize(rays))

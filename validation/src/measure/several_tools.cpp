@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <phynness/formats/error.hpp>
+#include <phynness/schema/body_grammar.hpp>
 #include <phynness/validation/named_organ.hpp>
 #include <phynness/validation/probe_plan.hpp>
 #include <phynness/validation/several_tools.hpp>
@@ -111,11 +112,13 @@ ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& 
   const auto place = [&](const phn_tool& tool) {
     return body.points.row(std::ranges::lower_bound(body.nodes, tool.nodes[0]) - body.nodes.begin());
   };
+  const auto n_modes = static_cast<std::int32_t>(body.modes.entries.cols());
   std::vector<double> errors[2], near;
   ToolErrors out;
   std::int64_t steps = 0;
   const auto begin = std::chrono::steady_clock::now();
   for (const auto& state : solved) {
+    if (schema::least_body_modes(static_cast<std::int32_t>(state.tools.size())) > n_modes) continue;
     OrganResponse said;
     loaded.organ().reset().ignore();
     for (int i = 1; i <= increments; ++i) {

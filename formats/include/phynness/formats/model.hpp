@@ -161,10 +161,10 @@ struct FinerDistance {
   /// to the scene's own surface.
   DistancePart element_at_rest{}, cells_at_rest{}, shape_at_rest{};
   DistancePart of_reference{};  ///< what the error of the reference itself is, if cells are compared
-  double time_factor = 0;       ///< time of a probe of the reference over that of the scene
+  double unknowns_factor = 0;   ///< unknowns of the reference over those of the scene
   static void describe(auto& result, auto&& see) {
     PHYNNESS_SEE(element, reference, probes, tool_radius_m, mean, p95, nodes, solved, near_fixed, elsewhere);
-    PHYNNESS_SEE(element_at_rest, cells_at_rest, shape_at_rest, of_reference, time_factor);
+    PHYNNESS_SEE(element_at_rest, cells_at_rest, shape_at_rest, of_reference, unknowns_factor);
   }
   /// "4.1 % (p95 9.3 %) from a finer solution (...) at 12 probes of a round tool of 30.0 mm radius".
   std::string sentence() const;

@@ -138,7 +138,7 @@ void finer(IO& io, Distance& distance) {
   keep(distance.has_parts, with_parts);
   if (!with_parts) return;
   io.keyword("parts");
-  io.real("time factor", distance.time_factor, not_negative);
+  io.real("unknowns factor", distance.unknowns_factor, not_negative);
   io.end();
   decltype(&distance.near_fixed) parts[] = {&distance.near_fixed,    &distance.elsewhere,     &distance.element_at_rest,
                                             &distance.cells_at_rest, &distance.shape_at_rest, &distance.of_reference};

@@ -115,9 +115,9 @@ struct DiscretizationReport {
   std::vector<double> depth_m;  ///< ascending; the last one is the largest displacement of the scene
   std::vector<CheckedProbe> probes;
   ComparisonAtRest at_rest;
-  double near_share = 0;      ///< of the answered surface: nearer than the tool's radius to a fixed node
-  double time_factor = 0;     ///< CPU time of the finer solves over that of the scene's
-  std::int64_t left_out = 0;  ///< probes that the time does not allow
+  double near_share = 0;       ///< of the answered surface: nearer than the tool's radius to a fixed node
+  double unknowns_factor = 0;  ///< unknowns of the reference over those of the scene
+  std::int64_t left_out = 0;   ///< probes that the time does not allow
   double seconds = 0;
   double sufficient_s = 0;  ///< about what all probes need
   bool interrupted = false;
