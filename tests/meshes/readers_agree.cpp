@@ -45,8 +45,8 @@ TEST(Readers, TakeAnyLineEndingsAndTheMarkOfUtf8) {
        "endfacet\nendsolid a\n"}};
   for (const auto& [extension, text] : files) {
     SCOPED_TRACE(extension);
-    const auto read = [&](const std::string& bytes, const char* mark = "") {
-      return meshes::read_mesh_file(TemporaryFile(mark + bytes, extension).path);
+    const auto read = [&, &ending = extension](const std::string& bytes, const char* mark = "") {
+      return meshes::read_mesh_file(TemporaryFile(mark + bytes, ending).path);
     };
     const meshes::RawMesh expected = read(text);
     EXPECT_GT(expected.tetrahedra.size() + expected.triangles.size(), 0u);
@@ -59,7 +59,7 @@ TEST(Readers, TakeAnyLineEndingsAndTheMarkOfUtf8) {
         EXPECT_EQ(raw.tetrahedra, expected.tetrahedra);
         EXPECT_EQ(raw.triangles, expected.triangles);
       }
-    EXPECT_TRUE(contains(error_of([&] { read(text, "\xff\xfe"); }), "UTF-16"));
+    EXPECT_TRUE(contains(error_of([&, &bytes = text] { read(bytes, "\xff\xfe"); }), "UTF-16"));
   }
 }
 

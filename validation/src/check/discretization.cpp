@@ -178,8 +178,7 @@ NodeList answered_nodes(const Scene& scene, const Mesh& mesh, const NodeSets& se
   auto all = probe_coordinates(mesh.nodes, mesh.surface, sets.active, sets.fixed, scene.probe.tool_radius_m).covered;
   all.insert(all.end(), sets.active.begin(), sets.active.end());
   std::ranges::sort(all);
-  const auto repeated = std::ranges::unique(all);
-  all.erase(repeated.begin(), repeated.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
 }
 
@@ -199,7 +198,7 @@ CheckedRays choose_checked_rays(const DatabaseHeader& header, const std::vector<
     if (std::count(first, first + static_cast<std::ptrdiff_t>(n_directions), char{1}) == 0) continue;
     const Eigen::RowVector3d x = mesh.nodes.row(sets.active[a]);
     const bool near = std::ranges::any_of(
-        sets.fixed, [&](std::int32_t node) { return (mesh.nodes.row(node) - x).norm() < radius_m; });
+        sets.fixed, [&, &nodes = mesh.nodes](std::int32_t node) { return (nodes.row(node) - x).norm() < radius_m; });
     order.emplace_back(near, x[along], a);
   }
   std::ranges::sort(order);
