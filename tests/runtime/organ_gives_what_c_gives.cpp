@@ -187,7 +187,7 @@ TEST_F(OrganOfABody, HoldsAsC) {
     EXPECT_EQ(organ.bound(bounds), phn_body_bound(body, state, 2, expected));
   }
   EXPECT_NE(forces[0], 0);
-  EXPECT_GE(phn_body_force(body, organ.state(), 1, tools, 5, expected, nullptr), PHN_OK);  // another user
+  EXPECT_GE(phn_body_force(organ.body(), organ.state(), 1, tools, 5, expected, nullptr), PHN_OK);  // another user
   EXPECT_EQ(organ.bound(bounds), PHN_ERROR_ARGUMENT);
   EXPECT_GE(organ.hold(tools, forces), PHN_OK);
   EXPECT_GE(phn_body_force(body, state, 1, tools, 5, expected, nullptr), PHN_OK);
