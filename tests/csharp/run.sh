@@ -1,6 +1,6 @@
 #!/bin/bash
-# Claims: bindings/csharp has the bits of phynness::Organ, in a model, a body and both; the claims of Answers.cs hold; a
-# library of another version is refused with both versions; the example for Unity compiles.
+# Claims: bindings/csharp has the bits of phynness::Organ, in a model, a body and both, and the statuses of phynness.h; the
+# claims of Answers.cs hold; a library of another version is refused with both versions; the example for Unity compiles.
 # Usage: run.sh MCS MONO CC ANSWERS WRITE_MODELS SOURCE_DIR LIBRARY_DIR BUILD_DIR
 set -euo pipefail
 mcs=$1 mono=$2 cc=$3 answers=$4 write_models=$5 source=$6 libraries=$7 build=$8
@@ -25,6 +25,11 @@ for organ in "$source/examples/model -" "round -" "block block/body.txt" "- bloc
   [ "$(wc -l < c++.txt)" -gt 1900 ] || fail "only $(wc -l < c++.txt) answers of $organ"
   diff c++.txt csharp.txt > differences.txt || fail "C# and C++ differ for $organ: $(head -n 3 differences.txt)"
 done
+# Numbers of statuses stand in both languages: PHN_ERROR_NOT_ACTIVE = -2 is ErrorNotActive = -2.
+while read -r name value; do
+  name=$(sed -E 's/(^|_)([A-Z])([A-Z]*)/\2\L\3/g' <<< "${name#PHN_}")
+  grep -qE "^  ${name#Warning} = $value,?\$" "$binding" || fail "Phynness.cs has no ${name#Warning} = $value"
+done < <(grep -oE '^  PHN_(WARNING|ERROR)_[A-Z_]+ = -?[0-9]+' "$source/runtime/include/phynness/phynness.h" | tr -d '=')
 "$mono" Answers.exe "$source/examples/model" - --claims || fail "claims of Answers.cs"
 
 echo 'int phn_abi_version(void) { return 99; }' > other.c

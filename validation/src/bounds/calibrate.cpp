@@ -33,9 +33,6 @@ constexpr std::size_t fewest_nodes = 20;
 /// Of one tool between nodes; on a body of one tool, and of several: docs/decisions/error-bounds.md
 std::int64_t coupled_rays_per_kind(std::int64_t rays) { return 50 + rays / 10; }
 
-/// Over unknowns^(4/3): 55, 150 and 400 MB more than at start for Taylor-Hood on livers of 320, 736 and 1,477 nodes.
-constexpr double bytes_per_factor = 350;
-
 /// A direction in which the node has a trained range. Of a node that has none in half of the sphere, every second one.
 Vec3 trained_direction(const NamedOrgan& model, std::int32_t node, std::mt19937_64& random) {
   Vec3 e{};
@@ -206,7 +203,7 @@ FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSp
   sized.validation.calibration_rays = spec.rays;
   return {(sizes_of_checks(sized, header, true).calibration_increments + at_rest) * summary.seconds /
               std::max(1.0, increments) * std::pow(finer, cost_exponent) / ranks,
-          bytes_per_factor * std::pow(unknowns, 4.0 / 3) * ranks};
+          factor_bytes(unknowns) * ranks};
 }
 
 double calibration_increments(std::int64_t rays, bool between) {

@@ -42,10 +42,11 @@ double available_memory_bytes() {
   return std::numeric_limits<double>::infinity();  // another system
 }
 
+double factor_bytes(double unknowns) { return 350 * std::pow(unknowns, 4.0 / 3); }
+
 std::string why_no_memory(double unknowns, const DiscretizationOptions& options) {
-  // Two livers and a pancreas took 265 to 293 bytes; factors in three dimensions grow with this power (George
-  // 1973, doi 10.1137/0710032).
-  const double needed = 1.5e8 + 300 * std::pow(unknowns, 4.0 / 3), available = options.available_bytes();
+  constexpr double at_start = 1.5e8;
+  const double needed = at_start + factor_bytes(unknowns), available = options.available_bytes();
   if (needed <= available) return "";
   return fmt::format("{:.2f} GB of memory are needed, {:.2f} GB are available", needed / 1e9, available / 1e9);
 }

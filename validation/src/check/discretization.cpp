@@ -45,7 +45,10 @@ bool is_known(const std::vector<CheckedProbe>& probes, double near_share) {
   std::vector<double> errors;
   std::size_t near = 0;
   for (const auto& probe : probes)
-    if (const auto error = probe.error()) errors.push_back(*error), near += probe.near_fixed ? 1 : 0;
+    if (const auto error = probe.error()) {
+      errors.push_back(*error);
+      near += probe.near_fixed ? 1 : 0;
+    }
   const std::size_t n = errors.size();
   if (n < 4 || (near_share >= 1.0 / 6 && near < 2) || (near_share <= 5.0 / 6 && n - near < 2)) return false;
   const auto all = Eigen::Map<const Eigen::ArrayXd>(errors.data(), std::ssize(errors));
