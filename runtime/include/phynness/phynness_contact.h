@@ -62,13 +62,13 @@ typedef struct phn_contact_report {
 } phn_contact_report;
 
 /* Contact of up to max_tools (1 ... 8) tools with a model, or with a body, for which a step makes at most `steps` (>=
- * 1) steps of Newton's method, and one more for each twentieth of max_displacement_m that a tool moves in it, up to 20,
- * so that a tool that jumps is felt at once. It has a phn_data or phn_body_state of its own. Memory: that, and about 200 bytes for
- * each triangle. Cost of init: a millisecond for 1,000 triangles. A triangle can be touched if its corners are active,
- * covered or fixed, of a body fixed or within the tool's radius of a probed point, and not all fixed. Tools pass
- * through other triangles, and through a strip of 1/20 of a triangle beside a fixed edge. PHN_ERROR_UNDEFINED: no
- * triangle can be touched. PHN_ERROR_TOO_MANY_TOOLS: max_tools > 8. PHN_ERROR_GEOMETRY: coordinates are so large that
- * squares of areas overflow. */
+ * 1) steps of Newton's method, and one more for each twentieth of max_displacement_m that a tool moves in it, up to
+ * 20, so that a tool that jumps is felt at once. It has a phn_data or phn_body_state of its own. Memory: that, and
+ * about 200 bytes for each triangle. Cost of init: a millisecond for 1,000 triangles. A triangle can be touched if its
+ * corners are active, covered or fixed, of a body fixed or within the tool's radius of a probed point, and not all
+ * fixed. Tools pass through other triangles, and through a strip of 1/20 of a triangle beside a fixed edge.
+ * PHN_ERROR_UNDEFINED: no triangle can be touched. PHN_ERROR_TOO_MANY_TOOLS: max_tools > 8. PHN_ERROR_GEOMETRY:
+ * coordinates are so large that squares of areas overflow. */
 PHN_API int phn_contact_size(const phn_model* model, int32_t max_tools, size_t* bytes);
 PHN_API int phn_contact_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools,
                              phn_contact** contact);

@@ -278,7 +278,8 @@ int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t
                             const double* heights, std::int32_t steps, double* held_by, phn_body_report& made) {
   phn_body_state* const state = &s;
   const phn_body* const body = s.body;
-  if (n_tools > most_body_tools || schema::least_body_modes(n_held) > body->info.n_modes) return PHN_ERROR_TOO_MANY_TOOLS;
+  if (n_tools > most_body_tools || schema::least_body_modes(n_held) > body->info.n_modes)
+    return PHN_ERROR_TOO_MANY_TOOLS;
   if (n_tools > state->max_tools) return PHN_ERROR_TOOLS;
   const double depth = body->info.max_displacement_m, farthest = most_depths * depth;
   int status = PHN_OK;
