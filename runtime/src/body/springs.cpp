@@ -7,9 +7,8 @@
 namespace PHN_RUNTIME {
 namespace {
 
-/// Springs act between tools nearer than this part of a radius, or of a mean edge for tools that are points. At one
-/// place their compliance is this part of that of a tool.
-constexpr double near_part = 0.5, spring_part = 0.1;
+/// At one place the compliance of springs is this part of that of a tool.
+constexpr double spring_part = 0.1;
 
 /// Compliance that the modes lack acts between places up to this many radii apart.
 constexpr double reach_of_lacking = 3;
@@ -84,7 +83,7 @@ void add_lacking(const phn_body_state& state, const BodyPlace& place, double* di
 }
 
 double near_distance(const phn_body& body) {
-  if (body.info.tool_radius_m > 0) return near_part * body.info.tool_radius_m;
+  if (body.info.tool_radius_m > 0) return schema::near_part * body.info.tool_radius_m;
   double sum = 0;
   for (std::int32_t i = 0; i < 3 * body.info.n_triangles; ++i) {
     const std::int32_t a = body.info.triangles[i], b = body.info.triangles[i % 3 == 2 ? i - 2 : i + 1];
@@ -92,7 +91,7 @@ double near_distance(const phn_body& body) {
     for (int k = 0; k < 3; ++k) edge[k] = body.info.points[3 * a + k] - body.info.points[3 * b + k];
     sum += length(edge);
   }
-  return near_part * sum / (3 * body.info.n_triangles);
+  return schema::near_part * sum / (3 * body.info.n_triangles);
 }
 
 void set_springs(phn_body_state& state, std::int32_t n_tools, const phn_tool* tools, const double* heights) {

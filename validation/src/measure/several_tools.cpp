@@ -16,8 +16,6 @@ namespace {
 
 constexpr double part_of_depth = 0.5;
 constexpr int increments = 4, most_steps = 100, most_attempts = 1000;
-/// Springs act between tools that are nearer than so many radii.
-constexpr double spring_radii = 0.5;
 
 class RandomTools {
  public:
@@ -132,7 +130,7 @@ ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& 
       for (std::size_t s = 0; s < t; ++s)
         apart_m = std::min(apart_m, (place(state.tools[t]) - place(state.tools[s])).norm());
     }
-    const bool is_near = apart_m < spring_radii * body.tool_radius_m || (said.status & PHN_WARNING_NEAR) != 0;
+    const bool is_near = apart_m < schema::near_part * body.tool_radius_m || (said.status & PHN_WARNING_NEAR) != 0;
     (is_near ? near : errors[state.tools.size() > 2]).push_back(off / largest);
     out.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
   }

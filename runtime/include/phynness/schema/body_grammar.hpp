@@ -11,6 +11,9 @@ inline constexpr int32_t largest_parameter_count = 8, most_body_modes = 1024;
 /// Modes that n tools need. Of two tools at random places the largest forces of a body of 6, 9, 12, 18, 24 and 40 modes
 /// are 3e9, 3e4, 35, 4.6, 4.7 and 4.3 N (demo, displacements up to 10 mm).
 constexpr int32_t least_body_modes(int32_t n_tools) { return n_tools > 1 ? 9 * n_tools : 3 * n_tools; }
+/// Springs act between tools of a body that are nearer than this part of their radius, or of a mean edge for tools that
+/// are points (docs/theory.md, Near tools).
+inline constexpr double near_part = 0.5;
 /// What a tool does at a node of the surface.
 inline constexpr int32_t body_node_fixed = 0, body_node_moves = 1, body_node_touchable = 2, n_body_node_kinds = 3;
 
