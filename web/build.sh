@@ -19,11 +19,9 @@ if [ ! -f "$work/node_modules/installed" ] || [ "$(cat "$work/node_modules/insta
   echo "$lock" > "$work/node_modules/installed"
 fi
 
-for folder in runtime shared view browser_tests; do
-  rm -rf "${work:?}/$folder"
-  cp -r "$source/$folder" "$work"
-done
-cp "$source"/{build.mjs,tsconfig.json,vitest.config.ts} "$work"
+rm -rf "${work:?}"/{runtime,shared,view,tests}
+cp -r "$source"/{runtime,shared,view,build.mjs,tsconfig.json} "$work"
+cp -r "$source/../tests/web" "$work/tests"
 cp "$source/../LICENSE" "$build"
 cd "$work"
 node build.mjs "$build/wasm/phynness.wasm" "$out" "$build/embedded_pages.cpp"

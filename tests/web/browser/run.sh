@@ -18,5 +18,5 @@ cd "$build/work"
 screen=()
 [ "$1" = chromium ] || screen=(env LIBGL_ALWAYS_SOFTWARE=1 xvfb-run --auto-servernum --server-args '-screen 0 1400x1000x24')
 # Its sandbox needs rights that a container does not have; the page is our own.
-[ "$1" != webkit ] || exec env WEBKIT_DISABLE_SANDBOX_THIS_IS_DANGEROUS=1 "${screen[@]}" node browser_tests/webkit.mjs "$PHYNNESS_SOURCE/docs/liver.html" "$build/out/phynness"
-exec "${screen[@]}" node_modules/.bin/vitest run --config browser_tests/vitest.config.ts
+[ "$1" != webkit ] || exec env WEBKIT_DISABLE_SANDBOX_THIS_IS_DANGEROUS=1 "${screen[@]}" node tests/browser/webkit.mjs "$PHYNNESS_SOURCE/docs/liver.html" "$build/out/phynness"
+exec "${screen[@]}" node_modules/.bin/vitest run --config tests/vitest.config.ts

@@ -17,7 +17,7 @@ rm -rf "$build/models/sample"
 cp -r "$source/examples/model" "$build/models/sample"
 cd "$build/work"
 node_modules/.bin/tsc --noEmit || fail "the types are wrong"
-node_modules/.bin/vitest run
+node_modules/.bin/vitest run --config tests/vitest.config.ts
 
 rm -rf "$build/user"
 mkdir -p "$build/user"

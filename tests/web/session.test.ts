@@ -1,15 +1,15 @@
 // What the page computes without a page: tools and spheres, parts of the surface, the curve, states and maps.
 import { describe, expect, test } from 'vitest';
-import { block, bodyText, load, sample } from '../../runtime/test/setup.js';
-import { norm, sub, zero, type V3 } from '../../shared/src/vectors.js';
-import { Runtime } from '../src/answers.js';
-import { mapsOf, onSurface } from '../src/maps.js';
-import { alongRay, pageDataOf } from '../src/page_data.js';
-import { sharesOf } from '../src/parts.js';
-import { placeAt } from '../src/places.js';
-import { drawn } from '../src/plot.js';
-import { curveOf, digitsOf, statesOf } from '../src/readouts.js';
-import { Session } from '../src/session.js';
+import { block, bodyText, load, sample } from './setup.js';
+import { norm, sub, zero, type V3 } from '../shared/src/vectors.js';
+import { Runtime } from '../view/src/answers.js';
+import { mapsOf, onSurface } from '../view/src/maps.js';
+import { alongRay, pageDataOf } from '../view/src/page_data.js';
+import { sharesOf } from '../view/src/parts.js';
+import { placeAt } from '../view/src/places.js';
+import { drawn } from '../view/src/plot.js';
+import { curveOf, digitsOf, statesOf } from '../view/src/readouts.js';
+import { Session } from '../view/src/session.js';
 
 const session = async (json = '{}') => new Session(new Runtime(await load(sample)), pageDataOf(json));
 /** A tool that holds a node. */

@@ -9,8 +9,8 @@ import { gunzipSync, gzipSync } from 'node:zlib';
 import axe from 'axe-core';
 import type { Browser, Page } from 'puppeteer-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { loader } from '../runtime/src/index.js';
-import { placeAt } from '../view/src/places.js';
+import { loader } from '../../runtime/src/index.js';
+import { placeAt } from '../../view/src/places.js';
 import { browserName, built, drawn, folder, open, phynness, pixels, start, type Opened } from './browser.js';
 
 type V3 = [number, number, number];

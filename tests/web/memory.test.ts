@@ -2,7 +2,7 @@
 // nothing behind.
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
-import { loader, PhynnessError, toolAt } from '../src/index.js';
+import { loader, PhynnessError, toolAt } from '../runtime/src/index.js';
 import { block, bodyText, built, load, loadText, sample, textOf } from './setup.js';
 
 describe('Model', () => {

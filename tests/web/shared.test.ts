@@ -1,9 +1,9 @@
 // Camera, colour map and numbers, which the pages share.
 import { describe, expect, test } from 'vitest';
-import { acrossScreen, frameOf, framing, outsideOf, project, rayThrough, turned, type Camera } from '../src/camera.js';
-import { cssOf, encoded, linearColour } from '../src/colour_maps.js';
-import { plain, roundedDown, significant, ticks } from '../src/numbers.js';
-import { add, cross, dot, norm, scale, sub, type V3 } from '../src/vectors.js';
+import { acrossScreen, frameOf, framing, outsideOf, project, rayThrough, turned, type Camera } from '../shared/src/camera.js';
+import { cssOf, encoded, linearColour } from '../shared/src/colour_maps.js';
+import { plain, roundedDown, significant, ticks } from '../shared/src/numbers.js';
+import { add, cross, dot, norm, scale, sub, type V3 } from '../shared/src/vectors.js';
 
 const size = { width: 800, height: 600 };
 const camera: Camera = { target: [0.1, -0.2, 0.3], distance: 0.7, azimuth: 0.4, elevation: 0.5 };

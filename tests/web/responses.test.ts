@@ -5,7 +5,7 @@ import { mkdtempSync, readFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { describe, expect, it } from 'vitest';
-import { toolAt } from '../src/index.js';
+import { toolAt } from '../runtime/src/index.js';
 import { block, bodyText, built, difference, golden, load, sample } from './setup.js';
 
 describe.each(['rbfn', 'linear', 'modal'])('family %s', (family) => {

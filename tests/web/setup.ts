@@ -3,7 +3,7 @@ import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
-import { Model } from '../src/model.js';
+import { Model } from '../runtime/src/model.js';
 
 function given(name: string): string {
   const value = process.env[name];
