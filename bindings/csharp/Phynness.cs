@@ -230,6 +230,28 @@ public sealed class Organ : IDisposable {
     report.Residual = coupled.residual;
     return Leave(status);
   }
+  /// Forces [N] of the first n of tools that do not act on each other, by the model, and the status of each; nothing is
+  /// thrown for one of them. Deform and Bound then have no tool. Runs on this thread: for several, give each of them its own Organ and a part of the tools.
+  public void HoldBatch(Tool[] tools, int n, Vec3[] forces, Status[] statuses) {
+    RequireLengths(n, Math.Min(tools.Length, statuses.Length), forces.Length);
+    Enter();
+    if (files.Model == null) Leave((int)Status.ErrorArgument);
+    for (int i = 0; i < n; ++i)
+      statuses[i] = (Status)Native.phn_force(files.Model.Object, data.Object, ref tools[i], out forces[i], IntPtr.Zero,
+                                             IntPtr.Zero);
+    last = Last.None;
+    Leave(0);
+  }
+  /// The places nearest to the first n points x [m], their points and distances, and the status of each.
+  public void NearestBatch(Vec3[] x, int n, Tool[] places, Vec3[] points, double[] distances, Status[] statuses) {
+    RequireLengths(n, Math.Min(x.Length, statuses.Length),
+                   Math.Min(places.Length, Math.Min(points.Length, distances.Length)));
+    Enter();
+    if (files.Model == null) Leave((int)Status.ErrorArgument);
+    for (int i = 0; i < n; ++i)
+      statuses[i] = (Status)Native.phn_nearest(files.Model.Object, ref x[i], out places[i], out points[i], out distances[i]);
+    Leave(0);
+  }
   int Press(int n, ref Tool tools, out Vec3 forces, out Report report) {
     last = Last.OfTools;
     nTools = n;

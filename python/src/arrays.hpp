@@ -28,6 +28,7 @@ class Vectors {
   Vectors(py::handle given, const char* name);
   bool is_one() const { return _numbers.ndim() == 1; }
   py::ssize_t size() const { return is_one() ? 1 : _numbers.shape(0); }
+  const double* data() const { return _numbers.data(); }
   void get(py::ssize_t i, double (&to)[3]) const { std::copy_n(_numbers.data() + 3 * i, 3, to); }
 
  private:
@@ -102,6 +103,12 @@ py::array_t<T> view(py::handle owner, const T* numbers, std::initializer_list<py
   py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   return array;
 }
+
+/// A row of the array of places that nearest_batch gives and hold_batch takes, without padding.
+struct PlaceRow {
+  std::int32_t nodes[3], status;
+  double weights[3], position[3], distance;
+};
 
 void add_places(py::module_& module);
 void add_model(py::module_& module);

@@ -1,6 +1,9 @@
 // Organ, as Python sees it: a model, a body or both, for several tools and for spheres.
 #include <pybind11/stl.h>
 
+#include <phynness/phynness_batch.hpp>
+
+#include <cmath>
 #include <filesystem>
 #include <limits>
 
@@ -153,6 +156,54 @@ class OrganObject {
 
   void reset() { organ.reset().ignore(); }
 
+  py::array_t<PlaceRow> nearest_batch(py::handle x) {
+    const Vectors points(x, "x");
+    const auto n = static_cast<std::size_t>(points.size());
+    std::vector<phn_tool> tools(n);
+    std::vector<double> at(3 * n), distances(n);
+    std::vector<int> statuses(n);
+    evaluate([&](Batch& all) { return all.nearest({points.data(), 3 * n}, tools, at, distances, statuses); });
+    py::array_t<PlaceRow> rows(points.size());
+    PlaceRow* const row = rows.mutable_data();
+    for (std::size_t i = 0; i < n; ++i) {
+      std::copy_n(tools[i].nodes, 3, row[i].nodes);
+      std::copy_n(tools[i].weights, 3, row[i].weights);
+      std::copy_n(at.data() + 3 * i, 3, row[i].position);
+      row[i].distance = distances[i];
+      row[i].status = statuses[i];
+    }
+    return rows;
+  }
+
+  py::tuple hold_batch(py::handle at, py::handle displacements) {
+    const Vectors d(displacements, "d");
+    if (d.is_one()) throw py::value_error("d must have the shape (n, 3), a displacement for each place");
+    const auto n = static_cast<std::size_t>(d.size());
+    std::vector<phn_tool> tools(n);
+    if (py::isinstance<py::array>(at) && py::reinterpret_borrow<py::array>(at).dtype().kind() == 'V') {
+      const auto rows = py::array_t<PlaceRow, py::array::c_style | py::array::forcecast>::ensure(at);
+      if (!rows) raise_type("the rows of places are not those of nearest_batch");
+      if (rows.ndim() != 1 || rows.size() != d.size())
+        throw py::value_error("there are " + std::to_string(rows.size()) + " places, but " + std::to_string(n) +
+                              " displacements in d");
+      for (std::size_t i = 0; i < n; ++i) {
+        const PlaceRow& row = rows.data()[i];
+        std::copy_n(row.nodes, 3, tools[i].nodes);
+        std::copy_n(row.weights, 3, tools[i].weights);
+        d.get(static_cast<py::ssize_t>(i), tools[i].displacement);
+      }
+    } else {
+      Tools given(at, displacements);
+      for (std::size_t i = 0; i < n; ++i) tools[i] = given.get(static_cast<py::ssize_t>(i));
+    }
+    py::array_t<double> forces({d.size(), py::ssize_t{3}});
+    py::array_t<int> statuses(d.size());
+    Span<double> to(forces.mutable_data(), 3 * n);
+    Span<int> said(statuses.mutable_data(), n);
+    evaluate([&](Batch& all) { return all.hold(tools, to, said); });
+    return py::make_tuple(std::move(forces), std::move(statuses));
+  }
+
   std::string model_text, body_text;
   std::int32_t max_tools, steps;
   Organ organ;
@@ -172,7 +223,19 @@ class OrganObject {
     tally.report([&](py::ssize_t) { return where; }, 1);
   }
 
+  template <class Call>
+  void evaluate(const Call& call) {
+    if (batch == nullptr) batch = std::make_unique<Batch>(organ);
+    int status = PHN_OK;
+    {
+      const py::gil_scoped_release others_may_run;
+      status = call(*batch);
+    }
+    report(status, "a batch is answered by a model");
+  }
+
   std::size_t n_held = 0;
+  std::unique_ptr<Batch> batch;
 };
 
 py::object bytes_or_none(const std::string& text) { return text.empty() ? py::none() : py::object(py::bytes(text)); }
@@ -193,6 +256,7 @@ void add_report(py::class_<Result>& result) {
 }  // namespace
 
 void add_organ(py::module_& module) {
+  PYBIND11_NUMPY_DTYPE(PlaceRow, nodes, status, weights, position, distance);
   py::class_<Held> held(module, "Held", "What Organ.hold answers.");
   held.def_readonly("forces", &Held::forces, "(n, 3), or of one tool (3,) [N].");
   add_report(held);
@@ -230,6 +294,23 @@ at: n nodes and SurfacePoints, or one. d: (n, 3) or (3,) [m]. increments: from r
 whose forces depend on the motion before, needs for millimetres (8 in phynness eval); 0: from the present state.
 
 UnsettledWarning: more steps or increments come closer. OutsideWarning: farther than trained. Error where nothing can move.
+)")
+      .def("nearest_batch", &OrganObject::nearest_batch, arg("x"),
+           R"(The places nearest to n points, found by all processors: an array of n rows.
+
+x: (n, 3) [m]. Its fields: nodes (3,), -1 where unused; weights (3,); position (3,) [m], undeformed; distance [m]; status,
+below 0 and without nodes where x is not finite. Rows may be picked, copied and written by masks, as of any array.
+)")
+      .def("hold_batch", &OrganObject::hold_batch, arg("at"), arg("d"),
+           R"(Forces of n tools that do not act on each other, by the model on all processors: (forces, status).
+
+at: rows of nearest_batch, or n nodes and SurfacePoints. d: (n, 3) [m]. forces: (n, 3) [N]; status: (n,), 0, a sum of
+PHN_WARNING_* of phynness.h, or below 0 where a tool is refused, whose force is zero. Nothing is raised or warned of for a
+single tool. Other threads of Python run meanwhile. Error without a model.
+
+>>> organ = phynness.Organ("examples/model")
+>>> places = organ.nearest_batch(np.array([[0, 0, 0.1], [0.01, 0, 0.1]]))
+>>> forces, status = organ.hold_batch(places, np.array([[0, 0, -0.01], [0, 0, -0.005]]))
 )")
       .def("touch", &OrganObject::touch, arg("centers"), arg("radius"), kw_only(), arg("friction") = 0.0,
            arg("mode") = "press",

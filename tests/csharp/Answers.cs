@@ -129,8 +129,14 @@ static class Answers {
     Vec3 point;
     Tool place;
     double distance;
+    Tool[] several = { tool, Tool.At(-1, new Vec3()) };
+    Tool[] nearest = new Tool[2];
+    var answers = new Vec3[2];
+    var statuses = new Status[2];
+    var distances = new double[2];
     Action<int> calls = count => {
       for (int i = 0; i < count; ++i) {
+        organ.HoldBatch(several, 2, answers, statuses);
         organ.Hold(ref tool, out force);
         if (i % 100 != 0) continue;
         organ.Nearest(first, out place, out point, out distance);
@@ -148,6 +154,13 @@ static class Answers {
     calls(1000000);
     Require(GC.CollectionCount(0) == collections, "a million calls collect no garbage");
     Require(GC.GetTotalMemory(false) - before < 65536, "a million calls leave no garbage");
+
+    Require(answers[0].Equals(force) && answers[1].Equals(new Vec3()), "a batch has the forces of single calls");
+    Require(statuses[0] >= 0 && statuses[1] == Status.ErrorNotActive, "a batch has the status of each tool");
+    organ.NearestBatch(organ.MovingPoints, 2, nearest, answers, distances, statuses);
+    organ.Nearest(organ.MovingPoints[1], out place, out point, out distance);
+    Require(answers[1].Equals(point) && distances[1] == distance, "a batch finds the places of single calls");
+    RequireThrows<ArgumentException>(() => organ.HoldBatch(several, 3, answers, statuses), "a short batch", "3");
 
     // Threads with an organ of their own have the same bits; two in one organ are told so.
     Vec3 expected = force;

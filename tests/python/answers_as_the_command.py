@@ -126,6 +126,45 @@ class Models(unittest.TestCase):
             model.force([NODE, -1], d[:2])
         self.assertEqual(caught.exception.status, -2)
 
+    def test_a_batch_answers_each_tool_alone(self):
+        organ = phynness.Organ(model)
+        x = np.array([model.output_points[t].mean(axis=0) for t in inner[:300]]) + 1e-5
+        x = np.tile(x, (10, 1))  # enough for two threads
+        moved = np.resize(d, x.shape)
+        places = organ.nearest_batch(x)
+        points = model.nearest(x)
+        for row, point in zip(places, points):
+            self.assertEqual(tuple(row["nodes"][:len(point.nodes)]), point.nodes)
+            self.assertEqual(row["distance"], point.distance)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            alone = model.force(points, moved)
+        forces, status = organ.hold_batch(places, moved)
+        self.same(forces, alone)
+        self.assertEqual(status.shape, (len(x),))
+        self.assertTrue((status >= 0).all())
+        self.same(organ.hold_batch(points, moved)[0], alone)
+        self.same(organ.hold_batch(places[::-1], moved[::-1])[0], alone[::-1])
+        self.same(organ.hold_batch(np.full(len(x), NODE), moved)[0], model.force(NODE, moved))
+        x[7] = np.nan
+        places[::2], moved[4] = organ.nearest_batch(x[::2]), np.inf
+        lost = organ.nearest_batch(x[7:8])
+        self.assertEqual((lost["status"][0], tuple(lost["nodes"][0])), (-3, (-1, -1, -1)))
+        places[7] = lost[0]
+        forces, status = organ.hold_batch(places, moved)
+        self.assertTrue(status[4] == -3 and status[7] < 0 and not forces[[4, 7]].any())
+        rest = [i for i in range(len(x)) if i not in (4, 7)]
+        self.same(forces[rest], alone[rest])
+        self.assertEqual(organ.hold_batch([], np.zeros((0, 3)))[0].shape, (0, 3))
+        self.assertRaisesRegex(ValueError, "places, but 3", organ.hold_batch, places, d[:3])
+        self.assertRaisesRegex(ValueError, r"\(n, 3\)", organ.hold_batch, places, d[0])
+        self.assertRaisesRegex(TypeError, "nearest_batch", organ.hold_batch, np.zeros(3, [("a", int)]), d[:3])
+        # A child that fork made has no threads of its parent.
+        child = os.fork()
+        if child == 0:
+            os._exit(0 if np.array_equal(organ.hold_batch(points, np.resize(d, x.shape))[0], alone) else 1)
+        self.assertEqual(os.waitpid(child, 0)[1], 0)
+
     def test_copies_and_pickles_answer_the_same(self):
         organ = phynness.Organ(model, max_tools=2)
         point = model.nearest([0, 0, 0.1])

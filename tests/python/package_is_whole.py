@@ -45,6 +45,10 @@ class Package(unittest.TestCase):
             scene = scene.replace(old, new)
         small.write_text(scene)
         said("own_organ.py", small, out)
+        fell = said("environments.py", MODEL, 300)
+        self.assertIn("300 balls touched", fell)
+        speed = float(re.search(r"contact: ([0-9.]+) m/s", fell)[1])  # the steps of the balls add a little energy
+        self.assertTrue(0.05 < speed < 0.105, fell)
         for name in ("organ.png", "organ.html", "model/model.txt"):
             self.assertGreater((out / name).stat().st_size, 5000)
 

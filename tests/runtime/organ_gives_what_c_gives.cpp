@@ -7,7 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <phynness/formats/text_file.hpp>
-#include <phynness/phynness.hpp>
+#include <phynness/phynness_batch.hpp>
 #include <random>
 #include <thread>
 
@@ -306,6 +306,41 @@ TEST_F(OrganOfABody, ThreadsShareIt) {
     });
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(wrong, (std::array<int, 4>{}));
+}
+
+TEST_P(OrganOfAModel, ABatchAnswersEachToolAlone) {
+  Organ organ(text);
+  Batch batch(organ, 3);
+  ASSERT_EQ(batch.status(), PHN_OK);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> number(-0.004, 0.004);
+  constexpr std::size_t n = 2000;  // more than three shares
+  std::vector<double> x(3 * n), points(3 * n), forces(3 * n), distances(n);
+  std::vector<phn_tool> tools(n);
+  std::vector<int> statuses(n), found(n);
+  for (double& k : x) k = number(random);
+  x[3 * 700] = NAN;
+  ASSERT_EQ(batch.nearest(x, tools, points, distances, found), PHN_OK);
+  for (std::size_t i = 0; i < n; ++i) std::generate_n(tools[i].displacement, 3, [&] { return number(random); });
+  tools[1500].displacement[1] = NAN;
+  ASSERT_EQ(batch.hold(tools, forces, statuses), PHN_OK);
+  for (std::size_t i = 0; i < n; ++i) {
+    phn_tool tool;
+    std::array<double, 3> from{x[3 * i], x[3 * i + 1], x[3 * i + 2]}, point{}, force{};
+    double distance = 0;
+    ASSERT_EQ(found[i], organ.nearest(from, tool, point, distance));
+    ASSERT_TRUE(same(tool.nodes, tools[i].nodes) && same(tool.weights, tools[i].weights) && distance == distances[i] &&
+                std::equal(point.begin(), point.end(), &points[3 * i]))
+        << i;
+    ASSERT_EQ(statuses[i], organ.hold(tools[i], force));
+    ASSERT_TRUE(std::equal(force.begin(), force.end(), &forces[3 * i])) << i;
+  }
+  EXPECT_EQ(found[700], PHN_ERROR_NOT_FINITE);
+  EXPECT_LT(statuses[1500], 0);
+  EXPECT_EQ(batch.hold(tools, {forces.data(), 3 * n - 1}, statuses), PHN_ERROR_BUFFER);
+  EXPECT_EQ(batch.nearest({x.data(), 5}, {tools.data(), 2}, points, distances, found), PHN_ERROR_BUFFER);
+  EXPECT_EQ(batch.hold({}, {}, {}), PHN_OK);
+  EXPECT_EQ(Batch(Organ()).hold(tools, forces, statuses), PHN_ERROR_ARGUMENT);
 }
 
 TEST_F(OrganOfABody, ReadsFiles) {

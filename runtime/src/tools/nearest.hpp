@@ -37,6 +37,23 @@ void improve(const double* x, const std::int32_t* vertex, const bool* moves, int
   best = found;
 }
 
+/// Whether the box of a triangle is farther from x than some distance, by more than what rounding can change.
+inline bool is_farther(const double* const corner[3], const double* x, double distance) {
+  double squared = 0, size = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double a = corner[0][k], b = corner[1][k], c = corner[2][k];
+    const double ab_low = a < b ? a : b, ab_high = a < b ? b : a;
+    const double low = ab_low < c ? ab_low : c, high = ab_high > c ? ab_high : c;
+    const double below = low - x[k], above = x[k] - high, outside = below > above ? below : above;
+    const double gap = outside > 0 ? outside : 0;
+    squared += gap * gap;
+    size += high - low;
+  }
+  constexpr double rounding = 1e-9;
+  const double reach = (1 + rounding) * distance + rounding * size;
+  return squared > reach * reach;
+}
+
 /// The nearest place, moved away from a fixed edge to where moving corners have least_movable.
 /// @param point_of  coordinates of a vertex
 /// @param hold_of   Hold of a vertex
@@ -48,6 +65,7 @@ NearestPlace nearest_place(const std::int32_t* triangles, std::int32_t n_triangl
   for (std::int32_t t = 0; t < n_triangles; ++t) {
     const std::int32_t* vertex = triangles + 3 * static_cast<std::size_t>(t);
     const double* const corner[3] = {point_of(vertex[0]), point_of(vertex[1]), point_of(vertex[2])};
+    if (best.distance >= 0 && is_farther(corner, x, best.distance)) continue;
     double weight[3], nearest[3], distance = 0;
     nearest_on_triangle(corner, x, weight, nearest, distance);
     if (best.distance >= 0 && distance >= best.distance) continue;
