@@ -1,8 +1,9 @@
 #!/usr/bin/python3
 """Compares `phynness solve` with CalculiX (ccx) for the same nodes, cells, law and prescribed displacement.
 
-Usage: against_calculix.py PHYNNESS CCX SHARED_MESHES [WORD ...]
-Only cases whose table row contains every WORD are run. Exit status: 0 every case within its tolerance, 1 otherwise.
+Usage: lab/study calculix [WORD ...]     only cases whose row contains every word, e.g. P1 mooney-rivlin 200
+Environment: PHYNNESS=path   the program to check instead of build/release/phynness
+Exit status: 0 every case within its tolerance, 1 otherwise, 2 CalculiX or the program is missing.
 
 Both programs use the same mesh: `phynness mesh` writes it, and this script converts it for CalculiX. One surface node is
 displaced by 1 mm and 12 mm into the body, and by 12 mm sideways with an outward component. The force at this node and
@@ -13,6 +14,7 @@ import json
 import math
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -268,11 +270,16 @@ def compare(program, ccx, folder, body, case, element, node, displacement):
 
 
 def main():
-    program, ccx, shared = os.path.abspath(sys.argv[1]), sys.argv[2], Path(sys.argv[3])
-    words = sys.argv[4:]
+    source = Path(__file__).resolve().parent.parent
+    program, ccx = os.path.abspath(os.environ.get("PHYNNESS", source / "build/release/phynness")), shutil.which("ccx")
+    words = sys.argv[1:]
+    missing = "CalculiX (apt-get install calculix-ccx)" if not ccx else "" if shutil.which(program) else program
+    if missing:
+        print(f"not installed: {missing}", file=sys.stderr)
+        return 2
     os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
     meshes = {"liver": 'shape = "liver"\ntarget_nodes = 200'}
-    real = shared / "liver_181.msh"
+    real = source / "../shared/meshes/real/liver_181.msh"
     if real.exists():
         meshes["liver_181"] = f'file = "{real.resolve()}"\nscale_to_m = 0.025'
     else:

@@ -7,7 +7,6 @@
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <phynness/baseline/plain_loop.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/scene.hpp>
 #include <phynness/meshes/meshes.hpp>
@@ -16,6 +15,7 @@
 #include <random>
 
 #include "exit_status.hpp"
+#include "plain_loop.hpp"
 
 namespace {
 

@@ -1,5 +1,6 @@
+#include "plain_loop.hpp"
+
 #include <cmath>
-#include <phynness/baseline/plain_loop.hpp>
 #include <stdexcept>
 
 #include "solve/constraint.hpp"
