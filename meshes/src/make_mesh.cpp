@@ -240,6 +240,8 @@ MeshResult make_mesh(const Scene& scene, bool in_file_units) {
     if (result.made_here && result.quality.n_slivers > 0)
       result.warnings.push_back(reason_of_slivers(result, in_file_units));
     if (!in_file_units) warn_of_size(result, spec.scale_to_m);
+    result.mesh.regions = cell_regions(scene, result.mesh);
+    for (const RegionFigures& region : region_figures(scene, result.mesh)) result.notes.push_back(region.str());
     return result;
   } catch (const Error& error) {
     // Errors of gmsh and of the checks of its meshes do not contain the place in the scene.

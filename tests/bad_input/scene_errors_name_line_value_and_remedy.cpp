@@ -28,6 +28,8 @@ const char* const shape = "shape = \"block\"";
 const char* const depth = "max_displacement_m = 0.02";
 const char* const increments = "increments = 4";
 
+const std::string region = "[[region]]\nname = \"a\"\ncells = { group = \"a\" }\nshear_modulus_Pa = 8.0\n";
+
 const std::map<std::string, std::string> parts{
     {"fixed_line", fixed_line}, {"active_line", active_line},       {"shear", shear},
     {"moduli", moduli},         {"law_and_moduli", law_and_moduli}, {"shape", shape},
@@ -57,6 +59,48 @@ std::vector<Mistake> mistakes(std::string table) {
                      fields(field.at(4), ';')});
   }
   return found;
+}
+
+TEST(RegionsOfAScene, RefuseWhatIsWrong) {
+  const std::string good = with(good_scene, "[solver]", region + "[solver]");
+  EXPECT_EQ(parsed(good).regions.at(0).material.shear_modulus_Pa, 8);
+  EXPECT_EQ(parsed(good).regions.at(0).material.bulk_modulus_Pa, 5000);
+  const auto refused = [&](const std::string& part, const std::string& replacement, const std::string& at,
+                           const std::vector<std::string>& said) {
+    const std::string text = with(good, part, replacement), message = refusal(text);
+    EXPECT_EQ(message.find("body.toml:" + std::to_string(line_of(text, at)) + ":"), 0u) << message;
+    expect_error(message, said);
+  };
+  refused("name = \"a\"", "", "[[region]]", {"[region] name is missing", "nodule"});
+  refused("name = \"a\"", "name = \"\"", "name", {"[region] name is empty"});
+  refused("cells = { group = \"a\" }", "", "[[region]]", {"[region] cells is missing", "sphere"});
+  refused("[solver]", region + "[solver]", "name = \"a\"\ncells = { group = \"a\" }\nshear_modulus_Pa = 8.0\n[sol",
+          {"name is that of another region", "line 8"});
+  refused("shear_modulus_Pa = 8.0", "", "[[region]]",
+          {"shear_modulus_Pa is missing, and so is every other parameter of law neo-hookean", "bulk_modulus_Pa"});
+  refused("shear_modulus_Pa = 8.0", "poisson_ratio = 0.4", "poisson_ratio",
+          {"do not determine", "poisson_ratio = 0.4"});
+  refused("shear_modulus_Pa = 8.0", "shear_modulus_Pa = -8", "shear_modulus_Pa = -8", {"greater than 0", "-8"});
+  refused("shear_modulus_Pa = 8.0", "law = \"linear\"", "law = \"linear\"", {"unknown key in [region]", "[material]"});
+  refused("cells = { group = \"a\" }", "cells = { nodes = [3] }", "cells",
+          {"selects nodes, but a region is made of cells", "near", "distance_m"});
+  refused("cells = { group = \"a\" }", "cells = { not = \"surface\" }", "cells", {"selects nodes", "\"surface\""});
+  refused("[[region]]", "[region]", "[region]", {"region must be an array of tables", "[[region]]"});
+  refused("shape = \"block\"", "shape = \"drain\"\n#", "[[region]]",
+          {"only available for solids", "remove the region"});
+  EXPECT_EQ(physics_summary(parsed(good)).substr(physics_summary(parsed(good_scene)).size()),
+            "region 1.cells = group \"a\"\nregion 1.order = 0\nregion 1.shear_modulus_Pa = 8\n"
+            "region 1.lame_lambda_Pa = 4994.666666666667\n");
+}
+
+TEST(RegionsOfAScene, AreSolvedByAnElementThatServesEachOfThem) {
+  const auto text = with(with(good_scene, "element = \"P1\"", "element = \"p1-p1\""), "[solver]", region + "[solver]");
+  const auto message = refusal(with(text, "shear_modulus_Pa = 8.0", "shear_modulus_Pa = 9000.0"));
+  expect_error(message, {"p1-p1 needs a positive Lame parameter", "lambda = -1000 Pa", "line 8", "P1"});
+  EXPECT_TRUE(scene_notes(parsed(text)).size() < 2);
+  const auto notes = scene_notes(parsed(with(text, "shear_modulus_Pa = 8.0", "shear_modulus_Pa = 0.4")));
+  ASSERT_FALSE(notes.empty());
+  expect_names(notes.back(), {"body.toml:8", "factor of 1.25e+03", "1e+03", "check"});
 }
 
 class SceneMistake : public testing::TestWithParam<Mistake> {};

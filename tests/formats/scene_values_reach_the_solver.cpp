@@ -327,8 +327,8 @@ TEST(Material, refuses_with_a_remedy_what_people_expect_of_one) {
   expect_names(refusal(with(good_scene, moduli, "shear_modulus_Pa = 500\nd1_per_Pa = 0")),
                {"d1_per_Pa", "greater than 0", "bulk_modulus_Pa = 100 to 1,000 times mu"});
   for (const std::string key : {"regions = { brain = 1 }", "density = 1000", "prony = [1, 2]", "skull.E = 1e9"})
-    expect_names(refusal(with(good_scene, moduli, moduli + "\n" + key)), {"body.toml:8", "a body has one material"});
-  expect_names(refusal("regions = [1]\n" + good_scene), {"body.toml:1", "a body has one material"});
+    expect_names(refusal(with(good_scene, moduli, moduli + "\n" + key)), {"body.toml:8", "materials are elastic", "[[region]]"});
+  expect_names(refusal("regions = [1]\n" + good_scene), {"body.toml:1", "did you mean region?"});
 }
 
 TEST(Documentation, names_every_key_of_the_parser) {
@@ -356,7 +356,7 @@ TEST(Documentation, has_the_type_range_default_and_meaning_of_every_key) {
                                                                                 << tables.substr(at, next - at);
     at = tables.find_first_not_of('\n', next);
   }
-  EXPECT_EQ(n, 8) << "seven sections, and the shapes";
+  EXPECT_EQ(n, 9) << "eight sections, and the shapes";
 }
 
 TEST(Defaults, of_a_shape_are_those_of_its_row) {

@@ -43,12 +43,14 @@ TEST(PhysicsHash, spells_every_combination_of_selectors_as_ever) {
   { intersection = [[{ group = "a" }, { group = "b" }], "free-surface"], surface_only = true },
   { difference = [{ nodes = [0, 7] }, "fixed", { not = "surface", surface_only = true }] },
   { near = { to = [{ group = "a" }, "fixed"], distance_m = 0.015 } }, { spacing_m = 0.012 }, { spacing = "auto" },
-  { count = 16, within = { group = "a" }, from_fixed_m = 0.01 } ])"));
+  { count = 16, within = { group = "a" }, from_fixed_m = 0.01 },
+  { ellipsoid = { center_m = [0, 0.5, 1], radii_m = [0.01, 2e-2, 3] } } ])"));
   EXPECT_EQ(summary_line(scene, "nodes.active"),
             "nodes.active = intersection { group \"a\" + group \"b\", free-surface } surface_only + difference { nodes "
             "[0, 7], fixed, not { surface } surface_only } + near { to = group \"a\" + fixed, distance_m = 0.015 } + "
             "spread { spacing_m = 0.012, within = free-surface } + spread { spacing = auto, within = free-surface } + "
-            "spread { count = 16, within = group \"a\", from_fixed_m = 0.01 }");
+            "spread { count = 16, within = group \"a\", from_fixed_m = 0.01 } + "
+            "ellipsoid { center_m = [0, 0.5, 1], radii_m = [0.01, 0.02, 3] }");
 }
 
 TEST(ShippedScenes, keep_hash_element_and_family) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -75,6 +76,36 @@ inline MeshResult shape(Shape kind, int target_nodes = 0) {
   scene.mesh.shape = kind;
   if (target_nodes > 0) scene.mesh.target_nodes = target_nodes;
   return make_mesh(scene);
+}
+
+/// A 3 x 3 x 3 grid of nodes with spacing 1, numbered along x first, of 48 cells.
+inline Mesh grid() {
+  Mesh mesh;
+  mesh.nodes.resize(27, 3);
+  for (int i = 0; i < 27; ++i) {
+    const int x = i % 3, y = i / 3 % 3, z = i / 9;
+    mesh.nodes.row(i) << x, y, z;
+  }
+  const int paths[6][2] = {{1, 3}, {1, 9}, {3, 1}, {3, 9}, {9, 1}, {9, 3}};  // Kuhn's six tetrahedra of a cube
+  std::vector<std::array<int, 4>> cells;
+  for (int c = 0; c < 8; ++c)
+    for (const auto& [p, q] : paths) {
+      const int a = c % 2 + 3 * (c / 2 % 2) + 9 * (c / 4);
+      std::array<int, 4> cell{a, a + p, a + p + q, a + 13};
+      const Eigen::RowVector3d u = mesh.nodes.row(cell[1]) - mesh.nodes.row(a),
+                               v = mesh.nodes.row(cell[2]) - mesh.nodes.row(a),
+                               w = mesh.nodes.row(cell[3]) - mesh.nodes.row(a);
+      Eigen::Matrix3d m;
+      m << u, v, w;
+      if (m.determinant() < 0) std::swap(cell[2], cell[3]);
+      cells.push_back(cell);
+    }
+  mesh.cells.resize(static_cast<Eigen::Index>(cells.size()), 4);
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (int k = 0; k < 4; ++k) mesh.cells(static_cast<Eigen::Index>(c), k) = cells[c][k];
+  mesh.surface = boundary_triangles(mesh.cells);
+  mesh.groups["corners"] = {0, 2, 6, 8};
+  return mesh;
 }
 
 /// Two tetrahedra on a common face, in .msh 2.2; `cells` are the lines of the elements.

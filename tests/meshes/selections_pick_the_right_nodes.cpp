@@ -1,7 +1,5 @@
 // Claim: each selector selects the nodes of its definition, including those exactly on its boundary. Impossible
-// selections are refused with file and line. The body is a 3 x 3 x 3 grid of nodes with spacing 1, numbered along x
-// first.
-#include <Eigen/LU>
+// selections are refused with file and line.
 #include <algorithm>
 #include <phynness/meshes/patch_warnings.hpp>
 
@@ -12,35 +10,6 @@ namespace {
 
 using Nodes = std::vector<std::int32_t>;
 constexpr std::int32_t center = 13;
-
-Mesh grid() {
-  Mesh mesh;
-  mesh.nodes.resize(27, 3);
-  for (int i = 0; i < 27; ++i) {
-    const int x = i % 3, y = i / 3 % 3, z = i / 9;
-    mesh.nodes.row(i) << x, y, z;
-  }
-  const int paths[6][2] = {{1, 3}, {1, 9}, {3, 1}, {3, 9}, {9, 1}, {9, 3}};  // Kuhn's six tetrahedra of a cube
-  std::vector<std::array<int, 4>> cells;
-  for (int c = 0; c < 8; ++c)
-    for (const auto& [p, q] : paths) {
-      const int a = c % 2 + 3 * (c / 2 % 2) + 9 * (c / 4);
-      std::array<int, 4> cell{a, a + p, a + p + q, a + 13};
-      const Eigen::RowVector3d u = mesh.nodes.row(cell[1]) - mesh.nodes.row(a),
-                               v = mesh.nodes.row(cell[2]) - mesh.nodes.row(a),
-                               w = mesh.nodes.row(cell[3]) - mesh.nodes.row(a);
-      Eigen::Matrix3d m;
-      m << u, v, w;
-      if (m.determinant() < 0) std::swap(cell[2], cell[3]);
-      cells.push_back(cell);
-    }
-  mesh.cells.resize(static_cast<Eigen::Index>(cells.size()), 4);
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    for (int k = 0; k < 4; ++k) mesh.cells(static_cast<Eigen::Index>(c), k) = cells[c][k];
-  mesh.surface = boundary_triangles(mesh.cells);
-  mesh.groups["corners"] = {0, 2, 6, 8};
-  return mesh;
-}
 
 /// [nodes] with these selections, of which each stands on a line of its own: 4, 5 and 6.
 Scene scene_with(const std::string& output, const std::string& active = "\"free-surface\"") {

@@ -183,6 +183,9 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
     file.write_attribute(name, "name", group);
   }
 
+  if (!mesh.regions.empty())
+    write_list(file, path::regions, mesh.regions, "of each cell: 0 = [material], i + 1 = the i-th [[region]] from 0");
+
   file.create_group("/sets");
   write_list(file, path::fixed, header.sets.fixed, "node numbers where u = 0");
   write_list(file, path::active, header.sets.active, "node numbers that are probed; axis A of the responses");
@@ -243,6 +246,12 @@ DatabaseHeader read_header(const hdf5::File& file) {
     const auto group = file.read_text_attribute(name, "name");
     if (!header.mesh.groups.emplace(group, read_list<std::int32_t>(file, name)).second)
       file.refuse("two groups have the same name", group);
+  }
+
+  if (file.exists(path::regions)) {
+    header.mesh.regions = read_list<std::uint8_t>(file, path::regions);
+    if (std::ssize(header.mesh.regions) != header.mesh.cells.rows())
+      file.refuse("/mesh/regions does not have a number for each cell", std::to_string(header.mesh.regions.size()));
   }
 
   header.sets.fixed = read_list<std::int32_t>(file, path::fixed);

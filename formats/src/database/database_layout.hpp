@@ -15,6 +15,7 @@ inline constexpr const char* nodes = "/mesh/nodes";
 inline constexpr const char* cells = "/mesh/cells";
 inline constexpr const char* surface = "/mesh/surface";
 inline constexpr const char* groups = "/mesh/groups";
+inline constexpr const char* regions = "/mesh/regions";
 inline constexpr const char* fixed = "/sets/fixed";
 inline constexpr const char* active = "/sets/active";
 inline constexpr const char* output = "/sets/output";

@@ -48,6 +48,7 @@ struct Type {
 inline Type type_of(double) { return {H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, H5T_IEEE_F32LE, "float64 or float32"}; }
 inline Type type_of(float) { return {H5T_NATIVE_FLOAT, H5T_IEEE_F32LE, H5T_IEEE_F32LE, "float32"}; }
 inline Type type_of(std::int8_t) { return {H5T_NATIVE_INT8, H5T_STD_I8LE, H5T_STD_I8LE, "int8"}; }
+inline Type type_of(std::uint8_t) { return {H5T_NATIVE_UINT8, H5T_STD_U8LE, H5T_STD_U8LE, "uint8"}; }
 inline Type type_of(std::int32_t) { return {H5T_NATIVE_INT32, H5T_STD_I32LE, H5T_STD_I32LE, "int32"}; }
 inline Type type_of(std::int64_t) { return {H5T_NATIVE_INT64, H5T_STD_I64LE, H5T_STD_I32LE, "int64 or int32"}; }
 /// Stored as its code.

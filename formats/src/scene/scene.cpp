@@ -1,4 +1,5 @@
 // Reads a scene: the keys of each section and the checks across them; warnings and notes.
+#include <algorithm>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/printable.hpp>
@@ -26,7 +27,27 @@ sd::SceneTable section_of(const sd::SceneTable& top, const char* name, const std
   return {*table, name, source_name};
 }
 
+/// The tables of [[region]].
+std::vector<sd::SceneTable> regions_of(const sd::SceneTable& top, const std::string& source_name) {
+  std::vector<sd::SceneTable> tables;
+  const auto* node = top.find("region");
+  const auto* list = node ? node->as_array() : nullptr;
+  if (node && !list) top.reject("region", "must be an array of tables", "write [[region]] on a separate line");
+  for (std::size_t i = 0; list && i < list->size(); ++i) {
+    const auto* table = (*list)[i].as_table();
+    if (!table) top.reject("region", "must be an array of tables", "write [[region]] on a separate line");
+    tables.emplace_back(*table, "region", source_name);
+  }
+  return tables;
+}
+
 }  // namespace
+
+std::vector<const Material*> materials(const Scene& scene) {
+  std::vector<const Material*> all{&scene.material};
+  for (const Region& region : scene.regions) all.push_back(&region.material);
+  return all;
+}
 
 Scene parse_scene(const std::string& text, const std::string& source_name, const std::filesystem::path& folder,
                   MeshFile mesh_file) {
@@ -38,6 +59,7 @@ Scene parse_scene(const std::string& text, const std::string& source_name, const
   const auto mesh = section("mesh"), material = section("material"), solver = section("solver");
   const auto nodes = section("nodes"), probe = section("probe"), database = section("database");
   const auto training = section("training"), validation = section("validation");
+  const auto regions = regions_of(top, source_name);
 
   Scene scene;
   scene.text = text;
@@ -47,6 +69,13 @@ Scene parse_scene(const std::string& text, const std::string& source_name, const
   sd::check_mesh(mesh, folder, mesh_file, scene.mesh);
   material.read_into(scene);
   sd::check_material(material, scene);
+  for (const auto& region : regions) {
+    scene.regions.emplace_back();
+    region.read_into(scene);
+    sd::check_region(region, scene);
+    scene.regions.back().material = sd::parse_material(region, material, scene.material.law);
+    scene.regions.back().where = region.where();
+  }
   solver.read_into(scene);
   nodes.read_into(scene);
   sd::check_nodes(nodes, scene);
@@ -94,14 +123,21 @@ std::vector<std::string> scene_notes(const Scene& scene) {
                     ": the scene does not name a kind of probe, so that single nodes are displaced. The force at a "
                     "single node does "
                     "not converge under mesh refinement; with kind = \"patch\" and tool_radius_m it does");
-  const Material& m = scene.material;
-  if (m.d1_given)
-    notes.push_back(m.where.str() +
-                    ": K = 1/D1 here, and 2/D1 in Abaqus and CalculiX: halve their D1, or give bulk_modulus_Pa");
-  if (m.bulk_modulus_Pa < m.shear_modulus_Pa)
-    notes.push_back(m.where.str() + ": K/mu = " + number_text(m.bulk_to_shear(), std::chars_format::general, 3) +
-                    " is below 1, nu = " + number_text(m.poisson_ratio(), std::chars_format::fixed, 2) +
-                    ": are K and mu exchanged?");
+  const auto short_text = [](double value) { return number_text(value, std::chars_format::general, 3); };
+  double softest = scene.material.shear_modulus_Pa, stiffest = softest;
+  for (const Material* m : materials(scene)) {
+    if (m->d1_given)
+      notes.push_back(m->where.str() +
+                      ": K = 1/D1 here, and 2/D1 in Abaqus and CalculiX: halve their D1, or give bulk_modulus_Pa");
+    if (m->bulk_modulus_Pa < m->shear_modulus_Pa)
+      notes.push_back(m->where.str() + ": K/mu = " + short_text(m->bulk_to_shear()) + " is below 1, nu = " +
+                      number_text(m->poisson_ratio(), std::chars_format::fixed, 2) + ": are K and mu exchanged?");
+    softest = std::min(softest, m->shear_modulus_Pa), stiffest = std::max(stiffest, m->shear_modulus_Pa);
+  }
+  if (stiffest > largest_measured_ratio * softest)
+    notes.push_back(scene.regions.front().where.str() + ": shear moduli of regions differ by a factor of " +
+                    short_text(stiffest / softest) + ", and elements were measured up to " +
+                    short_text(largest_measured_ratio) + ": compare with `phynness check` before forces are believed");
   return notes;
 }
 

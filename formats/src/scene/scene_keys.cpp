@@ -49,8 +49,9 @@ const std::vector<Table>& tables() {
         list.push_back({std::string(key.section), {}});
       }
       list.back().keys.push_back(key.name);
-      if (key.name == "law") add_numbers_of_laws(list.back().keys);
     }
+    for (auto& table : list)
+      if (table.name == "material" || table.name == "region") add_numbers_of_laws(table.keys);
     add_selectors(list);
     return list;
   }();
@@ -133,9 +134,9 @@ std::string remedy_for_unknown_key(std::string_view table, std::string_view key)
     if (key.starts_with(stem) && key.size() > stem.size() && key[stem.size()] == '_' && key.size() <= stem.size() + 5)
       return "values are in SI units: write " + std::string(candidate) + " and convert the value";
   }
-  if (table == "material" || key.starts_with("region") || key.starts_with("material"))
+  if (table == "material" || key.starts_with("material"))
     if (nearest(key, known).empty())
-      return "remove it: a body has one material, the same everywhere, elastic and isotropic, without mass" +
+      return "remove it: materials are elastic and isotropic, without mass; [[region]] gives a part another one" +
              (table == "material" ? "; keys are " + listed(known, " and ") : "");
   if (const auto near = nearest(key, known); !near.empty()) return "did you mean " + std::string(near) + "?";
   for (const auto& other : tables())
@@ -215,26 +216,32 @@ std::string shape_table() {
          scene_detail::shortest(drain.slit_width_m) + ".\n";
 }
 
-std::string line(const Scene& scene, const scene_detail::SceneKey& key) {
-  return std::string(key.section).append(".").append(key.name).append(" = ").append(key.text(scene)).append("\n");
+/// The keys that are hashed, or those that are not: one "key = value" per line, those of regions with their number.
+std::string lines_of(const Scene& scene, bool hashed) {
+  std::string lines;
+  const auto add = [&](const std::string& section, const auto& key, const std::string& text) {
+    lines.append(section).append(".").append(key).append(" = ").append(text).append("\n");
+  };
+  for (const auto& key : scene_detail::key_rows())
+    if (key.is_hashed == hashed && !key.section.empty() && key.section != "region")
+      add(std::string(key.section), key.name, key.text(scene));
+  for (std::size_t i = 0; i < scene.regions.size(); ++i) {
+    const std::string section = "region " + std::to_string(i + 1);
+    Scene one;
+    one.regions = {scene.regions[i]};
+    for (const auto& key : scene_detail::key_rows())
+      if (key.is_hashed == hashed && key.section == "region") add(section, key.name, key.text(one));
+    const Material& m = scene.regions[i].material;
+    for (std::size_t p = 0; hashed && p < m.parameters.size(); ++p)
+      add(section, m.law->parameters[p].key, scene_detail::shortest(m.parameters[p]));
+  }
+  return lines;
 }
 
 }  // namespace
 
-std::string physics_summary(const Scene& scene) {
-  std::string lines;
-  for (const auto& key : scene_detail::key_rows())
-    if (key.is_hashed) lines += line(scene, key);
-  return lines;
-}
-
-std::string other_settings(const Scene& scene) {
-  std::string lines;
-  for (const auto& key : scene_detail::key_rows())
-    if (!key.is_hashed && !key.section.empty()) lines += line(scene, key);
-  return lines;
-}
-
+std::string physics_summary(const Scene& scene) { return lines_of(scene, true); }
+std::string other_settings(const Scene& scene) { return lines_of(scene, false); }
 std::string physics_hash(const Scene& scene) { return hash_of(physics_summary(scene)); }
 
 std::string scene_key_tables() {

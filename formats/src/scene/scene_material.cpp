@@ -52,10 +52,15 @@ std::string with_values(const SceneTable& table, const std::vector<std::string_v
   return text.empty() ? "no parameter is given" : text;
 }
 
-const LawSet& the_accepted_set(const SceneTable& table, Law law) {
+std::vector<std::string_view> numbers_in(const SceneTable& table) {
   std::vector<std::string_view> given;
   for (auto key : keys_of("material"))
     if (key != "law" && table.has(key)) given.push_back(key);
+  return given;
+}
+
+const LawSet& the_accepted_set(const SceneTable& table, Law law) {
+  const auto given = numbers_in(table);
   const auto is_given = [&](const LawSet& set) {
     return std::all_of(set.given.begin(), set.given.end(), [&](const auto& q) { return table.has(q.key); });
   };
@@ -72,27 +77,47 @@ const LawSet& the_accepted_set(const SceneTable& table, Law law) {
          "give exactly one of these sets: " + choices_of(law));
 }
 
-}  // namespace
-
-Material parse_material(const SceneTable& table) {
-  const auto law = table.choice<Law>("law", choices(laws()));
-  const LawSet& set = the_accepted_set(table, *law);
+/// @param otherwise  has the numbers of the set that `table` lacks
+Material read_numbers(const SceneTable& table, const SceneTable& otherwise, Law law, const LawSet& set) {
+  const auto holder = [&](std::string_view key) -> const SceneTable& { return table.has(key) ? table : otherwise; };
   std::vector<double> given;
   if (const auto* d1 = table.find("d1_per_Pa"); d1 && d1->value<double>() == 0.0)
     table.reject("d1_per_Pa", "must be greater than 0, because K is 1/D1",
                  "give bulk_modulus_Pa = 100 to 1,000 times mu in its place");
-  for (const auto& q : set.given) given.push_back(*table.number(q.key, {q.low, q.high, q.low_open, q.high_open}));
+  for (const auto& q : set.given)
+    given.push_back(*holder(q.key).number(q.key, {q.low, q.high, q.low_open, q.high_open}));
   for (const auto& bound : set.bounds) {
+    const auto& key = set.given[static_cast<std::size_t>(bound.given)].key;
     const double value = given[static_cast<std::size_t>(bound.given)], limit = bound.value(given.data());
     if (bound.greater ? value > limit : value < limit) continue;
-    table.reject(
-        set.given[static_cast<std::size_t>(bound.given)].key, bound.what,
+    holder(key).reject(
+        key, bound.what,
         std::string(bound.remedy) + " it must be " + (bound.greater ? "greater" : "less") + " than " + shortest(limit));
   }
-  Material m = converted(*law, set, given);
+  Material m = converted(law, set, given);
   m.d1_given = table.has("d1_per_Pa");
   m.where = table.where();
   return m;
+}
+
+}  // namespace
+
+Material parse_material(const SceneTable& table) {
+  const Law law = *table.choice<Law>("law", choices(laws()));
+  return read_numbers(table, table, law, the_accepted_set(table, law));
+}
+
+Material parse_material(const SceneTable& region, const SceneTable& body, Law law) {
+  const LawSet& of_body = the_accepted_set(body, law);
+  const auto is_of_body = [&](std::string_view key) {
+    return std::ranges::any_of(of_body.given, [&](const auto& q) { return q.key == key; });
+  };
+  const auto given = numbers_in(region);
+  if (given.empty())
+    region.missing(of_body.given.front().key, ", and so is every other parameter of law " + std::string(law->name),
+                   "give what is different from [material]: " + choices_of(law));
+  const bool some = std::ranges::all_of(given, is_of_body);
+  return read_numbers(region, body, law, some ? of_body : the_accepted_set(region, law));
 }
 
 void check_material(const SceneTable& table, const Scene& scene) {

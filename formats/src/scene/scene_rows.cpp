@@ -113,6 +113,17 @@ Keys equilibrium_keys() {
       nodes("output", &Scene::output, Nodes{}, hashed, "nodes whose displacement is stored and modelled")};
 }
 
+/// The numbers of a region's material are keys of the laws.
+Keys region_keys() {
+  const Section region{"region", [](auto& scene) -> decltype(auto) { return (scene.regions.back()); }};
+  return {region("name", &Region::name, Text{}, not_hashed, "required; in messages and reports"),
+          region("cells", &Region::cells, CellsOfRegion{}, hashed,
+                 "required: a selector of places, by the centroids of cells; `group`, by a group of the mesh file's "
+                 "cells; or `near`, cells within `distance_m` of selected nodes"),
+          region("order", &Region::order, Integer{-1000, 1000}, hashed,
+                 "where regions overlap, the one with the highest order counts; equal orders are refused")};
+}
+
 Keys probe_keys() {
   const auto probe = section("probe", &Scene::probe);
   return {
@@ -220,8 +231,8 @@ Keys validation_keys() {
 const std::vector<SceneKey>& key_rows() {
   static const Keys rows = [] {
     Keys all{Section{"", whole_scene}("title", &Scene::title, Text{}, not_hashed, "free text")};
-    for (const auto& section :
-         {mesh_keys(), equilibrium_keys(), probe_keys(), database_keys(), training_keys(), validation_keys()})
+    for (const auto& section : {mesh_keys(), equilibrium_keys(), region_keys(), probe_keys(), database_keys(),
+                                training_keys(), validation_keys()})
       all.insert(all.end(), section.begin(), section.end());
     return all;
   }();

@@ -43,8 +43,8 @@ void refuse_nodes_of_file(const SceneTable& nodes, const toml::node& selection) 
     for (const auto& [key, value] : *table) {
       if (key == "group" || key == "nodes")
         refuse(nodes.where(value),
-               "[nodes] selects by " + std::string(key.str()) + ", but [mesh] remesh = true " +
-                   "replaces the nodes of the file",
+               nodes.label("") + "selects by " + std::string(key.str()) + ", but [mesh] remesh = true " +
+                   "replaces the nodes and cells of the file",
                shown(value), "select by places (box, sphere, plane, nearest), or remove remesh");
       refuse_nodes_of_file(nodes, value);
     }
@@ -138,11 +138,31 @@ void check_solver(const SceneTable& table, Scene& scene) {
                  "write element = \"shell\", or remove mesh.thickness_m");
   if (!shell && spec.element->is_shell)
     table.reject("element", "is an element for shells, but [mesh] has no thickness_m", "add thickness_m to [mesh]");
-  if (spec.element->mixed && !(scene.material.lame_lambda_Pa > 0))
-    refuse(table.where("element"),
-           std::string("element ") + phynness::name(spec.element) + " needs a positive Lame parameter lambda",
-           "lambda = " + shortest(scene.material.lame_lambda_Pa) + " Pa",
-           "use element = \"P1\" or \"P2\", which do not lock with such a compressible material");
+  for (const Material* material : materials(scene))
+    if (spec.element->mixed && !(material->lame_lambda_Pa > 0))
+      refuse(table.where("element"),
+             std::string("element ") + phynness::name(spec.element) + " needs a positive Lame parameter lambda",
+             "lambda = " + shortest(material->lame_lambda_Pa) + " Pa of the material at line " +
+                 std::to_string(material->where.line),
+             "use element = \"P1\" or \"P2\", which do not lock with such a compressible material");
+}
+
+void check_region(const SceneTable& table, const Scene& scene) {
+  const Region& region = scene.regions.back();
+  if (scene.mesh.remesh && table.has("cells")) refuse_nodes_of_file(table, *table.find("cells"));
+  for (const char* key : {"name", "cells"})
+    if (!table.has(key))
+      table.missing(key, "", "add name = \"nodule\" and cells = { sphere = { center_m = [...], radius_m = ... } }");
+  if (region.name.empty()) table.reject("name", "is empty", "give a name, such as \"nodule\"");
+  for (const Region& other : scene.regions)
+    if (&other != &region && other.name == region.name)
+      table.reject("name", "is that of another region, at line " + std::to_string(other.where.line),
+                   "give each region a name of its own");
+  if (scene.regions.size() > 255)
+    table.reject("name", "is that of region 256, and a scene has at most 255", "select several parts in one region");
+  if (scene.mesh.thickness_m > 0)
+    refuse(table.where(), "regions are only available for solids, but [mesh] is the midsurface of a shell",
+           "[[region]] " + region.name, "remove the region");
 }
 
 void check_nodes(const SceneTable& table, Scene& scene) {

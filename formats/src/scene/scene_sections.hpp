@@ -12,8 +12,13 @@ inline constexpr Range shape_length{1e-9, 1e3};
 
 /// [material] law and its numbers.
 Material parse_material(const SceneTable& table);
+/// That of a region: the body's law, with the numbers that the region gives.
+/// @param body  [material]
+Material parse_material(const SceneTable& region, const SceneTable& body, Law law);
 /// The selection under `key` of [nodes].
 Selection parse_selection(const SceneTable& nodes, std::string_view key);
+/// The selection of cells under `key` of [[region]].
+Selection parse_cells(const SceneTable& region, std::string_view key);
 /// [probe] directions, an integer or text.
 Directions parse_directions(const SceneTable& probe);
 /// [database] fields, in the order of enum Field.
@@ -24,6 +29,8 @@ void check_mesh(const SceneTable& table, const std::filesystem::path& folder, Me
 /// Refuses a law for which the condition of zero stress across the wall of a shell is not implemented, or not accurate
 /// enough with these moduli.
 void check_material(const SceneTable& table, const Scene& scene);
+/// @param table  the section of scene.regions.back()
+void check_region(const SceneTable& table, const Scene& scene);
 void check_solver(const SceneTable& table, Scene& scene);
 void check_nodes(const SceneTable& table, Scene& scene);
 void check_probe(const SceneTable& table, ProbeSpec& spec);

@@ -94,7 +94,27 @@ void check_fixed(const Selector& selector) {
            "fix a part of the body only");
 }
 
+/// Cells are in a place, or in a group of the file.
+void check_cells(const Selector& s) {
+  using enum SelectorKind;
+  const bool combined = s.kind == intersection || s.kind == difference || s.kind == complement;
+  const bool place =
+      s.kind == box || s.kind == sphere || s.kind == ellipsoid || s.kind == plane || s.kind == half_space;
+  if (s.surface_only || !(combined || place || s.kind == group || s.kind == all || s.kind == near))
+    refuse(s.where, "[[region]] cells selects nodes, but a region is made of cells", s.description,
+           "select a place or a group, or write { near = { to = ..., distance_m = ... } }, which is all cells within a "
+           "distance of nodes");
+  if (combined)
+    for (const Selection& part : s.of) std::ranges::for_each(part, check_cells);
+}
+
 }  // namespace
+
+Selection parse_cells(const SceneTable& region, std::string_view key) {
+  Selection selection = parse_selection(*region.find(key), region, key);
+  std::ranges::for_each(selection, check_cells);
+  return selection;
+}
 
 Selection parse_selection(const toml::node& node, const SceneTable& holder, std::string_view key) {
   Selection selection;

@@ -115,6 +115,13 @@ struct Nodes : AnyValue {
   std::string text(const Selection& selection) const { return selection_text(selection); }
 };
 
+/// Of [[region]]; the empty selection of a default region is no default.
+struct CellsOfRegion : AnyValue {
+  static constexpr const char* type = "selection";
+  Selection read(const SceneTable& table, std::string_view key) const { return parse_cells(table, key); }
+  std::string text(const Selection& selection) const { return selection_text(selection); }
+};
+
 struct FieldNames : AnyValue {
   static constexpr const char* type = "array of text";
   std::vector<Field> read(const SceneTable& table, std::string_view) const { return parse_fields(table); }

@@ -70,6 +70,15 @@ void read_sphere(const SceneTable& table, std::string_view, Selector& s) {
   s.description = "sphere at " + shown_point(s) + ", radius " + length_text(*radius);
 }
 
+void read_ellipsoid(const SceneTable& table, std::string_view, Selector& s) {
+  const auto center = read_point(table, "center", s);
+  const auto radii = table.vector("radii_m", length);
+  if (!radii) table.missing("radii_m", "", "add radii_m = [x, y, z], half of its lengths along the axes, in metres");
+  s.other = *radii;
+  s.text = "ellipsoid { " + center + ", radii_m = " + exact_text(*radii) + " }";
+  s.description = "ellipsoid at " + shown_point(s) + ", radii " + shown_text(*radii) + " m";
+}
+
 void read_plane(const SceneTable& table, std::string_view, Selector& s) {
   const auto point = read_point(table, "point", s);
   read_normal(table, s);
@@ -181,6 +190,7 @@ const std::vector<SelectorRow>& selector_rows() {
   static const std::vector<SelectorRow> rows = {
       {"box", Kind::box, table, {"min_m", "max_m", "min_fraction", "max_fraction"}, read_box},
       {"sphere", Kind::sphere, table, {"center_m", "center_fraction", "radius_m"}, read_sphere},
+      {"ellipsoid", Kind::ellipsoid, table, {"center_m", "center_fraction", "radii_m"}, read_ellipsoid},
       {"plane", Kind::plane, table, {"point_m", "point_fraction", "normal", "tolerance_m"}, read_plane},
       {"half_space", Kind::half_space, table, {"point_m", "point_fraction", "normal"}, read_half_space},
       {"group", Kind::group, value, {}, read_group},

@@ -1,4 +1,4 @@
-// Nodes of a selection: the union of the nodes of its selectors.
+// Nodes of a selection, or points in cells: the union of those of its selectors.
 #include "probes/select_nodes.hpp"
 
 #include <algorithm>
@@ -34,41 +34,48 @@ Vector place(const Selector& s, const SelectableBody& body, const Vec3& point) {
 }
 
 bool is_region(const Selector& s) {
-  return s.kind == box || s.kind == sphere || s.kind == plane || s.kind == half_space;
+  return s.kind == box || s.kind == sphere || s.kind == ellipsoid || s.kind == plane || s.kind == half_space;
 }
 /// How far a point lies outside of a region [m]; 0 inside.
 double outside(const Selector& s, const SelectableBody& body, const Vector& x) {
   const Vector p = place(s, body, s.point);
   if (s.kind == box) return (p - x).cwiseMax(x - place(s, body, s.other)).cwiseMax(0).norm();
   if (s.kind == sphere) return std::max((x - p).norm() - s.length_m, 0.0);
+  if (s.kind == ellipsoid) {  // along the line to the middle
+    const double scaled = (x - p).cwiseQuotient(to_eigen(s.other).transpose()).norm();
+    return scaled > 1 ? (x - p).norm() * (1 - 1 / scaled) : 0;
+  }
   const double above = (x - p).dot(Vector(to_eigen(s.other).transpose().normalized()));
   return std::max(s.kind == plane ? std::abs(above) - s.length_m : above, 0.0);
 }
 
-/// The `candidates`, in their order, within `distance` of one of `targets`.
-NodeList near_nodes(const Points& nodes, const NodeList& candidates, NodeList targets, double distance) {
+/// The `candidates` among `points`, in their order, within `distance` of one of `targets`, which are nodes.
+NodeList near_nodes(const Points& points, const NodeList& candidates, const Points& nodes, NodeList targets,
+                    double distance) {
   std::sort(targets.begin(), targets.end(), [&](auto a, auto b) { return nodes(a, 0) < nodes(b, 0); });
   NodeList near;
   for (const std::int32_t i : candidates) {
     // Only targets with an x within the distance can be near.
-    auto t = std::lower_bound(targets.begin(), targets.end(), nodes(i, 0),
+    auto t = std::lower_bound(targets.begin(), targets.end(), points(i, 0),
                               [&](std::int32_t target, double x) { return x - nodes(target, 0) > distance; });
-    while (t != targets.end() && nodes(*t, 0) - nodes(i, 0) <= distance &&
-           (nodes.row(*t) - nodes.row(i)).norm() > distance)
+    while (t != targets.end() && nodes(*t, 0) - points(i, 0) <= distance &&
+           (nodes.row(*t) - points.row(i)).norm() > distance)
       ++t;
-    if (t != targets.end() && nodes(*t, 0) - nodes(i, 0) <= distance) near.push_back(i);
+    if (t != targets.end() && nodes(*t, 0) - points(i, 0) <= distance) near.push_back(i);
   }
   return near;
 }
 
 const NodeList& group_of(const Selector& s, const SelectableBody& body, const Wanted& wanted) {
-  const auto& groups = body.mesh.groups;
+  const auto& groups = body.in_cell ? body.mesh.cell_groups : body.mesh.groups;
   if (const auto found = groups.find(s.group); found != groups.end()) return found->second;
   std::string names;
   for (const auto& [known, nodes] : groups) names += (names.empty() ? "'" : ", '") + known + "'";
-  throw input_error(wanted.place + "the mesh has no physical group for the " + wanted.nodes, s.group,
-                    names.empty() ? "the mesh has no groups: select by box, sphere or plane"
-                                  : "use one of the groups of the mesh: " + names);
+  const char* of_cells = body.in_cell ? " of cells" : "";
+  throw input_error(wanted.place + "the mesh has no physical group" + of_cells + " for the " + wanted.nodes, s.group,
+                    names.empty()
+                        ? std::string("the mesh has no groups") + of_cells + ": select by box, sphere or plane"
+                        : "use one of the groups of the mesh: " + names);
 }
 
 const NodeList& checked_nodes(const Selector& s, const SelectableBody& body, const Wanted& wanted) {
@@ -117,13 +124,17 @@ NodeList pick(const Selector& s, const SelectableBody& body, const NodeList& can
   switch (s.kind) {
     case box:
     case sphere:
+    case ellipsoid:
     case plane:
     case half_space:
       for (const auto i : candidates)
-        if (outside(s, body, body.mesh.nodes.row(i)) <= body.slack_m) nodes.push_back(i);
+        if (outside(s, body, body.points->row(i)) <= body.slack_m) nodes.push_back(i);
       return nodes;
     case group:
-      return group_of(s, body, wanted);
+      if (!body.in_cell) return group_of(s, body, wanted);
+      for (const NodeList& cells = group_of(s, body, wanted); const auto i : candidates)
+        if (std::ranges::binary_search(cells, (*body.in_cell)[static_cast<std::size_t>(i)])) nodes.push_back(i);
+      return nodes;
     case SelectorKind::nodes:
       return checked_nodes(s, body, wanted);
     case nearest:
@@ -149,7 +160,9 @@ NodeList pick(const Selector& s, const SelectableBody& body, const NodeList& can
     case complement:
       return without(candidates, part(0));
     case near:
-      return near_nodes(body.mesh.nodes, candidates, part(0), s.length_m + body.slack_m);
+      return near_nodes(*body.points, candidates, body.mesh.nodes,
+                        select_nodes(s.of[0], body.of_nodes ? *body.of_nodes : body, wanted),
+                        s.length_m + body.slack_m);
     case spread:
       return spread_points(s, body, wanted);
   }
@@ -157,14 +170,15 @@ NodeList pick(const Selector& s, const SelectableBody& body, const NodeList& can
 }
 
 std::string nearest_of_surface(const Selector& s, const SelectableBody& body) {
-  const auto distance = [&](std::int32_t i) { return outside(s, body, body.mesh.nodes.row(i)); };
-  const auto node = *std::ranges::min_element(body.surface, {}, distance);
-  Vector x = body.mesh.nodes.row(node);
+  const auto distance = [&](std::int32_t i) { return outside(s, body, body.points->row(i)); };
+  const auto node = *std::ranges::min_element(body.in_cell ? body.every_node : body.surface, {}, distance);
+  Vector x = body.points->row(node);
   const Vector size = body.high - body.low;
   for (int k = 0; s.in_fractions && k < 3; ++k) x(k) = size(k) > 0 ? (x(k) - body.low(k)) / size(k) : 0;
-  return "the nearest node of the surface is " + std::to_string(node) + " at " + shown_text({x(0), x(1), x(2)}) +
+  return (body.in_cell ? "the middle of the nearest cell, " : "the nearest node of the surface is ") +
+         std::to_string(node) + (body.in_cell ? ", is at " : " at ") + shown_text({x(0), x(1), x(2)}) +
          (s.in_fractions ? " (fractions of the bounding box), " : " m, ") + length_text(distance(node)) +
-         " outside of it: move or widen it so far";
+         " outside of it: move or widen it so far" + (body.in_cell ? ", or give smaller cells" : "");
 }
 
 /// What to do if a selector selects no node of this body.
@@ -190,11 +204,19 @@ std::string remedy_if_empty(const Selector& s, const SelectableBody& body, const
 
 SelectableBody::SelectableBody(const Mesh& of)
     : mesh(of),
+      points(&of.nodes),
       every_node(static_cast<std::size_t>(of.n_nodes())),
       surface(surface_nodes(of.surface)),
       low(of.nodes.colwise().minCoeff()),
       high(of.nodes.colwise().maxCoeff()),
       slack_m(on_the_border * (high - low).norm()) {
+  std::iota(every_node.begin(), every_node.end(), 0);
+}
+
+SelectableBody::SelectableBody(const SelectableBody& nodes, const Points& of, const NodeList& cells)
+    : SelectableBody(nodes) {
+  points = &of, of_nodes = &nodes, in_cell = &cells;
+  every_node.resize(cells.size());
   std::iota(every_node.begin(), every_node.end(), 0);
 }
 
@@ -210,9 +232,11 @@ NodeList select_nodes(const Selection& selection, const SelectableBody& body, co
       if (const auto inside = s.surface_only ? pick(s, body, body.every_node, own).size() : 0; inside > 0)
         remedy = "remove surface_only for the " + std::to_string(inside) +
                  " nodes that it selects inside the body; otherwise " + remedy;
-      throw input_error(own.place + "a selector of the " + own.nodes + " selects no node", s.description,
-                        remedy + "; the mesh reaches from " + shown_text({body.low(0), body.low(1), body.low(2)}) +
-                            " to " + shown_text({body.high(0), body.high(1), body.high(2)}) + " m");
+      throw input_error(
+          own.place + "a selector of the " + own.nodes + " selects no " + (body.in_cell ? "cell" : "node"),
+          s.description,
+          remedy + "; the mesh reaches from " + shown_text({body.low(0), body.low(1), body.low(2)}) + " to " +
+              shown_text({body.high(0), body.high(1), body.high(2)}) + " m");
     }
     nodes.insert(nodes.end(), more.begin(), more.end());
   }
@@ -223,7 +247,8 @@ NodeList select_nodes(const Selection& selection, const SelectableBody& body, co
 NodeList nodes_to_spread_over(const Selector& s, const SelectableBody& body, const Wanted& wanted) {
   const NodeList on_surface = common(select_nodes(s.of[0], body, wanted), body.surface);
   if (!(s.from_fixed_m > 0)) return on_surface;
-  return without(on_surface, near_nodes(body.mesh.nodes, on_surface, body.fixed, s.from_fixed_m - body.slack_m));
+  const Points& nodes = body.mesh.nodes;
+  return without(on_surface, near_nodes(nodes, on_surface, nodes, body.fixed, s.from_fixed_m - body.slack_m));
 }
 
 }  // namespace phynness::meshes

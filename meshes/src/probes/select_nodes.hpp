@@ -1,4 +1,4 @@
-// Nodes of a selection on a body.
+// Nodes and cells of a selection on a body.
 #pragma once
 
 #include <phynness/formats/mesh.hpp>
@@ -11,8 +11,14 @@ namespace phynness::meshes {
 struct SelectableBody {
   /// Initially no node is fixed. @pre the mesh has a node and outlives this object
   explicit SelectableBody(const Mesh& mesh);
+  /// Points in cells instead of nodes, for selections of cells: their numbers are those of `points`.
+  /// @param in_cell  the cell of each point; all three outlive this object
+  SelectableBody(const SelectableBody& nodes, const Points& points, const NodeList& in_cell);
 
   const Mesh& mesh;
+  const Points* points;                      ///< the nodes, or points in cells
+  const SelectableBody* of_nodes = nullptr;  ///< with points in cells: the nodes of the body
+  const NodeList* in_cell = nullptr;
   NodeList every_node, surface;  ///< sorted
   NodeList fixed;                ///< sorted; set before selectors that depend on it are applied
   NodeList probed;               ///< sorted: points that a database has, which spread points keep
@@ -23,7 +29,7 @@ struct SelectableBody {
 
 /// For messages.
 struct Wanted {
-  std::string nodes;  ///< "fixed nodes", "active nodes" or "output nodes"
+  std::string nodes;  ///< "fixed nodes", "active nodes", "output nodes" or "cells of region 'nodule'"
   std::string place;  ///< "file.toml:12: " or empty
 };
 

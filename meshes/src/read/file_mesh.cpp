@@ -57,8 +57,8 @@ std::vector<std::int32_t> drop_unused_nodes(RawMesh& raw) {
   raw.nodes.resize(numbers.size());
   raw.file_number = std::move(numbers);
   raw.for_each_corner([&](std::int32_t& node) { node = position[node]; });
+  raw.renumber_groups([&](std::int32_t& node) { node = node < 0 ? node : position[node]; });
   for (auto& [name, nodes] : raw.groups) {
-    for (auto& node : nodes) node = position[node];
     std::erase(nodes, -1);
     if (nodes.empty()) raw.notes.push_back("group '" + name + "' is empty after unused nodes were dropped");
   }
@@ -119,13 +119,10 @@ std::string join_near_nodes(RawMesh& raw, bool repair) {
   if (!repair) return text.str() + ", which mesh.repair = true merges: nearer than a hundredth of the edges there";
   raw.notes.push_back("repair: merged nodes nearer than a hundredth of the edges there: " + text.str());
   const auto merge = [&](std::int32_t& node) {
-    while (first[node] != node) node = first[node];
+    while (node >= 0 && first[node] != node) node = first[node];
   };
   raw.for_each_corner(merge);
-  for (auto& [name, nodes] : raw.groups) {
-    std::for_each(nodes.begin(), nodes.end(), merge);
-    sort_unique(nodes);
-  }
+  raw.renumber_groups(merge);
   drop_unused_nodes(raw);
   return "";
 }

@@ -60,10 +60,7 @@ void weld(RawMesh& raw, bool silently) {
                         " at exactly the place of another one; a slit needs sides that are apart");
   raw.nodes.resize(n);
   raw.for_each_corner([&](std::int32_t& node) { node = place[node]; });
-  for (auto& [name, nodes] : raw.groups) {
-    for (auto& node : nodes) node = place[node];
-    sort_unique(nodes);
-  }
+  raw.renumber_groups([&](std::int32_t& node) { node = place[node]; });
 }
 
 /// Programs write a cell once for each group that holds it.
@@ -100,6 +97,13 @@ void RawMesh::finish(bool welds) {
     notes.push_back("split " + counted(polyhedra.size(), "cell", "cells") + " of 5, 6 or 8 corners into " +
                     std::to_string(tetrahedra.size() - before) + " tetrahedra");
   polyhedra.clear();
+  for (auto& [name, cells] : cell_groups) {
+    std::vector<Tetrahedron> parts;
+    for (const auto& cell : cells)
+      if (cell.size() > 4) split(cell, parts);
+    std::erase_if(cells, [](const auto& cell) { return cell.size() != 4; });
+    for (const auto& part : parts) cells.emplace_back(part.begin(), part.end());
+  }
   drop_repeated(tetrahedra, "repeated cell", "repeated cells", notes);
   drop_repeated(triangles, "repeated triangle", "repeated triangles", notes);
 }

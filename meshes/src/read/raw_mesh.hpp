@@ -24,6 +24,9 @@ struct RawMesh {
   std::vector<Triangle> triangles;
   std::vector<std::vector<std::int32_t>> polyhedra;  ///< hexahedra, wedges and pyramids, until finish() splits them
   std::map<std::string, std::vector<std::int32_t>> groups;  ///< physical groups: name -> sorted nodes
+  /// Physical groups of cells: name -> corners of each cell, by which it is found again when cells are split or
+  /// dropped.
+  std::map<std::string, std::vector<std::vector<std::int32_t>>> cell_groups;
   std::vector<std::string> notes;
   std::vector<std::int32_t> file_number;  ///< position of each node in the file; empty: no node was dropped
 
@@ -41,6 +44,17 @@ struct RawMesh {
     for (auto& cell : tetrahedra) std::for_each(cell.begin(), cell.end(), visit);
     for (auto& triangle : triangles) std::for_each(triangle.begin(), triangle.end(), visit);
     for (auto& cell : polyhedra) std::for_each(cell.begin(), cell.end(), visit);
+  }
+
+  /// Calls visit for each node of each group; the lists of nodes are sorted again.
+  template <class Visit>
+  void renumber_groups(const Visit& visit) {
+    for (auto& [name, group] : groups) {
+      std::for_each(group.begin(), group.end(), visit);
+      sort_unique(group);
+    }
+    for (auto& [name, cells] : cell_groups)
+      for (auto& cell : cells) std::for_each(cell.begin(), cell.end(), visit);
   }
 
   /// What all formats have in common: nodes at the same place become one, other cells are split into tetrahedra, and

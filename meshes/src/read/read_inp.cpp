@@ -256,13 +256,18 @@ class InpFile {
     }
   }
 
-  std::set<std::int32_t> nodes_of_elements(const std::string& name) const {
-    std::set<std::int32_t> nodes;
+  /// The corners of each element of a set.
+  std::vector<std::vector<std::int32_t>> elements_of(const std::string& name) const {
+    std::vector<std::vector<std::int32_t>> elements;
     for_each_of(_element_sets, name, [&](const Set& set) {
       for (const std::int64_t tag : set.numbers)
-        if (const auto found = _elements.find(tag); found != _elements.end())
-          nodes.insert(found->second.begin(), found->second.end());
+        if (const auto found = _elements.find(tag); found != _elements.end()) elements.push_back(found->second);
     });
+    return elements;
+  }
+  std::set<std::int32_t> nodes_of_elements(const std::string& name) const {
+    std::set<std::int32_t> nodes;
+    for (const auto& element : elements_of(name)) nodes.insert(element.begin(), element.end());
     return nodes;
   }
 
@@ -291,6 +296,7 @@ class InpFile {
                              "' holds the nodes of the elements");
       }
       add_group(name, nodes_of_elements(key));
+      _raw.cell_groups[name] = elements_of(key);
     }
   }
 

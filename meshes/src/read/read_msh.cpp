@@ -89,7 +89,10 @@ class MshBuilder {
       _nodes.push_back(found->second);
     }
     for (const std::int64_t group : physical)
-      if (group != 0) append(_groups[{dimension, group}], _nodes);
+      if (group != 0) {
+        append(_groups[{dimension, group}], _nodes);
+        if (dimension == 3) _cells[group].push_back(_nodes);
+      }
     if (dimension == 2 && _nodes.size() <= 4) _raw.add_polygon(_nodes);
     if (dimension == 3 && !_raw.add_cell(_nodes))
       _scanner.fail(
@@ -119,8 +122,9 @@ class MshBuilder {
   }
 
  private:
-  static void append(std::vector<std::int32_t>& list, const std::vector<std::int32_t>& nodes) {
-    list.insert(list.end(), nodes.begin(), nodes.end());
+  template <class T>
+  static void append(std::vector<T>& list, const std::vector<T>& more) {
+    list.insert(list.end(), more.begin(), more.end());
   }
 
   /// Groups by name, or by tag number if the file gives no name. A tag without a name that several dimensions use
@@ -131,7 +135,9 @@ class MshBuilder {
     for (const auto& [key, nodes] : _groups) {
       const auto found = _names.find(key);
       if (found == _names.end()) unnamed[key.second].push_back(key.first);
-      append(_raw.groups[found == _names.end() ? std::to_string(key.second) : found->second], nodes);
+      const std::string name = found == _names.end() ? std::to_string(key.second) : found->second;
+      append(_raw.groups[name], nodes);
+      if (key.first == 3) append(_raw.cell_groups[name], _cells.at(key.second));
     }
     for (const auto& [tag, dimensions] : unnamed) {
       if (dimensions.size() < 2) continue;
@@ -140,6 +146,7 @@ class MshBuilder {
       for (const int dimension : dimensions) {
         const std::string name = std::string(dimension_names[dimension]) + ' ' + std::to_string(tag);
         append(_raw.groups[name], _groups.at({dimension, tag}));
+        if (dimension == 3) _raw.cell_groups[name] = _cells.at(tag);
         note += " '" + name + "'";
       }
       _raw.notes.push_back(note);
@@ -151,6 +158,7 @@ class MshBuilder {
   RawMesh _raw;
   std::map<GroupKey, std::string> _names;
   std::map<GroupKey, std::vector<std::int32_t>> _groups;
+  std::map<std::int64_t, std::vector<std::vector<std::int32_t>>> _cells;  ///< corners, by tag of a volume's group
   std::unordered_map<std::int64_t, std::int32_t> _position;
   std::vector<std::int32_t> _nodes;  // of the present element
 };

@@ -105,6 +105,11 @@ Mesh refined(const Mesh& mesh) {
   split_triangles(mesh.surface, middle, fine.surface);
   fine.groups = mesh.groups;
   for (auto& [name, nodes] : fine.groups) nodes = refined(nodes, edges, mesh.n_nodes());
+  constexpr std::int32_t parts = 8;  // of each tetrahedron, one after the other
+  for (const auto& [name, cells] : mesh.cell_groups)
+    for (const auto cell : cells)
+      for (std::int32_t k = 0; k < parts; ++k) fine.cell_groups[name].push_back(parts * cell + k);
+  for (const auto region : mesh.regions) fine.regions.insert(fine.regions.end(), parts, region);
   return fine;
 }
 

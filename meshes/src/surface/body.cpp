@@ -61,6 +61,25 @@ Triangles surface_of(const RawMesh& raw) {
   return boundary_triangles(Eigen::Map<const Cells>(raw.tetrahedra.front().data(), std::ssize(raw.tetrahedra), 4));
 }
 
+/// The cells of each group, which are found by their corners. Groups without any of them are left out.
+std::map<std::string, std::vector<std::int32_t>> groups_of_cells(const RawMesh& raw) {
+  if (raw.cell_groups.empty()) return {};
+  const auto sorted = [](const auto& cell) {
+    Tetrahedron corners;
+    std::copy(cell.begin(), cell.end(), corners.begin());
+    std::sort(corners.begin(), corners.end());
+    return corners;
+  };
+  std::map<Tetrahedron, std::int32_t> numbers;
+  for (const auto& cell : raw.tetrahedra) numbers.emplace(sorted(cell), static_cast<std::int32_t>(numbers.size()));
+  std::map<std::string, std::vector<std::int32_t>> groups;
+  for (const auto& [name, cells] : raw.cell_groups)
+    for (const auto& cell : cells)
+      if (const auto found = numbers.find(sorted(cell)); found != numbers.end()) groups[name].push_back(found->second);
+  for (auto& [name, cells] : groups) sort_unique(cells);
+  return groups;
+}
+
 /// Where one neighbour divides a face with four corners along one diagonal and the other one along the other, all four
 /// triangles are on the surface of a flat void.
 void require_matching_faces(const RawMesh& raw, const std::string& source) {
@@ -180,6 +199,7 @@ MeshResult checked_body(RawMesh raw, double scale_to_m, bool repair, const std::
   mesh.cells = Eigen::Map<const Cells>(raw.tetrahedra.front().data(), std::ssize(raw.tetrahedra), 4);
   mesh.surface = surface_of(raw);
   mesh.groups = std::move(raw.groups);
+  mesh.cell_groups = groups_of_cells(raw);
   result.notes = std::move(raw.notes);
   if (const std::string touching = describe_defects(surface_topology(mesh.surface), false, raw.file_number);
       !touching.empty())

@@ -30,6 +30,9 @@ struct Mesh {
   Cells cells;        ///< n_cells x 4, positively oriented
   Triangles surface;  ///< n_triangles x 3, boundary faces of `cells`, normals outward
   std::map<std::string, std::vector<std::int32_t>> groups;  ///< physical groups of the file: name -> sorted nodes
+  std::map<std::string, std::vector<std::int32_t>> cell_groups = {};  ///< those of cells: name -> sorted cells
+  /// For each cell 0 for the body's material, or i + 1 for regions[i] of the scene. Empty: the scene has no regions.
+  std::vector<std::uint8_t> regions = {};
 
   std::int32_t n_nodes() const { return static_cast<std::int32_t>(nodes.rows()); }
   std::int32_t n_cells() const { return static_cast<std::int32_t>(cells.rows()); }

@@ -72,6 +72,15 @@ struct Material : Moduli {
 /// @throws Error (input) if the keys are not one of these sets
 Material material_of(Law law, const std::vector<std::pair<std::string_view, double>>& given);
 
+/// A part of a solid with parameters of its own in the body's law.
+struct Region {
+  std::string name;
+  Selection cells;    ///< by their centroids, or by physical groups of cells
+  int order = 0;      ///< where regions overlap, the highest counts
+  Material material;  ///< numbers that the region does not give are those of the body
+  SourceLocation where;
+};
+
 struct SolverSpec {
   Element element = element_named("p1-p1");  ///< default of node probes; of patches es-p1-p1, of shells `shell`
   double relative_tolerance = 1e-8;          ///< |free residual| / |reactions|
@@ -134,6 +143,7 @@ struct Scene {
   std::string title;
   MeshSpec mesh;
   Material material;
+  std::vector<Region> regions;
   SolverSpec solver;
   Selection fixed, active = Selection(1), output = Selection(1);  ///< a default selector is the free surface
   SourceLocation fixed_where, active_where, output_where;
@@ -162,6 +172,12 @@ Scene parse_imported_scene(const std::string& text, const std::string& source_na
 /// @throws Error (input), as parse_scene()
 TrainingSpec changed_training(Scene scene, const std::string& keys, const std::string& source_name);
 
+/// The material of the body, then those of its regions.
+std::vector<const Material*> materials(const Scene& scene);
+/// The largest ratio of shear moduli of two materials of a scene between which elements were measured
+/// (docs/theory.md).
+inline constexpr double largest_measured_ratio = 1000;
+
 /// Notes about the meaning of important defaults, one sentence each, with file and line.
 std::vector<std::string> scene_notes(const Scene& scene);
 
@@ -170,8 +186,8 @@ std::vector<std::string> scene_keys();
 /// The tables of keys in formats/scene.md, each between the comments that mark it there.
 std::string scene_key_tables();
 
-/// Hash (16 hexadecimal digits) of all keys that affect a solve: material, element, tolerances, selections, probe and
-/// mesh specification. Training, validation, title, comments and
+/// Hash (16 hexadecimal digits) of all keys that affect a solve: material, regions, element, tolerances, selections,
+/// probe and mesh specification. Training, validation, title, comments and
 /// layout of the file have no effect on it.
 std::string physics_hash(const Scene& scene);
 /// The hashed text: every such key with its value, one "key = value" per line, for the comparison of two scenes.

@@ -1,4 +1,5 @@
-// Selections of mesh nodes as a scene describes them. resolve_selections() of meshes/ finds their nodes on a mesh.
+// Selections of mesh nodes and cells as a scene describes them. resolve_selections() and cell_regions() of meshes/ find
+// them on a mesh.
 #pragma once
 
 #include <array>
@@ -23,6 +24,7 @@ using NodeList = std::vector<std::int32_t>;
 enum class SelectorKind {
   box,
   sphere,
+  ellipsoid,
   plane,
   half_space,
   group,
@@ -52,7 +54,7 @@ struct Selector {
   bool surface_only = false;                     ///< keep surface nodes only
   SourceLocation where = {};
   Vec3 point{};               ///< lower corner of a box, center, or point of a plane
-  Vec3 other{};               ///< upper corner of a box, or unit normal of a plane
+  Vec3 other{};               ///< upper corner of a box, radii of an ellipsoid, or unit normal of a plane
   bool in_fractions = false;  ///< points are fractions of the bounding box instead of metres
   double length_m = 0;        ///< radius, tolerance, distance, or spacing of spread points; 0: by `count` or "auto"
   std::int64_t count = 0;     ///< of spread points; 0: by their spacing
