@@ -57,7 +57,7 @@ void print(const Scene& scene, const DiscretizationReport& report) {
                  ratios.n == 1 ? "" : "s", ratios.min, ratios.max);
   }
   if (const auto distance = report.distance(scene); distance.probes > 0)
-    print_result("  forces are {}\n", distance.sentence());
+    print_result("  force error: {}\n", distance.sentence());
   if (!report.at_rest.why_not.empty()) print_result("  not compared at rest: {}\n", report.at_rest.why_not);
   print_failed(report, "scene", &CheckedProbe::own);
   print_failed(report, "finer solution", &CheckedProbe::finer);

@@ -48,14 +48,16 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   expect_narrow(run.out);
   const auto lines = lines_of(run.out);
   ASSERT_FALSE(lines.empty());
-  EXPECT_EQ(lines.front().rfind("Error of forces: the model is ", 0), 0U) << lines.front();
-  for (const char* begin :
-       {"Worst node: the force is off by up to ", "Off by more than a tenth", "Out of reach: ", "Left out: "})
+  EXPECT_EQ(lines.front().rfind("Force error of the model, compared with its own finite elements: ", 0), 0U)
+      << lines.front();
+  for (const char* begin : {"Force error of these finite elements, compared with finer ones: ",
+                            "Largest force error of the model: ", "Not covered: "})
     EXPECT_TRUE(has_line(lines, begin)) << begin << "\n" << run.out;
-  expect_names(
-      unbroken(run.out),
-      {"from a finer solution (taylor-hood elements on the same mesh, changed as cells of half the size at rest) at 2 "
-       "probes"});
+  expect_names(unbroken(run.out),
+               {"at 2 probes of a round tool",
+                "has taylor-hood elements on the same mesh, corrected at rest for cells of half the size. "
+                "At rest the element causes ",
+                "limits the accuracy"});
   const auto table = table_of(lines);
   EXPECT_GE(table.size(), 4U) << run.out;
   EXPECT_LE(table.size(), 8U) << run.out;
@@ -95,7 +97,7 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   expect_narrow(brief.out);
   EXPECT_LE(lines_of(brief.out).size(), 24U) << brief.out;  // verdict of at most 11 lines, table, file
   const auto page = read_file(folder / "r.html");
-  EXPECT_LT(page.find("<strong>Worst node</strong>"), page.find("<table"));
+  EXPECT_LT(page.find("<strong>Largest force error of the model</strong>"), page.find("<table"));
   EXPECT_LT(page.find("<table"), page.find("<h2>Errors</h2>"));
   EXPECT_EQ(page.find("unflagged<"), std::string::npos);
   expect_names(page, {"phynness validate SCENE MODEL_DIR --probes 8 --nodes ",
@@ -128,8 +130,8 @@ TEST_F(Verdict, IsFirstAndNarrow) {
     const auto done = succeed(other);
     expect_narrow(done.out + done.err);
     if (std::string(other) == "info out/model")
-      expect_names(unbroken(done.out), {"elements  P1; shear modulus at rest 689.655 Pa", "from a finer solution",
-                                        "2 probes", "whose mesh has "});
+      expect_names(unbroken(done.out), {"elements  P1; shear modulus at rest 689.655 Pa", " on average, below ",
+                                        "2 probes", "Its mesh has "});
   }
   EXPECT_EQ(std::filesystem::last_write_time(folder / "out/check.json"), checked) << "a finished check is kept";
   // One that is damaged, or that was interrupted, is made again.

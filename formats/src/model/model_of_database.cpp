@@ -85,34 +85,35 @@ std::string ModelBound::from() const {
 
 std::string FinerDistance::sentence() const {
   const auto percent = [](double error) { return fixed(100 * error, error < 0.0995 ? 1 : 0) + " %"; };
-  auto finer = in_words(reference, element);
-  if (probes == 0) return "at no probe was there a finer solution (" + finer + ")";
-  if (cells_at_rest.places > 0 && reference != reference_names[2]) finer += ", changed as cells of half the size";
+  std::string finer = in_words(reference, element), corrected;
+  if (probes == 0) return "nothing to compare with, because no probe has a finer solution (" + finer + ")";
+  if (cells_at_rest.places > 0 && reference != reference_names[2]) corrected = "cells of half the size";
   if (shape_at_rest.places > 0)
-    finer += (reference != reference_names[2] ? " and" : ", changed as") + std::string(" the surface's shape");
-  if (finer.find("changed") != std::string::npos) finer += " at rest";
-  std::string text = percent(mean) + " (p95 " + percent(p95) + ") from a finer solution (" + finer + ") at " +
+    corrected += (corrected.empty() ? "" : " and ") + std::string("the shape of the surface");
+  if (!corrected.empty()) finer += ", corrected at rest for " + corrected;
+  std::string text = percent(mean) + " on average, below " + percent(p95) + " in 95 of 100, at " +
                      std::to_string(probes) + (probes == 1 ? " probe" : " probes") + " of a round tool of " +
                      fixed(1e3 * tool_radius_m, 1) + " mm radius";
-  if (!has_parts) return text;
-  const auto at = [&](const DistancePart& part) {
-    constexpr int fewest_for_p95 = 8;
-    return percent(part.mean) + (part.places < fewest_for_p95 ? "" : " (p95 " + percent(part.p95) + ")") + " at " +
-           std::to_string(part.places);
-  };
-  if (near_fixed.places == 0)
-    text += ", none of them nearer than that to fixed nodes";
-  else if (elsewhere.places == 0)
-    text += ", all of them nearer than that to fixed nodes";
-  else
-    text += ": " + at(near_fixed) + " nearer than that to fixed nodes, " + at(elsewhere) + " elsewhere";
-  std::string steps;
-  for (const auto& [what, part] :
-       {std::pair{"element ", &element_at_rest}, {"cells ", &cells_at_rest}, {"shape ", &shape_at_rest}})
-    if (part->places > 0) steps += (steps.empty() ? "; at rest " : ", ") + (what + percent(part->mean));
-  text += steps;
+  const auto at = [&](const DistancePart& part) { return percent(part.mean) + " at " + std::to_string(part.places); };
+  if (has_parts) {
+    if (near_fixed.places == 0)
+      text += ", none of them nearer than that to fixed nodes";
+    else if (elsewhere.places == 0)
+      text += ", all of them nearer than that to fixed nodes";
+    else
+      text += ": " + at(near_fixed) + " nearer than that to fixed nodes, " + at(elsewhere) + " elsewhere";
+  }
+  text += ". The finer solution has " + finer;
+  std::string parts;
+  for (const auto& [what, part] : {std::pair{"the element", &element_at_rest},
+                                   {"the size of the cells", &cells_at_rest},
+                                   {"the shape of the surface", &shape_at_rest}})
+    if (part->places > 0)
+      parts += (parts.empty() ? ". At rest " : ", ") + std::string(what) + (parts.empty() ? " causes " : " ") +
+               percent(part->mean);
+  text += parts;
   if (of_reference.places > 0 && of_reference.mean < mean)
-    text += "; " + in_words(reference, element) + " would be " + percent(of_reference.mean) + " from it, with " +
+    text += ". With " + in_words(reference, element) + " the error would be " + percent(of_reference.mean) + ", at " +
             fixed(unknowns_factor, unknowns_factor < 9.95 ? 1 : 0) + " times the unknowns";
   return text;
 }

@@ -10,15 +10,58 @@
 namespace phynness {
 namespace {
 
+VerdictLine of_model(const Validated& v) {
+  const auto& e = v.report.to_range;
+  const auto wrong = [](const JudgedErrors& group) { return group.model.force.n > 0 ? group.model.wrong : undefined; };
+  const double all = wrong(e.all), quiet = wrong(e.unflagged), warned = wrong(e.flagged);
+  const auto& own = e.all.model.force;
+  std::string text = "no force was compared";
+  if (own.n > 0)
+    text = fmt::format(
+        "{} % on average, below {} % in 95 of 100 probes; {} % of the forces are wrong by more than a "
+        "tenth of their size",
+        in_percent(own.mean), in_percent(own.p95), in_percent(all));
+  if (!std::isnan(warned))
+    text +=
+        fmt::format(" ({}{} % of those with a warning)",
+                    std::isnan(quiet) ? "" : in_percent(quiet) + " % of those without a warning, ", in_percent(warned));
+  if (const auto& linear = e.all.linear; linear.force.n > 0)
+    text += fmt::format(" (linear predictor: {} %)", in_percent(linear.wrong));
+  return {"off_by_a_tenth",
+          "Force error of the model, compared with its own finite elements",
+          text,
+          {{"share", all}, {"share_without_warning", quiet}, {"share_with_warning", warned}}};
+}
+
+VerdictLine of_finite_elements(const Validated& v) {
+  const auto& finer = v.model.model().finer;
+  const auto& own = v.report.to_range.all.model.force;
+  const double ratio = expected_force_ratio(v.scene);
+  std::string text = finer.is_measured ? finer.sentence()
+                                       : fmt::format("not measured ({}); phynness check SCENE does it",
+                                                     v.scene.validation.check_probes == 0 ? "check_probes = 0"
+                                                                                          : "no check, or it failed");
+  if (finer.is_measured && finer.probes > 0 && own.n > 0)
+    text += finer.mean > own.mean ? ". This error is larger than that of the model and limits the accuracy"
+                                  : ". The error of the model is larger and limits the accuracy";
+  if (ratio > warned_force_ratio)
+    text += fmt::format(". {} locks at K/mu = {:.3g}: forces are estimated to be {}", name(v.scene.solver.element),
+                        v.scene.material.bulk_to_shear(), ratio_in_words(ratio));
+  return {"mesh_and_element",
+          "Force error of these finite elements, compared with finer ones",
+          text,
+          {{"expected_ratio", ratio}}};
+}
+
 VerdictLine worst_node(const Validated& v) {
-  VerdictLine line{"worst_node", "Worst node", "no probe was solved", {}};
+  VerdictLine line{"worst_node", "Largest force error of the model", "no probe was solved", {}};
   const auto& worst = v.report.to_range.worst;
   if (!worst) return line;
   const auto at = v.model.mesh().nodes.row(worst->node);
   const ForceUnit unit = force_unit(worst->largest_N);
   line.sentence = fmt::format(
-      "the force is off by up to {:.3g} {} at node {} ({:.1f}, {:.1f}, {:.1f}) mm, by {:.3g} {} in the mean; the "
-      "largest force there is {:.3g} {}{}",
+      "{:.3g} {} at node {} ({:.1f}, {:.1f}, {:.1f}) mm, where the error is {:.3g} {} on average and the largest force "
+      "{:.3g} {}{}",
       unit.per_N * worst->error_N, unit.name, worst->node, 1e3 * at[0], 1e3 * at[1], 1e3 * at[2],
       unit.per_N * worst->mean_error_N, unit.name, unit.per_N * worst->largest_N, unit.name,
       worst->flagged ? " (the runtime warns of all probes)" : "");
@@ -32,71 +75,35 @@ VerdictLine worst_node(const Validated& v) {
   return line;
 }
 
-VerdictLine off_by_a_tenth(const Validated& v) {
-  const auto& e = v.report.to_range;
-  const auto wrong = [](const JudgedErrors& group) { return group.model.force.n > 0 ? group.model.wrong : undefined; };
-  const double all = wrong(e.all), quiet = wrong(e.unflagged), warned = wrong(e.flagged);
-  std::string text = std::isnan(all) ? "no force was compared" : in_percent(all) + " % of the forces";
-  if (!std::isnan(warned))
-    text +=
-        fmt::format(" ({}{} % of those with one)",
-                    std::isnan(quiet) ? "" : in_percent(quiet) + " % of those without a warning, ", in_percent(warned));
-  if (const auto& linear = e.all.linear; linear.force.n > 0)
-    text += fmt::format("; of the linear predictor {} %", in_percent(linear.wrong));
-  return {"off_by_a_tenth",
-          "Off by more than a tenth of their size",
-          text,
-          {{"share", all}, {"share_without_warning", quiet}, {"share_with_warning", warned}}};
-}
-
-VerdictLine out_of_reach(const Validated& v) {
+VerdictLine not_covered(const Validated& v) {
   const auto share = trained_share(v.model.model());
   const auto& e = v.report.to_range;
   std::string most;
   const auto least = std::min_element(share.of_node.begin(), share.of_node.end());
   if (least != share.of_node.end() && *least < 1)
-    most = fmt::format(", and {} % at node {}", in_percent(1 - *least),
+    most = fmt::format(" ({} % at node {})", in_percent(1 - *least),
                        v.model.model().nodes[static_cast<std::size_t>(least - share.of_node.begin())].node);
   const double beyond = std::max(0.0, 1 - share.all);
-  return {"out_of_reach",
-          "Out of reach",
-          fmt::format("{} % of the probe volume to {:.4g} mm is not trained{}; {} of {} probes have no finite element "
-                      "solution, {} of them without a warning",
-                      in_percent(beyond), 1e3 * e.range_m, most, e.unreached.size(), e.all.probes,
-                      std::ranges::count_if(e.unreached, [](const auto& p) { return !p.flagged; })),
-          {{"share_of_volume", beyond}, {"probes", static_cast<double>(e.unreached.size())}}};
-}
-
-VerdictLine left_out(const Validated& v) {
   const std::size_t active = v.model.model().nodes.size(), probed = v.report.nodes.size();
-  std::string text = fmt::format("{} of {} active nodes were not probed (--nodes)", active - probed, active);
+  std::string text = fmt::format("{} % of the displacements to {:.4g} mm{} are not trained", in_percent(beyond),
+                                 1e3 * e.range_m, most);
+  if (!e.unreached.empty())
+    text += fmt::format("; {} of {} probes have no finite element solution, {} of them without a warning",
+                        e.unreached.size(), e.all.probes,
+                        std::ranges::count_if(e.unreached, [](const auto& p) { return !p.flagged; }));
+  if (probed < active)
+    text += fmt::format("; {} of {} active nodes were not compared (--nodes)", active - probed, active);
   if (v.points.failed > 0) text += fmt::format("; {} displacements of points were not solved", v.points.failed);
   if (v.pairs.failed > 0) text += fmt::format("; {} pairs were not solved", v.pairs.failed);
-  if (v.points.finished == 0) text += "; tools between nodes (--points)";
-  if (v.pairs.finished == 0) text += "; two tools at a time (--pairs)";
-  return {"left_out",
-          "Left out",
+  if (v.points.finished == 0) text += "; tools between nodes were not compared (--points)";
+  if (v.pairs.finished == 0) text += "; two tools at a time were not compared (--pairs)";
+  return {"not_covered",
+          "Not covered",
           text,
-          {{"nodes", static_cast<double>(active - probed)}, {"active_nodes", static_cast<double>(active)}}};
-}
-
-/// The error of the model never stands without that of the finite elements.
-VerdictLine error_of_forces(const Validated& v) {
-  const auto& finer = v.model.model().finer;
-  const auto& own = v.report.to_range.all.model.force;
-  const double ratio = expected_force_ratio(v.scene);
-  std::string text = own.n == 0 ? "no force of the model was compared with its finite elements; these are "
-                                : fmt::format("the model is {} % (p95 {} %) from its finite elements; these are ",
-                                              in_percent(own.mean), in_percent(own.p95));
-  if (finer.is_measured)
-    text += (finer.probes > 0 ? "" : "not compared: ") + finer.sentence();
-  else
-    text += fmt::format("not compared with a finer solution ({}), which phynness check SCENE does",
-                        v.scene.validation.check_probes == 0 ? "check_probes = 0" : "no check, or it failed");
-  if (ratio > warned_force_ratio)
-    text += fmt::format("; {} locks at K/mu = {:.3g}: forces are estimated to be {}", name(v.scene.solver.element),
-                        v.scene.material.bulk_to_shear(), ratio_in_words(ratio));
-  return {"mesh_and_element", "Error of forces", text, {{"expected_ratio", ratio}}};
+          {{"share_of_volume", beyond},
+           {"probes", static_cast<double>(e.unreached.size())},
+           {"nodes", static_cast<double>(active - probed)},
+           {"active_nodes", static_cast<double>(active)}}};
 }
 
 }  // namespace
@@ -109,7 +116,7 @@ std::vector<std::string> Validated::not_done() const {
 }
 
 std::vector<VerdictLine> verdict(const Validated& v) {
-  return {error_of_forces(v), worst_node(v), off_by_a_tenth(v), out_of_reach(v), left_out(v)};
+  return {of_model(v), of_finite_elements(v), worst_node(v), not_covered(v)};
 }
 
 std::vector<WorseThanLinear> worse_than_linear(const Validated& v) {

@@ -1,7 +1,7 @@
-"""Claim: the scene that README.md makes of scenes/demo.toml, by the first diff in it, is meshed with nothing to warn of, and the
-lines that the diff takes away are in the demo.
+"""Claim: the scene that docs/howto/own-organ.md makes of scenes/demo.toml, by the first diff in it, is meshed with nothing to
+warn of, and the lines that the diff takes away are in the demo.
 
-Usage: scene_of_the_readme_is_meshed.py SOURCE PHYNNESS
+Usage: scene_of_the_page_is_meshed.py SOURCE PHYNNESS
 """
 
 import re
@@ -13,7 +13,7 @@ from pathlib import Path
 
 def main(source, phynness):
     source = Path(source)
-    block = re.search(r"^```diff\n(.*?)^```$", (source / "README.md").read_text(), re.M | re.S)[1]
+    block = re.search(r"^```diff\n(.*?)^```$", (source / "docs/howto/own-organ.md").read_text(), re.M | re.S)[1]
     removed = [line[1:] for line in block.splitlines() if line.startswith("-")]
     added = [line[1:] for line in block.splitlines() if line.startswith("+")]
     scene = (source / "scenes" / "demo.toml").read_text()
