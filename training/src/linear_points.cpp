@@ -8,7 +8,7 @@ namespace phynness {
 namespace {
 
 /// Of the fields of linear points: modes that they share, and nodes near each with values of their own
-/// (docs/decisions/touch-anywhere.md).
+/// (docs/decisions/between-points.md).
 constexpr int n_rest_modes = 32, n_near_nodes = 12;
 
 /// Largest number and size of the points from which the modes are computed.
