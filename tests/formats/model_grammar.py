@@ -262,22 +262,19 @@ class Grammar:
                     self.productions["MODEL"] = [Production([], None, lines)]
                 lines.append((body[1], body[2] or ""))
         self.model = Call("MODEL", [])
-        self.n_conditions, self.counts = 0, set()
+        self.n_conditions = 0
         self.collect(self.model)
 
     def collect(self, part):
-        """Counts the conditions, and finds the names of values that say how often something comes."""
+        """Counts the conditions."""
         if isinstance(part, Call):
             for each in part.every_part(self):
                 self.collect(each)
         elif isinstance(part, Guarded):
             self.collect(part.call)
         elif isinstance(part, Repeat):
-            self.counts |= set(re.findall(r"[A-Za-z]\w*", part.count.text))
             self.collect(part.body)
         else:
-            for _, count, *_ in part.fields:
-                self.counts |= set(re.findall(r"[A-Za-z]\w*", count.text)) if count else set()
             self.n_conditions += sum(len(found) for found in part.conditions.values())
 
     def walk(self, io):
