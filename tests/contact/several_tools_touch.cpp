@@ -139,7 +139,7 @@ Vector3d pressed_at(const Vector3d& from, const Vector3d& to, double time, doubl
 TEST(SeveralTools, StayWhereTheyTouch) {
   Numbers numbers;
   for (const double friction : {0.0, 0.2}) {
-    for (int path = 0; path < 12; ++path) {
+    for (int path = 0; path < 5; ++path) {
       Touch touch(bent_ball());
       std::array<Vector3d, 4> end;
       const Vector3d middle = random_direction(numbers);

@@ -59,7 +59,7 @@ TEST(Sliding, JumpsShrinkWithTheStep) {
 TEST(Sliding, TouchesBeginAtZero) {
   Touch touch(bent_ball());
   Numbers numbers;
-  for (int i = 0; i < 500; ++i) {
+  for (int i = 0; i < 150; ++i) {
     phn_contact_reset(touch.contact);
     const Vector3d at = random_direction(numbers);
     double last = 0, largest = 0;

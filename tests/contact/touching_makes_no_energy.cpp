@@ -68,7 +68,7 @@ std::vector<Vector3d> round_trip(Numbers& numbers) {
 TEST(Energy, ThereAndBackWithoutFrictionIsNoWork) {
   Numbers numbers;
   for (const LoadedModel* loaded : {&linear_ball(), &bent_ball()}) {
-    for (int i = 0; i < 20; ++i) {
+    for (int i = 0; i < 8; ++i) {
       const Path path = follow(*loaded, there_and_back(numbers), 0, false, 5e-5);
       EXPECT_GT(path.stored, 1e-4);
       EXPECT_LT(std::abs(path.work), 1e-3 * path.stored) << i;
@@ -90,13 +90,14 @@ TEST(Energy, PressAndReleaseReturnsWhatWasStored) {
 // Claim: with or without friction, a tool never gains: at no time on any closed path has it given more than
 // it took, to 1e-3 of what was stored, whatever it slides over. With friction it loses.
 TEST(Energy, NoToolGains) {
+  constexpr int n = 12;
   Numbers numbers;
   for (const double mu : {0.0, 0.05, 0.2, 0.5, 1.0}) {
     double lost = 0;
-    for (int i = 0; i < 30; ++i) {
+    for (int i = 0; i < n; ++i) {
       const Path path = follow(bent_ball(), round_trip(numbers), mu, true, 1e-4);
       EXPECT_GT(path.least, -1e-3 * path.stored) << i << " " << mu;
-      lost += path.work / path.stored / 30;
+      lost += path.work / path.stored / n;
     }
     EXPECT_GT(lost, mu);
   }
@@ -108,7 +109,7 @@ TEST(Energy, ToolsThatEnterSidewaysAreFelt) {
   Numbers numbers;
   for (const double friction : {0.0, 0.1, 0.2}) {
     int scaled = 0, deep = 0;
-    for (int path = 0; path < 30; ++path) {
+    for (int path = 0; path < 12; ++path) {
       Touch touch(bent_ball());
       const Vector3d at = random_direction(numbers), aside = at.cross(random_direction(numbers)).normalized();
       for (int i = 0; i <= 800; ++i) {

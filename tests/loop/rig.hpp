@@ -44,6 +44,13 @@ class Loop {
   phn_loop* _loop = nullptr;
 };
 
+/// Every fifth of all combinations of factors, in the order of nested loops. Where no inner number of combinations is a
+/// multiple of five, each value of a factor meets most values of each other one.
+struct EveryFifth {
+  bool skips() { return number++ % 5 != 0; }
+  int number = 0;
+};
+
 /// Tissue of one stiffness at node 3 [N/m].
 inline Model spring(double stiffness) {
   Model model = small_model_of(Family::linear);

@@ -21,6 +21,7 @@ TEST(Observer, TellsTheTrueWork) {
                           {"late and reordered", 0, 3e-3, 0, 0},
                           {"lost", 0, 0, 0.05, 0},
                           {"all", 3e-4, 2e-3, 0.1, 0.1}};
+  EveryFifth combinations;
   int compared = 0, late = 0, missing = 0;
   for (const Family family : {Family::linear, Family::modal, Family::rbfn}) {
     Body body(family == Family::linear ? spring(150) : small_model_of(family), 3);
@@ -28,6 +29,7 @@ TEST(Observer, TellsTheTrueWork) {
       for (int latency = 0; latency <= 5; ++latency) {
         for (const double coupling : {100.0, 400.0, 2000.0}) {
           for (const double friction : {0.05, 2.0}) {
+            if (combinations.skips()) continue;
             DeviceSettings device;
             device.latency_samples = latency;
             device.friction_Ns_per_m = friction;
@@ -58,9 +60,9 @@ TEST(Observer, TellsTheTrueWork) {
       }
     }
   }
-  EXPECT_EQ(compared, 3 * 5 * 6 * 3 * 2);
-  EXPECT_GT(late, 200);
-  EXPECT_GT(missing, 1000);
+  EXPECT_EQ(compared, 3 * 5 * 6 * 3 * 2 / 5);
+  EXPECT_GT(late, 40);
+  EXPECT_GT(missing, 200);
 }
 
 }  // namespace

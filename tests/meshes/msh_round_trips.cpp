@@ -33,14 +33,6 @@ TEST(WriteMsh, RoundTripsToTheSameHashAndGroups) {
   EXPECT_TRUE(back.notes.empty()) << joined(back.notes);
 }
 
-TEST(WriteMsh, RoundTripsAGeneratedMesh) {
-  SKIP_WITHOUT_GMSH();
-  const Mesh mesh = shape(Shape::liver, 200).mesh;
-  const TemporaryFile file("", ".msh");
-  write_msh(mesh, nullptr, file.path);
-  EXPECT_EQ(mesh_hash(import_file(file.path).mesh), mesh_hash(mesh));
-}
-
 /// What meshio finds in a file, and in the file that gmsh saves of it.
 constexpr const char* reader = R"(
 import sys, gmsh, meshio
@@ -64,13 +56,13 @@ TEST(WriteMsh, IsReadByMeshioAndSavedByGmsh) {
   if (std::system("/usr/bin/python3 -c 'import gmsh, meshio' 2>/dev/null") != 0)
     GTEST_SKIP() << "python3-meshio or gmsh.py is missing";
   const TemporaryFile script(reader, ".py");
-  for (const bool with_sets : {false, true})
-    for (const Shape kind : {Shape::liver, Shape::block, Shape::cylinder, Shape::tube, Shape::drain}) {
-      Scene scene;
-      scene.mesh.shape = kind;
-      scene.mesh.target_nodes = 200;
-      if (kind == Shape::drain) scene.mesh.thickness_m = 1e-3;
-      const Mesh mesh = make_mesh(scene).mesh;
+  for (const Shape kind : {Shape::liver, Shape::block, Shape::cylinder, Shape::tube, Shape::drain}) {
+    Scene scene;
+    scene.mesh.shape = kind;
+    scene.mesh.target_nodes = 200;
+    if (kind == Shape::drain) scene.mesh.thickness_m = 1e-3;
+    const Mesh mesh = make_mesh(scene).mesh;
+    for (const bool with_sets : {false, true}) {
       NodeSets sets;
       sets.fixed = {0, 1}, sets.active = {2}, sets.output = {2, 3};
       const TemporaryFile file("", ".msh"), saved("", ".msh"), said("", ".txt");
@@ -93,7 +85,11 @@ TEST(WriteMsh, IsReadByMeshioAndSavedByGmsh) {
       EXPECT_EQ(back.cells, mesh.cells) << name(kind);
       ASSERT_EQ(back.n_nodes(), mesh.n_nodes()) << name(kind);
       EXPECT_LT((back.nodes - mesh.nodes).cwiseAbs().maxCoeff(), 1e-15) << name(kind);
+      if (kind == Shape::liver) {
+        EXPECT_EQ(mesh_hash(import_file(file.path).mesh), mesh_hash(mesh));
+      }
     }
+  }
 }
 
 TEST(WriteMsh, SaysWhichFileItCannotWrite) {

@@ -11,9 +11,9 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-/// Round tools; every third node is active, the node behind it has a response at rest.
+/// Round tools; the node behind each active one has a response at rest.
 DatabaseHeader header_with_points() {
-  DatabaseHeader header = small_header();
+  DatabaseHeader header = small_header(8);
   header.mesh.surface.resize(n_nodes - 2, 3);
   for (int i = 0; i + 2 < n_nodes; ++i) header.mesh.surface.row(i) << i, i + 1, i + 2;
   for (auto& tool : header.sets.tools) tool.mean = true;

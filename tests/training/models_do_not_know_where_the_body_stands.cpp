@@ -10,7 +10,7 @@ using namespace phynness;
 using namespace phynness::test;
 
 Model trained(const Eigen::RowVector3d& away, Family family) {
-  const DatabaseHeader here = small_header();
+  const DatabaseHeader here = small_header(8);
   DatabaseHeader there = here;
   there.mesh.nodes.rowwise() += away;
   TrainingSpec spec = family == Family::modal ? modal_spec() : small_spec();

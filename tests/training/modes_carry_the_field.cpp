@@ -76,7 +76,7 @@ Errors mean_errors(const Model& model, const DatabaseHeader& header, const State
 }
 
 TEST(ModalTraining, RepeatsTheFieldsAndSaysHowWell) {
-  const auto header = small_header();
+  const auto header = small_header(8);
   TrainingReport report;
   const Model model = train(source_of(header), modal_spec(), report);
   ASSERT_EQ(model.nodes.size(), header.sets.active.size());
@@ -87,7 +87,7 @@ TEST(ModalTraining, RepeatsTheFieldsAndSaysHowWell) {
 }
 
 TEST(ModalTraining, CarriesWhatLinearFieldsMiss) {
-  const auto header = small_header();
+  const auto header = small_header(8);
   TrainingReport report;
   const Model model = train(source_of(header), all_shared_spec(), report);
   const auto mean = mean_errors(model, header, every_state);
@@ -97,7 +97,7 @@ TEST(ModalTraining, CarriesWhatLinearFieldsMiss) {
 }
 
 TEST(ModalTraining, MoreModesLoseLess) {
-  const auto header = small_header();
+  const auto header = small_header(8);
   double before = 1;
   for (const int modes : {3, 6, 12}) {
     auto spec = modal_spec();
@@ -113,7 +113,7 @@ TEST(ModalTraining, MoreModesLoseLess) {
 TEST(ModalTraining, NearNodesAndSharedModesReplaceEachOther) {
   // All nodes near: the shared modes are not needed; none near and as many shared modes as unknowns: nor are
   // those.
-  const auto header = small_header();
+  const auto header = small_header(8);
   auto all_near = modal_spec();
   all_near.near_nodes = n_nodes;
   all_near.shared_modes = 0;
@@ -125,7 +125,7 @@ TEST(ModalTraining, NearNodesAndSharedModesReplaceEachOther) {
 }
 
 TEST(ModalTraining, WithoutModesThereAreForcesOnly) {
-  const auto header = small_header();
+  const auto header = small_header(8);
   auto spec = modal_spec();
   spec.modes = 0;
   TrainingReport report;
@@ -137,7 +137,7 @@ TEST(ModalTraining, WithoutModesThereAreForcesOnly) {
 }
 
 TEST(ModalTraining, FailedDirectionsAreLeftOut) {
-  const auto header = small_header();
+  const auto header = small_header(8);
   const States failed = [](std::int32_t active, int direction, int increment) {
     return (direction == 3 || direction == 11 || direction == 20) && increment >= active % n_increments;
   };

@@ -10,15 +10,16 @@ namespace phynness::test {
 
 inline constexpr int n_nodes = 40, n_increments = 4;
 
-/// Nodes on a bent, stretched spiral; every third is active, all are output.
-inline DatabaseHeader small_header() {
+/// Nodes on a bent, stretched spiral; all are output.
+/// @param apart  every so-manieth is active; the time of a training is that of its active nodes
+inline DatabaseHeader small_header(int apart = 3) {
   DatabaseHeader header;
   header.mesh.nodes.resize(n_nodes, 3);
   for (int i = 0; i < n_nodes; ++i) {
     const double z = 1 - (2 * i + 1.0) / n_nodes, ring = std::sqrt(1 - z * z);
     header.mesh.nodes.row(i) << 0.05 * ring * std::cos(2.4 * i), 0.04 * ring * std::sin(2.4 * i), 0.03 * z;
     header.sets.output.push_back(i);
-    if (i % 3 == 0) header.sets.active.push_back(i);
+    if (i % apart == 0) header.sets.active.push_back(i);
   }
   for (int x = -1; x <= 1; ++x) {
     for (int y = -1; y <= 1; ++y) {
