@@ -102,7 +102,7 @@ std::vector<Input> seeds() {
   for (const auto& text : {small_msh_1, small_msh_2, small_msh_4, small_msh_2_binary(false), small_msh_2_binary(true),
                            small_msh_4_binary(false), small_msh_4_binary(true)})
     add(1, text);
-  for (const auto& text : {small_vtk_4, small_vtk_5}) add(2, text);
+  for (const auto& text : {small_vtk_4, small_vtk_5, small_vtk_binary()}) add(2, text);
   add(3,
       "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
       "0\nendloop\nendfacet\nendsolid s\n");

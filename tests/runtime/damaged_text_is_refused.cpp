@@ -70,13 +70,14 @@ TEST_P(DamagedText, EveryDamagedByteIsRefused) {
 
 // Claim: a writer's mistakes with a correct checksum are refused by the parser, byte by byte: whatever
 // replaces a byte, the result is a status, never a crash; where it is accepted (a digit for a digit), init
-// and evaluation are defined.
+// and evaluation are defined. Half of the replacements at each byte, the others at the next.
 TEST_P(DamagedText, ParserSurvivesAnythingWithAGoodChecksum) {
+  constexpr char replacements[] = {'0', 'f', '9', ',', '-', ' ', 'p', '\n', '.', '\0'};
   const std::string text = body_of(small_text(GetParam(), 2, 1));
   for (std::size_t at = 0; at < text.size(); ++at) {
-    for (const char c : {'0', '9', 'f', ',', '-', ' ', '\n', 'p', '.', '\0'}) {
+    for (std::size_t k = at % 2; k < std::size(replacements); k += 2) {
       std::string damaged = text;
-      damaged[at] = c;
+      damaged[at] = replacements[k];
       damaged = with_checksum(damaged);
       std::size_t bytes = 0;
       if (phn_model_size(damaged.data(), damaged.size(), &bytes, nullptr) != PHN_OK) continue;

@@ -114,13 +114,13 @@ TEST(NearTools, ApproachWithoutAJump) {
   }
 }
 
-// Claim: spheres that press side by side, come near until they are at one place and leave again, at 10 mm/s each with
+// Claim: spheres that press side by side, come near until they are at one place and leave again, at 20 mm/s each with
 // one step in each millisecond, have forces that change by at most 5 % of the largest from one to the next, and at one
 // place they share the force of one.
 TEST(NearTools, SpheresShareWithoutAJump) {
   const Block block;
   const std::string text = write_body_text(block.body);
-  constexpr double radius = 0.01, depth = 0.3 * block_depth, step = 1e-5;
+  constexpr double radius = 0.01, depth = 0.3 * block_depth, step = 2e-5;
   for (const double friction : {0.0, 0.5}) {
     Organ organ({}, text, 2);
     ASSERT_TRUE(organ);
