@@ -20,6 +20,14 @@ class Bodies : public CommandLine {
     return changed(changed(round_tools(), "0.45", "0.44"), active_top,
                    "active = { nearest = { point_fraction = [0.3, 0.4, 1.0] }, surface_only = true }\n");
   }
+  /// A database, a model and a body of all cells, and those of other_physics().
+  void SetUp() override {
+    CommandLine::SetUp();
+    write_file(folder / "scene.toml", round_tools());
+    write_file(folder / "other.toml", other_physics());
+    make_once({"precompute scene.toml -o d.h5", "train scene.toml d.h5 -o m", "reduce d.h5 -o body.txt --cells 1000000",
+               "precompute other.toml -o other.h5", "reduce other.h5 -o other.txt"});
+  }
   /// Figures without times.
   nlohmann::json figures(const std::string& file) const {
     auto all = json(file);
@@ -30,11 +38,8 @@ class Bodies : public CommandLine {
 };
 
 TEST_F(Bodies, AreComparedBesideTheModel) {
-  write_file(folder / "scene.toml", round_tools());
-  succeed("run scene.toml -o out");
-  succeed("reduce out/database.h5 -o body.txt --cells 1000000");
-  const std::string points_only = "validate scene.toml out/model --probes 2 --points 3 --json ",
-                    validate = "validate scene.toml out/model --probes 2 --points 3 --pairs 8 --json ";
+  const std::string points_only = "validate scene.toml m --probes 2 --points 3 --json ",
+                    validate = "validate scene.toml m --probes 2 --points 3 --pairs 8 --json ";
   succeed(points_only + "without.json");
   const auto done = succeed(validate + "with.json --body body.txt --report with.html");
   expect_names(done.out, {"two tools, reduced body"});
@@ -65,23 +70,16 @@ TEST_F(Bodies, AreComparedBesideTheModel) {
   for (auto* all_figures : {&with, &without}) all_figures->erase("verdict");  // says that there are no pairs
   EXPECT_EQ(with, without);
 
-  expect_error(be_refused("validate scene.toml out/model --probes 2 --points 0 --body body.txt").err,
-               {"--points", "--pairs"});
+  expect_error(be_refused("validate scene.toml m --probes 2 --points 0 --body body.txt").err, {"--points", "--pairs"});
   auto text = read_file(folder / "body.txt");
   const auto at = text.find("physics ") + 8;
   text[at] = text[at] == '0' ? '1' : '0';
   write_file(folder / "body.txt", text);
   expect_error(be_refused(validate + "v.json --body body.txt").err, {"body.txt", "checksum"});
-  write_file(folder / "other.toml", other_physics());
-  succeed("precompute other.toml -o other.h5");
-  succeed("reduce other.h5 -o other.txt");
   expect_error(be_refused(validate + "v.json --body other.txt").err, {"another physics", "other.txt"});
 }
 
 TEST_F(Bodies, GetBounds) {
-  write_file(folder / "scene.toml", round_tools());
-  succeed("precompute scene.toml -o d.h5");
-  succeed("train scene.toml d.h5 -o m");
   succeed("reduce d.h5 -o body.txt");
   const auto plain = read_file(folder / "body.txt"), model = read_file(folder / "m" / "model.txt");
   EXPECT_EQ(write_body_text(read_body_text(plain, "body.txt")), plain);
@@ -120,9 +118,6 @@ TEST_F(Bodies, GetBounds) {
   expect_names(succeed(calibrate + "few.txt").err, {"several tools will have no bound", "more --modes"});
   be_refused(calibrate + "body.txt -o other");
   be_refused(calibrate + "body.txt --reference finer");
-  write_file(folder / "other.toml", other_physics());
-  succeed("precompute other.toml -o other.h5");
-  succeed("reduce other.h5 -o other.txt");
   expect_error(be_refused(calibrate + "other.txt").err, {"another physics", "other.txt"});
   const auto damaged = [&](const std::string& from, const std::string& to) {
     auto lines = text.substr(0, text.rfind("checksum "));
@@ -142,10 +137,6 @@ class BodiesBesideModels : public Bodies {
  protected:
   void SetUp() override {
     Bodies::SetUp();
-    write_file(folder / "scene.toml", round_tools());
-    succeed("precompute scene.toml -o d.h5");
-    succeed("train d.h5 -o m");
-    succeed("reduce d.h5 -o body.txt --cells 1000000");
     nodes = active_of("m");
   }
   std::string tool(std::size_t node, const std::string& displacement) const {
@@ -183,9 +174,6 @@ TEST_F(Bodies, AreMadeByARunOfSeveralTools) {
 
 TEST_F(BodiesBesideModels, HaveTheirMesh) {
   const auto one = tool(0, "0,0,-0.004");
-  write_file(folder / "other.toml", other_physics());
-  succeed("precompute other.toml -o other.h5");
-  succeed("reduce other.h5 -o other.txt");
   succeed("eval m --body other.txt" + one);  // of other physics: a body stands alone
   auto text = read_file(folder / "body.txt");
   const auto at = text.find("mesh ") + 5;

@@ -23,8 +23,7 @@ class Calibrate : public CommandLine {
   void SetUp() override {
     CommandLine::SetUp();
     write_file(folder / "scene.toml", small_scene("P1", 3));
-    succeed("precompute scene.toml -o d.h5");
-    succeed("train scene.toml d.h5 -o m --family modal");
+    make_once({"precompute scene.toml -o d.h5", "train scene.toml d.h5 -o m --family modal"});
   }
 };
 

@@ -9,7 +9,9 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <phynness/formats/hash.hpp>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -77,6 +79,27 @@ class CommandLine : public ::testing::Test {
   }
   Outcome succeed(const std::string& arguments) const { return ended(0, arguments); }
   Outcome be_refused(const std::string& arguments) const { return ended(2, arguments); }
+  /// What commands make of the files in the folder, once for all tests of a build that ask for the same, and copied
+  /// here.
+  void make_once(const std::vector<std::string>& commands) const {
+    std::string key, lines;
+    for (const char* program : {"", "-solver"}) {
+      std::error_code code;
+      const auto time = std::filesystem::last_write_time(PHYNNESS_COMMAND + std::string(program), code);
+      key += std::to_string(time.time_since_epoch().count()) + "\n";
+    }
+    std::set<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) files.insert(entry.path());
+    for (const auto& file : files) key += file.filename().string() + "\n" + read_file(file);
+    for (const auto& arguments : commands) lines += " && \"$PHYNNESS\" " + arguments;
+    const auto made = std::filesystem::path(PHYNNESS_COMMAND).parent_path() / "tests/made" / hash_of(key + lines);
+    const auto outcome =
+        shell("made='" + made.string() +
+              "' && here=$(pwd) && mkdir -p \"${made%/*}\" && exec 9> \"$made.lock\" && flock 9 && "
+              "if [ ! -d \"$made\" ]; then rm -rf \"$made.new\" && cp -r . \"$made.new\" && cd \"$made.new\"" +
+              lines + " && mv \"$made.new\" \"$made\" && cd \"$here\"; fi && cp -r \"$made/.\" .");
+    ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
+  }
   Outcome on_two_ranks(const std::string& arguments) const {
     auto outcome = shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" " + arguments);
     EXPECT_EQ(outcome.exit_status, 0) << arguments << "\n" << outcome.err;
