@@ -4,13 +4,9 @@
 
 #include <dolfinx/common/MPI.h>
 #include <dolfinx/common/log.h>
-#include <dolfinx/fem/Constant.h>
 #include <dolfinx/fem/CoordinateElement.h>
 #include <dolfinx/fem/DofMap.h>
-#include <dolfinx/fem/Form.h>
-#include <dolfinx/fem/Function.h>
 #include <dolfinx/fem/FunctionSpace.h>
-#include <dolfinx/fem/assembler.h>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/graph/AdjacencyList.h>
 #include <dolfinx/mesh/Mesh.h>
@@ -46,9 +42,6 @@ using Space = dolfinx::fem::FunctionSpace;
 using DolfinxMesh = dolfinx::mesh::Mesh<double>;
 using Space = dolfinx::fem::FunctionSpace<double>;
 #endif
-using Function = dolfinx::fem::Function<double>;
-using Constant = dolfinx::fem::Constant<double>;
-using Form = dolfinx::fem::Form<double>;
 
 /// Limits dolfinx's own messages to errors.
 inline void quiet_logging() {
@@ -216,54 +209,14 @@ inline std::shared_ptr<const Space> mixed_component(const Space& space, int comp
 #endif
 }
 
-/// Overwrites the values of all dofs.
-inline void set_values(Function& function, std::span<const double> values) {
-#if PHYNNESS_DOLFINX <= 9
-  std::copy(values.begin(), values.end(), function.x()->mutable_array().begin());
-#else
-  std::copy(values.begin(), values.end(), function.x()->array().begin());
-#endif
-}
-
-/// @param functions  the state and, for shells, its values at rest
-inline Form create_form(const ufcx_form& form, const std::vector<std::shared_ptr<const Space>>& spaces,
-                        const std::vector<std::shared_ptr<const Function>>& functions,
-                        const std::map<std::string, std::shared_ptr<const Constant>>& constants,
-                        const std::shared_ptr<const DolfinxMesh>& mesh) {
+/// Which function each coefficient of a form is: 0 the state, 1 its values at rest, which shells have.
+inline std::span<const int> coefficients(const ufcx_form& form) {
 #if PHYNNESS_DOLFINX == 5
   const int* positions = form.original_coefficient_position;
 #else
   const int* positions = form.original_coefficient_positions;
 #endif
-  std::vector<std::shared_ptr<const Function>> coefficients;
-  for (int i = 0; i < form.num_coefficients; ++i)
-    coefficients.push_back(functions.at(static_cast<std::size_t>(positions[i])));
-  std::vector<std::shared_ptr<const Constant>> ordered;
-  for (const auto& name : dolfinx::fem::get_constant_names(form)) ordered.push_back(constants.at(name));
-#if PHYNNESS_DOLFINX == 5
-  return dolfinx::fem::create_form<double>(form, spaces, coefficients, ordered, {}, mesh);
-#elif PHYNNESS_DOLFINX == 9
-  return dolfinx::fem::create_form_factory<double>(form, spaces, coefficients, ordered, {}, {}, mesh);
-#else
-  return dolfinx::fem::create_form_factory<double>({form}, spaces, coefficients, ordered, {}, {}, mesh);
-#endif
-}
-
-inline double assemble_scalar(const Form& form) { return dolfinx::fem::assemble_scalar(form); }
-
-/// Adds the vector of a form to `b`.
-inline void assemble_vector(std::span<double> b, const Form& form) { dolfinx::fem::assemble_vector(b, form); }
-
-/// Calls `take` with each element matrix (row-major, rows and columns in element order) in the order of the cells.
-template <typename Take>
-void for_each_element_matrix(const Form& form, Take&& take) {
-  std::int32_t cell = 0;
-  auto add = [&](std::span<const std::int32_t>, std::span<const std::int32_t>, std::span<const double> values) {
-    take(cell++, values);
-    return 0;
-  };
-  const std::span<const std::int8_t> nothing_fixed;
-  dolfinx::fem::assemble_matrix(add, form, nothing_fixed, nothing_fixed);
+  return {positions, static_cast<std::size_t>(form.num_coefficients)};
 }
 
 /// Evaluates an expression of the state of a cell at its points.

@@ -2,21 +2,27 @@
 
 The load is the weak form of the exact stress, L(v) = int P(I + grad u*) : grad v. For test functions that vanish on the
 boundary this is the work of the body force -Div P, so that the divergence need not be written.
+
+Near the plane z = 1/2 the gradient of the solution is H, or H + a e_z^T in a region above the plane: with the jump a of
+layers.hpp both sides have the same traction there.
 """
 
 from element_table import SOLIDS
 from mechanics import I, domain, space_of
 from ufl import (
-    Coefficient, Constant, SpatialCoordinate, TestFunction, TestFunctions, as_vector, cos, det, dx, grad, inner, inv, ln, sin, split,
+    Coefficient, Constant, SpatialCoordinate, TestFunction, TestFunctions, as_matrix, as_vector, cos, det, dx, grad, inner, inv, ln, sin, split,
 )
 
 mu, lmbda = Constant(domain), Constant(domain)
+a0, a1, a2 = Constant(domain), Constant(domain), Constant(domain)  # zero outside of the region
 
 X = SpatialCoordinate(domain)
-exact = 0.1 * as_vector((
-    sin(2 * X[0] + X[1]),
-    cos(X[0] + 2 * X[2]) + X[0] * X[1],
-    sin(2 * X[1]) * X[2] - X[0] ** 2,
+s = X[2] - 0.5
+H = as_matrix(((0.06, 0.15, -0.10), (0.05, -0.04, 0.12), (0.03, -0.04, 0.02)))  # also in the test
+exact = H * X + s * as_vector((a0, a1, a2)) + 0.3 * s**2 * as_vector((
+    sin(X[0] + 0.5 * X[1]),
+    cos(0.5 * X[0] + X[2]) + 0.5 * X[0] * X[1],
+    sin(X[1]) - 0.5 * X[0] ** 2,
 ))
 
 F_exact = I + grad(exact)

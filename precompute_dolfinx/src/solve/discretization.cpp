@@ -16,52 +16,39 @@ namespace api = dolfinx_api;
 
 void quiet_logging() { api::quiet_logging(); }
 
+/// A compiled form and its constants in each region.
+struct Discretization::Kernel {
+  const ufcx_form* form;
+  std::vector<std::vector<double>> constants;
+
+  Kernel(const ufcx_form& compiled, const FormSet& forms, const FormConstants& of_pass = {}) : form(&compiled) {
+    for (int r = 0; r < forms.n_regions(); ++r)
+      constants.push_back(api::packed_constants(compiled, forms.constants_in(r, of_pass)));
+  }
+};
+
 struct Discretization::Dolfinx {
   FormSet forms;
   std::shared_ptr<api::DolfinxMesh> mesh;
   std::shared_ptr<api::Space> space;
-  std::shared_ptr<api::Function> w, rest;
-  struct Forms {
-    api::Form energy, residual, tangent;
+  struct Pass {
+    Kernel energy, residual, tangent;
   };
-  std::vector<Forms> passes;
-  std::vector<double> rest_values;  // of `rest`; empty for solids
-
-  Forms create(const ufcx_form& energy, const ufcx_form& residual, const ufcx_form& tangent,
-               const FormConstants& of_pass) const {
-    std::map<std::string, std::shared_ptr<const api::Constant>> constants;
-    for (const auto* values : {&of_pass, &forms.constants})
-      for (const auto& [name, value] : *values)
-        constants.try_emplace(name, std::make_shared<const api::Constant>(value));
-    const std::vector<std::shared_ptr<const api::Function>> functions{w, rest};
-    return {api::create_form(energy, {}, functions, constants, mesh),
-            api::create_form(residual, {space}, functions, constants, mesh),
-            api::create_form(tangent, {space, space}, functions, constants, mesh)};
-  }
-
-  /// Collects the arguments of a kernel for a cell: its state and, for a shell, its values at rest.
-  void gather(std::span<const std::int32_t> dofs, std::span<const double> state, std::vector<double>& values) const {
-    values.clear();
-    for (const auto i : dofs) values.push_back(state[i]);
-    if (!rest_values.empty())
-      for (const auto i : dofs) values.push_back(rest_values[i]);
-  }
-
-  // The forms use this copy, not the vector of the solver (FEniCS/dolfinx issue 3507).
-  void set(std::span<const double> state) { api::set_values(*w, state); }
+  std::vector<Pass> passes;
+  std::vector<double> rest_values;  // of the state of a shell; empty for solids
 };
 
-Discretization::Discretization(const Mesh& mesh, const FormSet& forms) : _dolfinx(std::make_unique<Dolfinx>()) {
+Discretization::Discretization(const Mesh& mesh, const FormSet& forms, const std::vector<std::uint8_t>& cell_regions)
+    : _dolfinx(std::make_unique<Dolfinx>()) {
   auto& d = *_dolfinx;
   d.forms = forms;
   d.mesh = api::create_mesh(mesh.nodes, mesh.cells);
   d.space = api::create_space(forms.element, *forms.residual, d.mesh);
-  d.w = std::make_shared<api::Function>(d.space);
-  d.rest = forms.element->is_shell ? std::make_shared<api::Function>(d.space) : d.w;
   for (const auto& of_pass : forms.passes)
-    d.passes.push_back(d.create(*forms.energy, *forms.residual, *forms.tangent, of_pass));
+    d.passes.push_back(
+        {{*forms.energy, forms, of_pass}, {*forms.residual, forms, of_pass}, {*forms.tangent, forms, of_pass}});
   if (forms.gauge_energy)
-    d.passes.push_back(d.create(*forms.gauge_energy, *forms.gauge_residual, *forms.gauge_tangent, {}));
+    d.passes.push_back({{*forms.gauge_energy, forms}, {*forms.gauge_residual, forms}, {*forms.gauge_tangent, forms}});
 
   _n_dofs = api::n_dofs(*d.space);
   _n_nodes = mesh.n_nodes();
@@ -72,11 +59,10 @@ Discretization::Discretization(const Mesh& mesh, const FormSet& forms) : _dolfin
       for (int k = 0; k < block; ++k) _element_dofs.push_back(block * b + k);
   _n_element_dofs = static_cast<int>(_element_dofs.size()) / _n_cells;
   number_points(mesh);
+  find_regions(mesh, cell_regions);
+  if (forms.element->mixed) split_pressures();
   if (forms.edges.energy) find_edge_patches();
-  if (forms.element->is_shell) {
-    d.rest_values = at_rest(mesh);
-    api::set_values(*d.rest, d.rest_values);
-  }
+  if (forms.element->is_shell) d.rest_values = at_rest(mesh);
 }
 
 Discretization::~Discretization() = default;
@@ -140,6 +126,37 @@ void Discretization::number_points(const Mesh& mesh) {
   }
 }
 
+void Discretization::find_regions(const Mesh& mesh, const std::vector<std::uint8_t>& cell_regions) {
+  _regions.assign(static_cast<std::size_t>(_n_cells), 0);
+  if (cell_regions.empty()) return;
+  const auto sorted = [](auto nodes) {
+    std::sort(nodes.begin(), nodes.end());
+    return std::vector<std::int32_t>(nodes.begin(), nodes.end());
+  };
+  std::map<std::vector<std::int32_t>, std::uint8_t> region_of;
+  for (Eigen::Index c = 0; c < mesh.cells.rows(); ++c)
+    region_of[sorted(mesh.cells.row(c).eval())] = cell_regions.at(static_cast<std::size_t>(c));
+  for (int cell = 0; cell < _n_cells; ++cell)
+    _regions[cell] = region_of.at(sorted(api::cell_nodes(*_dolfinx->mesh, cell)));
+}
+
+void Discretization::split_pressures() {
+  // The first region of a node keeps the dof of dolfinx.
+  std::vector<std::int32_t> first(static_cast<std::size_t>(_n_nodes), -1);
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> further;
+  for (int cell = 0; cell < _n_cells; ++cell) {
+    const auto nodes = cell_nodes(cell);
+    for (std::size_t i = 0; i < 4; ++i) {
+      auto& region = first[nodes[i]];
+      if (region < 0) region = _regions[cell];
+      if (region == _regions[cell]) continue;
+      const auto [entry, is_new] = further.try_emplace({nodes[i], _regions[cell]}, _n_dofs);
+      if (is_new) _pressure_dofs.push_back(_n_dofs++);
+      _element_dofs[static_cast<std::size_t>((cell + 1) * _n_element_dofs - 4) + i] = entry->second;
+    }
+  }
+}
+
 const FormSet& Discretization::forms() const { return _dolfinx->forms; }
 
 std::vector<double> Discretization::at_rest(const Mesh& mesh) const {
@@ -163,35 +180,72 @@ std::vector<double> Discretization::at_rest(const Mesh& mesh) const {
   return values;
 }
 
+void Discretization::gather(int cell, std::span<const int> coefficients, std::span<const double> state,
+                            std::vector<double>& w) const {
+  w.clear();
+  for (const int coefficient : coefficients) {
+    const auto values = coefficient == 0 ? state : std::span<const double>(_dolfinx->rest_values);
+    for (const auto dof : block_dofs(cell)) w.push_back(values[dof]);
+    for (std::size_t i = 1; i <= n_pressures() && region(cell) > 0; ++i) w[w.size() - i] *= pressure_unit(cell);
+  }
+}
+
+template <class Take>
+void Discretization::integrate(const Kernel& kernel, std::span<const double> state, std::span<double> values,
+                               Take&& take) const {
+  const auto coefficients = api::coefficients(*kernel.form);
+  std::vector<double> w;
+  std::array<double, 12> x;
+  for (int cell = 0; cell < _n_cells; ++cell) {
+    gather(cell, coefficients, state, w);
+    api::cell_coordinates(*_dolfinx->mesh, cell, x);
+    api::tabulate(*kernel.form, values, w, kernel.constants[_regions[cell]], x);
+    take(cell);
+  }
+}
+
 double Discretization::energy(std::span<const double> state) {
-  _dolfinx->set(state);
   double sum = 0;
-  for (const auto& pass : _dolfinx->passes) sum += api::assemble_scalar(pass.energy);
+  for (const auto& pass : _dolfinx->passes) {
+    double of_pass = 0;
+    integrate(pass.energy, state, {&of_pass, 1}, [](int) {});
+    sum += of_pass;
+  }
   for (int e = 0; e < _edge_patches.size(); ++e)
     sum += _edge_patches.volume(e) * _edge_patches.energy_density(e, state);
   return sum;
 }
 
 void Discretization::residual(std::span<const double> state, std::span<double> out) {
-  _dolfinx->set(state);
   std::fill(out.begin(), out.end(), 0.0);
-  for (const auto& pass : _dolfinx->passes) api::assemble_vector(out, pass.residual);
+  std::vector<double> values(static_cast<std::size_t>(_n_element_dofs), 0.0);
+  for (const auto& pass : _dolfinx->passes)
+    integrate(pass.residual, state, values, [&](int cell) {
+      if (region(cell) > 0)
+        for (std::size_t i = values.size() - n_pressures(); i < values.size(); ++i) values[i] *= pressure_unit(cell);
+      std::size_t i = 0;
+      for (const auto dof : block_dofs(cell)) out[dof] += values[i++];
+      std::fill(values.begin(), values.end(), 0.0);
+    });
   _edge_patches.add_residual(state, out);
 }
 
 double Discretization::min_jacobian(std::span<const double> state) {
   const auto& forms = _dolfinx->forms;
+  const std::array<int, 2> both{0, 1};
+  const std::span<const int> coefficients(both.data(), forms.element->is_shell ? 2 : 1);
   std::vector<double> w, values(forms.jacobian->num_points);
   std::array<double, 12> x;
   double least = std::numeric_limits<double>::infinity();
-  for (auto constants : forms.jacobian_passes) {
-    constants.insert(forms.constants.begin(), forms.constants.end());
-    const auto c = api::packed_constants(*forms.jacobian, constants);
+  for (const auto& of_pass : forms.jacobian_passes) {
+    std::vector<std::vector<double>> constants;
+    for (int r = 0; r < forms.n_regions(); ++r)
+      constants.push_back(api::packed_constants(*forms.jacobian, forms.constants_in(r, of_pass)));
     for (int cell = 0; cell < _n_cells; ++cell) {
-      _dolfinx->gather(block_dofs(cell), state, w);
+      gather(cell, coefficients, state, w);
       api::cell_coordinates(*_dolfinx->mesh, cell, x);
       std::fill(values.begin(), values.end(), 0.0);
-      api::tabulate(*forms.jacobian, values, w, c, x);
+      api::tabulate(*forms.jacobian, values, w, constants[_regions[cell]], x);
       for (double J : values) {
         if (std::isnan(J)) J = -std::numeric_limits<double>::infinity();
         least = std::min(least, J);
@@ -202,17 +256,16 @@ double Discretization::min_jacobian(std::span<const double> state) {
 }
 
 void Discretization::field_integrals(Field field, std::span<const double> state, std::span<double> out) const {
-  const auto& functional = *_dolfinx->forms.fields[static_cast<std::size_t>(field)];
-  const auto constants = api::packed_constants(functional, _dolfinx->forms.constants);
-  std::vector<double> w(_n_element_dofs);
+  const Kernel functional(*_dolfinx->forms.fields[static_cast<std::size_t>(field)], _dolfinx->forms);
+  std::vector<double> w;
   std::array<double, 12> x;
-  const auto integral = [&] {
-    double value = 0;
-    api::tabulate(functional, {&value, 1}, w, constants, x);
-    return value;
-  };
   for (int cell = 0; cell < _n_cells; ++cell) {
-    _dolfinx->gather(block_dofs(cell), state, w);
+    const auto integral = [&] {
+      double value = 0;
+      api::tabulate(*functional.form, {&value, 1}, w, functional.constants[_regions[cell]], x);
+      return value;
+    };
+    gather(cell, api::coefficients(*functional.form), state, w);
     api::cell_coordinates(*_dolfinx->mesh, cell, x);
     if (_edge_patches.size() == 0) {
       out[cell] = integral();
@@ -268,16 +321,15 @@ void Discretization::find_edge_patches() {
     slope.row(0) = -slope.bottomRows<3>().colwise().sum();
     slopes.push_back(slope);
   }
-  _edge_patches = EdgePatches(nodes, volumes, slopes, _point_dofs, _dolfinx->forms);
+  _edge_patches = EdgePatches(nodes, volumes, slopes, _point_dofs, _regions, _dolfinx->forms);
 }
 
 void Discretization::block_tangents(std::span<const double> state, Convexity convexity, const TakeTangent& take) {
-  _dolfinx->set(state);
   const auto m = static_cast<Eigen::Index>(_n_element_dofs);
   const auto size = static_cast<std::size_t>(m * m);
   // Only the block of the displacements, which come first, is made convex. Without the shear energy the tangent of a
   // cell is indefinite, but the sum over cells is zero for constant pressure.
-  const Eigen::Index n_u = m - (_pressure_dofs.empty() ? 0 : 4);
+  const Eigen::Index n_u = m - static_cast<Eigen::Index>(n_pressures());
   const bool convex = convexity == Convexity::strictly || (convexity == Convexity::nearly && _edge_patches.size() == 0);
   Eigen::Matrix<double, 12, 12> linear;
   Eigen::MatrixXd quadratic, nearest;
@@ -294,18 +346,29 @@ void Discretization::block_tangents(std::span<const double> state, Convexity con
     take(cell, values, {nearest.data(), size});
   };
 
+  std::vector<double> values(size, 0.0);
+  const auto integrate_cells = [&](const Kernel& kernel, const auto& take_values) {
+    integrate(kernel, state, values, [&](int cell) {
+      Eigen::Map<Eigen::MatrixXd> tangent(values.data(), m, m);
+      if (region(cell) > 0) {
+        tangent.bottomRows(m - n_u) *= pressure_unit(cell);
+        tangent.rightCols(m - n_u) *= pressure_unit(cell);
+      }
+      take_values(cell);
+      std::fill(values.begin(), values.end(), 0.0);
+    });
+  };
   const auto& passes = _dolfinx->passes;
   if (passes.size() == 1) {
-    api::for_each_element_matrix(passes.front().tangent, take_cell);
+    integrate_cells(passes.front().tangent, [&](int cell) { take_cell(cell, values); });
   } else {
     std::vector<double> sums(size * static_cast<std::size_t>(_n_cells), 0.0);
+    const auto sum_of = [&](int cell) { return sums.data() + size * static_cast<std::size_t>(cell); };
     for (const auto& pass : passes)
-      api::for_each_element_matrix(pass.tangent, [&](std::int32_t cell, std::span<const double> values) {
-        double* sum = sums.data() + size * static_cast<std::size_t>(cell);
-        for (std::size_t i = 0; i < size; ++i) sum[i] += values[i];
+      integrate_cells(pass.tangent, [&](int cell) {
+        for (std::size_t i = 0; i < size; ++i) sum_of(cell)[i] += values[i];
       });
-    for (std::int32_t cell = 0; cell < _n_cells; ++cell)
-      take_cell(cell, {sums.data() + size * static_cast<std::size_t>(cell), size});
+    for (std::int32_t cell = 0; cell < _n_cells; ++cell) take_cell(cell, {sum_of(cell), size});
   }
   std::vector<double> exact_edge, convex_edge;
   for (int e = 0; e < _edge_patches.size(); ++e) {

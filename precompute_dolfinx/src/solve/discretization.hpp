@@ -22,10 +22,14 @@ void quiet_logging();
 /// A state is a vector of n_dofs() values: displacements and, for mixed elements, pressures; for a shell, displacements
 /// of its midsurface and changes of its directors, whose dofs are at the middles of edges. Points are the positions of
 /// displacement dofs: the nodes of the mesh in their order and then, for quadratic elements, the middles of edges.
+///
+/// The pressure jumps where materials meet: a node there has one pressure for each region around it. Pressures have the
+/// unit of the shear modulus of their region, so that all rows of a region have one scale.
 class Discretization {
  public:
   /// @param mesh  lengths in units of Scaling::length_m
-  Discretization(const Mesh& mesh, const FormSet& forms);
+  /// @param cell_regions  per cell of the mesh: 0 is the body, i + 1 is forms.regions[i]; empty: one material
+  Discretization(const Mesh& mesh, const FormSet& forms, const std::vector<std::uint8_t>& cell_regions = {});
   ~Discretization();
   Discretization(Discretization&&) noexcept;
 
@@ -37,7 +41,8 @@ class Discretization {
   /// Dofs of the director at the middle of an edge. @pre a shell, and a point beyond the nodes
   const std::array<std::int32_t, 3>& director_dofs(int point) const { return _director_dofs[point - _n_nodes]; }
   bool has_directors() const { return !_director_dofs.empty(); }
-  /// Dofs of the pressure; empty for displacement elements.
+  /// Dofs of the pressure: those of the nodes in their order, then further ones of nodes between regions; empty for
+  /// displacement elements.
   const std::vector<std::int32_t>& pressure_dofs() const { return _pressure_dofs; }
   /// The two nodes of the edge at whose middle a point is. @pre a point beyond the nodes
   const std::array<std::int32_t, 2>& edge(int point) const { return _edges[point - _n_nodes]; }
@@ -49,6 +54,7 @@ class Discretization {
   bool on_surface(int point) const { return _on_surface[point] != 0; }
 
   int n_cells() const { return _n_cells; }
+  int region(int cell) const { return _regions[cell]; }
   /// The energy and its tangent are sums over blocks: the cells and, for an edge-smoothed element, the edges.
   int n_blocks() const { return _n_cells + _edge_patches.size(); }
   /// Dofs of a block, of a cell in element order.
@@ -80,7 +86,19 @@ class Discretization {
 
  private:
   struct Dolfinx;
+  struct Kernel;
+  /// Pressures of a cell, the last of its dofs; in regions, whose number is not 0, they have a unit of their own.
+  std::size_t n_pressures() const { return _pressure_dofs.empty() ? 0 : 4; }
+  double pressure_unit(int cell) const { return forms().regions[region(cell) - 1].shear_modulus; }
+  /// Calls a form in every cell and `take` after each. @param values  to which the form adds
+  template <class Take>
+  void integrate(const Kernel& kernel, std::span<const double> state, std::span<double> values, Take&& take) const;
+  /// The arguments of a form or an expression: values of its coefficients in a cell.
+  void gather(int cell, std::span<const int> coefficients, std::span<const double> state, std::vector<double>& w) const;
   void number_points(const Mesh& mesh);
+  void find_regions(const Mesh& mesh, const std::vector<std::uint8_t>& cell_regions);
+  /// Gives nodes at interfaces a pressure for each region.
+  void split_pressures();
   void find_edge_patches();
   /// The edges from the first node of a tetrahedron, as rows.
   Eigen::Matrix3d cell_sides(int cell) const;
@@ -94,6 +112,7 @@ class Discretization {
   std::vector<std::array<std::int32_t, 3>> _point_dofs, _director_dofs;
   std::vector<std::array<std::int32_t, 2>> _edges;
   std::vector<std::int32_t> _pressure_dofs, _element_dofs;
+  std::vector<std::uint8_t> _regions;  ///< of the cells, in the order of dolfinx
   std::vector<char> _on_surface;
   Points _points;
   Triangles _surface;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "../dolfinx_api.hpp"
 
@@ -18,21 +19,25 @@ constexpr std::array<double, 12> unit_volume{0, 0, 0, 6, 0, 0, 0, 1, 0, 0, 0, 1}
 
 EdgePatches::EdgePatches(const std::vector<std::array<std::int32_t, 4>>& cells, const std::vector<double>& volumes,
                          const std::vector<Eigen::Matrix<double, 4, 3>>& slopes,
-                         const std::vector<std::array<std::int32_t, 3>>& dofs, const FormSet& forms)
-    : _forms(forms.edges),
-      _energy_constants(api::packed_constants(*_forms.energy, forms.constants)),
-      _residual_constants(api::packed_constants(*_forms.residual, forms.constants)),
-      _tangent_constants(api::packed_constants(*_forms.tangent, forms.constants)),
-      _jacobian_constants(api::packed_constants(*_forms.jacobian, forms.constants)) {
-  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> number;
+                         const std::vector<std::array<std::int32_t, 3>>& dofs, const std::vector<std::uint8_t>& regions,
+                         const FormSet& forms)
+    : _forms(forms.edges) {
+  for (int r = 0; r < forms.n_regions(); ++r) {
+    const auto c = forms.constants_in(r);
+    _constants.push_back({api::packed_constants(*_forms.energy, c), api::packed_constants(*_forms.residual, c),
+                          api::packed_constants(*_forms.tangent, c), api::packed_constants(*_forms.jacobian, c)});
+  }
+  std::map<std::tuple<std::int32_t, std::int32_t, std::uint8_t>, std::int32_t> number;
   std::vector<std::map<std::int32_t, Eigen::Vector3d>>
       integrals;  // per edge and node: sum_c (V_c / 6) of the gradients
   for (std::size_t c = 0; c < cells.size(); ++c) {
     auto& edges = _of_cell.emplace_back();
     for (std::size_t e = 0; e < 6; ++e) {
       const auto& [a, b] = api::edge_vertices(4)[e];
-      const auto [entry, is_new] = number.try_emplace(std::minmax(cells[c][a], cells[c][b]), size());
+      const auto [low, high] = std::minmax(cells[c][a], cells[c][b]);
+      const auto [entry, is_new] = number.try_emplace({low, high, regions[c]}, size());
       if (is_new) {
+        _region.push_back(regions[c]);
         _volume.push_back(0);
         integrals.emplace_back();
       }
@@ -69,7 +74,7 @@ EdgePatches::Gradient EdgePatches::gradient(int edge, std::span<const double> st
 double EdgePatches::energy_density(int edge, std::span<const double> state) const {
   const Gradient F = gradient(edge, state);
   double energy = 0;
-  api::tabulate(*_forms.energy, {&energy, 1}, {F.data(), 9}, _energy_constants, unit_volume);
+  api::tabulate(*_forms.energy, {&energy, 1}, {F.data(), 9}, constants(edge).energy, unit_volume);
   return energy;
 }
 
@@ -77,7 +82,7 @@ void EdgePatches::add_residual(std::span<const double> state, std::span<double> 
   for (int edge = 0; edge < size(); ++edge) {
     const Gradient F = gradient(edge, state);
     Gradient P = Gradient::Zero();
-    api::tabulate(*_forms.residual, {P.data(), 9}, {F.data(), 9}, _residual_constants, unit_volume);
+    api::tabulate(*_forms.residual, {P.data(), 9}, {F.data(), 9}, constants(edge).residual, unit_volume);
     P *= _volume[edge];
     const std::size_t n = _start[edge + 1] - _start[edge];
     const double* g = _slope.data() + 3 * _start[edge];
@@ -92,7 +97,7 @@ double EdgePatches::min_jacobian(std::span<const double> state) const {
   for (int edge = 0; edge < size(); ++edge) {
     const Gradient F = gradient(edge, state);
     double J = 0;
-    api::tabulate(*_forms.jacobian, {&J, 1}, {F.data(), 9}, _jacobian_constants, unit_volume);
+    api::tabulate(*_forms.jacobian, {&J, 1}, {F.data(), 9}, constants(edge).jacobian, unit_volume);
     least = std::isnan(J) ? -std::numeric_limits<double>::infinity() : std::min(least, J);
   }
   return least;
@@ -102,7 +107,7 @@ void EdgePatches::tangent(int edge, std::span<const double> state, Convexity con
                           std::vector<double>& convex) const {
   const Gradient F = gradient(edge, state);
   Tangent A = Tangent::Zero();
-  api::tabulate(*_forms.tangent, {A.data(), 81}, {F.data(), 9}, _tangent_constants, unit_volume);
+  api::tabulate(*_forms.tangent, {A.data(), 81}, {F.data(), 9}, constants(edge).tangent, unit_volume);
   A *= _volume[edge];
   expand(edge, A, exact);
   if (convexity == Convexity::none) return;

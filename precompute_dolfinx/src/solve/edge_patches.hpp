@@ -1,5 +1,5 @@
-// The edges of tetrahedra, each with the cells at it, over which an edge-smoothed element averages the deformation
-// gradient.
+// The edges of tetrahedra, each with the cells of one region at it, over which an edge-smoothed element averages the
+// deformation gradient.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,7 +20,7 @@ namespace phynness {
 ///
 /// where a are the nodes of these cells and g_a is the mean gradient of the linear function of node a. The shear energy
 /// of the body is sum_e V_e shape(F_e), except for a share that remains in the cells (cell_share); the forms of an edge
-/// are functions of F_e.
+/// are functions of F_e. At an interface of materials strains jump, so that an edge there counts once for each region.
 class EdgePatches {
  public:
   using Gradient = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
@@ -30,9 +30,11 @@ class EdgePatches {
   /// @param cells   nodes of the tetrahedra, and their volumes
   /// @param slopes  gradients of the linear functions of their nodes
   /// @param dofs    of the displacement of each node
+  /// @param regions  of the cells
   EdgePatches(const std::vector<std::array<std::int32_t, 4>>& cells, const std::vector<double>& volumes,
               const std::vector<Eigen::Matrix<double, 4, 3>>& slopes,
-              const std::vector<std::array<std::int32_t, 3>>& dofs, const FormSet& forms);
+              const std::vector<std::array<std::int32_t, 3>>& dofs, const std::vector<std::uint8_t>& regions,
+              const FormSet& forms);
 
   int size() const { return static_cast<int>(_volume.size()); }
   /// Dofs of an edge: the first components of its nodes, the second ones, the third ones.
@@ -66,7 +68,12 @@ class EdgePatches {
       _slope;  ///< per edge: g_a, the first components of all its nodes, the second ones, the third ones
   std::vector<std::array<std::int32_t, 6>> _of_cell;
   EdgeForms _forms;
-  std::vector<double> _energy_constants, _residual_constants, _tangent_constants, _jacobian_constants;
+  std::vector<std::uint8_t> _region;  ///< of each edge
+  struct Constants {
+    std::vector<double> energy, residual, tangent, jacobian;
+  };
+  std::vector<Constants> _constants;  ///< per region
+  const Constants& constants(int edge) const { return _constants[_region[edge]]; }
 };
 
 }  // namespace phynness

@@ -19,9 +19,25 @@ void set_passes(FormSet& set, double t) {
   set.jacobian_passes = {{{"zeta", t / 2}, {"shear", 1}}, {{"zeta", -t / 2}, {"shear", 1}}};
 }
 
+FormConstants constants_of(const Material& material, double modulus_Pa) {
+  FormConstants constants;
+  const LawRow& law = *material.law;
+  for (std::size_t i = 0; i < law.parameters.size(); ++i)
+    constants[law.parameters[i].constant] = material.parameters.at(i) / (law.parameters[i].is_modulus ? modulus_Pa : 1);
+  for (const auto& constant : law.derived) constants[constant.name] = constant.value(material.parameters.data());
+  return constants;
+}
+
 }  // namespace
 
-FormSet form_set(const Material& material, Element element, double modulus_Pa, double thickness) {
+FormConstants FormSet::constants_in(int region, FormConstants of_pass) const {
+  if (region > 0) of_pass.insert(regions[region - 1].constants.begin(), regions[region - 1].constants.end());
+  of_pass.insert(constants.begin(), constants.end());
+  return of_pass;
+}
+
+FormSet form_set(const Material& material, Element element, double modulus_Pa, double thickness,
+                 const std::vector<Material>& regions) {
   FormSet set;
   static_cast<CompiledForms&>(set) = compiled_forms(material.law, element);
   set.element = element;
@@ -31,12 +47,10 @@ FormSet form_set(const Material& material, Element element, double modulus_Pa, d
   }
   set.constants["alpha"] = set.edges.energy ? smoothed_alpha : stabilization_alpha;
   set.constants["cell_share"] = cell_share;
-  const LawRow& law = *material.law;
-  for (std::size_t i = 0; i < law.parameters.size(); ++i)
-    set.constants[law.parameters[i].constant] =
-        material.parameters.at(i) / (law.parameters[i].is_modulus ? modulus_Pa : 1);
-  for (const auto& constant : law.derived) set.constants[constant.name] = constant.value(material.parameters.data());
-  set.checks_jacobian = !law.linear;
+  set.constants.merge(constants_of(material, modulus_Pa));
+  for (const auto& other : regions)
+    set.regions.push_back({constants_of(other, modulus_Pa), other.shear_modulus_Pa / modulus_Pa});
+  set.checks_jacobian = !material.law->linear;
   return set;
 }
 

@@ -38,14 +38,26 @@ CompiledForms compiled_forms(Law law, Element element);
 struct FormSet : CompiledForms {
   Element element = nullptr;
   FormConstants constants;
+  /// The cells of region i + 1 have these constants in place of the body's, and pressures in units of its shear
+  /// modulus.
+  struct Region {
+    FormConstants constants;
+    double shear_modulus = 1;  ///< in units of moduli
+  };
+  std::vector<Region> regions;
   /// Constants that differ between passes. Energy, residual and tangent are sums over the passes, and min_jacobian() is
   /// the minimum. A solid has one pass, a shell has several.
   std::vector<FormConstants> passes{{}}, jacobian_passes{{}};
   bool checks_jacobian = true;  ///< false for the linear theory, in which J has no meaning
+
+  int n_regions() const { return static_cast<int>(regions.size()) + 1; }
+  FormConstants constants_in(int region, FormConstants of_pass = {}) const;
 };
 
 /// @param modulus_Pa  the unit of moduli (Scaling::modulus_Pa)
 /// @param thickness   of a shell, in units of length (Scaling::length_m)
-FormSet form_set(const Material& material, Element element, double modulus_Pa, double thickness = 0);
+/// @param regions     materials of regions 1, 2, ..., all of the body's law
+FormSet form_set(const Material& material, Element element, double modulus_Pa, double thickness = 0,
+                 const std::vector<Material>& regions = {});
 
 }  // namespace phynness
