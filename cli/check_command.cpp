@@ -72,7 +72,7 @@ json as_json(const LoadedScene& loaded, const DiscretizationReport& report) {
   Scene checked = scene;
   checked.probe.kind = ProbeKind::patch;
   const double expected = expected_force_ratio(checked, report.mean_edge_m);
-  json out = record("element", name(scene.solver.element), "bulk_to_shear", scene.material.bulk_to_shear(),
+  json out = record("element", name(scene.solver.element), "bulk_to_shear", most_locked(scene).bulk_to_shear(),
                     "expected_ratio", expected > 1 ? json(expected) : json(nullptr), "mesh_hash",
                     mesh_hash(loaded.mesh), "physics_hash", physics_hash(scene), "distance", report.distance(scene));
   out.update(figures(report));

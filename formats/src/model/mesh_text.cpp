@@ -51,9 +51,22 @@ void groups(TextLinesReader& io, Mesh& mesh) {
   }
 }
 
+/// Meshes without regions have no such lines.
+template <class IO>
+void region_lines(IO& io, std::vector<std::int32_t>& regions, std::int32_t n_cells) {
+  if (!io.optional("regions", !regions.empty())) return;
+  io.keyword("regions");
+  io.end();
+  io.shape("regions", regions, n_cells, 1);
+  for (std::int32_t cell = 0; cell < n_cells; ++cell) {
+    schema::integer(io, "region of a cell", regions, cell, 0, 0, 255);
+    io.end();
+  }
+}
+
 /// @param hash  of the mesh
 template <class IO, class AnyMesh>
-void mesh_lines(IO& io, AnyMesh& mesh, std::string& hash) {
+void mesh_lines(IO& io, AnyMesh& mesh, std::string& hash, std::vector<std::int32_t>& regions) {
   io.keyword("hash");
   io.word("hash", hash);
   io.end();
@@ -72,6 +85,7 @@ void mesh_lines(IO& io, AnyMesh& mesh, std::string& hash) {
   const auto n_fixed = schema::count_line(io, "fixed", 0);
   rows_of_nodes(io, "fixed node", fixed, n_fixed, 1, mesh);
   groups(io, mesh);
+  region_lines(io, regions, n_cells);
 }
 
 }  // namespace
@@ -79,7 +93,8 @@ void mesh_lines(IO& io, AnyMesh& mesh, std::string& hash) {
 std::string write_mesh_text(const Mesh& mesh) {
   MeshWriter writer;
   std::string hash = mesh_hash(mesh);
-  mesh_lines(writer, mesh, hash);
+  std::vector<std::int32_t> regions(mesh.regions.begin(), mesh.regions.end());
+  mesh_lines(writer, mesh, hash, regions);
   return writer.finished();
 }
 
@@ -88,7 +103,9 @@ Mesh read_mesh_text(const std::string& text, const std::string& source_name) {
                          "write the file again with this software; it cannot be edited by hand");
   Mesh mesh;
   std::string hash;
-  mesh_lines(reader, mesh, hash);
+  std::vector<std::int32_t> regions;
+  mesh_lines(reader, mesh, hash, regions);
+  mesh.regions.assign(regions.begin(), regions.end());
   reader.require_end();
   if (const std::string actual = mesh_hash(mesh); actual != hash)
     throw input_error(source_name + ": the mesh does not have the stored hash",

@@ -19,14 +19,20 @@ Mesh without_dimension(const Mesh& mesh, double length_m) {
   return scaled;
 }
 
+FormSet forms_of(const Scene& scene, const Scaling& scaling) {
+  std::vector<Material> regions;
+  for (const auto& region : scene.regions) regions.push_back(region.material);
+  return form_set(scene.material, scene.solver.element, scaling.modulus_Pa, scene.mesh.thickness_m / scaling.length_m,
+                  regions);
+}
+
 }  // namespace
 
 struct ProbeSolver::Impl {
   Impl(const Scene& s, const Mesh& mesh, const NodeSets& sets)
       : scene(s),
         scaling(Scaling::of(mesh, s.material)),
-        body(without_dimension(mesh, scaling.length_m),
-             form_set(s.material, s.solver.element, scaling.modulus_Pa, s.mesh.thickness_m / scaling.length_m)),
+        body(without_dimension(mesh, scaling.length_m), forms_of(s, scaling), cell_regions(s, mesh)),
         fixed(fixed_points(body, sets.fixed)),
         equilibrium(body, fixed_dofs(body, fixed), s.solver),
         rays(body, equilibrium, s.solver),

@@ -190,7 +190,7 @@ FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSp
   if (spec.reference == Variant::half_size && locked > warned_force_ratio)
     throw input_error("cells of half the size lock, too, and tell no error",
                       fmt::format("element {}, K/mu = {:.4g}: forces about {}", name(scene.solver.element),
-                                  scene.material.bulk_to_shear(), ratio_in_words(locked)),
+                                  most_locked(scene).bulk_to_shear(), ratio_in_words(locked)),
                       "give --reference taylor-hood");
   const auto summary = summarize(database);
   double increments = 0;

@@ -118,7 +118,8 @@ double surface_edge_m(const Mesh& mesh, const NodeSets& sets) {
 std::string why_no_taylor_hood(const Scene& scene) {
   if (scene.solver.element->is_shell) return "a shell has one element only";
   if (scene.solver.element == element_named("taylor-hood")) return "it is the element of the scene";
-  return scene.material.lame_lambda_Pa > 0 ? "" : "it needs a material with lambda > 0";
+  const bool positive = std::ranges::all_of(materials(scene), [](const auto* m) { return m->lame_lambda_Pa > 0; });
+  return positive ? "" : "it needs materials with lambda > 0";
 }
 
 }  // namespace

@@ -19,12 +19,17 @@ double log_ratio(const ForceRatio& row, ProbeKind kind, double probe) {
 
 }  // namespace
 
+const Material& most_locked(const Scene& scene) {
+  const auto all = materials(scene);
+  return **std::ranges::max_element(all, {}, [](const Material* m) { return m->bulk_to_shear(); });
+}
+
 double expected_force_ratio(const Scene& scene, double mean_edge_m) {
   const auto rows = scene.solver.element->force_ratios;
   if (rows.empty()) return 1;
   const double depth = mean_edge_m > 0 ? scene.probe.max_displacement_m / mean_edge_m : deep_probe;
   const double probe = scene.material.law->linear ? shallow_probe : depth;
-  const double K_mu = scene.material.bulk_to_shear();
+  const double K_mu = most_locked(scene).bulk_to_shear();
   const auto log_of = [&](const ForceRatio& row) { return log_ratio(row, scene.probe.kind, probe); };
   if (K_mu < rows.front().bulk_to_shear) return 1;  // not measured; P1 at 0.29: 1.03
   std::size_t i = 1;
@@ -46,7 +51,7 @@ std::string ratio_in_words(double ratio) {
 
 std::vector<std::string> scene_warnings(const Scene& scene, double mean_edge_m) {
   std::vector<std::string> warnings;
-  const Material& m = scene.material;
+  const Material& m = most_locked(scene);
   const ProbeSpec& probe = scene.probe;
   if (const double ratio = expected_force_ratio(scene, mean_edge_m); ratio > warned_force_ratio) {
     std::ostringstream text;

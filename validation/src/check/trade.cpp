@@ -102,7 +102,7 @@ Trade::Trade(const Scene& scene, const Mesh& mesh, const NodeSets& sets, const D
                       "compare it with cells of half the size: --reference half-size");
   _forces.resize(_report.rows.size());
   // The finest of the reference's element.
-  const Element finest = element_named(scene.material.lame_lambda_Pa > 0 ? "taylor-hood" : "P2");
+  const Element finest = element_named(finer_reference(scene) == Variant::taylor_hood ? "taylor-hood" : "P2");
   for (std::size_t i = 0; i < _report.rows.size(); ++i)
     if (_report.rows[i].body && _report.rows[i].scene.solver.element == finest) _reference = i;
   _report.rows[_reference].is_reference = true;

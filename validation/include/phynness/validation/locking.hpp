@@ -6,7 +6,10 @@
 
 namespace phynness {
 
-/// Expected ratio of the force of the scene's element to that of Taylor-Hood on the same mesh, at the scene's K/mu and
+/// The material of the body or of a region with the largest K/mu, in which an element locks most.
+const Material& most_locked(const Scene& scene);
+
+/// Expected ratio of the force of the scene's element to that of Taylor-Hood on the same mesh, at this K/mu and the
 /// largest displacement, interpolated in the table of the element: the mean over bodies, which differ by the factors
 /// below. 1: the element does not lock, or K/mu is below the table.
 /// @param mean_edge_m  of the mesh; 0: unknown, a displacement of one edge is assumed
