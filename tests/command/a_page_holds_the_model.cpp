@@ -19,8 +19,7 @@ class Page : public CommandLine {
     const auto text = with_training(small_scene(), "levels = 2");
     const std::string title = R"(</script><script>alert(\"x\")</script> <!-- 'q' \u202E \u2028 ä)";
     write_file(folder / "scene.toml", changed(text, "small block", title));
-    succeed("precompute scene.toml -o d.h5");
-    succeed("train scene.toml d.h5 --family modal -o model");
+    make_once({"precompute scene.toml -o d.h5", "train scene.toml d.h5 --family modal -o model"});
     node = active_of("d.h5").at(0);
   }
   /// Errors with the hashes of the model, by which `view` knows whose they are, of its finer level.

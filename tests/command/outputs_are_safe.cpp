@@ -17,8 +17,7 @@ class Outputs : public CommandLine {
     CommandLine::SetUp();
     write_file(folder / "scene.toml", small_scene());
     fs::create_directory(folder / "fresh");
-    succeed("precompute scene.toml -o d.h5");
-    succeed("train scene.toml d.h5 -o model");
+    make_once({"precompute scene.toml -o d.h5", "train scene.toml d.h5 -o model"});
     node = std::to_string(active_of("d.h5").at(0));
   }
   std::string eval() const { return "eval model --node " + node + " --displacement 0,0,-0.001 "; }

@@ -17,9 +17,8 @@ class Queries : public CommandLine {
   void SetUp() override {
     CommandLine::SetUp();
     write_file(folder / "scene.toml", small_scene());
-    succeed("precompute scene.toml -o d.h5");
-    for (const char* family : {"rbfn", "modal"})
-      succeed(std::string("train scene.toml d.h5 --family ") + family + " -o " + family);
+    make_once({"precompute scene.toml -o d.h5", "train scene.toml d.h5 --family rbfn -o rbfn",
+               "train scene.toml d.h5 --family modal -o modal"});
     nodes = active_of("d.h5");
     ASSERT_EQ(nodes.size(), 2u);
   }

@@ -11,7 +11,7 @@ class BadPlace : public CommandLine {
   void SetUp() override {
     CommandLine::SetUp();
     write_file(folder / "scene.toml", small_scene("P1", 6));
-    succeed("precompute scene.toml -o whole.h5");
+    make_once({"precompute scene.toml -o whole.h5"});
   }
   std::string text(const char* name) const { return read_file(folder / name); }
 };

@@ -185,8 +185,6 @@ TEST_F(Calibrate, BoundsStateTheDistanceToAFinerSolution) {
 
   succeed("calibrate p p.h5 -o half --rays 100 --reference half-size --json c.json");
   EXPECT_EQ(read_model_dir(folder / "half").model.bounds.at(0).reference, 2);
-  succeed("calibrate p p.h5 -o again --rays 100 --reference taylor-hood --json c.json");
-  EXPECT_EQ(read_file(folder / "again/model.txt"), read_file(folder / "b/model.txt"));
 }
 
 TEST_F(Calibrate, RefusesReferencesThatTellNoError) {

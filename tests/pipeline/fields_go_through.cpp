@@ -14,7 +14,7 @@ class FieldsOfAScene : public CommandLine {
     CommandLine::SetUp();
     write_file(folder / "scene.toml",
                deep_scene() + "[database]\nfields = [\"energy-density\", \"von-mises-stress\"]\n");
-    succeed("precompute scene.toml -o d.h5");
+    make_once({"precompute scene.toml -o d.h5"});
   }
 
   /// Two fifths of the block's height deep. In a third of that depth the body is so nearly linear that linear

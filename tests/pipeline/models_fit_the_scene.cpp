@@ -10,7 +10,7 @@ class Families : public CommandLine {
   void SetUp() override {
     CommandLine::SetUp();
     write_file(folder / "scene.toml", small_scene("P1", 3));
-    succeed("precompute scene.toml -o d.h5");
+    make_once({"precompute scene.toml -o d.h5"});
   }
 };
 

@@ -12,7 +12,7 @@ class ValidationWords : public CommandLine {
   void SetUp() override {
     CommandLine::SetUp();
     write_file(folder / "scene.toml", small_scene("P1", 3));
-    succeed("precompute scene.toml -o d.h5");
+    make_once({"precompute scene.toml -o d.h5"});
   }
 };
 
