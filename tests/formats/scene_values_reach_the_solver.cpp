@@ -1,10 +1,8 @@
 // Claims: the meaning of a scene does not depend on the pair of moduli with which it is written. Its hash depends on
-// the physics only. The documentation names every key. All scenes of the distribution are valid. The locale of the
-// process has no influence.
+// the physics only. All scenes of the distribution are valid. The locale of the process has no influence.
 #include <clocale>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <locale>
 #include <sstream>
 
@@ -327,36 +325,9 @@ TEST(Material, refuses_with_a_remedy_what_people_expect_of_one) {
   expect_names(refusal(with(good_scene, moduli, "shear_modulus_Pa = 500\nd1_per_Pa = 0")),
                {"d1_per_Pa", "greater than 0", "bulk_modulus_Pa = 100 to 1,000 times mu"});
   for (const std::string key : {"regions = { brain = 1 }", "density = 1000", "prony = [1, 2]", "skull.E = 1e9"})
-    expect_names(refusal(with(good_scene, moduli, moduli + "\n" + key)), {"body.toml:8", "materials are elastic", "[[region]]"});
+    expect_names(refusal(with(good_scene, moduli, moduli + "\n" + key)),
+                 {"body.toml:8", "materials are elastic", "[[region]]"});
   expect_names(refusal("regions = [1]\n" + good_scene), {"body.toml:1", "did you mean region?"});
-}
-
-TEST(Documentation, names_every_key_of_the_parser) {
-  std::ifstream stream(PHYNNESS_SOURCE_DIR "/formats/scene.md");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  ASSERT_FALSE(text.str().empty());
-  const auto keys = scene_keys();
-  EXPECT_GT(keys.size(), 50u);
-  for (const auto& key : keys) {
-    const auto quoted = std::string(1, '`').append(key, key.rfind('.') + 1).append(1, '`');
-    EXPECT_NE(text.str().find(quoted), std::string::npos) << key;
-  }
-}
-
-TEST(Documentation, has_the_type_range_default_and_meaning_of_every_key) {
-  std::ifstream stream(PHYNNESS_SOURCE_DIR "/formats/scene.md");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  const std::string tables = scene_key_tables(), end = "<!-- keys: end -->\n";
-  int n = 0;
-  for (std::size_t at = 0; at < tables.size(); ++n) {
-    const auto next = tables.find(end, at) + end.size();
-    EXPECT_NE(text.str().find(tables.substr(at, next - at)), std::string::npos) << "tools/check-docs --write renews:\n"
-                                                                                << tables.substr(at, next - at);
-    at = tables.find_first_not_of('\n', next);
-  }
-  EXPECT_EQ(n, 9) << "eight sections, and the shapes";
 }
 
 TEST(Defaults, of_a_shape_are_those_of_its_row) {
