@@ -178,10 +178,9 @@ json tell_provenance(const phn_provenance& p, const FinerDistance* whole = nullp
                             .p95 = p.finer_p95};
   print_result("elements  {}; shear modulus at rest {}\n", *p.element != 0 ? p.element : "not recorded",
                p.shear_modulus_Pa > 0 ? fmt::format("{:.6g} Pa", p.shear_modulus_Pa) : "not recorded");
-  print_result(
-      "distance  from a finer solution: {}{}\n",
-      finer.is_measured ? (whole != nullptr ? *whole : finer).sentence() : "not recorded",
-      p.finer_nodes > 0 ? fmt::format(". Its mesh has {} nodes", p.finer_nodes) : "");
+  print_result("distance  from a finer solution: {}{}\n",
+               finer.is_measured ? (whole != nullptr ? *whole : finer).sentence() : "not recorded",
+               p.finer_nodes > 0 ? fmt::format(". Its mesh has {} nodes", p.finer_nodes) : "");
   return record("mesh_hash", said(p.mesh_hash), "physics_hash", said(p.physics_hash), "element", said(p.element),
                 "shear_modulus_Pa", known(p.shear_modulus_Pa), "reference", said(p.reference), "finer_nodes",
                 known(p.finer_nodes), "finer_probes", finer.is_measured ? json(p.finer_probes) : json(nullptr),
