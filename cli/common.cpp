@@ -103,13 +103,19 @@ void select(const std::filesystem::path& continued, LoadedScene& loaded) {
   resolve_selections(loaded.scene, loaded.mesh, loaded.sets, probed);
 }
 
-/// Without the groups that write_msh() adds for node sets.
+/// Without the groups that write_msh() adds for node sets; its groups of cells are the regions.
 MeshResult read_made(Scene scene, const std::filesystem::path& file) {
   MeshSpec spec;
   spec.file = file;
   spec.thickness_m = scene.mesh.thickness_m;
   spec.where = scene.mesh.where;
   scene.mesh = spec;
+  for (std::size_t r = 0; r < scene.regions.size(); ++r) {
+    Selector group;
+    group.kind = SelectorKind::group;
+    group.group = region_group(r + 1);
+    scene.regions[r].cells = {group};
+  }
   auto made = make_mesh(scene);
   std::erase_if(made.mesh.groups, [](const auto& group) { return group.first.starts_with("phynness_"); });
   return made;

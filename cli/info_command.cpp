@@ -116,6 +116,13 @@ json tell_ends(const DatabaseHeader& header, const EndSummary& ends) {
                 "folds", ends.folds, "largest_energy_lost_J", ends.largest_loss_J);
 }
 
+/// Prints the parts of a body of several materials.
+json tell_regions(const Scene& scene, const Mesh& mesh) {
+  const auto regions = region_figures(scene, mesh);
+  for (const auto& region : regions) print_result("  {}\n", region.str());
+  return figures(regions);
+}
+
 json about_database(const std::filesystem::path& file, bool failed) {
   const auto progress = database_progress(file);
   warn_of_damage(progress.damage);
@@ -135,6 +142,7 @@ json about_database(const std::filesystem::path& file, bool failed) {
   print_result("scene     {}, physics {}\n", h.scene_name, h.physics_hash);
   print_mesh(h.mesh, h.sets);
   warn_of_patch(stored_scene(h), h.mesh, h.sets);
+  const json regions = h.mesh.regions.empty() ? json::array() : tell_regions(stored_scene(h), h.mesh);
   print_result("probes    {} directions, {} increments to {:.4g} m{}{}\n", h.directions.size(), h.magnitudes_m.size(),
                h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "",
                h.imported ? ", imported from another program" : "");
@@ -161,8 +169,8 @@ json about_database(const std::filesystem::path& file, bool failed) {
   }
   return record("kind", "database", "complete", true, "mesh_hash", h.mesh_hash, "physics_hash", h.physics_hash, "nodes",
                 h.mesh.n_nodes(), "active", h.sets.active, "linear", h.sets.linear, "fields", fields, "states", states,
-                "failed_rays", rays, "ends", ends, "newton_iterations", summary.newton_iterations, "unstable_states",
-                summary.unstable_states);
+                "regions", regions, "failed_rays", rays, "ends", ends, "newton_iterations", summary.newton_iterations,
+                "unstable_states", summary.unstable_states);
 }
 
 /// Prints what the finite elements solved and how far they are from a finer solution.
@@ -263,8 +271,9 @@ json about_body(const std::filesystem::path& file) {
   const auto text = read_body_text(body.text(), file.string());
   std::size_t state_bytes = 0;
   phn_body_state_size(body.organ().body(), 2, &state_bytes);
-  print_result("body      {}: law {}, {} modes, {} cells, {} pressures\n", file.string(), info.law, info.n_modes,
-               info.n_cells, info.n_pressures);
+  print_result("body      {}: law {}, {} modes, {} cells, {} pressures{}\n", file.string(), info.law, info.n_modes,
+               info.n_cells, info.n_pressures,
+               text.regions.rows() > 0 ? fmt::format(", {} regions", text.regions.rows()) : "");
   print_result("mesh      {}, physics {}: {} nodes and {} triangles of the surface\n", info.mesh_hash,
                info.physics_hash, info.n_nodes, info.n_triangles);
   print_result("tools     {}, to {:.4g} m in training{}\n",
@@ -280,9 +289,9 @@ json about_body(const std::filesystem::path& file) {
   const json bounds = body.has_bounds() ? record("coverage", text.coverage, "rays", text.n_rays) : json(nullptr);
   return record("kind", "body", "mesh_hash", info.mesh_hash, "physics_hash", info.physics_hash, "law", info.law,
                 "nodes", info.n_nodes, "triangles", info.n_triangles, "modes", info.n_modes, "cells", info.n_cells,
-                "pressures", info.n_pressures, "tool_radius_m", info.tool_radius_m, "max_displacement_m",
-                info.max_displacement_m, "bounds", bounds, "body_bytes", body.text().size(), "memory_bytes",
-                body.organ().constant_bytes(), "state_bytes", state_bytes);
+                "pressures", info.n_pressures, "regions", text.regions.rows(), "tool_radius_m", info.tool_radius_m,
+                "max_displacement_m", info.max_displacement_m, "bounds", bounds, "body_bytes", body.text().size(),
+                "memory_bytes", body.organ().constant_bytes(), "state_bytes", state_bytes);
 }
 
 json about_scene(const std::filesystem::path& file) {
@@ -302,12 +311,13 @@ json about_scene(const std::filesystem::path& file) {
   const Material& m = loaded.scene.material;
   print_result("at rest   E {:.4g} Pa, nu {:.4g}, mu {:.4g} Pa, K {:.4g} Pa, K/mu {:.4g}\n", m.youngs_modulus_Pa(),
                m.poisson_ratio(), m.shear_modulus_Pa, m.bulk_modulus_Pa, m.bulk_to_shear());
+  const json regions = tell_regions(loaded.scene, loaded.mesh);
   print_result("physics   {}\n{}", physics_hash(loaded.scene), physics_summary(loaded.scene));
   print_result("not in the hash\n{}", other_settings(loaded.scene));
   return record("kind", "scene", "mesh_hash", mesh_hash(loaded.mesh), "physics_hash", physics_hash(loaded.scene),
                 "youngs_modulus_Pa", m.youngs_modulus_Pa(), "poisson_ratio", m.poisson_ratio(), "bulk_to_shear",
-                m.bulk_to_shear(), "nodes", loaded.mesh.n_nodes(), "worst_cells", worst, "active", loaded.sets.active,
-                "linear", loaded.sets.linear);
+                m.bulk_to_shear(), "regions", regions, "nodes", loaded.mesh.n_nodes(), "worst_cells", worst, "active",
+                loaded.sets.active, "linear", loaded.sets.linear);
 }
 
 /// A mesh file is read as in a scene without selections. An open surface is the midsurface of a shell.

@@ -106,6 +106,8 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
   grid.points = header.mesh.nodes(grid.node_numbers, Eigen::all);
   grid.cells = shown_cells(header.mesh, point_of, grid.node_numbers.size(), shown.notes);
 
+  if (grid.cells.rows() == header.mesh.cells.rows()) grid.regions = header.mesh.regions;
+
   Eigen::MatrixXd weight = Eigen::MatrixXd::Zero(n_points, 1);
   for (std::size_t i = 0; i < tool.nodes.size(); ++i)
     weight(point_of[static_cast<std::size_t>(tool.nodes[i])], 0) = tool.weights[i];

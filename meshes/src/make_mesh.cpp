@@ -50,11 +50,13 @@ MeshResult generated_body(RawMesh raw, const std::string& source) {
   return result;
 }
 
-MeshResult filled_at(const Surface& surface, double edge_m, const std::string& source) {
+using Regions = std::vector<Region>;
+
+MeshResult filled_at(const Surface& surface, double edge_m, const Regions& regions, const std::string& source) {
   std::vector<std::string> notes;
   Surface wanted = remeshed(surface, edge_m);
   untangle(wanted, notes);
-  MeshResult result = generated_body(fill(wanted), source);
+  MeshResult result = generated_body(fill(wanted, inclusions(regions, wanted, edge_m)), source);
   result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
   return result;
 }
@@ -69,7 +71,24 @@ MeshResult sized(const MeshSpec& spec, const Extent& extent, const std::function
                            : affordable(*spec.target_size_m);
 }
 
-MeshResult from_shape(const MeshSpec& spec) {
+/// The surface of a body with its own nodes only.
+Surface surface_of(const Mesh& mesh) {
+  const auto nodes = surface_nodes(mesh.surface);
+  Surface surface{mesh.nodes(nodes, Eigen::indexing::all), mesh.surface};
+  for (auto& node : surface.triangles.reshaped())
+    node = static_cast<std::int32_t>(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
+  return surface;
+}
+
+MeshResult meshed_solid(const MeshSpec& spec, double edge_m, const Regions& regions, const std::string& source) {
+  MeshResult body = generated_body(mesh_solid(spec, edge_m), source);
+  if (regions.empty()) return body;
+  const Surface surface = surface_of(body.mesh);
+  const auto within = inclusions(regions, surface, edge_m);
+  return within.empty() ? body : generated_body(fill(surface, within), source);
+}
+
+MeshResult from_shape(const MeshSpec& spec, const Regions& regions) {
   const std::string source = std::string("shape '") + name(spec.shape) + "'";
   if (spec.shape == Shape::drain) {
     MeshResult result = sized(spec, extent_of_shape(spec), [&](double edge_m) {
@@ -83,10 +102,9 @@ MeshResult from_shape(const MeshSpec& spec) {
   if (spec.shape == Shape::liver) {
     const Surface liver = liver_surface(spec.size_m);
     const Extent extent{enclosed_volume(liver.nodes, liver.triangles), area(liver.nodes, liver.triangles)};
-    return sized(spec, extent, [&](double edge_m) { return filled_at(liver, edge_m, source); });
+    return sized(spec, extent, [&](double edge_m) { return filled_at(liver, edge_m, regions, source); });
   }
-  return sized(spec, extent_of_shape(spec),
-               [&](double edge_m) { return generated_body(mesh_solid(spec, edge_m), source); });
+  return sized(spec, extent_of_shape(spec), [&](double edge_m) { return meshed_solid(spec, edge_m, regions, source); });
 }
 
 /// Edges that are too long for a body cut off what is thinner or narrower than they are.
@@ -101,7 +119,8 @@ void warn_of_volume(MeshResult& result, double given_m3) {
 }
 
 /// @param notes  about the surface
-MeshResult filled(const MeshSpec& spec, Surface surface, const std::string& source, std::vector<std::string> notes) {
+MeshResult filled(const MeshSpec& spec, Surface surface, const Regions& regions, const std::string& source,
+                  std::vector<std::string> notes) {
   require_gmsh();  // otherwise the surface would be blamed
   untangle(surface, notes);
   const Extent extent{enclosed_volume(surface.nodes, surface.triangles), area(surface.nodes, surface.triangles)};
@@ -109,7 +128,7 @@ MeshResult filled(const MeshSpec& spec, Surface surface, const std::string& sour
   const auto as_given = [&] {
     require_affordable(extent, given_edge_m, place(spec));
     try {
-      return generated_body(fill(surface), source);
+      return generated_body(fill(surface, inclusions(regions, surface, given_edge_m)), source);
     } catch (const Error& error) {
       throw input_error(source + ": the inside of the surface cannot be filled with tetrahedra", error.what(),
                         "repair the surface in the program that made it, where its sides touch or nearly touch");
@@ -121,7 +140,7 @@ MeshResult filled(const MeshSpec& spec, Surface surface, const std::string& sour
     notes.push_back("filled the file's own triangles: neither mesh.target_size_m nor mesh.target_nodes is given");
   } else {
     try {
-      result = sized(spec, extent, [&](double edge_m) { return filled_at(surface, edge_m, source); });
+      result = sized(spec, extent, [&](double edge_m) { return filled_at(surface, edge_m, regions, source); });
       warn_of_volume(result, extent.volume_m3);
       notes.push_back("remeshed the surface of " + std::to_string(surface.triangles.rows()) + " triangles to " +
                       std::to_string(result.mesh.surface.rows()));
@@ -138,13 +157,13 @@ MeshResult filled(const MeshSpec& spec, Surface surface, const std::string& sour
   return result;
 }
 
-MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::string& source) {
+MeshResult from_surface(const MeshSpec& spec, const Regions& regions, const RawMesh& raw, const std::string& source) {
   if (spec.remesh)
     throw input_error(place(spec) + ": remesh = true makes new tetrahedra within a body, but the file holds a surface",
                       source, "remove mesh.remesh: a closed surface is filled with tetrahedra without it");
   std::vector<std::string> notes;
   Surface surface = checked_surface(raw, spec.scale_to_m, spec.repair, source, notes);
-  return filled(spec, std::move(surface), source, std::move(notes));
+  return filled(spec, std::move(surface), regions, source, std::move(notes));
 }
 
 std::string summary(const QualityReport& quality) {
@@ -156,18 +175,15 @@ std::string summary(const QualityReport& quality) {
 }
 
 /// New tetrahedra within the surface of a body.
-MeshResult remeshed_body(const MeshSpec& spec, const MeshResult& body, const std::string& source) {
+MeshResult remeshed_body(const MeshSpec& spec, const Regions& regions, const MeshResult& body,
+                         const std::string& source) {
   const Mesh& old = body.mesh;
   if (const std::string defects = describe_defects(surface_topology(old.surface), true); !defects.empty())
     throw input_error(
         place(spec) + ": remesh = true keeps neither cavities of the body nor places where it touches itself",
         source + ", whose surface has " + defects,
         "remove mesh.remesh, and mesh the body again in the program that made it");
-  const auto nodes = surface_nodes(old.surface);
-  Surface surface{old.nodes(nodes, Eigen::indexing::all), old.surface};
-  for (auto& node : surface.triangles.reshaped())
-    node = static_cast<std::int32_t>(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
-  MeshResult result = filled(spec, std::move(surface), source, body.notes);
+  MeshResult result = filled(spec, surface_of(old), regions, source, body.notes);
   std::ostringstream text;
   text.precision(2);
   text << "replaced " << summary(body.quality) << " of the file by " << summary(result.quality)
@@ -207,14 +223,14 @@ void require_size(const RawMesh& raw, const MeshSpec& spec, const std::string& s
                     "correct mesh.scale_to_m, the length of the file's unit in metres");
 }
 
-MeshResult from_file(const MeshSpec& spec) {
+MeshResult from_file(const MeshSpec& spec, const Regions& regions) {
   const std::string source = spec.file.filename().string();
   RawMesh raw = read_mesh_file(spec.file);
   require_size(raw, spec, source);
   if (spec.thickness_m > 0) return shell_from_file(spec, raw, source);
-  if (raw.tetrahedra.empty()) return from_surface(spec, raw, source);
+  if (raw.tetrahedra.empty()) return from_surface(spec, regions, raw, source);
   MeshResult result = checked_body(raw, spec.scale_to_m, spec.repair, source);
-  if (spec.remesh) return remeshed_body(spec, result, source);
+  if (spec.remesh) return remeshed_body(spec, regions, result, source);
   if (spec.target_nodes || spec.target_size_m)
     result.warnings.push_back(
         "the file holds tetrahedra, which are not changed: mesh.target_nodes and mesh.target_size_m "
@@ -236,11 +252,12 @@ MeshResult make_shell(const std::filesystem::path& file) {
 MeshResult make_mesh(const Scene& scene, bool in_file_units) {
   const MeshSpec spec = with_standard_sizes(scene.mesh);
   try {
-    MeshResult result = spec.shape == Shape::none ? from_file(spec) : from_shape(spec);
+    MeshResult result = spec.shape == Shape::none ? from_file(spec, scene.regions) : from_shape(spec, scene.regions);
     if (result.made_here && result.quality.n_slivers > 0)
       result.warnings.push_back(reason_of_slivers(result, in_file_units));
     if (!in_file_units) warn_of_size(result, spec.scale_to_m);
     result.mesh.regions = cell_regions(scene, result.mesh);
+    for (std::size_t r = 0; r < scene.regions.size(); ++r) result.mesh.cell_groups.erase(inclusion_group(r));
     for (const RegionFigures& region : region_figures(scene, result.mesh)) result.notes.push_back(region.str());
     return result;
   } catch (const Error& error) {

@@ -45,6 +45,7 @@ TEST_F(RoundTrip, is_exact_with_float64) {
   write_logs(header);
   DatabaseWriter::pack(file, header);
   expect_round_trip(file, header);
+  EXPECT_EQ(read_database_header(file).mesh.regions, header.mesh.regions);
   EXPECT_FALSE(fs::exists(log));
   EXPECT_FALSE(fs::exists(file.string() + ".packing"));
   EXPECT_FALSE(fs::exists(file.string() + ".tmp"));

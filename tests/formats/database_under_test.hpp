@@ -42,6 +42,7 @@ inline DatabaseHeader small_header(bool float64, const std::string& scene = data
   h.mesh.surface = boundary_triangles(h.mesh.cells);
   h.mesh.groups["left / right"] = {0, 2};
   h.mesh.groups["empty"] = {};
+  h.mesh.regions = {0, 1};
   h.sets.fixed = {0};
   h.sets.active = {1, 2, 4};
   h.sets.tools = single_nodes(h.sets.active);

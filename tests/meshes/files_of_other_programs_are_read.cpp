@@ -71,6 +71,11 @@ TEST(FilesOfOtherPrograms, IncludeThoseOfShow) {
   VtkGrid grid{mesh.nodes, mesh.cells, {}};
   for (std::int32_t i = 0; i < mesh.n_nodes(); ++i) grid.node_numbers.push_back(i);
   EXPECT_EQ(mesh_hash(import_bytes(vtu_text(grid, {}), ".vtu").mesh), mesh_hash(mesh));
+  EXPECT_EQ(vtu_text(grid, {}).find("CellData"), std::string::npos);
+  grid.regions.assign(static_cast<std::size_t>(mesh.n_cells()), 1);
+  EXPECT_EQ(mesh_hash(import_bytes(vtu_text(grid, {}), ".vtu").mesh), mesh_hash(mesh));
+  EXPECT_NE(vtu_text(grid, {}).find("<CellData>\n        <DataArray type=\"UInt8\" Name=\"region\""),
+            std::string::npos);
 }
 
 TEST(FilesOfOtherPrograms, AreNotReadWhenCut) {

@@ -1,6 +1,8 @@
 // Claim: a region holds the cells whose centroids its selection contains, or those of a group of the mesh file; where
 // regions overlap the highest order counts. Regions that are empty, the whole body or in conflict are refused with file
 // and line. Cells keep their region when a mesh is refined, split or repaired.
+#include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "mesh_under_test.hpp"
@@ -132,6 +134,52 @@ TEST(Regions, OfGroupsOfAFileComeThroughRepairs) {
   EXPECT_EQ(inp.mesh.cell_groups.at("ROOF").size(), 2u);
   ASSERT_TRUE(inp.mesh.cell_groups.contains("CUBE"));
   for (const auto c : inp.mesh.cell_groups.at("CUBE")) EXPECT_LT(middle(inp.mesh, c)(2), 1);
+}
+
+// Cells of a ball end at its surface: those of the group are all that have their middle in it, and their volume is that
+// of the ball, to the rounding of sums.
+TEST(Regions, OfBallsEndAtTheirSurface) {
+  SKIP_WITHOUT_GMSH();
+  const std::string ball = "{ sphere = { center_m = [0.05, 0.04, 0.025], radius_m = 0.012 } }";
+  const double volume = 4 * std::numbers::pi / 3 * std::pow(0.012, 3);
+  for (const std::string mesh :
+       {"mesh = { shape = \"block\", target_size_m = 0.018 }",
+        "mesh = { shape = \"cylinder\", radius_m = 0.1, length_m = 0.1, target_size_m = 0.03 }"}) {
+    const MeshResult made = make_mesh(scene_with({ball}, mesh));
+    const auto figures = region_figures(scene_with({ball}, mesh), made.mesh);
+    EXPECT_NEAR(figures[1].volume_m3, volume, 1e-9 * volume) << joined(made.notes);
+    EXPECT_LT(figures[1].off, 0.08) << mesh;  // of 80 triangles in place of the ball; 0.3 by the middles of cells
+    EXPECT_GT(made.quality.min_quality, 0.1) << mesh;
+    EXPECT_TRUE(contains(joined(made.notes), "region r1: ")) << joined(made.notes);
+  }
+}
+
+TEST(Regions, OfBallsThatCrossTheSurfaceOrEachOtherAreAssignedByCells) {
+  SKIP_WITHOUT_GMSH();
+  const auto is_whole = [](const std::vector<std::string>& balls) {
+    const Scene scene = scene_with(balls, "mesh = { shape = \"block\", target_size_m = 0.018 }");
+    std::vector<bool> whole;
+    for (const auto& region : region_figures(scene, make_mesh(scene).mesh)) whole.push_back(region.off < 0.12);
+    return std::vector<bool>(whole.begin() + 1, whole.end());
+  };
+  const std::string ball = "{ sphere = { center_m = [0.04, 0.04, 0.025], radius_m = 0.012 } }";
+  EXPECT_EQ(is_whole({"{ sphere = { center_m = [0.05, 0.04, 0.045], radius_m = 0.015 } }"}), std::vector{false});
+  EXPECT_EQ(is_whole({ball, "{ sphere = { center_m = [0.06, 0.04, 0.025], radius_m = 0.012 } }\norder = 1"}),
+            (std::vector{true, false}));
+  EXPECT_EQ(is_whole({ball, "{ ellipsoid = { center_m = [0.075, 0.05, 0.025], radii_m = [0.012, 0.03, 0.012] } }"}),
+            (std::vector{true, true}));
+}
+
+TEST(Regions, StayInAFileOfGmsh) {
+  Mesh mesh = grid();
+  for (Eigen::Index c = 0; c < mesh.n_cells(); ++c) mesh.regions.push_back(c % 5 == 3 ? 2 : c % 7 == 1);
+  const TemporaryFile file("", ".msh");
+  write_msh(mesh, nullptr, file.path);
+  Mesh read = import_file(file.path).mesh;
+  EXPECT_EQ(mesh_hash(read), mesh_hash(mesh));
+  const Scene scene =
+      scene_with({"{ group = \"" + region_group(1) + "\" }", "{ group = \"" + region_group(2) + "\" }"});
+  EXPECT_EQ(cell_regions(scene, read), mesh.regions);
 }
 
 }  // namespace

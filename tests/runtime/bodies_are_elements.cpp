@@ -79,6 +79,42 @@ TEST(Bodies, HaveTheEnergyOfTheirElements) {
   }
 }
 
+// Claim: cells of a region have its parameters; a region with those of the body changes no bit.
+TEST(Bodies, HaveTheParametersOfTheirRegions) {
+  Block block;
+  const auto tools = two_tools(block.mesh, 1);
+  LoadedBody plain(write_body_text(block.body));
+  ASSERT_EQ(plain.press(tools), PHN_OK);
+  Material stiff = material_of(block.material.law, {{"c10_Pa", 1600}, {"c01_Pa", 20}, {"bulk_modulus_Pa", 8e3}});
+  const auto with_region = [&](const Material& material) {
+    ReducedBody body = block.body;
+    body.regions.resize(1, std::ssize(material.parameters) + 1);
+    body.regions << Eigen::Map<const Eigen::RowVectorXd>(material.parameters.data(), std::ssize(material.parameters)),
+        0;
+    for (std::int32_t c = 0; c < block.mesh.n_cells(); ++c) {
+      body.region_of_cell.push_back(c % 2);
+      if (c % 2 == 1)
+        body.bulk_rJ[static_cast<std::size_t>(c)] = std::sqrt(material.bulk_modulus_Pa * block.volume_of(c));
+    }
+    return write_body_text(body);
+  };
+  LoadedBody same(with_region(block.material)), loaded(with_region(stiff));
+  ASSERT_EQ(same.press(tools), PHN_OK);
+  EXPECT_EQ(same.pressed.energy, plain.pressed.energy);
+  EXPECT_EQ(same.force[1], plain.force[1]);
+  ASSERT_EQ(loaded.press(tools), PHN_OK);
+  EXPECT_GT(loaded.pressed.energy, 1.2 * plain.pressed.energy);
+  const Eigen::VectorXd u = loaded.deformation();
+  double energy = 0;
+  for (Eigen::Index c = 0; c < block.mesh.n_cells(); ++c)
+    energy += block.volume_of(c) *
+              energy_density(c % 2 == 1 ? stiff : block.material, Eigen::Matrix3d::Identity() + block.gradient(c, u));
+  EXPECT_NEAR(energy, loaded.pressed.energy, rounding * energy);
+  expect_derivatives(loaded, tools);
+  const std::string text = with_region(stiff);
+  EXPECT_EQ(write_body_text(read_body_text(text, "body.txt")), text);
+}
+
 // Claim: bounds are those of formats/body.md, and without them, or without tools, there are none.
 TEST(Bodies, HaveTheBoundsOfThePage) {
   Block block;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <phynness/formats/error.hpp>
 #include <phynness/training/reduction.hpp>
+#include <set>
 
 #include "../block_mesh.hpp"
 #include "../runtime/loaded_body.hpp"
@@ -133,6 +134,45 @@ TEST_F(ReducedBodies, HaveFewPositiveWeights) {
   });
   EXPECT_EQ(modes, (std::vector<std::int64_t>{12, 18, 24}));  // of 27, all that the fields span
   EXPECT_EQ(larger.shear_m3.size(), 90u);
+}
+
+// Claim: of a region come points with its parameters and its volume, however small it is. An edge between regions is a
+// point of each of them, and a node there has a pressure of each.
+TEST_F(ReducedBodies, KnowTheirRegions) {
+  const auto corner = [](DatabaseHeader& header) {
+    header.mesh.regions.assign(static_cast<std::size_t>(header.mesh.n_cells()), 0);
+    for (const std::size_t c : {0, 1}) header.mesh.regions[c] = 1;  // of 108
+  };
+  const std::string text = scene("es-p1-p1", "mooney-rivlin") +
+                           "[[region]]\nname = \"stiff\"\ncells = { group = \"stiff\" }\nc10_Pa = 2000.0\n";
+  const auto database = written(text, corner);
+  const Mesh& mesh = database.header().mesh;
+  const auto body = reduced(database, small);
+  ASSERT_EQ(body.regions.rows(), 1);
+  EXPECT_LT((body.regions.row(0) - Eigen::RowVector4d(2000, 50, 5e3, 2.0 / 3 * 4100)).norm(), 1e-9);
+  ASSERT_EQ(body.region_of_cell.size(), body.shear_m3.size());
+  double inside = 0, corners = 0;
+  for (std::size_t c = 0; c < body.shear_m3.size(); ++c) inside += body.region_of_cell[c] * body.shear_m3[c];
+  for (const Eigen::Index c : {0, 1}) {
+    Eigen::Matrix3d sides;
+    for (int k = 0; k < 3; ++k) sides.row(k) = mesh.nodes.row(mesh.cells(c, k + 1)) - mesh.nodes.row(mesh.cells(c, 0));
+    corners += std::abs(sides.determinant()) / 6;
+  }
+  EXPECT_NEAR(inside / corners, 1, 0.02);  // one of the equations of the weights, which 40 points meet so far
+  const ReductionSpec all{12, 100'000, 30, 1};
+  const auto whole = reduced(database, all), plain = reduced(written(scene("es-p1-p1", "mooney-rivlin")), all);
+  EXPECT_EQ(plain.regions.size(), 0);
+  EXPECT_TRUE(plain.region_of_cell.empty());
+  std::set<std::array<std::int32_t, 2>> edges[2];
+  for (Eigen::Index c = 0; c < mesh.n_cells(); ++c)
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < a; ++b) {
+        const auto [low, high] = std::minmax(mesh.cells(c, a), mesh.cells(c, b));
+        edges[mesh.regions[static_cast<std::size_t>(c)]].insert({low, high});
+      }
+  EXPECT_EQ(whole.shear_m3.size(), static_cast<std::size_t>(mesh.n_cells()) + edges[0].size() + edges[1].size());
+  EXPECT_GT(whole.shear_m3.size(), plain.shear_m3.size());
+  EXPECT_NEAR(std::accumulate(whole.shear_m3.begin(), whole.shear_m3.end(), 0.0), volume(mesh), 1e-12);
 }
 
 // Claim: with all points the volumes are those of the body, and with all modes the surface's displacements of a stored

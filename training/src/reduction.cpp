@@ -77,7 +77,7 @@ class Reduction {
         _report(report),
         _progress(progress),
         _threads(threads),
-        _elements(_header.mesh, _scene.material, _scene.solver.element),
+        _elements(_header.mesh, _scene),
         _rest(at_rest(_elements)) {}
 
   ReducedBody run(const IsEnough& is_enough) {
@@ -206,7 +206,7 @@ class Reduction {
   void find_pressures(int count) {
     const Eigen::SparseMatrix<double> soft = _elements.compressibility;
     const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> solver(soft);
-    MatrixXd right = MatrixXd::Zero(_elements.n_nodes, _states.cols());
+    MatrixXd right = MatrixXd::Zero(soft.cols(), _states.cols());
     for_each_index(static_cast<std::int32_t>(_states.cols()), _threads, [&](std::int32_t s) {
       if (const auto here = strained(_elements, _states.col(s)))
         right.col(s) = _elements.middle.transpose() * _elements.bulk.cwiseProduct(here->g);
@@ -217,25 +217,52 @@ class Reduction {
     _report.pressures = _pressures.cols();
   }
 
+  /// Values at the points of a part of the body; 0 at the others.
+  VectorXd of_part(VectorXd values, std::size_t part) const {
+    for (Index p = 0; p < values.size(); ++p)
+      if (_elements.part_of[static_cast<std::size_t>(p)] != part) values[p] = 0;
+    return values;
+  }
+
+  /// Points among which those with a weight are, ascending: as many of each part of the body, if it has them.
+  std::vector<std::int32_t> candidates(SplitMix64& random) const {
+    std::vector<std::int32_t> all;
+    for (std::size_t p = 0; p < _rest.size(); ++p) {
+      std::vector<std::int32_t> points;
+      for (std::int32_t i = 0; i < _elements.n_points; ++i)
+        if (_elements.part_of[static_cast<std::size_t>(i)] == p) points.push_back(i);
+      for (const auto i : draw_without_replacement(points.size(), most_candidates / _rest.size(), random))
+        all.push_back(points[static_cast<std::size_t>(i)]);
+    }
+    std::ranges::sort(all);
+    return all;
+  }
+
   /// The inverse of the lower Cholesky factor of the stiffness at rest, of which it keeps that of the shape.
   MatrixXd inverse_of_rest() {
     const Index n = _elements.n_nodes, m = _modes.cols();
     MatrixXd stiffness = MatrixXd::Zero(m, m), changes = MatrixXd::Zero(_pressures.cols(), m);
-    for (Index i = 0; i < 3; ++i)
-      for (Index k = 0; k < 3; ++k) {
-        Sparse part(n, n);
-        for (Index j = 0; j < 3; ++j)
-          for (Index l = 0; l < 3; ++l)
-            part += _rest.shape(3 * i + j, 3 * k + l) *
-                    Sparse(_elements.slope[static_cast<std::size_t>(j)].transpose() * _elements.shear.asDiagonal() *
-                           _elements.slope[static_cast<std::size_t>(l)]);
-        stiffness += _modes.middleRows(i * n, n).transpose() * (part * _modes.middleRows(k * n, n));
-      }
+    for (std::size_t p = 0; p < _rest.size(); ++p) {
+      const VectorXd shear = of_part(_elements.shear, p);
+      for (Index i = 0; i < 3; ++i)
+        for (Index k = 0; k < 3; ++k) {
+          Sparse part(n, n);
+          for (Index j = 0; j < 3; ++j)
+            for (Index l = 0; l < 3; ++l)
+              part += _rest[p].shape(3 * i + j, 3 * k + l) *
+                      Sparse(_elements.slope[static_cast<std::size_t>(j)].transpose() * shear.asDiagonal() *
+                             _elements.slope[static_cast<std::size_t>(l)]);
+          stiffness += _modes.middleRows(i * n, n).transpose() * (part * _modes.middleRows(k * n, n));
+        }
+    }
     _shape_at_rest = stiffness;
-    const MatrixXd volumes = _elements.bulk.asDiagonal() * (_elements.middle * _pressures);
-    for (Index k = 0; k < 9; ++k)
-      changes += _rest.g[k] * (_elements.slope[static_cast<std::size_t>(k % 3)].transpose() * volumes).transpose() *
-                 _modes.middleRows(k / 3 * n, n);
+    for (std::size_t p = 0; p < _rest.size(); ++p) {
+      const MatrixXd volumes = of_part(_elements.bulk, p).asDiagonal() * (_elements.middle * _pressures);
+      for (Index k = 0; k < 9; ++k)
+        changes += _rest[p].g[k] *
+                   (_elements.slope[static_cast<std::size_t>(k % 3)].transpose() * volumes).transpose() *
+                   _modes.middleRows(k / 3 * n, n);
+    }
     stiffness += changes.transpose() * changes;
     return stiffness.llt().matrixL().solve(MatrixXd::Identity(m, m));
   }
@@ -258,8 +285,7 @@ class Reduction {
         out.data()[i] = (random.next() >> 63 ? 1 : -1) / std::sqrt(sums_of_a_state);
       return out;
     };
-    auto candidates = draw_without_replacement(static_cast<std::size_t>(n_points), most_candidates, random);
-    std::ranges::sort(candidates);
+    const auto candidates = this->candidates(random);
     const auto slope = _elements.slope_at(candidates);
     const Sparse middle = _elements.middle_at(candidates);
     const auto n = static_cast<Index>(candidates.size());
@@ -268,7 +294,8 @@ class Reduction {
     std::vector<std::pair<MatrixXd, MatrixXd>> sums;
     for (Index s = 0; s < states.cols(); ++s) sums.emplace_back(signs(_modes.cols()), signs(_pressures.cols()));
 
-    Eigen::MatrixXf parts = Eigen::MatrixXf::Zero(sums_of_a_state * states.cols() + 2, n);
+    const auto n_totals = 2 * std::ssize(_rest);
+    Eigen::MatrixXf parts = Eigen::MatrixXf::Zero(sums_of_a_state * states.cols() + n_totals, n);
     VectorXd wanted = VectorXd::Zero(parts.rows());
     std::atomic<std::int64_t> fitted = 0;
     for_each_index(static_cast<std::int32_t>(states.cols()), _threads, [&](std::int32_t s) {
@@ -298,14 +325,16 @@ class Reduction {
       parts.middleRows(sums_of_a_state * s, sums_of_a_state) = of_points.transpose().cast<float>();
       wanted.segment(sums_of_a_state * s, sums_of_a_state) = nodal;
     });
-    // As heavy as all others together, the two totals are met.
+    // As heavy as all others together, the two totals of each part of the body are met.
     const double scale = wanted.norm();
-    for (Index row = parts.rows() - 2; const VectorXd* size : {&_elements.shear, &_elements.bulk}) {
-      parts.row(row) = ((*size)(candidates) * (scale / size->sum())).cast<float>();
-      wanted[row++] = scale;
-    }
+    for (Index row = parts.rows() - n_totals, p = 0; p < std::ssize(_rest); ++p)
+      for (const VectorXd* all : {&_elements.shear, &_elements.bulk}) {
+        const VectorXd size = of_part(*all, static_cast<std::size_t>(p));
+        parts.row(row) = (size(candidates) * (scale / size.sum())).cast<float>();
+        wanted[row++] = scale;
+      }
     _cubature = nonnegative_weights(parts, wanted, cells, _threads, [this](Index n) { step(n); });
-    _report.residual = _cubature.left.head(parts.rows() - 2).norm() / scale;
+    _report.residual = _cubature.left.head(parts.rows() - n_totals).norm() / scale;
     for (auto& point : _cubature.points) point = candidates[static_cast<std::size_t>(point)];
     _report.states = fitted;
   }
@@ -315,9 +344,9 @@ class Reduction {
     ReducedBody out;
     out.mesh_hash = _header.mesh_hash;
     out.physics_hash = _header.physics_hash;
-    out.law = name(_scene.material.law);
-    out.parameters = _scene.material.parameters;
-    out.bulk_in_shape_Pa = _elements.bulk_in_shape_Pa;
+    out.law = name(_elements.law);
+    out.parameters = _elements.parts[0].parameters;
+    out.bulk_in_shape_Pa = _elements.parts[0].bulk_in_shape_Pa;
     out.tool_radius_m = _scene.probe.tool_radius_m;
     out.depth_m = _header.magnitudes_m.back();
     set_cells(out);
@@ -348,7 +377,8 @@ class Reduction {
       for (Index c = 0; c < n; ++c) {
         const MatrixXd cell = rows.middleRows(9 * c, 9);
         of_cells +=
-            weights[c] * _elements.shear[points[static_cast<std::size_t>(c)]] * cell.transpose() * (_rest.shape * cell);
+            weights[c] * _elements.shear[points[static_cast<std::size_t>(c)]] * cell.transpose() *
+            (_rest[_elements.part_of[static_cast<std::size_t>(points[static_cast<std::size_t>(c)])]].shape * cell);
       }
       out.cells_at_rest = scaled_table(of_cells);
       out.lack_at_rest = scaled_table(scaled - of_cells);
@@ -360,6 +390,19 @@ class Reduction {
       out.shear_m3.push_back(weights[c] * _elements.shear[points[static_cast<std::size_t>(c)]]);
       out.bulk_rJ.push_back(weights[c] * _elements.bulk[points[static_cast<std::size_t>(c)]] * largest);
     }
+    set_regions(out);
+  }
+
+  void set_regions(ReducedBody& out) const {
+    const auto n = std::ssize(_elements.parts) - 1, n_parameters = std::ssize(out.parameters);
+    if (n == 0) return;
+    out.regions.resize(n, n_parameters + 1);
+    for (Index r = 0; r < n; ++r) {
+      const auto& [parameters, bulk_Pa] = _elements.parts[static_cast<std::size_t>(r) + 1];
+      out.regions.row(r) << Eigen::Map<const Eigen::RowVectorXd>(parameters.data(), n_parameters), bulk_Pa;
+    }
+    for (const auto point : _cubature.points)
+      out.region_of_cell.push_back(_elements.part_of[static_cast<std::size_t>(point)]);
   }
 
   void set_surface(ReducedBody& out) const {
@@ -421,7 +464,7 @@ class Reduction {
   const OnProgress& _progress;
   const int _threads;
   const Elements _elements;
-  const Rest _rest;
+  const std::vector<Rest> _rest;  ///< of the parts of the body
   std::mutex _mutex;
   const Metric _metric = [this](const MatrixXd& u) { return laplace_of(u); };
   std::int64_t _done = 0, _steps = 0;

@@ -76,7 +76,13 @@ std::string vtu_text(const VtkGrid& grid, const VtkState& state) {
           data_array("offsets", "Int32", offsets, false) + data_array("types", "UInt8", types, false) +
           "      </Cells>\n      <PointData>\n" + data_array("node", "Int32", numbers, false);
   for (const auto& field : state.fields) text += data_array(field.name, "Float64", field.values, true);
-  return text + "      </PointData>\n    </Piece>\n  </UnstructuredGrid>\n</VTKFile>\n";
+  text += "      </PointData>\n";
+  if (!grid.regions.empty()) {
+    assert(static_cast<Eigen::Index>(grid.regions.size()) == n_cells);
+    const Eigen::Map<const Eigen::Matrix<std::uint8_t, Eigen::Dynamic, 1>> regions(grid.regions.data(), n_cells);
+    text += "      <CellData>\n" + data_array("region", "UInt8", regions, false) + "      </CellData>\n";
+  }
+  return text + "    </Piece>\n  </UnstructuredGrid>\n</VTKFile>\n";
 }
 
 std::string pvd_text(const std::vector<std::string>& files, const std::vector<double>& times) {

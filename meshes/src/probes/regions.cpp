@@ -7,13 +7,14 @@
 #include <sstream>
 
 #include "probes/select_nodes.hpp"
+#include "shapes/generate.hpp"
 #include "surface/topology.hpp"
 
 namespace phynness {
 namespace {
 
 using meshes::counted, meshes::SelectableBody;
-using Regions = std::vector<std::uint8_t>;
+using Numbers = std::vector<std::uint8_t>;
 
 Eigen::Matrix<double, 4, 3> corners_of(const Mesh& mesh, Eigen::Index c) {
   return mesh.nodes(mesh.cells.row(c), Eigen::all);
@@ -25,15 +26,33 @@ Points centroids(const Mesh& mesh) {
   return middles;
 }
 
-/// The region of each point. @param overlap  receives the points that are in the region and in another one of its order
+bool uses_group(const Selection& selection) {
+  return std::ranges::any_of(selection, [](const Selector& s) {
+    return s.kind == SelectorKind::group || (s.kind != SelectorKind::near && std::ranges::any_of(s.of, uses_group));
+  });
+}
+
+/// The region of each point. @param known  of each cell; empty: the points are the middles of all cells
+/// @param overlap  receives the points that are in the region and in another one of its order
 template <class Overlap>
-Regions regions_at(const Scene& scene, const SelectableBody& body, const Overlap& overlap) {
-  Regions at(body.every_node.size(), 0);
+Numbers regions_at(const Scene& scene, const SelectableBody& body, const Numbers& known, const Overlap& overlap) {
+  Numbers at(body.every_node.size(), 0);
+  const auto points_of = [&](std::size_t i) {
+    const Region& region = scene.regions[i];
+    const auto made = body.mesh.cell_groups.find(meshes::inclusion_group(i));
+    if (known.empty() && made != body.mesh.cell_groups.end()) return made->second;
+    if (known.empty() || !uses_group(region.cells))
+      return meshes::select_nodes(region.cells, body, {"cells of region '" + region.name + "'", region.where.prefix()});
+    NodeList points;
+    for (const auto point : body.every_node)
+      if (known[static_cast<std::size_t>((*body.in_cell)[static_cast<std::size_t>(point)])] == i + 1)
+        points.push_back(point);
+    return points;
+  };
   for (std::size_t i = 0; i < scene.regions.size(); ++i) {
     const Region& region = scene.regions[i];
     NodeList shared;
-    for (const auto point :
-         meshes::select_nodes(region.cells, body, {"cells of region '" + region.name + "'", region.where.prefix()})) {
+    for (const auto point : points_of(i)) {
       std::uint8_t& now = at[static_cast<std::size_t>(point)];
       const int order = now > 0 ? scene.regions[now - 1u].order : region.order - 1;
       if (order == region.order) shared.push_back(point);
@@ -65,12 +84,12 @@ NodeList every_cell(const Mesh& mesh) {
 
 }  // namespace
 
-Regions cell_regions(const Scene& scene, const Mesh& mesh) {
+Numbers cell_regions(const Scene& scene, const Mesh& mesh) {
   if (scene.regions.empty() || !mesh.regions.empty()) return mesh.regions;
   const SelectableBody nodes = body_of(scene, mesh);
   const Points middles = centroids(mesh);
   const NodeList cells = every_cell(mesh);
-  const Regions regions = regions_at(scene, SelectableBody(nodes, middles, cells), refuse_overlap);
+  const Numbers regions = regions_at(scene, SelectableBody(nodes, middles, cells), {}, refuse_overlap);
   for (std::size_t i = 0; i < scene.regions.size(); ++i) {
     const Region& region = scene.regions[i];
     const auto n = static_cast<std::size_t>(std::ranges::count(regions, static_cast<std::uint8_t>(i + 1)));
@@ -85,6 +104,8 @@ Regions cell_regions(const Scene& scene, const Mesh& mesh) {
   return regions;
 }
 
+std::string region_group(std::size_t number) { return "phynness_region_" + std::to_string(number); }
+
 std::string RegionFigures::str() const {
   std::ostringstream text;
   text.precision(3);
@@ -97,7 +118,7 @@ std::string RegionFigures::str() const {
 
 std::vector<RegionFigures> region_figures(const Scene& scene, const Mesh& mesh) {
   if (scene.regions.empty()) return {};
-  const Regions regions = cell_regions(scene, mesh);
+  const Numbers regions = cell_regions(scene, mesh);
   // The centroids of the 64 equal parts of each cell, and its own, without which a small region may have no point.
   Mesh part;
   part.nodes = Points::Zero(4, 3);
@@ -118,7 +139,7 @@ std::vector<RegionFigures> region_figures(const Scene& scene, const Mesh& mesh) 
     volumes.push_back(edges.determinant() / 6);
   }
   const SelectableBody nodes = body_of(scene, mesh);
-  const Regions at = regions_at(scene, SelectableBody(nodes, points, in_cell), [](const auto&...) {});
+  const Numbers at = regions_at(scene, SelectableBody(nodes, points, in_cell), regions, [](const auto&...) {});
   std::vector<RegionFigures> figures(scene.regions.size() + 1);
   std::vector<double> sampled(figures.size(), 0);
   for (std::size_t c = 0; c < volumes.size(); ++c) {

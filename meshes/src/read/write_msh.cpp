@@ -29,10 +29,18 @@ void line(std::string& text, Numbers... numbers) {
 }
 
 bool is_solid(const Mesh& mesh) { return mesh.cells.cols() == 4; }
+/// Volumes of a mesh: the body and its regions; none of a shell.
+int n_volumes(const Mesh& mesh) {
+  if (!is_solid(mesh)) return 0;
+  return mesh.regions.empty() ? 1 : 1 + *std::max_element(mesh.regions.begin(), mesh.regions.end());
+}
+int volume_of(const Mesh& mesh, Eigen::Index c) {
+  return mesh.regions.empty() ? 1 : 1 + mesh.regions[static_cast<std::size_t>(c)];
+}
 
 void append_names(std::string& text, const Mesh& mesh, const Groups& groups) {
   text += "$PhysicalNames\n";
-  line(text, groups.size() + (is_solid(mesh) ? 2 : 1));
+  line(text, groups.size() + 1 + static_cast<std::size_t>(n_volumes(mesh)));
   int tag = 0;
   for (const auto& [name, nodes] : groups) {
     if (name.find_first_of("\"\r\n") != std::string::npos)
@@ -40,15 +48,17 @@ void append_names(std::string& text, const Mesh& mesh, const Groups& groups) {
     text += "0 " + std::to_string(++tag) + " \"" + name + "\"\n";
   }
   text += "2 " + std::to_string(++tag) + " \"" + surface_group + "\"\n";
-  if (is_solid(mesh)) text += "3 " + std::to_string(++tag) + " \"" + body_group + "\"\n";
+  for (int v = 0; v < n_volumes(mesh); ++v)
+    text += "3 " + std::to_string(++tag) + " \"" + (v == 0 ? body_group : region_group(static_cast<std::size_t>(v))) +
+            "\"\n";
   text += "$EndPhysicalNames\n";
 }
 
-/// One point entity for each group, one surface, and the volume of a solid.
+/// One point entity for each group, one surface, and the volumes of a solid.
 void append_entities(std::string& text, const Mesh& mesh, const Groups& groups) {
   const Eigen::RowVector3d low = mesh.nodes.colwise().minCoeff(), high = mesh.nodes.colwise().maxCoeff();
   text += "$Entities\n";
-  line(text, groups.size(), 0, 1, is_solid(mesh) ? 1 : 0);
+  line(text, groups.size(), 0, 1, n_volumes(mesh));
   int tag = 0;
   for (const auto& [name, nodes] : groups) {
     const Eigen::RowVector3d x = mesh.nodes.row(nodes.empty() ? 0 : nodes.front());
@@ -56,7 +66,8 @@ void append_entities(std::string& text, const Mesh& mesh, const Groups& groups) 
     line(text, tag, x(0), x(1), x(2), 1, tag);
   }
   line(text, 1, low(0), low(1), low(2), high(0), high(1), high(2), 1, ++tag, 0);
-  if (is_solid(mesh)) line(text, 1, low(0), low(1), low(2), high(0), high(1), high(2), 1, ++tag, 1, 1);
+  for (int v = 1; v <= n_volumes(mesh); ++v)
+    line(text, v, low(0), low(1), low(2), high(0), high(1), high(2), 1, ++tag, 1, 1);
   text += "$EndEntities\n";
 }
 
@@ -76,7 +87,12 @@ void append_elements(std::string& text, const Mesh& mesh, const Groups& groups) 
   const auto n = n_points + static_cast<std::size_t>(mesh.surface.rows() + (is_solid(mesh) ? mesh.cells.rows() : 0));
   std::size_t tag = 0;
   text += "$Elements\n";
-  line(text, groups.size() + (is_solid(mesh) ? 2 : 1), n, 1, n);
+  // Blocks of successive cells of a volume, which keep the order of the mesh.
+  std::vector<Eigen::Index> blocks;
+  for (Eigen::Index c = 0; is_solid(mesh) && c < mesh.cells.rows(); ++c)
+    if (c == 0 || volume_of(mesh, c) != volume_of(mesh, c - 1)) blocks.push_back(c);
+  line(text, groups.size() + 1 + blocks.size(), n, 1, n);
+  blocks.push_back(mesh.cells.rows());
   int group = 0;
   for (const auto& [name, nodes] : groups) {
     line(text, 0, ++group, 15, nodes.size());
@@ -85,9 +101,11 @@ void append_elements(std::string& text, const Mesh& mesh, const Groups& groups) 
   line(text, 2, 1, 2, mesh.surface.rows());
   for (Eigen::Index t = 0; t < mesh.surface.rows(); ++t)
     line(text, ++tag, mesh.surface(t, 0) + 1, mesh.surface(t, 1) + 1, mesh.surface(t, 2) + 1);
-  if (is_solid(mesh)) line(text, 3, 1, 4, mesh.cells.rows());
-  for (Eigen::Index c = 0; is_solid(mesh) && c < mesh.cells.rows(); ++c)
-    line(text, ++tag, mesh.cells(c, 0) + 1, mesh.cells(c, 1) + 1, mesh.cells(c, 2) + 1, mesh.cells(c, 3) + 1);
+  for (std::size_t b = 0; b + 1 < blocks.size(); ++b) {
+    line(text, 3, volume_of(mesh, blocks[b]), 4, blocks[b + 1] - blocks[b]);
+    for (Eigen::Index c = blocks[b]; c < blocks[b + 1]; ++c)
+      line(text, ++tag, mesh.cells(c, 0) + 1, mesh.cells(c, 1) + 1, mesh.cells(c, 2) + 1, mesh.cells(c, 3) + 1);
+  }
   text += "$EndElements\n";
 }
 
@@ -104,7 +122,8 @@ void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::pa
     groups["phynness_output"] = sets->output;
   }
   std::erase_if(groups, [](const auto& group) {
-    return group.second.empty() || group.first == surface_group || group.first == body_group;
+    return group.second.empty() || group.first == surface_group || group.first == body_group ||
+           group.first.starts_with("phynness_region_");
   });
   std::string text = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
   append_names(text, mesh, groups);

@@ -45,13 +45,25 @@ const GmshModule& gmsh() {
 
 void require_gmsh() { gmsh(); }
 
-RawMesh fill(const Surface& surface) {
+RawMesh fill(const Surface& surface, const std::vector<Inclusion>& inclusions) {
   const double unit = mean_edge(surface.nodes, surface.triangles);
-  RawMesh raw = gmsh().fill({surface.nodes / unit, surface.triangles});
+  std::vector<Inclusion> within = inclusions;
+  for (Inclusion& inclusion : within) inclusion.surface.nodes /= unit;
+  RawMesh raw = gmsh().fill({surface.nodes / unit, surface.triangles}, within);
   // The given nodes are restored exactly, because division and multiplication by the unit round them.
   for (Eigen::Index i = 0; i < std::ssize(raw.nodes); ++i)
     for (int k = 0; k < 3; ++k)
       raw.nodes[i][k] = i < surface.nodes.rows() ? surface.nodes(i, k) : raw.nodes[i][k] * unit;
+  for (const Inclusion& inclusion : inclusions) {
+    const Eigen::AlignedBox3d box(inclusion.surface.nodes.colwise().minCoeff().transpose(),
+                                  inclusion.surface.nodes.colwise().maxCoeff().transpose());
+    for (const auto& cell : raw.tetrahedra) {
+      Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+      for (const auto node : cell) middle += to_eigen(raw.nodes[node]) / 4;
+      if (box.contains(middle) && is_inside(inclusion.surface, middle.transpose()))
+        raw.cell_groups[inclusion.group].emplace_back(cell.begin(), cell.end());
+    }
+  }
   const double wanted = enclosed_volume(surface.nodes, surface.triangles), got = volume(raw);
   if (!(std::abs(got - wanted) <= 1e-6 * wanted))
     throw failure("gmsh's tetrahedra do not fill the inside of the surface",

@@ -10,9 +10,23 @@ namespace phynness::meshes {
 /// @throws Error if gmsh cannot be loaded
 void require_gmsh();
 
+/// A closed surface inside a body, at which tetrahedra end; those within it become a group of cells.
+struct Inclusion {
+  std::string group;
+  Surface surface;
+};
+/// The name of the group of a region, by its position; make_mesh() resolves and drops it.
+std::string inclusion_group(std::size_t region);
+/// Of the regions that are a sphere or an ellipsoid those that lie within the body and apart from each other. Their
+/// triangles are those of an icosahedron that are divided until edges are at most edge_m long, but at least once, and
+/// enclose the volume of the ellipsoid.
+std::vector<Inclusion> inclusions(const std::vector<Region>& regions, const Surface& body, double edge_m);
+/// Whether a point is inside of a closed surface.
+bool is_inside(const Surface& surface, const Eigen::RowVector3d& x);
+
 /// Tetrahedra inside the surface. Its triangles become the boundary, and its nodes keep their numbers.
 /// @throws Error if gmsh fails or if its tetrahedra do not fill exactly the inside
-RawMesh fill(const Surface& surface);
+RawMesh fill(const Surface& surface, const std::vector<Inclusion>& inclusions = {});
 
 /// A block [0, x] x [0, y] x [0, z], or a cylinder or tube with the axis z from 0 to the length.
 /// @param spec         with all dimensions

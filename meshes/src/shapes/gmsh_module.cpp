@@ -112,20 +112,34 @@ void generate_unit_edges(int dimension) {
   gmsh::model::mesh::generate(dimension);
 }
 
-RawMesh fill_surface(const Surface& surface) {
+/// Adds a closed surface and its loop, both numbered `tag`. @param n_nodes, n_triangles  of those added before
+void add_surface(const Surface& surface, int tag, std::size_t& n_nodes, std::size_t& n_triangles) {
+  gmsh::model::addDiscreteEntity(2, tag);
+  std::vector<std::size_t> tags(static_cast<std::size_t>(surface.nodes.rows()));
+  std::iota(tags.begin(), tags.end(), n_nodes + 1);
+  const std::vector<double> x(surface.nodes.data(), surface.nodes.data() + surface.nodes.size());
+  gmsh::model::mesh::addNodes(2, tag, tags, x);
+  std::vector<std::size_t> elements(static_cast<std::size_t>(surface.triangles.rows())), nodes;
+  std::iota(elements.begin(), elements.end(), n_triangles + 1);
+  for (Eigen::Index i = 0; i < surface.triangles.size(); ++i)
+    nodes.push_back(n_nodes + static_cast<std::size_t>(surface.triangles.data()[i]) + 1);
+  gmsh::model::mesh::addElementsByType(tag, 2, elements, nodes);
+  gmsh::model::geo::addSurfaceLoop({tag}, tag);
+  n_nodes += tags.size(), n_triangles += elements.size();
+}
+
+RawMesh fill_surface(const Surface& surface, const std::vector<Inclusion>& inclusions) {
   return in_gmsh("fill the surface with tetrahedra", [&] {
-    gmsh::model::addDiscreteEntity(2, 1);
-    std::vector<std::size_t> tags(static_cast<std::size_t>(surface.nodes.rows()));
-    std::iota(tags.begin(), tags.end(), std::size_t{1});
-    const std::vector<double> x(surface.nodes.data(), surface.nodes.data() + surface.nodes.size());
-    gmsh::model::mesh::addNodes(2, 1, tags, x);
-    std::vector<std::size_t> elements(static_cast<std::size_t>(surface.triangles.rows())), nodes;
-    std::iota(elements.begin(), elements.end(), std::size_t{1});
-    for (Eigen::Index i = 0; i < surface.triangles.size(); ++i)
-      nodes.push_back(static_cast<std::size_t>(surface.triangles.data()[i]) + 1);
-    gmsh::model::mesh::addElementsByType(1, 2, elements, nodes);
-    gmsh::model::geo::addSurfaceLoop({1}, 1);
-    gmsh::model::geo::addVolume({1}, 1);
+    std::size_t n_nodes = 0, n_triangles = 0;
+    int tag = 1;
+    std::vector<int> loops{tag};
+    add_surface(surface, tag, n_nodes, n_triangles);
+    for (const Inclusion& inclusion : inclusions) {
+      loops.push_back(++tag);
+      add_surface(inclusion.surface, tag, n_nodes, n_triangles);
+    }
+    gmsh::model::geo::addVolume(loops, 1);
+    for (int inner = 2; inner <= tag; ++inner) gmsh::model::geo::addVolume({inner}, inner);
     gmsh::model::geo::synchronize();
     gmsh::model::mesh::generate(3);
     return elements_of(gmsh_tetrahedron, "tetrahedra");

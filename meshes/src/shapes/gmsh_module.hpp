@@ -14,7 +14,7 @@ struct Drain {
 /// with what gmsh says.
 struct GmshModule {
   /// Tetrahedra inside a closed surface. Its nodes come first, in their order.
-  RawMesh (*fill)(const Surface& surface);
+  RawMesh (*fill)(const Surface& surface, const std::vector<Inclusion>& inclusions);
   /// A box, or a cylinder or tube around z from 0 to size[2]. Edges have the length 1.
   /// @param size  of a box; radius, radius and length of the others
   RawMesh (*solid)(Shape shape, const Vec3& size, double inner_radius);

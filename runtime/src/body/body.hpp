@@ -10,12 +10,24 @@
 #include "core/model.hpp"
 #include "tools/vectors.hpp"
 
+namespace PHN_RUNTIME {
+
+/// The numbers of the law in a part of a body.
+struct BodyMaterial {
+  double parameters[phynness::schema::largest_parameter_count];
+  double bulk;     ///< of the shape: bulk/2 g^2
+  double modulus;  ///< largest second derivative of the shape at rest; 0 if the law is not defined
+};
+
+}  // namespace PHN_RUNTIME
+
 /// Rows of modes and of pressures are padded with zeros to whole blocks.
 struct phn_body {
   phn_body_contents info;
   const PHN_RUNTIME::BodyLaw* law;
-  double parameters[phynness::schema::largest_parameter_count];
-  double bulk;          ///< of the shape: bulk/2 g^2
+  const PHN_RUNTIME::BodyMaterial* materials;  ///< n_materials, the first is that of cells in no region
+  const std::int32_t* material_of_cell;        ///< null: the first one
+  std::int32_t n_materials;
   std::int32_t stride;  ///< of rows of modes
   std::int32_t pressure_stride;
   const std::int32_t* kinds;   ///< of nodes
@@ -32,6 +44,10 @@ struct phn_body {
   const float* lacking;             ///< n_nodes rows: roots of the compliance that the modes lack there; null: none
   std::int32_t lacking_stride;
   const double* bounds;  ///< coefficients of core/bound.hpp, n_coupled_kinds x n_coupled_terms; null: none
+
+  const PHN_RUNTIME::BodyMaterial& material(std::int32_t cell) const {
+    return materials[material_of_cell != nullptr ? material_of_cell[cell] : 0];
+  }
 };
 
 namespace PHN_RUNTIME {
@@ -156,5 +172,5 @@ struct phn_body_state {
   } * cells;
   float *sum, *sum_at_rest, *panel;  ///< of the cells, without that of b; rows of some of them
   double *size_of_rows, *changed;    ///< of the cells: squares of their rows; how much they changed
-  double modulus;                    ///< largest second derivative at rest
+  double modulus;                    ///< largest one of the materials
 };

@@ -25,14 +25,15 @@ void gradient_at(const double* strain, double F[9]) {
 /// stay.
 void find_tangent(const phn_body_state& state, std::int32_t c, phn_body_state::Cell& cell) {
   const phn_body& body = *state.body;
+  const BodyMaterial& material = body.material(c);
   double F[9], value, stress[9], A[81];
   gradient_at(cell.strain, F);
-  if (!body.law->shape(F, body.parameters, value, stress, A)) return;
+  if (!body.law->shape(F, material.parameters, value, stress, A)) return;
   for (double& a : A) a *= body.shear[c];
-  const double bulk = body.shear[c] * body.bulk;
+  const double bulk = body.shear[c] * material.bulk;
   if (bulk > 0 || body.pressed_row[c] >= 0) {
     double slope[9], second[81];
-    if (!body.law->volumetric(F, body.parameters, value, slope, second)) return;
+    if (!body.law->volumetric(F, material.parameters, value, slope, second)) return;
     const double p = bulk * value + body.bulk_of_cell[c] * cell.pressure;
     for (int k = 0; k < 9; ++k)
       for (int l = 0; l < 9; ++l) A[9 * k + l] += bulk * slope[k] * slope[l] + p * second[9 * k + l];
@@ -151,13 +152,14 @@ bool evaluate_body(phn_body_state& state, phn_body_state::Point& point) {
     kernels.times(rows, 9 * (end - first), stride, point.q, strain);
     for (std::int32_t c = first; c < end; ++c) {
       const std::int32_t i = 9 * (c - first), pressed = body.pressed_row[c];
+      const BodyMaterial& material = body.material(c);
       double F[9], shape, change = 0, slope[9] = {};
       gradient_at(strain + i, F);
-      if (!body.law->shape(F, body.parameters, shape, stress + i, nullptr)) return false;
-      if ((body.bulk > 0 || pressed >= 0) && !body.law->volumetric(F, body.parameters, change, slope, nullptr))
+      if (!body.law->shape(F, material.parameters, shape, stress + i, nullptr)) return false;
+      if ((material.bulk > 0 || pressed >= 0) && !body.law->volumetric(F, material.parameters, change, slope, nullptr))
         return false;
-      point.energy += body.shear[c] * (shape + body.bulk / 2 * change * change);
-      for (int k = 0; k < 9; ++k) stress[i + k] = body.shear[c] * (stress[i + k] + body.bulk * change * slope[k]);
+      point.energy += body.shear[c] * (shape + material.bulk / 2 * change * change);
+      for (int k = 0; k < 9; ++k) stress[i + k] = body.shear[c] * (stress[i + k] + material.bulk * change * slope[k]);
       if (pressed < 0) continue;
       state.pressure_at[pressed] = body.bulk_of_cell[c] * change;
       float factor[9];
@@ -177,11 +179,12 @@ bool evaluate_body(phn_body_state& state, phn_body_state::Point& point) {
 
 bool find_rounding(phn_body_state& state) {
   const phn_body& body = *state.body;
-  const double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  double value, stress[9], A[81], volume = 0, &modulus = state.modulus = 0;
-  if (!body.law->shape(F, body.parameters, value, stress, A)) return false;
+  double volume = 0, &modulus = state.modulus = 0;
   for (std::int32_t c = 0; c < body.info.n_cells; ++c) volume += body.shear[c];
-  for (const double a : A) modulus = std::fmax(modulus, std::fabs(a));
+  for (std::int32_t m = 0; m < body.n_materials; ++m) {
+    if (!(body.materials[m].modulus > 0)) return false;
+    modulus = std::fmax(modulus, body.materials[m].modulus);
+  }
   state.rounding = DBL_EPSILON * volume * modulus;  // a law is a difference of numbers near 3 times its modulus
   return state.rounding > 0 && state.rounding <= DBL_MAX;
 }
@@ -201,7 +204,7 @@ bool renew_stiffness(phn_body_state& state, std::int32_t n_cells) {
       const double d = state.at.strain[9 * c + k] - cell.strain[k];
       square += d * d;
     }
-    state.changed[c] = (body.shear[c] * state.modulus * std::sqrt(square) +
+    state.changed[c] = (body.shear[c] * body.material(c).modulus * std::sqrt(square) +
                         body.bulk_of_cell[c] * std::fabs(pressure_of(state, c) - cell.pressure)) *
                        state.size_of_rows[c];
   }

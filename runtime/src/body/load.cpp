@@ -1,5 +1,6 @@
 // Reads a body.txt by the grammar of phynness/schema/body_grammar.hpp.
 #include <cfloat>
+#include <cmath>
 #include <cstring>
 
 #include <phynness/schema/round_tool.hpp>
@@ -66,7 +67,8 @@ struct BodyStore {
   Parameters parameters;
   double bulk_in_shape_Pa = 0, tool_radius_m = 0, depth_m = 0;
   Numbers<std::int32_t> nodes, kinds, surface;
-  Numbers<double> points, shear_m3, bulk_rJ;
+  Numbers<double> points, shear_m3, bulk_rJ, regions;
+  Numbers<std::int32_t> region_of_cell;
   ScaledRows modes, gradients, cells_at_rest, lack_at_rest, pressures, lacking;
   double coverage = 0;
   std::int32_t n_rays = 0;
@@ -129,6 +131,22 @@ void set_normals(const phn_body& body, double* normals) {
   }
 }
 
+/// Those of the body and of its regions.
+void set_materials(const BodyStore& store, const BodyLaw& law, BodyMaterial* materials) {
+  const double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  for (std::int64_t m = 0; m <= store.regions.n; ++m) {
+    BodyMaterial& material = materials[m];
+    const double* of_region = m > 0 ? store.regions.at + (m - 1) * store.regions.n_cols : nullptr;
+    for (int k = 0; k < schema::largest_parameter_count; ++k)
+      material.parameters[k] = of_region && k < store.parameters.n ? of_region[k] : store.parameters.at[k];
+    material.bulk = of_region ? of_region[store.parameters.n] : store.bulk_in_shape_Pa;
+    material.modulus = 0;
+    double value, stress[9], A[81];
+    if (!law.shape(F, material.parameters, value, stress, A)) continue;
+    for (const double a : A) material.modulus = std::fmax(material.modulus, std::fabs(a));
+  }
+}
+
 /// Moves the rows of cells that have a pressure together.
 void keep_pressed(phn_body& body, float* pressures, std::int32_t* pressed_row) {
   const auto stride = static_cast<std::size_t>(body.pressure_stride);
@@ -161,6 +179,7 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   auto* last_at = arena.take<std::int32_t>(static_cast<std::size_t>(store.nodes.n));
   auto* pressed_row = arena.take<std::int32_t>(static_cast<std::size_t>(store.shear_m3.n));
   auto* normals = arena.take<double>(static_cast<std::size_t>(store.nodes.n), 3);
+  auto* materials = arena.take<BodyMaterial>(static_cast<std::size_t>(store.regions.n) + 1);
   wrong_byte = in.wrong_byte();
   if (!in.good()) return in.status();
   if (loader.law == nullptr || loader.law->n_parameters != store.parameters.n) return PHN_ERROR_FAMILY;
@@ -182,8 +201,10 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   info.n_pressures = static_cast<std::int32_t>(store.pressures.entries.n_cols);
   info.n_cells = static_cast<std::int32_t>(store.shear_m3.n);
   body->law = loader.law;
-  for (int k = 0; k < schema::largest_parameter_count; ++k) body->parameters[k] = store.parameters.at[k];
-  body->bulk = store.bulk_in_shape_Pa;
+  set_materials(store, *body->law, materials);
+  body->materials = materials;
+  body->n_materials = static_cast<std::int32_t>(store.regions.n) + 1;
+  body->material_of_cell = store.regions.n > 0 ? store.region_of_cell.at : nullptr;
   body->stride = store.modes.entries.stride;
   body->pressure_stride = store.pressures.entries.stride;
   body->kinds = store.kinds.at;

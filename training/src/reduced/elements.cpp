@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <phynness/schema/body_laws.hpp>
+#include <tuple>
 #include <utility>
 
 namespace phynness::reduced {
@@ -16,7 +17,7 @@ using Eigen::VectorXd;
 using Entries = std::vector<Eigen::Triplet<double>>;
 
 const runtime::BodyLaw& law_of(const Elements& elements) {
-  const auto* law = runtime::find_body_law(name(elements.material.law));
+  const auto* law = runtime::find_body_law(name(elements.law));
   assert(law);  // the build makes all of them from the same files
   return *law;
 }
@@ -36,20 +37,41 @@ Sparse chosen(const std::vector<std::int32_t>& points, Index n_points) {
 
 }  // namespace
 
-Elements::Elements(const Mesh& mesh, const Material& its_material, Element element)
-    : n_nodes(mesh.n_nodes()), n_cells(mesh.n_cells()), material(its_material) {
-  const bool smoothed = element == element_named("es-p1-p1");
-  const double mu = material.shear_modulus_Pa;
-  const double kappa = material.law->isochoric ? material.bulk_modulus_Pa : material.lame_lambda_Pa;
-  if (smoothed && material.law->isochoric) bulk_in_shape_Pa = 2 * mu / 3;
-  const double left = 1 - bulk_in_shape_Pa / kappa, alpha = smoothed ? smoothed_alpha : stabilization_alpha;
+Elements::Elements(const Mesh& mesh, const Scene& scene)
+    : n_nodes(mesh.n_nodes()), n_cells(mesh.n_cells()), law(scene.material.law) {
+  const bool smoothed = scene.solver.element == element_named("es-p1-p1");
+  const double alpha = smoothed ? smoothed_alpha : stabilization_alpha;
+  std::vector<double> kappas, moduli;
+  for (const Material* material : materials(scene)) {
+    moduli.push_back(material->shear_modulus_Pa);
+    kappas.push_back(law->isochoric ? material->bulk_modulus_Pa : material->lame_lambda_Pa);
+    parts.push_back({material->parameters, smoothed && law->isochoric ? 2 * moduli.back() / 3 : 0});
+  }
+  part_of = mesh.regions;
+  part_of.resize(static_cast<std::size_t>(n_cells), 0);
+  // The first part that a node belongs to has its pressure; others have further ones.
+  std::vector<int> first(static_cast<std::size_t>(n_nodes), -1);
+  std::map<std::pair<std::int32_t, int>, int> further;
+  const auto pressure_at = [&](std::int32_t node, int part) {
+    int& own = first[static_cast<std::size_t>(node)];
+    if (own < 0) own = part;
+    if (own == part) return static_cast<int>(node);
+    return further.try_emplace({node, part}, static_cast<int>(n_nodes) + static_cast<int>(further.size()))
+        .first->second;
+  };
 
   VectorXd volume(n_cells);
   std::array<Entries, 3> slopes;
   Entries middles, stiffness, soft, shares;
-  std::map<std::pair<std::int32_t, std::int32_t>, int> edges;
+  std::map<std::tuple<std::int32_t, std::int32_t, int>, int> edges;
+  VectorXd left(n_cells);
   std::vector<double> size_of_edge;
   for (int c = 0; c < static_cast<int>(n_cells); ++c) {
+    const int part = part_of[static_cast<std::size_t>(c)];
+    const double kappa = kappas[static_cast<std::size_t>(part)], mu = moduli[static_cast<std::size_t>(part)];
+    left[c] = 1 - parts[static_cast<std::size_t>(part)].bulk_in_shape_Pa / kappa;
+    std::array<int, 4> pressures;
+    for (int a = 0; a < 4; ++a) pressures[static_cast<std::size_t>(a)] = pressure_at(mesh.cells(c, a), part);
     Eigen::Matrix<double, 4, 3> x, slope_of;
     for (int a = 0; a < 4; ++a) x.row(a) = mesh.nodes.row(mesh.cells(c, a));
     const Eigen::Matrix3d sides = x.bottomRows<3>().rowwise() - x.row(0);
@@ -61,21 +83,21 @@ Elements::Elements(const Mesh& mesh, const Material& its_material, Element eleme
       for (int b = 0; b < a; ++b) {
         longest2 = std::max(longest2, (x.row(a) - x.row(b)).squaredNorm());
         if (!smoothed) continue;
-        const auto [edge, is_new] =
-            edges.try_emplace(std::minmax(mesh.cells(c, a), mesh.cells(c, b)), static_cast<int>(edges.size()));
-        if (is_new) size_of_edge.push_back(0);
+        const auto [low, high] = std::minmax(mesh.cells(c, a), mesh.cells(c, b));
+        const auto [edge, is_new] = edges.try_emplace({low, high, part}, static_cast<int>(edges.size()));
+        if (is_new) size_of_edge.push_back(0), part_of.push_back(static_cast<std::uint8_t>(part));
         size_of_edge[static_cast<std::size_t>(edge->second)] += volume[c] / 6;
         shares.emplace_back(edge->second, c, volume[c] / 6);
       }
     for (int a = 0; a < 4; ++a) {
       const int node = mesh.cells(c, a);
       for (int j = 0; j < 3; ++j) slopes[static_cast<std::size_t>(j)].emplace_back(c, node, slope_of(a, j));
-      middles.emplace_back(c, node, 0.25);
+      middles.emplace_back(c, pressures[static_cast<std::size_t>(a)], 0.25);
       for (int b = 0; b < 4; ++b) {
         const double dots = volume[c] * slope_of.row(a).dot(slope_of.row(b));
         stiffness.emplace_back(node, mesh.cells(c, b), dots);
-        soft.emplace_back(node, mesh.cells(c, b),
-                          left / kappa * volume[c] * (a == b ? 2 : 1) / 20 + alpha * longest2 / mu * dots);
+        soft.emplace_back(pressures[static_cast<std::size_t>(a)], pressures[static_cast<std::size_t>(b)],
+                          left[c] / kappa * volume[c] * (a == b ? 2 : 1) / 20 + alpha * longest2 / mu * dots);
       }
     }
   }
@@ -85,7 +107,7 @@ Elements::Elements(const Mesh& mesh, const Material& its_material, Element eleme
   shear.resize(n_points);
   shear << (smoothed ? cell_share : 1) * volume, (1 - cell_share) * of_edges;
   bulk.resize(n_points);
-  bulk << left * volume, VectorXd::Zero(n_edges);
+  bulk << left.cwiseProduct(volume), VectorXd::Zero(n_edges);
   // Cells, then means of the cells at each edge.
   Entries means;
   for (int c = 0; c < static_cast<int>(n_cells); ++c) means.emplace_back(c, c, 1.0);
@@ -93,9 +115,10 @@ Elements::Elements(const Mesh& mesh, const Material& its_material, Element eleme
     means.emplace_back(static_cast<int>(n_cells) + s.row(), s.col(), s.value() / of_edges[s.row()]);
   const Sparse mean = sparse(n_points, n_cells, means);
   for (std::size_t j = 0; j < 3; ++j) slope[j] = mean * sparse(n_cells, n_nodes, slopes[j]);
-  middle = sparse(n_points, n_nodes, middles);
+  const Index n_pressures = n_nodes + std::ssize(further);
+  middle = sparse(n_points, n_pressures, middles);
   laplace = sparse(n_nodes, n_nodes, stiffness);
-  compressibility = sparse(n_nodes, n_nodes, soft);
+  compressibility = sparse(n_pressures, n_pressures, soft);
 }
 
 std::array<Sparse, 3> Elements::slope_at(const std::vector<std::int32_t>& points) const {
@@ -123,31 +146,35 @@ std::array<MatrixXd, 9> gradients(const std::array<Sparse, 3>& slope, const Matr
 
 std::optional<Strained> strained(const Elements& elements, const VectorXd& u) {
   const runtime::BodyLaw& law = law_of(elements);
-  const double* parameters = elements.material.parameters.data();
   const Index n = elements.n_points;
   AtPoints F(9, n);
   const auto gradient = gradients(elements.slope, u);
   for (Index k = 0; k < 9; ++k) F.row(k) = gradient[static_cast<std::size_t>(k)].transpose().array() + (k % 4 == 0);
   Strained out{VectorXd(n), VectorXd(n), AtPoints(9, n), AtPoints(9, n)};
   for (Index p = 0; p < n; ++p) {
+    const Elements::Part& part = elements.parts[elements.part_of[static_cast<std::size_t>(p)]];
+    const double *parameters = part.parameters.data(), bulk = part.bulk_in_shape_Pa;
     if (!law.shape(F.col(p).data(), parameters, out.shape[p], out.shape_first.col(p).data(), nullptr) ||
         !law.volumetric(F.col(p).data(), parameters, out.g[p], out.g_first.col(p).data(), nullptr))
       return std::nullopt;
-    out.shape[p] += elements.bulk_in_shape_Pa / 2 * out.g[p] * out.g[p];
-    out.shape_first.col(p) += elements.bulk_in_shape_Pa * out.g[p] * out.g_first.col(p);
+    out.shape[p] += bulk / 2 * out.g[p] * out.g[p];
+    out.shape_first.col(p) += bulk * out.g[p] * out.g_first.col(p);
   }
   return out;
 }
 
-Rest at_rest(const Elements& elements) {
+std::vector<Rest> at_rest(const Elements& elements) {
   const runtime::BodyLaw& law = law_of(elements);
-  const double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, *parameters = elements.material.parameters.data();
-  Rest rest;
-  double value = 0, first[9];
-  law.shape(F, parameters, value, first, rest.shape.data());
-  law.volumetric(F, parameters, value, rest.g.data(), nullptr);
-  rest.shape += elements.bulk_in_shape_Pa * rest.g * rest.g.transpose();
-  return rest;
+  const double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  std::vector<Rest> all;
+  for (const auto& [parameters, bulk_Pa] : elements.parts) {
+    Rest& rest = all.emplace_back();
+    double value = 0, first[9];
+    law.shape(F, parameters.data(), value, first, rest.shape.data());
+    law.volumetric(F, parameters.data(), value, rest.g.data(), nullptr);
+    rest.shape += bulk_Pa * rest.g * rest.g.transpose();
+  }
+  return all;
 }
 
 }  // namespace phynness::reduced

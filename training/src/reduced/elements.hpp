@@ -1,5 +1,6 @@
 // Operators of p1-p1 and es-p1-p1 (docs/theory.md, Elements). A field of vectors is a column of 3 n_nodes numbers: all
-// of its x, then y, then z. The points of the elements are their cells, then, of es-p1-p1, the edges of the mesh.
+// of its x, then y, then z. The points of the elements are their cells, then, of es-p1-p1, the edges of the mesh, an
+// edge between regions once for each. The pressure is in nodes, in one between regions once for each, too.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,16 +20,22 @@ using AtPoints = Eigen::Matrix<double, 9, Eigen::Dynamic>;
 /// The energy density is shape + bulk_in_shape_Pa/2 g^2 at every point, and the pressure's in the cells. g is that of
 /// phynness/schema/body_laws.hpp.
 struct Elements {
-  Elements(const Mesh& mesh, const Material& material, Element element);
+  /// @param mesh  with the region of each cell, if the scene has any
+  Elements(const Mesh& mesh, const Scene& scene);
 
   Eigen::Index n_nodes = 0, n_cells = 0, n_points = 0;
-  Material material;
-  double bulk_in_shape_Pa = 0;
+  Law law = nullptr;
+  struct Part {
+    std::vector<double> parameters;
+    double bulk_in_shape_Pa = 0;
+  };
+  std::vector<Part> parts;            ///< the body, then its regions
+  std::vector<std::uint8_t> part_of;  ///< n_points: a number of `parts`
   Eigen::VectorXd shear, bulk;  ///< volumes [m^3] of the shape and of the pressure at the points; bulk is 0 at edges
   std::array<Sparse, 3> slope;  ///< n_points x n_nodes [1/m]: d/dx, d/dy, d/dz of a field
-  Sparse middle;                ///< n_points x n_nodes: value in the middle of a cell; 0 at edges
+  Sparse middle;                ///< n_points x n_pressures: value in the middle of a cell; 0 at edges
   Sparse laplace;               ///< n_nodes x n_nodes [m]
-  Sparse compressibility;       ///< n_nodes x n_nodes [m^3/Pa]: of 1/kappa and of the stabilization at rest
+  Sparse compressibility;       ///< n_pressures x n_pressures [m^3/Pa]: of 1/kappa and of the stabilization at rest
 
   /// Rows of `slope` and `middle` for some points.
   std::array<Sparse, 3> slope_at(const std::vector<std::int32_t>& points) const;
@@ -53,6 +60,7 @@ struct Rest {
   Eigen::Matrix<double, 9, 9> shape;
   Eigen::Matrix<double, 9, 1> g;
 };
-Rest at_rest(const Elements& elements);
+/// Of each part.
+std::vector<Rest> at_rest(const Elements& elements);
 
 }  // namespace phynness::reduced

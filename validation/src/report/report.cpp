@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/error.hpp>
+#include <phynness/meshes/meshes.hpp>
 #include <phynness/meshes/probe_points.hpp>
 #include <phynness/pages/report.hpp>
 #include <phynness/validation/force_unit.hpp>
@@ -84,6 +85,12 @@ Json conditions(const Validated& in, const std::string& software) {
        {"time of the solves", fmt::format("{:.0f} s", v.seconds)},
        {"software", software},
        {"scene, physics, mesh", fmt::format("{}, {}, {}", scene.source_name, model.physics_hash, model.mesh_hash)}}));
+  Rows regions{{"part", "cells", "volume in mL", "share off in %", "shear modulus in Pa", "K/mu"}};
+  for (const RegionFigures& r : region_figures(scene, in.model.mesh()))
+    regions.push_back({r.name, std::to_string(r.cells), fmt::format("{:.4g}", 1e6 * r.volume_m3),
+                       fmt::format("{:.2g}", 100 * r.off), fmt::format("{:.4g}", r.shear_modulus_Pa),
+                       fmt::format("{:.4g}", r.bulk_to_shear)});
+  if (regions.size() > 1) blocks.push_back(facts(regions));
   return section("Scene and probes", blocks);
 }
 

@@ -27,6 +27,9 @@ struct ReducedBody {
   ScaledTable modes;                ///< 3 n x n_modes: displacements [m], row 3 i + k
   std::vector<double> shear_m3;     ///< of the cells, with their weights
   std::vector<double> bulk_rJ;      ///< [sqrt(J)]
+  /// Empty, or a row for each region with a cell or without: parameters and bulk in place of those above.
+  Eigen::MatrixXd regions{};
+  std::vector<std::int32_t> region_of_cell;  ///< 0, or i + 1 of row i; empty without regions
   ScaledTable gradients;            ///< 9 n_cells x n_modes: du_i/dX_j in row 9 c + 3 i + j, smaller in the last modes
   /// n_modes x n_modes, symmetric [J]: the second derivative of the first sum at rest, and what it lacks; or none.
   ScaledTable cells_at_rest, lack_at_rest;

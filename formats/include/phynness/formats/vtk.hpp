@@ -19,6 +19,7 @@ struct VtkGrid {
   Points points;
   Cells cells;
   std::vector<std::int32_t> node_numbers;  ///< n_points; written as field "node"
+  std::vector<std::uint8_t> regions = {};  ///< of the cells, as Mesh::regions; written as cell data "region"
 };
 
 struct VtkState {

@@ -81,7 +81,8 @@ std::vector<std::int32_t> refined(const std::vector<std::int32_t>& nodes,
                                   const std::vector<std::array<std::int32_t, 2>>& edges, std::int32_t n_nodes);
 
 /// Writes gmsh format 4.1 (ASCII): nodes in their order, tetrahedra if there are any, triangles, physical groups. If
-/// `sets` is given, its lists become the physical point groups phynness_fixed, phynness_active, phynness_output.
+/// `sets` is given, its lists become the physical point groups phynness_fixed, phynness_active, phynness_output. Cells of
+/// regions become volumes of their own.
 /// make_mesh reads the file with the same node numbers, cells and hash.
 void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::path& file);
 
@@ -100,6 +101,9 @@ NodeList resolve_fixed(const Scene& scene, const Mesh& other);
 /// or
 ///   if the mesh has no such group of cells
 std::vector<std::uint8_t> cell_regions(const Scene& scene, const Mesh& mesh);
+
+/// The physical group of cells that write_msh() writes of a region. @param number  from 1, as in Mesh::regions
+std::string region_group(std::size_t number);
 
 /// A part of a mesh with one material. The first is the rest of the body.
 struct RegionFigures {

@@ -14,6 +14,8 @@ constexpr int32_t least_body_modes(int32_t n_tools) { return n_tools > 1 ? 9 * n
 /// Springs act between tools of a body that are nearer than this part of their radius, or of a mean edge for tools that
 /// are points (docs/theory.md, Near tools).
 inline constexpr double near_part = 0.5;
+/// Parts of a body with parameters of their own.
+inline constexpr int32_t most_regions = 255;
 /// What a tool does at a node of the surface.
 inline constexpr int32_t body_node_fixed = 0, body_node_moves = 1, body_node_touchable = 2, n_body_node_kinds = 3;
 
@@ -26,6 +28,20 @@ void word_line(IO& io, const char* key, Word& word) {
 
 /// Entries xx, xy, xz, yy, yz, zz of a symmetric matrix.
 inline constexpr int32_t n_of_root = 6;
+
+/// Of each region the parameters and the bulk of the shape, and of each cell 0 or the number of its region, from 1.
+template <class IO, class Body>
+void body_regions(IO& io, Body& b, int32_t n_parameters, int32_t n_points) {
+  if (!io.optional("regions", io.rows(b.regions) > 0)) return;
+  const int32_t n = size_line(io, "regions", io.rows(b.regions), 1, most_regions);
+  io.shape("parameters of a region", b.regions, n, n_parameters + 1);
+  for (int32_t r = 0; r < n && io.good(); ++r) {
+    for (int32_t k = 0; k < n_parameters; ++k) number(io, "parameter", b.regions, r, k, any_number);
+    number(io, "bulk", b.regions, r, n_parameters, not_negative);
+    io.end();
+  }
+  rows_of_indices(io, "region of a cell", b.region_of_cell, n_points, n + 1);
+}
 
 inline constexpr char body_bounds_word[] = "bounds";
 
@@ -79,6 +95,7 @@ void body(IO& io, Body& b) {
     number(io, "weight of the change of volume", b.bulk_rJ, c, 0, not_negative);
     io.end();
   }
+  body_regions(io, b, n_parameters, n_points);
   table(io, "gradients", b.gradients, 9 * static_cast<int64_t>(n_points), n_modes);
   if (io.optional("cells-at-rest", io.rows(b.cells_at_rest.entries) > 0)) {
     table(io, "cells-at-rest", b.cells_at_rest, n_modes, n_modes);
