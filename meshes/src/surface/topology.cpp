@@ -67,6 +67,7 @@ std::vector<HalfEdge> half_edges(const Triangles& triangles) {
 template <class Item, class Visit>
 void for_each_run(const std::vector<Item>& items, Visit visit) {
   for (std::size_t i = 0, j = 0; i < items.size(); i = j) {
+    j = i + 1;
     while (j < items.size() && items[j].key == items[i].key) ++j;
     visit(i, j);
   }

@@ -1,0 +1,124 @@
+"""The map of stiffness above a nodule, with it and without, at rest and at 5 mm: of a model and of a reduced body beside
+solves of the same finite elements.
+
+Usage: lab/study nodule FOLDER [--scene FILE] [--places N] [--ranks N]. Databases, models and bodies in FOLDER are used again. It writes
+FOLDER/nodule.csv and, where matplotlib is installed, FOLDER/nodule.png.
+"""
+
+import argparse
+import pathlib
+import re
+
+import h5py
+import numpy as np
+from commands import SOURCE, run
+
+DEPTHS_M = {"at rest": 0.0, "at 5 mm": 0.005}
+STEP_M = 1e-4  # of central differences: the error is of its square over that of the tool's radius
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--scene", type=pathlib.Path, default=SOURCE / "scenes/liver_nodule.toml")
+    parser.add_argument("--places", type=int, default=44, help="nodes of the probed part, the nearest to the nodule")
+    parser.add_argument("--ranks", type=int, default=1)
+    return parser.parse_args()
+
+
+def without_region(text):
+    """The same scene, and the same mesh, with a region that has the parameters of the body."""
+    body, region = text.split("[[region]]")
+    for key, value in re.findall(r"^(\w+_Pa|poisson_ratio) *= *(\S+)", body, re.M):
+        region = re.sub(rf"^{key} *=.*$", f"{key} = {value}", region, flags=re.M)
+    return body + "[[region]]" + region
+
+
+def made(scene, folder, ranks):
+    if not (folder / "model").exists():
+        run("run", scene, "-o", folder, "--ranks", ranks)
+    return folder
+
+
+def places_of(database, count):
+    """Nodes of the probed part of the surface, those that are probed and those between them, and their inward normals."""
+    with h5py.File(database) as f:
+        x, faces, active = f["mesh/nodes"][:], f["mesh/surface"][:], f["sets/active"][:]
+        regions, cells, fixed = f["mesh/regions"][:], f["mesh/cells"][:], f["sets/fixed"][:]
+    nodule = x[cells[regions == 1]].mean(axis=(0, 1))
+    normals = np.zeros_like(x)
+    area = np.cross(x[faces[:, 1]] - x[faces[:, 0]], x[faces[:, 2]] - x[faces[:, 0]])
+    for k in range(3):
+        np.add.at(normals, faces[:, k], area)
+    reach = np.linalg.norm(x[active] - nodule, axis=1).max()
+    near = np.setdiff1d(np.unique(faces), fixed)
+    near = near[np.argsort(np.linalg.norm(x[near] - nodule, axis=1))]
+    near = near[np.linalg.norm(x[near] - nodule, axis=1) <= reach][:count]
+    inward = -normals[near] / np.linalg.norm(normals[near], axis=1, keepdims=True)
+    return near, inward, np.isin(near, active), x[near], nodule
+
+
+def stiffnesses(command, nodes, inward, folder):
+    """N/m in the direction of the push, a column for each depth; NaN without an equilibrium."""
+    steps = [depth + sign * STEP_M for depth in DEPTHS_M.values() for sign in (1, -1)]
+    queries = folder / "queries.csv"
+    queries.write_text("node,ux_m,uy_m,uz_m\n" + "".join(
+        "%d,%.17g,%.17g,%.17g\n" % (node, *(step * d)) for node, d in zip(nodes, inward) for step in steps))
+    table = np.genfromtxt(run(*command, "--queries", queries).splitlines(), delimiter=",", names=True, dtype=None,
+                          encoding=None)
+    force = np.column_stack([table[k].astype(float) for k in ("fx_N", "fy_N", "fz_N")])
+    along = (force.reshape(len(nodes), len(steps), 3) * inward[:, None, :]).sum(axis=2)
+    return (along[:, 0::2] - along[:, 1::2]) / (2 * STEP_M)
+
+
+def draw(x, nodule, rises, file):
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+    figure, axes = pyplot.subplots(len(DEPTHS_M), len(rises), figsize=(4 * len(rises), 7), squeeze=False)
+    for row, depth in enumerate(DEPTHS_M):
+        top = np.nanmax(rises["dolfinx"][:, row])
+        for axis, (who, rise) in zip(axes[row], rises.items()):
+            drawn = axis.scatter(1e3 * x[:, 0], 1e3 * x[:, 1], c=rise[:, row], vmin=0, vmax=top, s=80)
+            axis.plot(1e3 * nodule[0], 1e3 * nodule[1], "k+")
+            axis.set(title=f"rise of stiffness {depth}, {who}, N/m", aspect="equal", xlabel="x, mm", ylabel="y, mm")
+            figure.colorbar(drawn, ax=axis)
+    figure.tight_layout()
+    figure.savefig(file, dpi=100)
+
+
+def main():
+    options = arguments()
+    options.folder.mkdir(parents=True, exist_ok=True)
+    text = options.scene.read_text()
+    found = {}
+    for name, scene_text in (("with", text), ("without", without_region(text))):
+        scene = options.folder / f"{name}.toml"
+        scene.write_text(scene_text)
+        folder = made(scene, options.folder / name, options.ranks)
+        if not found:
+            nodes, inward, probed, x, nodule = places_of(folder / "database.h5", options.places)
+        found[name] = {who: stiffnesses(command, nodes, inward, options.folder) for who, command in (
+            ("dolfinx", ("solve", scene)), ("model", ("eval", folder / "model")),
+            ("body", ("eval", folder / "model", "--body", folder / "body.txt")))}
+    rises = {who: found["with"][who] - found["without"][who] for who in found["with"]}
+    columns = [f"{name} {depth} {who}" for name in found for depth in DEPTHS_M for who in rises]
+    values = [found[name][who][:, k] for name in found for k in range(len(DEPTHS_M)) for who in rises]
+    np.savetxt(options.folder / "nodule.csv", np.column_stack([nodes, x, probed, *values]), delimiter=",", comments="",
+               fmt="%.9g", header=",".join(["node", "x_m", "y_m", "z_m", "is_probed", *columns]))
+    print(f"{len(nodes)} places, {probed.sum()} of them probed; stiffness in N/m")
+    for k, depth in enumerate(DEPTHS_M):
+        top = np.nanmax(rises["dolfinx"][:, k])
+        base = found["without"]["dolfinx"][:, k]
+        print(f"{depth}: without the nodule {np.nanmin(base):.1f} to {np.nanmax(base):.1f}, largest rise {top:.2f}")
+        for who in ("model", "body"):
+            off = 100 * np.abs(rises[who][:, k] - rises["dolfinx"][:, k]) / top
+            print(f"  {who:6} rise off by {np.nanmax(off[probed]):.2f} % of the largest at points, "
+                  f"{np.nanmax(off[~probed]):.2f} % between them ({np.isnan(off).sum()} without an answer)")
+    try:
+        draw(x, nodule, rises, options.folder / "nodule.png")
+    except ImportError:
+        pass
+
+
+main()
