@@ -6,6 +6,8 @@ DATABASE and BODY are those of one scene. The program is build/release/tests/loo
 Every hundredth cycle is solved from rest. Errors are those of all components of the force of the worse sphere, over the
 larger force; beside them stands linear theory, from displacements a thousand times smaller. Left out are spheres nearer
 than half of the tool's radius: between them are springs, which finite elements do not have (docs/decisions/near-tools.md).
+The last line has the largest change of a force between two settled cycles, over the largest force of all, and that of
+the finite elements between the same states.
 """
 
 import os
@@ -39,19 +41,40 @@ def solved(database, points, displacements):
     return found and np.array([tool["force"] for tool in found["tools"]])
 
 
+def held_by(cycle, nodes):
+    """The spheres in contact, their points, displacements and forces."""
+    held = [row for row in cycle if row["node0"] >= 0]
+    points = [columns(r, "weight0", "weight1", "weight2") @ nodes[columns(r, "node0", "node1", "node2").astype(int)]
+              for r in held]
+    displacements = np.array([columns(r, "ux_m", "uy_m", "uz_m") for r in held])
+    return held, points, displacements, np.array([columns(r, "fx_N", "fy_N", "fz_N") for r in held])
+
+
+def largest_change(cycles, nodes, database):
+    """Of the forces of contact and of the finite elements [%]; NaN without an equilibrium."""
+    given = np.stack([cycles["fx_N"], cycles["fy_N"], cycles["fz_N"]], axis=-1)
+    sizes = np.linalg.norm(np.diff(given, axis=0), axis=2).max(axis=1)
+    settled = (cycles["status"][:, 0].astype(int) & 4) == 0
+    at = np.argmax(np.where(settled[1:] & settled[:-1], sizes, 0))
+    both = np.zeros((2,) + given.shape[1:])
+    for i, cycle in enumerate(cycles[at : at + 2]):
+        held, points, displacements, _ = held_by(cycle, nodes)
+        forces = solved(database, points, displacements) if held else []
+        both[i, [int(r["tool"]) for r in held]] = np.nan if forces is None else forces
+    changes = sizes[at], np.linalg.norm(both[1] - both[0], axis=1).max()
+    return [100 * change / np.linalg.norm(given, axis=2).max() for change in changes]
+
+
 def main(database, body, radius, *options):
     with h5py.File(database) as file:
         nodes, scene = file["mesh/nodes"][()], text(file["scene"][()])
     near_m = float(re.search(r"tool_radius_m *= *([0-9.e-]+)", scene).group(1)) / 2
     errors, left_out = {1: [], 2: []}, {"near": 0, "unsettled": 0, "without an equilibrium": 0}
-    for cycle in rows(body, radius, options)[::100]:
-        held = [row for row in cycle if row["node0"] >= 0]
+    cycles = rows(body, radius, options)
+    for cycle in cycles[::100]:
+        held, points, displacements, given = held_by(cycle, nodes)
         if not held:
             continue
-        points = [columns(r, "weight0", "weight1", "weight2") @ nodes[columns(r, "node0", "node1", "node2").astype(int)]
-                  for r in held]
-        displacements = np.array([columns(r, "ux_m", "uy_m", "uz_m") for r in held])
-        given = np.array([columns(r, "fx_N", "fy_N", "fz_N") for r in held])
         forces = None
         if int(held[0]["status"]) & 4:
             reason = "unsettled"
@@ -70,6 +93,7 @@ def main(database, body, radius, *options):
             print(f"{n_spheres} in contact, {len(e)} states, {name}: mean {e.mean():.2f}, p95 {np.percentile(e, 95):.2f}, "
                   f"max {e.max():.2f} %")
     print("left out:", ", ".join(f"{n} {reason}" for reason, n in left_out.items()))
+    print("largest settled change: contact {:.1f} %, finite elements {:.1f} %".format(*largest_change(cycles, nodes, database)))
 
 
 if __name__ == "__main__":
