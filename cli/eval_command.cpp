@@ -70,7 +70,7 @@ std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places, const st
   return tools;
 }
 
-/// The words for a status above 0. Displacements that are not longer than trained have the cause instead.
+/// The words for a status above 0. Displacements that are not deeper than trained have the cause instead.
 std::string warning_of(const NamedOrgan& model, const std::optional<NamedOrgan>& body, int status,
                        const std::vector<SurfacePoint>& places, const std::vector<Vec3>& displacements) {
   std::string longer;

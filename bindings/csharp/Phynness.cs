@@ -106,6 +106,7 @@ public sealed class Organ : IDisposable {
   enum Last { None, OfTool, OfTools, OfSpheres }
 
   readonly Files files;
+  const int StepsToFollow = 20;
   readonly int mostTools, steps;
   readonly Block data, state, contact;
   readonly double[] bodyField;
@@ -253,10 +254,12 @@ public sealed class Organ : IDisposable {
     Leave(0);
   }
   int Press(int n, ref Tool tools, out Vec3 forces, out Report report) {
+    // A body beside a model has not followed the tool that the model answered.
+    int most = files.Model == null || last == Last.OfTools ? steps : Math.Max(steps, StepsToFollow);
     last = Last.OfTools;
     nTools = n;
     Native.BodyReport pressed;
-    int status = Native.phn_body_force(files.Body.Object, state.Object, n, ref tools, steps, out forces, out pressed);
+    int status = Native.phn_body_force(files.Body.Object, state.Object, n, ref tools, most, out forces, out pressed);
     report = new Report { Energy = pressed.energy, Residual = pressed.behind_m, Unbalanced = pressed.unbalanced,
                           Steps = pressed.steps };
     return status;

@@ -52,4 +52,11 @@ for standard in c++17 c++20; do
     exit 1
   fi
   grep -q nodiscard "$work/overlooked.log"
+  # Headers of Windows define these words as macros.
+  { printf '#include <%s>\n' algorithm array cmath cstdio memory mutex string string_view thread utility vector span
+    printf '#define %s\n' near far 'min(a, b) ((a) < (b) ? (a) : (b))' 'max(a, b) ((a) < (b) ? (b) : (a))'
+    printf '#include <phynness/%s>\n' phynness_batch.hpp phynness_loop.h phynness_image.h phynness_surface.h
+  } > "$work/macros.cpp"
+  [ $standard = c++20 ] || sed -i '/<span>/d' "$work/macros.cpp"
+  "${cpp[@]}" -Wno-variadic-macros -fexceptions -fsyntax-only "$work/macros.cpp" "${flags[@]}"
 done

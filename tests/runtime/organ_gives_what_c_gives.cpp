@@ -224,6 +224,12 @@ TEST_F(OrganOfABody, BesideAModelAnswersSeveral) {
             phn_deform(c.model, c.data, AtNode(tools[0].nodes[0], tools[0].displacement), expected_field.data()));
   EXPECT_EQ(std::memcmp(field.data(), expected_field.data(), 8 * field.size()), 0);
 
+  // The body did not follow the first tool: its forces are there in the first call, and then go on by five steps.
+  EXPECT_EQ(organ.hold(tools, forces), PHN_OK);
+  EXPECT_EQ(phn_body_force(body, state, 2, tools, Organ::steps_to_follow, expected, nullptr), PHN_OK);
+  EXPECT_TRUE(same(forces, expected));
+  EXPECT_GT(std::fabs(forces[0]) + std::fabs(forces[1]) + std::fabs(forces[2]), 0);
+  tools[1].displacement[2] *= 1.01;
   EXPECT_EQ(organ.hold(tools, forces), phn_body_force(body, state, 2, tools, 5, expected, nullptr));
   EXPECT_TRUE(same(forces, expected));
   EXPECT_EQ(organ.deform(field), phn_body_deform(body, state, expected_field.data()));
@@ -418,7 +424,7 @@ TEST_F(OrganOfABody, MisuseHasAStatus) {
   EXPECT_FALSE(organ);  // NOLINT(bugprone-use-after-move): what a move leaves is the claim
   EXPECT_EQ(organ.hold(tools[0], force), PHN_ERROR_ARGUMENT);
   Organ::Status status(PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE);
-  EXPECT_TRUE(status.ok() && status.outside() && status.incomplete() && !status.unsettled() && !status.near());
+  EXPECT_TRUE(status.ok() && status.outside() && status.incomplete() && !status.unsettled() && !status.are_near());
   status = PHN_ERROR_ARGUMENT;
   EXPECT_FALSE(status.ok() || status.outside() || status.incomplete());
 }

@@ -91,8 +91,10 @@ std::string FinerDistance::sentence() const {
   if (shape_at_rest.places > 0)
     corrected += (corrected.empty() ? "" : " and ") + std::string("the shape of the surface");
   if (!corrected.empty()) finer += ", corrected at rest for " + corrected;
-  std::string text = percent(mean) + " on average, below " + percent(p95) + " in 95 of 100, at " +
-                     std::to_string(probes) + (probes == 1 ? " probe" : " probes") + " of a round tool of " +
+  constexpr int fewest_for_p95 = 20;
+  std::string text = percent(mean) + " on average, " +
+                     (probes < fewest_for_p95 ? "at most " + percent(p95) : "below " + percent(p95) + " in 95 of 100") +
+                     ", at " + std::to_string(probes) + (probes == 1 ? " probe" : " probes") + " of a round tool of " +
                      fixed(1e3 * tool_radius_m, 1) + " mm radius";
   const auto at = [&](const DistancePart& part) { return percent(part.mean) + " at " + std::to_string(part.places); };
   if (has_parts) {
@@ -109,8 +111,8 @@ std::string FinerDistance::sentence() const {
                                    {"the size of the cells", &cells_at_rest},
                                    {"the shape of the surface", &shape_at_rest}})
     if (part->places > 0)
-      parts += (parts.empty() ? ". At rest " : ", ") + std::string(what) + (parts.empty() ? " causes " : " ") +
-               percent(part->mean);
+      parts += (parts.empty() ? ". Of the stiffness at rest " : ", ") + std::string(what) +
+               (parts.empty() ? " causes " : " ") + percent(part->mean);
   text += parts;
   if (of_reference.places > 0 && of_reference.mean < mean)
     text += ". With " + in_words(reference, element) + " the error would be " + percent(of_reference.mean) + ", at " +

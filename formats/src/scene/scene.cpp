@@ -124,6 +124,10 @@ std::vector<std::string> scene_notes(const Scene& scene) {
                     "single node does "
                     "not converge under mesh refinement; with kind = \"patch\" and tool_radius_m it does");
   const auto short_text = [](double value) { return number_text(value, std::chars_format::general, 3); };
+  if (scene.probe.directions == Directions::three && scene.material.law != law_named("linear"))
+    notes.push_back(scene.probe.where.str() +
+                    ": directions = 3 solves +x, +y and +z only. Forces in all other directions are extrapolated, and "
+                    "no bound covers that; 26 directions cover all");
   double softest = scene.material.shear_modulus_Pa, stiffest = softest;
   for (const Material* m : materials(scene)) {
     if (m->d1_given)

@@ -87,19 +87,22 @@ using Out9 = Fixed<double, 9>;
 /// What the tools of a call have in common.
 struct OrganReport {
   double energy_J = 0;     ///< stored; 0 in family rbfn
-  double residual_m = 0;   ///< largest distance of a tool from what it holds
-  double unbalanced = 0;   ///< of a body: size of the next step of Newton's method over that of the deformation
+  double residual_m = 0;   ///< largest distance of a tool from the displacement that it prescribes
+  double unbalanced = 0;   ///< of a body: size of the next step of Newton's method over that of the deformation; above
+                           ///< 0.01 the status is PHN_WARNING_UNSETTLED
   std::int32_t steps = 0;  ///< of Newton's method, of a body
 };
 
 /// A model, a body of the same mesh, or both, with the working memory of one thread. It owns its memory and allocates
 /// none after construction. It can be moved, which leaves the memory in place, but not copied.
 ///
-/// One tool is answered by the model, several by the body. Without a model the body answers one, and without a body a
+/// One tool is answered by the model, several by the body, which does not follow one tool: the first call of several
+/// makes up to steps_to_follow steps, so that their forces are there at once. Without a model the body answers one, and without a body a
 /// model of node probes couples several. touch asks the body wherever there is one, so that its forces do not change
 /// when a second sphere comes.
 class Organ {
  public:
+  static constexpr std::int32_t steps_to_follow = 20;
   /// 0 success, > 0 warnings (PHN_WARNING_*), < 0 an error, with zeros as outputs.
   class [[nodiscard]] Status {
    public:
@@ -109,7 +112,7 @@ class Organ {
     constexpr bool outside() const noexcept { return has(PHN_WARNING_OUTSIDE); }
     constexpr bool incomplete() const noexcept { return has(PHN_WARNING_INCOMPLETE); }
     constexpr bool unsettled() const noexcept { return has(PHN_WARNING_UNSETTLED); }
-    constexpr bool near() const noexcept { return has(PHN_WARNING_NEAR); }
+    constexpr bool are_near() const noexcept { return has(PHN_WARNING_NEAR); }
     const char* message() const noexcept { return phn_status_message(_code); }
     constexpr void ignore() const noexcept {}
 
@@ -187,7 +190,8 @@ class Organ {
     return place(x.data(), tool, point.data(), &distance);
   }
 
-  /// The force [N] that holds a tool, with energy [J] and stiffness [N/m], 3 x 3 and symmetric, which a body has not.
+  /// The force [N] that holds a tool, with energy [J] and stiffness [N/m], 3 x 3 and symmetric. Without a model there is
+  /// no stiffness: PHN_ERROR_UNDEFINED and zeros, also of the force.
   Status hold(const phn_tool& tool, Out3 force) noexcept { return hold_one(tool, force.data(), nullptr, nullptr); }
   Status hold(const phn_tool& tool, Out3 force, double& energy) noexcept {
     return hold_one(tool, force.data(), &energy, nullptr);
@@ -240,9 +244,9 @@ class Organ {
     if (bounds.size() < n) return PHN_ERROR_BUFFER;
     return bounds_of(bounds.data());
   }
-  /// Of one tool that a model may hold; PHN_NO_BOUND outside of the trained range.
+  /// Of one tool that the model may hold; PHN_NO_BOUND outside of the trained range.
   Status bound(const phn_tool& tool, double& bound) const noexcept { return phn_bound(model(), &tool, &bound); }
-  /// Depth [m] of the trained range at the place of a tool in the direction of its displacement; at rest the smallest.
+  /// Depth [m] of the trained range, of the model where there is one, at the place of a tool in the direction of its displacement; at rest the smallest.
   Status depth(const phn_tool& tool, double& depth) const noexcept {
     if (model() != nullptr) return phn_depth(model(), &tool, &depth);
     depth = body_info().max_displacement_m;
@@ -343,7 +347,7 @@ class Organ {
     return _files != nullptr ? *_files : none;
   }
   /// Tools of a body and of contact.
-  std::int32_t most() const noexcept { return std::min<std::int32_t>(_max_tools, PHN_MOST_COUPLED); }
+  std::int32_t most() const noexcept { return (std::min<std::int32_t>)(_max_tools, PHN_MOST_COUPLED); }
 
   /// Makes an object of the C library in memory. @return a status
   template <class Object, class Size, class Init, class Of>
@@ -404,10 +408,12 @@ class Organ {
     return status;
   }
   Status press(std::int32_t n, const phn_tool* tools, double* forces, OrganReport& made) noexcept {
+    const bool follows = _data == nullptr || _last == Last::of_tools;
+    const std::int32_t steps = follows || _steps > steps_to_follow ? _steps : steps_to_follow;
     _last = Last::of_tools;
     _n_tools = static_cast<std::size_t>(n);
     phn_body_report pressed{};
-    const int status = phn_body_force(body(), _state, n, tools, _steps, forces, &pressed);
+    const int status = phn_body_force(body(), _state, n, tools, steps, forces, &pressed);
     made = {pressed.energy, pressed.behind_m, pressed.unbalanced, pressed.steps};
     return status;
   }

@@ -2,10 +2,13 @@
 // learning, each with one tool on an organ of its own. C++17 with threads.
 //
 //   phynness::Batch batch(phynness::Organ::read("out/demo/model"));
-//   std::vector<phn_tool> tools(4096);
-//   std::vector<double> forces(3 * tools.size());
-//   std::vector<int> statuses(tools.size());
-//   const auto status = batch.hold(tools, forces, statuses);
+//   std::size_t n = x.size() / 3;                                     // x: points [m], n x 3
+//   std::vector<phn_tool> tools(n);
+//   std::vector<double> points(3 * n), distances(n), forces(3 * n);
+//   std::vector<int> found(n), statuses(n);
+//   if (!batch.nearest(x, tools, points, distances, found).ok()) return;
+//   tools[0].displacement[2] = -0.01;                                 // and so on [m]
+//   if (!batch.hold(tools, forces, statuses).ok()) return;            // statuses: of each tool
 #ifndef PHYNNESS_BATCH_HPP
 #define PHYNNESS_BATCH_HPP
 
@@ -27,7 +30,7 @@ class Batch {
   explicit Batch(const Organ& organ, unsigned n_threads = 0) : _status(organ.status()) {
     if (_status.ok() && organ.model() == nullptr) _status = PHN_ERROR_ARGUMENT;
     if (!_status.ok()) return;
-    if (n_threads == 0) n_threads = std::max(1u, std::thread::hardware_concurrency());
+    if (n_threads == 0) n_threads = (std::max)(1u, std::thread::hardware_concurrency());
     for (unsigned i = 0; i < n_threads; ++i) _organs.push_back(organ.another());
   }
   /// Of the construction. PHN_ERROR_ARGUMENT: there is no model.
@@ -35,7 +38,8 @@ class Batch {
 
   /// @param forces    [N], tools.size() x 3; zeros where a tool is refused
   /// @param statuses  of each tool
-  /// @return PHN_ERROR_BUFFER, with nothing written, if an output is too small; otherwise status()
+  /// @return PHN_ERROR_BUFFER, with nothing written, if an output is too small; otherwise status(), also if
+  ///         tools are refused
   Status hold(Span<const phn_tool> tools, Span<double> forces, Span<int> statuses) {
     if (forces.size() / 3 < tools.size() || statuses.size() < tools.size()) return PHN_ERROR_BUFFER;
     return for_each(tools.size(), [&](Organ& organ, std::size_t i) {
@@ -71,7 +75,7 @@ class Batch {
   Status for_each(std::size_t n, const Answer& answer) {
     if (!_status.ok()) return _status;
     const std::lock_guard<std::mutex> one_call(_call);
-    const std::size_t n_shares = std::min(_organs.size(), std::max<std::size_t>(1, n / least_share));
+    const std::size_t n_shares = (std::min)(_organs.size(), (std::max<std::size_t>)(1, n / least_share));
     const auto share = [&](std::size_t s) {
       for (std::size_t i = s * n / n_shares; i < (s + 1) * n / n_shares; ++i) answer(_organs[s], i);
     };

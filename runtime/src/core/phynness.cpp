@@ -36,10 +36,10 @@ const char* const messages[] = {
     "the node, or all that the tool touches, cannot be touched in this model",
     "a null pointer, a number out of range, or data made for another model",
     "success",
-    "a displacement is longer than trained in its direction (0 beside fixed nodes and where the model is linear)",
+    "the tool is deeper than trained in its direction, or at a place that was not trained or beside fixed nodes",
     "this node was not trained to the full depth in all directions",
-    "a displacement is longer than trained in its direction, and a node was not trained to the full depth in all "
-    "directions",
+    "the tool is deeper than trained in its direction or at a place that was not trained, and a node was not trained "
+    "to the full depth in all directions",
     "tools are not followed: they are too close together, or moved faster than the body settles",
     "tools are not followed, and a displacement is outside of the trained range or a node was not "
     "trained to the full depth in all directions",

@@ -42,8 +42,11 @@ VerdictLine of_finite_elements(const Validated& v) {
                                                      v.scene.validation.check_probes == 0 ? "check_probes = 0"
                                                                                           : "no check, or it failed");
   if (finer.is_measured && finer.probes > 0 && own.n > 0)
-    text += finer.mean > own.mean ? ". This error is larger than that of the model and limits the accuracy"
-                                  : ". The error of the model is larger and limits the accuracy";
+    text += finer.mean > own.mean && finer.p95 > own.p95
+                ? ". This error is larger than that of the model and limits the accuracy"
+            : finer.mean < own.mean && finer.p95 < own.p95
+                ? ". The error of the model is larger and limits the accuracy"
+                : ". Both errors limit the accuracy";
   if (ratio > warned_force_ratio)
     text += fmt::format(". {} locks at K/mu = {:.3g}: forces are estimated to be {}", name(v.scene.solver.element),
                         most_locked(v.scene).bulk_to_shear(), ratio_in_words(ratio));
