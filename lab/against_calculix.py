@@ -35,6 +35,7 @@ MU = 500.0  # Pa
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 
 FIXED = "{ box = { min_fraction = [0, 0, 0], max_fraction = [0.25, 1, 1] }, surface_only = true }"
+PART = "{ box = { min_fraction = [0.5, 0, 0], max_fraction = [1, 1, 1] } }"
 
 
 
@@ -63,27 +64,30 @@ class Case:
     law: Law
     bulk_over_mu: float
     changed: tuple = ()  # (symbol, value over MU) of the parameters that are not those of the law's example
+    part: float = 1.0  # moduli of the cells with x in the upper half of the bounding box, over those of the others
 
-    @property
-    def _parameters(self):
+    def _parameters(self, factor=1.0):
         values = {**self.law.example(self.bulk_over_mu), **dict(self.changed)}
-        return {p: values[p.symbol] * (MU if p.is_modulus else 1) for p in self.law.parameters}
+        return {p: values[p.symbol] * (MU * factor if p.is_modulus else 1) for p in self.law.parameters}
+
+    def _lines(self, factor=1.0):
+        return "".join(f"{p.key} = {value!r}\n" for p, value in self._parameters(factor).items())
 
     @property
     def scene(self):
-        lines = [f'law = "{self.law.name}"'] + [f"{p.key} = {value!r}" for p, value in self._parameters.items()]
-        return "\n".join(lines)
+        region = f'[[region]]\nname = "part"\ncells = {PART}\n' + self._lines(self.part) if self.part != 1 else ""
+        return f'law = "{self.law.name}"\n' + self._lines() + region
 
-    @property
-    def calculix(self):
-        values = {p.symbol: value / (KPA if p.is_modulus else 1) for p, value in self._parameters.items()}
+    def calculix(self, factor):
+        values = {p.symbol: value / (KPA if p.is_modulus else 1) for p, value in self._parameters(factor).items()}
         card, numbers = CARDS[self.law.name](**values)
         return card + "\n" + ", ".join(f"{x:.12e}" for x in numbers)
 
     @property
     def label(self):
         texts = {p.symbol: p.text for p in self.law.parameters}
-        return self.law.name + "".join(f" {texts[s]}={x * MU:g} Pa" for s, x in self.changed if x and texts[s] != "C10")
+        part = f" {self.part:g}x" if self.part != 1 else ""
+        return self.law.name + "".join(f" {texts[s]}={x * MU:g} Pa" for s, x in self.changed if x and texts[s] != "C10") + part
 
 
 # If both integrate exactly (P1: constant gradient; linear law on P2: degree 2), only the rounding of CalculiX's seven
@@ -105,6 +109,8 @@ SERIES = (
     (Case(_HOOKE, 10), "P1", PUSHES[1:]),
     (Case(_HOOKE, 10), "P2", PUSHES[1:]),
     (Case(_MOONEY, 10, _NO_C01), "P2", PUSHES),
+    *((Case(_MOONEY, 10, _NO_C01, part=ratio), "P1", PUSHES) for ratio in (0.1, 8, 1000)),
+    (Case(_HOOKE, 10, part=8), "P2", PUSHES[1:]),
     # Every other law that CalculiX has.
     *((Case(law, 10), "P1", PUSHES) for law in _LAWS.values() if law.name in CARDS and law not in (_MOONEY, _HOOKE, _GREEN)),
 )
@@ -143,6 +149,8 @@ class Body:
         seen = Counter(frozenset(f) for f in faces)
         self.surface = [f for f in faces if seen[frozenset(f)] == 1]
         self.edges = sorted({(min(c[a], c[b]), max(c[a], c[b])) for c in self.cells for a, b in EDGES})
+        low, high = (f(x[0] for x in self.nodes) for f in (min, max))
+        self.part = {i for i, c in enumerate(self.cells) if sum(self.nodes[n][0] for n in c) / 4 > (low + high) / 2}
         self.surface_edges = {frozenset(p) for f in self.surface for p in zip(f, f[1:] + f[:1])}
 
     def probes(self):
@@ -202,7 +210,9 @@ def calculix(ccx, folder, body, case, element, node, displacement):
     deck += [f"*ELEMENT, TYPE={'C3D4' if element == 'P1' else 'C3D10'}, ELSET=body"]
     deck += [f"{i + 1}, " + ", ".join(str(n + 1) for n in cell) for i, cell in enumerate(cells)]
     deck += ["*NSET, NSET=tool"] + [str(n + 1) for n in weights]
-    deck += ["*MATERIAL, NAME=tissue", case.calculix, "*SOLID SECTION, ELSET=body, MATERIAL=tissue"]
+    for name, factor, chosen in (("rest", 1, set(range(len(cells))) - body.part), ("part", case.part, body.part)):
+        deck += [f"*ELSET, ELSET={name}"] + [str(i + 1) for i in sorted(chosen)]
+        deck += [f"*MATERIAL, NAME={name}", case.calculix(factor), f"*SOLID SECTION, ELSET={name}, MATERIAL={name}"]
     deck += ["*BOUNDARY"] + [f"{n + 1}, 1, 3" for n in sorted(fixed)]
     deck += ["*STEP" if linear else "*STEP, NLGEOM, INC=1000", "*STATIC"]
     if not linear:

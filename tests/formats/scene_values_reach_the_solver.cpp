@@ -84,6 +84,11 @@ TEST(Warnings, tell_of_locking_by_the_measured_ratio_and_of_nothing_else) {
       with(with(good_scene, "bulk_modulus_Pa = 5000.0", "bulk_modulus_Pa = 1000.0"), "\"P1\"", "\"P2\"");
   EXPECT_TRUE(scene_warnings(parsed(soft), 0.02).empty());
   EXPECT_EQ(scene_warnings(parsed(with(stiff, "\"P1\"", "\"P2\"")), 0.02).size(), 1u);
+  // A region may lock where the rest of the body does not.
+  const auto of_region = scene_warnings(parsed(
+      with(softest, "[solver]", "[[region]]\nname = \"part\"\ncells = \"all\"\nbulk_modulus_Pa = 10e3\n[solver]")));
+  ASSERT_EQ(of_region.size(), 1u);
+  expect_names(of_region[0], {std::string("K/mu = 20"), std::string("lock")});
 }
 
 // Force over Taylor-Hood on a kidney of 405 nodes, patch, |d| = 7 mm, about an edge. The table is a mean over four

@@ -1,5 +1,5 @@
-// Claim: a scene of 1 mm or 1 m with moduli of 1 Pa or 1 GPa gives the same results from its text on: mesh, selections,
-// steps, forces, displacements. The program contains no length or modulus of its own.
+// Claim: a scene of 1 mm or 1 m with moduli of 1 Pa or 1 GPa, those of a region with them, gives the same results from
+// its text on: mesh, selections, steps, forces, displacements. The program contains no length or modulus of its own.
 //
 // The solver works with dimensionless values, so that iterates differ only by the rounding of the change of units. The
 // tolerance of 1e-8 is that of the scenes, which limits the precision of all results.
@@ -19,9 +19,12 @@ constexpr double same = 1e-8;
 std::string scene_text(const Case& c, double edge_m, double modulus_Pa) {
   std::ostringstream text;
   text.precision(17);
+  const std::string region = scene_lines(times(8 * modulus_Pa, unit_material(c.law, 30)));
   text << "[mesh]\nshape = \"block\"\nsize_m = [" << edge_m << ", " << 0.8 * edge_m << ", " << 0.6 * edge_m
        << "]\ntarget_size_m = " << 0.35 * edge_m << "\n"
-       << scene_lines(times(modulus_Pa, unit_material(c.law, 50))) << "[solver]\nelement = \"" << name(c.element)
+       << scene_lines(times(modulus_Pa, unit_material(c.law, 50)))
+       << "[[region]]\nname = \"part\"\ncells = { box = { min_fraction = [0.5, 0, 0], max_fraction = [1, 1, 1] } }"
+       << region.substr(region.find('\n', region.find("law"))) << "[solver]\nelement = \"" << name(c.element)
        << "\"\n[nodes]\nfixed = { box = { min_fraction = [0, 0, 0], max_fraction = [1, 1, 0.01] } }\n"
        << "active = { nearest = { point_fraction = [0.4, 0.6, 1] }, surface_only = true }\n"
        << "[probe]\nkind = \"patch\"\ntool_radius_m = " << 0.4 * edge_m << "\nmax_displacement_m = " << 0.1 * edge_m

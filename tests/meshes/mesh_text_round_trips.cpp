@@ -20,6 +20,7 @@ Mesh awkward_mesh() {
   mesh.surface = boundary_triangles(mesh.cells);
   mesh.groups["a name with spaces"] = {1, 3};
   mesh.groups["7"] = {0};
+  mesh.regions = {0, 255};
   return mesh;
 }
 
@@ -29,15 +30,20 @@ void expect_same(const Mesh& a, const Mesh& b) {
   EXPECT_EQ(a.cells, b.cells);
   EXPECT_EQ(a.surface, b.surface);
   EXPECT_EQ(a.groups, b.groups);
+  EXPECT_EQ(a.regions, b.regions);
 }
 
 TEST(MeshText, RoundTripsBitForBit) {
-  const Mesh mesh = awkward_mesh();
-  const std::string text = write_mesh_text(mesh);
-  const Mesh back = read_mesh_text(text, "mesh.txt");
-  expect_same(mesh, back);
-  EXPECT_EQ(write_mesh_text(back), text);
-  EXPECT_EQ(mesh_hash(back), mesh_hash(mesh));
+  Mesh mesh = awkward_mesh();
+  for (const bool regions : {true, false}) {
+    if (!regions) mesh.regions.clear();
+    const std::string text = write_mesh_text(mesh);
+    EXPECT_EQ(text.find("regions") != std::string::npos, regions);
+    const Mesh back = read_mesh_text(text, "mesh.txt");
+    expect_same(mesh, back);
+    EXPECT_EQ(write_mesh_text(back), text);
+    EXPECT_EQ(mesh_hash(back), mesh_hash(mesh));
+  }
 }
 
 TEST(MeshText, FixedNodesOfOtherProgramsAreRead) {
