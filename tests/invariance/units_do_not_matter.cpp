@@ -27,7 +27,7 @@ std::string scene_text(const Case& c, double edge_m, double modulus_Pa) {
        << region.substr(region.find('\n', region.find("law"))) << "[solver]\nelement = \"" << name(c.element)
        << "\"\n[nodes]\nfixed = { box = { min_fraction = [0, 0, 0], max_fraction = [1, 1, 0.01] } }\n"
        << "active = { nearest = { point_fraction = [0.4, 0.6, 1] }, surface_only = true }\n"
-       << "[probe]\nkind = \"patch\"\ntool_radius_m = " << 0.4 * edge_m << "\nmax_displacement_m = " << 0.1 * edge_m
+       << "[probe]\nkind = \"patch\"\ntool_radius_m = " << 0.4 * edge_m << "\nmax_displacement_m = " << 0.06 * edge_m
        << "\n";
   return text.str();
 }

@@ -182,11 +182,14 @@ std::vector<double> Discretization::at_rest(const Mesh& mesh) const {
 
 void Discretization::gather(int cell, std::span<const int> coefficients, std::span<const double> state,
                             std::vector<double>& w) const {
-  w.clear();
+  const auto dofs = block_dofs(cell);
+  w.resize(coefficients.size() * dofs.size());
+  double* to = w.data();
   for (const int coefficient : coefficients) {
-    const auto values = coefficient == 0 ? state : std::span<const double>(_dolfinx->rest_values);
-    for (const auto dof : block_dofs(cell)) w.push_back(values[dof]);
-    for (std::size_t i = 1; i <= n_pressures() && region(cell) > 0; ++i) w[w.size() - i] *= pressure_unit(cell);
+    const double* values = coefficient == 0 ? state.data() : _dolfinx->rest_values.data();
+    for (const auto dof : dofs) *to++ = values[dof];
+    if (region(cell) > 0)
+      for (std::size_t i = 1; i <= n_pressures(); ++i) to[-static_cast<std::ptrdiff_t>(i)] *= pressure_unit(cell);
   }
 }
 
