@@ -62,8 +62,8 @@ void add(CLI::App& app) {
   const ReductionSpec usual;
   auto* target =
       command.add_option("--target-error", options.target_error,
-                         fmt::format("error of the force of two tools that 95 % of random states have at most; "
-                                     "bodies grow up to it (default: {:.3g} %)",
+                         fmt::format("error of the force of two tools that 95 % of random states have at most, and "
+                                     "none three times; bodies grow up to it (default: {:.3g} %)",
                                      100 * usual_target));
   add_count(command, "--modes", options.modes, 1, schema::most_body_modes,
             fmt::format("modes of the displacement, of a body that does not grow (default: {} at first)", usual.modes))

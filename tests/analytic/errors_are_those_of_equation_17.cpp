@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <phynness/validation/probed_states.hpp>
+#include <phynness/validation/several_tools.hpp>
 #include <phynness/validation/tools.hpp>
 
 namespace phynness {
@@ -69,6 +70,22 @@ TEST(Errors, P95IsTheNearestRank) {
   EXPECT_EQ(ErrorStatistics::of(samples).p95, 38);  // ceil(0.95 40)
   EXPECT_EQ(ErrorStatistics::of(samples).max, 40);
   EXPECT_EQ(ErrorStatistics::of({}).n, 0);
+}
+
+// Claim: a sample of weight 3 stands for three of weight 1.
+TEST(Errors, WeightsAreNumbersOfSamples) {
+  std::vector<double> samples;
+  std::vector<std::pair<double, double>> weighted;
+  for (int i = 40; i >= 1; --i) {
+    weighted.emplace_back(i, i % 3 == 0 ? 3 : 1);
+    samples.insert(samples.end(), i % 3 == 0 ? 3 : 1, i);
+  }
+  const auto some = weighted_statistics(weighted), all = ErrorStatistics::of(samples);
+  EXPECT_EQ(some.n, 40);
+  EXPECT_NEAR(some.mean, all.mean, tolerance * all.mean);
+  EXPECT_EQ(some.median, all.median);
+  EXPECT_EQ(some.p95, all.p95);
+  EXPECT_EQ(some.max, all.max);
 }
 
 // Claim: a mean error above 0.1 % and above that of the linear predictor is named for every kind of probe.

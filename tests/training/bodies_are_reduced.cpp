@@ -104,7 +104,7 @@ const ReductionSpec small{12, 40, 30, 1};
 
 // Claim: the same bytes on one and two threads. The weights are positive, of as many points as wanted, and have the
 // volume of the body to a percent, which is one of their equations; pressures have weights in cells only. A body that
-// is not good enough grows by half.
+// is not good enough grows by half, and has the fields that it is given meanwhile, as one made at once.
 TEST_F(ReducedBodies, HaveFewPositiveWeights) {
   const auto database = written();
   ReductionReport report;
@@ -128,12 +128,22 @@ TEST_F(ReducedBodies, HaveFewPositiveWeights) {
   EXPECT_GT(edges, 0u);
   EXPECT_LT(edges, 40u);
   std::vector<std::int64_t> modes;
-  const auto larger = reduce(database, several(database), small, report, {}, 1, [&](const auto&, const auto& now) {
+  const auto grow = [&](const auto&, const auto& now, auto& fields) {
     modes.push_back(now.modes);
+    fields.conservativeResize(Eigen::NoChange, fields.cols() + 1);
+    fields.rightCols(1) = 0.5 * fields.col(0) - fields.col(1);
     return modes.size() == 3;
-  });
+  };
+  const auto larger = reduce(database, several(database), small, report, {}, 1, grow);
+  EXPECT_EQ(report.several_fields, 6);
   EXPECT_EQ(modes, (std::vector<std::int64_t>{12, 18, 24}));  // of 27, all that the fields span
   EXPECT_EQ(larger.shear_m3.size(), 90u);
+  Eigen::MatrixXd fields = several(database);
+  for (int i = 0; i < 2; ++i) grow(body, report, fields);
+  auto spec = small;
+  spec.modes = 27;
+  spec.cells = 90;
+  EXPECT_EQ(write_body_text(larger), write_body_text(reduce(database, fields, spec, report, {}, 1)));
 }
 
 // Claim: of a region come points with its parameters and its volume, however small it is. An edge between regions is a

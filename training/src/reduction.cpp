@@ -11,6 +11,7 @@
 #include <phynness/meshes/probe_points.hpp>
 #include <phynness/schema/body_grammar.hpp>
 #include <phynness/training/reduction.hpp>
+#include <utility>
 
 #include "reduced/elements.hpp"
 #include "reduced/parts.hpp"
@@ -67,12 +68,12 @@ namespace {
 
 class Reduction {
  public:
-  Reduction(const Database& database, const MatrixXd& several, const ReductionSpec& spec, ReductionReport& report,
+  Reduction(const Database& database, MatrixXd several, const ReductionSpec& spec, ReductionReport& report,
             const OnProgress& progress, int threads)
       : _database(database),
         _header(database.header()),
         _scene(reducible_scene(_header)),
-        _several(several),
+        _several(std::move(several)),
         _spec(spec),
         _report(report),
         _progress(progress),
@@ -82,21 +83,23 @@ class Reduction {
 
   ReducedBody run(const IsEnough& is_enough) {
     draw_states();
-    MatrixXd fields = modes_of_nodes();
-    const MatrixXd of_database = fields;
-    if (_several.cols() > 0) add_several(fields);
+    const Index drawn = _states.cols();
+    const MatrixXd of_database = modes_of_nodes();
     int modes = _spec.modes, cells = _spec.cells;
     for (;;) {
+      MatrixXd fields = of_database;
+      _states.conservativeResize(Eigen::NoChange, drawn);
+      if (_several.cols() > 0) add_several(fields);
       find(fields, modes, cells);
       const MatrixXd inner = _modes.transpose() * laplace_of(of_database);
       _report.captured = inner.squaredNorm() / _energy;
       auto out = body(surface_nodes(_header.mesh.surface));
       if (!_header.sets.linear.empty()) set_lacking(out);
       const bool is_largest = _modes.cols() < modes && cells >= _elements.n_points;
-      if (!is_enough || is_enough(out, _report) || is_largest || modes == schema::most_body_modes) return out;
+      if (!is_enough || is_enough(out, _report, _several) || is_largest || modes == schema::most_body_modes) return out;
       modes = std::min(static_cast<int>(growth * modes), static_cast<int>(schema::most_body_modes));
       cells = static_cast<int>(growth * cells);
-      _steps += steps_of(cells);
+      _steps += drawn + cells;
     }
   }
 
@@ -458,7 +461,7 @@ class Reduction {
   const Database& _database;
   const DatabaseHeader& _header;
   const Scene _scene;
-  const MatrixXd& _several;
+  MatrixXd _several;
   const ReductionSpec& _spec;
   ReductionReport& _report;
   const OnProgress& _progress;
@@ -479,12 +482,12 @@ class Reduction {
 
 }  // namespace
 
-ReducedBody reduce(const Database& database, const MatrixXd& several, const ReductionSpec& spec,
-                   ReductionReport& report, const OnProgress& progress, int threads, const IsEnough& is_enough) {
+ReducedBody reduce(const Database& database, MatrixXd several, const ReductionSpec& spec, ReductionReport& report,
+                   const OnProgress& progress, int threads, const IsEnough& is_enough) {
   const auto start = std::chrono::steady_clock::now();
   report = {};
   if (threads <= 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  ReducedBody body = Reduction(database, several, spec, report, progress, threads).run(is_enough);
+  ReducedBody body = Reduction(database, std::move(several), spec, report, progress, threads).run(is_enough);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return body;
 }

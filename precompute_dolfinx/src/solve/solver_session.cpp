@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdlib>
 #include <numeric>
 #include <phynness/formats/error.hpp>
-#include <phynness/precompute/probe_solver.hpp>
+#include <phynness/precompute/quiet_wait.hpp>
+#include <thread>
 
 #include "discretization.hpp"
 #include "petsc_check.hpp"
@@ -87,6 +89,17 @@ void SolverSession::together(const std::function<void()>& work) const {
 double SolverSession::sum(double value) const {
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
   return value;
+}
+
+bool told(const SolverSession& session, bool said) {
+  int value = said, is_there = session.size() == 1;
+  MPI_Request request = MPI_REQUEST_NULL;
+  if (session.size() > 1) MPI_Ibcast(&value, 1, MPI_INT, 0, MPI_COMM_WORLD, &request);
+  while (!is_there) {
+    MPI_Test(&request, &is_there, MPI_STATUS_IGNORE);
+    if (!is_there) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return value != 0;
 }
 
 template <class T>

@@ -26,6 +26,21 @@ class RandomTools {
         _inward(stored_scene(header).probe.directions == Directions::hemisphere),
         _depth_m(part_of_depth * header.magnitudes_m.back()) {}
 
+  /// How much rarer tools at any points are at these places than those of which every second state is within a
+  /// distance.
+  double weight(const std::vector<phn_tool>& tools, double within_m) const {
+    const auto is_near = [&](std::int32_t node) {
+      return (_nodes.row(node) - _nodes.row(tools[0].nodes[0])).norm() <= within_m;
+    };
+    double n = static_cast<double>(_active.size()), near = static_cast<double>(std::ranges::count_if(_active, is_near));
+    double ratio = 1;  // of the densities of such states and of any
+    for (std::size_t t = 1; t < tools.size(); ++t) {
+      if (--near < 1) return 1;  // so near are too few, and any points were drawn
+      ratio *= is_near(tools[t].nodes[0]) ? --n / near : 0;
+    }
+    return 2 / (1 + ratio);
+  }
+
   /// @param within_m  from the first tool, unless no such point is found
   /// @pre there are so many active nodes
   std::vector<phn_tool> draw(std::size_t n_tools, double within_m, std::mt19937_64& random) const {
@@ -88,6 +103,7 @@ std::vector<SolvedTools> solve_several_tools(const SolverSession& session, const
       const double within_m = i % 2 == 1 && draws.half_within_m > 0 ? draws.half_within_m : HUGE_VAL;
       std::mt19937_64 random(draws.seed * 1000003 + i);
       SolvedTools state{random_tools.draw(n_tools, within_m, random), {}, {}};
+      if (draws.half_within_m > 0) state.weight = random_tools.weight(state.tools, draws.half_within_m);
       if (solve(solver, state)) rows.add({static_cast<double>(i)}, state);
     });
   });
@@ -105,13 +121,30 @@ Eigen::MatrixXd fields_of(const std::vector<SolvedTools>& solved) {
   return fields;
 }
 
+ErrorStatistics weighted_statistics(std::vector<std::pair<double, double>> errors) {
+  ErrorStatistics s;
+  s.n = std::ssize(errors);
+  if (errors.empty()) return s;
+  std::ranges::sort(errors);
+  double all = 0, below = 0;
+  for (const auto& [x, weight] : errors) all += weight;
+  for (const auto& [x, weight] : errors) {
+    s.mean += x * weight / all;
+    for (auto [share, value] : {std::pair{0.5, &s.median}, {0.95, &s.p95}})
+      if (const double rank = share * (1 - 1e-12) * all; below < rank && below + weight >= rank) *value = x;
+    below += weight;
+  }
+  s.max = errors.back().first;
+  return s;
+}
+
 ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& solved) {
   const auto loaded = NamedOrgan::body(write_body_text(body), "body", most_steps);
   const auto place = [&](const phn_tool& tool) {
     return body.points.row(std::ranges::lower_bound(body.nodes, tool.nodes[0]) - body.nodes.begin());
   };
   const auto n_modes = static_cast<std::int32_t>(body.modes.entries.cols());
-  std::vector<double> errors[2], near;
+  std::vector<std::pair<double, double>> errors[2], near;
   ToolErrors out;
   std::int64_t steps = 0;
   const auto begin = std::chrono::steady_clock::now();
@@ -131,14 +164,14 @@ ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& 
         apart_m = std::min(apart_m, (place(state.tools[t]) - place(state.tools[s])).norm());
     }
     const bool is_near = apart_m < schema::near_part * body.tool_radius_m || (said.status & PHN_WARNING_NEAR) != 0;
-    (is_near ? near : errors[state.tools.size() > 2]).push_back(off / largest);
+    (is_near ? near : errors[state.tools.size() > 2]).emplace_back(off / largest, state.weight);
     out.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
   }
   out.step_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() /
                static_cast<double>(std::max<std::int64_t>(1, steps));
-  out.pairs = ErrorStatistics::of(errors[0]);
-  out.triples = ErrorStatistics::of(errors[1]);
-  out.near = ErrorStatistics::of(near);
+  out.pairs = weighted_statistics(errors[0]);
+  out.triples = weighted_statistics(errors[1]);
+  out.near = weighted_statistics(near);
   return out;
 }
 

@@ -32,7 +32,8 @@ struct ReductionReport {
 };
 
 /// Whether a body is good enough; if not, one with half as many modes and cells more follows.
-using IsEnough = std::function<bool(const ReducedBody&, const ReductionReport&)>;
+/// @param several  fields of several tools, to which columns may be added for the next body
+using IsEnough = std::function<bool(const ReducedBody&, const ReductionReport&, Eigen::MatrixXd& several)>;
 
 /// The scene of a database that can be reduced. @throws Error (input) if the responses are imported, of another element
 ///   than p1-p1 and es-p1-p1 or of earlier equations, of a tool that is no longer solved, or without the displacements
@@ -47,7 +48,7 @@ Scene reducible_scene(const DatabaseHeader& header);
 /// @param is_enough  asked for each size; empty: the first is the last. It ends with all fields' modes and all cells.
 /// @throws Error (input) as reducible_scene(), or without a converged increment; (failure) if the database has values
 ///   that are not finite
-ReducedBody reduce(const Database& database, const Eigen::MatrixXd& several, const ReductionSpec& spec,
+ReducedBody reduce(const Database& database, Eigen::MatrixXd several, const ReductionSpec& spec,
                    ReductionReport& report, const OnProgress& progress = {}, int threads = 0,
                    const IsEnough& is_enough = {});
 

@@ -8,6 +8,7 @@
 #include <phynness/phynness.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/error_statistics.hpp>
+#include <utility>
 #include <vector>
 
 namespace phynness {
@@ -17,7 +18,8 @@ struct SolvedTools {
   std::vector<phn_tool> tools;
   std::vector<Vec3> force_N;           ///< per tool, at the end
   std::vector<Points> displacement_m;  ///< of each increment, n_nodes x 3
-  static void members(auto& s, auto&& each) { each(s.tools, s.force_N, s.displacement_m); }
+  double weight = 1;                   ///< density of tools at any points over that of those drawn
+  static void members(auto& s, auto&& each) { each(s.tools, s.force_N, s.displacement_m, s.weight); }
 };
 
 /// States of two tools and of three, at different probed points drawn at random, to half of the depth in random
@@ -36,7 +38,10 @@ std::vector<SolvedTools> solve_several_tools(const SolverSession& session, const
 /// 3 n_nodes x all increments: of each field all of its x, then y, then z.
 Eigen::MatrixXd fields_of(const std::vector<SolvedTools>& solved);
 
-/// Of a body: the error of the worse tool's force over the largest force of a state.
+/// Of errors with weights > 0: each stands for as many as its weight. `n` counts them without.
+ErrorStatistics weighted_statistics(std::vector<std::pair<double, double>> errors);
+
+/// Of a body, for tools at any points: the error of the worse tool's force over the largest force of a state.
 struct ToolErrors {
   ErrorStatistics pairs, triples, near;  ///< near: two of the tools have springs between them (docs/theory.md)
   std::int64_t unsettled = 0;            ///< states that the body warns of, which count above
