@@ -197,6 +197,20 @@ json tell_provenance(const phn_provenance& p, const FinerDistance* whole = nullp
                 finer.probes > 0 ? json(p.finer_p95) : json(nullptr), "bound_reference", known(p.bound_reference));
 }
 
+/// Prints how a body relaxes, if it does. @return null of an elastic one
+json tell_relaxation(const phn_relaxation& from) {
+  Relaxation relaxation;
+  relaxation.terms.resize(from.n_terms, 2);
+  json terms = json::array();
+  for (Eigen::Index i = 0; i < from.n_terms; ++i) {
+    relaxation.terms.row(i) << from.g[i], from.tau_s[i];
+    terms.push_back(record("g", from.g[i], "tau_s", from.tau_s[i]));
+  }
+  if (relaxation.empty()) return nullptr;
+  print_result("relaxes   {} of the force after a sudden displacement\n", relaxation.sentence());
+  return terms;
+}
+
 json about_image(const std::filesystem::path& file) {
   const std::string text =
       read_input_file(file, {"the image", "give a NAME.bin of phynness export", 1ULL << 31, false});
@@ -210,9 +224,9 @@ json about_image(const std::filesystem::path& file) {
                image.n_output > 0 ? fmt::format("{} output nodes", image.n_output) : std::string("forces only"),
                image.floats ? "float" : "double");
   print_result("mesh      {}, physics {}\n", said(p.mesh_hash), said(p.physics_hash));
-  const json provenance = tell_provenance(p);
-  return record("kind", "image", "image_bytes", text.size(), "real_bytes", image.floats ? 4 : 8, "active",
-                image.n_active, "output", image.n_output, "provenance", provenance);
+  const json provenance = tell_provenance(p), relaxation = tell_relaxation(image.relaxation);
+  return record("kind", "image", "relaxation", relaxation, "image_bytes", text.size(), "real_bytes",
+                image.floats ? 4 : 8, "active", image.n_active, "output", image.n_output, "provenance", provenance);
 }
 
 json about_model(const std::filesystem::path& dir) {
@@ -247,14 +261,16 @@ json about_model(const std::filesystem::path& dir) {
     bounds.push_back(record("coverage", bound.coverage, "rays", bound.n_rays, "nodes", bound.n_nodes, "reference",
                             reference_names.at(static_cast<std::size_t>(bound.reference))));
   }
-  const json provenance = tell_provenance(model.info().provenance, &m.finer);
+  const json provenance = tell_provenance(model.info().provenance, &m.finer),
+             relaxation = tell_relaxation(model.info().relaxation);
   print_result("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n", bytes(model.text().size()),
                bytes(model.mesh_text_bytes()), bytes(model.organ().constant_bytes()));
-  return record("kind", "model", "family", name(m.family), "model_hash", model.hash(), "mesh_hash", m.mesh_hash,
-                "physics_hash", m.physics_hash, "active", active, "deformation_neurons", sizes.deformation_neurons,
-                "force_neurons", sizes.force_neurons, "force_centers", sizes.force_centers, "modes", sizes.modes,
-                "levels", model.info().n_levels, "fields", fields, "bounds", bounds, "surface", surface, "provenance",
-                provenance, "model_text_bytes", model.text().size(), "memory_bytes", model.organ().constant_bytes());
+  return record("kind", "model", "relaxation", relaxation, "family", name(m.family), "model_hash", model.hash(),
+                "mesh_hash", m.mesh_hash, "physics_hash", m.physics_hash, "active", active, "deformation_neurons",
+                sizes.deformation_neurons, "force_neurons", sizes.force_neurons, "force_centers", sizes.force_centers,
+                "modes", sizes.modes, "levels", model.info().n_levels, "fields", fields, "bounds", bounds, "surface",
+                surface, "provenance", provenance, "model_text_bytes", model.text().size(), "memory_bytes",
+                model.organ().constant_bytes());
 }
 
 /// By the first word, whatever the name of the file.
@@ -286,12 +302,14 @@ json about_body(const std::filesystem::path& file) {
     print_result("bounds    none; phynness calibrate --body adds them\n");
   print_result("size      {}, {} in the runtime's memory, {} for a state of 2 tools\n", bytes(body.text().size()),
                bytes(body.organ().constant_bytes()), bytes(state_bytes));
+  const json relaxation = tell_relaxation(info.relaxation);
   const json bounds = body.has_bounds() ? record("coverage", text.coverage, "rays", text.n_rays) : json(nullptr);
-  return record("kind", "body", "mesh_hash", info.mesh_hash, "physics_hash", info.physics_hash, "law", info.law,
-                "nodes", info.n_nodes, "triangles", info.n_triangles, "modes", info.n_modes, "cells", info.n_cells,
-                "pressures", info.n_pressures, "regions", text.regions.rows(), "tool_radius_m", info.tool_radius_m,
-                "max_displacement_m", info.max_displacement_m, "bounds", bounds, "body_bytes", body.text().size(),
-                "memory_bytes", body.organ().constant_bytes(), "state_bytes", state_bytes);
+  return record("kind", "body", "relaxation", relaxation, "mesh_hash", info.mesh_hash, "physics_hash",
+                info.physics_hash, "law", info.law, "nodes", info.n_nodes, "triangles", info.n_triangles, "modes",
+                info.n_modes, "cells", info.n_cells, "pressures", info.n_pressures, "regions", text.regions.rows(),
+                "tool_radius_m", info.tool_radius_m, "max_displacement_m", info.max_displacement_m, "bounds", bounds,
+                "body_bytes", body.text().size(), "memory_bytes", body.organ().constant_bytes(), "state_bytes",
+                state_bytes);
 }
 
 json about_scene(const std::filesystem::path& file) {

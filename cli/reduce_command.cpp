@@ -12,20 +12,21 @@ struct Options {
   std::filesystem::path database, output;
   std::optional<int> modes, cells;
   std::optional<std::string> target_error;
-  OptionalPath json_file;
+  OptionalPath scene, json_file;
 };
 
 void run(const Options& options) {
   const auto target = limit_of(options.target_error, "--target-error", {{"%", 0.01}, {"", 1}}, "10%");
+  const auto scene = options.scene ? std::optional(open_scene(*options.scene)) : std::nullopt;
   ReductionSpec spec;
   spec.modes = options.modes.value_or(spec.modes);
   spec.cells = options.cells.value_or(spec.cells);
   // Nothing is written before all long work is done, so that a signal may end it at any time.
   end_at_signals("the reduction was interrupted\n  remedy: run the same command again; nothing was written\n");
-  const auto made =
-      reduced(options.database, spec,
-              options.modes || options.cells ? std::nullopt : std::optional(target.value_or(usual_target)));
+  auto made = reduced(options.database, spec,
+                      options.modes || options.cells ? std::nullopt : std::optional(target.value_or(usual_target)));
   if (!made) return;
+  if (scene) made->body.relaxation = carried_relaxation(*scene);
   const auto& [body, report, sizes] = *made;
   const auto text = write_body_text(body);
   install_stop_handler();  // the file is written, or not at all
@@ -59,6 +60,8 @@ void add(CLI::App& app) {
       add_command(app, "reduce", "Reduce the finite elements of a database to modes and a few cells -> BODY.txt", run);
   add_database(command, options.database, "database.h5 of phynness precompute, with output = \"free\"");
   add_output(command, options.output, PathKind::file, "file to write (formats/body.md)");
+  add_path(command, "--scene", options.scene, PathKind::input,
+           "scene whose [material] relaxation the body has (default: the scene in the database)");
   const ReductionSpec usual;
   auto* target =
       command.add_option("--target-error", options.target_error,

@@ -191,9 +191,10 @@ void run(const Options& options) {
            "-o", in("organ.html")};
   if (has_body) {
     unless_finished("reduce", [&] {
-      stages.push_back(stage("reduce", in("body.txt"),
-                             {self, "reduce", in("database.h5"), "-o", in("body.txt"), "--json", in("reduce.json")},
-                             options.ranks));
+      stages.push_back(stage(
+          "reduce", in("body.txt"),
+          {self, "reduce", in("database.h5"), "--scene", scene, "-o", in("body.txt"), "--json", in("reduce.json")},
+          options.ranks));
       return true;
     });
     unless_finished("calibrate body", [&] { return calibrate(options, self, true, stages); });

@@ -34,7 +34,7 @@ const std::vector<StageRow>& stage_rows() {
       // physics: all keys of the physics hash, [mesh] among them
       {"precompute", nullptr, {"physics", "database.", "probe.elsewhere"}},
       {"check", nullptr, {"validation.check_probes"}},  // which training writes into the model
-      {"train", "train.json", {"title", "training."}},
+      {"train", "train.json", {"title", "training.", "material.relaxation"}},
       {"calibrate", "calibrate.json", {"validation.calibration_rays"}},
       {"reduce", "body.txt", {"probe.tools"}},
       {"calibrate body", "calibrate_body.json", {}},

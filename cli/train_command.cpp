@@ -106,6 +106,7 @@ Trained trained(const Options& options) {
     Model model =
         train(database, spec, t.report, [&](std::int64_t done, std::int64_t total) { progress.update(done, total); });
     model.title = scene.title;
+    model.relaxation = carried_relaxation(scene);  // the database may be older
     model.finer = finer;
     t.loaded.emplace(std::move(model), header.mesh, options.output.string());
   }

@@ -17,6 +17,7 @@ public enum Status {
   Incomplete = 2,
   Unsettled = 4,
   Near = 8,
+  Relaxation = 16,
   ErrorArgument = -1,
   ErrorNotActive = -2,
   ErrorNotFinite = -3,
@@ -530,6 +531,12 @@ static class Native {
     public int finer_probes, finer_nodes, bound_reference, reserved;
   }
   [StructLayout(LayoutKind.Sequential)]
+  public struct Relaxation {
+    [MarshalAs(UnmanagedType.ByValArray, SizeConst = 8)] public double[] g, tau_s;
+    public double length_m;
+    public int n_terms, reserved;
+  }
+  [StructLayout(LayoutKind.Sequential)]
   public struct Info {
     public IntPtr family, title, mesh_hash;
     public double max_displacement_m;
@@ -537,11 +544,13 @@ static class Native {
     [MarshalAs(UnmanagedType.ByValArray, SizeConst = 16)] public IntPtr[] field_names_and_units;
     public int n_nodes, n_active, n_output, n_fixed, n_triangles, n_fields, n_levels, has_energy;
     public Provenance provenance;
+    public Relaxation relaxation;
     [MarshalAs(UnmanagedType.ByValArray, SizeConst = 4)] public int[] reserved;
   }
   [StructLayout(LayoutKind.Sequential)]
   public struct BodyContents {
     public IntPtr mesh_hash, physics_hash, law;
+    public Relaxation relaxation;
     public double tool_radius_m, max_displacement_m;
     public IntPtr nodes, points, triangles;
     public int n_nodes, n_triangles, n_modes, n_pressures, n_cells, reserved;

@@ -5,14 +5,15 @@ the numbers of the mesh. Arguments called d are displacements, one of shape (3,)
 a copy. Every function may be called by several threads; one call at a time is evaluated.
 """
 from ._phynness import (
-    Error, Held, IncompleteWarning, Model, NearWarning, Organ, OutsideWarning, StatusWarning, SurfacePoint, Touched,
-    UnsettledWarning, __version__,
+    Error, Held, IncompleteWarning, Model, NearWarning, Organ, OutsideWarning, RelaxationWarning, StatusWarning, SurfacePoint,
+    Touched, UnsettledWarning, __version__,
 )
 from .command import Page, Solution, precompute, save, show, solve, train, validate
 
 __all__ = [
-    "Error", "Held", "IncompleteWarning", "Model", "NearWarning", "Organ", "OutsideWarning", "Page", "Solution",
-    "StatusWarning", "SurfacePoint", "Touched", "UnsettledWarning", "precompute", "show", "solve", "train", "validate",
+    "Error", "Held", "IncompleteWarning", "Model", "NearWarning", "Organ", "OutsideWarning", "Page",
+    "RelaxationWarning", "Solution", "StatusWarning", "SurfacePoint", "Touched", "UnsettledWarning", "precompute", "show", "solve",
+    "train", "validate",
 ]
 
 setattr(Model, "show", show)

@@ -93,7 +93,7 @@ class Tally {
   void report_unusual(const std::string& where, py::ssize_t n) const;
   bool _is_unusual = false;
   int _error = 0;
-  py::ssize_t _row = 0, _warnings[4] = {0, 0, 0, 0};
+  py::ssize_t _row = 0, _warnings[5] = {};
 };
 
 /// Numbers that belong to `owner`, which then lives as long as the array. They cannot be written to.

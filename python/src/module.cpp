@@ -12,7 +12,7 @@ struct WarningKind {
   const char *name, *doc;
   py::handle type;
 };
-WarningKind warnings[4] = {
+WarningKind warnings[5] = {
     {PHN_WARNING_OUTSIDE, "OutsideWarning", "Displacements longer than trained, or a place that was not trained.", {}},
     {PHN_WARNING_INCOMPLETE,
      "IncompleteWarning",
@@ -22,7 +22,11 @@ WarningKind warnings[4] = {
      "UnsettledWarning",
      "Tools are not followed: too close together, or faster than the body settles.",
      {}},
-    {PHN_WARNING_NEAR, "NearWarning", "Springs between near tools of a body take a part of their displacements.", {}}};
+    {PHN_WARNING_NEAR, "NearWarning", "Springs between near tools of a body take a part of their displacements.", {}},
+    {PHN_WARNING_RELAXATION,
+     "RelaxationWarning",
+     "A relaxing force is approximate: the place moves, or the tool has left.",
+     {}}};
 
 py::handle new_type(py::module_& module, const char* name, const char* doc, py::handle base, const py::dict& members) {
   const std::string full = std::string("phynness.") + name;
@@ -79,14 +83,14 @@ bool Tally::add_unusual(py::ssize_t row, int status) {
     _row = row;
     return false;
   }
-  for (int k = 0; k < 4; ++k) _warnings[k] += (status & warnings[k].status) != 0;
+  for (int k = 0; k < 5; ++k) _warnings[k] += (status & warnings[k].status) != 0;
   return true;
 }
 
 void Tally::report_unusual(const std::string& where, py::ssize_t n) const {
   const auto of_row = [&](py::ssize_t row) { return n == 1 ? "" : ", row " + std::to_string(row); };
   if (_error < 0) raise(phn_status_message(_error) + std::string(" (") + where + of_row(_row) + ")", _error);
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 0; k < 5; ++k) {
     if (_warnings[k] == 0) continue;
     std::string text = phn_status_message(warnings[k].status) + std::string(" (") + where;
     if (n > 1) text += ", " + std::to_string(_warnings[k]) + " of " + std::to_string(n) + " rows";

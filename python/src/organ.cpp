@@ -88,10 +88,12 @@ class OrganObject {
     return std::make_unique<OrganObject>(std::move(of_model), std::move(of_body), max_tools, steps);
   }
 
-  Held hold(py::handle at, py::handle displacements, std::int32_t increments) {
+  Held hold(py::handle at, py::handle displacements, std::int32_t increments, double dt) {
     Tools tools(at, displacements);
     const auto n = static_cast<std::size_t>(tools.size());
     if (increments < 0) throw py::value_error("increments must be 0 or more");
+    if (!(dt >= 0)) throw py::value_error("dt must be 0 or more");
+    const double part_of_dt = dt / std::max(increments, 1);
     std::vector<phn_tool> wanted;
     for (py::ssize_t i = 0; i < tools.size(); ++i) wanted.push_back(tools.get(i));
     Held held{tools.results({3}), {}, 0};
@@ -102,6 +104,10 @@ class OrganObject {
       for (std::size_t t = 0; t < n && increments > 0; ++t)
         for (int k = 0; k < 3; ++k) part[t].displacement[k] = wanted[t].displacement[k] * i / increments;
       held.status = organ.hold(part, forces, &held.report);
+      if (held.status >= 0 && dt > 0) {
+        const int relaxed = organ.relax(part, part_of_dt, forces);
+        held.status = relaxed < 0 ? relaxed : held.status | relaxed;
+      }
       if (held.status < 0) break;
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     }
@@ -287,11 +293,13 @@ Error if a file is missing or damaged, or if the body has another mesh. Pickles 
       .def(
           "nearest", [](const OrganObject& o, py::handle x) { return nearest_places(o.organ, x); }, arg("x"),
           "The SurfacePoint that is nearest to x, (3,), or a list of n, (n, 3) [m]. As Model.nearest.")
-      .def("hold", &OrganObject::hold, arg("at"), arg("d"), kw_only(), arg("increments") = 0,
+      .def("hold", &OrganObject::hold, arg("at"), arg("d"), kw_only(), arg("increments") = 0, arg("dt") = 0.0,
            R"(Forces of tools that are displaced together: a Held.
 
 at: n nodes and SurfacePoints, or one. d: (n, 3) or (3,) [m]. increments: from rest in so many equal parts of d, as a body,
 whose forces depend on the motion before, needs for millimetres (8 in phynness eval); 0: from the present state.
+
+dt: seconds since the hold before, of a body that relaxes (Organ.relaxation); 0: the elastic force. reset() forgets.
 
 UnsettledWarning: more steps or increments come closer. OutsideWarning: farther than trained. Error where nothing can move.
 )")
@@ -344,6 +352,18 @@ centers: (n, 3) or (3,) [m]. radius [m]. mode: "press", "grasp" or "off". A sphe
                                               : o.organ.body_info().max_displacement_m;
           },
           "Largest displacement of the training data [m].")
+      .def_property_readonly(
+          "relaxation",
+          [](const OrganObject& o) {
+            const phn_relaxation& r = o.organ.relaxation();
+            py::array_t<double> terms({py::ssize_t{r.n_terms}, py::ssize_t{2}});
+            for (std::int32_t i = 0; i < r.n_terms; ++i) {
+              terms.mutable_at(i, 0) = r.g[i];
+              terms.mutable_at(i, 1) = r.tau_s[i];
+            }
+            return terms;
+          },
+          "Rows of g and tau [s], (n, 2); without rows the body is elastic.")
       .def_property_readonly(
           "nodes",
           [](py::object self) {

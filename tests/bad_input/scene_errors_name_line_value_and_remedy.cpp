@@ -163,6 +163,19 @@ poisson_minus_one | moduli | youngs_modulus_Pa = 2e4\npoisson_ratio = -1 | poiss
 lambda_too_negative | moduli | shear_modulus_Pa = 3.0\nlame_lambda_Pa = -2.5 | lame_lambda_Pa | -2.5 ; greater than -2
 young_above_nine_bulk | moduli | youngs_modulus_Pa = 90.0\nbulk_modulus_Pa = 10.0 | youngs_modulus_Pa | 90 ; less than 90
 c10_zero | moduli | c10_Pa = 0\nbulk_modulus_Pa = 10.0 | c10_Pa | c10_Pa ; greater than 0
+relaxation_of_a_number | shear | shear_modulus_Pa = 500.0\nrelaxation = 0.5 | relaxation | table of g and tau_s ; 0.5
+relaxation_without_times | shear | shear_modulus_Pa = 500.0\nrelaxation = { g = [0.3] } | relaxation | array tau_s
+relaxation_key | shear | shear_modulus_Pa = 500.0\nrelaxation = { g = [0.3], tau = [1.0] } | relaxation | unknown key ; tau
+relaxation_of_two_lengths | shear | shear_modulus_Pa = 500.0\nrelaxation = { g = [0.3, 0.1], tau_s = [1.0] } | relaxation
+    | as many numbers in g as in tau_s
+relaxation_of_all | shear | shear_modulus_Pa = 500.0\nrelaxation = { g = [0.6, 0.4], tau_s = [1.0, 2.0] } | relaxation
+    | sum of g ; not below 1
+relaxation_of_no_time | shear | shear_modulus_Pa = 500.0\nrelaxation = { g = [0.6], tau_s = [0.0] } | relaxation
+    | tau_s ; 0 ; seconds
+relaxation_of_nine | shear
+    | shear_modulus_Pa = 500.0\nrelaxation = { g = [0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1], tau_s = [1, 2, 3, 4, 5, 6, 7, 8, 9] }
+    | relaxation | 1 to 8
+relaxation_negative | shear | shear_modulus_Pa = 500.0\nrelaxation = { g = [-0.1], tau_s = [1.0] } | relaxation | g ; -0.1
 c01_negative | law_and_moduli | law = "mooney-rivlin"\nc10_Pa = 2\nc01_Pa = -0.2\nbulk_modulus_Pa = 1e5 | c01_Pa
     | at least 0 ; -0.2
 no_increment | increments | increments = 0 | | increments ; 0 ; between 1 and 1000

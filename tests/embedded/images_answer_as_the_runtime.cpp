@@ -138,6 +138,9 @@ TYPED_TEST(Answers, SayWhereTheModelComesFrom) {
     for (const bool recorded : {false, true}) {
       if (recorded) {
         model.solved = {true, "es-p1-p1", 1e3 / 3};
+        model.relaxation.terms.resize(2, 2);
+        model.relaxation.terms << 0.3, 2, 1.0 / 3, 20;
+        model.relaxation.length_m = 0.03;
         model.finer = {true, "es-p1-p1", "taylor-hood", 11, 0.03, 0.04, 1.0 / 11, 300, 12};
         if (family != Family::linear) {
           model = with_bound_between(model);
@@ -150,6 +153,9 @@ TYPED_TEST(Answers, SayWhereTheModelComesFrom) {
       const auto& of_runtime = info_of(loaded.model).provenance;
       EXPECT_EQ(words_of(said), words_of(of_runtime));
       EXPECT_EQ(said.mesh_hash, model.mesh_hash);
+      const auto relaxation = info_of(loaded.model).relaxation;
+      EXPECT_EQ(relaxation.n_terms, recorded ? 2 : 0);
+      EXPECT_EQ(std::memcmp(&opened.contents.relaxation, &relaxation, sizeof relaxation), 0);
       EXPECT_EQ(said.physics_hash, model.physics_hash);
       EXPECT_STREQ(said.element, recorded ? "es-p1-p1" : "");
       EXPECT_EQ(said.shear_modulus_Pa, recorded ? 1e3 / 3 : 0);

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstring>
 #include <locale>
+#include <phynness/formats/error.hpp>
 #include <phynness/formats/model.hpp>
 #include <tuple>
 
+#include "loaded_model.hpp"
 #include "model_numbers.hpp"
 #include "small_model.hpp"
 
@@ -122,6 +124,24 @@ TEST(ModelText, ProvenanceRoundTrips) {
   EXPECT_EQ(figures_of(again.finer), figures_of(model.finer));
   EXPECT_EQ(again.solved.element, "p1-p1");
   EXPECT_EQ(again.solved.shear_modulus_Pa, 1e3 / 3);
+}
+
+// Claim: so does a relaxation, which the runtime tells; a sum of shares that is not below 1 is refused by both readers.
+TEST(ModelText, RelaxationRoundTrips) {
+  Model model = small_modal_model();
+  EXPECT_EQ(write_model_text(model).find("relaxation"), std::string::npos);
+  model.relaxation.terms.resize(2, 2);
+  model.relaxation.terms << 0.3, 2, 1.0 / 3, 20;
+  model.relaxation.length_m = 0.03;
+  const std::string text = write_model_text(model);
+  EXPECT_EQ(read_model_text(text, "model.txt").relaxation.terms, model.relaxation.terms);
+  const phn_relaxation told = info_of(LoadedModel(text).model).relaxation;
+  EXPECT_EQ(told.n_terms, 2);
+  EXPECT_EQ(told.g[1], 1.0 / 3);
+  EXPECT_EQ(told.tau_s[0], 2);
+  EXPECT_EQ(told.length_m, 0.03);
+  model.relaxation.terms(0, 0) = 0.7;
+  EXPECT_THROW(write_model_text(model), Error);
 }
 
 // Claim: a scaled table holds every number to 1 / 65534 of its column's largest, and zeros as zeros.

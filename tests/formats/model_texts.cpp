@@ -54,6 +54,8 @@ void write_all(const std::filesystem::path& folder) {
   measured.finer.has_parts = true;
   measured.finer.shape_at_rest = {24, 0.125, 0.5};
   measured.solved = {true, "p1-p1", 500.5};
+  measured.relaxation.terms.resize(2, 2);
+  measured.relaxation.terms << 0.25, 2, 0.125, 20;
   write("rbfn-finer", measured);
   Model covered = modes;
   covered.probe_triangles.resize(2, 3);

@@ -352,6 +352,7 @@ class Reduction {
     out.bulk_in_shape_Pa = _elements.parts[0].bulk_in_shape_Pa;
     out.tool_radius_m = _scene.probe.tool_radius_m;
     out.depth_m = _header.magnitudes_m.back();
+    out.relaxation = carried_relaxation(_scene);
     set_cells(out);
     out.nodes = nodes;
     set_surface(out);

@@ -93,6 +93,13 @@ class ImageWriter {
     origin.finer_nodes = finer.nodes;
     if (!_model.bounds.empty()) origin.bound_reference = _model.bounds[0].reference;
     origin.surface = put_surface();
+    if (!_model.relaxation.empty()) {
+      std::vector<double> doubles{_model.relaxation.length_m};
+      for (const auto& term : _model.relaxation.terms.rowwise()) doubles.insert(doubles.end(), {term[0], term[1]});
+      std::vector<std::uint32_t> halves(2 * doubles.size());
+      std::memcpy(halves.data(), doubles.data(), 4 * halves.size());
+      origin.relaxation = put(halves);
+    }
     _header.provenance = put_bytes(&origin, sizeof origin);
   }
 
@@ -341,7 +348,7 @@ ImageContents read_image(const std::vector<std::uint64_t>& words, std::size_t by
     const int status = Functions::open(words.data(), bytes, &image);
     typename Functions::Contents said;
     if (Functions::info(image, &said) == PHN_OK)
-      contents = {sizeof real == sizeof(float), said.n_active, said.n_output, said.provenance};
+      contents = {sizeof real == sizeof(float), said.n_active, said.n_output, said.provenance, said.relaxation};
     return status;
   };
   int status = read(double{});

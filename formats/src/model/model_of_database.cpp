@@ -26,6 +26,11 @@ Triangles known_triangles(const Mesh& mesh, const Model& model) {
   return kept.topRows(n);
 }
 
+/// Of imported responses: none.
+Relaxation relaxation_of(const DatabaseHeader& header) {
+  return header.scene_text.empty() ? Relaxation{} : carried_relaxation(stored_scene(header));
+}
+
 /// Nothing is recorded of imported responses, and of a header without a scene.
 SolvedBody solved_body(const DatabaseHeader& header) {
   if (header.imported || header.scene_text.empty()) return {};
@@ -50,6 +55,7 @@ Model model_of_database(const DatabaseHeader& header, Family family, const std::
   model.physics_hash = header.physics_hash;
   model.software_version = header.software_version;
   model.solved = solved_body(header);
+  model.relaxation = relaxation_of(header);
   model.directions = header.directions;
   model.max_displacement_m = header.magnitudes_m.back();
   model.n_mesh_nodes = header.mesh.n_nodes();
@@ -59,6 +65,12 @@ Model model_of_database(const DatabaseHeader& header, Family family, const std::
   model.output_points = header.mesh.nodes(model.output, Eigen::all);
   model.surface = known_triangles(header.mesh, model);
   return model;
+}
+
+Relaxation carried_relaxation(const Scene& scene) {
+  Relaxation relaxation = scene.relaxation;
+  if (!relaxation.empty()) relaxation.length_m = scene.probe.tool_radius_m;
+  return relaxation;
 }
 
 std::vector<std::int32_t> probed_nodes(const Model& model) {

@@ -1,7 +1,9 @@
 // [material]: computes the law's parameters and the moduli at rest from one of the sets of numbers that the law
 // accepts.
 #include <algorithm>
+#include <cmath>
 #include <phynness/formats/error.hpp>
+#include <phynness/schema/bounds.hpp>
 
 #include "scene_keys.hpp"
 #include "scene_sections.hpp"
@@ -43,6 +45,14 @@ Material material_of(Law law, const std::vector<std::pair<std::string_view, doub
                     scene_detail::listed(keys, " and "), "give exactly one of these sets: " + choices_of(law));
 }
 
+std::string Relaxation::sentence() const {
+  std::string text;
+  for (const auto& term : terms.rowwise())
+    text += (text.empty() ? "" : ", ") + scene_detail::shortest(100 * term[0]) + " % in " +
+            scene_detail::shortest(term[1]) + " s";
+  return text.empty() ? "none" : text;
+}
+
 namespace scene_detail {
 namespace {
 
@@ -55,7 +65,7 @@ std::string with_values(const SceneTable& table, const std::vector<std::string_v
 std::vector<std::string_view> numbers_in(const SceneTable& table) {
   std::vector<std::string_view> given;
   for (auto key : keys_of("material"))
-    if (key != "law" && table.has(key)) given.push_back(key);
+    if (key != "law" && key != "relaxation" && table.has(key)) given.push_back(key);
   return given;
 }
 
@@ -118,6 +128,40 @@ Material parse_material(const SceneTable& region, const SceneTable& body, Law la
                    "give what is different from [material]: " + choices_of(law));
   const bool some = std::ranges::all_of(given, is_of_body);
   return read_numbers(region, body, law, some ? of_body : the_accepted_set(region, law));
+}
+
+Relaxation parse_relaxation(const SceneTable& material) {
+  const char* const remedy = "write relaxation = { g = [0.3, 0.2], tau_s = [2.0, 20.0] }";
+  const auto* table = material.find("relaxation")->as_table();
+  if (!table) material.reject("relaxation", "must be a table of g and tau_s", remedy);
+  for (const auto& [key, value] : *table)
+    if (key != "g" && key != "tau_s")
+      refuse(material.where(value), "unknown key in [material] relaxation", std::string(key.str()), remedy);
+  const toml::array* columns[] = {table->get_as<toml::array>("g"), table->get_as<toml::array>("tau_s")};
+  if (!columns[0] || !columns[1]) material.reject("relaxation", "needs an array g and an array tau_s", remedy);
+  const std::size_t n = columns[0]->size();
+  if (n != columns[1]->size() || n < 1 || n > schema::largest_relaxation_count)
+    material.reject("relaxation",
+                    "must have as many numbers in g as in tau_s, 1 to " +
+                        std::to_string(schema::largest_relaxation_count) + " of each",
+                    remedy);
+  Relaxation relaxation;
+  relaxation.terms.resize(static_cast<Eigen::Index>(n), 2);
+  for (std::size_t i = 0; i < n; ++i)
+    for (int k = 0; k < 2; ++k) {
+      const toml::node& node = *columns[k]->get(i);
+      const double value = node.value<double>().value_or(std::nan(""));
+      const auto& bound = k == 0 ? schema::relaxing_share : schema::relaxation_time;
+      if (!(value >= bound.low && value <= bound.high))
+        refuse(material.where(node),
+               std::string("[material] relaxation: ") + (k == 0 ? "g " : "tau_s ") + bound.outside, shown(node),
+               k == 0 ? "g is the share of the shear modulus that a term loses" : "tau_s is in seconds");
+      relaxation.terms(static_cast<Eigen::Index>(i), k) = value;
+    }
+  if (!(relaxation.terms.col(0).sum() < 1))
+    material.reject("relaxation", "has a sum of g that is not below 1, so that no elastic stiffness is left",
+                    "reduce g; the stiffness after a long time is 1 - sum g of that at once");
+  return relaxation;
 }
 
 void check_material(const SceneTable& table, const Scene& scene) {

@@ -93,6 +93,7 @@ Keys equilibrium_keys() {
   const auto solver = section("solver", &Scene::solver);
   return {
       material("law", &Scene::material, LawAndNumbers{}, hashed, "required"),
+      material("relaxation", &Scene::relaxation, PronySeries{}, not_hashed, ""),
 
       solver(
           "element", &SolverSpec::element, element_words(), hashed,

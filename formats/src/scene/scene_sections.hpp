@@ -15,6 +15,8 @@ Material parse_material(const SceneTable& table);
 /// That of a region: the body's law, with the numbers that the region gives.
 /// @param body  [material]
 Material parse_material(const SceneTable& region, const SceneTable& body, Law law);
+/// [material] relaxation.
+Relaxation parse_relaxation(const SceneTable& material);
 /// The selection under `key` of [nodes].
 Selection parse_selection(const SceneTable& nodes, std::string_view key);
 /// The selection of cells under `key` of [[region]].

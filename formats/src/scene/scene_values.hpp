@@ -109,6 +109,12 @@ struct LawAndNumbers : AnyValue {
   }
 };
 
+struct PronySeries : AnyValue {
+  static constexpr const char* type = "table";
+  Relaxation read(const SceneTable& table, std::string_view) const { return parse_relaxation(table); }
+  std::string text(const Relaxation& relaxation) const { return relaxation.sentence(); }
+};
+
 struct Nodes : AnyValue {
   static constexpr const char* type = "selection";
   Selection read(const SceneTable& table, std::string_view key) const { return parse_selection(table, key); }

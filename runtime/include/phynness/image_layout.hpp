@@ -12,7 +12,7 @@
 namespace phynness::image {
 
 inline constexpr uint32_t magic = 0x494e4850;  ///< "PHNI"
-inline constexpr uint32_t version = 4;
+inline constexpr uint32_t version = 5;
 inline constexpr uint32_t largest_table = 0x7fffffff;  ///< bytes of an image
 
 using phynness::Family;
@@ -129,6 +129,7 @@ struct Provenance {
   uint32_t shear_modulus_Pa[2], finer_mean[2], finer_p95[2], finer_tool_radius_m[2];
   int32_t finer_probes, finer_nodes, bound_reference;
   uint32_t surface;  ///< offset of a Surface; 0: none
+  Table relaxation;  ///< uint32: halves of doubles as above: length [m], then g and tau [s] of each term; or empty
 };
 
 template <class Real>

@@ -113,6 +113,7 @@ class Organ {
     constexpr bool incomplete() const noexcept { return has(PHN_WARNING_INCOMPLETE); }
     constexpr bool unsettled() const noexcept { return has(PHN_WARNING_UNSETTLED); }
     constexpr bool are_near() const noexcept { return has(PHN_WARNING_NEAR); }
+    constexpr bool relaxation() const noexcept { return has(PHN_WARNING_RELAXATION); }
     const char* message() const noexcept { return phn_status_message(_code); }
     constexpr void ignore() const noexcept {}
 
@@ -213,6 +214,35 @@ class Organ {
     return hold_one(tools[0], forces.data(), has_energy ? &made.energy_J : nullptr, nullptr);
   }
 
+  /// Replaces the forces of a hold by those of the body that relaxes, dt_s after the relax before (phn_relax).
+  /// @param tools   of that hold, in the order of the relax before; histories of further tools begin anew
+  /// @param forces  3 tools.size() numbers, elastic ones at first
+  Status relax(Span<const phn_tool> tools, double dt_s, Span<double> forces) noexcept {
+    if (forces.size() < 3 * tools.size()) return PHN_ERROR_BUFFER;
+    if (!_status.ok()) return refused(forces, PHN_ERROR_ARGUMENT);
+    if (tools.size() > _histories.size()) return refused(forces, PHN_ERROR_TOO_MANY_TOOLS);
+    int all = PHN_OK;
+    for (std::size_t t = 0; t < _histories.size(); ++t) {
+      if (t >= tools.size()) {
+        _histories[t] = {};
+        continue;
+      }
+      double place[3];
+      at_rest(tools[t], place);
+      double* const force = forces.data() + 3 * t;
+      const int status = phn_relax(&relaxation(), &_histories[t], force, place, dt_s, force);
+      if (status < 0) return refused(forces, status);
+      all |= status;
+    }
+    return all;
+  }
+  /// How the model relaxes, or without a model the body.
+  const phn_relaxation& relaxation() const noexcept {
+    return model() != nullptr ? info().relaxation : body_info().relaxation;
+  }
+  /// The history of a tool of relax(), whose `outward` the caller may set. @pre below max_tools
+  phn_relaxing& history(std::size_t tool) noexcept { return _histories[tool]; }
+
   /// Moves spheres (phynness_contact.h), in every millisecond of a haptic loop. @param states  spheres.size() of them
   Status touch(Span<const phn_contact_tool> spheres, Span<phn_contact_state> states,
                OrganReport* report = nullptr) noexcept {
@@ -257,6 +287,7 @@ class Organ {
   Status reset() noexcept {
     if (!_status.ok()) return PHN_ERROR_ARGUMENT;
     _last = Last::none;
+    std::fill(_histories.begin(), _histories.end(), phn_relaxing{});
     if (_contact != nullptr) phn_contact_reset(_contact);
     if (_state == nullptr) return PHN_OK;
     return phn_body_state_init(_state_memory.data(), _state_memory.size(), body(), most(), &_state);
@@ -271,6 +302,7 @@ class Organ {
       return phn_sizeof(name) == static_cast<std::int32_t>(bytes);
     };
     return phn_abi_version() == PHN_ABI_VERSION && same("phn_info", sizeof(phn_info)) &&
+           same("phn_relaxation", sizeof(phn_relaxation)) && same("phn_relaxing", sizeof(phn_relaxing)) &&
            same("phn_level", sizeof(phn_level)) && same("phn_tool", sizeof(phn_tool)) &&
            same("phn_coupled", sizeof(phn_coupled)) && same("phn_body_contents", sizeof(phn_body_contents)) &&
            same("phn_body_report", sizeof(phn_body_report)) && same("phn_contact_tool", sizeof(phn_contact_tool)) &&
@@ -360,6 +392,7 @@ class Organ {
   }
   void work() {
     if (_steps < 1) _status = PHN_ERROR_ARGUMENT;
+    if (_max_tools > 0) _histories.resize(static_cast<std::size_t>(_max_tools));
     if (_status.ok() && model() != nullptr)
       _status = make(_data_memory, _data, phn_data_size, phn_data_init, model(), _max_tools);
     if (_status.ok() && body() != nullptr)
@@ -374,6 +407,24 @@ class Organ {
                         ? make(_touch_memory, _contact, phn_body_contact_size, init, body(), most())
                         : make(_touch_memory, _contact, phn_contact_size, phn_contact_init, model(), most());
     if (model() != nullptr && body() != nullptr) _field.resize(3 * static_cast<std::size_t>(body_info().n_nodes));
+  }
+
+  /// The undeformed place of a tool, of nodes that are known.
+  void at_rest(const phn_tool& tool, double* x) const noexcept {
+    std::fill_n(x, 3, 0.0);
+    const auto add = [&](const std::int32_t* nodes, std::int32_t n, const double* points, int corner) {
+      const std::int32_t* const at = std::lower_bound(nodes, nodes + n, tool.nodes[corner]);
+      if (at == nodes + n || *at != tool.nodes[corner]) return;
+      for (int k = 0; k < 3; ++k) x[k] += tool.weights[corner] * points[3 * (at - nodes) + k];
+    };
+    for (int corner = 0; corner < 3; ++corner) {
+      if (model() == nullptr) {
+        add(body_info().nodes, body_info().n_nodes, body_info().points, corner);
+        continue;
+      }
+      add(info().output_nodes, info().n_output, info().output_points, corner);
+      add(info().fixed_nodes, info().n_fixed, info().fixed_points, corner);
+    }
   }
 
   static int refused(Span<double> forces, int status) noexcept {
@@ -457,6 +508,7 @@ class Organ {
     std::swap(_state_memory, other._state_memory);
     std::swap(_touch_memory, other._touch_memory);
     std::swap(_field, other._field);
+    std::swap(_histories, other._histories);
     std::swap(_data, other._data);
     std::swap(_state, other._state);
     std::swap(_contact, other._contact);
@@ -473,6 +525,7 @@ class Organ {
   std::shared_ptr<const Files> _files;
   Bytes _data_memory, _state_memory, _touch_memory;
   std::vector<double> _field;
+  std::vector<phn_relaxing> _histories;
   phn_data* _data = nullptr;
   phn_body_state* _state = nullptr;
   phn_contact* _contact = nullptr;

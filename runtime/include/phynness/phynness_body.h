@@ -31,6 +31,7 @@ PHN_API int phn_body_init(void* memory, size_t bytes, const char* text, size_t l
 /* The pointers refer to memory of the body. */
 typedef struct phn_body_contents {
   const char *mesh_hash, *physics_hash, *law;
+  phn_relaxation relaxation;
   double tool_radius_m;      /* 0: node probes */
   double max_displacement_m; /* largest displacement of the training data */
   const int32_t* nodes;      /* n_nodes numbers of the surface's nodes in the mesh, ascending */

@@ -65,6 +65,7 @@ typedef struct phn_image_contents {
   int32_t n_triangles;            /* where tools can be between nodes; 0: at nodes only */
   int32_t has_energy, has_bounds; /* 0 or 1 */
   phn_provenance provenance;
+  phn_relaxation relaxation; /* for phn_relax, which the libraries of images have, too */
   int32_t reserved[3] PHN_ZEROS;
 } phn_image_contents;
 PHN_API int phn_image_info(const phn_image* image, phn_image_contents* contents);

@@ -66,6 +66,8 @@ struct BodyStore {
   const char *mesh_hash = "", *physics_hash = "", *law = "";
   Parameters parameters;
   double bulk_in_shape_Pa = 0, tool_radius_m = 0, depth_m = 0;
+  phn_relaxation made = {};
+  RelaxationStore relaxation{{made}};
   Numbers<std::int32_t> nodes, kinds, surface;
   Numbers<double> points, shear_m3, bulk_rJ, regions;
   Numbers<std::int32_t> region_of_cell;
@@ -190,6 +192,7 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   info.mesh_hash = store.mesh_hash;
   info.physics_hash = store.physics_hash;
   info.law = store.law;
+  info.relaxation = store.made;
   info.tool_radius_m = store.tool_radius_m;
   info.max_displacement_m = store.depth_m;
   info.nodes = store.nodes.at;

@@ -17,6 +17,8 @@ struct Size {
 };
 constexpr Size sizes[] = {
     {"phn_provenance", sizeof(phn_provenance)},
+    {"phn_relaxation", sizeof(phn_relaxation)},
+    {"phn_relaxing", sizeof(phn_relaxing)},
     {"phn_info", sizeof(phn_info)},
     {"phn_tool", sizeof(phn_tool)},
     {"phn_level", sizeof(phn_level)},

@@ -410,6 +410,7 @@ struct ModelStore {
   Parts<LevelStore, largest_level_count> levels;
   Parts<BoundStore, schema::largest_bound_count> bounds;
   SolvedBody solved{made.provenance};
+  RelaxationStore relaxation{{made.relaxation}};
   FinerDistance finer{made.provenance};
   SharedTableStore rest_modes;
   LinearPoints linear_points;

@@ -45,7 +45,8 @@ const char* const messages[] = {
     "trained to the full depth in all directions",
 };
 constexpr int first_message = PHN_ERROR_TOO_MANY_TOOLS, last_message = PHN_WARNING_UNSETTLED + 1;
-constexpr int all_warnings = PHN_WARNING_NEAR | PHN_WARNING_UNSETTLED | PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE;
+constexpr int all_warnings =
+    PHN_WARNING_RELAXATION | PHN_WARNING_NEAR | PHN_WARNING_UNSETTLED | PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE;
 static_assert(sizeof messages / sizeof *messages == last_message - first_message + 1);
 
 const phn_model& level_of(const phn_model& model, std::int32_t level) {
@@ -80,6 +81,11 @@ const char* phn_status_message(int status) {
   if (status == PHN_WARNING_NEAR)
     return "the tools are nearer to each other than half a radius: springs between them take a part of what is "
            "prescribed";
+  if (status == PHN_WARNING_RELAXATION)
+    return "the relaxing force is approximate: the place moves, or the tool has left the body";
+  if (status > PHN_WARNING_RELAXATION)
+    return "the relaxing force is approximate: the place moves, or the tool has left; and the elastic force has a "
+           "warning";
   if (status > PHN_WARNING_NEAR)
     return "the tools are nearer to each other than half a radius, outside of the trained range, or not yet settled";
   return messages[(status < last_message ? status : last_message) - first_message];

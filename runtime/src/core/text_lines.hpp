@@ -42,6 +42,25 @@ class LinesReader {
   TextReader& _in;
 };
 
+/// The Prony series of a model or a body.
+struct RelaxationStore {
+  struct Terms {
+    phn_relaxation& made;
+    std::int32_t& n = made.n_terms;
+    std::int64_t rows() const { return n; }
+    template <class Memory>
+    void shape(Memory&, std::int64_t rows, std::int64_t) {
+      n = static_cast<std::int32_t>(rows);
+    }
+    void set(std::int64_t i, std::int64_t k, double value) { (k == 0 ? made.g : made.tau_s)[i] = value; }
+    template <class Memory>
+    void set(Memory&, std::int64_t i, std::int64_t k, double value) {
+      set(i, k, value);
+    }
+  } terms;
+  double& length_m = terms.made.length_m;
+};
+
 /// Reads a text into an arena. @return a status of phynness.h; *result is null on failure and when only counting
 template <class T>
 using LoadText = int (*)(const char* text, std::size_t length, Arena& arena, const T** result, std::size_t& wrong_byte);

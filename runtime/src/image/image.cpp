@@ -92,6 +92,23 @@ void tell(const image::Provenance& from, phn_provenance& out) {
   out.bound_reference = from.bound_reference;
 }
 
+phn_relaxation relaxation_of(const Header& image, image::Table table) {
+  phn_relaxation out = {};
+  const auto* halves = at<uint32_t>(image, table);
+  const auto number = [&](uint32_t i) {
+    double value;
+    __builtin_memcpy(&value, halves + 2 * i, sizeof value);
+    return value;
+  };
+  out.n_terms = static_cast<int32_t>(table.n / 4);
+  if (out.n_terms > 0) out.length_m = number(0);
+  for (int32_t i = 0; i < out.n_terms; ++i) {
+    out.g[i] = number(1 + 2 * i);
+    out.tau_s[i] = number(2 + 2 * i);
+  }
+  return out;
+}
+
 }  // namespace
 
 extern "C" {
@@ -115,7 +132,9 @@ int phn_image_info(const phn_image* opened, phn_image_contents* out) {
   out->n_triangles = surface == nullptr ? 0 : static_cast<int32_t>(surface->triangle.n / 6);
   out->has_energy = traits(image).has_energy;
   out->has_bounds = surface != nullptr && surface->bound.n > 0;
-  tell(*at<image::Provenance>(image, image.provenance), origin);
+  const auto& told = *at<image::Provenance>(image, image.provenance);
+  tell(told, origin);
+  out->relaxation = relaxation_of(image, told.relaxation);
   return PHN_OK;
 }
 

@@ -29,6 +29,9 @@ const provenance = struct('phn_provenance', {
   finer_mean: double, finer_p95: double, finer_tool_radius_m: double, finer_probes: integer, finer_nodes: integer,
   bound_reference: integer, reserved: integer,
 });
+const relaxation = struct('phn_relaxation', {
+  g: several(8, double), tau_s: several(8, double), length_m: double, n_terms: integer, reserved: integer,
+});
 const tool = struct('phn_tool', { nodes: several(3, integer), weights: vector, displacement: vector, reserved: several(2, integer) });
 
 export const layout = {
@@ -39,6 +42,7 @@ export const layout = {
     output_nodes: pointer, fixed_nodes: pointer, output_points: pointer, fixed_points: pointer, triangles: pointer,
     field_names: texts, field_units: texts, n_nodes: integer, n_active: integer, n_output: integer, n_fixed: integer,
     n_triangles: integer, n_fields: integer, n_levels: integer, has_energy: integer, provenance: [provenance.phn_provenance, 8],
+    relaxation: [relaxation.phn_relaxation, 8],
     reserved: several(4, integer),
   }),
   ...struct('phn_coupled', { residual: double, energy: double, reserved: several(2, integer) }),
@@ -56,7 +60,7 @@ export const layout = {
   }),
   ...struct('phn_contact_report', { energy: double, residual_m: double, unbalanced: double, steps: integer, reserved: integer }),
   ...struct('phn_body_contents', {
-    mesh_hash: text, physics_hash: text, law: text, tool_radius_m: double, max_displacement_m: double, nodes: pointer,
+    mesh_hash: text, physics_hash: text, law: text, relaxation: [relaxation.phn_relaxation, 8], tool_radius_m: double, max_displacement_m: double, nodes: pointer,
     points: pointer, triangles: pointer, n_nodes: integer, n_triangles: integer, n_modes: integer, n_pressures: integer,
     n_cells: integer, reserved: integer,
   }),

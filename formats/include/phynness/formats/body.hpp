@@ -16,10 +16,11 @@ namespace phynness {
 /// of_pressure or, without one, its volumetric (laws/tables/law.py).
 struct ReducedBody {
   std::string mesh_hash, physics_hash, law;
-  std::vector<double> parameters;   ///< of the law, in the order of its file [Pa or 1]
-  double bulk_in_shape_Pa = 0;      ///< bulk above
-  double tool_radius_m = 0;         ///< 0: node probes
-  double depth_m = 0;               ///< largest displacement of the training data
+  std::vector<double> parameters;  ///< of the law, in the order of its file [Pa or 1]
+  double bulk_in_shape_Pa = 0;     ///< bulk above
+  double tool_radius_m = 0;        ///< 0: node probes
+  double depth_m = 0;              ///< largest displacement of the training data
+  Relaxation relaxation{};
   std::vector<std::int32_t> nodes;  ///< of the surface, ascending numbers in the mesh
   std::vector<std::int32_t> kinds;  ///< body_node_* of schema/body_grammar.hpp
   Points points;                    ///< n x 3 [m]

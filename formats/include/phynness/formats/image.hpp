@@ -36,6 +36,7 @@ struct ImageContents {
   bool floats = false;
   std::int32_t n_active = 0, n_output = 0;
   phn_provenance provenance{};  ///< its strings belong to the image
+  phn_relaxation relaxation{};
 };
 /// @param words  the image, aligned. @param bytes  of its file. @param source  its name in messages
 /// @throws Error (input) if it is no image, or damaged

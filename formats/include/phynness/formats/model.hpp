@@ -220,11 +220,12 @@ struct Model {
   Triangles surface;                        ///< mesh node numbers, each output or fixed; normals outward
   SharedModes shared;                       ///< modal
   std::vector<FieldModes> fields;           ///< modal; empty unless the database has fields
-  std::vector<ModelLevel> levels;      ///< empty, or 2 to largest_level_count; the last is the full model; not linear
-  std::vector<ModelBound> bounds;      ///< empty, or one: of the force; not linear
-  SolvedBody solved;                   ///< if it is recorded
-  FinerDistance finer;                 ///< if it is measured
-  std::vector<ActiveNodeModel> nodes;  ///< ascending by node
+  std::vector<ModelLevel> levels;  ///< empty, or 2 to largest_level_count; the last is the full model; not linear
+  std::vector<ModelBound> bounds;  ///< empty, or one: of the force; not linear
+  SolvedBody solved;               ///< if it is recorded
+  Relaxation relaxation;
+  FinerDistance finer;                     ///< if it is measured
+  std::vector<ActiveNodeModel> nodes;      ///< ascending by node
   std::vector<LinearPoint> linear_points;  ///< of round tools on the rest of the surface, ascending by node
   ScaledTable rest_modes;                  ///< 3 n_output x n_rest_modes: shared by the linear points
   /// Triangles of positions in `nodes`; those that also have linear points, whose positions follow those of `nodes`;
@@ -237,6 +238,9 @@ struct Model {
 
 /// Nodes of the surface that active nodes alone answer: these, and those that are covered between them. Ascending.
 std::vector<std::int32_t> probed_nodes(const Model& model);
+
+/// Of a scene as a model or a body has it, with its length.
+Relaxation carried_relaxation(const Scene& scene);
 
 struct DatabaseHeader;
 /// A model with all properties that follow from the database alone. Tried displacements and active nodes are not set.

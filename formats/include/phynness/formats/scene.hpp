@@ -2,6 +2,7 @@
 // formats/src/scene/scene_rows.cpp.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -81,6 +82,15 @@ struct Region {
   SourceLocation where;
 };
 
+/// Prony series of the stress of the shear modulus (docs/theory.md, Relaxation). Without terms nothing relaxes.
+struct Relaxation {
+  Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> terms{};  ///< rows of g and tau [s]
+  double length_m = 0;  ///< of a model or body: the radius of its tool, 0 for node probes; scenes do not set it
+  bool empty() const { return terms.rows() == 0; }
+  /// "30 % in 2 s, 20 % in 20 s", or "none".
+  std::string sentence() const;
+};
+
 struct SolverSpec {
   Element element = element_named("p1-p1");  ///< default of node probes; of patches es-p1-p1, of shells `shell`
   double relative_tolerance = 1e-8;          ///< |free residual| / |reactions|
@@ -144,6 +154,7 @@ struct Scene {
   MeshSpec mesh;
   Material material;
   std::vector<Region> regions;
+  Relaxation relaxation;  ///< changes no solve
   SolverSpec solver;
   Selection fixed, active = Selection(1), output = Selection(1);  ///< a default selector is the free surface
   SourceLocation fixed_where, active_where, output_where;

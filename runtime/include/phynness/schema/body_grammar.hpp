@@ -65,6 +65,7 @@ void body(IO& io, Body& b) {
   real_line(io, "bulk", b.bulk_in_shape_Pa, not_negative);
   real_line(io, "radius", b.tool_radius_m, not_negative);
   real_line(io, "depth", b.depth_m, body_depth);
+  relaxation(io, b.relaxation);
 
   const int32_t n_nodes = count_line(io, "nodes", io.rows(b.nodes), 1);
   io.shape("nodes", b.nodes, n_nodes, 1);

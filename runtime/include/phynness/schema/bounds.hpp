@@ -37,6 +37,8 @@ inline constexpr double gradient_across = 0.03;
 /// The energies around a node with more neighbours than these, each counted once for each triangle that they share, get
 /// no gradient; a vertex of a surface has 12 on average.
 inline constexpr int32_t most_neighbours = 32;
+/// Terms of a Prony series.
+inline constexpr int32_t largest_relaxation_count = 8;
 /// Characters of the name or unit of a field.
 inline constexpr int32_t longest_word = 40;
 /// Terms of an amplitude beside its kernels: x, y and z; for a field also the six products of two of them.
@@ -59,6 +61,8 @@ inline constexpr Bound field_scale{DBL_TRUE_MIN, largest_linear_entry, "is not p
 inline constexpr Bound level_error{0, largest_linear_entry, "is negative or beyond 1e100"};
 inline constexpr Bound exponent{-1e3, 1e3, "is beyond 1000"};
 inline constexpr Bound probability{0, 1, "is not between 0 and 1"};
+inline constexpr Bound relaxing_share{1e-9, 1, "is not between 0 and 1"};
+inline constexpr Bound relaxation_time{1e-9, 1e9, "is out of range 1e-9 ... 1e9 s"};
 inline constexpr Bound table_scale{0, largest_table_value / largest_table_entry, "is negative or too large"};
 
 }  // namespace phynness::schema

@@ -106,6 +106,25 @@ void stiffness_line(IO& io, Store& stiffness) {
   io.end();
 }
 
+/// The Prony series of a body that relaxes: rows of g and tau [s].
+template <class IO, class Relaxation>
+void relaxation(IO& io, Relaxation& relaxation) {
+  if (!io.optional("relaxation", io.rows(relaxation.terms) > 0)) return;
+  const int32_t n = size_line(io, "relaxation", io.rows(relaxation.terms), 1, largest_relaxation_count);
+  real_line(io, "length", relaxation.length_m, not_negative);
+  io.shape("term", relaxation.terms, n, 2);
+  double sum = 0;
+  for (int32_t i = 0; i < n && io.good(); ++i) {
+    double g = io.get(relaxation.terms, i, 0);
+    io.real("g", g, relaxing_share);
+    if (io.good()) io.set(relaxation.terms, i, 0, g);
+    number(io, "tau", relaxation.terms, i, 1, relaxation_time);
+    io.end();
+    sum += g;
+  }
+  io.require(sum < 1, "the sum of g is not below 1");
+}
+
 /// A TABLE as described in formats/model.md: column scales, then rows of integers.
 template <class IO, class Table>
 void table(IO& io, const char* key, Table& table, int64_t n_rows, int32_t n_columns) {

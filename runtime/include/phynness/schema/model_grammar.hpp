@@ -290,6 +290,7 @@ void model(IO& io, Model& model) {
     levels<Grammar>(io, model);
     bounds(io, model);
     solved(io, model.solved);
+    relaxation(io, model.relaxation);
     finer(io, model.finer);
     linear_points(io, model);
     const int32_t n_active = count_line(io, "active", io.rows(model.nodes));
