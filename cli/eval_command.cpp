@@ -4,6 +4,7 @@
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/vtk.hpp>
 #include <phynness/validation/named_organ.hpp>
+#include <utility>
 
 #include "commands.hpp"
 #include "query_table.hpp"
@@ -96,10 +97,20 @@ std::string warning_of(const NamedOrgan& model, const std::optional<NamedOrgan>&
                              : "the tool is at or beside nodes where the model is linear or that are fixed";
 }
 
+/// Force and status of a step of a motion, dt_s after the step before.
+std::string moved(const NamedOrgan& organ, const Query& query, double dt_s) {
+  const std::vector<phn_tool> tools{tool_at(query.node, query.displacement_m)};
+  const auto held = organ.hold(tools);
+  Vec3 force = held.force_N[0].value();
+  const Organ::Status status = organ.organ().relax(tools, dt_s, force);
+  if (!status.ok()) throw failure(status.message(), fmt::format("{:g} s", *query.time_s), "give later times");
+  return fmt::format(",{},{},{},{}", force[0], force[1], force[2], held.status | int{status});
+}
+
 /// Columns behind those of the query; energy and bound only if the model has them.
 std::string answer_of(const NamedOrgan& model, std::optional<NamedOrgan>& body, const Query& query, bool has_energy,
                       bool has_bounds) {
-  const auto& [node, d] = query;
+  const auto& [node, d, time_s] = query;
   if (body) {
     const auto said = body->hold_from_rest({tool_at(node, d)}, increments_from_rest);
     const Vec3& f = *said.force_N[0];
@@ -137,7 +148,12 @@ void run_queries(const Options& options) {
     else if (!std::binary_search(active.begin(), active.end(), query.node))
       model.force(query.node, {0, 0, 0});  // throws an error with the nearest active nodes
   };
-  answers.answer = [&](const Query& query) { return answer_of(model, body, query, has_energy, has_bounds); };
+  answers.motion_columns = ",fx_N,fy_N,fz_N,status";
+  double last_s = 0;
+  answers.answer = [&](const Query& query) -> std::string {
+    if (query.time_s) return moved(body ? *body : model, query, *query.time_s - std::exchange(last_s, *query.time_s));
+    return answer_of(model, body, query, has_energy, has_bounds);
+  };
   answer_queries(options.queries, answers);
 }
 

@@ -34,14 +34,17 @@ std::vector<Query> read_queries(const std::filesystem::path& file, const std::fu
   };
   const bool has_header = next_line();
   if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // spreadsheets write a byte order mark
-  if (!has_header || line != queries_header)
+  const bool moves = has_header && line == motion_header;
+  if (!moves && (!has_header || line != queries_header))
     throw error("the first line of a file of queries is wrong", line,
-                fmt::format("make the first line {}", queries_header));
+                fmt::format("make the first line {}, or of a motion {}", queries_header, motion_header));
+  const char* const header = moves ? motion_header : queries_header;
+  const std::size_t n_fields = moves ? 5 : 4;
   while (next_line()) {
     const auto fields = fields_of(line);
-    if (fields.size() != 4)
-      throw error(fmt::format("a row must have 4 values, not {}", line.empty() ? 0 : fields.size()), line,
-                  fmt::format("write {}, without empty lines", queries_header));
+    if (fields.size() != n_fields)
+      throw error(fmt::format("a row must have {} values, not {}", n_fields, line.empty() ? 0 : fields.size()), line,
+                  fmt::format("write {}, without empty lines", header));
     Query query;
     if (!parse_number(fields[0], query.node))
       throw error("a node must be an integer", fields[0], "give the number of a node of the mesh, starting with 0");
@@ -53,6 +56,12 @@ std::vector<Query> read_queries(const std::filesystem::path& file, const std::fu
     if (std::hypot(d[0], d[1], d[2]) > largest_displacement_m)
       throw error(fmt::format("a displacement is longer than {:g} m", largest_displacement_m), line,
                   "give displacements in metres");
+    if (moves) {
+      const double before = queries.empty() ? 0 : *queries.back().time_s;
+      if (!parse_number(fields[4], query.time_s.emplace()) || !(*query.time_s > before) || *query.time_s > 1e9)
+        throw error("a time must be a number of seconds later than that of the row before", fields[4],
+                    "sort the rows by time; the body is at rest at the time 0");
+    }
     try {
       check(query);
     } catch (const Error& refused) {
@@ -103,8 +112,9 @@ class Table {
 void QueryOptions::add_to(CLI::App& command, const std::vector<std::string>& excluded) {
   auto* queries = add_path(
       command, "--queries", file, PathKind::input,
-      fmt::format("CSV file of many queries, instead of --node; its first line is {}; writes a CSV table of forces",
-                  queries_header));
+      fmt::format("CSV file of many queries, instead of --node; its first line is {}, or of the motion of one tool\n"
+                  "{}, whose forces relax; writes a CSV table of forces",
+                  queries_header, motion_header));
   add_path(command, "-o,--output", output, PathKind::file, "file of the table of --queries (default: stdout)")
       ->needs(queries);
   for (const auto& option : excluded) queries->excludes(command.get_option(option));
@@ -113,8 +123,9 @@ void QueryOptions::add_to(CLI::App& command, const std::vector<std::string>& exc
 void answer_queries(const QueryOptions& options, const QueryAnswers& answers) {
   const auto queries = read_queries(*options.file, answers.check);
   const auto total = std::ssize(queries);
+  const bool moves = queries.front().time_s.has_value();
   install_stop_handler();
-  Table table(options.output, answers.columns);
+  Table table(options.output, (moves ? ",time_s" : "") + (moves ? answers.motion_columns : answers.columns));
   Progress progress(answers.command, "rows");
   const auto start = std::chrono::steady_clock::now();
   std::int64_t finished = 0;
@@ -122,8 +133,9 @@ void answer_queries(const QueryOptions& options, const QueryAnswers& answers) {
     if (stop_requested() || table.is_lost()) break;
     const auto answer = answers.answer(query);
     if (!answer) break;
-    const auto& [node, d] = query;
-    table.add(fmt::format("{},{},{},{}{}\n", node, d[0], d[1], d[2], *answer));
+    const auto& [node, d, time_s] = query;
+    table.add(
+        fmt::format("{},{},{},{}{}{}\n", node, d[0], d[1], d[2], moves ? fmt::format(",{}", *time_s) : "", *answer));
     ++finished;
     // No progress line for files that take less than two seconds.
     if (std::chrono::steady_clock::now() - start > std::chrono::seconds(2)) progress.update(finished, total);

@@ -6,12 +6,13 @@
 
 namespace phynness::cli {
 
-/// First line of a file of queries; one row for each query follows.
-inline constexpr const char* queries_header = "node,ux_m,uy_m,uz_m";
+/// First line of a file of queries, one row for each, or of the motion of one tool, one row for each of its times.
+inline constexpr const char *queries_header = "node,ux_m,uy_m,uz_m", *motion_header = "node,ux_m,uy_m,uz_m,time_s";
 
 struct Query {
   std::int32_t node = 0;
   Vec3 displacement_m{};
+  std::optional<double> time_s{};  ///< of a motion
 };
 
 /// Adds --queries and --output.
@@ -27,6 +28,8 @@ struct QueryAnswers {
   std::string columns;  ///< of the table behind those of the query: ",fx_N,fy_N,fz_N,..."
   /// @throws Error (input) if this query cannot be answered
   std::function<void(const Query&)> check;
+  /// Of a motion; `answer` is then called in its order.
+  std::string motion_columns;
   /// Text of a row behind its query, beginning with a comma. Empty: the user wants an end.
   std::function<std::optional<std::string>(const Query&)> answer;
 };

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <phynness/precompute/probe_solver.hpp>
+#include <utility>
 
 #include "commands.hpp"
 #include "query_table.hpp"
@@ -86,6 +87,23 @@ class RowSolver {
   std::int64_t _failed = 0, _unstable = 0;
 };
 
+/// A step of a motion from rest. A step that fails ends it.
+std::optional<std::string> moved(ProbeSolver& solver, const Relaxation& relaxation, const Query& query,
+                                 bool is_first) try {
+  if (is_first) {
+    solver.touch({query.node});
+    solver.begin_motion(relaxation);
+  }
+  std::vector<Vec3> force;
+  const auto status = solver.move({*query.time_s, {query.displacement_m}, {at_node(query.node)}}, force);
+  if (status != Status::converged)
+    throw failure(fmt::format("the motion could not be solved beyond {:g} s", *query.time_s), meaning(status),
+                  "use more rows, or smaller displacements");
+  return fmt::format(",{},{},{}", force[0][0], force[0][1], force[0][2]);
+} catch (const Interrupted&) {
+  return std::nullopt;
+}
+
 void run_queries(const Options& options) {
   const SolverSession session;
   const auto loaded = load_source(options.source);
@@ -100,7 +118,12 @@ void run_queries(const Options& options) {
     solver.check_touched(query.node);
     refuse_tiny(query.displacement_m, smallest, "");
   };
-  answers.answer = [&](const Query& query) { return rows.answer(query); };
+  answers.motion_columns = ",fx_N,fy_N,fz_N";
+  bool is_first = true;
+  answers.answer = [&](const Query& query) {
+    if (!query.time_s) return rows.answer(query);
+    return moved(solver, loaded.scene.relaxation, query, std::exchange(is_first, false));
+  };
   answer_queries(options.queries, answers);
   rows.say_what_failed();
 }

@@ -216,7 +216,7 @@ double Discretization::energy(std::span<const double> state) {
   }
   for (int e = 0; e < _edge_patches.size(); ++e)
     sum += _edge_patches.volume(e) * _edge_patches.energy_density(e, state);
-  return sum;
+  return _added ? sum + _added->energy(state) : sum;
 }
 
 void Discretization::residual(std::span<const double> state, std::span<double> out) {
@@ -231,6 +231,7 @@ void Discretization::residual(std::span<const double> state, std::span<double> o
       std::fill(values.begin(), values.end(), 0.0);
     });
   _edge_patches.add_residual(state, out);
+  if (_added) _added->add_residual(state, out);
 }
 
 double Discretization::min_jacobian(std::span<const double> state) {
@@ -299,6 +300,13 @@ Eigen::Matrix3d Discretization::cell_sides(int cell) const {
   return corner.bottomRows<3>().rowwise() - corner.row(0);
 }
 
+Eigen::Matrix<double, 4, 3> Discretization::cell_slopes(int cell) const {
+  Eigen::Matrix<double, 4, 3> slopes;
+  slopes.bottomRows<3>() = cell_sides(cell).inverse().transpose();
+  slopes.row(0) = -slopes.bottomRows<3>().colwise().sum();
+  return slopes;
+}
+
 double Discretization::cell_volume(int cell) const { return std::abs(cell_sides(cell).determinant()) / 6; }
 
 void Discretization::put_gradient(int cell, const EdgePatches::Gradient& F, std::span<const double, 12> x,
@@ -319,15 +327,21 @@ void Discretization::find_edge_patches() {
   for (int cell = 0; cell < _n_cells; ++cell) {
     nodes.push_back(cell_nodes(cell));
     volumes.push_back(cell_volume(cell));
-    Eigen::Matrix<double, 4, 3> slope;
-    slope.bottomRows<3>() = cell_sides(cell).inverse().transpose();
-    slope.row(0) = -slope.bottomRows<3>().colwise().sum();
-    slopes.push_back(slope);
+    slopes.push_back(cell_slopes(cell));
   }
   _edge_patches = EdgePatches(nodes, volumes, slopes, _point_dofs, _regions, _dolfinx->forms);
 }
 
-void Discretization::block_tangents(std::span<const double> state, Convexity convexity, const TakeTangent& take) {
+void Discretization::block_tangents(std::span<const double> state, Convexity convexity, const TakeTangent& take_sum) {
+  std::vector<double> sum, convex_sum;
+  const TakeTangent with_added = [&](std::int32_t block, std::span<const double> exact, std::span<const double> near) {
+    sum.assign(exact.begin(), exact.end());
+    convex_sum.assign(near.begin(), near.end());
+    _added->add_tangent(block, state, sum);
+    if (!near.empty()) _added->add_tangent(block, state, convex_sum);
+    take_sum(block, sum, convex_sum);
+  };
+  const TakeTangent& take = _added ? with_added : take_sum;
   const auto m = static_cast<Eigen::Index>(_n_element_dofs);
   const auto size = static_cast<std::size_t>(m * m);
   // Only the block of the displacements, which come first, is made convex. Without the shear energy the tangent of a

@@ -19,6 +19,16 @@ namespace phynness {
 /// Limits dolfinx's own messages to errors.
 void quiet_logging();
 
+/// Energy beside that of the forms, a sum over the same blocks.
+class BlockEnergy {
+ public:
+  virtual ~BlockEnergy() = default;
+  virtual double energy(std::span<const double> state) const = 0;
+  virtual void add_residual(std::span<const double> state, std::span<double> out) const = 0;
+  /// @param tangent  of the block, row-major
+  virtual void add_tangent(std::int32_t block, std::span<const double> state, std::span<double> tangent) const = 0;
+};
+
 /// A state is a vector of n_dofs() values: displacements and, for mixed elements, pressures; for a shell, displacements
 /// of its midsurface and changes of its directors, whose dofs are at the middles of edges. Points are the positions of
 /// displacement dofs: the nodes of the mesh in their order and then, for quadratic elements, the middles of edges.
@@ -66,6 +76,8 @@ class Discretization {
   /// Edges of an edge-smoothed element; other elements have none.
   const EdgePatches& edge_patches() const { return _edge_patches; }
 
+  /// Adds another energy to those below; null: none. It must outlive its use.
+  void add(const BlockEnergy* energy) { _added = energy; }
   /// Stored energy.
   double energy(std::span<const double> state);
   /// Nodal forces that hold the state, and residuals of the pressure equations. @param out  n_dofs, overwritten
@@ -82,6 +94,8 @@ class Discretization {
   /// Node numbers of a cell, and its volume at rest in units of length_m^3. @pre not a shell
   std::array<std::int32_t, 4> cell_nodes(int cell) const;
   double cell_volume(int cell) const;
+  /// Gradients of the linear functions of its nodes, in their order. @pre not a shell
+  Eigen::Matrix<double, 4, 3> cell_slopes(int cell) const;
   const FormSet& forms() const;
 
  private:
@@ -117,6 +131,7 @@ class Discretization {
   Points _points;
   Triangles _surface;
   EdgePatches _edge_patches;
+  const BlockEnergy* _added = nullptr;
 };
 
 }  // namespace phynness

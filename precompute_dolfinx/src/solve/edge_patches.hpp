@@ -42,6 +42,9 @@ class EdgePatches {
     return {_dofs.data() + 3 * _start[edge], 3 * (_start[edge + 1] - _start[edge])};
   }
   double volume(int edge) const { return _volume[edge]; }
+  int region(int edge) const { return _region[edge]; }
+  /// g_a of its nodes: the first components of all, the second ones, the third ones.
+  std::span<const double> slopes(int edge) const { return {_slope.data() + 3 * _start[edge], dofs(edge).size()}; }
   Gradient gradient(int edge, std::span<const double> state) const;
   /// The edges of a cell.
   const std::array<std::int32_t, 6>& of_cell(int cell) const { return _of_cell[cell]; }

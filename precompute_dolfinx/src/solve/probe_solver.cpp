@@ -2,12 +2,14 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/printable.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 
 #include "discretization.hpp"
 #include "nodal_fields.hpp"
 #include "ray_solver.hpp"
+#include "relaxing_body.hpp"
 #include "scaling.hpp"
 
 namespace phynness {
@@ -53,6 +55,13 @@ struct ProbeSolver::Impl {
   bool is_free_at_rest = false;  ///< the factors are those of the untouched body at rest
   RaySolver::Rest rest;
   RestResponse rest_SI;
+  struct Motion {
+    RelaxingBody relaxing;
+    std::vector<double> state;
+    Eigen::VectorXd q;  ///< parameters
+    double time_s = 0;
+  };
+  std::optional<Motion> motion;
 
   double radius() const { return scene.probe.tool_radius_m / scaling.length_m; }
 
@@ -256,6 +265,60 @@ Response ProbeSolver::solve(const std::vector<Vec3>& displacement_m, int increme
   last.iterations = iterations;
   last.cutbacks = cutbacks;
   return last;
+}
+
+void ProbeSolver::begin_motion(const Relaxation& relaxation) {
+  auto& s = *_impl;
+  if (!has_relaxation(s.scene.solver.element))
+    throw input_error("a body that relaxes is not solved with this element", name(s.scene.solver.element),
+                      "use element = \"P1\", \"p1-p1\" or \"es-p1-p1\", whose cells have one strain each");
+  s.motion.emplace(Impl::Motion{{s.body, s.scene.material, relaxation},
+                                std::vector<double>(static_cast<std::size_t>(s.body.n_dofs()), 0.0),
+                                Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * s.n_tools))});
+}
+
+Status ProbeSolver::move(const TimeStep& step, std::vector<Vec3>& force_N) {
+  auto& s = *_impl;
+  auto& [relaxing, state, q, time_s] = s.motion.value();
+  const double dt_s = step.time_s - time_s;
+  if (!(dt_s > 0) || !std::isfinite(dt_s))
+    throw input_error("the times of a motion must ascend from above 0", number_text(step.time_s) + " s",
+                      "sort the steps by time; the body is at rest before");
+  if (!step.places.empty()) s.equilibrium.prescribe(tool_constraint(s.body, step.places, s.radius(), s.fixed));
+  const double longest = s.scene.probe.max_displacement_m / s.scene.probe.increments / s.scaling.length_m;
+  const double least = std::ldexp(1.0, -s.scene.solver.max_cutbacks);
+  const Eigen::VectorXd change = s.parameters(step.displacement_m) - q;
+  s.body.add(&relaxing);
+  const struct End {  // also of an exception
+    Discretization& body;
+    ~End() { body.add(nullptr); }
+  } end{s.body};
+  const auto& constraint = s.equilibrium.constraint();
+  Eigen::VectorXd force;
+  double part = 1 / std::max(1.0, std::ceil(change.lpNorm<Eigen::Infinity>() / longest));
+  for (double done = 0; done < 1;) {
+    part = std::min(part, 1 - done);
+    auto trial = state;
+    as_vector(trial) += s.rest.sensitivity * (part * change);
+    constraint.complete(trial, constraint.G * (q + part * change));
+    relaxing.begin_step(part * dt_s);
+    const auto outcome = s.equilibrium.solve(trial);
+    if (outcome.status != Status::converged) {
+      if ((part /= 2) < least / 64) return outcome.status;
+      continue;
+    }
+    relaxing.end_step(trial);
+    state = std::move(trial);
+    q += part * change;
+    force = outcome.force;
+    done = done + part > 1 - 1e-9 ? 1 : done + part;
+  }
+  time_s = step.time_s;
+  force_N.assign(s.n_tools, {});
+  for (std::size_t t = 0; t < s.n_tools; ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      force_N[t][k] = force[static_cast<Eigen::Index>(3 * t + k)] * s.scaling.force_N();
+  return Status::converged;
 }
 
 }  // namespace phynness

@@ -53,6 +53,13 @@ struct Interrupted : std::exception {
   const char* what() const noexcept override { return "interrupted"; }
 };
 
+/// Displacements of the touched tools at a time.
+struct TimeStep {
+  double time_s = 0;
+  std::vector<Vec3> displacement_m;
+  std::vector<SurfacePoint> places{};  ///< of the tools; empty: as before
+};
+
 /// The discretized body of this process. Ranks share nothing.
 /// @pre a SolverSession exists during the lifetime of every ProbeSolver
 class ProbeSolver {
@@ -93,6 +100,15 @@ class ProbeSolver {
 
   /// Solves for one displacement in `increments` equal steps.
   Response solve(const std::vector<Vec3>& displacement_m, int increments, bool tangents = false);
+
+  /// Begins a motion of the touched tools in time, from rest, of a body that relaxes.
+  /// @throws Error (input) if the element is not P1, p1-p1 or es-p1-p1
+  void begin_motion(const Relaxation& relaxation);
+  /// A step of the motion, linear in time; parts of it that are longer than an increment of the scene, or that do not
+  /// converge, are halved. Tools whose place changes hold the body where they come to.
+  /// @param force_N  of each tool, if the status is Status::converged; otherwise the step was not made
+  /// @throws Error (input) if its time is not later than that of the step before
+  Status move(const TimeStep& step, std::vector<Vec3>& force_N);
 
   /// Must be called after an exception of follow() or solve() before the next call. Recreates the state that libraries
   /// keep between calls.

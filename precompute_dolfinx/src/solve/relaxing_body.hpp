@@ -1,0 +1,62 @@
+// Stress that relaxes, in the cells and edges where a deformation gradient is constant: Simo's recursion (1987, doi
+// 10.1016/0045-7825(87)90107-1).
+#pragma once
+
+#include <Eigen/Core>
+#include <phynness/formats/scene.hpp>
+#include <span>
+#include <vector>
+
+#include "discretization.hpp"
+
+namespace phynness {
+
+/// Whether every cell and edge of the element has one deformation gradient.
+bool has_relaxation(Element element);
+
+/// W = shape(F) + lambda/2 g^2. The second Piola-Kirchhoff stress S of shape relaxes,
+///     S(t) = g_inf S_e + sum_i h_i,   dh_i/dt = -h_i / tau_i + g_i dS_e/dt,   S_e = F^-1 d shape/dF,
+/// and that of lambda does not: shape includes mu/3 g^2 of laws whose shape is isochoric, as in edge-smoothed elements.
+/// Within a step S_e is linear in time; then S = c S_e(F) + H with a number c and a tensor H of each cell or edge,
+/// which is the stress of the energy c shape + H : (F^T F - I) / 2. In the linear theory S and F^T F - I are those of
+/// small strains.
+class RelaxingBody : public BlockEnergy {
+ public:
+  /// At rest. @pre has_relaxation(element of the body)
+  RelaxingBody(const Discretization& body, const Material& material, const Relaxation& relaxation);
+
+  /// Begins a step of this length. @pre dt_s > 0
+  void begin_step(double dt_s);
+  /// Ends it at an equilibrium.
+  void end_step(std::span<const double> state);
+
+  double energy(std::span<const double> state) const override;
+  void add_residual(std::span<const double> state, std::span<double> out) const override;
+  void add_tangent(std::int32_t block, std::span<const double> state, std::span<double> tangent) const override;
+
+ private:
+  using Tensor = EdgePatches::Gradient;
+  struct Block {
+    int region = 0;
+    double weight = 0;                   ///< volume times the share of shape that is a function of this gradient
+    std::vector<std::int32_t> dofs, at;  ///< of the displacements, by component and node; their positions in the block
+    std::vector<double> slopes;          ///< by direction and node
+    std::vector<Tensor> history;         ///< h_i
+    Tensor elastic = Tensor::Zero(), H = Tensor::Zero();  ///< S_e of the last step
+  };
+  Tensor gradient(const Block& block, std::span<const double> state) const;
+  Tensor shape_stress(const Block& block, const Tensor& F) const;  ///< d shape/dF
+
+  EdgeForms _law;
+  struct Constants {
+    std::vector<double> energy, residual, tangent;
+  };
+  std::vector<Constants> _constants;  ///< per region
+  bool _finite;
+  Relaxation _relaxation;
+  std::vector<double> _keep, _gain;  ///< of the step: h_i becomes keep h_i + gain times the change of S_e
+  double _c = 1;
+  std::vector<Block> _blocks;
+};
+
+}  // namespace phynness
