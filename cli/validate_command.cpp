@@ -20,7 +20,7 @@ constexpr std::int64_t probes_per_point = 12;
 struct Options {
   std::filesystem::path scene, model;
   std::optional<std::int64_t> probes, points, seed;
-  std::int64_t nodes = 0, pairs = 0;
+  std::int64_t nodes = 0, pairs = 0, motions = 0;
   std::optional<std::int32_t> level;
   OptionalPath body, json_file, report_file;
 };
@@ -103,6 +103,9 @@ void measure(const Options& options, const SolverSession& session, Validated& v)
                                pair_depth_fraction * scene.probe.max_displacement_m, v.seed,
                                Progress("validate", "pairs").counter(), stop_requested);
     });
+  if (options.motions > 0 && !v.interrupted())
+    v.motions = validate_motions(session, scene, model, body, options.motions, v.seed,
+                                 Progress("validate", "places in motion").counter(), stop_requested);
 }
 
 /// @throws Error (failure)
@@ -111,6 +114,7 @@ void refuse_half(const Options& options, const Validated& v) {
   if (const auto points = options.points.value_or(v.points.points); points > 0)
     finished += fmt::format(", {} of {} points", v.points.finished, points);
   if (options.pairs > 0) finished += fmt::format(", {} of {} pairs", v.pairs.finished, options.pairs);
+  if (options.motions > 0) finished += fmt::format(", {} of {} places in motion", v.motions.finished, options.motions);
   throw failure("validate was interrupted; the figures above are those of the finished part", finished,
                 fmt::format("run it again; --seed {} repeats the same probes{}", v.seed,
                             options.report_file ? "; the report was not written" : ""));
@@ -140,11 +144,12 @@ void print(const Validated& v) {
   for (const auto& worse : worse_than_linear(v)) print_result("warning: {}\n", worse.sentence());
   for (const auto& part : v.not_done()) print_result("{}\n", part);
   print_cells(summary_cells(v));
+  if (v.motions.finished > 0) print_cells(v.motions.cells());
 }
 
 void run(const Options& options) {
-  if (options.body && options.points == 0 && options.pairs == 0)
-    throw input_error("--body is compared at tools of --points and --pairs only", options.body->string(),
+  if (options.body && options.points == 0 && options.pairs == 0 && options.motions == 0)
+    throw input_error("--body is compared at tools of --points, --pairs and --relaxation only", options.body->string(),
                       "add one of these options, or omit --body");
   const SolverSession session;
   Validated v = load(options, session);
@@ -178,6 +183,9 @@ void add(CLI::App& app) {
   add_count(command, "--pairs", options.pairs, 1, 1'000'000,
             "also compare two tools at this number of random pairs of nodes, by solves with both tools, each as deep\n"
             "as 3/7 of the scene's max_displacement_m (12 mm of 28 mm in the paper)");
+  add_count(command, "--relaxation", options.motions, 1, 1'000'000,
+            "also compare relaxing forces at this number of random places with solves in time: step and hold, ramp,\n"
+            "sine, palpation and slide, to 5 mm and to the full depth; with --body two tools, too");
   add_path(command, "--body", options.body, PathKind::input,
            "a reduced body (body.txt), whose forces are also compared at --points and --pairs; pairs of round tools "
            "need one");

@@ -211,6 +211,7 @@ Json validation_figures(const Validated& v) {
   if (v.points.finished > 0) out["points"] = figures(v.points);
   if (v.rim.finished > 0) out["rim"] = figures(v.rim);
   if (v.pairs.finished > 0) out["pairs"] = figures(v.pairs);
+  if (v.motions.finished > 0) out["motions"] = figures(v.motions);
   if (v.no_points) out["points"] = {{"not_done", v.no_points->what()}};
   if (v.no_pairs) out["pairs"] = {{"not_done", v.no_pairs->what()}};
   return out;

@@ -5,6 +5,7 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/figures.hpp>
 #include <phynness/formats/model.hpp>
+#include <phynness/validation/relaxing_motions.hpp>
 #include <phynness/validation/tools.hpp>
 #include <string>
 #include <vector>
@@ -32,10 +33,12 @@ struct Validated {
   ValidationReport report{};
   PointReport points{}, rim{};  ///< tools between probed nodes, and at the rim of the probed part
   PairReport pairs{};
+  MotionReport motions{};
   std::optional<NamedOrgan> body{};              ///< with which points and pairs are compared, too
   std::optional<Error> no_points{}, no_pairs{};  ///< why this requested part was not done
   bool interrupted() const {
-    return report.interrupted() || points.interrupted() || rim.interrupted() || pairs.interrupted();
+    return report.interrupted() || points.interrupted() || rim.interrupted() || pairs.interrupted() ||
+           motions.interrupted();
   }
   /// Requested parts that were not done, and why.
   std::vector<std::string> not_done() const;

@@ -1,0 +1,295 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/printable.hpp>
+#include <phynness/precompute/probe_solver.hpp>
+#include <phynness/validation/probe_plan.hpp>
+#include <phynness/validation/relaxing_motions.hpp>
+
+#include "shared_work.hpp"
+
+namespace phynness {
+namespace {
+
+constexpr double common_depth_m = 0.005, least_Hz = 0.1, most_Hz = 5;
+constexpr int depths_of_ray = 24;
+constexpr std::size_t n_values = 6;  ///< that ranks exchange of a motion: its number, and Judged
+
+/// A part of the depth and of a slide, over time.
+struct Motion {
+  const char* name;
+  std::vector<double> time_s{}, part{}, slid{};
+  void go(double seconds, double to, int steps, double slide = 0) {
+    const double t = time_s.empty() ? 0 : time_s.back(), from = part.empty() ? 0 : part.back(),
+                 at = slid.empty() ? 0 : slid.back();
+    for (int i = 1; i <= steps; ++i) {
+      time_s.push_back(t + seconds * i / steps);
+      part.push_back(from + (to - from) * i / steps);
+      slid.push_back(at + slide * i / steps);
+    }
+  }
+};
+
+std::vector<Motion> motions_of(double frequency_Hz, double slowest_s, bool several_tools) {
+  Motion step{"step and hold"}, ramp{"ramp"}, sine{"sine"}, palpation{"palpation"}, slide{"slide"};
+  step.go(0.06, 1, 6);
+  for (int i = 0; i < 20; ++i)
+    step.go(0.02 * std::pow(3 * slowest_s / 0.02, (i + 1) / 20.0) - step.time_s.back() + 0.08, 1, 1);
+  ramp.go(2, 1, 24);
+  for (int i = 1; i <= 2 * depths_of_ray; ++i) {
+    const double turn = static_cast<double>(i) / depths_of_ray;
+    sine.go(1 / (depths_of_ray * frequency_Hz), (1 - std::cos(2 * std::numbers::pi * turn)) / 2, 1);
+  }
+  palpation.go(0.3, 1, 8);
+  palpation.go(1, 1, 6);
+  palpation.go(0.3, 0, 8);
+  palpation.go(1, 0, 4);
+  slide.go(0.3, 1, 8);
+  slide.go(1, 1, 10, 1);
+  if (several_tools) return {sine, palpation};
+  return {step, ramp, sine, palpation, slide};
+}
+
+/// What a motion at a place gives; negative values are not defined.
+struct Judged {
+  double model = -1, convolved = -1, elastic = -1, area = -1, warned = 0;
+};
+
+/// Forces of all tools, one row for each step.
+using Forces = Eigen::MatrixXd;
+
+double mean_error(const Forces& of, const Forces& truth) {
+  return (of - truth).rowwise().norm().mean() / truth.rowwise().norm().maxCoeff();
+}
+/// Work of the last cycle. @param d  as the forces
+double area(const Forces& forces, const Eigen::MatrixXd& d) {
+  double work = 0;
+  for (Eigen::Index i = forces.rows() - depths_of_ray; i < forces.rows(); ++i)
+    work += (forces.row(i) + forces.row(i - 1)).dot(d.row(i) - d.row(i - 1)) / 2;
+  return work;
+}
+
+class MotionComparison {
+ public:
+  MotionComparison(const Scene& scene, const NamedOrgan& model)
+      : _scene(scene),
+        _model(model),
+        _solver(scene, model.mesh(), {model.model().fixed, active_of(model), model.model().output}),
+        _normals(node_normals(model.mesh())) {}
+  ProbeSolver& solver() { return _solver; }
+
+  /// A direction near the inward normal.
+  Eigen::Vector3d direction(std::int32_t node, std::mt19937_64& random) const {
+    constexpr double widest = 0.5;  // tangent of the angle
+    const Eigen::Vector3d normal = _normals.row(node);
+    return (widest * uniform(random) * normal.cross(to_eigen(on_sphere(random))) - normal).normalized();
+  }
+
+  /// Elastic forces of the finite elements at rest and at 1 ... 24 parts of the depth; empty if one is not solved.
+  Forces ray(const std::vector<std::int32_t>& nodes, const std::vector<Vec3>& depth_m) {
+    _solver.touch(nodes);
+    Forces rows = Forces::Zero(depths_of_ray + 1, static_cast<Eigen::Index>(3 * nodes.size()));
+    std::vector<double> parts;
+    for (int i = 1; i <= depths_of_ray; ++i) parts.push_back(static_cast<double>(i) / depths_of_ray);
+    std::size_t solved = 0;
+    _solver.follow(depth_m, parts, false, [&](std::size_t i, const Response& response) {
+      if (response.status != Status::converged) return false;
+      put(response.force_N, rows.row(static_cast<Eigen::Index>(i) + 1));
+      return ++solved < parts.size();
+    });
+    return solved == parts.size() ? rows : Forces{};
+  }
+
+  /// @param ray  of this place. @return values of -1 if the finite elements do not follow
+  Judged judge(const Motion& motion, const NamedOrgan& organ, const std::vector<std::int32_t>& nodes,
+               const std::vector<Vec3>& depth_m, const Forces& ray) {
+    const auto n = static_cast<Eigen::Index>(motion.time_s.size()), width = static_cast<Eigen::Index>(3 * nodes.size());
+    Forces truth(n, width), relaxing(n, width), elastic(n, width), convolved(n, width), d(n, width);
+    std::vector<phn_relaxing> history(nodes.size());
+    const phn_relaxation& terms = organ.organ().relaxation();
+    const Eigen::Vector3d tangent = to_eigen(depth_m[0]).unitOrthogonal();
+    const bool slides = motion.slid.back() > 0;
+    Judged judged;
+    organ.organ().reset().ignore();
+    _solver.touch(nodes);
+    _solver.begin_motion(_scene.relaxation);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      std::vector<phn_tool> tools;
+      TimeStep step{motion.time_s[at], {}};
+      for (std::size_t t = 0; t < nodes.size(); ++t) {
+        step.displacement_m.push_back(to_array(motion.part[at] * to_eigen(depth_m[t])));
+        tools.push_back(tool_at(nodes[t], step.displacement_m.back()));
+        if (!slides) continue;
+        const Eigen::RowVector3d point =
+            _model.mesh().nodes.row(nodes[t]) +
+            motion.slid[at] * std::max(_scene.probe.tool_radius_m, common_depth_m) * tangent.transpose();
+        const phn_tool old = tools.back();
+        if (!organ.organ().nearest(Vec3{point[0], point[1], point[2]}, tools.back()).ok()) return {};
+        std::copy_n(old.displacement, 3, tools.back().displacement);
+        SurfacePoint place;
+        for (std::size_t k = 0; k < 3; ++k) {
+          place.nodes[k] = tools.back().nodes[k];
+          place.weights[k] = tools.back().weights[k];
+        }
+        step.places.push_back(place);
+      }
+      std::vector<Vec3> forces;
+      if (_solver.move(step, forces) != Status::converged) return {};
+      put(forces, truth.row(i));
+      put(step.displacement_m, d.row(i));
+      const auto said = organ.hold(tools);
+      Eigen::VectorXd both(width);
+      for (std::size_t t = 0; t < nodes.size(); ++t)
+        both.segment<3>(static_cast<Eigen::Index>(3 * t)) = to_eigen(*said.force_N[t]);
+      elastic.row(i) = both;
+      const double dt_s = motion.time_s[at] - (at > 0 ? motion.time_s[at - 1] : 0);
+      const Organ::Status status = organ.organ().relax(tools, dt_s, {both.data(), static_cast<std::size_t>(width)});
+      judged.warned += status.relaxation() ? 1.0 / static_cast<double>(n) : 0;
+      relaxing.row(i) = both;
+      if (ray.size() == 0) continue;
+      const double x = motion.part[at] * depths_of_ray;
+      const auto below = std::min(static_cast<Eigen::Index>(x), Eigen::Index{depths_of_ray} - 1);
+      Eigen::VectorXd own = ray.row(below) + (x - static_cast<double>(below)) * (ray.row(below + 1) - ray.row(below));
+      for (std::size_t t = 0; t < nodes.size(); ++t)
+        phn_relax(&terms, &history[t], own.data() + 3 * t, nullptr, dt_s, own.data() + 3 * t);
+      convolved.row(i) = own;
+    }
+    judged.model = mean_error(relaxing, truth);
+    judged.elastic = mean_error(elastic, truth);
+    if (ray.size() > 0 && !slides) judged.convolved = mean_error(convolved, truth);
+    if (motion.name == std::string_view("sine")) {
+      const double right = area(truth, d);
+      judged.area = std::abs(area(relaxing, d) - right) / std::abs(right);
+    }
+    return judged;
+  }
+
+ private:
+  static NodeList active_of(const NamedOrgan& model) {
+    const auto nodes = model.active_nodes();
+    return {nodes.begin(), nodes.end()};
+  }
+  static Vec3 to_array(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
+  static void put(const std::vector<Vec3>& vectors, Forces::RowXpr row) {
+    for (std::size_t t = 0; t < vectors.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k) row[static_cast<Eigen::Index>(3 * t + k)] = vectors[t][k];
+  }
+
+  const Scene& _scene;
+  const NamedOrgan& _model;
+  ProbeSolver _solver;
+  Points _normals;
+};
+
+void add(double value, double& sum, double& worst) {
+  if (value < 0) return;
+  sum = (std::isnan(sum) ? 0 : sum) + value;
+  worst = std::isnan(worst) ? value : std::max(worst, value);
+}
+
+}  // namespace
+
+MotionReport validate_motions(const SolverSession& session, const Scene& scene, const NamedOrgan& model,
+                              const NamedOrgan* body, std::int64_t places, std::uint64_t seed,
+                              const OnProgress& progress, const ShouldStop& stop) {
+  if (scene.relaxation.empty() || model.organ().relaxation().n_terms == 0)
+    throw input_error("nothing relaxes", scene.relaxation.empty() ? scene.source_name : model.name(),
+                      "add relaxation to [material] of the scene, and train the model with it");
+  if (body && body->organ().relaxation().n_terms == 0)
+    throw input_error("the body does not relax", body->name(), "make it with phynness reduce --scene SCENE");
+  const auto start = std::chrono::steady_clock::now();
+  MotionReport report;
+  report.places = places;
+  std::vector<double> depths{std::min(common_depth_m, scene.probe.max_displacement_m)};
+  if (scene.probe.max_displacement_m > common_depth_m) depths.push_back(scene.probe.max_displacement_m);
+  const double slowest_s = scene.relaxation.terms.col(1).maxCoeff();
+  for (const int n_tools : {1, 2})
+    for (const double depth : depths)
+      for (const auto& motion : motions_of(1, slowest_s, n_tools > 1))
+        if (n_tools == 1 || body)
+          report.motions.push_back(
+              {motion.name + (", " + number_text(1e3 * depth)) + " mm" + (n_tools > 1 ? ", two tools" : ""), {}});
+  MotionComparison comparison(scene, model);
+  comparison.solver().set_stop(stop);
+  comparison.solver().begin_motion(scene.relaxation);  // refuses other elements
+  std::vector<double> values;
+  const auto finished = share_out(session, places, progress, stop, [&](std::size_t place) {
+    std::mt19937_64 random(seed * 1'000'003 + place);
+    const auto active = model.active_nodes();
+    const auto draw = [&] {
+      return active[static_cast<std::size_t>(uniform(random) * static_cast<double>(active.size()))];
+    };
+    std::vector<std::int32_t> nodes{draw()};
+    const double frequency_Hz =
+        least_Hz *
+        std::pow(most_Hz / least_Hz, static_cast<double>(place) / std::max(1.0, static_cast<double>(places - 1)));
+    std::vector<double> of_place;
+    double number = 0;
+    for (const int n_tools : {1, 2}) {
+      if (n_tools == 2 && !body) break;
+      while (std::ssize(nodes) < n_tools) {
+        const auto other = draw();
+        if (other != nodes[0]) nodes.push_back(other);
+      }
+      std::vector<Eigen::Vector3d> directions;
+      for (const auto node : nodes) directions.push_back(comparison.direction(node, random));
+      for (const double depth : depths) {
+        std::vector<Vec3> depth_m;
+        for (const auto& e : directions) depth_m.push_back({depth * e[0], depth * e[1], depth * e[2]});
+        const auto try_to = [&](auto&& work) {
+          try {
+            return work();
+          } catch (const Interrupted&) {
+            throw;
+          } catch (const std::exception&) {
+            comparison.solver().recover();
+            return decltype(work()){};
+          }
+        };
+        const Forces ray = try_to([&] { return comparison.ray(nodes, depth_m); });
+        for (const auto& motion : motions_of(frequency_Hz, slowest_s, n_tools > 1)) {
+          const Judged j =
+              try_to([&] { return comparison.judge(motion, n_tools > 1 ? *body : model, nodes, depth_m, ray); });
+          of_place.insert(of_place.end(), {number++, j.model, j.convolved, j.elastic, j.area, j.warned});
+        }
+      }
+    }
+    values.insert(values.end(), of_place.begin(), of_place.end());
+  });
+  report.finished = session.total(finished);
+  const auto all = session.gather(values);
+  double unused = undefined;
+  for (std::size_t i = 0; i + n_values <= all.size(); i += n_values) {
+    auto& errors = report.motions[static_cast<std::size_t>(all[i])].second;
+    ++(all[i + 1] < 0 ? errors.failed : errors.places);
+    add(all[i + 1], errors.mean, errors.worst);
+    add(all[i + 2], errors.convolved_mean, errors.convolved_worst);
+    add(all[i + 3], errors.elastic, unused);
+    add(all[i + 4], errors.area_mean, errors.area_worst);
+    errors.warned += all[i + 5];
+  }
+  for (auto& [name, errors] : report.motions)
+    for (double* sum : {&errors.mean, &errors.convolved_mean, &errors.elastic, &errors.area_mean, &errors.warned})
+      *sum /= static_cast<double>(std::max<std::int64_t>(errors.places, 1));
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return report;
+}
+
+std::vector<std::vector<std::string>> MotionReport::cells() const {
+  const auto percent = [](double value) {
+    return std::isnan(value) ? std::string("-") : number_text(100 * value, std::chars_format::fixed, 2);
+  };
+  std::vector<std::vector<std::string>> rows{{"relaxing, % of largest force", "places", "mean", "worst", "convolved",
+                                              "worst", "elastic", "area", "worst", "warned"}};
+  for (const auto& [name, e] : motions)
+    rows.push_back({name, number_text(e.places), percent(e.mean), percent(e.worst), percent(e.convolved_mean),
+                    percent(e.convolved_worst), percent(e.elastic), percent(e.area_mean), percent(e.area_worst),
+                    percent(e.warned)});
+  return rows;
+}
+
+}  // namespace phynness
