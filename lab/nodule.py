@@ -11,9 +11,10 @@ import re
 
 import h5py
 import numpy as np
-from commands import SOURCE, run
+from commands import SOURCE, answer, run, vector
 
-DEPTHS_M = {"at rest": 0.0, "at 5 mm": 0.005}
+DEPTH_M = 0.005
+KINDS = ("dF/dd at rest", "dF/dd at 5 mm", "F/d at 5 mm")
 STEP_M = 1e-4  # of central differences: the error is of its square over that of the tool's radius
 
 
@@ -21,7 +22,7 @@ def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--scene", type=pathlib.Path, default=SOURCE / "scenes/liver_nodule.toml")
-    parser.add_argument("--places", type=int, default=44, help="nodes of the probed part, the nearest to the nodule")
+    parser.add_argument("--places", type=int, default=44, help="most nodes that the model answers, the nearest to the nodule")
     parser.add_argument("--ranks", type=int, default=1)
     return parser.parse_args()
 
@@ -40,27 +41,35 @@ def made(scene, folder, ranks):
     return folder
 
 
-def places_of(database, count):
+def is_answered(model, node, d):
+    try:
+        found = answer("eval", model, "--node", node, "--displacement", vector(d))
+    except SystemExit:  # not between probed nodes
+        return False
+    return found is not None and found["status"] == 0
+
+
+def places_of(folder, count):
     """Nodes of the probed part of the surface, those that are probed and those between them, and their inward normals."""
-    with h5py.File(database) as f:
+    with h5py.File(folder / "database.h5") as f:
         x, faces, active = f["mesh/nodes"][:], f["mesh/surface"][:], f["sets/active"][:]
         regions, cells, fixed = f["mesh/regions"][:], f["mesh/cells"][:], f["sets/fixed"][:]
     nodule = x[cells[regions == 1]].mean(axis=(0, 1))
-    normals = np.zeros_like(x)
-    area = np.cross(x[faces[:, 1]] - x[faces[:, 0]], x[faces[:, 2]] - x[faces[:, 0]])
+    inward = np.zeros_like(x)
+    area = np.cross(x[faces[:, 2]] - x[faces[:, 0]], x[faces[:, 1]] - x[faces[:, 0]])
     for k in range(3):
-        np.add.at(normals, faces[:, k], area)
-    reach = np.linalg.norm(x[active] - nodule, axis=1).max()
-    near = np.setdiff1d(np.unique(faces), fixed)
-    near = near[np.argsort(np.linalg.norm(x[near] - nodule, axis=1))]
-    near = near[np.linalg.norm(x[near] - nodule, axis=1) <= reach][:count]
-    inward = -normals[near] / np.linalg.norm(normals[near], axis=1, keepdims=True)
-    return near, inward, np.isin(near, active), x[near], nodule
+        np.add.at(inward, faces[:, k], area)
+    inward /= np.maximum(np.linalg.norm(inward, axis=1, keepdims=True), 1e-300)
+    far = np.linalg.norm(x - nodule, axis=1)
+    near = [n for n in np.setdiff1d(np.unique(faces), fixed) if far[n] <= far[active].max()]
+    near = [n for n in sorted(near, key=lambda n: far[n])
+            if is_answered(folder / "model", n, DEPTH_M * inward[n])][:count]
+    return np.array(near), inward[near], np.isin(near, active), x[near], nodule
 
 
 def stiffnesses(command, nodes, inward, folder):
-    """N/m in the direction of the push, a column for each depth; NaN without an equilibrium."""
-    steps = [depth + sign * STEP_M for depth in DEPTHS_M.values() for sign in (1, -1)]
+    """N/m in the direction of the push, a column for each of KINDS; NaN without an equilibrium."""
+    steps = (STEP_M, -STEP_M, DEPTH_M + STEP_M, DEPTH_M - STEP_M)
     queries = folder / "queries.csv"
     queries.write_text("node,ux_m,uy_m,uz_m\n" + "".join(
         "%d,%.17g,%.17g,%.17g\n" % (node, *(step * d)) for node, d in zip(nodes, inward) for step in steps))
@@ -68,20 +77,21 @@ def stiffnesses(command, nodes, inward, folder):
                           encoding=None)
     force = np.column_stack([table[k].astype(float) for k in ("fx_N", "fy_N", "fz_N")])
     along = (force.reshape(len(nodes), len(steps), 3) * inward[:, None, :]).sum(axis=2)
-    return (along[:, 0::2] - along[:, 1::2]) / (2 * STEP_M)
+    slopes = (along[:, 0::2] - along[:, 1::2]) / (2 * STEP_M)
+    return np.column_stack([slopes, along[:, 2:].mean(axis=1) / DEPTH_M])
 
 
 def draw(x, nodule, rises, file):
     import matplotlib
     matplotlib.use("Agg")
     from matplotlib import pyplot
-    figure, axes = pyplot.subplots(len(DEPTHS_M), len(rises), figsize=(4 * len(rises), 7), squeeze=False)
-    for row, depth in enumerate(DEPTHS_M):
+    figure, axes = pyplot.subplots(len(KINDS), len(rises), figsize=(4 * len(rises), 10))
+    for row, kind in enumerate(KINDS):
         top = np.nanmax(rises["dolfinx"][:, row])
         for axis, (who, rise) in zip(axes[row], rises.items()):
             drawn = axis.scatter(1e3 * x[:, 0], 1e3 * x[:, 1], c=rise[:, row], vmin=0, vmax=top, s=80)
             axis.plot(1e3 * nodule[0], 1e3 * nodule[1], "k+")
-            axis.set(title=f"rise of stiffness {depth}, {who}, N/m", aspect="equal", xlabel="x, mm", ylabel="y, mm")
+            axis.set(title=f"rise of {kind}, {who}, N/m", aspect="equal", xlabel="x, mm", ylabel="y, mm")
             figure.colorbar(drawn, ax=axis)
     figure.tight_layout()
     figure.savefig(file, dpi=100)
@@ -97,20 +107,20 @@ def main():
         scene.write_text(scene_text)
         folder = made(scene, options.folder / name, options.ranks)
         if not found:
-            nodes, inward, probed, x, nodule = places_of(folder / "database.h5", options.places)
+            nodes, inward, probed, x, nodule = places_of(folder, options.places)
         found[name] = {who: stiffnesses(command, nodes, inward, options.folder) for who, command in (
             ("dolfinx", ("solve", scene)), ("model", ("eval", folder / "model")),
             ("body", ("eval", folder / "model", "--body", folder / "body.txt")))}
     rises = {who: found["with"][who] - found["without"][who] for who in found["with"]}
-    columns = [f"{name} {depth} {who}" for name in found for depth in DEPTHS_M for who in rises]
-    values = [found[name][who][:, k] for name in found for k in range(len(DEPTHS_M)) for who in rises]
+    columns = [f"{name} {kind} {who}" for name in found for kind in KINDS for who in rises]
+    values = [found[name][who][:, k] for name in found for k in range(len(KINDS)) for who in rises]
     np.savetxt(options.folder / "nodule.csv", np.column_stack([nodes, x, probed, *values]), delimiter=",", comments="",
                fmt="%.9g", header=",".join(["node", "x_m", "y_m", "z_m", "is_probed", *columns]))
     print(f"{len(nodes)} places, {probed.sum()} of them probed; stiffness in N/m")
-    for k, depth in enumerate(DEPTHS_M):
+    for k, kind in enumerate(KINDS):
         top = np.nanmax(rises["dolfinx"][:, k])
         base = found["without"]["dolfinx"][:, k]
-        print(f"{depth}: without the nodule {np.nanmin(base):.1f} to {np.nanmax(base):.1f}, largest rise {top:.2f}")
+        print(f"{kind}: without the nodule {np.nanmin(base):.1f} to {np.nanmax(base):.1f}, largest rise {top:.2f}")
         for who in ("model", "body"):
             off = 100 * np.abs(rises[who][:, k] - rises["dolfinx"][:, k]) / top
             print(f"  {who:6} rise off by {np.nanmax(off[probed]):.2f} % of the largest at points, "
