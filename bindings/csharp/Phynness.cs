@@ -261,7 +261,7 @@ public sealed class Organ : IDisposable {
     nTools = n;
     Native.BodyReport pressed;
     int status = Native.phn_body_force(files.Body.Object, state.Object, n, ref tools, most, out forces, out pressed);
-    report = new Report { Energy = pressed.energy, Residual = pressed.behind_m, Unbalanced = pressed.unbalanced,
+    report = new Report { Energy = pressed.energy, Residual = pressed.residual_m, Unbalanced = pressed.unbalanced,
                           Steps = pressed.steps };
     return status;
   }
@@ -562,7 +562,7 @@ static class Native {
   }
   [StructLayout(LayoutKind.Sequential)]
   public struct BodyReport {
-    public double energy, unbalanced, behind_m;
+    public double energy, unbalanced, residual_m;
     public int steps, renewed, reserved0, reserved1;
   }
   [StructLayout(LayoutKind.Sequential)]

@@ -63,7 +63,7 @@ TEST(NearTools, OpposedHaveTheForceOfTheSprings) {
   EXPECT_NEAR((pair.forces[0] + pair.forces[1]).norm(), 0, 1e-3 * alone);
   for (double separation = 0; separation < 0.4; separation += 0.02) {
     EXPECT_EQ(pair.press(separation, push, pull), PHN_WARNING_NEAR) << separation;
-    EXPECT_LT(pair.body.pressed.behind_m, 1e-3 * block_depth) << separation;
+    EXPECT_LT(pair.body.pressed.residual_m, 1e-3 * block_depth) << separation;
   }
   EXPECT_EQ(pair.press(0.51, push, pull), PHN_OK);
   // The body stays at rest, and all energy is that of the springs.

@@ -179,7 +179,7 @@ TEST_F(OrganOfABody, HoldsAsC) {
     EXPECT_EQ(organ.hold(tools, forces, &report), phn_body_force(body, state, 2, tools, 5, expected, &pressed));
     EXPECT_TRUE(same(forces, expected));
     EXPECT_EQ(report.energy_J, pressed.energy);
-    EXPECT_EQ(report.residual_m, pressed.behind_m);
+    EXPECT_EQ(report.residual_m, pressed.residual_m);
     EXPECT_EQ(report.unbalanced, pressed.unbalanced);
     EXPECT_EQ(report.steps, pressed.steps);
     EXPECT_EQ(organ.deform(field), phn_body_deform(body, state, expected_field.data()));

@@ -97,9 +97,9 @@ struct OrganReport {
 /// none after construction. It can be moved, which leaves the memory in place, but not copied.
 ///
 /// One tool is answered by the model, several by the body, which does not follow one tool: the first call of several
-/// makes up to steps_to_follow steps, so that their forces are there at once. Without a model the body answers one, and without a body a
-/// model of node probes couples several. touch asks the body wherever there is one, so that its forces do not change
-/// when a second sphere comes.
+/// makes up to steps_to_follow steps, so that their forces are there at once. Without a model the body answers one, and
+/// without a body a model of node probes couples several. touch asks the body wherever there is one, so that its forces
+/// do not change when a second sphere comes.
 class Organ {
  public:
   static constexpr std::int32_t steps_to_follow = 20;
@@ -191,8 +191,8 @@ class Organ {
     return place(x.data(), tool, point.data(), &distance);
   }
 
-  /// The force [N] that holds a tool, with energy [J] and stiffness [N/m], 3 x 3 and symmetric. Without a model there is
-  /// no stiffness: PHN_ERROR_UNDEFINED and zeros, also of the force.
+  /// The force [N] that holds a tool, with energy [J] and stiffness [N/m], 3 x 3 and symmetric. Without a model there
+  /// is no stiffness: PHN_ERROR_UNDEFINED and zeros, also of the force.
   Status hold(const phn_tool& tool, Out3 force) noexcept { return hold_one(tool, force.data(), nullptr, nullptr); }
   Status hold(const phn_tool& tool, Out3 force, double& energy) noexcept {
     return hold_one(tool, force.data(), &energy, nullptr);
@@ -276,7 +276,8 @@ class Organ {
   }
   /// Of one tool that the model may hold; PHN_NO_BOUND outside of the trained range.
   Status bound(const phn_tool& tool, double& bound) const noexcept { return phn_bound(model(), &tool, &bound); }
-  /// Depth [m] of the trained range, of the model where there is one, at the place of a tool in the direction of its displacement; at rest the smallest.
+  /// Depth [m] of the trained range, of the model where there is one, at the place of a tool in the direction of its
+  /// displacement; at rest the smallest.
   Status depth(const phn_tool& tool, double& depth) const noexcept {
     if (model() != nullptr) return phn_depth(model(), &tool, &depth);
     depth = body_info().max_displacement_m;
@@ -465,7 +466,7 @@ class Organ {
     _n_tools = static_cast<std::size_t>(n);
     phn_body_report pressed{};
     const int status = phn_body_force(body(), _state, n, tools, steps, forces, &pressed);
-    made = {pressed.energy, pressed.behind_m, pressed.unbalanced, pressed.steps};
+    made = {pressed.energy, pressed.residual_m, pressed.unbalanced, pressed.steps};
     return status;
   }
   Status step(std::int32_t n, const phn_contact_tool* spheres, phn_contact_state* states, OrganReport& made) noexcept {

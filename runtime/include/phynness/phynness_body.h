@@ -54,7 +54,7 @@ PHN_API int phn_body_state_init(void* memory, size_t bytes, const phn_body* body
 typedef struct phn_body_report {
   double energy;     /* [J] */
   double unbalanced; /* size of the next step over that of the deformation, in the norm of the energy */
-  double behind_m;   /* largest distance of a tool from the mean displacement that it holds */
+  double residual_m; /* largest distance of a tool from the mean displacement that it holds */
   int32_t steps;     /* that were made or undone */
   int32_t renewed;   /* factors of the stiffness matrix that were computed */
   int32_t reserved[2] PHN_ZEROS;

@@ -328,7 +328,7 @@ int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t
       behind[k] = state->wanted[r] - product(row, state->at.q, body->info.n_modes) - stretch[k];
       made.energy += held_by[r] * stretch[k] / 2;
     }
-    made.behind_m = std::fmax(made.behind_m, length(behind));
+    made.residual_m = std::fmax(made.residual_m, length(behind));
     double near[3];
     for (int k = 0; k < 3; ++k) near[k] = product(state->near_springs[3 * t + k], held_by, state->n_rows);
     if (length(near) > much_stretched * length(state->wanted + 3 * t)) status |= PHN_WARNING_NEAR;
@@ -338,7 +338,7 @@ int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t
     set_zero(state->solved, 3 * most_body_tools);
     made.unbalanced = 1;
   }
-  if (made.unbalanced > unsettled || !(made.behind_m <= unsettled * depth)) status |= PHN_WARNING_UNSETTLED;
+  if (made.unbalanced > unsettled || !(made.residual_m <= unsettled * depth)) status |= PHN_WARNING_UNSETTLED;
   // Far from balance the solution of the linearized problem says nothing of the forces; those before are kept.
   const bool is_far = made.unbalanced > far_from_balance;
   if (is_far) memcpy(held_by, state->force, sizeof state->force);

@@ -25,7 +25,7 @@ class TouchedBody final : public Touched {
     made.renewed += pressed.renewed;
     pressed = made;
     unbalanced = made.unbalanced;
-    result = {made.behind_m, made.energy};
+    result = {made.residual_m, made.energy};
     if (status >= 0) {
       const std::int32_t first = n == 0 ? 0 : _state.n_rows;  // of the others the last step has them
       Compliance::solve_rows(_state, n == 0 ? _state.factor_at_rest : _state.factor, first, 3 * n_all - first);
@@ -100,7 +100,7 @@ int PHN_RUNTIME::step_on_body(phn_contact& contact, std::int32_t n_tools, const 
   TouchedBody touched(*contact.state, contact.steps);
   phn_coupled coupled = {0, 0};
   const int status = step_contact(contact, touched, n_tools, tools, states, report, coupled);
-  made = {touched.pressed.energy, touched.pressed.behind_m, touched.pressed.unbalanced, touched.pressed.steps};
+  made = {touched.pressed.energy, touched.pressed.residual_m, touched.pressed.unbalanced, touched.pressed.steps};
   return status;
 }
 

@@ -64,5 +64,5 @@ export const layout = {
     points: pointer, triangles: pointer, n_nodes: integer, n_triangles: integer, n_modes: integer, n_pressures: integer,
     n_cells: integer, reserved: integer,
   }),
-  ...struct('phn_body_report', { energy: double, unbalanced: double, behind_m: double, steps: integer, renewed: integer, reserved: several(2, integer) }),
+  ...struct('phn_body_report', { energy: double, unbalanced: double, residual_m: double, steps: integer, renewed: integer, reserved: several(2, integer) }),
 };

@@ -19,7 +19,7 @@ const functions = {
   model: { data: 'phn_data', hold: 'phn_couple', bound: 'phn_bound', field: 'phn_coupled_deform', result: 'phn_coupled',
     energy: 'phn_coupled.energy', residual: 'phn_coupled.residual' },
   body: { data: 'phn_body_state', hold: 'phn_body_force', bound: 'phn_body_bound', field: 'phn_body_deform', result: 'phn_body_report',
-    energy: 'phn_body_report.energy', residual: 'phn_body_report.behind_m' },
+    energy: 'phn_body_report.energy', residual: 'phn_body_report.residual_m' },
 } as const;
 
 export class Tools extends Owner {
