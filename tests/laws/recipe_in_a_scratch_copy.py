@@ -1,7 +1,7 @@
 """Claim: the recipe "Add a material" of CONTRIBUTING.md holds: in a copy of laws/ and precompute_dolfinx/forms one new file is
 enough for the tables, the parser, the hash, the page of keys and, where UFL is there, the forms.
 
-Usage: recipe_in_a_scratch_copy.py SOURCE COMPILER FORMATS_LIBRARY [PYTHON_WITH_UFL]
+Usage: recipe_in_a_scratch_copy.py SOURCE COMPILER EIGEN FORMATS_LIBRARY [PYTHON_WITH_UFL]
 """
 
 import os
@@ -89,7 +89,7 @@ def expect(text, words):
         assert word in text, f"no {word!r} in\n{text}"
 
 
-def main(source, compiler, libraries, python_with_ufl=None):
+def main(source, compiler, eigen, libraries, python_with_ufl=None):
     source = Path(source)
     with tempfile.TemporaryDirectory() as temporary:
         copy = Path(temporary)
@@ -108,7 +108,7 @@ def main(source, compiler, libraries, python_with_ufl=None):
 
         # Its own table comes first: the library's is then left out by the linker.
         (copy / "main.cpp").write_text(PROGRAM)
-        run(compiler, "-std=c++20", "-I", source / "formats" / "include", "-I", source / "runtime" / "include", copy / "main.cpp", copy / "made" / "tables.cpp",
+        run(compiler, "-std=c++20", "-I", source / "formats" / "include", "-I", source / "runtime" / "include", "-isystem", eigen, copy / "main.cpp", copy / "made" / "tables.cpp",
             *libraries.split(), "-o", copy / "recipe")  # fmt: skip
         # K = 1 / D1, and every parameter is in what the hash is made of.
         expect(run(copy / "recipe", SCENE), [

@@ -30,6 +30,11 @@ class Provenance(ctypes.Structure):
     )
 
 
+class Relaxation(ctypes.Structure):
+    _fields_ = [("g", ctypes.c_double * 8), ("tau_s", ctypes.c_double * 8), ("length_m", ctypes.c_double),
+                ("n_terms", ctypes.c_int32), ("reserved", ctypes.c_int32)]
+
+
 class Info(ctypes.Structure):
     _fields_ = (
         [(name, ctypes.c_char_p) for name in ("family", "title", "mesh_hash")]
@@ -40,7 +45,7 @@ class Info(ctypes.Structure):
         + [(name, ctypes.c_char_p * 8) for name in ("field_names", "field_units")]
         + [(name, ctypes.c_int32) for name in ("n_nodes", "n_active", "n_output", "n_fixed", "n_triangles", "n_fields",
                                                "n_levels", "has_energy")]
-        + [("provenance", Provenance), ("reserved", ctypes.c_int32 * 4)]
+        + [("provenance", Provenance), ("relaxation", Relaxation), ("reserved", ctypes.c_int32 * 4)]
     )
 
 
@@ -59,7 +64,7 @@ def built(size, init):
 
 
 assert function("abi_version")() == 1
-for struct in (Provenance, Info, Tool):
+for struct in (Provenance, Relaxation, Info, Tool):
     name = b"phn_" + struct.__name__.lower().encode()
     assert function("sizeof")(ctypes.c_char_p(name)) == ctypes.sizeof(struct), name
 function("status_message").restype = ctypes.c_char_p

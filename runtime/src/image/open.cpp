@@ -115,11 +115,13 @@ class ImageCheck {
                                        origin.finer_tool_radius_m};
     for (const uint32_t* number : numbers) require(number[1] < 0x7ff00000);  // not negative, infinite or NaN
     require(origin.bound_reference >= 0 && origin.bound_reference <= schema::n_bound_references);
-    require(origin.relaxation.n <= 2 + 4 * schema::largest_relaxation_count && origin.relaxation.n % 4 % 3 != 1);
-    require(origin.relaxation.n == 0 || origin.relaxation.n > 4);
-    require(inside<uint32_t>(origin.relaxation.at, origin.relaxation.n));
+    // The radius and two numbers for each term, as halves of doubles.
+    const uint32_t n = origin.relaxation.n;
+    require(n == 0 || (n % 4 == 2 && n > 2 && n <= 2 + 4 * schema::largest_relaxation_count));
+    require(inside<uint32_t>(origin.relaxation.at, n));
+    if (!_good) return;
     const auto* halves = at<uint32_t>(_image, origin.relaxation);
-    for (uint32_t i = 1; _good && i < origin.relaxation.n; i += 2) require(halves[i] < 0x7ff00000);
+    for (uint32_t i = 1; i < n; i += 2) require(halves[i] < 0x7ff00000);
     if (origin.surface == 0) return;
     require(inside<image::Surface>(origin.surface, 1));
     if (_good) surface(*surface_of(_image));
