@@ -61,7 +61,7 @@ VerdictLine worst_node(const Validated& v) {
   const auto& worst = v.report.to_range.worst;
   if (!worst) return line;
   const auto at = v.model.mesh().nodes.row(worst->node);
-  const ForceUnit unit = force_unit(worst->largest_N);
+  const ForceUnit unit = worst->largest_N >= 1 ? ForceUnit{1, "N"} : force_unit(worst->largest_N);
   line.sentence = fmt::format(
       "{:.3g} {} at node {} ({:.1f}, {:.1f}, {:.1f}) mm, where the error is {:.3g} {} on average and the largest force "
       "{:.3g} {}{}",
