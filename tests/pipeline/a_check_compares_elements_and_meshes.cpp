@@ -100,8 +100,8 @@ TEST_F(Check, CountsSmallerCellsAsTheStiffnessAtRest) {
   EXPECT_GT(distance.at("element_at_rest").at("mean"), distance.at("cells_at_rest").at("mean"));
   EXPECT_EQ(distance.at("shape_at_rest").at("places"), 0) << "the surface of a block is that of its mesh";
   EXPECT_LT(distance.at("of_reference").at("mean"), distance.at("mean"));
-  expect_names(unbroken(done.out),
-               {"changed as cells of half the size at rest", "taylor-hood elements on the same mesh would"});
+  expect_names(unbroken(done.out), {"corrected at rest for cells of half the size",
+                                    "With taylor-hood elements on the same mesh the error would"});
 }
 
 // The inside of a cylinder that is meshed with coarse edges is smaller than the cylinder: its shape is a part.

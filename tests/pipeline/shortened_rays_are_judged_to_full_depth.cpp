@@ -75,7 +75,7 @@ TEST_F(ShortenedRays, ThatNobodyReachesAreCounted) {
   }
   // The verdict, its JSON and the report count the same probes.
   const auto count = std::to_string(unreached.size());
-  EXPECT_EQ(v.at("verdict").at("out_of_reach").at("probes").get<std::size_t>(), unreached.size());
+  EXPECT_EQ(v.at("verdict").at("not_covered").at("probes").get<std::size_t>(), unreached.size());
   expect_names(unbroken(read_file(folder / "stdout.txt")),
                {"; " + count + " of 20 probes have no finite element solution"});
   expect_names(read_file(folder / "r.html"), {count + " of 20 probes have no finite element solution"});
@@ -91,7 +91,7 @@ TEST_F(ShortenedRays, HaveOneShareOfTheProbeVolume) {
     fs::remove(folder / "d.h5");
     succeed("precompute scene.toml -o d.h5");
     succeed("train scene.toml d.h5 -o m --family modal");
-    const double judged = validated("m --probes 4").at("verdict").at("out_of_reach").at("share_of_volume");
+    const double judged = validated("m --probes 4").at("verdict").at("not_covered").at("share_of_volume");
     succeed("info d.h5 --json i.json");
     EXPECT_GT(judged, 0.01);
     EXPECT_NEAR(json("i.json").at("ends").at("share_of_volume").get<double>(), judged, 1e-12) << directions;

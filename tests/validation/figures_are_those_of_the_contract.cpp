@@ -52,6 +52,8 @@ Validated results() {
   v.points.coupled.force = ErrorStatistics::of({0.5});  // worse than linear
   v.points.linear.force = ErrorStatistics::of({0.1});
   v.pairs.pairs = v.pairs.finished = 2;
+  v.motions.places = v.motions.finished = 1;
+  v.motions.motions.emplace_back("a motion", MotionErrors{});
   v.points.body.emplace();
   v.rim = v.points;
   return v;
@@ -83,9 +85,9 @@ TEST(ValidationFigures, HaveTheKeysOfTheContract) {
   ASSERT_FALSE(text.empty());
   std::set<std::string> keys;
   auto v = results();
-  collect(validation_figures(v), {"a field"}, keys);
+  collect(validation_figures(v), {"a field", "a motion"}, keys);
   v.no_points = failure("not done", "a test", "none");
-  collect(validation_figures(v), {"a field"}, keys);
+  collect(validation_figures(v), {"a field", "a motion"}, keys);
   const auto named = words(text, "[`\"]([a-zA-Z0-9_]+)[`\"]");
   for (const auto& key : keys) EXPECT_TRUE(named.count(key)) << key << " is not in formats/validation.md";
   std::istringstream lines(text);

@@ -31,7 +31,7 @@ struct ReducedBody {
   /// Empty, or a row for each region with a cell or without: parameters and bulk in place of those above.
   Eigen::MatrixXd regions{};
   std::vector<std::int32_t> region_of_cell;  ///< 0, or i + 1 of row i; empty without regions
-  ScaledTable gradients;            ///< 9 n_cells x n_modes: du_i/dX_j in row 9 c + 3 i + j, smaller in the last modes
+  ScaledTable gradients;  ///< 9 n_cells x n_modes: du_i/dX_j in row 9 c + 3 i + j, smaller in the last modes
   /// n_modes x n_modes, symmetric [J]: the second derivative of the first sum at rest, and what it lacks; or none.
   ScaledTable cells_at_rest, lack_at_rest;
   ScaledTable pressures;  ///< n_cells x n_pressures

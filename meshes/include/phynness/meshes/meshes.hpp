@@ -81,9 +81,8 @@ std::vector<std::int32_t> refined(const std::vector<std::int32_t>& nodes,
                                   const std::vector<std::array<std::int32_t, 2>>& edges, std::int32_t n_nodes);
 
 /// Writes gmsh format 4.1 (ASCII): nodes in their order, tetrahedra if there are any, triangles, physical groups. If
-/// `sets` is given, its lists become the physical point groups phynness_fixed, phynness_active, phynness_output. Cells of
-/// regions become volumes of their own.
-/// make_mesh reads the file with the same node numbers, cells and hash.
+/// `sets` is given, its lists become the physical point groups phynness_fixed, phynness_active, phynness_output. Cells
+/// of regions become volumes of their own. make_mesh reads the file with the same node numbers, cells and hash.
 void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::path& file);
 
 /// True if the fixed nodes prevent every rigid motion: at least three nodes that are not on one line, or an edge of a
