@@ -91,7 +91,7 @@ TEST(Relaxation, IsOfSecondOrder) {
 TEST(Relaxation, HasTheBitsOfElasticBodies) {
   Relaxing relax;
   relax.terms.n_terms = 0;
-  for (const Vector3d elastic : {Vector3d{1.0 / 3, -1e-310, 1e299}, Vector3d{-0.0, 7, -1e-5}}) {
+  for (const Vector3d& elastic : {Vector3d{1.0 / 3, -1e-310, 1e299}, Vector3d{-0.0, 7, -1e-5}}) {
     const Vector3d force = relax(elastic, 1e-3);
     EXPECT_EQ(relax.status, PHN_OK);
     EXPECT_EQ(std::memcmp(force.data(), elastic.data(), sizeof(Vector3d)), 0);
