@@ -185,6 +185,15 @@ class MotionComparison {
   Points _normals;
 };
 
+/// @param relaxation  of a model or a body, which must be that of the scene
+void require_terms(const Scene& scene, const phn_relaxation& relaxation, const std::string& name, const char* remedy) {
+  const auto& terms = scene.relaxation.terms;
+  bool same = relaxation.n_terms == terms.rows();
+  for (Eigen::Index i = 0; same && i < terms.rows(); ++i)
+    same = relaxation.g[i] == terms(i, 0) && relaxation.tau_s[i] == terms(i, 1);
+  if (!same) throw input_error("the relaxation is not that of the scene", name, remedy);
+}
+
 void add(double value, double& sum, double& worst) {
   if (value < 0) return;
   sum = (std::isnan(sum) ? 0 : sum) + value;
@@ -199,8 +208,9 @@ MotionReport validate_motions(const SolverSession& session, const Scene& scene, 
   if (scene.relaxation.empty() || model.organ().relaxation().n_terms == 0)
     throw input_error("nothing relaxes", scene.relaxation.empty() ? scene.source_name : model.name(),
                       "add relaxation to [material] of the scene, and train the model with it");
-  if (body && body->organ().relaxation().n_terms == 0)
-    throw input_error("the body does not relax", body->name(), "make it with phynness reduce --scene SCENE");
+  require_terms(scene, model.organ().relaxation(), model.name(), "train the model with this scene");
+  if (body)
+    require_terms(scene, body->organ().relaxation(), body->name(), "make the body with phynness reduce --scene SCENE");
   const auto start = std::chrono::steady_clock::now();
   MotionReport report;
   report.places = places;
