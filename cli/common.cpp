@@ -103,28 +103,6 @@ void select(const std::filesystem::path& continued, LoadedScene& loaded) {
   resolve_selections(loaded.scene, loaded.mesh, loaded.sets, probed);
 }
 
-/// Refuses a mesh with regions elsewhere than the scene has them: fewer than half of the cells of both are the same.
-/// Cells of a user's groups are not known by their place.
-void require_regions_of(const Scene& scene, Mesh mesh, const std::filesystem::path& file) {
-  const auto in_file = std::exchange(mesh.regions, {});
-  std::vector<std::uint8_t> in_scene;
-  try {
-    in_scene = cell_regions(scene, mesh);
-  } catch (const Error&) {
-    return;
-  }
-  for (std::size_t r = 1; r <= scene.regions.size(); ++r) {
-    std::size_t both = 0, either = 0;
-    for (std::size_t c = 0; c < in_file.size(); ++c) {
-      both += in_file[c] == r && in_scene[c] == r;
-      either += in_file[c] == r || in_scene[c] == r;
-    }
-    if (2 * both < either)
-      throw input_error("the mesh is not of this scene: region '" + scene.regions[r - 1].name + "' is elsewhere in it",
-                        file.string(), "make it again with phynness mesh SCENE");
-  }
-}
-
 /// Without the groups that write_msh() adds for node sets; its groups of cells are the regions.
 MeshResult read_made(Scene scene, const std::filesystem::path& file) {
   const Scene whole = scene;
@@ -140,7 +118,7 @@ MeshResult read_made(Scene scene, const std::filesystem::path& file) {
     scene.regions[r].cells = {group};
   }
   auto made = make_mesh(scene);
-  require_regions_of(whole, made.mesh, file);
+  require_regions_of(whole, made.mesh, file.string());
   std::erase_if(made.mesh.groups, [](const auto& group) { return group.first.starts_with("phynness_"); });
   return made;
 }

@@ -289,7 +289,7 @@ json about_body(const std::filesystem::path& file) {
   phn_body_state_size(body.organ().body(), 2, &state_bytes);
   print_result("body      {}: law {}, {} modes, {} cells, {} pressures{}\n", file.string(), info.law, info.n_modes,
                info.n_cells, info.n_pressures,
-               text.regions.rows() > 0 ? fmt::format(", {} regions", text.regions.rows()) : "");
+               text.regions.rows() > 0 ? fmt::format(", regions: {}", text.regions.rows()) : "");
   print_result("mesh      {}, physics {}: {} nodes and {} triangles of the surface\n", info.mesh_hash,
                info.physics_hash, info.n_nodes, info.n_triangles);
   print_result("tools     {}, to {:.4g} m in training{}\n",

@@ -59,8 +59,8 @@ std::vector<Query> read_queries(const std::filesystem::path& file, const std::fu
     if (moves) {
       const double before = queries.empty() ? 0 : *queries.back().time_s;
       if (!parse_number(fields[4], query.time_s.emplace()) || !(*query.time_s > before) || *query.time_s > 1e9)
-        throw error("a time must be a number of seconds later than that of the row before", fields[4],
-                    "sort the rows by time; the body is at rest at the time 0");
+        throw error("a time must be above 0 s, later than that of the row before, and at most 1e9 s", fields[4],
+                    "sort the rows by time; the body is at rest at the time 0, which has no row");
     }
     try {
       check(query);

@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <phynness/precompute/quiet_wait.hpp>
+#include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/several_tools.hpp>
 
 #include "reduce_command.hpp"
@@ -47,12 +47,12 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
     return solve(draws);
   };
   if (session.rank() > 0) {
-    while (told(session, {})) solve_more();
+    while (session.broadcast(false)) solve_more();
     return std::nullopt;
   }
   const struct End {
     const SolverSession& session;
-    ~End() { told(session, false); }
+    ~End() { session.broadcast(false); }
   } end{session};
   Progress progress("reduce", "steps");
   Reduced best;
@@ -75,7 +75,7 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
            }
            if (!target || error <= *target || !is_better) return true;
            // The next body has modes of the states that this one has not met, too, and is compared with others.
-           told(session, true);
+           session.broadcast(true);
            const auto more = fields_of(compared);
            fields.conservativeResize(Eigen::NoChange, fields.cols() + more.cols());
            fields.rightCols(more.cols()) = more;
@@ -86,9 +86,8 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
   best.report.seconds = report.seconds;
   if (target && error > *target)
     message(
-        "warning: forces of two tools are off by {:.3g} % (p95, or a third of the largest), and larger bodies are "
-        "hardly "
-        "better; {:.3g} % were wanted\n",
+        "warning: the force error of two tools is {:.3g} % (the larger of p95 and a third of the maximum), and larger "
+        "bodies are less than a tenth better; {:.3g} % were wanted\n",
         100 * error, 100 * *target);
   return best;
 }

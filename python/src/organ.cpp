@@ -259,10 +259,31 @@ void add_report(py::class_<Result>& result) {
            [](const Result&) -> py::object { raise_type("what an Organ answers is not pickled; its arrays are"); });
 }
 
+void add_batches(py::class_<OrganObject>& organ) {
+  PYBIND11_NUMPY_DTYPE(PlaceRow, nodes, status, weights, position, distance);
+  organ
+      .def("nearest_batch", &OrganObject::nearest_batch, arg("x"),
+           R"(The places nearest to n points, found by all processors: an array of n rows.
+
+x: (n, 3) [m]. Its fields: nodes (3,), -1 where unused; weights (3,); position (3,) [m], undeformed; distance [m]; status,
+below 0 and without nodes where x is not finite. Rows may be picked, copied and written by masks, as of any array.
+)")
+      .def("hold_batch", &OrganObject::hold_batch, arg("at"), arg("d"),
+           R"(Forces of n tools that do not act on each other, by the model on all processors: (forces, status).
+
+at: rows of nearest_batch, or n nodes and SurfacePoints. d: (n, 3) [m]. forces: (n, 3) [N]; status: (n,), 0, a sum of
+PHN_WARNING_* of phynness.h, or below 0 where a tool is refused, whose force is zero. Nothing is raised or warned of for a
+single tool. Other threads of Python run meanwhile. Error without a model.
+
+>>> organ = phynness.Organ("examples/model")
+>>> places = organ.nearest_batch(np.array([[0, 0, 0.1], [0.01, 0, 0.1]]))
+>>> forces, status = organ.hold_batch(places, np.array([[0, 0, -0.01], [0, 0, -0.005]]))
+)");
+}
+
 }  // namespace
 
 void add_organ(py::module_& module) {
-  PYBIND11_NUMPY_DTYPE(PlaceRow, nodes, status, weights, position, distance);
   py::class_<Held> held(module, "Held", "What Organ.hold answers.");
   held.def_readonly("forces", &Held::forces, "(n, 3), or of one tool (3,) [N].");
   add_report(held);
@@ -287,6 +308,7 @@ Error if a file is missing or damaged, or if the body has another mesh. Pickles 
 >>> both.forces.shape, organ.deform().shape
 ((2, 3), (146, 3))
 )");
+  add_batches(organ);
   organ
       .def(py::init(&OrganObject::open), arg("model"), arg("body") = py::none(), kw_only(), arg("max_tools") = 8,
            arg("steps") = 60)
@@ -302,23 +324,6 @@ whose forces depend on the motion before, needs for millimetres (8 in phynness e
 dt: seconds since the hold before, of a body that relaxes (Organ.relaxation); 0: the elastic force. reset() forgets.
 
 UnsettledWarning: more steps or increments come closer. OutsideWarning: farther than trained. Error where nothing can move.
-)")
-      .def("nearest_batch", &OrganObject::nearest_batch, arg("x"),
-           R"(The places nearest to n points, found by all processors: an array of n rows.
-
-x: (n, 3) [m]. Its fields: nodes (3,), -1 where unused; weights (3,); position (3,) [m], undeformed; distance [m]; status,
-below 0 and without nodes where x is not finite. Rows may be picked, copied and written by masks, as of any array.
-)")
-      .def("hold_batch", &OrganObject::hold_batch, arg("at"), arg("d"),
-           R"(Forces of n tools that do not act on each other, by the model on all processors: (forces, status).
-
-at: rows of nearest_batch, or n nodes and SurfacePoints. d: (n, 3) [m]. forces: (n, 3) [N]; status: (n,), 0, a sum of
-PHN_WARNING_* of phynness.h, or below 0 where a tool is refused, whose force is zero. Nothing is raised or warned of for a
-single tool. Other threads of Python run meanwhile. Error without a model.
-
->>> organ = phynness.Organ("examples/model")
->>> places = organ.nearest_batch(np.array([[0, 0, 0.1], [0.01, 0, 0.1]]))
->>> forces, status = organ.hold_batch(places, np.array([[0, 0, -0.01], [0, 0, -0.005]]))
 )")
       .def("touch", &OrganObject::touch, arg("centers"), arg("radius"), kw_only(), arg("friction") = 0.0,
            arg("mode") = "press",

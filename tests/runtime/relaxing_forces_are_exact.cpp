@@ -32,7 +32,7 @@ struct Relaxing {
   phn_relaxing history{};
   int status = PHN_OK;
   Vector3d operator()(const Vector3d& elastic, double dt, const double* place = nullptr) {
-    Vector3d force;
+    Vector3d force = Vector3d::Zero();
     status = phn_relax(&terms, &history, elastic.data(), place, dt, force.data());
     return force;
   }
@@ -59,7 +59,7 @@ TEST(Relaxation, IsExactForRampsInStepsOfAnyLength) {
                                    {3., 2000., 1e-3},
                                    {7., 0.02, 5000.}}) {
     Relaxing relax;
-    Vector3d force;
+    Vector3d force = Vector3d::Zero();
     for (int i = 1; i <= n; ++i) force = relax({0, 0, t * i / n}, t / n);
     EXPECT_NEAR(force[2], after_ramp(terms, t, 0), 1e-10 * t) << n << ' ' << t;
     for (int i = 0; i < n; ++i) force = relax({0, 0, t}, held / n);
@@ -79,7 +79,7 @@ TEST(Relaxation, IsOfSecondOrder) {
       exact -= terms.g[i] * (std::sin(omega) - w * std::cos(omega) + w * std::exp(-1 / terms.tau_s[i])) / (1 + w * w);
     }
     Relaxing relax;
-    Vector3d force;
+    Vector3d force = Vector3d::Zero();
     for (int i = 1; i <= n; ++i) force = relax({0, std::sin(omega * i / n), 0}, 1.0 / n);
     return std::abs(force[1] - exact);
   };
@@ -140,7 +140,7 @@ TEST(Relaxation, FollowsThePlace) {
     relax(elastic, 20, place);
     const double lost = 1 - relax(elastic, 1e-9, place)[2];
     EXPECT_EQ(relax.status, PHN_OK);
-    Vector3d force;
+    Vector3d force = Vector3d::Zero();
     for (int i = 1; i <= n; ++i) place[0] = distance * i / n, force = relax(elastic, 1e-9, place);
     status = relax.status;
     relax(elastic, 20, place);

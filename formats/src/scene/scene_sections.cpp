@@ -153,7 +153,8 @@ void check_region(const SceneTable& table, const Scene& scene) {
   for (const char* key : {"name", "cells"})
     if (!table.has(key))
       table.missing(key, "", "add name = \"nodule\" and cells = { sphere = { center_m = [...], radius_m = ... } }");
-  if (region.name.empty()) table.reject("name", "is empty", "give a name, such as \"nodule\"");
+  if (region.name.empty() || region.name.find_first_of("\r\n") != std::string::npos)
+    table.reject("name", "is empty or has several lines", "give a name, such as \"nodule\"");
   for (const Region& other : scene.regions)
     if (&other != &region && other.name == region.name)
       table.reject("name", "is that of another region, at line " + std::to_string(other.where.line),

@@ -115,18 +115,14 @@ struct PronySeries : AnyValue {
   std::string text(const Relaxation& relaxation) const { return relaxation.sentence(); }
 };
 
-struct Nodes : AnyValue {
+template <Selection (*parse)(const SceneTable&, std::string_view)>
+struct Selected : AnyValue {
   static constexpr const char* type = "selection";
-  Selection read(const SceneTable& table, std::string_view key) const { return parse_selection(table, key); }
+  Selection read(const SceneTable& table, std::string_view key) const { return parse(table, key); }
   std::string text(const Selection& selection) const { return selection_text(selection); }
 };
-
-/// Of [[region]]; the empty selection of a default region is no default.
-struct CellsOfRegion : AnyValue {
-  static constexpr const char* type = "selection";
-  Selection read(const SceneTable& table, std::string_view key) const { return parse_cells(table, key); }
-  std::string text(const Selection& selection) const { return selection_text(selection); }
-};
+using Nodes = Selected<parse_selection>;
+using CellsOfRegion = Selected<parse_cells>;
 
 struct FieldNames : AnyValue {
   static constexpr const char* type = "array of text";

@@ -5,6 +5,7 @@
 #include <phynness/formats/printable.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <sstream>
+#include <utility>
 
 #include "probes/select_nodes.hpp"
 #include "shapes/generate.hpp"
@@ -104,7 +105,29 @@ Numbers cell_regions(const Scene& scene, const Mesh& mesh) {
   return regions;
 }
 
-std::string region_group(std::size_t number) { return "phynness_region_" + std::to_string(number); }
+std::string region_group(std::size_t number) { return region_group_prefix + std::to_string(number); }
+
+void require_regions_of(const Scene& scene, Mesh mesh, const std::string& source) {
+  if (std::ranges::any_of(scene.regions, [](const Region& region) { return uses_group(region.cells); })) return;
+  const auto refuse = [&](const std::string& what) {
+    throw input_error("the mesh is not of this scene: " + what, source, "make it again with phynness mesh SCENE");
+  };
+  const Numbers in_file = std::exchange(mesh.regions, {});
+  Numbers in_scene;
+  try {
+    in_scene = cell_regions(scene, mesh);
+  } catch (const Error& error) {
+    refuse(error.what());
+  }
+  for (std::size_t r = 1; r <= scene.regions.size(); ++r) {
+    std::size_t both = 0, either = 0;
+    for (std::size_t c = 0; c < in_file.size(); ++c) {
+      both += in_file[c] == r && in_scene[c] == r;
+      either += in_file[c] == r || in_scene[c] == r;
+    }
+    if (2 * both < either) refuse("region '" + scene.regions[r - 1].name + "' is elsewhere in it");
+  }
+}
 
 std::string RegionFigures::str() const {
   std::ostringstream text;

@@ -123,7 +123,7 @@ void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::pa
   }
   std::erase_if(groups, [](const auto& group) {
     return group.second.empty() || group.first == surface_group || group.first == body_group ||
-           group.first.starts_with("phynness_region_");
+           group.first.starts_with(region_group_prefix);
   });
   std::string text = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
   append_names(text, mesh, groups);

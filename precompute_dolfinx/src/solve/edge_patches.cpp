@@ -12,9 +12,6 @@ namespace {
 
 namespace api = dolfinx_api;
 
-/// A tetrahedron of volume 1: the integral of a constant function is its value.
-constexpr std::array<double, 12> unit_volume{0, 0, 0, 6, 0, 0, 0, 1, 0, 0, 0, 1};
-
 }  // namespace
 
 EdgePatches::EdgePatches(const std::vector<std::array<std::int32_t, 4>>& cells, const std::vector<double>& volumes,

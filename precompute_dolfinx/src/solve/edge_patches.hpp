@@ -14,6 +14,9 @@
 
 namespace phynness {
 
+/// A tetrahedron of volume 1: the integral of a constant function is its value.
+inline constexpr std::array<double, 12> unit_volume{0, 0, 0, 6, 0, 0, 0, 1, 0, 0, 0, 1};
+
 /// Edge e has the volume V_e and the mean gradient F_e of its cells c, of each of which it has a sixth:
 ///
 ///     V_e = sum_c V_c / 6,    F_e = sum_c (V_c / 6) F_c / V_e = I + sum_a u_a g_a^T

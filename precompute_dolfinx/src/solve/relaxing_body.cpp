@@ -10,14 +10,10 @@ namespace phynness {
 namespace {
 
 namespace api = dolfinx_api;
-constexpr std::array<double, 12> unit_volume{0, 0, 0, 6, 0, 0, 0, 1, 0, 0, 0, 1};
 
 }  // namespace
 
-bool has_relaxation(Element element) {
-  return !element->is_shell && element->name != std::string_view("P2") &&
-         element->name != std::string_view("taylor-hood");
-}
+bool has_relaxation(Element element) { return !element->is_shell && element->displacement_degree == 1; }
 
 RelaxingBody::RelaxingBody(const Discretization& body, const Material& material, const Relaxation& relaxation)
     : _law(compiled_forms(material.law, element_named("es-p1-p1")).edges),

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <numeric>
 #include <phynness/formats/error.hpp>
-#include <phynness/precompute/quiet_wait.hpp>
+#include <phynness/precompute/probe_solver.hpp>
 #include <thread>
 
 #include "discretization.hpp"
@@ -91,15 +91,15 @@ double SolverSession::sum(double value) const {
   return value;
 }
 
-bool told(const SolverSession& session, bool said) {
-  int value = said, is_there = session.size() == 1;
+bool SolverSession::broadcast(bool value) const {
+  int number = value, is_there = _size == 1;
   MPI_Request request = MPI_REQUEST_NULL;
-  if (session.size() > 1) MPI_Ibcast(&value, 1, MPI_INT, 0, MPI_COMM_WORLD, &request);
+  if (_size > 1) MPI_Ibcast(&number, 1, MPI_INT, 0, MPI_COMM_WORLD, &request);
   while (!is_there) {
     MPI_Test(&request, &is_there, MPI_STATUS_IGNORE);
     if (!is_there) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  return value != 0;
+  return number != 0;
 }
 
 template <class T>

@@ -1,4 +1,4 @@
-// Force balance of tools in contact: friction, sliding, release.
+// Force balance of tools in contact: friction, sliding, release. The work that they get back is limited in guard.cpp.
 #include "contact/contact.hpp"
 
 #include "body/body.hpp"
@@ -35,53 +35,6 @@ bool solve_two(const double m[2][2], const double* b, double* x) {
   x[0] = (b[0] * m[1][1] - b[1] * m[0][1]) / determinant;
   x[1] = (b[1] * m[0][0] - b[0] * m[1][0]) / determinant;
   return std::isfinite(x[0]) && std::isfinite(x[1]);
-}
-
-/// Part of the energy that must be covered by the work done. Of 1,930 moments of a sphere on a gallbladder 1,843 had
-/// a scale below 0.9 with the whole energy, 787 with a half, 446 with a third, 333 with a fifth, all without a credit.
-constexpr double energy_covered = 1.0 / 3;
-/// Part of the depth whose energy is a credit: 1e-4 of the energy at full depth.
-constexpr double shallow_part = 0.01;
-
-/// The guard of work (docs/decisions/contact.md, Energy). Scales the forces of tools that press, so that all tools
-/// together do not get back more work than they did, and a credit. Work is the mean of two successive forces times the
-/// motion between them. It is less than the energy of the body where a tool slides uphill, as one that enters does.
-/// Forces are scaled where the work falls below a part of the energy; on the way back they then vanish before the work
-/// is returned, however small that part, and on the way in they grow back. What the next step may return is covered,
-/// too. Without an energy they are kept.
-/// @param energy   of the body [J]
-void guard(phn_contact& contact, const Touched& touched, std::int32_t n_tools, const ToolInput* inputs, double energy) {
-  double so_far = contact.taken, of_grasps = 0, of_presses = 0, next = 0, deepest = 0;
-  bool any = false;
-  for (std::int32_t t = 0; t < n_tools; ++t) {
-    const ToolContact& tool = contact.tool[t];
-    const double now = dot(tool.force, tool.moved) / 2;
-    so_far += dot(tool.given, tool.moved) / 2;
-    (inputs[t].mode == PHN_TOOL_PRESS ? of_presses : of_grasps) += now;
-    if (!tool.felt) continue;
-    any = true;
-    next += norm(tool.force) * norm(tool.moved);
-    deepest = std::fmax(deepest, norm(tool.displacement));
-  }
-  double& scale = contact.scale;
-  if (!any || !touched.has_energy || scale == 0) {
-    scale = any ? 1 : 0;
-    contact.taken = any ? energy : 0;
-  } else {
-    constexpr double least = 1e-12;  // positive, because 0 means no contact
-    const double shallow = shallow_part * touched.max_displacement_m / deepest,
-                 credit = energy * std::fmin(1, shallow * shallow), there = so_far + of_grasps + credit,
-                 needed = std::fmin(energy, energy_covered * energy + next);
-    scale = there + of_presses >= needed ? 1
-            : needed > of_presses        ? std::fmin(1.0, std::fmax(least, there / (needed - of_presses)))
-                                         : least;
-    contact.taken = std::fmax(-credit, so_far + of_grasps + scale * of_presses);
-  }
-  for (std::int32_t t = 0; t < n_tools; ++t) {
-    ToolContact& tool = contact.tool[t];
-    tool.scale = tool.felt ? inputs[t].mode == PHN_TOOL_PRESS ? scale : 1 : 0;
-    for (int k = 0; k < 3; ++k) tool.given[k] = tool.force[k] *= tool.scale;
-  }
 }
 
 class Balance {

@@ -127,9 +127,8 @@ class MotionComparison {
         const Eigen::RowVector3d point =
             _model.mesh().nodes.row(nodes[t]) +
             motion.slid[at] * std::max(_scene.probe.tool_radius_m, common_depth_m) * tangent.transpose();
-        const phn_tool old = tools.back();
         if (!organ.organ().nearest(Vec3{point[0], point[1], point[2]}, tools.back()).ok()) return {};
-        std::copy_n(old.displacement, 3, tools.back().displacement);
+        std::ranges::copy(step.displacement_m.back(), tools.back().displacement);
         SurfacePoint place;
         for (std::size_t k = 0; k < 3; ++k) {
           place.nodes[k] = tools.back().nodes[k];
@@ -205,8 +204,8 @@ void add(double value, double& sum, double& worst) {
 MotionReport validate_motions(const SolverSession& session, const Scene& scene, const NamedOrgan& model,
                               const NamedOrgan* body, std::int64_t places, std::uint64_t seed,
                               const OnProgress& progress, const ShouldStop& stop) {
-  if (scene.relaxation.empty() || model.organ().relaxation().n_terms == 0)
-    throw input_error("nothing relaxes", scene.relaxation.empty() ? scene.source_name : model.name(),
+  if (scene.relaxation.empty())
+    throw input_error("nothing relaxes", scene.source_name,
                       "add relaxation to [material] of the scene, and train the model with it");
   require_terms(scene, model.organ().relaxation(), model.name(), "train the model with this scene");
   if (body)

@@ -141,6 +141,8 @@ class SolverSession {
   void together(const std::function<void()>& work) const;
   /// Sum over all ranks, on all ranks. Collective.
   double sum(double value) const;
+  /// The value of rank 0, on all ranks, which wait for it without using a processor. Collective.
+  bool broadcast(bool value) const;
   std::int64_t total(std::int64_t n) const { return static_cast<std::int64_t>(sum(static_cast<double>(n))); }
   /// The concatenated values of all ranks on rank 0; empty on other ranks. Collective.
   /// @tparam T  double or unsigned char
