@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <phynness/formats/mesh_files.hpp>
+#include <phynness/formats/printable.hpp>
 
 #include "scene_keys.hpp"
 #include "selectors.hpp"
