@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <phynness/formats/mesh.hpp>
+#include <phynness/formats/selector.hpp>
 #include <span>
 #include <vector>
 
