@@ -1,7 +1,8 @@
 """Compares the forces of two spheres that slide over a body with finite elements, which hold the same places.
 
-Usage: lab/study contact DATABASE BODY RADIUS [options of haptic_loop, as --friction 0.5 --at X,Y,Z]
-DATABASE and BODY are those of one scene. The program is build/release/tests/loop/example/haptic_loop, or $HAPTIC_LOOP.
+Usage: lab/study contact DATABASE BODY RADIUS [MOTION] [options of haptic_loop, as --friction 0.5 --at X,Y,Z]
+DATABASE and BODY are those of one scene. MOTION is same (the default), opposed or pinch. The program is
+build/release/tests/loop/example/haptic_loop, or $HAPTIC_LOOP.
 
 Every hundredth cycle is solved from rest. Errors are those of all components of the force of the worse sphere, over the
 larger force; beside them stands linear theory, from displacements a thousand times smaller. Left out are spheres nearer
@@ -23,9 +24,11 @@ from commands import SOURCE, answer, text, vector
 
 def rows(body, radius, options):
     """Table of the CSV, n_cycles x n_tools."""
+    motion, options = (options[0], options[1:]) if options and options[0][0] != "-" else ("same", options)
     program = os.environ.get("HAPTIC_LOOP", str(SOURCE / "build/release/tests/loop/example/haptic_loop"))
     with tempfile.NamedTemporaryFile(suffix=".csv") as file:
-        subprocess.run([program, "-", "same", "--body", body, "--sphere", radius, *options, "--csv", file.name], check=True)
+        words = ["-", motion, "--body", body, "--sphere", radius, *options, "--csv", file.name]
+        subprocess.run([program, *words], check=True)
         table = np.genfromtxt(file.name, delimiter=",", names=True)
     return table.reshape(-1, int(table["tool"].max()) + 1)
 
