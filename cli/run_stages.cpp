@@ -150,6 +150,9 @@ void prepare_environment(int ranks) {
   if (isatty(STDERR_FILENO)) setenv("PHYNNESS_PROGRESS", "1", 0);
   if (ranks <= 1) return;
   setenv("OMP_NUM_THREADS", "1", 0);
+  // The first rank of reduce computes on threads; Open MPI (4; 5) binds each rank to one core otherwise.
+  setenv("OMPI_MCA_hwloc_base_binding_policy", "none", 0);
+  setenv("PRTE_MCA_hwloc_default_binding_policy", "none", 0);
   if (geteuid() == 0) {  // Open MPI requires both variables
     setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
     setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);

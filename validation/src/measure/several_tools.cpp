@@ -97,7 +97,9 @@ std::vector<SolvedTools> solve_several_tools(const SolverSession& session, const
   session.together([&] {
     const RandomTools random_tools(header);
     ProbeSolver solver(stored_scene(header), header.mesh, header.sets);
-    share_out(session, draws.pairs + draws.triples, progress, {}, [&](std::size_t i) {
+    const auto n = draws.pairs + draws.triples;
+    share_out(session, n, progress, {}, [&](std::size_t turn) {
+      const auto i = static_cast<std::size_t>(n) - 1 - turn;  // three tools, which take longest, first
       const std::size_t n_tools = static_cast<std::int64_t>(i) < draws.pairs ? 2 : 3;
       if (header.sets.active.size() < n_tools) return;
       const double within_m = i % 2 == 1 && draws.half_within_m > 0 ? draws.half_within_m : HUGE_VAL;
