@@ -16,6 +16,9 @@ namespace {
 
 constexpr double part_of_depth = 0.5;
 constexpr int increments = 4, most_steps = 100, most_attempts = 1000;
+/// Newton iterations after which a state counts as not held. The states of the demo that converge take 34 in the mean
+/// and at most 81; the one that does not takes 460.
+constexpr int most_iterations = 200;
 
 class RandomTools {
  public:
@@ -75,6 +78,8 @@ bool solve(ProbeSolver& solver, SolvedTools& state) {
   }
   std::vector<double> parts;
   for (int i = 1; i <= increments; ++i) parts.push_back(static_cast<double>(i) / increments);
+  int iterations = 0;
+  solver.set_stop([&] { return ++iterations > most_iterations; }, 0);
   try {
     solver.touch(nodes);
     solver.follow(d, parts, false, [&](std::size_t, const Response& response) {
@@ -83,6 +88,8 @@ bool solve(ProbeSolver& solver, SolvedTools& state) {
       state.displacement_m.push_back(response.displacement_m);
       return true;
     });
+  } catch (const Interrupted&) {
+    return false;
   } catch (const Error&) {  // a tangent that is not factorized
     solver.recover();
   }
