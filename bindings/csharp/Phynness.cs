@@ -1,6 +1,6 @@
-// phynness for C# 7 and later, Mono, .NET and Unity: one file without packages, for the shared libraries phynness and, for
-// Loop and Bridge, phynness_loop. Meaning, cost, units and errors are described in phynness.h, phynness_body.h and
-// phynness_contact.h; docs/howto/csharp.md has an example. All memory of the library is unmanaged, and no verb allocates.
+// phynness for C# 7 and later, Mono, .NET and Unity: one file without packages or unsafe code, for the shared libraries
+// phynness and, for Loop, phynness_loop. Meaning, cost, units and errors are described in phynness.h,
+// phynness_body.h and phynness_contact.h. All memory of the library is unmanaged, and no verb allocates.
 using System;
 using System.IO;
 using System.Runtime.InteropServices;
@@ -39,7 +39,7 @@ public enum Status {
   ErrorTooManyTools = -19
 }
 
-/// A refused call. Its outputs are zeros; Bridge says what to render then.
+/// A refused call. Its outputs are zeros.
 public sealed class PhynnessException : Exception {
   public PhynnessException(Status status, string message) : base(message) { Status = status; }
   public Status Status { get; }
@@ -48,11 +48,7 @@ public sealed class PhynnessException : Exception {
 [StructLayout(LayoutKind.Sequential)]
 public struct Vec3 {
   public double X, Y, Z;
-  public Vec3(double x, double y, double z) {
-    X = x;
-    Y = y;
-    Z = z;
-  }
+  public Vec3(double x, double y, double z) => (X, Y, Z) = (x, y, z);
 }
 
 /// phn_tool: a place of the surface and its displacement from rest [m].
@@ -89,7 +85,8 @@ public struct Touch {
   public bool InContact { get { return inContact != 0; } }
 }
 
-/// Of all tools of a call.
+/// phn_contact_report, of all tools of a call.
+[StructLayout(LayoutKind.Sequential)]
 public struct Report {
   /// [J]; 0 in family rbfn.
   public double Energy;
@@ -98,6 +95,7 @@ public struct Report {
   /// Of a body: the size of the next step over that of the deformation.
   public double Unbalanced;
   public int Steps;
+  int reserved;
 }
 
 /// A model's folder and, where several tools act, a body's file, with the verbs Nearest, Hold, Touch and Deform. They
@@ -110,8 +108,11 @@ public sealed class Organ : IDisposable {
   const int StepsToFollow = 20;
   readonly int mostTools, steps;
   readonly Block data, state, contact;
-  readonly double[] bodyField;
+  readonly Vec3[] bodyField;
   readonly Status touchStatus;
+  readonly Tool[] one = new Tool[1];
+  readonly Vec3[] oneForce = new Vec3[1];
+  readonly double[] oneEnergy;  // null in a family that has none
   Tool tool;
   int nTools, isBusy;
   Last last;
@@ -122,6 +123,7 @@ public sealed class Organ : IDisposable {
     this.mostTools = mostTools;
     this.steps = steps;
     int most = Math.Min(mostTools, Native.MostCoupled);
+    if (HasEnergy) oneEnergy = new double[1];
     if (files.Model != null) data = Block.Of(files.Model, mostTools, Native.phn_data_size, Native.phn_data_init);
     if (files.Body != null) state = Block.Of(files.Body, most, Native.phn_body_state_size, Native.phn_body_state_init);
     try {
@@ -133,13 +135,14 @@ public sealed class Organ : IDisposable {
     } catch (PhynnessException error) {
       touchStatus = error.Status;  // An organ without a surface that can be touched is one for Hold alone.
     }
-    if (files.Model != null && files.Body != null) bodyField = new double[3 * files.BodyContents.n_nodes];
+    if (files.Model != null && files.Body != null) bodyField = new Vec3[files.BodyContents.n_nodes];
   }
 
   /// model: a model's folder or its model.txt; null: a body alone. body: a body.txt; null: a model alone. mostTools: of one
   /// call; a body and contact have at most 8. steps: of Newton's method, at most, that a body makes in a call.
   public static Organ Load(string model, string body = null, int mostTools = 1, int steps = 1) {
     if (model == null && body == null) throw new ArgumentNullException(nameof(model), "give a model or a body");
+    if (mostTools < 1) throw new ArgumentOutOfRangeException(nameof(mostTools), mostTools, "at least 1");
     if (steps < 1) throw new ArgumentOutOfRangeException(nameof(steps), steps, "at least 1");
     string file = model != null && Directory.Exists(model) ? Path.Combine(model, "model.txt") : model;
     return new Organ(new Files(file, body), mostTools, steps);
@@ -147,35 +150,17 @@ public sealed class Organ : IDisposable {
   public Organ Another() { return new Organ(files, mostTools, steps); }
 
   public string Title { get { return Native.Text(files.Info.title); } }
-  public string Family { get { return Native.Text(files.Info.family); } }
-  public bool HasEnergy { get { return files.Model == null || files.Info.has_energy != 0; } }
+  public bool HasEnergy { get { return files.Info.has_energy != 0; } }
   /// The largest displacement of the training data [m].
-  public double MaxDisplacement {
-    get { return files.Model != null ? files.Info.max_displacement_m : files.BodyContents.max_displacement_m; }
-  }
+  public double MaxDisplacement { get { return files.Info.max_displacement_m; } }
   /// Copies: numbers of nodes, points at rest [m], and triangles, normals outward in the right-handed frame of the mesh.
   /// Corners of triangles are positions among MovingPoints and then FixedPoints; of a body alone, all points are moving.
   public int[] ActiveNodes { get { return Native.Copy(files.Info.active_nodes, files.Info.n_active); } }
-  public int[] MovingNodes {
-    get {
-      return files.Model != null ? Native.Copy(files.Info.output_nodes, files.Info.n_output)
-                                 : Native.Copy(files.BodyContents.nodes, files.BodyContents.n_nodes);
-    }
-  }
-  public Vec3[] MovingPoints {
-    get {
-      return files.Model != null ? Native.Points(files.Info.output_points, files.Info.n_output)
-                                 : Native.Points(files.BodyContents.points, files.BodyContents.n_nodes);
-    }
-  }
+  public int[] MovingNodes { get { return Native.Copy(files.Info.output_nodes, files.Info.n_output); } }
+  public Vec3[] MovingPoints { get { return Native.Points(files.Info.output_points, files.Info.n_output); } }
   public Vec3[] FixedPoints { get { return Native.Points(files.Info.fixed_points, files.Info.n_fixed); } }
-  public int[] Triangles {
-    get {
-      return files.Model != null ? Native.Copy(files.Info.triangles, 3 * files.Info.n_triangles)
-                                 : Native.Copy(files.BodyContents.triangles, 3 * files.BodyContents.n_triangles);
-    }
-  }
-  public int MovingCount { get { return files.Model != null ? files.Info.n_output : files.BodyContents.n_nodes; } }
+  public int[] Triangles { get { return Native.Copy(files.Info.triangles, 3 * files.Info.n_triangles); } }
+  public int MovingCount { get { return files.Info.n_output; } }
 
   /// The place of the undeformed surface nearest to x [m] that can be held, with displacement 0, its point and distance.
   public Status Nearest(Vec3 x, out Tool place, out Vec3 point, out double distance) {
@@ -187,83 +172,75 @@ public sealed class Organ : IDisposable {
   }
 
   /// The force [N] that holds a tool.
-  public Status Hold(ref Tool held, out Vec3 force) {
-    double energy;
-    return Hold(ref held, out force, out energy);
-  }
+  public Status Hold(ref Tool held, out Vec3 force) { return Hold(ref held, out force, out _); }
   /// The same with the stored energy [J], 0 in family rbfn.
   public Status Hold(ref Tool held, out Vec3 force, out double energy) {
     Enter();
     if (files.Model == null) {
-      Report report;
-      int pressed = Press(1, ref held, out force, out report);
+      one[0] = held;
+      int pressed = Press(1, one, oneForce, out Report report);
+      force = oneForce[0];
       energy = report.Energy;
       return Leave(pressed);
     }
     last = Last.OfTool;
     tool = held;
-    energy = 0;
-    return Leave(HasEnergy
-      ? Native.phn_force(files.Model.Object, data.Object, ref tool, out force, out energy, IntPtr.Zero)
-      : Native.phn_force(files.Model.Object, data.Object, ref tool, out force, IntPtr.Zero, IntPtr.Zero));
+    int status = Native.phn_force(files.Model.Object, data.Object, ref tool, out force, oneEnergy, IntPtr.Zero);
+    energy = HasEnergy ? oneEnergy[0] : 0;
+    return Leave(status);
   }
   /// Of the first n of several tools. forces: at least n.
   public Status Hold(Tool[] tools, int n, Vec3[] forces, out Report report) {
     report = new Report();
     RequireLengths(n, tools.Length, forces.Length);
-    if (n == 0) {
-      Enter();
-      if (files.Body != null) {
-        Tool none = new Tool();
-        Vec3 nothing;
-        return Leave(Press(0, ref none, out nothing, out report));
-      }
-      last = Last.None;
-      return Leave(0);
-    }
     if (n == 1 && files.Model != null) return Hold(ref tools[0], out forces[0], out report.Energy);
     Enter();
-    if (files.Body != null) return Leave(Press(n, ref tools[0], out forces[0], out report));
+    if (files.Body != null) return Leave(Press(n, tools, forces, out report));
     last = Last.OfTools;
     nTools = n;
-    Native.Coupled coupled;
-    int status = Native.phn_couple(files.Model.Object, data.Object, n, ref tools[0], out forces[0], out coupled);
+    int status = Native.phn_couple(files.Model.Object, data.Object, n, tools, forces, out Native.Coupled coupled);
     report.Energy = coupled.energy;
     report.Residual = coupled.residual;
     return Leave(status);
   }
-  /// Forces [N] of the first n of tools that do not act on each other, by the model, and the status of each; nothing is
-  /// thrown for one of them. Deform and Bound then have no tool. Runs on this thread: for several, give each of them its own Organ and a part of the tools.
-  public void HoldBatch(Tool[] tools, int n, Vec3[] forces, Status[] statuses) {
-    RequireLengths(n, Math.Min(tools.Length, statuses.Length), forces.Length);
-    Enter();
-    if (files.Model == null) Leave((int)Status.ErrorArgument);
-    for (int i = 0; i < n; ++i)
-      statuses[i] = (Status)Native.phn_force(files.Model.Object, data.Object, ref tools[i], out forces[i], IntPtr.Zero,
-                                             IntPtr.Zero);
-    last = Last.None;
-    Leave(0);
-  }
-  /// The places nearest to the first n points x [m], their points and distances, and the status of each.
-  public void NearestBatch(Vec3[] x, int n, Tool[] places, Vec3[] points, double[] distances, Status[] statuses) {
-    RequireLengths(n, Math.Min(x.Length, statuses.Length),
-                   Math.Min(places.Length, Math.Min(points.Length, distances.Length)));
-    Enter();
-    if (files.Model == null) Leave((int)Status.ErrorArgument);
-    for (int i = 0; i < n; ++i)
-      statuses[i] = (Status)Native.phn_nearest(files.Model.Object, ref x[i], out places[i], out points[i], out distances[i]);
-    Leave(0);
-  }
-  int Press(int n, ref Tool tools, out Vec3 forces, out Report report) {
+  int Press(int n, Tool[] tools, Vec3[] forces, out Report report) {
     // A body beside a model has not followed the tool that the model answered.
     int most = files.Model == null || last == Last.OfTools ? steps : Math.Max(steps, StepsToFollow);
     last = Last.OfTools;
     nTools = n;
-    Native.BodyReport pressed;
-    int status = Native.phn_body_force(files.Body.Object, state.Object, n, ref tools, most, out forces, out pressed);
-    report = new Report { Energy = pressed.energy, Residual = pressed.residual_m, Unbalanced = pressed.unbalanced,
-                          Steps = pressed.steps };
+    Native.BodyReport made;
+    int status = Native.phn_body_force(files.Body.Object, state.Object, n, tools, most, forces, out made);
+    report = new Report { Energy = made.energy, Residual = made.residual_m, Unbalanced = made.unbalanced,
+                          Steps = made.steps };
     return status;
+  }
+
+  /// Forces [N] of tools begin to end - 1, which do not act on each other, by the model, and the status of each; nothing
+  /// is thrown for one of them. Deform and Bound then have no tool. Runs on this thread: other threads, each with its own
+  /// Organ, can answer other parts of the same arrays.
+  public void HoldBatch(Tool[] tools, int begin, int end, Vec3[] forces, Status[] statuses) {
+    EnterBatch(begin, end, Math.Min(tools.Length, statuses.Length), forces.Length);
+    for (int i = begin; i < end; ++i)
+      statuses[i] = (Status)Native.phn_force(files.Model.Object, data.Object, ref tools[i], out forces[i], null,
+                                             IntPtr.Zero);
+    last = Last.None;
+    Leave(0);
+  }
+  /// The places nearest to points x [m], their points and distances, and the status of each.
+  public void NearestBatch(Vec3[] x, int begin, int end, Tool[] places, Vec3[] points, double[] distances,
+                           Status[] statuses) {
+    EnterBatch(begin, end, Math.Min(x.Length, statuses.Length),
+               Math.Min(places.Length, Math.Min(points.Length, distances.Length)));
+    for (int i = begin; i < end; ++i)
+      statuses[i] = (Status)Native.phn_nearest(files.Model.Object, ref x[i], out places[i], out points[i],
+                                               out distances[i]);
+    Leave(0);
+  }
+  void EnterBatch(int begin, int end, int length, int lengthOfResults) {
+    RequireLengths(end, length, lengthOfResults);
+    RequireLengths(begin, end, end);
+    if (files.Model == null) throw new InvalidOperationException("this Organ has no model, which answers batches");
+    Enter();
   }
 
   /// Moves the first n spheres, in every millisecond of a haptic loop. touches: at least n.
@@ -273,11 +250,7 @@ public sealed class Organ : IDisposable {
     Enter();
     if (contact == null) return Leave((int)touchStatus);
     last = Last.OfSpheres;
-    Native.ContactReport made;
-    int status = Native.phn_contact_step(contact.Object, n, spheres, touches, out made);
-    report = new Report { Energy = made.energy, Residual = made.residual_m, Unbalanced = made.unbalanced,
-                          Steps = made.steps };
-    return Leave(status);
+    return Leave(Native.phn_contact_step(contact.Object, n, spheres, touches, out report));
   }
 
   /// Displacements [m] of MovingPoints in the last Hold or Touch, zeros before. field: at least MovingCount. Where a body
@@ -285,24 +258,17 @@ public sealed class Organ : IDisposable {
   public Status Deform(Vec3[] field) {
     RequireLengths(MovingCount, field.Length, field.Length);
     Enter();
-    if (last == Last.None) {
-      Array.Clear(field, 0, MovingCount);
-      return Leave(0);
-    }
-    bool ofBody = files.Body != null && (files.Model == null || last != Last.OfTool);
-    if (ofBody && files.Model != null) {
-      int status = last == Last.OfSpheres ? Native.phn_contact_deform(contact.Object, bodyField)
-                                          : Native.phn_body_deform(files.Body.Object, state.Object, bodyField);
-      for (int o = 0; o < files.Rows.Length; ++o) {
-        int row = 3 * files.Rows[o];
-        field[o] = row < 0 ? new Vec3() : new Vec3(bodyField[row], bodyField[row + 1], bodyField[row + 2]);
-      }
-      return Leave(status);
-    }
-    if (last == Last.OfSpheres) return Leave(Native.phn_contact_deform(contact.Object, field));
-    if (ofBody) return Leave(Native.phn_body_deform(files.Body.Object, state.Object, field));
-    return Leave(last == Last.OfTools ? Native.phn_coupled_deform(files.Model.Object, data.Object, field)
-                                      : Native.phn_deform(files.Model.Object, data.Object, ref tool, field));
+    bool ofBody = files.Body != null && last >= Last.OfTools;
+    Vec3[] made = ofBody && files.Model != null ? bodyField : field;
+    int status = 0;
+    if (last == Last.None) Array.Clear(field, 0, MovingCount);
+    else if (last == Last.OfSpheres) status = Native.phn_contact_deform(contact.Object, made);
+    else if (ofBody) status = Native.phn_body_deform(files.Body.Object, state.Object, made);
+    else if (last == Last.OfTools) status = Native.phn_coupled_deform(files.Model.Object, data.Object, made);
+    else status = Native.phn_deform(files.Model.Object, data.Object, ref tool, made);
+    for (int o = 0; made != field && o < files.Rows.Length; ++o)
+      field[o] = files.Rows[o] < 0 ? new Vec3() : made[files.Rows[o]];
+    return Leave(status);
   }
 
   /// Bounds [N] of the errors of the forces of the last Hold; +infinity where nothing is known.
@@ -353,20 +319,6 @@ public sealed class Organ : IDisposable {
   }
 }
 
-/// Forces for a device whose Organ may miss an answer (phn_bridge_force): holds the last one for 10 ms, then lowers it to
-/// zero in 100 ms, and rises in the same way.
-public sealed class Bridge {
-  Native.BridgeState state;
-
-  /// answer [N]: null if the call threw or was late. now [s]: of a monotonic clock. Never throws, and is never NaN.
-  public Vec3 Force(Vec3? answer, double now) {
-    Vec3 force, given = answer.GetValueOrDefault();
-    if (answer.HasValue) Native.phn_bridge_force(ref state, ref given, now, out force);
-    else Native.phn_bridge_force(ref state, IntPtr.Zero, now, out force);
-    return force;
-  }
-}
-
 /// phn_loop_settings: SI units, values of Defaults in phynness_loop.h.
 [StructLayout(LayoutKind.Sequential)]
 public struct LoopSettings {
@@ -380,8 +332,7 @@ public struct LoopSettings {
 
   public static LoopSettings Defaults {
     get {
-      LoopSettings settings;
-      Native.Require(Native.phn_loop_defaults(out settings), "");
+      Native.Require(Native.phn_loop_defaults(out LoopSettings settings), "");
       return settings;
     }
   }
@@ -416,19 +367,21 @@ public struct LoopReport {
 /// phn_loop: coupling, limits, passivity and trips between a device and a body. Positions [m], times [s], forces [N].
 public sealed class Loop : IDisposable {
   readonly Block block;
+  readonly Vec3[] at = new Vec3[1];
 
   public Loop(LoopSettings settings) {
     Native.RequireSize("phn_loop_settings", typeof(LoopSettings));
     Native.RequireSize("phn_loop_response", typeof(LoopResponse));
     Native.RequireSize("phn_loop_report", typeof(LoopReport));
-    block = Block.OfLoop(ref settings);
+    Native.Require(Native.phn_loop_size(out UIntPtr bytes), "");
+    block = new Block(bytes);
+    Native.Require(Native.phn_loop_init(block.Memory, bytes, ref settings, out block.Object), "settings of a loop: ");
   }
   public void Engage() { Native.Require(Native.phn_loop_engage(block.Object), ""); }
   /// position: null if none arrived. tool: its position in the frame of the body.
   public Status Read(Vec3? position, double measured, double now, out Vec3 tool) {
-    Vec3 at = position.GetValueOrDefault();
-    return (Status)(position.HasValue ? Native.phn_loop_read(block.Object, ref at, measured, now, out tool)
-                                      : Native.phn_loop_read(block.Object, IntPtr.Zero, measured, now, out tool));
+    at[0] = position.GetValueOrDefault();
+    return (Status)Native.phn_loop_read(block.Object, position.HasValue ? at : null, measured, now, out tool);
   }
   /// The force for the device; zeros while the loop is off or tripped.
   public Status Hold(ref LoopResponse response, double now, out Vec3 force) {
@@ -436,8 +389,7 @@ public sealed class Loop : IDisposable {
   }
   public LoopReport Report {
     get {
-      LoopReport report;
-      Native.Require(Native.phn_loop_info(block.Object, out report), "");
+      Native.Require(Native.phn_loop_info(block.Object, out LoopReport report), "");
       return report;
     }
   }
@@ -452,41 +404,32 @@ sealed class Block : IDisposable {
   public delegate int InitOfText(IntPtr memory, UIntPtr bytes, byte[] text, UIntPtr length, out IntPtr made,
                                  out UIntPtr wrongByte);
   public IntPtr Object;
-  IntPtr memory;
-  UIntPtr bytes;
+  public IntPtr Memory { get; private set; }
+  readonly UIntPtr bytes;
 
-  Block(UIntPtr bytes) {
+  public Block(UIntPtr bytes) {
     this.bytes = bytes;
-    memory = Marshal.AllocHGlobal(checked((IntPtr)(long)(ulong)bytes));
+    Memory = Marshal.AllocHGlobal(checked((IntPtr)(long)(ulong)bytes));
   }
   ~Block() { Dispose(); }
   public void Dispose() {
-    Marshal.FreeHGlobal(memory);
-    memory = Object = IntPtr.Zero;
+    Marshal.FreeHGlobal(Memory);
+    Memory = Object = IntPtr.Zero;
     GC.SuppressFinalize(this);
   }
   public static Block Of(Block of, int n, SizeOf size, Init init) {
-    UIntPtr bytes;
-    Native.Require(size(of.Object, n, out bytes), "");
+    Native.Require(size(of.Object, n, out UIntPtr bytes), "");
     var block = new Block(bytes);
     Native.Require(block.Restart(of, n, init), "");
     return block;
   }
-  public static Block OfLoop(ref LoopSettings settings) {
-    UIntPtr bytes;
-    Native.Require(Native.phn_loop_size(out bytes), "");
-    var block = new Block(bytes);
-    Native.Require(Native.phn_loop_init(block.memory, bytes, ref settings, out block.Object), "settings of a loop: ");
-    return block;
-  }
-  public int Restart(Block of, int n, Init init) { return init(memory, bytes, of.Object, n, out Object); }
+  public int Restart(Block of, int n, Init init) { return init(Memory, bytes, of.Object, n, out Object); }
   public static Block OfFile(string file, SizeOfText size, InitOfText init) {
     byte[] text = File.ReadAllBytes(file);
-    UIntPtr bytes, wrong;
-    int status = size(text, (UIntPtr)text.Length, out bytes, out wrong);
+    int status = size(text, (UIntPtr)text.Length, out UIntPtr bytes, out UIntPtr wrong);
     Native.Require(status, file + ", byte " + wrong + ": ");
     var block = new Block(bytes);
-    Native.Require(init(block.memory, bytes, text, (UIntPtr)text.Length, out block.Object, out wrong), file + ": ");
+    Native.Require(init(block.Memory, bytes, text, (UIntPtr)text.Length, out block.Object, out wrong), file + ": ");
     return block;
   }
 }
@@ -494,6 +437,7 @@ sealed class Block : IDisposable {
 /// What threads share.
 sealed class Files {
   public readonly Block Model, Body;
+  /// Of a body alone what it shares with a model.
   public readonly Native.Info Info;
   public readonly Native.BodyContents BodyContents;
   /// Of the model's moving nodes among the body's nodes; -1: inside of the body.
@@ -508,7 +452,13 @@ sealed class Files {
     if (body == null) return;
     Body = Block.OfFile(body, Native.phn_body_size, Native.phn_body_init);
     Native.Require(Native.phn_body_info(Body.Object, out BodyContents), "");
-    if (model == null) return;
+    if (model == null) {
+      Info = new Native.Info { output_nodes = BodyContents.nodes, n_output = BodyContents.n_nodes,
+                               output_points = BodyContents.points, triangles = BodyContents.triangles,
+                               n_triangles = BodyContents.n_triangles, has_energy = 1,
+                               max_displacement_m = BodyContents.max_displacement_m };
+      return;
+    }
     string of = Native.Text(Info.mesh_hash), other = Native.Text(BodyContents.mesh_hash);
     if (of != "" && other != "" && of != other)
       throw Native.Error((int)Status.ErrorArgument, "the body of mesh " + other + ", the model of mesh " + of + ": ");
@@ -565,17 +515,6 @@ static class Native {
     public double energy, unbalanced, residual_m;
     public int steps, renewed, reserved0, reserved1;
   }
-  [StructLayout(LayoutKind.Sequential)]
-  public struct ContactReport {
-    public double energy, residual_m, unbalanced;
-    public int steps, reserved;
-  }
-  [StructLayout(LayoutKind.Sequential)]
-  public struct BridgeState {
-    public Vec3 answer;
-    public double answered_s, now_s, part;
-    public int is_running, reserved;
-  }
 
   [DllImport(library)] static extern int phn_abi_version();
   [DllImport(library)] static extern int phn_sizeof(string name);
@@ -586,11 +525,10 @@ static class Native {
   [DllImport(library)] public static extern int phn_data_size(IntPtr model, int mostTools, out UIntPtr bytes);
   [DllImport(library)] public static extern int phn_data_init(IntPtr memory, UIntPtr bytes, IntPtr model, int mostTools, out IntPtr data);
   [DllImport(library)] public static extern int phn_nearest(IntPtr model, ref Vec3 x, out Tool tool, out Vec3 point, out double distance);
-  [DllImport(library)] public static extern int phn_force(IntPtr model, IntPtr data, ref Tool tool, out Vec3 force, out double energy, IntPtr stiffness);
-  [DllImport(library)] public static extern int phn_force(IntPtr model, IntPtr data, ref Tool tool, out Vec3 force, IntPtr energy, IntPtr stiffness);
+  [DllImport(library)] public static extern int phn_force(IntPtr model, IntPtr data, ref Tool tool, out Vec3 force, [Out] double[] energy, IntPtr stiffness);
   [DllImport(library)] public static extern int phn_deform(IntPtr model, IntPtr data, ref Tool tool, [Out] Vec3[] field);
   [DllImport(library)] public static extern int phn_bound(IntPtr model, ref Tool tool, [Out] double[] bound);
-  [DllImport(library)] public static extern int phn_couple(IntPtr model, IntPtr data, int n, ref Tool tools, out Vec3 forces, out Coupled coupled);
+  [DllImport(library)] public static extern int phn_couple(IntPtr model, IntPtr data, int n, [In] Tool[] tools, [Out] Vec3[] forces, out Coupled coupled);
   [DllImport(library)] public static extern int phn_coupled_deform(IntPtr model, IntPtr data, [Out] Vec3[] field);
   [DllImport(library)] public static extern int phn_body_size(byte[] text, UIntPtr length, out UIntPtr bytes, out UIntPtr wrong);
   [DllImport(library)] public static extern int phn_body_init(IntPtr memory, UIntPtr bytes, byte[] text, UIntPtr length, out IntPtr body, out UIntPtr wrong);
@@ -598,26 +536,21 @@ static class Native {
   [DllImport(library)] public static extern int phn_body_nearest(IntPtr body, ref Vec3 x, out Tool tool, out Vec3 point, out double distance);
   [DllImport(library)] public static extern int phn_body_state_size(IntPtr body, int mostTools, out UIntPtr bytes);
   [DllImport(library)] public static extern int phn_body_state_init(IntPtr memory, UIntPtr bytes, IntPtr body, int mostTools, out IntPtr state);
-  [DllImport(library)] public static extern int phn_body_force(IntPtr body, IntPtr state, int n, ref Tool tools, int steps, out Vec3 forces, out BodyReport report);
+  [DllImport(library)] public static extern int phn_body_force(IntPtr body, IntPtr state, int n, [In] Tool[] tools, int steps, [Out] Vec3[] forces, out BodyReport report);
   [DllImport(library)] public static extern int phn_body_bound(IntPtr body, IntPtr state, int n, [Out] double[] bounds);
-  [DllImport(library)] public static extern int phn_body_deform(IntPtr body, IntPtr state, [Out] double[] field);
   [DllImport(library)] public static extern int phn_body_deform(IntPtr body, IntPtr state, [Out] Vec3[] field);
   [DllImport(library)] public static extern int phn_contact_size(IntPtr model, int mostTools, out UIntPtr bytes);
   [DllImport(library)] public static extern int phn_contact_init(IntPtr memory, UIntPtr bytes, IntPtr model, int mostTools, out IntPtr contact);
   [DllImport(library)] public static extern int phn_body_contact_size(IntPtr body, int mostTools, out UIntPtr bytes);
   [DllImport(library)] public static extern int phn_body_contact_init(IntPtr memory, UIntPtr bytes, IntPtr body, int mostTools, int steps, out IntPtr contact);
-  [DllImport(library)] public static extern int phn_contact_step(IntPtr contact, int n, [In] Sphere[] spheres, [Out] Touch[] touches, out ContactReport report);
-  [DllImport(library)] public static extern int phn_contact_deform(IntPtr contact, [Out] double[] field);
+  [DllImport(library)] public static extern int phn_contact_step(IntPtr contact, int n, [In] Sphere[] spheres, [Out] Touch[] touches, out Report report);
   [DllImport(library)] public static extern int phn_contact_deform(IntPtr contact, [Out] Vec3[] field);
   [DllImport(library)] public static extern int phn_contact_reset(IntPtr contact);
-  [DllImport(loop)] public static extern int phn_bridge_force(ref BridgeState bridge, ref Vec3 answer, double now, out Vec3 force);
-  [DllImport(loop)] public static extern int phn_bridge_force(ref BridgeState bridge, IntPtr answer, double now, out Vec3 force);
   [DllImport(loop)] public static extern int phn_loop_defaults(out LoopSettings settings);
   [DllImport(loop)] public static extern int phn_loop_size(out UIntPtr bytes);
   [DllImport(loop)] public static extern int phn_loop_init(IntPtr memory, UIntPtr bytes, ref LoopSettings settings, out IntPtr made);
   [DllImport(loop)] public static extern int phn_loop_engage(IntPtr loop);
-  [DllImport(loop)] public static extern int phn_loop_read(IntPtr loop, ref Vec3 position, double measured, double now, out Vec3 tool);
-  [DllImport(loop)] public static extern int phn_loop_read(IntPtr loop, IntPtr position, double measured, double now, out Vec3 tool);
+  [DllImport(loop)] public static extern int phn_loop_read(IntPtr loop, [In] Vec3[] position, double measured, double now, out Vec3 tool);
   [DllImport(loop)] public static extern int phn_loop_hold(IntPtr loop, ref LoopResponse response, double now, out Vec3 force);
   [DllImport(loop)] public static extern int phn_loop_info(IntPtr loop, out LoopReport report);
   [DllImport(loop)] public static extern IntPtr phn_loop_trip_message(int trip);
@@ -630,7 +563,7 @@ static class Native {
     RequireSize("phn_tool", typeof(Tool));
     RequireSize("phn_contact_tool", typeof(Sphere));
     RequireSize("phn_contact_state", typeof(Touch));
-    RequireSize("phn_contact_report", typeof(ContactReport));
+    RequireSize("phn_contact_report", typeof(Report));
     RequireSize("phn_info", typeof(Info));
     RequireSize("phn_coupled", typeof(Coupled));
     RequireSize("phn_body_contents", typeof(BodyContents));

@@ -136,7 +136,7 @@ static class Answers {
     var distances = new double[2];
     Action<int> calls = count => {
       for (int i = 0; i < count; ++i) {
-        organ.HoldBatch(several, 2, answers, statuses);
+        organ.HoldBatch(several, 0, 2, answers, statuses);
         organ.Hold(ref tool, out force);
         if (i % 100 != 0) continue;
         organ.Nearest(first, out place, out point, out distance);
@@ -157,10 +157,14 @@ static class Answers {
 
     Require(answers[0].Equals(force) && answers[1].Equals(new Vec3()), "a batch has the forces of single calls");
     Require(statuses[0] >= 0 && statuses[1] == Status.ErrorNotActive, "a batch has the status of each tool");
-    organ.NearestBatch(organ.MovingPoints, 2, nearest, answers, distances, statuses);
+    organ.NearestBatch(organ.MovingPoints, 0, 2, nearest, answers, distances, statuses);
     organ.Nearest(organ.MovingPoints[1], out place, out point, out distance);
     Require(answers[1].Equals(point) && distances[1] == distance, "a batch finds the places of single calls");
-    RequireThrows<ArgumentException>(() => organ.HoldBatch(several, 3, answers, statuses), "a short batch", "3");
+    answers[0] = new Vec3();
+    organ.HoldBatch(several, 1, 2, answers, statuses);
+    Require(answers[0].Equals(new Vec3()), "a batch leaves what is before its begin");
+    RequireThrows<ArgumentException>(() => organ.HoldBatch(several, 0, 3, answers, statuses), "a short batch", "3");
+    RequireThrows<ArgumentException>(() => organ.HoldBatch(several, -1, 2, answers, statuses), "a batch from -1", "-1");
 
     // Threads with an organ of their own have the same bits; two in one organ are told so.
     Vec3 expected = force;
@@ -204,18 +208,13 @@ static class Answers {
     Require(force.X == 0 && force.Y == 0 && force.Z == 0, "a refused force is 0");
     RequireThrows<ArgumentException>(() => organ.Deform(new Vec3[1]), "a short array", "1");
     RequireThrows<IOException>(() => Organ.Load("no/such/model"), "a missing folder", "no/such/model");
+    RequireThrows<ArgumentException>(() => Organ.Load(model, null, 0), "an organ for no tool", "mostTools", "at least 1");
     string damaged = Path.GetTempFileName();
     File.WriteAllText(damaged, File.ReadAllText(Path.Combine(model, "model.txt")).Substring(0, 2000));
     RequireThrows<PhynnessException>(() => Organ.Load(damaged), "a damaged model", damaged, "byte");
     File.Delete(damaged);
 
     CheckHaptics(organ);
-
-    var bridge = new Bridge();
-    bridge.Force(new Vec3(0, 0, 2), 0.001);
-    for (int i = 2; i < 300; ++i) bridge.Force(new Vec3(0, 0, 2), 0.001 * i);
-    Require(bridge.Force(null, 0.3).Z == 2, "the bridge holds the last force");
-    Require(bridge.Force(null, 0.5).Z == 0, "the bridge lowers it to zero");
 
     organ.Dispose();
     organ.Dispose();
@@ -239,6 +238,14 @@ static class Answers {
       Applied = force;
       Largest = Math.Max(Largest, force.Z);
     }
+  }
+  sealed class LostDevice : IHapticDevice {
+    public bool ReadsNone;
+    public bool Read(out Vec3 position) {
+      position = new Vec3(0, 0, 1);
+      return ReadsNone ? throw new IOException("no device") : true;
+    }
+    public void Apply(Vec3 force) { throw new IOException("no force"); }
   }
   static void CheckHaptics(Organ organ) {
     Vec3[] points = organ.MovingPoints, still = organ.FixedPoints;
@@ -283,9 +290,18 @@ static class Answers {
     using (var haptics = new HapticThread(organ.Another(), device, 0.005, 0.3, settings)) {
       device.At = new Vec3(point.X, point.Y, 1);
       haptics.Start();
+      RequireThrows<InvalidOperationException>(haptics.Start, "a thread that is started twice", "before");
       Thread.Sleep(50);
+      Require(haptics.Fault == null, "a device that answers stops no thread");
     }
     Require(device.Applied.Z == 0, "the last force of a thread that ends is 0");
+    RequireThrows<ArgumentNullException>(() => new HapticThread(organ, null, 0.005, 0.3, settings), "no device", "device");
+    foreach (bool isFirst in new[] { true, false })  // what Apply throws is thrown again by the last force
+      using (var haptics = new HapticThread(organ.Another(), new LostDevice { ReadsNone = isFirst }, 0.005, 0.3, settings)) {
+        haptics.Start();
+        for (int i = 0; i < 1000 && haptics.Fault == null; ++i) Thread.Sleep(10);
+        Require(haptics.Fault != null && haptics.Fault.Message == (isFirst ? "no device" : "no force"), "what a device throws is kept");
+      }
   }
   static double Volume(Vec3[] x, int[] triangles) {
     double sum = 0;
