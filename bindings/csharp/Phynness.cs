@@ -556,10 +556,7 @@ static class Native {
   [DllImport(loop)] public static extern IntPtr phn_loop_trip_message(int trip);
 
   public static void RequireLibrary() {
-    int version = phn_abi_version();
-    if (version != AbiVersion)
-      throw new PhynnessException(Status.ErrorVersion, "the library phynness has interface " + version + ", and this file is for " +
-                                  AbiVersion + ": use both of one release");
+    RequireSame("the interface is", phn_abi_version(), AbiVersion);
     RequireSize("phn_tool", typeof(Tool));
     RequireSize("phn_contact_tool", typeof(Sphere));
     RequireSize("phn_contact_state", typeof(Touch));
@@ -570,10 +567,12 @@ static class Native {
     RequireSize("phn_body_report", typeof(BodyReport));
   }
   public static void RequireSize(string name, Type type) {
-    int bytes = phn_sizeof(name), own = Marshal.SizeOf(type);
-    if (bytes != own)
-      throw new PhynnessException(Status.ErrorVersion, name + " has " + bytes + " bytes in the library and " + own +
-                                  " in this file: use both of one release");
+    RequireSame("the bytes of " + name + " are", phn_sizeof(name), Marshal.SizeOf(type));
+  }
+  static void RequireSame(string what, int number, int own) {
+    if (number != own)
+      throw new PhynnessException(Status.ErrorVersion, what + " " + number + " in the library phynness and " + own +
+                                  " in Phynness.cs: use both of one release");
   }
   public static void Require(int status, string where) {
     if (status < 0) throw Error(status, where);

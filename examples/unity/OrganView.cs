@@ -21,7 +21,6 @@ public sealed class OrganView : MonoBehaviour {
   Vec3[] rest, field;
   Vector3[] vertices;
   Mesh mesh;
-  bool isStopped;
 
   void Start() {
     felt = Organ.Load(Path.Combine(Application.streamingAssetsPath, modelFolder));
@@ -48,10 +47,10 @@ public sealed class OrganView : MonoBehaviour {
   void Update() {
     if (haptics == null) return;
     LoopReport report = haptics.Latest(out Touch touch);
-    bool wasStopped = isStopped;
-    isStopped = haptics.Fault != null || report.State == LoopState.Tripped;
-    if (isStopped && !wasStopped)
+    if (haptics.Fault != null || report.State == LoopState.Tripped) {
       Debug.LogError("the haptic loop stopped: " + (haptics.Fault?.ToString() ?? report.TripMessage));
+      enabled = false;  // no Update follows
+    }
     if (sphere != null) {
       sphere.localPosition = Drawn(touch.Proxy, touch.Held.Displacement);
       sphere.localScale = Vector3.one * (float)(2 * radius);

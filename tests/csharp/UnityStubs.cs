@@ -31,6 +31,7 @@ public class Mesh {
   public void RecalculateBounds() {}
 }
 public class MonoBehaviour {
+  public bool enabled = true;
   public static readonly System.Collections.Generic.List<object> Components = new System.Collections.Generic.List<object>();
   public T GetComponent<T>() {
     foreach (object component in Components)
@@ -84,7 +85,7 @@ static class Program {
     UnityEngine.Mesh mesh = view.GetComponent<UnityEngine.MeshFilter>().mesh;
     var rest = (UnityEngine.Vector3[])mesh.vertices.Clone();
     float moved = 0;
-    for (int frame = 0; frame < 1000 && (frame == 0 || moved < distance) && UnityEngine.Debug.Error == null; ++frame) {
+    for (int frame = 0; frame < 1000 && (frame == 0 || moved < distance) && view.enabled; ++frame) {
       Call(view, "Update");
       for (int i = 0; i < rest.Length; ++i) moved = Math.Max(moved, mesh.vertices[i].z - rest[i].z);
       Thread.Sleep(10);

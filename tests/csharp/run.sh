@@ -36,4 +36,4 @@ done < <(grep -oE '^  PHN_(WARNING|ERROR)_[A-Z_]+ = -?[0-9]+' "$source/runtime/i
 echo 'int phn_abi_version(void) { return 99; }' > other.c
 "$cc" -shared -fPIC -o other/libphynness.so other.c
 ! LD_LIBRARY_PATH=$build/other "$mono" Answers.exe "$source/examples/model" - > refused.txt 2>&1 || fail "a library of another version is used"
-grep -q "interface 99, and this file is for" refused.txt || fail "the reason is not said: $(head -n 3 refused.txt)"
+grep -q "the interface is 99 in the library phynness and 1 in Phynness.cs" refused.txt || fail "the reason is not said: $(head -n 3 refused.txt)"
