@@ -134,3 +134,13 @@ test('maps keep the values of nodes on the surface', async () => {
     if (map.known[i] === 1) expect(Math.abs(drawn.values[i]! - value)).toBeLessThan(1e-6 * map.scale.high); // single precision
   });
 });
+
+test('the map of stiffness is the force of an inward push of 1 mm, in N/m, at every node that can be touched', async () => {
+  const runtime = new Runtime(await load(block)), { model, parts, rows } = runtime;
+  const { values, known, scale } = mapsOf(runtime, null).find(({ name }) => name === 'stiffness')!.values([]);
+  known.forEach((is, i) => expect(is).toBe(Number(parts[i] === 'nonlinear' || parts[i] === 'linear')));
+  // Nodes 26 and 48 lie in the upper face.
+  for (const node of [26, 48]) expect(values[rows.get(node)!]! / (-1e3 * model.force(node, [0, 0, -1e-3]).force[2]!)).toBeCloseTo(1, 12);
+  expect(scale).toMatchObject({ unit: 'N/m', note: expect.stringMatching(/ 1 mm\./) });
+  expect([scale.low, scale.high]).toEqual([Math.min, Math.max].map((of) => of(...values.filter((_, i) => parts[i] === 'nonlinear'))));
+});

@@ -1,9 +1,10 @@
 // Quantities that are shown as colours on the surface: a value for each output node, and where it is known.
 import type { Scale } from '../../shared/src/legend.js';
 import { roundedUp } from '../../shared/src/numbers.js';
-import { norm, row } from '../../shared/src/vectors.js';
+import { add, cross, dot, norm, row, scale, sub, unit, vector, zero, type V3 } from '../../shared/src/vectors.js';
 import type { HeldPlace, Runtime } from './answers.js';
 import type { NodeErrors } from './page_data.js';
+import { placeAt } from './places.js';
 
 export interface MapValues {
   readonly scale: Scale;
@@ -17,6 +18,39 @@ export interface MapKind {
   readonly title: string;
   /** @param tools  what holds the body; null: something else touches it, for which fields are not known */
   values(tools: readonly HeldPlace[] | null): MapValues;
+}
+
+/** Outward normals of the output nodes: means of their triangles, weighted by area. */
+function normalsOf({ outputPoints, fixedPoints, outputNodes, triangles }: Runtime['model']['info']): V3[] {
+  const points = Float64Array.from([...outputPoints, ...fixedPoints]), normals = Array.from({ length: points.length / 3 }, () => zero);
+  for (let t = 0; t < triangles.length; t += 3) {
+    const corners = [0, 1, 2].map((k) => triangles[t + k]!), [a, b, c] = corners.map((i) => row(points, i)) as [V3, V3, V3];
+    for (const i of corners) normals[i] = add(normals[i]!, cross(sub(b, a), sub(c, a)));
+  }
+  return normals.slice(0, outputNodes.length).map((normal) => unit(normal));
+}
+
+/** Depth of the pushes of the map of stiffness [m]; half of the trained depth where that is less. */
+const pushDepth = 1e-3;
+
+/** Force along an inward push over its depth [N/m], at every node that can be touched; computed when it is first shown. */
+function stiffnessOf(runtime: Runtime): MapKind {
+  const { model, parts } = runtime, n = model.info.outputNodes.length, depth = Math.min(pushDepth, model.info.maxDisplacement / 2);
+  let map: MapValues | null = null;
+  const computed = (): MapValues => {
+    const values = new Float64Array(n), known = new Float64Array(n), normals = normalsOf(model.info);
+    model.info.outputNodes.forEach((node, i) => {
+      if (parts[i] !== 'nonlinear' && parts[i] !== 'linear') return;
+      const inward = scale(-1, normals[i]!);
+      values[i] = dot(vector(model.force(placeAt(node), scale(depth, inward)).force), inward) / depth;
+      known[i] = 1;
+    });
+    // Beside supports the stiffness is several times larger, so that colours are of the probed part.
+    const probed = [...values].filter((_, i) => parts[i] === 'nonlinear'), [low, high] = [Math.min(...probed), Math.max(...probed)];
+    const note = `Inward pushes of ${Number((1e3 * depth).toPrecision(2))} mm. Grey: cannot be touched`;
+    return { scale: { title: 'Stiffness', unit: 'N/m', low, high, note }, values, known };
+  };
+  return { name: 'stiffness', title: 'Stiffness', values: () => (map ??= computed()) };
 }
 
 /** The maps of a model. */
@@ -57,6 +91,7 @@ export function mapsOf(runtime: Runtime, errors: NodeErrors | null): readonly Ma
       for (let i = 0; i < n; ++i) out[i] = norm(row(runtime.field, i));
       return true;
     }, ''),
+    stiffnessOf(runtime),
     ...fields.map((field, index) => live(`field:${field.name}`, titleOf(field.name), field.unit, 0, (tools, out) => {
       if (tools?.length === 0) return true;
       const values = tools?.length === 1 ? runtime.fieldOf(tools[0]!, index) : null;

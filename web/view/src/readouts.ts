@@ -77,6 +77,8 @@ export class Readouts {
       forces.forEach((force, i) => facts.push([`Force of tool ${i + 1}`, `${significant(norm(force), digitsOf(norm(force), bounds[i] ?? null))} N`]));
     if (tool?.place) {
       facts.push(['Held', nameOf(tool.place)], ['Depth', withUnit(norm(tool.at), 'm', 3)]);
+      const depth = norm(tool.at), force = forces[current];
+      if (force && depth > 0) facts.push(['Force along the push / depth', withUnit(dot(force, tool.at) / depth ** 2, 'N/m', 3)]);
       if (trainedDepth !== null) facts.push(['Trained to', withUnit(trainedDepth, 'm', 3)]);
       const from = tools.length > 1 ? '' : ['', ', from Taylor-Hood', ', from half-size cells'][runtime.model.info.provenance.boundReference] ?? '';
       const bound = bounds[current] ?? null;
