@@ -82,6 +82,50 @@ TEST(Vtk, IsReadByItsContents) {
     EXPECT_EQ(hash_of(begin + xml, ".vtk"), hash_of(small_vtk_4, ".vtk"));
 }
 
+/// A .vtu file of the two cells with an array of these cells.
+std::string vtu_with(const std::string& array) {
+  return "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\"><UnstructuredGrid>"
+         "<Piece NumberOfPoints=\"5\" NumberOfCells=\"2\"><Points><DataArray type=\"Float64\" format=\"ascii\">"
+         "0 0 0 1 0 0 0 1 0 0 0 1 1 1 1</DataArray></Points><Cells>"
+         "<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 3 1 4 2 3</DataArray>"
+         "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">4 8</DataArray>"
+         "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10 10</DataArray></Cells><CellData>" +
+         array + "</CellData></Piece></UnstructuredGrid></VTKFile>";
+}
+
+TEST(Vtk, IntegersOfCellsAreGroups) {
+  const auto xml = [](const char* name, const char* type, const char* values) {
+    return vtu_with(std::string("<DataArray type=\"") + type + "\" Name=\"" + name + "\" format=\"ascii\">" + values +
+                    "</DataArray>");
+  };
+  // The triangle of the first file is a cell of VTK, but none of the body.
+  const std::string scalars = "CELL_DATA 3\nSCALARS CellEntityIds int 1\nLOOKUP_TABLE default\n1\n2\n7\n";
+  const std::string in_field = "CELL_DATA 2\nFIELD FieldData 2\nheat 1 2 double\n0 0\nmedit:ref 1 2 int\n2 7\n";
+  const std::string points = "POINT_DATA 5\nSCALARS region int 1\nLOOKUP_TABLE default\n1\n2\n3\n4\n5\n";
+  for (const auto& [bytes, extension] :
+       std::vector<std::pair<std::string, const char*>>{{small_vtk_4 + scalars, ".vtk"},
+                                                        {small_vtk_4 + scalars + points, ".vtk"},
+                                                        {small_vtk_5 + points + in_field, ".vtk"},
+                                                        {xml("region", "Int32", "2 7"), ".vtu"},
+                                                        {xml("gmsh:physical", "UInt8", "2 7"), ".vtu"}}) {
+    SCOPED_TRACE(bytes);
+    const Mesh mesh = import_bytes(bytes, extension).mesh;
+    EXPECT_EQ(mesh.cell_groups, (std::map<std::string, std::vector<std::int32_t>>{{"2", {0}}, {"7", {1}}}));
+  }
+  EXPECT_TRUE(import_bytes(small_vtk_4 + points, ".vtk").mesh.cell_groups.empty());
+  for (const auto& [bytes, extension] : std::vector<std::pair<std::string, const char*>>{
+           {replaced(small_vtk_4 + scalars, "Ids int", "Ids float"), ".vtk"},
+           {xml("region", "Float64", "2 7"), ".vtu"}}) {
+    const MeshResult result = import_bytes(bytes, extension);
+    EXPECT_TRUE(result.mesh.cell_groups.empty());
+    EXPECT_TRUE(contains(joined(result.notes), "save it as one integer for each cell")) << joined(result.notes);
+  }
+  EXPECT_TRUE(contains(error_of([&] { import_bytes(xml("region", "Int32", "2"), ".vtu"); }), "1 instead of 2"));
+  EXPECT_TRUE(contains(
+      error_of([&] { import_bytes(small_vtk_5 + replaced(in_field, "ref 1 2 int\n2 7", "ref 1 1 int\n2"), ".vtk"); }),
+      "'medit:ref' has another number of values"));
+}
+
 TEST(Stl, MayBeInCapitalsAndEndInSeveralWays) {
   const char* x[] = {"0 0 0", "1 0 0", "0 1 0", "0 0 1"};
   const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};

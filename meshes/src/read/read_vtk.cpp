@@ -1,4 +1,5 @@
 // VTK's legacy files: unstructured grids and poly data, as text or binary.
+#include <algorithm>
 #include <bit>
 
 #include "raw_mesh.hpp"
@@ -34,7 +35,10 @@ class VtkFile {
     if (_types.size() != _ends.size())
       _scanner.fail("the numbers of cells and of cell types differ",
                     std::to_string(_ends.size()) + " and " + std::to_string(_types.size()));
-    add_vtk_cells(_ends, _points, _raw.nodes.size(), 0, _types, _raw,
+    if (!_regions.empty() && _regions.size() != _types.size())
+      _scanner.fail("the array '" + _region_array + "' has another number of values than there are cells",
+                    std::to_string(_regions.size()) + " and " + std::to_string(_types.size()));
+    add_vtk_cells(_ends, _points, _raw.nodes.size(), 0, _types, _regions, _raw,
                   [this](const auto&... text) { _scanner.fail(text...); });
     return std::move(_raw);
   }
@@ -51,7 +55,9 @@ class VtkFile {
     while (!_scanner.at_end()) {
       next = _scanner;
       Scanner words(_scanner.line(), "");
-      const std::string name = upper(words.word_or_end());
+      const std::string original(words.word_or_end()), name = upper(original);
+      if (name == "CELL_DATA" || name == "POINT_DATA") _of_cells = name == "CELL_DATA";
+      if (_of_cells) read_regions(original, words);
       if (names.find(" " + name + " ") == names.npos || !Scanner::is_number(words.word_or_end(), number)) continue;
       // An array of a field may have such a name, but has more words.
       const bool alone = words.word_or_end().empty();
@@ -61,6 +67,30 @@ class VtkFile {
       return name;
     }
     return "";
+  }
+
+  /// Reads the values if a line begins an array of region_arrays: "SCALARS NAME TYPE [1]" and "LOOKUP_TABLE default",
+  /// or "NAME 1 N TYPE" in a field. @param words  behind the first one
+  void read_regions(const std::string& first, Scanner words) {
+    const bool scalars = upper(first) == "SCALARS";
+    const std::string name = scalars ? std::string(words.word_or_end()) : first;
+    if (!_regions.empty() ||
+        std::find(std::begin(region_arrays), std::end(region_arrays), name) == std::end(region_arrays))
+      return;
+    std::int64_t components = 1, n = std::ssize(_types);
+    std::string type(scalars ? words.word_or_end() : "");
+    if (scalars && !Scanner::is_number(words.word_or_end(), components)) components = 1;
+    if (!scalars &&
+        (!Scanner::is_number(words.word_or_end(), components) || !Scanner::is_number(words.word_or_end(), n)))
+      return;
+    if (!scalars) type = words.word_or_end();
+    if (components != 1 || (type != "int" && type != "vtktypeint64" && type != "vtktypeint32"))
+      return _raw.notes.push_back(not_groups(name, type + " with " + std::to_string(components) + " component(s)"));
+    if (scalars) _scanner.line();  // the name of a table of colours
+    _region_array = name;
+    _regions.resize(_scanner.checked_count(n, _binary ? 4 : 2, "values of an array"));
+    for (auto& value : _regions) value = integer(type, "a value of an array");
+    if (!_binary) _scanner.line();
   }
 
   void read_header() {
@@ -154,7 +184,9 @@ class VtkFile {
   Scanner& _scanner;
   bool _binary = false, _with_offsets = false, _poly_data = false;
   RawMesh _raw;
-  std::vector<std::int64_t> _ends, _points, _types;
+  bool _of_cells = false;  ///< attributes at the present place are of cells
+  std::string _region_array;
+  std::vector<std::int64_t> _ends, _points, _types, _regions;
 };
 
 }  // namespace

@@ -289,16 +289,30 @@ std::size_t append_points(const VtkXml& file, pugi::xml_node piece, RawMesh& raw
   return n;
 }
 
-/// @param cells  the element with the arrays of `n_cells` cells
-void append_cells(const VtkXml& file, pugi::xml_node cells, std::size_t n_cells, std::size_t n_points, RawMesh& raw) {
+/// The numbers of the first array of region_arrays that the piece holds; empty: none, or none of integers.
+std::vector<std::int64_t> regions_of(const VtkXml& file, pugi::xml_node piece, std::size_t n_cells, RawMesh& raw) {
+  for (const char* name : region_arrays) {
+    const auto array = piece.child("CellData").find_child_by_attribute("DataArray", "Name", name);
+    if (!array) continue;
+    const std::string type = array.attribute("type").value();
+    const int components = array.attribute("NumberOfComponents").as_int(1);
+    if (type.find("Int") != type.npos && components <= 1) return file.numbers<std::int64_t>(array, n_cells);
+    raw.notes.push_back(not_groups(name, type + " with " + std::to_string(components) + " component(s)"));
+  }
+  return {};
+}
+
+void append_cells(const VtkXml& file, pugi::xml_node piece, std::size_t n_points, RawMesh& raw) {
+  const auto cells = piece.child("Cells");
+  const std::size_t n_cells = file.count(piece, "NumberOfCells");
   if (n_cells == 0) return;
   const auto ends = file.numbers<std::int64_t>(file.array(cells, "offsets"), n_cells);
   const auto array = file.array(cells, "connectivity");
   const auto points =
       file.numbers<std::int64_t>(array, static_cast<std::size_t>(std::max<std::int64_t>(ends.back(), 0)));
   const auto types = file.numbers<std::int64_t>(file.array(cells, "types"), n_cells);
-  add_vtk_cells(ends, points, n_points, static_cast<std::int32_t>(raw.nodes.size() - n_points), types, raw,
-                [&](const auto&... text) { file.fail(array, text...); });
+  add_vtk_cells(ends, points, n_points, static_cast<std::int32_t>(raw.nodes.size() - n_points), types,
+                regions_of(file, piece, n_cells, raw), raw, [&](const auto&... text) { file.fail(array, text...); });
 }
 
 }  // namespace
@@ -313,7 +327,7 @@ RawMesh read_vtu(const std::string& bytes, const std::string& source) {
     if (raw.nodes.size() > most_points)
       file.fail(piece, "the file holds more points than can be solved", std::to_string(raw.nodes.size()),
                 "give a coarser mesh");
-    append_cells(file, piece.child("Cells"), file.count(piece, "NumberOfCells"), n, raw);
+    append_cells(file, piece, n, raw);
     if (n > 0) ++n_pieces;
   }
   if (n_pieces > 1) raw.notes.push_back("the file holds " + std::to_string(n_pieces) + " pieces");

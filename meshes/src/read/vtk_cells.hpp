@@ -13,14 +13,26 @@ inline constexpr int vtk_vertex = 1, vtk_poly_vertex = 2, vtk_poly_line = 4, vtk
                      vtk_polygon = 7, vtk_pixel = 8, vtk_quad = 9, vtk_tetrahedron = 10, vtk_voxel = 11,
                      vtk_hexahedron = 12, vtk_wedge = 13, vtk_pyramid = 14;
 
+/// Names of arrays of cells whose integers are groups: of `phynness show`, of users, and as meshio and gmsh write them.
+/// The first of them that a file holds is used.
+inline constexpr const char* region_arrays[] = {"region",    "material",  "gmsh:physical",
+                                                "medit:ref", "cell_tags", "CellEntityIds"};
+/// Says that an array is not used.
+inline std::string not_groups(const std::string& name, const std::string& type) {
+  return "the array '" + name + "' of the cells holds " + type +
+         " and makes no groups: save it as one integer for each cell";
+}
+
 /// Adds cells to `raw`, polygons and strips as triangles; points and lines are skipped.
 /// @param ends    position in `points` behind the last point of each cell
 /// @param points  of all cells, below `n_points`; `first` is added to each
 /// @param types   of each cell
+/// @param regions of each cell: a solid cell is in the group that has this number as its name; empty: no groups
 /// @param fail    throws what(message, value, remedy) for a cell that cannot be used
 template <class Fail>
 void add_vtk_cells(const std::vector<std::int64_t>& ends, const std::vector<std::int64_t>& points, std::size_t n_points,
-                   std::int32_t first, const std::vector<std::int64_t>& types, RawMesh& raw, const Fail& fail) {
+                   std::int32_t first, const std::vector<std::int64_t>& types, const std::vector<std::int64_t>& regions,
+                   RawMesh& raw, const Fail& fail) {
   std::vector<std::int32_t> cell;
   std::size_t at = 0;
   for (std::size_t c = 0; c < ends.size(); ++c) {
@@ -43,6 +55,7 @@ void add_vtk_cells(const std::vector<std::int64_t>& ends, const std::vector<std:
                                    : type == vtk_wedge                           ? 6
                                    : type == vtk_pyramid                         ? 5
                                                                                  : -1);
+    if (solid && !regions.empty()) raw.cell_groups[std::to_string(regions[c])].push_back(cell);
     if (solid)
       raw.add_cell(cell);
     else if (polygon && corners >= 3)
