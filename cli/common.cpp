@@ -111,14 +111,9 @@ MeshResult read_made(Scene scene, const std::filesystem::path& file) {
   spec.thickness_m = scene.mesh.thickness_m;
   spec.where = scene.mesh.where;
   scene.mesh = spec;
-  for (std::size_t r = 0; r < scene.regions.size(); ++r) {
-    Selector group;
-    group.kind = SelectorKind::group;
-    group.group = region_group(r + 1);
-    scene.regions[r].cells = {group};
-  }
+  scene.regions.clear();
   auto made = make_mesh(scene);
-  require_regions_of(whole, made.mesh, file.string());
+  take_written_regions(whole, made.mesh, file.string());
   std::erase_if(made.mesh.groups, [](const auto& group) { return group.first.starts_with("phynness_"); });
   return made;
 }

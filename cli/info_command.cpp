@@ -123,6 +123,22 @@ json tell_regions(const Scene& scene, const Mesh& mesh) {
   return figures(regions);
 }
 
+/// Prints how a body relaxes, if it does. @return null of an elastic one
+json tell_relaxation(const Relaxation& relaxation) {
+  if (relaxation.empty()) return nullptr;
+  json terms = json::array();
+  for (const auto& term : relaxation.terms.rowwise()) terms.push_back(record("g", term[0], "tau_s", term[1]));
+  print_result("relaxes   {} of the force after a sudden displacement\n", relaxation.sentence());
+  return terms;
+}
+
+json tell_relaxation(const phn_relaxation& from) {
+  Relaxation relaxation;
+  relaxation.terms.resize(from.n_terms, 2);
+  for (Eigen::Index i = 0; i < from.n_terms; ++i) relaxation.terms.row(i) << from.g[i], from.tau_s[i];
+  return tell_relaxation(relaxation);
+}
+
 json about_database(const std::filesystem::path& file, bool failed) {
   const auto progress = database_progress(file);
   warn_of_damage(progress.damage);
@@ -143,6 +159,7 @@ json about_database(const std::filesystem::path& file, bool failed) {
   print_mesh(h.mesh, h.sets);
   warn_of_patch(stored_scene(h), h.mesh, h.sets);
   const json regions = h.mesh.regions.empty() ? json::array() : tell_regions(stored_scene(h), h.mesh);
+  const json relaxation = tell_relaxation(h.scene_text.empty() ? Relaxation{} : stored_scene(h).relaxation);
   print_result("probes    {} directions, {} increments to {:.4g} m{}{}\n", h.directions.size(), h.magnitudes_m.size(),
                h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "",
                h.imported ? ", imported from another program" : "");
@@ -169,8 +186,8 @@ json about_database(const std::filesystem::path& file, bool failed) {
   }
   return record("kind", "database", "complete", true, "mesh_hash", h.mesh_hash, "physics_hash", h.physics_hash, "nodes",
                 h.mesh.n_nodes(), "active", h.sets.active, "linear", h.sets.linear, "fields", fields, "states", states,
-                "regions", regions, "failed_rays", rays, "ends", ends, "newton_iterations", summary.newton_iterations,
-                "unstable_states", summary.unstable_states);
+                "regions", regions, "relaxation", relaxation, "failed_rays", rays, "ends", ends, "newton_iterations",
+                summary.newton_iterations, "unstable_states", summary.unstable_states);
 }
 
 /// Prints what the finite elements solved and how far they are from a finer solution.
@@ -195,20 +212,6 @@ json tell_provenance(const phn_provenance& p, const FinerDistance* whole = nullp
                 "finer_tool_radius_m", known(p.finer_tool_radius_m), "finer_mean",
                 finer.probes > 0 ? json(p.finer_mean) : json(nullptr), "finer_p95",
                 finer.probes > 0 ? json(p.finer_p95) : json(nullptr), "bound_reference", known(p.bound_reference));
-}
-
-/// Prints how a body relaxes, if it does. @return null of an elastic one
-json tell_relaxation(const phn_relaxation& from) {
-  Relaxation relaxation;
-  relaxation.terms.resize(from.n_terms, 2);
-  json terms = json::array();
-  for (Eigen::Index i = 0; i < from.n_terms; ++i) {
-    relaxation.terms.row(i) << from.g[i], from.tau_s[i];
-    terms.push_back(record("g", from.g[i], "tau_s", from.tau_s[i]));
-  }
-  if (relaxation.empty()) return nullptr;
-  print_result("relaxes   {} of the force after a sudden displacement\n", relaxation.sentence());
-  return terms;
 }
 
 json about_image(const std::filesystem::path& file) {

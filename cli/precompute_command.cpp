@@ -112,6 +112,19 @@ void print_work(const SolverSession& session, const LoadedScene& loaded, const P
                100 * report.idle_share, bytes(report.peak_memory_bytes));
 }
 
+/// The solves of a database do not depend on relaxation, so that it may be continued with a scene of other terms.
+void tell_kept_relaxation(const std::filesystem::path& database, const Scene& scene) {
+  if (!std::filesystem::exists(database)) return;
+  const auto header = read_database_header(database);
+  if (header.scene_text.empty()) return;
+  const auto kept = stored_scene(header).relaxation.terms;
+  if (kept.rows() != scene.relaxation.terms.rows() || kept != scene.relaxation.terms)
+    message(
+        "note: {} keeps the relaxation of the scene with which it was begun; give this scene to train, to reduce "
+        "(--scene), and to solve in place of the database\n",
+        database.string());
+}
+
 void run(const Options& options) {
   PrecomputeTarget target{options.output, options.resume || !options.part.empty(), {}, {}};
   if (!options.part.empty()) target.part = part_of(options.part);
@@ -123,6 +136,7 @@ void run(const Options& options) {
     loaded =
         load_scene(options.scene, !first, {}, target.resume ? options.output : std::filesystem::path(), options.mesh);
     grow_beside(target, loaded);
+    if (first && target.resume) tell_kept_relaxation(options.output, loaded.scene);
     if (first) locks = begin(target, loaded);
   });
   // A signal before ends the program: there is nothing to keep yet. mpirun kills its ranks a second after it has told

@@ -182,5 +182,25 @@ TEST(Regions, StayInAFileOfGmsh) {
   EXPECT_EQ(cell_regions(scene, read), mesh.regions);
 }
 
+TEST(Regions, OfAWrittenMeshAreThoseOfItsScene) {
+  const auto of = [](const std::string& z) {
+    return scene_with({"{ box = { min_m = [0, 0, " + z + "], max_m = [2, 2, 2] } }"});
+  };
+  Mesh mesh = grid();
+  mesh.regions = cell_regions(of("1"), mesh);
+  const TemporaryFile file("", ".msh");
+  write_msh(mesh, nullptr, file.path);
+  const auto taken = [&](const Scene& scene) {
+    Mesh read = import_file(file.path).mesh;
+    take_written_regions(scene, read, "a.msh");
+    return read.regions;
+  };
+  EXPECT_EQ(taken(of("1")), mesh.regions);
+  EXPECT_TRUE(contains(error_of([&] { taken(of("1.6")); }), "region 'r1' is elsewhere in it"));
+  mesh.regions.clear();
+  write_msh(mesh, nullptr, file.path);
+  EXPECT_TRUE(contains(error_of([&] { taken(of("1")); }), "has no group of cells phynness_region_1 for region 'r1'"));
+}
+
 }  // namespace
 }  // namespace phynness::test

@@ -128,7 +128,6 @@ std::vector<std::string> scene_notes(const Scene& scene) {
     notes.push_back(scene.probe.where.str() +
                     ": directions = 3 solves +x, +y and +z only. Forces in all other directions are extrapolated, and "
                     "no bound covers that; 26 directions cover all");
-  double softest = scene.material.shear_modulus_Pa, stiffest = softest;
   for (const Material* m : materials(scene)) {
     if (m->d1_given)
       notes.push_back(m->where.str() +
@@ -136,12 +135,16 @@ std::vector<std::string> scene_notes(const Scene& scene) {
     if (m->bulk_modulus_Pa < m->shear_modulus_Pa)
       notes.push_back(m->where.str() + ": K/mu = " + short_text(m->bulk_to_shear()) + " is below 1, nu = " +
                       number_text(m->poisson_ratio(), std::chars_format::fixed, 2) + ": are K and mu exchanged?");
-    softest = std::min(softest, m->shear_modulus_Pa), stiffest = std::max(stiffest, m->shear_modulus_Pa);
   }
-  if (stiffest > largest_measured_ratio * softest)
-    notes.push_back(scene.regions.front().where.str() + ": shear moduli of regions differ by a factor of " +
-                    short_text(stiffest / softest) + ", and elements were measured up to " +
-                    short_text(largest_measured_ratio) + ": compare with `phynness check` before forces are believed");
+  const auto all = materials(scene);
+  for (const auto& [what, modulus] :
+       {std::pair{"shear moduli", &Material::shear_modulus_Pa}, {"bulk moduli", &Material::bulk_modulus_Pa}}) {
+    const auto [softest, stiffest] = std::ranges::minmax(all, {}, [&](const Material* m) { return m->*modulus; });
+    if (const double ratio = stiffest->*modulus / softest->*modulus; ratio > largest_measured_ratio)
+      notes.push_back(scene.regions.front().where.str() + ": " + what + " of regions differ by a factor of " +
+                      short_text(ratio) + ", and elements were measured up to " + short_text(largest_measured_ratio) +
+                      ": compare with `phynness check` before forces are believed");
+  }
   return notes;
 }
 

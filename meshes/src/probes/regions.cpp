@@ -107,26 +107,34 @@ Numbers cell_regions(const Scene& scene, const Mesh& mesh) {
 
 std::string region_group(std::size_t number) { return region_group_prefix + std::to_string(number); }
 
-void require_regions_of(const Scene& scene, Mesh mesh, const std::string& source) {
-  if (std::ranges::any_of(scene.regions, [](const Region& region) { return uses_group(region.cells); })) return;
+void take_written_regions(const Scene& scene, Mesh& mesh, const std::string& source) {
   const auto refuse = [&](const std::string& what) {
     throw input_error("the mesh is not of this scene: " + what, source, "make it again with phynness mesh SCENE");
   };
-  const Numbers in_file = std::exchange(mesh.regions, {});
-  Numbers in_scene;
-  try {
-    in_scene = cell_regions(scene, mesh);
-  } catch (const Error& error) {
-    refuse(error.what());
-  }
+  Numbers in_file(scene.regions.empty() ? 0 : static_cast<std::size_t>(mesh.n_cells()), 0);
   for (std::size_t r = 1; r <= scene.regions.size(); ++r) {
-    std::size_t both = 0, either = 0;
-    for (std::size_t c = 0; c < in_file.size(); ++c) {
-      both += in_file[c] == r && in_scene[c] == r;
-      either += in_file[c] == r || in_scene[c] == r;
-    }
-    if (2 * both < either) refuse("region '" + scene.regions[r - 1].name + "' is elsewhere in it");
+    const auto group = mesh.cell_groups.find(region_group(r));
+    if (group == mesh.cell_groups.end())
+      refuse("it has no group of cells " + region_group(r) + " for region '" + scene.regions[r - 1].name + "'");
+    for (const auto cell : group->second) in_file[static_cast<std::size_t>(cell)] = static_cast<std::uint8_t>(r);
   }
+  if (std::ranges::none_of(scene.regions, [](const Region& region) { return uses_group(region.cells); })) {
+    Numbers in_scene;
+    try {
+      in_scene = cell_regions(scene, mesh);
+    } catch (const Error& error) {
+      refuse(error.what());
+    }
+    for (std::size_t r = 1; r <= scene.regions.size(); ++r) {
+      std::size_t both = 0, either = 0;
+      for (std::size_t c = 0; c < in_file.size(); ++c) {
+        both += in_file[c] == r && in_scene[c] == r;
+        either += in_file[c] == r || in_scene[c] == r;
+      }
+      if (2 * both < either) refuse("region '" + scene.regions[r - 1].name + "' is elsewhere in it");
+    }
+  }
+  mesh.regions = std::move(in_file);
 }
 
 std::string RegionFigures::str() const {

@@ -105,11 +105,10 @@ std::vector<std::uint8_t> cell_regions(const Scene& scene, const Mesh& mesh);
 std::string region_group(std::size_t number);
 inline constexpr const char* region_group_prefix = "phynness_region_";
 
-/// @param mesh  with the regions of a file that write_msh() wrote; they are not known by their place if the scene
-/// selects
-///              them by groups
-/// @throws Error (input) if fewer than half of the cells of a region are where the scene has it
-void require_regions_of(const Scene& scene, Mesh mesh, const std::string& source);
+/// Sets the regions of a mesh that was read from a file of write_msh(): its groups of cells.
+/// @throws Error (input) if it has no group for a region, or if fewer than half of the cells of a region that the scene
+///   selects by place are where the scene has it
+void take_written_regions(const Scene& scene, Mesh& mesh, const std::string& source);
 
 /// A part of a mesh with one material. The first is the rest of the body.
 struct RegionFigures {
