@@ -257,7 +257,11 @@ MeshResult make_mesh(const Scene& scene, bool in_file_units) {
       result.warnings.push_back(reason_of_slivers(result, in_file_units));
     if (!in_file_units) warn_of_size(result, spec.scale_to_m);
     result.mesh.regions = cell_regions(scene, result.mesh);
-    for (std::size_t r = 0; r < scene.regions.size(); ++r) result.mesh.cell_groups.erase(inclusion_group(r));
+    for (std::size_t r = 0; r < scene.regions.size(); ++r)
+      if (result.mesh.cell_groups.erase(inclusion_group(r)) == 0 && result.made_here &&
+          can_be_inclusion(scene.regions[r]))
+        result.notes.push_back("tetrahedra do not end at the surface of region '" + scene.regions[r].name +
+                               "', which crosses or touches that of the body or of another region");
     for (const RegionFigures& region : region_figures(scene, result.mesh)) result.notes.push_back(region.str());
     return result;
   } catch (const Error& error) {

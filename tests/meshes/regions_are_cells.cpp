@@ -158,8 +158,14 @@ TEST(Regions, OfBallsThatCrossTheSurfaceOrEachOtherAreAssignedByCells) {
   SKIP_WITHOUT_GMSH();
   const auto is_whole = [](const std::vector<std::string>& balls) {
     const Scene scene = scene_with(balls, "mesh = { shape = \"block\", target_size_m = 0.018 }");
+    const MeshResult made = make_mesh(scene);
     std::vector<bool> whole;
-    for (const auto& region : region_figures(scene, make_mesh(scene).mesh)) whole.push_back(region.off < 0.12);
+    for (const auto& region : region_figures(scene, made.mesh)) {
+      whole.push_back(region.off < 0.12);
+      const bool says_why = contains(joined(made.notes), "do not end at the surface of " + region.name.substr(0, 6) +
+                                                             " '" + region.name.substr(region.name.size() - 2) + "'");
+      EXPECT_EQ(says_why, !whole.back()) << joined(made.notes);
+    }
     return std::vector<bool>(whole.begin() + 1, whole.end());
   };
   const std::string ball = "{ sphere = { center_m = [0.04, 0.04, 0.025], radius_m = 0.012 } }";

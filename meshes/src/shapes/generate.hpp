@@ -17,6 +17,8 @@ struct Inclusion {
 };
 /// The name of the group of a region, by its position; make_mesh() resolves and drops it.
 std::string inclusion_group(std::size_t region);
+/// A sphere or an ellipsoid.
+bool can_be_inclusion(const Region& region);
 /// Of the regions that are a sphere or an ellipsoid those that lie within the body and apart from each other. Their
 /// triangles are those of an icosahedron that are divided until edges are at most edge_m long, but at least once, and
 /// enclose the volume of the ellipsoid.

@@ -73,6 +73,11 @@ bool is_inside(const Surface& surface, const Eigen::RowVector3d& x) {
   return half > std::numbers::pi;
 }
 
+bool can_be_inclusion(const Region& region) {
+  const auto kind = region.cells.front().kind;
+  return region.cells.size() == 1 && (kind == SelectorKind::sphere || kind == SelectorKind::ellipsoid);
+}
+
 std::string inclusion_group(std::size_t region) { return "phynness_inclusion_" + std::to_string(region); }
 
 std::vector<Inclusion> inclusions(const std::vector<Region>& regions, const Surface& body, double edge_m) {
@@ -80,11 +85,10 @@ std::vector<Inclusion> inclusions(const std::vector<Region>& regions, const Surf
   const Eigen::RowVector3d low = body.nodes.colwise().minCoeff(), extent = extent_of(body.nodes);
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const Region& region = regions[r];
+    if (!can_be_inclusion(region)) continue;
     const Selector& s = region.cells.front();
-    const bool is_ball = s.kind == SelectorKind::sphere;
-    if (region.cells.size() > 1 || !(is_ball || s.kind == SelectorKind::ellipsoid)) continue;
     Eigen::RowVector3d center = to_eigen(s.point).transpose(), radii = to_eigen(s.other).transpose();
-    if (is_ball) radii.setConstant(s.length_m);
+    if (s.kind == SelectorKind::sphere) radii.setConstant(s.length_m);
     if (s.in_fractions) center = low + center.cwiseProduct(extent);
     Surface surface = divided_ball(center, radii, edge_m);
     bool apart = is_apart(surface, body, ClosestPoint(body), true);
