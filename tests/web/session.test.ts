@@ -1,7 +1,8 @@
 // What the page computes without a page: tools and spheres, parts of the surface, the curve, states and maps.
 import { describe, expect, test } from 'vitest';
+import { inwardAt } from './inward.js';
 import { block, bodyText, load, sample } from './setup.js';
-import { norm, sub, zero, type V3 } from '../shared/src/vectors.js';
+import { dot, norm, row, scale, sub, zero, type V3 } from '../shared/src/vectors.js';
 import { Runtime } from '../view/src/answers.js';
 import { mapsOf, onSurface } from '../view/src/maps.js';
 import { alongRay, pageDataOf } from '../view/src/page_data.js';
@@ -135,12 +136,17 @@ test('maps keep the values of nodes on the surface', async () => {
   });
 });
 
-test('the map of stiffness is the force of an inward push of 1 mm, in N/m, at every node that can be touched', async () => {
-  const runtime = new Runtime(await load(block)), { model, parts, rows } = runtime;
-  const { values, known, scale } = mapsOf(runtime, null).find(({ name }) => name === 'stiffness')!.values([]);
+test.each([1, 5])('the map of stiffness at %d mm is the force of an inward push over its depth, at every node that can be touched', async (mm) => {
+  const runtime = new Runtime(await load(sample)), { model, parts, rows } = runtime, { info } = model, depth = 1e-3 * mm;
+  const { values, known, scale: legend } = mapsOf(runtime, null).find(({ name }) => name === `stiffness:${mm}`)!.values([]);
   known.forEach((is, i) => expect(is).toBe(Number(parts[i] === 'nonlinear' || parts[i] === 'linear')));
-  // Nodes 26 and 48 lie in the upper face.
-  for (const node of [26, 48]) expect(values[rows.get(node)!]! / (-1e3 * model.force(node, [0, 0, -1e-3]).force[2]!)).toBeCloseTo(1, 12);
-  expect(scale).toMatchObject({ unit: 'N/m', note: expect.stringMatching(/ 1 mm\./) });
-  expect([scale.low, scale.high]).toEqual([Math.min, Math.max].map((of) => of(...values.filter((_, i) => parts[i] === 'nonlinear'))));
+  for (const node of info.activeNodes) {
+    const i = rows.get(node)!, inward = inwardAt([...info.outputPoints, ...info.fixedPoints], info.triangles, i);
+    const force = row(model.force(node, scale(depth, inward)).force, 0);
+    expect(values[i]! / (dot(force, inward) / depth)).toBeCloseTo(1, 9);
+  }
+  const probed = values.filter((_, i) => parts[i] === 'nonlinear');
+  const { low, high, note, unit } = legend;
+  expect([low, high, unit]).toEqual([Math.min(...probed), Math.max(...probed), 'N/m']);
+  expect(note!.match(/: ([\d.]+) to ([\d.]+) N/)!.slice(1).map(Number)).toEqual([low, high].map((x) => Number(x.toPrecision(3))));
 });

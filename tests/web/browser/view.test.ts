@@ -10,7 +10,9 @@ import axe from 'axe-core';
 import type { Browser, Page } from 'puppeteer-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { loader } from '../../runtime/src/index.js';
+import { dot, scale } from '../../shared/src/vectors.js';
 import { placeAt } from '../../view/src/places.js';
+import { inwardAt } from '../inward.js';
 import { browserName, built, drawn, folder, open, phynness, pixels, start, type Opened } from './browser.js';
 
 type V3 = [number, number, number];
@@ -161,6 +163,23 @@ describe(`the page in ${browserName}`, () => {
     expect(await textAt('.legend:not(.parts)')).toMatch(/Displacement.*mm/);
     expect(await violations()).toEqual([]);
     await ask("phynness.hold([]), phynness.set({ map: 'parts' })");
+  });
+
+  it('shows maps of stiffness: the force of eval over the depth of an inward push, and a legend with the least and the largest value', async () => {
+    const { points, triangles, row } = await ask<{ points: number[]; triangles: number[]; row: number }>(`(() => { const { model: { info }, rows } = phynness.session.runtime;
+      return { points: [...info.outputPoints, ...info.fixedPoints], triangles: [...info.triangles], row: rows.get(${front}) }; })()`);
+    const inward = inwardAt(points, triangles, row);
+    for (const depth of [1e-3, 5e-3]) {
+      await page.select('#map', `stiffness:${1e3 * depth}`);
+      expect(await textAt('.legend:not(.parts) figcaption')).toBe(`Stiffness at ${1e3 * depth} mm [N/m]`);
+      const [force] = evaluated([{ node: front, displacement: scale(depth, inward) }]);
+      const map = await ask<{ value: number; low: number; high: number }>(`(() => { const { maps, map } = phynness.session,
+        { values, scale } = maps.find(({ name }) => name === map).values([]); return { ...scale, value: values[${row}] }; })()`);
+      expect(Math.abs((map.value * depth) / dot(force!, inward) - 1)).toBeLessThan(1e-9);
+      const shown = (await textAt('.legend-note')).match(/: ([\d.]+) to ([\d.]+) N\/m/)!.slice(1).map(Number);
+      expect(shown).toEqual([map.low, map.high].map((x) => Number(x.toPrecision(3))));
+    }
+    await page.select('#map', 'parts');
   });
 
   it('stays outside of the body with the wheel, and shows the whole body in a window of another size', async () => {

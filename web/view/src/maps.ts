@@ -1,6 +1,6 @@
 // Quantities that are shown as colours on the surface: a value for each output node, and where it is known.
 import type { Scale } from '../../shared/src/legend.js';
-import { roundedUp } from '../../shared/src/numbers.js';
+import { roundedUp, significant } from '../../shared/src/numbers.js';
 import { add, cross, dot, norm, row, scale, sub, unit, vector, zero, type V3 } from '../../shared/src/vectors.js';
 import type { HeldPlace, Runtime } from './answers.js';
 import type { NodeErrors } from './page_data.js';
@@ -30,27 +30,30 @@ function normalsOf({ outputPoints, fixedPoints, outputNodes, triangles }: Runtim
   return normals.slice(0, outputNodes.length).map((normal) => unit(normal));
 }
 
-/** Depth of the pushes of the map of stiffness [m]; half of the trained depth where that is less. */
-const pushDepth = 1e-3;
+/** Depths of the pushes [m]: 1 mm, or half of the trained depth where that is less; and 5 mm where the model is trained to it. */
+const pushDepths = (trained: number): number[] => [Math.min(1e-3, trained / 2), 5e-3].filter((depth) => depth <= trained);
 
 /** Force along an inward push over its depth [N/m], at every node that can be touched; computed when it is first shown. */
-function stiffnessOf(runtime: Runtime): MapKind {
-  const { model, parts } = runtime, n = model.info.outputNodes.length, depth = Math.min(pushDepth, model.info.maxDisplacement / 2);
+function stiffnessOf({ model, parts }: Runtime, depth: number): MapKind {
+  const { outputNodes } = model.info, n = outputNodes.length;
+  const title = `Stiffness at ${significant(1e3 * depth, 2).replace(/\.0$/, '')} mm`;
   let map: MapValues | null = null;
   const computed = (): MapValues => {
     const values = new Float64Array(n), known = new Float64Array(n), normals = normalsOf(model.info);
-    model.info.outputNodes.forEach((node, i) => {
+    let low = Infinity, high = 0;
+    outputNodes.forEach((node, i) => {
       if (parts[i] !== 'nonlinear' && parts[i] !== 'linear') return;
-      const inward = scale(-1, normals[i]!);
-      values[i] = dot(vector(model.force(placeAt(node), scale(depth, inward)).force), inward) / depth;
+      const inward = scale(-1, normals[i]!), { force } = model.force(placeAt(node), scale(depth, inward));
+      const value = dot(vector(force), inward) / depth;
+      values[i] = value;
       known[i] = 1;
+      // Beside supports the stiffness is several times larger, so that colours are of the probed part.
+      if (parts[i] === 'nonlinear') [low, high] = [Math.min(low, value), Math.max(high, value)];
     });
-    // Beside supports the stiffness is several times larger, so that colours are of the probed part.
-    const probed = [...values].filter((_, i) => parts[i] === 'nonlinear'), [low, high] = [Math.min(...probed), Math.max(...probed)];
-    const note = `Inward pushes of ${Number((1e3 * depth).toPrecision(2))} mm. Grey: cannot be touched`;
-    return { scale: { title: 'Stiffness', unit: 'N/m', low, high, note }, values, known };
+    const note = `Probed part: ${significant(low, 3)} to ${significant(high, 3)} N/m. Grey: cannot be touched`;
+    return { scale: { title, unit: 'N/m', low: Math.min(low, high), high, note }, values, known };
   };
-  return { name: 'stiffness', title: 'Stiffness', values: () => (map ??= computed()) };
+  return { name: `stiffness:${Math.round(1e3 * depth)}`, title, values: () => (map ??= computed()) };
 }
 
 /** The maps of a model. */
@@ -91,7 +94,7 @@ export function mapsOf(runtime: Runtime, errors: NodeErrors | null): readonly Ma
       for (let i = 0; i < n; ++i) out[i] = norm(row(runtime.field, i));
       return true;
     }, ''),
-    stiffnessOf(runtime),
+    ...pushDepths(maxDisplacement).map((depth) => stiffnessOf(runtime, depth)),
     ...fields.map((field, index) => live(`field:${field.name}`, titleOf(field.name), field.unit, 0, (tools, out) => {
       if (tools?.length === 0) return true;
       const values = tools?.length === 1 ? runtime.fieldOf(tools[0]!, index) : null;
