@@ -16,6 +16,7 @@ endfunction()
 
 # phynness_quick_to_compile(TARGET): for code that runs for milliseconds, such as commands, reports and tests. Its compilation
 # takes about a third less time without the passes of -O2 and -O3. Other libraries that it calls are still optimized.
+# Also for libraries whose files take the compiler longer than their calculations last.
 function(phynness_quick_to_compile target)
   if(NOT MSVC)
     target_compile_options(${target} PRIVATE $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release>>:-O1>)
