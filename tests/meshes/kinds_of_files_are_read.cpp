@@ -102,12 +102,13 @@ TEST(Vtk, IntegersOfCellsAreGroups) {
   const std::string scalars = "CELL_DATA 3\nSCALARS CellEntityIds int 1\nLOOKUP_TABLE default\n1\n2\n7\n";
   const std::string in_field = "CELL_DATA 2\nFIELD FieldData 2\nheat 1 2 double\n0 0\nmedit:ref 1 2 int\n2 7\n";
   const std::string points = "POINT_DATA 5\nSCALARS region int 1\nLOOKUP_TABLE default\n1\n2\n3\n4\n5\n";
-  for (const auto& [bytes, extension] :
-       std::vector<std::pair<std::string, const char*>>{{small_vtk_4 + scalars, ".vtk"},
-                                                        {small_vtk_4 + scalars + points, ".vtk"},
-                                                        {small_vtk_5 + points + in_field, ".vtk"},
-                                                        {xml("region", "Int32", "2 7"), ".vtu"},
-                                                        {xml("gmsh:physical", "UInt8", "2 7"), ".vtu"}}) {
+  for (const auto& [bytes, extension] : std::vector<std::pair<std::string, const char*>>{
+           {small_vtk_4 + scalars, ".vtk"},
+           {small_vtk_4 + scalars + points, ".vtk"},
+           {small_vtk_5 + points + in_field, ".vtk"},
+           {replaced(small_vtk_4 + scalars, "Ids int", "Ids long"), ".vtk"},
+           {xml("region", "Int32", "2 7"), ".vtu"},
+           {xml("gmsh:physical", "UInt8", "2 7"), ".vtu"}}) {
     SCOPED_TRACE(bytes);
     const Mesh mesh = import_bytes(bytes, extension).mesh;
     EXPECT_EQ(mesh.cell_groups, (std::map<std::string, std::vector<std::int32_t>>{{"2", {0}}, {"7", {1}}}));

@@ -84,7 +84,7 @@ class VtkFile {
         (!Scanner::is_number(words.word_or_end(), components) || !Scanner::is_number(words.word_or_end(), n)))
       return;
     if (!scalars) type = words.word_or_end();
-    if (components != 1 || (type != "int" && type != "vtktypeint64" && type != "vtktypeint32"))
+    if (components != 1 || (type != "int" && type != "long" && type != "vtktypeint64" && type != "vtktypeint32"))
       return _raw.notes.push_back(not_groups(name, type + " with " + std::to_string(components) + " component(s)"));
     if (scalars) _scanner.line();  // the name of a table of colours
     _region_array = name;
@@ -121,7 +121,8 @@ class VtkFile {
   }
   std::int64_t integer(const std::string& type, const char* what) {
     if (!_binary) return _scanner.number<std::int64_t>(what);
-    return type == "vtktypeint64" ? _scanner.raw<std::int64_t>(what, swap) : _scanner.raw<std::int32_t>(what, swap);
+    return type == "vtktypeint64" || type == "long" ? _scanner.raw<std::int64_t>(what, swap)
+                                                    : _scanner.raw<std::int32_t>(what, swap);
   }
   std::size_t count(const char* what, std::size_t binary_bytes) {
     return _scanner.checked_count(_scanner.number<std::int64_t>(what), _binary ? binary_bytes : 2, what);
