@@ -139,7 +139,7 @@ std::vector<std::string> scene_notes(const Scene& scene) {
   const auto all = materials(scene);
   for (const auto& [what, modulus] :
        {std::pair{"shear moduli", &Material::shear_modulus_Pa}, {"bulk moduli", &Material::bulk_modulus_Pa}}) {
-    const auto [softest, stiffest] = std::ranges::minmax(all, {}, [&](const Material* m) { return m->*modulus; });
+    const auto [softest, stiffest] = std::ranges::minmax(all, {}, [of = modulus](const Material* m) { return m->*of; });
     if (const double ratio = stiffest->*modulus / softest->*modulus; ratio > largest_measured_ratio)
       notes.push_back(scene.regions.front().where.str() + ": " + what + " of regions differ by a factor of " +
                       short_text(ratio) + ", and elements were measured up to " + short_text(largest_measured_ratio) +
