@@ -136,7 +136,7 @@ void run(const Options& options) {
     loaded =
         load_scene(options.scene, !first, {}, target.resume ? options.output : std::filesystem::path(), options.mesh);
     grow_beside(target, loaded);
-    if (first && target.resume) tell_kept_relaxation(options.output, loaded.scene);
+    if (first && target.resume && target.from.empty()) tell_kept_relaxation(target.file, loaded.scene);
     if (first) locks = begin(target, loaded);
   });
   // A signal before ends the program: there is nothing to keep yet. mpirun kills its ranks a second after it has told

@@ -47,6 +47,20 @@ TEST_F(Interrupted, SigtermOfRunEndsItsStages) {
   EXPECT_FALSE(Database::is_complete(folder / "stopped_run/database.h5"));
 }
 
+TEST_F(Interrupted, FinishedRunKeepsItsRelaxationAndSaysSo) {
+  const auto with_terms = [](const std::string& g) {
+    return changed(small_scene(), "law = ", "relaxation = { g = [" + g + "], tau_s = [0.5] }\nlaw = ");
+  };
+  const std::string note = "database.h5 keeps the relaxation of the scene with which it was begun";
+  write_file(folder / "scene.toml", with_terms("0.25"));
+  succeed("precompute scene.toml -o database.h5");
+  EXPECT_EQ(unbroken(succeed("precompute scene.toml -o database.h5 --resume").err).find(note), std::string::npos);
+  write_file(folder / "scene.toml", with_terms("0.75"));
+  expect_names(unbroken(succeed("precompute scene.toml -o database.h5 --resume").err), {note});
+  succeed("info database.h5 --json info.json");
+  EXPECT_EQ(json("info.json").at("relaxation").at(0).at("g"), 0.25);
+}
+
 /// Runs the pipeline and sends `signal` to the run, or to its check alone, as soon as the check is at work.
 std::string run_and_signal_check(const std::string& out, const std::string& signal, bool to_run) {
   return "\"$PHYNNESS\" run scene.toml -o " + out + " & run=$!; for i in $(seq 6000); do check=$(pgrep -f \"[-]-json " +

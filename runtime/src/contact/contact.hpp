@@ -109,12 +109,11 @@ void carry(const phn_contact& contact, const SurfacePoint& at, const double* fro
 /// The place of a tool and its displacement.
 phn_tool held_by(const phn_contact& contact, const ToolContact& tool);
 
-/// Scales the forces of tools that press, so that all tools
-/// together do not get back more work than they did, and a credit. Work is the mean of two successive forces times the
-/// motion between them. It is less than the energy of the body where a tool slides uphill, as one that enters does.
-/// Forces are scaled where the work falls below a part of the energy; on the way back they then vanish before the work
-/// is returned, however small that part, and on the way in they grow back. What the next step may return is covered,
-/// too. Without an energy they are kept.
+/// Scales the forces of tools that press, so that all tools together do not get back more work than they did, and a
+/// credit. Work is the mean of two successive forces times the motion between them. It is less than the energy of the
+/// body where a tool slides uphill, as one that enters does. Forces are scaled where the work falls below a part of the
+/// energy; on the way back they then vanish before the work is returned, however small that part, and on the way in
+/// they grow back. What the next step may return is covered, too. Without an energy they are kept.
 /// @param energy   of the body [J]
 void guard(phn_contact& contact, const Touched& touched, std::int32_t n_tools, const ToolInput* inputs, double energy);
 

@@ -215,15 +215,14 @@ namespace {
 
 using PlannedRay = std::pair<std::int32_t, CoupledKind>;  ///< its number among those of the kind
 
-/// Each rank gets as many rays of one kind as of the other, which take longer.
+/// The kinds in turn, of which one takes longer than the other.
 std::vector<PlannedRay> planned_rays(const CoupledRays& coupled, std::int64_t rays,
-                                     const std::vector<CoupledKind>& kinds, int ranks) {
+                                     const std::vector<CoupledKind>& kinds) {
   std::vector<PlannedRay> planned;
   const auto per_kind = static_cast<std::int32_t>(coupled_rays_per_kind(rays));
-  for (std::int32_t first = 0; first < per_kind; first += ranks)
+  for (std::int32_t ray = 0; ray < per_kind; ++ray)
     for (const auto kind : kinds)
-      for (std::int32_t ray = first; coupled.possible(kind) && ray < std::min(per_kind, first + ranks); ++ray)
-        planned.emplace_back(ray, kind);
+      if (coupled.possible(kind)) planned.emplace_back(ray, kind);
   return planned;
 }
 
@@ -300,7 +299,7 @@ void calibrate(const SolverSession& session, const Database& database, const Nam
   RayForces rays(header, Variant::scene, stop);
   const CoupledRays coupled(model, probe, &*loaded);
   const auto kinds = unflagged_kinds(coupled, spec.seed, note, report);  // the same on every rank
-  const auto planned = planned_rays(coupled, spec.rays, kinds, session.size());
+  const auto planned = planned_rays(coupled, spec.rays, kinds);
   const auto states = solve_coupled(session, coupled, planned, spec.seed * 1000003, progress, stop, rays, report);
   session.together([&] {
     if (session.rank() == 0) add_coupled_bounds(body, spec.coverage, states, report.coupled);
@@ -330,7 +329,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Na
   const auto sample = sampled_nodes(n_nodes, n_active, random);
   RayForces rays(header, spec.reference, stop);
   const CoupledRays coupled(model, stored_scene(header).probe);
-  const auto coupled_rays = planned_rays(coupled, spec.rays, {CoupledKind::one}, session.size());
+  const auto coupled_rays = planned_rays(coupled, spec.rays, {CoupledKind::one});
   report.reference = spec.reference;
   const auto n_items = static_cast<std::int64_t>(n_nodes) + std::ssize(coupled_rays);
   const auto counted = [&](std::int64_t before) {

@@ -97,8 +97,7 @@ NodeList resolve_fixed(const Scene& scene, const Mesh& other);
 /// The region of each cell, as Mesh::regions: those of the mesh if it has them, otherwise by the selections of the
 /// scene, which places select by the centroids of cells.
 /// @throws Error (input, with file:line) if a region has no cell or all of them, if regions of the same order overlap,
-/// or
-///   if the mesh has no such group of cells
+///   or if the mesh has no such group of cells
 std::vector<std::uint8_t> cell_regions(const Scene& scene, const Mesh& mesh);
 
 /// The physical group of cells that write_msh() writes of a region. @param number  from 1, as in Mesh::regions
