@@ -80,8 +80,9 @@ TEST_P(Relaxing, LinearForcesAreConvolutions) {
 }
 
 // Claim: after a sudden displacement by a fifth of the height, a body that is nearly incompressible keeps its shape,
-// and its force falls as mu does. The stabilization of the pressure stays, which makes the force of this coarse block
-// up to 0.023 of the first one larger; lambda is 1e-4 of mu's part. Without relaxation the difference is 0.2 and 0.45.
+// and its force falls as mu does, with it the stabilization of the pressure. lambda is 1e-4 of mu's part, and that of
+// the force 1.6e-4. In p1-p1 mu/3 g^2 of an isochoric shape relaxes too, which its pressure does not balance in a cell:
+// 0.027 of the first force on this coarse block. Without relaxation the difference is 0.2 and 0.45.
 TEST_P(Relaxing, SuddenForcesFallAsTheShearModulus) {
   if (!GetParam()->mixed) GTEST_SKIP() << "locks";
   for (const char* law : {"neo-hookean", "mooney-rivlin"}) {
@@ -90,8 +91,9 @@ TEST_P(Relaxing, SuddenForcesFallAsTheShearModulus) {
     auto solver = block.touched();
     const Vec3 deep{0.003, 0, -0.008};
     const auto forces = forces_of(solver, two_terms(), {{1e-9, deep}, {0.1, deep}, {3, deep}});
-    EXPECT_NEAR(forces[1].norm() / forces[0].norm(), left_after(0.1), 0.03) << law;
-    EXPECT_NEAR(forces[2].norm() / forces[0].norm(), left_after(3), 0.03) << law;
+    const double tolerance = c.element == element_named("p1-p1") && c.law->isochoric ? 0.03 : 3e-4;
+    EXPECT_NEAR(forces[1].norm() / forces[0].norm(), left_after(0.1), tolerance) << law;
+    EXPECT_NEAR(forces[2].norm() / forces[0].norm(), left_after(3), tolerance) << law;
   }
 }
 

@@ -11,6 +11,15 @@ namespace {
 
 namespace api = dolfinx_api;
 
+/// The longest edge of a cell, squared: CellDiameter of the forms.
+double squared_diameter(const Discretization& body, int cell) {
+  double longest = 0;
+  const auto nodes = body.cell_nodes(cell);
+  for (const auto a : nodes)
+    for (const auto b : nodes) longest = std::max(longest, (body.points().row(a) - body.points().row(b)).squaredNorm());
+  return longest;
+}
+
 }  // namespace
 
 bool has_relaxation(Element element) { return !element->is_shell && element->displacement_degree == 1; }
@@ -53,6 +62,18 @@ RelaxingBody::RelaxingBody(const Discretization& body, const Material& material,
     for (std::size_t i = 0; i < dofs.size(); ++i) block.at.push_back(static_cast<std::int32_t>(i));
     _blocks.push_back(std::move(block));
   }
+  if (body.forms().element->mixed)  // p1-p1 and es-p1-p1, which are stabilized
+    for (int cell = 0; cell < body.n_cells(); ++cell) {
+      Stabilized of_cell;
+      // Moduli are in units of that of the body, pressures in units of that of the region.
+      const int region = body.region(cell);
+      const double mu = region > 0 ? body.forms().regions[static_cast<std::size_t>(region) - 1].shear_modulus : 1;
+      of_cell.weight = body.forms().constants.at("alpha") * squared_diameter(body, cell) * body.cell_volume(cell) * mu;
+      std::ranges::copy(body.block_dofs(cell).last(4), of_cell.dofs.begin());
+      of_cell.slopes = body.cell_slopes(cell);
+      of_cell.history.assign(static_cast<std::size_t>(relaxation.terms.rows()), Eigen::Vector3d::Zero());
+      _stabilized.push_back(std::move(of_cell));
+    }
   for (auto& block : _blocks) block.history.assign(static_cast<std::size_t>(relaxation.terms.rows()), Tensor::Zero());
 }
 
@@ -70,6 +91,10 @@ void RelaxingBody::begin_step(double dt_s) {
     block.H.setZero();
     for (std::size_t i = 0; i < _keep.size(); ++i) block.H += _keep[i] * block.history[i] - _gain[i] * block.elastic;
   }
+  for (auto& cell : _stabilized) {
+    cell.H.setZero();
+    for (std::size_t i = 0; i < _keep.size(); ++i) cell.H += _keep[i] * cell.history[i] - _gain[i] * cell.y;
+  }
 }
 
 void RelaxingBody::end_step(std::span<const double> state) {
@@ -82,6 +107,35 @@ void RelaxingBody::end_step(std::span<const double> state) {
       block.history[i] = _keep[i] * block.history[i] + _gain[i] * (S - block.elastic);
     block.elastic = S;
   }
+  for (auto& cell : _stabilized) {
+    const Eigen::Vector3d y = (pressure_slope(cell, state) - cell.H) / _c;
+    for (std::size_t i = 0; i < _keep.size(); ++i)
+      cell.history[i] = _keep[i] * cell.history[i] + _gain[i] * (y - cell.y);
+    cell.y = y;
+  }
+}
+
+Eigen::Vector3d RelaxingBody::pressure_slope(const Stabilized& cell, std::span<const double> state) {
+  Eigen::Vector3d slope = Eigen::Vector3d::Zero();
+  for (std::size_t a = 0; a < 4; ++a)
+    slope += state[static_cast<std::size_t>(cell.dofs[a])] * cell.slopes.row(static_cast<Eigen::Index>(a)).transpose();
+  return slope;
+}
+
+std::array<RelaxingBody::Term, 2> RelaxingBody::terms_of(std::size_t cell, const Tensor& F,
+                                                         std::span<const double> state) const {
+  const auto& of_cell = _stabilized[cell];
+  const Eigen::Vector3d slope = pressure_slope(of_cell, state);
+  std::array<Term, 2> terms;
+  for (Term& term : terms) {
+    const bool relaxes = &term == &terms[0];
+    term.k = relaxes ? of_cell.weight / _c : -of_cell.weight;
+    term.inverse.setIdentity();
+    if (_finite) term.inverse = F.inverse();
+    term.g = term.inverse.transpose() * (relaxes ? Eigen::Vector3d(slope - of_cell.H) : slope);
+    term.m = term.inverse * term.g;
+  }
+  return terms;
 }
 
 RelaxingBody::Tensor RelaxingBody::gradient(const Block& block, std::span<const double> state) const {
@@ -115,6 +169,9 @@ double RelaxingBody::energy(std::span<const double> state) const {
         _finite ? Tensor((F.transpose() * F - Tensor::Identity()) / 2) : Tensor(F - Tensor::Identity());
     sum += block.weight * ((_c - 1) * shape + block.H.cwiseProduct(strain).sum());
   }
+  for (std::size_t cell = 0; cell < _stabilized.size(); ++cell)
+    for (const Term& term : terms_of(cell, gradient(_blocks[cell], state), state))
+      sum -= term.k / 2 * term.g.squaredNorm();
   return sum;
 }
 
@@ -134,6 +191,16 @@ void RelaxingBody::add_residual(std::span<const double> state, std::span<double>
           out[static_cast<std::size_t>(block.dofs[i * n + a])] +=
               P(static_cast<int>(i), static_cast<int>(j)) * block.slopes[j * n + a];
   }
+  for (std::size_t cell = 0; cell < _stabilized.size(); ++cell)
+    for (const Term& term : terms_of(cell, gradient(_blocks[cell], state), state)) {
+      const Eigen::Vector4d of_pressures = term.k * (_stabilized[cell].slopes * term.m);
+      const Eigen::Matrix<double, 3, 4> of_nodes = term.k * term.g * (_stabilized[cell].slopes * term.m).transpose();
+      for (int a = 0; a < 4; ++a) {
+        out[static_cast<std::size_t>(_stabilized[cell].dofs[static_cast<std::size_t>(a)])] -= of_pressures[a];
+        for (int i = 0; i < 3 && _finite; ++i)
+          out[static_cast<std::size_t>(_blocks[cell].dofs[static_cast<std::size_t>(4 * i + a)])] += of_nodes(i, a);
+      }
+    }
 }
 
 void RelaxingBody::add_tangent(std::int32_t number, std::span<const double> state, std::span<double> tangent) const {
@@ -157,6 +224,27 @@ void RelaxingBody::add_tangent(std::int32_t number, std::span<const double> stat
           K(block.at[static_cast<std::size_t>(i * n + a)], block.at[static_cast<std::size_t>(k * n + b)]) +=
               of_nodes(a, b);
     }
+  if (static_cast<std::size_t>(number) >= _stabilized.size()) return;
+  const auto& cell = _stabilized[static_cast<std::size_t>(number)];
+  const auto at = [&](int i, int a) { return block.at[static_cast<std::size_t>(4 * i + a)]; };
+  for (const Term& term : terms_of(static_cast<std::size_t>(number), F, state)) {
+    const Eigen::Matrix<double, 4, 3> inward = cell.slopes * term.inverse;  // rows: F^-T times the slopes
+    const Eigen::Vector4d along = cell.slopes * term.m;
+    const Eigen::Matrix4d squares = inward * inward.transpose();
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < 4; ++b) {
+        K(12 + a, 12 + b) -= term.k * squares(a, b);
+        for (int i = 0; i < 3 && _finite; ++i) {
+          const double mixed = term.k * (inward(b, i) * along[a] + term.g[i] * squares(a, b));
+          K(at(i, a), 12 + b) += mixed;
+          K(12 + b, at(i, a)) += mixed;
+          for (int k = 0; k < 3; ++k)
+            K(at(i, a), at(k, b)) -=
+                term.k * (inward(b, i) * term.g[k] * along[a] + term.g[i] * inward(a, k) * along[b] +
+                          term.g[i] * term.g[k] * squares(a, b));
+        }
+      }
+  }
 }
 
 }  // namespace phynness

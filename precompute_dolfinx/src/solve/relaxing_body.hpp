@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstdint>
 #include <phynness/formats/scene.hpp>
 #include <span>
 #include <vector>
@@ -20,6 +22,9 @@ bool has_relaxation(Element element);
 /// Within a step S_e is linear in time; then S = c S_e(F) + H with a number c and a tensor H of each cell or edge,
 /// which is the stress of the energy c shape + H : (F^T F - I) / 2. In the linear theory S and F^T F - I are those of
 /// small strains.
+///
+/// The stabilization of the pressure p, which is divided by mu, relaxes with mu: in place of grad p it has c y, where y
+/// is that slope whose relaxing stress would be grad p, so that again grad p = c y + H in each cell.
 class RelaxingBody : public BlockEnergy {
  public:
   /// At rest. @pre has_relaxation(element of the body)
@@ -44,6 +49,23 @@ class RelaxingBody : public BlockEnergy {
     std::vector<Tensor> history;         ///< h_i
     Tensor elastic = Tensor::Zero(), H = Tensor::Zero();  ///< S_e of the last step
   };
+  /// The stabilization of a cell, -weight/2 |F^-T grad p|^2 without relaxation.
+  struct Stabilized {
+    double weight = 0;
+    std::array<std::int32_t, 4> dofs{};  ///< of the pressures
+    Eigen::Matrix<double, 4, 3> slopes;
+    std::vector<Eigen::Vector3d> history;
+    Eigen::Vector3d y = Eigen::Vector3d::Zero(), H = Eigen::Vector3d::Zero();  ///< y of the last step
+  };
+  /// A term -k/2 |F^-T (grad p - H)|^2 that is added to a cell.
+  struct Term {
+    double k = 0;
+    Eigen::Vector3d g, m;  ///< g = F^-T (grad p - H), m = F^-1 g
+    Eigen::Matrix3d inverse;
+  };
+  /// What replaces the stabilization of the forms: the relaxing one, and the other with its sign changed.
+  std::array<Term, 2> terms_of(std::size_t cell, const Tensor& F, std::span<const double> state) const;
+  static Eigen::Vector3d pressure_slope(const Stabilized& cell, std::span<const double> state);
   Tensor gradient(const Block& block, std::span<const double> state) const;
   Tensor shape_stress(const Block& block, const Tensor& F) const;  ///< d shape/dF
 
@@ -56,7 +78,8 @@ class RelaxingBody : public BlockEnergy {
   Relaxation _relaxation;
   std::vector<double> _keep, _gain;  ///< of the step: h_i becomes keep h_i + gain times the change of S_e
   double _c = 1;
-  std::vector<Block> _blocks;
+  std::vector<Block> _blocks;           ///< the cells first
+  std::vector<Stabilized> _stabilized;  ///< per cell; none in other elements
 };
 
 }  // namespace phynness
