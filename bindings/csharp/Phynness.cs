@@ -59,9 +59,17 @@ public struct Tool {
   public Vec3 Displacement;
   int reserved0, reserved1;
 
-  public static Tool At(int node, Vec3 displacement) {
-    return new Tool { Node0 = node, Node1 = -1, Node2 = -1, Weight0 = 1, Displacement = displacement };
-  }
+  public static Tool At(int node, Vec3 displacement) =>
+    new Tool { Node0 = node, Node1 = -1, Node2 = -1, Weight0 = 1, Displacement = displacement };
+}
+
+/// phn_relaxing: what one tool has of its past. Begin with a new one; Outward is the normal if the tool only pushes.
+[StructLayout(LayoutKind.Sequential)]
+public struct Relaxing {
+  Vec3 r0, r1, r2, r3, r4, r5, r6, r7, elastic, place;
+  public Vec3 Outward;
+  double moved;
+  int steps, reserved;
 }
 
 public enum SphereMode { Off = 0, Press = 1, Grasp = 2 }
@@ -203,6 +211,12 @@ public sealed class Organ : IDisposable {
     report.Residual = coupled.residual;
     return Leave(status);
   }
+  /// Replaces the force of a Hold by that of the body that relaxes, dt [s] after the Relax before (phn_relax).
+  /// place: the point of Nearest.
+  public Status Relax(ref Relaxing history, Vec3 place, double dt, ref Vec3 force) {
+    Enter();
+    return Leave(Native.phn_relax(files.Relaxation.Memory, ref history, ref force, ref place, dt, ref force));
+  }
   int Press(int n, Tool[] tools, Vec3[] forces, out Report report) {
     // A body beside a model has not followed the tool that the model answered.
     int most = files.Model == null || last == Last.OfTools ? steps : Math.Max(steps, StepsToFollow);
@@ -331,10 +345,7 @@ public struct LoopSettings {
   int reserved0, reserved1;
 
   public static LoopSettings Defaults {
-    get {
-      Native.Require(Native.phn_loop_defaults(out LoopSettings settings), "");
-      return settings;
-    }
+    get { Native.Require(Native.phn_loop_defaults(out LoopSettings settings), ""); return settings; }
   }
 }
 
@@ -384,14 +395,10 @@ public sealed class Loop : IDisposable {
     return (Status)Native.phn_loop_read(block.Object, position.HasValue ? at : null, measured, now, out tool);
   }
   /// The force for the device; zeros while the loop is off or tripped.
-  public Status Hold(ref LoopResponse response, double now, out Vec3 force) {
-    return (Status)Native.phn_loop_hold(block.Object, ref response, now, out force);
-  }
+  public Status Hold(ref LoopResponse response, double now, out Vec3 force) =>
+    (Status)Native.phn_loop_hold(block.Object, ref response, now, out force);
   public LoopReport Report {
-    get {
-      Native.Require(Native.phn_loop_info(block.Object, out LoopReport report), "");
-      return report;
-    }
+    get { Native.Require(Native.phn_loop_info(block.Object, out LoopReport report), ""); return report; }
   }
   public void Dispose() { block.Dispose(); }
 }
@@ -440,6 +447,7 @@ sealed class Files {
   /// Of a body alone what it shares with a model.
   public readonly Native.Info Info;
   public readonly Native.BodyContents BodyContents;
+  public readonly Block Relaxation = new Block((UIntPtr)Marshal.SizeOf(typeof(Native.Relaxation)));
   /// Of the model's moving nodes among the body's nodes; -1: inside of the body.
   public readonly int[] Rows = new int[0];
 
@@ -448,6 +456,7 @@ sealed class Files {
     if (model != null) {
       Model = Block.OfFile(model, Native.phn_model_size, Native.phn_model_init);
       Native.Require(Native.phn_model_info(Model.Object, out Info), "");
+      Marshal.StructureToPtr(Info.relaxation, Relaxation.Memory, false);
     }
     if (body == null) return;
     Body = Block.OfFile(body, Native.phn_body_size, Native.phn_body_init);
@@ -457,6 +466,7 @@ sealed class Files {
                                output_points = BodyContents.points, triangles = BodyContents.triangles,
                                n_triangles = BodyContents.n_triangles, has_energy = 1,
                                max_displacement_m = BodyContents.max_displacement_m };
+      Marshal.StructureToPtr(BodyContents.relaxation, Relaxation.Memory, false);
       return;
     }
     string of = Native.Text(Info.mesh_hash), other = Native.Text(BodyContents.mesh_hash);
@@ -528,6 +538,7 @@ static class Native {
   [DllImport(library)] public static extern int phn_force(IntPtr model, IntPtr data, ref Tool tool, out Vec3 force, [Out] double[] energy, IntPtr stiffness);
   [DllImport(library)] public static extern int phn_deform(IntPtr model, IntPtr data, ref Tool tool, [Out] Vec3[] field);
   [DllImport(library)] public static extern int phn_bound(IntPtr model, ref Tool tool, [Out] double[] bound);
+  [DllImport(library)] public static extern int phn_relax(IntPtr terms, ref Relaxing history, ref Vec3 elastic, ref Vec3 place, double dt, ref Vec3 force);
   [DllImport(library)] public static extern int phn_couple(IntPtr model, IntPtr data, int n, [In] Tool[] tools, [Out] Vec3[] forces, out Coupled coupled);
   [DllImport(library)] public static extern int phn_coupled_deform(IntPtr model, IntPtr data, [Out] Vec3[] field);
   [DllImport(library)] public static extern int phn_body_size(byte[] text, UIntPtr length, out UIntPtr bytes, out UIntPtr wrong);
@@ -562,24 +573,21 @@ static class Native {
     RequireSize("phn_contact_state", typeof(Touch));
     RequireSize("phn_contact_report", typeof(Report));
     RequireSize("phn_info", typeof(Info));
+    RequireSize("phn_relaxing", typeof(Relaxing));
     RequireSize("phn_coupled", typeof(Coupled));
     RequireSize("phn_body_contents", typeof(BodyContents));
     RequireSize("phn_body_report", typeof(BodyReport));
   }
-  public static void RequireSize(string name, Type type) {
+  public static void RequireSize(string name, Type type) =>
     RequireSame("the bytes of " + name + " are", phn_sizeof(name), Marshal.SizeOf(type));
-  }
   static void RequireSame(string what, int number, int own) {
     if (number != own)
       throw new PhynnessException(Status.ErrorVersion, what + " " + number + " in the library phynness and " + own +
                                   " in Phynness.cs: use both of one release");
   }
-  public static void Require(int status, string where) {
-    if (status < 0) throw Error(status, where);
-  }
-  public static PhynnessException Error(int status, string where) {
-    return new PhynnessException((Status)status, where + Text(phn_status_message(status)));
-  }
+  public static void Require(int status, string where) { if (status < 0) throw Error(status, where); }
+  public static PhynnessException Error(int status, string where) =>
+    new PhynnessException((Status)status, where + Text(phn_status_message(status)));
   public static string Text(IntPtr utf8) {
     if (utf8 == IntPtr.Zero) return "";
     int n = 0;
@@ -594,10 +602,8 @@ static class Native {
     return numbers;
   }
   public static Vec3[] Points(IntPtr from, int n) {
-    var numbers = new double[3 * n];
-    if (n > 0) Marshal.Copy(from, numbers, 0, 3 * n);
     var points = new Vec3[n];
-    for (int i = 0; i < n; ++i) points[i] = new Vec3(numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]);
+    for (int i = 0; i < n; ++i) points[i] = (Vec3)Marshal.PtrToStructure(IntPtr.Add(from, 24 * i), typeof(Vec3));
     return points;
   }
 }

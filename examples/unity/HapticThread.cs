@@ -53,11 +53,7 @@ public sealed class HapticThread : IDisposable {
     } catch (Exception thrown) {
       fault = thrown;  // a thread that threw would end the program
     }
-    try {
-      device.Apply(new Vec3());
-    } catch (Exception thrown) {
-      fault = fault ?? thrown;
-    }
+    try { device.Apply(new Vec3()); } catch (Exception thrown) { fault = fault ?? thrown; }
   }
 
   /// One cycle. now [s]: of a monotonic clock.

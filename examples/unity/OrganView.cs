@@ -66,11 +66,7 @@ public sealed class OrganView : MonoBehaviour {
     mesh.RecalculateNormals();
     mesh.RecalculateBounds();
   }
-  void OnDestroy() {
-    haptics?.Dispose();
-    felt?.Dispose();
-    seen?.Dispose();
-  }
+  void OnDestroy() { haptics?.Dispose(); felt?.Dispose(); seen?.Dispose(); }
   static Vector3 Drawn(Vec3 x, Vec3 u) {
     Vec3 left = LeftHanded.Of(new Vec3(x.X + u.X, x.Y + u.Y, x.Z + u.Z));
     return new Vector3((float)left.X, (float)left.Y, (float)left.Z);

@@ -52,6 +52,7 @@ static class Answers {
       if (x.Z > top.Z) top = x;
     var tools = new Tool[2];
     var report = new Report();
+    var history = new Relaxing();
     for (int call = 0; call < 100; ++call) {
       Vec3 point = new Vec3(), force = new Vec3();
       double distance = 0, energy = 0;
@@ -68,6 +69,8 @@ static class Answers {
       Print("point", 0, point.X, point.Y, point.Z);
       Print("hold", Of(() => organ.Hold(ref tools[0], out force, out energy)), force.X, force.Y, force.Z);
       Print("energy", 0, energy);
+      if (call == 50) history.Outward = new Vec3(0, 0, 1);
+      Print("relax", Of(() => organ.Relax(ref history, point, 0.01, ref force)), force.X, force.Y, force.Z);
       Print("deform", Of(() => organ.Deform(field)));
       Print("field", 0, Mixed(field));
       var bounds = new double[1];
@@ -132,12 +135,14 @@ static class Answers {
     Tool[] several = { tool, Tool.At(-1, new Vec3()) };
     Tool[] nearest = new Tool[2];
     var answers = new Vec3[2];
+    var history = new Relaxing();
     var statuses = new Status[2];
     var distances = new double[2];
     Action<int> calls = count => {
       for (int i = 0; i < count; ++i) {
         organ.HoldBatch(several, 0, 2, answers, statuses);
         organ.Hold(ref tool, out force);
+        organ.Relax(ref history, first, 0.001, ref force);
         if (i % 100 != 0) continue;
         organ.Nearest(first, out place, out point, out distance);
         organ.Deform(field);
@@ -165,6 +170,8 @@ static class Answers {
     Require(answers[0].Equals(new Vec3()), "a batch leaves what is before its begin");
     RequireThrows<ArgumentException>(() => organ.HoldBatch(several, 0, 3, answers, statuses), "a short batch", "3");
     RequireThrows<ArgumentException>(() => organ.HoldBatch(several, -1, 2, answers, statuses), "a batch from -1", "-1");
+
+    RequireThrows<PhynnessException>(() => organ.Relax(ref history, first, 0, ref answers[0]), "a step of no time", "time");
 
     // Threads with an organ of their own have the same bits; two in one organ are told so.
     Vec3 expected = force;

@@ -53,6 +53,7 @@ int main(int, char** argv) {
   double top[3] = {0, 0, -1e300};
   for (std::size_t i = 0; i < n; ++i)
     if (points[3 * i + 2] > top[2]) std::memcpy(top, points + 3 * i, sizeof(top));
+  phn_relaxing history{};
   for (int call = 0; call < 100; ++call) {
     phn_tool tools[2];
     double force[3]{}, forces[6]{}, bounds[1]{}, point[3]{}, distance = 0, energy = 0;
@@ -67,6 +68,8 @@ int main(int, char** argv) {
     print("point", 0, point, 3);
     print("hold", organ.hold(tools[0], force, energy), force, 3);
     print("energy", 0, &energy, 1);
+    if (call == 50) history.outward[2] = 1;
+    print("relax", phn_relax(&organ.relaxation(), &history, force, point, 0.01, force), force, 3);
     print("deform", organ.deform(field), field.data(), 0);
     const double one = mixed(field);
     print("field", 0, &one, 1);

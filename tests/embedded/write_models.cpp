@@ -1,10 +1,11 @@
 // Writes model directories for tests of devices: write_models DIR makes DIR/rbfn, DIR/linear and DIR/modal with 60
-// neurons or centers of force and 26 directions, as in the paper; DIR/round has round tools and places between nodes;
-// DIR/block has springs, and body.txt, a body of the same mesh.
+// neurons or centers of force and 26 directions, as in the paper; DIR/round has round tools and places between nodes,
+// and relaxes; DIR/block has springs, and body.txt, a body of the same mesh, which relaxes.
 #include <cmath>
 #include <cstdio>
 #include <exception>
 
+#include <phynness/formats/scene.hpp>
 #include <phynness/formats/text_file.hpp>
 
 #include "../block_body.hpp"
@@ -72,8 +73,15 @@ int main(int argc, char** argv) {
       write_model_dir(dir, model, mesh);
     }
     const auto sample = read_model_dir(PHYNNESS_SOURCE_DIR "/examples/model");
-    write_model_dir(std::filesystem::path(argv[1]) / "round", test::sample_of_round_tools(0.025), sample.mesh);
+    Relaxation relaxation;
+    relaxation.terms.resize(2, 2);
+    relaxation.terms << 0.3, 0.05, 0.2, 10;
+    relaxation.length_m = 0.025;
+    Model round = test::sample_of_round_tools(0.025);
+    round.relaxation = relaxation;
+    write_model_dir(std::filesystem::path(argv[1]) / "round", round, sample.mesh);
     test::Block block;
+    block.body.relaxation = relaxation;
     block.body.mesh_hash = mesh_hash(block.mesh);
     block.body.coverage = 0.95;
     block.body.n_rays = 100;

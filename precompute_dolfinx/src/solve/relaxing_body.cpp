@@ -198,7 +198,7 @@ void RelaxingBody::add_residual(std::span<const double> state, std::span<double>
       for (int a = 0; a < 4; ++a) {
         out[static_cast<std::size_t>(_stabilized[cell].dofs[static_cast<std::size_t>(a)])] -= of_pressures[a];
         for (int i = 0; i < 3 && _finite; ++i)
-          out[static_cast<std::size_t>(_blocks[cell].dofs[static_cast<std::size_t>(4 * i + a)])] += of_nodes(i, a);
+          out[static_cast<std::size_t>(_blocks[cell].dofs[4 * i + a])] += of_nodes(i, a);
       }
     }
 }
@@ -226,7 +226,7 @@ void RelaxingBody::add_tangent(std::int32_t number, std::span<const double> stat
     }
   if (static_cast<std::size_t>(number) >= _stabilized.size()) return;
   const auto& cell = _stabilized[static_cast<std::size_t>(number)];
-  const auto at = [&](int i, int a) { return block.at[static_cast<std::size_t>(4 * i + a)]; };
+  const auto at = [&](int i, int a) { return block.at[4 * i + a]; };
   for (const Term& term : terms_of(static_cast<std::size_t>(number), F, state)) {
     const Eigen::Matrix<double, 4, 3> inward = cell.slopes * term.inverse;  // rows: F^-T times the slopes
     const Eigen::Vector4d along = cell.slopes * term.m;
