@@ -6,28 +6,28 @@
 namespace PHN_RUNTIME {
 namespace {
 
-PHN_INLINE void add_up(double (&sum)[at_once], double& total) {
+PHN_INLINE void sum_lanes(double (&sum)[at_once], double& total) {
   double many[1][at_once];
   for (std::int32_t i = 0; i < at_once; ++i) many[0][i] = sum[i];
   add_up_many(many, &total);
 }
 
-/// a . x
+/// The product a . x of a row.
 template <class X>
 PHN_INLINE double row_times(const float* a, const X* x, std::int32_t n_whole) {
   double sum[at_once] = {}, total;
   for (std::int32_t m = 0; m < n_whole; m += at_once)
     for (std::int32_t i = 0; i < at_once; ++i) sum[i] += static_cast<double>(a[m + i]) * static_cast<double>(x[m + i]);
-  add_up(sum, total);
+  sum_lanes(sum, total);
   return total;
 }
 
-PHN_INLINE void times_rows(const float* rows, std::int64_t n, std::int32_t stride, const double* x, double* out) {
+PHN_INLINE void multiply_rows(const float* rows, std::int64_t n, std::int32_t stride, const double* x, double* out) {
   for (std::int64_t r = 0; r < n; ++r) out[r] = row_times(rows + r * stride, x, stride);
 }
 
 PHN_INLINE void add_rows(const float* rows, std::int64_t n, std::int32_t stride, const double* factor, double* out) {
-  constexpr int several = 4;  // so that `out` is read and written less often
+  constexpr int several = 4;  // `out` is read and written less often with several rows at a time.
   std::int64_t r = 0;
   for (; r + several <= n; r += several) {
     const float *a = rows + r * stride, *b = a + stride, *c = b + stride, *d = c + stride;
@@ -61,9 +61,8 @@ struct LanesOf {
 };
 #endif
 
-/// out += sign a^T b: rows from `first` to `end` of the product of n rows each. A tile of 4 x 2 registers of it stays
-/// in registers.
-/// @tparam upper  columns from the diagonal on, in blocks
+/// out += sign A^T B: the rows from `first` to `end`. A tile of 4 x 2 registers stays in registers.
+/// @tparam upper  only the columns from the diagonal on, in blocks
 template <int bytes, int sign, bool upper>
 PHN_INLINE void add_products_of(const float* a, std::int32_t a_stride, const float* b, std::int64_t n,
                                 std::int32_t first, std::int32_t end, std::int32_t stride, float* out) {
@@ -91,7 +90,7 @@ PHN_INLINE void add_products_of(const float* a, std::int32_t a_stride, const flo
 
 /// out = sum_k factor[k] rows[k], of the nine rows of a cell
 template <int bytes>
-PHN_INLINE void mix_rows(const float* rows, std::int32_t stride, const float* factor, float* out) {
+PHN_INLINE void combine_nine_rows(const float* rows, std::int32_t stride, const float* factor, float* out) {
   using Lanes = typename LanesOf<bytes>::type;
   constexpr std::int32_t width = sizeof(Lanes) / sizeof(float);
   for (std::int32_t m = 0; m < stride; m += width) {
@@ -104,10 +103,10 @@ PHN_INLINE void mix_rows(const float* rows, std::int32_t stride, const float* fa
   }
 }
 
-/// Smaller pivots, over the diagonal, are mostly rounding, and with them the softest direction.
+/// Smaller pivots, over the diagonal, are mostly rounding errors, which would spoil the softest direction.
 constexpr float least_pivot = 1e-4f;
 
-/// A block of rows of the factor, then what it leaves of the rows below.
+/// Computes a block of rows of the factor, then subtracts its products from the rows below.
 template <int bytes>
 PHN_INLINE bool factorize_rows(float* a, std::int32_t n, std::int32_t stride) {
   float diagonal[schema::most_body_modes];
@@ -147,31 +146,36 @@ PHN_INLINE void solve_rows(const float* factor, std::int32_t n, std::int32_t str
   }
 }
 
-#define PHN_BODY_KERNELS(name, bytes, attributes)                                                                      \
-  namespace name {                                                                                                     \
-  attributes void times(const float* rows, std::int64_t n, std::int32_t stride, const double* x, double* out) {        \
-    times_rows(rows, n, stride, x, out);                                                                               \
-  }                                                                                                                    \
-  attributes void add(const float* rows, std::int64_t n, std::int32_t stride, const double* factor, double* out) {     \
-    add_rows(rows, n, stride, factor, out);                                                                            \
-  }                                                                                                                    \
-  attributes void add_products(const float* a, const float* b, std::int64_t n, std::int32_t stride, float* out) {      \
-    add_products_of<bytes ? bytes : 16, 1, true>(a, stride, b, n, 0, stride, stride, out);                             \
-  }                                                                                                                    \
-  attributes void multiply(const float* a, std::int32_t a_stride, const float* b, std::int64_t n, std::int32_t stride, \
-                           float* out) {                                                                               \
-    add_products_of<bytes ? bytes : 16, 1, false>(a, a_stride, b, n, 0, a_stride, stride, out);                        \
-  }                                                                                                                    \
-  attributes void mix(const float* rows, std::int32_t stride, const float* factor, float* out) {                       \
-    mix_rows<bytes ? bytes : 16>(rows, stride, factor, out);                                                           \
-  }                                                                                                                    \
-  attributes bool factorize(float* a, std::int32_t n, std::int32_t stride) {                                           \
-    return factorize_rows < bytes ? bytes : 16 > (a, n, stride);                                                       \
-  }                                                                                                                    \
-  attributes void solve(const float* factor, std::int32_t n, std::int32_t stride, double* x) {                         \
-    solve_rows(factor, n, stride, x);                                                                                  \
-  }                                                                                                                    \
-  constexpr BodyKernels kernels = {#name, times, add, add_products, multiply, mix, factorize, solve};                  \
+#define PHN_BODY_KERNELS(name, bytes, attributes)                                                                  \
+  namespace name {                                                                                                 \
+  attributes void multiply_vector(const float* rows, std::int64_t n, std::int32_t stride, const double* x,         \
+                                  double* out) {                                                                   \
+    multiply_rows(rows, n, stride, x, out);                                                                        \
+  }                                                                                                                \
+  attributes void add_transposed_product(const float* rows, std::int64_t n, std::int32_t stride, const double* x,  \
+                                         double* out) {                                                            \
+    add_rows(rows, n, stride, x, out);                                                                             \
+  }                                                                                                                \
+  attributes void add_symmetric_product(const float* a, const float* b, std::int64_t n, std::int32_t stride,       \
+                                        float* out) {                                                              \
+    add_products_of<bytes ? bytes : 16, 1, true>(a, stride, b, n, 0, stride, stride, out);                         \
+  }                                                                                                                \
+  attributes void add_product(const float* a, std::int32_t a_stride, const float* b, std::int64_t n,               \
+                              std::int32_t stride, float* out) {                                                   \
+    add_products_of<bytes ? bytes : 16, 1, false>(a, a_stride, b, n, 0, a_stride, stride, out);                    \
+  }                                                                                                                \
+  attributes void combine_rows(const float* rows, std::int32_t stride, const float* factor, float* out) {          \
+    combine_nine_rows<bytes ? bytes : 16>(rows, stride, factor, out);                                              \
+  }                                                                                                                \
+  attributes bool factorize(float* a, std::int32_t n, std::int32_t stride) {                                       \
+    return factorize_rows < bytes ? bytes : 16 > (a, n, stride);                                                   \
+  }                                                                                                                \
+  attributes void solve(const float* factor, std::int32_t n, std::int32_t stride, double* x) {                     \
+    solve_rows(factor, n, stride, x);                                                                              \
+  }                                                                                                                \
+  constexpr BodyKernels kernels = {                                                                                \
+      #name, multiply_vector, add_transposed_product, add_symmetric_product, add_product, combine_rows, factorize, \
+      solve};                                                                                                      \
   }
 
 PHN_FOR_EACH_SET(PHN_BODY_KERNELS, BodyKernels)

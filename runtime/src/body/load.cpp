@@ -12,7 +12,7 @@
 namespace PHN_RUNTIME {
 namespace {
 
-/// Numbers in the body's memory; without memory they are only counted.
+/// Numbers in the memory of the body. Without memory they are only counted.
 template <class T>
 struct Numbers {
   T* at = nullptr;
@@ -116,7 +116,7 @@ class BodyLoader : public LinesReader {
   Arena& _arena;
 };
 
-/// Unit normals of the nodes, means of those of their triangles by area.
+/// Sets the unit normals of the nodes: means of the normals of their triangles, weighted by area.
 void set_normals(const phn_body& body, double* normals) {
   const auto n_nodes = static_cast<std::size_t>(body.info.n_nodes);
   set_zero(normals, 3 * n_nodes);
@@ -133,7 +133,7 @@ void set_normals(const phn_body& body, double* normals) {
   }
 }
 
-/// Those of the body and of its regions.
+/// Sets the materials of the body and of its regions.
 void set_materials(const BodyStore& store, const BodyLaw& law, BodyMaterial* materials) {
   const double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   for (std::int64_t m = 0; m <= store.regions.n; ++m) {
@@ -149,15 +149,15 @@ void set_materials(const BodyStore& store, const BodyLaw& law, BodyMaterial* mat
   }
 }
 
-/// Moves the rows of cells that have a pressure together.
-void keep_pressed(phn_body& body, float* pressures, std::int32_t* pressed_row) {
+/// Keeps of the pressure modes only the rows of cells that have a pressure.
+void compact_pressure_rows(phn_body& body, float* pressures, std::int32_t* pressure_row) {
   const auto stride = static_cast<std::size_t>(body.pressure_stride);
-  body.pressures = pressures;
-  body.pressed_row = pressed_row;
+  body.pressure_modes = pressures;
+  body.pressure_row = pressure_row;
   for (std::int32_t c = 0; c < body.info.n_cells; ++c) {
-    pressed_row[c] = body.bulk_of_cell[c] > 0 ? body.n_pressed++ : -1;
-    if (pressed_row[c] >= 0)
-      memmove(pressures + static_cast<std::size_t>(pressed_row[c]) * stride,
+    pressure_row[c] = body.pressure_weights[c] > 0 ? body.n_pressure_cells++ : -1;
+    if (pressure_row[c] >= 0)
+      memmove(pressures + static_cast<std::size_t>(pressure_row[c]) * stride,
               pressures + static_cast<std::size_t>(c) * stride, stride * sizeof(float));
   }
 }
@@ -176,10 +176,10 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   BodyLoader loader(in, arena);
   schema::body(loader, store);
   if (!in.at_end()) in.fail_next(PHN_ERROR_SYNTAX);
-  auto* across = arena.take<std::int32_t>(static_cast<std::size_t>(store.surface.n), 3);
+  auto* neighbors = arena.take<std::int32_t>(static_cast<std::size_t>(store.surface.n), 3);
   auto* before = arena.take<std::int32_t>(static_cast<std::size_t>(store.surface.n), 3);
   auto* last_at = arena.take<std::int32_t>(static_cast<std::size_t>(store.nodes.n));
-  auto* pressed_row = arena.take<std::int32_t>(static_cast<std::size_t>(store.shear_m3.n));
+  auto* pressure_row = arena.take<std::int32_t>(static_cast<std::size_t>(store.shear_m3.n));
   auto* normals = arena.take<double>(static_cast<std::size_t>(store.nodes.n), 3);
   auto* materials = arena.take<BodyMaterial>(static_cast<std::size_t>(store.regions.n) + 1);
   wrong_byte = in.wrong_byte();
@@ -210,20 +210,20 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   body->material_of_cell = store.regions.n > 0 ? store.region_of_cell.at : nullptr;
   body->stride = store.modes.entries.stride;
   body->pressure_stride = store.pressures.entries.stride;
-  body->kinds = store.kinds.at;
+  body->node_kinds = store.kinds.at;
   body->modes = store.modes.entries.at;
-  body->shear = store.shear_m3.at;
-  body->bulk_of_cell = store.bulk_rJ.at;
-  body->gradients = store.gradients.entries.at;
-  keep_pressed(*body, store.pressures.entries.at, pressed_row);
+  body->cell_weights = store.shear_m3.at;
+  body->pressure_weights = store.bulk_rJ.at;
+  body->mode_gradients = store.gradients.entries.at;
+  compact_pressure_rows(*body, store.pressures.entries.at, pressure_row);
   body->cells_at_rest = store.cells_at_rest.entries.n > 0 ? store.cells_at_rest.entries.at : nullptr;
   body->lack_at_rest = store.lack_at_rest.entries.at;
-  body->lacking = store.lacking.entries.n > 0 ? store.lacking.entries.at : nullptr;
-  body->lacking_stride = store.lacking.entries.stride;
+  body->residual_compliance = store.lacking.entries.n > 0 ? store.lacking.entries.at : nullptr;
+  body->residual_compliance_stride = store.lacking.entries.stride;
   body->bounds = store.bounds.n > 0 ? store.bounds.at : nullptr;
-  schema::set_across(info.triangles, info.n_triangles, info.n_nodes, last_at, before, across);
+  schema::set_across(info.triangles, info.n_triangles, info.n_nodes, last_at, before, neighbors);
   set_normals(*body, normals);
-  body->across = across;
+  body->neighbors = neighbors;
   body->normals = normals;
   *result = body;
   return PHN_OK;

@@ -12,144 +12,149 @@ using namespace PHN_RUNTIME;
 
 namespace {
 
-/// Steps are at an end where the next one, in the norm of the energy, is smaller than the deformation by this factor.
-constexpr double settled = 1e-7;
-/// From here on the forces are not those of an equilibrium.
+/// The iteration has converged where the next step, in the norm of the energy, is smaller than the deformation by this
+/// factor.
+constexpr double converged = 1e-7;
+/// From this size of the next step on, the forces are not those of an equilibrium.
 constexpr double unsettled = 1e-2;
-/// Where a step shrinks less than by this factor, or was cut, more of the stiffness is renewed.
-constexpr double slow = 0.3;
+/// More of the stiffness is updated where a step shrinks by less than this factor, or was cut.
+constexpr double slow_convergence = 0.3;
 constexpr std::int32_t many_panels = 4;
-/// Part of the decrease of energy that a step promises and must bring (Armijo 1966, doi 10.2140/pjm.1966.16.1).
-constexpr double sufficient = 1e-4;
-/// A step that does not bring it is tried again with a smaller part, in the next call if need be. A step that brings it
-/// is followed by one with a larger part.
-constexpr double cut = 4, growth = 2, least_part = 1e-6;
-/// Part of a displacement that springs take from which on there is a warning.
-constexpr double much_stretched = 0.1;
-/// In a step a tool moves by at most so many depths.
-constexpr double longest_motion = 0.5;
-/// After so many steps far from balance the body starts from rest again, with smaller motions and more steps.
-constexpr std::int32_t most_far = 20, most_halved = 3;
-/// Components of displacements are clamped to so many times the depth.
-constexpr double most_depths = 1000;
+/// Part of the predicted decrease of the energy that a step must bring (Armijo 1966, doi 10.2140/pjm.1966.16.1).
+constexpr double sufficient_decrease = 1e-4;
+/// A step that does not decrease the energy enough is divided by `backtracking` and tried again, in the next call if
+/// need be. After a step that does, the factor grows.
+constexpr double backtracking = 4, growth = 2, smallest_step = 1e-6;
+/// Part of a displacement that springs may take without a warning.
+constexpr double largest_extension = 0.1;
+/// Largest motion of a tool in a step, in depths.
+constexpr double largest_increment = 0.5;
+/// After so many steps far from balance the body starts from rest again, with smaller increments and more steps.
+constexpr std::int32_t most_unbalanced_steps = 20, most_halvings = 3;
+/// Components of displacements are clamped to so many times the depth, so that no sum overflows.
+constexpr double largest_depth = 1000;
 
-/// Steps of Newton's method for the energy with the mean displacements under the tools prescribed.
+/// Newton's method for the minimum of the energy where the tools prescribe mean displacements.
 class Equilibrium {
  public:
   explicit Equilibrium(phn_body_state& state)
       : _s(state), _body(*state.body), _n(state.body->info.n_modes), _stride(state.body->stride) {
-    memcpy(_force, state.solved, sizeof _force);
+    memcpy(_force, state.newton_force, sizeof _force);
   }
 
-  void settle(std::int32_t steps, phn_body_report& pressed) {
+  void iterate(std::int32_t steps, phn_body_report& report) {
     double last = HUGE_VAL;
-    bool is_new = true;  // the state, for its stiffness
+    bool is_new = true;  // The stiffness does not yet contain the present state.
     while (true) {
-      if (is_new && pressed.steps < steps) {
-        const bool much = _s.part < 1 || pressed.unbalanced > slow * last;
-        if (!renew_stiffness(_s, (much ? many_panels : 1) * cells_of_panel)) {
-          pressed.unbalanced = 1;
+      if (is_new && report.steps < steps) {
+        const bool is_slow = _s.step_size < 1 || report.unbalanced > slow_convergence * last;
+        if (!update_stiffness(_s, (is_slow ? many_panels : 1) * cells_of_panel)) {
+          report.unbalanced = 1;
           return;
         }
-        ++pressed.renewed;
+        ++report.renewed;
         _compliance.set(_s, _s.factor);
       }
       if (is_new) {
-        last = pressed.steps > 0 ? pressed.unbalanced : HUGE_VAL;
-        pressed.unbalanced = direction();
+        last = report.steps > 0 ? report.unbalanced : HUGE_VAL;
+        report.unbalanced = newton_direction();
       }
-      if ((pressed.unbalanced <= settled && !_is_shortened) || pressed.steps >= steps) return;
+      if ((report.unbalanced <= converged && !_is_limited) || report.steps >= steps) return;
       is_new = step();
-      ++pressed.steps;
+      ++report.steps;
     }
   }
 
   void copy_forces(double* forces) const {
-    for (std::int32_t r = 0; r < _s.n_rows; ++r)
-      forces[r] = _force[r] - _s.held[r] * (_behind[r] - stretched(_s, r, _force));
+    for (std::int32_t r = 0; r < _s.n_constraints; ++r)
+      forces[r] = _force[r] - _s.penalty[r] * (_residual[r] - spring_extension(_s, r, _force));
   }
 
  private:
-  double* row(double* of, std::int32_t r) const { return of + static_cast<std::int64_t>(r) * _stride; }
-
-  /// _s.step, and the forces of the tools. @return unbalanced
-  double direction() {
-    for (std::int32_t m = 0; m < _stride; ++m) _s.alone[m] = m < _n ? _s.at.forces[m] : 0;
-    _s.kernels->solve(_s.factor, _n, _stride, _s.alone);
-    const std::int32_t n = _s.n_rows;
-    double pulled[3 * most_body_tools];
-    for (std::int32_t r = 0; r < n; ++r) _behind[r] = _s.wanted[r] - product(row(_s.rows, r), _s.at.q, _n);
-    shorten_motions();
-    for (std::int32_t r = 0; r < n; ++r) pulled[r] = _s.held[r] * _behind[r];
+  /// Sets _s.step, and the forces of the tools. @return size of the step over that of the deformation
+  double newton_direction() {
+    for (std::int32_t m = 0; m < _stride; ++m) _s.unconstrained_step[m] = m < _n ? _s.current.gradient[m] : 0;
+    _s.kernels->solve(_s.factor, _n, _stride, _s.unconstrained_step);
+    const std::int32_t n = _s.n_constraints;
+    double penalty_force[3 * most_body_tools];
     for (std::int32_t r = 0; r < n; ++r)
-      _force[r] = _behind[r] + stretched(_s, r, pulled) + product(row(_s.rows, r), _s.alone, _n);
+      _residual[r] = _s.prescribed[r] - product(_s.constraint_row(r), _s.current.q, _n);
+    limit_increments();
+    for (std::int32_t r = 0; r < n; ++r) penalty_force[r] = _s.penalty[r] * _residual[r];
+    for (std::int32_t r = 0; r < n; ++r)
+      _force[r] = _residual[r] + spring_extension(_s, r, penalty_force) +
+                  product(_s.constraint_row(r), _s.unconstrained_step, _n);
     _compliance.solve(n, _force);
     for (std::int32_t m = 0; m < _stride; ++m) {
-      _s.step[m] = -_s.alone[m];
-      for (std::int32_t r = 0; r < n; ++r) _s.step[m] += _force[r] * row(_s.moved, r)[m];
+      _s.step[m] = -_s.unconstrained_step[m];
+      for (std::int32_t r = 0; r < n; ++r) _s.step[m] += _force[r] * _s.compliance_row(r)[m];
     }
-    // K step = rows^T force - forces; force . rows K^-1 rows^T . force is the square of what the tools hold.
-    double held = 0;
-    for (std::int32_t r = 0; r < n; ++r) held += _force[r] * stretched(_s, r, _force);
-    _decrease = 0;
+    // K step = R^T f - gradient, and f . (R K^-1 R^T + S) f is the square of the deformation in the norm of the energy.
+    double square = 0;
+    for (std::int32_t r = 0; r < n; ++r) square += _force[r] * spring_extension(_s, r, _force);
+    _predicted_decrease = 0;
     for (std::int32_t m = 0; m < _n; ++m) {
       double of_tools = 0, moved = 0;
       for (std::int32_t r = 0; r < n; ++r) {
-        of_tools += _force[r] * row(_s.rows, r)[m];
-        moved += _force[r] * row(_s.moved, r)[m];
+        of_tools += _force[r] * _s.constraint_row(r)[m];
+        moved += _force[r] * _s.compliance_row(r)[m];
       }
-      _decrease += _s.step[m] * (of_tools - _s.at.forces[m]);
-      held += of_tools * moved;
+      _predicted_decrease += _s.step[m] * (of_tools - _s.current.gradient[m]);
+      square += of_tools * moved;
     }
-    return std::sqrt(std::fmax(_decrease, 0) / (held + 2 * std::fmax(_s.at.energy, _s.rounding)));
+    return std::sqrt(std::fmax(_predicted_decrease, 0) /
+                     (square + 2 * std::fmax(_s.current.energy, _s.energy_rounding)));
   }
 
-  /// Tools that moved far are followed in substeps of their displacements. _force is still that of the step before.
-  /// Where that is far from balance it may stretch springs by more than the tools are apart, which must not be
-  /// followed.
-  void shorten_motions() {
-    const double longest = longest_motion / (1 << _s.n_restarts) * _body.info.max_displacement_m;
+  /// Limits the residuals, so that tools that moved far are followed in increments. _force is still that of the step
+  /// before. Far from balance it may extend springs by more than the tools are apart; such an extension is limited,
+  /// too.
+  void limit_increments() {
+    const double largest = largest_increment / (1 << _s.n_restarts) * _body.info.max_displacement_m;
     double farthest = 0;
-    for (std::int32_t t = 0; t < _s.n_rows; t += 3) farthest = std::fmax(farthest, 2 * length(_s.wanted + t));
-    _is_shortened = false;
-    for (std::int32_t t = 0; t < _s.n_rows; t += 3) {
-      double motion[3];
-      for (int k = 0; k < 3; ++k) motion[k] = stretched(_s, t + k, _force);
-      const double stretch = length(motion), kept = stretch > farthest ? farthest / stretch : 1;
-      for (int k = 0; k < 3; ++k) motion[k] = _behind[t + k] - kept * motion[k];
-      const double size = length(motion);
-      if (!(size > longest)) continue;
-      _is_shortened = true;
-      for (int k = 0; k < 3; ++k) _behind[t + k] -= (1 - longest / size) * motion[k];
+    for (std::int32_t t = 0; t < _s.n_constraints; t += 3)
+      farthest = std::fmax(farthest, 2 * length(_s.prescribed + t));
+    _is_limited = false;
+    for (std::int32_t t = 0; t < _s.n_constraints; t += 3) {
+      double increment[3];
+      for (int k = 0; k < 3; ++k) increment[k] = spring_extension(_s, t + k, _force);
+      const double extension = length(increment), factor = extension > farthest ? farthest / extension : 1;
+      for (int k = 0; k < 3; ++k) increment[k] = _residual[t + k] - factor * increment[k];
+      const double size = length(increment);
+      if (!(size > largest)) continue;
+      _is_limited = true;
+      for (int k = 0; k < 3; ++k) _residual[t + k] -= (1 - largest / size) * increment[k];
     }
   }
 
-  /// What a step has to lower: the energy less the work of the tools.
+  /// The function that a step must decrease: the energy minus the work of the tools.
   double merit(const phn_body_state::Point& point) const {
     double merit = point.energy;
-    for (std::int32_t r = 0; r < _s.n_rows; ++r) merit -= _force[r] * product(row(_s.rows, r), point.q, _n);
+    for (std::int32_t r = 0; r < _s.n_constraints; ++r) merit -= _force[r] * product(_s.constraint_row(r), point.q, _n);
     return merit;
   }
 
-  /// Goes a part of the step, if that lowers it enough; otherwise the next part is smaller. @return whether it went
+  /// Takes a part of the step if the merit decreases enough. Otherwise the next part is smaller.
+  /// @return whether the step was taken
   bool step() {
-    const double part = _s.part;
-    for (std::int32_t m = 0; m < _stride; ++m) _s.trial.q[m] = _s.at.q[m] + part * _s.step[m];
-    bool is_lower = evaluate_body(_s, _s.trial);
-    if (is_lower) {
-      const double start = merit(_s.at), here = merit(_s.trial);
-      // Differences of energies are rounded.
+    const double size = _s.step_size;
+    for (std::int32_t m = 0; m < _stride; ++m) _s.trial.q[m] = _s.current.q[m] + size * _s.step[m];
+    bool is_accepted = evaluate_body(_s, _s.trial);
+    if (is_accepted) {
+      const double start = merit(_s.current), here = merit(_s.trial);
+      // The difference of two energies has their rounding errors.
       const double rounding =
-          1e-13 * (std::fabs(start) + std::fabs(here) + _s.at.energy + _s.trial.energy) + _s.rounding;
-      is_lower = here <= start - sufficient * part * _decrease + rounding;
+          1e-13 * (std::fabs(start) + std::fabs(here) + _s.current.energy + _s.trial.energy) + _s.energy_rounding;
+      is_accepted = here <= start - sufficient_decrease * size * _predicted_decrease + rounding;
     }
-    _s.part = is_lower ? std::fmin(growth * part, 1) : std::fmax(part / cut, least_part);
-    if (!is_lower) return false;
+    _s.step_size = is_accepted ? std::fmin(growth * size, 1) : std::fmax(size / backtracking, smallest_step);
+    if (!is_accepted) return false;
     const std::int32_t n_pressures = _body.info.n_pressures;
-    _s.kernels->times(_s.bulk_rows, n_pressures, _stride, _s.step, _s.expected);
-    for (std::int32_t k = 0; k < n_pressures; ++k) _s.expected[k] = _s.at.sums[k] + part * _s.expected[k];
-    const auto before = _s.at;
-    _s.at = _s.trial;
+    _s.kernels->multiply_vector(_s.pressure_jacobian, n_pressures, _stride, _s.step, _s.predicted_pressures);
+    for (std::int32_t k = 0; k < n_pressures; ++k)
+      _s.predicted_pressures[k] = _s.current.pressures[k] + size * _s.predicted_pressures[k];
+    const auto before = _s.current;
+    _s.current = _s.trial;
     _s.trial = before;
     return true;
   }
@@ -158,9 +163,9 @@ class Equilibrium {
   const phn_body& _body;
   std::int32_t _n, _stride;
   Compliance _compliance;
-  double _force[3 * most_body_tools] = {}, _behind[3 * most_body_tools] = {};
-  double _decrease = 0;
-  bool _is_shortened = false;
+  double _force[3 * most_body_tools] = {}, _residual[3 * most_body_tools] = {};
+  double _predicted_decrease = 0;
+  bool _is_limited = false;
 };
 
 template <class... Array>
@@ -183,84 +188,86 @@ struct Layout {
     s.body = &body;
     s.kernels = &best_body_kernels();
     s.max_tools = max_tools;
-    s.near = near_distance(body);
-    s.part = 1;
+    s.near_m = near_distance(body);
+    s.step_size = 1;
     s.is_at_rest = true;
     s.scratch = {arena.take<double>(nodes), arena.take<std::int32_t>(nodes), arena.take<std::int32_t>(triangles),
                  arena.take<char>(triangles)};
-    take(arena, 1, stride, s.at.q, s.at.forces, s.trial.q, s.trial.forces, s.alone, s.step, s.of_cells, s.lacking);
-    take(arena, 9, cells, s.at.strain, s.trial.strain);
-    take(arena, 1, cells, s.changed, s.pressure_at, s.size_of_rows);
-    s.at.changes = arena.take<float>(static_cast<std::size_t>(body.n_pressed), stride);
-    s.trial.changes = arena.take<float>(static_cast<std::size_t>(body.n_pressed), stride);
+    take(arena, 1, stride, s.current.q, s.current.gradient, s.trial.q, s.trial.gradient, s.unconstrained_step, s.step,
+         s.cells_gradient, s.lack_gradient);
+    take(arena, 9, cells, s.current.displacement_gradient, s.trial.displacement_gradient);
+    take(arena, 1, cells, s.stiffness_change, s.cell_pressures, s.squared_gradients);
+    s.current.volume_gradients = arena.take<float>(static_cast<std::size_t>(body.n_pressure_cells), stride);
+    s.trial.volume_gradients = arena.take<float>(static_cast<std::size_t>(body.n_pressure_cells), stride);
     s.cells = arena.take<phn_body_state::Cell>(cells);
-    take(arena, 1, static_cast<std::size_t>(body.pressure_stride), s.at.sums, s.trial.sums, s.expected);
-    take(arena, 3 * static_cast<std::size_t>(max_tools), stride, s.rows, s.moved);
+    take(arena, 1, static_cast<std::size_t>(body.pressure_stride), s.current.pressures, s.trial.pressures,
+         s.predicted_pressures);
+    take(arena, 3 * static_cast<std::size_t>(max_tools), stride, s.constraint_rows, s.compliance_rows);
     s.factor = arena.take<float>(stride, stride);
     s.factor_at_rest = arena.take<float>(stride, stride);
-    s.sum = arena.take<float>(stride, stride);
-    s.sum_at_rest = arena.take<float>(stride, stride);
-    s.bulk_rows = arena.take<float>(static_cast<std::size_t>(body.pressure_stride), stride);
+    s.cell_stiffness = arena.take<float>(stride, stride);
+    s.cell_stiffness_at_rest = arena.take<float>(stride, stride);
+    s.pressure_jacobian = arena.take<float>(static_cast<std::size_t>(body.pressure_stride), stride);
     s.panel = arena.take<float>(2 * 9 * cells_of_panel, stride);
     if (state == nullptr || arena.overflow()) return;
     set_zero(s.scratch.weight, nodes);
-    for (std::size_t t = 0; t < triangles; ++t) s.scratch.taken[t] = 0;
-    zero(stride, s.trial.q, s.alone, s.step);
+    for (std::size_t t = 0; t < triangles; ++t) s.scratch.is_reached[t] = 0;
+    zero(stride, s.trial.q, s.unconstrained_step, s.step);
     *state = s;
   }
 };
 
 bool start_at_rest(phn_body_state& state) {
   const auto stride = static_cast<std::size_t>(state.body->stride);
-  set_zero(state.at.q, stride);
-  set_zero(state.expected, static_cast<std::size_t>(state.body->pressure_stride));
-  return evaluate_body(state, state.at);
+  set_zero(state.current.q, stride);
+  set_zero(state.predicted_pressures, static_cast<std::size_t>(state.body->pressure_stride));
+  return evaluate_body(state, state.current);
 }
 
-void release(phn_body_state& state) {
+void reset(phn_body_state& state) {
   if (state.is_at_rest) return;
   state.is_at_rest = true;
   start_at_rest(state);
-  release_stiffness(state);
-  state.part = 1;
-  state.n_far = 0;
-  set_zero(state.solved, 3 * most_body_tools);
+  reset_stiffness(state);
+  state.step_size = 1;
+  state.n_unbalanced_steps = 0;
+  set_zero(state.newton_force, 3 * most_body_tools);
 }
 
-/// Tools that stayed, which are near their places before, keep the forces of the call before, whatever others came or
-/// went. A force goes to one tool only. Where the number of tools is the same, those that are near the place of the
-/// same number are the same tools; the others are matched by their distances, the nearest first.
-void keep_forces(phn_body_state& state, const BodyPlace* before, std::int32_t n_before) {
-  const std::int32_t n = state.n_rows / 3;
-  double kept[2][3 * most_body_tools] = {};
-  bool is_found[most_body_tools] = {}, was_found[most_body_tools] = {};
-  const auto apart = [&](std::int32_t t, std::int32_t s) {
+/// Gives tools that stayed, which are near their places before, the forces of the call before, whatever other tools
+/// came or went. Each force goes to one tool only. Where the number of tools is the same, a tool near the place of the
+/// same number is the same tool; the others are matched by their distances, the nearest first.
+void match_forces(phn_body_state& state, const BodyPlace* before, std::int32_t n_before) {
+  const std::int32_t n = state.n_constraints / 3;
+  double force[3 * most_body_tools] = {}, newton_force[3 * most_body_tools] = {};
+  bool is_matched[most_body_tools] = {}, was_matched[most_body_tools] = {};
+  const auto distance = [&](std::int32_t t, std::int32_t s) {
     double x[3];
     for (int k = 0; k < 3; ++k) x[k] = state.places[t].x[k] - before[s].x[k];
     return length(x);
   };
-  const auto keep = [&](std::int32_t t, std::int32_t s) {
-    is_found[t] = was_found[s] = true;
-    memcpy(kept[0] + 3 * t, state.force + 3 * s, 3 * sizeof(double));
-    memcpy(kept[1] + 3 * t, state.solved + 3 * s, 3 * sizeof(double));
+  const auto match = [&](std::int32_t t, std::int32_t s) {
+    is_matched[t] = was_matched[s] = true;
+    memcpy(force + 3 * t, state.force + 3 * s, 3 * sizeof(double));
+    memcpy(newton_force + 3 * t, state.newton_force + 3 * s, 3 * sizeof(double));
   };
   for (std::int32_t t = 0; t < n && n == n_before; ++t)
-    if (apart(t, t) < state.near) keep(t, t);
+    if (distance(t, t) < state.near_m) match(t, t);
   for (bool goes_on = true; goes_on;) {
-    std::int32_t stayed = -1, was = -1;
-    double nearest = state.near;
+    std::int32_t tool = -1, old_tool = -1;
+    double nearest = state.near_m;
     for (std::int32_t t = 0; t < n; ++t)
       for (std::int32_t s = 0; s < n_before; ++s) {
-        if (is_found[t] || was_found[s] || !(apart(t, s) < nearest)) continue;
-        nearest = apart(t, s);
-        stayed = t;
-        was = s;
+        if (is_matched[t] || was_matched[s] || !(distance(t, s) < nearest)) continue;
+        nearest = distance(t, s);
+        tool = t;
+        old_tool = s;
       }
-    goes_on = stayed >= 0;
-    if (goes_on) keep(stayed, was);
+    goes_on = tool >= 0;
+    if (goes_on) match(tool, old_tool);
   }
-  memcpy(state.force, kept[0], sizeof kept[0]);
-  memcpy(state.solved, kept[1], sizeof kept[1]);
+  memcpy(state.force, force, sizeof force);
+  memcpy(state.newton_force, newton_force, sizeof newton_force);
 }
 
 }  // namespace
@@ -271,97 +278,95 @@ phn_body_state* PHN_RUNTIME::lay_out_state(Arena& arena, const phn_body& body, s
 
 int PHN_RUNTIME::start_state(phn_body_state& state) {
   // Where the law is not defined at rest, or nothing resists, the numbers are not those of a body.
-  return find_rounding(state) && start_at_rest(state) && start_stiffness(state) ? PHN_OK : PHN_ERROR_RANGE;
+  return set_energy_rounding(state) && start_at_rest(state) && init_stiffness(state) ? PHN_OK : PHN_ERROR_RANGE;
 }
 
-int PHN_RUNTIME::press_body(phn_body_state& s, std::int32_t n_held, std::int32_t n_tools, const phn_tool* tools,
-                            const double* heights, std::int32_t steps, double* held_by, phn_body_report& made) {
-  phn_body_state* const state = &s;
-  const phn_body* const body = s.body;
-  if (n_tools > most_body_tools || schema::least_body_modes(n_held) > body->info.n_modes)
+int PHN_RUNTIME::solve_body(phn_body_state& state, std::int32_t n_held, std::int32_t n_tools, const phn_tool* tools,
+                            const double* heights, std::int32_t steps, double* forces, phn_body_report& report) {
+  const phn_body& body = *state.body;
+  if (n_tools > most_body_tools || schema::least_body_modes(n_held) > body.info.n_modes)
     return PHN_ERROR_TOO_MANY_TOOLS;
-  if (n_tools > state->max_tools) return PHN_ERROR_TOOLS;
-  const double depth = body->info.max_displacement_m, farthest = most_depths * depth;
+  if (n_tools > state.max_tools) return PHN_ERROR_TOOLS;
+  const double depth = body.info.max_displacement_m, largest = largest_depth * depth;
   int status = PHN_OK;
-  const std::int32_t n_before = state->n_rows / 3;
+  const std::int32_t n_before = state.n_constraints / 3;
   BodyPlace before[most_body_tools];
-  memcpy(before, state->places, sizeof before);
-  // A refused call changes nothing.
+  memcpy(before, state.places, sizeof before);
+  // The new rows are first written to other memory, because a refused call changes nothing.
   for (std::int32_t t = 0; t < n_tools; ++t) {
-    const int of_tool =
-        means_of_modes(*state, tools[t], state->moved + 3 * static_cast<std::int64_t>(t) * body->stride);
+    const int of_tool = set_constraint_rows(state, tools[t], state.compliance_row(3 * t));
     if (of_tool < 0) return of_tool;
     if (t < n_held) status |= of_tool;
   }
-  memcpy(state->rows, state->moved, 3 * static_cast<std::size_t>(n_tools * body->stride) * sizeof(double));
+  memcpy(state.constraint_rows, state.compliance_rows,
+         3 * static_cast<std::size_t>(n_tools * body.stride) * sizeof(double));
   for (std::int32_t t = 0; t < n_held; ++t) {
     if (!(length(tools[t].displacement) <= depth * depth_slack<double>)) status |= PHN_WARNING_OUTSIDE;
     for (int k = 0; k < 3; ++k)
-      state->wanted[3 * t + k] = std::fmin(std::fmax(tools[t].displacement[k], -farthest), farthest);
+      state.prescribed[3 * t + k] = std::fmin(std::fmax(tools[t].displacement[k], -largest), largest);
   }
-  state->n_rows = 3 * n_held;
-  state->n_all_rows = 3 * n_tools;
-  set_springs(*state, n_tools, tools, heights);
-  keep_forces(*state, before, n_before);
+  state.n_constraints = 3 * n_held;
+  state.n_all_constraints = 3 * n_tools;
+  set_springs(state, n_tools, tools, heights);
+  match_forces(state, before, n_before);
   if (n_held == 0) {
-    release(*state);
-    state->n_restarts = 0;
-    state->status = PHN_OK;
+    reset(state);
+    state.n_restarts = 0;
+    state.status = PHN_OK;
     return PHN_OK;
   }
-  if (state->n_far >= most_far << state->n_restarts) {
-    release(*state);
-    if (state->n_restarts < most_halved) ++state->n_restarts;
+  if (state.n_unbalanced_steps >= most_unbalanced_steps << state.n_restarts) {
+    reset(state);
+    if (state.n_restarts < most_halvings) ++state.n_restarts;
   }
-  state->is_at_rest = false;
-  Equilibrium equilibrium(*state);
-  equilibrium.settle(steps, made);
-  equilibrium.copy_forces(held_by);
-  memcpy(state->solved, held_by, sizeof state->solved);
-  made.energy = state->at.energy;
+  state.is_at_rest = false;
+  Equilibrium equilibrium(state);
+  equilibrium.iterate(steps, report);
+  equilibrium.copy_forces(forces);
+  memcpy(state.newton_force, forces, sizeof state.newton_force);
+  report.energy = state.current.energy;
   for (std::int32_t t = 0; t < n_held; ++t) {
-    double behind[3], stretch[3];
+    double residual[3], extension[3], near_extension[3];
     for (int k = 0; k < 3; ++k) {
       const std::int32_t r = 3 * t + k;
-      const double* row = state->rows + static_cast<std::int64_t>(r) * body->stride;
-      stretch[k] = stretched(*state, r, held_by);
-      behind[k] = state->wanted[r] - product(row, state->at.q, body->info.n_modes) - stretch[k];
-      made.energy += held_by[r] * stretch[k] / 2;
+      extension[k] = spring_extension(state, r, forces);
+      near_extension[k] = product(state.near_spring_compliance[r], forces, state.n_constraints);
+      residual[k] =
+          state.prescribed[r] - product(state.constraint_row(r), state.current.q, body.info.n_modes) - extension[k];
+      report.energy += forces[r] * extension[k] / 2;
     }
-    made.residual_m = std::fmax(made.residual_m, length(behind));
-    double near[3];
-    for (int k = 0; k < 3; ++k) near[k] = product(state->near_springs[3 * t + k], held_by, state->n_rows);
-    if (length(near) > much_stretched * length(state->wanted + 3 * t)) status |= PHN_WARNING_NEAR;
+    report.residual_m = std::fmax(report.residual_m, length(residual));
+    if (length(near_extension) > largest_extension * length(state.prescribed + 3 * t)) status |= PHN_WARNING_NEAR;
   }
-  if (!all_finite(held_by, 3 * most_body_tools) || !all_finite(&made.unbalanced, 1)) {
-    set_zero(held_by, 3 * most_body_tools);
-    set_zero(state->solved, 3 * most_body_tools);
-    made.unbalanced = 1;
+  if (!all_finite(forces, 3 * most_body_tools) || !all_finite(&report.unbalanced, 1)) {
+    set_zero(forces, 3 * most_body_tools);
+    set_zero(state.newton_force, 3 * most_body_tools);
+    report.unbalanced = 1;
   }
-  if (made.unbalanced > unsettled || !(made.residual_m <= unsettled * depth)) status |= PHN_WARNING_UNSETTLED;
+  if (report.unbalanced > unsettled || !(report.residual_m <= unsettled * depth)) status |= PHN_WARNING_UNSETTLED;
   // Far from balance the solution of the linearized problem says nothing of the forces; those before are kept.
-  const bool is_far = made.unbalanced > far_from_balance;
-  if (is_far) memcpy(held_by, state->force, sizeof state->force);
-  state->n_far = is_far ? state->n_far + made.steps : 0;
-  memcpy(state->force, held_by, sizeof state->force);
-  if ((status & PHN_WARNING_UNSETTLED) == 0) state->n_restarts = 0;
-  state->status = status;
+  const bool is_far = report.unbalanced > far_from_balance;
+  if (is_far) memcpy(forces, state.force, sizeof state.force);
+  state.n_unbalanced_steps = is_far ? state.n_unbalanced_steps + report.steps : 0;
+  memcpy(state.force, forces, sizeof state.force);
+  if ((status & PHN_WARNING_UNSETTLED) == 0) state.n_restarts = 0;
+  state.status = status;
   return status;
 }
 
 namespace {
 
-/// Of the second half of the modes alone, with the stiffness of the shape at rest: a basis that is too small for the
-/// state has much in its last modes.
+/// Energy of the second half of the modes alone, with the stiffness at rest. It is large where the basis is too small
+/// for the state.
 double energy_of_last_modes(const phn_body_state& state) {
   const std::int32_t n = state.body->info.n_modes, stride = state.body->stride;
   double energy = 0;
   for (std::int32_t i = n / 2; i < n; ++i) {
     const float* row =
-        state.sum_at_rest + static_cast<std::int64_t>(i) * stride;  // of which the upper triangle is known
-    double sum = row[i] * state.at.q[i] / 2;
-    for (std::int32_t j = i + 1; j < n; ++j) sum += row[j] * state.at.q[j];
-    energy += state.at.q[i] * sum;
+        state.cell_stiffness_at_rest + static_cast<std::int64_t>(i) * stride;  // Its upper triangle is set.
+    double sum = row[i] * state.current.q[i] / 2;
+    for (std::int32_t j = i + 1; j < n; ++j) sum += row[j] * state.current.q[j];
+    energy += state.current.q[i] * sum;
   }
   return energy;
 }
@@ -400,9 +405,9 @@ int phn_body_nearest(const phn_body* body, const double x[3], phn_tool* tool, do
             body->info.triangles, body->info.n_triangles, from,
             [&](std::int32_t v) { return body->info.points + 3 * static_cast<std::size_t>(v); },
             [&](std::int32_t v) {
-              return is_touchable(*body, v)                                ? Hold::moves
-                     : body->kinds[v] == phynness::schema::body_node_fixed ? Hold::fixed
-                                                                           : Hold::none;
+              return is_touchable(*body, v)                                     ? Hold::moves
+                     : body->node_kinds[v] == phynness::schema::body_node_fixed ? Hold::fixed
+                                                                                : Hold::none;
             });
       },
       [&](std::int32_t v) { return body->info.nodes[v]; });
@@ -436,37 +441,37 @@ int phn_body_state_init(void* memory, size_t bytes, const phn_body* body, int32_
 }
 
 int phn_body_force(const phn_body* body, phn_body_state* state, int32_t n_tools, const phn_tool* tools, int32_t steps,
-                   double* forces, phn_body_report* pressed) {
-  double held_by[3 * most_body_tools] = {};
+                   double* forces, phn_body_report* report) {
+  double solved[3 * most_body_tools] = {};
   phn_body_report made = {};
   const std::size_t n = forces != nullptr && n_tools > 0 ? 3 * static_cast<std::size_t>(n_tools) : 0;
   int status = PHN_ERROR_ARGUMENT;
-  if (overlap(forces, n * sizeof(double), pressed, sizeof *pressed)) {
+  if (overlap(forces, n * sizeof(double), report, sizeof *report)) {
     status = PHN_ERROR_OVERLAP;
   } else if (body != nullptr && state != nullptr && state->body == body && n_tools >= 0 && steps >= 1 &&
              (n_tools == 0 || (tools != nullptr && forces != nullptr))) {
-    status = press_body(*state, n_tools, n_tools, tools, nullptr, steps, held_by, made);
+    status = solve_body(*state, n_tools, n_tools, tools, nullptr, steps, solved, made);
   }
   // The tools have been read; the outputs may overlap them.
-  for (std::size_t r = 0; r < n; ++r) forces[r] = status < 0 ? 0 : held_by[r];
-  if (pressed != nullptr) *pressed = made;
+  for (std::size_t r = 0; r < n; ++r) forces[r] = status < 0 ? 0 : solved[r];
+  if (report != nullptr) *report = made;
   return status;
 }
 
 int phn_body_bound_terms(const phn_body* body, const phn_body_state* state, int32_t n_tools, double* terms) {
   for (std::int32_t i = 0; i < 3 * n_tools && terms != nullptr; ++i) terms[i] = 0;
   if (body == nullptr || state == nullptr || state->body != body || terms == nullptr) return PHN_ERROR_ARGUMENT;
-  const std::int32_t n = state->n_rows;
+  const std::int32_t n = state->n_constraints;
   if (n_tools != n / 3) return PHN_ERROR_ARGUMENT;
   if (n == 0) return PHN_ERROR_UNDEFINED;
   Compliance at_rest;
   at_rest.set(*state, state->factor_at_rest);
   double linear[3 * most_body_tools];
-  memcpy(linear, state->wanted, sizeof linear);
+  memcpy(linear, state->prescribed, sizeof linear);
   at_rest.solve(n, linear);
-  const double displaced = std::sqrt(product(state->wanted, state->wanted, n));
+  const double displaced = std::sqrt(product(state->prescribed, state->prescribed, n));
   const auto per_displacement = [&](double energy) { return displaced > 0 ? std::fmax(energy, 0) / displaced : 0; };
-  const double last = per_displacement(energy_of_last_modes(*state)), all = per_displacement(state->at.energy);
+  const double last = per_displacement(energy_of_last_modes(*state)), all = per_displacement(state->current.energy);
   for (std::int32_t r = 0; r < n; r += 3) {
     double curved[3];
     for (int k = 0; k < 3; ++k) curved[k] = state->force[r + k] - linear[r + k];
@@ -494,9 +499,10 @@ int phn_body_bound(const phn_body* body, const phn_body_state* state, int32_t n_
 
 int phn_body_deform(const phn_body* body, const phn_body_state* state, double* out) {
   if (body == nullptr || state == nullptr || state->body != body || out == nullptr) return PHN_ERROR_ARGUMENT;
-  state->kernels->times(body->modes, 3 * static_cast<std::int64_t>(body->info.n_nodes), body->stride, state->at.q, out);
-  for (std::int32_t i = 0; i < body->info.n_nodes && body->lacking != nullptr; ++i)
-    add_lacking(*state, place_of(*body, i), out + 3 * static_cast<std::size_t>(i));
+  state->kernels->multiply_vector(body->modes, 3 * static_cast<std::int64_t>(body->info.n_nodes), body->stride,
+                                  state->current.q, out);
+  for (std::int32_t i = 0; i < body->info.n_nodes && body->residual_compliance != nullptr; ++i)
+    add_residual_displacement(*state, place_of(*body, i), out + 3 * static_cast<std::size_t>(i));
   return PHN_OK;
 }
 

@@ -1,50 +1,51 @@
-// Springs of the tools (docs/theory.md, Near tools and Elsewhere). What two tools within a fraction of a radius
-// prescribe, for example no tilt of the surface between them, hardly any force would resist or all forces would. Where
-// no tool was probed, the modes of a body are too stiff.
+// Springs of the tools (docs/theory.md, Near tools and Elsewhere). The constraints of two tools within a fraction of a
+// radius are nearly dependent, so that their forces would be undefined. Where no tool was probed, the modes of a body
+// are too stiff.
 #include "body/compliance.hpp"
 #include "core/evaluate.hpp"
 
 namespace PHN_RUNTIME {
 namespace {
 
-/// At one place the compliance of springs is this part of that of a tool.
+/// Compliance of the spring between two tools at the same place, over the compliance of a tool.
 constexpr double spring_part = 0.1;
 
-/// Compliance that the modes lack acts between places up to this many radii apart.
-constexpr double reach_of_lacking = 3;
+/// Distance, in radii, up to which the residual compliances of two places are correlated.
+constexpr double correlation_length = 3;
 
-/// Compliance of the spring between two tools over the mean of those of the tools alone. It ends smoothly at the
-/// distance `near`. Tools at opposite faces of a thin part have none.
-/// @param height  of both over the surface [m]
-double part_between(double near, const BodyPlace& a, const BodyPlace& b, double height) {
+/// Compliance of the spring between two tools over the mean of the compliances of the single tools. It decreases
+/// smoothly to 0 at the distance `near`. Tools at opposite faces of a thin part have no spring.
+/// @param height  sum of their heights over the surface [m]
+double spring_fraction(double near, const BodyPlace& a, const BodyPlace& b, double height) {
   double square = height * height, facing = 0;
   for (int k = 0; k < 3; ++k) {
     square += (a.x[k] - b.x[k]) * (a.x[k] - b.x[k]);
     facing += a.normal[k] * b.normal[k];
   }
-  const double left = 1 - square / (near * near);
-  return left > 0 && facing > 0 ? spring_part * left * left * left * facing : 0;
+  const double decay = 1 - square / (near * near);
+  return decay > 0 && facing > 0 ? spring_part * decay * decay * decay * facing : 0;
 }
 
-/// Part of the lacking compliance that two places have in common: a positive definite function of both (Wendland 1995,
+/// Correlation of the residual compliances of two places: a positive definite function of both (Wendland 1995,
 /// doi 10.1007/BF02123482), times another one, which is 0 at opposite faces.
-double part_in_common(double radius, const BodyPlace& a, const BodyPlace& b) {
+double correlation(double radius, const BodyPlace& a, const BodyPlace& b) {
   double apart[3];
   for (int k = 0; k < 3; ++k) apart[k] = a.x[k] - b.x[k];
   const double sizes = length(a.normal) * length(b.normal);
   const double facing = sizes > 0 ? product(a.normal, b.normal, 3) / sizes : 0;
-  const double far = length(apart) / (reach_of_lacking * radius), left = 1 - far;
-  return left > 0 ? left * left * left * left * (4 * far + 1) * (1 + facing) / 2 : 0;
+  const double far = length(apart) / (correlation_length * radius), decay = 1 - far;
+  return decay > 0 ? decay * decay * decay * decay * (4 * far + 1) * (1 + facing) / 2 : 0;
 }
 
-/// Adds R_a R_b times the part that they have in common: what forces at b move at a. @param sum  3 x 3
-void add_lacking_between(const phn_body& body, const BodyPlace& a, const BodyPlace& b, double (*sum)[3]) {
-  if (!a.lacks || !b.lacks) return;
-  constexpr int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-  const double part = &a == &b ? 1 : part_in_common(body.info.tool_radius_m, a, b);
+/// Adds the residual compliance between two places, R_a R_b times their correlation: displacements at a by forces at b.
+/// @param sum  3 x 3
+void add_residual_compliance(const phn_body& body, const BodyPlace& a, const BodyPlace& b, double (*sum)[3]) {
+  if (!a.has_residual_compliance || !b.has_residual_compliance) return;
+  constexpr int entry[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  const double factor = &a == &b ? 1 : correlation(body.info.tool_radius_m, a, b);
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k)
-      for (int j = 0; j < 3; ++j) sum[i][k] += part * a.root[at[i][j]] * b.root[at[j][k]];
+      for (int j = 0; j < 3; ++j) sum[i][k] += factor * a.compliance_root[entry[i][j]] * b.compliance_root[entry[j][k]];
 }
 
 void add_node(const phn_body& body, double weight, std::int32_t node, BodyPlace& place) {
@@ -52,9 +53,11 @@ void add_node(const phn_body& body, double weight, std::int32_t node, BodyPlace&
     place.x[k] += weight * body.info.points[3 * node + k];
     place.normal[k] += weight * body.normals[3 * node + k];
   }
-  for (int k = 0; k < schema::n_of_root && body.lacking != nullptr; ++k) {
-    place.root[k] += weight * body.lacking[static_cast<std::int64_t>(node) * body.lacking_stride + k];
-    place.lacks = place.lacks || place.root[k] != 0;
+  if (body.residual_compliance == nullptr) return;
+  const float* root = body.residual_compliance + static_cast<std::int64_t>(node) * body.residual_compliance_stride;
+  for (int k = 0; k < schema::n_of_root; ++k) {
+    place.compliance_root[k] += weight * root[k];
+    place.has_residual_compliance = place.has_residual_compliance || place.compliance_root[k] != 0;
   }
 }
 
@@ -74,10 +77,10 @@ BodyPlace place_of(const phn_body& body, const phn_tool& tool) {
   return place;
 }
 
-void add_lacking(const phn_body_state& state, const BodyPlace& place, double* displacement) {
-  for (std::int32_t t = 0; 3 * t < state.n_rows; ++t) {
+void add_residual_displacement(const phn_body_state& state, const BodyPlace& place, double* displacement) {
+  for (std::int32_t t = 0; 3 * t < state.n_constraints; ++t) {
     double compliance[3][3] = {};
-    add_lacking_between(*state.body, place, state.places[t], compliance);
+    add_residual_compliance(*state.body, place, state.places[t], compliance);
     for (int i = 0; i < 3; ++i) displacement[i] += product(compliance[i], state.force + 3 * t, 3);
   }
 }
@@ -97,37 +100,38 @@ double near_distance(const phn_body& body) {
 void set_springs(phn_body_state& state, std::int32_t n_tools, const phn_tool* tools, const double* heights) {
   const phn_body& body = *state.body;
   state.has_springs = false;
-  for (auto& row : state.near_springs) set_zero(row, 3 * most_body_tools);
+  for (auto& row : state.near_spring_compliance) set_zero(row, 3 * most_body_tools);
   for (std::int32_t a = 0; a < n_tools; ++a) state.places[a] = place_of(body, tools[a]);
   for (std::int32_t a = 0; a < n_tools; ++a)
     for (std::int32_t b = 0; b < a; ++b) {
-      const double part =
-          part_between(state.near, state.places[a], state.places[b], heights != nullptr ? heights[a] + heights[b] : 0);
+      const double part = spring_fraction(state.near_m, state.places[a], state.places[b],
+                                          heights != nullptr ? heights[a] + heights[b] : 0);
       if (!(part > 0)) continue;
       state.has_springs = true;
-      for (int of = 0; of < 2; ++of) {
-        double own[3][3];
-        Compliance::alone(state, 3 * (of == 0 ? a : b), own);
-        add_lacking_between(body, state.places[of == 0 ? a : b], state.places[of == 0 ? a : b], own);
+      const std::int32_t pair[] = {a, b};
+      for (const std::int32_t t : pair) {
+        double compliance[3][3];
+        Compliance::of_single_tool(state, 3 * t, compliance);
+        add_residual_compliance(body, state.places[t], state.places[t], compliance);
         for (int i = 0; i < 3; ++i)
           for (int k = 0; k < 3; ++k) {
-            const double half = part / 2 * own[i][k];
-            state.near_springs[3 * a + i][3 * a + k] += half;
-            state.near_springs[3 * b + i][3 * b + k] += half;
-            state.near_springs[3 * a + i][3 * b + k] -= half;
-            state.near_springs[3 * b + i][3 * a + k] -= half;
+            const double half = part / 2 * compliance[i][k];
+            state.near_spring_compliance[3 * a + i][3 * a + k] += half;
+            state.near_spring_compliance[3 * b + i][3 * b + k] += half;
+            state.near_spring_compliance[3 * a + i][3 * b + k] -= half;
+            state.near_spring_compliance[3 * b + i][3 * a + k] -= half;
           }
       }
     }
-  memcpy(state.springs, state.near_springs, sizeof state.springs);
+  memcpy(state.spring_compliance, state.near_spring_compliance, sizeof state.spring_compliance);
   for (std::int32_t a = 0; a < n_tools; ++a)
     for (std::int32_t b = 0; b < n_tools; ++b) {
-      if (!state.places[a].lacks || !state.places[b].lacks) continue;
+      if (!state.places[a].has_residual_compliance || !state.places[b].has_residual_compliance) continue;
       state.has_springs = true;
       double compliance[3][3] = {};
-      add_lacking_between(body, state.places[a], state.places[b], compliance);
+      add_residual_compliance(body, state.places[a], state.places[b], compliance);
       for (int i = 0; i < 3; ++i)
-        for (int k = 0; k < 3; ++k) state.springs[3 * a + i][3 * b + k] += compliance[i][k];
+        for (int k = 0; k < 3; ++k) state.spring_compliance[3 * a + i][3 * b + k] += compliance[i][k];
     }
 }
 

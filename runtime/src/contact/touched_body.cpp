@@ -13,13 +13,13 @@ class TouchedBody final : public Touched {
   TouchedBody(phn_body_state& state, std::int32_t most_steps) : _state(state) {
     has_energy = true;
     max_displacement_m = state.body->info.max_displacement_m;
-    near_m = state.near;
+    near_m = state.near_m;
     steps = most_steps;
   }
   int hold(std::int32_t n, std::int32_t n_all, const phn_tool* tools, const double* heights, double* forces,
            phn_coupled& result) override {
     phn_body_report made = {};
-    const int status = press_body(_state, n, n_all, tools, heights, 1, forces, made);
+    const int status = solve_body(_state, n, n_all, tools, heights, 1, forces, made);
     steps -= made.steps;
     made.steps += pressed.steps;
     made.renewed += pressed.renewed;
@@ -27,48 +27,48 @@ class TouchedBody final : public Touched {
     unbalanced = made.unbalanced;
     result = {made.residual_m, made.energy};
     if (status >= 0) {
-      const std::int32_t first = n == 0 ? 0 : _state.n_rows;  // of the others the last step has them
+      const std::int32_t first = n == 0 ? 0 : _state.n_constraints;  // The last step has solved those before.
       Compliance::solve_rows(_state, n == 0 ? _state.factor_at_rest : _state.factor, first, 3 * n_all - first);
     }
     return status;
   }
-  /// The inverse of the stiffness under the tools, by the factor of the last response. Where the body is unstable, the
-  /// tools are followed as if they held it by parts of what the factor has.
+  /// The inverse of the stiffness under the tools, from the factor of the last response. Where the body is unstable, a
+  /// part of the penalty stays in the stiffness and makes it definite.
   bool compliance(std::int32_t n_tools, Matrix* blocks) const override {
-    const std::int32_t n = 3 * n_tools, n_held = _state.n_rows;
-    if (_state.n_all_rows != n) return false;
+    const std::int32_t n = 3 * n_tools, n_held = _state.n_constraints;
+    if (_state.n_all_constraints != n) return false;
     Compliance all, stiffness;
-    all.take(_state, 0, n, true);
+    all.assemble(_state, n, true);
     for (double part = 0; part <= 1; part = part > 0 ? 10 * part : 0.01) {
-      for (std::int32_t own = 0; own < n; ++own) {
-        double forces[3 * most_body_tools] = {}, pulled[3 * most_body_tools] = {};
-        const double held = own < n_held ? _state.held[own] : 0;
-        if (own < n_held) pulled[own] = held;
-        for (std::int32_t r = 0; r < n; ++r) forces[r] = (r == own ? 1 : 0) + stretched(_state, r, pulled);
+      for (std::int32_t c = 0; c < n; ++c) {
+        double forces[3 * most_body_tools] = {}, penalty_force[3 * most_body_tools] = {};
+        const double penalty = c < n_held ? _state.penalty[c] : 0;
+        if (c < n_held) penalty_force[c] = penalty;
+        for (std::int32_t r = 0; r < n; ++r) forces[r] = (r == c ? 1 : 0) + spring_extension(_state, r, penalty_force);
         all.solve(n, forces);
-        for (std::int32_t r = own; r < n; ++r)
-          stiffness.lower[r][own] = forces[r] - (r == own ? (1 - part) * held : 0) +
-                                    (r < n_held ? _state.held[r] * product(_state.springs[r], forces, n) : 0);
+        for (std::int32_t r = c; r < n; ++r)
+          stiffness.lower[r][c] =
+              forces[r] - (r == c ? (1 - part) * penalty : 0) +
+              (r < n_held ? _state.penalty[r] * product(_state.spring_compliance[r], forces, n) : 0);
       }
       if (stiffness.factorize(n)) break;
     }
-    for (std::int32_t own = 0; own < n; ++own) {
-      double moved[3 * most_body_tools] = {};
-      moved[own] = 1;
-      stiffness.solve(n, moved);
-      for (std::int32_t r = 0; r < n; ++r) blocks[n_tools * (r / 3) + own / 3](r % 3, own % 3) = moved[r];
+    for (std::int32_t c = 0; c < n; ++c) {
+      double column[3 * most_body_tools] = {};
+      column[c] = 1;
+      stiffness.solve(n, column);
+      for (std::int32_t r = 0; r < n; ++r) blocks[n_tools * (r / 3) + c / 3](r % 3, c % 3) = column[r];
     }
     return true;
   }
   Vector displacement(std::int32_t tool) const override {
-    Vector moved;
+    Vector u;
     for (int k = 0; k < 3; ++k) {
       const std::int32_t r = 3 * tool + k;
-      moved[k] = product(_state.rows + static_cast<std::int64_t>(r) * _state.body->stride, _state.at.q,
-                         _state.body->info.n_modes) +
-                 stretched(_state, r, _state.force);
+      u[k] = product(_state.constraint_row(r), _state.current.q, _state.body->info.n_modes) +
+             spring_extension(_state, r, _state.force);
     }
-    return moved;
+    return u;
   }
 
  private:
@@ -81,7 +81,7 @@ WholeSurface surface_of(const phn_body& body) {
 
 /// See ContactSurface::active. A round tool beside fixed nodes is not that of a single one.
 std::int32_t active_of(const phn_body& body, std::int32_t vertex) {
-  if (!is_touchable(body, vertex)) return body.kinds[vertex] == phynness::schema::body_node_fixed ? -1 : -2;
+  if (!is_touchable(body, vertex)) return body.node_kinds[vertex] == phynness::schema::body_node_fixed ? -1 : -2;
   return body.info.tool_radius_m > 0 ? several : vertex;
 }
 
