@@ -7,29 +7,29 @@
 namespace PHN_RUNTIME {
 namespace {
 
-constexpr int most_slides = 8, fewest_slides = 2;  // with one tool; with many tools, whose slides cost more
+constexpr int most_slides = 8, fewest_slides = 2;  ///< of one tool; of many tools, whose slides cost more
 constexpr double cone_tolerance = 1e-4;            ///< of the force
-constexpr double longest_slide = 2;                ///< in displacements of the touched point; on a body in motions of
-                                                   ///< the tool, and by itself in distances at which tools are near:
-constexpr double slid_alone = 0.02;
-constexpr double same_place = 1e-4;       ///< tools closer than this, in sizes of the body, are at one point
-constexpr int most_shortened = 3;         ///< tries of a slide that worsens the excess
-constexpr double shortening = 0.3;        ///< of each
-constexpr double most_returned = 3;       ///< of the displacement, by the surface that is let go
-constexpr int most_turns = 20;            ///< of the direction of friction, to the slide
-constexpr int most_fallen = 3;            ///< responses in a step to the falls of a tool
-constexpr int most_falls = 12;            ///< steps of a fall
-constexpr int most_sweeps = 60;           ///< over the tools on a body, and when they end:
-constexpr double sweep_tolerance = 1e-6;  ///< of a force, and of a displacement
-/// A step on a body makes one more of Newton's steps for each of these parts of the depth that a tool goes in it, at
-/// most:
-constexpr double motion_of_step = 0.05, most_more = 20;
-/// Or fewer, if the next one, over the deformation, is smaller than this.
+/// Longest slide in a step: on a model in displacements of the touched point; on a body in motions of the tool, and in
+/// addition a part of the distance at which tools are near.
+constexpr double longest_slide = 2, slide_of_near_tools = 0.02;
+constexpr double same_place = 1e-4;  ///< Tools closer than this, in sizes of the body, are at one point.
+/// A slide after which the cone is exceeded by more is cut so often, each time by this factor.
+constexpr int most_cuts = 3;
+constexpr double cut_factor = 0.3;
+constexpr double largest_return = 3;             ///< of a surface that is released, over the displacement of the tool
+constexpr int most_friction_iterations = 20;     ///< for the size of the friction along a slide
+constexpr int most_projections = 3;              ///< responses in a step after projections of a proxy
+constexpr int most_projection_steps = 12;        ///< of a projection
+constexpr int most_gauss_seidel_sweeps = 60;     ///< over the tools on a body
+constexpr double gauss_seidel_tolerance = 1e-6;  ///< of a force, and of a displacement
+/// A step on a body makes one of Newton's steps more for each of these parts of the depth that a tool moves in it.
+constexpr double motion_per_step = 0.05, most_motion_steps = 20;
+/// It makes fewer if the next one, over the deformation, is smaller than this.
 constexpr double balanced = 1e-4;
-constexpr double jump = 0.05;  ///< of a force in a step, over the largest, that is not settled
+constexpr double jump = 0.05;  ///< of a force in a step, over the largest, from which on it is not settled
 
 /// Solves M x = b if -M has a positive trace and determinant. @return whether it has
-bool solve_two(const double m[2][2], const double* b, double* x) {
+bool solve_2x2(const double m[2][2], const double* b, double* x) {
   const double trace = m[0][0] + m[1][1], determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
   if (!(trace < 0 && determinant > 1e-3 * trace * trace / 4)) return false;
   x[0] = (b[0] * m[1][1] - b[1] * m[0][1]) / determinant;
@@ -45,299 +45,306 @@ class Balance {
   int find(phn_coupled& coupled) {
     for (std::int32_t t = 0; t < _n; ++t) {
       ToolContact& tool = _contact.tool[t];
-      tool.active = tool.anchored;
+      tool.active = tool.has_proxy;
       tool.unbalanced = 0;
-      tool.pulls = false;
+      tool.is_tensile = false;
       for (int k = 0; k < 3; ++k) tool.force[k] = tool.normal[k] = 0;
-      tool.first = tool.at;
+      tool.first_proxy = tool.proxy;
       start_slides(tool);
     }
     int warned = PHN_OK;
-    const int status = _touched.is_body() ? press(coupled) : respond(coupled, warned);
+    const int status = _touched.is_body() ? balance_on_body(coupled) : balance_on_model(coupled, warned);
     if (status < 0) return status;
-    for (std::int32_t t = 0; t < _n; ++t) _contact.tool[t].felt = false;
-    for (std::int32_t i = 0; i < _n_active; ++i) finish(i);
+    for (std::int32_t t = 0; t < _n; ++t) _contact.tool[t].in_contact = false;
+    for (std::int32_t i = 0; i < _n_active; ++i) clip_to_cone(i);
     for (std::int32_t t = 0; t < _n; ++t) {
       ToolContact& tool = _contact.tool[t];
-      if (tool.anchored && !tool.felt) let_go(tool);
-      tool.loose = tool.anchored && !tool.felt;
+      if (tool.has_proxy && !tool.in_contact) release(tool);
+      tool.was_separated = tool.has_proxy && !tool.in_contact;
     }
     guard(_contact, _touched, _n, _inputs, coupled.energy);
     return status | warned;
   }
 
  private:
-  /// Balance with the responses of a model, each of which is computed for proxies that slide by the one before.
-  int respond(phn_coupled& coupled, int& warned) {
+  /// Balance with the responses of a model. Each response is computed after slides by the forces of the one before.
+  int balance_on_model(phn_coupled& coupled, int& warned) {
     for (int step = 0, n_slides = 0;; ++step) {
-      warned |= separate();
-      const int status = couple(coupled);
+      warned |= remove_duplicates();
+      const int status = solve_response(coupled);
       if (status < 0) return status;
       if (step == 0) n_slides = _n_active > 1 ? most_slides / _n_active : most_slides;
       if (n_slides < fewest_slides) n_slides = fewest_slides;
       bool again = false;
-      for (std::int32_t i = 0; i < _n_active; ++i) again |= step <= n_slides && judge(_active[i], step < n_slides);
+      for (std::int32_t i = 0; i < _n_active; ++i)
+        again |= step <= n_slides && update_contact(_active[i], step < n_slides);
       if (!again) return status;
-      if (!release()) continue;
+      if (!deactivate_shallowest()) continue;
       step = -1;
       // The others slid by forces that the released tool changed.
       for (std::int32_t t = 0; t < _n; ++t) {
         ToolContact& tool = _contact.tool[t];
-        if (tool.active) tool.at = tool.first;
+        if (tool.active) tool.proxy = tool.first_proxy;
         start_slides(tool);
       }
     }
   }
 
-  /// Leaves out one of the tools that pull: the shallowest, as the deepest pushes without it. @return whether there was
-  /// one
-  bool release() {
+  /// Deactivates one of the tools with a tensile force: the shallowest, because the deepest pushes without it.
+  /// @return whether there was one
+  bool deactivate_shallowest() {
     ToolContact* shallowest = nullptr;
-    double depth = 0;
+    double least_depth = 0;
     for (std::int32_t t = 0; t < _n; ++t) {
       ToolContact& tool = _contact.tool[t];
-      const double here = -dot(tool.displacement, tool.normal);
-      if (tool.active && tool.pulls && (shallowest == nullptr || here < depth)) {
+      const double depth = -dot(tool.displacement, tool.normal);
+      if (tool.active && tool.is_tensile && (shallowest == nullptr || depth < least_depth)) {
         shallowest = &tool;
-        depth = here;
+        least_depth = depth;
       }
-      tool.pulls = false;
+      tool.is_tensile = false;
     }
     if (shallowest != nullptr) shallowest->active = false;
     return shallowest != nullptr;
   }
 
-  /// Balance with a body. A response costs steps of Newton's method, so proxies slide by forces that are predicted from
-  /// the last response: in each step the body moves and the tools slide by one and the same linearization. A tool that
-  /// was not part of it yet waits for the next one.
-  int press(phn_coupled& coupled) {
+  /// Balance with a body. A response costs steps of Newton's method, so that proxies slide by forces that are predicted
+  /// from the last response: in each step the body moves and the tools slide by one and the same linearization. A tool
+  /// that was in no response yet waits for the next one.
+  int balance_on_body(phn_coupled& coupled) {
     double farthest = 0;
     for (std::int32_t t = 0; t < _n; ++t) {
       const ToolContact& tool = _contact.tool[t];
       if (!tool.active) continue;
-      find_displacement(t);
-      farthest = std::fmax(farthest, std::fmin(norm(tool.moved), norm(tool.displacement)));
+      set_displacement(t);
+      farthest = std::fmax(farthest, std::fmin(norm(tool.motion), norm(tool.displacement)));
     }
-    _touched.steps +=
-        static_cast<std::int32_t>(std::fmin(farthest / (motion_of_step * _touched.max_displacement_m), most_more));
+    _touched.steps += static_cast<std::int32_t>(
+        std::fmin(farthest / (motion_per_step * _touched.max_displacement_m), most_motion_steps));
     for (int pass = 0;; ++pass) {
       const std::int32_t steps = _touched.steps;
-      predict();
-      const int status = couple(coupled);
+      predict_forces();
+      const int status = solve_response(coupled);
       if (status < 0) return status;
-      _contact.is_known = _touched.unbalanced <= far_from_balance;
+      _contact.has_response = _touched.unbalanced <= far_from_balance;
       bool again = _touched.unbalanced > balanced;
       for (std::int32_t i = 0; i < _n_active; ++i) {
-        _contact.held_by[i] = vector_at(_contact.tool[_active[i]].force);
-        _contact.held_at[i] = vector_at(_contact.tool[_active[i]].displacement);
+        _contact.response_force[i] = vector_at(_contact.tool[_active[i]].force);
+        _contact.response_displacement[i] = vector_at(_contact.tool[_active[i]].displacement);
       }
       for (std::int32_t t = 0; t < _n; ++t) {
         const ToolContact& tool = _contact.tool[t];
-        if (tool.order <= _n_active) continue;
-        _contact.held_by[tool.order - 1] = {};
-        _contact.held_at[tool.order - 1] = _touched.displacement(tool.order - 1);
-        again |= tool.anchored && tool.is_new;
+        const std::int32_t i = index_of(t);
+        if (i < _n_active) continue;
+        _contact.response_force[i] = {};
+        _contact.response_displacement[i] = _touched.displacement(i);
+        again |= tool.has_proxy && tool.is_new;
       }
       if (again && _touched.steps >= 1 && (pass == 0 || _touched.steps < steps)) continue;
-      return status | (predict() ? relieve() : PHN_OK);
+      return status | (predict_forces() ? apply_prediction() : PHN_OK);
     }
   }
 
-  /// Gives the tools the forces of the last prediction, to which the body comes in the next step. Those of the response
-  /// may be far outside of the cone: between near tools a slide of a micrometre is much force.
-  /// @return PHN_WARNING_UNSETTLED where a force jumps by this, or PHN_OK
-  int relieve() {
+  /// Gives the tools the predicted forces, which the body has in the next step. The forces of the response may be far
+  /// outside of the friction cone, because between near tools a slide of a micrometre changes them much.
+  /// @return PHN_WARNING_UNSETTLED where a force jumps thereby, or PHN_OK
+  int apply_prediction() {
     double largest = 0;
     int status = PHN_OK;
-    for (std::int32_t i = 0; i < _contact.n_before; ++i) largest = std::fmax(largest, length(_predicted[i].x));
+    for (std::int32_t i = 0; i < _contact.n_response; ++i) largest = std::fmax(largest, length(_predicted[i].x));
     _n_active = 0;
     for (std::int32_t t = 0; t < _n; ++t) {
       ToolContact& tool = _contact.tool[t];
-      if (!takes_part(t)) continue;
-      const Vector given = _predicted[order(t)];
-      tool.unbalanced = length((vector_at(tool.force) - given).x);
-      if (std::fmin(tool.unbalanced, length((given - vector_at(tool.given)).x)) > jump * largest)
+      if (!is_in_response(t)) continue;
+      const Vector force = _predicted[index_of(t)];
+      tool.unbalanced = length((vector_at(tool.force) - force).x);
+      if (std::fmin(tool.unbalanced, length((force - vector_at(tool.last_force)).x)) > jump * largest)
         status = PHN_WARNING_UNSETTLED;
-      for (int k = 0; k < 3; ++k) tool.force[k] = given[k];
+      for (int k = 0; k < 3; ++k) tool.force[k] = force[k];
       if (tool.active) _active[_n_active++] = t;
     }
     return status;
   }
 
-  /// Forces and places of the tools of the last response, by its linearization: projected Gauss-Seidel iterations over
-  /// the tools (Jourdan, Alart and Jean 1998, doi 10.1016/S0045-7825(97)00137-0), after which proxies slide by what the
-  /// forces leave of the distances to their tools. Tools that do not push are not held in the next response.
-  /// @return whether the last response says something of the forces, which then are in _predicted
-  bool predict() {
+  /// Predicts forces and proxies of the tools of the last response by its linearization: projected Gauss-Seidel
+  /// iterations over the tools (Jourdan, Alart and Jean 1998, doi 10.1016/S0045-7825(97)00137-0), after which proxies
+  /// slide by the gaps that the forces do not close. Tools that do not push are not held in the next response.
+  /// @return whether the forces are known; they are then in _predicted
+  bool predict_forces() {
     Matrix compliance[most_touching * most_touching];
-    Vector(&force)[most_touching] = _predicted, left[most_touching];
+    Vector(&force)[most_touching] = _predicted, open_gap[most_touching];
     for (Vector& f : force) f = {};
-    const std::int32_t n = _contact.n_before;
+    const std::int32_t n = _contact.n_response;
     for (std::int32_t t = 0; t < _n; ++t) {
-      if (takes_part(t)) force[order(t)] = _contact.held_by[order(t)];
+      if (is_in_response(t)) force[index_of(t)] = _contact.response_force[index_of(t)];
     }
-    // Forces of a body that is far from its equilibrium say nothing of those in the next step.
-    const bool is_known = _contact.is_known && n > 0 && _touched.compliance(n, compliance);
+    // The forces of a body that is far from equilibrium do not predict those of the next step.
+    const bool is_known = _contact.has_response && n > 0 && _touched.compliance(n, compliance);
     bool slides = is_known;
     for (int pass = 0; pass < most_slides && slides; ++pass) {
       bool changes = true;
-      for (int sweep = 0; sweep < most_sweeps && changes; ++sweep) {
+      for (int sweep = 0; sweep < most_gauss_seidel_sweeps && changes; ++sweep) {
         changes = false;
         for (std::int32_t t = 0; t < _n; ++t) {
-          if (!takes_part(t)) continue;
-          const Vector before = force[order(t)];
-          left[order(t)] = follow(t, compliance[n * order(t) + order(t)], gap(t, compliance, force), force[order(t)]);
-          changes |= length((force[order(t)] - before).x) > sweep_tolerance * length(force[order(t)].x);
+          if (!is_in_response(t)) continue;
+          const std::int32_t i = index_of(t);
+          const Vector before = force[i];
+          open_gap[i] = project_on_cone(t, compliance[n * i + i], gap(t, compliance, force), force[i]);
+          changes |= length((force[i] - before).x) > gauss_seidel_tolerance * length(force[i].x);
         }
       }
       slides = false;
       for (std::int32_t t = 0; t < _n; ++t) {
-        _contact.tool[t].stopped = false;
-        if (takes_part(t) && _inputs[t].mode == PHN_TOOL_PRESS) slides |= slide_by(t, left[order(t)]);
+        _contact.tool[t].is_at_edge = false;
+        if (is_in_response(t) && _inputs[t].mode == PHN_TOOL_PRESS) slides |= slide_proxy(t, open_gap[index_of(t)]);
       }
     }
     for (std::int32_t t = 0; t < _n; ++t) {
       ToolContact& tool = _contact.tool[t];
-      if (!tool.anchored) continue;
-      // A tool beyond an edge is let go where the surface could follow it only if it pulled.
-      if (is_known && takes_part(t) && tool.stopped &&
-          dot(force[order(t)] + inverse_of(compliance[n * order(t) + order(t)]) * left[order(t)],
-              vector_at(tool.normal)) >= 0)
-        force[order(t)] = {};
-      const bool pushes = is_known ? takes_part(t) && length(force[order(t)].x) > 0 : tool.order <= _contact.n_held;
-      tool.active = _inputs[t].mode == PHN_TOOL_GRASP || (tool.order > 0 && pushes);
+      if (!tool.has_proxy) continue;
+      const std::int32_t i = index_of(t);
+      // A tool beyond an edge is released where only a tensile force could move the surface there.
+      if (is_known && i >= 0 && tool.is_at_edge &&
+          dot(force[i] + inverse_of(compliance[n * i + i]) * open_gap[i], vector_at(tool.normal)) >= 0)
+        force[i] = {};
+      const bool pushes = is_known ? i >= 0 && length(force[i].x) > 0 : i < _contact.n_held;
+      tool.active = _inputs[t].mode == PHN_TOOL_GRASP || (i >= 0 && pushes);
     }
     return is_known;
   }
 
-  bool takes_part(std::int32_t t) const { return _contact.tool[t].anchored && _contact.tool[t].order > 0; }
-  std::int32_t order(std::int32_t t) const { return _contact.tool[t].order - 1; }
+  bool is_in_response(std::int32_t t) const { return _contact.tool[t].has_proxy && index_of(t) >= 0; }
+  /// Index of a tool in the last response; -1: it is not there.
+  std::int32_t index_of(std::int32_t t) const { return _contact.tool[t].response_index - 1; }
 
-  /// Distance of a tool from where forces put its proxy [m].
+  /// Vector from the proxy that the forces displace to its tool [m].
   Vector gap(std::int32_t t, const Matrix* compliance, const Vector* force) const {
-    const std::int32_t n = _contact.n_before;
-    Vector gap = vector_at(_contact.tool[t].displacement) - _contact.held_at[order(t)];
-    for (std::int32_t s = 0; s < n; ++s) gap -= compliance[n * order(t) + s] * (force[s] - _contact.held_by[s]);
+    const std::int32_t n = _contact.n_response, i = index_of(t);
+    Vector gap = vector_at(_contact.tool[t].displacement) - _contact.response_displacement[i];
+    for (std::int32_t s = 0; s < n; ++s) gap -= compliance[n * i + s] * (force[s] - _contact.response_force[s]);
     return gap;
   }
 
-  /// The force that closes a gap, inside the friction cone. Where it is on the cone, friction has the direction of the
-  /// whole slide of this step (Coulomb's law). @return what it leaves of the gap
-  Vector follow(std::int32_t t, const Matrix& compliance, const Vector& gap, Vector& force) const {
+  /// The force inside the friction cone that closes a gap as far as it can. On the surface of the cone, friction has
+  /// the direction of the whole slide of this step (Coulomb's law). @return the rest of the gap
+  Vector project_on_cone(std::int32_t t, const Matrix& compliance, const Vector& gap, Vector& force) const {
     const ToolContact& tool = _contact.tool[t];
-    const Vector before = force, normal = vector_at(tool.normal), open = gap + compliance * before,
-                 moved = compliance * normal;
-    const double soft = dot(moved, normal), pushed = -dot(open, normal) / soft, friction = _inputs[t].friction;
+    const Vector before = force, normal = vector_at(tool.normal), free_gap = gap + compliance * before,
+                 normal_response = compliance * normal;
+    const double normal_compliance = dot(normal_response, normal),
+                 frictionless_push = -dot(free_gap, normal) / normal_compliance, friction = _inputs[t].friction;
     force = {};
     if (_inputs[t].mode != PHN_TOOL_PRESS) {
       force = before + inverse_of(compliance) * gap;
     } else if (length((compliance * before).x) >
-               most_returned * std::fmax(norm(tool.displacement), _touched.max_displacement_m)) {
-      // The body is nearly unstable, and its forces cannot be followed to zero.
+               largest_return * std::fmax(norm(tool.displacement), _touched.max_displacement_m)) {
+      // The body is nearly unstable, so that forces without the tool are not known.
       const Vector stuck = before + inverse_of(compliance) * gap;
       const double push = std::fmax(-dot(stuck, normal), 0);
       const Vector along = stuck - dot(stuck, normal) * normal;
       force = std::fmin(1, friction * push / std::fmax(length(along.x), 1e-300)) * along - push * normal;
-    } else if (soft > 0 && pushed > 0) {
-      // Friction f_t slides the point by s, and (S + s / f_t) f_t = what it slides without friction, where S is the
-      // compliance along the surface with the normal gap closed. The push is pushed + moved . f_t / soft.
+    } else if (normal_compliance > 0 && frictionless_push > 0) {
+      // The friction f_t lets the point slide by s, where (S + s / |f_t|) f_t is the slide without friction, and S is
+      // the compliance along the surface with a closed normal gap. The push is p_0 + c . f_t / c_nn, where p_0 is that
+      // without friction, c is the response to the normal, and c_nn is its normal component.
       double first[3];
-      point_at(_surface, _surface.rest, tool.first, _inputs[t].radius, first);
-      Vector slide =
-          open + pushed * moved + vector_at(_inputs[t].center) - vector_at(tool.displacement) - vector_at(first);
+      point_at(_surface, _surface.rest, tool.first_proxy, _inputs[t].radius, first);
+      Vector slide = free_gap + frictionless_push * normal_response + vector_at(_inputs[t].center) -
+                     vector_at(tool.displacement) - vector_at(first);
       slide -= dot(slide, normal) * normal;
-      const Matrix along = compliance - (1 / soft) * outer(moved, moved) + soft * outer(normal, normal);
-      double push = pushed;
+      const Matrix along = compliance - (1 / normal_compliance) * outer(normal_response, normal_response) +
+                           normal_compliance * outer(normal, normal);
+      double push = frictionless_push;
       const auto excess = [&](double part) {
-        force = inverse_of(along + diagonal(soft * part / (1 - part))) * slide;
-        push = pushed + dot(moved, force) / soft;
+        force = inverse_of(along + diagonal(normal_compliance * part / (1 - part))) * slide;
+        push = frictionless_push + dot(normal_response, force) / normal_compliance;
         return length(force.x) - friction * push;
       };
-      double low = 0, high = 1, at_low = friction > 0 ? excess(0) : 0, at_high = -friction * pushed;
-      bool was_over = false;
-      for (int i = 0; i < most_turns && at_low > 0; ++i) {
+      double low = 0, high = 1, at_low = friction > 0 ? excess(0) : 0, at_high = -friction * frictionless_push;
+      bool was_outside = false;
+      for (int i = 0; i < most_friction_iterations && at_low > 0; ++i) {
         const double middle = (low * at_high - high * at_low) / (at_high - at_low), here = excess(middle);
-        if (std::fabs(here) <= sweep_tolerance * friction * pushed) break;
+        if (std::fabs(here) <= gauss_seidel_tolerance * friction * frictionless_push) break;
         (here > 0 ? low : high) = middle;
         (here > 0 ? at_low : at_high) = here;
-        if ((here > 0) == was_over) (here > 0 ? at_high : at_low) /= 2;
-        was_over = here > 0;
+        if ((here > 0) == was_outside) (here > 0 ? at_high : at_low) /= 2;
+        was_outside = here > 0;
       }
       force -= push * normal;
     }
     return gap - compliance * (force - before);
   }
 
-  /// Moves the proxy so that it is `gap` nearer to its tool, along the surface. @return whether it went
-  bool slide_by(std::int32_t t, const Vector& gap) {
+  /// Slides the proxy along the surface so that the gap to its tool decreases by `gap`. @return whether it moved
+  bool slide_proxy(std::int32_t t, const Vector& gap) {
     ToolContact& tool = _contact.tool[t];
     const Vector sideways = gap - dot(gap.x, tool.normal) * vector_at(tool.normal);
-    if (!(length(sideways.x) > sweep_tolerance * norm(tool.displacement))) return false;
+    if (!(length(sideways.x) > gauss_seidel_tolerance * norm(tool.displacement))) return false;
     double axes[6], offset_gradient[9], normal_gradient[9], m[2][2], right[2], x[2];
-    gradients_at(_surface, tool.at, axes, offset_gradient, normal_gradient);
+    gradients_at(_surface, tool.proxy, axes, offset_gradient, normal_gradient);
     for (int j = 0; j < 2; ++j) {
-      Vector moved;
+      Vector response;
       for (int k = 0; k < 3; ++k)
-        moved[k] = -axes[3 * j + k] - _inputs[t].radius * dot(offset_gradient + 3 * k, axes + 3 * j);
-      for (int l = 0; l < 2; ++l) m[l][j] = dot(axes + 3 * l, moved.x);
+        response[k] = -axes[3 * j + k] - _inputs[t].radius * dot(offset_gradient + 3 * k, axes + 3 * j);
+      for (int l = 0; l < 2; ++l) m[l][j] = dot(axes + 3 * l, response.x);
       right[j] = -dot(axes + 3 * j, sideways.x);
     }
-    if (!solve_two(m, right, x)) {
+    if (!solve_2x2(m, right, x)) {
       for (int j = 0; j < 2; ++j) x[j] = -right[j];
     }
-    // In one step a proxy goes no farther than its tool and a little.
+    // In one step a proxy slides little farther than its tool moves.
     double from[3], here[3], slide[3];
-    point_at(_surface, _surface.rest, tool.first, 0, from);
-    point_at(_surface, _surface.rest, tool.at, 0, here);
-    Vector gone = vector_at(here) - vector_at(from);
-    const Vector so_far = gone;
-    for (int k = 0; k < 3; ++k) gone[k] += x[0] * axes[k] + x[1] * axes[3 + k];
-    const double farthest = longest_slide * norm(tool.moved) + slid_alone * _touched.near_m;
-    if (length(gone.x) > farthest) gone *= farthest / length(gone.x);
-    for (int k = 0; k < 3; ++k) slide[k] = gone[k] - so_far[k];
-    walk(_surface, tool.at, slide);
-    point_at(_surface, _surface.rest, tool.at, 0, from);
-    tool.stopped = norm(slide) > sweep_tolerance * norm(tool.displacement) &&
-                   length((vector_at(from) - vector_at(here)).x) < sweep_tolerance * norm(slide);
-    find_displacement(t);
-    return !tool.stopped;
+    point_at(_surface, _surface.rest, tool.first_proxy, 0, from);
+    point_at(_surface, _surface.rest, tool.proxy, 0, here);
+    Vector total = vector_at(here) - vector_at(from);
+    const Vector earlier = total;
+    for (int k = 0; k < 3; ++k) total[k] += x[0] * axes[k] + x[1] * axes[3 + k];
+    const double farthest = longest_slide * norm(tool.motion) + slide_of_near_tools * _touched.near_m;
+    if (length(total.x) > farthest) total *= farthest / length(total.x);
+    for (int k = 0; k < 3; ++k) slide[k] = total[k] - earlier[k];
+    walk(_surface, tool.proxy, slide);
+    point_at(_surface, _surface.rest, tool.proxy, 0, from);
+    tool.is_at_edge = norm(slide) > gauss_seidel_tolerance * norm(tool.displacement) &&
+                      length((vector_at(from) - vector_at(here)).x) < gauss_seidel_tolerance * norm(slide);
+    set_displacement(t);
+    return !tool.is_at_edge;
   }
 
   /// Sets the displacement that the tool prescribes at its point.
-  void find_displacement(std::int32_t t) {
+  void set_displacement(std::int32_t t) {
     ToolContact& tool = _contact.tool[t];
     const ToolInput& input = _inputs[t];
     double x[3];
     const bool grasps = input.mode == PHN_TOOL_GRASP;
-    point_at(_surface, _surface.rest, tool.at, grasps ? 0 : input.radius, x);
-    for (int k = 0; k < 3; ++k) tool.displacement[k] = input.center[k] - x[k] - (grasps ? tool.grip[k] : 0);
-    normal_at(_surface, tool.at, tool.normal);
+    point_at(_surface, _surface.rest, tool.proxy, grasps ? 0 : input.radius, x);
+    for (int k = 0; k < 3; ++k) tool.displacement[k] = input.center[k] - x[k] - (grasps ? tool.grasp_offset[k] : 0);
+    normal_at(_surface, tool.proxy, tool.normal);
   }
 
-  /// Moves the proxy downhill to the nearest point of the offset surface to the tool's centre. @param moved
-  /// displacement that the surface has there [m]
-  void fall(std::int32_t t, const double* moved) {
+  /// Moves the proxy to the nearest local point of the offset surface to the tool's centre.
+  /// @param moved  displacement of the surface there [m]
+  void project_proxy(std::int32_t t, const double* moved) {
     ToolContact& tool = _contact.tool[t];
     if (_inputs[t].mode != PHN_TOOL_PRESS) return;
     double part = 1;
-    for (int attempt = 0; attempt < most_falls; ++attempt) {
+    for (int attempt = 0; attempt < most_projection_steps; ++attempt) {
       double apart[3], step[3], closer[3];
-      find_displacement(t);
+      set_displacement(t);
       subtract(tool.displacement, moved, apart);
-      const double out = dot(apart, tool.normal);
-      for (int k = 0; k < 3; ++k) step[k] = apart[k] - out * tool.normal[k];
+      const double height = dot(apart, tool.normal);
+      for (int k = 0; k < 3; ++k) step[k] = apart[k] - height * tool.normal[k];
       if (norm(step) <= cone_tolerance * norm(apart)) return;
-      const SurfacePoint before = tool.at;
+      const SurfacePoint before = tool.proxy;
       for (double& s : step) s *= part;
-      walk(_surface, tool.at, step);
-      find_displacement(t);
+      walk(_surface, tool.proxy, step);
+      set_displacement(t);
       subtract(tool.displacement, moved, closer);
-      part = std::fmin(1, part / shortening);
+      part = std::fmin(1, part / cut_factor);
       if (norm(closer) < norm(apart)) continue;
-      tool.at = before;
-      part *= shortening * shortening;
+      tool.proxy = before;
+      part *= cut_factor * cut_factor;
     }
-    find_displacement(t);
+    set_displacement(t);
   }
 
   /// The only active node that moves the point; -1: there are several.
@@ -352,22 +359,22 @@ class Balance {
     return only;
   }
 
-  /// Of several tools at one point only one remains in the balance, because a field has one displacement there.
-  int separate() {
+  /// Keeps one of several tools at the same point, because a field has one displacement there. @return a warning
+  int remove_duplicates() {
     int warned = PHN_OK;
     for (std::int32_t t = 0; t < _n; ++t) {
-      if (_contact.tool[t].active) find_displacement(t);
+      if (_contact.tool[t].active) set_displacement(t);
     }
     for (std::int32_t t = 0; t < _n; ++t) {
       for (std::int32_t s = 0; s < t; ++s) {
         ToolContact &a = _contact.tool[s], &b = _contact.tool[t];
         if (!a.active || !b.active) continue;
         double x[3], y[3], apart[3];
-        point_at(_surface, _surface.rest, a.at, 0, x);
-        point_at(_surface, _surface.rest, b.at, 0, y);
+        point_at(_surface, _surface.rest, a.proxy, 0, x);
+        point_at(_surface, _surface.rest, b.proxy, 0, y);
         subtract(x, y, apart);
-        const std::int32_t node = only_node(a.at);
-        if (norm(apart) > same_place * _surface.size && (node < 0 || node != only_node(b.at))) continue;
+        const std::int32_t node = only_node(a.proxy);
+        if (norm(apart) > same_place * _surface.size && (node < 0 || node != only_node(b.proxy))) continue;
         const bool a_grasps = _inputs[s].mode == PHN_TOOL_GRASP, b_grasps = _inputs[t].mode == PHN_TOOL_GRASP;
         const bool a_stays = a_grasps != b_grasps
                                  ? a_grasps
@@ -379,17 +386,17 @@ class Balance {
     return warned;
   }
 
-  int couple(phn_coupled& coupled) {
+  int solve_response(phn_coupled& coupled) {
     phn_tool tools[most_touching] = {};
     double forces[3 * most_touching] = {}, heights[most_touching] = {};
     _n_active = 0;
     for (std::int32_t t = 0; t < _n; ++t) {
       const ToolContact& tool = _contact.tool[t];
       if (!tool.active) continue;
-      tools[_n_active] = held_by(_contact, tool);
+      tools[_n_active] = constraint_of(_contact, tool);
       _active[_n_active++] = t;
     }
-    const std::int32_t n = _touched.is_body() ? add_others(tools, heights) : _n_active;
+    const std::int32_t n = _touched.is_body() ? append_other_tools(tools, heights) : _n_active;
     const int status = _touched.hold(_n_active, n, tools, heights, forces, coupled);
     for (std::int32_t i = 0; i < _n_active && status >= 0; ++i) {
       for (int k = 0; k < 3; ++k) _contact.tool[_active[i]].force[k] = forces[3 * i + k];
@@ -397,50 +404,51 @@ class Balance {
     return status;
   }
 
-  /// Tools on a body that are not held, but wait for a force or are near to others. @return number of tools with them
-  std::int32_t add_others(phn_tool* tools, double* heights) {
+  /// Appends the tools on a body that are not held, but have a proxy or are near to others. @return number of all tools
+  std::int32_t append_other_tools(phn_tool* tools, double* heights) {
     std::int32_t n = _n_active;
     for (std::int32_t t = 0; t < _n; ++t) {
       ToolContact& tool = _contact.tool[t];
-      tool.is_new = tool.order == 0;
-      tool.order = 0;
+      tool.is_new = tool.response_index == 0;
+      tool.response_index = 0;
       if (tool.active || _inputs[t].mode == PHN_TOOL_OFF) continue;
-      if (tool.anchored) {
-        tools[n] = held_by(_contact, tool);
+      if (tool.has_proxy) {
+        tools[n] = constraint_of(_contact, tool);
       } else {
         ToolContact beside = {};
-        const double height = nearest(_surface, _contact.volumes, tool.radius, tool.place, beside.at);
-        if (_n_active == 0 || !(height < _touched.near_m) || movable(_surface, beside.at) < least_movable<double>)
+        const double height = nearest(_surface, _contact.volumes, tool.radius, tool.position, beside.proxy);
+        if (_n_active == 0 || !(height < _touched.near_m) ||
+            movable_weight(_surface, beside.proxy) < least_movable<double>)
           continue;
-        tools[n] = held_by(_contact, beside);
+        tools[n] = constraint_of(_contact, beside);
         heights[n] = height;
       }
-      tool.order = ++n;
+      tool.response_index = ++n;
     }
-    for (std::int32_t i = 0; i < _n_active; ++i) _contact.tool[_active[i]].order = i + 1;
-    _contact.n_before = n;
+    for (std::int32_t i = 0; i < _n_active; ++i) _contact.tool[_active[i]].response_index = i + 1;
+    _contact.n_response = n;
     _contact.n_held = _n_active;
     return n;
   }
 
-  /// Splits the force into its normal component and the tangential rest. @return the component into the body
-  static double split(const ToolContact& tool, double* tangential) {
+  /// Splits the force into its normal and its tangential part. @return the component into the body
+  static double split_force(const ToolContact& tool, double* tangential) {
     const double push = -dot(tool.force, tool.normal);
     for (int k = 0; k < 3; ++k) tangential[k] = tool.force[k] + push * tool.normal[k];
     return push;
   }
 
   static void start_slides(ToolContact& tool) {
-    tool.excess = -1;
-    tool.n_shortened = tool.n_fallen = 0;
+    tool.cone_excess = -1;
+    tool.n_cuts = tool.n_projections = 0;
   }
 
-  /// Force in excess of the friction cone [N].
-  double excess_of(std::int32_t t, double push, const double* tangential) const {
+  /// Part of the tangential force outside of the friction cone [N].
+  double cone_excess(std::int32_t t, double push, const double* tangential) const {
     return norm(tangential) - (push > 0 ? _inputs[t].friction * push : 0);
   }
 
-  /// Of the surface at the tool's point, by the other tools alone: at most that of the deepest of them [m].
+  /// Displacement of the surface at the tool's proxy by the other tools alone, at most that of the deepest tool [m].
   Vector displacement_without(std::int32_t t) const {
     const ToolContact& tool = _contact.tool[t];
     double deepest = 0;
@@ -452,39 +460,39 @@ class Balance {
     return size > deepest ? deepest / size * moved : moved;
   }
 
-  /// @return whether the balance changes because the tool slides or is released
-  bool judge(std::int32_t t, bool may_slide) {
+  /// Lets a tool slide, projects its proxy, or marks it as tensile. @return whether the balance changes thereby
+  bool update_contact(std::int32_t t, bool may_slide) {
     ToolContact& tool = _contact.tool[t];
     if (_inputs[t].mode != PHN_TOOL_PRESS) return false;
     double tangential[3];
-    const double push = split(tool, tangential), friction = _inputs[t].friction,
-                 excess = excess_of(t, push, tangential);
+    const double push = split_force(tool, tangential), friction = _inputs[t].friction,
+                 excess = cone_excess(t, push, tangential);
     if (push <= 0) {
-      const bool may_fall = may_slide && norm(tangential) > cone_tolerance * norm(tool.force);
-      if (may_fall && tool.n_fallen < most_fallen) fall(t, displacement_without(t).x);
-      tool.pulls = (tool.loose && _n_active > 1) || !may_fall || tool.n_fallen >= most_fallen;
-      tool.excess = -1;
-      tool.n_shortened = 0;
-      ++tool.n_fallen;
+      const bool may_project = may_slide && norm(tangential) > cone_tolerance * norm(tool.force);
+      if (may_project && tool.n_projections < most_projections) project_proxy(t, displacement_without(t).x);
+      tool.is_tensile = (tool.was_separated && _n_active > 1) || !may_project || tool.n_projections >= most_projections;
+      tool.cone_excess = -1;
+      tool.n_cuts = 0;
+      ++tool.n_projections;
       return true;
     }
     if (!may_slide || excess <= cone_tolerance * norm(tool.force)) return false;
-    if (tool.excess >= 0 && excess > tool.excess && tool.n_shortened < most_shortened) {
-      ++tool.n_shortened;
-      for (double& s : tool.slide) s *= shortening;
-      tool.at = tool.before;
+    if (tool.cone_excess >= 0 && excess > tool.cone_excess && tool.n_cuts < most_cuts) {
+      ++tool.n_cuts;
+      for (double& s : tool.slide) s *= cut_factor;
+      tool.proxy = tool.last_proxy;
     } else {
       if (!find_slide(t, push, tangential, friction)) return false;
-      tool.n_shortened = 0;
-      tool.excess = excess;
-      tool.before = tool.at;
+      tool.n_cuts = 0;
+      tool.cone_excess = excess;
+      tool.last_proxy = tool.proxy;
     }
-    walk(_surface, tool.at, tool.slide);
+    walk(_surface, tool.proxy, tool.slide);
     return true;
   }
 
-  /// Newton's step to the friction cone. The stiffness of the only tool on a model is that at rest, scaled to the
-  /// present one along the displacement.
+  /// Sets the slide of Newton's step to the friction cone. The stiffness of a single tool on a model is that at rest,
+  /// scaled to the present one along the displacement. @return whether there is a slide
   bool find_slide(std::int32_t t, double push, const double* tangential, double friction) {
     ToolContact& tool = _contact.tool[t];
     const Vector p = vector_at(tool.displacement);
@@ -495,10 +503,10 @@ class Balance {
     }
 
     double axes[6], offset_gradient[9], normal_gradient[9];
-    gradients_at(_surface, tool.at, axes, offset_gradient, normal_gradient);
+    gradients_at(_surface, tool.proxy, axes, offset_gradient, normal_gradient);
     const double sideways = norm(tangential);
-    // The second attempt uses a flat surface without friction. It is needed where the full matrix is not definite, as
-    // where a tool slips off.
+    // The second attempt uses a flat surface without friction. It is needed where the full matrix is not definite, for
+    // example where a tool slips off.
     for (int attempt = 0; attempt < 2; ++attempt) {
       const bool curved = attempt == 0;
       const double mu = curved ? friction : 0;
@@ -522,7 +530,7 @@ class Balance {
         }
         right[j] = -dot(axis, tangential) * (sideways > 0 ? 1 - friction * push / sideways : 0);
       }
-      if (!solve_two(m, right, x)) continue;
+      if (!solve_2x2(m, right, x)) continue;
       double slide[3];
       for (int k = 0; k < 3; ++k) slide[k] = x[0] * axes[k] + x[1] * axes[3 + k];
       const double size = norm(slide), longest = longest_slide * norm(p.x);
@@ -533,40 +541,41 @@ class Balance {
     return false;
   }
 
-  /// Of a model at rest, with the other tools held.
+  /// Stiffness of a model at rest under a tool, where the other tools are held.
   Matrix stiffness_of(std::int32_t t) const {
     std::int32_t i = 0;
     while (_active[i] != t) ++i;
     return _touched.stiffness(i);
   }
 
-  /// Projects the force onto the friction cone where sliding has not reached it.
-  void finish(std::int32_t i) {
+  /// Reduces the tangential force to the friction cone where slides have not reached it.
+  void clip_to_cone(std::int32_t i) {
     const std::int32_t t = _active[i];
     ToolContact& tool = _contact.tool[t];
-    tool.felt = true;
+    tool.in_contact = true;
     if (_inputs[t].mode != PHN_TOOL_PRESS) return;
-    double tangential[3], cut_off[3];
-    const double push = split(tool, tangential), sideways = norm(tangential), allowed = _inputs[t].friction * push;
-    tool.felt = push > 0;
-    const double kept = !(push > 0) ? 0 : sideways <= allowed ? 1 : allowed / sideways;
+    double tangential[3], removed[3];
+    const double push = split_force(tool, tangential), sideways = norm(tangential),
+                 allowed = _inputs[t].friction * push;
+    tool.in_contact = push > 0;
+    const double factor = !(push > 0) ? 0 : sideways <= allowed ? 1 : allowed / sideways;
     for (int k = 0; k < 3; ++k) {
-      const double f = tool.felt ? kept * tangential[k] - push * tool.normal[k] : 0;
-      cut_off[k] = tool.felt ? tool.force[k] - f : 0;
+      const double f = tool.in_contact ? factor * tangential[k] - push * tool.normal[k] : 0;
+      removed[k] = tool.in_contact ? tool.force[k] - f : 0;
       tool.force[k] = f;
     }
-    tool.unbalanced += norm(cut_off);
+    tool.unbalanced += norm(removed);
   }
 
-  /// Ends the contact of a tool without a pushing force: it becomes free if it is outside; otherwise it is inside a
+  /// Ends the contact of a tool without a pushing force. It becomes free if it is outside; otherwise it is inside of a
   /// surface that other tools have pushed away.
-  void let_go(ToolContact& tool) {
+  void release(ToolContact& tool) {
     for (int k = 0; k < 3; ++k) tool.force[k] = 0;
     double from[3];
     SurfacePoint at;
-    point_at(_surface, _surface.placed, tool.at, tool.radius, from);
-    tool.anchored =
-        sweep(_surface, _contact.volumes, tool.radius, from, tool.place, sweep_slack * _surface.size, at) >= 0;
+    point_at(_surface, _surface.placed, tool.proxy, tool.radius, from);
+    tool.has_proxy =
+        sweep(_surface, _contact.volumes, tool.radius, from, tool.position, sweep_slack * _surface.size, at) >= 0;
   }
 
   phn_contact& _contact;
@@ -580,14 +589,14 @@ class Balance {
 
 }  // namespace
 
-phn_tool held_by(const phn_contact& contact, const ToolContact& tool) {
-  phn_tool held;
+phn_tool constraint_of(const phn_contact& contact, const ToolContact& tool) {
+  phn_tool constraint;
   for (int c = 0; c < 3; ++c) {
-    held.nodes[c] = contact.surface.node[contact.surface.triangle[3 * tool.at.triangle + c]];
-    held.weights[c] = tool.at.weight[c];
-    held.displacement[c] = tool.displacement[c];
+    constraint.nodes[c] = contact.surface.node[contact.surface.triangle[3 * tool.proxy.triangle + c]];
+    constraint.weights[c] = tool.proxy.weight[c];
+    constraint.displacement[c] = tool.displacement[c];
   }
-  return held;
+  return constraint;
 }
 
 int balance(phn_contact& contact, Touched& touched, std::int32_t n_tools, const ToolInput* inputs,

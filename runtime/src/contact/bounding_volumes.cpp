@@ -10,7 +10,7 @@ namespace {
 constexpr std::int32_t largest_leaf = 4;
 constexpr int deepest = 64;  // halving 2^31 triangles gives a depth of 31
 
-// Instead of fmin and fmax: because of their rules for NaN compilers do not inline them, and the calls took half of the
+// These replace fmin and fmax, which compilers do not inline because of their rules for NaN. The calls took half of the
 // time.
 double lesser(double a, double b) { return a < b ? a : b; }
 double greater(double a, double b) { return a > b ? a : b; }
@@ -58,17 +58,17 @@ void corners_of(const ContactSurface& s, std::int32_t triangle, double radius, d
 }
 
 /// The segment from + t (to - from), t in 0 ... 1.
-struct Way {
+struct Segment {
   double from[3], along[3], slack;
 };
 
 /// Position on the segment, 0 ... 1, at which it enters the box; > 1: it does not enter.
-double entry(const BoundingVolume& v, double radius, const Way& way) {
+double entry_position(const BoundingVolume& v, double radius, const Segment& segment) {
   double enters = 0, leaves = 1;
   for (int k = 0; k < 3; ++k) {
-    const double low = v.low[k] + radius * v.offset_low[k] - way.slack - way.from[k],
-                 high = v.high[k] + radius * v.offset_high[k] + way.slack - way.from[k], d = way.along[k];
-    if (std::fabs(d) <= way.slack) {
+    const double low = v.low[k] + radius * v.offset_low[k] - segment.slack - segment.from[k],
+                 high = v.high[k] + radius * v.offset_high[k] + segment.slack - segment.from[k], d = segment.along[k];
+    if (std::fabs(d) <= segment.slack) {
       if (low > greater(d, 0.0) || high < lesser(d, 0.0)) return 2;
       continue;
     }
@@ -79,22 +79,22 @@ double entry(const BoundingVolume& v, double radius, const Way& way) {
   return enters <= leaves ? enters : 2;
 }
 
-/// Crossing by signed volumes of the segment and the three edges. Two triangles compute the same number, up to its
-/// sign, for a common edge, so that no segment passes between them.
-double crossing(const double corner[3][3], const Way& way, double* weight) {
+/// Position on the segment at which it crosses a triangle, or -1, by signed volumes of the segment and the three edges.
+/// Two triangles compute the same number, up to its sign, for a common edge, so that no segment passes between them.
+double crossing_position(const double corner[3][3], const Segment& segment, double* weight) {
   double x[3][3], ab[3], ac[3], normal[3], volume[3], sum = 0;
-  for (int c = 0; c < 3; ++c) subtract(corner[c], way.from, x[c]);
+  for (int c = 0; c < 3; ++c) subtract(corner[c], segment.from, x[c]);
   subtract(x[1], x[0], ab);
   subtract(x[2], x[0], ac);
   cross(ab, ac, normal);
   const double size = norm(normal);
   if (!(size > 0)) return -1;
-  const double before = -dot(normal, x[0]) / size, after = before + dot(normal, way.along) / size;
-  if (!(after < 0 && before >= -way.slack && after < before)) return -1;
+  const double before = -dot(normal, x[0]) / size, after = before + dot(normal, segment.along) / size;
+  if (!(after < 0 && before >= -segment.slack && after < before)) return -1;
   for (int c = 0; c < 3; ++c) {
     double moment[3];
     cross(x[(c + 1) % 3], x[(c + 2) % 3], moment);
-    volume[c] = -dot(way.along, moment);
+    volume[c] = -dot(segment.along, moment);
     if (volume[c] < 0) return -1;
     sum += volume[c];
   }
@@ -117,7 +117,7 @@ double square_distance(const BoundingVolume& v, double radius, const double* x) 
 
 BoundingVolumes lay_out_volumes(Arena& arena, std::int32_t n_triangles) {
   BoundingVolumes v = {};
-  // Enough, because every leaf has at least two triangles unless there is only one triangle.
+  // This is enough, because every leaf has at least two triangles unless there is only one triangle.
   v.volume = arena.take<BoundingVolume>(static_cast<std::size_t>(n_triangles));
   v.order = arena.take<std::int32_t>(static_cast<std::size_t>(n_triangles));
   return v;
@@ -158,12 +158,12 @@ void refit_volumes(const ContactSurface& s, BoundingVolumes& v) {
 
 double sweep(const ContactSurface& s, const BoundingVolumes& v, double radius, const double* from, const double* to,
              double slack, SurfacePoint& at) {
-  Way way;
+  Segment segment;
   for (int k = 0; k < 3; ++k) {
-    way.from[k] = from[k];
-    way.along[k] = to[k] - from[k];
+    segment.from[k] = from[k];
+    segment.along[k] = to[k] - from[k];
   }
-  way.slack = slack;
+  segment.slack = slack;
   double first = 2;
   std::int32_t stack[deepest];
   int n = 0;
@@ -171,7 +171,7 @@ double sweep(const ContactSurface& s, const BoundingVolumes& v, double radius, c
   while (n > 0) {
     const std::int32_t i = stack[--n];
     const BoundingVolume& box = v.volume[i];
-    if (entry(box, radius, way) > lesser(first, 1.0)) continue;
+    if (entry_position(box, radius, segment) > lesser(first, 1.0)) continue;
     if (box.right >= 0) {
       stack[n++] = box.right;
       stack[n++] = i + 1;
@@ -180,10 +180,10 @@ double sweep(const ContactSurface& s, const BoundingVolumes& v, double radius, c
     for (std::int32_t j = box.first; j < box.first + box.count; ++j) {
       double corner[3][3], weight[3];
       corners_of(s, v.order[j], radius, corner);
-      const double part = crossing(corner, way, weight);
+      const double part = crossing_position(corner, segment, weight);
       if (part < 0 || part >= first) continue;
       const SurfacePoint hit = {v.order[j], {weight[0], weight[1], weight[2]}};
-      if (movable(s, hit) < least_movable<double>) continue;
+      if (movable_weight(s, hit) < least_movable<double>) continue;
       first = part;
       at = hit;
     }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double largest_friction = 1e6;
 
-constexpr phn_contact_state nothing = {
+constexpr phn_contact_state no_contact = {
     {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 0, {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}, {0, 0}}, 0, 0};
 
 int read_tool(const ContactSurface& surface, const phn_contact_tool& tool, ToolInput& input) {
@@ -32,21 +32,21 @@ int read_tool(const ContactSurface& surface, const phn_contact_tool& tool, ToolI
 }
 
 void write_state(const phn_contact& contact, const ToolContact& tool, phn_contact_state& state) {
-  state = nothing;
-  for (int k = 0; k < 3; ++k) state.proxy[k] = tool.place[k];
-  if (!tool.felt) return;
+  state = no_contact;
+  for (int k = 0; k < 3; ++k) state.proxy[k] = tool.position[k];
+  if (!tool.in_contact) return;
   for (int k = 0; k < 3; ++k) {
     state.force[k] = tool.force[k];
-    state.proxy[k] = tool.place[k] - tool.displacement[k];
+    state.proxy[k] = tool.position[k] - tool.displacement[k];
     state.normal[k] = tool.normal[k];
   }
   state.scale = tool.scale;
   state.unbalanced = tool.unbalanced;
-  state.held = held_by(contact, tool);
+  state.held = constraint_of(contact, tool);
   state.in_contact = 1;
 }
 
-/// Displaces the surface by a field; null: back to rest.
+/// Displaces the surface by a field, or with null back to rest.
 void displace(phn_contact& contact, const double* field) {
   ContactSurface& surface = contact.surface;
   // Nearest surface points of free tools before the surface moves.
@@ -55,28 +55,28 @@ void displace(phn_contact& contact, const double* field) {
   for (std::int32_t t = 0; t < contact.max_tools; ++t) {
     const ToolContact& tool = contact.tool[t];
     distance[t] = -1;
-    if (!tool.known || tool.anchored) continue;
+    if (!tool.has_position || tool.has_proxy) continue;
     double normal[3], apart[3];
-    const double apart_by = nearest(surface, contact.volumes, tool.radius, tool.place, beside[t]);
+    const double apart_by = nearest(surface, contact.volumes, tool.radius, tool.position, beside[t]);
     normal_at(surface, beside[t], normal);
     point_at(surface, surface.placed, beside[t], tool.radius, from[t]);
-    subtract(tool.place, from[t], apart);
+    subtract(tool.position, from[t], apart);
     if (dot(apart, normal) >= 0) distance[t] = apart_by;
   }
   const double moved = place(field, surface);
   refit_volumes(surface, contact.volumes);
   contact.is_displaced = field != nullptr;
   for (std::int32_t t = 0; t < contact.max_tools; ++t) {
-    if (distance[t] >= 0 && distance[t] <= moved) carry(contact, beside[t], from[t], contact.tool[t]);
+    if (distance[t] >= 0 && distance[t] <= moved) advect(contact, beside[t], from[t], contact.tool[t]);
   }
 }
 
-/// Where a tool that grasps has left the surface in the last step. Others only push it in, where a proxy that waits
-/// without a force follows.
-void follow_surface(phn_contact& contact) {
+/// Moves the surface to where a tool that grasps left it in the last step. Other tools only push it inwards, where a
+/// proxy without a force follows it.
+void update_surface(phn_contact& contact) {
   bool moves = false;
   for (std::int32_t t = 0; t < contact.n_tools && contact.n_tools > 1; ++t)
-    moves = moves || (contact.tool[t].felt && contact.tool[t].mode == PHN_TOOL_GRASP);
+    moves = moves || (contact.tool[t].in_contact && contact.tool[t].mode == PHN_TOOL_GRASP);
   if (moves && field_of_contact(contact, contact.field) >= 0) {
     displace(contact, contact.field);
   } else if (contact.is_displaced) {
@@ -84,10 +84,10 @@ void follow_surface(phn_contact& contact) {
   }
 }
 
-/// After the step, because the states may overlap the tools.
+/// Writes the states after the step, because they may overlap the tools.
 void write_states(const phn_contact* contact, int status, std::int32_t n_tools, phn_contact_state* states) {
   for (std::int32_t t = 0; states != nullptr && t < n_tools; ++t) {
-    states[t] = nothing;
+    states[t] = no_contact;
     if (status >= 0) write_state(*contact, contact->tool[t], states[t]);
   }
 }
@@ -139,7 +139,7 @@ int step_contact(phn_contact& contact, Touched& touched, std::int32_t n_tools, c
     const int refused = read_tool(contact.surface, tools[t], inputs[t]);
     if (refused != PHN_OK) return refused;
   }
-  follow_surface(contact);
+  update_surface(contact);
   contact.n_tools = n_tools;
   for (std::int32_t t = n_tools; t < contact.max_tools; ++t) contact.tool[t] = {};
   for (std::int32_t t = 0; t < n_tools; ++t) approach(contact, inputs[t], contact.tool[t]);
@@ -160,7 +160,7 @@ extern "C" {
 int phn_contact_reset(phn_contact* contact) {
   if (contact == nullptr) return PHN_ERROR_ARGUMENT;
   for (ToolContact& tool : contact->tool) tool = {};
-  contact->taken = contact->scale = 0;
+  contact->work = contact->scale = 0;
   contact->n_tools = 0;
   return PHN_OK;
 }

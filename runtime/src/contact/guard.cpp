@@ -16,36 +16,36 @@ constexpr double shallow_part = 0.01;
 }  // namespace
 
 void guard(phn_contact& contact, const Touched& touched, std::int32_t n_tools, const ToolInput* inputs, double energy) {
-  double so_far = contact.taken, of_grasps = 0, of_presses = 0, next = 0, deepest = 0;
-  bool any = false;
+  double work = contact.work, grasp_work = 0, press_work = 0, next_return = 0, deepest = 0;
+  bool has_contact = false;
   for (std::int32_t t = 0; t < n_tools; ++t) {
     const ToolContact& tool = contact.tool[t];
-    const double now = dot(tool.force, tool.moved) / 2;
-    so_far += dot(tool.given, tool.moved) / 2;
-    (inputs[t].mode == PHN_TOOL_PRESS ? of_presses : of_grasps) += now;
-    if (!tool.felt) continue;
-    any = true;
-    next += norm(tool.force) * norm(tool.moved);
+    const double half_work = dot(tool.force, tool.motion) / 2;
+    work += dot(tool.last_force, tool.motion) / 2;
+    (inputs[t].mode == PHN_TOOL_PRESS ? press_work : grasp_work) += half_work;
+    if (!tool.in_contact) continue;
+    has_contact = true;
+    next_return += norm(tool.force) * norm(tool.motion);
     deepest = std::fmax(deepest, norm(tool.displacement));
   }
   double& scale = contact.scale;
-  if (!any || !touched.has_energy || scale == 0) {
-    scale = any ? 1 : 0;
-    contact.taken = any ? energy : 0;
+  if (!has_contact || !touched.has_energy || scale == 0) {
+    scale = has_contact ? 1 : 0;
+    contact.work = has_contact ? energy : 0;
   } else {
     constexpr double least = 1e-12;  // positive, because 0 means no contact
     const double shallow = shallow_part * touched.max_displacement_m / deepest,
-                 credit = energy * std::fmin(1, shallow * shallow), there = so_far + of_grasps + credit,
-                 needed = std::fmin(energy, energy_covered * energy + next);
-    scale = there + of_presses >= needed ? 1
-            : needed > of_presses        ? std::fmin(1.0, std::fmax(least, there / (needed - of_presses)))
-                                         : least;
-    contact.taken = std::fmax(-credit, so_far + of_grasps + scale * of_presses);
+                 credit = energy * std::fmin(1, shallow * shallow), available = work + grasp_work + credit,
+                 required = std::fmin(energy, energy_covered * energy + next_return);
+    scale = available + press_work >= required ? 1
+            : required > press_work            ? std::fmin(1.0, std::fmax(least, available / (required - press_work)))
+                                               : least;
+    contact.work = std::fmax(-credit, work + grasp_work + scale * press_work);
   }
   for (std::int32_t t = 0; t < n_tools; ++t) {
     ToolContact& tool = contact.tool[t];
-    tool.scale = tool.felt ? inputs[t].mode == PHN_TOOL_PRESS ? scale : 1 : 0;
-    for (int k = 0; k < 3; ++k) tool.given[k] = tool.force[k] *= tool.scale;
+    tool.scale = tool.in_contact ? inputs[t].mode == PHN_TOOL_PRESS ? scale : 1 : 0;
+    for (int k = 0; k < 3; ++k) tool.last_force[k] = tool.force[k] *= tool.scale;
   }
 }
 

@@ -7,7 +7,7 @@
 namespace PHN_RUNTIME {
 namespace {
 
-bool touchable(const ContactSurface& s, const std::int32_t* vertex) {
+bool is_touchable(const ContactSurface& s, const std::int32_t* vertex) {
   bool moves = false;
   const double* corner[3];
   for (int k = 0; k < 3; ++k) {
@@ -39,7 +39,7 @@ void find_neighbors(TouchableEdge* edges, ContactSurface& s) {
   const auto before = [](const TouchableEdge& a, const TouchableEdge& b) {
     return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.at < b.at;
   };
-  // As fast as needed at start-up, and a third of the code of std::sort.
+  // Heap sort is fast enough at start-up and has a third of the code of std::sort.
   std::make_heap(edges, edges + n, before);
   std::sort_heap(edges, edges + n, before);
   const auto same = [&](std::int32_t i, std::int32_t j) {
@@ -137,7 +137,7 @@ int build_contact_surface(const std::int32_t* triangles, std::int32_t n, Touchab
   for (int k = 0; k < 3; ++k) s.middle[k] = (low[k] + high[k]) / 2;
   for (std::int32_t t = 0; t < n; ++t) {
     const std::int32_t* vertex = triangles + 3 * static_cast<std::size_t>(t);
-    if (!touchable(s, vertex)) continue;
+    if (!is_touchable(s, vertex)) continue;
     for (int k = 0; k < 3; ++k) s.triangle[3 * s.n_triangles + k] = vertex[k];
     ++s.n_triangles;
   }
@@ -215,7 +215,7 @@ void gradients_at(const ContactSurface& s, const SurfacePoint& at, double* axes,
   }
 }
 
-double movable(const ContactSurface& s, const SurfacePoint& at) {
+double movable_weight(const ContactSurface& s, const SurfacePoint& at) {
   double sum = 0;
   for (int c = 0; c < 3; ++c) sum += s.active[s.triangle[3 * at.triangle + c]] >= 0 ? at.weight[c] : 0;
   return sum;

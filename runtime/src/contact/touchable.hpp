@@ -24,8 +24,8 @@ struct ContactSurface {
   std::int32_t* triangle;  ///< n_triangles x 3 vertices, of triangles that can be touched
   std::int32_t* neighbor;  ///< n_triangles x 3: triangle across the edge opposite to the corner; -1: none
   std::int32_t* node;      ///< n_vertices: number in the mesh
-  /// n_vertices: the active node that alone moves it, or `several`; -1: fixed; -2: it can neither be touched nor is
-  /// fixed.
+  /// n_vertices: the only active node that moves the vertex, or `several`; -1: the vertex is fixed; -2: it is not fixed
+  /// but cannot be touched.
   std::int32_t* active;
   double *rest, *placed;  ///< n_vertices x 3: positions undeformed and displaced by the last field [m]
   double* offset;         ///< n_vertices x 3: offset of the vertex per radius of the tool
@@ -69,7 +69,7 @@ void gradients_at(const ContactSurface& surface, const SurfacePoint& at, double*
 void walk(const ContactSurface& surface, SurfacePoint& at, const double* step);
 
 /// Sum of the weights of moving corners.
-double movable(const ContactSurface& surface, const SurfacePoint& at);
+double movable_weight(const ContactSurface& surface, const SurfacePoint& at);
 
 inline const double* row(const double* rows, std::int32_t i) { return rows + 3 * static_cast<std::size_t>(i); }
 inline double* row(double* rows, std::int32_t i) { return rows + 3 * static_cast<std::size_t>(i); }

@@ -5,31 +5,31 @@ namespace {
 
 constexpr int most_crossings = 32;
 
-/// Corrects rounding errors: weights >= 0 with the sum 1, at a distance from fixed edges.
-void tidy(const ContactSurface& s, SurfacePoint& at) {
+/// Removes rounding errors of the weights, which are then >= 0 with the sum 1, and keeps a distance from fixed edges.
+void normalize(const ContactSurface& s, SurfacePoint& at) {
   double sum = 0;
   for (double& w : at.weight) sum += w = w > 0 ? w : 0;
   for (double& w : at.weight) w = sum > 0 ? w / sum : 1.0 / 3;
   bool moves[3];
   for (int c = 0; c < 3; ++c) moves[c] = s.active[s.triangle[3 * at.triangle + c]] >= 0;
-  keep_movable(moves, 3, movable(s, at), at.weight);
+  keep_movable(moves, 3, movable_weight(s, at), at.weight);
 }
 
-/// Moves the point to the triangle across the edge opposite to corner `behind` and turns the step into its plane.
-void cross_edge(const ContactSurface& s, SurfacePoint& at, int behind, const double* normal, double* step) {
-  const std::int32_t next = s.neighbor[3 * at.triangle + behind];
+/// Moves the point to the triangle across the edge opposite to corner `opposite` and turns the step into its plane.
+void cross_edge(const ContactSurface& s, SurfacePoint& at, int opposite, const double* normal, double* step) {
+  const std::int32_t next = s.neighbor[3 * at.triangle + opposite];
   const std::int32_t *from = s.triangle + 3 * at.triangle, *to = s.triangle + 3 * next;
   SurfacePoint there = {next, {0, 0, 0}};
   for (int c = 0; c < 3; ++c) {
     for (int d = 0; d < 3; ++d) {
-      if (c != behind && to[d] == from[c]) there.weight[d] = at.weight[c];
+      if (c != opposite && to[d] == from[c]) there.weight[d] = at.weight[c];
     }
   }
   const double* corner[3];
   double edge[3], out[3], in[3], next_normal[3];
   corners_of(s, s.rest, next, corner);
   area_normal(corner, next_normal);
-  subtract(row(s.rest, from[(behind + 2) % 3]), row(s.rest, from[(behind + 1) % 3]), edge);
+  subtract(row(s.rest, from[(opposite + 2) % 3]), row(s.rest, from[(opposite + 1) % 3]), edge);
   const double size = norm(edge), area = norm(next_normal);
   for (double& x : edge) x /= size;
   for (double& x : next_normal) x /= area;
@@ -44,37 +44,37 @@ void cross_edge(const ContactSurface& s, SurfacePoint& at, int behind, const dou
 }  // namespace
 
 void walk(const ContactSurface& s, SurfacePoint& at, const double* step) {
-  double left[3] = {step[0], step[1], step[2]};
+  double remaining[3] = {step[0], step[1], step[2]};
   for (int crossing = 0; crossing < most_crossings; ++crossing) {
     const double* corner[3];
     corners_of(s, s.rest, at.triangle, corner);
     double gradient[3][3], normal[3], change[3], most = 0;
     weight_gradients(corner, gradient, normal);
     for (int c = 0; c < 3; ++c) {
-      change[c] = dot(gradient[c], left);
+      change[c] = dot(gradient[c], remaining);
       most = std::fmax(most, std::fabs(change[c]));
     }
     double part = 1;
-    int leaves = -1;
+    int crossed = -1;
     for (int c = 0; c < 3; ++c) {
       if (!(change[c] < -1e-12 * most) || at.weight[c] + part * change[c] >= 0) continue;
       part = std::fmax(0.0, at.weight[c] / -change[c]);
-      leaves = c;
+      crossed = c;
     }
     for (int c = 0; c < 3; ++c) at.weight[c] += part * change[c];
-    if (leaves < 0) break;
-    at.weight[leaves] = 0;
-    for (double& x : left) x *= 1 - part;
-    if (s.neighbor[3 * at.triangle + leaves] >= 0) {
-      cross_edge(s, at, leaves, normal, left);
+    if (crossed < 0) break;
+    at.weight[crossed] = 0;
+    for (double& x : remaining) x *= 1 - part;
+    if (s.neighbor[3 * at.triangle + crossed] >= 0) {
+      cross_edge(s, at, crossed, normal, remaining);
       continue;
     }
     double edge[3];
-    subtract(corner[(leaves + 2) % 3], corner[(leaves + 1) % 3], edge);
-    const double along = dot(left, edge) / dot(edge, edge);
-    for (int k = 0; k < 3; ++k) left[k] = along * edge[k];
+    subtract(corner[(crossed + 2) % 3], corner[(crossed + 1) % 3], edge);
+    const double along = dot(remaining, edge) / dot(edge, edge);
+    for (int k = 0; k < 3; ++k) remaining[k] = along * edge[k];
   }
-  tidy(s, at);
+  normalize(s, at);
 }
 
 }  // namespace PHN_RUNTIME
