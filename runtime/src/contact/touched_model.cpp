@@ -20,7 +20,7 @@ class TouchedModel final : public Touched {
   }
   Matrix stiffness(std::int32_t i) const override {
     const Coupling& coupling = *_data.coupling;
-    if (coupling.n_tools > 1) return coupling.stiffness[i * coupling.max_tools + i];
+    if (coupling.n_tools > 1) return coupling.stiffness(i, i);
     const Constraint& point = coupling.point[i];
     if (!answers_alone(_model, point)) return point.stiffness;
     // phn_couple computes no coupling stiffness for a tool that it answers alone.

@@ -1,6 +1,6 @@
-// Several tools of node probes: each tool's point is a constraint; what the response to one tool leaves to the others
-// is their residual; the forces that move the points by the residuals are their multipliers. One tool acts first, and
-// the others add what remains: the orders in which they act, and their combination (docs/theory.md, equation (u)).
+// Several tools of node probes. The point of each tool is a constraint. The response to one tool leaves residuals at
+// the others, and their multipliers are the forces that move the points by the residuals. In each order another tool
+// acts first, and the others add the residuals; the orders are combined (docs/theory.md, equation (u)).
 #include <cmath>
 
 #include "core/evaluate.hpp"
@@ -13,24 +13,24 @@ namespace {
 /// consistent displacements, which leave nothing to do in either order, would jump with their smallest difference.
 constexpr double equal_part = 0.05;
 
-/// Fraction of the surface's rotation around a point, caused by the first tool, by which the body counts as turned for
-/// the second tool (docs/decisions/coupled-tools.md).
-constexpr double turned_part = 0.7;
+/// Fraction of the surface's rotation around a point, caused by the first tool, by which the body counts as rotation
+/// for the second tool (docs/decisions/coupled-tools.md).
+constexpr double rotation_part = 0.7;
 
-/// Curvature (see curvature) at which half of the rotation is used. Linear laws, for which fields must not be turned,
+/// Curvature (see curvature) at which half of the rotation is used. Linear laws, for which fields must not be rotation,
 /// have 1e-6; nonlinear laws have 0.05 and more.
-constexpr double half_curved = 0.005;
+constexpr double half_nonlinearity = 0.005;
 
-/// Fraction of all orders' weights below which the field that an order leaves to the others is not turned: where
+/// Fraction of all orders' weights below which the field that an order leaves to the others is not rotation: where
 /// nothing is left, the mean of the rotations is undefined, but fields of networks have a constant part.
-constexpr double least_turned = 1e-6;
+constexpr double smallest_rotated_part = 1e-6;
 
 /// A point that is farther from its tool than this fraction of the largest displacement does not follow it.
-constexpr double follows = 1e-8;
+constexpr double residual_tolerance = 1e-8;
 
 /// Smallest compliance of opposing displacements of two tools, as a fraction of each tool's own compliance. Below it
 /// the tools are so close that opposing displacements are followed only in part (docs/decisions/coupled-tools.md).
-constexpr double least_apart = 0.05;
+constexpr double smallest_eigenvalue = 0.05;
 
 class Solver : private Constraints {
  public:
@@ -45,7 +45,7 @@ class Solver : private Constraints {
       prepare(s);
       far = std::fmax(far, length(_targets[s].x));
     }
-    for (std::int32_t s = 0; s < n && turns(); ++s) prepare_turn(s);
+    for (std::int32_t s = 0; s < n && has_rotations(); ++s) prepare_rotation(s);
     clear_field();
     CoupledResult result = {};
     if (n > 1) {
@@ -58,14 +58,14 @@ class Solver : private Constraints {
     }
     // Displacements of the fields at the points that the forces do not include are corrected as in the undeformed body.
     constraint_residual();
-    if (correct()) {
-      for (std::int32_t s = 0; s < n; ++s) add_at_rest(0, s, _c.right[s], 1);
+    if (solve_correction()) {
+      for (std::int32_t s = 0; s < n; ++s) add_at_rest(0, s, _c.correction[s], 1);
     }
     result.residual = constraint_residual();
-    result.settled = result.residual <= follows * far;
+    result.settled = result.residual <= residual_tolerance * far;
     if (!_model.has_energy) result.energy = 0;
-    for (std::int32_t s = 0; s < n; ++s) _c.point[s].own = _targets[s];
-    return finite() ? result : give_up(far);
+    for (std::int32_t s = 0; s < n; ++s) _c.point[s].displacement = _targets[s];
+    return finite() ? result : fail(far);
   }
 
  private:
@@ -103,25 +103,25 @@ class Solver : private Constraints {
 
   void add_order_to_field(std::int32_t i) {
     add_response(0, i, _c.weight[i]);
-    Vector turned = {};
+    Vector rotation = {};
     double all = 0;
     for (std::int32_t j = 0; j < _c.n_tools; ++j) {
-      const Vector own = _c.point[j].compliance * _c.multiplier[at(i, j)];
+      const Vector own = _c.point[j].compliance * _c.multiplier(i, j);
       add_at_rest(set_of(i), j, own, _c.weight[i]);
-      if (j == i || !turns()) continue;
-      const double part = dot(_c.multiplier[at(i, j)], own);
-      turned += part * _c.turned[at(i, j)];
+      if (j == i || !has_rotations()) continue;
+      const double part = dot(_c.multiplier(i, j), own);
+      rotation += part * _c.residual_rotation(i, j);
       all += part;
     }
-    all += least_turned * _sum;
-    if (turns()) _c.field_turn[set_of(i)] = all > 0 ? turned / all : Vector{};
+    all += smallest_rotated_part * _sum;
+    if (has_rotations()) _c.field_rotation[set_of(i)] = all > 0 ? rotation / all : Vector{};
   }
 
   void add_order_to_forces(std::int32_t i) {
     Vector force[most_coupled];
     for (std::int32_t j = 0; j < _c.n_tools; ++j) {
-      const Vector& multiplier = _c.multiplier[at(i, j)];
-      _c.energy[i] += dot(_c.residual[at(i, j)], multiplier) / 2;
+      const Vector& multiplier = _c.multiplier(i, j);
+      _c.energy[i] += dot(_c.residual(i, j), multiplier) / 2;
       force[j] = j == i ? Vector{} : multiplier;
       if (j != i && !schema::traits(_model.kind).proportional) _c.energy[i] += nonlinear_energy(i, j, force[j]);
     }
@@ -131,40 +131,41 @@ class Solver : private Constraints {
   }
 
   /// Rotation vector (argument of rotated) for tool j, relative to the rotation that tool i causes at its point.
-  double turned_by(std::int32_t i, std::int32_t j) const {
-    const double area = _c.point[j].area, curved = _c.point[i].curved + _c.point[j].curved;
-    return area > 0 ? turned_part / 2 / area * curved / (curved + 2 * half_curved * half_curved) : 0;
+  double rotation_factor(std::int32_t i, std::int32_t j) const {
+    const double area = _c.point[j].rotation_area, nonlinear = _c.point[i].nonlinearity + _c.point[j].nonlinearity;
+    return area > 0 ? rotation_part / 2 / area * nonlinear / (nonlinear + 2 * half_nonlinearity * half_nonlinearity)
+                    : 0;
   }
 
   /// The set with the field that order i leaves to the others.
-  std::int32_t set_of(std::int32_t i) const { return turns() ? 1 + i : 0; }
+  std::int32_t set_of(std::int32_t i) const { return has_rotations() ? 1 + i : 0; }
 
-  /// The displacements that order i leaves to the others, turned back by the rotation that tool i
+  /// The displacements that order i leaves to the others, rotation back by the rotation that tool i
   /// causes, and their forces in the undeformed body.
   void find_residuals(std::int32_t i) {
     const std::int32_t n = _c.n_tools;
     for (std::int32_t j = 0; j < n; ++j) {
-      Vector &residual = _c.residual[at(i, j)], &turned = _c.turned[at(i, j)];
-      residual = turned = {};
+      Vector &residual = _c.residual(i, j), &rotation = _c.residual_rotation(i, j);
+      residual = rotation = {};
       if (j == i) continue;
-      if (turns()) turned = turned_by(i, j) * displaced(place(n + j), i);
-      residual = rotated_back(turned, _targets[j] - displaced(j, i));
+      if (has_rotations()) rotation = rotation_factor(i, j) * response_at(quantity(n + j), i);
+      residual = rotated_back(rotation, _targets[j] - response_at(j, i));
     }
-    multiply(_c.residual + at(i, 0), _c.multiplier + at(i, 0));
+    multiply(&_c.residual(i, 0), &_c.multiplier(i, 0));
   }
 
-  /// Chain rule from the displacements that order i leaves to the others, turned back, to the displacements
+  /// Chain rule from the displacements that order i leaves to the others, rotation back, to the displacements
   /// of all tools.
   /// @param force  derivatives by the former, 0 for tool i; replaced by derivatives by the latter
   void transpose_apply(std::int32_t i, Vector* force) const {
     for (std::int32_t j = 0; j < _c.n_tools; ++j) {
       if (j == i) continue;
-      const Vector &turned = _c.turned[at(i, j)], &residual = _c.residual[at(i, j)], g = force[j];
-      force[j] = rotated(turned, g);
-      force[i] -= transposed_times(_c.derivative[at(j, i)], force[j]);
-      if (!turns()) continue;
-      const Vector change = rotation_gradient(turned, g, rotated(turned, residual));
-      force[i] += turned_by(i, j) * transposed_times(_c.derivative[at(place(_c.n_tools + j), i)], change);
+      const Vector &rotation = _c.residual_rotation(i, j), &residual = _c.residual(i, j), g = force[j];
+      force[j] = rotated(rotation, g);
+      force[i] -= transposed_times(_c.derivative(j, i), force[j]);
+      if (!has_rotations()) continue;
+      const Vector change = rotation_gradient(rotation, g, rotated(rotation, residual));
+      force[i] += rotation_factor(i, j) * transposed_times(_c.derivative(quantity(_c.n_tools + j), i), change);
     }
   }
 
@@ -178,7 +179,7 @@ class Solver : private Constraints {
     for (std::int32_t i = 0; i < n; ++i) {
       _c.weight[i] = equal_part * std::fabs(all);
       for (std::int32_t j = 0; j < n; ++j) {
-        if (j != i) _c.weight[i] += dot(_c.multiplier[at(j, i)], _c.point[i].compliance * _c.multiplier[at(j, i)]);
+        if (j != i) _c.weight[i] += dot(_c.multiplier(j, i), _c.point[i].compliance * _c.multiplier(j, i));
       }
       _sum += _c.weight[i];
     }
@@ -198,7 +199,7 @@ class Solver : private Constraints {
       Vector own[most_coupled], force[most_coupled];
       for (std::int32_t i = 0; i < n; ++i) {
         const double factor = i == first ? 0 : 2 * (_c.energy[i] - energy) / _sum;
-        own[i] = factor * (_c.point[i].compliance * _c.multiplier[at(first, i)]);
+        own[i] = factor * (_c.point[i].compliance * _c.multiplier(first, i));
       }
       multiply(own, force);
       force[first] = {};
@@ -213,26 +214,22 @@ class Solver : private Constraints {
   /// @param multiplier  the gradient is added to it. @return energy
   double nonlinear_energy(std::int32_t i, std::int32_t j, Vector& multiplier) {
     Constraint& point = _c.point[j];
-    const Vector z = point.relative * _c.residual[at(i, j)];
+    const Vector z = point.remaining_part * _c.residual(i, j);
     const double energy = respond(j, z);
     const Vector linear = point.stiffness * z;
-    multiplier += transposed_times(point.relative, point.force - linear);
+    multiplier += transposed_times(point.remaining_part, point.force - linear);
     add_response(set_of(i), j, _c.weight[i]);
     add_at_rest(set_of(i), j, z, -_c.weight[i]);
     return energy - dot(z, linear) / 2;
   }
 
-  FieldPart& field(std::int32_t set, std::int32_t s, std::int32_t i) const { return _c.field[at(set, s, i)]; }
-  double* field_basis(std::int32_t set, std::int32_t s, std::int32_t i) const {
-    return _c.field_basis + at(set, s, i) * _model.n_basis;
-  }
   std::size_t basis_of_set() const { return static_cast<std::size_t>(_c.n_corners * _c.n_tools) * _model.n_basis; }
 
   void clear_field() {
     for (std::int32_t set = 0; set < _c.n_sets; ++set) {
-      _c.field_turn[set] = {};
-      for (std::int32_t i = 0; i < _c.n_corners * _c.n_tools; ++i) field(set, 0, i) = {};
-      set_zero(field_basis(set, 0, 0), basis_of_set());
+      _c.field_rotation[set] = {};
+      for (std::int32_t i = 0; i < _c.n_corners * _c.n_tools; ++i) (&_c.field(set, 0, 0))[i] = {};
+      set_zero(_c.field_basis(set, 0, 0), basis_of_set());
     }
   }
 
@@ -240,9 +237,9 @@ class Solver : private Constraints {
   void add_response(std::int32_t set, std::int32_t s, double weight) {
     const Constraint& point = _c.point[s];
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-      field(set, s, i).share += weight * point.response_share[i];
-      field(set, s, i).own += weight * point.response_own[i];
-      add_scaled(weight, response_basis(s, i), basis_size(_model, node(point, i)), field_basis(set, s, i));
+      _c.field(set, s, i).factor += weight * point.response_factor[i];
+      _c.field(set, s, i).displacement += weight * point.response_displacement[i];
+      add_scaled(weight, _c.response_basis(0, s, i), basis_size(_model, node(point, i)), _c.field_basis(set, s, i));
     }
   }
 
@@ -250,25 +247,25 @@ class Solver : private Constraints {
   /// @param r  displacement of the point [m]
   void add_at_rest(std::int32_t set, std::int32_t s, const Vector& r, double weight) {
     for (std::int32_t i = 0; i < _c.point[s].n_nodes; ++i)
-      move_at_rest(s, i, r, weight, field_basis(set, s, i), field(set, s, i).own);
+      add_rest_response(s, i, r, weight, _c.field_basis(set, s, i), _c.field(set, s, i).displacement);
   }
 
   /// right = targets minus displacements of the points in the field. @return the largest distance
   double constraint_residual() {
     double largest = 0;
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-      _c.right[t] = _targets[t];
+      _c.correction[t] = _targets[t];
       for (std::int32_t set = 0; set < _c.n_sets; ++set) {
         Vector sum = {};
         for (std::int32_t s = 0; s < _c.n_tools; ++s) {
           const Constraint& point = _c.point[s];
           for (std::int32_t i = 0; i < point.n_nodes; ++i)
-            sum += displacement_of(_c.displacement[at(t, s, i)], field(set, s, i).share, field(set, s, i).own,
-                                   basis_size(_model, node(point, i)), field_basis(set, s, i));
+            sum += displacement_of(_c.response(t, s, i), _c.field(set, s, i).factor, _c.field(set, s, i).displacement,
+                                   basis_size(_model, node(point, i)), _c.field_basis(set, s, i));
         }
-        _c.right[t] -= rotated(_c.field_turn[set], sum);
+        _c.correction[t] -= rotated(_c.field_rotation[set], sum);
       }
-      largest = std::fmax(largest, length(_c.right[t].x));
+      largest = std::fmax(largest, length(_c.correction[t].x));
     }
     return largest;
   }
@@ -277,11 +274,12 @@ class Solver : private Constraints {
   bool finite() const {
     bool all = true;
     for (std::int32_t t = 0; t < _c.n_tools; ++t)
-      all = all && is_finite(_c.point[t].force) && is_finite(_c.point[t].own);
+      all = all && is_finite(_c.point[t].force) && is_finite(_c.point[t].displacement);
     for (std::int32_t set = 0; set < _c.n_sets; ++set) {
-      all = all && is_finite(_c.field_turn[set]);
-      for (std::int32_t i = 0; i < _c.n_corners * _c.n_tools; ++i) all = all && is_finite(field(set, 0, i).own);
-      all = all && all_finite(field_basis(set, 0, 0), basis_of_set());
+      all = all && is_finite(_c.field_rotation[set]);
+      for (std::int32_t i = 0; i < _c.n_corners * _c.n_tools; ++i)
+        all = all && is_finite((&_c.field(set, 0, 0))[i].displacement);
+      all = all && all_finite(_c.field_basis(set, 0, 0), basis_of_set());
     }
     return all;
   }
@@ -292,27 +290,28 @@ class Solver : private Constraints {
   /// close together to be distinguished; there the inverse goes to 0 with the eigenvalue instead of to infinity.
   void find_stiffness() {
     const std::int32_t n = 3 * _c.n_tools;
+    const MatrixView<double> work{_c.work, n};
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
       for (std::int32_t s = 0; s < _c.n_tools; ++s) {
-        const Matrix scaled = _c.point[t].root * rest_block(t, s) * _c.point[s].inverse_root;
-        for (int k = 0; k < 9; ++k) _c.work[(3 * t + k / 3) * n + 3 * s + k % 3] = scaled.a[k];
+        const Matrix scaled = _c.point[t].stiffness_root * rest_block(t, s) * _c.point[s].compliance_root;
+        for (int k = 0; k < 9; ++k) work(3 * t + k / 3, 3 * s + k % 3) = scaled.a[k];
       }
     }
     for (std::int32_t i = 0; i < n; ++i) {
-      for (std::int32_t j = 0; j < i; ++j)
-        _c.work[i * n + j] = _c.work[j * n + i] = (_c.work[i * n + j] + _c.work[j * n + i]) / 2;
+      for (std::int32_t j = 0; j < i; ++j) work(i, j) = work(j, i) = (work(i, j) + work(j, i)) / 2;
     }
     diagonalize(_c.work, n, _c.vectors);
-    double least = _c.work[0];
-    for (std::int32_t e = 1; e < n; ++e) least = std::fmin(least, _c.work[e * n + e]);
-    _apart = least >= least_apart;
+    double least = work(0, 0);
+    for (std::int32_t e = 1; e < n; ++e) least = std::fmin(least, work(e, e));
+    _is_regular = least >= smallest_eigenvalue;
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
       Constraint& point = _c.point[t];
       for (std::int32_t s = 0; s < _c.n_tools; ++s) {
         const Matrix scaled = inverse_block(t, s);
-        _c.stiffness[at(t, s)] = point.root * scaled * _c.point[s].root;
+        _c.stiffness(t, s) = point.stiffness_root * scaled * _c.point[s].stiffness_root;
         // Other tools can only stiffen a point.
-        if (s == t) point.relative = point.inverse_root * inverse_of_stiffness(scaled, 1) * point.root;
+        if (s == t)
+          point.remaining_part = point.compliance_root * inverse_of_stiffness(scaled, 1) * point.stiffness_root;
       }
     }
   }
@@ -320,12 +319,14 @@ class Solver : private Constraints {
   /// Block (t, s) of the inverse of the scaled compliances. @pre they are diagonalized
   Matrix inverse_block(std::int32_t t, std::int32_t s) const {
     const std::int32_t n = 3 * _c.n_tools;
+    const MatrixView<double> work{_c.work, n}, vectors{_c.vectors, n};
     Matrix block = {};
     for (std::int32_t e = 0; e < n; ++e) {
-      const double value = _c.work[e * n + e];
-      const double inverse = value >= least_apart ? 1 / value : std::fmax(value, 0.0) / (least_apart * least_apart);
-      for (int k = 0; k < 9; ++k)
-        block.a[k] += _c.vectors[(3 * t + k / 3) * n + e] * inverse * _c.vectors[(3 * s + k % 3) * n + e];
+      const double value = work(e, e);
+      const double inverse = value >= smallest_eigenvalue
+                                 ? 1 / value
+                                 : std::fmax(value, 0.0) / (smallest_eigenvalue * smallest_eigenvalue);
+      for (int k = 0; k < 9; ++k) block.a[k] += vectors(3 * t + k / 3, e) * inverse * vectors(3 * s + k % 3, e);
     }
     return block;
   }
@@ -334,38 +335,38 @@ class Solver : private Constraints {
   void multiply(const Vector* moved, Vector* multiplier) const {
     for (std::int32_t j = 0; j < _c.n_tools; ++j) {
       multiplier[j] = {};
-      for (std::int32_t s = 0; s < _c.n_tools; ++s) multiplier[j] += _c.stiffness[at(j, s)] * moved[s];
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) multiplier[j] += _c.stiffness(j, s) * moved[s];
     }
   }
 
   /// Replaces `right` by the change of the p that produces it in the undeformed body, as far as the tools can be
   /// distinguished.
-  bool correct() {
-    if (!_apart) {
-      multiply(_c.right, _c.forces);
-      for (std::int32_t t = 0; t < _c.n_tools; ++t) _c.right[t] = _c.point[t].compliance * _c.forces[t];
+  bool solve_correction() {
+    if (!_is_regular) {
+      multiply(_c.correction, _c.forces);
+      for (std::int32_t t = 0; t < _c.n_tools; ++t) _c.correction[t] = _c.point[t].compliance * _c.forces[t];
       return true;
     }
     if (_c.n_tools == 1) return true;
     const std::int32_t n = 3 * _c.n_tools;
     double right[3 * most_coupled];
-    for (std::int32_t i = 0; i < n; ++i) right[i] = _c.right[i / 3][i % 3];
-    for (std::int32_t i = 0; i < n * n; ++i) _c.work[i] = _c.matrix[i];
+    for (std::int32_t i = 0; i < n; ++i) right[i] = _c.correction[i / 3][i % 3];
+    for (std::int32_t i = 0; i < n * n; ++i) _c.work[i] = _c.rest_matrix[i];
     if (!solve_dense(_c.work, n, right)) return false;
-    for (std::int32_t i = 0; i < n; ++i) _c.right[i / 3][i % 3] = right[i];
+    for (std::int32_t i = 0; i < n; ++i) _c.correction[i / 3][i % 3] = right[i];
     return true;
   }
 
   /// Sets all results to zero after an overflow of sums.
-  CoupledResult give_up(double far) {
-    for (std::int32_t t = 0; t < _c.n_tools; ++t) _c.point[t].force = _c.point[t].own = {};
+  CoupledResult fail(double far) {
+    for (std::int32_t t = 0; t < _c.n_tools; ++t) _c.point[t].force = _c.point[t].displacement = {};
     clear_field();
     return {false, far, 0};
   }
 
   const Vector* _targets;
-  double _sum = 0;     ///< of the weights before normalization
-  bool _apart = true;  ///< all tools can be distinguished
+  double _sum = 0;          ///< of the weights before normalization
+  bool _is_regular = true;  ///< all tools can be distinguished
 };
 
 }  // namespace

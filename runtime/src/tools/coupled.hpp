@@ -13,72 +13,73 @@ namespace PHN_RUNTIME {
 /// Largest number of tools; memory and time grow with its square.
 inline constexpr std::int32_t most_coupled = PHN_MOST_COUPLED;
 
-/// Components of a tool's displacement are clamped to this, in max_displacement_m; in linear models to largest_linear.
+/// Components of the displacements of tools are clamped to this, in max_displacement_m; in linear models to
+/// largest_linear.
 inline constexpr double largest_coupled = 1e3;
 
 /// Largest number of active nodes of a point: the corners of its triangle.
 inline constexpr std::int32_t most_nodes = 3;
 
-/// A touched point, whose tool prescribes the weighted mean displacement of up to three nodes. p is that part of the
-/// point's displacement which its own tool causes.
+/// A touched point, whose tool prescribes the weighted mean displacement of up to three nodes. p is the part of the
+/// point's displacement that its own tool causes.
 struct Constraint : Place {
-  Matrix stiffness;                       ///< A: of the point at rest, symmetric [N/m]
-  Matrix root, inverse_root, compliance;  ///< A^1/2, A^-1/2, A^-1
-  Matrix relative;                        ///< part of a displacement that remains when the others hold their points
-  Matrix contribution[most_nodes];        ///< Q_i: contribution q_i = Q_i p of node i
-  Matrix reach[most_nodes];               ///< M_i: displacement e_i = M_i p of node i
-  double share[most_nodes];               ///< s_i: the scalar for which s_i e_i is nearest to q_i
-  Matrix rest_stiffness[most_nodes];      ///< K_i of the nodes [N/m]
-  double curved;                          ///< squared deviation of its nodes' forces from linear ones, see curvature
-  double area;                            ///< of the triangles around the point, see next_turn [m^2]
-  Vector own, force;                      ///< p [m]; at the tool [N]
-  double energy;                          ///< of p alone, without that of its nodes [J]
-  double response_share[most_nodes];      ///< the response at p: see displacement_of
-  Vector response_own[most_nodes];
+  Matrix stiffness;                                    ///< A of the point at rest, symmetric [N/m]
+  Matrix stiffness_root, compliance_root, compliance;  ///< A^1/2, A^-1/2, A^-1
+  Matrix remaining_part;                 ///< part of a displacement that remains when the others hold their points
+  Matrix node_contribution[most_nodes];  ///< Q_i: contribution q_i = Q_i p of node i
+  Matrix node_displacement[most_nodes];  ///< M_i: displacement e_i = M_i p of node i
+  double node_factor[most_nodes];        ///< s_i: the scalar for which s_i e_i is nearest to q_i
+  Matrix node_stiffness[most_nodes];     ///< K_i of the nodes at rest [N/m]
+  double nonlinearity;                   ///< mean of its nodes, see nonlinearity()
+  double rotation_area;                  ///< of the triangles around the point, see find_rotation() [m^2]
+  Vector displacement, force;            ///< p [m]; force at the tool [N]
+  double energy;                         ///< of p alone, without the energy of its nodes [J]
+  double response_factor[most_nodes];    ///< the response at p, see displacement_of()
+  Vector response_displacement[most_nodes];
 };
 
-/// A node's part of the field besides its basis: see displacement_of.
+/// The part of the field of a node besides its basis, see displacement_of().
 struct FieldPart {
-  double share;
-  Vector own;
+  double factor;
+  Vector displacement;
 };
 
-/// The latest tools, their solution, and working memory. Place t is the displacement of tool t's point; place
-/// max_tools + t is the rotation of the surface around that point [rad].
+/// The latest tools, their solution, and working memory. Quantity t is the displacement of tool t's point; quantity
+/// max_tools + t is the rotation of the surface around that point [rad]. Nodes are counted in the order of each tool.
 struct Coupling {
   std::int32_t max_tools, n_tools;
-  int warned;              ///< warnings of the nodes of the latest tools
+  int warnings;            ///< of the nodes of the latest tools
   const phn_model* model;  ///< the level of the latest tools
   Neighbours neighbours;
-  std::int32_t n_corners;         ///< largest number of nodes of a point
-  Constraint* point;              ///< of each tool
-  std::int32_t n_sets;            ///< of fields, each of which is turned as a whole by field_turn before they are added
-  FieldPart* field;               ///< of node i of tool s in set q, at n_corners (q max_tools + s) + i
-  double* field_basis;            ///< n_basis each, as field
-  Vector* field_turn;             ///< see rotated
-  double* kernel;                 ///< scratch: of the shared modes
-  NodeField* displacement;        ///< of place t under node i of tool s, at n_corners (t max_tools + s) + i
-  Matrix* rest_response;          ///< as displacement: its derivative at rest
-  double* rest_gradient;          ///< of node i of tool s, at n_corners s + i: 3 x n_basis
-  double* response_basis;         ///< n_basis each: the response at p
-  NodeField pair;                 ///< scratch: of one node under another
-  SurfaceTurn* turn;              ///< scratch
-  Matrix* stiffness;              ///< K: of the points at rest, of t by s at t max_tools + s
-  Matrix* derivative;             ///< of place s by the p of t, at s max_tools + t
-  Vector *residual, *multiplier;  ///< displacement [m] that order i leaves to tool j, turned back, and its force in the
-                                  ///< undeformed body [N], at i max_tools + j
-  Vector* turned;                 ///< rotation by which that displacement is turned back, at i max_tools + j
-  Vector *single_force, *right, *forces;  ///< of each tool alone; displacements that points lack; of all tools
-  double *energy, *weight;                ///< of the orders
-  double *basis, *gradient, *shared;
-  double *matrix, *work, *vectors;  ///< dense, as many rows as unknowns
+  std::int32_t n_corners;             ///< largest number of nodes of a point
+  Constraint* point;                  ///< of each tool
+  std::int32_t n_sets;                ///< number of partial fields, each of which is rotated before all are added
+  ArrayView<FieldPart> field;         ///< (set, tool, node)
+  ArraysView field_basis;             ///< (set, tool, node): n_basis numbers
+  Vector* field_rotation;             ///< of each set, see rotated()
+  double* kernel_scratch;             ///< for the shared modes
+  ArrayView<NodeField> response;      ///< (quantity, tool, node): the quantity under the node of the tool
+  ArrayView<Matrix> rest_response;    ///< (quantity, tool, node): its derivative at rest
+  ArraysView rest_gradient;           ///< (0, tool, node): 3 x n_basis numbers
+  ArraysView response_basis;          ///< (0, tool, node): n_basis numbers, the response at p
+  NodeField pair_field;               ///< scratch: the field of one node under another
+  SurfaceRotation* surface_rotation;  ///< scratch
+  MatrixView<Matrix> stiffness;       ///< (tool, tool): K of the points at rest
+  MatrixView<Matrix> derivative;      ///< (quantity, tool): by the p of the tool
+  MatrixView<Vector> residual;    ///< (order, tool): displacement that the order leaves to the tool, rotated back [m]
+  MatrixView<Vector> multiplier;  ///< (order, tool): force of the residual in the undeformed body [N]
+  MatrixView<Vector> residual_rotation;        ///< (order, tool): rotation by which the residual is rotated back
+  Vector *single_force, *correction, *forces;  ///< of each tool: its force alone; correction of its point; its force
+  double *energy, *weight;                     ///< of the orders
+  double *basis, *gradient, *mode_scratch;
+  double *rest_matrix, *work, *vectors;  ///< dense, with as many rows as unknowns
 };
 
 /// Whether the model answers one tool only: a round one, or one at a node.
 inline bool has_round_tools(const Coupling& coupling) { return coupling.neighbours.begin != nullptr; }
 
 struct CoupledResult {
-  bool settled;     ///< all points follow their tools
+  bool settled;     ///< whether all points follow their tools
   double residual;  ///< largest distance of a tool from its point in the corrected field [m]
   double energy;    ///< [J]; 0 in families without energy
 };
@@ -96,7 +97,8 @@ void coupled_field(const phn_model& model, const Coupling& coupling, PreparedNod
 
 /// Components of displacements of tools between nodes, or of several, are clamped to this [m].
 double largest_between_nodes(const phn_model& model);
-/// The answers of phn_couple and phn_coupled_deform; forces remain in data.coupling. @return a status of phynness.h
+/// Computes the answers of phn_couple and phn_coupled_deform; forces are in data.coupling. @return a status of
+/// phynness.h
 int couple_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, const phn_tool* tools,
                  phn_coupled& result);
 /// @param out  n_output x 3, zeros

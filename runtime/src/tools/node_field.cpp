@@ -92,7 +92,7 @@ Vector displacement_of(const NodeField& field, double share, const Vector& d, st
   return u;
 }
 
-double curvature(const phn_model& model, const ActiveNode& node, const Matrix& stiffness) {
+double nonlinearity(const phn_model& model, const ActiveNode& node, const Matrix& stiffness) {
   double apart = 0, all = 0;
   for (int k = 0; k < 6; ++k) {
     const Vector d = unit_vector(k / 2, (k % 2 - 0.5) * 2 * model.max_displacement_m), linear = stiffness * d;

@@ -40,7 +40,7 @@ Vector displacement_of(const NodeField& field, double share, const Vector& d, st
                        const double* basis);
 
 /// Squared relative deviation of the forces at the trained depth, along the axes, from linear forces.
-double curvature(const phn_model& model, const ActiveNode& node, const Matrix& stiffness);
+double nonlinearity(const phn_model& model, const ActiveNode& node, const Matrix& stiffness);
 
 /// Derivative of the force around rest by central differences, over 0.3 of the first increment for round tools, made
 /// symmetric and positive definite [N/m].

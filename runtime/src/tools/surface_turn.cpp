@@ -7,7 +7,7 @@ namespace {
 
 /// One triangle's part of the rotation, times its area.
 /// @param vertex, maps  3. @return area [m^2]
-double triangle_turn(const phn_model& model, const std::int32_t* vertex, Matrix* maps) {
+double triangle_rotation(const phn_model& model, const std::int32_t* vertex, Matrix* maps) {
   const double* corner[3];
   for (int k = 0; k < 3; ++k) corner[k] = vertex_point(model, vertex[k]);
   Vector normal;
@@ -23,48 +23,48 @@ double triangle_turn(const phn_model& model, const std::int32_t* vertex, Matrix*
   return area;
 }
 
-/// Adds weight * map to the entry of `vertex`, which is created if missing. @pre turn.n < SurfaceTurn::most
-void add_turn(SurfaceTurn& turn, std::int32_t vertex, double weight, const Matrix& map) {
+/// Adds weight * map to the entry of `vertex`, which is created if missing. @pre rotation.n < SurfaceRotation::most
+void add_rotation(SurfaceRotation& rotation, std::int32_t vertex, double weight, const Matrix& map) {
   std::int32_t at = 0;
-  while (at < turn.n && turn.vertex[at] != vertex) ++at;
-  if (at == turn.n) {
-    turn.vertex[turn.n++] = vertex;
-    turn.map[at] = {};
+  while (at < rotation.n && rotation.vertex[at] != vertex) ++at;
+  if (at == rotation.n) {
+    rotation.vertex[rotation.n++] = vertex;
+    rotation.map[at] = {};
   }
-  turn.map[at] += weight * map;
+  rotation.map[at] += weight * map;
 }
 
 }  // namespace
 
-void find_turn(const phn_model& model, std::int32_t n_vertices, const std::int32_t* vertex, const double* weight,
-               SurfaceTurn& turn) {
+void find_rotation(const phn_model& model, std::int32_t n_vertices, const std::int32_t* vertex, const double* weight,
+                   SurfaceRotation& rotation) {
   Matrix maps[3];
-  turn.n = 0;
-  turn.area = 0;
-  for (std::int32_t t = 0; t < model.n_triangles && turn.n + 3 <= SurfaceTurn::most; ++t) {
+  rotation.n = 0;
+  rotation.area = 0;
+  for (std::int32_t t = 0; t < model.n_triangles && rotation.n + 3 <= SurfaceRotation::most; ++t) {
     const std::int32_t* corner = model.triangles + 3 * static_cast<std::size_t>(t);
     double part = 0;
     for (std::int32_t v = 0; v < n_vertices; ++v) {
       if (corner[0] == vertex[v] || corner[1] == vertex[v] || corner[2] == vertex[v]) part += weight[v];
     }
     if (!(part > 0)) continue;
-    const double area = triangle_turn(model, corner, maps);
-    turn.area += part * area;
-    for (int k = 0; k < 3 && area > 0; ++k) add_turn(turn, corner[k], part, maps[k]);
+    const double area = triangle_rotation(model, corner, maps);
+    rotation.area += part * area;
+    for (int k = 0; k < 3 && area > 0; ++k) add_rotation(rotation, corner[k], part, maps[k]);
   }
 }
 
 namespace {
 
-Vector turned(const Vector& v, double sign, const Vector& x) {
+Vector rotate(const Vector& v, double sign, const Vector& x) {
   const double square = dot(v, v), along = dot(v, x);
   return ((1 - square) * x + (2 * along) * v + (sign * 2) * cross(v, x)) / (1 + square);
 }
 
 }  // namespace
 
-Vector rotated(const Vector& v, const Vector& x) { return turned(v, 1, x); }
-Vector rotated_back(const Vector& v, const Vector& x) { return turned(v, -1, x); }
+Vector rotated(const Vector& v, const Vector& x) { return rotate(v, 1, x); }
+Vector rotated_back(const Vector& v, const Vector& x) { return rotate(v, -1, x); }
 
 Vector rotation_gradient(const Vector& v, const Vector& g, const Vector& x) {
   const double square = dot(v, v), value = dot(g, rotated_back(v, x));

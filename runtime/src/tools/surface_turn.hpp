@@ -6,8 +6,8 @@
 
 namespace PHN_RUNTIME {
 
-/// Vertices and maps; the sum of map times displacement is a rotation vector times an area.
-struct SurfaceTurn {
+/// Vertices with maps: the sum of map times displacement is a rotation vector times an area.
+struct SurfaceRotation {
   static constexpr std::int32_t most = 48;
   std::int32_t n;
   std::int32_t vertex[most];  ///< as in phn_model::triangles
@@ -18,10 +18,10 @@ struct SurfaceTurn {
 /// The (infinitesimal) rotation of the surface around some of its vertices, as a sum that must be divided by the area.
 /// It is the mean over triangles, weighted by area and by the weights of their vertices. A triangle's rotation is the
 /// rotation of its normal plus half the curl in its plane. Rigid rotations are reproduced exactly; stretches along the
-/// surface do not contribute. Triangles beyond the first with SurfaceTurn::most vertices do not count.
+/// surface do not contribute. Triangles beyond the first with SurfaceRotation::most vertices do not count.
 /// @param vertex, weight  n_vertices; weights >= 0
-void find_turn(const phn_model& model, std::int32_t n_vertices, const std::int32_t* vertex, const double* weight,
-               SurfaceTurn& turn);
+void find_rotation(const phn_model& model, std::int32_t n_vertices, const std::int32_t* vertex, const double* weight,
+                   SurfaceRotation& rotation);
 
 /// The rotation R by the angle 2 atan |v| around v: `rotated` gives R x, `rotated_back` gives R^T x.
 Vector rotated(const Vector& v, const Vector& x);

@@ -18,21 +18,21 @@ CoupledResult answer_alone(const phn_model& model, Coupling& c, const Vector& ta
   Constraint& point = c.point[0];
   const Mean mean = mean_at(model, c.neighbours, point);
   c.n_sets = 1;
-  c.field_turn[0] = {};
-  point.own = target;
+  c.field_rotation[0] = {};
+  point.displacement = target;
   double energy = 0;
   respond_alone(model, mean, target, point.force, model.has_energy ? &energy : nullptr, nullptr);
   const Vector d = target / mean.lever;
   for (std::int32_t i = 0; i < point.n_nodes; ++i) {
     const ActiveNode& node = model.active[point.active[i]];
-    c.field[i] = {mean.share[i], d};
-    if (point.counts(i)) c.warned |= warned_at(*model.full, point.active[i], diagonal(1 / mean.lever) * target);
+    c.field(0, 0, i) = {mean.share[i], d};
+    if (point.counts(i)) c.warnings |= warned_at(*model.full, point.active[i], diagonal(1 / mean.lever) * target);
     if (!has_deformation(model, node)) continue;
-    double* basis = c.field_basis + static_cast<std::size_t>(i) * model.n_basis;
-    basis_of(model, node, d.x, basis, c.kernel);
+    double* basis = c.field_basis(0, 0, i);
+    basis_of(model, node, d.x, basis, c.kernel_scratch);
     for (std::int32_t j = 0; j < basis_size(model, node); ++j) basis[j] *= mean.share[i];
   }
-  if (is_beside_fixed(model, point)) c.warned |= PHN_WARNING_OUTSIDE;
+  if (is_beside_fixed(model, point)) c.warnings |= PHN_WARNING_OUTSIDE;
   return {true, 0, energy};
 }
 
@@ -41,7 +41,7 @@ CoupledResult answer_coupled(const phn_model& model, Coupling& c, const Vector* 
   for (std::int32_t t = 0; t < c.n_tools; ++t) {
     const Constraint& point = c.point[t];
     for (std::int32_t i = 0; i < point.n_nodes; ++i)
-      c.warned |= warned_at(*model.full, point.active[i], point.reach[i] * point.own);
+      c.warnings |= warned_at(*model.full, point.active[i], point.node_displacement[i] * point.displacement);
   }
   return solved;
 }
@@ -73,7 +73,7 @@ int couple_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, c
   if (n_tools > data.max_tools) return PHN_ERROR_TOOLS;
   Coupling& c = *data.coupling;
   c.n_tools = 0;
-  c.warned = PHN_OK;
+  c.warnings = PHN_OK;
   if (n_tools > 1 && has_round_tools(c)) return PHN_ERROR_ROUND_TOOLS;
   const double largest = largest_between_nodes(model);
   Vector targets[most_coupled];
@@ -89,7 +89,7 @@ int couple_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, c
   c.n_tools = n_tools;
   const CoupledResult solved = alone ? answer_alone(*c.model, c, targets[0]) : answer_coupled(*c.model, c, targets);
   result = {solved.residual, std::isfinite(solved.energy) ? solved.energy : 0};
-  return solved.settled ? c.warned : c.warned | PHN_WARNING_UNSETTLED;
+  return solved.settled ? c.warnings : c.warnings | PHN_WARNING_UNSETTLED;
 }
 
 int field_of_tools(const phn_model& model, phn_data& data, double* out) {
@@ -102,7 +102,7 @@ int field_of_tools(const phn_model& model, phn_data& data, double* out) {
   coupled_field(*c.model, c, data.prepared, data.scratch, data.field, out);
   // Sums of the fields of several nodes overflow where a model has numbers near the largest.
   for (std::int32_t i = 0; i < 3 * model.n_output; ++i) out[i] = std::isfinite(out[i]) ? out[i] : 0;
-  return c.warned;
+  return c.warnings;
 }
 
 }  // namespace PHN_RUNTIME

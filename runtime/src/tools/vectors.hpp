@@ -111,9 +111,9 @@ inline double inner_product(const Matrix& a, const Matrix& b) {
   return sum;
 }
 
-/// Inverse; a matrix that is close to singular is made slightly stiffer first.
-inline Matrix inverse_of(const Matrix& given) {
-  Matrix a = given, inverse;
+/// Inverse of a matrix, which is made slightly stiffer first where it is nearly singular.
+inline Matrix inverse_of(const Matrix& matrix) {
+  Matrix a = matrix, inverse;
   double size = 0;
   for (const double k : a.a) size = std::fmax(size, std::fabs(k));
   for (double shift = 1e-3;; shift *= 10) {
@@ -127,9 +127,40 @@ inline Matrix inverse_of(const Matrix& given) {
     if (std::fabs(determinant) > 1e-9 * size * size * size || !(size > 0) || shift > 1e3) {
       return (determinant != 0 ? 1 / determinant : 0) * inverse;
     }
-    for (int i = 0; i < 3; ++i) a(i, i) = given(i, i) + shift * size;
+    for (int i = 0; i < 3; ++i) a(i, i) = matrix(i, i) + shift * size;
   }
 }
+
+/// A small dense matrix in memory of another object, row by row.
+template <class T>
+struct MatrixView {
+  T* data;
+  std::int32_t n_columns;
+
+  T& operator()(std::int32_t row, std::int32_t column) const { return data[row * n_columns + column]; }
+};
+
+/// Values with three indices, of which the last varies fastest, in memory of another object.
+template <class T>
+struct ArrayView {
+  T* data;
+  std::int32_t n_second, n_third;
+
+  T& operator()(std::int32_t first, std::int32_t second, std::int32_t third) const {
+    return data[(first * n_second + second) * n_third + third];
+  }
+};
+
+/// Arrays of `length` numbers with three indices.
+struct ArraysView {
+  double* data;
+  std::int32_t n_second, n_third;
+  std::size_t length;
+
+  double* operator()(std::int32_t first, std::int32_t second, std::int32_t third) const {
+    return data + static_cast<std::size_t>((first * n_second + second) * n_third + third) * length;
+  }
+};
 
 /// y += factor x. @param n  length of both
 inline void add_scaled(double factor, const double* x, std::int32_t n, double* y) {
@@ -214,9 +245,9 @@ inline bool solve_dense(double* a, std::int32_t n, double* right) {
     if (!(std::fabs(a[pivot * n + k]) > 1e-13 * size)) return false;
     for (std::int32_t j = 0; j <= n && pivot != k; ++j) {
       double &one = j < n ? a[k * n + j] : right[k], &other = j < n ? a[pivot * n + j] : right[pivot];
-      const double kept = one;
+      const double swapped = one;
       one = other;
-      other = kept;
+      other = swapped;
     }
     for (std::int32_t i = k + 1; i < n; ++i) {
       const double factor = a[i * n + k] / a[k * n + k];
