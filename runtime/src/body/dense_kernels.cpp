@@ -6,18 +6,19 @@
 namespace PHN_RUNTIME {
 namespace {
 
-PHN_INLINE void sum_lanes(double (&sum)[at_once], double& total) {
-  double many[1][at_once];
-  for (std::int32_t i = 0; i < at_once; ++i) many[0][i] = sum[i];
+PHN_INLINE void sum_lanes(double (&sum)[block_size], double& total) {
+  double many[1][block_size];
+  for (std::int32_t i = 0; i < block_size; ++i) many[0][i] = sum[i];
   add_up_many(many, &total);
 }
 
 /// The product a . x of a row.
 template <class X>
 PHN_INLINE double row_times(const float* a, const X* x, std::int32_t n_whole) {
-  double sum[at_once] = {}, total;
-  for (std::int32_t m = 0; m < n_whole; m += at_once)
-    for (std::int32_t i = 0; i < at_once; ++i) sum[i] += static_cast<double>(a[m + i]) * static_cast<double>(x[m + i]);
+  double sum[block_size] = {}, total;
+  for (std::int32_t m = 0; m < n_whole; m += block_size)
+    for (std::int32_t i = 0; i < block_size; ++i)
+      sum[i] += static_cast<double>(a[m + i]) * static_cast<double>(x[m + i]);
   sum_lanes(sum, total);
   return total;
 }
@@ -67,7 +68,7 @@ template <int bytes, int sign, bool upper>
 PHN_INLINE void add_products_of(const float* a, std::int32_t a_stride, const float* b, std::int64_t n,
                                 std::int32_t first, std::int32_t end, std::int32_t stride, float* out) {
   using Lanes = typename LanesOf<bytes>::type;
-  constexpr std::int32_t height = 4, width = sizeof(Lanes) / sizeof(float), wide = at_once / width > 1 ? 2 : 1;
+  constexpr std::int32_t height = 4, width = sizeof(Lanes) / sizeof(float), wide = block_size / width > 1 ? 2 : 1;
   for (std::int32_t i = first; i < end; i += height)
     for (std::int32_t j = upper ? i / (wide * width) * (wide * width) : 0; j < stride; j += wide * width) {
       Lanes tile[height][wide] = {}, right;
@@ -111,9 +112,9 @@ template <int bytes>
 PHN_INLINE bool factorize_rows(float* a, std::int32_t n, std::int32_t stride) {
   float diagonal[schema::most_body_modes];
   for (std::int32_t i = 0; i < n; ++i) diagonal[i] = a[static_cast<std::int64_t>(i) * (stride + 1)];
-  for (std::int32_t first = 0; first < n; first += at_once) {
+  for (std::int32_t first = 0; first < n; first += block_size) {
     float* block = a + static_cast<std::int64_t>(first) * stride;
-    const std::int32_t height = n - first < at_once ? n - first : at_once;
+    const std::int32_t height = n - first < block_size ? n - first : block_size;
     for (std::int32_t i = 0; i < height; ++i) {
       float* row = block + i * stride;
       for (std::int32_t k = 0; k < i; ++k) {
@@ -126,7 +127,7 @@ PHN_INLINE bool factorize_rows(float* a, std::int32_t n, std::int32_t stride) {
       for (std::int32_t m = first; m < stride; ++m) row[m] *= inverse;
       row[first + i] = inverse;
     }
-    add_products_of<bytes, -1, true>(block, stride, block, height, first + at_once, stride, stride, a);
+    add_products_of<bytes, -1, true>(block, stride, block, height, first + block_size, stride, stride, a);
   }
   return true;
 }

@@ -405,9 +405,9 @@ int phn_body_nearest(const phn_body* body, const double x[3], phn_tool* tool, do
             body->info.triangles, body->info.n_triangles, from,
             [&](std::int32_t v) { return body->info.points + 3 * static_cast<std::size_t>(v); },
             [&](std::int32_t v) {
-              return is_touchable(*body, v)                                     ? Hold::moves
-                     : body->node_kinds[v] == phynness::schema::body_node_fixed ? Hold::fixed
-                                                                                : Hold::none;
+              return is_touchable(*body, v)                                     ? VertexKind::movable
+                     : body->node_kinds[v] == phynness::schema::body_node_fixed ? VertexKind::fixed
+                                                                                : VertexKind::untouchable;
             });
       },
       [&](std::int32_t v) { return body->info.nodes[v]; });

@@ -23,7 +23,7 @@ bool is_overtaken(const phn_contact& contact, double radius, const ToolContact& 
   const double was = dot(apart, normal);
   point_at(contact.surface, contact.surface.placed, at, radius, y);
   subtract(tool.position, y, apart);
-  return was >= 0 && dot(apart, normal) < 0 && movable_weight(contact.surface, at) >= least_movable<double>;
+  return was >= 0 && dot(apart, normal) < 0 && movable_weight(contact.surface, at) >= smallest_movable_weight<double>;
 }
 
 /// Starts a grasp. The touched point keeps its present displacement, so that it does not jump.
@@ -60,7 +60,7 @@ void approach(const phn_contact& contact, const ToolInput& input, ToolContact& t
     }
     if (!tool.has_proxy && input.mode == PHN_TOOL_GRASP) {
       const double distance = nearest(surface, contact.volumes, 0, c, at);
-      tool.has_proxy = distance <= input.radius && movable_weight(surface, at) >= least_movable<double>;
+      tool.has_proxy = distance <= input.radius && movable_weight(surface, at) >= smallest_movable_weight<double>;
       part = 1;
     }
     if (tool.has_proxy) {

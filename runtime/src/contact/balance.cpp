@@ -418,7 +418,7 @@ class Balance {
         ToolContact beside = {};
         const double height = nearest(_surface, _contact.volumes, tool.radius, tool.position, beside.proxy);
         if (_n_active == 0 || !(height < _touched.near_m) ||
-            movable_weight(_surface, beside.proxy) < least_movable<double>)
+            movable_weight(_surface, beside.proxy) < smallest_movable_weight<double>)
           continue;
         tools[n] = constraint_of(_contact, beside);
         heights[n] = height;

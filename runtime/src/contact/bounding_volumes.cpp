@@ -183,7 +183,7 @@ double sweep(const ContactSurface& s, const BoundingVolumes& v, double radius, c
       const double part = crossing_position(corner, segment, weight);
       if (part < 0 || part >= first) continue;
       const SurfacePoint hit = {v.order[j], {weight[0], weight[1], weight[2]}};
-      if (movable_weight(s, hit) < least_movable<double>) continue;
+      if (movable_weight(s, hit) < smallest_movable_weight<double>) continue;
       first = part;
       at = hit;
     }

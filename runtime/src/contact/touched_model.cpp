@@ -22,7 +22,7 @@ class TouchedModel final : public Touched {
     const Coupling& coupling = *_data.coupling;
     if (coupling.n_tools > 1) return coupling.stiffness(i, i);
     const Constraint& point = coupling.point[i];
-    if (!answers_alone(_model, point)) return point.stiffness;
+    if (!needs_no_coupling(_model, point)) return point.stiffness;
     // phn_couple computes no coupling stiffness for a tool that it answers alone.
     const Mean mean = mean_at(_model, {}, point);
     Matrix sum = {};

@@ -12,7 +12,7 @@ void normalize(const ContactSurface& s, SurfacePoint& at) {
   for (double& w : at.weight) w = sum > 0 ? w / sum : 1.0 / 3;
   bool moves[3];
   for (int c = 0; c < 3; ++c) moves[c] = s.active[s.triangle[3 * at.triangle + c]] >= 0;
-  keep_movable(moves, 3, movable_weight(s, at), at.weight);
+  raise_movable_weight(moves, 3, movable_weight(s, at), at.weight);
 }
 
 /// Moves the point to the triangle across the edge opposite to corner `opposite` and turns the step into its plane.

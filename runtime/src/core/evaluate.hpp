@@ -6,10 +6,10 @@
 
 namespace PHN_RUNTIME {
 
-/// Parts of a deformation that do not depend on the displacement, kept for the nodes that were touched last. Family
-/// modal: the product B P of shared modes and mixing, because u = (B P) a takes n_modes products for each row, but B (P
-/// a) takes as many as there are shared modes. Family rbfn: Gaussians of the coordinates. A node for which this saves
-/// time is always evaluated in this way, so that results do not depend on the nodes touched before.
+/// Parts of a deformation that do not depend on the displacement, stored for the nodes that were touched last. Family
+/// modal stores the product B P of shared modes and mixing, because u = (B P) a takes n_modes products for each row,
+/// but B (P a) takes as many as there are shared modes. Family rbfn stores Gaussians of the coordinates. A node for
+/// which this saves time is always evaluated in this way, so that results do not depend on the nodes touched before.
 struct PreparedNode {
   std::int32_t active;    ///< position among the active nodes; -1: none
   std::uint64_t touched;  ///< counter value of the last use
@@ -53,7 +53,7 @@ std::int32_t find_vertex(const phn_model& model, std::int32_t node);
 /// The force is the gradient of the energy and the stiffness the derivative of the force, in families with an energy.
 /// In all functions below `model` may be the model of any level. The force has the same bits with and without the
 /// others.
-/// @pre model.has_energy, or neither energy nor stiffness is asked for
+/// @pre model.has_energy, or energy and stiffness are null
 /// @param d          3 [m], finite
 /// @param force      3 [N]
 /// @param energy     the work from rest to d [J]; may be null

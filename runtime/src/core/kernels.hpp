@@ -61,8 +61,8 @@ const Kernels& best_of(const Kernels* const (&of_sets)[n]) {
 
 /// Adds up the lanes of n vectors of partial sums, which it overwrites.
 template <class T, std::size_t n>
-PHN_INLINE void add_up_many(T (&sum)[n][at_once], double* total) {
-  static_assert(at_once == 16);
+PHN_INLINE void add_up_many(T (&sum)[n][block_size], double* total) {
+  static_assert(block_size == 16);
   for (std::size_t k = 0; k < n; ++k) {
     PHN_KEEP_IN_MEMORY(sum[k]);
     for (std::int32_t i = 0; i < 8; ++i) sum[k][i] += sum[k][i + 8];

@@ -31,45 +31,45 @@ void fill_symmetric(const Real* k, Real* matrix) {
   }
 }
 
-/// A displacement may exceed the trained depth by this factor and still count as inside, so that the deepest increment
-/// itself is inside despite the rounding of its direction.
+/// A displacement counts as inside of the trained range up to this factor of the depth, so that the deepest increment
+/// is inside in spite of the rounding of its direction.
 template <class Real>
 inline constexpr Real depth_slack = sizeof(Real) == sizeof(float) ? static_cast<Real>(1 + 1e-6f)
                                                                   : static_cast<Real>(1 + 1e-9);
 
-/// Weight of the fixed corners of a triangle from which on the free ones do not answer for a round tool there
+/// Largest weight of the fixed corners of a triangle for which the responses of the free ones are those of a round tool
 /// (docs/decisions/between-points.md).
 template <class Real>
 inline constexpr Real largest_fixed_weight = static_cast<Real>(0.3);
 
-/// Moving corners have at least this weight in a place, because the stiffness of a point grows without bound towards a
+/// Smallest sum of the weights of moving corners in a place. The stiffness of a point grows without bound towards a
 /// fixed edge.
 template <class Real>
-inline constexpr Real least_movable = static_cast<Real>(0.05);
-/// Gives moving corners, if their weights have a sum `movable` below this, that sum. @return whether it was below
+inline constexpr Real smallest_movable_weight = static_cast<Real>(0.05);
+/// Raises the weights of moving corners to this sum if their sum `movable` is below it. @return whether it was below
 template <class Real>
-bool keep_movable(const bool* moves, int n, Real movable, Real* weight) {
-  if (movable >= least_movable<Real>) return false;
+bool raise_movable_weight(const bool* moves, int n, Real movable, Real* weight) {
+  if (movable >= smallest_movable_weight<Real>) return false;
   int n_moving = 0;
   for (int c = 0; c < n; ++c) n_moving += moves[c];
   for (int c = 0; c < n; ++c) {
     if (!moves[c]) {
-      weight[c] *= (1 - least_movable<Real>) / (1 - movable);
+      weight[c] *= (1 - smallest_movable_weight<Real>) / (1 - movable);
     } else {
-      weight[c] =
-          movable > 0 ? weight[c] * least_movable<Real> / movable : least_movable<Real> / static_cast<Real>(n_moving);
+      weight[c] = movable > 0 ? weight[c] * smallest_movable_weight<Real> / movable
+                              : smallest_movable_weight<Real> / static_cast<Real>(n_moving);
     }
   }
   return true;
 }
 
-/// Corners with a smaller share of a place bring no warning and no bound: they are of the size to which a place is
-/// known in single precision, and come and go along an edge.
+/// Corners with a smaller share of a place give no warning and no bound. Such shares are rounding errors of places in
+/// single precision.
 inline constexpr double least_share = 1e-5;
 
 /// @pre value is not NaN
 template <class Real>
-Real cut(Real value, Real largest) {
+Real clamp(Real value, Real largest) {
   return value > largest ? largest : value < -largest ? -largest : value;
 }
 

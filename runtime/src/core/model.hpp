@@ -17,8 +17,8 @@ namespace PHN_RUNTIME {
 
 /// Neurons or centers per block, independent of the width of registers, so that sums are the same on every processor.
 /// Arrays are padded to whole blocks with entries that contribute nothing.
-inline constexpr std::int32_t at_once = 16;
-constexpr std::int32_t whole_blocks(std::int32_t n) { return (n + at_once - 1) / at_once * at_once; }
+inline constexpr std::int32_t block_size = 16;
+constexpr std::int32_t whole_blocks(std::int32_t n) { return (n + block_size - 1) / block_size * block_size; }
 
 using schema::largest_field_count;
 static_assert(largest_field_count == PHN_MOST_FIELDS);
@@ -37,8 +37,8 @@ struct Network {
 };
 
 /// at = d / unit, with components clamped to `largest`. @param d, at  3
-inline void cut(const double* d, double unit, double largest, double* at) {
-  for (int k = 0; k < 3; ++k) at[k] = cut(d[k] / unit, largest);
+inline void clamp(const double* d, double unit, double largest, double* at) {
+  for (int k = 0; k < 3; ++k) at[k] = clamp(d[k] / unit, largest);
 }
 
 /// Components of displacements of a linear model are clamped to this [m]. No coefficient is larger, so that products

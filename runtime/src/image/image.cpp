@@ -16,59 +16,60 @@ int refuse(int status, Real* out, size_t n) {
   return status;
 }
 
-/// What a tool asks for: what answers, and the clamped displacement.
-struct Asked {
+/// The corners of a tool's place and its clamped displacement.
+struct ToolQuery {
   Corners corners;
   Real d[3];
 };
 
-/// @return a status of phynness.h, with the warnings
-[[gnu::noinline]] int ask(const phn_image* opened, const phn_image_tool* tool, const Real* out, Asked& asked) {
+/// Checks a call and finds the corners. @return a status of phynness.h, with the warnings
+[[gnu::noinline]] int check_query(const phn_image* opened, const phn_image_tool* tool, const Real* out,
+                                  ToolQuery& query) {
   if (opened == nullptr || tool == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
   if (tool->reserved[0] != 0 || tool->reserved[1] != 0) return PHN_ERROR_VERSION;
   const Header& image = *header(opened);
-  int status = find_corners(image, *tool, asked.corners);
+  int status = find_corners(image, *tool, query.corners);
   if (status == PHN_ERROR_NOT_ACTIVE && !finite(tool->displacement)) return PHN_ERROR_NOT_FINITE;
   if (status != PHN_OK) return status;
   const Real largest = Real(image::largest_displacement) * image.max_displacement;
-  bool whole = true;
+  bool is_unclamped = true;
   for (int k = 0; k < 3; ++k) {
-    asked.d[k] = tool->displacement[k];
-    whole = whole && asked.d[k] <= largest && -asked.d[k] <= largest;
+    query.d[k] = tool->displacement[k];
+    is_unclamped = is_unclamped && query.d[k] <= largest && -query.d[k] <= largest;
   }
-  if (!whole && !finite(asked.d)) return PHN_ERROR_NOT_FINITE;
-  for (int k = 0; k < 3 && !whole; ++k) asked.d[k] = cut(asked.d[k], largest);
-  if (asked.corners.fixed_weight > largest_fixed_weight<Real>) status = PHN_WARNING_OUTSIDE;
-  for (uint32_t i = 0; i < asked.corners.n; ++i) {
-    if (asked.corners.counts(i)) status |= warnings(image, asked.corners.position[i], whole, asked.d);
+  if (!is_unclamped && !finite(query.d)) return PHN_ERROR_NOT_FINITE;
+  for (int k = 0; k < 3 && !is_unclamped; ++k) query.d[k] = clamp(query.d[k], largest);
+  if (query.corners.fixed_weight > largest_fixed_weight<Real>) status = PHN_WARNING_OUTSIDE;
+  for (uint32_t i = 0; i < query.corners.n; ++i) {
+    if (query.corners.counts(i)) status |= warnings(image, query.corners.position[i], is_unclamped, query.d);
   }
   return status;
 }
 
-/// A function of its own, because a node needs no memory for neighbours.
+/// Adds the responses between nodes. This is a function of its own, because a node needs no memory for neighbours.
 template <int n>
-[[gnu::noinline]] void respond_between(const Header& image, const Asked& asked, Real* sum) {
-  Around around;
-  find_neighbours(image, asked.corners, around);
+[[gnu::noinline]] void respond_between(const Header& image, const ToolQuery& query, Real* sum) {
+  Neighbourhood around;
+  find_neighbours(image, query.corners, around);
   Real result[n];
   for (uint32_t i = 0; i < around.n; ++i) {
-    respond<n>(image, around.position[i], asked.d, result);
+    respond<n>(image, around.position[i], query.d, result);
     for (int k = 0; k < n; ++k) sum[k] += around.weight[i] * result[k];
   }
 }
 
 template <int n>
 int evaluate(const phn_image* opened, const phn_image_tool* tool, Real* out) {
-  Asked asked;
-  int status = ask(opened, tool, out, asked);
+  ToolQuery query;
+  int status = check_query(opened, tool, out, query);
   if (status >= 0 && n != Force && !traits(*header(opened)).has_energy) status = PHN_ERROR_UNDEFINED;
   if (status < 0) return refuse(status, out, n);
   const Header& image = *header(opened);
   Real result[n] = {};
-  if (asked.corners.n == 1) {
-    respond<n>(image, asked.corners.position[0], asked.d, result);
+  if (query.corners.n == 1) {
+    respond<n>(image, query.corners.position[0], query.d, result);
   } else {
-    respond_between<n>(image, asked, result);
+    respond_between<n>(image, query, result);
   }
   bool all_finite = true;
   for (int k = 0; k < n; ++k) all_finite = all_finite && result[k] - result[k] == 0;
@@ -78,7 +79,7 @@ int evaluate(const phn_image* opened, const phn_image_tool* tool, Real* out) {
 
 void copy_number(const uint32_t (&from)[2], double& to) { __builtin_memcpy(&to, from, sizeof to); }
 
-void tell(const image::Provenance& from, phn_provenance& out) {
+void copy_provenance(const image::Provenance& from, phn_provenance& out) {
   out.mesh_hash = from.mesh_hash;
   out.physics_hash = from.physics_hash;
   out.element = from.element;
@@ -132,9 +133,9 @@ int phn_image_info(const phn_image* opened, phn_image_contents* out) {
   out->n_triangles = surface == nullptr ? 0 : static_cast<int32_t>(surface->triangle.n / 6);
   out->has_energy = traits(image).has_energy;
   out->has_bounds = surface != nullptr && surface->bound.n > 0;
-  const auto& told = *at<image::Provenance>(image, image.provenance);
-  tell(told, origin);
-  out->relaxation = relaxation_of(image, told.relaxation);
+  const auto& recorded = *at<image::Provenance>(image, image.provenance);
+  copy_provenance(recorded, origin);
+  out->relaxation = relaxation_of(image, recorded.relaxation);
   return PHN_OK;
 }
 
@@ -159,9 +160,9 @@ int phn_image_nearest(const phn_image* opened, int32_t from, const Real* x, phn_
   } else if (!finite(x)) {
     status = PHN_ERROR_NOT_FINITE;
   } else {
-    Real asked[3];
-    for (int k = 0; k < 3; ++k) asked[k] = cut(x[k], Real(image::Bounds<Real>::value));
-    const Search search(*image, *surface, asked);
+    Real query[3];
+    for (int k = 0; k < 3; ++k) query[k] = clamp(x[k], Real(image::Bounds<Real>::value));
+    const Search search(*image, *surface, query);
     if (from < 0) {
       found = search.everywhere(n_triangles);
     } else {
@@ -189,36 +190,36 @@ int phn_image_stiffness(const phn_image* image, const phn_image_tool* tool, Real
 }
 
 int phn_image_depth(const phn_image* opened, const phn_image_tool* tool, Real* out) {
-  Asked asked;
-  const int status = ask(opened, tool, out, asked);
+  ToolQuery query;
+  const int status = check_query(opened, tool, out, query);
   if (status < 0) return refuse(status, out, 1);
-  const Corners& corners = asked.corners;
+  const Corners& corners = query.corners;
   Real depth = PHN_IMAGE_NO_BOUND;
   for (uint32_t i = 0; i < corners.n; ++i) {
-    const Real of_corner = corners.counts(i) ? trained_depth(*header(opened), corners.position[i], asked.d) : depth;
+    const Real of_corner = corners.counts(i) ? trained_depth(*header(opened), corners.position[i], query.d) : depth;
     depth = of_corner < depth ? of_corner : depth;
   }
   *out = corners.fixed_weight > largest_fixed_weight<Real> ? 0 : depth;
   return status & PHN_WARNING_OUTSIDE;
 }
 
-/// As bound_between in tools/one_tool.cpp.
+/// This is bound_between of tools/one_tool.cpp.
 [[gnu::cold]] int phn_image_bound(const phn_image* opened, const phn_image_tool* tool, Real* out) {
-  Asked asked;
-  int status = ask(opened, tool, out, asked);
+  ToolQuery query;
+  int status = check_query(opened, tool, out, query);
   const image::Surface* surface = status < 0 ? nullptr : surface_of(*header(opened));
   if (status >= 0 && (surface == nullptr || surface->bound.n == 0)) status = PHN_ERROR_UNDEFINED;
   if (status < 0) return refuse(status, out, 1);
   *out = PHN_IMAGE_NO_BOUND;
   if ((status & PHN_WARNING_OUTSIDE) != 0) return status;
   const Header& image = *header(opened);
-  const Corners& corners = asked.corners;
+  const Corners& corners = query.corners;
   Real force[image::most_corners][3] = {}, mean[3] = {0, 0, 0}, largest = 0, spread = 0;
   for (uint32_t i = 0; i < corners.n; ++i) {
     const uint32_t position = corners.position[i];
-    const Real bound = corners.counts(i) ? bound_at_node(image, *surface, position, asked.d) : 0;
+    const Real bound = corners.counts(i) ? bound_at_node(image, *surface, position, query.d) : 0;
     largest = bound > largest ? bound : largest;
-    if (corners.n > 1) respond<Force>(image, position, asked.d, force[i]);
+    if (corners.n > 1) respond<Force>(image, position, query.d, force[i]);
     for (int k = 0; k < 3; ++k) mean[k] += corners.weight[i] * force[i][k];
   }
   for (uint32_t i = 0; i < corners.n; ++i) {
@@ -238,21 +239,21 @@ int phn_image_deform(const phn_image* opened, Real* scratch, const phn_image_too
   if (opened == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
   const Header& image = *header(opened);
   const size_t n = 3 * static_cast<size_t>(image.output_nodes.n);
-  Asked asked;
-  int status = ask(opened, tool, out, asked);
+  ToolQuery query;
+  int status = check_query(opened, tool, out, query);
   if (scratch == nullptr && image.n_scratch > 0) status = PHN_ERROR_ARGUMENT;
   if (overlap(scratch, image.n_scratch * sizeof(Real), out, n * sizeof(Real))) status = PHN_ERROR_OVERLAP;
   if (status < 0) return refuse(status, out, n);
-  const Corners& corners = asked.corners;
+  const Corners& corners = query.corners;
   const ActiveNode* node = corners.n == 1 && n > 0 ? active_node(image, corners.position[0]) : nullptr;
   const bool deforms = node != nullptr && with_response(image, corners.position[0], [&](const auto& response) {
-                         return response_field(image, response, asked.d, scratch, out);
+                         return response_field(image, response, query.d, scratch, out);
                        });
   if (!deforms) return refuse(PHN_ERROR_UNDEFINED, out, n);
-  const auto* moved = at<uint16_t>(image, node->prescribed);
+  const auto* prescribed = at<uint16_t>(image, node->prescribed);
   const Real* weight = at<Real>(image, node->prescribed_weight);
   for (uint32_t p = 0; p < node->prescribed.n; ++p) {
-    for (uint32_t k = 0; k < 3; ++k) out[3 * moved[p] + k] = weight[p] * asked.d[k];
+    for (uint32_t k = 0; k < 3; ++k) out[3 * prescribed[p] + k] = weight[p] * query.d[k];
   }
   return status;
 }

@@ -13,7 +13,7 @@
 
 namespace PHN_IMAGES {
 
-/// Calls f with a null pointer to the type of a response. The only place that distinguishes the families of images.
+/// Calls f with a null pointer to the type of a response. No other place distinguishes the families of images.
 template <class Function>
 PHN_INLINE auto with_response_type(Family family, Function&& f) {
   if (family == RbfnResponse::family) return f(static_cast<const RbfnResponse*>(nullptr));
@@ -44,7 +44,7 @@ inline const image::Surface* surface_of(const Header& image) {
   return found == 0 ? nullptr : at<image::Surface>(image, found);
 }
 
-/// What answers has a position: active nodes come first, then linear points, which have no field and no trained depth.
+/// The node at a position; null: a linear point, which has no field and no trained depth. Active nodes come first.
 inline const ActiveNode* active_node(const Header& image, uint32_t position) {
   return position < image.active_nodes.n ? at<ActiveNode>(image, image.active) + position : nullptr;
 }
@@ -61,7 +61,7 @@ PHN_INLINE auto with_response(const Header& image, uint32_t position, Function&&
                             [&](const auto* type) { return f(response_at(image, offset, type)); });
 }
 
-/// What is asked for, and how many numbers it has.
+/// A result, as the number of its components.
 enum Quantity : int { Force = 3, Energy = 1, Stiffness = 9 };
 
 /// @tparam n  Force, Energy or Stiffness
@@ -82,12 +82,13 @@ template <int n>
                      static_cast<int32_t>(node->trained_depth.n), d, square_root(dot(d, d)), image.max_displacement);
 }
 
-/// @param whole  false if d was clamped
-inline int warnings(const Header& image, uint32_t position, bool whole, const Real* d) {
+/// @param is_unclamped  false if d was clamped
+inline int warnings(const Header& image, uint32_t position, bool is_unclamped, const Real* d) {
   const ActiveNode* node = active_node(image, position);
   const bool outside =
-      !whole || (!traits(image).proportional &&
-                 (node == nullptr || square_root(dot(d, d)) > depth_slack<Real> * trained_depth(image, position, d)));
+      !is_unclamped ||
+      (!traits(image).proportional &&
+       (node == nullptr || square_root(dot(d, d)) > depth_slack<Real> * trained_depth(image, position, d)));
   return (outside ? PHN_WARNING_OUTSIDE : 0) | (node != nullptr && node->incomplete ? PHN_WARNING_INCOMPLETE : 0);
 }
 

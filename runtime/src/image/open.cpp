@@ -1,6 +1,6 @@
-// phn_image_open: the checks of identity, size and checksum, that every table lies inside of the image and every index
+// phn_image_open. It checks identity, size and checksum, that every table lies inside of the image and every index
 // inside of its table, that every number is within bounds for which sums are finite, and that the working memory is
-// what the responses need.
+// the one that the responses need.
 #include "image/image.hpp"
 
 // What follows runs once and is optimized for size. It computes nothing but comparisons.
@@ -25,15 +25,15 @@ class ImageCheck {
     if (!_good) return PHN_ERROR_RANGE;
     const auto* node = at<ActiveNode>(_image, _image.active);
     for (uint32_t i = 0; i < _image.active.n && _good; ++i) active(node[i]);
-    // Not more either: its size in bytes would wrap around where size_t has 32 bits.
+    // A larger number is refused, too: its size in bytes would wrap around where size_t has 32 bits.
     require(_image.n_scratch == _n_scratch);
     return _good ? PHN_OK : PHN_ERROR_RANGE;
   }
 
  private:
   void require(bool condition) { _good = _good && condition; }
-  /// Notes the working memory of a deformation. @param n  Reals; bounded by the largest counts
-  void needs(uint32_t n) {
+  /// Records the working memory of a deformation. @param n  Reals; bounded by the largest counts
+  void require_scratch(uint32_t n) {
     if (_n_scratch < n) _n_scratch = n;
   }
 
@@ -171,7 +171,7 @@ class ImageCheck {
     if (n_inputs == 3) return;
     indices(net.output, n_outputs);
     require(net.output.n == net.displacement.n);
-    needs(net.displacement.n);
+    require_scratch(net.displacement.n);
   }
 
   void response(const RbfnResponse& rbfn) {
@@ -197,7 +197,7 @@ class ImageCheck {
     scaled(modal.mixing, n_shared, m);
     indices(modal.near, _image.output_nodes.n);
     scaled(modal.near_modes, 3 * modal.near.n, m);
-    if (m > 0) needs(n_centers + 3 + n_shared + 2 * m);
+    if (m > 0) require_scratch(n_centers + 3 + n_shared + 2 * m);
   }
   template <class Response>
   void response_of(const Response* type, uint32_t offset) {

@@ -6,7 +6,7 @@
 
 namespace PHN_IMAGES {
 
-/// Triangles that a walk crosses at most, and triangles around a vertex that it looks at.
+/// Largest number of triangles that a walk crosses, and of triangles around a vertex that it examines.
 inline constexpr uint32_t most_crossings = 32, most_around_vertex = 64;
 
 struct Nearest {
@@ -22,7 +22,7 @@ class Search {
 
   Nearest everywhere(uint32_t n_triangles) const {
     Nearest best = on(0);
-    for (uint32_t t = 1; t < n_triangles; ++t) improve(t, best);
+    for (uint32_t t = 1; t < n_triangles; ++t) keep_nearer(t, best);
     return best;
   }
 
@@ -40,7 +40,7 @@ class Search {
     found.triangle = t;
     for (int k = 0; k < 3; ++k) corner[k] = _point + 3 * static_cast<size_t>(vertex(t, k));
     nearest_weights(corner, _x, found.weight);
-    put(found);
+    set_point(found);
     return found;
   }
 
@@ -52,12 +52,12 @@ class Search {
       moves[k] = corners[vertex(found.triangle, k)].active[0] != image::none;
       movable += moves[k] ? found.weight[k] : 0;
     }
-    if (keep_movable(moves, 3, movable, found.weight)) put(found);
+    if (raise_movable_weight(moves, 3, movable, found.weight)) set_point(found);
   }
 
  private:
-  /// The point of the weights and its distance.
-  void put(Nearest& found) const {
+  /// Sets the point of the weights and its distance.
+  void set_point(Nearest& found) const {
     found.square = 0;
     for (int k = 0; k < 3; ++k) {
       found.point[k] = 0;
@@ -70,35 +70,35 @@ class Search {
   uint16_t vertex(uint32_t t, int k) const { return _triangle[6 * t + static_cast<uint32_t>(k)]; }
   uint16_t across(uint32_t t, int k) const { return vertex(t, 3 + k); }
 
-  bool improve(uint32_t t, Nearest& best) const {
+  bool keep_nearer(uint32_t t, Nearest& best) const {
     const Nearest found = on(t);
     const bool nearer = found.square < best.square;
     if (nearer) best = found;
     return nearer;
   }
 
-  /// To a nearer triangle at the edge or the vertex on which the nearest point is. Distances only decrease, so that no
-  /// triangle is entered twice.
+  /// Moves to a nearer triangle at the edge or the vertex on which the nearest point is. Distances only decrease, so
+  /// that no triangle is entered twice. @return whether there was one
   bool step(Nearest& best) const {
     const Real* w = best.weight;
     for (int k = 0; k < 3; ++k) {
-      if (w[k] == 1) return around(k, 1, best) || around(k, 2, best);
+      if (w[k] == 1) return nearer_around(k, 1, best) || nearer_around(k, 2, best);
     }
     for (int k = 0; k < 3; ++k) {
       const uint16_t next = across(best.triangle, k);
-      if (w[k] == 0 && next != image::none && improve(next, best)) return true;
+      if (w[k] == 0 && next != image::none && keep_nearer(next, best)) return true;
     }
     return false;
   }
 
-  /// Looks at the triangles around corner k, from that across the edge opposite to the corner k + turn.
-  [[gnu::noinline]] bool around(int k, int turn, Nearest& best) const {
+  /// Examines the triangles around corner k, from the one across the edge opposite to the corner k + turn.
+  [[gnu::noinline]] bool nearer_around(int k, int turn, Nearest& best) const {
     const uint16_t middle = vertex(best.triangle, k);
     uint32_t t = best.triangle;
     for (uint32_t i = 0; i < most_around_vertex; ++i) {
       t = across(t, (k + turn) % 3);
       if (t == image::none || t == best.triangle) return false;
-      if (improve(t, best)) return true;
+      if (keep_nearer(t, best)) return true;
       for (k = 0; k < 3 && vertex(t, k) != middle;) ++k;
       if (k == 3) return false;
     }
@@ -109,7 +109,7 @@ class Search {
   const Real *_point, *_x;
 };
 
-/// Weights of positions, as with_response takes them. @tparam most  of them
+/// Weights of positions (see active_node). @tparam most  largest number
 template <uint32_t most>
 struct Weights {
   uint32_t n = 0;
@@ -127,15 +127,14 @@ struct Weights {
   }
 };
 
-/// What answers at a tool: one active node, or the active nodes and linear points between which it is. The weights have
-/// the sum 1.
+/// The active node of a tool, or the active nodes and linear points between which it is. The weights have the sum 1.
 struct Corners : Weights<image::most_corners> {
   Real fixed_weight = 0;
 
   bool counts(uint32_t i) const { return weight[i] > Real(least_share); }
 };
 
-/// Finds the corners of a place and checks it. @return a status of phynness.h
+/// Checks a place and finds its corners. @return a status of phynness.h
 [[gnu::cold]] inline int find_between(const Header& image, const phn_image_tool& tool, Corners& corners) {
   constexpr Real slack = Real(1e-6), whole = schema::whole_weight;
   const image::Surface* surface = surface_of(image);
@@ -177,11 +176,11 @@ inline int find_corners(const Header& image, const phn_image_tool& tool, Corners
   return found < 0 ? PHN_ERROR_NOT_ACTIVE : PHN_OK;
 }
 
-/// The corners, then their neighbours, with the weights of (x).
-using Around = Weights<image::most_corners*(1 + image::most_neighbours)>;
+/// The corners and, behind them, their neighbours, with the weights of (x).
+using Neighbourhood = Weights<image::most_corners*(1 + image::most_neighbours)>;
 
-/// By the gradients of the energies over the surface: mean_at in tools/round_tool.cpp.
-[[gnu::cold]] inline void find_neighbours(const Header& image, const Corners& corners, Around& around) {
+/// Sets the weights of (x) by the gradients of the energies over the surface, as mean_at in tools/round_tool.cpp.
+[[gnu::cold]] inline void find_neighbours(const Header& image, const Corners& corners, Neighbourhood& around) {
   const image::Surface& surface = *surface_of(image);
   const auto point = [&](uint32_t i) {
     const size_t n_active = image.active_nodes.n, own = corners.position[i];
@@ -216,7 +215,7 @@ inline Real bound_at_node(const Header& image, const image::Surface& surface, ui
   const bool modal = traits(image).has_modes;
   const Real x[3] = {modal ? d[0] / image.max_displacement : d[0], modal ? d[1] / image.max_displacement : d[1],
                      modal ? d[2] / image.max_displacement : d[2]};
-  const auto rest = [&] {  // the size of the force
+  const auto rest = [&] {  // The bound at rest is the size of the force.
     const Real none[3] = {0, 0, 0};
     Real force[3] = {0, 0, 0};
     if (!modal) respond<Force>(image, active, none, force);

@@ -40,7 +40,7 @@ inline void clear(Real* out, size_t n) {
 
 /// d / max_displacement. @param d  clamped
 inline void scale_displacement(const Header& image, const Real* d, Real* x) {
-  for (int k = 0; k < 3; ++k) x[k] = cut(d[k] / image.max_displacement, Real(image::largest_displacement));
+  for (int k = 0; k < 3; ++k) x[k] = clamp(d[k] / image.max_displacement, Real(image::largest_displacement));
 }
 
 }  // namespace PHN_IMAGES

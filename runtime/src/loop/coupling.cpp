@@ -72,7 +72,7 @@ Vector predicted(const phn_loop& loop, double now) {
   const phn_loop_settings& s = loop.settings;
   const double ahead = now - loop.observer.time() + 0.5 * s.period_s;
   Vector moved = ahead * loop.observer.velocity(n_velocity);
-  if (s.trip_jump_m > 0) moved = shortened(moved, s.trip_jump_m);
+  if (s.trip_jump_m > 0) moved = limited_length(moved, s.trip_jump_m);
   return loop.observer.position() + moved;
 }
 
@@ -80,9 +80,9 @@ Vector couple(phn_loop& loop, const phn_loop_response& response, double now, dou
   const phn_loop_settings& s = loop.settings;
   const Vector target = to_body(loop, predicted(loop, now));
   stored = 0;
-  if (!loop.placed || response.in_contact == 0) {
+  if (!loop.has_tool || response.in_contact == 0) {
     loop.tool = target;
-    loop.placed = true;
+    loop.has_tool = true;
     loop.path.n = 0;
     loop.path.add(vector_to_device(loop, loop.tool));
     return {};
@@ -91,7 +91,7 @@ Vector couple(phn_loop& loop, const phn_loop_response& response, double now, dou
   const Vector of_body = vector_at(response.force), displacement = vector_at(response.displacement);
   Vector step = newton_step(response, coupling, coupling * (target - loop.tool) - of_body);
   if (s.reach_m > 0 && length(displacement + step) > s.reach_m)
-    step = shortened(displacement + step, s.reach_m) - displacement;
+    step = limited_length(displacement + step, s.reach_m) - displacement;
   if (!is_finite(step)) {
     trip(loop, PHN_TRIP_NOT_FINITE);
     return {};

@@ -49,9 +49,10 @@ Vector next_force(phn_loop& loop, const phn_loop_response& response, double dura
   double stored = 0;
   Vector force = couple(loop, response, loop.now, stored);
   if (s.trip_force_N > 0 && length(force) > s.trip_force_N) trip(loop, PHN_TRIP_FORCE);
-  force = shortened(advance_ramp(loop, duration) * force, s.largest_force_N);
-  if (s.largest_slew_N_per_s > 0) force = loop.force + shortened(force - loop.force, s.largest_slew_N_per_s * duration);
-  force = shortened(kept_passive(loop, force, stored, loop.now), s.largest_force_N);
+  force = limited_length(advance_ramp(loop, duration) * force, s.largest_force_N);
+  if (s.largest_slew_N_per_s > 0)
+    force = loop.force + limited_length(force - loop.force, s.largest_slew_N_per_s * duration);
+  force = limited_length(limit_energy(loop, force, stored, loop.now), s.largest_force_N);
   if (!is_finite(force)) trip(loop, PHN_TRIP_NOT_FINITE);
   return force;
 }
@@ -117,8 +118,8 @@ int phn_loop_engage(phn_loop* loop) {
   if (loop == nullptr || loop->state == PHN_LOOP_TRIPPED) return PHN_ERROR_ARGUMENT;
   if (loop->state == PHN_LOOP_ON) return PHN_OK;
   loop->observer.restart();
-  loop->forgotten = 0;
-  loop->placed = false;
+  loop->withheld = 0;
+  loop->has_tool = false;
   loop->state = PHN_LOOP_ON;
   return PHN_OK;
 }
@@ -135,9 +136,9 @@ int phn_loop_read(phn_loop* loop, const double position[3], double measured, dou
     loop->age = loop->observer.started() ? now - loop->observer.time() : 0;
     if (is_on(*loop)) check_cycle(*loop, now);
   }
-  if (!loop->placed && loop->observer.started()) {
+  if (!loop->has_tool && loop->observer.started()) {
     loop->tool = to_body(*loop, predicted(*loop, loop->now));
-    loop->placed = true;
+    loop->has_tool = true;
   }
   store(loop->tool, tool);
   return status;
@@ -151,7 +152,7 @@ int phn_loop_hold(phn_loop* loop, const phn_loop_response* response, double now,
     return PHN_ERROR_VERSION;
   }
   const int status = advance(*loop, now);
-  const double duration = loop->has_held ? loop->now - loop->last_hold : loop->settings.period_s;
+  const double duration = loop->has_force ? loop->now - loop->last_force_time : loop->settings.period_s;
   const double overrun = loop->settings.trip_overrun_s;
   if (is_on(*loop) && !(duration > 0)) trip(*loop, PHN_TRIP_CLOCK);
   if (is_on(*loop) && overrun > 0 && duration > overrun) trip(*loop, PHN_TRIP_OVERRUN);
@@ -161,8 +162,8 @@ int phn_loop_hold(phn_loop* loop, const phn_loop_response* response, double now,
   if (is_on(*loop) && loop->observer.started()) next = next_force(*loop, *response, duration);
   if (loop->state == PHN_LOOP_TRIPPED) next = {};
   loop->force = next;
-  loop->last_hold = loop->now;
-  loop->has_held = true;
+  loop->last_force_time = loop->now;
+  loop->has_force = true;
   loop->observer.hold(loop->now, next);
   ++loop->cycles;
   store(next, force);
@@ -173,8 +174,8 @@ int phn_loop_info(const phn_loop* loop, phn_loop_report* report) {
   if (loop == nullptr || report == nullptr) return PHN_ERROR_ARGUMENT;
   const Observer& o = loop->observer;
   *report = {
-      loop->state, loop->trip, o.work,       o.most_delivered, o.unsure,      o.dissipated, length(o.velocity(4)),
-      loop->age,   {},         loop->cycles, loop->limited,    loop->missing, loop->late,   {}};
+      loop->state, loop->trip, o.work,       o.largest_delivered, o.work_error,  o.dissipated, length(o.velocity(4)),
+      loop->age,   {},         loop->cycles, loop->limited,       loop->missing, loop->late,   {}};
   store(loop->force, report->force_N);
   return PHN_OK;
 }

@@ -1,5 +1,4 @@
-// The state of a loop and the steps of a cycle: settings.cpp, coupling.cpp, controller.cpp,
-// trips.cpp; loop.cpp is the C interface.
+// The state of a loop and the parts of a cycle. The C interface is in loop.cpp.
 #pragma once
 
 #include <phynness/phynness_loop.h>
@@ -33,28 +32,28 @@ struct phn_loop {
   phynness::loop::Observer observer;
   int state = PHN_LOOP_OFF, trip = PHN_TRIP_NONE;
 
-  double now = 0;        ///< of the last call
-  double last_hold = 0;  ///< time of the last phn_loop_hold
-  bool has_time = false, has_held = false;
-  double ramp = 0;          ///< factor of the force, 0 ... 1
-  double age = 0;           ///< of the newest sample at the last phn_loop_read
-  double stopped = 0;       ///< time since which the position is the same, bit for bit
-  double stopped_from = 0;  ///< speed before [m/s]
+  double now = 0;              ///< of the last call
+  double last_force_time = 0;  ///< time of the last phn_loop_hold
+  bool has_time = false, has_force = false;
+  double ramp = 0;               ///< factor of the force, 0 ... 1
+  double age = 0;                ///< of the newest sample at the last phn_loop_read
+  double stopped_since = 0;      ///< time since which the position is the same, bit for bit
+  double speed_before_stop = 0;  ///< speed before [m/s]
 
-  Vector tool = {};     ///< body frame
-  bool placed = false;  ///< `tool` has been set
+  Vector tool = {};  ///< body frame
+  bool has_tool = false;
   phynness::loop::ToolPath path;
-  Vector force = {};     ///< for the device, as held
-  double share = 1;      ///< factor of the passivity controller
-  Vector change = {};    ///< of the force by the passivity controller in the last cycle
-  double forgotten = 0;  ///< observed energy that must not be returned [J]
+  Vector force = {};    ///< for the device, as held
+  double share = 1;     ///< factor of the passivity controller
+  Vector change = {};   ///< of the force by the passivity controller in the last cycle
+  double withheld = 0;  ///< observed energy that must not be returned [J]
 
   std::int64_t cycles = 0, limited = 0, missing = 0, late = 0;
 };
 
 namespace phynness::loop {
 
-/// PHN_OK, or why these settings are refused.
+/// Checks the settings. @return PHN_OK or an error
 int status_of(const phn_loop_settings& settings);
 
 // Frames.
@@ -65,13 +64,13 @@ Vector force_to_device(const phn_loop& loop, Vector body);   ///< forces
 /// Position of the device in the middle of the interval in which the next force acts, with constant velocity.
 Vector predicted(const phn_loop& loop, double now);
 
-/// Moves the tool; gives the force of the coupling and, in `stored`, the energy of coupling and body, at the device.
+/// Moves the tool. @param stored  output: energy of coupling and body at the device [J]. @return force of the coupling
 Vector couple(phn_loop& loop, const phn_loop_response& response, double now, double& stored);
 
-/// The force that keeps the loop passive. @param stored  energy of coupling and body [J]
-Vector kept_passive(phn_loop& loop, Vector force, double stored, double now);
+/// Limits a force so that the loop stays passive. @param stored  energy of coupling and body [J]
+Vector limit_energy(phn_loop& loop, Vector force, double stored, double now);
 /// Energy that the loop may deliver now [J].
-double budget(const phn_loop& loop);
+double available_energy(const phn_loop& loop);
 
 /// Switches to PHN_LOOP_TRIPPED for this reason; the first reason remains.
 void trip(phn_loop& loop, int reason);

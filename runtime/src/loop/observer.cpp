@@ -2,33 +2,33 @@
 
 namespace phynness::loop {
 
-double Steps::next(double time, double period, double measured) {
+double QuantizedCoordinate::next(double time, double period, double measured) {
   const double step = measured - _measured;
   if (!_started || !(_resolution > 0) || std::fabs(step) > 1.5 * _resolution) {
     _direction = _started && step < 0 ? -1 : 1;
     _edge = measured - 0.5 * _resolution * _direction;
-    _takes = 0;
-    _changed = time;
+    _step_time = 0;
+    _changed_at = time;
   } else if (step != 0) {
     const double direction = step > 0 ? 1 : -1;
-    _takes = direction == _direction ? time - _changed : -1;
+    _step_time = direction == _direction ? time - _changed_at : -1;
     _edge = measured - 0.5 * step;
     _direction = direction;
-    _changed = time;
+    _changed_at = time;
   }
   _started = true;
   _measured = measured;
-  if (_takes < 0) return _edge;
+  if (_step_time < 0) return _edge;
   // The step began within the last period.
-  const double since = time - _changed + 0.5 * period;
-  const double part = !(_takes > 0) ? 0.5 : since < _takes ? since / _takes : 1;
+  const double since = time - _changed_at + 0.5 * period;
+  const double part = !(_step_time > 0) ? 0.5 : since < _step_time ? since / _step_time : 1;
   return _edge + part * _resolution * _direction;
 }
 
 void Observer::hold(double from, Vector force) {
   if (_n_held == 0 || from > _held[_newest].from) {
-    _newest = (_newest + 1) % n_kept;
-    if (_n_held < n_kept) ++_n_held;
+    _newest = (_newest + 1) % n_stored;
+    if (_n_held < n_stored) ++_n_held;
   }
   _held[_newest] = {from, force};
 }
@@ -37,7 +37,7 @@ bool Observer::sample(double time, Vector measured) {
   if (started() && !is_newer(time)) return false;
   _measured = measured;
   Vector position;
-  for (int k = 0; k < 3; ++k) position[k] = _steps[k].next(time, _period, measured[k]);
+  for (int k = 0; k < 3; ++k) position[k] = _coordinates[k].next(time, _period, measured[k]);
   if (started()) {
     const double duration = time - _samples[0].time;
     const Vector moved = position - _samples[0].position, velocity = (1 / duration) * moved;
@@ -45,16 +45,16 @@ bool Observer::sample(double time, Vector measured) {
     each_force(_samples[0].time, time,
                [&](const Held& held, double seconds) { impulse = impulse + seconds * held.force; });
     work -= dot(impulse, velocity);
-    most_delivered = std::fmax(most_delivered, -work);
+    largest_delivered = std::fmax(largest_delivered, -work);
     if (duration > 1.5 * _period) {
       // How the motion is spread over the forces of a gap is not known: all of it may belong to one of them.
       double largest = 0;
       each_force(_samples[0].time, time, [&](const Held& held, double) {
         largest = std::fmax(largest, std::fabs(dot(held.force - (1 / duration) * impulse, moved)));
       });
-      unsure += largest;
+      work_error += largest;
     }
-    // Steps of the positions would count as motion in every interval, therefore over sixteen of them.
+    // The motion is measured over sixteen intervals, because steps of the positions would count as motion in each.
     const double long_duration = time - _window.time;
     if (long_duration >= 15.5 * _period) {
       const double distance = std::fmax(0.0, length(position - _window.position) - 1.8 * _resolution);
@@ -71,7 +71,7 @@ bool Observer::sample(double time, Vector measured) {
 }
 
 void Observer::restart() {
-  work = most_delivered = unsure = dissipated = 0;
+  work = largest_delivered = work_error = dissipated = 0;
   _window = _samples[0];
 }
 

@@ -14,25 +14,26 @@ inline void store(const Vector& a, double* v) {
   for (int k = 0; k < 3; ++k) v[k] = a[k];
 }
 /// a, shortened to `longest`.
-inline Vector shortened(Vector a, double longest) {
+inline Vector limited_length(Vector a, double longest) {
   const double size = length(a);
   return size > longest ? (longest / size) * a : a;
 }
 
-/// A position that is known in steps. While it changes back and forth between two neighbouring values, the estimate
-/// stands still where they meet. Otherwise it begins there at each change and moves on as fast as before, up to the
-/// next value. So it has no jumps that would look like work, and a hand at rest has no changing force.
-class Steps {
+/// Estimate of a coordinate that is measured in steps. While the measurement changes back and forth between two
+/// neighbouring values, the estimate stays where they meet. Otherwise it starts there at each change and moves on as
+/// fast as before, up to the next value. It has no jumps that would count as work, and a hand at rest has a constant
+/// force.
+class QuantizedCoordinate {
  public:
-  explicit Steps(double resolution) : _resolution(resolution) {}
+  explicit QuantizedCoordinate(double resolution) : _resolution(resolution) {}
   /// @return the estimate at the time of the sample
   double next(double time, double period, double measured);
 
  private:
   double _resolution;
-  double _measured = 0, _edge = 0;   ///< last value, and where it began
-  double _direction = 0;             ///< of the last change
-  double _changed = 0, _takes = -1;  ///< time of the last change; time for a step, < 0: not known
+  double _measured = 0, _edge = 0;          ///< last value, and the boundary to the value before
+  double _direction = 0;                    ///< of the last change
+  double _changed_at = 0, _step_time = -1;  ///< time of the last change; duration of a step, < 0: not known
   bool _started = false;
 };
 
@@ -44,7 +45,8 @@ class Observer {
       : _period(period),
         _damping(device_damping),
         _resolution(resolution),
-        _steps{Steps(resolution), Steps(resolution), Steps(resolution)} {}
+        _coordinates{QuantizedCoordinate(resolution), QuantizedCoordinate(resolution),
+                     QuantizedCoordinate(resolution)} {}
 
   /// The device holds `force` from time `from` on.
   void hold(double from, Vector force);
@@ -65,12 +67,12 @@ class Observer {
   double pending(Vector velocity, double until) const;
 
   /// Forces older than this are forgotten.
-  double memory_s() const { return (n_kept - 8) * _period; }
+  double memory_s() const { return (n_stored - 8) * _period; }
 
-  double work = 0;            ///< taken from the device [J]
-  double most_delivered = 0;  ///< largest -work [J]
+  double work = 0;               ///< taken from the device [J]
+  double largest_delivered = 0;  ///< largest -work [J]
   /// Bound of the error of `work` by lost samples and by forces that change while the position seems to stand [J].
-  double unsure = 0;
+  double work_error = 0;
   double dissipated = 0;  ///< by the damping of the device, at least [J]
 
  private:
@@ -82,13 +84,13 @@ class Observer {
     double from = 0;
     Vector force = {};
   };
-  static constexpr int n_kept = 128;
+  static constexpr int n_stored = 128;
 
   /// Calls part(held, seconds) for every force that acted between two times.
   template <class Part>
   void each_force(double from, double to, Part part) const {
     for (int i = 0; i < _n_held && to > from; ++i) {
-      const Held& held = _held[(_newest - i + n_kept) % n_kept];
+      const Held& held = _held[(_newest - i + n_stored) % n_stored];
       const bool oldest = i + 1 == _n_held;
       if (held.from >= to && !oldest) continue;
       const double begin = held.from > from && !oldest ? held.from : from;
@@ -98,9 +100,9 @@ class Observer {
   }
 
   double _period, _damping, _resolution;
-  Steps _steps[3];
+  QuantizedCoordinate _coordinates[3];
   Vector _measured = {};
-  Held _held[n_kept];
+  Held _held[n_stored];
   int _newest = 0, _n_held = 0;
   Sample _samples[5];  ///< the newest first
   int _n_samples = 0;

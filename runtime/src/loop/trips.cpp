@@ -13,9 +13,9 @@ void check_sample(phn_loop& loop, Vector position, double time) {
   const phn_loop_settings& s = loop.settings;
   const Observer& before = loop.observer;
   if (!before.started() || !equal(position, before.measured())) {
-    loop.stopped = time;
-    loop.stopped_from = before.started() ? length(before.velocity(4)) : 0;
-  } else if (s.trip_frozen_s > 0 && time - loop.stopped > s.trip_frozen_s && loop.stopped_from > 0.02) {
+    loop.stopped_since = time;
+    loop.speed_before_stop = before.started() ? length(before.velocity(4)) : 0;
+  } else if (s.trip_frozen_s > 0 && time - loop.stopped_since > s.trip_frozen_s && loop.speed_before_stop > 0.02) {
     // A hand that stops from 20 mm/s takes longer than one sample.
     trip(loop, PHN_TRIP_FROZEN);
   }
@@ -32,8 +32,8 @@ void check_cycle(phn_loop& loop, double now) {
   const double age = o.started() ? now - o.time() : 0;
   if ((s.trip_stale_s > 0 && age > s.trip_stale_s) || age > o.memory_s()) trip(loop, PHN_TRIP_STALE);
   // Forces that act since the newest sample deliver energy, too.
-  const double unseen = std::fmax(0.0, o.pending(o.velocity(n_velocity), now));
-  if (s.trip_energy_J > 0 && budget(loop) + o.unsure - unseen < s.allowance_J - s.trip_energy_J)
+  const double pending = std::fmax(0.0, o.pending(o.velocity(n_velocity), now));
+  if (s.trip_energy_J > 0 && available_energy(loop) + o.work_error - pending < s.allowance_J - s.trip_energy_J)
     trip(loop, PHN_TRIP_ENERGY);
 }
 

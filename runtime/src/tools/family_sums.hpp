@@ -23,12 +23,12 @@ inline void response_gradient(const phn_model&, const Networks& nets, const doub
 }
 inline void response_gradient(const phn_model&, const LinearResponse&, const double* d, double* basis, double* gradient,
                               double*) {
-  cut(d, 1, largest_linear, basis);
+  clamp(d, 1, largest_linear, basis);
   for (int i = 0; i < 9; ++i) gradient[i] = i % 4 == 0 ? 1 : 0;
 }
 inline void response_gradient(const phn_model&, const RestResponse&, const double* d, double* basis, double* gradient,
                               double*) {
-  cut(d, 1, largest_at_rest, basis);
+  clamp(d, 1, largest_at_rest, basis);
   for (int i = 0; i < 9; ++i) gradient[i] = i % 4 == 0 ? 1 : 0;
 }
 inline void response_gradient(const phn_model& model, const ModalResponse& node, const double* d, double* basis,

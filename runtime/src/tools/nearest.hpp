@@ -1,4 +1,4 @@
-// The place nearest to a point among those of a surface that a tool can hold.
+// The place nearest to a point among the places of a surface where a tool can be.
 #pragma once
 
 #include <phynness/phynness.h>
@@ -7,23 +7,24 @@
 
 namespace PHN_RUNTIME {
 
-/// How a tool can hold a vertex: not at all, alone but not with others, as part of a place, or as a fixed part of one.
-enum class Hold { none, alone, moves, fixed };
+/// Where a tool can be: not at the vertex, only at the vertex itself, or in triangles with this movable or fixed
+/// vertex.
+enum class VertexKind { untouchable, node_only, movable, fixed };
 
 /// Components of points are clamped to this [m].
 inline constexpr double largest_place = 1e60;
 
-/// Vertices, of which those behind the first that is -1 are not used, with barycentric weights.
+/// Vertices with barycentric weights. The first vertex that is -1 ends them.
 struct NearestPlace {
   std::int32_t vertex[3];
   bool moves[3];
   double weight[3], point[3], distance;  ///< distance < 0: there is none
 };
 
-/// The nearest point of up to three vertices.
+/// Replaces `best` by the point of up to three vertices that is nearest to x, if that is nearer.
 template <class PointOf>
-void improve(const double* x, const std::int32_t* vertex, const bool* moves, int n, const PointOf& point_of,
-             NearestPlace& best) {
+void keep_nearer(const double* x, const std::int32_t* vertex, const bool* moves, int n, const PointOf& point_of,
+                 NearestPlace& best) {
   // A segment or a point is a triangle whose other corners are the first; nearest_weights gives these no weight.
   const double* corner[3];
   for (int k = 0; k < 3; ++k) corner[k] = point_of(vertex[k < n ? k : 0]);
@@ -54,12 +55,12 @@ inline bool is_farther(const double* const corner[3], const double* x, double di
   return squared > reach * reach;
 }
 
-/// The nearest place, moved away from a fixed edge to where moving corners have least_movable.
+/// The nearest place, moved away from a fixed edge until moving corners have smallest_movable_weight.
 /// @param point_of  coordinates of a vertex
-/// @param hold_of   Hold of a vertex
-template <class PointOf, class HoldOf>
+/// @param kind_of   VertexKind of a vertex
+template <class PointOf, class KindOf>
 NearestPlace nearest_place(const std::int32_t* triangles, std::int32_t n_triangles, const double* x,
-                           const PointOf& point_of, const HoldOf& hold_of) {
+                           const PointOf& point_of, const KindOf& kind_of) {
   NearestPlace best;
   best.distance = -1;
   for (std::int32_t t = 0; t < n_triangles; ++t) {
@@ -69,25 +70,25 @@ NearestPlace nearest_place(const std::int32_t* triangles, std::int32_t n_triangl
     double weight[3], nearest[3], distance = 0;
     nearest_on_triangle(corner, x, weight, nearest, distance);
     if (best.distance >= 0 && distance >= best.distance) continue;
-    std::int32_t held[3];
-    bool moves[3], any = false;
+    std::int32_t vertices[3];
+    bool moves[3], has_movable = false;
     int n = 0;
     for (int k = 0; k < 3; ++k) {
-      const Hold hold = hold_of(vertex[k]);
-      const bool is_free = hold == Hold::moves, moves_alone = true;
-      if (hold == Hold::alone) improve(x, vertex + k, &moves_alone, 1, point_of, best);
-      if (!is_free && hold != Hold::fixed) continue;
-      any = any || is_free;
+      const VertexKind kind = kind_of(vertex[k]);
+      const bool is_free = kind == VertexKind::movable, moves_node = true;
+      if (kind == VertexKind::node_only) keep_nearer(x, vertex + k, &moves_node, 1, point_of, best);
+      if (!is_free && kind != VertexKind::fixed) continue;
+      has_movable = has_movable || is_free;
       moves[n] = is_free;
-      held[n++] = vertex[k];
+      vertices[n++] = vertex[k];
     }
-    if (any) improve(x, held, moves, n, point_of, best);
+    if (has_movable) keep_nearer(x, vertices, moves, n, point_of, best);
   }
   if (best.distance < 0) return best;
   int n = 0;
   double movable = 0;
   for (; n < 3 && best.vertex[n] >= 0; ++n) movable += best.moves[n] ? best.weight[n] : 0;
-  if (!keep_movable(best.moves, n, movable, best.weight)) return best;
+  if (!raise_movable_weight(best.moves, n, movable, best.weight)) return best;
   double apart[3];
   for (int k = 0; k < 3; ++k) {
     best.point[k] = 0;
@@ -115,7 +116,7 @@ int answer_nearest(bool has_surface, const double* x, phn_tool* tool, double* po
   }
   if (status == PHN_OK) {
     double from[3];
-    for (int k = 0; k < 3; ++k) from[k] = cut(x[k], largest_place);
+    for (int k = 0; k < 3; ++k) from[k] = clamp(x[k], largest_place);
     const NearestPlace place = find(from);
     status = place.distance < 0 ? PHN_ERROR_UNDEFINED : PHN_OK;
     if (status == PHN_OK) found = place;

@@ -11,31 +11,31 @@ using namespace PHN_RUNTIME;
 namespace {
 
 /// Where a tool is, and a copy of its displacement, because an output may overlap the tool.
-struct Asked {
-  std::int32_t active;  ///< position among the active nodes of a tool at a node; -1: it is at `place`
+struct ToolQuery {
+  std::int32_t active;  ///< position of the tool's node among the active nodes; -1: the tool is at `place`
   double d[3];
   Place place;
 };
 
 /// Checks a tool. @return a status of phynness.h
-int find_tool(const phn_model* model, const phn_tool* tool, Asked& asked) {
+int find_tool(const phn_model* model, const phn_tool* tool, ToolQuery& query) {
   if (model == nullptr || tool == nullptr) return PHN_ERROR_ARGUMENT;
-  for (int k = 0; k < 3; ++k) asked.d[k] = tool->displacement[k];
+  for (int k = 0; k < 3; ++k) query.d[k] = tool->displacement[k];
   if (tool->weights[0] == 1 && tool->weights[1] == 0 && tool->weights[2] == 0) {
-    asked.active = find_active(*model, tool->nodes[0]);
-    if (asked.active >= 0) {
+    query.active = find_active(*model, tool->nodes[0]);
+    if (query.active >= 0) {
       if (!is_of_this_version(*tool)) return PHN_ERROR_VERSION;
-      return finite(asked.d) ? PHN_OK : PHN_ERROR_NOT_FINITE;
+      return finite(query.d) ? PHN_OK : PHN_ERROR_NOT_FINITE;
     }
   }
-  const int refused = find_place(*model, *tool, asked.place);
+  const int refused = find_place(*model, *tool, query.place);
   if (refused != PHN_OK) return refused;
-  asked.active = asked.place.n_nodes == 1 && asked.place.weight[0] == 1 ? asked.place.active[0] : -1;
+  query.active = query.place.n_nodes == 1 && query.place.weight[0] == 1 ? query.place.active[0] : -1;
   return PHN_OK;
 }
-int find_tool(const phn_model* model, const phn_data* data, const phn_tool* tool, Asked& asked) {
+int find_tool(const phn_model* model, const phn_data* data, const phn_tool* tool, ToolQuery& query) {
   if (model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
-  return find_tool(model, tool, asked);
+  return find_tool(model, tool, query);
 }
 
 /// Checks the outputs for force, energy and stiffness. @return a status of phynness.h
@@ -47,24 +47,24 @@ int check_derivatives(const phn_model& model, const double* force, const double*
   return model.has_energy ? PHN_OK : PHN_ERROR_UNDEFINED;
 }
 
-/// Force, energy and stiffness of a round tool between nodes. @return warnings
-int mean_response(const phn_model& model, const phn_data& data, const Asked& asked, double* force, double* energy,
+/// Computes force, energy and stiffness of a round tool between nodes. @return warnings
+int mean_response(const phn_model& model, const phn_data& data, const ToolQuery& query, double* force, double* energy,
                   double* stiffness) {
   Vector d, f = {};
   Matrix k = {};
-  cut(asked.d, 1, largest_between_nodes(model), d.x);
-  const Mean mean = mean_at(model, data.coupling->neighbours, asked.place);
-  respond_alone(*data.level, mean, d, f, energy, stiffness != nullptr ? &k : nullptr);
+  clamp(query.d, 1, largest_between_nodes(model), d.x);
+  const Mean mean = mean_at(model, data.coupling->neighbours, query.place);
+  respond_as_mean(*data.level, mean, d, f, energy, stiffness != nullptr ? &k : nullptr);
   for (int i = 0; i < 3 && force != nullptr; ++i) force[i] = f[i];
   for (int i = 0; i < 9 && stiffness != nullptr; ++i) stiffness[i] = k.a[i];
-  int status = is_beside_fixed(model, asked.place) ? PHN_WARNING_OUTSIDE : PHN_OK;
-  for (std::int32_t i = 0; i < asked.place.n_nodes; ++i) {
-    if (asked.place.counts(i)) status |= warnings(model, model.active[asked.place.active[i]], (d / mean.lever).x);
+  int status = is_beside_fixed(model, query.place) ? PHN_WARNING_OUTSIDE : PHN_OK;
+  for (std::int32_t i = 0; i < query.place.n_nodes; ++i) {
+    if (query.place.counts(i)) status |= warnings(model, model.active[query.place.active[i]], (d / mean.lever).x);
   }
   return status;
 }
 
-/// Force and energy of node probes between nodes. @return a status of phynness.h
+/// Computes force and energy of node probes between nodes. @return a status of phynness.h
 int coupled_response(const phn_model& model, phn_data& data, const phn_tool& tool, double* force, double* energy) {
   phn_coupled coupled;
   const int status = couple_tools(model, data, 1, &tool, coupled);
@@ -74,14 +74,14 @@ int coupled_response(const phn_model& model, phn_data& data, const phn_tool& too
   return status;
 }
 
-/// The bound between nodes (formats/model.md, Bounds): a function of the largest bound of the nodes, of how far their
-/// forces differ from their mean, and of this mean. @return a status of phynness.h
-int bound_between(const phn_model& model, const Asked& asked, double& bound) {
-  const Place& place = asked.place;
+/// Sets the bound between nodes (formats/model.md, Bounds), a function of the largest bound of the nodes, of the
+/// deviation of their forces from the mean, and of this mean. @return a status of phynness.h
+int bound_between(const phn_model& model, const ToolQuery& query, double& bound) {
+  const Place& place = query.place;
   if (model.bound_between == nullptr) return PHN_ERROR_UNDEFINED;
   const double lever = place.n_nodes == 1 ? lever_of(model, place) : 1;
   Vector d, force[most_corners], mean = {};
-  cut(asked.d, lever, PHN_NO_BOUND, d.x);
+  clamp(query.d, lever, PHN_NO_BOUND, d.x);
   int status = is_beside_fixed(model, place) ? PHN_WARNING_OUTSIDE : PHN_OK;
   double sum = 0, largest = 0, spread = 0;
   for (std::int32_t i = 0; i < place.n_nodes; ++i) sum += place.weight[i];
@@ -105,12 +105,12 @@ int bound_between(const phn_model& model, const Asked& asked, double& bound) {
   return status;
 }
 
-/// The smallest trained depth of the nodes of a round tool between nodes. @return a status of phynness.h
-int depth_between(const phn_model& model, const Asked& asked, double& depth) {
-  const Place& place = asked.place;
-  if (!answers_alone(model, place)) return PHN_ERROR_UNDEFINED;
+/// Sets the smallest trained depth of the nodes of a round tool between nodes. @return a status of phynness.h
+int depth_between(const phn_model& model, const ToolQuery& query, double& depth) {
+  const Place& place = query.place;
+  if (!needs_no_coupling(model, place)) return PHN_ERROR_UNDEFINED;
   Vector d;
-  cut(asked.d, lever_of(model, place), PHN_NO_BOUND, d.x);
+  clamp(query.d, lever_of(model, place), PHN_NO_BOUND, d.x);
   int status = PHN_OK;
   depth = PHN_NO_BOUND;
   for (std::int32_t i = 0; i < place.n_nodes; ++i) {
@@ -124,18 +124,18 @@ int depth_between(const phn_model& model, const Asked& asked, double& depth) {
   return PHN_WARNING_OUTSIDE;
 }
 
-Hold hold_of(const phn_model& model, std::int32_t vertex) {
-  if (vertex >= model.n_output) return Hold::fixed;
+VertexKind kind_of(const phn_model& model, std::int32_t vertex) {
+  if (vertex >= model.n_output) return VertexKind::fixed;
   Corner corner[3];
   const std::int32_t n = find_corners(model, vertex_node(model, vertex), corner);
-  if (n == 0) return Hold::none;
+  if (n == 0) return VertexKind::untouchable;
   for (std::int32_t i = 0; i < n; ++i) {
     const ActiveNode& node = model.active[corner[i].active];
     // Node probes that cannot be coupled answer at the node only.
     if (!node.moves_mean && (node.output < 0 || !has_deformation(model, node)))
-      return n == 1 ? Hold::alone : Hold::none;
+      return n == 1 ? VertexKind::node_only : VertexKind::untouchable;
   }
-  return Hold::moves;
+  return VertexKind::movable;
 }
 
 }  // namespace
@@ -148,26 +148,26 @@ int phn_nearest(const phn_model* model, const double x[3], phn_tool* tool, doubl
       [&](const double* from) {
         return nearest_place(
             model->triangles, model->n_triangles, from, [&](std::int32_t v) { return vertex_point(*model, v); },
-            [&](std::int32_t v) { return hold_of(*model, v); });
+            [&](std::int32_t v) { return kind_of(*model, v); });
       },
       [&](std::int32_t v) { return vertex_node(*model, v); });
 }
 
 int phn_force(const phn_model* model, phn_data* data, const phn_tool* tool, double force[3], double* energy,
               double stiffness[9]) {
-  Asked asked;
-  int status = find_tool(model, data, tool, asked);
+  ToolQuery query;
+  int status = find_tool(model, data, tool, query);
   const bool derivatives = energy != nullptr || stiffness != nullptr;
   if (force == nullptr && !derivatives) status = PHN_ERROR_ARGUMENT;
   if (status == PHN_OK && derivatives) status = check_derivatives(*model, force, energy, stiffness);
-  if (status == PHN_OK && asked.active >= 0) {
+  if (status == PHN_OK && query.active >= 0) {
     double unused[3];
-    const ActiveNode& node = data->level->active[asked.active];
-    evaluate_force(*data->level, node, asked.d, force != nullptr ? force : unused, energy, stiffness);
-    return warnings(*model, node, asked.d);
+    const ActiveNode& node = data->level->active[query.active];
+    evaluate_force(*data->level, node, query.d, force != nullptr ? force : unused, energy, stiffness);
+    return warnings(*model, node, query.d);
   }
   if (status == PHN_OK) {
-    if (answers_alone(*model, asked.place)) return mean_response(*model, *data, asked, force, energy, stiffness);
+    if (needs_no_coupling(*model, query.place)) return mean_response(*model, *data, query, force, energy, stiffness);
     status = stiffness != nullptr ? PHN_ERROR_UNDEFINED : coupled_response(*model, *data, *tool, force, energy);
     if (status >= 0) return status;
   }
@@ -178,13 +178,13 @@ int phn_force(const phn_model* model, phn_data* data, const phn_tool* tool, doub
 
 int phn_deform(const phn_model* model, phn_data* data, const phn_tool* tool, double* out) {
   if (model == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
-  Asked asked;
-  int status = find_tool(model, data, tool, asked);
-  if (status == PHN_OK && asked.active >= 0) {
-    const ActiveNode& node = data->level->active[asked.active];
+  ToolQuery query;
+  int status = find_tool(model, data, tool, query);
+  if (status == PHN_OK && query.active >= 0) {
+    const ActiveNode& node = data->level->active[query.active];
     if (has_deformation(*model, node)) {
-      evaluate_deformation(*data->level, *data, asked.active, asked.d, out);
-      return warnings(*model, node, asked.d);
+      evaluate_deformation(*data->level, *data, query.active, query.d, out);
+      return warnings(*model, node, query.d);
     }
     status = PHN_ERROR_UNDEFINED;
   }
@@ -198,60 +198,60 @@ int phn_field(const phn_model* model, phn_data* data, const phn_tool* tool, int3
   if (model == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
   const std::int32_t n = model->n_output;
   if (field < 0 || field >= model->n_fields) return refuse(PHN_ERROR_ARGUMENT, out, n);
-  Asked asked;
-  const int refused = find_tool(model, data, tool, asked);
+  ToolQuery query;
+  const int refused = find_tool(model, data, tool, query);
   if (refused != PHN_OK) return refuse(refused, out, n);
-  if (asked.active >= 0) {
-    asked.place.n_nodes = 1;
-    asked.place.active[0] = asked.active;
-    asked.place.fixed_weight = 0;
-  } else if (!is_round(*model, asked.place)) {
+  if (query.active >= 0) {
+    query.place.n_nodes = 1;
+    query.place.active[0] = query.active;
+    query.place.fixed_weight = 0;
+  } else if (!is_round(*model, query.place)) {
     return refuse(PHN_ERROR_UNDEFINED, out, n);
   }
-  int status = is_beside_fixed(*model, asked.place) ? PHN_WARNING_OUTSIDE : PHN_OK;
+  int status = is_beside_fixed(*model, query.place) ? PHN_WARNING_OUTSIDE : PHN_OK;
   double sum = 0;
-  for (std::int32_t i = 0; i < asked.place.n_nodes; ++i) {
-    const ActiveNode& node = data->level->active[asked.place.active[i]];
+  for (std::int32_t i = 0; i < query.place.n_nodes; ++i) {
+    const ActiveNode& node = data->level->active[query.place.active[i]];
     if (node.rest != nullptr || node.modal->fields[field].n_modes == 0) return refuse(PHN_ERROR_UNDEFINED, out, n);
-    sum += asked.place.weight[i];
-    if (asked.active >= 0 || asked.place.counts(i)) status |= warnings(*model, node, asked.d);
+    sum += query.place.weight[i];
+    if (query.active >= 0 || query.place.counts(i)) status |= warnings(*model, node, query.d);
   }
-  if (asked.active >= 0) {
-    modal_field(*data->level, *data->level->active[asked.active].modal, field, asked.d, data->scratch, out);
+  if (query.active >= 0) {
+    modal_field(*data->level, *data->level->active[query.active].modal, field, query.d, data->scratch, out);
     return status;
   }
   zero(out, n);
-  for (std::int32_t i = 0; i < asked.place.n_nodes; ++i) {
-    const ActiveNode& node = data->level->active[asked.place.active[i]];
-    modal_field(*data->level, *node.modal, field, asked.d, data->scratch, data->field);
-    for (std::int32_t j = 0; j < n; ++j) out[j] += asked.place.weight[i] / sum * data->field[j];
+  for (std::int32_t i = 0; i < query.place.n_nodes; ++i) {
+    const ActiveNode& node = data->level->active[query.place.active[i]];
+    modal_field(*data->level, *node.modal, field, query.d, data->scratch, data->field);
+    for (std::int32_t j = 0; j < n; ++j) out[j] += query.place.weight[i] / sum * data->field[j];
   }
   return status;
 }
 
 int phn_prepare(const phn_model* model, phn_data* data, const phn_tool* tool) {
-  Asked asked;
-  const int refused = find_tool(model, data, tool, asked);
+  ToolQuery query;
+  const int refused = find_tool(model, data, tool, query);
   if (refused != PHN_OK) return refused;
-  if (asked.active >= 0) {
-    prepare(*model, data->prepared, asked.active);
+  if (query.active >= 0) {
+    prepare(*model, data->prepared, query.active);
     return PHN_OK;
   }
-  for (std::int32_t i = 0; i < asked.place.n_nodes; ++i) prepare(*model, data->prepared, asked.place.active[i]);
+  for (std::int32_t i = 0; i < query.place.n_nodes; ++i) prepare(*model, data->prepared, query.place.active[i]);
   return PHN_OK;
 }
 
 int phn_depth(const phn_model* model, const phn_tool* tool, double* depth) {
   if (depth == nullptr) return PHN_ERROR_ARGUMENT;
   double found = 0;
-  Asked asked;
-  int status = find_tool(model, tool, asked);
-  if (status == PHN_OK && asked.active >= 0) {
-    const ActiveNode& node = model->active[asked.active];
-    found = trained_depth(*model, node, asked.d);
-    status = outside(*model, node, asked.d) ? PHN_WARNING_OUTSIDE : PHN_OK;
+  ToolQuery query;
+  int status = find_tool(model, tool, query);
+  if (status == PHN_OK && query.active >= 0) {
+    const ActiveNode& node = model->active[query.active];
+    found = trained_depth(*model, node, query.d);
+    status = outside(*model, node, query.d) ? PHN_WARNING_OUTSIDE : PHN_OK;
   } else if (status == PHN_OK) {
-    status = depth_between(*model, asked, found);
+    status = depth_between(*model, query, found);
   }
   *depth = found;
   return status;
@@ -260,14 +260,14 @@ int phn_depth(const phn_model* model, const phn_tool* tool, double* depth) {
 int phn_bound(const phn_model* model, const phn_tool* tool, double* bound) {
   if (bound == nullptr) return PHN_ERROR_ARGUMENT;
   double found = 0;
-  Asked asked;
-  int status = find_tool(model, tool, asked);
-  if (status == PHN_OK && asked.active >= 0) {
-    const ActiveNode& node = model->active[asked.active];
-    status = model->bound_between == nullptr ? PHN_ERROR_UNDEFINED : warnings(*model, node, asked.d);
-    if (status >= 0) found = (status & PHN_WARNING_OUTSIDE) != 0 ? PHN_NO_BOUND : error_bound(*model, node, asked.d);
+  ToolQuery query;
+  int status = find_tool(model, tool, query);
+  if (status == PHN_OK && query.active >= 0) {
+    const ActiveNode& node = model->active[query.active];
+    status = model->bound_between == nullptr ? PHN_ERROR_UNDEFINED : warnings(*model, node, query.d);
+    if (status >= 0) found = (status & PHN_WARNING_OUTSIDE) != 0 ? PHN_NO_BOUND : error_bound(*model, node, query.d);
   } else if (status == PHN_OK) {
-    status = bound_between(*model, asked, found);
+    status = bound_between(*model, query, found);
   }
   *bound = found;
   return status;

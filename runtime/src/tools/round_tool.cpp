@@ -6,11 +6,12 @@
 namespace PHN_RUNTIME {
 namespace {
 
-/// Tolerance of the sum of barycentric weights; a point whose movable part is smaller counts as fixed.
-constexpr double weight_slack = 1e-6;
+/// Tolerance of the sum of barycentric weights. A point whose movable weight is smaller counts as fixed.
+constexpr double weight_tolerance = 1e-6;
 
-/// Weights up to this are rounding, as phn_nearest leaves on the corner opposite to an edge, whose tool need not exist.
-constexpr double no_weight = 1e-12;
+/// Weights up to this are rounding errors, for example of phn_nearest at the corner opposite to an edge, where no tool
+/// need exist.
+constexpr double negligible_weight = 1e-12;
 
 /// Adds a weight to that of an active node, which becomes the last of n if it is new.
 [[gnu::noinline]] void add(std::int32_t node, double weight, std::int32_t& n, std::int32_t* active, double* weights) {
@@ -23,7 +24,7 @@ constexpr double no_weight = 1e-12;
   weights[i] += weight;
 }
 
-/// Corners of a triangle of both lists.
+/// Corners of triangle t of the two lists, one behind the other.
 const std::int32_t* probe_triangle(const phn_model& model, std::int32_t t) {
   const std::int32_t n = model.n_probe_triangles;
   return (t < n ? model.probe_triangles : model.outer_triangles) + 3 * static_cast<std::size_t>(t < n ? t : t - n);
@@ -61,21 +62,21 @@ int find_place(const phn_model& model, const phn_tool& tool, Place& place) {
   double sum = 0, movable = 0;
   for (int k = 0; k < 3; ++k) {
     const double w = tool.weights[k];
-    if (!(w >= 0 && w <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;
+    if (!(w >= 0 && w <= 1 + weight_tolerance)) return PHN_ERROR_ARGUMENT;
     sum += w;
     if (w == 0) continue;
     Corner corner[3];
     const std::int32_t n = find_corners(model, tool.nodes[k], corner);
     if (n == 0) {
-      if (w > no_weight && find_vertex(model, tool.nodes[k]) < model.n_output) return PHN_ERROR_NOT_ACTIVE;
+      if (w > negligible_weight && find_vertex(model, tool.nodes[k]) < model.n_output) return PHN_ERROR_NOT_ACTIVE;
       continue;  // fixed
     }
     movable += w;
     for (std::int32_t i = 0; i < n; ++i)
       add(corner[i].active, w * corner[i].weight, place.n_nodes, place.active, place.weight);
   }
-  if (!(sum >= 1 - weight_slack && sum <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;
-  if (!(movable > weight_slack)) return PHN_ERROR_NOT_ACTIVE;
+  if (!(sum >= 1 - weight_tolerance && sum <= 1 + weight_tolerance)) return PHN_ERROR_ARGUMENT;
+  if (!(movable > weight_tolerance)) return PHN_ERROR_NOT_ACTIVE;
   place.fixed_weight = sum - movable;
   place.least_weight = least_share * movable;
   return PHN_OK;
@@ -176,8 +177,8 @@ Mean mean_at(const phn_model& model, const Neighbours& neighbours, const Place& 
   return mean;
 }
 
-void respond_alone(const phn_model& model, const Mean& mean, const Vector& d, Vector& force, double* energy,
-                   Matrix* stiffness) {
+void respond_as_mean(const phn_model& model, const Mean& mean, const Vector& d, Vector& force, double* energy,
+                     Matrix* stiffness) {
   const Vector at = d / mean.lever;
   // -0 + x has the sign of x also if x is zero: one node keeps its bits.
   force = {{-0.0, -0.0, -0.0}};

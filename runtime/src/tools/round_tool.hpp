@@ -27,7 +27,7 @@ std::int32_t find_corners(const phn_model& model, std::int32_t node, Corner corn
 struct Place {
   std::int32_t n_nodes;
   std::int32_t active[most_corners];  ///< positions among the active nodes and linear points
-  double weight[most_corners];        ///< of the sum of the barycentric weights that do not belong to fixed corners
+  double weight[most_corners];        ///< parts of the barycentric weights of corners that are not fixed
   double fixed_weight;                ///< of the fixed corners
   double least_weight;                ///< see least_share
   bool counts(std::int32_t i) const { return weight[i] > least_weight; }
@@ -45,15 +45,15 @@ bool is_round(const phn_model& model, const Place& place);
 bool is_beside_fixed(const phn_model& model, const Place& place);
 
 /// Whether one tool there needs no coupling: it is at a node, or it is round.
-inline bool answers_alone(const phn_model& model, const Place& place) {
+inline bool needs_no_coupling(const phn_model& model, const Place& place) {
   return place.n_nodes == 1 || is_round(model, place);
 }
 
 /// Whether a tool of the model is round; such a model answers one tool only.
 bool has_round_tools(const phn_model& model);
 
-/// Neighbours of each active node and each linear point, of the same kind, so that no linear point changes a response
-/// that was trained: a neighbour once for each triangle that they share. Empty in models without round tools.
+/// Neighbours of each active node and each linear point, once for each triangle that they share. They are of the same
+/// kind, so that no linear point changes a trained response. Models without round tools have none.
 struct Neighbours {
   const std::int32_t* begin;   ///< n_active + n_linear + 1 places in `active`
   const std::int32_t* active;  ///< positions among the active nodes and linear points
@@ -62,22 +62,22 @@ Neighbours find_neighbours(Arena& arena, const phn_model& model);
 
 using schema::most_neighbours;
 
-/// Nodes whose energies, each times its weight, are added to the energy of one tool: E(d) = sum w_i E_i(d / lever).
+/// Weights of the energies of nodes in the energy of one tool: E(d) = sum_i w_i E_i(d / lever).
 struct Mean {
   std::int32_t n;
   std::int32_t active[most_corners * (1 + most_neighbours)];
   double weight[most_corners * (1 + most_neighbours)];
   double share[most_corners];  ///< of the nodes of the place, with the sum 1
-  /// A single node beside fixed ones moves farther than the point between them; a round tool is that of the others.
+  /// Displacement of the point over that of the node: below 1 for a single node beside fixed ones, 1 for round tools.
   double lever;
 };
 double lever_of(const phn_model& model, const Place& place);
-/// The nodes of the place come first. @pre answers_alone(model, place)
+/// The nodes of the place come first. @pre needs_no_coupling(model, place)
 Mean mean_at(const phn_model& model, const Neighbours& neighbours, const Place& place);
 
-/// E(d) of one tool, its gradient and its second derivative.
+/// Computes the energy E(d) of one tool, its gradient and its second derivative.
 /// @param energy, stiffness  may be null; if not, model.has_energy
-void respond_alone(const phn_model& model, const Mean& mean, const Vector& d, Vector& force, double* energy,
-                   Matrix* stiffness);
+void respond_as_mean(const phn_model& model, const Mean& mean, const Vector& d, Vector& force, double* energy,
+                     Matrix* stiffness);
 
 }  // namespace PHN_RUNTIME

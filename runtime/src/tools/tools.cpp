@@ -8,25 +8,24 @@ using namespace PHN_RUNTIME;
 namespace {
 
 /// The warnings of a node of a tool at a displacement [m].
-int warned_at(const phn_model& model, std::int32_t active, const Vector& d) {
+int warnings_at(const phn_model& model, std::int32_t active, const Vector& d) {
   return warnings(model, model.active[active], d.x);
 }
 
-/// One tool at one node: the response of that node. One round tool: the mean of the responses around it. Nothing has
-/// to be solved.
-CoupledResult answer_alone(const phn_model& model, Coupling& c, const Vector& target) {
+/// Computes the response of one tool at one node, or of one round tool: the mean of the responses around it.
+CoupledResult solve_single(const phn_model& model, Coupling& c, const Vector& target) {
   Constraint& point = c.point[0];
   const Mean mean = mean_at(model, c.neighbours, point);
   c.n_sets = 1;
   c.field_rotation[0] = {};
   point.displacement = target;
   double energy = 0;
-  respond_alone(model, mean, target, point.force, model.has_energy ? &energy : nullptr, nullptr);
+  respond_as_mean(model, mean, target, point.force, model.has_energy ? &energy : nullptr, nullptr);
   const Vector d = target / mean.lever;
   for (std::int32_t i = 0; i < point.n_nodes; ++i) {
     const ActiveNode& node = model.active[point.active[i]];
     c.field(0, 0, i) = {mean.share[i], d};
-    if (point.counts(i)) c.warnings |= warned_at(*model.full, point.active[i], diagonal(1 / mean.lever) * target);
+    if (point.counts(i)) c.warnings |= warnings_at(*model.full, point.active[i], diagonal(1 / mean.lever) * target);
     if (!has_deformation(model, node)) continue;
     double* basis = c.field_basis(0, 0, i);
     basis_of(model, node, d.x, basis, c.kernel_scratch);
@@ -36,12 +35,12 @@ CoupledResult answer_alone(const phn_model& model, Coupling& c, const Vector& ta
   return {true, 0, energy};
 }
 
-CoupledResult answer_coupled(const phn_model& model, Coupling& c, const Vector* targets) {
+CoupledResult solve_several(const phn_model& model, Coupling& c, const Vector* targets) {
   const CoupledResult solved = solve_coupled(model, c, targets);
   for (std::int32_t t = 0; t < c.n_tools; ++t) {
     const Constraint& point = c.point[t];
     for (std::int32_t i = 0; i < point.n_nodes; ++i)
-      c.warnings |= warned_at(*model.full, point.active[i], point.node_displacement[i] * point.displacement);
+      c.warnings |= warnings_at(*model.full, point.active[i], point.node_displacement[i] * point.displacement);
   }
   return solved;
 }
@@ -80,14 +79,14 @@ int couple_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, c
   for (std::int32_t t = 0; t < n_tools; ++t) {
     const int refused = find_place(model, tools[t], c.point[t]);
     if (refused != PHN_OK) return refused;
-    cut(tools[t].displacement, 1, largest, targets[t].x);
+    clamp(tools[t].displacement, 1, largest, targets[t].x);
   }
   c.model = data.level;
   if (n_tools == 0) return PHN_OK;
-  const bool alone = n_tools == 1 && answers_alone(model, c.point[0]);
-  if (!alone && (has_round_tools(c) || !can_couple(*c.model, c, n_tools))) return PHN_ERROR_UNDEFINED;
+  const bool is_single = n_tools == 1 && needs_no_coupling(model, c.point[0]);
+  if (!is_single && (has_round_tools(c) || !can_couple(*c.model, c, n_tools))) return PHN_ERROR_UNDEFINED;
   c.n_tools = n_tools;
-  const CoupledResult solved = alone ? answer_alone(*c.model, c, targets[0]) : answer_coupled(*c.model, c, targets);
+  const CoupledResult solved = is_single ? solve_single(*c.model, c, targets[0]) : solve_several(*c.model, c, targets);
   result = {solved.residual, std::isfinite(solved.energy) ? solved.energy : 0};
   return solved.settled ? c.warnings : c.warnings | PHN_WARNING_UNSETTLED;
 }

@@ -8,7 +8,7 @@ namespace {
 
 void derivatives(const double* k, const double* d, double* force, double* energy, double* stiffness) {
   double at[3];
-  cut(d, 1, largest_linear, at);
+  clamp(d, 1, largest_linear, at);
   multiply_symmetric(k, at, force);
   if (energy != nullptr) *energy = dot(at, force) / 2;
   if (stiffness != nullptr) fill_symmetric(k, stiffness);
@@ -25,7 +25,7 @@ void response_derivatives(const RestResponse& rest, const double* d, double* for
 }
 
 void response_basis(const phn_model&, const RestResponse&, const double* d, double* basis, double*) {
-  cut(d, 1, largest_at_rest, basis);
+  clamp(d, 1, largest_at_rest, basis);
 }
 
 void response_field(const phn_model& model, const RestResponse& rest, const PreparedNode*, double, const double* basis,
@@ -34,7 +34,7 @@ void response_field(const phn_model& model, const RestResponse& rest, const Prep
 }
 
 void response_basis(const phn_model&, const LinearResponse&, const double* d, double* basis, double*) {
-  cut(d, 1, largest_linear, basis);
+  clamp(d, 1, largest_linear, basis);
 }
 
 void response_field(const phn_model& model, const LinearResponse& linear, const PreparedNode*, double,

@@ -54,19 +54,19 @@ PHN_INLINE void finish_stiffness(const ModalForce& node, const double* total, do
 /// @param lanes  which are summed at once: each lane has a sum of its own, so that the sums do not depend on it
 template <std::int32_t lanes, bool with_stiffness, bool with_energy>
 PHN_INLINE void sum_derivatives(const ForceTerms& terms, const double* x, double s2,
-                                double (&sums)[n_sums(with_stiffness, with_energy)][at_once]) {
+                                double (&sums)[n_sums(with_stiffness, with_energy)][block_size]) {
   constexpr std::int32_t n = n_sums(with_stiffness, with_energy);
   const double *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
                *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
   const double x0 = x[0], x1 = x[1], x2 = x[2];
   double zero = 0;
   PHN_HIDE(zero);
-  for (std::int32_t first = 0; first < at_once; first += lanes) {
+  for (std::int32_t first = 0; first < block_size; first += lanes) {
     double sum[n][lanes];
     for (std::int32_t k = 0; k < n; ++k) {
       for (std::int32_t i = 0; i < lanes; ++i) sum[k][i] = zero;
     }
-    for (std::int32_t begin = 0; begin < terms.n; begin += at_once) {
+    for (std::int32_t begin = 0; begin < terms.n; begin += block_size) {
       for (std::int32_t i = 0; i < lanes; ++i) {
         const std::int32_t j = begin + first + i;
         const double y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j], b0 = w0[j], b1 = w1[j], b2 = w2[j];
@@ -100,7 +100,7 @@ template <std::int32_t lanes, bool with_stiffness, bool with_energy>
 PHN_INLINE void derivatives_of_centers(const ModalForce& node, const double* x, double* force, double* energy,
                                        double* stiffness) {
   constexpr std::int32_t n = n_sums(with_stiffness, with_energy);
-  double sums[n][at_once];
+  double sums[n][block_size];
   double total[n];
   sum_derivatives<lanes, with_stiffness, with_energy>(terms_of(node), x, node.shape * node.shape, sums);
   add_up_many(sums, total);
@@ -113,9 +113,9 @@ PHN_INLINE void derivatives_of_centers(const ModalForce& node, const double* x, 
 /// as operations of whole registers; other compilers may not.
 constexpr std::int32_t lanes_of([[maybe_unused]] std::int32_t bytes) {
 #if defined(__GNUC__) && !defined(__clang__)
-  return bytes > 0 ? bytes / static_cast<std::int32_t>(sizeof(double)) : at_once;
+  return bytes > 0 ? bytes / static_cast<std::int32_t>(sizeof(double)) : block_size;
 #else
-  return at_once;
+  return block_size;
 #endif
 }
 
@@ -132,7 +132,7 @@ constexpr bool small_code = false;
   namespace name {                                                                                                     \
   template <bool with_stiffness, bool with_energy>                                                                     \
   attributes void derivatives(const ModalForce& node, const double* x, double* sum, double* work, double* stiffness) { \
-    constexpr std::int32_t lanes = with_stiffness ? lanes_of(bytes) : at_once;                                         \
+    constexpr std::int32_t lanes = with_stiffness ? lanes_of(bytes) : block_size;                                      \
     derivatives_of_centers<lanes, with_stiffness, with_energy>(node, x, sum, work, stiffness);                         \
   }                                                                                                                    \
   constexpr ForceKernels kernels = {#name, derivatives<false, false>, derivatives<false, true>,                        \

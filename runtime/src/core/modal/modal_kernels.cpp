@@ -68,16 +68,16 @@ template <std::int32_t n_rows>
 PHN_INLINE void sum_amplitudes(const ModalTables& tables, std::int32_t n_basis, const double* basis,
                                double* __restrict amplitude) {
   const std::int32_t m = tables.n_modes;
-  constexpr std::int32_t at_once = 8;
-  for (std::int32_t begin = 0; begin < m; begin += at_once) {
+  constexpr std::int32_t block_size = 8;
+  for (std::int32_t begin = 0; begin < m; begin += block_size) {
     const std::int16_t* weight = tables.weight + begin;
     const double* scale = tables.weight_scale + begin;
-    double sum[n_rows][at_once] = {};
-    const std::int32_t size = m - begin < at_once ? m - begin : at_once;
-    if (size == at_once) {
+    double sum[n_rows][block_size] = {};
+    const std::int32_t size = m - begin < block_size ? m - begin : block_size;
+    if (size == block_size) {
       // Constant loop bounds let compilers vectorize the sums.
       for (std::int32_t r = 0; r < n_basis; ++r, weight += m) {
-        for (std::int32_t j = 0; j < at_once; ++j) {
+        for (std::int32_t j = 0; j < block_size; ++j) {
           const double w = weight[j];
           for (std::int32_t k = 0; k < n_rows; ++k) sum[k][j] += basis[k * n_basis + r] * w;
         }
@@ -100,14 +100,14 @@ PHN_INLINE void sum_amplitudes(const ModalTables& tables, std::int32_t n_basis, 
 PHN_INLINE void near_nodes(const ModalTables& tables, std::int32_t components, const PreparedNode* prepared,
                            const double* amplitude, double* field) {
   const std::int32_t n = components * tables.n_near;
-  constexpr std::int32_t at_once = 12;
-  for (std::int32_t begin = 0; begin < n; begin += at_once) {
-    const std::int32_t size = n - begin < at_once ? n - begin : at_once;
-    double sum[at_once] = {};
-    if (prepared != nullptr && size == at_once) {
+  constexpr std::int32_t block_size = 12;
+  for (std::int32_t begin = 0; begin < n; begin += block_size) {
+    const std::int32_t size = n - begin < block_size ? n - begin : block_size;
+    double sum[block_size] = {};
+    if (prepared != nullptr && size == block_size) {
       for (std::int32_t j = 0; j < tables.n_modes; ++j) {
         const double* row = prepared->near_mode + static_cast<std::size_t>(j) * static_cast<std::size_t>(n) + begin;
-        for (std::int32_t i = 0; i < at_once; ++i) sum[i] += row[i] * amplitude[j];
+        for (std::int32_t i = 0; i < block_size; ++i) sum[i] += row[i] * amplitude[j];
       }
     } else {
       for (std::int32_t i = 0; i < size; ++i)
@@ -132,7 +132,7 @@ PHN_INLINE void sum_field(const SharedTable& shared, const ModalTables& tables, 
           row_times(tables.mixing, tables.n_columns, tables.mixing_scale, static_cast<std::size_t>(s), m, amplitude));
     sum_modes(shared.n_modes, shared.n_modes, shared.n_rows, shared.modes, amount, field);
   }
-  // Compilers divide faster by constants; at_once is a multiple of both.
+  // Compilers divide faster by constants; block_size is a multiple of both.
   if (shared.components == 3) return near_nodes(tables, 3, prepared, amplitude, field);
   near_nodes(tables, 1, prepared, amplitude, field);
 }

@@ -20,7 +20,7 @@ void even_basis(const double* x, std::int32_t degree, double* e) {
 void response_derivatives(const ModalResponse& node, const double* d, double* force, double* energy,
                           double* stiffness) {
   double x[3];
-  cut(d, node.force.max_displacement, largest_modal, x);
+  clamp(d, node.force.max_displacement, largest_modal, x);
   const ForceKernels& kernels = best_force_kernels();
   double unused;
   if (stiffness == nullptr)
@@ -33,7 +33,7 @@ void response_derivatives(const ModalResponse& node, const double* d, double* fo
 void response_basis(const phn_model& model, const ModalResponse& node, const double* d, double* basis,
                     double* scratch) {
   double x[3];
-  cut(d, model.max_displacement_m, largest_modal, x);
+  clamp(d, model.max_displacement_m, largest_modal, x);
   const ModalKernels& kernels = best_modal_kernels();
   kernels.basis(model.shared, x, scratch);
   kernels.amplitudes(node, model.shared.n_centers + 3, scratch, basis);
@@ -62,7 +62,7 @@ void modal_field(const phn_model& model, const ModalResponse& node, std::int32_t
   const ModalTables& tables = node.fields[field];
   const std::int32_t n_centers = model.shared.n_centers, n_basis = n_centers + schema::n_field_terms;
   double x[3], *basis = scratch, *amplitude = basis + n_basis;
-  cut(d, model.max_displacement_m, largest_modal, x);
+  clamp(d, model.max_displacement_m, largest_modal, x);
   const ModalKernels& kernels = best_modal_kernels();
   kernels.basis(model.shared, x, basis);
   even_basis(x, shared.degree, basis + n_centers + 3);

@@ -9,7 +9,7 @@ namespace {
 PHN_INLINE std::int32_t smaller(std::int32_t a, std::int32_t b) { return a < b ? a : b; }
 
 PHN_INLINE double scaled(const Network& net, int input, double value) {
-  return cut((value - net.input_center[input]) / net.input_half_range[input], DBL_MAX);
+  return clamp((value - net.input_center[input]) / net.input_half_range[input], DBL_MAX);
 }
 
 PHN_INLINE double gaussian(double x0, double x1, double x2, double c0, double c1, double c2, double spread) {
@@ -20,11 +20,11 @@ PHN_INLINE double gaussian(double x0, double x1, double x2, double c0, double c1
 PHN_INLINE void force_of(const Network& net, const double* d, double* force) {
   const double x[3] = {scaled(net, 0, d[0]), scaled(net, 1, d[1]), scaled(net, 2, d[2])};
   const double spread = net.inverse_square_spread;
-  double sum[3][at_once] = {};
-  for (std::int32_t begin = 0; begin < net.n_neurons; begin += at_once) {
+  double sum[3][block_size] = {};
+  for (std::int32_t begin = 0; begin < net.n_neurons; begin += block_size) {
     const double *c0 = net.center[0] + begin, *c1 = net.center[1] + begin, *c2 = net.center[2] + begin;
     const double *w0 = net.weight[0] + begin, *w1 = net.weight[1] + begin, *w2 = net.weight[2] + begin;
-    for (std::int32_t i = 0; i < at_once; ++i) {
+    for (std::int32_t i = 0; i < block_size; ++i) {
       const double h = gaussian(x[0], x[1], x[2], c0[i], c1[i], c2[i], spread);
       sum[0][i] += w0[i] * h;
       sum[1][i] += w1[i] * h;
@@ -40,12 +40,12 @@ PHN_INLINE void gaussians_of_inputs(const Network& net, int first, const double*
   double x[3];
   for (int k = 0; k < 3; ++k) x[k] = scaled(net, first + k, values[k]);
   const double spread = net.inverse_square_spread;
-  double h[at_once];
-  for (std::int32_t begin = 0; begin < net.n_neurons; begin += at_once) {
+  double h[block_size];
+  for (std::int32_t begin = 0; begin < net.n_neurons; begin += block_size) {
     const double *c0 = net.center[first] + begin, *c1 = net.center[first + 1] + begin,
                  *c2 = net.center[first + 2] + begin;
-    for (std::int32_t i = 0; i < at_once; ++i) h[i] = gaussian(x[0], x[1], x[2], c0[i], c1[i], c2[i], spread);
-    const std::int32_t size = smaller(at_once, net.n_neurons - begin);
+    for (std::int32_t i = 0; i < block_size; ++i) h[i] = gaussian(x[0], x[1], x[2], c0[i], c1[i], c2[i], spread);
+    const std::int32_t size = smaller(block_size, net.n_neurons - begin);
     for (std::int32_t i = 0; i < size; ++i) out[begin + i] = h[i];
   }
 }
