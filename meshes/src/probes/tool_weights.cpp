@@ -72,22 +72,23 @@ SurfaceTools::SurfaceTools(const Points& nodes, const Triangles& surface)
     : _nodes(nodes),
       _surface(surface),
       _normals(node_normals(nodes, surface)),
-      _across(static_cast<std::size_t>(surface.size())),
+      _neighbors(static_cast<std::size_t>(surface.size())),
       _reached(static_cast<std::size_t>(surface.rows())),
-      _taken(static_cast<std::size_t>(surface.rows()), 0) {
-  std::vector<std::int32_t> last_at(static_cast<std::size_t>(nodes.rows())), before(_across.size());
-  schema::set_across(surface.data(), static_cast<std::int32_t>(surface.rows()), static_cast<std::int32_t>(nodes.rows()),
-                     last_at.data(), before.data(), _across.data());
+      _is_reached(static_cast<std::size_t>(surface.rows()), 0) {
+  std::vector<std::int32_t> last_at(static_cast<std::size_t>(nodes.rows())), before(_neighbors.size());
+  schema::find_neighbors(surface.data(), static_cast<std::int32_t>(surface.rows()),
+                         static_cast<std::int32_t>(nodes.rows()), last_at.data(), before.data(), _neighbors.data());
 }
 
 void SurfaceTools::press(const SurfacePoint& center, double radius, bool quadratic, const TakeIntegrals& take) {
-  const schema::ToolSurface surface{_nodes.data(), _normals.data(), _surface.data(), _across.data(),
+  const schema::ToolSurface surface{_nodes.data(), _normals.data(), _surface.data(), _neighbors.data(),
                                     static_cast<std::int32_t>(_surface.rows())};
   const auto press = [&](auto n_functions) {
-    schema::press<n_functions>(surface, {_taken.data(), _reached.data()}, center.nodes.data(), center.weights.data(),
-                               radius, [&](std::int32_t t, const double* integrals) {
-                                 take(t, {integrals, static_cast<std::size_t>(n_functions)});
-                               });
+    schema::integrate_pressure<n_functions>(surface, {_is_reached.data(), _reached.data()}, center.nodes.data(),
+                                            center.weights.data(), radius,
+                                            [&](std::int32_t t, const double* integrals) {
+                                              take(t, {integrals, static_cast<std::size_t>(n_functions)});
+                                            });
   };
   if (quadratic)
     press(std::integral_constant<int, 6>());

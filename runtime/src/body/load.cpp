@@ -177,8 +177,8 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   schema::body(loader, store);
   if (!in.at_end()) in.fail_next(PHN_ERROR_SYNTAX);
   auto* neighbors = arena.take<std::int32_t>(static_cast<std::size_t>(store.surface.n), 3);
-  auto* before = arena.take<std::int32_t>(static_cast<std::size_t>(store.surface.n), 3);
-  auto* last_at = arena.take<std::int32_t>(static_cast<std::size_t>(store.nodes.n));
+  auto* previous_corner = arena.take<std::int32_t>(static_cast<std::size_t>(store.surface.n), 3);
+  auto* last_corner = arena.take<std::int32_t>(static_cast<std::size_t>(store.nodes.n));
   auto* pressure_row = arena.take<std::int32_t>(static_cast<std::size_t>(store.shear_m3.n));
   auto* normals = arena.take<double>(static_cast<std::size_t>(store.nodes.n), 3);
   auto* materials = arena.take<BodyMaterial>(static_cast<std::size_t>(store.regions.n) + 1);
@@ -221,7 +221,7 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   body->residual_compliance = store.lacking.entries.n > 0 ? store.lacking.entries.at : nullptr;
   body->residual_compliance_stride = store.lacking.entries.stride;
   body->bounds = store.bounds.n > 0 ? store.bounds.at : nullptr;
-  schema::set_across(info.triangles, info.n_triangles, info.n_nodes, last_at, before, neighbors);
+  schema::find_neighbors(info.triangles, info.n_triangles, info.n_nodes, last_corner, previous_corner, neighbors);
   set_normals(*body, normals);
   body->neighbors = neighbors;
   body->normals = normals;

@@ -48,13 +48,14 @@ int tool_weights(const phn_body& body, const phn_tool& tool, ToolScratch& scratc
   if (body.info.tool_radius_m > 0) {
     const schema::ToolSurface surface{body.info.points, body.normals, body.info.triangles, body.neighbors,
                                       body.info.n_triangles};
-    schema::press<3>(surface, {scratch.is_reached, scratch.reached}, corner, share, body.info.tool_radius_m,
-                     [&](std::int32_t t, const double* integrals) {
-                       const std::int32_t* node = body.info.triangles + 3 * t;
-                       for (int k = 0; k < 3; ++k) all.add(node[k], integrals[k]);
-                       at_fixed += schema::integrals_at_fixed(
-                           integrals, 3, [&](int k) { return body.node_kinds[node[k]] == schema::body_node_fixed; });
-                     });
+    schema::integrate_pressure<3>(surface, {scratch.is_reached, scratch.reached}, corner, share,
+                                  body.info.tool_radius_m, [&](std::int32_t t, const double* integrals) {
+                                    const std::int32_t* node = body.info.triangles + 3 * t;
+                                    for (int k = 0; k < 3; ++k) all.add(node[k], integrals[k]);
+                                    at_fixed += schema::integrals_at_fixed(integrals, 3, [&](int k) {
+                                      return body.node_kinds[node[k]] == schema::body_node_fixed;
+                                    });
+                                  });
   } else {
     for (int k = 0; k < 3; ++k) all.add(corner[k], share[k]);
   }

@@ -171,15 +171,15 @@ class Balance {
   /// slide by the gaps that the forces do not close. Tools that do not push are not held in the next response.
   /// @return whether the forces are known; they are then in _predicted
   bool predict_forces() {
-    Matrix compliance[most_touching * most_touching];
+    Matrix blocks[most_touching * most_touching];
     Vector(&force)[most_touching] = _predicted, open_gap[most_touching];
     for (Vector& f : force) f = {};
-    const std::int32_t n = _contact.n_response;
+    const MatrixView<Matrix> compliance{blocks, _contact.n_response};
     for (std::int32_t t = 0; t < _n; ++t) {
       if (is_in_response(t)) force[index_of(t)] = _contact.response_force[index_of(t)];
     }
     // The forces of a body that is far from equilibrium do not predict those of the next step.
-    const bool is_known = _contact.has_response && n > 0 && _touched.compliance(n, compliance);
+    const bool is_known = _contact.has_response && _contact.n_response > 0 && _touched.compliance(compliance);
     bool slides = is_known;
     for (int pass = 0; pass < most_slides && slides; ++pass) {
       bool changes = true;
@@ -189,7 +189,7 @@ class Balance {
           if (!is_in_response(t)) continue;
           const std::int32_t i = index_of(t);
           const Vector before = force[i];
-          open_gap[i] = project_on_cone(t, compliance[n * i + i], gap(t, compliance, force), force[i]);
+          open_gap[i] = project_on_cone(t, compliance(i, i), gap(t, compliance, force), force[i]);
           changes |= length((force[i] - before).x) > gauss_seidel_tolerance * length(force[i].x);
         }
       }
@@ -205,7 +205,7 @@ class Balance {
       const std::int32_t i = index_of(t);
       // A tool beyond an edge is released where only a tensile force could move the surface there.
       if (is_known && i >= 0 && tool.is_at_edge &&
-          dot(force[i] + inverse_of(compliance[n * i + i]) * open_gap[i], vector_at(tool.normal)) >= 0)
+          dot(force[i] + inverse_of(compliance(i, i)) * open_gap[i], vector_at(tool.normal)) >= 0)
         force[i] = {};
       const bool pushes = is_known ? i >= 0 && length(force[i].x) > 0 : i < _contact.n_held;
       tool.active = _inputs[t].mode == PHN_TOOL_GRASP || (i >= 0 && pushes);
@@ -218,10 +218,11 @@ class Balance {
   std::int32_t index_of(std::int32_t t) const { return _contact.tool[t].response_index - 1; }
 
   /// Vector from the proxy that the forces displace to its tool [m].
-  Vector gap(std::int32_t t, const Matrix* compliance, const Vector* force) const {
-    const std::int32_t n = _contact.n_response, i = index_of(t);
+  Vector gap(std::int32_t t, const MatrixView<Matrix>& compliance, const Vector* force) const {
+    const std::int32_t i = index_of(t);
     Vector gap = vector_at(_contact.tool[t].displacement) - _contact.response_displacement[i];
-    for (std::int32_t s = 0; s < n; ++s) gap -= compliance[n * i + s] * (force[s] - _contact.response_force[s]);
+    for (std::int32_t s = 0; s < compliance.n_columns; ++s)
+      gap -= compliance(i, s) * (force[s] - _contact.response_force[s]);
     return gap;
   }
 

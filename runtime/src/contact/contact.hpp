@@ -33,9 +33,9 @@ class Touched {
   }
   /// Stiffness at rest under a tool of the last hold() of a model, where the other tools are held [N/m].
   virtual Matrix stiffness(std::int32_t) const { return {}; }
-  /// Compliance between the n tools of the last hold() of a body, including those that are only near, n x n [m/N].
+  /// Compliance (tool, tool) between the tools of the last hold() of a body, including those that are only near [m/N].
   /// @return whether it is known
-  virtual bool compliance(std::int32_t, Matrix*) const { return false; }
+  virtual bool compliance(const MatrixView<Matrix>&) const { return false; }
   /// Displacement of a body, and of the springs of other tools, at a tool of the last hold() that is only near [m].
   virtual Vector displacement(std::int32_t) const { return {}; }
 };

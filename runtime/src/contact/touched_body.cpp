@@ -34,8 +34,8 @@ class TouchedBody final : public Touched {
   }
   /// The inverse of the stiffness under the tools, from the factor of the last response. Where the body is unstable, a
   /// part of the penalty stays in the stiffness and makes it definite.
-  bool compliance(std::int32_t n_tools, Matrix* blocks) const override {
-    const std::int32_t n = 3 * n_tools, n_held = _state.n_constraints;
+  bool compliance(const MatrixView<Matrix>& blocks) const override {
+    const std::int32_t n = 3 * blocks.n_columns, n_held = _state.n_constraints;
     if (_state.n_all_constraints != n) return false;
     Compliance all, stiffness;
     all.assemble(_state, n, true);
@@ -57,7 +57,7 @@ class TouchedBody final : public Touched {
       double column[3 * most_body_tools] = {};
       column[c] = 1;
       stiffness.solve(n, column);
-      for (std::int32_t r = 0; r < n; ++r) blocks[n_tools * (r / 3) + c / 3](r % 3, c % 3) = column[r];
+      for (std::int32_t r = 0; r < n; ++r) blocks(r / 3, c / 3)(r % 3, c % 3) = column[r];
     }
     return true;
   }

@@ -352,7 +352,7 @@ class Solver : private Constraints {
     double right[3 * most_coupled];
     for (std::int32_t i = 0; i < n; ++i) right[i] = _c.correction[i / 3][i % 3];
     for (std::int32_t i = 0; i < n * n; ++i) _c.work[i] = _c.rest_matrix[i];
-    if (!solve_dense(_c.work, n, right)) return false;
+    if (!solve_dense({_c.work, n}, right)) return false;
     for (std::int32_t i = 0; i < n; ++i) _c.correction[i / 3][i % 3] = right[i];
     return true;
   }

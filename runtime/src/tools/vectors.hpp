@@ -179,23 +179,25 @@ inline bool all_finite(const double* x, std::size_t n) {
 }
 
 /// One Jacobi rotation of rows and columns p and q, after which a_pq is 0.
-inline void rotate_pair(double* a, std::int32_t n, std::int32_t p, std::int32_t q, double* vectors) {
-  const double off = a[p * n + q];
-  const double half = (a[q * n + q] - a[p * n + p]) / (2 * off);
+inline void rotate_pair(const MatrixView<double>& a, std::int32_t p, std::int32_t q,
+                        const MatrixView<double>& vectors) {
+  const std::int32_t n = a.n_columns;
+  const double off = a(p, q);
+  const double half = (a(q, q) - a(p, p)) / (2 * off);
   const double tangent = (half < 0 ? -1 : 1) / (std::fabs(half) + std::sqrt(half * half + 1));
   const double cosine = 1 / std::sqrt(tangent * tangent + 1), sine = tangent * cosine;
   for (std::int32_t k = 0; k < n; ++k) {
-    const double x = a[k * n + p], y = a[k * n + q];
-    a[k * n + p] = cosine * x - sine * y;
-    a[k * n + q] = sine * x + cosine * y;
+    const double x = a(k, p), y = a(k, q);
+    a(k, p) = cosine * x - sine * y;
+    a(k, q) = sine * x + cosine * y;
   }
   for (std::int32_t k = 0; k < n; ++k) {
-    const double x = a[p * n + k], y = a[q * n + k];
-    a[p * n + k] = cosine * x - sine * y;
-    a[q * n + k] = sine * x + cosine * y;
-    const double v = vectors[k * n + p], w = vectors[k * n + q];
-    vectors[k * n + p] = cosine * v - sine * w;
-    vectors[k * n + q] = sine * v + cosine * w;
+    const double x = a(p, k), y = a(q, k);
+    a(p, k) = cosine * x - sine * y;
+    a(q, k) = sine * x + cosine * y;
+    const double v = vectors(k, p), w = vectors(k, q);
+    vectors(k, p) = cosine * v - sine * w;
+    vectors(k, q) = sine * v + cosine * w;
   }
 }
 
@@ -214,7 +216,7 @@ inline void diagonalize(double* a, std::int32_t n, double* vectors) {
     if (!(off_diagonal > 1e-34 * size)) return;
     for (std::int32_t p = 0; p < n - 1; ++p) {
       for (std::int32_t q = p + 1; q < n; ++q) {
-        if (a[p * n + q] != 0) rotate_pair(a, n, p, q, vectors);
+        if (a[p * n + q] != 0) rotate_pair({a, n}, p, q, {vectors, n});
       }
     }
   }
@@ -232,32 +234,33 @@ inline Matrix inverse_of_stiffness(const Matrix& stiffness, double least) {
   return inverse;
 }
 
-/// Gaussian elimination with partial pivoting; the solution replaces the right-hand side.
+/// Gaussian elimination with partial pivoting. The solution replaces the right-hand side.
 /// @param a  n x n, destroyed. @return false if a is singular
-inline bool solve_dense(double* a, std::int32_t n, double* right) {
+inline bool solve_dense(const MatrixView<double>& a, double* right) {
+  const std::int32_t n = a.n_columns;
   double size = 0;
-  for (std::int32_t i = 0; i < n * n; ++i) size = std::fmax(size, std::fabs(a[i]));
+  for (std::int32_t i = 0; i < n * n; ++i) size = std::fmax(size, std::fabs(a.data[i]));
   for (std::int32_t k = 0; k < n; ++k) {
     std::int32_t pivot = k;
     for (std::int32_t i = k + 1; i < n; ++i) {
-      if (std::fabs(a[i * n + k]) > std::fabs(a[pivot * n + k])) pivot = i;
+      if (std::fabs(a(i, k)) > std::fabs(a(pivot, k))) pivot = i;
     }
-    if (!(std::fabs(a[pivot * n + k]) > 1e-13 * size)) return false;
+    if (!(std::fabs(a(pivot, k)) > 1e-13 * size)) return false;
     for (std::int32_t j = 0; j <= n && pivot != k; ++j) {
-      double &one = j < n ? a[k * n + j] : right[k], &other = j < n ? a[pivot * n + j] : right[pivot];
+      double &one = j < n ? a(k, j) : right[k], &other = j < n ? a(pivot, j) : right[pivot];
       const double swapped = one;
       one = other;
       other = swapped;
     }
     for (std::int32_t i = k + 1; i < n; ++i) {
-      const double factor = a[i * n + k] / a[k * n + k];
-      add_scaled(-factor, a + k * n + k, n - k, a + i * n + k);
+      const double factor = a(i, k) / a(k, k);
+      add_scaled(-factor, &a(k, k), n - k, &a(i, k));
       right[i] -= factor * right[k];
     }
   }
   for (std::int32_t k = n - 1; k >= 0; --k) {
-    for (std::int32_t i = k + 1; i < n; ++i) right[k] -= a[k * n + i] * right[i];
-    right[k] /= a[k * n + k];
+    for (std::int32_t i = k + 1; i < n; ++i) right[k] -= a(k, i) * right[i];
+    right[k] /= a(k, k);
   }
   return true;
 }

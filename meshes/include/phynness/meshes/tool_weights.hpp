@@ -36,7 +36,7 @@ class SurfaceTools {
   /// @throws Error (input) if nothing is left of the tool
   TouchedNodes touched_nodes(std::span<const std::int32_t> fixed, const SurfacePoint& center, double radius);
 
-  /// Receives a triangle of the surface and the integrals of the pressure over it, as schema::press().
+  /// Receives a triangle of the surface and the integrals of the pressure over it, as schema::integrate_pressure().
   using TakeIntegrals = std::function<void(Eigen::Index triangle, std::span<const double> integrals)>;
   /// @param quadratic  integrals of the six quadratic functions instead of the three linear ones
   /// @pre radius > 0
@@ -46,8 +46,8 @@ class SurfaceTools {
   const Points& _nodes;
   const Triangles& _surface;
   Points _normals;
-  std::vector<std::int32_t> _across, _reached;
-  std::vector<char> _taken;
+  std::vector<std::int32_t> _neighbors, _reached;
+  std::vector<char> _is_reached;
 };
 
 /// One tool of a SurfaceTools.

@@ -102,15 +102,15 @@ void bounds(IO& io, Model& model) {
   }
 }
 
-/// Only a reader stores what it has read.
-inline void keep(bool& to, bool value) { to = value; }
-inline void keep(const bool&, bool) {}
+/// Stores a flag that a reader has read; a writer's is constant.
+inline void store_flag(bool& to, bool value) { to = value; }
+inline void store_flag(const bool&, bool) {}
 
-/// What the finite elements solved.
+/// The equations that the finite elements solved.
 template <class IO, class Solved>
 void solved(IO& io, Solved& body) {
   const bool recorded = io.optional("solved", body.is_recorded);
-  keep(body.is_recorded, recorded);
+  store_flag(body.is_recorded, recorded);
   if (!recorded) return;
   io.keyword("solved");
   io.word("element", body.element);
@@ -118,11 +118,11 @@ void solved(IO& io, Solved& body) {
   io.end();
 }
 
-/// How far the finite elements are from a finer solution.
+/// Distance of the finite elements from a finer solution.
 template <class IO, class Distance>
 void finer(IO& io, Distance& distance) {
   const bool measured = io.optional("finer", distance.is_measured);
-  keep(distance.is_measured, measured);
+  store_flag(distance.is_measured, measured);
   if (!measured) return;
   io.keyword("finer");
   io.word("element", distance.element);
@@ -135,7 +135,7 @@ void finer(IO& io, Distance& distance) {
   io.integer("solved probes", distance.solved, 0, largest_integer);
   io.end();
   const bool with_parts = io.optional("parts", distance.has_parts);
-  keep(distance.has_parts, with_parts);
+  store_flag(distance.has_parts, with_parts);
   if (!with_parts) return;
   io.keyword("parts");
   io.real("unknowns factor", distance.unknowns_factor, not_negative);
@@ -171,7 +171,7 @@ void node_lines(IO& io, Model& model, Node& node, int32_t& previous) {
     io.keyword("mean");
     io.end();
   }
-  keep(node.moves_mean, mean);
+  store_flag(node.moves_mean, mean);
   const int32_t n_prescribed = count_line(io, "prescribed", io.rows(node.prescribed), 1);
   io.shape("prescribed", node.prescribed, n_prescribed, 1);
   io.shape("prescribed", node.prescribed_weight, n_prescribed, 1);

@@ -13,35 +13,35 @@ struct ToolSurface {
   const double* points;           ///< n_nodes x 3
   const double* normals;          ///< n_nodes x 3: unit normals of the nodes
   const std::int32_t* triangles;  ///< n_triangles x 3
-  const std::int32_t* across;     ///< n_triangles x 3: the triangle at the edge from corner k to k + 1; -1: none
+  const std::int32_t* neighbors;  ///< n_triangles x 3: the triangle at the edge from corner k to k + 1; -1: none
   std::int32_t n_triangles;
 };
 
 /// Memory of a search, n_triangles of each.
 struct ToolSearch {
-  char* taken;            ///< zeros between searches
+  char* is_reached;       ///< zeros between searches
   std::int32_t* reached;  ///< the triangles under the tool
 };
 
-/// The triangles at both sides of each edge. Of an edge of more than two triangles, two are joined. Of the triangles at
-/// a node the first thousand are searched, which bounds the time for any text.
-/// @param last_at, before  working memory: n_nodes, 3 n_triangles
-inline void set_across(const std::int32_t* corner, std::int32_t n_triangles, std::int32_t n_nodes,
-                       std::int32_t* last_at, std::int32_t* before, std::int32_t* across) {
+/// Finds the neighbors of all triangles. Of an edge of more than two triangles, two are joined. Of the triangles at a
+/// node the first thousand are searched, which bounds the time for any text.
+/// @param last_corner, previous_corner  working memory: n_nodes, 3 n_triangles
+inline void find_neighbors(const std::int32_t* corner, std::int32_t n_triangles, std::int32_t n_nodes,
+                           std::int32_t* last_corner, std::int32_t* previous_corner, std::int32_t* neighbors) {
   const std::int32_t n_corners = 3 * n_triangles;
-  // Corners at each node, as lists: the last one, and the one before each.
-  for (std::int32_t i = 0; i < n_nodes; ++i) last_at[i] = -1;
+  // The corners at each node are a linked list: its last corner, and for each corner the previous one.
+  for (std::int32_t i = 0; i < n_nodes; ++i) last_corner[i] = -1;
   for (std::int32_t c = 0; c < n_corners; ++c) {
-    across[c] = -1;
-    before[c] = last_at[corner[c]];
-    last_at[corner[c]] = c;
+    neighbors[c] = -1;
+    previous_corner[c] = last_corner[corner[c]];
+    last_corner[corner[c]] = c;
   }
   const auto next = [](std::int32_t c) { return c % 3 == 2 ? c - 2 : c + 1; };
   for (std::int32_t c = 0; c < n_corners; ++c) {
-    std::int32_t left = 1000;
-    for (std::int32_t other = last_at[corner[next(c)]]; other >= 0 && across[c] < 0 && left > 0;
-         other = before[other], --left)
-      if (corner[next(other)] == corner[c]) across[c] = other / 3;
+    std::int32_t attempts = 1000;
+    for (std::int32_t other = last_corner[corner[next(c)]]; other >= 0 && neighbors[c] < 0 && attempts > 0;
+         other = previous_corner[other], --attempts)
+      if (corner[next(other)] == corner[c]) neighbors[c] = other / 3;
   }
 }
 
@@ -177,10 +177,10 @@ void integrate(const Vector (&corner)[3], const Vector& x, double radius, const 
 
 }  // namespace round_tool
 
-/// What integrals of linear functions with the pressure are divided by to be weights of a round tool: their sum over
-/// points that move, and a share of the sum over fixed points of triangles of which a point moves. The surface rises
-/// there from the fixed points faster than linear functions, hence less than all of it (docs/decisions/element.md).
-/// Where a tool touches little that moves, weights have at least the sum 1/2.
+/// Divisor of the integrals of linear functions with the pressure, which makes them weights of a round tool: their sum
+/// over points that move, and a share of the sum over fixed points of triangles of which a point moves. The surface
+/// rises there from the fixed points faster than linear functions, so that the share is below 1
+/// (docs/decisions/element.md). The weights of a tool over few points that move have at least the sum 1/2.
 /// @param moving, fixed  these two sums
 inline double weight_divisor(double moving, double fixed) { return std::fmin(moving + 0.8 * fixed, 2 * moving); }
 
@@ -198,16 +198,16 @@ double integrals_at_fixed(const double* integrals, int n_functions, const IsFixe
   return moves ? sum : 0;
 }
 
-/// Calls take(triangle, integrals) for the triangles that a round tool presses: those that are connected to its middle
-/// over edges within its radius (straight distance). The integrals, of n_functions as in round_tool::integrate, have
+/// Calls take(triangle, integrals) for the triangles under a round tool: those that are connected to its middle over
+/// edges within its radius (straight distance). The integrals, of n_functions as in round_tool::integrate, have
 /// the factor max(0, n . n_0) of the normals there and at the middle (docs/decisions/round-tool.md), so that a tool
 /// wider than the body is thick does not press the far side, and around a rim the pressure fades. They are not
 /// normalized.
 /// @param corner, share  of the middle: up to three nodes of a triangle, and their weights, > 0 where they count
 /// @pre radius > 0
 template <int n_functions, class Take>
-void press(const ToolSurface& surface, const ToolSearch& search, const std::int32_t* corner, const double* share,
-           double radius, const Take& take) {
+void integrate_pressure(const ToolSurface& surface, const ToolSearch& search, const std::int32_t* corner,
+                        const double* share, double radius, const Take& take) {
   using round_tool::Vector;
   const auto at = [](const double* rows, std::int32_t i) {
     const double* x = rows + 3 * static_cast<std::size_t>(i);
@@ -216,11 +216,11 @@ void press(const ToolSurface& surface, const ToolSearch& search, const std::int3
   const auto corners_of = [&](std::int32_t t) { return surface.triangles + 3 * static_cast<std::size_t>(t); };
   std::int32_t n_reached = 0;
   const auto reach = [&](std::int32_t t) {
-    if (search.taken[t]) return;
-    search.taken[t] = 1;
+    if (search.is_reached[t]) return;
+    search.is_reached[t] = 1;
     search.reached[n_reached++] = t;
   };
-  // The normal between nodes is the mean of theirs, so that it turns steadily over edges of the body.
+  // The normal between nodes is the mean of their normals, so that it is continuous over edges of the body.
   Vector middle = {}, normal = {};
   for (int k = 0; k < 3; ++k) {
     if (!(share[k] > 0)) continue;
@@ -251,11 +251,11 @@ void press(const ToolSurface& surface, const ToolSearch& search, const std::int3
       take(t, integrals);
     }
     for (int k = 0; k < 3; ++k) {
-      const std::int32_t other = surface.across[3 * static_cast<std::size_t>(t) + static_cast<std::size_t>(k)];
+      const std::int32_t other = surface.neighbors[3 * static_cast<std::size_t>(t) + static_cast<std::size_t>(k)];
       if (other >= 0 && round_tool::distance2_to_edge(middle, x[k], x[(k + 1) % 3]) < radius * radius) reach(other);
     }
   }
-  for (std::int32_t n = 0; n < n_reached; ++n) search.taken[search.reached[n]] = 0;
+  for (std::int32_t n = 0; n < n_reached; ++n) search.is_reached[search.reached[n]] = 0;
 }
 
 }  // namespace phynness::schema
