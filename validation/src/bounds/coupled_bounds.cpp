@@ -18,6 +18,8 @@ constexpr double least_error = 1e-5;
 constexpr std::int64_t fewest_of_kind = 20;
 /// A prediction is made without each of these parts of the rays.
 constexpr int n_parts = 10;
+/// Tools of a state, at most (CoupledRays).
+constexpr std::int32_t most_tools = 3;
 constexpr int n_coefficients = schema::n_coupled_terms;
 /// Added to what bounds are computed from [N] (formats/body.md, Bounds).
 constexpr double least_term = 1e-12;
@@ -25,7 +27,7 @@ constexpr double least_term = 1e-12;
 constexpr int bending = 2;
 
 struct Sample {
-  std::int32_t ray = 0;
+  std::int32_t ray = 0, n_tools = 1;
   double depth_m = 0, error_N = 0;
   std::array<double, n_coefficients> terms{};  ///< 1 and logarithms
 
@@ -35,6 +37,7 @@ using Samples = std::vector<Sample>;
 
 Sample sample_of(const CoupledState& state, const Vec3& said_N) {
   return {state.ray,
+          state.n_tools,
           Eigen::Map<const Eigen::Vector3d>(state.tool.displacement).norm(),
           (to_eigen(said_N) - to_eigen(state.force_N)).norm(),
           {1}};
@@ -68,9 +71,11 @@ Samples samples_of(const std::vector<CoupledState>& states, CoupledKind kind) {
   return samples;
 }
 
-std::int64_t rays_of(const Samples& samples) {
+/// @param n_tools  of those that count; 0: all count
+std::int64_t rays_of(const Samples& samples, std::int32_t n_tools = 0) {
   std::set<std::int32_t> rays;
-  for (const auto& sample : samples) rays.insert(sample.ray);
+  for (const auto& sample : samples)
+    if (n_tools == 0 || sample.n_tools == n_tools) rays.insert(sample.ray);
   return std::ssize(rays);
 }
 
@@ -89,9 +94,12 @@ double missing(const Samples& samples, const std::vector<double>& scores, double
   return quantile(those, coverage * (1 + 1 / static_cast<double>(rays.size())));
 }
 
-/// The same for the share `coverage`, and nearly so in each third of the depth.
+/// The same for the share `coverage` of all and of those of each number of tools, whose errors grow with it, and nearly
+/// so in each third of the depth.
 double missing(const Samples& samples, const std::vector<double>& scores, double coverage, double range_m) {
   double more = missing(samples, scores, coverage, [](const Sample&) { return true; });
+  for (std::int32_t n = 1; n <= most_tools; ++n)
+    more = std::max(more, missing(samples, scores, coverage, [&](const Sample& s) { return s.n_tools == n; }));
   for (int third = 0; third < 3; ++third)
     more = std::max(more, missing(samples, scores, coverage - holds_nearly, [&](const Sample& s) {
                       return std::min(2, static_cast<int>(3 * s.depth_m / range_m)) == third;
@@ -166,6 +174,9 @@ std::optional<Eigen::Vector4d> fit_kind(const Samples& samples, double coverage,
   if (found.rays < fewest_of_kind) return std::nullopt;
   found.all = left_out(samples, coverage, range_m);
   found.promised = promised_coverage(found.rays, coverage);
+  for (std::int32_t n = 1; n <= most_tools; ++n)
+    if (const auto rays = rays_of(samples, n); rays > 0)
+      found.promised = std::min(found.promised, promised_coverage(rays, coverage));
   return fit(samples, coverage, range_m);
 }
 

@@ -108,7 +108,7 @@ DrawnRay CoupledRays::unflagged(const ToolRay& ray, DrawnStates& drawn) const {
     const auto n_tools = static_cast<std::int32_t>(tools.size());
     if (_body) phn_body_bound_terms(_body->organ().body(), _body->organ().state(), n_tools, terms[0].data());
     for (std::size_t t = 0; t < tools.size(); ++t)
-      kept.states.push_back({0, CoupledKind::one, tools[t], {}, *said.force_N[t], terms[t]});
+      kept.states.push_back({0, CoupledKind::one, n_tools, tools[t], {}, *said.force_N[t], terms[t]});
   }
   return kept;
 }

@@ -15,6 +15,7 @@ enum class CoupledKind : std::int32_t { one, several };  ///< tools
 struct CoupledState {
   std::int32_t ray = 0;  ///< its number among those of the same kind
   CoupledKind kind = CoupledKind::one;
+  std::int32_t n_tools = 1;  ///< of its state
   phn_tool tool{};
   Vec3 force_N{};                 ///< of the finite elements
   Vec3 said_N{};                  ///< of a body
@@ -25,8 +26,9 @@ struct CoupledState {
 struct CoupledCoverage {
   std::int64_t rays = 0;
   BoundCoverage all;
-  double promised = 0;  ///< share of fresh errors below the bound that so many rays promise (promised_coverage)
-  double flagged = 0;   ///< share of the drawn states that the runtime flags and that therefore have no bound
+  /// Share of fresh errors below the bound that so many rays promise (promised_coverage), of each number of tools.
+  double promised = 0;
+  double flagged = 0;  ///< share of the drawn states that the runtime flags and that therefore have no bound
   static void describe(const auto& c, auto&& see) {
     see("rays", c.rays);
     see("promised", c.promised);
