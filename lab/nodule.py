@@ -1,8 +1,8 @@
 """The map of stiffness above a nodule, with it and without, at rest and at 5 mm: of a model and of a reduced body beside
 solves of the same finite elements.
 
-Usage: lab/study nodule FOLDER [--scene FILE] [--places N] [--ranks N]. Databases, models and bodies in FOLDER are used again. It writes
-FOLDER/nodule.csv and, where matplotlib is installed, FOLDER/nodule.png.
+Usage: lab/study nodule FOLDER [--scene FILE] [--places N] [--centres] [--ranks N]. Databases, models and bodies in FOLDER
+are used again; a model without a body is enough. It writes FOLDER/nodule.csv and, where matplotlib is installed, FOLDER/nodule.png.
 """
 
 import argparse
@@ -23,6 +23,8 @@ def arguments():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--scene", type=pathlib.Path, default=SOURCE / "scenes/liver_nodule.toml")
     parser.add_argument("--places", type=int, default=44, help="most nodes that the model answers, the nearest to the nodule")
+    parser.add_argument("--centres", action="store_true",
+                        help="places at the centres of the surface's triangles, by single solves, instead of nodes")
     parser.add_argument("--ranks", type=int, default=1)
     return parser.parse_args()
 
@@ -41,42 +43,61 @@ def made(scene, folder, ranks):
     return folder
 
 
-def is_answered(model, node, d):
+def where(place):
+    return ["--node", place] if np.ndim(place) == 0 else ["--point", vector(place)]
+
+
+def is_answered(model, place, d):
     try:
-        found = answer("eval", model, "--node", node, "--displacement", vector(d))
+        found = answer("eval", model, *where(place), "--displacement", vector(d))
     except SystemExit:  # not between probed nodes
         return False
     return found is not None and found["status"] == 0
 
 
-def places_of(folder, count):
-    """Nodes of the probed part of the surface, those that are probed and those between them, and their inward normals."""
+def places_of(folder, count, centres):
+    """Nodes of the probed part of the surface, those that are probed and those between them, or centres of triangles,
+    and their inward normals."""
     with h5py.File(folder / "database.h5") as f:
         x, faces, active = f["mesh/nodes"][:], f["mesh/surface"][:], f["sets/active"][:]
         regions, cells, fixed = f["mesh/regions"][:], f["mesh/cells"][:], f["sets/fixed"][:]
     nodule = x[cells[regions == 1]].mean(axis=(0, 1))
-    inward = np.zeros_like(x)
     area = np.cross(x[faces[:, 2]] - x[faces[:, 0]], x[faces[:, 1]] - x[faces[:, 0]])
-    for k in range(3):
-        np.add.at(inward, faces[:, k], area)
+    if centres:
+        at, places, inward, probed = x[faces].mean(axis=1), range(len(faces)), area, np.zeros(len(faces), bool)
+    else:
+        at, inward, probed = x, np.zeros_like(x), np.isin(np.arange(len(x)), active)
+        for k in range(3):
+            np.add.at(inward, faces[:, k], area)
+        places = np.setdiff1d(np.unique(faces), fixed)
     inward /= np.maximum(np.linalg.norm(inward, axis=1, keepdims=True), 1e-300)
-    far = np.linalg.norm(x - nodule, axis=1)
-    near = [n for n in np.setdiff1d(np.unique(faces), fixed) if far[n] <= far[active].max()]
-    near = [n for n in sorted(near, key=lambda n: far[n])
-            if is_answered(folder / "model", n, DEPTH_M * inward[n])][:count]
-    return np.array(near), inward[near], np.isin(near, active), x[near], nodule
+    far = np.linalg.norm(at - nodule, axis=1)
+    farthest = np.linalg.norm(x[active] - nodule, axis=1).max()
+    near = []
+    for n in sorted((n for n in places if far[n] <= farthest), key=lambda n: far[n]):
+        if len(near) < count and is_answered(folder / "model", at[n] if centres else n, DEPTH_M * inward[n]):
+            near.append(n)
+    return at[near] if centres else np.array(near), inward[near], probed[near], at[near], nodule
 
 
-def stiffnesses(command, nodes, inward, folder):
-    """N/m in the direction of the push, a column for each of KINDS; NaN without an equilibrium."""
-    steps = (STEP_M, -STEP_M, DEPTH_M + STEP_M, DEPTH_M - STEP_M)
+def forces_along(command, places, inward, steps, folder):
+    """Forces in the direction of pushes of these lengths, a row for each place; NaN without an equilibrium."""
+    if np.ndim(places[0]) > 0:
+        found = [[answer(*command, *where(p), "--displacement", vector(step * d)) for step in steps]
+                 for p, d in zip(places, inward)]
+        return np.array([[d @ f["tools"][0]["force"] if f else np.nan for f in row] for row, d in zip(found, inward)])
     queries = folder / "queries.csv"
     queries.write_text("node,ux_m,uy_m,uz_m\n" + "".join(
-        "%d,%.17g,%.17g,%.17g\n" % (node, *(step * d)) for node, d in zip(nodes, inward) for step in steps))
+        "%d,%.17g,%.17g,%.17g\n" % (node, *(step * d)) for node, d in zip(places, inward) for step in steps))
     table = np.genfromtxt(run(*command, "--queries", queries).splitlines(), delimiter=",", names=True, dtype=None,
                           encoding=None)
     force = np.column_stack([table[k].astype(float) for k in ("fx_N", "fy_N", "fz_N")])
-    along = (force.reshape(len(nodes), len(steps), 3) * inward[:, None, :]).sum(axis=2)
+    return (force.reshape(len(places), len(steps), 3) * inward[:, None, :]).sum(axis=2)
+
+
+def stiffnesses(command, places, inward, folder):
+    """N/m in the direction of the push, a column for each of KINDS."""
+    along = forces_along(command, places, inward, (STEP_M, -STEP_M, DEPTH_M + STEP_M, DEPTH_M - STEP_M), folder)
     slopes = (along[:, 0::2] - along[:, 1::2]) / (2 * STEP_M)
     return np.column_stack([slopes, along[:, 2:].mean(axis=1) / DEPTH_M])
 
@@ -107,24 +128,27 @@ def main():
         scene.write_text(scene_text)
         folder = made(scene, options.folder / name, options.ranks)
         if not found:
-            nodes, inward, probed, x, nodule = places_of(folder, options.places)
-        found[name] = {who: stiffnesses(command, nodes, inward, options.folder) for who, command in (
-            ("dolfinx", ("solve", scene)), ("model", ("eval", folder / "model")),
-            ("body", ("eval", folder / "model", "--body", folder / "body.txt")))}
+            places, inward, probed, x, nodule = places_of(folder, options.places, options.centres)
+        found[name] = {who: stiffnesses(command, places, inward, options.folder) for who, command in (
+            ("dolfinx", ("solve", folder / "database.h5")), ("model", ("eval", folder / "model")),
+            ("body", ("eval", folder / "model", "--body", folder / "body.txt"))) if who != "body" or
+            (folder / "body.txt").exists()}
     rises = {who: found["with"][who] - found["without"][who] for who in found["with"]}
     columns = [f"{name} {kind} {who}" for name in found for kind in KINDS for who in rises]
     values = [found[name][who][:, k] for name in found for k in range(len(KINDS)) for who in rises]
-    np.savetxt(options.folder / "nodule.csv", np.column_stack([nodes, x, probed, *values]), delimiter=",", comments="",
-               fmt="%.9g", header=",".join(["node", "x_m", "y_m", "z_m", "is_probed", *columns]))
-    print(f"{len(nodes)} places, {probed.sum()} of them probed; stiffness in N/m")
+    np.savetxt(options.folder / "nodule.csv", np.column_stack([x, probed, *values]), delimiter=",", comments="",
+               fmt="%.9g", header=",".join(["x_m", "y_m", "z_m", "is_probed", *columns]))
+    print(f"{len(places)} places, {probed.sum()} of them probed; stiffness in N/m")
     for k, kind in enumerate(KINDS):
         top = np.nanmax(rises["dolfinx"][:, k])
         base = found["without"]["dolfinx"][:, k]
         print(f"{kind}: without the nodule {np.nanmin(base):.1f} to {np.nanmax(base):.1f}, largest rise {top:.2f}")
-        for who in ("model", "body"):
+        for who in [who for who in rises if who != "dolfinx"]:
             off = 100 * np.abs(rises[who][:, k] - rises["dolfinx"][:, k]) / top
-            print(f"  {who:6} rise off by {np.nanmax(off[probed]):.2f} % of the largest at points, "
-                  f"{np.nanmax(off[~probed], initial=0):.2f} % between them ({np.isnan(off).sum()} without an answer)")
+            for part, of in (("at points", probed), ("between them", ~probed)):
+                if of.any():
+                    print(f"  {who:6} rise off by {np.nanmax(off[of]):.2f} % of the largest {part}, "
+                          f"{np.isnan(off[of]).sum()} of {of.sum()} without an answer")
     try:
         draw(x, nodule, rises, options.folder / "nodule.png")
     except ImportError:
