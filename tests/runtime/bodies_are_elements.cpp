@@ -529,21 +529,22 @@ TEST(Bodies, HaveKernelsWithTheSameBits) {
   std::vector<float> a(static_cast<std::size_t>(rows * stride));
   for (std::int32_t i = 0; i < rows * stride; ++i)
     a[static_cast<std::size_t>(i)] = i % stride < n ? static_cast<float>(random()) : 0;
+  const RowMatrix matrix = {a.data(), rows, stride};
   std::vector<std::vector<double>> results;
   for (int set = 0; set < n_instruction_sets; ++set) {
     const BodyKernels* kernels = body_kernels(set);
     if (!kernels) continue;
     std::vector<double> x(stride), out(rows);
     for (std::size_t i = 0; i < n; ++i) x[i] = 1 / (1.5 + static_cast<double>(i));
-    kernels->multiply_vector(a.data(), rows, stride, x.data(), out.data());
-    kernels->add_transposed_product(a.data(), rows - 1, stride, out.data(), x.data());
+    kernels->multiply_vector(matrix, x.data(), out.data());
+    kernels->add_transposed_product({a.data(), rows - 1, stride}, out.data(), x.data());
     std::vector<float> square(static_cast<std::size_t>(stride * stride));
-    kernels->add_symmetric_product(a.data(), a.data(), rows, stride, square.data());
+    kernels->add_symmetric_product(matrix, matrix, square.data());
     ASSERT_TRUE(kernels->factorize(square.data(), n, stride)) << kernels->name;
     kernels->solve(square.data(), n, stride, x.data());
     out.insert(out.end(), x.begin(), x.begin() + n);
     std::vector<float> product(static_cast<std::size_t>(stride * stride)), mixed(stride);
-    kernels->add_product(a.data(), stride, a.data(), rows, stride, product.data());
+    kernels->add_product(matrix, matrix, product.data());
     kernels->combine_rows(a.data(), stride, a.data() + stride, mixed.data());
     out.insert(out.end(), product.begin(), product.end());
     out.insert(out.end(), mixed.begin(), mixed.end());

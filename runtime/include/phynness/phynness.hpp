@@ -84,7 +84,7 @@ using In3 = Fixed<const double, 3>;
 using Out3 = Fixed<double, 3>;
 using Out9 = Fixed<double, 9>;
 
-/// What the tools of a call have in common.
+/// Results of a call that belong to all its tools.
 struct OrganReport {
   double energy_J = 0;     ///< stored; 0 in family rbfn
   double residual_m = 0;   ///< largest distance of a tool from the displacement that it prescribes
@@ -134,7 +134,7 @@ class Organ {
     auto files = std::make_shared<Files>();
     _status = files->load(model_text, body_text, _wrong_byte);
     _files = std::move(files);
-    if (_status.ok()) work();
+    if (_status.ok()) allocate();
   }
   /// The same of files. @param model  a model's folder or its model.txt; null: a body alone
   static Organ read(const char* model, const char* body = nullptr, std::int32_t max_tools = 1, std::int32_t steps = 1) {
@@ -154,7 +154,7 @@ class Organ {
     other._max_tools = _max_tools;
     other._steps = _steps;
     other._status = _status;
-    if (_files != nullptr && _status.ok()) other.work();
+    if (_files != nullptr && _status.ok()) other.allocate();
     return other;
   }
   Organ(Organ&& other) noexcept { swap(other); }
@@ -175,7 +175,7 @@ class Organ {
   const phn_body_contents& body_info() const noexcept { return files().body_info; }
   /// Bytes of model and body.
   std::size_t constant_bytes() const noexcept { return files().model_memory.size() + files().body_memory.size(); }
-  /// The objects of the C library, for what is not wrapped; null where there is none.
+  /// The objects of the C library, for functions that are not wrapped; null where there is none.
   const phn_model* model() const noexcept { return files().model; }
   phn_data* data() noexcept { return _data; }
   const phn_body* body() const noexcept { return files().body; }
@@ -208,7 +208,7 @@ class Organ {
     if (forces.size() / 3 < tools.size()) return PHN_ERROR_BUFFER;
     if (tools.size() > PHN_MOST_COUPLED) return refused(forces, PHN_ERROR_TOO_MANY_TOOLS);
     const auto n = static_cast<std::int32_t>(tools.size());
-    if (_state != nullptr && (n != 1 || _data == nullptr)) return press(n, tools.data(), forces.data(), made);
+    if (_state != nullptr && (n != 1 || _data == nullptr)) return solve_body(n, tools.data(), forces.data(), made);
     if (n != 1) return couple(n, tools.data(), forces.data(), made);
     const bool has_energy = info().has_energy != 0;
     return hold_one(tools[0], forces.data(), has_energy ? &made.energy_J : nullptr, nullptr);
@@ -228,7 +228,7 @@ class Organ {
         continue;
       }
       double place[3];
-      at_rest(tools[t], place);
+      rest_point(tools[t], place);
       double* const force = forces.data() + 3 * t;
       const int status = phn_relax(&relaxation(), &_histories[t], force, place, dt_s, force);
       if (status < 0) return refused(forces, status);
@@ -236,7 +236,7 @@ class Organ {
     }
     return all;
   }
-  /// How the model relaxes, or without a model the body.
+  /// The relaxation of the model, or without a model of the body.
   const phn_relaxation& relaxation() const noexcept {
     return model() != nullptr ? info().relaxation : body_info().relaxation;
   }
@@ -259,7 +259,7 @@ class Organ {
   Status deform(Span<double> out) noexcept {
     if (!_status.ok()) return PHN_ERROR_ARGUMENT;
     if (out.size() < n_deform()) return PHN_ERROR_BUFFER;
-    return draw(out.data());
+    return write_field(out.data());
   }
   /// Numbers that deform writes.
   std::size_t n_deform() const noexcept {
@@ -269,7 +269,7 @@ class Organ {
   /// Bounds [N] of the errors of the forces of the last hold, one for each of its tools. PHN_ERROR_UNDEFINED: there are
   /// none, or the last call was not hold. PHN_ERROR_ARGUMENT: state() was since pressed by another number of tools.
   Status bound(Span<double> bounds) noexcept {
-    const std::size_t n = _last == Last::of_tool ? 1 : _last == Last::of_tools ? _n_tools : 0;
+    const std::size_t n = _last == LastCall::of_tool ? 1 : _last == LastCall::of_tools ? _n_tools : 0;
     if (n == 0) return PHN_ERROR_UNDEFINED;
     if (bounds.size() < n) return PHN_ERROR_BUFFER;
     return bounds_of(bounds.data());
@@ -287,16 +287,16 @@ class Organ {
   /// The body back to rest, and every contact ended; in the next touch all spheres are new.
   Status reset() noexcept {
     if (!_status.ok()) return PHN_ERROR_ARGUMENT;
-    _last = Last::none;
+    _last = LastCall::none;
     std::fill(_histories.begin(), _histories.end(), phn_relaxing{});
     if (_contact != nullptr) phn_contact_reset(_contact);
     if (_state == nullptr) return PHN_OK;
-    return phn_body_state_init(_state_memory.data(), _state_memory.size(), body(), most(), &_state);
+    return phn_body_state_init(_state_memory.data(), _state_memory.size(), body(), most_tools(), &_state);
   }
 
  private:
   using Bytes = std::vector<std::byte>;
-  enum class Last { none, of_tool, of_tools, of_spheres };
+  enum class LastCall { none, of_tool, of_tools, of_spheres };
 
   static bool is_of_this_library() noexcept {
     const auto same = [](const char* name, std::size_t bytes) {
@@ -311,7 +311,7 @@ class Organ {
            same("phn_contact_report", sizeof(phn_contact_report));
   }
 
-  /// What threads share.
+  /// Contents of the files, which threads share.
   struct Files {
     Files() {
       phn_model_info(nullptr, &info);
@@ -380,7 +380,7 @@ class Organ {
     return _files != nullptr ? *_files : none;
   }
   /// Tools of a body and of contact.
-  std::int32_t most() const noexcept { return (std::min<std::int32_t>)(_max_tools, PHN_MOST_COUPLED); }
+  std::int32_t most_tools() const noexcept { return (std::min<std::int32_t>)(_max_tools, PHN_MOST_COUPLED); }
 
   /// Makes an object of the C library in memory. @return a status
   template <class Object, class Size, class Init, class Of>
@@ -391,13 +391,13 @@ class Organ {
     memory.resize(bytes);
     return init(memory.data(), bytes, of, n, &object);
   }
-  void work() {
+  void allocate() {
     if (_steps < 1) _status = PHN_ERROR_ARGUMENT;
     if (_max_tools > 0) _histories.resize(static_cast<std::size_t>(_max_tools));
     if (_status.ok() && model() != nullptr)
       _status = make(_data_memory, _data, phn_data_size, phn_data_init, model(), _max_tools);
     if (_status.ok() && body() != nullptr)
-      _status = make(_state_memory, _state, phn_body_state_size, phn_body_state_init, body(), most());
+      _status = make(_state_memory, _state, phn_body_state_size, phn_body_state_init, body(), most_tools());
     if (!_status.ok()) return;
     // An organ without a surface that can be touched is one for hold alone.
     const auto init = [this](void* memory, std::size_t bytes, const phn_body* of, std::int32_t n,
@@ -405,13 +405,13 @@ class Organ {
       return phn_body_contact_init(memory, bytes, of, n, _steps, contact);
     };
     _touch_status = body() != nullptr
-                        ? make(_touch_memory, _contact, phn_body_contact_size, init, body(), most())
-                        : make(_touch_memory, _contact, phn_contact_size, phn_contact_init, model(), most());
+                        ? make(_touch_memory, _contact, phn_body_contact_size, init, body(), most_tools())
+                        : make(_touch_memory, _contact, phn_contact_size, phn_contact_init, model(), most_tools());
     if (model() != nullptr && body() != nullptr) _field.resize(3 * static_cast<std::size_t>(body_info().n_nodes));
   }
 
   /// The undeformed place of a tool, of nodes that are known.
-  void at_rest(const phn_tool& tool, double* x) const noexcept {
+  void rest_point(const phn_tool& tool, double* x) const noexcept {
     std::fill_n(x, 3, 0.0);
     const auto add = [&](const std::int32_t* nodes, std::int32_t n, const double* points, int corner) {
       const std::int32_t* const at = std::lower_bound(nodes, nodes + n, tool.nodes[corner]);
@@ -439,19 +439,19 @@ class Organ {
   Status hold_one(const phn_tool& tool, double* force, double* energy, double* stiffness) noexcept {
     if (_data == nullptr && _state != nullptr) {
       OrganReport made;
-      const Status status = press(1, &tool, force, made);
+      const Status status = solve_body(1, &tool, force, made);
       if (energy != nullptr) *energy = made.energy_J;
       if (stiffness == nullptr) return status;
       std::fill_n(stiffness, 9, 0.0);
       if (energy != nullptr) *energy = 0;
       return refused({force, 3}, PHN_ERROR_UNDEFINED);
     }
-    _last = Last::of_tool;
+    _last = LastCall::of_tool;
     _tool = tool;
     return phn_force(model(), _data, &_tool, force, energy, stiffness);
   }
   Status couple(std::int32_t n, const phn_tool* tools, double* forces, OrganReport& made) noexcept {
-    _last = Last::of_tools;
+    _last = LastCall::of_tools;
     _n_tools = static_cast<std::size_t>(n);
     phn_coupled coupled{};
     const int status = phn_couple(model(), _data, n, tools, forces, &coupled);
@@ -459,10 +459,10 @@ class Organ {
     made.residual_m = coupled.residual;
     return status;
   }
-  Status press(std::int32_t n, const phn_tool* tools, double* forces, OrganReport& made) noexcept {
-    const bool follows = _data == nullptr || _last == Last::of_tools;
+  Status solve_body(std::int32_t n, const phn_tool* tools, double* forces, OrganReport& made) noexcept {
+    const bool follows = _data == nullptr || _last == LastCall::of_tools;
     const std::int32_t steps = follows || _steps > steps_to_follow ? _steps : steps_to_follow;
-    _last = Last::of_tools;
+    _last = LastCall::of_tools;
     _n_tools = static_cast<std::size_t>(n);
     phn_body_report pressed{};
     const int status = phn_body_force(body(), _state, n, tools, steps, forces, &pressed);
@@ -471,33 +471,33 @@ class Organ {
   }
   Status step(std::int32_t n, const phn_contact_tool* spheres, phn_contact_state* states, OrganReport& made) noexcept {
     if (_contact == nullptr) return _touch_status;
-    _last = Last::of_spheres;
+    _last = LastCall::of_spheres;
     phn_contact_report report{};
     const int status = phn_contact_step(_contact, n, spheres, states, &report);
     made = {report.energy, report.residual_m, report.unbalanced, report.steps};
     return status;
   }
-  Status draw(double* out) noexcept {
-    const bool of_body = _state != nullptr && (_data == nullptr || _last != Last::of_tool);
-    if (_last == Last::none) {
+  Status write_field(double* out) noexcept {
+    const bool of_body = _state != nullptr && (_data == nullptr || _last != LastCall::of_tool);
+    if (_last == LastCall::none) {
       std::fill_n(out, n_deform(), 0.0);
       return PHN_OK;
     }
     if (of_body) {
       double* const field = _data != nullptr ? _field.data() : out;
       const int status =
-          _last == Last::of_spheres ? phn_contact_deform(_contact, field) : phn_body_deform(body(), _state, field);
+          _last == LastCall::of_spheres ? phn_contact_deform(_contact, field) : phn_body_deform(body(), _state, field);
       for (std::size_t o = 0; o < files().rows.size(); ++o)
         for (std::size_t k = 0; k < 3; ++k)
           out[3 * o + k] = files().rows[o] < 0 ? 0 : _field[3 * static_cast<std::size_t>(files().rows[o]) + k];
       return status;
     }
-    if (_last == Last::of_spheres) return phn_contact_deform(_contact, out);
-    if (_last == Last::of_tools) return phn_coupled_deform(model(), _data, out);
+    if (_last == LastCall::of_spheres) return phn_contact_deform(_contact, out);
+    if (_last == LastCall::of_tools) return phn_coupled_deform(model(), _data, out);
     return phn_deform(model(), _data, &_tool, out);
   }
   Status bounds_of(double* bounds) const noexcept {
-    if (_last == Last::of_tool) return phn_bound(model(), &_tool, bounds);
+    if (_last == LastCall::of_tool) return phn_bound(model(), &_tool, bounds);
     if (_state != nullptr) return phn_body_bound(body(), _state, static_cast<std::int32_t>(_n_tools), bounds);
     std::fill_n(bounds, _n_tools, 0.0);
     return PHN_ERROR_UNDEFINED;
@@ -532,7 +532,7 @@ class Organ {
   phn_contact* _contact = nullptr;
   phn_tool _tool{};
   std::size_t _n_tools = 0;
-  Last _last = Last::none;
+  LastCall _last = LastCall::none;
   std::int32_t _max_tools = 1, _steps = 1;
   std::size_t _wrong_byte = 0;
   Status _status = PHN_ERROR_ARGUMENT, _touch_status = PHN_ERROR_ARGUMENT;

@@ -19,9 +19,18 @@ struct BodyMaterial {
   double modulus;  ///< largest second derivative of the shape at rest; 0 if the law is not defined there
 };
 
+/// A matrix of floats in memory of another object. Its rows are padded with zeros to whole blocks.
+struct RowMatrix {
+  const float* data;
+  std::int64_t n_rows;
+  std::int32_t stride;
+
+  const float* operator[](std::int64_t row) const { return data + row * stride; }
+};
+
 }  // namespace PHN_RUNTIME
 
-/// Rows of modes and of pressure modes are padded with zeros to whole blocks. A cell is a quadrature point.
+/// A cell is a quadrature point.
 struct phn_body {
   phn_body_contents info;
   const PHN_RUNTIME::BodyLaw* law;
@@ -29,25 +38,21 @@ struct phn_body {
   const std::int32_t* material_of_cell;        ///< null: all cells have the first material
   std::int32_t n_materials;
   std::int32_t stride;  ///< length of a row of modes
-  std::int32_t pressure_stride;
   const std::int32_t* node_kinds;
   const std::int32_t* neighbors;  ///< n_triangles x 3: the triangle at the edge from corner k to k + 1; -1: none
   const double* normals;          ///< unit normals of the nodes
-  const float* modes;             ///< 3 n_nodes rows
   const double *cell_weights, *pressure_weights;  ///< quadrature weights s_c [m^3] and v_c [J^1/2]
-  const float* mode_gradients;                    ///< 9 n_cells rows
+  PHN_RUNTIME::RowMatrix modes;                   ///< 3 n_nodes rows
+  PHN_RUNTIME::RowMatrix mode_gradients;          ///< 9 n_cells rows
   /// n_modes rows each: second derivatives at rest of the energy of the cells, and of what the elements have in
-  /// addition (formats/body.md, AT REST); null: the file has none.
-  const float *cells_at_rest, *lack_at_rest;
-  std::int32_t n_pressure_cells;     ///< number of cells with a pressure
-  const std::int32_t* pressure_row;  ///< row of each cell in `pressure_modes`, ascending; -1: it has no pressure
-  const float* pressure_modes;       ///< n_pressure_cells rows
-  /// n_nodes rows: the root of the compliance at rest that the modes lack at a node (residual compliance); null: none.
-  const float* residual_compliance;
-  std::int32_t residual_compliance_stride;
+  /// addition (formats/body.md, AT REST). A matrix without rows is not in the file, as for the residual compliance.
+  PHN_RUNTIME::RowMatrix cells_at_rest, lack_at_rest;
+  const std::int32_t* pressure_row;       ///< row of each cell in `pressure_modes`, ascending; -1: it has no pressure
+  PHN_RUNTIME::RowMatrix pressure_modes;  ///< a row for each cell with a pressure
+  /// n_nodes rows: the root of the compliance at rest that the modes lack at a node.
+  PHN_RUNTIME::RowMatrix residual_compliance;
   const double* bounds;  ///< coefficients of core/bound.hpp, n_coupled_kinds x n_coupled_terms; null: none
 
-  const float* gradient_rows(std::int64_t cell) const { return mode_gradients + 9 * cell * stride; }
   const PHN_RUNTIME::BodyMaterial& material(std::int32_t cell) const {
     return materials[material_of_cell != nullptr ? material_of_cell[cell] : 0];
   }
@@ -61,7 +66,7 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
 /// Whether a tool may be at a node: a probe is near, or the residual compliance is known.
 inline bool is_touchable(const phn_body& body, std::int32_t node) {
   return body.node_kinds[node] == phynness::schema::body_node_touchable ||
-         (body.node_kinds[node] == phynness::schema::body_node_moves && body.residual_compliance != nullptr);
+         (body.node_kinds[node] == phynness::schema::body_node_moves && body.residual_compliance.n_rows > 0);
 }
 
 /// A place of the surface.
@@ -99,32 +104,30 @@ phn_body_state* lay_out_state(Arena& arena, const phn_body& body, std::int32_t m
 /// @return a status of phynness.h
 int start_state(phn_body_state& state);
 
-/// phn_body_force with further tools behind those that are held: no force acts on them, but springs connect them.
+/// Solves phn_body_force with further tools that are not held: no force acts on them, but springs connect them.
 /// @param n_tools  number of all tools, of which the first n_held are held
 /// @param forces   3 n_held forces [N], in an array of zeros for PHN_MOST_COUPLED tools
 /// @return a status of phynness.h; outputs are then undefined where it is an error
 int solve_body(phn_body_state& state, std::int32_t n_held, std::int32_t n_tools, const phn_tool* tools,
                const double* heights, std::int32_t steps, double* forces, phn_body_report& report);
 
-/// Adds what the forces of the last solution move at a place through the residual compliance [m].
+/// Adds the displacement of a place by the forces of the last solution through the residual compliance [m].
 void add_residual_displacement(const phn_body_state& state, const BodyPlace& place, double* displacement);
 /// The place of a node, or of a tool.
 BodyPlace place_of(const phn_body& body, std::int32_t node);
 BodyPlace place_of(const phn_body& body, const phn_tool& tool);
 
-/// Dense linear algebra, for several instruction sets (core/kernels.hpp). Strides and numbers of columns are whole
-/// blocks.
+/// Dense linear algebra, for several instruction sets (core/kernels.hpp).
 struct BodyKernels {
   const char* name;
-  /// out = A x. @param rows  n rows of A
-  void (*multiply_vector)(const float* rows, std::int64_t n, std::int32_t stride, const double* x, double* out);
+  /// out = A x
+  void (*multiply_vector)(const RowMatrix& a, const double* x, double* out);
   /// out += A^T x
-  void (*add_transposed_product)(const float* rows, std::int64_t n, std::int32_t stride, const double* x, double* out);
-  /// Upper triangle, in blocks, of out += A^T B, which is symmetric. @param n  rows of A and B
-  void (*add_symmetric_product)(const float* a, const float* b, std::int64_t n, std::int32_t stride, float* out);
-  /// out += A^T B, a_stride x stride
-  void (*add_product)(const float* a, std::int32_t a_stride, const float* b, std::int64_t n, std::int32_t stride,
-                      float* out);
+  void (*add_transposed_product)(const RowMatrix& a, const double* x, double* out);
+  /// Upper triangle, in blocks, of out += A^T B, which is symmetric.
+  void (*add_symmetric_product)(const RowMatrix& a, const RowMatrix& b, float* out);
+  /// out += A^T B
+  void (*add_product)(const RowMatrix& a, const RowMatrix& b, float* out);
   /// out = sum_k factor[k] rows[k], of the nine rows of a cell
   void (*combine_rows)(const float* rows, std::int32_t stride, const float* factor, float* out);
   /// Replaces the upper triangle by the Cholesky factor, with the inverses of its diagonal. @return whether it exists

@@ -149,21 +149,17 @@ PHN_INLINE void solve_rows(const float* factor, std::int32_t n, std::int32_t str
 
 #define PHN_BODY_KERNELS(name, bytes, attributes)                                                                  \
   namespace name {                                                                                                 \
-  attributes void multiply_vector(const float* rows, std::int64_t n, std::int32_t stride, const double* x,         \
-                                  double* out) {                                                                   \
-    multiply_rows(rows, n, stride, x, out);                                                                        \
+  attributes void multiply_vector(const RowMatrix& a, const double* x, double* out) {                              \
+    multiply_rows(a.data, a.n_rows, a.stride, x, out);                                                             \
   }                                                                                                                \
-  attributes void add_transposed_product(const float* rows, std::int64_t n, std::int32_t stride, const double* x,  \
-                                         double* out) {                                                            \
-    add_rows(rows, n, stride, x, out);                                                                             \
+  attributes void add_transposed_product(const RowMatrix& a, const double* x, double* out) {                       \
+    add_rows(a.data, a.n_rows, a.stride, x, out);                                                                  \
   }                                                                                                                \
-  attributes void add_symmetric_product(const float* a, const float* b, std::int64_t n, std::int32_t stride,       \
-                                        float* out) {                                                              \
-    add_products_of<bytes ? bytes : 16, 1, true>(a, stride, b, n, 0, stride, stride, out);                         \
+  attributes void add_symmetric_product(const RowMatrix& a, const RowMatrix& b, float* out) {                      \
+    add_products_of<bytes ? bytes : 16, 1, true>(a.data, a.stride, b.data, a.n_rows, 0, a.stride, b.stride, out);  \
   }                                                                                                                \
-  attributes void add_product(const float* a, std::int32_t a_stride, const float* b, std::int64_t n,               \
-                              std::int32_t stride, float* out) {                                                   \
-    add_products_of<bytes ? bytes : 16, 1, false>(a, a_stride, b, n, 0, a_stride, stride, out);                    \
+  attributes void add_product(const RowMatrix& a, const RowMatrix& b, float* out) {                                \
+    add_products_of<bytes ? bytes : 16, 1, false>(a.data, a.stride, b.data, a.n_rows, 0, a.stride, b.stride, out); \
   }                                                                                                                \
   attributes void combine_rows(const float* rows, std::int32_t stride, const float* factor, float* out) {          \
     combine_nine_rows<bytes ? bytes : 16>(rows, stride, factor, out);                                              \

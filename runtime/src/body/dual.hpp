@@ -1,12 +1,12 @@
-// Numbers, numbers with derivatives, and tensors of both, for the formulas that laws/tables/tables.py makes of the law
-// files: energy and first derivative. With numbers with derivatives these give the second derivatives, too.
+// Numbers, numbers with derivatives, and tensors of both. laws/tables/tables.py makes formulas of the law files, for
+// the energy and its first derivative. With numbers with derivatives the formulas give the second derivatives, too.
 #pragma once
 
 #include "core/bound.hpp"
 
 namespace PHN_RUNTIME {
 
-/// Natural logarithm to rounding, 0 at 1; NaN for what is not a finite normal number > 0.
+/// Natural logarithm to rounding, exactly 0 at 1. Numbers that are not finite, normal and > 0 give NaN.
 inline double ln(double x) {
   if (!(x >= 2.3e-308 && x - x == 0)) return (x - x) / (x - x);
   int exponent = 0;
@@ -20,7 +20,7 @@ inline double ln(double x) {
   for (int k = 21; k >= 1; k -= 2) sum = sum * z2 + 1 / static_cast<double>(k);
   return exponent * 0.69314718055994530942 + 2 * z * sum;
 }
-/// Between 2^-430 and 2^430, and beyond that these.
+/// Exponential function, clamped to 2^-430 ... 2^430.
 inline double exp(double x) {
   const double power = log2_e * x;
   return power < 0 ? power_of_half(-power) : 1 / power_of_half(power);
@@ -96,7 +96,7 @@ T power(const T& x) {
   return result;
 }
 
-/// Rows one after another.
+/// A 3 x 3 tensor, row by row.
 template <class T>
 struct Tensor {
   T a[9];

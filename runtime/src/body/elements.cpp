@@ -59,12 +59,12 @@ void update_cells(phn_body_state& state, const std::int32_t* cells, std::int32_t
     float change[81];
     for (int k = 0; k < 81; ++k) change[k] = now.tangent[k] - state.cells[c].tangent[k];
     state.cells[c] = now;
-    const float* rows = body.gradient_rows(c);
+    const float* rows = body.mode_gradients[9 * c];
     memcpy(state.panel + 9 * i * stride, rows, 9 * static_cast<std::size_t>(stride) * sizeof(float));
     for (int k = 0; k < 9; ++k)
       state.kernels->combine_rows(rows, stride, change + 9 * k, products + (9 * i + k) * stride);
   }
-  state.kernels->add_symmetric_product(state.panel, products, 9 * n, stride, state.cell_stiffness);
+  state.kernels->add_symmetric_product({state.panel, 9 * n, stride}, {products, 9 * n, stride}, state.cell_stiffness);
 }
 
 /// Adds R^T H R to the matrix that is factorized. The penalty does not change the solution, because R q is prescribed,
@@ -100,16 +100,17 @@ void add_penalty(phn_body_state& state) {
       state.panel[static_cast<std::int64_t>(r) * stride + m] = static_cast<float>(column[r]);
     }
   }
-  state.kernels->add_symmetric_product(state.panel, state.panel, n, stride, state.factor);
+  const RowMatrix rows = {state.panel, n, stride};
+  state.kernels->add_symmetric_product(rows, rows, state.factor);
 }
 
 bool factorize(phn_body_state& state) {
   const std::int32_t n = state.body->info.n_modes, stride = state.body->stride;
+  const RowMatrix jacobian = {state.pressure_jacobian, state.body->info.n_pressures, stride};
   for (float shift = 0; shift <= largest_shift; shift = shift > 0 ? 4 * shift : 1e-3f) {
     memcpy(state.factor, state.cell_stiffness,
            static_cast<std::size_t>(stride) * static_cast<std::size_t>(n) * sizeof(float));
-    state.kernels->add_symmetric_product(state.pressure_jacobian, state.pressure_jacobian, state.body->info.n_pressures,
-                                         stride, state.factor);
+    state.kernels->add_symmetric_product(jacobian, jacobian, state.factor);
     add_penalty(state);
     for (std::int32_t i = 0; i < n; ++i) {
       float& diagonal = state.factor[static_cast<std::int64_t>(i) * (stride + 1)];
@@ -125,9 +126,9 @@ bool factorize(phn_body_state& state) {
 void scale_to_linear_energy(phn_body_state& state, phn_body_state::Point& point) {
   const phn_body& body = *state.body;
   const std::int32_t n = body.info.n_modes;
-  if (body.cells_at_rest == nullptr) return;
-  state.kernels->multiply_vector(body.cells_at_rest, n, body.stride, point.q, state.cells_gradient);
-  state.kernels->multiply_vector(body.lack_at_rest, n, body.stride, point.q, state.lack_gradient);
+  if (body.cells_at_rest.n_rows == 0) return;
+  state.kernels->multiply_vector(body.cells_at_rest, point.q, state.cells_gradient);
+  state.kernels->multiply_vector(body.lack_at_rest, point.q, state.lack_gradient);
   double of_cells = 0, lack = 0;
   for (std::int32_t m = 0; m < n; ++m) {
     of_cells += point.q[m] * state.cells_gradient[m];
@@ -152,9 +153,9 @@ bool evaluate_body(phn_body_state& state, phn_body_state::Point& point) {
   constexpr std::int32_t several = 4;
   for (std::int32_t first = 0; first < n; first += several) {
     const std::int32_t end = first + several < n ? first + several : n;
-    const float* rows = body.gradient_rows(first);
+    const RowMatrix rows = {body.mode_gradients[9 * first], 9 * (end - first), stride};
     double *gradient = point.displacement_gradient + 9 * static_cast<std::int64_t>(first), stress[9 * several];
-    kernels.multiply_vector(rows, 9 * (end - first), stride, point.q, gradient);
+    kernels.multiply_vector(rows, point.q, gradient);
     for (std::int32_t c = first; c < end; ++c) {
       const std::int32_t i = 9 * (c - first), pressure_row = body.pressure_row[c];
       const BodyMaterial& material = body.material(c);
@@ -171,19 +172,17 @@ bool evaluate_body(phn_body_state& state, phn_body_state::Point& point) {
       state.cell_pressures[pressure_row] = body.pressure_weights[c] * change;
       float factor[9];
       for (int k = 0; k < 9; ++k) factor[k] = static_cast<float>(body.pressure_weights[c] * slope[k]);
-      kernels.combine_rows(rows + i * stride, stride, factor,
+      kernels.combine_rows(rows[i], stride, factor,
                            point.volume_gradients + static_cast<std::int64_t>(pressure_row) * stride);
     }
-    kernels.add_transposed_product(rows, 9 * (end - first), stride, stress, point.gradient);
+    kernels.add_transposed_product(rows, stress, point.gradient);
   }
   scale_to_linear_energy(state, point);
-  set_zero(point.pressures, static_cast<std::size_t>(body.pressure_stride));
-  kernels.add_transposed_product(body.pressure_modes, body.n_pressure_cells, body.pressure_stride, state.cell_pressures,
-                                 point.pressures);
+  set_zero(point.pressures, static_cast<std::size_t>(body.pressure_modes.stride));
+  kernels.add_transposed_product(body.pressure_modes, state.cell_pressures, point.pressures);
   for (std::int32_t k = 0; k < body.info.n_pressures; ++k) point.energy += point.pressures[k] * point.pressures[k] / 2;
-  kernels.multiply_vector(body.pressure_modes, body.n_pressure_cells, body.pressure_stride, point.pressures,
-                          state.cell_pressures);
-  kernels.add_transposed_product(point.volume_gradients, body.n_pressure_cells, stride, state.cell_pressures,
+  kernels.multiply_vector(body.pressure_modes, point.pressures, state.cell_pressures);
+  kernels.add_transposed_product({point.volume_gradients, body.pressure_modes.n_rows, stride}, state.cell_pressures,
                                  point.gradient);
   return std::isfinite(point.energy) && all_finite(point.gradient, static_cast<std::size_t>(body.info.n_modes));
 }
@@ -203,12 +202,12 @@ bool set_energy_rounding(phn_body_state& state) {
 bool update_stiffness(phn_body_state& state, std::int32_t n_cells) {
   const phn_body& body = *state.body;
   const std::int32_t n = body.info.n_cells;
-  for (std::int64_t i = 0; i < static_cast<std::int64_t>(body.pressure_stride) * body.stride; ++i)
+  for (std::int64_t i = 0; i < static_cast<std::int64_t>(body.pressure_modes.stride) * body.stride; ++i)
     state.pressure_jacobian[i] = 0;
-  state.kernels->add_product(body.pressure_modes, body.pressure_stride, state.current.volume_gradients,
-                             body.n_pressure_cells, body.stride, state.pressure_jacobian);
-  state.kernels->multiply_vector(body.pressure_modes, body.n_pressure_cells, body.pressure_stride,
-                                 state.predicted_pressures, state.cell_pressures);
+  state.kernels->add_product(body.pressure_modes,
+                             {state.current.volume_gradients, body.pressure_modes.n_rows, body.stride},
+                             state.pressure_jacobian);
+  state.kernels->multiply_vector(body.pressure_modes, state.predicted_pressures, state.cell_pressures);
   for (std::int32_t c = 0; c < n; ++c) {
     const phn_body_state::Cell& cell = state.cells[c];
     double square = 0;
@@ -238,13 +237,13 @@ bool init_stiffness(phn_body_state& state) {
   const phn_body& body = *state.body;
   const auto stride = static_cast<std::size_t>(body.stride);
   for (std::size_t i = 0; i < stride * stride; ++i) state.cell_stiffness[i] = 0;
-  if (body.cells_at_rest != nullptr)
-    memcpy(state.cell_stiffness, body.lack_at_rest,
+  if (body.cells_at_rest.n_rows > 0)
+    memcpy(state.cell_stiffness, body.lack_at_rest.data,
            static_cast<std::size_t>(body.info.n_modes) * stride * sizeof(float));
   for (std::int32_t c = 0; c < body.info.n_cells; ++c) {
     state.cells[c] = {};
     state.squared_gradients[c] = 0;
-    const float* rows = body.gradient_rows(c);
+    const float* rows = body.mode_gradients[9 * c];
     for (std::size_t m = 0; m < 9 * stride; ++m) state.squared_gradients[c] += static_cast<double>(rows[m]) * rows[m];
   }
   if (!update_stiffness(state, body.info.n_cells)) return false;

@@ -46,6 +46,7 @@ struct PaddedRows {
       for (std::int64_t pad = n_cols; pad < stride; ++pad) at[i * stride + pad] = 0;
     at[i * stride + k] = static_cast<float>(scale->at[k] * entry);
   }
+  RowMatrix matrix() const { return {at, n, stride}; }
 };
 
 struct ScaledRows {
@@ -151,15 +152,16 @@ void set_materials(const BodyStore& store, const BodyLaw& law, BodyMaterial* mat
 
 /// Keeps of the pressure modes only the rows of cells that have a pressure.
 void compact_pressure_rows(phn_body& body, float* pressures, std::int32_t* pressure_row) {
-  const auto stride = static_cast<std::size_t>(body.pressure_stride);
-  body.pressure_modes = pressures;
-  body.pressure_row = pressure_row;
+  const auto stride = static_cast<std::size_t>(body.pressure_modes.stride);
+  std::int32_t n = 0;
   for (std::int32_t c = 0; c < body.info.n_cells; ++c) {
-    pressure_row[c] = body.pressure_weights[c] > 0 ? body.n_pressure_cells++ : -1;
+    pressure_row[c] = body.pressure_weights[c] > 0 ? n++ : -1;
     if (pressure_row[c] >= 0)
       memmove(pressures + static_cast<std::size_t>(pressure_row[c]) * stride,
               pressures + static_cast<std::size_t>(c) * stride, stride * sizeof(float));
   }
+  body.pressure_modes.n_rows = n;
+  body.pressure_row = pressure_row;
 }
 
 }  // namespace
@@ -209,17 +211,16 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   body->n_materials = static_cast<std::int32_t>(store.regions.n) + 1;
   body->material_of_cell = store.regions.n > 0 ? store.region_of_cell.at : nullptr;
   body->stride = store.modes.entries.stride;
-  body->pressure_stride = store.pressures.entries.stride;
   body->node_kinds = store.kinds.at;
-  body->modes = store.modes.entries.at;
+  body->modes = store.modes.entries.matrix();
   body->cell_weights = store.shear_m3.at;
   body->pressure_weights = store.bulk_rJ.at;
-  body->mode_gradients = store.gradients.entries.at;
+  body->mode_gradients = store.gradients.entries.matrix();
+  body->pressure_modes = store.pressures.entries.matrix();
   compact_pressure_rows(*body, store.pressures.entries.at, pressure_row);
-  body->cells_at_rest = store.cells_at_rest.entries.n > 0 ? store.cells_at_rest.entries.at : nullptr;
-  body->lack_at_rest = store.lack_at_rest.entries.at;
-  body->residual_compliance = store.lacking.entries.n > 0 ? store.lacking.entries.at : nullptr;
-  body->residual_compliance_stride = store.lacking.entries.stride;
+  body->cells_at_rest = store.cells_at_rest.entries.matrix();
+  body->lack_at_rest = store.lack_at_rest.entries.matrix();
+  body->residual_compliance = store.lacking.entries.matrix();
   body->bounds = store.bounds.n > 0 ? store.bounds.at : nullptr;
   schema::find_neighbors(info.triangles, info.n_triangles, info.n_nodes, last_corner, previous_corner, neighbors);
   set_normals(*body, normals);

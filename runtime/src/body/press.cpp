@@ -150,7 +150,7 @@ class Equilibrium {
     _s.step_size = is_accepted ? std::fmin(growth * size, 1) : std::fmax(size / backtracking, smallest_step);
     if (!is_accepted) return false;
     const std::int32_t n_pressures = _body.info.n_pressures;
-    _s.kernels->multiply_vector(_s.pressure_jacobian, n_pressures, _stride, _s.step, _s.predicted_pressures);
+    _s.kernels->multiply_vector({_s.pressure_jacobian, n_pressures, _stride}, _s.step, _s.predicted_pressures);
     for (std::int32_t k = 0; k < n_pressures; ++k)
       _s.predicted_pressures[k] = _s.current.pressures[k] + size * _s.predicted_pressures[k];
     const auto before = _s.current;
@@ -197,17 +197,17 @@ struct Layout {
          s.cells_gradient, s.lack_gradient);
     take(arena, 9, cells, s.current.displacement_gradient, s.trial.displacement_gradient);
     take(arena, 1, cells, s.stiffness_change, s.cell_pressures, s.squared_gradients);
-    s.current.volume_gradients = arena.take<float>(static_cast<std::size_t>(body.n_pressure_cells), stride);
-    s.trial.volume_gradients = arena.take<float>(static_cast<std::size_t>(body.n_pressure_cells), stride);
+    s.current.volume_gradients = arena.take<float>(static_cast<std::size_t>(body.pressure_modes.n_rows), stride);
+    s.trial.volume_gradients = arena.take<float>(static_cast<std::size_t>(body.pressure_modes.n_rows), stride);
     s.cells = arena.take<phn_body_state::Cell>(cells);
-    take(arena, 1, static_cast<std::size_t>(body.pressure_stride), s.current.pressures, s.trial.pressures,
+    take(arena, 1, static_cast<std::size_t>(body.pressure_modes.stride), s.current.pressures, s.trial.pressures,
          s.predicted_pressures);
     take(arena, 3 * static_cast<std::size_t>(max_tools), stride, s.constraint_rows, s.compliance_rows);
     s.factor = arena.take<float>(stride, stride);
     s.factor_at_rest = arena.take<float>(stride, stride);
     s.cell_stiffness = arena.take<float>(stride, stride);
     s.cell_stiffness_at_rest = arena.take<float>(stride, stride);
-    s.pressure_jacobian = arena.take<float>(static_cast<std::size_t>(body.pressure_stride), stride);
+    s.pressure_jacobian = arena.take<float>(static_cast<std::size_t>(body.pressure_modes.stride), stride);
     s.panel = arena.take<float>(2 * 9 * cells_of_panel, stride);
     if (state == nullptr || arena.overflow()) return;
     set_zero(s.scratch.weight, nodes);
@@ -220,7 +220,7 @@ struct Layout {
 bool start_at_rest(phn_body_state& state) {
   const auto stride = static_cast<std::size_t>(state.body->stride);
   set_zero(state.current.q, stride);
-  set_zero(state.predicted_pressures, static_cast<std::size_t>(state.body->pressure_stride));
+  set_zero(state.predicted_pressures, static_cast<std::size_t>(state.body->pressure_modes.stride));
   return evaluate_body(state, state.current);
 }
 
@@ -277,7 +277,7 @@ phn_body_state* PHN_RUNTIME::lay_out_state(Arena& arena, const phn_body& body, s
 }
 
 int PHN_RUNTIME::start_state(phn_body_state& state) {
-  // Where the law is not defined at rest, or nothing resists, the numbers are not those of a body.
+  // A text whose law is undefined at rest, or whose stiffness is singular, describes no body.
   return set_energy_rounding(state) && start_at_rest(state) && init_stiffness(state) ? PHN_OK : PHN_ERROR_RANGE;
 }
 
@@ -344,7 +344,7 @@ int PHN_RUNTIME::solve_body(phn_body_state& state, std::int32_t n_held, std::int
     report.unbalanced = 1;
   }
   if (report.unbalanced > unsettled || !(report.residual_m <= unsettled * depth)) status |= PHN_WARNING_UNSETTLED;
-  // Far from balance the solution of the linearized problem says nothing of the forces; those before are kept.
+  // Far from balance the linearized problem does not predict the forces. The last ones are then returned.
   const bool is_far = report.unbalanced > far_from_balance;
   if (is_far) memcpy(forces, state.force, sizeof state.force);
   state.n_unbalanced_steps = is_far ? state.n_unbalanced_steps + report.steps : 0;
@@ -499,9 +499,8 @@ int phn_body_bound(const phn_body* body, const phn_body_state* state, int32_t n_
 
 int phn_body_deform(const phn_body* body, const phn_body_state* state, double* out) {
   if (body == nullptr || state == nullptr || state->body != body || out == nullptr) return PHN_ERROR_ARGUMENT;
-  state->kernels->multiply_vector(body->modes, 3 * static_cast<std::int64_t>(body->info.n_nodes), body->stride,
-                                  state->current.q, out);
-  for (std::int32_t i = 0; i < body->info.n_nodes && body->residual_compliance != nullptr; ++i)
+  state->kernels->multiply_vector(body->modes, state->current.q, out);
+  for (std::int32_t i = 0; i < body->residual_compliance.n_rows; ++i)
     add_residual_displacement(*state, place_of(*body, i), out + 3 * static_cast<std::size_t>(i));
   return PHN_OK;
 }

@@ -53,8 +53,8 @@ void add_node(const phn_body& body, double weight, std::int32_t node, BodyPlace&
     place.x[k] += weight * body.info.points[3 * node + k];
     place.normal[k] += weight * body.normals[3 * node + k];
   }
-  if (body.residual_compliance == nullptr) return;
-  const float* root = body.residual_compliance + static_cast<std::int64_t>(node) * body.residual_compliance_stride;
+  if (body.residual_compliance.n_rows == 0) return;
+  const float* root = body.residual_compliance[node];
   for (int k = 0; k < schema::n_of_root; ++k) {
     place.compliance_root[k] += weight * root[k];
     place.has_residual_compliance = place.has_residual_compliance || place.compliance_root[k] != 0;

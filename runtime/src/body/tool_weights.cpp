@@ -78,7 +78,7 @@ int set_constraint_rows(phn_body_state& state, const phn_tool& tool, double* row
   set_zero(rows, static_cast<std::size_t>(n_rows));
   for (std::int32_t t = 0; t < n; ++t) {
     const std::int32_t node = state.scratch.weighted_nodes[t];
-    const float* modes = body.modes + static_cast<std::int64_t>(n_rows) * node;
+    const float* modes = body.modes[3 * static_cast<std::int64_t>(node)];
     double& weight = state.scratch.weight[node];
     for (std::int32_t m = 0; m < n_rows; ++m) rows[m] += weight * modes[m];
     weight = 0;

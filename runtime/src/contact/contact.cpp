@@ -1,4 +1,4 @@
-// What contact with models and bodies has in common: argument checks and memory. Geometry is in approach.cpp, forces
+// Contact with models and bodies: argument checks and memory. Geometry is in approach.cpp, forces
 // are in balance.cpp.
 #include "contact/contact.hpp"
 

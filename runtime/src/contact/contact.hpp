@@ -137,7 +137,7 @@ struct ContactParts {
   BoundingVolumes volumes;
   TouchableEdge* scratch;
 };
-/// @return a status of phynness.h, as those below
+/// @return a status of phynness.h, like the functions below
 int lay_out_contact(Arena& arena, const WholeSurface& whole, std::int32_t max_tools, ContactParts& parts);
 /// @param status  of the layout, in an arena that counts
 int size_of_contact(const Arena& arena, int status, std::size_t* bytes);

@@ -79,7 +79,7 @@ WholeSurface surface_of(const phn_body& body) {
   return {body.info.n_nodes, body.info.n_nodes, body.info.n_triangles, body.info.triangles};
 }
 
-/// See ContactSurface::active. A round tool beside fixed nodes is not that of a single one.
+/// See ContactSurface::active. A round tool is never moved by a single node.
 std::int32_t active_of(const phn_body& body, std::int32_t vertex) {
   if (!is_touchable(body, vertex)) return body.node_kinds[vertex] == phynness::schema::body_node_fixed ? -1 : -2;
   return body.info.tool_radius_m > 0 ? several : vertex;

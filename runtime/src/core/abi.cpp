@@ -1,4 +1,4 @@
-// What a binding compares with its own headers.
+// Version and sizes of structures, which bindings compare with their own headers.
 #include <phynness/phynness_contact.h>
 #include <phynness/phynness_image.h>
 #include <phynness/phynness_loop.h>

@@ -1,4 +1,4 @@
-// What every file of the runtime and of images computes with: the namespace, IEEE 754 arithmetic, and a square root. No
+// Arithmetic of every file of the runtime and of images: the namespace, IEEE 754 arithmetic, and a square root. No
 // header of a C++ library is used, because the compiler of a device may have none.
 #pragma once
 

@@ -28,7 +28,8 @@ inline float mantissa(float x, int& exponent) {
 
 inline constexpr double log2_e = 1.4426950408889634;
 
-/// log2 x of a normal number x > 0 to rounding: the C library's takes 5 kB of tables. NaN for what is not finite.
+/// log2 x of a normal number x > 0 to rounding, and NaN if x is not finite. The C library's function has 5 kB of
+/// tables.
 template <class Real>
 Real logarithm_2(Real x) {
   if (!(x - x == 0)) return x - x;

@@ -1,5 +1,5 @@
 // The only place where the core distinguishes families. Each family has a folder with these functions for the type of a
-// node's response; what coupled tools need of a family besides is in tools/family_sums.hpp.
+// node's response; further functions for coupled tools are in tools/family_sums.hpp.
 #pragma once
 
 #include "core/evaluate.hpp"

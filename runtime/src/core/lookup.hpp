@@ -138,7 +138,7 @@ inline bool overlap(const void* a, size_t a_bytes, const void* b, size_t b_bytes
   return at_a < at_b ? at_b - at_a < a_bytes : at_a - at_b < b_bytes;
 }
 
-/// How fast the trained range widens away from a shorter neighbor (formats/model.md, Range).
+/// Slope at which the trained range widens away from a shorter neighbor (formats/model.md, Range).
 template <class Real>
 inline constexpr Real widening = 2;
 

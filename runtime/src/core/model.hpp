@@ -149,7 +149,7 @@ struct ActiveNode {
   double bound_scale;           ///< [N]
   double bound_at_rest;         ///< size of the force at d = 0 [N], which is an error; 0 in families with an energy
   bool incomplete;
-  // One of these is set: of a linear point the first, else that of the model's family; the others are null.
+  // One of these is set: the first of a linear point, otherwise the one of the model's family. The others are null.
   const RestResponse* rest;
   const Networks* networks;
   const LinearResponse* linear;
@@ -187,7 +187,7 @@ struct phn_model : phn_info {
   PHN_RUNTIME::SharedField fields[PHN_RUNTIME::largest_field_count];
   PHN_RUNTIME::SharedTable rest_modes;    ///< of the linear points
   const PHN_RUNTIME::ActiveNode* active;  ///< n_active, then n_linear
-  /// Coordinates of output nodes between these: triangles of positions, those of active nodes alone first, and rows of
+  /// Coordinates of output nodes between these: triangles of positions, first those without linear points, and rows of
   /// output position (ascending), triangle, weight of its first corner, and part of the rest that its second has; these
   /// over schema::whole_weight.
   std::int32_t n_linear, n_probe_triangles, n_outer_triangles, n_covered;

@@ -1,5 +1,5 @@
 // Texts in memory of the caller: the part of the `io` of a grammar that reads lines
-// (phynness/schema/model_grammar.hpp), and what the functions _size and _init of each kind of text have in common.
+// (phynness/schema/model_grammar.hpp), and the common parts of the functions _size and _init of each kind of text.
 #pragma once
 
 #include <phynness/schema/text_reader.hpp>

@@ -3,7 +3,7 @@
 // the one that the responses need.
 #include "image/image.hpp"
 
-// What follows runs once and is optimized for size. It computes nothing but comparisons.
+// The following code runs once and is optimized for size. It consists of comparisons only.
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC push_options
 #pragma GCC optimize("Os")

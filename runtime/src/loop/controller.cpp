@@ -56,7 +56,7 @@ Vector limit_energy(phn_loop& loop, Vector force, double stored, double now) {
   // The effect of this force is observed when the first sample arrives that was measured after it has acted.
   const double delay = std::fmax(0.0, now - loop.observer.time()) + s.period_s;
   const double pending = loop.observer.pending(velocity, now);
-  // Energy that was dissipated must not be returned later, except for a reserve and what is not observed yet.
+  // Dissipated energy must not be returned later, except for a reserve and the energy that is not observed yet.
   const double reserve = stored + s.largest_reserve_J + s.allowance_J + delay * length(loop.force) * std::sqrt(speed2);
   loop.withheld += std::fmax(0.0, available_energy(loop) - pending - reserve);
 

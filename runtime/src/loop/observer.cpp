@@ -47,7 +47,8 @@ bool Observer::sample(double time, Vector measured) {
     work -= dot(impulse, velocity);
     largest_delivered = std::fmax(largest_delivered, -work);
     if (duration > 1.5 * _period) {
-      // How the motion is spread over the forces of a gap is not known: all of it may belong to one of them.
+      // It is not known during which of the forces of a gap the device moved. It may have moved during one of them
+      // only.
       double largest = 0;
       each_force(_samples[0].time, time, [&](const Held& held, double) {
         largest = std::fmax(largest, std::fabs(dot(held.force - (1 / duration) * impulse, moved)));

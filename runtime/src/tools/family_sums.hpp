@@ -1,5 +1,5 @@
-// What coupled nodes need of each family beside core/families.hpp: derivatives of the basis, and displacements of a few
-// vertices as products with the basis.
+// Functions of each family for coupled nodes, in addition to core/families.hpp: derivatives of the basis, and
+// displacements of a few vertices as products with the basis.
 #pragma once
 
 #include "core/families.hpp"

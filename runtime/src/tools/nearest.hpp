@@ -38,7 +38,7 @@ void keep_nearer(const double* x, const std::int32_t* vertex, const bool* moves,
   best = found;
 }
 
-/// Whether the box of a triangle is farther from x than some distance, by more than what rounding can change.
+/// Whether the box of a triangle is farther from x than some distance, by more than rounding errors.
 inline bool is_farther(const double* const corner[3], const double* x, double distance) {
   double squared = 0, size = 0;
   for (int k = 0; k < 3; ++k) {

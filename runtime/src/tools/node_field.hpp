@@ -14,8 +14,8 @@ struct NodeField {
   double* rows;   ///< 3 x basis_size(node)
 };
 
-/// Derivatives around rest as central differences over the first trained increment. Near a snap-through the derivative
-/// at 0 itself would be that of the interpolation instead of the body's.
+/// Computes derivatives around rest as central differences over the first trained increment. Near a snap-through the
+/// derivative at 0 itself would be a property of the interpolation and not of the body.
 /// @param gradient  3 x basis_size(node), row k by d_k [1/m]
 /// @param scratch   n_centers + 3 of the shared modes
 /// @param other     working memory, basis_size(node)

@@ -13,7 +13,7 @@ constexpr double weight_tolerance = 1e-6;
 /// need exist.
 constexpr double negligible_weight = 1e-12;
 
-/// Adds a weight to that of an active node, which becomes the last of n if it is new.
+/// Adds to the weight of an active node. A new node becomes the last of n.
 [[gnu::noinline]] void add(std::int32_t node, double weight, std::int32_t& n, std::int32_t* active, double* weights) {
   std::int32_t i = 0;
   while (i < n && active[i] != node) ++i;
@@ -140,8 +140,8 @@ double lever_of(const phn_model& model, const Place& place) {
   return model.active[place.active[0]].moves_mean ? 1 : place.weight[0];
 }
 
-/// sum_k w_k [E_k + g_k . (x - x_k) / 2], exact for quadratic functions of the place x. The gradient g_k is that of the
-/// least squares of the differences to the neighbours.
+/// The weights of sum_k w_k [E_k + g_k . (x - x_k) / 2], which is exact for quadratic functions of the place x. The
+/// gradient g_k fits the differences to the neighbours by least squares.
 Mean mean_at(const phn_model& model, const Neighbours& neighbours, const Place& place) {
   Mean mean;
   mean.n = place.n_nodes;

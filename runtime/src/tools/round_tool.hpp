@@ -19,8 +19,8 @@ struct Corner {
   std::int32_t active;
   double weight;
 };
-/// The active nodes, with weights > 0, from which a node of the surface is answered: itself, or those between which it
-/// lies. @return their number; 0: it is neither active nor covered
+/// Finds the active nodes whose responses give that of a node of the surface, with weights > 0: the node itself, or the
+/// nodes between which it lies. @return their number; 0: the node is neither active nor covered
 std::int32_t find_corners(const phn_model& model, std::int32_t node, Corner corner[3]);
 
 /// The active nodes around a point of the surface.

@@ -16,7 +16,7 @@ constexpr int32_t least_body_modes(int32_t n_tools) { return n_tools > 1 ? 9 * n
 inline constexpr double near_part = 0.5;
 /// Parts of a body with parameters of their own.
 inline constexpr int32_t most_regions = 255;
-/// What a tool does at a node of the surface.
+/// Kinds of nodes of the surface (formats/body.md).
 inline constexpr int32_t body_node_fixed = 0, body_node_moves = 1, body_node_touchable = 2, n_body_node_kinds = 3;
 
 template <class IO, class Word>

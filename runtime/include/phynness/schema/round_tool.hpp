@@ -1,5 +1,5 @@
 // The even pressure of a round tool on a surface (docs/decisions/round-tool.md), integrated in closed form. Bodies use
-// it at run time, and meshes/ for what is solved. No heap.
+// it at run time, and meshes/ for the finite elements. No heap.
 #pragma once
 
 #include <cmath>

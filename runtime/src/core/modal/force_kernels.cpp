@@ -109,7 +109,7 @@ PHN_INLINE void derivatives_of_centers(const ModalForce& node, const double* x, 
   if constexpr (with_stiffness) finish_stiffness(node, total, stiffness);
 }
 
-/// How many sums of stiffnesses stay in registers of so many bytes. GCC takes the loops over fewer lanes than a block
+/// Number of sums of stiffnesses that stay in registers of this size. GCC takes the loops over fewer lanes than a block
 /// as operations of whole registers; other compilers may not.
 constexpr std::int32_t lanes_of([[maybe_unused]] std::int32_t bytes) {
 #if defined(__GNUC__) && !defined(__clang__)
