@@ -48,7 +48,7 @@ class Balance {
       tool.active = tool.has_proxy;
       tool.unbalanced = 0;
       tool.is_tensile = false;
-      for (int k = 0; k < 3; ++k) tool.force[k] = tool.normal[k] = 0;
+      tool.force = tool.normal = {};
       tool.first_proxy = tool.proxy;
       start_slides(tool);
     }
@@ -129,8 +129,8 @@ class Balance {
       _contact.has_response = _touched.unbalanced <= far_from_balance;
       bool again = _touched.unbalanced > balanced;
       for (std::int32_t i = 0; i < _n_active; ++i) {
-        _contact.response_force[i] = vector_at(_contact.tool[_active[i]].force);
-        _contact.response_displacement[i] = vector_at(_contact.tool[_active[i]].displacement);
+        _contact.response_force[i] = _contact.tool[_active[i]].force;
+        _contact.response_displacement[i] = _contact.tool[_active[i]].displacement;
       }
       for (std::int32_t t = 0; t < _n; ++t) {
         const ToolContact& tool = _contact.tool[t];
@@ -157,10 +157,10 @@ class Balance {
       ToolContact& tool = _contact.tool[t];
       if (!is_in_response(t)) continue;
       const Vector force = _predicted[index_of(t)];
-      tool.unbalanced = length((vector_at(tool.force) - force).x);
-      if (std::fmin(tool.unbalanced, length((force - vector_at(tool.last_force)).x)) > jump * largest)
+      tool.unbalanced = length((tool.force - force).x);
+      if (std::fmin(tool.unbalanced, length((force - tool.last_force).x)) > jump * largest)
         status = PHN_WARNING_UNSETTLED;
-      for (int k = 0; k < 3; ++k) tool.force[k] = force[k];
+      tool.force = force;
       if (tool.active) _active[_n_active++] = t;
     }
     return status;
@@ -205,7 +205,7 @@ class Balance {
       const std::int32_t i = index_of(t);
       // A tool beyond an edge is released where only a tensile force could move the surface there.
       if (is_known && i >= 0 && tool.is_at_edge &&
-          dot(force[i] + inverse_of(compliance(i, i)) * open_gap[i], vector_at(tool.normal)) >= 0)
+          dot(force[i] + inverse_of(compliance(i, i)) * open_gap[i], tool.normal) >= 0)
         force[i] = {};
       const bool pushes = is_known ? i >= 0 && length(force[i].x) > 0 : i < _contact.n_held;
       tool.active = _inputs[t].mode == PHN_TOOL_GRASP || (i >= 0 && pushes);
@@ -220,7 +220,7 @@ class Balance {
   /// Vector from the proxy that the forces displace to its tool [m].
   Vector gap(std::int32_t t, const MatrixView<Matrix>& compliance, const Vector* force) const {
     const std::int32_t i = index_of(t);
-    Vector gap = vector_at(_contact.tool[t].displacement) - _contact.response_displacement[i];
+    Vector gap = _contact.tool[t].displacement - _contact.response_displacement[i];
     for (std::int32_t s = 0; s < compliance.n_columns; ++s)
       gap -= compliance(i, s) * (force[s] - _contact.response_force[s]);
     return gap;
@@ -230,7 +230,7 @@ class Balance {
   /// the direction of the whole slide of this step (Coulomb's law). @return the rest of the gap
   Vector project_on_cone(std::int32_t t, const Matrix& compliance, const Vector& gap, Vector& force) const {
     const ToolContact& tool = _contact.tool[t];
-    const Vector before = force, normal = vector_at(tool.normal), free_gap = gap + compliance * before,
+    const Vector before = force, normal = tool.normal, free_gap = gap + compliance * before,
                  normal_response = compliance * normal;
     const double normal_compliance = dot(normal_response, normal),
                  frictionless_push = -dot(free_gap, normal) / normal_compliance, friction = _inputs[t].friction;
@@ -248,10 +248,8 @@ class Balance {
       // The friction f_t lets the point slide by s, where (S + s / |f_t|) f_t is the slide without friction, and S is
       // the compliance along the surface with a closed normal gap. The push is p_0 + c . f_t / c_nn, where p_0 is that
       // without friction, c is the response to the normal, and c_nn is its normal component.
-      double first[3];
-      point_at(_surface, _surface.rest, tool.first_proxy, _inputs[t].radius, first);
-      Vector slide = free_gap + frictionless_push * normal_response + vector_at(_inputs[t].center) -
-                     vector_at(tool.displacement) - vector_at(first);
+      Vector slide = free_gap + frictionless_push * normal_response + _inputs[t].center - tool.displacement -
+                     point_at(_surface, _surface.rest, tool.first_proxy, _inputs[t].radius);
       slide -= dot(slide, normal) * normal;
       const Matrix along = compliance - (1 / normal_compliance) * outer(normal_response, normal_response) +
                            normal_compliance * outer(normal, normal);
@@ -279,34 +277,30 @@ class Balance {
   /// Slides the proxy along the surface so that the gap to its tool decreases by `gap`. @return whether it moved
   bool slide_proxy(std::int32_t t, const Vector& gap) {
     ToolContact& tool = _contact.tool[t];
-    const Vector sideways = gap - dot(gap.x, tool.normal) * vector_at(tool.normal);
+    const Vector sideways = gap - dot(gap, tool.normal) * tool.normal;
     if (!(length(sideways.x) > gauss_seidel_tolerance * norm(tool.displacement))) return false;
-    double axes[6], offset_gradient[9], normal_gradient[9], m[2][2], right[2], x[2];
-    gradients_at(_surface, tool.proxy, axes, offset_gradient, normal_gradient);
+    const SurfaceGradients gradients = gradients_at(_surface, tool.proxy);
+    const Vector(&axes)[2] = gradients.axes;
+    double m[2][2], right[2], x[2];
     for (int j = 0; j < 2; ++j) {
-      Vector response;
-      for (int k = 0; k < 3; ++k)
-        response[k] = -axes[3 * j + k] - _inputs[t].radius * dot(offset_gradient + 3 * k, axes + 3 * j);
-      for (int l = 0; l < 2; ++l) m[l][j] = dot(axes + 3 * l, response.x);
-      right[j] = -dot(axes + 3 * j, sideways.x);
+      const Vector response = -1 * axes[j] - _inputs[t].radius * (gradients.offset * axes[j]);
+      for (int l = 0; l < 2; ++l) m[l][j] = dot(axes[l], response);
+      right[j] = -dot(axes[j], sideways);
     }
     if (!solve_2x2(m, right, x)) {
       for (int j = 0; j < 2; ++j) x[j] = -right[j];
     }
     // In one step a proxy slides little farther than its tool moves.
-    double from[3], here[3], slide[3];
-    point_at(_surface, _surface.rest, tool.first_proxy, 0, from);
-    point_at(_surface, _surface.rest, tool.proxy, 0, here);
-    Vector total = vector_at(here) - vector_at(from);
-    const Vector earlier = total;
-    for (int k = 0; k < 3; ++k) total[k] += x[0] * axes[k] + x[1] * axes[3 + k];
+    const Vector here = point_at(_surface, _surface.rest, tool.proxy, 0),
+                 earlier = here - point_at(_surface, _surface.rest, tool.first_proxy, 0);
+    Vector total = earlier + (x[0] * axes[0] + x[1] * axes[1]);
     const double farthest = longest_slide * norm(tool.motion) + slide_of_near_tools * _touched.near_m;
     if (length(total.x) > farthest) total *= farthest / length(total.x);
-    for (int k = 0; k < 3; ++k) slide[k] = total[k] - earlier[k];
+    const Vector slide = total - earlier;
     walk(_surface, tool.proxy, slide);
-    point_at(_surface, _surface.rest, tool.proxy, 0, from);
+    const Vector done = point_at(_surface, _surface.rest, tool.proxy, 0) - here;
     tool.is_at_edge = norm(slide) > gauss_seidel_tolerance * norm(tool.displacement) &&
-                      length((vector_at(from) - vector_at(here)).x) < gauss_seidel_tolerance * norm(slide);
+                      length(done.x) < gauss_seidel_tolerance * norm(slide);
     set_displacement(t);
     return !tool.is_at_edge;
   }
@@ -315,33 +309,28 @@ class Balance {
   void set_displacement(std::int32_t t) {
     ToolContact& tool = _contact.tool[t];
     const ToolInput& input = _inputs[t];
-    double x[3];
     const bool grasps = input.mode == PHN_TOOL_GRASP;
-    point_at(_surface, _surface.rest, tool.proxy, grasps ? 0 : input.radius, x);
-    for (int k = 0; k < 3; ++k) tool.displacement[k] = input.center[k] - x[k] - (grasps ? tool.grasp_offset[k] : 0);
-    normal_at(_surface, tool.proxy, tool.normal);
+    tool.displacement = input.center - point_at(_surface, _surface.rest, tool.proxy, grasps ? 0 : input.radius);
+    if (grasps) tool.displacement -= tool.grasp_offset;
+    tool.normal = normal_at(_surface, tool.proxy);
   }
 
   /// Moves the proxy to the nearest local point of the offset surface to the tool's centre.
   /// @param moved  displacement of the surface there [m]
-  void project_proxy(std::int32_t t, const double* moved) {
+  void project_proxy(std::int32_t t, const Vector& moved) {
     ToolContact& tool = _contact.tool[t];
     if (_inputs[t].mode != PHN_TOOL_PRESS) return;
     double part = 1;
     for (int attempt = 0; attempt < most_projection_steps; ++attempt) {
-      double apart[3], step[3], closer[3];
       set_displacement(t);
-      subtract(tool.displacement, moved, apart);
-      const double height = dot(apart, tool.normal);
-      for (int k = 0; k < 3; ++k) step[k] = apart[k] - height * tool.normal[k];
+      const Vector apart = tool.displacement - moved;
+      const Vector step = apart - dot(apart, tool.normal) * tool.normal;
       if (norm(step) <= cone_tolerance * norm(apart)) return;
       const SurfacePoint before = tool.proxy;
-      for (double& s : step) s *= part;
-      walk(_surface, tool.proxy, step);
+      walk(_surface, tool.proxy, part * step);
       set_displacement(t);
-      subtract(tool.displacement, moved, closer);
       part = std::fmin(1, part / cut_factor);
-      if (norm(closer) < norm(apart)) continue;
+      if (norm(tool.displacement - moved) < norm(apart)) continue;
       tool.proxy = before;
       part *= cut_factor * cut_factor;
     }
@@ -370,10 +359,8 @@ class Balance {
       for (std::int32_t s = 0; s < t; ++s) {
         ToolContact &a = _contact.tool[s], &b = _contact.tool[t];
         if (!a.active || !b.active) continue;
-        double x[3], y[3], apart[3];
-        point_at(_surface, _surface.rest, a.proxy, 0, x);
-        point_at(_surface, _surface.rest, b.proxy, 0, y);
-        subtract(x, y, apart);
+        const Vector apart =
+            point_at(_surface, _surface.rest, a.proxy, 0) - point_at(_surface, _surface.rest, b.proxy, 0);
         const std::int32_t node = only_node(a.proxy);
         if (norm(apart) > same_place * _surface.size && (node < 0 || node != only_node(b.proxy))) continue;
         const bool a_grasps = _inputs[s].mode == PHN_TOOL_GRASP, b_grasps = _inputs[t].mode == PHN_TOOL_GRASP;
@@ -399,9 +386,8 @@ class Balance {
     }
     const std::int32_t n = _touched.is_body() ? append_other_tools(tools, heights) : _n_active;
     const int status = _touched.hold(_n_active, n, tools, heights, forces, coupled);
-    for (std::int32_t i = 0; i < _n_active && status >= 0; ++i) {
-      for (int k = 0; k < 3; ++k) _contact.tool[_active[i]].force[k] = forces[3 * i + k];
-    }
+    for (std::int32_t i = 0; i < _n_active && status >= 0; ++i)
+      _contact.tool[_active[i]].force = vector_at(forces + 3 * i);
     return status;
   }
 
@@ -417,7 +403,7 @@ class Balance {
         tools[n] = constraint_of(_contact, tool);
       } else {
         ToolContact beside = {};
-        const double height = nearest(_surface, _contact.volumes, tool.radius, tool.position, beside.proxy);
+        const double height = nearest(_surface, _contact.volumes, tool.radius, tool.position.x, beside.proxy);
         if (_n_active == 0 || !(height < _touched.near_m) ||
             movable_weight(_surface, beside.proxy) < smallest_movable_weight<double>)
           continue;
@@ -433,9 +419,9 @@ class Balance {
   }
 
   /// Splits the force into its normal and its tangential part. @return the component into the body
-  static double split_force(const ToolContact& tool, double* tangential) {
+  static double split_force(const ToolContact& tool, Vector& tangential) {
     const double push = -dot(tool.force, tool.normal);
-    for (int k = 0; k < 3; ++k) tangential[k] = tool.force[k] + push * tool.normal[k];
+    tangential = tool.force + push * tool.normal;
     return push;
   }
 
@@ -445,7 +431,7 @@ class Balance {
   }
 
   /// Part of the tangential force outside of the friction cone [N].
-  double cone_excess(std::int32_t t, double push, const double* tangential) const {
+  double cone_excess(std::int32_t t, double push, const Vector& tangential) const {
     return norm(tangential) - (push > 0 ? _inputs[t].friction * push : 0);
   }
 
@@ -456,8 +442,8 @@ class Balance {
     for (std::int32_t s = 0; s < _n; ++s) {
       if (s != t && _contact.tool[s].active) deepest = std::fmax(deepest, norm(_contact.tool[s].displacement));
     }
-    const Vector moved = vector_at(tool.displacement) - inverse_of(stiffness_of(t)) * vector_at(tool.force);
-    const double size = norm(moved.x);
+    const Vector moved = tool.displacement - inverse_of(stiffness_of(t)) * tool.force;
+    const double size = norm(moved);
     return size > deepest ? deepest / size * moved : moved;
   }
 
@@ -465,12 +451,12 @@ class Balance {
   bool update_contact(std::int32_t t, bool may_slide) {
     ToolContact& tool = _contact.tool[t];
     if (_inputs[t].mode != PHN_TOOL_PRESS) return false;
-    double tangential[3];
+    Vector tangential;
     const double push = split_force(tool, tangential), friction = _inputs[t].friction,
                  excess = cone_excess(t, push, tangential);
     if (push <= 0) {
       const bool may_project = may_slide && norm(tangential) > cone_tolerance * norm(tool.force);
-      if (may_project && tool.n_projections < most_projections) project_proxy(t, displacement_without(t).x);
+      if (may_project && tool.n_projections < most_projections) project_proxy(t, displacement_without(t));
       tool.is_tensile = (tool.was_separated && _n_active > 1) || !may_project || tool.n_projections >= most_projections;
       tool.cone_excess = -1;
       tool.n_cuts = 0;
@@ -480,7 +466,7 @@ class Balance {
     if (!may_slide || excess <= cone_tolerance * norm(tool.force)) return false;
     if (tool.cone_excess >= 0 && excess > tool.cone_excess && tool.n_cuts < most_cuts) {
       ++tool.n_cuts;
-      for (double& s : tool.slide) s *= cut_factor;
+      tool.slide *= cut_factor;
       tool.proxy = tool.last_proxy;
     } else {
       if (!find_slide(t, push, tangential, friction)) return false;
@@ -494,17 +480,17 @@ class Balance {
 
   /// Sets the slide of Newton's step to the friction cone. The stiffness of a single tool on a model is that at rest,
   /// scaled to the present one along the displacement. @return whether there is a slide
-  bool find_slide(std::int32_t t, double push, const double* tangential, double friction) {
+  bool find_slide(std::int32_t t, double push, const Vector& tangential, double friction) {
     ToolContact& tool = _contact.tool[t];
-    const Vector p = vector_at(tool.displacement);
+    const Vector& p = tool.displacement;
     Matrix stiffness = stiffness_of(t);
     if (_n_active == 1) {
-      const double linear = dot(stiffness * p, p), scale = linear > 0 ? dot(tool.force, p.x) / linear : 1;
+      const double linear = dot(stiffness * p, p), scale = linear > 0 ? dot(tool.force, p) / linear : 1;
       stiffness *= std::fmin(8.0, std::fmax(0.25, scale));
     }
 
-    double axes[6], offset_gradient[9], normal_gradient[9];
-    gradients_at(_surface, tool.proxy, axes, offset_gradient, normal_gradient);
+    const SurfaceGradients gradients = gradients_at(_surface, tool.proxy);
+    const Vector(&axes)[2] = gradients.axes;
     const double sideways = norm(tangential);
     // The second attempt uses a flat surface without friction. It is needed where the full matrix is not definite, for
     // example where a tool slips off.
@@ -513,30 +499,20 @@ class Balance {
       const double mu = curved ? friction : 0;
       double m[2][2], right[2], x[2];
       for (int j = 0; j < 2; ++j) {
-        const double* axis = axes + 3 * j;
-        Vector dp;
-        double dn[3];
-        for (int k = 0; k < 3; ++k) {
-          dp[k] = -axis[k] - _inputs[t].radius * dot(offset_gradient + 3 * k, axis);
-          dn[k] = curved ? dot(normal_gradient + 3 * k, axis) : 0;
-        }
+        const Vector dp = -1 * axes[j] - _inputs[t].radius * (gradients.offset * axes[j]);
+        const Vector dn = curved ? gradients.normal * axes[j] : Vector{};
         const Vector df = stiffness * dp;
-        const double dpush = -dot(df.x, tool.normal) - dot(tool.force, dn);
-        for (int l = 0; l < 2; ++l) {
-          m[l][j] = 0;
-          for (int k = 0; k < 3; ++k) {
-            const double change = df[k] + dpush * tool.normal[k] + push * dn[k];
-            m[l][j] += axes[3 * l + k] * (change - (sideways > 0 ? mu * dpush * tangential[k] / sideways : 0));
-          }
-        }
-        right[j] = -dot(axis, tangential) * (sideways > 0 ? 1 - friction * push / sideways : 0);
+        const double dpush = -dot(df, tool.normal) - dot(tool.force, dn);
+        Vector change = df + dpush * tool.normal + push * dn;
+        if (sideways > 0) change -= mu * dpush * tangential / sideways;
+        for (int l = 0; l < 2; ++l) m[l][j] = dot(axes[l], change);
+        right[j] = -dot(axes[j], tangential) * (sideways > 0 ? 1 - friction * push / sideways : 0);
       }
       if (!solve_2x2(m, right, x)) continue;
-      double slide[3];
-      for (int k = 0; k < 3; ++k) slide[k] = x[0] * axes[k] + x[1] * axes[3 + k];
-      const double size = norm(slide), longest = longest_slide * norm(p.x);
+      const Vector slide = x[0] * axes[0] + x[1] * axes[1];
+      const double size = norm(slide);
       if (!(size > 0)) return false;
-      for (int k = 0; k < 3; ++k) tool.slide[k] = slide[k] * std::fmin(1.0, longest / size);
+      tool.slide = std::fmin(1.0, longest_slide * norm(p) / size) * slide;
       return true;
     }
     return false;
@@ -555,28 +531,27 @@ class Balance {
     ToolContact& tool = _contact.tool[t];
     tool.in_contact = true;
     if (_inputs[t].mode != PHN_TOOL_PRESS) return;
-    double tangential[3], removed[3];
+    Vector tangential;
     const double push = split_force(tool, tangential), sideways = norm(tangential),
                  allowed = _inputs[t].friction * push;
     tool.in_contact = push > 0;
-    const double factor = !(push > 0) ? 0 : sideways <= allowed ? 1 : allowed / sideways;
-    for (int k = 0; k < 3; ++k) {
-      const double f = tool.in_contact ? factor * tangential[k] - push * tool.normal[k] : 0;
-      removed[k] = tool.in_contact ? tool.force[k] - f : 0;
-      tool.force[k] = f;
+    if (!tool.in_contact) {
+      tool.force = {};
+      return;
     }
-    tool.unbalanced += norm(removed);
+    const Vector force = (sideways <= allowed ? 1 : allowed / sideways) * tangential - push * tool.normal;
+    tool.unbalanced += norm(tool.force - force);
+    tool.force = force;
   }
 
   /// Ends the contact of a tool without a pushing force. It becomes free if it is outside; otherwise it is inside of a
   /// surface that other tools have pushed away.
   void release(ToolContact& tool) {
-    for (int k = 0; k < 3; ++k) tool.force[k] = 0;
-    double from[3];
     SurfacePoint at;
-    point_at(_surface, _surface.placed, tool.proxy, tool.radius, from);
+    const Vector from = point_at(_surface, _surface.placed, tool.proxy, tool.radius);
+    tool.force = {};
     tool.has_proxy =
-        sweep(_surface, _contact.volumes, tool.radius, from, tool.position, sweep_slack * _surface.size, at) >= 0;
+        sweep(_surface, _contact.volumes, tool.radius, from.x, tool.position.x, sweep_slack * _surface.size, at) >= 0;
   }
 
   phn_contact& _contact;

@@ -51,17 +51,15 @@ void displace(phn_contact& contact, const double* field) {
   ContactSurface& surface = contact.surface;
   // Nearest surface points of free tools before the surface moves.
   SurfacePoint beside[most_touching];
-  double distance[most_touching], from[most_touching][3];
+  double distance[most_touching];
+  Vector from[most_touching];
   for (std::int32_t t = 0; t < contact.max_tools; ++t) {
     const ToolContact& tool = contact.tool[t];
     distance[t] = -1;
     if (!tool.has_position || tool.has_proxy) continue;
-    double normal[3], apart[3];
-    const double apart_by = nearest(surface, contact.volumes, tool.radius, tool.position, beside[t]);
-    normal_at(surface, beside[t], normal);
-    point_at(surface, surface.placed, beside[t], tool.radius, from[t]);
-    subtract(tool.position, from[t], apart);
-    if (dot(apart, normal) >= 0) distance[t] = apart_by;
+    const double to_surface = nearest(surface, contact.volumes, tool.radius, tool.position.x, beside[t]);
+    from[t] = point_at(surface, surface.placed, beside[t], tool.radius);
+    if (dot(tool.position - from[t], normal_at(surface, beside[t])) >= 0) distance[t] = to_surface;
   }
   const double moved = place(field, surface);
   refit_volumes(surface, contact.volumes);

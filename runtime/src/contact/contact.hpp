@@ -42,7 +42,8 @@ class Touched {
 
 /// Input of a tool in this step, clamped so that no later computation overflows.
 struct ToolInput {
-  double center[3], radius, friction;
+  Vector center;
+  double radius, friction;
   std::int32_t mode;
 };
 
@@ -52,23 +53,25 @@ struct ToolContact {
   bool has_proxy;     ///< It is in contact, or inside of a surface that other tools have pushed away.
   bool in_contact;    ///< It has a force.
   std::int32_t mode;
-  double radius, position[3];  ///< of the last step; a free tool is outside, or has been inside since it appeared
+  double radius;
+  Vector position;  ///< of the last step; a free tool is outside, or has been inside since it appeared
   SurfacePoint proxy;
-  double grasp_offset[3];       ///< mode grasp: from the touched point to the centre [m]
-  double displacement[3];       ///< of the touched point [m]
-  double motion[3];             ///< of the centre in the last step [m]
-  double last_force[3];         ///< [N]
+  Vector grasp_offset;          ///< mode grasp: from the touched point to the centre [m]
+  Vector displacement;          ///< of the touched point [m]
+  Vector motion;                ///< of the centre in the last step [m]
+  Vector last_force;            ///< [N]
   double scale;                 ///< factor of the force that limits the returned work; 0: not in contact
   bool was_separated;           ///< It had a proxy without a force in the last step.
   std::int32_t response_index;  ///< on a body: 1 + its number among the tools of the last response; 0: none of them
   bool is_new;                  ///< It was in no response before.
   // Quantities of one step.
   bool active;
-  double normal[3], force[3];
-  double unbalanced;             ///< removed part of the force [N]
-  SurfacePoint first_proxy;      ///< the proxy before all slides
-  SurfacePoint last_proxy;       ///< the proxy before the latest slide
-  double slide[3], cone_excess;  ///< that slide [m]; the force outside of the friction cone before it [N], -1: no slide
+  Vector normal, force;
+  double unbalanced;         ///< removed part of the force [N]
+  SurfacePoint first_proxy;  ///< the proxy before all slides
+  SurfacePoint last_proxy;   ///< the proxy before the latest slide
+  Vector slide;              ///< that slide [m]
+  double cone_excess;        ///< force outside of the friction cone before it [N]; -1: no slide
   std::int32_t n_cuts, n_projections;
   bool is_tensile;  ///< The surface would have to be pulled. The tool should be left out.
   bool is_at_edge;  ///< on a body: an edge stopped the proxy
@@ -105,7 +108,7 @@ inline constexpr double sweep_slack = 1e-9;
 void approach(const phn_contact& contact, const ToolInput& input, ToolContact& tool);
 
 /// Moves a free tool with the surface beside it, after a refit. @param from  position of `at` before the refit
-void advect(const phn_contact& contact, const SurfacePoint& at, const double* from, ToolContact& tool);
+void advect(const phn_contact& contact, const SurfacePoint& at, const Vector& from, ToolContact& tool);
 
 /// The constraint of a tool: the place of its proxy and the displacement that it prescribes there.
 phn_tool constraint_of(const phn_contact& contact, const ToolContact& tool);

@@ -45,7 +45,7 @@ void guard(phn_contact& contact, const Touched& touched, std::int32_t n_tools, c
   for (std::int32_t t = 0; t < n_tools; ++t) {
     ToolContact& tool = contact.tool[t];
     tool.scale = tool.in_contact ? inputs[t].mode == PHN_TOOL_PRESS ? scale : 1 : 0;
-    for (int k = 0; k < 3; ++k) tool.last_force[k] = tool.force[k] *= tool.scale;
+    tool.last_force = tool.force *= tool.scale;
   }
 }
 

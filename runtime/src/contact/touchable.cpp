@@ -165,54 +165,49 @@ double place(const double* field, ContactSurface& s) {
   return std::sqrt(most);
 }
 
-void point_at(const ContactSurface& s, const double* points, const SurfacePoint& at, double radius, double* x) {
-  for (int k = 0; k < 3; ++k) x[k] = 0;
+Vector point_at(const ContactSurface& s, const double* points, const SurfacePoint& at, double radius) {
+  Vector x = {};
   for (int c = 0; c < 3; ++c) {
     const std::int32_t v = s.triangle[3 * at.triangle + c];
-    for (int k = 0; k < 3; ++k) x[k] += at.weight[c] * (row(points, v)[k] + radius * row(s.offset, v)[k]);
+    x += at.weight[c] * (vector_at(row(points, v)) + radius * vector_at(row(s.offset, v)));
   }
+  return x;
 }
 
-void normal_at(const ContactSurface& s, const SurfacePoint& at, double* normal) {
-  for (int k = 0; k < 3; ++k) normal[k] = 0;
-  for (int c = 0; c < 3; ++c) {
-    for (int k = 0; k < 3; ++k) normal[k] += at.weight[c] * row(s.offset, s.triangle[3 * at.triangle + c])[k];
-  }
+Vector normal_at(const ContactSurface& s, const SurfacePoint& at) {
+  Vector normal = {};
+  for (int c = 0; c < 3; ++c) normal += at.weight[c] * vector_at(row(s.offset, s.triangle[3 * at.triangle + c]));
   double size = norm(normal);
   if (!(size > 1e-6)) {
     const double* corner[3];
     corners_of(s, s.rest, at.triangle, corner);
-    area_normal(corner, normal);
+    area_normal(corner, normal.x);
     size = norm(normal);
   }
-  for (int k = 0; k < 3; ++k) normal[k] /= size;
+  return normal / size;
 }
 
-void gradients_at(const ContactSurface& s, const SurfacePoint& at, double* axes, double* offset_gradient,
-                  double* normal_gradient) {
+SurfaceGradients gradients_at(const ContactSurface& s, const SurfacePoint& at) {
   const double* corner[3];
   corners_of(s, s.rest, at.triangle, corner);
-  double gradient[3][3], normal[3], edge[3], m[3] = {0, 0, 0};
-  weight_gradients(corner, gradient, normal);
-  subtract(corner[1], corner[0], edge);
-  const double length_of_edge = norm(edge);
-  for (int k = 0; k < 3; ++k) axes[k] = edge[k] / length_of_edge;
-  cross(normal, axes, axes + 3);
-  for (int i = 0; i < 9; ++i) offset_gradient[i] = 0;
+  SurfaceGradients made = {};
+  double gradient[3][3];
+  Vector normal, m = {};
+  weight_gradients(corner, gradient, normal.x);
+  const Vector edge = vector_at(corner[1]) - vector_at(corner[0]);
+  made.axes[0] = edge / norm(edge);
+  made.axes[1] = cross(normal, made.axes[0]);
   for (int c = 0; c < 3; ++c) {
-    const double* offset = row(s.offset, s.triangle[3 * at.triangle + c]);
-    for (int k = 0; k < 3; ++k) {
-      m[k] += at.weight[c] * offset[k];
-      for (int l = 0; l < 3; ++l) offset_gradient[3 * k + l] += offset[k] * gradient[c][l];
-    }
+    const Vector offset = vector_at(row(s.offset, s.triangle[3 * at.triangle + c]));
+    m += at.weight[c] * offset;
+    made.offset += outer(offset, vector_at(gradient[c]));
   }
   const double size = norm(m);
-  for (int l = 0; l < 3; ++l) {
-    const double along =
-        (m[0] * offset_gradient[l] + m[1] * offset_gradient[3 + l] + m[2] * offset_gradient[6 + l]) / (size * size);
-    for (int k = 0; k < 3; ++k)
-      normal_gradient[3 * k + l] = size > 1e-6 ? (offset_gradient[3 * k + l] - along * m[k]) / size : 0;
-  }
+  if (!(size > 1e-6)) return made;
+  const Vector along = transposed_times(made.offset, m) / (size * size);
+  made.normal = made.offset - outer(m, along);
+  for (double& entry : made.normal.a) entry /= size;
+  return made;
 }
 
 double movable_weight(const ContactSurface& s, const SurfacePoint& at) {

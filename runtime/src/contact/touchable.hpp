@@ -6,6 +6,7 @@
 
 #include "core/arena.hpp"
 #include "tools/triangle.hpp"
+#include "tools/vectors.hpp"
 
 namespace PHN_RUNTIME {
 
@@ -55,18 +56,20 @@ int build_contact_surface(const std::int32_t* triangles, std::int32_t n, Touchab
 double place(const double* field, ContactSurface& surface);
 
 /// sum_i w_i (points_i + radius offset_i)
-void point_at(const ContactSurface& surface, const double* points, const SurfacePoint& at, double radius, double* x);
+Vector point_at(const ContactSurface& surface, const double* points, const SurfacePoint& at, double radius);
 /// Unit normal: the direction of the interpolated offset, or the triangle's normal where the offsets cancel.
-void normal_at(const ContactSurface& surface, const SurfacePoint& at, double* normal);
+Vector normal_at(const ContactSurface& surface, const SurfacePoint& at);
 
-/// Derivatives of offset and normal in the triangle: d(offset) = offset_gradient dx, d(normal) = normal_gradient dx for
-/// dx in its plane. @param axes  two unit vectors in that plane
-void gradients_at(const ContactSurface& surface, const SurfacePoint& at, double* axes, double* offset_gradient,
-                  double* normal_gradient);
+/// Derivatives in a triangle: d(offset) = offset dx, d(normal) = normal dx for dx in its plane.
+struct SurfaceGradients {
+  Vector axes[2];  ///< two unit vectors in that plane
+  Matrix offset, normal;
+};
+SurfaceGradients gradients_at(const ContactSurface& surface, const SurfacePoint& at);
 
 /// Moves the point by `step` [m] in the plane of the triangle, straight across edges, and along the boundary of an open
 /// surface.
-void walk(const ContactSurface& surface, SurfacePoint& at, const double* step);
+void walk(const ContactSurface& surface, SurfacePoint& at, const Vector& step);
 
 /// Sum of the weights of moving corners.
 double movable_weight(const ContactSurface& surface, const SurfacePoint& at);

@@ -16,7 +16,7 @@ void normalize(const ContactSurface& s, SurfacePoint& at) {
 }
 
 /// Moves the point to the triangle across the edge opposite to corner `opposite` and turns the step into its plane.
-void cross_edge(const ContactSurface& s, SurfacePoint& at, int opposite, const double* normal, double* step) {
+void cross_edge(const ContactSurface& s, SurfacePoint& at, int opposite, const Vector& normal, Vector& step) {
   const std::int32_t next = s.neighbor[3 * at.triangle + opposite];
   const std::int32_t *from = s.triangle + 3 * at.triangle, *to = s.triangle + 3 * next;
   SurfacePoint there = {next, {0, 0, 0}};
@@ -26,32 +26,30 @@ void cross_edge(const ContactSurface& s, SurfacePoint& at, int opposite, const d
     }
   }
   const double* corner[3];
-  double edge[3], out[3], in[3], next_normal[3];
+  Vector next_normal,
+      edge = vector_at(row(s.rest, from[(opposite + 2) % 3])) - vector_at(row(s.rest, from[(opposite + 1) % 3]));
   corners_of(s, s.rest, next, corner);
-  area_normal(corner, next_normal);
-  subtract(row(s.rest, from[(opposite + 2) % 3]), row(s.rest, from[(opposite + 1) % 3]), edge);
-  const double size = norm(edge), area = norm(next_normal);
-  for (double& x : edge) x /= size;
-  for (double& x : next_normal) x /= area;
+  area_normal(corner, next_normal.x);
+  edge /= norm(edge);
+  next_normal /= norm(next_normal);
   // The two triangles traverse their common edge in opposite directions.
-  cross(edge, normal, out);
-  cross(edge, next_normal, in);
-  const double along = dot(step, edge), across = dot(step, out);
-  for (int k = 0; k < 3; ++k) step[k] = along * edge[k] + across * in[k];
+  const Vector out = cross(edge, normal), in = cross(edge, next_normal);
+  step = dot(step, edge) * edge + dot(step, out) * in;
   at = there;
 }
 
 }  // namespace
 
-void walk(const ContactSurface& s, SurfacePoint& at, const double* step) {
-  double remaining[3] = {step[0], step[1], step[2]};
+void walk(const ContactSurface& s, SurfacePoint& at, const Vector& step) {
+  Vector remaining = step;
   for (int crossing = 0; crossing < most_crossings; ++crossing) {
     const double* corner[3];
     corners_of(s, s.rest, at.triangle, corner);
-    double gradient[3][3], normal[3], change[3], most = 0;
-    weight_gradients(corner, gradient, normal);
+    double gradient[3][3], change[3], most = 0;
+    Vector normal;
+    weight_gradients(corner, gradient, normal.x);
     for (int c = 0; c < 3; ++c) {
-      change[c] = dot(gradient[c], remaining);
+      change[c] = dot(gradient[c], remaining.x);
       most = std::fmax(most, std::fabs(change[c]));
     }
     double part = 1;
@@ -64,15 +62,13 @@ void walk(const ContactSurface& s, SurfacePoint& at, const double* step) {
     for (int c = 0; c < 3; ++c) at.weight[c] += part * change[c];
     if (crossed < 0) break;
     at.weight[crossed] = 0;
-    for (double& x : remaining) x *= 1 - part;
+    remaining *= 1 - part;
     if (s.neighbor[3 * at.triangle + crossed] >= 0) {
       cross_edge(s, at, crossed, normal, remaining);
       continue;
     }
-    double edge[3];
-    subtract(corner[(crossed + 2) % 3], corner[(crossed + 1) % 3], edge);
-    const double along = dot(remaining, edge) / dot(edge, edge);
-    for (int k = 0; k < 3; ++k) remaining[k] = along * edge[k];
+    const Vector edge = vector_at(corner[(crossed + 2) % 3]) - vector_at(corner[(crossed + 1) % 3]);
+    remaining = dot(remaining, edge) / dot(edge, edge) * edge;
   }
   normalize(s, at);
 }

@@ -45,6 +45,7 @@ inline double dot(const Vector& a, const Vector& b) { return dot(a.x, b.x); }
 inline Vector cross(const Vector& a, const Vector& b) {
   return {{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}};
 }
+inline double norm(const Vector& a) { return std::sqrt(dot(a, a)); }
 /// Whether all components are finite.
 inline bool is_finite(const Vector& a) { return 0 * a[0] + 0 * a[1] + 0 * a[2] == 0; }
 
