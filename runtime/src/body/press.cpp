@@ -168,55 +168,10 @@ class Equilibrium {
   bool _is_limited = false;
 };
 
-template <class... Array>
-void take(Arena& arena, std::size_t n, std::size_t per, Array&... arrays) {
-  ((arrays = arena.take<double>(n, per)), ...);
+template <class... T>
+void take(Arena& arena, std::size_t n, std::size_t per, T*&... arrays) {
+  ((arrays = arena.take<T>(n, per)), ...);
 }
-template <class... Array>
-void zero(std::size_t n, Array... arrays) {
-  (set_zero(arrays, n), ...);
-}
-
-struct Layout {
-  phn_body_state* state;
-  explicit Layout(Arena& arena, const phn_body& body, std::int32_t max_tools) {
-    const auto stride = static_cast<std::size_t>(body.stride), cells = static_cast<std::size_t>(body.info.n_cells);
-    const auto nodes = static_cast<std::size_t>(body.info.n_nodes),
-               triangles = static_cast<std::size_t>(body.info.n_triangles);
-    state = arena.take<phn_body_state>(1);
-    phn_body_state s = {};
-    s.body = &body;
-    s.kernels = &best_body_kernels();
-    s.max_tools = max_tools;
-    s.near_m = near_distance(body);
-    s.step_size = 1;
-    s.is_at_rest = true;
-    s.scratch = {arena.take<double>(nodes), arena.take<std::int32_t>(nodes), arena.take<std::int32_t>(triangles),
-                 arena.take<char>(triangles)};
-    take(arena, 1, stride, s.current.q, s.current.gradient, s.trial.q, s.trial.gradient, s.unconstrained_step, s.step,
-         s.cells_gradient, s.lack_gradient);
-    take(arena, 9, cells, s.current.displacement_gradient, s.trial.displacement_gradient);
-    take(arena, 1, cells, s.stiffness_change, s.cell_pressures, s.squared_gradients);
-    s.current.volume_gradients = arena.take<float>(static_cast<std::size_t>(body.pressure_modes.n_rows), stride);
-    s.trial.volume_gradients = arena.take<float>(static_cast<std::size_t>(body.pressure_modes.n_rows), stride);
-    s.cells = arena.take<phn_body_state::Cell>(cells);
-    take(arena, 1, static_cast<std::size_t>(body.pressure_modes.stride), s.current.pressures, s.trial.pressures,
-         s.predicted_pressures);
-    take(arena, 3 * static_cast<std::size_t>(max_tools), stride, s.constraint_rows, s.compliance_rows);
-    s.factor = arena.take<float>(stride, stride);
-    s.factor_at_rest = arena.take<float>(stride, stride);
-    s.cell_stiffness = arena.take<float>(stride, stride);
-    s.cell_stiffness_at_rest = arena.take<float>(stride, stride);
-    s.pressure_jacobian = arena.take<float>(static_cast<std::size_t>(body.pressure_modes.stride), stride);
-    s.panel = arena.take<float>(2 * 9 * cells_of_panel, stride);
-    if (state == nullptr || arena.overflow()) return;
-    set_zero(s.scratch.weight, nodes);
-    for (std::size_t t = 0; t < triangles; ++t) s.scratch.is_reached[t] = 0;
-    zero(stride, s.trial.q, s.unconstrained_step, s.step);
-    *state = s;
-  }
-};
-
 bool start_at_rest(phn_body_state& state) {
   const auto stride = static_cast<std::size_t>(state.body->stride);
   set_zero(state.current.q, stride);
@@ -273,7 +228,40 @@ void match_forces(phn_body_state& state, const BodyPlace* before, std::int32_t n
 }  // namespace
 
 phn_body_state* PHN_RUNTIME::lay_out_state(Arena& arena, const phn_body& body, std::int32_t max_tools) {
-  return Layout(arena, body, max_tools).state;
+  const auto stride = static_cast<std::size_t>(body.stride), cells = static_cast<std::size_t>(body.info.n_cells);
+  const auto nodes = static_cast<std::size_t>(body.info.n_nodes),
+             triangles = static_cast<std::size_t>(body.info.n_triangles);
+  auto* const state = arena.take<phn_body_state>(1);
+  phn_body_state s = {};
+  s.body = &body;
+  s.kernels = &best_body_kernels();
+  s.max_tools = max_tools;
+  s.near_m = near_distance(body);
+  s.step_size = 1;
+  s.is_at_rest = true;
+  s.scratch = {arena.take<double>(nodes), arena.take<std::int32_t>(nodes), arena.take<std::int32_t>(triangles),
+               arena.take<char>(triangles)};
+  take(arena, 1, stride, s.current.q, s.current.gradient, s.trial.q, s.trial.gradient, s.unconstrained_step, s.step,
+       s.cells_gradient, s.lack_gradient);
+  take(arena, 9, cells, s.current.displacement_gradient, s.trial.displacement_gradient);
+  take(arena, 1, cells, s.stiffness_change, s.cell_pressures, s.squared_gradients);
+  take(arena, static_cast<std::size_t>(body.pressure_modes.n_rows), stride, s.current.volume_gradients,
+       s.trial.volume_gradients);
+  s.cells = arena.take<phn_body_state::Cell>(cells);
+  take(arena, 1, static_cast<std::size_t>(body.pressure_modes.stride), s.current.pressures, s.trial.pressures,
+       s.predicted_pressures);
+  take(arena, 3 * static_cast<std::size_t>(max_tools), stride, s.constraint_rows, s.compliance_rows);
+  take(arena, stride, stride, s.factor, s.factor_at_rest, s.cell_stiffness, s.cell_stiffness_at_rest);
+  s.pressure_jacobian = arena.take<float>(static_cast<std::size_t>(body.pressure_modes.stride), stride);
+  s.panel = arena.take<float>(2 * 9 * cells_of_panel, stride);
+  if (state == nullptr || arena.overflow()) return state;
+  set_zero(s.scratch.weight, nodes);
+  for (std::size_t t = 0; t < triangles; ++t) s.scratch.is_reached[t] = 0;
+  set_zero(s.trial.q, stride);
+  set_zero(s.unconstrained_step, stride);
+  set_zero(s.step, stride);
+  *state = s;
+  return state;
 }
 
 int PHN_RUNTIME::start_state(phn_body_state& state) {

@@ -96,31 +96,20 @@ int lay_out_contact(Arena& arena, const WholeSurface& whole, std::int32_t max_to
   if (max_tools < 1) return PHN_ERROR_ARGUMENT;
   if (max_tools > most_touching) return PHN_ERROR_TOO_MANY_TOOLS;
   parts.contact = arena.take<phn_contact>(1);
-  parts.surface = lay_out_contact_surface(arena, whole.n_vertices, whole.n_field, whole.n_triangles);
-  parts.volumes = lay_out_volumes(arena, whole.n_triangles);
   parts.scratch = arena.take<TouchableEdge>(3 * static_cast<std::size_t>(whole.n_triangles));
-  parts.field = max_tools > 1 ? arena.take<double>(3, static_cast<std::size_t>(whole.n_field)) : nullptr;
+  phn_contact& made = parts.made;
+  made.max_tools = max_tools;
+  made.surface = lay_out_contact_surface(arena, whole.n_vertices, whole.n_field, whole.n_triangles);
+  made.volumes = lay_out_volumes(arena, whole.n_triangles);
+  made.field = max_tools > 1 ? arena.take<double>(3, static_cast<std::size_t>(whole.n_field)) : nullptr;
   return arena.overflow() ? PHN_ERROR_BUFFER : PHN_OK;
 }
 
-int size_of_contact(const Arena& arena, int status, std::size_t* bytes) {
-  if (status == PHN_OK) *bytes = arena.needed();
-  return status == PHN_ERROR_BUFFER ? PHN_ERROR_TOO_LARGE : status;
-}
-
-int build_contact(const WholeSurface& whole, std::int32_t max_tools, std::int32_t steps, ContactParts& parts,
-                  phn_contact** contact) {
-  const int status = build_contact_surface(whole.triangles, whole.n_triangles, parts.scratch, parts.surface);
+int build_contact(const WholeSurface& whole, ContactParts& parts, phn_contact** contact) {
+  phn_contact& made = parts.made;
+  const int status = build_contact_surface(whole.triangles, whole.n_triangles, parts.scratch, made.surface);
   if (status != PHN_OK) return status;
-  build_volumes(parts.surface, parts.volumes);
-  phn_contact made = {};
-  made.max_tools = max_tools;
-  made.surface = parts.surface;
-  made.volumes = parts.volumes;
-  made.data = parts.data;
-  made.state = parts.state;
-  made.steps = steps;
-  made.field = parts.field;
+  build_volumes(made.surface, made.volumes);
   *parts.contact = made;
   *contact = parts.contact;
   return PHN_OK;

@@ -132,21 +132,27 @@ struct WholeSurface {
   const std::int32_t* triangles;
 };
 struct ContactParts {
-  phn_contact* contact;
-  phn_data* data = nullptr;
-  phn_body_state* state = nullptr;
-  double* field;
-  ContactSurface surface;
-  BoundingVolumes volumes;
+  phn_contact* contact;   ///< in the arena
+  phn_contact made = {};  ///< its contents
   TouchableEdge* scratch;
 };
 /// @return a status of phynness.h, like the functions below
 int lay_out_contact(Arena& arena, const WholeSurface& whole, std::int32_t max_tools, ContactParts& parts);
-/// @param status  of the layout, in an arena that counts
-int size_of_contact(const Arena& arena, int status, std::size_t* bytes);
+/// Answers phn_contact_size and phn_body_contact_size.
+template <class Object>
+int size_of_contact(int (*lay_out)(Arena&, const Object&, std::int32_t, ContactParts&), const Object* object,
+                    std::int32_t max_tools, std::size_t* bytes) {
+  if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
+  *bytes = 0;
+  if (object == nullptr) return PHN_ERROR_ARGUMENT;
+  Arena arena;
+  ContactParts parts;
+  const int status = lay_out(arena, *object, max_tools, parts);
+  if (status == PHN_OK) *bytes = arena.needed();
+  return status == PHN_ERROR_BUFFER ? PHN_ERROR_TOO_LARGE : status;
+}
 /// @param parts  rest, node and active of the surface's vertices are set
-int build_contact(const WholeSurface& whole, std::int32_t max_tools, std::int32_t steps, ContactParts& parts,
-                  phn_contact** contact);
+int build_contact(const WholeSurface& whole, ContactParts& parts, phn_contact** contact);
 /// A step without its outputs.
 /// @param report  must not overlap the states
 int step_contact(phn_contact& contact, Touched& touched, std::int32_t n_tools, const phn_contact_tool* tools,

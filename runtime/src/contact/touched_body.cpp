@@ -88,7 +88,7 @@ std::int32_t active_of(const phn_body& body, std::int32_t vertex) {
 int lay_out(Arena& arena, const phn_body& body, std::int32_t max_tools, ContactParts& parts) {
   const int refused = lay_out_contact(arena, surface_of(body), max_tools, parts);
   if (refused != PHN_OK) return refused;
-  parts.state = lay_out_state(arena, body, max_tools);
+  parts.made.state = lay_out_state(arena, body, max_tools);
   return arena.overflow() ? PHN_ERROR_BUFFER : PHN_OK;
 }
 
@@ -107,13 +107,7 @@ int PHN_RUNTIME::step_on_body(phn_contact& contact, std::int32_t n_tools, const 
 extern "C" {
 
 int phn_body_contact_size(const phn_body* body, int32_t max_tools, size_t* bytes) {
-  if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
-  *bytes = 0;
-  if (body == nullptr) return PHN_ERROR_ARGUMENT;
-  Arena arena;
-  ContactParts parts;
-  const int status = lay_out(arena, *body, max_tools, parts);
-  return size_of_contact(arena, status, bytes);
+  return size_of_contact(lay_out, body, max_tools, bytes);
 }
 
 int phn_body_contact_init(void* memory, size_t bytes, const phn_body* body, int32_t max_tools, int32_t steps,
@@ -126,14 +120,16 @@ int phn_body_contact_init(void* memory, size_t bytes, const phn_body* body, int3
   Arena arena(memory, bytes);
   ContactParts parts;
   int status = lay_out(arena, *body, max_tools, parts);
-  if (status == PHN_OK) status = start_state(*parts.state);
+  if (status == PHN_OK) status = start_state(*parts.made.state);
   if (status != PHN_OK) return status;
+  parts.made.steps = steps;
+  const ContactSurface& surface = parts.made.surface;
   for (std::int32_t v = 0; v < whole.n_vertices; ++v) {
-    for (int k = 0; k < 3; ++k) row(parts.surface.rest, v)[k] = row(body->info.points, v)[k];
-    parts.surface.node[v] = body->info.nodes[v];
-    parts.surface.active[v] = active_of(*body, v);
+    for (int k = 0; k < 3; ++k) row(surface.rest, v)[k] = row(body->info.points, v)[k];
+    surface.node[v] = body->info.nodes[v];
+    surface.active[v] = active_of(*body, v);
   }
-  return build_contact(whole, max_tools, steps, parts, contact);
+  return build_contact(whole, parts, contact);
 }
 
 }  // extern "C"

@@ -58,7 +58,7 @@ std::int32_t active_of(const phn_model& model, std::int32_t vertex) {
 int lay_out(Arena& arena, const phn_model& model, std::int32_t max_tools, ContactParts& parts) {
   const int refused = lay_out_contact(arena, surface_of(model), max_tools, parts);
   if (refused != PHN_OK) return refused;
-  parts.data = make_data(arena, model, max_tools);
+  parts.made.data = make_data(arena, model, max_tools);
   return arena.overflow() ? PHN_ERROR_BUFFER : PHN_OK;
 }
 
@@ -79,13 +79,7 @@ int PHN_RUNTIME::step_on_model(phn_contact& contact, std::int32_t n_tools, const
 extern "C" {
 
 int phn_contact_size(const phn_model* model, int32_t max_tools, size_t* bytes) {
-  if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
-  *bytes = 0;
-  if (model == nullptr) return PHN_ERROR_ARGUMENT;
-  Arena arena;
-  ContactParts parts;
-  const int status = lay_out(arena, *model, max_tools, parts);
-  return size_of_contact(arena, status, bytes);
+  return size_of_contact(lay_out, model, max_tools, bytes);
 }
 
 int phn_contact_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_contact** contact) {
@@ -99,12 +93,13 @@ int phn_contact_init(void* memory, size_t bytes, const phn_model* model, int32_t
   ContactParts parts;
   const int status = lay_out(arena, *model, max_tools, parts);
   if (status != PHN_OK) return status;
+  const ContactSurface& surface = parts.made.surface;
   for (std::int32_t v = 0; v < whole.n_vertices; ++v) {
-    for (int k = 0; k < 3; ++k) row(parts.surface.rest, v)[k] = vertex_point(*model, v)[k];
-    parts.surface.node[v] = vertex_node(*model, v);
-    parts.surface.active[v] = active_of(*model, v);
+    for (int k = 0; k < 3; ++k) row(surface.rest, v)[k] = vertex_point(*model, v)[k];
+    surface.node[v] = vertex_node(*model, v);
+    surface.active[v] = active_of(*model, v);
   }
-  return build_contact(whole, max_tools, 0, parts, contact);
+  return build_contact(whole, parts, contact);
 }
 
 }  // extern "C"
