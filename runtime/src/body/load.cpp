@@ -15,38 +15,38 @@ namespace {
 /// Numbers in the memory of the body. Without memory they are only counted.
 template <class T>
 struct Numbers {
-  T* at = nullptr;
+  T* data = nullptr;
   std::int64_t n = 0, n_cols = 1;
   void shape(Arena& arena, std::int64_t rows, std::int64_t cols) {
     n = rows;
     n_cols = cols;
-    at = arena.take<T>(static_cast<std::size_t>(rows), static_cast<std::size_t>(cols));
+    data = arena.take<T>(static_cast<std::size_t>(rows), static_cast<std::size_t>(cols));
   }
   template <class V>
   void set(std::int64_t i, std::int64_t k, V value) {
-    if (at) at[i * n_cols + k] = static_cast<T>(value);
+    if (data) data[i * n_cols + k] = static_cast<T>(value);
   }
 };
 
 /// Rows of floats, padded to whole blocks.
 struct PaddedRows {
   const Numbers<double>* scale = nullptr;
-  float* at = nullptr;
+  float* data = nullptr;
   std::int64_t n = 0, n_cols = 0;
   std::int32_t stride = 0;
   void shape(Arena& arena, std::int64_t rows, std::int64_t cols) {
     n = rows;
     n_cols = cols;
     stride = whole_blocks(static_cast<std::int32_t>(cols));
-    at = arena.take<float>(static_cast<std::size_t>(rows), static_cast<std::size_t>(stride));
+    data = arena.take<float>(static_cast<std::size_t>(rows), static_cast<std::size_t>(stride));
   }
   void set(std::int64_t i, std::int64_t k, std::int32_t entry) {
-    if (at == nullptr) return;
+    if (data == nullptr) return;
     if (k == 0)
-      for (std::int64_t pad = n_cols; pad < stride; ++pad) at[i * stride + pad] = 0;
-    at[i * stride + k] = static_cast<float>(scale->at[k] * entry);
+      for (std::int64_t pad = n_cols; pad < stride; ++pad) data[i * stride + pad] = 0;
+    data[i * stride + k] = static_cast<float>(scale->data[k] * entry);
   }
-  RowMatrix matrix() const { return {at, n, stride}; }
+  RowMatrix matrix() const { return {data, n, stride}; }
 };
 
 struct ScaledRows {
@@ -57,10 +57,10 @@ struct ScaledRows {
 };
 
 struct Parameters {
-  double at[schema::largest_parameter_count] = {};
+  double data[schema::largest_parameter_count] = {};
   std::int64_t n = 0;
   void shape(Arena&, std::int64_t rows, std::int64_t) { n = rows; }
-  void set(std::int64_t i, std::int64_t, double value) { at[i] = value; }
+  void set(std::int64_t i, std::int64_t, double value) { data[i] = value; }
 };
 
 struct BodyStore {
@@ -139,9 +139,9 @@ void set_materials(const BodyStore& store, const BodyLaw& law, BodyMaterial* mat
   const double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   for (std::int64_t m = 0; m <= store.regions.n; ++m) {
     BodyMaterial& material = materials[m];
-    const double* of_region = m > 0 ? store.regions.at + (m - 1) * store.regions.n_cols : nullptr;
+    const double* of_region = m > 0 ? store.regions.data + (m - 1) * store.regions.n_cols : nullptr;
     for (int k = 0; k < schema::largest_parameter_count; ++k)
-      material.parameters[k] = of_region && k < store.parameters.n ? of_region[k] : store.parameters.at[k];
+      material.parameters[k] = of_region && k < store.parameters.n ? of_region[k] : store.parameters.data[k];
     material.bulk = of_region ? of_region[store.parameters.n] : store.bulk_in_shape_Pa;
     material.modulus = 0;
     double value, stress[9], A[81];
@@ -197,9 +197,9 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   info.relaxation = store.made;
   info.tool_radius_m = store.tool_radius_m;
   info.max_displacement_m = store.depth_m;
-  info.nodes = store.nodes.at;
-  info.points = store.points.at;
-  info.triangles = store.surface.at;
+  info.nodes = store.nodes.data;
+  info.points = store.points.data;
+  info.triangles = store.surface.data;
   info.n_nodes = static_cast<std::int32_t>(store.nodes.n);
   info.n_triangles = static_cast<std::int32_t>(store.surface.n);
   info.n_modes = static_cast<std::int32_t>(store.modes.entries.n_cols);
@@ -209,19 +209,19 @@ int load_body(const char* text, std::size_t length, Arena& arena, const phn_body
   set_materials(store, *body->law, materials);
   body->materials = materials;
   body->n_materials = static_cast<std::int32_t>(store.regions.n) + 1;
-  body->material_of_cell = store.regions.n > 0 ? store.region_of_cell.at : nullptr;
+  body->material_of_cell = store.regions.n > 0 ? store.region_of_cell.data : nullptr;
   body->stride = store.modes.entries.stride;
-  body->node_kinds = store.kinds.at;
+  body->node_kinds = store.kinds.data;
   body->modes = store.modes.entries.matrix();
-  body->cell_weights = store.shear_m3.at;
-  body->pressure_weights = store.bulk_rJ.at;
+  body->cell_weights = store.shear_m3.data;
+  body->pressure_weights = store.bulk_rJ.data;
   body->mode_gradients = store.gradients.entries.matrix();
   body->pressure_modes = store.pressures.entries.matrix();
-  compact_pressure_rows(*body, store.pressures.entries.at, pressure_row);
+  compact_pressure_rows(*body, store.pressures.entries.data, pressure_row);
   body->cells_at_rest = store.cells_at_rest.entries.matrix();
   body->lack_at_rest = store.lack_at_rest.entries.matrix();
   body->residual_compliance = store.lacking.entries.matrix();
-  body->bounds = store.bounds.n > 0 ? store.bounds.at : nullptr;
+  body->bounds = store.bounds.n > 0 ? store.bounds.data : nullptr;
   schema::find_neighbors(info.triangles, info.n_triangles, info.n_nodes, last_corner, previous_corner, neighbors);
   set_normals(*body, normals);
   body->neighbors = neighbors;

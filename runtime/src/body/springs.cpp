@@ -29,11 +29,11 @@ double spring_fraction(double near, const BodyPlace& a, const BodyPlace& b, doub
 /// Correlation of the residual compliances of two places: a positive definite function of both (Wendland 1995,
 /// doi 10.1007/BF02123482), times another one, which is 0 at opposite faces.
 double correlation(double radius, const BodyPlace& a, const BodyPlace& b) {
-  double apart[3];
-  for (int k = 0; k < 3; ++k) apart[k] = a.x[k] - b.x[k];
+  double difference[3];
+  for (int k = 0; k < 3; ++k) difference[k] = a.x[k] - b.x[k];
   const double sizes = length(a.normal) * length(b.normal);
   const double facing = sizes > 0 ? product(a.normal, b.normal, 3) / sizes : 0;
-  const double far = length(apart) / (correlation_length * radius), decay = 1 - far;
+  const double far = length(difference) / (correlation_length * radius), decay = 1 - far;
   return decay > 0 ? decay * decay * decay * decay * (4 * far + 1) * (1 + facing) / 2 : 0;
 }
 

@@ -13,15 +13,15 @@ void free_on_surface(const phn_contact& contact, double radius, ToolContact& too
 }
 
 /// Whether a larger radius has moved the offset surface past a tool that was outside of it.
-bool is_overtaken(const phn_contact& contact, double radius, const ToolContact& tool, SurfacePoint& at) {
+bool is_overtaken(const phn_contact& contact, double radius, const ToolContact& tool, SurfacePoint& point) {
   if (!(radius > tool.radius)) return false;
-  nearest(contact.surface, contact.volumes, tool.radius, tool.position.x, at);
-  const Vector normal = normal_at(contact.surface, at);
+  nearest(contact.surface, contact.volumes, tool.radius, tool.position.x, point);
+  const Vector normal = normal_at(contact.surface, point);
   const auto height = [&](double r) {
-    return dot(tool.position - point_at(contact.surface, contact.surface.placed, at, r), normal);
+    return dot(tool.position - point_at(contact.surface, contact.surface.placed, point, r), normal);
   };
   return height(tool.radius) >= 0 && height(radius) < 0 &&
-         movable_weight(contact.surface, at) >= smallest_movable_weight<double>;
+         movable_weight(contact.surface, point) >= smallest_movable_weight<double>;
 }
 
 }  // namespace
@@ -39,26 +39,26 @@ void approach(const phn_contact& contact, const ToolInput& input, ToolContact& t
     }
   }
   if (!tool.has_proxy && input.mode != PHN_TOOL_OFF) {
-    SurfacePoint at;
+    SurfacePoint point;
     double part = -1;
     if (tool.has_position) {
-      part = is_overtaken(contact, input.radius, tool, at)
+      part = is_overtaken(contact, input.radius, tool, point)
                  ? 0
-                 : sweep(surface, contact.volumes, input.radius, tool.position.x, center.x, slack_of(contact), at);
+                 : sweep(surface, contact.volumes, input.radius, tool.position.x, center.x, slack_of(contact), point);
       tool.has_proxy = part >= 0;
     }
     if (!tool.has_proxy && input.mode == PHN_TOOL_GRASP) {
-      const double distance = nearest(surface, contact.volumes, 0, center.x, at);
-      tool.has_proxy = distance <= input.radius && movable_weight(surface, at) >= smallest_movable_weight<double>;
+      const double distance = nearest(surface, contact.volumes, 0, center.x, point);
+      tool.has_proxy = distance <= input.radius && movable_weight(surface, point) >= smallest_movable_weight<double>;
       part = 1;
     }
     if (tool.has_proxy) {
-      tool.proxy = at;
+      tool.proxy = point;
       tool.was_separated = false;
       tool.response_index = 0;
       // The touched point of a grasp keeps its present displacement, so that it does not jump.
       const Vector touching = part < 1 ? tool.position + part * (center - tool.position) : center;
-      tool.grasp_offset = touching - point_at(surface, surface.placed, at, 0);
+      tool.grasp_offset = touching - point_at(surface, surface.placed, point, 0);
     }
   }
   if (!tool.has_proxy) tool.in_contact = false;
@@ -69,8 +69,9 @@ void approach(const phn_contact& contact, const ToolInput& input, ToolContact& t
   tool.position = center;
 }
 
-void advect(const phn_contact& contact, const SurfacePoint& at, const Vector& from, ToolContact& tool) {
-  const Vector y = point_at(contact.surface, contact.surface.placed, at, tool.radius), to = y + (tool.position - from);
+void advect(const phn_contact& contact, const SurfacePoint& point, const Vector& from, ToolContact& tool) {
+  const Vector y = point_at(contact.surface, contact.surface.placed, point, tool.radius),
+               to = y + (tool.position - from);
   SurfacePoint hit;
   const bool blocked = sweep(contact.surface, contact.volumes, tool.radius, y.x, to.x, slack_of(contact), hit) >= 0;
   tool.position = blocked ? y : to;

@@ -323,14 +323,14 @@ class Balance {
     double part = 1;
     for (int attempt = 0; attempt < most_projection_steps; ++attempt) {
       set_displacement(t);
-      const Vector apart = tool.displacement - moved;
-      const Vector step = apart - dot(apart, tool.normal) * tool.normal;
-      if (norm(step) <= cone_tolerance * norm(apart)) return;
+      const Vector difference = tool.displacement - moved;
+      const Vector step = difference - dot(difference, tool.normal) * tool.normal;
+      if (norm(step) <= cone_tolerance * norm(difference)) return;
       const SurfacePoint before = tool.proxy;
       walk(_surface, tool.proxy, part * step);
       set_displacement(t);
       part = std::fmin(1, part / cut_factor);
-      if (norm(tool.displacement - moved) < norm(apart)) continue;
+      if (norm(tool.displacement - moved) < norm(difference)) continue;
       tool.proxy = before;
       part *= cut_factor * cut_factor;
     }
@@ -338,11 +338,11 @@ class Balance {
   }
 
   /// The only active node that moves the point; -1: there are several.
-  std::int32_t only_node(const SurfacePoint& at) const {
+  std::int32_t only_node(const SurfacePoint& point) const {
     std::int32_t only = -1;
     for (int c = 0; c < 3; ++c) {
-      const std::int32_t active = _surface.active[_surface.triangle[3 * at.triangle + c]];
-      if (active < 0 || at.weight[c] == 0) continue;
+      const std::int32_t active = _surface.active[_surface.triangle[3 * point.triangle + c]];
+      if (active < 0 || point.weight[c] == 0) continue;
       if (active == several || (only >= 0 && only != active)) return -1;
       only = active;
     }
@@ -359,10 +359,10 @@ class Balance {
       for (std::int32_t s = 0; s < t; ++s) {
         ToolContact &a = _contact.tool[s], &b = _contact.tool[t];
         if (!a.active || !b.active) continue;
-        const Vector apart =
+        const Vector difference =
             point_at(_surface, _surface.rest, a.proxy, 0) - point_at(_surface, _surface.rest, b.proxy, 0);
         const std::int32_t node = only_node(a.proxy);
-        if (norm(apart) > same_place * _surface.size && (node < 0 || node != only_node(b.proxy))) continue;
+        if (norm(difference) > same_place * _surface.size && (node < 0 || node != only_node(b.proxy))) continue;
         const bool a_grasps = _inputs[s].mode == PHN_TOOL_GRASP, b_grasps = _inputs[t].mode == PHN_TOOL_GRASP;
         const bool a_stays = a_grasps != b_grasps
                                  ? a_grasps
@@ -547,11 +547,11 @@ class Balance {
   /// Ends the contact of a tool without a pushing force. It becomes free if it is outside; otherwise it is inside of a
   /// surface that other tools have pushed away.
   void release(ToolContact& tool) {
-    SurfacePoint at;
+    SurfacePoint point;
     const Vector from = point_at(_surface, _surface.placed, tool.proxy, tool.radius);
     tool.force = {};
-    tool.has_proxy =
-        sweep(_surface, _contact.volumes, tool.radius, from.x, tool.position.x, sweep_slack * _surface.size, at) >= 0;
+    tool.has_proxy = sweep(_surface, _contact.volumes, tool.radius, from.x, tool.position.x,
+                           sweep_slack * _surface.size, point) >= 0;
   }
 
   phn_contact& _contact;

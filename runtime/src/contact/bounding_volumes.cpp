@@ -16,11 +16,11 @@ double lesser(double a, double b) { return a < b ? a : b; }
 double greater(double a, double b) { return a > b ? a : b; }
 
 std::int32_t build(const ContactSurface& s, BoundingVolumes& v, std::int32_t first, std::int32_t count) {
-  const std::int32_t at = v.n_volumes++;
-  v.volume[at].right = -1;
-  v.volume[at].first = first;
-  v.volume[at].count = count;
-  if (count <= largest_leaf) return at;
+  const std::int32_t node = v.n_volumes++;
+  v.volume[node].right = -1;
+  v.volume[node].first = first;
+  v.volume[node].count = count;
+  if (count <= largest_leaf) return node;
   const auto middle = [&](std::int32_t triangle, int k) {
     double sum = 0;
     for (int c = 0; c < 3; ++c) sum += s.rest[3 * static_cast<std::size_t>(s.triangle[3 * triangle + c]) + k];
@@ -46,8 +46,8 @@ std::int32_t build(const ContactSurface& s, BoundingVolumes& v, std::int32_t fir
                      return x != y ? x < y : a < b;
                    });
   build(s, v, first, half);
-  v.volume[at].right = build(s, v, first + half, count - half);
-  return at;
+  v.volume[node].right = build(s, v, first + half, count - half);
+  return node;
 }
 
 void corners_of(const ContactSurface& s, std::int32_t triangle, double radius, double corner[3][3]) {
@@ -107,8 +107,8 @@ double square_distance(const BoundingVolume& v, double radius, const double* x) 
   double sum = 0;
   for (int k = 0; k < 3; ++k) {
     const double low = v.low[k] + radius * v.offset_low[k], high = v.high[k] + radius * v.offset_high[k];
-    const double apart = greater(0.0, greater(low - x[k], x[k] - high));
-    sum += apart * apart;
+    const double difference = greater(0.0, greater(low - x[k], x[k] - high));
+    sum += difference * difference;
   }
   return sum;
 }
@@ -157,7 +157,7 @@ void refit_volumes(const ContactSurface& s, BoundingVolumes& v) {
 }
 
 double sweep(const ContactSurface& s, const BoundingVolumes& v, double radius, const double* from, const double* to,
-             double slack, SurfacePoint& at) {
+             double slack, SurfacePoint& point) {
   Segment segment;
   for (int k = 0; k < 3; ++k) {
     segment.from[k] = from[k];
@@ -185,18 +185,18 @@ double sweep(const ContactSurface& s, const BoundingVolumes& v, double radius, c
       const SurfacePoint hit = {v.order[j], {weight[0], weight[1], weight[2]}};
       if (movable_weight(s, hit) < smallest_movable_weight<double>) continue;
       first = part;
-      at = hit;
+      point = hit;
     }
   }
   return first <= 1 ? first : -1;
 }
 
-double nearest(const ContactSurface& s, const BoundingVolumes& v, double radius, const double* x, SurfacePoint& at) {
+double nearest(const ContactSurface& s, const BoundingVolumes& v, double radius, const double* x, SurfacePoint& point) {
   double least = -1;
   std::int32_t stack[deepest];
   int n = 0;
   stack[n++] = 0;
-  at = {0, {1, 0, 0}};
+  point = {0, {1, 0, 0}};
   while (n > 0) {
     const std::int32_t i = stack[--n];
     const BoundingVolume& box = v.volume[i];
@@ -209,13 +209,13 @@ double nearest(const ContactSurface& s, const BoundingVolumes& v, double radius,
       continue;
     }
     for (std::int32_t j = box.first; j < box.first + box.count; ++j) {
-      double corner[3][3], weight[3], point[3], distance = 0;
+      double corner[3][3], weight[3], nearest_point[3], distance = 0;
       corners_of(s, v.order[j], radius, corner);
       const double* const corners[3] = {corner[0], corner[1], corner[2]};
-      nearest_on_triangle(corners, x, weight, point, distance);
+      nearest_on_triangle(corners, x, weight, nearest_point, distance);
       if (least >= 0 && distance >= least) continue;
       least = distance;
-      at = {v.order[j], {weight[0], weight[1], weight[2]}};
+      point = {v.order[j], {weight[0], weight[1], weight[2]}};
     }
   }
   return least;

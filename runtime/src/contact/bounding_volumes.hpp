@@ -28,10 +28,10 @@ void refit_volumes(const ContactSurface& surface, BoundingVolumes& volumes);
 /// than `slack` inside counts as outside. Beside fixed edges the surface cannot be crossed.
 /// @return position on the segment, 0 ... 1; -1: no crossing
 double sweep(const ContactSurface& surface, const BoundingVolumes& volumes, double radius, const double* from,
-             const double* to, double slack, SurfacePoint& at);
+             const double* to, double slack, SurfacePoint& point);
 
 /// The nearest point of the offset surface. @return its distance [m]
 double nearest(const ContactSurface& surface, const BoundingVolumes& volumes, double radius, const double* x,
-               SurfacePoint& at);
+               SurfacePoint& point);
 
 }  // namespace PHN_RUNTIME

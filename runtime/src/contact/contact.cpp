@@ -21,9 +21,10 @@ int read_tool(const ContactSurface& surface, const phn_contact_tool& tool, ToolI
     return PHN_ERROR_ARGUMENT;
   const double far = largest_distance * surface.size;
   for (int k = 0; k < 3; ++k) {
-    const double apart = std::fmax(-far, std::fmin(far, tool.center[k] - surface.middle[k]));
+    const double difference = std::fmax(-far, std::fmin(far, tool.center[k] - surface.middle[k]));
     // A centre that is not clamped is passed on without rounding.
-    input.center[k] = std::fabs(tool.center[k] - surface.middle[k]) <= far ? tool.center[k] : surface.middle[k] + apart;
+    input.center[k] =
+        std::fabs(tool.center[k] - surface.middle[k]) <= far ? tool.center[k] : surface.middle[k] + difference;
   }
   input.radius = std::fmin(tool.radius, surface.size);
   input.friction = std::fmin(tool.friction, largest_friction);

@@ -107,8 +107,8 @@ inline constexpr double sweep_slack = 1e-9;
 /// Determines whether and where a tool touches, before forces are known.
 void approach(const phn_contact& contact, const ToolInput& input, ToolContact& tool);
 
-/// Moves a free tool with the surface beside it, after a refit. @param from  position of `at` before the refit
-void advect(const phn_contact& contact, const SurfacePoint& at, const Vector& from, ToolContact& tool);
+/// Moves a free tool with the surface beside it, after a refit. @param from  position of `point` before the refit
+void advect(const phn_contact& contact, const SurfacePoint& point, const Vector& from, ToolContact& tool);
 
 /// The constraint of a tool: the place of its proxy and the displacement that it prescribes there.
 phn_tool constraint_of(const phn_contact& contact, const ToolContact& tool);

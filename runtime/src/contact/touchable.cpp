@@ -37,7 +37,7 @@ void find_neighbors(TouchableEdge* edges, ContactSurface& s) {
     s.neighbor[i] = -1;
   }
   const auto before = [](const TouchableEdge& a, const TouchableEdge& b) {
-    return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.at < b.at;
+    return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.corner < b.corner;
   };
   // Heap sort is fast enough at start-up and has a third of the code of std::sort.
   std::make_heap(edges, edges + n, before);
@@ -45,10 +45,10 @@ void find_neighbors(TouchableEdge* edges, ContactSurface& s) {
   const auto same = [&](std::int32_t i, std::int32_t j) {
     return j < n && edges[i].low == edges[j].low && edges[i].high == edges[j].high;
   };
-  const auto first_of = [&](std::int32_t at) { return s.triangle[at / 3 * 3 + (at % 3 + 1) % 3]; };
+  const auto first_of = [&](std::int32_t corner) { return s.triangle[corner / 3 * 3 + (corner % 3 + 1) % 3]; };
   for (std::int32_t i = 0, end; i < n; i = end) {
     for (end = i + 1; same(i, end);) ++end;
-    const std::int32_t a = edges[i].at, b = edges[end - 1].at;
+    const std::int32_t a = edges[i].corner, b = edges[end - 1].corner;
     // Neighbours are two triangles of consistent orientation. A tool does not slide across an edge of more triangles.
     if (end - i != 2 || first_of(a) == first_of(b)) continue;
     s.neighbor[a] = b / 3;
@@ -165,31 +165,31 @@ double place(const double* field, ContactSurface& s) {
   return std::sqrt(most);
 }
 
-Vector point_at(const ContactSurface& s, const double* points, const SurfacePoint& at, double radius) {
+Vector point_at(const ContactSurface& s, const double* points, const SurfacePoint& point, double radius) {
   Vector x = {};
   for (int c = 0; c < 3; ++c) {
-    const std::int32_t v = s.triangle[3 * at.triangle + c];
-    x += at.weight[c] * (vector_at(row(points, v)) + radius * vector_at(row(s.offset, v)));
+    const std::int32_t v = s.triangle[3 * point.triangle + c];
+    x += point.weight[c] * (vector_at(row(points, v)) + radius * vector_at(row(s.offset, v)));
   }
   return x;
 }
 
-Vector normal_at(const ContactSurface& s, const SurfacePoint& at) {
+Vector normal_at(const ContactSurface& s, const SurfacePoint& point) {
   Vector normal = {};
-  for (int c = 0; c < 3; ++c) normal += at.weight[c] * vector_at(row(s.offset, s.triangle[3 * at.triangle + c]));
+  for (int c = 0; c < 3; ++c) normal += point.weight[c] * vector_at(row(s.offset, s.triangle[3 * point.triangle + c]));
   double size = norm(normal);
   if (!(size > 1e-6)) {
     const double* corner[3];
-    corners_of(s, s.rest, at.triangle, corner);
+    corners_of(s, s.rest, point.triangle, corner);
     area_normal(corner, normal.x);
     size = norm(normal);
   }
   return normal / size;
 }
 
-SurfaceGradients gradients_at(const ContactSurface& s, const SurfacePoint& at) {
+SurfaceGradients gradients_at(const ContactSurface& s, const SurfacePoint& point) {
   const double* corner[3];
-  corners_of(s, s.rest, at.triangle, corner);
+  corners_of(s, s.rest, point.triangle, corner);
   SurfaceGradients made = {};
   double gradient[3][3];
   Vector normal, m = {};
@@ -198,8 +198,8 @@ SurfaceGradients gradients_at(const ContactSurface& s, const SurfacePoint& at) {
   made.axes[0] = edge / norm(edge);
   made.axes[1] = cross(normal, made.axes[0]);
   for (int c = 0; c < 3; ++c) {
-    const Vector offset = vector_at(row(s.offset, s.triangle[3 * at.triangle + c]));
-    m += at.weight[c] * offset;
+    const Vector offset = vector_at(row(s.offset, s.triangle[3 * point.triangle + c]));
+    m += point.weight[c] * offset;
     made.offset += outer(offset, vector_at(gradient[c]));
   }
   const double size = norm(m);
@@ -210,9 +210,9 @@ SurfaceGradients gradients_at(const ContactSurface& s, const SurfacePoint& at) {
   return made;
 }
 
-double movable_weight(const ContactSurface& s, const SurfacePoint& at) {
+double movable_weight(const ContactSurface& s, const SurfacePoint& point) {
   double sum = 0;
-  for (int c = 0; c < 3; ++c) sum += s.active[s.triangle[3 * at.triangle + c]] >= 0 ? at.weight[c] : 0;
+  for (int c = 0; c < 3; ++c) sum += s.active[s.triangle[3 * point.triangle + c]] >= 0 ? point.weight[c] : 0;
   return sum;
 }
 

@@ -40,7 +40,7 @@ struct SurfacePoint {
 
 /// An edge of a triangle; 3 n_triangles of them are the working memory of build_contact_surface.
 struct TouchableEdge {
-  std::int32_t low, high, at;  ///< at = 3 triangle + opposite corner
+  std::int32_t low, high, corner;  ///< corner: 3 triangle + the corner opposite to the edge
 };
 /// @param n_vertices, n_triangles  of the whole surface
 ContactSurface lay_out_contact_surface(Arena& arena, std::int32_t n_vertices, std::int32_t n_field,
@@ -56,23 +56,23 @@ int build_contact_surface(const std::int32_t* triangles, std::int32_t n, Touchab
 double place(const double* field, ContactSurface& surface);
 
 /// sum_i w_i (points_i + radius offset_i)
-Vector point_at(const ContactSurface& surface, const double* points, const SurfacePoint& at, double radius);
+Vector point_at(const ContactSurface& surface, const double* points, const SurfacePoint& point, double radius);
 /// Unit normal: the direction of the interpolated offset, or the triangle's normal where the offsets cancel.
-Vector normal_at(const ContactSurface& surface, const SurfacePoint& at);
+Vector normal_at(const ContactSurface& surface, const SurfacePoint& point);
 
 /// Derivatives in a triangle: d(offset) = offset dx, d(normal) = normal dx for dx in its plane.
 struct SurfaceGradients {
   Vector axes[2];  ///< two unit vectors in that plane
   Matrix offset, normal;
 };
-SurfaceGradients gradients_at(const ContactSurface& surface, const SurfacePoint& at);
+SurfaceGradients gradients_at(const ContactSurface& surface, const SurfacePoint& point);
 
 /// Moves the point by `step` [m] in the plane of the triangle, straight across edges, and along the boundary of an open
 /// surface.
-void walk(const ContactSurface& surface, SurfacePoint& at, const Vector& step);
+void walk(const ContactSurface& surface, SurfacePoint& point, const Vector& step);
 
 /// Sum of the weights of moving corners.
-double movable_weight(const ContactSurface& surface, const SurfacePoint& at);
+double movable_weight(const ContactSurface& surface, const SurfacePoint& point);
 
 inline const double* row(const double* rows, std::int32_t i) { return rows + 3 * static_cast<std::size_t>(i); }
 inline double* row(double* rows, std::int32_t i) { return rows + 3 * static_cast<std::size_t>(i); }

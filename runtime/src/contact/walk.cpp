@@ -6,23 +6,23 @@ namespace {
 constexpr int most_crossings = 32;
 
 /// Removes rounding errors of the weights, which are then >= 0 with the sum 1, and keeps a distance from fixed edges.
-void normalize(const ContactSurface& s, SurfacePoint& at) {
+void normalize(const ContactSurface& s, SurfacePoint& point) {
   double sum = 0;
-  for (double& w : at.weight) sum += w = w > 0 ? w : 0;
-  for (double& w : at.weight) w = sum > 0 ? w / sum : 1.0 / 3;
+  for (double& w : point.weight) sum += w = w > 0 ? w : 0;
+  for (double& w : point.weight) w = sum > 0 ? w / sum : 1.0 / 3;
   bool moves[3];
-  for (int c = 0; c < 3; ++c) moves[c] = s.active[s.triangle[3 * at.triangle + c]] >= 0;
-  raise_movable_weight(moves, 3, movable_weight(s, at), at.weight);
+  for (int c = 0; c < 3; ++c) moves[c] = s.active[s.triangle[3 * point.triangle + c]] >= 0;
+  raise_movable_weight(moves, 3, movable_weight(s, point), point.weight);
 }
 
 /// Moves the point to the triangle across the edge opposite to corner `opposite` and turns the step into its plane.
-void cross_edge(const ContactSurface& s, SurfacePoint& at, int opposite, const Vector& normal, Vector& step) {
-  const std::int32_t next = s.neighbor[3 * at.triangle + opposite];
-  const std::int32_t *from = s.triangle + 3 * at.triangle, *to = s.triangle + 3 * next;
-  SurfacePoint there = {next, {0, 0, 0}};
+void cross_edge(const ContactSurface& s, SurfacePoint& point, int opposite, const Vector& normal, Vector& step) {
+  const std::int32_t next = s.neighbor[3 * point.triangle + opposite];
+  const std::int32_t *from = s.triangle + 3 * point.triangle, *to = s.triangle + 3 * next;
+  SurfacePoint next_point = {next, {0, 0, 0}};
   for (int c = 0; c < 3; ++c) {
     for (int d = 0; d < 3; ++d) {
-      if (c != opposite && to[d] == from[c]) there.weight[d] = at.weight[c];
+      if (c != opposite && to[d] == from[c]) next_point.weight[d] = point.weight[c];
     }
   }
   const double* corner[3];
@@ -35,16 +35,16 @@ void cross_edge(const ContactSurface& s, SurfacePoint& at, int opposite, const V
   // The two triangles traverse their common edge in opposite directions.
   const Vector out = cross(edge, normal), in = cross(edge, next_normal);
   step = dot(step, edge) * edge + dot(step, out) * in;
-  at = there;
+  point = next_point;
 }
 
 }  // namespace
 
-void walk(const ContactSurface& s, SurfacePoint& at, const Vector& step) {
+void walk(const ContactSurface& s, SurfacePoint& point, const Vector& step) {
   Vector remaining = step;
   for (int crossing = 0; crossing < most_crossings; ++crossing) {
     const double* corner[3];
-    corners_of(s, s.rest, at.triangle, corner);
+    corners_of(s, s.rest, point.triangle, corner);
     double gradient[3][3], change[3], most = 0;
     Vector normal;
     weight_gradients(corner, gradient, normal.x);
@@ -55,22 +55,22 @@ void walk(const ContactSurface& s, SurfacePoint& at, const Vector& step) {
     double part = 1;
     int crossed = -1;
     for (int c = 0; c < 3; ++c) {
-      if (!(change[c] < -1e-12 * most) || at.weight[c] + part * change[c] >= 0) continue;
-      part = std::fmax(0.0, at.weight[c] / -change[c]);
+      if (!(change[c] < -1e-12 * most) || point.weight[c] + part * change[c] >= 0) continue;
+      part = std::fmax(0.0, point.weight[c] / -change[c]);
       crossed = c;
     }
-    for (int c = 0; c < 3; ++c) at.weight[c] += part * change[c];
+    for (int c = 0; c < 3; ++c) point.weight[c] += part * change[c];
     if (crossed < 0) break;
-    at.weight[crossed] = 0;
+    point.weight[crossed] = 0;
     remaining *= 1 - part;
-    if (s.neighbor[3 * at.triangle + crossed] >= 0) {
-      cross_edge(s, at, crossed, normal, remaining);
+    if (s.neighbor[3 * point.triangle + crossed] >= 0) {
+      cross_edge(s, point, crossed, normal, remaining);
       continue;
     }
     const Vector edge = vector_at(corner[(crossed + 2) % 3]) - vector_at(corner[(crossed + 1) % 3]);
     remaining = dot(remaining, edge) / dot(edge, edge) * edge;
   }
-  normalize(s, at);
+  normalize(s, point);
 }
 
 }  // namespace PHN_RUNTIME

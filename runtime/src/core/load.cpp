@@ -127,7 +127,7 @@ void ModelLoader::shape(const char*, Nodes& nodes, std::int64_t rows, std::int64
 
 void ModelLoader::shape(const char*, LinearPoints& points, std::int64_t rows, std::int64_t) {
   points.n = good() ? rows : 0;
-  points.at = _arena.take<RestResponse>(static_cast<std::size_t>(points.n));
+  points.data = _arena.take<RestResponse>(static_cast<std::size_t>(points.n));
   _model.n_linear = static_cast<std::int32_t>(points.n);
   _store.rest_modes.make(_model.rest_modes, 3, _model.n_output);
 }
@@ -180,8 +180,8 @@ void ModelLoader::done(ForceStore& force) {
 
 ModalTables with_weights(ModalTables tables, const ScaledTable& weights) {
   tables.n_modes = static_cast<std::int32_t>(weights.entries.cols());
-  tables.weight_scale = weights.scale.at;
-  tables.weight = weights.entries.at;
+  tables.weight_scale = weights.scale.data;
+  tables.weight = weights.entries.data;
   return tables;
 }
 
@@ -240,9 +240,9 @@ void ModelLoader::done(NodeStore& node) {
   for (std::int32_t k = 0; made.trained_depth && k < _model.n_directions; ++k)
     made.least_depth = std::fmin(made.least_depth, made.trained_depth[k]);
   made.incomplete = node.n_incomplete > 0;
-  if (node.bounds.part[0].scale.at != nullptr) {
-    made.bound = node.bounds.part[0].entries.at;
-    made.bound_scale = node.bounds.part[0].scale.at[0];
+  if (node.bounds.part[0].scale.data != nullptr) {
+    made.bound = node.bounds.part[0].entries.data;
+    made.bound_scale = node.bounds.part[0].scale.data[0];
   }
   for (auto& level : smaller) level = made;
   schema::with_grammar(_store.family, [&](auto family) { respond(family, node, made, smaller); });
@@ -252,8 +252,8 @@ void ModelLoader::done(NodeStore& node) {
   evaluate_force(_model, made, rest, force);
   // Rounded up, so that no other order of this sum is larger; a bound, however large.
   made.bound_at_rest = std::fmin(length(force) * (1 + 4 * DBL_EPSILON), 0.99 * PHN_NO_BOUND);
-  nodes.numbers.at[nodes.in_work] = node.node;
-  nodes.active.at[nodes.in_work] = made;
+  nodes.numbers.data[nodes.in_work] = node.node;
+  nodes.active.data[nodes.in_work] = made;
   for (std::int64_t l = 0; l < n_smaller(); ++l) nodes.at_level[l][nodes.in_work] = smaller[l];
 }
 
@@ -265,18 +265,18 @@ void ModelLoader::done(LinearPointStore& point) {
   for (int k = 0; k < 6; ++k) made.stiffness[k] = point.k[k];
   for (int k = 0; k < 3; ++k) made.point[k] = point.point[k];
   made.output = find_sorted(_model.output_nodes, _model.n_output, point.node);
-  _store.linear_points.at[_store.linear_points.in_work] = made;
+  _store.linear_points.data[_store.linear_points.in_work] = made;
 }
 
 /// Adds the linear points behind the active nodes of each level.
 void ModelLoader::place_linear_points() {
   for (std::int32_t i = 0; i < _model.n_linear; ++i) {
     ActiveNode made = {};
-    made.rest = _store.linear_points.at + i;
+    made.rest = _store.linear_points.data + i;
     for (int k = 0; k < 3; ++k) made.point[k] = made.rest->point[k];
     made.output = made.rest->output;
     made.moves_mean = true;
-    _store.nodes.active.at[_model.n_active + i] = made;
+    _store.nodes.active.data[_model.n_active + i] = made;
     for (std::int64_t l = 0; l < n_smaller(); ++l) _store.nodes.at_level[l][_model.n_active + i] = made;
   }
 }
@@ -286,7 +286,7 @@ int ModelLoader::finish(phn_model* placed) {
   model.mesh_hash = model.provenance.mesh_hash;
   if (!_store.solved.is_recorded) model.provenance.element = _store.finer.its_element;
   model.provenance.bound_reference = _store.bounds.part[0].reference;
-  model.bound_between = _store.bounds.part[0].between.at;
+  model.bound_between = _store.bounds.part[0].between.data;
   model.n_levels = static_cast<std::int32_t>(n_smaller()) + 1;
   if (_store.levels.n > 0) {
     const LevelStore& last = _store.levels.part[_store.levels.n - 1];

@@ -8,9 +8,9 @@ namespace {
 /// Memory for n numbers, padded with zeros to whole blocks.
 double* blocks(Load& load, std::int64_t n) {
   const std::int32_t n_whole = whole_blocks(static_cast<std::int32_t>(n));
-  auto* at = load.arena.take<double>(static_cast<std::size_t>(n_whole));
-  for (std::int64_t i = n; load.has_memory() && i < n_whole; ++i) at[i] = 0;
-  return at;
+  auto* data = load.arena.take<double>(static_cast<std::size_t>(n_whole));
+  for (std::int64_t i = n; load.has_memory() && i < n_whole; ++i) data[i] = 0;
+  return data;
 }
 
 /// Whether a row of the displacements is within largest_center. Without memory the result is true.
@@ -27,11 +27,11 @@ void Corners::set(Load& load, std::int64_t i, std::int64_t k, std::int32_t node)
   if (!load.has_memory()) return;
   const std::int32_t vertex = find_vertex(load.model, node);
   load.require(vertex >= 0);
-  at[3 * i + k] = vertex;
+  data[3 * i + k] = vertex;
 }
 
 void Centers::shape(Load& load, std::int64_t rows, std::int64_t) {
-  for (int k = 0; k < 3; ++k) net.center[first_input + k] = at[k] = blocks(load, rows);
+  for (int k = 0; k < 3; ++k) net.center[first_input + k] = data[k] = blocks(load, rows);
 }
 
 void Centers::set(Load& load, std::int64_t i, std::int64_t, std::int32_t row) {
@@ -41,17 +41,17 @@ void Centers::set(Load& load, std::int64_t i, std::int64_t, std::int32_t row) {
     const int input = first_input + k;
     const double scaled = (table[3 * row + k] - net.input_center[input]) / net.input_half_range[input];
     load.require(std::isfinite(scaled));
-    at[k][i] = scaled;
+    data[k][i] = scaled;
   }
 }
 
 void Weights::shape(Load& load, std::int64_t rows, std::int64_t) {
   net.n_neurons = static_cast<std::int32_t>(rows);
-  for (int k = 0; k < 3; ++k) net.weight[k] = at[k] = blocks(load, rows);
+  for (int k = 0; k < 3; ++k) net.weight[k] = data[k] = blocks(load, rows);
 }
 
 void LinearStore::UnitResponses::shape(Load& load, std::int64_t rows, std::int64_t) {
-  for (int k = 0; k < 3; ++k) made[k] = at[k] = load.arena.take<double>(static_cast<std::size_t>(rows), 3);
+  for (int k = 0; k < 3; ++k) made[k] = data[k] = load.arena.take<double>(static_cast<std::size_t>(rows), 3);
 }
 
 void SharedTableStore::Entries::shape(Load& load, std::int64_t rows, std::int64_t cols) {
@@ -59,25 +59,25 @@ void SharedTableStore::Entries::shape(Load& load, std::int64_t rows, std::int64_
   n_cols = cols;
   constexpr std::int64_t block = rows_per_block;
   const auto n_values = static_cast<std::size_t>((rows + block - 1) / block * block * cols);
-  at = load.arena.take<float>(load.in.good() ? n_values : 0);
-  for (std::size_t i = 0; load.has_memory() && load.in.good() && i < n_values; ++i) at[i] = 0;  // pads the last block
+  data = load.arena.take<float>(load.in.good() ? n_values : 0);
+  for (std::size_t i = 0; load.has_memory() && load.in.good() && i < n_values; ++i) data[i] = 0;  // pads the last block
 }
 
 void AmplitudeCenters::shape(Load& load, std::int64_t rows, std::int64_t) {
   n = rows;
-  for (auto& component : at) component = load.arena.take<double>(static_cast<std::size_t>(rows));
+  for (auto& component : data) component = load.arena.take<double>(static_cast<std::size_t>(rows));
   at_rest = load.arena.take<double>(static_cast<std::size_t>(rows));
 }
 
 void AmplitudeCenters::set(Load& load, std::int64_t i, std::int64_t, std::int32_t row) {
   load.require(near_enough(load.model, row));
   for (int k = 0; k < 3 && load.has_memory(); ++k)
-    at[k][i] = load.model.displacements[3 * static_cast<std::size_t>(row) + k];
+    data[k][i] = load.model.displacements[3 * static_cast<std::size_t>(row) + k];
 }
 
 void AmplitudeCenters::make(Load& load, SharedModes& shared) const {
   shared.n_centers = static_cast<std::int32_t>(n);
-  for (int k = 0; k < 3; ++k) shared.center[k] = at[k];
+  for (int k = 0; k < 3; ++k) shared.center[k] = data[k];
   shared.basis_at_rest = at_rest;
   if (!load.has_memory() || !load.in.good()) return;
   // Computed by the same function as the kernels themselves, so that amplitudes at rest are exactly 0.

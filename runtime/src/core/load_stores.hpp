@@ -17,9 +17,9 @@ inline bool has_memory(const Arena& arena) { return !arena.counting() && !arena.
 /// A copy in the model's memory; null without memory.
 template <class T>
 const T* place(Arena& arena, const T& value) {
-  T* at = arena.take<T>(1);
-  if (at) *at = value;
-  return at;
+  T* data = arena.take<T>(1);
+  if (data) *data = value;
+  return data;
 }
 
 /// State shared by all stores during loading.
@@ -40,7 +40,7 @@ struct Table {
   Table() = default;
   explicit Table(const T*& made, std::int32_t* made_n = nullptr) : _made(&made), _made_n(made_n) {}
 
-  T* at = nullptr;
+  T* data = nullptr;
   std::int64_t n = 0, n_cols = 1;
 
   std::int64_t rows() const { return n; }
@@ -48,13 +48,13 @@ struct Table {
   void shape(Load& load, std::int64_t rows, std::int64_t cols) {
     n = rows;
     n_cols = cols;
-    at = load.arena.take<T>(static_cast<std::size_t>(rows), static_cast<std::size_t>(cols));
-    if (_made != nullptr) *_made = at;
+    data = load.arena.take<T>(static_cast<std::size_t>(rows), static_cast<std::size_t>(cols));
+    if (_made != nullptr) *_made = data;
     if (_made_n != nullptr) *_made_n = static_cast<std::int32_t>(n);
   }
   template <class V>
   void set(Load&, std::int64_t i, std::int64_t k, V value) {
-    if (at) at[i * n_cols + k] = static_cast<T>(value);
+    if (data) data[i * n_cols + k] = static_cast<T>(value);
   }
 
  private:
@@ -64,16 +64,16 @@ struct Table {
 
 /// A symmetric matrix: xx xy xz yy yz zz.
 struct Stiffness {
-  double* at;
-  void set(Load&, std::int64_t i, std::int64_t k, double value) { at[i == 0 ? k : i + k + 1] = value; }
+  double* data;
+  void set(Load&, std::int64_t i, std::int64_t k, double value) { data[i == 0 ? k : i + k + 1] = value; }
 };
 
 /// A null-terminated string.
 struct Text {
-  const char*& at;
+  const char*& data;
   void set(Load& load, const TextReader::Token& token) {
     char* to = load.arena.take<char>(token.length() + 1);
-    at = to;
+    data = to;
     if (to == nullptr) return;
     memcpy(to, token.begin, token.length());
     to[token.length()] = 0;
@@ -88,7 +88,7 @@ struct Displacements : Table<double> {
   using Table::Table;
   double divisor = 1;
   void set(Load&, std::int64_t i, std::int64_t k, double value) {
-    if (at) at[i * n_cols + k] = value / divisor;
+    if (data) data[i * n_cols + k] = value / divisor;
   }
 };
 
@@ -104,8 +104,8 @@ struct Covered : Table<std::int32_t> {
   void set(Load& load, std::int64_t i, std::int64_t k, std::int32_t value) {
     if (!load.has_memory()) return;
     const phn_model& model = load.model;
-    at[4 * i + k] = k == 0 ? find_sorted(model.output_nodes, model.n_output, value) : value;
-    load.require(at[4 * i + k] >= 0);
+    data[4 * i + k] = k == 0 ? find_sorted(model.output_nodes, model.n_output, value) : value;
+    load.require(data[4 * i + k] >= 0);
   }
 };
 
@@ -117,7 +117,7 @@ struct Prescribed : Table<std::int32_t> {
   void set(Load& load, std::int64_t, std::int64_t, std::int32_t node) {
     const phn_model& model = load.model;
     last = model.output_nodes ? find_sorted(model.output_nodes, model.n_output, node) : -1;
-    if (last >= 0 && at) at[n_kept] = last;
+    if (last >= 0 && data) data[n_kept] = last;
     if (last >= 0) ++n_kept;
   }
 };
@@ -125,7 +125,7 @@ struct PrescribedWeight : Table<double> {
   PrescribedWeight(ActiveNode& made, const Prescribed& nodes) : Table(made.prescribed_weight), of(nodes) {}
   const Prescribed& of;
   void set(Load&, std::int64_t, std::int64_t, double value) {
-    if (of.last >= 0 && at) at[of.n_kept - 1] = value;
+    if (of.last >= 0 && data) data[of.n_kept - 1] = value;
   }
 };
 
@@ -135,7 +135,7 @@ struct PrescribedWeight : Table<double> {
 struct Centers {
   Network& net;
   std::int32_t first_input;
-  double* at[3] = {};
+  double* data[3] = {};
   void shape(Load& load, std::int64_t rows, std::int64_t cols);
   void set(Load& load, std::int64_t i, std::int64_t k, std::int32_t row);
 };
@@ -143,13 +143,13 @@ struct Centers {
 /// Weights of neurons for each output, padded with 0 to whole blocks.
 struct Weights {
   Network& net;
-  double* at[3] = {};
+  double* data[3] = {};
   double size[3] = {};  ///< sums of absolute values
   std::int64_t rows() const { return net.n_neurons; }
   void shape(Load& load, std::int64_t rows, std::int64_t);
   void set(Load&, std::int64_t i, std::int64_t k, double value) {
     size[k] += std::fabs(value);
-    if (at[k]) at[k][i] = value;
+    if (data[k]) data[k][i] = value;
   }
 };
 
@@ -176,10 +176,10 @@ struct LinearStore {
   Stiffness stiffness{made.stiffness};
   struct UnitResponses {
     const double** made;
-    double* at[3] = {};
+    double* data[3] = {};
     void shape(Load& load, std::int64_t rows, std::int64_t);
     void set(Load&, std::int64_t i, std::int64_t k, double value) {
-      if (at[k / 3]) at[k / 3][3 * i + k % 3] = value;
+      if (data[k / 3]) data[k / 3][3 * i + k % 3] = value;
     }
   } unit_responses{made.unit_response};
 };
@@ -196,14 +196,14 @@ struct SharedTableStore {
   Table<double> scale;
   struct Entries {
     const SharedTableStore* of = nullptr;
-    float* at = nullptr;
+    float* data = nullptr;
     std::int64_t n = 0, n_cols = 0;
     std::int64_t rows() const { return n; }
     std::int64_t cols() const { return n_cols; }
     void shape(Load& load, std::int64_t rows, std::int64_t cols);
     void set(Load&, std::int64_t r, std::int64_t c, std::int32_t entry) {
       constexpr std::int64_t rows = rows_per_block;
-      if (at) at[((r / rows) * n_cols + c) * rows + r % rows] = static_cast<float>(of->scale.at[c] * entry);
+      if (data) data[((r / rows) * n_cols + c) * rows + r % rows] = static_cast<float>(of->scale.data[c] * entry);
     }
   } entries;
   SharedTableStore() { entries.of = this; }
@@ -212,13 +212,13 @@ struct SharedTableStore {
     shared.components = components;
     shared.n_rows = components * n_output;
     shared.n_modes = static_cast<std::int32_t>(entries.n_cols);
-    shared.modes = entries.at;
+    shared.modes = entries.data;
   }
 };
 
 /// Centers of amplitudes, stored by component.
 struct AmplitudeCenters {
-  double* at[3] = {};
+  double* data[3] = {};
   double* at_rest = nullptr;
   std::int64_t n = 0;
   std::int64_t rows() const { return n; }
@@ -287,7 +287,7 @@ struct LinearPointStore : ModesStore {
 
 /// The linear points, which are built one after the other.
 struct LinearPoints {
-  RestResponse* at = nullptr;
+  RestResponse* data = nullptr;
   std::int64_t n = 0, in_work = -1;
   alignas(LinearPointStore) unsigned char memory[sizeof(LinearPointStore)];
   std::int64_t rows() const { return n; }

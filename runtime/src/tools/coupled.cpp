@@ -10,19 +10,19 @@ namespace PHN_RUNTIME {
 namespace {
 
 /// Fraction of all tools' energies that is added to the weight of each order. With 0, the weights of two tools with
-/// consistent displacements, which leave nothing to do in either order, would jump with their smallest difference.
+/// consistent displacements, whose residuals are 0 in both orders, would jump with their smallest difference.
 constexpr double equal_part = 0.05;
 
-/// Fraction of the surface's rotation around a point, caused by the first tool, by which the body counts as rotation
-/// for the second tool (docs/decisions/coupled-tools.md).
+/// Fraction of the surface's rotation around a point, caused by the first tool, by which the body is rotated for the
+/// second tool (docs/decisions/coupled-tools.md).
 constexpr double rotation_part = 0.7;
 
-/// Curvature (see curvature) at which half of the rotation is used. Linear laws, for which fields must not be rotation,
-/// have 1e-6; nonlinear laws have 0.05 and more.
+/// Nonlinearity (see nonlinearity()) at which half of the rotation is used. Linear laws, for which fields must not be
+/// rotated, have 1e-6; nonlinear laws have 0.05 and more.
 constexpr double half_nonlinearity = 0.005;
 
-/// Fraction of all orders' weights below which the field that an order leaves to the others is not rotation: where
-/// nothing is left, the mean of the rotations is undefined, but fields of networks have a constant part.
+/// Fraction of all orders' weights below which the field of an order's residuals is not rotated. Without residuals the
+/// mean of the rotations is undefined, but fields of networks have a constant part.
 constexpr double smallest_rotated_part = 1e-6;
 
 /// A point that is farther from its tool than this fraction of the largest displacement does not follow it.
@@ -39,11 +39,11 @@ class Solver : private Constraints {
 
   CoupledResult run() {
     const std::int32_t n = _c.n_tools;
-    double far = 0;
+    double largest = 0;
     _c.n_sets = n > 1 && !schema::traits(_model.kind).proportional ? 1 + n : 1;
     for (std::int32_t s = 0; s < n; ++s) {
       prepare(s);
-      far = std::fmax(far, length(_targets[s].x));
+      largest = std::fmax(largest, length(_targets[s].x));
     }
     for (std::int32_t s = 0; s < n && has_rotations(); ++s) prepare_rotation(s);
     clear_field();
@@ -62,10 +62,10 @@ class Solver : private Constraints {
       for (std::int32_t s = 0; s < n; ++s) add_at_rest(0, s, _c.correction[s], 1);
     }
     result.residual = constraint_residual();
-    result.settled = result.residual <= residual_tolerance * far;
+    result.settled = result.residual <= residual_tolerance * largest;
     if (!_model.has_energy) result.energy = 0;
     for (std::int32_t s = 0; s < n; ++s) _c.point[s].displacement = _targets[s];
-    return finite() ? result : fail(far);
+    return finite() ? result : fail(largest);
   }
 
  private:
@@ -140,8 +140,7 @@ class Solver : private Constraints {
   /// The set with the field that order i leaves to the others.
   std::int32_t set_of(std::int32_t i) const { return has_rotations() ? 1 + i : 0; }
 
-  /// The displacements that order i leaves to the others, rotation back by the rotation that tool i
-  /// causes, and their forces in the undeformed body.
+  /// Computes the residuals of order i, rotated back by the rotation that tool i causes, and their multipliers.
   void find_residuals(std::int32_t i) {
     const std::int32_t n = _c.n_tools;
     for (std::int32_t j = 0; j < n; ++j) {
@@ -154,8 +153,7 @@ class Solver : private Constraints {
     multiply(&_c.residual(i, 0), &_c.multiplier(i, 0));
   }
 
-  /// Chain rule from the displacements that order i leaves to the others, rotation back, to the displacements
-  /// of all tools.
+  /// Applies the chain rule from the residuals of order i, rotated back, to the displacements of all tools.
   /// @param force  derivatives by the former, 0 for tool i; replaced by derivatives by the latter
   void transpose_apply(std::int32_t i, Vector* force) const {
     for (std::int32_t j = 0; j < _c.n_tools; ++j) {
@@ -191,10 +189,10 @@ class Solver : private Constraints {
   void add_change_of_weights(double energy) {
     const std::int32_t n = _c.n_tools;
     if (!(_sum > 0)) return;
-    double apart = 0;  // largest deviation of an order's energy from the mean
-    for (std::int32_t i = 0; i < n; ++i) apart += (_c.energy[i] - energy) / _sum;
+    double deviation = 0;  // of the energies of the orders from their mean
+    for (std::int32_t i = 0; i < n; ++i) deviation += (_c.energy[i] - energy) / _sum;
     for (std::int32_t i = 0; i < n; ++i)
-      _c.forces[i] += (apart * equal_part * 2) * (_c.point[i].stiffness * _targets[i]);
+      _c.forces[i] += (deviation * equal_part * 2) * (_c.point[i].stiffness * _targets[i]);
     for (std::int32_t first = 0; first < n; ++first) {
       Vector own[most_coupled], force[most_coupled];
       for (std::int32_t i = 0; i < n; ++i) {
@@ -250,7 +248,7 @@ class Solver : private Constraints {
       add_rest_response(s, i, r, weight, _c.field_basis(set, s, i), _c.field(set, s, i).displacement);
   }
 
-  /// right = targets minus displacements of the points in the field. @return the largest distance
+  /// Sets `correction` to the targets minus the displacements of the points in the field. @return the largest distance
   double constraint_residual() {
     double largest = 0;
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
@@ -339,8 +337,8 @@ class Solver : private Constraints {
     }
   }
 
-  /// Replaces `right` by the change of the p that produces it in the undeformed body, as far as the tools can be
-  /// distinguished.
+  /// Replaces `correction` by the change of the p that causes it in the undeformed body, as far as the tools can be
+  /// distinguished. @return false if the system is singular
   bool solve_correction() {
     if (!_is_regular) {
       multiply(_c.correction, _c.forces);
@@ -358,10 +356,10 @@ class Solver : private Constraints {
   }
 
   /// Sets all results to zero after an overflow of sums.
-  CoupledResult fail(double far) {
+  CoupledResult fail(double largest) {
     for (std::int32_t t = 0; t < _c.n_tools; ++t) _c.point[t].force = _c.point[t].displacement = {};
     clear_field();
-    return {false, far, 0};
+    return {false, largest, 0};
   }
 
   const Vector* _targets;

@@ -89,13 +89,13 @@ NearestPlace nearest_place(const std::int32_t* triangles, std::int32_t n_triangl
   double movable = 0;
   for (; n < 3 && best.vertex[n] >= 0; ++n) movable += best.moves[n] ? best.weight[n] : 0;
   if (!raise_movable_weight(best.moves, n, movable, best.weight)) return best;
-  double apart[3];
+  double difference[3];
   for (int k = 0; k < 3; ++k) {
     best.point[k] = 0;
     for (int c = 0; c < n; ++c) best.point[k] += best.weight[c] * point_of(best.vertex[c])[k];
-    apart[k] = x[k] - best.point[k];
+    difference[k] = x[k] - best.point[k];
   }
-  best.distance = length(apart);
+  best.distance = length(difference);
   return best;
 }
 

@@ -93,16 +93,16 @@ Vector displacement_of(const NodeField& field, double share, const Vector& d, st
 }
 
 double nonlinearity(const phn_model& model, const ActiveNode& node, const Matrix& stiffness) {
-  double apart = 0, all = 0;
+  double difference = 0, all = 0;
   for (int k = 0; k < 6; ++k) {
     const Vector d = unit_vector(k / 2, (k % 2 - 0.5) * 2 * model.max_displacement_m), linear = stiffness * d;
     Vector force;
     evaluate_force(model, node, d.x, force.x);
     force -= linear;
-    apart += dot(force, force);
+    difference += dot(force, force);
     all += dot(linear, linear);
   }
-  return all > 0 ? apart / all : 0;
+  return all > 0 ? difference / all : 0;
 }
 
 Matrix stiffness_at_rest(const phn_model& model, const ActiveNode& node) {

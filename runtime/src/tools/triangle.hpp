@@ -50,13 +50,13 @@ inline void weight_gradients(const double* const corner[3], double gradient[3][3
 /// @param weight, nearest  see nearest_weights
 inline void nearest_on_triangle(const double* const corner[3], const double* x, double* weight, double* nearest,
                                 double& distance) {
-  double apart[3];
+  double difference[3];
   nearest_weights(corner, x, weight);
   for (int k = 0; k < 3; ++k) {
     nearest[k] = weight[0] * corner[0][k] + weight[1] * corner[1][k] + weight[2] * corner[2][k];
-    apart[k] = x[k] - nearest[k];
+    difference[k] = x[k] - nearest[k];
   }
-  distance = length(apart);
+  distance = length(difference);
 }
 
 }  // namespace PHN_RUNTIME
