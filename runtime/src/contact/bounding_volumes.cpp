@@ -59,7 +59,8 @@ void corners_of(const ContactSurface& s, std::int32_t triangle, double radius, d
 
 /// The segment from + t (to - from), t in 0 ... 1.
 struct Segment {
-  double from[3], along[3], slack;
+  Vector from, along;
+  double slack;
 };
 
 /// Position on the segment, 0 ... 1, at which it enters the box; > 1: it does not enter.
@@ -82,19 +83,16 @@ double entry_position(const BoundingVolume& v, double radius, const Segment& seg
 /// Position on the segment at which it crosses a triangle, or -1, by signed volumes of the segment and the three edges.
 /// Two triangles compute the same number, up to its sign, for a common edge, so that no segment passes between them.
 double crossing_position(const double corner[3][3], const Segment& segment, double* weight) {
-  double x[3][3], ab[3], ac[3], normal[3], volume[3], sum = 0;
-  for (int c = 0; c < 3; ++c) subtract(corner[c], segment.from, x[c]);
-  subtract(x[1], x[0], ab);
-  subtract(x[2], x[0], ac);
-  cross(ab, ac, normal);
+  Vector x[3];
+  double volume[3], sum = 0;
+  for (int c = 0; c < 3; ++c) x[c] = vector_at(corner[c]) - segment.from;
+  const Vector normal = cross(x[1] - x[0], x[2] - x[0]);
   const double size = norm(normal);
   if (!(size > 0)) return -1;
   const double before = -dot(normal, x[0]) / size, after = before + dot(normal, segment.along) / size;
   if (!(after < 0 && before >= -segment.slack && after < before)) return -1;
   for (int c = 0; c < 3; ++c) {
-    double moment[3];
-    cross(x[(c + 1) % 3], x[(c + 2) % 3], moment);
-    volume[c] = -dot(segment.along, moment);
+    volume[c] = -dot(segment.along, cross(x[(c + 1) % 3], x[(c + 2) % 3]));
     if (volume[c] < 0) return -1;
     sum += volume[c];
   }
@@ -158,12 +156,7 @@ void refit_volumes(const ContactSurface& s, BoundingVolumes& v) {
 
 double sweep(const ContactSurface& s, const BoundingVolumes& v, double radius, const double* from, const double* to,
              double slack, SurfacePoint& point) {
-  Segment segment;
-  for (int k = 0; k < 3; ++k) {
-    segment.from[k] = from[k];
-    segment.along[k] = to[k] - from[k];
-  }
-  segment.slack = slack;
+  const Segment segment = {vector_at(from), vector_at(to) - vector_at(from), slack};
   double first = 2;
   std::int32_t stack[deepest];
   int n = 0;

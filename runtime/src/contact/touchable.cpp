@@ -16,8 +16,7 @@ bool is_touchable(const ContactSurface& s, const std::int32_t* vertex) {
     moves = moves || active >= 0;
     corner[k] = row(s.rest, vertex[k]);
   }
-  double normal[3];
-  area_normal(corner, normal);
+  const Vector normal = area_normal(corner);
   return moves && dot(normal, normal) > 0;
 }
 
@@ -65,35 +64,33 @@ void find_offsets(const std::int32_t* triangles, std::int32_t n, ContactSurface&
       const std::int32_t* vertex = triangles + 3 * static_cast<std::size_t>(t);
       const double* corner[3];
       for (int k = 0; k < 3; ++k) corner[k] = row(s.rest, vertex[k]);
-      double normal[3];
-      area_normal(corner, normal);
+      Vector normal = area_normal(corner);
       const double area = norm(normal);
       if (!(area > 0)) continue;
-      for (double& x : normal) x /= area;
+      normal /= area;
       for (int k = 0; k < 3; ++k) {
-        double e[3], f[3];
-        subtract(corner[(k + 1) % 3], corner[k], e);
-        subtract(corner[(k + 2) % 3], corner[k], f);
+        const Vector e = vector_at(corner[(k + 1) % 3]) - vector_at(corner[k]),
+                     f = vector_at(corner[(k + 2) % 3]) - vector_at(corner[k]);
         visit(vertex[k], normal, angle(dot(e, f) / (norm(e) * norm(f))));
       }
     }
   };
-  each_corner([&](std::int32_t v, const double* normal, double weight) {
+  each_corner([&](std::int32_t v, const Vector& normal, double weight) {
     for (int k = 0; k < 3; ++k) row(s.offset, v)[k] += weight * normal[k];
   });
   for (std::int32_t v = 0; v < s.n_vertices; ++v) {
     double* m = row(s.offset, v);
-    const double size = norm(m);
+    const double size = std::sqrt(dot(m, m));
     for (int k = 0; k < 3; ++k) m[k] = size > 1e-6 ? m[k] / size : 0;
   }
   // Temporary sums use memory that place() overwrites later.
   for (std::int32_t i = 0; i < 3 * s.n_vertices; ++i) s.placed[i] = 0;
-  each_corner([&](std::int32_t v, const double* normal, double weight) {
+  each_corner([&](std::int32_t v, const Vector& normal, double weight) {
     double *m = row(s.offset, v), *sums = row(s.placed, v);
     if (!(dot(m, m) > 0)) {
       for (int k = 0; k < 3; ++k) m[k] = normal[k];  // the normals cancel; use one of them
     }
-    sums[0] += weight * dot(m, normal);
+    sums[0] += weight * dot(m, normal.x);
     sums[1] += weight;
   });
   for (std::int32_t v = 0; v < s.n_vertices; ++v) {
@@ -131,9 +128,7 @@ int build_contact_surface(const std::int32_t* triangles, std::int32_t n, Touchab
       high[k] = v == 0 ? x[k] : std::fmax(high[k], x[k]);
     }
   }
-  double diagonal[3];
-  subtract(high, low, diagonal);
-  s.size = norm(diagonal);
+  s.size = norm(vector_at(high) - vector_at(low));
   for (int k = 0; k < 3; ++k) s.middle[k] = (low[k] + high[k]) / 2;
   for (std::int32_t t = 0; t < n; ++t) {
     const std::int32_t* vertex = triangles + 3 * static_cast<std::size_t>(t);
@@ -181,7 +176,7 @@ Vector normal_at(const ContactSurface& s, const SurfacePoint& point) {
   if (!(size > 1e-6)) {
     const double* corner[3];
     corners_of(s, s.rest, point.triangle, corner);
-    area_normal(corner, normal.x);
+    normal = area_normal(corner);
     size = norm(normal);
   }
   return normal / size;
@@ -191,16 +186,15 @@ SurfaceGradients gradients_at(const ContactSurface& s, const SurfacePoint& point
   const double* corner[3];
   corners_of(s, s.rest, point.triangle, corner);
   SurfaceGradients made = {};
-  double gradient[3][3];
-  Vector normal, m = {};
-  weight_gradients(corner, gradient, normal.x);
+  Vector gradient[3], normal, m = {};
+  weight_gradients(corner, gradient, normal);
   const Vector edge = vector_at(corner[1]) - vector_at(corner[0]);
   made.axes[0] = edge / norm(edge);
   made.axes[1] = cross(normal, made.axes[0]);
   for (int c = 0; c < 3; ++c) {
     const Vector offset = vector_at(row(s.offset, s.triangle[3 * point.triangle + c]));
     m += point.weight[c] * offset;
-    made.offset += outer(offset, vector_at(gradient[c]));
+    made.offset += outer(offset, gradient[c]);
   }
   const double size = norm(m);
   if (!(size > 1e-6)) return made;

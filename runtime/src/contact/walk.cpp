@@ -26,10 +26,9 @@ void cross_edge(const ContactSurface& s, SurfacePoint& point, int opposite, cons
     }
   }
   const double* corner[3];
-  Vector next_normal,
-      edge = vector_at(row(s.rest, from[(opposite + 2) % 3])) - vector_at(row(s.rest, from[(opposite + 1) % 3]));
+  Vector edge = vector_at(row(s.rest, from[(opposite + 2) % 3])) - vector_at(row(s.rest, from[(opposite + 1) % 3]));
   corners_of(s, s.rest, next, corner);
-  area_normal(corner, next_normal.x);
+  Vector next_normal = area_normal(corner);
   edge /= norm(edge);
   next_normal /= norm(next_normal);
   // The two triangles traverse their common edge in opposite directions.
@@ -45,11 +44,11 @@ void walk(const ContactSurface& s, SurfacePoint& point, const Vector& step) {
   for (int crossing = 0; crossing < most_crossings; ++crossing) {
     const double* corner[3];
     corners_of(s, s.rest, point.triangle, corner);
-    double gradient[3][3], change[3], most = 0;
-    Vector normal;
-    weight_gradients(corner, gradient, normal.x);
+    double change[3], most = 0;
+    Vector normal, gradient[3];
+    weight_gradients(corner, gradient, normal);
     for (int c = 0; c < 3; ++c) {
-      change[c] = dot(gradient[c], remaining.x);
+      change[c] = dot(gradient[c], remaining);
       most = std::fmax(most, std::fabs(change[c]));
     }
     double part = 1;

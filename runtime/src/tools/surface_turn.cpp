@@ -10,14 +10,12 @@ namespace {
 double triangle_rotation(const phn_model& model, const std::int32_t* vertex, Matrix* maps) {
   const double* corner[3];
   for (int k = 0; k < 3; ++k) corner[k] = vertex_point(model, vertex[k]);
-  Vector normal;
-  double gradient[3][3];
-  area_normal(corner, normal.x);
-  const double area = norm(normal.x) / 2;
+  const double area = norm(area_normal(corner)) / 2;
   if (!(area > 0)) return 0;
-  weight_gradients(corner, gradient, normal.x);
+  Vector normal, gradient[3];
+  weight_gradients(corner, gradient, normal);
   for (int i = 0; i < 3; ++i) {
-    const Vector tilt = cross(vector_at(gradient[i]), normal), spin = cross(normal, vector_at(gradient[i]));
+    const Vector tilt = cross(gradient[i], normal), spin = cross(normal, gradient[i]);
     for (int k = 0; k < 9; ++k) maps[i].a[k] = area * (tilt[k / 3] * normal[k % 3] + normal[k / 3] * spin[k % 3] / 2);
   }
   return area;

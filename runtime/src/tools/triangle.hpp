@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/evaluate.hpp"
+#include "tools/vectors.hpp"
 
 namespace PHN_RUNTIME {
 
@@ -16,35 +17,19 @@ inline std::int32_t vertex_node(const phn_model& model, std::int32_t vertex) {
   return vertex < model.n_output ? model.output_nodes[vertex] : model.fixed_nodes[vertex - model.n_output];
 }
 
-inline void subtract(const double* a, const double* b, double* c) {
-  for (int k = 0; k < 3; ++k) c[k] = a[k] - b[k];
-}
-inline void cross(const double* a, const double* b, double* c) {
-  c[0] = a[1] * b[2] - a[2] * b[1];
-  c[1] = a[2] * b[0] - a[0] * b[2];
-  c[2] = a[0] * b[1] - a[1] * b[0];
-}
-inline double norm(const double* a) { return std::sqrt(dot(a, a)); }
-
 /// Twice the area times the unit normal.
-inline void area_normal(const double* const corner[3], double* normal) {
-  double ab[3], ac[3];
-  subtract(corner[1], corner[0], ab);
-  subtract(corner[2], corner[0], ac);
-  cross(ab, ac, normal);
+inline Vector area_normal(const double* const corner[3]) {
+  const Vector first = vector_at(corner[0]);
+  return cross(vector_at(corner[1]) - first, vector_at(corner[2]) - first);
 }
 
 /// Gradients of the barycentric weights. @param normal  unit normal
-inline void weight_gradients(const double* const corner[3], double gradient[3][3], double* normal) {
-  area_normal(corner, normal);
+inline void weight_gradients(const double* const corner[3], Vector gradient[3], Vector& normal) {
+  normal = area_normal(corner);
   const double area = norm(normal);
-  for (int k = 0; k < 3; ++k) normal[k] /= area;
-  for (int k = 0; k < 3; ++k) {
-    double edge[3];
-    subtract(corner[(k + 2) % 3], corner[(k + 1) % 3], edge);
-    cross(normal, edge, gradient[k]);
-    for (int l = 0; l < 3; ++l) gradient[k][l] /= area;
-  }
+  normal /= area;
+  for (int k = 0; k < 3; ++k)
+    gradient[k] = cross(normal, vector_at(corner[(k + 2) % 3]) - vector_at(corner[(k + 1) % 3])) / area;
 }
 
 /// @param weight, nearest  see nearest_weights
