@@ -11,11 +11,11 @@ struct Options {
   OptionalPath json_file;
 };
 
-/// An error of 0 means that it was not estimated (phn_level).
+/// An error of 0 was not estimated (phn_level).
 json estimated(double error) { return error > 0 ? json(error) : json(nullptr); }
 std::string percent(double error) { return error > 0 ? fmt::format("{:.3f}", 100 * error) : "-"; }
 
-/// Times of a step of the body with several tools, at nodes of the model spread over their list.
+/// Measures the time of a step of the body for increasing numbers of tools, at nodes that are spread over the model.
 json steps_of(const NamedOrgan& model, const NamedOrgan& body) {
   const auto active = model.active_nodes();
   json steps = json::array();
@@ -33,7 +33,7 @@ json steps_of(const NamedOrgan& model, const NamedOrgan& body) {
 void run(const Options& options) {
   NamedOrgan model(options.model);
   std::optional<NamedOrgan> body;
-  if (options.body) body = model.body_beside(*options.body);
+  if (options.body) body = model.body_on_same_mesh(*options.body);
   const std::int32_t n = model.info().n_levels;
   json levels = json::array();
   print_result("{:<6} {:>13} {:>19} {:>6} {:>10} {:>14} {:>9} {:>15}\n", "level", "force centers",

@@ -9,7 +9,7 @@
 namespace phynness::cli::calibrate_command {
 namespace {
 
-/// Enough for bounds, and an increment of Taylor-Hood elements takes 20 times as long.
+/// The default for a finer reference: an increment of Taylor-Hood elements takes 20 times as long.
 constexpr std::int64_t rays_of_finer = 100;
 
 struct Options {
@@ -20,7 +20,7 @@ struct Options {
   std::string reference = "scene";
 };
 
-std::string promise(double share) {
+std::string promised_text(double share) {
   return fmt::format(", and in 19 of 20 calibrations at least {:.0f} % of fresh ones are", 100 * share);
 }
 
@@ -28,7 +28,7 @@ void print_coupled(const BoundReport& report, const char* name, const CoupledCov
   const auto flagged = fmt::format("{:.0f} % of the states drawn are flagged and have none", 100 * kind.flagged);
   if (kind.all.states > 0)
     print_result("{}: {:.1f} % of {} errors of rays left out are below their bound{}; {}\n", name, 100 * kind.all.all,
-                 kind.all.states, promise(kind.promised), flagged);
+                 kind.all.states, promised_text(kind.promised), flagged);
   else if (report.planned_coupled_rays > 0)
     print_result("{}: no bound, because only {} of their rays were solved; {}\n", name, kind.rays, flagged);
 }
@@ -40,7 +40,7 @@ void print(const BoundReport& report, const Model& model, const Options& options
       "median bound of the force's error{}: {:.3g} {}, {:.3g} % of the force; {:.1f} % of the errors of {} left out of "
       "the calibration are below their bound{}\n",
       model.bounds.at(0).from(), unit.per_N * report.median_bound_N, unit.name, 100 * report.median_share, 100 * c.all,
-      report.all_nodes ? "rays" : "nodes", promise(report.promised));
+      report.all_nodes ? "rays" : "nodes", promised_text(report.promised));
   print_result("{} random rays at {} nodes, {} states inside the trained range, {} rays ended early; {}\n", report.rays,
                report.nodes, report.states, report.failed_rays, duration(report.seconds));
   if (const auto failed = report.failed_rays + report.failed_coupled_rays;
@@ -59,7 +59,7 @@ json as_json(const BoundReport& report, double coverage) {
   return out;
 }
 
-/// Says what a finer solution takes, before it starts. @throws Error (input) if there is none
+/// Prints the predicted cost of a finer solution. @throws Error (input) if there is no such solution
 void check_reference(const Database& database, const Scene& scene, const BoundSpec& spec,
                      const SolverSession& session) {
   if (spec.reference == Variant::scene) return;
@@ -83,7 +83,7 @@ void require_all(const BoundReport& report) {
                   "run it again for all of them");
 }
 
-/// Bounds of the body in place of the model's.
+/// Calibrates the body instead of the model.
 void run_for_body(const SolverSession& session, const Database& database, const NamedOrgan& model,
                   const BoundSpec& spec, const Options& options) {
   ReducedBody body;
@@ -111,8 +111,8 @@ void run_for_body(const SolverSession& session, const Database& database, const 
   });
 }
 
-void run(const Options& given) {
-  Options options = given;
+void run(const Options& given_options) {
+  Options options = given_options;
   if (options.body && (!options.output.empty() || options.reference != name(Variant::scene)))
     throw input_error(
         "--body excludes --output and --reference: the body is replaced, with the distance from its elements",

@@ -58,7 +58,8 @@ void print(const Scene& scene, const DiscretizationReport& report) {
   }
   if (const auto distance = report.distance(scene); distance.probes > 0)
     print_result("  force error: {}\n", distance.sentence());
-  if (!report.at_rest.why_not.empty()) print_result("  not compared at rest: {}\n", report.at_rest.why_not);
+  if (!report.at_rest.skipped_reason.empty())
+    print_result("  not compared at rest: {}\n", report.at_rest.skipped_reason);
   print_failed(report, "scene", &CheckedProbe::own);
   print_failed(report, "finer solution", &CheckedProbe::finer);
   if (report.left_out > 0)
@@ -80,7 +81,7 @@ json as_json(const LoadedScene& loaded, const DiscretizationReport& report) {
 }
 
 /// @throws Error (failure) if some requested figures are missing
-void refuse_nothing(const Options& options, const Scene& scene, const DiscretizationReport& report) {
+void require_figures(const Options& options, const Scene& scene, const DiscretizationReport& report) {
   if (report.interrupted)
     throw failure("check was interrupted; the figures above are those of the finished part",
                   fmt::format("{} of {} probes", report.probes.size(), options.check.probes), "run it again");
@@ -91,8 +92,8 @@ void refuse_nothing(const Options& options, const Scene& scene, const Discretiza
                 fmt::format("allow {}, or use a coarser mesh", sufficient_limit(report)));
 }
 
-/// "target_nodes = 160", the element and the like: what the scene says to be this row.
-std::string lines_of(const TradeRow& row) {
+/// The keys of the scene that make this row: the element, "target_nodes = 160" and the like.
+std::string scene_keys_of(const TradeRow& row) {
   const auto& mesh = row.scene.mesh;
   std::string lines = fmt::format("element = \"{}\"", name(row.scene.solver.element));
   if (mesh.target_nodes) lines += fmt::format(", target_nodes = {}", *mesh.target_nodes);
@@ -129,7 +130,7 @@ void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* 
                chosen != nullptr ? "; > chosen" : "", duration(report.seconds));
 }
 
-/// Of the rows within the limit the one whose database needs the least time. @return null: there is none
+/// The row within the limit whose database needs the least time; null if there is none.
 const TradeRow* choose(const TradeReport& report, double error) {
   const TradeRow* best = nullptr;
   for (const auto& row : report.rows)
@@ -143,7 +144,7 @@ void run_trade(const Options& options, const LoadedScene& loaded) {
                                               Progress("check", "rays").counter(), stop_requested);
   const TradeRow* chosen = error ? choose(report, *error) : nullptr;
   print_trade(loaded.scene, report, chosen);
-  if (chosen != nullptr) print_result("> {}\n", lines_of(*chosen));
+  if (chosen != nullptr) print_result("> {}\n", scene_keys_of(*chosen));
   json out = figures(report);
   out["chosen"] = chosen != nullptr ? json(chosen - report.rows.data()) : json(nullptr);
   write_json(options.json_file, out);
@@ -158,8 +159,8 @@ void run_trade(const Options& options, const LoadedScene& loaded) {
                   "more nodes have a smaller error; or relax the limit");
 }
 
-void run(const Options& given) {
-  Options options = given;
+void run(const Options& given_options) {
+  Options options = given_options;
   options.check.seconds = options.seconds.value_or(options.trade ? 900 : options.check.seconds);
   const SolverSession session;
   const auto loaded = load_scene(options.scene, false, {}, {}, options.mesh);
@@ -170,7 +171,7 @@ void run(const Options& given) {
                                            Progress("check", "rays").counter(), stop_requested);
   print(loaded.scene, report);
   write_each({[&] { write_json(options.json_file, as_json(loaded, report)); },
-              [&] { refuse_nothing(options, loaded.scene, report); }});
+              [&] { require_figures(options, loaded.scene, report); }});
 }
 
 }  // namespace

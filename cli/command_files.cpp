@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <fstream>
 #include <optional>
 #include <phynness/formats/error.hpp>
@@ -18,15 +17,15 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A file that the command reads or writes.
-struct Claim {
+struct FileUse {
   std::string option;
-  fs::path given, place;  ///< as the user gives it, and canonical
+  fs::path path, canonical;  ///< path of the command line, and its canonical form
   bool written = false;
 };
 
-/// All claims of the command that this process runs.
-std::vector<Claim>& claims() {
-  static std::vector<Claim> all;
+/// All files of the command of this process.
+std::vector<FileUse>& file_uses() {
+  static std::vector<FileUse> all;
   return all;
 }
 
@@ -35,7 +34,7 @@ std::vector<std::pair<const CLI::Option*, PathKind>>& declared_options() {
   return all;
 }
 
-/// The texts of a model, with their beginnings.
+/// The text files of a model with their first words.
 constexpr std::pair<const char*, std::string_view> model_texts[] = {{"model.txt", schema::model_magic},
                                                                     {"mesh.txt", mesh_text_magic}};
 
@@ -46,37 +45,37 @@ fs::path place_of(const fs::path& path) {
   return code ? absolute.lexically_normal() : found;
 }
 
-void add_claim(const std::string& option, const fs::path& given, bool written) {
+void add_file_use(const std::string& option, const fs::path& path, bool written) {
   std::error_code code;
-  if (fs::is_other(given, code)) return;  // pipes, terminals and /dev/null hold nothing
-  const Claim claim{option, given, place_of(given), written};
-  for (const auto& other : claims()) {
-    if (claim.place != other.place || option == other.option || !(written || other.written)) continue;
-    const auto &output = written ? claim : other, &second = written ? other : claim;
+  if (fs::is_other(path, code)) return;  // pipes, terminals and /dev/null have no content
+  const FileUse use{option, path, place_of(path), written};
+  for (const auto& other : file_uses()) {
+    if (use.canonical != other.canonical || option == other.option || !(written || other.written)) continue;
+    const auto &output = written ? use : other, &second = written ? other : use;
     throw input_error(
         fmt::format("an output would overwrite {}", second.written ? "another output" : "an input"),
-        fmt::format("{} {} and {} {}", output.option, output.given.string(), second.option, second.given.string()),
+        fmt::format("{} {} and {} {}", output.option, output.path.string(), second.option, second.path.string()),
         fmt::format("give {} another file or directory", output.option));
   }
-  claims().push_back(claim);
+  file_uses().push_back(use);
 }
 
-void claim_path(const std::string& option, const fs::path& path, PathKind kind) {
+void add_path_use(const std::string& option, const fs::path& path, PathKind kind) {
   std::error_code code;
   const bool written = kind != PathKind::input;
-  if (kind != PathKind::folder) add_claim(option, path, written);
+  if (kind != PathKind::folder) add_file_use(option, path, written);
   if (kind == PathKind::model || (!written && fs::is_directory(path, code)))
-    for (const auto& [name, begin] : model_texts) add_claim(option, path / name, written);
+    for (const auto& [name, first_line] : model_texts) add_file_use(option, path / name, written);
 }
 
 Error cannot_write(const std::string& option, const fs::path& path, const std::string& why, const std::string& remedy) {
   return input_error("an output cannot be written: " + why, option + " " + path.string(), remedy);
 }
 
-/// @param made  the folder is made where it is missing
-void check_folder(const std::string& option, const fs::path& path, fs::path folder, bool made) {
+/// @param is_created  whether the command creates a missing folder
+void check_folder(const std::string& option, const fs::path& path, fs::path folder, bool is_created) {
   std::error_code code;
-  while (made && !fs::exists(folder, code) && folder.has_relative_path()) folder = folder.parent_path();
+  while (is_created && !fs::exists(folder, code) && folder.has_relative_path()) folder = folder.parent_path();
   if (!fs::is_directory(folder, code))
     throw cannot_write(option, path, folder.string() + " is no folder", "make the folder, or give another place");
   if (::access(folder.c_str(), W_OK | X_OK) != 0)
@@ -84,19 +83,19 @@ void check_folder(const std::string& option, const fs::path& path, fs::path fold
                        "change its permissions, or give another place");
 }
 
-/// @throws Error (input) if there is a file with another beginning, which would be lost
-void check_own_text(const std::string& option, const fs::path& file, std::string_view begin) {
+/// @throws Error (input) if a file with other first words exists, which would be lost
+void check_text_header(const std::string& option, const fs::path& file, std::string_view first_line) {
   std::error_code code;
   if (!fs::exists(file, code)) return;
-  std::string text(begin.size(), '\0');
+  std::string text(first_line.size(), '\0');
   std::ifstream(file, std::ios::binary).read(text.data(), std::ssize(text));
-  if (text != begin)
+  if (text != first_line)
     throw cannot_write(option, file, "a file that this program has not written has this name",
                        "give another folder, or move the file");
 }
 
-/// @return false for --json -, which is no file. @throws Error (input)
-bool is_file(const std::string& option, const fs::path& path, PathKind kind) {
+/// @return false for --json -, which is not a file. @throws Error (input)
+bool is_file_option(const std::string& option, const fs::path& path, PathKind kind) {
   if (path.empty()) throw input_error("the name of a file is empty", option + " ''", "give the name of a file");
   if (kind == PathKind::input || !is_stdout(path)) return true;
   if (option != "--json")
@@ -116,14 +115,16 @@ void declare(CLI::Option& option, PathKind kind) {
 void check_files() {
   for (const auto& [option, kind] : declared_options())
     for (const auto& path : option->results()) {
-      if (!is_file(option->get_name(), path, kind)) continue;
-      claim_path(option->get_name(), path, kind);
+      if (!is_file_option(option->get_name(), path, kind)) continue;
+      add_path_use(option->get_name(), path, kind);
       check_place(option->get_name(), path, kind);
     }
 }
 
-void declare_input(const std::string& option, const fs::path& path) { claim_path(option, path, PathKind::input); }
-void declare_output(const std::string& option, const fs::path& path, PathKind kind) { claim_path(option, path, kind); }
+void declare_input(const std::string& option, const fs::path& path) { add_path_use(option, path, PathKind::input); }
+void declare_output(const std::string& option, const fs::path& path, PathKind kind) {
+  add_path_use(option, path, kind);
+}
 
 void check_place(const std::string& option, const fs::path& path, PathKind kind) {
   std::error_code code;
@@ -136,7 +137,7 @@ void check_place(const std::string& option, const fs::path& path, PathKind kind)
   }
   check_folder(option, path, place_of(path), true);
   if (kind != PathKind::model) return;
-  for (const auto& [name, begin] : model_texts) check_own_text(option, path / name, begin);
+  for (const auto& [name, first_line] : model_texts) check_text_header(option, path / name, first_line);
 }
 
 bool is_stdout(const fs::path& path) { return path == "-"; }

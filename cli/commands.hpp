@@ -39,8 +39,8 @@ json record(const char* key, const Value& value, const More&... more) {
   return out;
 }
 
-// Each command is a file NAME_command.cpp with a namespace of that name, in the order of --help. Those of the second
-// list need dolfinx and are in the program with the solver.
+// Each command is a file NAME_command.cpp with a namespace of that name. The first list has the order of --help. The
+// commands of the second list need dolfinx and are in the program with the solver.
 #define PHYNNESS_COMMANDS(each)                                                                                  \
   each(mesh) each(check) each(plan) each(precompute) each(import) each(train) each(reduce) each(calibrate)       \
       each(validate) each(tune) each(eval) each(bench) each(solve) each(export) each(info) each(show) each(view) \
@@ -53,7 +53,7 @@ json record(const char* key, const Value& value, const More&... more) {
   }
 PHYNNESS_COMMANDS(PHYNNESS_DECLARE)
 
-/// Adds a subcommand. @param run  executed with the options after the whole command line has been parsed
+/// Adds a subcommand. @param run  is called with the options after the command line has been parsed
 template <class Options>
 std::pair<CLI::App&, Options&> add_command(CLI::App& app, const char* name, const std::string& about,
                                            void (*run)(const Options&)) {
@@ -63,7 +63,7 @@ std::pair<CLI::App&, Options&> add_command(CLI::App& app, const char* name, cons
   return {*command, *options};
 }
 
-// Options that several commands have. Those of SCENE, DATABASE, MODEL_DIR and --output are required.
+// Options of several commands. SCENE, DATABASE, MODEL_DIR and --output are required.
 using OptionalPath = std::optional<std::filesystem::path>;
 CLI::Validator finite_range(double low, double high);
 void add_scene(CLI::App& command, std::filesystem::path& file, const char* what = "scene file");
@@ -99,63 +99,63 @@ bool parse_number(std::string_view field, Number& number) {
 }
 
 using Units = std::map<std::string, double>;
-/// A limit of the command line: "2%" with the units {{"%", 0.01}, {"", 1}} is 0.02. @throws Error (input)
+/// Parses a limit: "2%" with the units {{"%", 0.01}, {"", 1}} is 0.02. @throws Error (input)
 std::optional<double> limit_of(const std::optional<std::string>& text, const char* option, const Units& units,
                                const char* example);
 
-/// Executes the program with the solver instead of this one, if it is another one and argv[1] is a subcommand that
-/// needs it or, as reduce, does more with it.
+/// Replaces this process by the program with the solver if argv[1] is a subcommand that uses the solver, and if this
+/// program has none.
 /// @throws Error (failure) if it cannot be started
-void leave_to_solver(char** argv);
+void exec_solver_program(char** argv);
 
-/// Reads a scene and declares the mesh file that it names as an input of the command.
+/// Reads a scene and declares its mesh file as an input of the command.
 /// @throws Error (input) if the scene is invalid or if an output of the command would overwrite the mesh file
 Scene open_scene(const std::filesystem::path& file);
 
-/// A scene with its mesh and node sets. load_scene prints notes and warnings on stderr unless `quiet`.
+/// A scene with its mesh and node sets.
 struct LoadedScene {
   Scene scene;
   Mesh mesh;
   NodeSets sets;
 };
-/// @param refused    called with the mesh, and with the sets selected so far, before an error about them leaves
-/// @param continued  a database that --resume continues, if it exists: spread points keep those that it has
-/// @param made       the mesh as `mesh` has written it, which is then not made again, and nothing is printed; or empty
+/// Loads a scene and prints notes and warnings on stderr unless `quiet`.
+/// @param refused    is called with the mesh and the sets selected so far before an error about them is thrown
+/// @param continued  database that --resume continues; its spread points are kept if it exists
+/// @param made       mesh file of `phynness mesh`, which replaces the generation of the mesh without messages; or empty
 LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false,
                        const std::function<void(const LoadedScene&)>& refused = {},
                        const std::filesystem::path& continued = {}, const std::filesystem::path& made = {});
-/// The option for it.
+/// Adds the option for `made`.
 void add_made_mesh(CLI::App& command, std::filesystem::path& file);
 
-/// Prints the worst cells of a mesh in a line each. @return their figures
-json tell_worst_cells(const Mesh& mesh, const NodeList& fixed);
+/// Prints the worst cells of a mesh, one per line. @return their figures
+json print_worst_cells(const Mesh& mesh, const NodeList& fixed);
 
-/// Prints patch_warnings() on stderr. load_scene does it; others that read a database do it themselves.
-void warn_of_patch(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
+/// Prints patch_warnings() on stderr, as load_scene() does.
+void print_patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 
-/// Checks that a mesh belongs to the scene. Only a mesh file is compared, by its hash. Built-in shapes are covered by
-/// the physics hash, because another version of gmsh makes another mesh.
-/// @param where  the file with `mesh_hash`, for messages
+/// Checks by its hash that a mesh file belongs to the scene. Built-in shapes are covered by the physics hash, because
+/// their meshes depend on the version of gmsh.
+/// @param where  file that contains `mesh_hash`, for messages
 /// @throws Error (input) if the hashes differ
 void check_mesh(const Scene& scene, const std::string& mesh_hash, const std::string& where);
 
-/// Opens the database of a scene, or of another scene that has all its rays, of which some active and output nodes are
-/// taken. header() is that of the scene's own database.
+/// Opens the database of a scene, or of another scene that contains all its rays, with its active and output nodes.
+/// header() is that of the scene's own database.
 /// @throws Error (input) with the differences if the database does not have all rays of the scene
 Database open_database(const Scene& scene, const std::filesystem::path& file);
 
-/// Prints what is lost of the logs of a database. @param what  becomes of it
-void warn_of_damage(const std::vector<LogDamage>& all, const char* what = "are ignored");
+/// Prints the damage of the logs of a database. @param what  consequence for the damaged bytes
+void print_log_damage(const std::vector<LogDamage>& all, const char* what = "are ignored");
 
-/// Of an option --json; "-" is stdout.
+/// Writes the file of the option --json; "-" is stdout.
 void write_json(const OptionalPath& file, const json& value);
 
-/// Much larger than any body that passes the mesh checks without a warning, and much smaller than numbers whose squares
-/// overflow.
+/// Larger than any body that passes the mesh checks without a warning; its square does not overflow.
 inline constexpr double largest_displacement_m = 1e6;
 
-/// Of a body with this diagonal: solves in double precision have some four digits of the force at this displacement,
-/// and none at a ten-thousandth of it.
+/// The displacement at which forces of a body with this diagonal have about four digits in double precision; they have
+/// none at a ten-thousandth of it.
 inline double smallest_displacement(double diagonal_m) { return 1e-12 * diagonal_m; }
 
 /// Tools from repeated --node J or --point x,y,z and --displacement dx,dy,dz.
@@ -164,7 +164,7 @@ struct ToolOptions {
   std::vector<std::string> points, displacements;
   OptionalPath deformation_csv, json_file;
   void add_to(CLI::App& command);
-  /// Displacements [m] of the tools at nodes, then of the tools at points.
+  /// Displacements [m] of the tools at nodes, followed by those of the tools at points.
   /// @throws Error (input) unless there is at least one tool and one displacement of three finite numbers for each tool
   std::vector<Vec3> parsed_displacements() const;
   /// Positions of the tools: the nodes, then the surface points nearest to each --point, whose distances are printed on
@@ -181,12 +181,12 @@ struct ToolResult {
   Points displacement_m;            ///< one row per entry of `nodes`
   std::vector<std::int32_t> nodes;  ///< mesh node numbers of the rows
   struct Column {
-    std::string name, unit, heading;  ///< heading: of the CSV column, including the unit
+    std::string name, unit, heading;  ///< heading of the CSV column, with the unit
     Eigen::VectorXd values;           ///< one per entry of `nodes`
   };
   std::vector<Column> fields;
 };
-/// Prints the result and writes the files of `options`, and then what `write_more` writes.
+/// Prints the result, writes the files of `options`, and calls `write_more`.
 void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& places,
                   const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result, json extra,
                   const std::function<void()>& write_more = {});

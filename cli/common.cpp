@@ -17,9 +17,9 @@ namespace {
 Vec3 parse_vector(const std::string& text, const std::string& what, const std::string& remedy) {
   const auto fields = fields_of(text);
   Vec3 v{};
-  bool good = fields.size() == 3;
-  for (std::size_t k = 0; k < 3 && good; ++k) good = parse_number(fields[k], v[k]) && std::isfinite(v[k]);
-  if (!good)
+  bool is_valid = fields.size() == 3;
+  for (std::size_t k = 0; k < 3 && is_valid; ++k) is_valid = parse_number(fields[k], v[k]) && std::isfinite(v[k]);
+  if (!is_valid)
     throw input_error("a " + what + " must be three finite numbers separated by commas", "'" + text + "'", remedy);
   if (std::hypot(v[0], v[1], v[2]) > largest_displacement_m)
     throw input_error(fmt::format("a {} is longer than {:g} m", what, largest_displacement_m), "'" + text + "'",
@@ -27,7 +27,7 @@ Vec3 parse_vector(const std::string& text, const std::string& what, const std::s
   return v;
 }
 
-/// Warns of a depth or a tool that is unusual for the body. @throws Error (input) if it cannot be
+/// Warns of an unusual depth or tool for the body. @throws Error (input) if it is impossible
 void check_sizes(const Scene& scene, const QualityReport& q, bool quiet) {
   const double depth = scene.probe.max_displacement_m;
   const Vec3 extent{q.max_m[0] - q.min_m[0], q.max_m[1] - q.min_m[1], q.max_m[2] - q.min_m[2]};
@@ -52,7 +52,7 @@ void check_sizes(const Scene& scene, const QualityReport& q, bool quiet) {
                       "give radii in metres, and check mesh.scale_to_m");
 }
 
-/// Farthest --point from the surface, as a part of the diagonal of the bounding box.
+/// Largest distance of a --point from the surface, as a fraction of the diagonal of the bounding box.
 constexpr double largest_distance = 0.05;
 
 /// @throws Error (input) if the point is too far from the surface
@@ -103,8 +103,8 @@ void select(const std::filesystem::path& continued, LoadedScene& loaded) {
   resolve_selections(loaded.scene, loaded.mesh, loaded.sets, probed);
 }
 
-/// Without the groups that write_msh() adds for node sets; its groups of cells are the regions.
-MeshResult read_made(Scene scene, const std::filesystem::path& file) {
+/// Reads a mesh of write_msh(). Its groups of cells are the regions; its groups of node sets are omitted.
+MeshResult read_written_mesh(Scene scene, const std::filesystem::path& file) {
   const Scene whole = scene;
   MeshSpec spec;
   spec.file = file;
@@ -122,11 +122,11 @@ MeshResult read_made(Scene scene, const std::filesystem::path& file) {
 
 LoadedScene load_scene(const std::filesystem::path& file, bool quiet,
                        const std::function<void(const LoadedScene&)>& refused, const std::filesystem::path& continued,
-                       const std::filesystem::path& made_file) {
+                       const std::filesystem::path& mesh_file) {
   LoadedScene loaded;
   loaded.scene = open_scene(file);
-  quiet = quiet || !made_file.empty();
-  auto made = made_file.empty() ? make_mesh(loaded.scene) : read_made(loaded.scene, made_file);
+  quiet = quiet || !mesh_file.empty();
+  auto made = mesh_file.empty() ? make_mesh(loaded.scene) : read_written_mesh(loaded.scene, mesh_file);
   if (!quiet) {
     for (const auto& note : made.notes) message("note: {}\n", note);
     for (const auto& note : scene_notes(loaded.scene)) message("note: {}\n", note);
@@ -142,7 +142,7 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet,
     if (refused) refused(loaded);
     throw;
   }
-  if (!quiet) warn_of_patch(loaded.scene, loaded.mesh, loaded.sets);
+  if (!quiet) print_patch_warnings(loaded.scene, loaded.mesh, loaded.sets);
   return loaded;
 }
 
@@ -153,29 +153,29 @@ std::optional<double> limit_of(const std::optional<std::string>& text, const cha
   const auto [end, code] = std::from_chars(text->data(), text->data() + text->size(), value);
   const auto unit = units.find(std::string(end, text->data() + text->size()));
   // A value of 1 or more without a unit is ambiguous: 2 may be a factor or percent.
-  const bool vague = unit != units.end() && unit->first.empty() && value >= 1;
-  if (code != std::errc{} || unit == units.end() || !(value > 0) || vague)
+  const bool is_ambiguous = unit != units.end() && unit->first.empty() && value >= 1;
+  if (code != std::errc{} || unit == units.end() || !(value > 0) || is_ambiguous)
     throw input_error("a limit must be a positive number with a unit", fmt::format("{} {}", option, *text),
                       fmt::format("give for example {} {}", option, example));
   return value * unit->second;
 }
 
-json tell_worst_cells(const Mesh& mesh, const NodeList& fixed) {
+json print_worst_cells(const Mesh& mesh, const NodeList& fixed) {
   const auto worst = worst_cells(mesh, fixed);
   for (const auto& cell : worst) print_result("  {}\n", cell.str());
   return figures(worst);
 }
 
-void warn_of_patch(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+void print_patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   for (const auto& warning : patch_warnings(scene, mesh, sets)) message("warning: {}\n", warning);
 }
 
 void check_mesh(const Scene& scene, const std::string& hash, const std::string& where) {
   if (scene.mesh.shape != Shape::none || !std::filesystem::exists(scene.mesh.file)) return;
-  const auto own = mesh_hash(make_mesh(scene).mesh);
-  if (own != hash)
+  const auto scene_hash = mesh_hash(make_mesh(scene).mesh);
+  if (scene_hash != hash)
     throw input_error("the mesh of " + where + " is not the mesh of the scene",
-                      "hash " + hash + ", in the scene " + own,
+                      "hash " + hash + ", in the scene " + scene_hash,
                       "use the scene and mesh file from which it was made, or precompute again");
 }
 
@@ -192,7 +192,7 @@ Database open_database(const Scene& scene, const std::filesystem::path& file) {
   return database;
 }
 
-void warn_of_damage(const std::vector<LogDamage>& all, const char* what) {
+void print_log_damage(const std::vector<LogDamage>& all, const char* what) {
   for (const auto& damage : all)
     message("warning: {}: {}; {} {}\n", damage.log.string(), damage.reason, bytes(damage.dropped_bytes), what);
 }
@@ -268,24 +268,24 @@ std::vector<Vec3> ToolOptions::parsed_displacements() const {
 }
 
 std::vector<SurfacePoint> ToolOptions::places(const Mesh& mesh) const {
-  std::vector<SurfacePoint> found;
+  std::vector<SurfacePoint> places;
   for (const auto node : nodes) {
     if (node < 0 || node >= mesh.n_nodes())
       throw input_error("the mesh has no such node", "--node " + std::to_string(node),
                         "give a number from 0 to " + std::to_string(mesh.n_nodes() - 1));
     SurfacePoint place = at_node(node);
     for (int k = 0; k < 3; ++k) place.point[static_cast<std::size_t>(k)] = mesh.nodes(node, k);
-    found.push_back(place);
+    places.push_back(place);
   }
   for (const auto& text : points) {
-    const Vec3 wanted = parse_vector(text, "point", "give for example --point 0.1,0.02,0.05 (in metres)");
-    found.push_back(nearest_on_surface(mesh.nodes, mesh.surface, wanted));
-    const auto& place = found.back();
+    const Vec3 position = parse_vector(text, "point", "give for example --point 0.1,0.02,0.05 (in metres)");
+    places.push_back(nearest_on_surface(mesh.nodes, mesh.surface, position));
+    const auto& place = places.back();
     check_distance(text, place, mesh);
     message("note: point {} is {:.3g} m from the surface; the nearest triangle has the nodes {}, {}, {}\n", text,
             place.distance, place.nodes[0], place.nodes[1], place.nodes[2]);
   }
-  return found;
+  return places;
 }
 
 namespace {
@@ -337,9 +337,9 @@ void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& p
   else
     print_result("no deformation: the model has forces only\n");
   for (const auto& field : result.fields) {
-    const double most = field.values.size() > 0 ? field.values.maxCoeff() : 0.0;
-    print_result("largest {} {:.6g} {}\n", field.name, most, field.unit);
-    out["fields"][field.name] = record("max", most, "unit", field.unit);
+    const double largest_value = field.values.size() > 0 ? field.values.maxCoeff() : 0.0;
+    print_result("largest {} {:.6g} {}\n", field.name, largest_value, field.unit);
+    out["fields"][field.name] = record("max", largest_value, "unit", field.unit);
   }
 
   write_each({[&] { write_deformation(options, mesh, result); }, [&] { write_json(options.json_file, out); },

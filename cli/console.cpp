@@ -45,30 +45,30 @@ void Progress::update(std::int64_t done, std::int64_t total) {
 }
 
 namespace {
-std::atomic<bool> stop{false};
-std::atomic<bool> second_kills{true};
-const char* last_words = nullptr;
-bool clears_line = false;  // of a progress bar
-void say(const char* kind) {
-  for (const char* text : {clears_line ? "\r\033[K" : "", kind, last_words})
+std::atomic<bool> is_stop_requested{false};
+std::atomic<bool> second_signal_kills_process{true};
+const char* signal_message = nullptr;
+bool has_progress_line = false;
+void write_signal_message(const char* kind) {
+  for (const char* text : {has_progress_line ? "\r\033[K" : "", kind, signal_message})
     if (write(STDERR_FILENO, text, std::strlen(text)) < 0) break;
 }
-extern "C" void end_now(int /*signal*/) {
-  say("error: ");
+extern "C" void exit_on_signal(int /*signal*/) {
+  write_signal_message("error: ");
   _exit(1);
 }
 extern "C" void on_signal(int signal) {
-  if (!stop.exchange(true)) {
-    if (last_words) say("");
-  } else if (second_kills && signal != SIGUSR1) {
+  if (!is_stop_requested.exchange(true)) {
+    if (signal_message) write_signal_message("");
+  } else if (second_signal_kills_process && signal != SIGUSR1) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }
 }
 
-void handle_signals(void (*handler)(int), const char* words) {
-  last_words = words;
-  clears_line = isatty(STDERR_FILENO) != 0;
+void handle_signals(void (*handler)(int), const char* message) {
+  signal_message = message;
+  has_progress_line = isatty(STDERR_FILENO) != 0;
   // Without SA_RESTART, so that a signal ends the wait for a child process.
   struct sigaction action {};
   action.sa_handler = handler;
@@ -83,14 +83,14 @@ void handle_signals(void (*handler)(int), const char* words) {
 }
 }  // namespace
 
-bool stop_requested() { return stop.load(std::memory_order_relaxed); }
+bool stop_requested() { return is_stop_requested.load(std::memory_order_relaxed); }
 
-void install_stop_handler(bool second_signal_kills, const char* words) {
-  second_kills = second_signal_kills;
-  handle_signals(on_signal, words);
+void install_stop_handler(bool second_signal_kills, const char* message) {
+  second_signal_kills_process = second_signal_kills;
+  handle_signals(on_signal, message);
 }
 
-void end_at_signals(const char* words) { handle_signals(end_now, words); }
+void end_at_signals(const char* message) { handle_signals(exit_on_signal, message); }
 
 std::string duration(double seconds) {
   if (seconds < 10) return fmt::format("{:.1f} s", seconds);
@@ -134,9 +134,9 @@ int write_all(int descriptor, std::string_view text) noexcept {
   return 0;
 }
 
-/// The text with its lines broken at spaces to at most 100 bytes; the rest of a line is indented. A word that is
-/// longer, such as a path, has a line of its own.
-std::string in_lines(std::string text) {
+/// Breaks the lines of a text at spaces to at most 100 bytes and indents continuations. A longer word, such as a path,
+/// gets its own line.
+std::string wrapped(std::string text) {
   constexpr std::size_t width = 100;
   for (std::size_t begin = 0; begin < text.size();) {
     const auto indent = std::min(text.find_first_not_of(' ', begin), text.size()) - begin + 2;
@@ -164,7 +164,7 @@ void prepare_streams() {
 }
 
 void print_result_text(fmt::string_view format, fmt::format_args values) {
-  const int error = write_all(results, in_lines(fmt::vformat(format, values)));
+  const int error = write_all(results, wrapped(fmt::vformat(format, values)));
   if (first_error == 0 && results == STDOUT_FILENO) first_error = error;
 }
 
@@ -180,7 +180,7 @@ void message_text(fmt::string_view format, fmt::format_args values) noexcept {
   try {
     const auto text = fmt::vformat(format, values);
     const bool is_advice = text.starts_with("note: ") || text.starts_with("warning: ");
-    write_all(STDERR_FILENO, is_advice ? in_lines(text) : text);
+    write_all(STDERR_FILENO, is_advice ? wrapped(text) : text);
   } catch (...) {  // out of memory
   }
 }

@@ -1,5 +1,5 @@
-// Output of the command: results on stdout, messages and progress on stderr; a failed write to either does not end the
-// work. And an orderly end after a signal.
+// Output of a command: results on stdout, messages and progress on stderr. A failed write does not end the work.
+// Signals request an orderly end.
 #pragma once
 
 #include <fmt/core.h>
@@ -23,7 +23,7 @@ class Progress {
   explicit Progress(std::string what, std::string unit);
   ~Progress();
   void update(std::int64_t done, std::int64_t total);
-  /// For work that counts its parts; this object outlives it.
+  /// A function that updates this object, which must outlive it.
   std::function<void(std::int64_t, std::int64_t)> counter() {
     return [this](std::int64_t done, std::int64_t total) { update(done, total); };
   }
@@ -39,13 +39,13 @@ class Progress {
 /// True after SIGINT, SIGTERM, SIGUSR1 or SIGHUP, unless SIGHUP was ignored from the start. A second one, other than
 /// SIGUSR1, kills the process.
 bool stop_requested();
-/// For commands that poll stop_requested(). In other commands a signal ends the process at once.
+/// Lets signals set stop_requested(). Without this call a signal ends the process at once.
 /// @param second_signal_kills  false for a process that must outlive its children
-/// @param words  printed at the first signal; they stay valid
+/// @param words  text that is printed at the first signal; it must stay valid
 void install_stop_handler(bool second_signal_kills = true, const char* words = nullptr);
 
-/// For work that writes nothing before its end: a signal prints "error: " and `words` and ends the process with status
-/// 1, also inside of a long computation. @param words  stays valid
+/// Lets a signal print "error: " and `words` and end the process with status 1, also within a long computation.
+/// Suitable while nothing is written. @param words  must stay valid
 void end_at_signals(const char* words);
 
 /// "3 min 12 s", "48 s", "2 h 05 min"
@@ -58,7 +58,7 @@ std::string bytes(Count n) {
   return bytes(static_cast<double>(n));
 }
 
-/// Texts without control characters, whatever file they are from; numbers as they are.
+/// Removes control characters from texts; returns numbers unchanged.
 template <class T>
 auto shown(const T& value) {
   if constexpr (std::is_convertible_v<const T&, std::string_view>)
@@ -67,7 +67,7 @@ auto shown(const T& value) {
     return value;
 }
 
-/// To be called first. Opens standard descriptors that are closed, because otherwise the next opened file would get
+/// Must be called first. Opens standard descriptors that are closed, because otherwise the next opened file would get
 /// such a number and messages would be written into it. Writing to these descriptors still fails. The signals of a
 /// closed pipe and of the file size limit are ignored, so that they become failed writes.
 void prepare_streams();
@@ -95,11 +95,11 @@ void message(fmt::format_string<T...> format, const T&... values) noexcept try {
 /// From here on print_result() writes to stderr, so that stdout contains only what write_stdout() is given.
 void print_results_on_stderr();
 bool results_are_on_stderr();
-/// For data, not for texts. finish_streams() reports a failed write.
-/// @return false once something could not be written
+/// Writes data to stdout. finish_streams() reports a failed write.
+/// @return false after a failed write
 bool write_stdout(std::string_view text);
 
-/// To be called last. Reports on stderr if results could not be written to stdout.
+/// Must be called last. Reports on stderr if results could not be written to stdout.
 /// @return `exit_status`, or 1 instead of 0 if results are lost
 int finish_streams(int exit_status);
 

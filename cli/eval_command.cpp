@@ -22,7 +22,7 @@ struct Options {
   OptionalPath body;
 };
 
-/// Newton's steps of a body for each increment from rest.
+/// Largest number of Newton steps of a body in each increment from rest.
 constexpr std::int32_t body_steps = 60;
 
 NamedOrgan loaded(const Options& options) {
@@ -32,10 +32,10 @@ NamedOrgan loaded(const Options& options) {
 }
 std::optional<NamedOrgan> loaded_body(const Options& options, const NamedOrgan& model) {
   if (!options.body) return std::nullopt;
-  return model.body_beside(*options.body, body_steps);
+  return model.body_on_same_mesh(*options.body, body_steps);
 }
 
-/// Of a body at other nodes, zeros inside of it.
+/// The displacements of a body at the given nodes; zero at nodes that the body does not contain.
 Points on_output(const phn_body_contents& info, const Points& displacement_m, const std::vector<std::int32_t>& nodes) {
   Points out = Points::Zero(std::ssize(nodes), 3);
   for (Eigen::Index i = 0; i < out.rows(); ++i) {
@@ -71,51 +71,51 @@ std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places, const st
   return tools;
 }
 
-/// The words for a status above 0. Displacements that are not deeper than trained have the cause instead.
+/// The warning of a status above 0, with the displacements that exceed the trained depth, or with the cause.
 std::string warning_of(const NamedOrgan& model, const std::optional<NamedOrgan>& body, int status,
                        const std::vector<SurfacePoint>& places, const std::vector<Vec3>& displacements) {
-  std::string longer;
+  std::string exceeded;
   const auto active = model.active_nodes();
   for (std::size_t t = 0; t < places.size() && (status & PHN_WARNING_OUTSIDE) != 0; ++t) {
     const Vec3& d = displacements[t];
     const double length_m = std::hypot(d[0], d[1], d[2]);
     if (body && length_m > body->body_info().max_displacement_m)
-      longer +=
+      exceeded +=
           fmt::format("\n  {:.4g} m, the body was trained to {:.4g} m", length_m, body->body_info().max_displacement_m);
     for (std::size_t k = 0; k < 3 && !body; ++k) {
       const auto node = places[t].nodes[k];
       if (places[t].weights[k] == 0 || std::find(active.begin(), active.end(), node) == active.end()) continue;
       const double trained_m = model.trained_depth(node, d);
       if (length_m > trained_m)
-        longer +=
+        exceeded +=
             fmt::format("\n  {:.4g} m at node {}, trained to {:.4g} m in its direction", length_m, node, trained_m);
     }
   }
-  if (status != PHN_WARNING_OUTSIDE || !longer.empty()) return phn_status_message(status) + longer;
+  if (status != PHN_WARNING_OUTSIDE || !exceeded.empty()) return phn_status_message(status) + exceeded;
   return body                ? "near a tool there is no probed point"
          : places.size() > 1 ? "the tools work against each other, or one is between nodes beside fixed ones"
                              : "the tool is at or beside nodes where the model is linear or that are fixed";
 }
 
-/// Force and status of a step of a motion, dt_s after the step before.
-std::string moved(const NamedOrgan& organ, const Query& query, double dt_s) {
+/// The columns of a step of a motion, dt_s after the previous step.
+std::string motion_row(const NamedOrgan& organ, const Query& query, double dt_s) {
   const std::vector<phn_tool> tools{tool_at(query.node, query.displacement_m)};
-  const auto held = organ.hold(tools);
-  Vec3 force = held.force_N[0].value();
+  const auto response = organ.hold(tools);
+  Vec3 force = response.force_N[0].value();
   const Organ::Status status = organ.organ().relax(tools, dt_s, force);
   if (!status.ok()) throw failure(status.message(), fmt::format("{:g} s", *query.time_s), "give later times");
-  return fmt::format(",{},{},{},{}", force[0], force[1], force[2], held.status | int{status});
+  return fmt::format(",{},{},{},{}", force[0], force[1], force[2], response.status | int{status});
 }
 
-/// Columns behind those of the query; energy and bound only if the model has them.
-std::string answer_of(const NamedOrgan& model, std::optional<NamedOrgan>& body, const Query& query, bool has_energy,
+/// The columns after those of the query; energy and bound only if the model has them.
+std::string query_row(const NamedOrgan& model, std::optional<NamedOrgan>& body, const Query& query, bool has_energy,
                       bool has_bounds) {
   const auto& [node, d, time_s] = query;
   if (body) {
-    const auto said = body->hold_from_rest({tool_at(node, d)}, increments_from_rest);
-    const Vec3& f = *said.force_N[0];
-    auto text = fmt::format(",{},{},{},{},{}", f[0], f[1], f[2], *said.energy_J, said.status);
-    if (has_bounds) text += said.bound_N[0] ? fmt::format(",{}", *said.bound_N[0]) : ",";
+    const auto response = body->hold_from_rest({tool_at(node, d)}, increments_from_rest);
+    const Vec3& f = *response.force_N[0];
+    auto text = fmt::format(",{},{},{},{},{}", f[0], f[1], f[2], *response.energy_J, response.status);
+    if (has_bounds) text += response.bound_N[0] ? fmt::format(",{}", *response.bound_N[0]) : ",";
     return text;
   }
   Vec3 f{};
@@ -131,7 +131,7 @@ std::string answer_of(const NamedOrgan& model, std::optional<NamedOrgan>& body, 
   return text + (bound_N ? fmt::format(",{}", *bound_N) : ",");
 }
 
-/// --queries replaces the options of a single query, and its result is a table.
+/// Answers the table of --queries.
 void run_queries(const Options& options) {
   const NamedOrgan model = loaded(options);
   auto body = loaded_body(options, model);
@@ -151,8 +151,9 @@ void run_queries(const Options& options) {
   answers.motion_columns = ",fx_N,fy_N,fz_N,status";
   double last_s = 0;
   answers.answer = [&](const Query& query) -> std::string {
-    if (query.time_s) return moved(body ? *body : model, query, *query.time_s - std::exchange(last_s, *query.time_s));
-    return answer_of(model, body, query, has_energy, has_bounds);
+    if (query.time_s)
+      return motion_row(body ? *body : model, query, *query.time_s - std::exchange(last_s, *query.time_s));
+    return query_row(model, body, query, has_energy, has_bounds);
   };
   answer_queries(options.queries, answers);
 }
@@ -182,17 +183,17 @@ void run_single(const Options& options) {
   auto body = loaded_body(options, model);
   const auto places = options.tool.places(model.mesh());
   const auto active = model.active_nodes();
-  const bool probed = std::ranges::all_of(options.tool.nodes,
-                                          [&](std::int32_t node) { return std::ranges::binary_search(active, node); });
+  const bool all_active = std::ranges::all_of(
+      options.tool.nodes, [&](std::int32_t node) { return std::ranges::binary_search(active, node); });
   const bool coupled =
-      options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty() || body || !probed);
+      options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty() || body || !all_active);
   const auto tools = tools_at(places, displacements);
   const auto response = body      ? body->hold_from_rest(tools, increments_from_rest)
                         : coupled ? model.hold(tools)
                                   : model.blend(options.tool.nodes, displacements);
-  const auto& wanted = options.tool.deformation_csv ? options.tool.deformation_csv : options.surface;
-  if (response.displacement_m.rows() == 0 && wanted)
-    throw input_error("this model has forces only", wanted->string(),
+  const auto& output_file = options.tool.deformation_csv ? options.tool.deformation_csv : options.surface;
+  if (response.displacement_m.rows() == 0 && output_file)
+    throw input_error("this model has forces only", output_file->string(),
                       "omit the output file, or train the model with [training] modes of 1 or more");
   if (response.status > 0) message("warning: {}\n", warning_of(model, body, response.status, places, displacements));
   json extra = record("status", response.status, "family", model.info().family, "level", model.level());
@@ -204,7 +205,7 @@ void run_single(const Options& options) {
   }
   if (options.body) extra["body"] = options.body->string();
   if (bounded) extra["bound_N"] = bound_N ? json(*bound_N) : json(nullptr);
-  const auto& bounds = response.bound_N;  // of coupled tools
+  const auto& bounds = response.bound_N;
   if (coupled) extra["residual"] = response.report.residual_m;
   for (const auto& bound : bounds) extra["bounds_N"].push_back(bound ? json(*bound) : json(nullptr));
   const auto& info = model.info();

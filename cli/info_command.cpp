@@ -34,8 +34,8 @@ void print_mesh(const Mesh& mesh, const NodeSets& sets) {
 }
 
 /// Prints how spread points are distributed. @param covered  ascending
-void tell_points(const Mesh& mesh, const std::vector<std::int32_t>& active, const std::vector<std::int32_t>& fixed,
-                 const std::vector<std::int32_t>& covered) {
+void print_points(const Mesh& mesh, const std::vector<std::int32_t>& active, const std::vector<std::int32_t>& fixed,
+                  const std::vector<std::int32_t>& covered) {
   const auto spread = probe_spread(mesh.nodes, mesh.surface, active, fixed, covered);
   print_result(
       "points    {} spread over the surface, {:.3g} mm from their nearest neighbours in the median, {:.3g} mm at most; "
@@ -43,7 +43,7 @@ void tell_points(const Mesh& mesh, const std::vector<std::int32_t>& active, cons
       active.size(), 1e3 * spread.median_m, 1e3 * spread.largest_m, 100 * spread.covered);
 }
 
-/// A ray that stopped short of the full depth.
+/// A ray that ended before the full depth.
 struct ShortRay {
   std::int32_t node = 0;
   std::size_t direction = 0;
@@ -87,28 +87,31 @@ void print_failed_rays(const std::vector<ShortRay>& failed, std::size_t n_active
                  1e3 * ray.failed_at_m, ray.reason);
 }
 
-/// Prints which share of the rays and of the probe volume ends early, why, and at which nodes. @return the figures
-json tell_ends(const DatabaseHeader& header, const EndSummary& ends) {
+/// Prints the shares of rays and of the probe volume that end early, with reasons and nodes. @return the figures
+json print_ends(const DatabaseHeader& header, const EndSummary& ends) {
   constexpr std::size_t most_listed = 8;
   json reasons = json::object();
-  std::string why, where;
+  std::string reasons_text, nodes_text;
   for (const auto& [reason, count] : ends.reasons) {
-    const auto lost = ends.volume.find(reason);
-    reasons[name(reason)] = record("rays", count, "share_of_volume", lost == ends.volume.end() ? 0.0 : lost->second);
-    if (RayEnd{reason}.is_early()) why += fmt::format("  {:<16} {:<9} {}\n", name(reason), count, meaning(reason));
+    const auto untrained = ends.volume.find(reason);
+    reasons[name(reason)] =
+        record("rays", count, "share_of_volume", untrained == ends.volume.end() ? 0.0 : untrained->second);
+    if (RayEnd{reason}.is_early())
+      reasons_text += fmt::format("  {:<16} {:<9} {}\n", name(reason), count, meaning(reason));
   }
-  std::vector<std::size_t> nodes;  // those with the smallest probe volume first
+  std::vector<std::size_t> nodes;  // sorted by ascending probe volume
   for (std::size_t a = 0; a < ends.early.size(); ++a)
     if (ends.early[a] > 0) nodes.push_back(a);
   std::ranges::stable_sort(nodes, {}, [&](std::size_t a) { return ends.reached[a]; });
   for (std::size_t i = 0; i < nodes.size() && i < most_listed; ++i)
-    where += fmt::format("{}{} ({:.0f} %)", i ? ", " : "", header.sets.active[nodes[i]], 100 * ends.reached[nodes[i]]);
+    nodes_text +=
+        fmt::format("{}{} ({:.0f} %)", i ? ", " : "", header.sets.active[nodes[i]], 100 * ends.reached[nodes[i]]);
   if (!nodes.empty())
     print_result(
         "ends      {:.1f} % of {} rays end early, {:.1f} % of the probe volume is not trained\n{}"
         "  at {} of {} nodes; volume that is trained: {}{}\n",
-        100 * ends.share_of_rays(), ends.rays, 100 * ends.share_of_volume(), why, nodes.size(), ends.early.size(),
-        where, nodes.size() > most_listed ? ", ..." : "");
+        100 * ends.share_of_rays(), ends.rays, 100 * ends.share_of_volume(), reasons_text, nodes.size(),
+        ends.early.size(), nodes_text, nodes.size() > most_listed ? ", ..." : "");
   if (ends.folds > 0)
     print_result("folds     on {} rays; the largest energy lost at once is {:.3g} J\n", ends.folds,
                  ends.largest_loss_J);
@@ -117,14 +120,14 @@ json tell_ends(const DatabaseHeader& header, const EndSummary& ends) {
 }
 
 /// Prints the parts of a body of several materials.
-json tell_regions(const Scene& scene, const Mesh& mesh) {
+json print_regions(const Scene& scene, const Mesh& mesh) {
   const auto regions = region_figures(scene, mesh);
   for (const auto& region : regions) print_result("  {}\n", region.str());
   return figures(regions);
 }
 
-/// Prints how a body relaxes, if it does. @return null of an elastic one
-json tell_relaxation(const Relaxation& relaxation) {
+/// Prints the relaxation of a body. @return null for an elastic body
+json print_relaxation(const Relaxation& relaxation) {
   if (relaxation.empty()) return nullptr;
   json terms = json::array();
   for (const auto& term : relaxation.terms.rowwise()) terms.push_back(record("g", term[0], "tau_s", term[1]));
@@ -132,16 +135,16 @@ json tell_relaxation(const Relaxation& relaxation) {
   return terms;
 }
 
-json tell_relaxation(const phn_relaxation& from) {
+json print_relaxation(const phn_relaxation& from) {
   Relaxation relaxation;
   relaxation.terms.resize(from.n_terms, 2);
   for (Eigen::Index i = 0; i < from.n_terms; ++i) relaxation.terms.row(i) << from.g[i], from.tau_s[i];
-  return tell_relaxation(relaxation);
+  return print_relaxation(relaxation);
 }
 
 json about_database(const std::filesystem::path& file, bool failed) {
   const auto progress = database_progress(file);
-  warn_of_damage(progress.damage);
+  print_log_damage(progress.damage);
   if (!progress.complete) {
     if (failed)
       throw input_error("only a finished database lists its failed rays", "--failed with " + file.string(),
@@ -157,9 +160,9 @@ json about_database(const std::filesystem::path& file, bool failed) {
   print_result("database  {} ({}), {}\n", file.string(), bytes(std::filesystem::file_size(file)), h.software_version);
   print_result("scene     {}, physics {}\n", h.scene_name, h.physics_hash);
   print_mesh(h.mesh, h.sets);
-  warn_of_patch(stored_scene(h), h.mesh, h.sets);
-  const json regions = h.mesh.regions.empty() ? json::array() : tell_regions(stored_scene(h), h.mesh);
-  const json relaxation = tell_relaxation(h.scene_text.empty() ? Relaxation{} : stored_scene(h).relaxation);
+  print_patch_warnings(stored_scene(h), h.mesh, h.sets);
+  const json regions = h.mesh.regions.empty() ? json::array() : print_regions(stored_scene(h), h.mesh);
+  const json relaxation = print_relaxation(h.scene_text.empty() ? Relaxation{} : stored_scene(h).relaxation);
   print_result("probes    {} directions, {} increments to {:.4g} m{}{}\n", h.directions.size(), h.magnitudes_m.size(),
                h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "",
                h.imported ? ", imported from another program" : "");
@@ -177,7 +180,7 @@ json about_database(const std::filesystem::path& file, bool failed) {
   }
   const auto rays = failed_rays(database);
   print_failed_rays(rays, h.sets.active.size(), failed);
-  const json ends = tell_ends(h, summarize_ends(database));
+  const json ends = print_ends(h, summarize_ends(database));
   if (!h.imported) {
     print_result("unstable  {} converged states with negative pivots; smallest J {:.3g}\n", summary.unstable_states,
                  summary.min_jacobian);
@@ -190,10 +193,10 @@ json about_database(const std::filesystem::path& file, bool failed) {
                 summary.newton_iterations, "unstable_states", summary.unstable_states);
 }
 
-/// Prints what the finite elements solved and how far they are from a finer solution.
-json tell_provenance(const phn_provenance& p, const FinerDistance* whole = nullptr) {
-  const auto said = [](const char* text) { return *text != 0 ? json(text) : json(nullptr); };
-  const auto known = [](auto value) { return value > 0 ? json(value) : json(nullptr); };
+/// Prints the element, the material and the distance to a finer solution.
+json print_provenance(const phn_provenance& p, const FinerDistance* whole = nullptr) {
+  const auto text_or_null = [](const char* text) { return *text != 0 ? json(text) : json(nullptr); };
+  const auto positive_or_null = [](auto value) { return value > 0 ? json(value) : json(nullptr); };
   const FinerDistance finer{.is_measured = *p.reference != 0,
                             .element = p.element,
                             .reference = p.reference,
@@ -206,12 +209,14 @@ json tell_provenance(const phn_provenance& p, const FinerDistance* whole = nullp
   print_result("distance  from a finer solution: {}{}\n",
                finer.is_measured ? (whole != nullptr ? *whole : finer).sentence() : "not recorded",
                p.finer_nodes > 0 ? fmt::format(". Its mesh has {} nodes", p.finer_nodes) : "");
-  return record("mesh_hash", said(p.mesh_hash), "physics_hash", said(p.physics_hash), "element", said(p.element),
-                "shear_modulus_Pa", known(p.shear_modulus_Pa), "reference", said(p.reference), "finer_nodes",
-                known(p.finer_nodes), "finer_probes", finer.is_measured ? json(p.finer_probes) : json(nullptr),
-                "finer_tool_radius_m", known(p.finer_tool_radius_m), "finer_mean",
+  return record("mesh_hash", text_or_null(p.mesh_hash), "physics_hash", text_or_null(p.physics_hash), "element",
+                text_or_null(p.element), "shear_modulus_Pa", positive_or_null(p.shear_modulus_Pa), "reference",
+                text_or_null(p.reference), "finer_nodes", positive_or_null(p.finer_nodes), "finer_probes",
+                finer.is_measured ? json(p.finer_probes) : json(nullptr), "finer_tool_radius_m",
+                positive_or_null(p.finer_tool_radius_m), "finer_mean",
                 finer.probes > 0 ? json(p.finer_mean) : json(nullptr), "finer_p95",
-                finer.probes > 0 ? json(p.finer_p95) : json(nullptr), "bound_reference", known(p.bound_reference));
+                finer.probes > 0 ? json(p.finer_p95) : json(nullptr), "bound_reference",
+                positive_or_null(p.bound_reference));
 }
 
 json about_image(const std::filesystem::path& file) {
@@ -221,13 +226,13 @@ json about_image(const std::filesystem::path& file) {
   std::memcpy(words.data(), text.data(), text.size());
   const auto image = read_image(words, text.size(), file.string());
   const auto& p = image.provenance;
-  const auto said = [](const char* hash) { return *hash != 0 ? hash : "not recorded"; };
+  const auto or_not_recorded = [](const char* hash) { return *hash != 0 ? hash : "not recorded"; };
   print_result("image     {} ({}): {} active nodes, {}, {}\n", file.string(), bytes(static_cast<double>(text.size())),
                image.n_active,
                image.n_output > 0 ? fmt::format("{} output nodes", image.n_output) : std::string("forces only"),
                image.floats ? "float" : "double");
-  print_result("mesh      {}, physics {}\n", said(p.mesh_hash), said(p.physics_hash));
-  const json provenance = tell_provenance(p), relaxation = tell_relaxation(image.relaxation);
+  print_result("mesh      {}, physics {}\n", or_not_recorded(p.mesh_hash), or_not_recorded(p.physics_hash));
+  const json provenance = print_provenance(p), relaxation = print_relaxation(image.relaxation);
   return record("kind", "image", "relaxation", relaxation, "image_bytes", text.size(), "real_bytes",
                 image.floats ? 4 : 8, "active", image.n_active, "output", image.n_output, "provenance", provenance);
 }
@@ -251,7 +256,7 @@ json about_model(const std::filesystem::path& dir) {
   if (const auto n = model.info().n_levels; n > 1)
     print_result("levels    {}; phynness bench shows their sizes, errors and times\n", n);
   const auto area = touched_area(m, model.mesh());
-  if (m.covered.rows() > 0) tell_points(model.mesh(), active, m.fixed, probed_nodes(m));
+  if (m.covered.rows() > 0) print_points(model.mesh(), active, m.fixed, probed_nodes(m));
   if (!m.linear_points.empty())
     print_result("elsewhere {} points answer as the body at rest: {:.1f} % of the area is linear\n",
                  m.linear_points.size(), 100 * area.linear);
@@ -264,8 +269,8 @@ json about_model(const std::filesystem::path& dir) {
     bounds.push_back(record("coverage", bound.coverage, "rays", bound.n_rays, "nodes", bound.n_nodes, "reference",
                             reference_names.at(static_cast<std::size_t>(bound.reference))));
   }
-  const json provenance = tell_provenance(model.info().provenance, &m.finer),
-             relaxation = tell_relaxation(model.info().relaxation);
+  const json provenance = print_provenance(model.info().provenance, &m.finer),
+             relaxation = print_relaxation(model.info().relaxation);
   print_result("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n", bytes(model.text().size()),
                bytes(model.mesh_text_bytes()), bytes(model.organ().constant_bytes()));
   return record("kind", "model", "relaxation", relaxation, "family", name(m.family), "model_hash", model.hash(),
@@ -276,12 +281,13 @@ json about_model(const std::filesystem::path& dir) {
                 model.organ().constant_bytes());
 }
 
-/// By the first word, whatever the name of the file.
+/// Whether the file begins with the first word of a body.
 bool is_body(const std::filesystem::path& file) {
-  const std::string_view first(schema::body_first_line, sizeof "phynness-body " - 1);
-  std::string begin(first.size(), '\0');
+  const std::string_view expected_bytes(schema::body_first_line, sizeof "phynness-body " - 1);
+  std::string first_bytes(expected_bytes.size(), '\0');
   return std::filesystem::is_regular_file(file) &&
-         std::ifstream(file, std::ios::binary).read(begin.data(), std::ssize(begin)) && begin == first;
+         std::ifstream(file, std::ios::binary).read(first_bytes.data(), std::ssize(first_bytes)) &&
+         first_bytes == expected_bytes;
 }
 
 json about_body(const std::filesystem::path& file) {
@@ -305,7 +311,7 @@ json about_body(const std::filesystem::path& file) {
     print_result("bounds    none; phynness calibrate --body adds them\n");
   print_result("size      {}, {} in the runtime's memory, {} for a state of 2 tools\n", bytes(body.text().size()),
                bytes(body.organ().constant_bytes()), bytes(state_bytes));
-  const json relaxation = tell_relaxation(info.relaxation);
+  const json relaxation = print_relaxation(info.relaxation);
   const json bounds = body.has_bounds() ? record("coverage", text.coverage, "rays", text.n_rays) : json(nullptr);
   return record("kind", "body", "relaxation", relaxation, "mesh_hash", info.mesh_hash, "physics_hash",
                 info.physics_hash, "law", info.law, "nodes", info.n_nodes, "triangles", info.n_triangles, "modes",
@@ -319,20 +325,20 @@ json about_scene(const std::filesystem::path& file) {
   const auto loaded = load_scene(file);
   print_result("scene     {}: {}\n", file.string(), loaded.scene.title);
   print_mesh(loaded.mesh, loaded.sets);
-  const json worst = tell_worst_cells(loaded.mesh, loaded.sets.fixed);
+  const json worst = print_worst_cells(loaded.mesh, loaded.sets.fixed);
   if (spreads(loaded.scene.active)) {
     const auto& sets = loaded.sets;
     const bool round = loaded.scene.probe.kind == ProbeKind::patch;
-    tell_points(loaded.mesh, sets.active, sets.fixed,
-                round ? probe_coordinates(loaded.mesh.nodes, loaded.mesh.surface, sets.active, sets.fixed,
-                                          loaded.scene.probe.tool_radius_m)
-                            .covered
-                      : sets.active);
+    print_points(loaded.mesh, sets.active, sets.fixed,
+                 round ? probe_coordinates(loaded.mesh.nodes, loaded.mesh.surface, sets.active, sets.fixed,
+                                           loaded.scene.probe.tool_radius_m)
+                             .covered
+                       : sets.active);
   }
   const Material& m = loaded.scene.material;
   print_result("at rest   E {:.4g} Pa, nu {:.4g}, mu {:.4g} Pa, K {:.4g} Pa, K/mu {:.4g}\n", m.youngs_modulus_Pa(),
                m.poisson_ratio(), m.shear_modulus_Pa, m.bulk_modulus_Pa, m.bulk_to_shear());
-  const json regions = tell_regions(loaded.scene, loaded.mesh);
+  const json regions = print_regions(loaded.scene, loaded.mesh);
   print_result("physics   {}\n{}", physics_hash(loaded.scene), physics_summary(loaded.scene));
   print_result("not in the hash\n{}", other_settings(loaded.scene));
   return record("kind", "scene", "mesh_hash", mesh_hash(loaded.mesh), "physics_hash", physics_hash(loaded.scene),
@@ -345,26 +351,26 @@ json about_scene(const std::filesystem::path& file) {
 json about_mesh(const std::filesystem::path& file) {
   const auto absolute = std::filesystem::absolute(file);
   const bool shell = holds_open_surface(absolute);
-  const auto made = shell ? make_shell(absolute) : [&] {
+  const auto result = shell ? make_shell(absolute) : [&] {
     Scene scene;
     scene.mesh.file = absolute;
     return make_mesh(scene, true);
   }();
-  for (const auto& note : made.notes) message("note: {}\n", note);
-  for (const auto& warning : made.warnings) message("warning: {}\n", warning);
-  const auto& q = made.quality;
+  for (const auto& note : result.notes) message("note: {}\n", note);
+  for (const auto& warning : result.warnings) message("warning: {}\n", warning);
+  const auto& q = result.quality;
   if (shell)
     print_result("mesh      {} {}: {} nodes, {} triangles of an open surface; a shell needs [mesh] thickness_m\n",
-                 file.string(), mesh_hash(made.mesh), q.n_nodes, q.n_cells);
+                 file.string(), mesh_hash(result.mesh), q.n_nodes, q.n_cells);
   else
-    print_result("mesh      {} {}: {} nodes ({} on the surface), {} tetrahedra\n", file.string(), mesh_hash(made.mesh),
-                 q.n_nodes, q.n_surface_nodes, q.n_cells);
+    print_result("mesh      {} {}: {} nodes ({} on the surface), {} tetrahedra\n", file.string(),
+                 mesh_hash(result.mesh), q.n_nodes, q.n_surface_nodes, q.n_cells);
   print_result("box       {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g} (file units)\n", q.min_m[0], q.min_m[1],
                q.min_m[2], q.max_m[0], q.max_m[1], q.max_m[2]);
   print_result("quality   worst {:.3f}, {} slivers\n", q.min_quality, q.n_slivers);
-  const auto worst = worst_cells(made.mesh, {});
+  const auto worst = worst_cells(result.mesh, {});
   for (const auto& cell : worst) print_result("  {}\n", cell.str(1, " (file units)"));
-  return record("kind", "mesh", "mesh_hash", mesh_hash(made.mesh), "nodes", q.n_nodes, "tetrahedra",
+  return record("kind", "mesh", "mesh_hash", mesh_hash(result.mesh), "nodes", q.n_nodes, "tetrahedra",
                 shell ? 0 : q.n_cells, "shell_triangles", shell ? q.n_cells : 0, "worst_cells", worst);
 }
 

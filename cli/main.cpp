@@ -14,7 +14,7 @@
 namespace phynness {
 namespace {
 
-/// "MODEL_DIR is required", which is what CLI11 says, without the last two words; "" if it says something else.
+/// The name in CLI11's message "MODEL_DIR is required"; empty for other messages.
 std::string missing_name(const CLI::ParseError& error) {
   constexpr std::string_view end = " is required";
   const std::string_view text = error.what();
@@ -22,12 +22,12 @@ std::string missing_name(const CLI::ParseError& error) {
   return std::string(text.substr(0, text.size() - end.size()));
 }
 
-/// An error of the command line in the form of all other errors. @param app  as its parse left it
+/// Converts an error of CLI11. @param app  state after the failed parse
 Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const auto commands = app.get_subcommands();
   const std::string command = commands.empty() ? "phynness" : "phynness " + commands.back()->get_name();
   const auto extras = app.remaining(true);
-  // A wrong name for a required option is one missing option and two words too many: both are said.
+  // A misspelt required option gives a missing option and two unknown words; the error contains both.
   const auto extra_words = fmt::format("{}", fmt::join(extras, " "));
   const auto missing = missing_name(error);
   if (missing == "A subcommand")
@@ -46,7 +46,7 @@ Error usage_error(const CLI::App& app, const CLI::ParseError& error) {
 /// The commands whose ranks share the work. Under mpirun each rank of any other would write the same files.
 constexpr std::string_view commands_for_ranks[] = {"precompute", "calibrate", "reduce", "validate"};
 
-/// MPI itself is not asked, because most commands do without it. @throws Error (input)
+/// Refuses to run on several ranks, which environment variables tell without MPI. @throws Error (input)
 void refuse_ranks(const CLI::App& app) {
   const auto command = app.get_subcommands().at(0)->get_name();
   if (std::ranges::find(commands_for_ranks, command) != std::end(commands_for_ranks)) return;
@@ -55,7 +55,7 @@ void refuse_ranks(const CLI::App& app) {
                                    {"SLURM_STEP_NUM_TASKS", "SLURM_PROCID"}}) {
     const char *ranks = std::getenv(size), *own = std::getenv(rank);
     if (!ranks || std::atoi(ranks) < 2) continue;
-    // The launcher ends the other ranks when the first has given the reason.
+    // The launcher ends the other ranks after the first one has printed the reason.
     if (own && std::atoi(own) > 0) std::this_thread::sleep_for(std::chrono::seconds(2));
     throw input_error(command + " must run as one process", fmt::format("{} ranks ({} = {})", ranks, size, ranks),
                       "start it without mpirun; run --ranks starts mpirun itself");
@@ -63,10 +63,10 @@ void refuse_ranks(const CLI::App& app) {
 }
 
 int end_with(const Error& error) {
-  // Ranks other than the first have no text, so that the reason is printed once.
+  // Only the first rank has a message, so that the reason is printed once.
   if (*error.what() != 0)
     cli::message("error: {}\n", error.what());
-  else  // the launcher ends the first rank, which gives the reason, as soon as another one has ended
+  else  // the first rank needs time for its message, because the launcher ends it when another one ends
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
   return error.kind() == Error::Kind::input ? 2 : 1;
 }
@@ -81,13 +81,13 @@ int run_command_line(int argc, char** argv) {
   app.require_subcommand(1);
 #define PHYNNESS_ADD(name) cli::name##_command::add(app);
   PHYNNESS_COMMANDS(PHYNNESS_ADD)
-  // Called after the whole line has been parsed and before the subcommand is executed.
+  // The callback is called after parsing and before the subcommand is executed.
   app.parse_complete_callback([&app] {
     refuse_ranks(app);
     cli::check_files();
   });
   try {
-    cli::leave_to_solver(argv);
+    cli::exec_solver_program(argv);
     const auto names = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
     if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(names).empty())
       throw input_error("there is no such subcommand", argv[1], "phynness --help lists the subcommands");

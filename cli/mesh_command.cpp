@@ -34,7 +34,7 @@ void run(const Options& options) {
                100 * (q.max_m[2] - q.min_m[2]));
   print_result("edges {:.3g} to {:.3g} mm, mean {:.3g} mm; {} slivers with quality below {}; worst:\n",
                1e3 * q.min_edge_m, 1e3 * q.max_edge_m, 1e3 * q.mean_edge_m, q.n_slivers, sliver_quality);
-  const json worst = tell_worst_cells(loaded.mesh, s.fixed);
+  const json worst = print_worst_cells(loaded.mesh, s.fixed);
   print_result("{} fixed nodes, {} active, {} output\n", s.fixed.size(), s.active.size(), s.output.size());
   const json figures =
       record("mesh_hash", mesh_hash(loaded.mesh), "nodes", q.n_nodes, "tetrahedra", shell ? 0 : q.n_cells,

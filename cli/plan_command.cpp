@@ -1,6 +1,3 @@
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <ctime>
@@ -20,7 +17,7 @@ namespace {
 
 /// A relative standard error above this is reported; a plan then has an error of up to twice this value.
 constexpr double acceptable_error = 0.125;
-/// Of records, read, compressed and written by one core: 35 MB/s for demo.toml, 41 MB/s for liver_case3.toml.
+/// The speed of packing by one core; measured: 35 MB/s for demo.toml, 41 MB/s for liver_case3.toml.
 constexpr double packing_B_per_s = 40e6;
 
 struct Options {
@@ -35,22 +32,22 @@ struct Options {
 struct Measured {
   std::int64_t rays = 0, nodes = 0;
   double seconds_per_ray = 0, seconds_longest_ray = 0;
-  std::optional<double> relative_standard_error;                          ///< of the mean of a sample of enough nodes
-  double start_seconds = 0, node_setup_seconds = 0, at_rest_seconds = 0;  ///< the last: of all points
+  std::optional<double> relative_standard_error;                          ///< of the mean, for enough nodes
+  double start_seconds = 0, node_setup_seconds = 0, at_rest_seconds = 0;  ///< at_rest: all points
   PHYNNESS_FIGURES(rays, nodes, seconds_per_ray, seconds_longest_ray, relative_standard_error, start_seconds,
                    node_setup_seconds, at_rest_seconds)
 };
 
 struct Plan {
-  std::int64_t rays = 0, rays_requested = 0;  ///< recorded, and solved
+  std::int64_t rays = 0, rays_requested = 0;  ///< recorded rays, and solved ones
   std::size_t increments = 0, points_at_rest = 0;
   Measured measured;
   int ranks = 1;
   double wall_seconds = 0, core_hours = 0, memory_bytes_per_rank = 0, machine_memory_bytes = 0;
   double database_bytes = 0, log_bytes = 0;
-  std::optional<double> check_seconds;  ///< most of the check in run; empty if the scene says how many probes
+  std::optional<double> check_seconds;  ///< limit of the check in run; empty if the scene sets the number of probes
   std::int64_t calibration_rays = 0, probes = 0;
-  double calibrate_seconds = 0, validate_seconds = 0;  ///< in run
+  double calibrate_seconds = 0, validate_seconds = 0;  ///< times in run
   int ranks_of_use = 1;
   PHYNNESS_FIGURES(rays, rays_requested, increments, points_at_rest, measured, ranks, wall_seconds, core_hours,
                    memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, check_seconds,
@@ -59,15 +56,9 @@ struct Plan {
   bool is_sample() const { return measured.rays < rays_requested; }
 };
 
-double peak_memory_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
-
 double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
-void warn_of_states(const std::map<Status, std::int64_t>& states) {
+void print_failed_states(const std::map<Status, std::int64_t>& states) {
   std::int64_t failed = 0, all = 0;
   std::string reasons;
   for (const auto& [status, count] : states) {
@@ -79,18 +70,18 @@ void warn_of_states(const std::map<Status, std::int64_t>& states) {
   if (failed > 0) message("warning: {} of {} increments failed: {}\n", failed, all, reasons);
 }
 
-/// CPU time of the responses at rest, from a few of them.
+/// Predicts the CPU time of the responses at rest from a few of them.
 double seconds_at_rest(ProbeSolver& solver, const NodeList& points) {
-  constexpr std::size_t most = 9;
+  constexpr std::size_t max_points = 9;
   if (points.empty()) return 0;
-  const auto spent = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
-  const std::size_t n = std::min(most, points.size());
-  const double start = spent();
-  solver.alone_at_rest(points.front());
-  const double begun = spent();
-  for (std::size_t i = 1; i < n; ++i) solver.alone_at_rest(points[i * points.size() / n]);
-  const double each = n > 1 ? (spent() - begun) / static_cast<double>(n - 1) : 0;
-  return begun - start + each * static_cast<double>(points.size() - 1);
+  const auto cpu_s = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
+  const std::size_t n = std::min(max_points, points.size());
+  const double start = cpu_s();
+  solver.single_tool_at_rest(points.front());
+  const double first_s = cpu_s();
+  for (std::size_t i = 1; i < n; ++i) solver.single_tool_at_rest(points[i * points.size() / n]);
+  const double mean_s = n > 1 ? (cpu_s() - first_s) / static_cast<double>(n - 1) : 0;
+  return first_s - start + mean_s * static_cast<double>(points.size() - 1);
 }
 
 void measure(const LoadedScene& loaded, const DatabaseHeader& header, const std::vector<RayChoice>& chosen,
@@ -104,14 +95,14 @@ void measure(const LoadedScene& loaded, const DatabaseHeader& header, const std:
   if (solved.interrupted)
     throw failure("interrupted", fmt::format("{} of {} rays solved", solved.rays.size(), chosen.size()),
                   "run the command again; fewer --rays take less time");
-  const double spent_s = static_cast<double>(std::clock()) / CLOCKS_PER_SEC, setup_s = sum(solved.node_setup_s);
+  const double total_s = static_cast<double>(std::clock()) / CLOCKS_PER_SEC, setup_s = sum(solved.node_setup_s);
   std::vector<double> seconds;
   std::map<Status, std::int64_t> states;
   for (const auto& ray : solved.rays) {
     seconds.push_back(sum(ray.seconds));
     for (const auto status : ray.status) ++states[status];
   }
-  warn_of_states(states);
+  print_failed_states(states);
   const auto costs = costs_of(chosen, seconds);
   measured.rays = std::ssize(chosen);
   measured.nodes = std::ssize(solved.node_setup_s);
@@ -119,11 +110,11 @@ void measure(const LoadedScene& loaded, const DatabaseHeader& header, const std:
   measured.seconds_longest_ray = costs.longest_s;
   measured.relative_standard_error = costs.relative_error;
   measured.node_setup_seconds = setup_s / static_cast<double>(measured.nodes);
-  measured.start_seconds = std::max(0.0, spent_s - sum(seconds) - setup_s);
+  measured.start_seconds = std::max(0.0, total_s - sum(seconds) - setup_s);
   measured.at_rest_seconds = seconds_at_rest(solver, header.sets.linear);
 }
 
-/// Sizes and times of calibrate and validate in run.
+/// Predicts the sizes and times of calibrate and validate in run.
 void plan_checks(const LoadedScene& loaded, const DatabaseHeader& header, Plan& plan) {
   const bool bounded = !schema::traits(loaded.scene.training.family).proportional;
   const auto sizes = sizes_of_checks(loaded.scene, header, bounded);
@@ -158,7 +149,7 @@ Plan make_plan(const Options& options, const LoadedScene& loaded) {
     costs.rays += n;
     costs.nodes += n > 0;
   }
-  plan.rays = std::ssize(rays_left(header, std::vector<char>(requested.size(), 0)));
+  plan.rays = std::ssize(remaining_rays(header, std::vector<char>(requested.size(), 0)));
   plan.rays_requested = costs.rays;
   plan.increments = header.magnitudes_m.size();
   plan.log_bytes = static_cast<double>(plan.rays) * record_bytes(header);
@@ -173,14 +164,14 @@ Plan make_plan(const Options& options, const LoadedScene& loaded) {
         probes ? 0 : check_limit_s(plan.measured.seconds_per_ray * static_cast<double>(costs.rays), plan.ranks);
   plan_checks(loaded, header, plan);
   plan.core_hours = plan.wall_seconds * plan.ranks / 3600;
-  plan.ranks_of_use = ranks_of_use(costs);
+  plan.ranks_of_use = max_useful_ranks(costs);
   plan.memory_bytes_per_rank = peak_memory_bytes();
   plan.machine_memory_bytes = machine_memory_bytes();
   return plan;
 }
 
-/// The accuracy of the mean in words.
-std::string trust(const Plan& plan) {
+/// A text about the accuracy of the mean.
+std::string accuracy_text(const Plan& plan) {
   if (!plan.is_sample()) return "all rays were solved";
   if (!plan.measured.relative_standard_error) return "a guess";  // fewer than RayCosts::fewest_nodes
   return fmt::format("standard error {:.0f} %", 100 * *plan.measured.relative_standard_error);
@@ -199,7 +190,7 @@ void print_plan(const Options& options, const Plan& plan) {
                plan.calibration_rays > 0 ? fmt::format("calibrate {} rays and ", plan.calibration_rays) : "",
                plan.probes, duration(plan.calibrate_seconds + plan.validate_seconds));
   print_result("rays      {}, {} solved at {} node{}: {:.2g} s each ({}), at most {:.2g} s\n", plan.rays_requested,
-               m.rays, m.nodes, m.nodes == 1 ? "" : "s", m.seconds_per_ray, trust(plan), m.seconds_longest_ray);
+               m.rays, m.nodes, m.nodes == 1 ? "" : "s", m.seconds_per_ray, accuracy_text(plan), m.seconds_longest_ray);
   if (plan.points_at_rest > 0)
     print_result("elsewhere {} points with the linear response at rest: {}, by one rank\n", plan.points_at_rest,
                  duration(m.at_rest_seconds));

@@ -18,8 +18,8 @@ struct Options {
 /// @throws Error (input) unless the text is i/n with 0 <= i < n
 RayPart part_of(const std::string& text) {
   RayPart part;
-  const char *at = text.data(), *end = at + text.size();
-  const auto first = std::from_chars(at, end, part.index);
+  const char *position = text.data(), *end = position + text.size();
+  const auto first = std::from_chars(position, end, part.index);
   const bool two = first.ec == std::errc{} && first.ptr != end && *first.ptr == '/';
   const auto second = std::from_chars(two ? first.ptr + 1 : end, end, part.count);
   if (!two || second.ec != std::errc{} || second.ptr != end || part.index < 0 || part.index >= part.count)
@@ -28,8 +28,8 @@ RayPart part_of(const std::string& text) {
   return part;
 }
 
-/// A database that has a part of the scene's rays grows beside its file, which keeps it until the end.
-void grow_beside(PrecomputeTarget& target, const LoadedScene& loaded) {
+/// Lets a database that has a part of the scene's rays grow in a second file, which replaces it at the end.
+void redirect_growth(PrecomputeTarget& target, const LoadedScene& loaded) {
   if (!target.resume || !std::filesystem::exists(target.file)) return;
   if (coverage(read_database_header(target.file), database_header(loaded.scene, loaded.mesh, loaded.sets)) !=
       Coverage::part)
@@ -44,9 +44,9 @@ void grow_beside(PrecomputeTarget& target, const LoadedScene& loaded) {
   declare_output("--output", target.file, PathKind::database);
 }
 
-/// Takes the locks, which processes with parts do not need, and reports existing results.
-/// @throws Error (input) if these belong to other work
-std::vector<DatabaseLock> begin(const PrecomputeTarget& target, const LoadedScene& loaded) {
+/// Acquires the locks, which processes with parts do not need, and reports existing results.
+/// @throws Error (input) if a file is in use or belongs to another scene
+std::vector<DatabaseLock> acquire_locks(const PrecomputeTarget& target, const LoadedScene& loaded) {
   std::vector<DatabaseLock> locks;
   for (const auto& file : {target.file, target.from}) {
     if (file.empty()) continue;
@@ -59,7 +59,7 @@ std::vector<DatabaseLock> begin(const PrecomputeTarget& target, const LoadedScen
   if (target.resume && std::filesystem::exists(target.file)) {
     DatabaseWriter::create(target.file, database_header(loaded.scene, loaded.mesh, loaded.sets), true);
     const auto found = database_progress(target.file);
-    warn_of_damage(found.damage, "are ignored, and their rays will be solved again");
+    print_log_damage(found.damage, "are ignored, and their rays will be solved again");
     message("note: resuming; {} of {} rays are already solved\n", found.rays_logged, found.rays_total);
   }
   return locks;
@@ -82,7 +82,7 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
   return out;
 }
 
-/// What was solved, and at which cost.
+/// Prints the numbers of solved rays and increments, and the cost.
 void print_work(const SolverSession& session, const LoadedScene& loaded, const PrecomputeTarget& target,
                 const PrecomputeReport& report) {
   print_result(
@@ -112,13 +112,13 @@ void print_work(const SolverSession& session, const LoadedScene& loaded, const P
                100 * report.idle_share, bytes(report.peak_memory_bytes));
 }
 
-/// The solves of a database do not depend on relaxation, so that it may be continued with a scene of other terms.
-void tell_kept_relaxation(const std::filesystem::path& database, const Scene& scene) {
+/// Notes that a continued database keeps its relaxation, on which its solves do not depend.
+void print_kept_relaxation(const std::filesystem::path& database, const Scene& scene) {
   if (!std::filesystem::exists(database)) return;
   const auto header = read_database_header(database);
   if (header.scene_text.empty()) return;
-  const auto kept = stored_scene(header).relaxation.terms;
-  if (kept.rows() != scene.relaxation.terms.rows() || kept != scene.relaxation.terms)
+  const auto stored_terms = stored_scene(header).relaxation.terms;
+  if (stored_terms.rows() != scene.relaxation.terms.rows() || stored_terms != scene.relaxation.terms)
     message(
         "note: {} keeps the relaxation of the scene with which it was begun; give this scene to train, to reduce "
         "(--scene), and to solve in place of the database\n",
@@ -129,24 +129,24 @@ void run(const Options& options) {
   PrecomputeTarget target{options.output, options.resume || !options.part.empty(), {}, {}};
   if (!options.part.empty()) target.part = part_of(options.part);
   const SolverSession session;
-  const bool first = session.rank() == 0;
+  const bool rank_zero = session.rank() == 0;
   LoadedScene loaded;
   std::vector<DatabaseLock> locks;
   session.together([&] {
-    loaded =
-        load_scene(options.scene, !first, {}, target.resume ? options.output : std::filesystem::path(), options.mesh);
-    grow_beside(target, loaded);
-    if (first && target.resume && target.from.empty()) tell_kept_relaxation(target.file, loaded.scene);
-    if (first) locks = begin(target, loaded);
+    loaded = load_scene(options.scene, !rank_zero, {}, target.resume ? options.output : std::filesystem::path(),
+                        options.mesh);
+    redirect_growth(target, loaded);
+    if (rank_zero && target.resume && target.from.empty()) print_kept_relaxation(target.file, loaded.scene);
+    if (rank_zero) locks = acquire_locks(target, loaded);
   });
-  // A signal before ends the program: there is nothing to keep yet. mpirun kills its ranks a second after it has told
-  // them to stop, which may be before they finish their rays; and the first may be dead when it tells the second.
-  const bool says_so = session.size() > 1 && session.rank() < 2;
-  install_stop_handler(true, says_so ? "note: told to stop; finished rays are kept: run the command again with "
-                                       "--resume to continue\n"
-                                     : nullptr);
+  // An earlier signal ends the program, because there are no results yet. mpirun kills its ranks a second after its
+  // signal, possibly before they finish their rays, and may kill the first rank before it signals the second.
+  const bool reports_stop = session.size() > 1 && session.rank() < 2;
+  install_stop_handler(true, reports_stop ? "note: told to stop; finished rays are kept: run the command again with "
+                                            "--resume to continue\n"
+                                          : nullptr);
   const auto warn = [&](const std::string& text) {
-    // The error at the end repeats it, with its remedy; one rank has reached the end already.
+    // The error at the end repeats the text with its remedy.
     if (session.size() > 1)
       message("warning: {}\n  the other ranks finish their present nodes\n", text.substr(0, text.find("\n  remedy: ")));
   };
@@ -156,7 +156,7 @@ void run(const Options& options) {
   if (report.interrupted)
     throw failure("interrupted", fmt::format("{} rays are finished and kept", report.rays + report.rays_found()),
                   "run the command again with --resume to continue");
-  if (!first) return;
+  if (!rank_zero) return;
   if (!target.from.empty() && !target.part) {
     std::error_code code;
     const auto log = target.file.string() + ".solver.log";

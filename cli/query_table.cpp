@@ -64,8 +64,8 @@ std::vector<Query> read_queries(const std::filesystem::path& file, const std::fu
     }
     try {
       check(query);
-    } catch (const Error& refused) {
-      throw input_error(fmt::format("{}, line {}: {}", file.string(), number, refused.what()), "", "");
+    } catch (const Error& invalid) {
+      throw input_error(fmt::format("{}, line {}: {}", file.string(), number, invalid.what()), "", "");
     }
     queries.push_back(query);
   }
@@ -75,8 +75,8 @@ std::vector<Query> read_queries(const std::filesystem::path& file, const std::fu
   return queries;
 }
 
-/// The table that is written. A file is filled in OUTPUT.part, which stays there unless the table is complete. A row
-/// leaves the process at once, so that one that is killed loses none.
+/// The output table. A file is written as OUTPUT.part until the table is complete. Every row is written at once, so
+/// that a killed process loses none.
 class Table {
  public:
   Table(const OptionalPath& output, const std::string& columns) {
@@ -91,13 +91,13 @@ class Table {
       _lost = !write_stdout(text);
   }
   bool is_lost() const { return _lost; }
-  void put() {
+  void finish() {
     if (_file) _file->put();
   }
-  /// Leaves the table so that nobody takes it for a complete one. @return where the rows are
-  std::string leave(const std::string& how_much) {
+  /// Marks the table as incomplete. @return where the rows are
+  std::string mark_incomplete(const std::string& progress_text) {
     if (_file) return "in " + _part.string();
-    add(fmt::format("interrupted: {}\n", how_much));
+    add(fmt::format("interrupted: {}\n", progress_text));
     return "on stdout, whose last line says so";
   }
 
@@ -131,23 +131,23 @@ void answer_queries(const QueryOptions& options, const QueryAnswers& answers) {
   std::int64_t finished = 0;
   for (const auto& query : queries) {
     if (stop_requested() || table.is_lost()) break;
-    const auto answer = answers.answer(query);
-    if (!answer) break;
+    const auto row = answers.answer(query);
+    if (!row) break;
     const auto& [node, d, time_s] = query;
-    table.add(
-        fmt::format("{},{},{},{}{}{}\n", node, d[0], d[1], d[2], moves ? fmt::format(",{}", *time_s) : "", *answer));
+    table.add(fmt::format("{},{},{},{}{}{}\n", node, d[0], d[1], d[2], moves ? fmt::format(",{}", *time_s) : "", *row));
     ++finished;
     // No progress line for files that take less than two seconds.
     if (std::chrono::steady_clock::now() - start > std::chrono::seconds(2)) progress.update(finished, total);
   }
   if (table.is_lost()) return;  // finish_streams() reports it
   if (finished < total) {
-    const auto how_much = fmt::format("{} of {} rows are finished", finished, total);
+    const auto progress_text = fmt::format("{} of {} rows are finished", finished, total);
     throw failure(
-        answers.command + " was interrupted", fmt::format("{}, {}", how_much, table.leave(how_much)),
+        answers.command + " was interrupted",
+        fmt::format("{}, {}", progress_text, table.mark_incomplete(progress_text)),
         "run the command again; to keep these rows, give that file another name and the command the other rows");
   }
-  table.put();
+  table.finish();
 }
 
 }  // namespace phynness::cli

@@ -1,4 +1,4 @@
-// What the command reduce does in the program with the solver, and without it.
+// The reduction of the command reduce, with the solver and without it.
 #pragma once
 
 #include <phynness/training/reduction.hpp>
@@ -10,11 +10,11 @@ namespace phynness::cli {
 struct Reduced {
   ReducedBody body;
   ReductionReport report;
-  json sizes = json::array();  ///< of each size that was tried: modes, cells, and errors of several tools
+  json sizes = json::array();  ///< modes, cells and errors of several tools for each size that was tried
 };
 
-/// With the solver: has modes of solved states of several tools, compares the body with others, and grows until the
-/// 95th percentile of the errors of two tools is at most the target, or larger bodies are not better.
+/// Reduces a database. With the solver the body also has modes from solved states of several tools, is compared with
+/// other states, and grows until the 95th percentile of the errors of two tools reaches the target or stops to improve.
 /// @param target  a fraction; empty: the size of `spec` is the only one
 /// @return nothing on other ranks than the first
 std::optional<Reduced> reduced(const std::filesystem::path& database, const ReductionSpec& spec,

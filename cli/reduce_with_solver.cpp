@@ -7,16 +7,15 @@
 namespace phynness::cli {
 namespace {
 
-/// States of which there are modes, half of them of near tools, which are off most, and independent ones with which
-/// bodies are compared (docs/decisions/reduced-body.md).
-constexpr ToolDraws drawn{80, 40, 58'001}, compared_draws{60, 12, 58'002};
+/// The states that give modes, half of them with near tools, which have the largest errors, and the independent states
+/// with which bodies are compared (docs/decisions/reduced-body.md).
+constexpr ToolDraws mode_draws{80, 40, 58'001}, compared_draws{60, 12, 58'002};
 constexpr double near_radii = 1.5;
-/// A larger body must be better by this factor.
-constexpr double better = 0.9;
-/// No compared state has an error of more than so many times the target: errors of few states in a hundred, of which
-/// the 95th percentile of 60 says little.
-constexpr double worst = 3;
-double judged(const ToolErrors& errors) { return std::max(errors.pairs.p95, errors.pairs.max / worst); }
+/// The factor by which a larger body must reduce the error.
+constexpr double required_improvement = 0.9;
+/// The largest error of a compared state over the target; it limits rare errors that the 95th percentile misses.
+constexpr double max_over_p95 = 3;
+double target_error(const ToolErrors& errors) { return std::max(errors.pairs.p95, errors.pairs.max / max_over_p95); }
 
 std::string in_percent(const ErrorStatistics& errors) {
   return errors.n == 0 ? "-"
@@ -40,7 +39,7 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
     return solve_several_tools(session, header, draws, Progress("reduce", "states of several tools").counter());
   };
   ToolDraws draws = compared_draws;
-  const auto solved = solve(drawn);
+  const auto solved = solve(mode_draws);
   auto compared = solve(draws);
   const auto solve_more = [&] {
     ++draws.seed;
@@ -63,24 +62,24 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
       compared.size());
   ReductionReport report;
   reduce(Database::open(database), fields_of(solved), spec, report, progress.counter(), 0,
-         [&](const ReducedBody& body, const ReductionReport& now, Eigen::MatrixXd& fields) {
+         [&](const ReducedBody& body, const ReductionReport& current, Eigen::MatrixXd& fields) {
            const auto errors = tool_errors(body, compared);
-           print_size(now, errors);
-           const bool is_better = best.sizes.empty() || judged(errors) < better * error;
-           best.sizes.push_back(record("modes", now.modes, "cells", now.cells, "errors", errors));
+           print_size(current, errors);
+           const bool is_better = best.sizes.empty() || target_error(errors) < required_improvement * error;
+           best.sizes.push_back(record("modes", current.modes, "cells", current.cells, "errors", errors));
            if (is_better) {
              best.body = body;
-             best.report = now;
-             error = judged(errors);
+             best.report = current;
+             error = target_error(errors);
            }
            if (!target || error <= *target || !is_better) return true;
            // The next body has modes of the states that this one has not met, too, and is compared with others.
            session.broadcast(true);
-           const auto more = fields_of(compared);
-           fields.conservativeResize(Eigen::NoChange, fields.cols() + more.cols());
-           fields.rightCols(more.cols()) = more;
+           const auto extra_fields = fields_of(compared);
+           fields.conservativeResize(Eigen::NoChange, fields.cols() + extra_fields.cols());
+           fields.rightCols(extra_fields.cols()) = extra_fields;
            compared = solve_more();
-           error = judged(tool_errors(best.body, compared));
+           error = target_error(tool_errors(best.body, compared));
            return false;
          });
   best.report.seconds = report.seconds;

@@ -13,7 +13,7 @@
 namespace phynness::cli::run_command {
 namespace {
 
-constexpr const char* pairs = "40";  ///< of tools, with which the body is compared
+constexpr const char* pairs = "40";  ///< pairs of tools with which the body is compared
 
 struct Options {
   std::filesystem::path scene, output;
@@ -43,44 +43,44 @@ double size_of(const std::filesystem::path& what) {
   return sum;
 }
 
-/// What a run writes beside the database and the model.
-constexpr const char* texts[] = {
+/// The files of a run except database and model.
+constexpr const char* text_files[] = {
     "mesh.msh",    "mesh.json", "precompute.json",     "check.json",    "train.json",  "calibrate.json",
     "reduce.json", "body.txt",  "calibrate_body.json", "validate.json", "stages.json", "organ.html"};
 
 void declare_files(const Options& options) {
-  for (const char* name : texts) declare_output("--output", options.output / name);
+  for (const char* name : text_files) declare_output("--output", options.output / name);
   declare_output("--output", options.output / "database.h5", PathKind::database);
   declare_output("--output", options.output / "model", PathKind::model);
 }
 
-/// A new run replaces no file at all, a resumed one those of an earlier run, beside a database of its scene, or of some
-/// of its nodes or increments. @return what it has of the scene's rays
+/// A new run replaces no files. A resumed run replaces those of an earlier run if the database has rays of the scene.
+/// @return the coverage of the scene's rays by the database
 /// @throws Error (input) before anything is written
-Coverage refuse_files_of_others(const Options& options) {
+Coverage check_existing_files(const Options& options) {
   const auto database = options.output / "database.h5", model = options.output / "model";
-  auto covered = Coverage::other;
+  auto database_coverage = Coverage::other;
   if (DatabaseWriter::refuse_begun(database, options.resume)) {
     const auto loaded = load_scene(options.scene, true, {}, database);
     const auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
-    covered = coverage(read_database_header(database), header);
-    if (covered == Coverage::other) DatabaseWriter::check(database, header, true);
-    if (!Database::is_complete(database)) covered = Coverage::part;
+    database_coverage = coverage(read_database_header(database), header);
+    if (database_coverage == Coverage::other) DatabaseWriter::check(database, header, true);
+    if (!Database::is_complete(database)) database_coverage = Coverage::part;
   }
   if (options.resume) {
     check_place("--output", model, PathKind::model);
-    return covered;
+    return database_coverage;
   }
   std::vector<std::filesystem::path> written{model};
-  for (const char* name : texts) written.push_back(options.output / name);
+  for (const char* name : text_files) written.push_back(options.output / name);
   for (const auto& file : written)
     if (std::filesystem::exists(std::filesystem::symlink_status(file)))
       throw input_error("a run would replace a file", "--output " + file.string(),
                         "give another folder, or --resume if an earlier run has left it");
-  return covered;
+  return database_coverage;
 }
 
-/// The figures of all stages in one file, also of those that an earlier run has made.
+/// Writes the figures of all stages, also of an earlier run, to one file.
 void write_figures(const Options& options) {
   if (!options.json_file) return;
   json all;
@@ -92,27 +92,28 @@ void write_figures(const Options& options) {
   write_json(options.json_file, all);
 }
 
-/// Whether an earlier run of this scene has finished check.json. Training refuses one of another scene.
+/// Whether an earlier run of this scene has completed check.json.
 bool is_checked(const std::filesystem::path& file, const Scene& scene) {
   std::ifstream in(file);
   auto check = json::parse(in, nullptr, false);
   return check.is_object() && check["interrupted"] == false && check["physics_hash"] == physics_hash(scene);
 }
 
-/// Compares the finite elements with a finer solution, in at most a fifth of the time of all: a quarter of that of the
-/// database. The model can be used without. @return whether check.json is there
+/// Compares the finite elements with a finer solution in at most a quarter of the time of the database. A failure is a
+/// warning. @return whether check.json is complete
 bool check(const Options& options, const Scene& scene, const std::string& self, std::vector<Stage>& stages,
-           RunStages& finished) {
+           RunStages& run_stages) {
   const auto file = options.output / "check.json", database = options.output / "database.h5";
   const auto probes = scene.validation.check_probes;
   if (probes != 0 && options.resume && is_checked(file, scene)) return true;
   if (probes == 0 && !std::filesystem::exists(file)) return false;
-  finished.redo("check");
+  run_stages.invalidate("check");
   std::filesystem::remove(file);
   if (probes == 0) return false;
-  // On a busy machine a stage takes longer than its solves, and after --resume it has solved only a part of them.
-  const double spent_s = std::max(stages.back().seconds, summarize(Database::open(database)).seconds / options.ranks);
-  const double seconds = check_limit_s(spent_s, 1);
+  // A stage takes longer than its solves on a busy machine, and after --resume it has solved only some rays.
+  const double database_s =
+      std::max(stages.back().seconds, summarize(Database::open(database)).seconds / options.ranks);
+  const double seconds = check_limit_s(database_s, 1);
   try {
     stages.push_back(stage("check", file,
                            {self, "check", options.scene.string(), "--mesh", (options.output / "mesh.msh").string(),
@@ -126,7 +127,7 @@ bool check(const Options& options, const Scene& scene, const std::string& self, 
   return is_checked(file, scene);
 }
 
-/// Adds error bounds to the model or the body. Without them it can be used as well. @return whether it has them
+/// Adds error bounds to the model or the body. A failure is a warning. @return whether there are bounds
 bool calibrate(const Options& options, const std::string& self, bool of_body, std::vector<Stage>& stages) {
   const auto model = options.output / "model", body = options.output / "body.txt";
   const auto figures = options.output / (of_body ? "calibrate_body.json" : "calibrate.json"),
@@ -148,75 +149,90 @@ bool calibrate(const Options& options, const std::string& self, bool of_body, st
 
 void run(const Options& options) {
   declare_files(options);
-  const Scene read = open_scene(options.scene);
-  const auto covered = refuse_files_of_others(options);
+  const Scene parsed_scene = open_scene(options.scene);
+  const auto database_coverage = check_existing_files(options);
   install_stop_handler(false);
   make_folder(options.output);
   const auto self = this_program();
-  const auto in = [&](const char* name) { return (options.output / name).string(); };
+  const auto path_of = [&](const char* name) { return (options.output / name).string(); };
   const auto scene = options.scene.string();
   prepare_environment(options.ranks);
 
   std::vector<Stage> stages;
-  stages.push_back(
-      stage("mesh", in("mesh.msh"), {self, "mesh", scene, "-o", in("mesh.msh"), "--json", in("mesh.json")}, 1));
-  std::vector<std::string> precompute{
-      self, "precompute", scene, "--mesh", in("mesh.msh"), "-o", in("database.h5"), "--json", in("precompute.json")};
+  stages.push_back(stage("mesh", path_of("mesh.msh"),
+                         {self, "mesh", scene, "-o", path_of("mesh.msh"), "--json", path_of("mesh.json")}, 1));
+  std::vector<std::string> precompute{self,
+                                      "precompute",
+                                      scene,
+                                      "--mesh",
+                                      path_of("mesh.msh"),
+                                      "-o",
+                                      path_of("database.h5"),
+                                      "--json",
+                                      path_of("precompute.json")};
   if (options.resume) precompute.push_back("--resume");
-  RunStages finished(options.output, read, covered == Coverage::same);
-  stages.push_back(stage("precompute", in("database.h5"), precompute, options.ranks));
-  finished.finished("precompute");
-  std::vector<std::string> train{self, "train",     scene,    in("database.h5"),
-                                 "-o", in("model"), "--json", in("train.json")};
-  if (check(options, read, self, stages, finished)) train.insert(train.end(), {"--check", in("check.json")});
-  finished.finished("check");
-  std::string kept;
-  const auto unless_finished = [&](const char* name, const std::function<bool()>& make) {
-    if (finished.has(name)) {
-      kept += fmt::format("{}{}", kept.empty() ? "" : ", ", name);
+  RunStages run_stages(options.output, parsed_scene, database_coverage == Coverage::same);
+  stages.push_back(stage("precompute", path_of("database.h5"), precompute, options.ranks));
+  run_stages.mark_finished("precompute");
+  std::vector<std::string> train{self, "train",          scene,    path_of("database.h5"),
+                                 "-o", path_of("model"), "--json", path_of("train.json")};
+  if (check(options, parsed_scene, self, stages, run_stages))
+    train.insert(train.end(), {"--check", path_of("check.json")});
+  run_stages.mark_finished("check");
+  std::string kept_stages;
+  const auto run_unless_finished = [&](const char* name, const std::function<bool()>& make) {
+    if (run_stages.has(name)) {
+      kept_stages += fmt::format("{}{}", kept_stages.empty() ? "" : ", ", name);
       return;
     }
-    finished.redo(name);
-    if (make()) finished.finished(name);
+    run_stages.invalidate(name);
+    if (make()) run_stages.mark_finished(name);
   };
-  unless_finished("train", [&] {
-    stages.push_back(stage("train", in("model"), train, 1));
+  run_unless_finished("train", [&] {
+    stages.push_back(stage("train", path_of("model"), train, 1));
     return true;
   });
-  if (!schema::traits(read.training.family).proportional)
-    unless_finished("calibrate", [&] { return calibrate(options, self, false, stages); });
-  const bool has_body = read.probe.tools > 1;
-  std::vector<std::string> validate{self, "validate", scene, in("model"), "--json", in("validate.json")},
-      view{self, "view",          in("model"), "--database", in("database.h5"), "--errors", in("validate.json"),
-           "-o", in("organ.html")};
+  if (!schema::traits(parsed_scene.training.family).proportional)
+    run_unless_finished("calibrate", [&] { return calibrate(options, self, false, stages); });
+  const bool has_body = parsed_scene.probe.tools > 1;
+  std::vector<std::string> validate{self, "validate", scene, path_of("model"), "--json", path_of("validate.json")},
+      view{self,
+           "view",
+           path_of("model"),
+           "--database",
+           path_of("database.h5"),
+           "--errors",
+           path_of("validate.json"),
+           "-o",
+           path_of("organ.html")};
   if (has_body) {
-    unless_finished("reduce", [&] {
-      stages.push_back(stage(
-          "reduce", in("body.txt"),
-          {self, "reduce", in("database.h5"), "--scene", scene, "-o", in("body.txt"), "--json", in("reduce.json")},
-          options.ranks));
+    run_unless_finished("reduce", [&] {
+      stages.push_back(stage("reduce", path_of("body.txt"),
+                             {self, "reduce", path_of("database.h5"), "--scene", scene, "-o", path_of("body.txt"),
+                              "--json", path_of("reduce.json")},
+                             options.ranks));
       return true;
     });
-    unless_finished("calibrate body", [&] { return calibrate(options, self, true, stages); });
-    validate.insert(validate.end(), {"--pairs", pairs, "--body", in("body.txt")});
-    view.insert(view.end(), {"--body", in("body.txt")});
-  } else if (std::filesystem::exists(in("body.txt"))) {
-    finished.redo("reduce");
+    run_unless_finished("calibrate body", [&] { return calibrate(options, self, true, stages); });
+    validate.insert(validate.end(), {"--pairs", pairs, "--body", path_of("body.txt")});
+    view.insert(view.end(), {"--body", path_of("body.txt")});
+  } else if (std::filesystem::exists(path_of("body.txt"))) {
+    run_stages.invalidate("reduce");
   }
-  unless_finished("validate", [&] {
-    stages.push_back(stage("validate", in("validate.json"), validate, options.ranks));
+  run_unless_finished("validate", [&] {
+    stages.push_back(stage("validate", path_of("validate.json"), validate, options.ranks));
     return true;
   });
-  unless_finished("page", [&] {
+  run_unless_finished("page", [&] {
     if (embedded_page().empty()) {
       message("note: no page of the model is written\n  remedy: {}\n", missing_pages_remedy());
       return false;
     }
-    stages.push_back(stage("page", in("organ.html"), view, 1));
+    stages.push_back(stage("page", path_of("organ.html"), view, 1));
     return true;
   });
-  if (!kept.empty())
-    message("note: kept from an earlier run, because nothing that they depend on has changed: {}\n", kept);
+  if (!kept_stages.empty())
+    message("note: kept from an earlier run, because nothing that they depend on has changed: {}\n", kept_stages);
   print_result("\n{:<14} {:>12} {:>10}  written\n", "stage", "time", "size");
   for (const auto& s : stages)
     print_result("{:<14} {:>12} {:>10}  {}\n", s.title, duration(s.seconds), bytes(size_of(s.written)),

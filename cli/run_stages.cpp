@@ -22,18 +22,18 @@
 namespace phynness::cli {
 namespace {
 
-/// A stage, the file that it leaves, and the keys of the scene that it reads. It depends on all stages before it, too.
-/// mesh, precompute and check themselves compare what is there with what the scene wants.
+/// A stage, its file, and the keys of the scene that it reads. It also depends on all previous stages. mesh, precompute
+/// and check themselves compare existing files with the scene.
 struct StageRow {
   const char* stage;
   const char* file;
-  std::vector<std::string> keys;  ///< whole, or a section with its dot
+  std::vector<std::string> keys;  ///< whole keys, or sections with a dot
 };
 const std::vector<StageRow>& stage_rows() {
   static const std::vector<StageRow> rows{
       // physics: all keys of the physics hash, [mesh] among them
       {"precompute", nullptr, {"physics", "database.", "probe.elsewhere"}},
-      {"check", nullptr, {"validation.check_probes"}},  // which training writes into the model
+      {"check", nullptr, {"validation.check_probes"}},  // training writes its result into the model
       {"train", "train.json", {"title", "training.", "material.relaxation"}},
       {"calibrate", "calibrate.json", {"validation.calibration_rays"}},
       {"reduce", "body.txt", {"probe.tools"}},
@@ -71,35 +71,36 @@ RunStages::RunStages(const std::filesystem::path& folder, const Scene& scene, bo
     _wanted[row.stage] = hash.hex();
   }
   std::ifstream in(folder / "stages.json");
-  const auto found = json::parse(in, nullptr, false);
-  if (!same_rays || !found.is_object() || !found.contains("stages") || !found.contains("model")) return;
-  const auto& stages = found["stages"];
-  if (found["model"] != hash_of_file(folder / "model/model.txt") || !stages.is_object()) return;
+  const auto stored = json::parse(in, nullptr, false);
+  if (!same_rays || !stored.is_object() || !stored.contains("stages") || !stored.contains("model")) return;
+  const auto& stages = stored["stages"];
+  if (stored["model"] != hash_of_file(folder / "model/model.txt") || !stages.is_object()) return;
   const bool bounded = !schema::traits(scene.training.family).proportional;
   for (const auto& row : stage_rows()) {
     const std::string_view stage = row.stage;
     if (!bounded && stage == "calibrate") continue;
     if (scene.probe.tools == 1 && (stage == "reduce" || stage == "calibrate body")) continue;
-    const std::string before = stages.contains(row.stage) && stages[row.stage].is_string() ? stages[row.stage] : "";
-    if (before != _wanted[row.stage] || (row.file && !std::filesystem::exists(folder / row.file))) return;
-    _finished[row.stage] = before;
+    const std::string stored_hash =
+        stages.contains(row.stage) && stages[row.stage].is_string() ? stages[row.stage] : "";
+    if (stored_hash != _wanted[row.stage] || (row.file && !std::filesystem::exists(folder / row.file))) return;
+    _finished[row.stage] = stored_hash;
   }
 }
 
 bool RunStages::has(const std::string& stage) const { return _finished.contains(stage); }
 
-void RunStages::redo(const std::string& stage) {
-  bool follows = false;
+void RunStages::invalidate(const std::string& stage) {
+  bool is_after = false;
   for (const auto& row : stage_rows()) {
-    follows = follows || row.stage == stage;
-    if (!follows) continue;
+    is_after = is_after || row.stage == stage;
+    if (!is_after) continue;
     _finished.erase(row.stage);
     if (row.file) std::filesystem::remove(_folder / row.file);
   }
   write();
 }
 
-void RunStages::finished(const std::string& stage) {
+void RunStages::mark_finished(const std::string& stage) {
   _finished[stage] = _wanted.at(stage);
   write();
 }
@@ -111,7 +112,7 @@ void RunStages::write() const {
 
 namespace {
 
-constexpr int not_started = 127;  // as of a shell
+constexpr int exec_failed = 127;  // the exit status of a shell in this case
 
 /// @return the exit status
 int execute(const std::string& title, const std::vector<std::string>& arguments, bool quiet) {
@@ -119,20 +120,20 @@ int execute(const std::string& title, const std::vector<std::string>& arguments,
   for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
   const pid_t parent = getpid(), child = fork();
-  if (child < 0) return not_started;
+  if (child < 0) return exec_failed;
   if (child == 0) {
-    // A stage ends in an orderly way when this process is gone, also after kill -9.
+    // The kernel ends the stage in an orderly way when this process ends, also after kill -9.
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent) _exit(1);
-    if (const int nowhere = quiet ? open("/dev/null", O_WRONLY) : -1; nowhere >= 0)
-      dup2(nowhere, STDOUT_FILENO);
+    if (const int null_device = quiet ? open("/dev/null", O_WRONLY) : -1; null_device >= 0)
+      dup2(null_device, STDOUT_FILENO);
     else if (results_are_on_stderr())
       dup2(STDERR_FILENO, STDOUT_FILENO);
     execvp(argv[0], argv.data());
-    _exit(not_started);
+    _exit(exec_failed);
   }
   int status = 0;
-  // Each signal is passed on. The first makes the child stop in an orderly way, the second kills it.
+  // Each signal is passed on: the first one requests an orderly end, the second one kills the child.
   while (waitpid(child, &status, 0) < 0 && errno == EINTR)
     if (stop_requested()) kill(child, SIGTERM);
   if (WIFEXITED(status)) return WEXITSTATUS(status);
@@ -142,7 +143,7 @@ int execute(const std::string& title, const std::vector<std::string>& arguments,
 
 }  // namespace
 
-void leave_to_solver(char**) {}  // it is this program
+void exec_solver_program(char**) {}  // it is this program
 
 std::string this_program() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
 
@@ -166,7 +167,7 @@ void run_child(const std::string& title, std::vector<std::string> arguments, int
     arguments.insert(arguments.begin(), launcher.begin(), launcher.end());
   }
   const int exit_status = execute(title, arguments, quiet);
-  if (exit_status == not_started)
+  if (exit_status == exec_failed)
     throw failure("the program cannot be started", arguments[0], ranks > 1 ? "install Open MPI, or use --ranks 1" : "");
   if (stop_requested())
     throw failure("interrupted in stage " + title, "solved rays are kept",

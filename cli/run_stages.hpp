@@ -1,6 +1,5 @@
-// Stages of `phynness run`: their processes, and which of them an earlier run has finished, so that --resume makes only
-// those again whose keys of the scene, or whose input, have changed. Solver stages run in parallel under mpirun,
-// training uses threads.
+// The stages of `phynness run`: their processes, and the record of finished stages, so that --resume repeats only those
+// whose keys of the scene or whose inputs have changed. Solver stages run under mpirun, training uses threads.
 #pragma once
 
 #include <filesystem>
@@ -32,9 +31,9 @@ class RunStages {
 
   /// Whether an earlier run has finished the stage, and nothing that it depends on has changed.
   bool has(const std::string& stage) const;
-  /// Forgets a stage and those after it, and removes their files, so that what is in the folder belongs together.
-  void redo(const std::string& stage);
-  void finished(const std::string& stage);
+  /// Removes a stage and later ones from the record, with their files, so that the folder remains consistent.
+  void invalidate(const std::string& stage);
+  void mark_finished(const std::string& stage);
 
  private:
   void write() const;

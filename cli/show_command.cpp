@@ -20,7 +20,7 @@ struct ShownResponse {
   /// scalar fields by their column() (0 except at output nodes).
   std::vector<VtkState> states;
   std::vector<int> increments;     ///< increment numbers of the states; the first increment is 1
-  std::vector<std::string> notes;  ///< omitted parts, with the reason
+  std::vector<std::string> notes;  ///< the omitted parts and the reasons
 };
 
 std::size_t active_index(const DatabaseHeader& header, std::int32_t node) {
@@ -35,9 +35,9 @@ std::size_t active_index(const DatabaseHeader& header, std::int32_t node) {
                                 active.front(), active.back()));
 }
 
-/// Rows of `all` whose nodes are all known, with node numbers replaced by point numbers.
+/// The rows of `all` with known nodes only, with point numbers instead of node numbers.
 template <class Faces>
-Cells between_known(const Faces& all, const std::vector<std::int32_t>& point_of) {
+Cells cells_between_known(const Faces& all, const std::vector<std::int32_t>& point_of) {
   Cells cells(all.rows(), all.cols());
   Eigen::Index n = 0;
   for (Eigen::Index i = 0; i < all.rows(); ++i) {
@@ -52,20 +52,20 @@ Cells between_known(const Faces& all, const std::vector<std::int32_t>& point_of)
   return cells;
 }
 
-Cells shown_cells(const Mesh& mesh, const std::vector<std::int32_t>& point_of, std::size_t n_known,
+Cells known_cells(const Mesh& mesh, const std::vector<std::int32_t>& point_of, std::size_t n_known,
                   std::vector<std::string>& notes) {
   const auto n_nodes = static_cast<std::size_t>(mesh.n_nodes());
-  if (n_known == n_nodes) return between_known(mesh.cells, point_of);
-  const auto counted = fmt::format("displacements of {} of {} nodes are known", n_known, n_nodes);
-  Cells triangles = between_known(mesh.surface, point_of);
+  if (n_known == n_nodes) return cells_between_known(mesh.cells, point_of);
+  const auto coverage_note = fmt::format("displacements of {} of {} nodes are known", n_known, n_nodes);
+  Cells triangles = cells_between_known(mesh.surface, point_of);
   if (triangles.rows() > 0) {
     notes.push_back(
         fmt::format("{}: the file has {} of {} surface triangles and no tetrahedra (with nodes.output = "
                     "\"all\" all displacements are stored)",
-                    counted, triangles.rows(), mesh.surface.rows()));
+                    coverage_note, triangles.rows(), mesh.surface.rows()));
     return triangles;
   }
-  notes.push_back(counted + ", but not the three corners of any surface triangle: the file has points only");
+  notes.push_back(coverage_note + ", but not the three corners of any surface triangle: the file has points only");
   return Eigen::VectorX<std::int32_t>::LinSpaced(static_cast<Eigen::Index>(n_known), 0,
                                                  static_cast<std::int32_t>(n_known) - 1);
 }
@@ -75,7 +75,7 @@ Cells shown_cells(const Mesh& mesh, const std::vector<std::int32_t>& point_of, s
 /// @param node       mesh node number of an active node
 /// @param direction  index of the direction
 /// @throws Error (input) if there is no such ray, or if no increment converged
-ShownResponse shown_response(const Database& database, std::int32_t node, int direction) {
+ShownResponse response_to_show(const Database& database, std::int32_t node, int direction) {
   const auto& header = database.header();
   const auto active = active_index(header, node);
   if (direction < 0 || direction >= static_cast<int>(header.directions.size()))
@@ -104,7 +104,7 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
   }
   const auto n_points = std::ssize(grid.node_numbers);
   grid.points = header.mesh.nodes(grid.node_numbers, Eigen::all);
-  grid.cells = shown_cells(header.mesh, point_of, grid.node_numbers.size(), shown.notes);
+  grid.cells = known_cells(header.mesh, point_of, grid.node_numbers.size(), shown.notes);
 
   if (grid.cells.rows() == header.mesh.cells.rows()) grid.regions = header.mesh.regions;
 
@@ -137,9 +137,9 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
     }
     shown.increments.push_back(number);
   }
-  if (const auto left = grid.node_numbers.size() - output.size(); !header.fields.empty() && left > 0)
+  if (const auto n_unstored = grid.node_numbers.size() - output.size(); !header.fields.empty() && n_unstored > 0)
     shown.notes.push_back(
-        fmt::format("fields are stored at output nodes only; the file has 0 at {} other points", left));
+        fmt::format("fields are stored at output nodes only; the file has 0 at {} other points", n_unstored));
   return shown;
 }
 
@@ -164,7 +164,7 @@ void run(const Options& options) {
     throw input_error("the format of the output is unknown", options.output.string(),
                       "give -o a name that ends in .pvd");
   const auto database = Database::open(options.database);
-  const auto shown = shown_response(database, options.node, options.direction);
+  const auto shown = response_to_show(database, options.node, options.direction);
   for (const auto& note : shown.notes) message("note: {}\n", note);
   const auto& header = database.header();
   const auto& e = header.directions[static_cast<std::size_t>(options.direction)];

@@ -28,8 +28,8 @@ double smallest_in(const Mesh& mesh) {
   return smallest_displacement((mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).norm());
 }
 
-/// @param option  that gave the displacement, for messages
-void refuse_tiny(const Vec3& d, double smallest, const std::string& option) {
+/// @param option  option of the displacement, for messages
+void require_resolvable(const Vec3& d, double smallest, const std::string& option) {
   if (d == Vec3{0, 0, 0} || std::hypot(d[0], d[1], d[2]) >= smallest) return;
   throw input_error(
       "a displacement is too small for double precision",
@@ -37,36 +37,36 @@ void refuse_tiny(const Vec3& d, double smallest, const std::string& option) {
       "displacements are in metres");
 }
 
-/// Solves the rows of a file of queries, each from rest. A failed row has its reason in the column `note`.
+/// Solves the rows of a file of queries, each from rest. The column `note` has the reason of a failed row.
 class RowSolver {
  public:
   RowSolver(ProbeSolver& solver, int increments) : _solver(solver), _increments(increments) {}
 
-  /// Rows of one node that follow each other share its stiffness at rest. Empty: the user wants an end.
+  /// Consecutive rows of a node share its stiffness at rest. Empty after a stop request.
   std::optional<std::string> answer(const Query& query) try {
-    if (_touched != query.node) {
-      _touched.reset();
+    if (_touched_node != query.node) {
+      _touched_node.reset();
       _solver.touch({query.node});
-      _touched = query.node;
+      _touched_node = query.node;
     }
     const auto response = _solver.solve({query.displacement_m}, _increments);
     if (response.status != Status::converged)
-      return failed(response.status, fmt::format("{}: {}", name(response.status), meaning(response.status)));
+      return failed_row(response.status, fmt::format("{}: {}", name(response.status), meaning(response.status)));
     const auto& f = response.force_N[0];
     const auto text = fmt::format(",{},{},{},{},0,", f[0], f[1], f[2], response.energy_J);
     if (response.negative_pivots == 0) return text;
-    ++_unstable;
+    ++_n_unstable;
     return text + fmt::format("unstable: {} negative pivots", response.negative_pivots);
   } catch (const Interrupted&) {
     return std::nullopt;
   } catch (const std::exception& error) {
-    _touched.reset();
+    _touched_node.reset();
     recover();
-    return failed(Status::library_error, error.what());
+    return failed_row(Status::library_error, error.what());
   }
-  void say_what_failed() const {
-    if (_failed > 0) message("warning: rows without a solution: {}; their column note says why\n", _failed);
-    if (_unstable > 0) message("warning: unstable rows, whose results may depend on the path: {}\n", _unstable);
+  void print_failures() const {
+    if (_n_failed > 0) message("warning: rows without a solution: {}; their column note says why\n", _n_failed);
+    if (_n_unstable > 0) message("warning: unstable rows, whose results may depend on the path: {}\n", _n_unstable);
   }
 
  private:
@@ -74,8 +74,8 @@ class RowSolver {
   }
 
   /// The reason is quoted, as CSV requires it for commas.
-  std::string failed(Status status, std::string reason) {
-    ++_failed;
+  std::string failed_row(Status status, std::string reason) {
+    ++_n_failed;
     reason = reason.substr(0, reason.find('\n'));
     for (std::size_t at = 0; (at = reason.find('"', at)) != std::string::npos; at += 2) reason.insert(at, 1, '"');
     return fmt::format(",,,,,{},\"{}\"", static_cast<int>(status), reason);
@@ -83,13 +83,13 @@ class RowSolver {
 
   ProbeSolver& _solver;
   int _increments;
-  std::optional<std::int32_t> _touched;
-  std::int64_t _failed = 0, _unstable = 0;
+  std::optional<std::int32_t> _touched_node;
+  std::int64_t _n_failed = 0, _n_unstable = 0;
 };
 
-/// A step of a motion from rest. A step that fails ends it.
-std::optional<std::string> moved(ProbeSolver& solver, const Relaxation& relaxation, const Query& query,
-                                 bool is_first) try {
+/// Solves a step of a motion from rest. @throws Error (failure) if it fails
+std::optional<std::string> motion_row(ProbeSolver& solver, const Relaxation& relaxation, const Query& query,
+                                      bool is_first) try {
   if (is_first) {
     solver.touch({query.node});
     solver.begin_motion(relaxation);
@@ -116,23 +116,23 @@ void run_queries(const Options& options) {
   answers.columns = ",fx_N,fy_N,fz_N,energy_J,status,note";
   answers.check = [&](const Query& query) {
     solver.check_touched(query.node);
-    refuse_tiny(query.displacement_m, smallest, "");
+    require_resolvable(query.displacement_m, smallest, "");
   };
   answers.motion_columns = ",fx_N,fy_N,fz_N";
   bool is_first = true;
   answers.answer = [&](const Query& query) {
     if (!query.time_s) return rows.answer(query);
-    return moved(solver, loaded.scene.relaxation, query, std::exchange(is_first, false));
+    return motion_row(solver, loaded.scene.relaxation, query, std::exchange(is_first, false));
   };
   answer_queries(options.queries, answers);
-  rows.say_what_failed();
+  rows.print_failures();
 }
 
 void run_single(const Options& options) {
   const auto displacements = options.tool.parsed_displacements();
   const SolverSession session;
   const auto loaded = load_source(options.source);
-  for (const auto& d : displacements) refuse_tiny(d, smallest_in(loaded.mesh), "--displacement ");
+  for (const auto& d : displacements) require_resolvable(d, smallest_in(loaded.mesh), "--displacement ");
   ProbeSolver solver(loaded.scene, loaded.mesh, loaded.sets);
   const auto places = options.tool.places(loaded.mesh);
   const int increments = options.increments.value_or(loaded.scene.probe.increments);

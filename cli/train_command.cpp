@@ -37,7 +37,7 @@ void print_fields(const Model& model, const TrainingReport& report, const std::v
       model.shared.modes.rows() > 0 ? "a model without modes has forces only" : "only --family modal models fields");
 }
 
-/// [training] of the scene, overridden by options.
+/// [training] of the scene with the changes of the options.
 TrainingSpec chosen_spec(const Scene& scene, const Options& options) {
   TrainingSpec spec = changed_training(scene, fmt::format("{}", fmt::join(options.settings, "\n")), "--set");
   for (const auto* family : every_family())
@@ -45,7 +45,7 @@ TrainingSpec chosen_spec(const Scene& scene, const Options& options) {
   return spec;
 }
 
-/// The distance that `check --json` has written. @throws Error (input) if the file is of another scene or no such file
+/// Reads the distance of `check --json`. @throws Error (input) if it belongs to another scene or is invalid
 FinerDistance distance_of(const std::filesystem::path& file, const Scene& scene, const DatabaseHeader& header) {
   FinerDistance distance;
   distance.is_measured = true;
@@ -58,18 +58,18 @@ FinerDistance distance_of(const std::filesystem::path& file, const Scene& scene,
     const auto check = json::parse(in);
     if (check.at("mesh_hash") != header.mesh_hash || check.at("physics_hash") != header.physics_hash)
       throw refuse("another mesh or physics");
-    const auto& said = check.at("distance");
-    const auto take = [&](const json& from, auto& to, const auto& self) -> void {
-      to.describe(to, [&]<class Value>(const char* key, Value& value) {
-        if constexpr (Described<Value>) return self(from.at(key), value, self);
+    const auto& distance_json = check.at("distance");
+    const auto read_members = [&](const json& object, auto& members, const auto& recurse) -> void {
+      members.describe(members, [&]<class Value>(const char* key, Value& value) {
+        if constexpr (Described<Value>) return recurse(object.at(key), value, recurse);
         if constexpr (std::is_same_v<Value, std::int32_t>)
-          if (!from.at(key).is_number_integer()) throw refuse("a count is no integer");
+          if (!object.at(key).is_number_integer()) throw refuse("a count is no integer");
         if constexpr (std::is_arithmetic_v<Value>)
-          if (!(from.at(key) >= 0 && from.at(key) <= 1e6)) throw refuse(std::string(key) + " is out of range");
-        if constexpr (!Described<Value>) from.at(key).get_to(value);
+          if (!(object.at(key) >= 0 && object.at(key) <= 1e6)) throw refuse(std::string(key) + " is out of range");
+        if constexpr (!Described<Value>) object.at(key).get_to(value);
       });
     };
-    take(said, distance, take);
+    read_members(distance_json, distance, read_members);
     if (distance.nodes < 1) throw refuse("nodes is out of range");
     distance.has_parts = distance.probes > 0;
   } catch (const nlohmann::json::exception& error) {
@@ -90,7 +90,7 @@ struct Trained {
 Trained trained(const Options& options) {
   if (!options.database && options.scene.extension() == ".toml")
     throw input_error("an argument is missing", "DATABASE", "add DATABASE; phynness train --help describes it");
-  // Without a scene the database is the first argument, and tells its own.
+  // Without a scene the first argument is the database, which contains its scene.
   auto opened = options.database ? std::nullopt : std::optional(Database::open(options.scene));
   const Scene scene = opened ? stored_scene(opened->header()) : open_scene(options.scene);
   const TrainingSpec spec = chosen_spec(scene, options);
@@ -98,7 +98,7 @@ Trained trained(const Options& options) {
   const auto& header = database.header();
   const auto finer = options.check_file ? distance_of(*options.check_file, scene, header) : FinerDistance{};
   Trained t;
-  // All long work is done before a file is written, so that a signal may end it at any time.
+  // A signal may end the process at any time, because files are written after all long work.
   end_at_signals("training was interrupted\n  remedy: run the same command again; no model was written\n");
   {
     Progress progress("train", "nodes");
@@ -177,13 +177,14 @@ void add(CLI::App& app) {
       "the database, with the scene that it holds");
   add_path(command, "DATABASE", options.database, PathKind::input, "database.h5 of phynness precompute or import");
   add_output(command, options.output, PathKind::model, "model directory to write (formats/model.md)");
-  std::string about;
+  std::string family_descriptions;
   std::vector<std::string> words;
   for (const auto* family : every_family()) {
     words.emplace_back(name(family->family));
-    about += fmt::format("{}{}: {}", about.empty() ? "" : "; ", words.back(), family->about);
+    family_descriptions +=
+        fmt::format("{}{}: {}", family_descriptions.empty() ? "" : "; ", words.back(), family->about);
   }
-  command.add_option("--family", options.family, about)->check(CLI::IsMember(words));
+  command.add_option("--family", options.family, family_descriptions)->check(CLI::IsMember(words));
   command
       .add_option("--set", options.settings,
                   "KEY=VALUE of [training] in place of that of the scene, as modes=8; repeat for several")

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/training/families.hpp>
@@ -13,7 +12,7 @@ struct Options {
   std::filesystem::path scene, database, output;
   OptionalPath json_file;
   std::optional<std::string> max_error, max_time;
-  /// Another seed than that of phynness validate, whose probes then test the choice independently.
+  /// The seed differs from that of phynness validate, whose probes therefore test the choice independently.
   std::int64_t probes = 400, seed = 2;
 };
 
@@ -23,8 +22,8 @@ void print_table(const TuningReport& report, const std::optional<std::size_t>& c
   print_result("{:<36} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>7} {:>6}\n", "model, errors of eq. (17) in %",
                "mean", "p95", "mean", "p95", "mean", "p95", "us", "us", "MB");
   const auto errors = [&](const PredictorErrors& e) {
-    for (const auto& some : {e.inside.force, e.inside.displacement, e.outside.displacement})
-      print_result(" {:6.2f} {:6.2f}", 100 * some.mean, 100 * some.p95);
+    for (const auto& statistics : {e.inside.force, e.inside.displacement, e.outside.displacement})
+      print_result(" {:6.2f} {:6.2f}", 100 * statistics.mean, 100 * statistics.p95);
   };
   for (std::size_t i = 0; i < report.models.size(); ++i) {
     const auto& m = report.models[i];
@@ -44,11 +43,11 @@ TuningLimits limits_of(const Options& options) {
   return limits;
 }
 
-/// A line of progress for each work.
+/// Shows a progress line for each kind of work.
 TuningProgress shown_progress() {
-  return [progress = std::make_shared<std::optional<Progress>>(), doing = std::string()](
+  return [progress = std::make_shared<std::optional<Progress>>(), current_work = std::string()](
              const std::string& what, std::int64_t done, std::int64_t total) mutable {
-    if (what != doing) progress->emplace(doing = what, what == "solve probes" ? "rays" : "nodes");
+    if (what != current_work) progress->emplace(current_work = what, what == "solve probes" ? "rays" : "nodes");
     (*progress)->update(done, total);
   };
 }

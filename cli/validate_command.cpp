@@ -14,7 +14,7 @@ namespace {
 /// Equation (17) divides by the largest response of a point. With a single displacement per point it would divide a
 /// response by itself.
 constexpr std::int64_t displacements_per_point = 4;
-/// Probes at nodes for each point of a round tool between them, unless --points says how many.
+/// Probes at nodes per point of a round tool between nodes; the default of --points.
 constexpr std::int64_t probes_per_point = 12;
 
 struct Options {
@@ -25,7 +25,7 @@ struct Options {
   OptionalPath body, json_file, report_file;
 };
 
-/// Scene, model and body, loaded on every rank and checked by the first.
+/// Loads scene, model and body on every rank and checks them on the first.
 Validated load(const Options& options, const SolverSession& session) {
   Scene scene;
   std::optional<NamedOrgan> loaded;
@@ -57,7 +57,7 @@ void require_deformations(const Options& options, const NamedOrgan& model) {
                       "omit --points and --pairs, or train the model with modes");
 }
 
-/// Does a part of the validation. @return why it cannot be done
+/// Runs a part of the validation. @return its error, if any
 template <class Part>
 std::optional<Error> try_part(const Part& part) {
   try {
@@ -68,7 +68,7 @@ std::optional<Error> try_part(const Part& part) {
   return std::nullopt;
 }
 
-/// Of the database on which a model of the scene was trained.
+/// The header of the database on which a model of the scene was trained.
 DatabaseHeader header_of(const Scene& scene, const NamedOrgan& model) {
   NodeSets sets{model.model().fixed, {}, model.model().output};
   for (const auto& node : model.model().nodes) sets.active.push_back(node.node);
@@ -87,12 +87,12 @@ void measure(const Options& options, const SolverSession& session, Validated& v)
   if (points > 0 && !v.interrupted()) {
     const auto failed = try_part([&] {
       require_deformations(options, model);
-      const auto at = [&](SurfacePart part, std::int64_t n) {
+      const auto validate_part = [&](SurfacePart part, std::int64_t n) {
         return validate_points(session, scene, model, body, part, n, displacements_per_point, v.seed,
                                Progress("validate", "points").counter(), stop_requested);
       };
-      v.points = at(SurfacePart::probed, points);
-      if (model.has_round_tools() && !v.interrupted()) v.rim = at(SurfacePart::rim, (points + 1) / 2);
+      v.points = validate_part(SurfacePart::probed, points);
+      if (model.has_round_tools() && !v.interrupted()) v.rim = validate_part(SurfacePart::rim, (points + 1) / 2);
     });
     if (options.points) v.no_points = failed;
   }
@@ -109,7 +109,7 @@ void measure(const Options& options, const SolverSession& session, Validated& v)
 }
 
 /// @throws Error (failure)
-void refuse_half(const Options& options, const Validated& v) {
+void throw_interrupted(const Options& options, const Validated& v) {
   std::string finished = fmt::format("{} of {} rays", v.report.rays_finished, v.report.rays);
   if (const auto points = options.points.value_or(v.points.points); points > 0)
     finished += fmt::format(", {} of {} points", v.points.finished, points);
@@ -126,7 +126,7 @@ void write_report(const Options& options, const Validated& v) {
   print_result("report: {}\n", options.report_file->string());
 }
 
-/// The first column to the left, the others to the right.
+/// Prints a table with the first column left-aligned and the others right-aligned.
 void print_cells(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths(rows.front().size());
   for (const auto& row : rows)
@@ -138,7 +138,7 @@ void print_cells(const std::vector<std::vector<std::string>>& rows) {
   }
 }
 
-/// The verdict, one sentence for each line, what was not done, and the figures.
+/// Prints the verdict, the omitted parts and the tables.
 void print(const Validated& v) {
   for (const auto& line : verdict(v)) print_result("{}: {}.\n", line.title, line.sentence);
   for (const auto& worse : worse_than_linear(v)) print_result("warning: {}\n", worse.sentence());
@@ -158,7 +158,7 @@ void run(const Options& options) {
   if (session.rank() != 0) return;
   print(v);
   write_each({[&] { write_json(options.json_file, validation_figures(v)); }, [&] { write_report(options, v); }});
-  if (v.interrupted()) refuse_half(options, v);
+  if (v.interrupted()) throw_interrupted(options, v);
   const auto& reason = v.no_points ? v.no_points : v.no_pairs;
   if (!reason) return;
   const char* parts = !v.no_pairs ? "--points was" : !v.no_points ? "--pairs was" : "--points and --pairs were";

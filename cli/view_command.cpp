@@ -14,7 +14,7 @@ struct Options {
   OptionalPath database, errors, body;
 };
 
-/// Without trailing digits that no picture shows: 6 significant digits are 1e-6 of a force.
+/// Rounds to six significant digits, which are sufficient for a picture.
 double rounded(double x) {
   double y = x;
   parse_number(fmt::format("{:.6g}", x), y);
@@ -22,8 +22,7 @@ double rounded(double x) {
 }
 Vec3 rounded(const Vec3& v) { return {rounded(v[0]), rounded(v[1]), rounded(v[2])}; }
 
-/// Every stored direction of a node up to its first increment without a result, as web/view/src/page_data.ts has it.
-/// Imported displacements have a direction each.
+/// Every stored ray up to its first unsolved increment, in the format of web/view/src/page_data.ts.
 json rays_json(const Database& database) {
   const auto& header = database.header();
   json all = json::array();
@@ -45,7 +44,7 @@ json rays_json(const Database& database) {
   return all;
 }
 
-Error wrong_errors(const std::filesystem::path& file, const std::string& why) {
+Error error_of_file(const std::filesystem::path& file, const std::string& why) {
   return input_error("the errors of the nodes cannot be read", file.string() + ": " + why,
                      "give the file that phynness validate --json wrote for this model");
 }
@@ -55,37 +54,37 @@ void require_same_model(const std::filesystem::path& file, const json& whole, co
   for (const auto& [key, name, own] :
        {std::tuple{"mesh_hash", "mesh", loaded.model().mesh_hash}, {"model_hash", "model", loaded.hash()}}) {
     const auto found = whole.value(key, json());
-    const auto given = found.is_string() ? found.get<std::string>() : "none";
-    if (given != own)
-      throw wrong_errors(file,
-                         fmt::format("it belongs to another {}, {} = {}, of this model {}", name, key, given, own));
+    const auto stored_hash = found.is_string() ? found.get<std::string>() : "none";
+    if (stored_hash != own)
+      throw error_of_file(
+          file, fmt::format("it belongs to another {}, {} = {}, of this model {}", name, key, stored_hash, own));
   }
   const auto level = whole.value(json::json_pointer("/conditions/level"), json());
   if (level != loaded.level())
-    throw wrong_errors(file, fmt::format("its errors are those of level {} of the model, the page shows level {}",
-                                         level.dump(), loaded.level()));
+    throw error_of_file(file, fmt::format("its errors are those of level {} of the model, the page shows level {}",
+                                          level.dump(), loaded.level()));
 }
 
-/// The mean errors by node from a file of `validate --json`.
+/// Reads the mean errors of the nodes from a file of `validate --json`.
 json errors_json(const std::filesystem::path& file, const NamedOrgan& loaded) {
   const InputFile about{"the file of errors", "give the file that phynness validate --json wrote", 1ULL << 30};
   const auto whole = json::parse(read_input_file(file, about), nullptr, false);
-  if (!whole.is_object()) throw wrong_errors(file, "it contains no JSON object");
+  if (!whole.is_object()) throw error_of_file(file, "it contains no JSON object");
   const auto by_node = whole.find("by_node");
-  if (by_node == whole.end() || !by_node->is_object()) throw wrong_errors(file, "it has no by_node");
+  if (by_node == whole.end() || !by_node->is_object()) throw error_of_file(file, "it has no by_node");
   require_same_model(file, whole, loaded);
-  json known{{"nodes", json::array()}, {"force_error", json::array()}, {"displacement_error", json::array()}};
+  json mean_errors{{"nodes", json::array()}, {"force_error", json::array()}, {"displacement_error", json::array()}};
   try {
     for (std::size_t i = 0; i < by_node->at("nodes").size(); ++i) {
       if (by_node->at("force_error").at(i).is_null() || by_node->at("displacement_error").at(i).is_null()) continue;
-      known["nodes"].push_back(by_node->at("nodes").at(i).get<std::int32_t>());
+      mean_errors["nodes"].push_back(by_node->at("nodes").at(i).get<std::int32_t>());
       for (const char* key : {"force_error", "displacement_error"})
-        known[key].push_back(by_node->at(key).at(i).get<double>());
+        mean_errors[key].push_back(by_node->at(key).at(i).get<double>());
     }
   } catch (const json::exception& error) {
-    throw wrong_errors(file, error.what());
+    throw error_of_file(file, error.what());
   }
-  return known;
+  return mean_errors;
 }
 
 std::string page_json(const Options& options, const NamedOrgan& loaded, const std::optional<NamedOrgan>& body) {
@@ -109,7 +108,7 @@ void run(const Options& options) {
   if (page.empty()) throw input_error("this build has no page", "phynness view", missing_pages_remedy());
   const NamedOrgan loaded(options.model);
   std::optional<NamedOrgan> body;
-  if (options.body) body = loaded.body_beside(*options.body);
+  if (options.body) body = loaded.body_on_same_mesh(*options.body);
   if (loaded.model().surface.rows() == 0)
     throw input_error("the model has no surface, and nothing can be drawn", options.model.string(),
                       "train it again with output nodes, so that model.txt contains triangles");

@@ -1,5 +1,5 @@
-// The subcommands that need dolfinx, in the program that is not linked with it: another program executes them. In a
-// build without dolfinx they only report that they are missing.
+// The subcommands that need dolfinx, in the program without it: the program with the solver executes them. In a build
+// without dolfinx they report that they are missing.
 #include <unistd.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
   return made;
 }
 
-void leave_to_solver(char** argv) {
+void exec_solver_program(char** argv) {
 #define PHYNNESS_NAME(name) #name,
   constexpr std::string_view commands[] = {PHYNNESS_SOLVER_COMMANDS(PHYNNESS_NAME) "reduce"};
   // Help and the version are texts of all subcommands together.

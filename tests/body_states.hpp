@@ -89,14 +89,29 @@ inline std::vector<double> dead_traction(const Discretization& body, const Mesh&
   return load;
 }
 
+/// A dead load: nodal forces that do not depend on the state.
+class DeadLoad : public BlockEnergy {
+ public:
+  /// @param load  n_dofs, dimensionless. @param factor  multiplies the load
+  explicit DeadLoad(const std::vector<double>& load, double factor = 1) : _load(factor * phynness::as_vector(load)) {}
+  double energy(std::span<const double> state) const override { return -_load.dot(phynness::as_vector(state)); }
+  void add_residual(std::span<const double>, std::span<double> out) const override {
+    phynness::as_vector(out) -= _load;
+  }
+  void add_tangent(std::int32_t, std::span<const double>, std::span<double>) const override {}
+
+ private:
+  Eigen::VectorXd _load;
+};
+
 /// Raises the load in equal steps and solves each; expects every step to converge.
-inline void solve_in_steps(Equilibrium& equilibrium, const std::vector<double>& load, int steps,
+inline void solve_in_steps(Discretization& body, Equilibrium& equilibrium, const std::vector<double>& load, int steps,
                            std::vector<double>& state) {
   for (int i = 1; i <= steps; ++i) {
-    auto part = load;
-    for (auto& f : part) f *= static_cast<double>(i) / steps;
-    equilibrium.set_load(part);
+    const DeadLoad part(load, static_cast<double>(i) / steps);
+    body.set_extra_energy(&part);
     ASSERT_EQ(equilibrium.solve(state).status, Status::converged) << "load step " << i << " of " << steps;
+    body.set_extra_energy(nullptr);
   }
 }
 

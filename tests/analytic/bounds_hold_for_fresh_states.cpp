@@ -70,9 +70,9 @@ struct Body {
     BoundPredictors made;
     made.largest_N = size;
     for (std::size_t n = 0; n < 60; ++n) {
-      auto& crush = made.crush.emplace_back();
+      auto& compression = made.compression.emplace_back();
       for (std::size_t k = 0; k < 26; ++k)
-        for (int i = 1; i <= 4; ++i) crush.push_back(std::log(rate[26 * n + k] * 0.25 * i));
+        for (int i = 1; i <= 4; ++i) compression.push_back(std::log(rate[26 * n + k] * 0.25 * i));
     }
     return made;
   }
@@ -158,7 +158,7 @@ TEST(ErrorBounds, NeedNoInformation) {
   const Model model = many_nodes();
   BoundPredictors predictors;
   predictors.largest_N.assign(60, 1);
-  predictors.crush.assign(60, std::vector<double>(104, -9.2));
+  predictors.compression.assign(60, std::vector<double>(104, -9.2));
   auto states = Body(random).states(model, random, 1000, 0);
   for (auto& state : states) state.error_N = 0;
   const Model bounded = add_bounds(model, predictors, states, 300, 0.95);
@@ -224,7 +224,7 @@ std::vector<CoupledState> of_several_tools(std::mt19937_64& random, std::int32_t
         state.tool.displacement[0] = depth_m * (1 - uniform_in(random));
         const double size = state.tool.displacement[0] / depth_m;
         state.terms = {size, size * uniform_in(random), size};
-        state.said_N[0] = (n - 1) * size * std::exp(of_ray + scatter(random) / 2);
+        state.predicted_N[0] = (n - 1) * size * std::exp(of_ray + scatter(random) / 2);
       }
   }
   return states;
@@ -250,7 +250,7 @@ TEST(BoundOfSeveralTools, HoldsForThreeToolsAlone) {
       if (state.n_tools < 3) continue;
       const auto& [x, y, z] = state.terms;
       const double bound = std::exp(c[0] + c[1] * std::log(x) + c[2] * std::log(y) + c[3] * std::log(z));
-      held += state.said_N[0] <= bound;
+      held += state.predicted_N[0] <= bound;
       all += 1;
     }
     sum += held / all;

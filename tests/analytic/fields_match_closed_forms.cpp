@@ -79,7 +79,7 @@ TEST_P(Fields, EnergyOfTheCellsAddsUpToTheStoredEnergyAtEquilibrium) {
   Equilibrium equilibrium(body, held, spec);
   const auto load = dead_traction(body, mesh, {0.02, 0.03, -0.06}, [](const Vector3& X) { return X[0] == 1; });
   std::vector<double> state(body.n_dofs(), 0.0);
-  solve_in_steps(equilibrium, load, 4, state);
+  solve_in_steps(body, equilibrium, load, 4, state);
   const auto means = NodalFields(body, {Field::energy_density}).in_cells(body, state);
   double sum = 0, total_volume = 0;
   for (int cell = 0; cell < body.n_cells(); ++cell) {

@@ -29,7 +29,7 @@ double deviation(const Material& material, Element element, double length, doubl
   Equilibrium equilibrium(body, rollers(body), tight(element));
   const auto load = dead_traction(body, mesh, {traction, 0, 0}, [&](const Vector3& X) { return X[0] == length; });
   std::vector<double> state(body.n_dofs(), 0.0);
-  solve_in_steps(equilibrium, load, 10, state);
+  solve_in_steps(body, equilibrium, load, 10, state);
   const auto expected = state_of(body, [&](const Vector3& X) {
     return Vector3((stretch_x - 1) * X[0], (stretch_y - 1) * X[1], (stretch_y - 1) * X[2]);
   });
@@ -94,7 +94,7 @@ TEST_P(UniaxialOfMixedElement, MooneyRivlinCubeReachesTheIncompressibleLimit) {
     Equilibrium equilibrium(body, rollers(body), tight(GetParam()));
     const auto load = dead_traction(body, mesh, {13.125, 0, 0}, [](const Vector3& X) { return X[0] == 1; });
     std::vector<double> state(body.n_dofs(), 0.0);
-    solve_in_steps(equilibrium, load, 10, state);
+    solve_in_steps(body, equilibrium, load, 10, state);
     corner.push_back(value_at(body, state, mesh.n_nodes() - 1));
   }
   const Vector3 limit = 2 * corner[1] - corner[0];

@@ -45,7 +45,7 @@ double tip_deflection_mm(const FormSet& forms, Element element, int n) {
   std::vector<double> state(body.n_dofs(), 0.0);
   const auto load = dead_traction(body, mesh, {0, traction, 0}, [](const Vector3& X) { return X[0] == 1; });
   EXPECT_NEAR(as_vector(load).sum() * shear_modulus_MPa * length_mm * length_mm, 1, 1e-12);  // 1 N
-  solve_in_steps(equilibrium, load, 10, state);
+  solve_in_steps(body, equilibrium, load, 10, state);
   double sum = 0;
   int points = 0;
   for (int p = 0; p < body.n_points(); ++p)

@@ -28,7 +28,7 @@ TEST(Tasks, CoverWhatIsLeftOnceNodeByNode) {
     const auto header = header_of(62, 26);
     std::vector<char> logged(62 * 26);
     for (char& flag : logged) flag = random() % 3 == 0;
-    const auto rays = rays_left(header, logged);
+    const auto rays = remaining_rays(header, logged);
     const auto tasks = ray_tasks(rays, n_ranks);
     ASSERT_EQ(tasks.front(), 0);
     ASSERT_EQ(tasks.back(), static_cast<std::int64_t>(rays.size()));
@@ -44,7 +44,7 @@ TEST(Tasks, CoverWhatIsLeftOnceNodeByNode) {
 
 TEST(Tasks, NoneLeftIsNoTask) {
   const auto header = header_of(2, 3);
-  EXPECT_EQ(ray_tasks(rays_left(header, std::vector<char>(6, 1)), 4), std::vector<std::int64_t>{0});
+  EXPECT_EQ(ray_tasks(remaining_rays(header, std::vector<char>(6, 1)), 4), std::vector<std::int64_t>{0});
 }
 
 /// What ranks that take the tasks in turn lose at the end, each, in rays of average cost.
@@ -75,7 +75,7 @@ double lost_rays(const std::vector<RayIndex>& rays, const std::vector<std::int64
 
 TEST(Tasks, LeaveNoRankIdleForLong) {
   const auto header = header_of(486, 26);
-  const auto rays = rays_left(header, std::vector<char>(486 * 26, 0));
+  const auto rays = remaining_rays(header, std::vector<char>(486 * 26, 0));
   for (const int n_ranks : {2, 8, 64}) {
     const auto tasks = ray_tasks(rays, n_ranks);
     double mean = 0;
@@ -93,7 +93,8 @@ TEST(Tasks, BeginNearFixedNodes) {
   header.mesh.nodes << 3, 0, 0, 1, 0, 0, 9, 0, 0, 1, 0, 0, 0, 0, 0;
   header.sets.fixed = {4};
   std::vector<int> order;
-  for (const auto& ray : rays_left(header, {0, 0, 0, 1, 0, 0, 0, 0})) order.push_back(10 * ray.active + ray.direction);
+  for (const auto& ray : remaining_rays(header, {0, 0, 0, 1, 0, 0, 0, 0}))
+    order.push_back(10 * ray.active + ray.direction);
   EXPECT_EQ(order, (std::vector{10, 30, 31, 0, 1, 20, 21}));
 }
 

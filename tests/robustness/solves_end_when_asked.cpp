@@ -115,8 +115,8 @@ TEST_P(Asked, ResponsesAtRestAreThoseOfATouchedToolAndEndToo) {
     solver.touch({node});
     const auto touched = solver.rest();
     const auto before = solver.counts().factorizations;
-    solver.alone_at_rest(sets.linear.front());
-    const auto alone = solver.alone_at_rest(node);
+    solver.single_tool_at_rest(sets.linear.front());
+    const auto alone = solver.single_tool_at_rest(node);
     EXPECT_EQ(solver.counts().factorizations, before + 1);
     // Rounding of the factors, whose condition number is about 1e4 times K/mu here.
     EXPECT_LT((alone.stiffness_N_per_m - touched.stiffness_N_per_m).norm(), 1e-9 * touched.stiffness_N_per_m.norm());
@@ -141,7 +141,7 @@ TEST_P(Asked, ResponsesAtRestAreThoseOfATouchedToolAndEndToo) {
   EXPECT_EQ(report.increments_of_run, 0);
   EXPECT_EQ(points, n);
   const auto database = Database::open(file);
-  const auto last = solver.alone_at_rest(sets.linear.back());
+  const auto last = solver.single_tool_at_rest(sets.linear.back());
   const auto stored = database.at_rest(static_cast<std::int32_t>(n) - 1);
   for (int i = 0; i < 9; ++i)
     EXPECT_EQ(stored.stiffness_N_per_m[static_cast<std::size_t>(i)], last.stiffness_N_per_m(i / 3, i % 3));

@@ -31,10 +31,10 @@ TEST(ShellBenchmarks, CantileverUnderEndShear) {
   int done = 0;
   for (const auto& [fraction, u, w] : reference) {
     for (const int until = static_cast<int>(std::lround(20 * fraction)); done < until; ++done) {
-      auto part = load;
-      for (auto& f : part) f *= (done + 1) / 20.0;
-      equilibrium.set_load(part);
+      const DeadLoad part(load, (done + 1) / 20.0);
+      body.set_extra_energy(&part);
       ASSERT_EQ(equilibrium.solve(state).status, Status::converged) << done;
+      body.set_extra_energy(nullptr);
     }
     const double found_u = -(state[body.dofs(tip[0])[0]] + state[body.dofs(tip[1])[0]]) / 2;
     const double found_w = (state[body.dofs(tip[0])[2]] + state[body.dofs(tip[1])[2]]) / 2;
@@ -110,10 +110,10 @@ TEST(ShellBenchmarks, PinchedHemisphereWithAHole) {
   int done = 0;
   for (const auto& [fraction, a, b] : reference) {
     for (const int until = static_cast<int>(std::lround(20 * fraction)); done < until; ++done) {
-      auto part = load;
-      for (auto& f : part) f *= (done + 1) / 20.0;
-      equilibrium.set_load(part);
+      const DeadLoad part(load, (done + 1) / 20.0);
+      body.set_extra_energy(&part);
       ASSERT_EQ(equilibrium.solve(state).status, Status::converged) << done;
+      body.set_extra_energy(nullptr);
     }
     const double u_A = state[body.dofs(A)[0]], u_B = -state[body.dofs(B)[1]];
     std::printf("hemisphere %.2f: A %.3f (%.3f), B %.3f (%.3f)\n", fraction, u_A, a, u_B, b);

@@ -223,7 +223,7 @@ TEST(Plates, ClampedSquareSagsAsInPlateTheory) {
       if ((body.points().row(p) - Eigen::RowVector3d(0.5, 0.5, 0)).norm() < 1e-9) middle = p;
     std::vector<double> load(body.n_dofs(), 0.0), state(body.n_dofs(), 0.0);
     load[body.dofs(middle)[2]] = D;
-    solve_in_steps(equilibrium, load, 1, state);
+    solve_in_steps(body, equilibrium, load, 1, state);
     std::printf("clamped plate, t/a = %g: %.5f (0.00560)\n", thickness, state[body.dofs(middle)[2]]);
     EXPECT_NEAR(state[body.dofs(middle)[2]], 0.00560, 0.015 * 0.00560);
   }
@@ -259,7 +259,7 @@ TEST(SlitTube, IsAsStiffAsASolidOfTaylorHoodTetrahedra) {
     for (const double f : load) sum += f;
     for (auto& f : load) f *= -0.1 / sum;
     std::vector<double> state(body.n_dofs(), 0.0);
-    solve_in_steps(equilibrium, load, 10, state);
+    solve_in_steps(body, equilibrium, load, 10, state);
     Vector3 mean = Vector3::Zero();
     for (int p = 0; p < body.n_nodes(); ++p)
       for (const auto& place : watched)

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double tolerance = 1e-15, R = 0.03;
 
-JudgedProbe probe(std::int32_t node, double depth_m, bool flagged, double force, double own, double u) {
-  JudgedProbe p;
+ProbeResult probe(std::int32_t node, double depth_m, bool flagged, double force, double own, double u) {
+  ProbeResult p;
   p.node = node;
   p.displacement_m = {0, 0, -depth_m};
   p.flagged = flagged;
@@ -24,14 +24,14 @@ JudgedProbe probe(std::int32_t node, double depth_m, bool flagged, double force,
   return p;
 }
 
-JudgedProbe lost(std::int32_t node, double depth_m, bool flagged, Status why, double reached_m) {
+ProbeResult lost(std::int32_t node, double depth_m, bool flagged, Status why, double reached_m) {
   auto p = probe(node, depth_m, flagged, 9, 9, 9);  // numbers that must not count
   p.status = why;
   p.reached_m = reached_m;
   return p;
 }
 
-std::vector<JudgedProbe> probes() {
+std::vector<ProbeResult> probes() {
   auto beyond = probe(7, 0.04, true, 0.6, 0.6, 0.3);
   beyond.beyond = true;
   return {probe(4, 0.006, false, 0.01, 0.05, 0.001),
@@ -90,7 +90,7 @@ TEST(ErrorsToRange, DivideByTheLargestResponseAndAtLeastAHundredthOfIt) {
   Points u(2, 3), said(2, 3);
   u << 0, 0, 0.1, 0.004, 0, 0;
   said << 0, 0, 0.3, 0.004, 0.001, 0;
-  largest.take({0, 3, 4}, u, {0, 1});
+  largest.add({0, 3, 4}, u, {0, 1});
   EXPECT_NEAR(largest.force_N, 5, tolerance);
   EXPECT_NEAR(largest.displacement_m, 0.004, tolerance);  // the first node does not count
   const auto errors = probe_errors({{0, 0, 0.02}, {0, 0, 0.01}, said, u}, largest, {0, 1});
@@ -106,11 +106,11 @@ TEST(ErrorsToRange, DivideByTheLargestResponseWithoutAWarning) {
   const Points none(0, 3);
   for (const int order : {0, 1}) {
     LargestResponse largest;
-    for (const int i : {order, 1 - order}) largest.take({0, 0, i == 0 ? 8.0 : 1.0}, none, {}, i == 0);
+    for (const int i : {order, 1 - order}) largest.add({0, 0, i == 0 ? 8.0 : 1.0}, none, {}, i == 0);
     EXPECT_EQ(largest.force_N, 1);
   }
   LargestResponse crushed;
-  for (const double force : {2.0, 8.0, 3.0}) crushed.take({force, 0, 0}, none, {}, true);
+  for (const double force : {2.0, 8.0, 3.0}) crushed.add({force, 0, 0}, none, {}, true);
   EXPECT_EQ(crushed.force_N, 8);
 }
 
@@ -139,7 +139,7 @@ TEST(BoundCoverage, IsThatOfASheetOfPaper) {
   EXPECT_DOUBLE_EQ(coverage_of(weighted, 1.0).thirds[0], 0.25);
   EXPECT_EQ(coverage_of({}, 1.0).states, 0);
 
-  std::vector<JudgedProbe> probes(3);
+  std::vector<ProbeResult> probes(3);
   for (auto& p : probes) {
     p.status = Status::converged;
     p.displacement_m = {0.5, 0, 0};

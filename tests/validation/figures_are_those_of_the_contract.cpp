@@ -15,8 +15,8 @@ namespace {
 
 const std::string source = PHYNNESS_SOURCE_DIR;
 
-JudgedProbe probe(std::int32_t node, Status status) {
-  JudgedProbe p;
+ProbeResult probe(std::int32_t node, Status status) {
+  ProbeResult p;
   p.node = node;
   p.displacement_m = {0, 0, -0.01};
   p.status = status;
@@ -40,7 +40,7 @@ NamedOrgan checked_sample() {
 Validated results() {
   Validated v{read_scene(source + "/examples/model/scene.toml"), checked_sample()};
   const auto node = v.model.model().nodes.front().node;
-  const std::vector<JudgedProbe> probes{probe(node, Status::converged), probe(node, Status::diverged)};
+  const std::vector<ProbeResult> probes{probe(node, Status::converged), probe(node, Status::diverged)};
   v.report.nodes = {node};
   v.report.fixed_distance_m = {0.02};
   for (auto& errors : v.report.errors)

@@ -9,62 +9,64 @@
 
 namespace phynness {
 
-Eigen::VectorXd Constraint::dependent(std::span<const double> state, const Eigen::VectorXd& held) const {
-  if (masters.empty()) return held;
+Eigen::VectorXd Constraint::dependent(std::span<const double> state, const Eigen::VectorXd& prescribed) const {
+  if (masters.empty()) return prescribed;
   const Eigen::VectorXd x = as_vector(state)(masters);
-  return held + M * x;
+  return prescribed + M * x;
 }
 
-void Constraint::complete(std::span<double> state, const Eigen::VectorXd& held) const {
-  as_vector(state)(dofs) = dependent(state, held);
+void Constraint::complete(std::span<double> state, const Eigen::VectorXd& prescribed) const {
+  as_vector(state)(dofs) = dependent(state, prescribed);
 }
 
 void Constraint::condense(std::span<double> residual) const {
   if (masters.empty()) return;
-  const Eigen::VectorXd r = as_vector(residual)(dofs), moved = M.transpose() * r;
-  as_vector(residual)(masters) += moved;
+  const Eigen::VectorXd r = as_vector(residual)(dofs), transferred = M.transpose() * r;
+  as_vector(residual)(masters) += transferred;
 }
 
 std::vector<double> mean_weights(const Discretization& body, const SurfacePoint& center, double radius,
                                  const std::vector<char>& fixed) {
-  std::map<std::pair<std::int32_t, std::int32_t>, int> middle;
+  std::map<std::pair<std::int32_t, std::int32_t>, int> midpoint_of;
   for (int p = body.n_nodes(); p < body.n_points(); ++p)
-    if (body.on_surface(p)) middle[std::minmax({body.edge(p)[0], body.edge(p)[1]})] = p;
+    if (body.on_surface(p)) midpoint_of[std::minmax({body.edge(p)[0], body.edge(p)[1]})] = p;
   std::vector<double> weights(static_cast<std::size_t>(body.n_points()), 0.0);
   const Points nodes = body.points().topRows(body.n_nodes());
-  double at_fixed = 0;
+  double fixed_integral = 0;
   SurfaceTools(nodes, body.surface())
-      .press(center, radius, !middle.empty(), [&](Eigen::Index t, std::span<const double> integrals) {
+      .press(center, radius, !midpoint_of.empty(), [&](Eigen::Index t, std::span<const double> integrals) {
         const Eigen::RowVector3i corner = body.surface().row(t);
         for (int k = 0; k < 3; ++k) {
           const auto a = corner[k], b = corner[(k + 1) % 3];
           weights[a] += integrals[static_cast<std::size_t>(k)];
-          if (!middle.empty()) weights[middle.at(std::minmax({a, b}))] += integrals[static_cast<std::size_t>(k) + 3];
+          if (!midpoint_of.empty())
+            weights[midpoint_of.at(std::minmax({a, b}))] += integrals[static_cast<std::size_t>(k) + 3];
         }
-        if (middle.empty())
-          at_fixed += schema::integrals_at_fixed(integrals.data(), 3, [&](int k) { return fixed[corner[k]] != 0; });
+        if (midpoint_of.empty())
+          fixed_integral +=
+              schema::integrals_at_fixed(integrals.data(), 3, [&](int k) { return fixed[corner[k]] != 0; });
       });
   double sum = 0;
   for (int p = 0; p < body.n_points(); ++p) {
     if (fixed[p]) weights[p] = 0;
     sum += weights[p];
   }
-  for (auto& weight : weights) weight = sum > 0 ? weight / schema::weight_divisor(sum, at_fixed) : 0;
+  for (auto& weight : weights) weight = sum > 0 ? weight / schema::weight_divisor(sum, fixed_integral) : 0;
   return weights;
 }
 
 namespace {
 
-/// Tools that prescribe weighted means, sum_c B(t, c) a_c = q_t, of the displacements a_c of some control points.
+/// Tools that prescribe weighted means, sum_c B(t, c) a_c = q_t, of the displacements a_c of control points.
 struct Means {
-  std::vector<int> controls;                ///< points of the body, without repeats
+  std::vector<int> controls;                ///< distinct points of the body
   Eigen::MatrixXd B;                        ///< n_tools x n_controls
-  std::vector<std::vector<double>> shapes;  ///< per control: factor of a_c in the displacement of every point, 1 at the
-                                            ///< control itself and 0 at the others; empty: a control moves alone
+  std::vector<std::vector<double>> shapes;  ///< per control: factor of a_c in the displacement of every point (1 at
+                                            ///< the control, 0 at other controls); empty: a control moves only itself
 };
 
-/// Per point: the P1 hat function on the surface around a node.
-std::vector<double> hat(const Discretization& body, std::int32_t node, const std::vector<char>& fixed) {
+/// The values at all points of the P1 hat function on the surface around a node.
+std::vector<double> hat_function(const Discretization& body, std::int32_t node, const std::vector<char>& fixed) {
   std::vector<double> weights(static_cast<std::size_t>(body.n_points()), 0.0);
   weights[static_cast<std::size_t>(node)] = 1;
   for (int p = body.n_nodes(); p < body.n_points(); ++p)
@@ -77,25 +79,25 @@ Means means_of(const Discretization& body, const std::vector<SurfacePoint>& cent
   std::vector<std::map<int, double>> rows;
   std::map<int, Eigen::Index> column_of;
   for (const auto& center : centers) {
-    auto& row = rows.emplace_back();
+    auto& weights_of_tool = rows.emplace_back();
     if (radius > 0) {
       const auto weights = mean_weights(body, center, radius, fixed);
       for (int p = 0; p < body.n_points(); ++p)
-        if (weights[p] != 0) row[p] = weights[p];
+        if (weights[p] != 0) weights_of_tool[p] = weights[p];
     } else {
       for (std::size_t k = 0; k < 3; ++k)
-        if (center.weights[k] > 0 && !fixed[center.nodes[k]]) row[center.nodes[k]] += center.weights[k];
+        if (center.weights[k] > 0 && !fixed[center.nodes[k]]) weights_of_tool[center.nodes[k]] += center.weights[k];
     }
-    if (row.empty())
+    if (weights_of_tool.empty())
       throw input_error("all nodes of a tool are fixed", "tool " + std::to_string(rows.size() - 1),
                         "touch a part of the surface that can move");
-    for (const auto& [point, weight] : row) column_of.emplace(point, 0);
+    for (const auto& [point, weight] : weights_of_tool) column_of.emplace(point, 0);
   }
   Means means;
   for (auto& [point, column] : column_of) {
     column = std::ssize(means.controls);
     means.controls.push_back(point);
-    if (radius == 0) means.shapes.push_back(hat(body, point, fixed));
+    if (radius == 0) means.shapes.push_back(hat_function(body, point, fixed));
   }
   means.B = Eigen::MatrixXd::Zero(std::ssize(rows), std::ssize(means.controls));
   for (std::size_t t = 0; t < rows.size(); ++t)
@@ -103,17 +105,17 @@ Means means_of(const Discretization& body, const std::vector<SurfacePoint>& cent
   return means;
 }
 
-/// Positions of one control per tool whose columns of B are far from dependent, by complete pivoting.
-std::vector<Eigen::Index> heavy_controls(Eigen::MatrixXd B) {
-  // The largest weight that remains, over the largest one of the tool. Tools whose means are independent only by less
-  // than this would pull against each other with forces a thousand times as large as their sum.
-  constexpr double least = 1e-3;
+/// Selects one control per tool such that their columns of B are well conditioned, by complete pivoting.
+std::vector<Eigen::Index> dependent_controls(Eigen::MatrixXd B) {
+  // The smallest ratio of a pivot to the largest weight of its tool. Below it, the forces of the tools would be a
+  // thousand times as large as their sum.
+  constexpr double smallest_pivot = 1e-3;
   const Eigen::VectorXd largest = B.rowwise().lpNorm<Eigen::Infinity>();
-  std::vector<Eigen::Index> heavy;
+  std::vector<Eigen::Index> dependent;
   for (Eigen::Index n = 0; n < B.rows(); ++n) {
     Eigen::Index row = 0, column = 0;
     const double ratio = (largest.cwiseInverse().asDiagonal() * B).cwiseAbs().maxCoeff(&row, &column);
-    if (!(ratio >= least))
+    if (!(ratio >= smallest_pivot))
       throw input_error("two tools are at the same place",
                         std::to_string(n) + " of " + std::to_string(B.rows()) + " tools are independent",
                         "keep tools at least a tool radius apart");
@@ -121,9 +123,9 @@ std::vector<Eigen::Index> heavy_controls(Eigen::MatrixXd B) {
     const Eigen::RowVectorXd pivot = B.row(row);
     B -= factors * pivot;
     B.row(row).setZero();
-    heavy.push_back(column);
+    dependent.push_back(column);
   }
-  return heavy;
+  return dependent;
 }
 
 }  // namespace
@@ -132,25 +134,26 @@ Constraint tool_constraint(const Discretization& body, const std::vector<Surface
                            const std::vector<char>& fixed) {
   const Means means = means_of(body, centers, radius, fixed);
   const auto& B = means.B;
-  const auto heavy = heavy_controls(B);
-  std::vector<Eigen::Index> kept;
+  const auto dependent = dependent_controls(B);
+  std::vector<Eigen::Index> free_controls;
   for (Eigen::Index c = 0; c < B.cols(); ++c)
-    if (std::find(heavy.begin(), heavy.end(), c) == heavy.end()) kept.push_back(c);
+    if (std::find(dependent.begin(), dependent.end(), c) == dependent.end()) free_controls.push_back(c);
   // The displacements of all controls: a = C a_kept + D q.
-  const Eigen::MatrixXd inverse = Eigen::MatrixXd(B(Eigen::all, heavy)).inverse();
-  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(B.cols(), std::ssize(kept)), D = Eigen::MatrixXd::Zero(B.cols(), B.rows());
-  C(heavy, Eigen::all) = -inverse * B(Eigen::all, kept);
-  D(heavy, Eigen::all) = inverse;
-  for (std::size_t i = 0; i < kept.size(); ++i) C(kept[i], static_cast<Eigen::Index>(i)) = 1;
+  const Eigen::MatrixXd inverse = Eigen::MatrixXd(B(Eigen::all, dependent)).inverse();
+  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(B.cols(), std::ssize(free_controls)),
+                  D = Eigen::MatrixXd::Zero(B.cols(), B.rows());
+  C(dependent, Eigen::all) = -inverse * B(Eigen::all, free_controls);
+  D(dependent, Eigen::all) = inverse;
+  for (std::size_t i = 0; i < free_controls.size(); ++i) C(free_controls[i], static_cast<Eigen::Index>(i)) = 1;
 
   std::vector<char> is_master(static_cast<std::size_t>(body.n_points()), 0);
   Constraint constraint;
-  for (const auto c : kept) {
+  for (const auto c : free_controls) {
     const int point = means.controls[static_cast<std::size_t>(c)];
     is_master[static_cast<std::size_t>(point)] = 1;
     constraint.masters.insert(constraint.masters.end(), body.dofs(point).begin(), body.dofs(point).end());
   }
-  // Per dependent point: the factors of the controls.
+  // The factors of the controls for each dependent point.
   std::vector<Eigen::RowVectorXd> rows;
   const auto shape = [&](Eigen::Index c, int point) {
     const auto i = static_cast<std::size_t>(c);
@@ -167,7 +170,7 @@ Constraint tool_constraint(const Discretization& body, const std::vector<Surface
   }
   const auto n = static_cast<Eigen::Index>(constraint.dofs.size());
   constraint.G = Eigen::MatrixXd::Zero(n, 3 * B.rows());
-  constraint.M = Eigen::MatrixXd::Zero(n, 3 * std::ssize(kept));
+  constraint.M = Eigen::MatrixXd::Zero(n, 3 * std::ssize(free_controls));
   for (Eigen::Index i = 0; i < std::ssize(rows); ++i) {
     const Eigen::RowVectorXd g = rows[static_cast<std::size_t>(i)] * D, m = rows[static_cast<std::size_t>(i)] * C;
     for (int k = 0; k < 3; ++k) {

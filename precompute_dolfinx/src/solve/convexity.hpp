@@ -7,8 +7,8 @@
 
 namespace phynness {
 
-/// The negative eigenvalues that are removed from an element tangent: none, those larger than a thousandth of its trace
-/// (which can be detected quickly), or all.
+/// Which negative eigenvalues are removed from an element tangent: none, those larger than a thousandth of its trace
+/// (which a Cholesky factorization detects), or all.
 enum class Convexity { none, nearly, strictly };
 
 /// Replaces negative eigenvalues of a matrix by zero (Teran et al. 2005, doi:10.1145/1073368.1073394).
@@ -24,7 +24,7 @@ bool make_convex(Matrix& matrix, Convexity convexity) {
   if (eigen.info() != Eigen::Success || eigen.eigenvalues()[0] >= 0) return false;
   Eigen::Index n = 0;
   while (n < matrix.rows() && eigen.eigenvalues()[n] < 0) ++n;
-  // Usually there are few negative eigenvalues, which are subtracted.
+  // The few negative eigenvalues are subtracted.
   matrix -= eigen.eigenvectors().leftCols(n) * eigen.eigenvalues().head(n).asDiagonal() *
             eigen.eigenvectors().leftCols(n).transpose();
   return true;

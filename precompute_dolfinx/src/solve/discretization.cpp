@@ -35,7 +35,7 @@ struct Discretization::Dolfinx {
     Kernel energy, residual, tangent;
   };
   std::vector<Pass> passes;
-  std::vector<double> rest_values;  // of the state of a shell; empty for solids
+  std::vector<double> rest_values;  // the state of a shell at rest; empty for solids
 };
 
 Discretization::Discretization(const Mesh& mesh, const FormSet& forms, const std::vector<std::uint8_t>& cell_regions)
@@ -62,7 +62,7 @@ Discretization::Discretization(const Mesh& mesh, const FormSet& forms, const std
   find_regions(mesh, cell_regions);
   if (forms.element->mixed) split_pressures();
   if (forms.edges.energy) find_edge_patches();
-  if (forms.element->is_shell) d.rest_values = at_rest(mesh);
+  if (forms.element->is_shell) d.rest_values = rest_state(mesh);
 }
 
 Discretization::~Discretization() = default;
@@ -141,16 +141,16 @@ void Discretization::find_regions(const Mesh& mesh, const std::vector<std::uint8
 }
 
 void Discretization::split_pressures() {
-  // The first region of a node keeps the dof of dolfinx.
+  // The pressure of the first region at a node is the dof of dolfinx.
   std::vector<std::int32_t> first(static_cast<std::size_t>(_n_nodes), -1);
-  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> further;
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> extra_pressures;
   for (int cell = 0; cell < _n_cells; ++cell) {
     const auto nodes = cell_nodes(cell);
     for (std::size_t i = 0; i < 4; ++i) {
       auto& region = first[nodes[i]];
       if (region < 0) region = _regions[cell];
       if (region == _regions[cell]) continue;
-      const auto [entry, is_new] = further.try_emplace({nodes[i], _regions[cell]}, _n_dofs);
+      const auto [entry, is_new] = extra_pressures.try_emplace({nodes[i], _regions[cell]}, _n_dofs);
       if (is_new) _pressure_dofs.push_back(_n_dofs++);
       _element_dofs[static_cast<std::size_t>((cell + 1) * _n_element_dofs - 4) + i] = entry->second;
     }
@@ -159,7 +159,7 @@ void Discretization::split_pressures() {
 
 const FormSet& Discretization::forms() const { return _dolfinx->forms; }
 
-std::vector<double> Discretization::at_rest(const Mesh& mesh) const {
+std::vector<double> Discretization::rest_state(const Mesh& mesh) const {
   std::map<std::array<std::int32_t, 2>, Eigen::RowVector3d> normals;
   for (Eigen::Index t = 0; t < mesh.cells.rows(); ++t) {
     const auto corner = [&](int i) -> Eigen::RowVector3d { return mesh.nodes.row(mesh.cells(t, i % 3)); };
@@ -173,15 +173,15 @@ std::vector<double> Discretization::at_rest(const Mesh& mesh) const {
   for (int p = _n_nodes; p < n_points(); ++p) {
     const Eigen::RowVector3d director = normals.at(edge(p)).normalized();
     for (int k = 0; k < 3; ++k) {
-      values[static_cast<std::size_t>(dofs(p)[k])] = 1;  // a mark; see forms/shell.py
+      values[static_cast<std::size_t>(dofs(p)[k])] = 1;  // a marker (forms/shell.py)
       values[static_cast<std::size_t>(director_dofs(p)[k])] = director[k];
     }
   }
   return values;
 }
 
-void Discretization::gather(int cell, std::span<const int> coefficients, std::span<const double> state,
-                            std::vector<double>& w) const {
+void Discretization::pack_coefficients(int cell, std::span<const int> coefficients, std::span<const double> state,
+                                       std::vector<double>& w) const {
   const auto dofs = block_dofs(cell);
   w.resize(coefficients.size() * dofs.size());
   double* to = w.data();
@@ -195,15 +195,15 @@ void Discretization::gather(int cell, std::span<const int> coefficients, std::sp
 
 template <class Take>
 void Discretization::integrate(const Kernel& kernel, std::span<const double> state, std::span<double> values,
-                               Take&& take) const {
+                               Take&& visit) const {
   const auto coefficients = api::coefficients(*kernel.form);
   std::vector<double> w;
   std::array<double, 12> x;
   for (int cell = 0; cell < _n_cells; ++cell) {
-    gather(cell, coefficients, state, w);
+    pack_coefficients(cell, coefficients, state, w);
     api::cell_coordinates(*_dolfinx->mesh, cell, x);
     api::tabulate(*kernel.form, values, w, kernel.constants[_regions[cell]], x);
-    take(cell);
+    visit(cell);
   }
 }
 
@@ -216,7 +216,7 @@ double Discretization::energy(std::span<const double> state) {
   }
   for (int e = 0; e < _edge_patches.size(); ++e)
     sum += _edge_patches.volume(e) * _edge_patches.energy_density(e, state);
-  return _added ? sum + _added->energy(state) : sum;
+  return _extra_energy ? sum + _extra_energy->energy(state) : sum;
 }
 
 void Discretization::residual(std::span<const double> state, std::span<double> out) {
@@ -231,7 +231,7 @@ void Discretization::residual(std::span<const double> state, std::span<double> o
       std::fill(values.begin(), values.end(), 0.0);
     });
   _edge_patches.add_residual(state, out);
-  if (_added) _added->add_residual(state, out);
+  if (_extra_energy) _extra_energy->add_residual(state, out);
 }
 
 double Discretization::min_jacobian(std::span<const double> state) {
@@ -240,23 +240,23 @@ double Discretization::min_jacobian(std::span<const double> state) {
   const std::span<const int> coefficients(both.data(), forms.element->is_shell ? 2 : 1);
   std::vector<double> w, values(forms.jacobian->num_points);
   std::array<double, 12> x;
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   for (const auto& of_pass : forms.jacobian_passes) {
     std::vector<std::vector<double>> constants;
     for (int r = 0; r < forms.n_regions(); ++r)
       constants.push_back(api::packed_constants(*forms.jacobian, forms.constants_in(r, of_pass)));
     for (int cell = 0; cell < _n_cells; ++cell) {
-      gather(cell, coefficients, state, w);
+      pack_coefficients(cell, coefficients, state, w);
       api::cell_coordinates(*_dolfinx->mesh, cell, x);
       std::fill(values.begin(), values.end(), 0.0);
       api::tabulate(*forms.jacobian, values, w, constants[_regions[cell]], x);
       for (double J : values) {
         if (std::isnan(J)) J = -std::numeric_limits<double>::infinity();
-        least = std::min(least, J);
+        smallest = std::min(smallest, J);
       }
     }
   }
-  return std::min(least, _edge_patches.min_jacobian(state));
+  return std::min(smallest, _edge_patches.min_jacobian(state));
 }
 
 void Discretization::field_integrals(Field field, std::span<const double> state, std::span<double> out) const {
@@ -269,19 +269,19 @@ void Discretization::field_integrals(Field field, std::span<const double> state,
       api::tabulate(*functional.form, {&value, 1}, w, functional.constants[_regions[cell]], x);
       return value;
     };
-    gather(cell, api::coefficients(*functional.form), state, w);
+    pack_coefficients(cell, api::coefficients(*functional.form), state, w);
     api::cell_coordinates(*_dolfinx->mesh, cell, x);
     if (_edge_patches.size() == 0) {
       out[cell] = integral();
     } else if (field == Field::energy_density) {
       out[cell] = integral();
-      for (const auto e : _edge_patches.of_cell(cell))
+      for (const auto e : _edge_patches.edges_of_cell(cell))
         out[cell] += cell_volume(cell) / 6 * _edge_patches.energy_density(e, state);
     } else {
-      // The sixths of the cell at its edges have the gradients of the edges and the pressure of the cell.
+      // Each sixth of the cell has the gradient of an edge and the pressure of the cell.
       out[cell] = 0;
-      for (const auto e : _edge_patches.of_cell(cell)) {
-        put_gradient(cell, _edge_patches.gradient(e, state), x, w);
+      for (const auto e : _edge_patches.edges_of_cell(cell)) {
+        set_gradient(cell, _edge_patches.gradient(e, state), x, w);
         out[cell] += integral() / 6;
       }
     }
@@ -293,23 +293,23 @@ std::array<std::int32_t, 4> Discretization::cell_nodes(int cell) const {
   return {nodes[0], nodes[1], nodes[2], nodes.at(3)};
 }
 
-Eigen::Matrix3d Discretization::cell_sides(int cell) const {
+Eigen::Matrix3d Discretization::cell_edge_vectors(int cell) const {
   std::array<double, 12> x;
   api::cell_coordinates(*_dolfinx->mesh, cell, x);
   const auto corner = Eigen::Map<const Points>(x.data(), 4, 3);
   return corner.bottomRows<3>().rowwise() - corner.row(0);
 }
 
-Eigen::Matrix<double, 4, 3> Discretization::cell_slopes(int cell) const {
-  Eigen::Matrix<double, 4, 3> slopes;
-  slopes.bottomRows<3>() = cell_sides(cell).inverse().transpose();
-  slopes.row(0) = -slopes.bottomRows<3>().colwise().sum();
-  return slopes;
+Eigen::Matrix<double, 4, 3> Discretization::cell_shape_gradients(int cell) const {
+  Eigen::Matrix<double, 4, 3> shape_gradients;
+  shape_gradients.bottomRows<3>() = cell_edge_vectors(cell).inverse().transpose();
+  shape_gradients.row(0) = -shape_gradients.bottomRows<3>().colwise().sum();
+  return shape_gradients;
 }
 
-double Discretization::cell_volume(int cell) const { return std::abs(cell_sides(cell).determinant()) / 6; }
+double Discretization::cell_volume(int cell) const { return std::abs(cell_edge_vectors(cell).determinant()) / 6; }
 
-void Discretization::put_gradient(int cell, const EdgePatches::Gradient& F, std::span<const double, 12> x,
+void Discretization::set_gradient(int cell, const EdgePatches::Gradient& F, std::span<const double, 12> x,
                                   std::vector<double>& w) const {
   const auto dofs = block_dofs(cell);
   const auto nodes = cell_nodes(cell);
@@ -323,25 +323,27 @@ void Discretization::put_gradient(int cell, const EdgePatches::Gradient& F, std:
 void Discretization::find_edge_patches() {
   std::vector<std::array<std::int32_t, 4>> nodes;
   std::vector<double> volumes;
-  std::vector<Eigen::Matrix<double, 4, 3>> slopes;
+  std::vector<Eigen::Matrix<double, 4, 3>> shape_gradients;
   for (int cell = 0; cell < _n_cells; ++cell) {
     nodes.push_back(cell_nodes(cell));
     volumes.push_back(cell_volume(cell));
-    slopes.push_back(cell_slopes(cell));
+    shape_gradients.push_back(cell_shape_gradients(cell));
   }
-  _edge_patches = EdgePatches(nodes, volumes, slopes, _point_dofs, _regions, _dolfinx->forms);
+  _edge_patches = EdgePatches(nodes, volumes, shape_gradients, _point_dofs, _regions, _dolfinx->forms);
 }
 
-void Discretization::block_tangents(std::span<const double> state, Convexity convexity, const TakeTangent& take_sum) {
+void Discretization::block_tangents(std::span<const double> state, Convexity convexity,
+                                    const TangentVisitor& visit_sum) {
   std::vector<double> sum, convex_sum;
-  const TakeTangent with_added = [&](std::int32_t block, std::span<const double> exact, std::span<const double> near) {
+  const TangentVisitor add_extra_energy = [&](std::int32_t block, std::span<const double> exact,
+                                              std::span<const double> near) {
     sum.assign(exact.begin(), exact.end());
     convex_sum.assign(near.begin(), near.end());
-    _added->add_tangent(block, state, sum);
-    if (!near.empty()) _added->add_tangent(block, state, convex_sum);
-    take_sum(block, sum, convex_sum);
+    _extra_energy->add_tangent(block, state, sum);
+    if (!near.empty()) _extra_energy->add_tangent(block, state, convex_sum);
+    visit_sum(block, sum, convex_sum);
   };
-  const TakeTangent& take = _added ? with_added : take_sum;
+  const TangentVisitor& visit = _extra_energy ? add_extra_energy : visit_sum;
   const auto m = static_cast<Eigen::Index>(_n_element_dofs);
   const auto size = static_cast<std::size_t>(m * m);
   // Only the block of the displacements, which come first, is made convex. Without the shear energy the tangent of a
@@ -350,8 +352,8 @@ void Discretization::block_tangents(std::span<const double> state, Convexity con
   const bool convex = convexity == Convexity::strictly || (convexity == Convexity::nearly && _edge_patches.size() == 0);
   Eigen::Matrix<double, 12, 12> linear;
   Eigen::MatrixXd quadratic, nearest;
-  const auto take_cell = [&](std::int32_t cell, std::span<const double> values) {
-    if (!convex) return take(cell, values, convexity == Convexity::none ? std::span<const double>{} : values);
+  const auto visit_cell = [&](std::int32_t cell, std::span<const double> values) {
+    if (!convex) return visit(cell, values, convexity == Convexity::none ? std::span<const double>{} : values);
     nearest = Eigen::Map<const Eigen::MatrixXd>(values.data(), m, m);
     if (n_u == 12) {
       linear = nearest.topLeftCorner<12, 12>();
@@ -360,7 +362,7 @@ void Discretization::block_tangents(std::span<const double> state, Convexity con
       quadratic = nearest.topLeftCorner(n_u, n_u);
       if (make_convex(quadratic, convexity)) nearest.topLeftCorner(n_u, n_u) = quadratic;
     }
-    take(cell, values, {nearest.data(), size});
+    visit(cell, values, {nearest.data(), size});
   };
 
   std::vector<double> values(size, 0.0);
@@ -377,7 +379,7 @@ void Discretization::block_tangents(std::span<const double> state, Convexity con
   };
   const auto& passes = _dolfinx->passes;
   if (passes.size() == 1) {
-    integrate_cells(passes.front().tangent, [&](int cell) { take_cell(cell, values); });
+    integrate_cells(passes.front().tangent, [&](int cell) { visit_cell(cell, values); });
   } else {
     std::vector<double> sums(size * static_cast<std::size_t>(_n_cells), 0.0);
     const auto sum_of = [&](int cell) { return sums.data() + size * static_cast<std::size_t>(cell); };
@@ -385,12 +387,12 @@ void Discretization::block_tangents(std::span<const double> state, Convexity con
       integrate_cells(pass.tangent, [&](int cell) {
         for (std::size_t i = 0; i < size; ++i) sum_of(cell)[i] += values[i];
       });
-    for (std::int32_t cell = 0; cell < _n_cells; ++cell) take_cell(cell, {sum_of(cell), size});
+    for (std::int32_t cell = 0; cell < _n_cells; ++cell) visit_cell(cell, {sum_of(cell), size});
   }
   std::vector<double> exact_edge, convex_edge;
   for (int e = 0; e < _edge_patches.size(); ++e) {
     _edge_patches.tangent(e, state, convexity, exact_edge, convex_edge);
-    take(_n_cells + e, exact_edge, convex_edge);
+    visit(_n_cells + e, exact_edge, convex_edge);
   }
 }
 

@@ -15,7 +15,7 @@ namespace api = dolfinx_api;
 }  // namespace
 
 EdgePatches::EdgePatches(const std::vector<std::array<std::int32_t, 4>>& cells, const std::vector<double>& volumes,
-                         const std::vector<Eigen::Matrix<double, 4, 3>>& slopes,
+                         const std::vector<Eigen::Matrix<double, 4, 3>>& shape_gradients,
                          const std::vector<std::array<std::int32_t, 3>>& dofs, const std::vector<std::uint8_t>& regions,
                          const FormSet& forms)
     : _forms(forms.edges) {
@@ -24,15 +24,15 @@ EdgePatches::EdgePatches(const std::vector<std::array<std::int32_t, 4>>& cells, 
     _constants.push_back({api::packed_constants(*_forms.energy, c), api::packed_constants(*_forms.residual, c),
                           api::packed_constants(*_forms.tangent, c), api::packed_constants(*_forms.jacobian, c)});
   }
-  std::map<std::tuple<std::int32_t, std::int32_t, std::uint8_t>, std::int32_t> number;
+  std::map<std::tuple<std::int32_t, std::int32_t, std::uint8_t>, std::int32_t> edge_number;
   std::vector<std::map<std::int32_t, Eigen::Vector3d>>
       integrals;  // per edge and node: sum_c (V_c / 6) of the gradients
   for (std::size_t c = 0; c < cells.size(); ++c) {
-    auto& edges = _of_cell.emplace_back();
+    auto& edges = _cell_edges.emplace_back();
     for (std::size_t e = 0; e < 6; ++e) {
       const auto& [a, b] = api::edge_vertices(4)[e];
       const auto [low, high] = std::minmax(cells[c][a], cells[c][b]);
-      const auto [entry, is_new] = number.try_emplace({low, high, regions[c]}, size());
+      const auto [entry, is_new] = edge_number.try_emplace({low, high, regions[c]}, size());
       if (is_new) {
         _region.push_back(regions[c]);
         _volume.push_back(0);
@@ -42,30 +42,17 @@ EdgePatches::EdgePatches(const std::vector<std::array<std::int32_t, 4>>& cells, 
       _volume[edges[e]] += volumes[c] / 6;
       for (int k = 0; k < 4; ++k)
         integrals[edges[e]].try_emplace(cells[c][k], Eigen::Vector3d::Zero()).first->second +=
-            volumes[c] / 6 * slopes[c].row(k).transpose();
+            volumes[c] / 6 * shape_gradients[c].row(k).transpose();
     }
   }
   for (int e = 0; e < size(); ++e) {
     for (int k = 0; k < 3; ++k)
       for (const auto& [node, integral] : integrals[e]) {
         _dofs.push_back(dofs[node][k]);
-        _slope.push_back(integral[k] / _volume[e]);
+        _gradients.push_back(integral[k] / _volume[e]);
       }
     _start.push_back(_start.back() + integrals[e].size());
   }
-}
-
-EdgePatches::Gradient EdgePatches::gradient(int edge, std::span<const double> state) const {
-  const std::size_t n = _start[edge + 1] - _start[edge];
-  const double* g = _slope.data() + 3 * _start[edge];
-  const std::int32_t* dof = _dofs.data() + 3 * _start[edge];
-  Gradient F = Gradient::Identity();
-  for (int i = 0; i < 3; ++i)
-    for (std::size_t a = 0; a < n; ++a) {
-      const double u = state[*dof++];
-      for (int j = 0; j < 3; ++j) F(i, j) += u * g[j * n + a];
-    }
-  return F;
 }
 
 double EdgePatches::energy_density(int edge, std::span<const double> state) const {
@@ -81,23 +68,22 @@ void EdgePatches::add_residual(std::span<const double> state, std::span<double> 
     Gradient P = Gradient::Zero();
     api::tabulate(*_forms.residual, {P.data(), 9}, {F.data(), 9}, constants(edge).residual, unit_volume);
     P *= _volume[edge];
-    const std::size_t n = _start[edge + 1] - _start[edge];
-    const double* g = _slope.data() + 3 * _start[edge];
-    const std::int32_t* dof = _dofs.data() + 3 * _start[edge];
+    const auto [dofs, g] = gradient_operator(edge);
     for (int i = 0; i < 3; ++i)
-      for (std::size_t a = 0; a < n; ++a) out[*dof++] += P(i, 0) * g[a] + P(i, 1) * g[n + a] + P(i, 2) * g[2 * n + a];
+      for (Eigen::Index a = 0; a < g.cols(); ++a)
+        out[dofs(i, a)] += P(i, 0) * g(0, a) + P(i, 1) * g(1, a) + P(i, 2) * g(2, a);
   }
 }
 
 double EdgePatches::min_jacobian(std::span<const double> state) const {
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   for (int edge = 0; edge < size(); ++edge) {
     const Gradient F = gradient(edge, state);
     double J = 0;
     api::tabulate(*_forms.jacobian, {&J, 1}, {F.data(), 9}, constants(edge).jacobian, unit_volume);
-    least = std::isnan(J) ? -std::numeric_limits<double>::infinity() : std::min(least, J);
+    smallest = std::isnan(J) ? -std::numeric_limits<double>::infinity() : std::min(smallest, J);
   }
-  return least;
+  return smallest;
 }
 
 void EdgePatches::tangent(int edge, std::span<const double> state, Convexity convexity, std::vector<double>& exact,
@@ -106,25 +92,26 @@ void EdgePatches::tangent(int edge, std::span<const double> state, Convexity con
   Tangent A = Tangent::Zero();
   api::tabulate(*_forms.tangent, {A.data(), 81}, {F.data(), 9}, constants(edge).tangent, unit_volume);
   A *= _volume[edge];
-  expand(edge, A, exact);
+  to_nodes(edge, A, exact);
   if (convexity == Convexity::none) return;
   make_convex(A, convexity);
-  expand(edge, A, convex);
+  to_nodes(edge, A, convex);
 }
 
-void EdgePatches::expand(int edge, const Tangent& of_gradient, std::vector<double>& out) const {
-  const std::size_t n = _start[edge + 1] - _start[edge], m = 3 * n;
-  const double* g = _slope.data() + 3 * _start[edge];
-  out.resize(m * m);
+void EdgePatches::to_nodes(int edge, const Tangent& of_gradient, std::vector<double>& out) const {
+  const auto g = gradient_operator(edge).shape_gradients;
+  const Eigen::Index n = g.cols(), m = 3 * n;
+  out.resize(static_cast<std::size_t>(m * m));
+  const auto K = [&](int i, Eigen::Index a, int k, Eigen::Index b) -> double& {
+    return out[static_cast<std::size_t>((i * n + a) * m + k * n + b)];
+  };
   for (int i = 0; i < 3; ++i)
     for (int k = i; k < 3; ++k) {
       const Eigen::Matrix3d A = of_gradient.block<3, 3>(3 * i, 3 * k);
-      for (std::size_t a = 0; a < n; ++a) {
-        const Eigen::RowVector3d row = Eigen::RowVector3d(g[a], g[n + a], g[2 * n + a]) * A;
-        double* to = out.data() + (i * n + a) * m + k * n;
-        for (std::size_t b = 0; b < n; ++b) to[b] = row[0] * g[b] + row[1] * g[n + b] + row[2] * g[2 * n + b];
-        if (k > i)
-          for (std::size_t b = 0; b < n; ++b) out[(k * n + b) * m + i * n + a] = to[b];
+      for (Eigen::Index a = 0; a < n; ++a) {
+        const Eigen::RowVector3d row = Eigen::RowVector3d(g(0, a), g(1, a), g(2, a)) * A;
+        for (Eigen::Index b = 0; b < n; ++b) K(i, a, k, b) = row[0] * g(0, b) + row[1] * g(1, b) + row[2] * g(2, b);
+        for (Eigen::Index b = 0; b < n && k > i; ++b) K(k, b, i, a) = K(i, a, k, b);
       }
     }
 }

@@ -1,11 +1,10 @@
-// The edges of tetrahedra, each with the cells of one region at it, over which an edge-smoothed element averages the
+// The edges of tetrahedra with their adjacent cells of one region, over which an edge-smoothed element averages the
 // deformation gradient.
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <map>
 #include <span>
 #include <vector>
 
@@ -17,25 +16,44 @@ namespace phynness {
 /// A tetrahedron of volume 1: the integral of a constant function is its value.
 inline constexpr std::array<double, 12> unit_volume{0, 0, 0, 6, 0, 0, 0, 1, 0, 0, 0, 1};
 
-/// Edge e has the volume V_e and the mean gradient F_e of its cells c, of each of which it has a sixth:
+/// Values by component or direction (row) and node (column).
+template <class Scalar>
+using ByComponent = Eigen::Matrix<Scalar, 3, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// The displacement gradient of a cell or an edge, a linear map of the displacements of its nodes.
+struct GradientOperator {
+  Eigen::Map<const ByComponent<std::int32_t>> dofs;  ///< dofs(i, a): component i of the displacement of node a
+  Eigen::Map<const ByComponent<double>>
+      shape_gradients;  ///< shape_gradients(j, a): derivative of shape function a along j
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> deformation_gradient(std::span<const double> state) const {
+    Eigen::Matrix<double, 3, 3, Eigen::RowMajor> F = F.Identity();
+    for (int i = 0; i < 3; ++i)
+      for (Eigen::Index a = 0; a < dofs.cols(); ++a)
+        for (int j = 0; j < 3; ++j) F(i, j) += state[dofs(i, a)] * shape_gradients(j, a);
+    return F;
+  }
+};
+
+/// Edge e has a sixth of each adjacent cell c, hence the volume V_e and the mean gradient F_e:
 ///
 ///     V_e = sum_c V_c / 6,    F_e = sum_c (V_c / 6) F_c / V_e = I + sum_a u_a g_a^T
 ///
-/// where a are the nodes of these cells and g_a is the mean gradient of the linear function of node a. The shear energy
-/// of the body is sum_e V_e shape(F_e), except for a share that remains in the cells (cell_share); the forms of an edge
-/// are functions of F_e. At an interface of materials strains jump, so that an edge there counts once for each region.
+/// where a are the nodes of these cells and g_a is the mean gradient of the shape function of node a. The shear energy
+/// of the body is sum_e V_e shape(F_e), except for the share cell_share, which remains in the cells. The forms of an
+/// edge are functions of F_e. An edge at an interface exists once for each region, because strains are discontinuous
+/// there.
 class EdgePatches {
  public:
   using Gradient = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-  /// No edges.
+  /// There are no edges.
   EdgePatches() = default;
-  /// @param cells   nodes of the tetrahedra, and their volumes
-  /// @param slopes  gradients of the linear functions of their nodes
-  /// @param dofs    of the displacement of each node
-  /// @param regions  of the cells
+  /// @param cells   nodes of the tetrahedra
+  /// @param shape_gradients  gradients of the linear shape functions of their nodes
+  /// @param dofs     displacement dofs of each node
+  /// @param regions  region of each cell
   EdgePatches(const std::vector<std::array<std::int32_t, 4>>& cells, const std::vector<double>& volumes,
-              const std::vector<Eigen::Matrix<double, 4, 3>>& slopes,
+              const std::vector<Eigen::Matrix<double, 4, 3>>& shape_gradients,
               const std::vector<std::array<std::int32_t, 3>>& dofs, const std::vector<std::uint8_t>& regions,
               const FormSet& forms);
 
@@ -46,33 +64,36 @@ class EdgePatches {
   }
   double volume(int edge) const { return _volume[edge]; }
   int region(int edge) const { return _region[edge]; }
-  /// g_a of its nodes: the first components of all, the second ones, the third ones.
-  std::span<const double> slopes(int edge) const { return {_slope.data() + 3 * _start[edge], dofs(edge).size()}; }
-  Gradient gradient(int edge, std::span<const double> state) const;
+  GradientOperator gradient_operator(int edge) const {
+    const auto n = static_cast<Eigen::Index>(_start[edge + 1] - _start[edge]);
+    return {{_dofs.data() + 3 * _start[edge], 3, n}, {_gradients.data() + 3 * _start[edge], 3, n}};
+  }
+  Gradient gradient(int edge, std::span<const double> state) const {
+    return gradient_operator(edge).deformation_gradient(state);
+  }
   /// The edges of a cell.
-  const std::array<std::int32_t, 6>& of_cell(int cell) const { return _of_cell[cell]; }
+  const std::array<std::int32_t, 6>& edges_of_cell(int cell) const { return _cell_edges[cell]; }
 
   /// Shear energy per volume.
   double energy_density(int edge, std::span<const double> state) const;
   /// Adds the nodal forces of all edges to `out`.
   void add_residual(std::span<const double> state, std::span<double> out) const;
-  /// Smallest J of the mean gradients; negative where the law is not defined.
+  /// Smallest J of the mean gradients; negative if the law is undefined.
   double min_jacobian(std::span<const double> state) const;
-  /// The tangent of an edge, row-major; all of its eigenvalues become nonnegative if those of the law's tangent do.
+  /// The tangent of an edge, row-major, and the one without negative eigenvalues.
   /// @param exact, convex  outputs; `convex` is not written for Convexity::none
   void tangent(int edge, std::span<const double> state, Convexity convexity, std::vector<double>& exact,
                std::vector<double>& convex) const;
 
  private:
   using Tangent = Eigen::Matrix<double, 9, 9, Eigen::RowMajor>;
-  void expand(int edge, const Tangent& of_gradient, std::vector<double>& out) const;
+  void to_nodes(int edge, const Tangent& of_gradient, std::vector<double>& out) const;
 
   std::vector<double> _volume;
   std::vector<std::size_t> _start{0};  ///< of each edge in the nodes of all edges
-  std::vector<std::int32_t> _dofs;
-  std::vector<double>
-      _slope;  ///< per edge: g_a, the first components of all its nodes, the second ones, the third ones
-  std::vector<std::array<std::int32_t, 6>> _of_cell;
+  std::vector<std::int32_t> _dofs;     ///< GradientOperator::dofs of each edge
+  std::vector<double> _gradients;      ///< GradientOperator::shape_gradients of each edge
+  std::vector<std::array<std::int32_t, 6>> _cell_edges;
   EdgeForms _forms;
   std::vector<std::uint8_t> _region;  ///< of each edge
   struct Constants {

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace phynness {
 namespace {
 
-/// Numbers of the unknowns that belong to these dofs.
+/// The numbers of the unknowns of these dofs.
 std::vector<std::int32_t> unknowns_of(const TangentMatrix& tangent, std::span<const std::int32_t> dofs) {
   std::vector<std::int32_t> unknowns;
   for (const auto dof : dofs) unknowns.push_back(tangent.unknown_of()[dof]);
@@ -23,7 +22,7 @@ Equilibrium::Equilibrium(Discretization& body, const std::vector<std::int32_t>& 
       _tangent(body, fixed_dofs),
       _pressures(unknowns_of(_tangent, body.pressure_dofs())) {
   set_up_solver();
-  _rounding = residual_of_rounding();
+  _rounding_residual = rounding_residual();
   prescribe({});
 }
 
@@ -34,63 +33,58 @@ void Equilibrium::prescribe(Constraint constraint) {
     if (_tangent.unknown_of()[dof] < 0) _is_free[dof] = 0;
   for (const auto dof : _constraint.dofs) _is_free[dof] = 0;
   if (!_tangent.constrain(_constraint)) return;
-  // The sparsity pattern has changed, and with it everything that libraries have made of it.
-  _usable = false;
+  // The objects of the libraries depend on the sparsity pattern, which has changed.
+  _is_usable = false;
   recover();
 }
 
 void Equilibrium::recover() {
-  _usable = false;
+  _is_usable = false;
   _snes = {};
   _x = {};
   _r = {};
   _quasi_newton.clear();
   _pressures = PressureBlock(unknowns_of(_tangent, _body.pressure_dofs()));
-  _linear.reset();
+  _factorization.reset();
   set_up_solver();
-  _usable = true;
-}
-
-void Equilibrium::set_load(std::vector<double> load) {
-  _load_norm = as_vector(load).norm();
-  _load = std::move(load);
+  _is_usable = true;
 }
 
 void Equilibrium::set_stop(std::function<bool()> stop, double patience_s) {
   _stop = std::move(stop);
   _patience_s = patience_s;
-  _asked_to_end.reset();
+  _stop_requested_at.reset();
 }
 
-bool Equilibrium::must_end() {
+bool Equilibrium::must_stop() {
   if (!_stop || !_stop()) return false;
   const auto now = std::chrono::steady_clock::now();
-  if (!_asked_to_end) _asked_to_end = now;
-  return std::chrono::duration<double>(now - *_asked_to_end).count() >= _patience_s;
+  if (!_stop_requested_at) _stop_requested_at = now;
+  return std::chrono::duration<double>(now - *_stop_requested_at).count() >= _patience_s;
 }
 
 SNESConvergedReason Equilibrium::iterate(bool from_convex, int most_iterations, int& iterations) {
-  if (must_end()) throw Interrupted();
+  if (must_stop()) throw Interrupted();
   PHYNNESS_PETSC(SNESSetTolerances(_snes, 0, 0, 0, most_iterations, 100 * most_iterations));
-  hold();
-  spread(_x);
-  _refresh = true;
+  store_prescribed();
+  copy_unknowns(_x);
+  _needs_tangent = true;
   _convex = from_convex;
-  _strictly = false;
-  _linear_failed = false;
-  _trouble = nullptr;
+  _strictly_convex = false;
+  _factorization_failed = false;
+  _callback_exception = nullptr;
   const auto code = SNESSolve(_snes, nullptr, _x);
-  if (_trouble) std::rethrow_exception(std::exchange(_trouble, nullptr));
+  if (_callback_exception) std::rethrow_exception(std::exchange(_callback_exception, nullptr));
   petsc_check(code, "SNESSolve");
-  if (must_end()) throw Interrupted();
+  if (must_stop()) throw Interrupted();
   SNESConvergedReason reason;
   PetscInt n = 0;
   PHYNNESS_PETSC(SNESGetConvergedReason(_snes, &reason));
   PHYNNESS_PETSC(SNESGetIterationNumber(_snes, &n));
   iterations += static_cast<int>(n);
-  // The latest residual belongs to the last trial, and a line search ends with the accepted trial.
-  gather(_x);
-  return _linear_failed && reason < 0 ? SNES_DIVERGED_LINEAR_SOLVE : reason;
+  // The latest residual is that of the accepted trial, with which a line search ends.
+  set_state(_x);
+  return _factorization_failed && reason < 0 ? SNES_DIVERGED_LINEAR_SOLVE : reason;
 }
 
 bool Equilibrium::factorize_exact() {
@@ -101,8 +95,8 @@ bool Equilibrium::factorize_exact() {
   return factorize();
 }
 
-bool Equilibrium::stays_at_saddle(SNESConvergedReason reason, bool check) {
-  // Near a saddle point, to which Newton's method would converge, a line search fails because of rounding.
+bool Equilibrium::is_at_saddle(SNESConvergedReason reason, bool check) {
+  // Near a saddle point, to which Newton's method converges, the line search fails because of rounding.
   const bool search_failed = reason == SNES_DIVERGED_LINE_SEARCH || reason == SNES_DIVERGED_LOCAL_MIN;
   if (reason < 0 ? !search_failed || !_factors_are_convex : !check) return false;
   // The present factors may belong to an earlier state.
@@ -120,26 +114,25 @@ Equilibrium::Outcome Equilibrium::solve(std::span<double> state, bool check_stab
   for (const bool convex : {false, true}) {
     if (reason != SNES_DIVERGED_LINEAR_SOLVE) break;
     _state.assign(state.begin(), state.end());
-    _pressures.forget();
+    _pressures.reset();
     reason = iterate(convex, most, outcome.iterations);
   }
   for (int i = 0; i < most_saddles; ++i) {
-    if (!stays_at_saddle(reason, check_stability || _met_instability)) break;
+    if (!is_at_saddle(reason, check_stability || _met_instability)) break;
     const auto saddle = _state;
-    if (!leave_saddle()) {  // the state remains, with its own factors
+    if (!leave_saddle()) {  // restores the state and its factors
       _state = saddle;
       evaluate_residual();
       factorize_exact();
       break;
     }
-    outcome.left_saddle = true;
+    outcome.has_left_saddle = true;
     reason = iterate(false, 5 * most, outcome.iterations);
   }
-  outcome.met_instability = _met_instability || outcome.left_saddle;
+  outcome.met_instability = _met_instability || outcome.has_left_saddle;
   if (reason > 0) {
     std::copy(_state.begin(), _state.end(), state.begin());
-    const double scale = _reaction_norm + _load_norm;
-    outcome.relative_residual = scale > 0 ? free_norm() / scale : 0;
+    outcome.relative_residual = _reaction_norm > 0 ? free_residual_norm() / _reaction_norm : 0;
     outcome.force = reaction();
     return outcome;
   }
@@ -158,7 +151,7 @@ Equilibrium::Outcome Equilibrium::solve(std::span<double> state, bool check_stab
 }
 
 Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state, const Eigen::MatrixXd& directions) {
-  if (must_end()) throw Interrupted();
+  if (must_stop()) throw Interrupted();
   _state.assign(state.begin(), state.end());
   const auto coupling = _tangent.assemble(_body, _state);
   ++_counts.tangents;
@@ -175,7 +168,7 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
   out.tangent = coupling.corner * directions;
   for (Eigen::Index c = 0; c < k; ++c) {
     WriteValues(_r).map() = -coupling.columns * directions.col(c);
-    if (!_linear.solve(_r, _x)) return out;
+    if (!_factorization.solve(_r, _x)) return out;
     const ReadValues dx(_x);
     out.tangent.col(c) += coupling.columns.transpose() * dx.map();
     for (int i = 0; i < _tangent.n_unknowns(); ++i) out.sensitivity(_tangent.dof_of()[i], c) = dx[i];
@@ -186,14 +179,14 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
   return out;
 }
 
-Eigen::MatrixXd Equilibrium::change_under(const Eigen::MatrixXd& loads) {
-  if (must_end()) throw Interrupted();
+Eigen::MatrixXd Equilibrium::load_response(const Eigen::MatrixXd& loads) {
+  if (must_stop()) throw Interrupted();
   Eigen::MatrixXd change = Eigen::MatrixXd::Zero(loads.rows(), loads.cols());
   const auto& dof_of = _tangent.dof_of();
   _counts.substitutions += loads.cols();
   for (Eigen::Index c = 0; c < loads.cols(); ++c) {
     WriteValues(_r).map() = loads.col(c)(dof_of);
-    if (!_linear.solve(_r, _x)) return {};
+    if (!_factorization.solve(_r, _x)) return {};
     change.col(c)(dof_of) = ReadValues(_x).map();
   }
   return change;
@@ -201,8 +194,8 @@ Eigen::MatrixXd Equilibrium::change_under(const Eigen::MatrixXd& loads) {
 
 Equilibrium::Velocity Equilibrium::velocity(std::span<const double> state, const Eigen::VectorXd& direction,
                                             Eigen::VectorXd guess) {
-  const Eigen::VectorXd held = _constraint.G * direction;
-  _constraint.complete({guess.data(), static_cast<std::size_t>(guess.size())}, held);
+  const Eigen::VectorXd prescribed_rate = _constraint.G * direction;
+  _constraint.complete({guess.data(), static_cast<std::size_t>(guess.size())}, prescribed_rate);
   const auto x0 = as_vector(state);
   // K guess by a central difference. Its truncation error is proportional to the square of the step, and rounding to
   // its inverse; with a step of 1e-5 of the body both leave about ten digits.
@@ -222,19 +215,19 @@ Equilibrium::Velocity Equilibrium::velocity(std::span<const double> state, const
   }
   // The masters' rows contain the work of dependent dofs except for that of G q.
   Eigen::VectorXd rate = guess;
-  rate(_constraint.dofs) = held;
+  rate(_constraint.dofs) = prescribed_rate;
   double stiffness = 0;
   for (Eigen::Index dof = 0; dof < rate.size(); ++dof)
     stiffness += rate[dof] * (forward[dof] - _condensed[dof]) / (2 * epsilon);
   ++_counts.substitutions;
-  if (!_linear.solve(_r, _x)) return {Eigen::VectorXd::Constant(guess.size(), std::nan("")), stiffness};
+  if (!_factorization.solve(_r, _x)) return {Eigen::VectorXd::Constant(guess.size(), std::nan("")), stiffness};
   _quasi_newton.apply(_x);
   const ReadValues correction(_x);
   for (int i = 0; i < _tangent.n_unknowns(); ++i) {
     const auto dof = _tangent.dof_of()[i];
     if (_is_free[dof]) guess[dof] -= correction[i];
   }
-  _constraint.complete({guess.data(), static_cast<std::size_t>(guess.size())}, held);
+  _constraint.complete({guess.data(), static_cast<std::size_t>(guess.size())}, prescribed_rate);
   return {std::move(guess), stiffness};
 }
 

@@ -1,4 +1,4 @@
-// What the iterations of a solve compute, and the callbacks from PETSc.
+// Residual, tangent and merit function of the iterations, and the callbacks of PETSc.
 #include <cmath>
 #include <limits>
 
@@ -7,21 +7,21 @@
 namespace phynness {
 
 int Equilibrium::negative_pivots() {
-  return _linear.negative_pivots() - static_cast<int>(_body.pressure_dofs().size());
+  return _factorization.negative_pivots() - static_cast<int>(_body.pressure_dofs().size());
 }
 
 bool Equilibrium::factorize() {
   ++_counts.factorizations;
-  return _tangent.is_finite() && _linear.factorize(_tangent.matrix());
+  return _tangent.is_finite() && _factorization.factorize(_tangent.matrix());
 }
 
 PetscErrorCode Equilibrium::set_up_factors(PC pc) {
   void* context = nullptr;
   PetscCall(PCShellGetContext(pc, &context));
   auto& self = *static_cast<Equilibrium*>(context);
-  return self.contain([&] {
-    self._linear_failed = !self.factorize();
-    PHYNNESS_PETSC(PCSetFailedReason(pc, self._linear_failed ? PC_FACTOR_NUMERIC_ZEROPIVOT : PC_NOERROR));
+  return self.catch_exceptions([&] {
+    self._factorization_failed = !self.factorize();
+    PHYNNESS_PETSC(PCSetFailedReason(pc, self._factorization_failed ? PC_FACTOR_NUMERIC_ZEROPIVOT : PC_NOERROR));
   });
 }
 
@@ -29,9 +29,9 @@ PetscErrorCode Equilibrium::apply_factors(PC pc, Vec b, Vec x) {
   void* context = nullptr;
   PetscCall(PCShellGetContext(pc, &context));
   auto& self = *static_cast<Equilibrium*>(context);
-  return self.contain([&] {
-    if (self._linear.solve(b, x)) return;
-    self._linear_failed = true;
+  return self.catch_exceptions([&] {
+    if (self._factorization.solve(b, x)) return;
+    self._factorization_failed = true;
     PHYNNESS_PETSC(PCSetFailedReason(pc, PC_FACTOR_OTHER));
   });
 }
@@ -70,7 +70,7 @@ void Equilibrium::set_up_solver() {
 /// Norm of the residual that rounding causes: the rounding of F = I + grad u has the same effect as an error of every
 /// point of 1e-16 of the body's size. Without this lower bound a displacement of a millionth of the body could not meet
 /// a tolerance that is relative to its small forces.
-double Equilibrium::residual_of_rounding() {
+double Equilibrium::rounding_residual() {
   Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(_body.n_dofs());
   _body.block_tangents(std::vector<double>(_body.n_dofs(), 0.0), Convexity::none,
                        [&](std::int32_t block, std::span<const double> tangent, std::span<const double>) {
@@ -82,20 +82,20 @@ double Equilibrium::residual_of_rounding() {
   return std::numeric_limits<double>::epsilon() / 2 * diagonal.norm() * extent.norm();
 }
 
-void Equilibrium::gather(Vec from) {
+void Equilibrium::set_state(Vec from) {
   const ReadValues values(from);
   for (int i = 0; i < _tangent.n_unknowns(); ++i) _state[_tangent.dof_of()[i]] = values[i];
-  _constraint.complete(_state, _held);
+  _constraint.complete(_state, _prescribed);
 }
 
-void Equilibrium::hold() { _held = -_constraint.dependent(_state, -at_dependent(_state)); }
+void Equilibrium::store_prescribed() { _prescribed = -_constraint.dependent(_state, -dependent_values(_state)); }
 
-void Equilibrium::spread(Vec to) const {
+void Equilibrium::copy_unknowns(Vec to) const {
   const WriteValues values(to);
   for (int i = 0; i < _tangent.n_unknowns(); ++i) values[i] = _state[_tangent.dof_of()[i]];
 }
 
-void Equilibrium::scatter(Vec to) const {
+void Equilibrium::copy_residual(Vec to) const {
   const WriteValues out(to);
   for (int i = 0; i < _tangent.n_unknowns(); ++i) {
     const auto dof = _tangent.dof_of()[i];
@@ -108,7 +108,6 @@ void Equilibrium::evaluate_residual() {
   ++_counts.residuals;
   double reactions = 0;
   for (int dof = 0; dof < _body.n_dofs(); ++dof) {
-    if (!_load.empty()) _residual[dof] -= _load[dof];
     if (!_is_free[dof]) reactions += _residual[dof] * _residual[dof];
   }
   _reaction_norm = std::sqrt(reactions);
@@ -116,21 +115,15 @@ void Equilibrium::evaluate_residual() {
   _constraint.condense(_condensed);
 }
 
-double Equilibrium::free_norm() const {
+double Equilibrium::free_residual_norm() const {
   double sum = 0;
   for (int dof = 0; dof < _body.n_dofs(); ++dof)
     if (_is_free[dof]) sum += _condensed[dof] * _condensed[dof];
   return std::sqrt(sum);
 }
 
-double Equilibrium::energy_and_load() {
-  double energy = _body.energy(_state);
-  for (std::size_t dof = 0; dof < _load.size(); ++dof) energy -= _load[dof] * _state[dof];
-  return energy;
-}
-
 double Equilibrium::merit() {
-  const double energy = energy_and_load();
+  const double energy = _body.energy(_state);
   if (_pressures.empty()) return energy;
   const Eigen::VectorXd r_p = as_vector(_residual)(_body.pressure_dofs());
   return energy + r_p.dot(_pressures.solve(r_p)) / 2;
@@ -138,29 +131,29 @@ double Equilibrium::merit() {
 
 PetscErrorCode Equilibrium::form_function(SNES snes, Vec x, Vec r, void* context) {
   auto& self = *static_cast<Equilibrium*>(context);
-  return self.contain([&] {
-    self.gather(x);
+  return self.catch_exceptions([&] {
+    self.set_state(x);
     self.evaluate_residual();
-    self.scatter(r);
+    self.copy_residual(r);
     // ln J gives NaN for J <= 0; a domain error makes the line search use a shorter step.
-    if (!std::isfinite(self.free_norm())) PHYNNESS_PETSC(SNESSetFunctionDomainError(snes));
+    if (!std::isfinite(self.free_residual_norm())) PHYNNESS_PETSC(SNESSetFunctionDomainError(snes));
   });
 }
 
 PetscErrorCode Equilibrium::form_jacobian(SNES snes, Vec x, Mat, Mat, void* context) {
   auto& self = *static_cast<Equilibrium*>(context);
-  return self.contain([&] {
+  return self.catch_exceptions([&] {
     KSP ksp;
     PHYNNESS_PETSC(SNESGetKSP(snes, &ksp));
-    PHYNNESS_PETSC(KSPSetReusePreconditioner(ksp, self._refresh ? PETSC_FALSE : PETSC_TRUE));
+    PHYNNESS_PETSC(KSPSetReusePreconditioner(ksp, self._needs_tangent ? PETSC_FALSE : PETSC_TRUE));
     ++self._counts.substitutions;
-    self._fresh = self._refresh;
-    if (!self._refresh) return;
-    self._refresh = false;
+    self._factors_are_current = self._needs_tangent;
+    if (!self._needs_tangent) return;
+    self._needs_tangent = false;
     self._quasi_newton.clear();
-    self.gather(x);
+    self.set_state(x);
     self._tangent.assemble(self._body, self._state, self.convexity());
-    self._pressures.set(self._tangent.matrix());
+    self._pressures.copy_from(self._tangent.matrix());
     self._factors_are_convex = self._convex;
     ++self._counts.tangents;
   });
@@ -169,14 +162,14 @@ PetscErrorCode Equilibrium::form_jacobian(SNES snes, Vec x, Mat, Mat, void* cont
 PetscErrorCode Equilibrium::test_convergence(SNES, PetscInt, PetscReal, PetscReal, PetscReal norm,
                                              SNESConvergedReason* reason, void* context) {
   auto& self = *static_cast<Equilibrium*>(context);
-  return self.contain([&] {
+  return self.catch_exceptions([&] {
     *reason = SNES_CONVERGED_ITERATING;
     if (!std::isfinite(norm))
       *reason = SNES_DIVERGED_FUNCTION_NANORINF;
-    else if (norm <= self.goal())
+    else if (norm <= self.residual_tolerance())
       *reason = SNES_CONVERGED_FNORM_RELATIVE;
-    else if (self.must_end())
-      *reason = SNES_DIVERGED_FUNCTION_COUNT;  // iterate() then says why
+    else if (self.must_stop())
+      *reason = SNES_DIVERGED_FUNCTION_COUNT;  // iterate() then throws Interrupted
   });
 }
 

@@ -9,7 +9,7 @@
 namespace phynness {
 
 bool Factorization::factorize(Mat matrix) {
-  _good = false;
+  _has_factors = false;
   try {
     PetscInt n = 0;
     const PetscInt *row_start = nullptr, *column = nullptr;
@@ -19,17 +19,17 @@ bool Factorization::factorize(Mat matrix) {
     if (!_factors)
       _factors.emplace(std::vector<std::int32_t>(row_start, row_start + n + 1),
                        std::vector<std::int32_t>(column, column + row_start[n]));
-    _good = _factors->factorize({values, static_cast<std::size_t>(row_start[n])});
+    _has_factors = _factors->factorize({values, static_cast<std::size_t>(row_start[n])});
   } catch (const std::bad_alloc&) {
     reset();
     throw failure("there is no memory for the factors of a tangent", "",
                   "give each rank more memory, or use fewer ranks on each machine");
   }
-  return _good;
+  return _has_factors;
 }
 
 bool Factorization::solve(Vec b, Vec x) {
-  if (!_good) return false;
+  if (!_has_factors) return false;
   {
     const ReadValues from(b);
     const WriteValues to(x);
@@ -42,13 +42,13 @@ bool Factorization::solve(Vec b, Vec x) {
 }
 
 int Factorization::negative_pivots() {
-  if (!_good) throw failure("pivots cannot be counted without factors", "", "please report this defect");
+  if (!_has_factors) throw failure("pivots cannot be counted without factors", "", "please report this defect");
   return _factors->negative_pivots();
 }
 
 void Factorization::reset() {
   _factors.reset();
-  _good = false;
+  _has_factors = false;
 }
 
 }  // namespace phynness

@@ -29,7 +29,7 @@ class Factorization {
 
  private:
   std::optional<Multifrontal> _factors;
-  bool _good = false;
+  bool _has_factors = false;
 };
 
 }  // namespace phynness

@@ -1,4 +1,4 @@
-// Length of the step along the direction computed by SNES, and the decision whether the next step needs a new tangent.
+// The line search along the direction of SNES, and the decision whether the next step needs a new tangent.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,19 +10,17 @@
 namespace phynness {
 namespace {
 
-// A step with old factors must at least halve the residual; otherwise a new tangent, which costs as much as several
-// such steps, reduces it faster.
-constexpr double cheap_step_worth = 0.5;
-// Assembly and factorization of a tangent cost about as much as seven steps with old factors (Case 3: P1 6, p1-p1 7,
-// quadratic elements 10).
-constexpr double price_of_a_tangent = 7;
-// A full step that reduces the residual by this factor, from a stable state in a solve without instability, is accepted
-// without the merit function, for which the pressure block would be factorized.
-constexpr double good_newton_step = 0.1;
-// The usual constant of Armijo's rule, which accepts any significant decrease.
-constexpr double decrease = 1e-4;
+// The factor by which a step with old factors must reduce the residual; otherwise a new tangent is more efficient.
+constexpr double required_reduction = 0.5;
+// The cost of assembly and factorization in steps with old factors (Case 3: P1 6, p1-p1 7, quadratic elements 10).
+constexpr double tangent_cost_in_steps = 7;
+// A full step from a stable state that reduces the residual by this factor is accepted without the merit function,
+// which would require the factors of the pressure block.
+constexpr double quick_reduction = 0.1;
+// The usual constant of Armijo's rule.
+constexpr double armijo_constant = 1e-4;
 
-/// A Newton step with an indefinite tangent, by conjugate gradients that detect negative curvature.
+/// The result of newton_cg().
 struct NewtonCg {
   int iterations = 0;
   bool negative_curvature = false;
@@ -47,7 +45,7 @@ NewtonCg newton_cg(Factorization& preconditioner, Mat K, Vec f, Vec y) {
   NewtonCg out;
   double rz = dot(r, z);
   double p_squared = rz;  // p M p with the preconditioner's matrix M
-  const double goal = reduction * reduction * rz;
+  const double residual_tolerance = reduction * reduction * rz;
   while (out.iterations < most_iterations) {
     ++out.iterations;
     PHYNNESS_PETSC(MatMult(K, p, q));
@@ -60,11 +58,11 @@ NewtonCg newton_cg(Factorization& preconditioner, Mat K, Vec f, Vec y) {
       out.failed = true;
       break;
     }
-    const double next = dot(r, z);
-    if (!(next > goal)) break;
-    PHYNNESS_PETSC(VecAYPX(p, next / rz, z));
-    p_squared = next + (next / rz) * (next / rz) * p_squared;
-    rz = next;
+    const double next_rz = dot(r, z);
+    if (!(next_rz > residual_tolerance)) break;
+    PHYNNESS_PETSC(VecAYPX(p, next_rz / rz, z));
+    p_squared = next_rz + (next_rz / rz) * (next_rz / rz) * p_squared;
+    rz = next_rz;
   }
   return out;
 }
@@ -76,12 +74,12 @@ class Equilibrium::Step {
  public:
   Step(Equilibrium& solver, SNESLineSearch search) : _solver(solver), _search(search) {
     PHYNNESS_PETSC(SNESLineSearchGetVecs(search, &_x, &_f, &_y, &_trial, &_trial_f));
-    _before = norm(_f);
+    _norm_before = norm(_f);
   }
 
   void take() {
     const double reactions = _solver._reaction_norm;
-    const double length = _solver._fresh ? newton() : cheap();
+    const double length = _solver._factors_are_current ? newton_step() : quasi_newton_step();
     if (length < 0) {
       PHYNNESS_PETSC(SNESLineSearchSetReason(_search, SNES_LINESEARCH_FAILED_REDUCT));
       return;
@@ -89,185 +87,186 @@ class Equilibrium::Step {
     if (length > 0) {
       PHYNNESS_PETSC(VecCopy(_trial, _x));
       PHYNNESS_PETSC(VecCopy(_trial_f, _f));
-      _solver._quasi_newton.remember(_y, length);
-    } else if (!_settled) {
-      _after = _before;
+      _solver._quasi_newton.record_step(_y, length);
+    } else if (!_pressures_changed) {
+      _norm_after = _norm_before;
       _solver._reaction_norm = reactions;
     }
-    PHYNNESS_PETSC(SNESLineSearchSetNorms(_search, norm(_x), _after, norm(_y)));
+    PHYNNESS_PETSC(SNESLineSearchSetNorms(_search, norm(_x), _norm_after, norm(_y)));
     PHYNNESS_PETSC(SNESLineSearchSetReason(_search, SNES_LINESEARCH_SUCCEEDED));
   }
 
  private:
-  /// A full step, or none, with old factors that are corrected by the steps since (quasi-Newton).
-  /// This and the following functions return the length; 0: stay and compute a new tangent; negative: the solve fails.
-  double cheap() {
+  /// A full quasi-Newton step with old factors. This and the following functions return the length of the step: 0
+  /// requests a new tangent, and a negative value fails the solve.
+  double quasi_newton_step() {
     _solver._quasi_newton.correct(_y);
-    const bool finite = try_length(1);
-    _solver._refresh = !finite || _after > cheap_step_worth * _before || wants_tangent();
-    return finite && _after < _before ? 1 : 0;
+    const bool finite = evaluate_at(1);
+    _solver._needs_tangent = !finite || _norm_after > required_reduction * _norm_before || needs_tangent();
+    return finite && _norm_after < _norm_before ? 1 : 0;
   }
 
-  double newton() {
-    // Newton's method would converge to a saddle point.
+  double newton_step() {
+    // With an indefinite tangent Newton's method may converge to a saddle point.
     if (!_solver._convex && _solver.negative_pivots() > 0) {
       _solver._met_instability = true;
-      return make_convex();
+      return request_convex_tangent();
     }
     bool negative_curvature = false;
-    if (_solver._convex && !_solver._strictly && _solver.negative_pivots() > 0) {
-      _solver._strictly = _solver._refresh = true;
+    if (_solver._convex && !_solver._strictly_convex && _solver.negative_pivots() > 0) {
+      _solver._strictly_convex = _solver._needs_tangent = true;
       return 0;
     }
     if (_solver._convex) {
-      const auto cg = newton_cg(_solver._linear, _solver._tangent.exact(), _f, _y);
+      const auto cg = newton_cg(_solver._factorization, _solver._tangent.exact(), _f, _y);
       _solver._counts.substitutions += cg.iterations;
       negative_curvature = cg.negative_curvature;
       if (cg.failed || (_solver._met_instability && !_solver.break_symmetry(_y))) {
-        _solver._linear_failed = true;
+        _solver._factorization_failed = true;
         return -1;
       }
     }
-    const bool calm = !_solver._convex && !_solver._met_instability && !_solver._pressures.empty();
-    if (calm && try_length(1) && _after <= good_newton_step * _before) {
-      _solver._refresh = wants_tangent();
+    const bool is_stable = !_solver._convex && !_solver._met_instability && !_solver._pressures.empty();
+    if (is_stable && evaluate_at(1) && _norm_after <= quick_reduction * _norm_before) {
+      _solver._needs_tangent = needs_tangent();
       return 1;
     }
-    look_at_pressures();
+    find_pressure_correction();
     // The negative derivative of the merit function along the step, whose pressures aim at r_p = 0.
-    const double slope = dot(_f, _y) + 2 * _gap_before;
+    const double slope = dot(_f, _y) + 2 * _pressure_energy;
     // Without a definite pressure block the merit function is not defined, and the norm of the residual is used.
-    _has_merit = _solver._pressures.empty() || _solver._pressures.is_definite();
-    if (_has_merit && !(slope > 0)) return _solver._convex ? -1 : make_convex();
+    _merit_is_defined = _solver._pressures.empty() || _solver._pressures.is_definite();
+    if (_merit_is_defined && !(slope > 0)) return _solver._convex ? -1 : request_convex_tangent();
 
     double low = 0, high = std::numeric_limits<double>::infinity(), low_slope = slope, length = 1;
     for (int trial = 0; trial < 20; ++trial) {
-      const bool finite = try_length(length);
-      const double here = finite ? slope_of_trial() : 0;
-      if (finite && good_enough(length, slope, here)) {
+      const bool finite = evaluate_at(length);
+      const double trial_slope = finite ? trial_merit_slope() : 0;
+      if (finite && is_acceptable(length, slope, trial_slope)) {
         // With negative curvature at the start, a slope of more than half of the initial one means that the minimum is
         // farther away.
-        if (negative_curvature && here > 0.5 * slope && length < 100 && !std::isfinite(high)) {
+        if (negative_curvature && trial_slope > 0.5 * slope && length < 100 && !std::isfinite(high)) {
           low = length;
-          low_slope = here;
+          low_slope = trial_slope;
           length *= 2;
           continue;
         }
-        if (negative_curvature) settle_pressures(_trial, _trial_f);
-        _solver._refresh = _solver._convex || wants_tangent();
+        if (negative_curvature) equilibrate_pressures(_trial, _trial_f);
+        _solver._needs_tangent = _solver._convex || needs_tangent();
         _solver._convex = negative_curvature;
         return length;
       }
       high = length;
       // If the slope has changed its sign, the secant gives its zero.
-      const double fraction = here < 0 ? std::clamp(low_slope / (low_slope - here), 0.1, 0.7) : 0.5;
+      const double fraction = trial_slope < 0 ? std::clamp(low_slope / (low_slope - trial_slope), 0.1, 0.7) : 0.5;
       length = low + fraction * (high - low);
     }
-    // Longer steps were worse; take the longest good one.
-    if (low > 0 && try_length(low)) {
-      settle_pressures(_trial, _trial_f);
-      _solver._refresh = true;
+    // Longer steps were worse, so that the longest acceptable one is used.
+    if (low > 0 && evaluate_at(low)) {
+      equilibrate_pressures(_trial, _trial_f);
+      _solver._needs_tangent = true;
       return low;
     }
-    return !_solver._convex ? make_convex() : -1;
+    return !_solver._convex ? request_convex_tangent() : -1;
   }
 
-  /// Makes no step and requests a convex tangent; conjugate gradients then need pressures in equilibrium.
-  double make_convex() {
-    settle_pressures(_x, _f);
-    _solver._convex = _solver._refresh = true;
+  /// Requests a convex tangent without a step. Conjugate gradients require equilibrated pressures.
+  double request_convex_tangent() {
+    equilibrate_pressures(_x, _f);
+    _solver._convex = _solver._needs_tangent = true;
     return 0;
   }
 
   /// Iterates p <- p + C^-1 r_p until the change is negligible or the residual no longer decreases.
-  void settle_pressures(Vec x, Vec f) {
+  void equilibrate_pressures(Vec x, Vec f) {
     if (_solver._pressures.empty()) return;
-    _solver.gather(x);
-    double gap = std::numeric_limits<double>::infinity(), first = 0;
+    _solver.set_state(x);
+    double energy = std::numeric_limits<double>::infinity(), first_energy = 0;
     auto best = _solver._state;
     for (int i = 0; i < 8; ++i) {
       _solver.evaluate_residual();
-      _solver.scatter(f);
-      const auto r_p = _solver._pressures.part(f);
+      _solver.copy_residual(f);
+      const auto r_p = _solver._pressures.pressures_of(f);
       const Eigen::VectorXd change = _solver._pressures.solve(r_p);
-      const double now = r_p.dot(change);
-      if (!(now < gap)) break;
-      if (i == 0) first = now;
-      gap = now;
+      const double next_energy = r_p.dot(change);
+      if (!(next_energy < energy)) break;
+      if (i == 0) first_energy = next_energy;
+      energy = next_energy;
       best = _solver._state;
-      if (gap <= 1e-8 * first) break;
+      if (energy <= 1e-8 * first_energy) break;
       const auto& dofs = _solver._body.pressure_dofs();
       for (std::size_t k = 0; k < dofs.size(); ++k) _solver._state[dofs[k]] += change[static_cast<Eigen::Index>(k)];
     }
     _solver._state = best;
     _solver.evaluate_residual();
-    _solver.spread(x);
-    _solver.scatter(f);
-    _after = _solver.free_norm();
-    _settled = true;
+    _solver.copy_unknowns(x);
+    _solver.copy_residual(f);
+    _norm_after = _solver.free_residual_norm();
+    _pressures_changed = true;
   }
 
-  /// Distance of the pressures from their equilibrium at the start of the step.
-  void look_at_pressures() {
+  /// Computes the correction of the pressures at the start of the step, and its energy.
+  void find_pressure_correction() {
     if (_solver._pressures.empty()) return;
-    const auto r_p = _solver._pressures.part(_f);
-    _pressure_change = _solver._pressures.solve(r_p);
-    _gap_before = r_p.dot(_pressure_change) / 2;
+    const auto r_p = _solver._pressures.pressures_of(_f);
+    _pressure_correction = _solver._pressures.solve(r_p);
+    _pressure_energy = r_p.dot(_pressure_correction) / 2;
   }
 
   /// The negative derivative of the merit function along the step at the trial point.
-  double slope_of_trial() const {
+  double trial_merit_slope() const {
     const double slope = dot(_trial_f, _y);
-    return _solver._pressures.empty() ? slope : slope + _solver._pressures.part(_trial_f).dot(_pressure_change);
+    return _solver._pressures.empty() ? slope
+                                      : slope + _solver._pressures.pressures_of(_trial_f).dot(_pressure_correction);
   }
 
   /// @return false if the residual at the trial point is not finite (J <= 0 in a law with ln J)
-  bool try_length(double length) {
+  bool evaluate_at(double length) {
     PHYNNESS_PETSC(VecWAXPY(_trial, -length, _y, _x));
-    _solver.gather(_trial);
+    _solver.set_state(_trial);
     _solver.evaluate_residual();
-    _after = _solver.free_norm();
-    _solver.scatter(_trial_f);
-    return std::isfinite(_after);
+    _norm_after = _solver.free_residual_norm();
+    _solver.copy_residual(_trial_f);
+    return std::isfinite(_norm_after);
   }
 
-  bool good_enough(double length, double slope, double here) {
-    const bool shorter = _after <= (1 - decrease * length) * _before;
-    // The step mainly changes the pressures, which are already in equilibrium in the merit function.
-    if (!_has_merit || _gap_before > slope) return shorter;
-    if (std::abs(here) <= 0.5 * slope) return true;
+  bool is_acceptable(double length, double slope, double trial_slope) {
+    const bool is_reduced = _norm_after <= (1 - armijo_constant * length) * _norm_before;
+    // The step mainly changes the pressures, on which the merit function does not depend.
+    if (!_merit_is_defined || _pressure_energy > slope) return is_reduced;
+    if (std::abs(trial_slope) <= 0.5 * slope) return true;
     const double after = _solver.merit();
     if (std::isnan(_merit_before)) {
-      const auto moved = _solver._state;
-      _solver.gather(_x);
-      _merit_before = _solver.energy_and_load() + _gap_before;
-      _solver._state = moved;
+      const auto trial_state = _solver._state;
+      _solver.set_state(_x);
+      _merit_before = _solver._body.energy(_solver._state) + _pressure_energy;
+      _solver._state = trial_state;
     }
     // If the change of the energy is below rounding, the residual decides.
-    if (slope * length < 1e-9 * std::abs(_merit_before)) return shorter;
-    return after <= _merit_before - decrease * length * slope;
+    if (slope * length < 1e-9 * std::abs(_merit_before)) return is_reduced;
+    return after <= _merit_before - armijo_constant * length * slope;
   }
 
   /// Whether steps with old factors, at the rate of this one, would cost more in total than a new tangent.
-  bool wants_tangent() const {
-    const double goal = _solver.goal(), rate = _after / _before;
-    if (!(_after > goal)) return false;
-    return std::log(goal / _after) / std::log(std::min(rate, 0.99)) > price_of_a_tangent;
+  bool needs_tangent() const {
+    const double residual_tolerance = _solver.residual_tolerance(), rate = _norm_after / _norm_before;
+    if (!(_norm_after > residual_tolerance)) return false;
+    return std::log(residual_tolerance / _norm_after) / std::log(std::min(rate, 0.99)) > tangent_cost_in_steps;
   }
 
   Equilibrium& _solver;
   SNESLineSearch _search;
   Vec _x = nullptr, _f = nullptr, _y = nullptr, _trial = nullptr, _trial_f = nullptr;
-  double _before = 0, _after = 0, _merit_before = std::numeric_limits<double>::quiet_NaN();
-  bool _has_merit = true;
-  bool _settled = false;             ///< pressures, and therefore x, have been changed
-  double _gap_before = 0;            ///< r_p^T C^-1 r_p / 2
-  Eigen::VectorXd _pressure_change;  ///< C^-1 r_p
+  double _norm_before = 0, _norm_after = 0, _merit_before = std::numeric_limits<double>::quiet_NaN();
+  bool _merit_is_defined = true;
+  bool _pressures_changed = false;       ///< equilibrate_pressures() has changed x
+  double _pressure_energy = 0;           ///< r_p^T C^-1 r_p / 2
+  Eigen::VectorXd _pressure_correction;  ///< C^-1 r_p
 };
 
 PetscErrorCode Equilibrium::step(SNESLineSearch search, void* context) {
   auto& self = *static_cast<Equilibrium*>(context);
-  return self.contain([&] { Step(self, search).take(); });
+  return self.catch_exceptions([&] { Step(self, search).take(); });
 }
 
 }  // namespace phynness

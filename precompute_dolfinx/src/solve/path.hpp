@@ -16,13 +16,13 @@ struct PathPoint {
   Eigen::MatrixXd tangent;    ///< n_parameters^2; empty unless all tangents are computed
   double energy = 0, min_jacobian = 1;
   double stiffness = 0;         ///< d^2 energy / ds^2: the change of force * direction along the path
-  bool exact_stiffness = true;  ///< false: as good as the velocity from which it is estimated
+  bool exact_stiffness = true;  ///< false: it is estimated from the velocity
   int negative_pivots = 0;
   bool met_instability = false;  ///< at this or an earlier point
-  bool jumped = false;           ///< the body has buckled, so that the state is not near the points before it
+  bool jumped = false;           ///< the body has buckled, so that the state is far from the previous points
 };
 
-/// The polynomial through states and velocities of a few points, continued to s.
+/// The extrapolation to s of the polynomial through states and velocities of a few points.
 struct Prediction {
   Eigen::VectorXd state, velocity;  ///< n_dofs
   /// The error is proportional to the product of (s - s_i)^2 over the points. This is the logarithmic derivative of

@@ -4,7 +4,7 @@
 
 namespace phynness {
 
-void PressureBlock::set(Mat tangent) {
+void PressureBlock::copy_from(Mat tangent) {
   if (empty()) return;
   if (_position.empty()) {
     const CsrPattern all(tangent);
@@ -24,27 +24,27 @@ void PressureBlock::set(Mat tangent) {
   PHYNNESS_PETSC(MatSeqAIJGetArrayRead(tangent, &values));
   std::transform(_position.begin(), _position.end(), _block.valuePtr(), [&](auto k) { return -values[k]; });
   PHYNNESS_PETSC(MatSeqAIJRestoreArrayRead(tangent, &values));
-  _is_new = true;
+  _is_unfactorized = true;
 }
 
-void PressureBlock::forget() {
-  if (_factors) _spare = std::move(_factors);
-  _is_new = false;
+void PressureBlock::reset() {
+  if (_factors) _reusable_factors = std::move(_factors);
+  _is_unfactorized = false;
 }
 
 bool PressureBlock::is_definite() {
-  if (_is_new) factorize();
+  if (_is_unfactorized) factorize();
   return _factors != nullptr;
 }
 
 void PressureBlock::factorize() {
-  _is_new = false;
-  if (!_spare) {
-    _spare = std::make_unique<Factors>();
-    _spare->analyzePattern(_block);
+  _is_unfactorized = false;
+  if (!_reusable_factors) {
+    _reusable_factors = std::make_unique<Factors>();
+    _reusable_factors->analyzePattern(_block);
   }
-  _spare->factorize(_block);
-  if (_spare->info() == Eigen::Success) std::swap(_factors, _spare);
+  _reusable_factors->factorize(_block);
+  if (_reusable_factors->info() == Eigen::Success) std::swap(_factors, _reusable_factors);
 }
 
 Eigen::VectorXd PressureBlock::solve(const Eigen::VectorXd& r_p) {
@@ -52,6 +52,6 @@ Eigen::VectorXd PressureBlock::solve(const Eigen::VectorXd& r_p) {
   return _factors->solve(r_p);
 }
 
-Eigen::VectorXd PressureBlock::part(Vec unknowns) const { return ReadValues(unknowns).map()(_unknowns); }
+Eigen::VectorXd PressureBlock::pressures_of(Vec unknowns) const { return ReadValues(unknowns).map()(_unknowns); }
 
 }  // namespace phynness

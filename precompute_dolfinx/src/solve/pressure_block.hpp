@@ -1,4 +1,4 @@
-// The pressure block of a mixed tangent, by which the pressures of a trial state are brought into equilibrium.
+// The pressure block of a mixed tangent, which equilibrates the pressures of a trial state.
 #pragma once
 
 #include <Eigen/SparseCholesky>
@@ -14,23 +14,23 @@ namespace phynness {
 ///
 ///     Pi + r_p^T C^-1 r_p / 2
 ///
-/// is the maximum of Pi over p for this u, except for terms of third order in r_p. It can therefore be minimized like
-/// the energy of a displacement element.
+/// is the maximum of Pi over p for this u up to terms of third order in r_p. It is minimized like the energy of a
+/// displacement element.
 class PressureBlock {
  public:
   /// @param unknowns  rows of the pressures in the tangent; none for displacement elements
   explicit PressureBlock(std::vector<std::int32_t> unknowns) : _unknowns(std::move(unknowns)) {}
 
   bool empty() const { return _unknowns.empty(); }
-  /// Copies the block from an assembled tangent. It is factorized at its first use. If it is not negative definite (see
-  /// neo_hookean.py), the previous block remains.
-  void set(Mat tangent);
-  /// Must be called before a new solve, which must not depend on earlier ones.
-  void forget();
-  /// False until a block was definite.
+  /// Copies the block of an assembled tangent, which is factorized at its first use. If it is not negative definite,
+  /// the previous factors remain.
+  void copy_from(Mat tangent);
+  /// Discards the factors before a new solve, so that it does not depend on earlier ones.
+  void reset();
+  /// Whether some block since reset() was definite.
   bool is_definite();
-  /// The pressures' part of a vector of unknowns.
-  Eigen::VectorXd part(Vec unknowns) const;
+  /// The pressure rows of a vector of unknowns.
+  Eigen::VectorXd pressures_of(Vec unknowns) const;
   /// C^-1 r_p, the correction of the pressures; zero without a definite block.
   Eigen::VectorXd solve(const Eigen::VectorXd& r_p);
 
@@ -41,8 +41,8 @@ class PressureBlock {
   std::vector<std::int32_t> _unknowns;
   std::vector<std::int32_t> _position;  ///< positions of the block's entries in the values of the tangent
   Eigen::SparseMatrix<double> _block;
-  std::unique_ptr<Factors> _factors, _spare;
-  bool _is_new = false;
+  std::unique_ptr<Factors> _factors, _reusable_factors;
+  bool _is_unfactorized = false;
 };
 
 }  // namespace phynness

@@ -92,7 +92,7 @@ struct ProbeSolver::Impl {
         check_touched(point.nodes[k]);
   }
 
-  RestResponse alone_at_rest(const SurfacePoint& point) {
+  RestResponse single_tool_at_rest(const SurfacePoint& point) {
     check_touched(point);
     if (!is_free_at_rest) {
       equilibrium.prescribe({});
@@ -104,7 +104,7 @@ struct ProbeSolver::Impl {
     Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(body.n_dofs(), 3);
     for (int p = 0; p < body.n_points(); ++p)
       for (int k = 0; k < 3; ++k) loads(body.dofs(p)[k], k) = weights[static_cast<std::size_t>(p)];
-    const Eigen::MatrixXd change = equilibrium.change_under(loads);
+    const Eigen::MatrixXd change = equilibrium.load_response(loads);
     Eigen::Matrix3d stiffness = Eigen::Matrix3d::Constant(std::nan(""));
     if (change.size() > 0) stiffness = Eigen::Matrix3d(loads.transpose() * change).inverse();
     if (!stiffness.allFinite())
@@ -136,10 +136,14 @@ struct ProbeSolver::Impl {
 
   /// Three dimensionless parameters for each tool.
   Eigen::VectorXd parameters(const std::vector<Vec3>& displacement_m) const {
-    Eigen::VectorXd q(static_cast<Eigen::Index>(3 * displacement_m.size()));
-    for (std::size_t t = 0; t < displacement_m.size(); ++t)
-      for (int k = 0; k < 3; ++k) q[static_cast<Eigen::Index>(3 * t) + k] = displacement_m[t][k] / scaling.length_m;
-    return q;
+    return Eigen::VectorXd::Map(displacement_m.front().data(), 3 * std::ssize(displacement_m)) / scaling.length_m;
+  }
+
+  /// Forces of the tools, from three dimensionless forces for each tool.
+  std::vector<Vec3> forces_N(const Eigen::VectorXd& force) const {
+    std::vector<Vec3> forces(n_tools);
+    Eigen::VectorXd::Map(forces.front().data(), force.size()) = force * scaling.force_N();
+    return forces;
   }
 
   /// Fields in their units: stresses and energy densities have the unit of moduli.
@@ -176,7 +180,7 @@ void ProbeSolver::touch_points(const std::vector<SurfacePoint>& points) {
   _impl->touch(points);
 }
 
-RestResponse ProbeSolver::alone_at_rest(const SurfacePoint& point) { return _impl->alone_at_rest(point); }
+RestResponse ProbeSolver::single_tool_at_rest(const SurfacePoint& point) { return _impl->single_tool_at_rest(point); }
 
 const RestResponse& ProbeSolver::rest() const { return _impl->rest_SI; }
 
@@ -198,10 +202,10 @@ Eigen::MatrixXd ProbeSolver::linear_fields(const std::vector<Vec3>& displacement
 }
 
 RayEnd ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::vector<double>& s_values, bool tangents,
-                           const std::function<bool(std::size_t, const Response&)>& take, const RayLimits& limits) {
+                           const std::function<bool(std::size_t, const Response&)>& on_response,
+                           const RayLimits& limits) {
   auto& s = *_impl;
-  const std::size_t n_tools = s.n_tools;
-  if (displacement_m.size() != n_tools) throw std::logic_error("follow: one displacement per touched tool");
+  if (displacement_m.size() != s.n_tools) throw std::logic_error("follow: one displacement per touched tool");
   const Eigen::VectorXd direction = s.parameters(displacement_m);
 
   PathLimits path_limits{limits, limits.max_force_N / s.scaling.force_N()};
@@ -212,24 +216,21 @@ RayEnd ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::v
         response.status = step.status;
         response.iterations = step.iterations;
         response.cutbacks = step.cutbacks;
-        response.force_N.assign(n_tools, Vec3{});
         if (step.status == Status::converged) {
           response.fields = s.fields_of(point.state);
           if (!response.fields.allFinite()) response.status = Status::not_finite;
         }
         if (response.status != Status::converged) {
           s.set_zero(response);
-          return take(i, response);
+          return on_response(i, response);
         }
-        for (std::size_t t = 0; t < n_tools; ++t)
-          for (int k = 0; k < 3; ++k)
-            response.force_N[t][k] = point.force[static_cast<Eigen::Index>(3 * t) + k] * s.scaling.force_N();
+        response.force_N = s.forces_N(point.force);
         response.energy_J = point.energy * s.scaling.energy_J();
         response.tangent_N_per_m = point.tangent * s.scaling.stiffness_N_per_m();
         response.negative_pivots = point.negative_pivots;
         response.min_jacobian = point.min_jacobian;
         response.displacement_m = s.displacement(point.state);
-        return take(i, response);
+        return on_response(i, response);
       },
       path_limits);
   end.energy_lost_J *= s.scaling.energy_J();
@@ -288,10 +289,10 @@ Status ProbeSolver::move(const TimeStep& step, std::vector<Vec3>& force_N) {
   const double longest = s.scene.probe.max_displacement_m / s.scene.probe.increments / s.scaling.length_m;
   const double least = std::ldexp(1.0, -s.scene.solver.max_cutbacks);
   const Eigen::VectorXd change = s.parameters(step.displacement_m) - q;
-  s.body.add(&relaxing);
+  s.body.set_extra_energy(&relaxing);
   const struct End {  // also of an exception
     Discretization& body;
-    ~End() { body.add(nullptr); }
+    ~End() { body.set_extra_energy(nullptr); }
   } end{s.body};
   const auto& constraint = s.equilibrium.constraint();
   Eigen::VectorXd force;
@@ -314,10 +315,7 @@ Status ProbeSolver::move(const TimeStep& step, std::vector<Vec3>& force_N) {
     done = done + part > 1 - 1e-9 ? 1 : done + part;
   }
   time_s = step.time_s;
-  force_N.assign(s.n_tools, {});
-  for (std::size_t t = 0; t < s.n_tools; ++t)
-    for (std::size_t k = 0; k < 3; ++k)
-      force_N[t][k] = force[static_cast<Eigen::Index>(3 * t + k)] * s.scaling.force_N();
+  force_N = s.forces_N(force);
   return Status::converged;
 }
 

@@ -30,7 +30,7 @@ void QuasiNewton::correct(Vec vector) {
   }
 }
 
-void QuasiNewton::remember(Vec vector, double length) {
+void QuasiNewton::record_step(Vec vector, double length) {
   _y = ReadValues(vector).map();
   _length = length;
 }

@@ -19,7 +19,7 @@ class QuasiNewton {
   /// @param y  on entry the substitution with the factors, on return H r
   void correct(Vec y);
   /// Records the last step for the next correction.
-  void remember(Vec y, double length);
+  void record_step(Vec y, double length);
 
  private:
   struct Update {

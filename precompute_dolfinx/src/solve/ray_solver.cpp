@@ -93,7 +93,7 @@ PathStep RaySolver::advance(const Path& path, double s, bool all_tangents, PathP
     return step;
   }
   to.met_instability = path.last().met_instability || outcome.met_instability;
-  to.jumped = outcome.left_saddle;
+  to.jumped = outcome.has_left_saddle;
   step.status = linearize(predicted, all_tangents, to);
   if (step.status != Status::converged) return step;
   to.energy = _body.energy(to.state);
@@ -101,7 +101,7 @@ PathStep RaySolver::advance(const Path& path, double s, bool all_tangents, PathP
   return step;
 }
 
-void RaySolver::contain(const std::function<void()>& work) {
+void RaySolver::log_exceptions(const std::function<void()>& work) {
   try {
     if (!_equilibrium.is_usable()) _equilibrium.recover();
     return work();
@@ -113,10 +113,10 @@ void RaySolver::contain(const std::function<void()>& work) {
   _equilibrium.recover();
 }
 
-PathStep RaySolver::attempt(const Path& path, double s, bool all_tangents, PathPoint& to) {
+PathStep RaySolver::try_advance(const Path& path, double s, bool all_tangents, PathPoint& to) {
   PathStep step;
   step.status = Status::library_error;
-  contain([&] { step = advance(path, s, all_tangents, to); });
+  log_exceptions([&] { step = advance(path, s, all_tangents, to); });
   return step;
 }
 
@@ -129,7 +129,7 @@ PathStep RaySolver::advance_to(double s, bool all_tangents) {
     h = std::min(h, s - _path.last().s);
     const bool last = _path.last().s + h * (1 + 1e-9) >= s;
     PathPoint to;
-    const auto step = attempt(_path, last ? s : _path.last().s + h, all_tangents && last, to);
+    const auto step = try_advance(_path, last ? s : _path.last().s + h, all_tangents && last, to);
     total.iterations += step.iterations;
     if (step.status == Status::converged) {
       if (!accept(std::move(to), all_tangents && last, total.iterations)) {
@@ -152,7 +152,7 @@ PathStep RaySolver::advance_to(double s, bool all_tangents) {
 
 RayEnd RaySolver::follow(const Rest& rest, const Eigen::VectorXd& direction, const std::vector<double>& s_values,
                          bool all_tangents,
-                         const std::function<bool(std::size_t, const PathStep&, const PathPoint&)>& take,
+                         const std::function<bool(std::size_t, const PathStep&, const PathPoint&)>& on_state,
                          const PathLimits& limits) {
   _direction = direction;
   _limits = limits;
@@ -164,28 +164,28 @@ RayEnd RaySolver::follow(const Rest& rest, const Eigen::VectorXd& direction, con
   _path.append(std::move(start));
   _end = {};
   _end.reason = EndReason::full_depth;
-  Status left = Status::converged;  // of the increments that are left
+  Status remaining_status = Status::converged;  // of the increments that are left
 
   for (std::size_t i = 0; i < s_values.size(); ++i) {
     PathStep step;
-    step.status = left;
-    if (left == Status::converged) {
+    step.status = remaining_status;
+    if (remaining_status == Status::converged) {
       step = advance_to(s_values[i], all_tangents);
       if (step.status == Status::converged) {
         _end.depth_m = s_values[i];
         if (_end.reason == EndReason::force_limit && i + 1 < s_values.size())
-          left = Status::after_end;
+          remaining_status = Status::after_end;
         else
           _end.reason = EndReason::full_depth;
       } else if (step.status == Status::after_end) {
-        left = Status::after_end;
+        remaining_status = Status::after_end;
       } else {
-        left = Status::after_failure;
+        remaining_status = Status::after_failure;
         _end.reason = EndReason::solver;
         _end.depth_m = _path.last().s;
       }
     }
-    if (!take(i, step, _path.last())) return _end;
+    if (!on_state(i, step, _path.last())) return _end;
   }
   return _end;
 }

@@ -18,23 +18,22 @@
 namespace phynness {
 namespace {
 
-/// A process that no launcher has started: Open MPI gives it a server of its own and looks for networks, during which
-/// it waits for half a second, and makes a folder that all such processes of a user share: one that ends while another
-/// starts may remove it, and the other fails (1 in 400 of 12 at a time). For its life this object asks for none of
-/// these, by variables that other libraries ignore; those that the user has set stay.
-class AloneAtStart {
+/// Sets environment variables while MPI starts a process without a launcher (a singleton). By default Open MPI starts a
+/// server, searches for networks for half a second, and creates a session folder that all singletons of a user share: a
+/// process that ends may remove it while another one starts. Variables that the user has set are kept.
+class MpiSingletonVariables {
  public:
-  AloneAtStart() {
-    constexpr std::array of_launchers = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK"};
-    if (std::any_of(of_launchers.begin(), of_launchers.end(), std::getenv)) return;
+  MpiSingletonVariables() {
+    constexpr std::array launcher_variables = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK"};
+    if (std::any_of(launcher_variables.begin(), launcher_variables.end(), std::getenv)) return;
     for (auto& [name, value, is_ours] : _variables) is_ours = !std::getenv(name) && setenv(name, value, 0) == 0;
   }
-  ~AloneAtStart() {
+  ~MpiSingletonVariables() {
     for (const auto& [name, value, is_ours] : _variables)
       if (is_ours) unsetenv(name);
   }
-  AloneAtStart(const AloneAtStart&) = delete;
-  AloneAtStart& operator=(const AloneAtStart&) = delete;
+  MpiSingletonVariables(const MpiSingletonVariables&) = delete;
+  MpiSingletonVariables& operator=(const MpiSingletonVariables&) = delete;
 
  private:
   struct Variable {
@@ -48,7 +47,7 @@ class AloneAtStart {
 }  // namespace
 
 SolverSession::SolverSession() {
-  const AloneAtStart alone;
+  const MpiSingletonVariables singleton;
   // PETSc does not get the command line, whose options it would interpret as its own, and does not handle signals,
   // because Ctrl-C ends a run between two rays.
   PHYNNESS_PETSC(PetscOptionsSetValue(nullptr, "-no_signal_handler", "true"));
@@ -92,12 +91,12 @@ double SolverSession::sum(double value) const {
 }
 
 bool SolverSession::broadcast(bool value) const {
-  int number = value, is_there = _size == 1;
+  int number = value, is_received = _size == 1;
   MPI_Request request = MPI_REQUEST_NULL;
   if (_size > 1) MPI_Ibcast(&number, 1, MPI_INT, 0, MPI_COMM_WORLD, &request);
-  while (!is_there) {
-    MPI_Test(&request, &is_there, MPI_STATUS_IGNORE);
-    if (!is_there) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  while (!is_received) {
+    MPI_Test(&request, &is_received, MPI_STATUS_IGNORE);
+    if (!is_received) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   return number != 0;
 }

@@ -22,17 +22,17 @@ TangentMatrix::TangentMatrix(Discretization& body, const std::vector<std::int32_
         for (const auto b : dofs)
           if (const auto j = _unknown_of[b]; j >= 0) rows[i].push_back(j);
   }
-  _free = pattern_of(std::move(rows));
+  _stiffness_pattern = pattern_of(std::move(rows));
   for (int block = 0; block < body.n_blocks(); ++block) {
     const auto dofs = body.block_dofs(block);
     _block_start.push_back(_position.size());
     for (const auto a : dofs)
       for (const auto b : dofs) {
         const auto i = _unknown_of[a], j = _unknown_of[b];
-        _position.push_back(i < 0 || j < 0 ? -1 : _free.position(i, j));
+        _position.push_back(i < 0 || j < 0 ? -1 : _stiffness_pattern.position(i, j));
       }
   }
-  _own = _free;
+  _matrix_pattern = _stiffness_pattern;
   _dependent_of.assign(n, -1);
   create_matrix();
 }
@@ -58,11 +58,12 @@ void TangentMatrix::create_matrix() {
   _matrix = {};
   _exact = {};
   const int n = n_unknowns();
-  const std::vector<PetscScalar> zeros(_own.size(), 0.0);
+  const std::vector<PetscScalar> zeros(_matrix_pattern.size(), 0.0);
   PHYNNESS_PETSC(MatCreate(PETSC_COMM_SELF, _matrix.address()));
   PHYNNESS_PETSC(MatSetSizes(_matrix, n, n, n, n));
   PHYNNESS_PETSC(MatSetType(_matrix, MATSEQAIJ));
-  PHYNNESS_PETSC(MatSeqAIJSetPreallocationCSR(_matrix, _own.row_start.data(), _own.column.data(), zeros.data()));
+  PHYNNESS_PETSC(MatSeqAIJSetPreallocationCSR(_matrix, _matrix_pattern.row_start.data(), _matrix_pattern.column.data(),
+                                              zeros.data()));
   PHYNNESS_PETSC(MatSetOption(_matrix, MAT_SYMMETRIC, PETSC_TRUE));
   PHYNNESS_PETSC(MatSetOption(_matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
 }
@@ -82,17 +83,19 @@ bool TangentMatrix::constrain(const Constraint& constraint) {
     _dependent.push_back(std::move(dependent));
   }
   if (!had_masters && !_has_masters) {
-    find_terms();
+    find_condensed_terms();
     return false;
   }
-  _own = _free;
+  _matrix_pattern = _stiffness_pattern;
   if (_has_masters) {
     std::vector<std::vector<PetscInt>> rows(n_unknowns());
     for (int i = 0; i < n_unknowns(); ++i)
-      rows[i].assign(_free.column.begin() + _free.row_start[i], _free.column.begin() + _free.row_start[i + 1]);
+      rows[i].assign(_stiffness_pattern.column.begin() + _stiffness_pattern.row_start[i],
+                     _stiffness_pattern.column.begin() + _stiffness_pattern.row_start[i + 1]);
     for (const auto& dependent : _dependent)
-      for (auto k = _free.row_start[dependent.unknown]; k < _free.row_start[dependent.unknown + 1]; ++k) {
-        const auto j = _free.column[k];
+      for (auto k = _stiffness_pattern.row_start[dependent.unknown];
+           k < _stiffness_pattern.row_start[dependent.unknown + 1]; ++k) {
+        const auto j = _stiffness_pattern.column[k];
         for (const auto& [i, factor] : dependent.masters) {
           if (_dependent_of[j] < 0) {
             rows[i].push_back(j);
@@ -102,9 +105,9 @@ bool TangentMatrix::constrain(const Constraint& constraint) {
           }
         }
       }
-    _own = pattern_of(std::move(rows));
+    _matrix_pattern = pattern_of(std::move(rows));
   }
-  find_terms();
+  find_condensed_terms();
   create_matrix();
   return true;
 }
@@ -112,7 +115,8 @@ bool TangentMatrix::constrain(const Constraint& constraint) {
 bool TangentMatrix::is_finite() const {
   const PetscScalar* values = nullptr;
   PHYNNESS_PETSC(MatSeqAIJGetArrayRead(_matrix, &values));
-  const bool finite = Eigen::Map<const Eigen::VectorXd>(values, static_cast<Eigen::Index>(_own.size())).allFinite();
+  const bool finite =
+      Eigen::Map<const Eigen::VectorXd>(values, static_cast<Eigen::Index>(_matrix_pattern.size())).allFinite();
   PHYNNESS_PETSC(MatSeqAIJRestoreArrayRead(_matrix, &values));
   return finite;
 }
@@ -120,21 +124,21 @@ bool TangentMatrix::is_finite() const {
 TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<const double> state,
                                                 Convexity convexity) {
   const bool convex = convexity != Convexity::none;
-  _true.assign(_free.size(), 0.0);
-  if (convex) _convex.assign(_free.size(), 0.0);
+  _stiffness.assign(_stiffness_pattern.size(), 0.0);
+  if (convex) _convex_stiffness.assign(_stiffness_pattern.size(), 0.0);
   body.block_tangents(state, convexity,
                       [&](std::int32_t block, std::span<const double> exact, std::span<const double> nearest) {
                         const std::int32_t* position = _position.data() + _block_start[block];
                         for (std::size_t e = 0; e < exact.size(); ++e)
-                          if (position[e] >= 0) _true[position[e]] += exact[e];
+                          if (position[e] >= 0) _stiffness[position[e]] += exact[e];
                         if (!convex) return;
                         for (std::size_t e = 0; e < nearest.size(); ++e)
-                          if (position[e] >= 0) _convex[position[e]] += nearest[e];
+                          if (position[e] >= 0) _convex_stiffness[position[e]] += nearest[e];
                       });
-  const Coupling contributions = coupling(_true);
+  const Coupling contributions = coupling(_stiffness);
   if (convex && !_exact) PHYNNESS_PETSC(MatDuplicate(_matrix, MAT_DO_NOT_COPY_VALUES, _exact.address()));
-  store(_true, convex ? _exact : _matrix);
-  if (convex) store(_convex, _matrix);
+  condense_into(_stiffness, convex ? _exact : _matrix);
+  if (convex) condense_into(_convex_stiffness, _matrix);
   return contributions;
 }
 
@@ -145,8 +149,9 @@ TangentMatrix::Coupling TangentMatrix::coupling(const std::vector<double>& K) co
   for (std::size_t c = 0; c < _dependent.size(); ++c) {
     const auto g = _G.row(static_cast<Eigen::Index>(c));
     const auto row = _dependent[c].unknown;
-    for (auto k = _free.row_start[row]; k < _free.row_start[row + 1]; ++k) {  // by symmetry also a column
-      const auto j = _free.column[k], other = _dependent_of[j];
+    for (auto k = _stiffness_pattern.row_start[row]; k < _stiffness_pattern.row_start[row + 1];
+         ++k) {  // by symmetry also a column
+      const auto j = _stiffness_pattern.column[k], other = _dependent_of[j];
       if (other < 0) {
         coupling.columns.row(j) += K[k] * g;
         continue;
@@ -158,55 +163,58 @@ TangentMatrix::Coupling TangentMatrix::coupling(const std::vector<double>& K) co
   return coupling;
 }
 
-void TangentMatrix::find_terms() {
-  _own_of_free.clear();
-  _terms.clear();
-  _zeros.clear();
-  _ones.clear();
+void TangentMatrix::find_condensed_terms() {
+  _matrix_position.clear();
+  _condensed_terms.clear();
+  _zero_positions.clear();
+  _unit_positions.clear();
   if (_has_masters)
     for (int i = 0; i < n_unknowns(); ++i)
-      for (auto k = _free.row_start[i], at = _own.row_start[i]; k < _free.row_start[i + 1]; ++k) {
-        while (_own.column[at] != _free.column[k]) ++at;
-        _own_of_free.push_back(at);
+      for (auto k = _stiffness_pattern.row_start[i], at = _matrix_pattern.row_start[i];
+           k < _stiffness_pattern.row_start[i + 1]; ++k) {
+        while (_matrix_pattern.column[at] != _stiffness_pattern.column[k]) ++at;
+        _matrix_position.push_back(at);
       }
   for (const auto& dependent : _dependent)
-    for (auto k = _free.row_start[dependent.unknown]; k < _free.row_start[dependent.unknown + 1]; ++k) {
-      const auto j = _free.column[k];
+    for (auto k = _stiffness_pattern.row_start[dependent.unknown];
+         k < _stiffness_pattern.row_start[dependent.unknown + 1]; ++k) {
+      const auto j = _stiffness_pattern.column[k];
       for (const auto& [i, factor] : dependent.masters) {
         if (_dependent_of[j] < 0) {
-          _terms.push_back({k, _own.position(i, j), factor, 1});
-          _terms.push_back({k, _own.position(j, i), factor, 1});
+          _condensed_terms.push_back({k, _matrix_pattern.position(i, j), factor, 1});
+          _condensed_terms.push_back({k, _matrix_pattern.position(j, i), factor, 1});
         } else {
           for (const auto& [other, other_factor] : _dependent[_dependent_of[j]].masters)
-            _terms.push_back({k, _own.position(i, other), factor, other_factor});
+            _condensed_terms.push_back({k, _matrix_pattern.position(i, other), factor, other_factor});
         }
       }
     }
   for (const auto& dependent : _dependent) {
     const auto c = dependent.unknown;
-    for (auto k = _own.row_start[c]; k < _own.row_start[c + 1]; ++k) {
-      if (_own.column[k] == c) {
-        _ones.push_back(k);
+    for (auto k = _matrix_pattern.row_start[c]; k < _matrix_pattern.row_start[c + 1]; ++k) {
+      if (_matrix_pattern.column[k] == c) {
+        _unit_positions.push_back(k);
       } else {
-        _zeros.push_back(k);
-        _zeros.push_back(_own.position(_own.column[k], c));
+        _zero_positions.push_back(k);
+        _zero_positions.push_back(_matrix_pattern.position(_matrix_pattern.column[k], c));
       }
     }
   }
 }
 
-void TangentMatrix::store(const std::vector<double>& K, Mat matrix) const {
+void TangentMatrix::condense_into(const std::vector<double>& K, Mat matrix) const {
   PetscScalar* values = nullptr;
   PHYNNESS_PETSC(MatSeqAIJGetArray(matrix, &values));
   if (!_has_masters) {
     std::copy(K.begin(), K.end(), values);
   } else {
-    std::fill_n(values, _own.size(), 0.0);
-    for (std::size_t k = 0; k < K.size(); ++k) values[_own_of_free[k]] = K[k];
+    std::fill_n(values, _matrix_pattern.size(), 0.0);
+    for (std::size_t k = 0; k < K.size(); ++k) values[_matrix_position[k]] = K[k];
   }
-  for (const auto& term : _terms) values[term.to] += term.factor * K[term.from] * term.other;
-  for (const auto k : _zeros) values[k] = 0;
-  for (const auto k : _ones) values[k] = 1;
+  for (const auto& term : _condensed_terms)
+    values[term.matrix_position] += term.factor * K[term.stiffness_position] * term.other_factor;
+  for (const auto k : _zero_positions) values[k] = 0;
+  for (const auto k : _unit_positions) values[k] = 1;
   PHYNNESS_PETSC(MatSeqAIJRestoreArray(matrix, &values));
   PHYNNESS_PETSC(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
   PHYNNESS_PETSC(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));

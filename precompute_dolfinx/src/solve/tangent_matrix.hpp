@@ -11,9 +11,9 @@
 
 namespace phynness {
 
-/// Rows are the dofs that are not fixed, the "unknowns". Dependent dofs of a constraint remain as rows of the identity,
-/// so that the pattern and the symbolic factorization are the same for every node that a tool prescribes. A constraint
-/// with masters has a pattern of its own: its masters and their neighbours are a dense block.
+/// The rows are the unknowns, which are the dofs that are not fixed. Dependent dofs of a constraint are rows of the
+/// identity, so that all constraints without masters share the pattern and the symbolic factorization. A constraint
+/// with masters has its own pattern, in which the masters and their neighbours are a dense block.
 class TangentMatrix {
  public:
   TangentMatrix(Discretization& body, const std::vector<std::int32_t>& fixed_dofs);
@@ -25,7 +25,7 @@ class TangentMatrix {
   Mat matrix() const { return _matrix; }
   /// Whether matrix() is finite. A factorization would use a NaN as a pivot.
   bool is_finite() const;
-  /// The unmodified K(state), after an assembly in which matrix() was made convex.
+  /// The unmodified K(state) after an assembly of a convex matrix().
   Mat exact() const { return _exact; }
 
   /// Sets the constraint of later assemblies.
@@ -47,27 +47,27 @@ class TangentMatrix {
  private:
   struct Pattern {
     std::vector<PetscInt> row_start, column;
-    std::int32_t position(PetscInt i, PetscInt j) const;  ///< of an entry that is stored
+    std::int32_t position(PetscInt i, PetscInt j) const;  ///< position of a stored entry
     std::size_t size() const { return column.size(); }
   };
   /// @param rows  columns of each row, in any order and with repeats
   static Pattern pattern_of(std::vector<std::vector<PetscInt>> rows);
   void create_matrix();
   Coupling coupling(const std::vector<double>& K) const;
-  /// Finds where the entries of K go in matrix().
-  void find_terms();
-  /// T^T K T, with rows of the identity, in the values of a matrix.
-  void store(const std::vector<double>& K, Mat matrix) const;
+  /// Finds the positions in matrix() to which the entries of K contribute.
+  void find_condensed_terms();
+  /// Stores T^T K T, with rows of the identity, in the values of a matrix.
+  void condense_into(const std::vector<double>& K, Mat matrix) const;
 
   PetscMat _matrix, _exact;
   std::vector<std::int32_t> _dof_of, _unknown_of;
-  Pattern _free;                          ///< of K
-  Pattern _own;                           ///< of matrix()
+  Pattern _stiffness_pattern;             ///< pattern of K
+  Pattern _matrix_pattern;                ///< pattern of matrix()
   std::vector<std::int32_t> _position;    ///< per block and entry of its tangent: position in the values, or -1
-  std::vector<std::size_t> _block_start;  ///< of each block in _position
-  std::vector<double> _true, _convex;     ///< values of K
+  std::vector<std::size_t> _block_start;  ///< start of each block in _position
+  std::vector<double> _stiffness, _convex_stiffness;  ///< values of K
   Eigen::MatrixXd _G;
-  /// A dependent unknown: its row of the constraint, and its masters with their factors.
+  /// A dependent unknown and its masters with their factors.
   struct Dependent {
     std::int32_t unknown;
     std::vector<std::pair<std::int32_t, double>> masters;
@@ -75,14 +75,14 @@ class TangentMatrix {
   std::vector<Dependent> _dependent;
   std::vector<std::int32_t> _dependent_of;  ///< per unknown: position in _dependent, or -1
   bool _has_masters = false;
-  std::vector<std::int32_t> _own_of_free;  ///< per entry of K: position in matrix(); empty without masters
-  /// A product of factors of masters and an entry of K, and where it is added.
-  struct Term {
-    std::int32_t from, to;
-    double factor, other;
+  std::vector<std::int32_t> _matrix_position;  ///< per entry of K: position in matrix(); empty without masters
+  /// A product of factors of masters and an entry of K, and the position to which it is added.
+  struct CondensedTerm {
+    std::int32_t stiffness_position, matrix_position;
+    double factor, other_factor;
   };
-  std::vector<Term> _terms;
-  std::vector<std::int32_t> _zeros, _ones;  ///< of dependent rows and columns
+  std::vector<CondensedTerm> _condensed_terms;
+  std::vector<std::int32_t> _zero_positions, _unit_positions;  ///< positions in dependent rows and columns
 };
 
 }  // namespace phynness

@@ -1,5 +1,5 @@
-// Counter of the next free task for all ranks: a number on rank 0, accessed by fetch-and-add. On a network without
-// hardware support for this, a rank waits until rank 0 calls MPI, which serve() does between iterations.
+// The counter of the next free task: a number on rank 0, which all ranks access by fetch-and-add. On a network without
+// hardware support a rank waits until rank 0 calls MPI, which make_progress() does between iterations.
 #pragma once
 
 #include <mpi.h>
@@ -29,15 +29,15 @@ class WorkCounter {
 
   /// Fetches the next free task.
   std::int64_t next() { return add(0, 1); }
-  /// Ends the run: no rank gets further tasks, because one rank cannot continue.
-  void abandon() { add(0, std::int64_t{1} << 40); }
+  /// Stops the distribution of tasks, because one rank cannot continue.
+  void close() { add(0, std::int64_t{1} << 40); }
   /// Adds finished work without waiting for rank 0.
   void add_done(std::int64_t n) {
     MPI_Accumulate(&n, 1, MPI_INT64_T, 0, 1, 1, MPI_INT64_T, MPI_SUM, _window);
     MPI_Win_flush_local(0, _window);
   }
   /// Lets MPI answer the fetches of other ranks.
-  void serve() {
+  void make_progress() {
     int arrived = 0;
     MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, _comm, &arrived, MPI_STATUS_IGNORE);
   }

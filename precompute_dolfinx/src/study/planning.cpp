@@ -9,20 +9,20 @@
 namespace phynness {
 namespace {
 
-/// Most rays of a node where there are enough nodes. Costs vary more between nodes than between directions, so that
-/// short runs at many nodes are better.
+/// Number of rays of a sampled node, if there are enough nodes. It is small, because costs vary more between nodes than
+/// between directions.
 constexpr std::size_t run_length = 2;
 
-/// Inverse distance to the nearest fixed point; equal for all if there is none.
+/// The inverse distances to the nearest fixed point; they are equal if there is none.
 std::vector<double> expected_cost(const Points& points, const Points& fixed) {
-  std::vector<double> size(static_cast<std::size_t>(points.rows()), 1.0);
-  if (fixed.rows() == 0) return size;
+  std::vector<double> cost(static_cast<std::size_t>(points.rows()), 1.0);
+  if (fixed.rows() == 0) return cost;
   for (Eigen::Index i = 0; i < points.rows(); ++i)
-    size[static_cast<std::size_t>(i)] = (fixed.rowwise() - points.row(i)).rowwise().norm().minCoeff();
+    cost[static_cast<std::size_t>(i)] = (fixed.rowwise() - points.row(i)).rowwise().norm().minCoeff();
   // The bound prevents a node very close to a fixed node from dominating the sample.
-  const double least = 1e-2 * *std::max_element(size.begin(), size.end());
-  for (double& s : size) s = least > 0 ? 1 / std::max(s, least) : 1;
-  return size;
+  const double smallest = 1e-2 * *std::max_element(cost.begin(), cost.end());
+  for (double& s : cost) s = smallest > 0 ? 1 / std::max(s, smallest) : 1;
+  return cost;
 }
 
 }  // namespace
@@ -45,18 +45,19 @@ std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fi
   std::mt19937_64 random(seed);
   const std::size_t run = std::min(n_directions, std::max(run_length, (wanted + n_nodes - 1) / n_nodes));
   const std::size_t n_draws = std::min(n_nodes, std::max<std::size_t>(1, wanted / run));
-  const auto size = expected_cost(active_points, fixed_points);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
-  const double sum = std::accumulate(order.begin(), order.end(), 0.0, [&](double s, auto a) { return s + size[a]; });
+  const auto cost = expected_cost(active_points, fixed_points);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return cost[a] > cost[b]; });
+  const double sum = std::accumulate(order.begin(), order.end(), 0.0, [&](double s, auto a) { return s + cost[a]; });
   const double step = sum / static_cast<double>(n_draws);
   const double offset = step * std::ldexp(static_cast<double>(random() >> 11), -53);
 
   std::map<std::pair<std::int32_t, std::int32_t>, double> weights;
-  std::size_t next_direction = random() % n_directions, place = 0;
-  double passed = size[order[0]];
+  std::size_t next_direction = random() % n_directions, position = 0;
+  double cumulative_cost = cost[order[0]];
   for (std::size_t k = 0; k < n_draws; ++k) {
-    while (passed <= offset + static_cast<double>(k) * step && place + 1 < n_nodes) passed += size[order[++place]];
-    const std::size_t active = order[place];
+    while (cumulative_cost <= offset + static_cast<double>(k) * step && position + 1 < n_nodes)
+      cumulative_cost += cost[order[++position]];
+    const std::size_t active = order[position];
     std::vector<std::int32_t> directions;
     for (std::size_t i = 0; i < n_directions && directions.size() < run; ++i) {
       const std::size_t d = (next_direction + i) % n_directions;
@@ -65,7 +66,7 @@ std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fi
     next_direction = (next_direction + run) % n_directions;
     for (const auto d : directions)
       weights[{static_cast<std::int32_t>(active), d}] +=
-          static_cast<double>(n_requested[active]) / size[active] / static_cast<double>(directions.size());
+          static_cast<double>(n_requested[active]) / cost[active] / static_cast<double>(directions.size());
   }
   std::vector<RayChoice> chosen;
   for (const auto& [ray, weight] : weights) chosen.push_back({ray.first, ray.second, weight});
@@ -98,7 +99,7 @@ double wall_seconds(const RunCosts& costs, int ranks) {
          costs.packing_s / static_cast<double>(std::clamp<std::int64_t>(costs.nodes, 1, ranks));
 }
 
-int ranks_of_use(const RunCosts& costs) {
+int max_useful_ranks(const RunCosts& costs) {
   int ranks = 1;
   while (ranks < costs.rays && (ranks + 1) * wall_seconds(costs, ranks + 1) <= 2 * wall_seconds(costs, 1)) ++ranks;
   return ranks;

@@ -6,7 +6,6 @@
 #include <numeric>
 #include <optional>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/version.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 
@@ -21,13 +20,7 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-double peak_memory_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
-
-/// Measures the CPU time of work without waiting for other ranks, which in MPI also consumes CPU time.
+/// Measures CPU time without the waiting for other ranks, which in MPI also consumes CPU time.
 class WorkClock {
  public:
   void start() { _start = cpu_seconds(); }
@@ -43,15 +36,16 @@ RayCounts of_all_ranks(RayCounts counts) {
   return counts;
 }
 
-/// Throws the error of this rank with the note that finished rays are kept. @throws Error if `trouble` is set
-void rethrow(const std::exception_ptr& trouble) {
-  if (!trouble) return;
+/// Throws the error of this rank with the note that finished rays are kept. @throws Error if `exception` is set
+void rethrow(const std::exception_ptr& exception) {
+  if (!exception) return;
   try {
-    std::rethrow_exception(trouble);
+    std::rethrow_exception(exception);
   } catch (const Error& error) {
     const std::string text = error.what();
-    const bool says_so = text.find("--resume") != std::string::npos;
-    throw Error(error.kind(), text + (says_so ? "" : " (finished rays are kept; continue with --resume)"), "", "");
+    const bool mentions_resume = text.find("--resume") != std::string::npos;
+    throw Error(error.kind(), text + (mentions_resume ? "" : " (finished rays are kept; continue with --resume)"), "",
+                "");
   }
 }
 
@@ -61,19 +55,19 @@ bool on_any_rank(bool here) {
   return any != 0;
 }
 
-/// Sets the figures of all ranks.
-void sum_shares(const SolverSession& session, const Share& share, double core_seconds, PrecomputeReport& report) {
-  static_cast<RayCounts&>(report) = of_all_ranks(share.counts);
+/// Sets the sums over all ranks.
+void sum_totals(const SolverSession& session, const RankTotals& totals, double core_seconds, PrecomputeReport& report) {
+  static_cast<RayCounts&>(report) = of_all_ranks(totals.counts);
   report.increments_of_run = report.increments;
   report.after_end = 0;
   report.core_seconds = session.sum(core_seconds);
-  const double busy = session.sum(share.busy_seconds), all = session.sum(report.solve_seconds);
+  const double busy = session.sum(totals.busy_seconds), all = session.sum(report.solve_seconds);
   report.idle_share = report.rays > 0 ? 1 - busy / all : 0;
   for (const double bytes : session.gather(std::vector{peak_memory_bytes()}))
     report.peak_memory_bytes = std::max(report.peak_memory_bytes, bytes);
 }
 
-/// Of a file that this run has not packed.
+/// Counts the rays of a database that an earlier run has packed.
 RayCounts count_finished(const std::filesystem::path& file) {
   const auto database = Database::open(file);
   RayCounts finished;
@@ -91,7 +85,7 @@ void sum_packed(const RayCounts& finished, PrecomputeReport& report) {
   report.iterations = all.iterations;
 }
 
-/// The numbers of all ranks, one after another, on all.
+/// Concatenates the numbers of all ranks on all ranks.
 std::vector<std::int64_t> gathered(const std::vector<std::int64_t>& own, int n_ranks) {
   const int n = static_cast<int>(own.size());
   std::vector<int> counts(static_cast<std::size_t>(n_ranks)), offsets(counts.size());
@@ -102,7 +96,7 @@ std::vector<std::int64_t> gathered(const std::vector<std::int64_t>& own, int n_r
   return all;
 }
 
-/// The parts of precompute() and what they share. Each is called by all ranks.
+/// The parts of precompute() and their shared data. All ranks call each part.
 class Run {
  public:
   Run(const SolverSession& session, const Scene& scene, const Mesh& mesh, const NodeSets& sets,
@@ -119,20 +113,20 @@ class Run {
   }
 
   void create_file();
-  /// Copies what the database has that is continued.
-  void take_rays();
+  /// Copies the rays of the database that this run extends.
+  void copy_rays();
   void solve(const PrecomputeProgress& progress, const std::function<bool()>& stop,
              const std::function<void(const std::string&)>& warn);
   /// Rays that are not requested are recorded as such.
   void pack(const PrecomputeProgress& at_rest, const std::function<bool()>& stop);
-  void add_up();
+  void sum_report();
 
   PrecomputeReport report;
 
  private:
   std::string solver_log() const { return _target.file.string() + ".solver.log"; }
   int log_number() const { return _session.rank() + (_target.part ? _target.part->index * _session.size() : 0); }
-  /// Those of this part.
+  /// Whether the ray belongs to this part.
   bool is_own(std::size_t ray) const {
     const auto n = _header.directions.size();
     return !_target.part ||
@@ -156,8 +150,8 @@ class Run {
   std::vector<char> _requested, _logged;
   WorkClock _core;
   std::optional<ProbeSolver> _solver;
-  Share _share;
-  RayCounts _packed;  ///< by this rank, with rays of earlier runs
+  RankTotals _totals;
+  RayCounts _packed;  ///< counts of the rays that this rank has packed
   bool _complete = false;
   PackingRanks _ranks{_session.rank(),
                       _session.size(),
@@ -178,7 +172,7 @@ void Run::create_file() {
     if (_session.rank() != 0) return;
     DatabaseWriter::create(_target.file, _header, _target.resume, _target.part ? _target.part->index : 0);
     std::error_code none;
-    if (!_target.resume) std::filesystem::remove(solver_log(), none);  // of the database that was there before
+    if (!_target.resume) std::filesystem::remove(solver_log(), none);  // the log of a replaced database
     _complete = Database::is_complete(_target.file);
   });
   _complete = on_any_rank(_complete);
@@ -186,14 +180,14 @@ void Run::create_file() {
   report.rays_resumed = own_logged();
 }
 
-void Run::take_rays() {
+void Run::copy_rays() {
   if (_target.from.empty() || _complete) return;
-  std::int64_t taken = 0;
+  std::int64_t copied = 0;
   _ranks.together([&] {
-    taken = DatabaseWriter::take(_target.file, _header, _target.from, missing(), log_number(), _session.rank(),
-                                 _session.size());
+    copied = DatabaseWriter::take(_target.file, _header, _target.from, missing(), log_number(), _session.rank(),
+                                  _session.size());
   });
-  report.rays_taken = _session.total(taken);
+  report.rays_taken = _session.total(copied);
   if (report.rays_taken > 0) _logged = DatabaseWriter::logged(_target.file, _header, _ranks);
 }
 
@@ -201,7 +195,7 @@ void Run::solve(const PrecomputeProgress& progress, const std::function<bool()>&
                 const std::function<void(const std::string&)>& warn) {
   auto solved = missing();
   for (char& flag : solved) flag = !flag;
-  const auto rays = rays_left(_header, solved);
+  const auto rays = remaining_rays(_header, solved);
   if (rays.empty()) return;
   WorkCounter counter(MPI_COMM_WORLD);
   _core.start();
@@ -210,14 +204,14 @@ void Run::solve(const PrecomputeProgress& progress, const std::function<bool()>&
     if (progress && _session.rank() == 0)
       progress(report.rays_found() + counter.done(), report.rays_found() + std::ssize(rays));
   };
-  const auto trouble = guarded(counter, _session.rank(), warn, [&] {
+  const auto exception = run_guarded(counter, _session.rank(), warn, [&] {
     DatabaseWriter log(_target.file, _header, log_number());
-    solve_tasks(*_solver, log, _header, rays, counter, _session.size(), done, stop, _share);
+    solve_tasks(*_solver, log, _header, rays, counter, _session.size(), done, stop, _totals);
     log.close();
   });
   _core.stop();
-  _session.together([&] { rethrow(trouble); });
-  report.interrupted = on_any_rank(_share.interrupted);
+  _session.together([&] { rethrow(exception); });
+  report.interrupted = on_any_rank(_totals.interrupted);
 }
 
 void Run::pack(const PrecomputeProgress& at_rest, const std::function<bool()>& stop) {
@@ -231,15 +225,15 @@ void Run::pack(const PrecomputeProgress& at_rest, const std::function<bool()>& s
       const auto n = _header.directions.size();
       const auto ray = empty_ray(_header, static_cast<std::int32_t>(i / n), static_cast<std::int32_t>(i % n));
       log->append(ray);
-      count(ray.status, ray.iterations, _share.counts);
+      count(ray.status, ray.iterations, _totals.counts);
     }
     if (log) log->close();
   });
-  bool ended = false;
+  bool is_interrupted = false;
   try {
     DatabaseWriter::pack(_target.file, _header, _ranks, [&](std::int32_t point) {
-      ended = stop && stop();
-      if (ended) throw Interrupted();
+      is_interrupted = stop && stop();
+      if (is_interrupted) throw Interrupted();
       const auto start = Clock::now();
       auto response = response_at_rest(*_solver, _header, point);
       report.at_rest_seconds += seconds_since(start);
@@ -247,18 +241,24 @@ void Run::pack(const PrecomputeProgress& at_rest, const std::function<bool()>& s
       return response;
     });
   } catch (...) {
-    report.interrupted = on_any_rank(ended);
+    report.interrupted = on_any_rank(is_interrupted);
     if (!report.interrupted) throw;
   }
 }
 
-void Run::add_up() {
-  sum_shares(_session, _share, _core.seconds(), report);
+void Run::sum_report() {
+  sum_totals(_session, _totals, _core.seconds(), report);
   if (_complete && _session.rank() == 0) _packed = count_finished(_target.file);
   if (_complete || !(report.interrupted || _target.part)) sum_packed(_packed, report);
 }
 
 }  // namespace
+
+double peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
 
 PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh, const NodeSets& sets,
                             const PrecomputeTarget& target, const PrecomputeProgress& progress,
@@ -267,7 +267,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   const auto start = Clock::now();
   Run run(session, scene, mesh, sets, target);
   run.create_file();
-  run.take_rays();
+  run.copy_rays();
   const auto solving = Clock::now();
   run.solve(progress, stop, warn);
   const auto packing = Clock::now();
@@ -277,7 +277,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   run.report.setup_seconds = seconds(start, solving);
   run.report.solve_seconds = seconds(solving, packing);
   run.report.pack_seconds = seconds(packing, end);
-  run.add_up();
+  run.sum_report();
   run.report.wall_seconds = seconds_since(start);
   return run.report;
 }

@@ -1,4 +1,4 @@
-// Where a ray ends before its last increment: at a fold, at a crushed cell, or at the force limit.
+// The end of a ray before its last increment: at a fold, at a crushed cell, or at the force limit.
 //
 // Along a smooth path the work of the force is the change of the stored energy. Where the body snaps, or the mesh
 // folds, energy is lost at once. Forces and their derivatives at both ends of a step give its work to fourth order, so
@@ -12,8 +12,8 @@
 namespace phynness {
 namespace {
 
-/// A step loses energy if work and change of energy differ by more than this share of the stored energy, so that the
-/// answer does not depend on the length of the step. How it was chosen: docs/decisions/ends-of-rays.md.
+/// A step loses energy if work and change of energy differ by more than this share of the stored energy, independently
+/// of its length (docs/decisions/ends-of-rays.md).
 constexpr double share_of_energy = 0.01;
 /// Rounding of a dimensionless energy: a sum over the cells of the body, whose volume and modulus are about 1, of
 /// differences of numbers of order 1.
@@ -65,8 +65,8 @@ double depth_of(double limit, const PathPoint& a, const PathPoint& b) {
 
 void RaySolver::make_stiffness_exact(PathPoint& point) {
   if (point.exact_stiffness) return;
-  point.exact_stiffness = true;  // otherwise the estimate is as good as it gets
-  contain([&] {
+  point.exact_stiffness = true;  // also if the linearization fails
+  log_exceptions([&] {
     const auto linear = _equilibrium.linearize(point.state, _direction);
     if (linear.status == Status::converged) point.stiffness = _direction.dot(linear.tangent.col(0));
   });
@@ -74,8 +74,8 @@ void RaySolver::make_stiffness_exact(PathPoint& point) {
 
 bool RaySolver::loses_energy(PathPoint& from, PathPoint& to) {
   if (!differs(from, to, _direction)) return false;
-  // Beyond a fold the velocity is a poor guess, and the stiffness that it estimates is far too large: a sign of a fold
-  // even where the errors of a long step hide the loss.
+  // Beyond a fold the estimated stiffness is far too large, which indicates the fold even if a long step hides the
+  // loss.
   if (!is_resolved(from, to, _limits.ray.resolution)) return true;
   make_stiffness_exact(from);
   make_stiffness_exact(to);
@@ -90,25 +90,25 @@ bool RaySolver::is_crushed(const PathPoint& from, const PathPoint& to) {
 }
 
 RaySolver::Search RaySolver::search_fold(bool all_tangents, PathPoint& to, int& iterations) {
-  Path fine = _path;
-  make_stiffness_exact(fine.last());
+  Path refined_path = _path;
+  make_stiffness_exact(refined_path.last());
   PathPoint next = to;
   bool solved = true;  // false: there is no state `next` at the last target
   std::vector<double> targets{to.s};
-  double lost = 0, beyond = to.s;
+  double loss = 0, fold_s = to.s;
   for (;;) {
-    PathPoint& from = fine.last();
+    PathPoint& from = refined_path.last();
     const bool loses = solved && loses_energy(from, next);
     if (loses) {
-      lost = energy_lost(from, next, _direction);
-      beyond = next.s;
+      loss = energy_lost(from, next, _direction);
+      fold_s = next.s;
     }
     if (loses || !solved) {
       next.s = targets.back();
       if (is_resolved(from, next, _limits.ray.resolution)) {
         _end.depth_m = from.s;
-        _end.fold_depth_m = beyond;
-        _end.energy_lost_J = lost;
+        _end.fold_depth_m = fold_s;
+        _end.energy_lost_J = loss;
         return Search::fold;
       }
       targets.push_back(from.s + (next.s - from.s) / 2);
@@ -116,16 +116,16 @@ RaySolver::Search RaySolver::search_fold(bool all_tangents, PathPoint& to, int& 
       if (is_crushed(from, next)) return Search::crushed;
       targets.pop_back();
       if (targets.empty()) break;
-      fine.append(std::move(next));
+      refined_path.append(std::move(next));
     }
     next = {};
-    const auto step = attempt(fine, targets.back(), all_tangents && targets.size() == 1, next);
+    const auto step = try_advance(refined_path, targets.back(), all_tangents && targets.size() == 1, next);
     iterations += step.iterations;
     solved = step.status == Status::converged;
   }
-  // The longer step was right, or it went to another branch, from which shorter steps lead back.
+  // Shorter steps may lead to another branch than the longer step.
   if (std::abs(next.energy - to.energy) > same_branch * std::abs(to.energy)) {
-    _path = std::move(fine);
+    _path = std::move(refined_path);
     to = std::move(next);
   }
   return Search::smooth;

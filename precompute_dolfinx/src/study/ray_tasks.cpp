@@ -3,7 +3,7 @@
 
 namespace phynness {
 
-std::vector<RayIndex> rays_left(const DatabaseHeader& header, const std::vector<char>& logged) {
+std::vector<RayIndex> remaining_rays(const DatabaseHeader& header, const std::vector<char>& logged) {
   const std::size_t n_directions = header.directions.size();
   std::vector<RayIndex> rays;
   for (std::size_t ray = 0; ray < logged.size(); ++ray)

@@ -21,13 +21,11 @@ void store(const Response& response, std::size_t i, const DatabaseHeader& header
   ray.negative_pivots[i] = response.negative_pivots;
   ray.min_jacobian[i] = response.min_jacobian;
   const auto& output = header.sets.output;
-  for (std::size_t j = 0; j < output.size(); ++j)
-    for (int k = 0; k < 3; ++k)
-      ray.displacement[3 * (i * output.size() + j) + static_cast<std::size_t>(k)] =
-          response.displacement_m(output[j], k);
+  Points::Map(ray.displacement.data() + 3 * i * output.size(), std::ssize(output), 3) =
+      response.displacement_m(output, Eigen::all);
   for (std::size_t f = 0; f < ray.fields.size(); ++f)
-    for (std::size_t j = 0; j < output.size(); ++j)
-      ray.fields[f][i * output.size() + j] = response.fields(output[j], static_cast<Eigen::Index>(f));
+    Eigen::VectorXd::Map(ray.fields[f].data() + i * output.size(), std::ssize(output)) =
+        response.fields(output, static_cast<Eigen::Index>(f));
 }
 
 /// @param n_stored  number of increments with a result, which is kept if this function throws
@@ -91,7 +89,7 @@ Ray solve_ray(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t ac
 }
 
 AtRest response_at_rest(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t point) {
-  const auto response = solver.alone_at_rest(header.sets.linear[static_cast<std::size_t>(point)]);
+  const auto response = solver.single_tool_at_rest(header.sets.linear[static_cast<std::size_t>(point)]);
   AtRest stored;
   Eigen::Matrix<double, 3, 3, Eigen::RowMajor>::Map(stored.stiffness_N_per_m.data()) = response.stiffness_N_per_m;
   for (int along = 0; along < 3; ++along)

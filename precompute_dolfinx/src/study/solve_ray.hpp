@@ -1,4 +1,4 @@
-// Solution of one ray in the form of the database.
+// Solves one ray and stores it in the layout of the database.
 #pragma once
 
 #include <phynness/formats/database.hpp>
@@ -12,7 +12,7 @@ double cpu_seconds();
 /// A ray of which no increment could be solved.
 Ray failed_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction);
 
-/// Calls ProbeSolver::recover(). If it fails because memory is exhausted, it is called again before the next solve.
+/// Calls ProbeSolver::recover() and logs its failure, after which the next solve calls it again.
 void recover(ProbeSolver& solver);
 
 /// Solves a ray. An exception of the solver ends the ray with Status::library_error; the reason is in the solver's log.

@@ -47,28 +47,27 @@ class RaysOfNodes {
   std::int32_t _touched = -1;
 };
 
-/// Logs rays in the order in which they were solved. Rays that could not be started are held back until a later ray
-/// starts. Otherwise a rank that cannot start any ray, for example because its machine is out of memory, would record
-/// all remaining rays as failed. Rays that are never logged are solved with --resume.
+/// Logs rays in the order of their solution. Rays that could not be started are held back until a later ray starts.
+/// Otherwise a rank that cannot start any ray, for example without memory, would record all remaining rays as failed.
 class RayLog {
  public:
   explicit RayLog(DatabaseWriter& log) : _log(log) {}
 
   /// @throws Error (failure) if too many rays in succession cannot be started
-  void append(Ray ray, Share& share) {
+  void append(Ray ray, RankTotals& totals) {
     constexpr std::size_t most_held_back = 20;
-    const bool began = ray.status.empty() || ray.status.front() != Status::library_error;
+    const bool is_started = ray.status.empty() || ray.status.front() != Status::library_error;
     _held_back.push_back(std::move(ray));
-    if (began) return flush(share);
+    if (is_started) return flush(totals);
     if (_held_back.size() >= most_held_back)
       throw failure(std::to_string(most_held_back) + " rays in succession could not be started",
                     SolverLog::instance().last(),
                     "remove the cause and continue with --resume; these rays are not recorded");
   }
-  void flush(Share& share) {
+  void flush(RankTotals& totals) {
     for (const auto& ray : _held_back) {
       _log.append(ray);
-      count(ray.status, ray.iterations, share.counts);
+      count(ray.status, ray.iterations, totals.counts);
     }
     _held_back.clear();
   }
@@ -78,9 +77,9 @@ class RayLog {
   std::vector<Ray> _held_back;
 };
 
-std::string what(const std::exception_ptr& trouble) {
+std::string message_of(const std::exception_ptr& exception) {
   try {
-    std::rethrow_exception(trouble);
+    std::rethrow_exception(exception);
   } catch (const std::exception& error) {
     return error.what();
   } catch (...) {
@@ -105,46 +104,46 @@ void count(std::span<const Status> statuses, std::span<const std::int32_t> itera
 
 void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader& header,
                  const std::vector<RayIndex>& rays, WorkCounter& counter, int n_ranks,
-                 const std::function<void()>& done, const std::function<bool()>& stop, Share& share) {
+                 const std::function<void()>& done, const std::function<bool()>& stop, RankTotals& totals) {
   const auto tasks = ray_tasks(rays, n_ranks);
   const auto n_tasks = static_cast<std::int64_t>(tasks.size()) - 1;
   RaysOfNodes nodes(solver, header);
   RayLog ray_log(log);
   solver.set_stop([&] {
-    counter.serve();
+    counter.make_progress();
     return stop && stop();
   });
   for (auto task = counter.next(); task < n_tasks; task = counter.next()) {
     const auto start = std::chrono::steady_clock::now();
     for (auto i = tasks[static_cast<std::size_t>(task)]; i < tasks[static_cast<std::size_t>(task) + 1]; ++i) {
       try {
-        ray_log.append(nodes.solve(rays[static_cast<std::size_t>(i)]), share);
+        ray_log.append(nodes.solve(rays[static_cast<std::size_t>(i)]), totals);
       } catch (const Interrupted&) {
-        share.interrupted = true;
+        totals.interrupted = true;
         break;
       }
-      share.interrupted = stop && stop();
+      totals.interrupted = stop && stop();
       done();
-      if (share.interrupted) break;
+      if (totals.interrupted) break;
     }
-    share.busy_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (share.interrupted) break;
+    totals.busy_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (totals.interrupted) break;
   }
   solver.set_stop({});
   SolverLog::instance().set_context("");
-  if (!share.interrupted) ray_log.flush(share);
+  if (!totals.interrupted) ray_log.flush(totals);
 }
 
-std::exception_ptr guarded(WorkCounter& counter, int rank, const std::function<void(const std::string&)>& warn,
-                           const std::function<void()>& work) {
+std::exception_ptr run_guarded(WorkCounter& counter, int rank, const std::function<void(const std::string&)>& warn,
+                               const std::function<void()>& work) {
   try {
     work();
     return nullptr;
   } catch (...) {
-    const auto trouble = std::current_exception();
-    counter.abandon();
-    if (warn) warn("rank " + std::to_string(rank) + " stops: " + what(trouble));
-    return trouble;
+    const auto exception = std::current_exception();
+    counter.close();
+    if (warn) warn("rank " + std::to_string(rank) + " stops: " + message_of(exception));
+    return exception;
   }
 }
 

@@ -1,4 +1,4 @@
-// What a rank of precompute() solves.
+// The tasks of a rank of precompute().
 #pragma once
 
 #include <exception>
@@ -16,8 +16,8 @@ namespace phynness {
 /// Adds a ray to the counts.
 void count(std::span<const Status> statuses, std::span<const std::int32_t> iterations, RayCounts& sum);
 
-/// Figures of one rank.
-struct Share {
+/// The totals of one rank.
+struct RankTotals {
   RayCounts counts;
   double busy_seconds = 0;
   bool interrupted = false;
@@ -27,10 +27,10 @@ struct Share {
 /// @param done  called after every ray
 void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader& header,
                  const std::vector<RayIndex>& rays, WorkCounter& counter, int n_ranks,
-                 const std::function<void()>& done, const std::function<bool()>& stop, Share& share);
+                 const std::function<void()>& done, const std::function<bool()>& stop, RankTotals& totals);
 
-/// Runs the work of a rank. An exception is returned after the other ranks have been told to fetch no further tasks.
-std::exception_ptr guarded(WorkCounter& counter, int rank, const std::function<void(const std::string&)>& warn,
-                           const std::function<void()>& work);
+/// Runs the work of a rank. Returns its exception, after which the counter gives the other ranks no further tasks.
+std::exception_ptr run_guarded(WorkCounter& counter, int rank, const std::function<void(const std::string&)>& warn,
+                               const std::function<void()>& work);
 
 }  // namespace phynness

@@ -23,74 +23,74 @@ namespace phynness {
 namespace {
 
 constexpr std::size_t states_per_ray = 3, rays_per_node = 5;
-/// The distance to a finer solution is a property of the place more than of the state.
+/// The distance to a finer solution depends on the place more than on the state.
 constexpr std::size_t finer_rays_per_node = 2;
 /// A ray of one tool between nodes, or of a body's tools, has a place of its own, because errors at one place are
 /// alike; its two states take about as long as the three of a ray.
 constexpr double increments_per_coupled = 3;
 /// The nodes are a sample of clusters: with fewer, 0.95 (1 + 1 / n) is above 1 and nothing is known of the next node.
-constexpr std::size_t fewest_nodes = 20;
-/// Of one tool between nodes; on a body of one tool, and of several: docs/decisions/error-bounds.md
+constexpr std::size_t min_nodes = 20;
+/// The number of coupled rays of each kind (docs/decisions/error-bounds.md).
 std::int64_t coupled_rays_per_kind(std::int64_t rays) { return 50 + rays / 10; }
 
-/// A direction in which the node has a trained range. Of a node that has none in half of the sphere, every second one.
+/// Draws a direction in which the node has a trained range.
 Vec3 trained_direction(const NamedOrgan& model, std::int32_t node, std::mt19937_64& random) {
   Vec3 e{};
   for (int attempt = 0; attempt < 1000; ++attempt) {
-    e = on_sphere(random);
+    e = random_direction(random);
     if (model.trained_depth(node, e) > 0) break;
   }
   return e;
 }
 
-struct NodeRays {
-  std::vector<double> states;  ///< packed
+struct NodeStates {
+  std::vector<double> states;  ///< packed BoundState records
   std::int64_t rays = 0, failed = 0;
 };
 
-/// Indices of nodes of a model in an order of which every beginning is even over the model: of a larger calibration
-/// those of a smaller one are the first, and those finished before an early end are an even sample as well.
+/// Draws indices of nodes from a low-discrepancy sequence, so that every prefix is an even sample of the model: the
+/// finished nodes of an interrupted calibration, and the nodes of a smaller calibration.
 std::vector<std::size_t> sampled_nodes(std::size_t n_nodes, std::size_t n_active, std::mt19937_64& random) {
   const double golden = (std::sqrt(5.0) - 1) / 2;
   std::vector<std::size_t> sample;
-  std::vector<char> is_in(n_active);
-  for (double at = uniform(random); sample.size() < n_nodes; at = std::fmod(at + golden, 1)) {
-    const auto i = static_cast<std::size_t>(at * static_cast<double>(n_active));
-    if (!is_in[i]) sample.push_back(i);
-    is_in[i] = 1;
+  std::vector<char> is_sampled(n_active);
+  for (double position = uniform(random); sample.size() < n_nodes; position = std::fmod(position + golden, 1)) {
+    const auto i = static_cast<std::size_t>(position * static_cast<double>(n_active));
+    if (!is_sampled[i]) sample.push_back(i);
+    is_sampled[i] = 1;
   }
   return sample;
 }
 
-/// Draws the next ray of a node. @return without parts if none of its depths is inside the trained range
+/// Draws the next ray of a node. @return a ray without fractions if no drawn depth is inside the trained range
 ToolRay draw_ray(const NamedOrgan& model, std::int32_t node, std::mt19937_64& random) {
   const double largest = model.model().max_displacement_m;
   const Vec3 e = trained_direction(model, node, random);
   const double trained = model.trained_depth(node, e);
   ToolRay ray{{{{node, -1, -1}, {1, 0, 0}, {largest * e[0], largest * e[1], largest * e[2]}}}, {}};
   for (std::size_t i = 0; i < states_per_ray; ++i) {
-    const double part = 1 - uniform(random);
-    if (part * largest <= trained) ray.parts.push_back(part);
+    const double fraction = 1 - uniform(random);
+    if (fraction * largest <= trained) ray.fractions.push_back(fraction);
   }
-  std::sort(ray.parts.begin(), ray.parts.end());
+  std::sort(ray.fractions.begin(), ray.fractions.end());
   return ray;
 }
 
 void add_states(const NamedOrgan& model, std::size_t index, const ToolRay& ray, const std::vector<Vec3>& forces,
-                NodeRays& out) {
+                NodeStates& out) {
   const double largest = model.model().max_displacement_m;
   Vec3 e{};
   for (std::size_t k = 0; k < 3; ++k) e[k] = ray.tools[0].displacement[k] / largest;
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    const phn_tool tool = tools_at(ray, ray.parts[i])[0];
+    const phn_tool tool = tools_at(ray, ray.fractions[i])[0];
     const double* d = tool.displacement;
-    const Vec3 said = model.force(ray.tools[0].nodes[0], {d[0], d[1], d[2]});
-    const Vec3& truth = forces[i];
-    const double error = std::hypot(said[0] - truth[0], said[1] - truth[1], said[2] - truth[2]);
-    const double size = std::hypot(truth[0], truth[1], truth[2]);
-    pack(out.states, BoundState{static_cast<std::int32_t>(index), e, largest * ray.parts[i], error, size});
+    const Vec3 predicted = model.force(ray.tools[0].nodes[0], {d[0], d[1], d[2]});
+    const Vec3& solved = forces[i];
+    const double error = std::hypot(predicted[0] - solved[0], predicted[1] - solved[1], predicted[2] - solved[2]);
+    const double size = std::hypot(solved[0], solved[1], solved[2]);
+    pack(out.states, BoundState{static_cast<std::int32_t>(index), e, largest * ray.fractions[i], error, size});
   }
-  out.failed += forces.size() < ray.parts.size();
+  out.failed += forces.size() < ray.fractions.size();
 }
 
 /// A node's index, and the columns of its stiffness [N/m].
@@ -99,12 +99,12 @@ struct NodeAtRest {
   std::array<double, 9> stiffness{};
 };
 
-/// Of each node with a solution, on rank 0. Collective.
+/// Collects on rank 0 the stiffness at rest of every node that has a solution. Collective.
 std::vector<NodeAtRest> stiffnesses_at_rest(const SolverSession& session, const NamedOrgan& model,
                                             const ShouldStop& stop, RayForces& rays) {
   std::vector<double> rows;
   session.together([&] {
-    share_out(session, std::ssize(model.model().nodes), {}, stop, [&](std::size_t i) {
+    distribute(session, std::ssize(model.model().nodes), {}, stop, [&](std::size_t i) {
       const auto columns = rays.solve({{{{model.model().nodes[i].node, -1, -1}, {1, 0, 0}, {}}}, {}});
       if (columns.size() < 3) return;
       NodeAtRest at_rest{static_cast<std::int32_t>(i)};
@@ -115,12 +115,13 @@ std::vector<NodeAtRest> stiffnesses_at_rest(const SolverSession& session, const 
   return unpacked<NodeAtRest>(session.gather(rows));
 }
 
-/// A finer solution is off by nearly the same share along a ray, which the stiffness at rest tells: in place of J the
-/// logarithm of the difference of both in the direction of each trained displacement.
-/// @param at_rest  of the finer solution
-void predict_by_rest(const NamedOrgan& model, const std::vector<NodeAtRest>& at_rest, BoundPredictors& predictors) {
-  constexpr double least = 1e-4;
-  if (at_rest.size() < model.model().nodes.size()) return;  // one failed, or an early end
+/// The relative distance to a finer solution is nearly constant along a ray and equals that of the stiffness at rest.
+/// The predictor is therefore the logarithm of the difference of the stiffnesses in the direction of each displacement.
+/// @param at_rest  stiffnesses of the finer solution
+void predict_from_rest_stiffness(const NamedOrgan& model, const std::vector<NodeAtRest>& at_rest,
+                                 BoundPredictors& predictors) {
+  constexpr double floor = 1e-4;
+  if (at_rest.size() < model.model().nodes.size()) return;  // a solve failed, or the run was stopped
   const auto& displacements = model.model().displacements;
   for (const auto& [number, stiffness] : at_rest) {
     const auto node = static_cast<std::size_t>(number);
@@ -128,35 +129,37 @@ void predict_by_rest(const NamedOrgan& model, const std::vector<NodeAtRest>& at_
     Vec3 force;
     double energy = 0;
     if (model.organ().hold(tool_at(model.model().nodes[node].node, Vec3{}), force, energy, own) < 0) return;
-    const Eigen::Matrix3d off =
+    const Eigen::Matrix3d difference =
         Eigen::Map<const Eigen::Matrix3d>(own.data()) - Eigen::Map<const Eigen::Matrix3d>(stiffness.data());
     for (Eigen::Index row = 0; row < displacements.rows(); ++row)
-      predictors.crush[node][static_cast<std::size_t>(row)] =
-          std::log(std::max(least, (off * displacements.row(row).transpose().normalized()).norm() *
+      predictors.compression[node][static_cast<std::size_t>(row)] =
+          std::log(std::max(floor, (difference * displacements.row(row).transpose().normalized()).norm() *
                                        model.model().max_displacement_m / predictors.largest_N[node]));
   }
 }
 
-/// Every fifth node with the bounds that the other nodes give; every fifth ray if no node of the model is without rays.
-std::vector<BoundedError> left_out(const NamedOrgan& model, const BoundPredictors& predictors,
-                                   const std::vector<BoundState>& states, std::int64_t n_rays, double coverage) {
-  constexpr std::size_t n_parts = 5;
+/// The errors of each fifth of the nodes with bounds that are calibrated on the other nodes; of the rays instead of the
+/// nodes if every node has rays.
+std::vector<BoundedError> cross_validated_errors(const NamedOrgan& model, const BoundPredictors& predictors,
+                                                 const std::vector<BoundState>& states, std::int64_t n_rays,
+                                                 double coverage) {
+  constexpr std::size_t n_folds = 5;
   std::set<std::int32_t> nodes;
   for (const auto& state : states) nodes.insert(state.node);
   const bool all_nodes = nodes.size() == model.model().nodes.size();
-  const auto key = [&](const BoundState& s) { return std::pair{s.node, all_nodes ? s.direction : Vec3{}}; };
-  std::map<std::pair<std::int32_t, Vec3>, std::size_t> part;
-  for (const auto& state : states) part.emplace(key(state), part.size() % n_parts);
+  const auto cluster = [&](const BoundState& s) { return std::pair{s.node, all_nodes ? s.direction : Vec3{}}; };
+  std::map<std::pair<std::int32_t, Vec3>, std::size_t> fold;
+  for (const auto& state : states) fold.emplace(cluster(state), fold.size() % n_folds);
   std::vector<BoundedError> errors;
-  for (std::size_t p = 0; p < std::min(n_parts, part.size()) && part.size() > 1; ++p) {
-    std::vector<BoundState> kept, out;
-    for (const auto& state : states) (part[key(state)] == p ? out : kept).push_back(state);
-    const auto share = static_cast<std::int64_t>(n_rays * static_cast<std::int64_t>(kept.size()) /
+  for (std::size_t p = 0; p < std::min(n_folds, fold.size()) && fold.size() > 1; ++p) {
+    std::vector<BoundState> training, held_out;
+    for (const auto& state : states) (fold[cluster(state)] == p ? held_out : training).push_back(state);
+    const auto share = static_cast<std::int64_t>(n_rays * static_cast<std::int64_t>(training.size()) /
                                                  static_cast<std::int64_t>(states.size()));
-    const NamedOrgan other(add_bounds(model.model(), predictors, kept, std::max<std::int64_t>(1, share), coverage),
+    const NamedOrgan other(add_bounds(model.model(), predictors, training, std::max<std::int64_t>(1, share), coverage),
                            model.mesh(), "model");
-    const auto now = bounded_errors(other, out);
-    errors.insert(errors.end(), now.begin(), now.end());
+    const auto fold_errors = bounded_errors(other, held_out);
+    errors.insert(errors.end(), fold_errors.begin(), fold_errors.end());
   }
   return errors;
 }
@@ -167,7 +170,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-void tell_medians(const NamedOrgan& bounded, const std::vector<BoundState>& states, BoundReport& report) {
+void set_medians(const NamedOrgan& bounded, const std::vector<BoundState>& states, BoundReport& report) {
   std::vector<double> bounds, shares;
   for (const auto& error : bounded_errors(bounded, states)) {
     shares.push_back(error.bound_N / std::max(states[bounds.size()].force_N, 1e-300));
@@ -198,7 +201,8 @@ FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSp
     if (status == Status::converged) increments += static_cast<double>(count);
   const double unknowns = variant_unknowns(spec.reference, scene.solver.element, header.mesh);
   const double finer = unknowns / variant_unknowns(Variant::scene, scene.solver.element, header.mesh);
-  const auto at_rest = static_cast<double>(header.sets.active.size());  // as much work as an increment at each
+  const auto at_rest =
+      static_cast<double>(header.sets.active.size());  // the stiffness at a node costs as much as an increment
   Scene sized = scene;
   sized.validation.calibration_rays = spec.rays;
   return {(sizes_of_checks(sized, header, true).calibration_increments + at_rest) * summary.seconds /
@@ -213,20 +217,20 @@ double calibration_increments(std::int64_t rays, bool between) {
 
 namespace {
 
-using PlannedRay = std::pair<std::int32_t, CoupledKind>;  ///< its number among those of the kind
+using PlannedRay = std::pair<std::int32_t, CoupledKind>;  ///< number of the ray among those of its kind
 
-/// The kinds in turn, of which one takes longer than the other.
+/// Alternates the kinds, because their costs differ.
 std::vector<PlannedRay> planned_rays(const CoupledRays& coupled, std::int64_t rays,
                                      const std::vector<CoupledKind>& kinds) {
   std::vector<PlannedRay> planned;
   const auto per_kind = static_cast<std::int32_t>(coupled_rays_per_kind(rays));
   for (std::int32_t ray = 0; ray < per_kind; ++ray)
     for (const auto kind : kinds)
-      if (coupled.possible(kind)) planned.emplace_back(ray, kind);
+      if (coupled.is_possible(kind)) planned.emplace_back(ray, kind);
   return planned;
 }
 
-/// Solves these rays. Collective. @param seed  of the first one. @return on rank 0, all states
+/// Solves the planned rays. Collective. @param seed  seed of the first ray. @return all states on rank 0
 std::vector<CoupledState> solve_coupled(const SolverSession& session, const CoupledRays& coupled,
                                         const std::vector<PlannedRay>& planned, std::uint64_t seed,
                                         const OnProgress& progress, const ShouldStop& stop, RayForces& rays,
@@ -234,14 +238,14 @@ std::vector<CoupledState> solve_coupled(const SolverSession& session, const Coup
   std::array<DrawnStates, 2> drawn;
   std::vector<double> rows;
   std::int64_t finished = 0, failed = 0;
-  const bool go_on = session.sum(stop && stop() ? 1 : 0) == 0;
+  const bool is_running = session.sum(stop && stop() ? 1 : 0) == 0;
   session.together([&] {
-    finished = share_out(session, go_on ? std::ssize(planned) : 0, progress, stop, [&](std::size_t i) {
+    finished = distribute(session, is_running ? std::ssize(planned) : 0, progress, stop, [&](std::size_t i) {
       const auto [number, kind] = planned[i];
-      // What is drawn for one tool does not depend on whether there are rays of several.
-      std::mt19937_64 of_ray(seed + static_cast<std::uint64_t>(2 * number + static_cast<int>(kind)));
-      auto ray = coupled.draw(of_ray, number, kind, drawn[static_cast<std::size_t>(kind)]);
-      if (ray.parts.empty()) return;
+      // The random numbers of one tool do not depend on whether rays of several tools are planned.
+      std::mt19937_64 ray_random(seed + static_cast<std::uint64_t>(2 * number + static_cast<int>(kind)));
+      auto ray = coupled.draw(ray_random, number, kind, drawn[static_cast<std::size_t>(kind)]);
+      if (ray.fractions.empty()) return;
       const auto forces = rays.solve(ray);
       failed += forces.size() < ray.states.size();
       for (std::size_t f = 0; f < forces.size(); ++f) {
@@ -262,14 +266,14 @@ std::vector<CoupledState> solve_coupled(const SolverSession& session, const Coup
   return states;
 }
 
-/// Draws rays before any is solved. @return the kinds of which the body does not flag all
+/// Draws a ray of each kind before the solves. @return the kinds of which some states are not flagged
 std::vector<CoupledKind> unflagged_kinds(const CoupledRays& coupled, std::uint64_t seed, const OnNote& note,
                                          BoundReport& report) {
   std::vector<CoupledKind> kinds;
   for (const auto kind : {CoupledKind::one, CoupledKind::several}) {
     DrawnStates drawn;
     std::mt19937_64 random(seed);
-    if (!coupled.possible(kind) || !coupled.draw(random, 0, kind, drawn).parts.empty()) {
+    if (!coupled.is_possible(kind) || !coupled.draw(random, 0, kind, drawn).fractions.empty()) {
       kinds.push_back(kind);
       continue;
     }
@@ -323,8 +327,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Na
   const std::size_t n_active = model.model().nodes.size();
   const auto n_rays = static_cast<std::size_t>(spec.rays);
   const std::size_t n_nodes = std::min(
-      n_active,
-      std::max(fewest_nodes, n_rays / (spec.reference == Variant::scene ? rays_per_node : finer_rays_per_node)));
+      n_active, std::max(min_nodes, n_rays / (spec.reference == Variant::scene ? rays_per_node : finer_rays_per_node)));
   std::mt19937_64 random(spec.seed);
   const auto sample = sampled_nodes(n_nodes, n_active, random);
   RayForces rays(header, spec.reference, stop);
@@ -337,21 +340,21 @@ Model calibrate(const SolverSession& session, const Database& database, const Na
       if (progress) progress(before + done, n_items);
     };
   };
-  NodeRays solved;
+  NodeStates solved;
   std::int64_t finished = 0;
   session.together([&] {
-    finished = share_out(session, static_cast<std::int64_t>(n_nodes), counted(0), stop, [&](std::size_t i) {
-      // The rays of a node do not depend on the number of ranks, nor on how many follow.
-      std::mt19937_64 of_node(spec.seed * 1000003 + sample[i]);
-      NodeRays of_this;
-      of_this.rays = static_cast<std::int64_t>(n_rays / n_nodes + (i < n_rays % n_nodes));
-      for (std::int64_t ray = 0; ray < of_this.rays; ++ray) {
-        const auto next = draw_ray(model, model.model().nodes[sample[i]].node, of_node);
-        if (!next.parts.empty()) add_states(model, sample[i], next, rays.solve(next), of_this);
+    finished = distribute(session, static_cast<std::int64_t>(n_nodes), counted(0), stop, [&](std::size_t i) {
+      // The rays of a node do not depend on the number of ranks or of later nodes.
+      std::mt19937_64 node_random(spec.seed * 1000003 + sample[i]);
+      NodeStates of_node;
+      of_node.rays = static_cast<std::int64_t>(n_rays / n_nodes + (i < n_rays % n_nodes));
+      for (std::int64_t ray = 0; ray < of_node.rays; ++ray) {
+        const auto next = draw_ray(model, model.model().nodes[sample[i]].node, node_random);
+        if (!next.fractions.empty()) add_states(model, sample[i], next, rays.solve(next), of_node);
       }
-      solved.states.insert(solved.states.end(), of_this.states.begin(), of_this.states.end());
-      solved.rays += of_this.rays;
-      solved.failed += of_this.failed;
+      solved.states.insert(solved.states.end(), of_node.states.begin(), of_node.states.end());
+      solved.rays += of_node.rays;
+      solved.failed += of_node.failed;
     });
   });
   const auto at_rest =
@@ -364,10 +367,10 @@ Model calibrate(const SolverSession& session, const Database& database, const Na
   report.failed_rays = session.total(solved.failed);
   auto states = unpacked<BoundState>(session.gather(solved.states));
   std::ranges::stable_sort(states, {}, &BoundState::node);
-  predict_by_rest(model, at_rest, predictors);
+  predict_from_rest_stiffness(model, at_rest, predictors);
   Model bounded = model.model();
   session.together([&] {
-    if (report.nodes < static_cast<std::int64_t>(std::min(n_nodes, fewest_nodes)))
+    if (report.nodes < static_cast<std::int64_t>(std::min(n_nodes, min_nodes)))
       throw failure("the calibration was interrupted before it had enough nodes for bounds",
                     fmt::format("{} of {} nodes", report.nodes, n_nodes), "run it again; nothing was written");
     if (session.rank() != 0) return;
@@ -375,11 +378,12 @@ Model calibrate(const SolverSession& session, const Database& database, const Na
     report.states = static_cast<std::int64_t>(states.size());
     report.all_nodes = static_cast<std::size_t>(report.nodes) == n_active;
     const double range_m = bounded.max_displacement_m;
-    report.left_out = coverage_of(left_out(model, predictors, states, report.rays, spec.coverage), range_m);
+    report.left_out =
+        coverage_of(cross_validated_errors(model, predictors, states, report.rays, spec.coverage), range_m);
     report.promised = promised_coverage(report.all_nodes ? report.rays : report.nodes, spec.coverage);
     add_bound_between(bounded, model.mesh(), coupled_states, report.coupled[0]);
     bounded.bounds[0].reference = static_cast<std::int32_t>(spec.reference);
-    tell_medians(NamedOrgan(bounded, model.mesh(), "model"), states, report);
+    set_medians(NamedOrgan(bounded, model.mesh(), "model"), states, report);
   });
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return bounded;

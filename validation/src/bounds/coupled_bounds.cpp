@@ -10,40 +10,36 @@
 namespace phynness {
 namespace {
 
-/// A third of the depth may be covered by this less than all.
-constexpr double holds_nearly = 0.04;
-/// Errors below this part of the feature of force count as this in the fit of their logarithms.
-constexpr double least_error = 1e-5;
-/// The rays are a sample of clusters.
-constexpr std::int64_t fewest_of_kind = 20;
-/// A prediction is made without each of these parts of the rays.
-constexpr int n_parts = 10;
-/// Tools of a state, at most (CoupledRays).
-constexpr std::int32_t most_tools = 3;
+/// The states of a ray are a cluster of the sample.
+constexpr std::int64_t min_rays = 20;
+/// The number of folds of the cross-validation that scores the predictions.
+constexpr int n_folds = 10;
+/// The largest number of tools of a state (CoupledRays).
+constexpr std::int32_t max_tools = 3;
 constexpr int n_coefficients = schema::n_coupled_terms;
-/// Added to what bounds are computed from [N] (formats/body.md, Bounds).
+/// Regularizes the logarithms of the terms [N] (formats/body.md, Bounds).
 constexpr double least_term = 1e-12;
-/// The term of the spread of the nodes' forces, or of the difference to the linear force.
-constexpr int bending = 2;
+/// The index of the term that contains the spread of the nodes' forces, or the difference to the linear force.
+constexpr int nonlinear_term = 2;
 
 struct Sample {
   std::int32_t ray = 0, n_tools = 1;
   double depth_m = 0, error_N = 0;
-  std::array<double, n_coefficients> terms{};  ///< 1 and logarithms
+  std::array<double, n_coefficients> terms{};  ///< 1, then logarithms
 
-  double times(const Eigen::Vector4d& c) const { return Eigen::Map<const Eigen::Vector4d>(terms.data()).dot(c); }
+  double log_bound(const Eigen::Vector4d& c) const { return Eigen::Map<const Eigen::Vector4d>(terms.data()).dot(c); }
 };
 using Samples = std::vector<Sample>;
 
-Sample sample_of(const CoupledState& state, const Vec3& said_N) {
+Sample sample_of(const CoupledState& state, const Vec3& predicted_N) {
   return {state.ray,
           state.n_tools,
           Eigen::Map<const Eigen::Vector3d>(state.tool.displacement).norm(),
-          (to_eigen(said_N) - to_eigen(state.force_N)).norm(),
+          (to_eigen(predicted_N) - to_eigen(state.force_N)).norm(),
           {1}};
 }
 
-/// What bounds are computed from are bounds of which one coefficient is 1 and the others are 0.
+/// The runtime returns a term as the bound if its coefficient is 1 and the other coefficients are 0.
 Samples samples_between(const Model& model, const Mesh& mesh, const std::vector<CoupledState>& states) {
   Samples samples;
   for (int term = 1; term < n_coefficients; ++term) {
@@ -52,10 +48,10 @@ Samples samples_between(const Model& model, const Mesh& mesh, const std::vector<
     const NamedOrgan loaded(std::move(with), mesh, "model");
     std::size_t at = 0;
     for (const auto& state : states) {
-      const auto said = loaded.hold({state.tool});
-      if (said.bound_N.empty() || !said.bound_N[0]) continue;
-      if (term == 1) samples.push_back(sample_of(state, *said.force_N[0]));
-      samples.at(at++).terms[static_cast<std::size_t>(term)] = std::log(*said.bound_N[0]);
+      const auto response = loaded.hold({state.tool});
+      if (response.bound_N.empty() || !response.bound_N[0]) continue;
+      if (term == 1) samples.push_back(sample_of(state, *response.force_N[0]));
+      samples.at(at++).terms[static_cast<std::size_t>(term)] = std::log(*response.bound_N[0]);
     }
   }
   return samples;
@@ -65,13 +61,13 @@ Samples samples_of(const std::vector<CoupledState>& states, CoupledKind kind) {
   Samples samples;
   for (const auto& state : states) {
     if (state.kind != kind) continue;
-    auto& sample = samples.emplace_back(sample_of(state, state.said_N));
+    auto& sample = samples.emplace_back(sample_of(state, state.predicted_N));
     for (std::size_t i = 0; i < state.terms.size(); ++i) sample.terms[i + 1] = std::log(state.terms[i] + least_term);
   }
   return samples;
 }
 
-/// @param n_tools  of those that count; 0: all count
+/// @param n_tools  number of tools of the counted rays; 0 counts all rays
 std::int64_t rays_of(const Samples& samples, std::int32_t n_tools = 0) {
   std::set<std::int32_t> rays;
   for (const auto& sample : samples)
@@ -79,72 +75,74 @@ std::int64_t rays_of(const Samples& samples, std::int32_t n_tools = 0) {
   return std::ssize(rays);
 }
 
-/// What must be added to c_0 for the bound to hold for the share `coverage` of those that belong.
-/// @param scores  of each sample, the logarithm of its error over the prediction
-double missing(const Samples& samples, const std::vector<double>& scores, double coverage, const auto& belongs) {
-  std::vector<double> those;
+/// The shift of c_0 with which the bound covers the share `coverage` of the members (conformal prediction).
+/// @param scores  for each sample, the logarithm of its error over the prediction
+double conformal_shift(const Samples& samples, const std::vector<double>& scores, double coverage,
+                       const auto& is_member) {
+  std::vector<double> scores_of_members;
   std::set<std::int32_t> rays;
   for (std::size_t i = 0; i < samples.size(); ++i)
-    if (belongs(samples[i])) {
-      those.push_back(scores[i]);
+    if (is_member(samples[i])) {
+      scores_of_members.push_back(scores[i]);
       rays.insert(samples[i].ray);
     }
-  if (those.empty()) return -std::numeric_limits<double>::infinity();
-  std::sort(those.begin(), those.end());
-  return quantile(those, coverage * (1 + 1 / static_cast<double>(rays.size())));
+  if (scores_of_members.empty()) return -std::numeric_limits<double>::infinity();
+  std::sort(scores_of_members.begin(), scores_of_members.end());
+  return quantile(scores_of_members, coverage * (1 + 1 / static_cast<double>(rays.size())));
 }
 
-/// The same for the share `coverage` of all and of those of each number of tools, whose errors grow with it, and nearly
-/// so in each third of the depth.
-double missing(const Samples& samples, const std::vector<double>& scores, double coverage, double range_m) {
-  double more = missing(samples, scores, coverage, [](const Sample&) { return true; });
-  for (std::int32_t n = 1; n <= most_tools; ++n)
-    more = std::max(more, missing(samples, scores, coverage, [&](const Sample& s) { return s.n_tools == n; }));
+/// The shift with which the bound covers the share `coverage` of all samples and of those of each number of tools, with
+/// which errors grow, and nearly this share in each third of the depth.
+double conformal_shift(const Samples& samples, const std::vector<double>& scores, double coverage, double range_m) {
+  double shift = conformal_shift(samples, scores, coverage, [](const Sample&) { return true; });
+  for (std::int32_t n = 1; n <= max_tools; ++n)
+    shift =
+        std::max(shift, conformal_shift(samples, scores, coverage, [&](const Sample& s) { return s.n_tools == n; }));
   for (int third = 0; third < 3; ++third)
-    more = std::max(more, missing(samples, scores, coverage - holds_nearly, [&](const Sample& s) {
-                      return std::min(2, static_cast<int>(3 * s.depth_m / range_m)) == third;
-                    }));
-  return more;
+    shift = std::max(shift, conformal_shift(samples, scores, coverage - thirds_tolerance, [&](const Sample& s) {
+                       return std::min(2, static_cast<int>(3 * s.depth_m / range_m)) == third;
+                     }));
+  return shift;
 }
 
-/// Coefficients of the logarithm of the error. @param left_out  part of the rays that does not count; n_parts: all
-/// count
-Eigen::Vector4d predicted(const Samples& samples, int left_out) {
+/// Fits the coefficients of the logarithm of the error. @param held_out_fold  n_folds: no fold is held out
+Eigen::Vector4d regression(const Samples& samples, int held_out_fold) {
   Eigen::MatrixXd terms = Eigen::MatrixXd::Zero(std::ssize(samples), n_coefficients);
   Eigen::VectorXd errors = Eigen::VectorXd::Zero(std::ssize(samples));
   for (Eigen::Index i = 0; i < errors.size(); ++i) {
     const auto& sample = samples[static_cast<std::size_t>(i)];
-    if (sample.ray % n_parts == left_out) continue;
+    if (sample.ray % n_folds == held_out_fold) continue;
     terms.row(i) = Eigen::Map<const Eigen::RowVector4d>(sample.terms.data());
-    errors[i] = std::log(sample.error_N + least_error * std::exp(sample.terms[n_coefficients - 1]));
+    errors[i] = std::log(sample.error_N + smallest_error * std::exp(sample.terms[n_coefficients - 1]));
   }
   Eigen::Vector4d c = terms.completeOrthogonalDecomposition().solve(errors);
-  if (c[bending] >= 0) return c;
-  // What vanishes beside a node would make the bound infinite there.
-  terms.col(bending).setZero();
+  if (c[nonlinear_term] >= 0) return c;
+  // A negative exponent of this term, which vanishes near a node, would make the bound infinite there.
+  terms.col(nonlinear_term).setZero();
   c = terms.completeOrthogonalDecomposition().solve(errors);
-  c[bending] = 0;
+  c[nonlinear_term] = 0;
   return c;
 }
 
-/// Coefficients of the logarithm of a bound that holds for the share `coverage` of samples like these: each is scored
-/// by a prediction without its part of the rays (Barber et al. 2021, doi 10.1214/20-AOS1965). Of the exponents of the
-/// predicted error the narrowest bound is taken that holds at every third of the depth.
+/// Fits the coefficients of the logarithm of a bound that covers the share `coverage` of similar samples. Each sample
+/// is scored by a prediction without its fold (Barber et al. 2021, doi 10.1214/20-AOS1965). The exponent of the
+/// predicted error is the one with the narrowest bound that covers every third of the depth.
 Eigen::Vector4d fit(const Samples& samples, double coverage, double range_m) {
-  const Eigen::Vector4d all = predicted(samples, n_parts);
-  std::array<Eigen::Vector4d, n_parts> without;
-  for (int part = 0; part < n_parts; ++part) without[static_cast<std::size_t>(part)] = predicted(samples, part);
+  const Eigen::Vector4d all = regression(samples, n_folds);
+  std::array<Eigen::Vector4d, n_folds> fold_regressions;
+  for (int fold = 0; fold < n_folds; ++fold)
+    fold_regressions[static_cast<std::size_t>(fold)] = regression(samples, fold);
   Eigen::Vector4d best = all;
   double least = std::numeric_limits<double>::infinity();
   for (const double exponent : {0.4, 0.6, 0.8, 1.0}) {
     std::vector<double> scores;
     for (const auto& s : samples)
       scores.push_back(std::log(std::max(s.error_N, 1e-300)) -
-                       exponent * s.times(without[static_cast<std::size_t>(s.ray % n_parts)]));
+                       exponent * s.log_bound(fold_regressions[static_cast<std::size_t>(s.ray % n_folds)]));
     Eigen::Vector4d c = exponent * all;
-    c[0] += missing(samples, scores, coverage, range_m);
+    c[0] += conformal_shift(samples, scores, coverage, range_m);
     double sum = 0;
-    for (const auto& sample : samples) sum += std::exp(sample.times(c));
+    for (const auto& sample : samples) sum += std::exp(sample.log_bound(c));
     if (sum >= least) continue;
     best = c;
     least = sum;
@@ -152,29 +150,30 @@ Eigen::Vector4d fit(const Samples& samples, double coverage, double range_m) {
   return best;
 }
 
-/// How bounds hold for a fifth of the rays at a time that the others give.
-BoundCoverage left_out(const Samples& samples, double coverage, double range_m) {
-  constexpr int n_fifths = 5;
+/// The coverage of each fold by bounds that are fitted on the other folds.
+BoundCoverage cross_validated_coverage(const Samples& samples, double coverage, double range_m) {
+  constexpr int n_coverage_folds = 5;
   std::vector<BoundedError> errors;
-  for (int part = 0; part < n_fifths; ++part) {
-    Samples kept;
-    std::ranges::copy_if(samples, std::back_inserter(kept), [&](const auto& s) { return s.ray % n_fifths != part; });
-    if (kept.empty()) continue;
-    const Eigen::Vector4d c = fit(kept, coverage, range_m);
+  for (int fold = 0; fold < n_coverage_folds; ++fold) {
+    Samples training;
+    std::ranges::copy_if(samples, std::back_inserter(training),
+                         [&](const auto& s) { return s.ray % n_coverage_folds != fold; });
+    if (training.empty()) continue;
+    const Eigen::Vector4d c = fit(training, coverage, range_m);
     for (const auto& s : samples)
-      if (s.ray % n_fifths == part) errors.push_back({s.depth_m, s.error_N, std::exp(s.times(c))});
+      if (s.ray % n_coverage_folds == fold) errors.push_back({s.depth_m, s.error_N, std::exp(s.log_bound(c))});
   }
   return coverage_of(errors, range_m);
 }
 
-/// @return the coefficients, if there are enough rays of the kind
+/// @return the coefficients; empty if the kind has too few rays
 std::optional<Eigen::Vector4d> fit_kind(const Samples& samples, double coverage, double range_m,
                                         CoupledCoverage& found) {
   found.rays = rays_of(samples);
-  if (found.rays < fewest_of_kind) return std::nullopt;
-  found.all = left_out(samples, coverage, range_m);
+  if (found.rays < min_rays) return std::nullopt;
+  found.all = cross_validated_coverage(samples, coverage, range_m);
   found.promised = promised_coverage(found.rays, coverage);
-  for (std::int32_t n = 1; n <= most_tools; ++n)
+  for (std::int32_t n = 1; n <= max_tools; ++n)
     if (const auto rays = rays_of(samples, n); rays > 0)
       found.promised = std::min(found.promised, promised_coverage(rays, coverage));
   return fit(samples, coverage, range_m);

@@ -1,5 +1,5 @@
-// The statistics of the bounds: what a trained state says about errors near it, and the factor that makes the bounds
-// hold.
+// The statistics of the bounds: a regression of the errors on properties of trained states, and the factor with which
+// the bounds reach their coverage.
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -12,50 +12,47 @@
 namespace phynness {
 namespace {
 
-/// Exponent of the predicted error in a bound: docs/decisions/error-bounds.md. Errors spread more where they are
-/// larger.
+/// Exponent of the predicted error in a bound (docs/decisions/error-bounds.md).
 constexpr double shrinkage = 0.8;
-/// Powers of the depth beyond the fitted one. Errors mostly spread more at depth; the first power is taken for which
-/// every third of the depth is covered nearly as well as all.
+/// Candidates for an added power of the depth, because errors mostly spread more at depth. The first candidate is used
+/// with which each third of the depth is covered nearly as well as the whole.
 constexpr std::array added_depth_powers{0.5, 0.0, -0.5, 1.0};
-constexpr double nearly = 0.04;
-/// Errors below this part of a node's largest force count as this in the fit of their logarithms.
-constexpr double smallest_error = 1e-5;
-/// A calibration on fewer states says nothing about the twentieth that a bound leaves out.
-constexpr std::size_t fewest_states = 200;
+/// Fewer states cannot determine a quantile of 95 %.
+constexpr std::size_t min_states = 200;
 
 constexpr int n_terms = 4;
 using Terms = Eigen::Matrix<double, 1, n_terms>;
 
-Terms terms_of(double largest_N, double crush, double depth) {
-  return {1, std::log(largest_N), crush, std::log(depth)};
+Terms terms_of(double largest_N, double compression, double depth) {
+  return {1, std::log(largest_N), compression, std::log(depth)};
 }
 
-double crush_of(double min_jacobian) { return std::log(-std::log(std::clamp(min_jacobian, 1e-4, 1 - 1e-4))); }
+double compression_of(double min_jacobian) { return std::log(-std::log(std::clamp(min_jacobian, 1e-4, 1 - 1e-4))); }
 
-/// Values of the rows of displacements at a state: in the nearest direction, linear between the lengths. As the runtime
-/// does it, but constant below the first length.
-double at_state(const Model& model, const std::vector<double>& rows, const BoundState& state) {
+/// Interpolates values of trained displacements at a state, linearly between the depths of the nearest direction. The
+/// runtime interpolates in the same way, but not to a constant below the first depth.
+double interpolated(const Model& model, const std::vector<double>& rows, const BoundState& state) {
   const auto n = static_cast<std::size_t>(model.displacements.rows()) / model.directions.size();
   std::size_t nearest = 0;
-  double best = -2;
+  double largest_cosine = -2;
   for (std::size_t k = 0; k < model.directions.size(); ++k) {
     const auto& e = model.directions[k];
-    const double along = e[0] * state.direction[0] + e[1] * state.direction[1] + e[2] * state.direction[2];
-    if (along > best) {
-      best = along;
+    const double cosine = e[0] * state.direction[0] + e[1] * state.direction[1] + e[2] * state.direction[2];
+    if (cosine > largest_cosine) {
+      largest_cosine = cosine;
       nearest = k;
     }
   }
-  double before = 0, value = rows[nearest * n];
+  double previous_length = 0, previous = rows[nearest * n];
   for (std::size_t j = 0; j < n; ++j) {
     const double length = model.displacements.row(static_cast<Eigen::Index>(nearest * n + j)).norm();
     const double next = rows[nearest * n + j];
-    if (state.depth_m < length) return value + (next - value) * (state.depth_m - before) / (length - before);
-    before = length;
-    value = next;
+    if (state.depth_m < length)
+      return previous + (next - previous) * (state.depth_m - previous_length) / (length - previous_length);
+    previous_length = length;
+    previous = next;
   }
-  return value;
+  return previous;
 }
 
 Eigen::Vector4d fit(const Model& model, const BoundPredictors& predictors, const std::vector<BoundState>& states) {
@@ -66,25 +63,25 @@ Eigen::Vector4d fit(const Model& model, const BoundPredictors& predictors, const
     const auto node = static_cast<std::size_t>(state.node);
     const auto row = static_cast<Eigen::Index>(i);
     const double largest = predictors.largest_N[node];
-    terms.row(row) =
-        terms_of(largest, at_state(model, predictors.crush[node], state), state.depth_m / model.max_displacement_m);
+    terms.row(row) = terms_of(largest, interpolated(model, predictors.compression[node], state),
+                              state.depth_m / model.max_displacement_m);
     errors[row] = std::log(state.error_N + smallest_error * largest);
   }
   // Columns may be constant: bodies without a J, models of one node.
   return terms.completeOrthogonalDecomposition().solve(errors);
 }
 
-/// Entries of a node's table, rounded up. @param c  of the logarithm of a bound. @param factor  of all bounds
+/// Rounds the entries of a node's table up. @param c  coefficients of the logarithm of a bound
 ScaledTable table_of(const Model& model, std::size_t node, const BoundPredictors& predictors, const Eigen::Vector4d& c,
                      double factor) {
   const auto n = model.displacements.rows();
   Eigen::MatrixXd values(n, 1);
   for (Eigen::Index row = 0; row < n; ++row) {
     const double depth = model.displacements.row(row).norm() / model.max_displacement_m;
-    const double value =
-        factor * std::exp(terms_of(predictors.largest_N[node], predictors.crush[node][static_cast<std::size_t>(row)],
-                                   std::max(depth, 1e-12)) *
-                          c);
+    const double value = factor * std::exp(terms_of(predictors.largest_N[node],
+                                                    predictors.compression[node][static_cast<std::size_t>(row)],
+                                                    std::max(depth, 1e-12)) *
+                                           c);
     values(row, 0) = std::isfinite(value) ? std::min(value, schema::largest_table_value) : schema::largest_table_value;
   }
   ScaledTable table = scaled_table(values);
@@ -98,7 +95,7 @@ ScaledTable table_of(const Model& model, std::size_t node, const BoundPredictors
 std::vector<double> forces_at_rest(const Model& model) {
   std::vector<double> sizes(model.nodes.size(), 0.0);
   if (schema::traits(model.family).has_energy) return sizes;
-  Mesh mesh;  // forces need none
+  Mesh mesh;  // it is empty, because forces do not need it
   mesh.cells.resize(0, 4);
   const NamedOrgan loaded(model, mesh, "the model");
   for (std::size_t i = 0; i < sizes.size(); ++i) {
@@ -108,9 +105,9 @@ std::vector<double> forces_at_rest(const Model& model) {
   return sizes;
 }
 
-/// Errors over bounds with the factor 1.
+/// Ratios of the errors and the bounds with the factor 1.
 std::vector<double> scores_of(const Model& model, const BoundPredictors& predictors,
-                              const std::vector<BoundState>& states, const std::vector<double>& at_rest,
+                              const std::vector<BoundState>& states, const std::vector<double>& rest_force,
                               const Eigen::Vector4d& coefficients) {
   std::vector<std::vector<double>> values(model.nodes.size());
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
@@ -119,16 +116,17 @@ std::vector<double> scores_of(const Model& model, const BoundPredictors& predict
   }
   std::vector<double> scores;
   for (const auto& state : states) {
-    // Below the first displacement the bound is linear from the force at rest on, which has no factor.
+    // Below the first displacement the bound is linear. It begins at the force at rest, which has no factor.
     const auto node = static_cast<std::size_t>(state.node);
-    const double part = std::min(1.0, state.depth_m / model.displacements.row(0).norm());
-    const double free = state.error_N - (1 - part) * at_rest[node];
-    scores.push_back(std::max(free, 0.0) / std::max(part * at_state(model, values[node], state), 1e-300));
+    const double fraction = std::min(1.0, state.depth_m / model.displacements.row(0).norm());
+    const double scaled_error = state.error_N - (1 - fraction) * rest_force[node];
+    scores.push_back(std::max(scaled_error, 0.0) /
+                     std::max(fraction * interpolated(model, values[node], state), 1e-300));
   }
   return scores;
 }
 
-/// The least share of scores up to `factor` in a third of the depth.
+/// The smallest share, over the thirds of the depth, of scores that are at most `factor`.
 double least_third(const Model& model, const std::vector<BoundState>& states, const std::vector<double>& scores,
                    double factor) {
   std::vector<BoundedError> errors;
@@ -156,13 +154,13 @@ BoundPredictors bound_predictors(const Model& model, const Database& database) {
     if (found == active.end() || *found != node.node)
       throw input_error("the database has no rays of a node of the model", "node " + std::to_string(node.node),
                         "give the database on which the model was trained");
-    auto& crush = predictors.crush.emplace_back(n_rows, crush_of(0));
+    auto& compression = predictors.compression.emplace_back(n_rows, compression_of(0));
     double largest = 0;
     std::size_t row = 0;
     for (const auto& ray : database.rays(static_cast<std::int32_t>(found - active.begin())))
       for (std::size_t i = 0; i < ray.status.size() && row < n_rows; ++i, ++row) {
         if (ray.status[i] != Status::converged) continue;
-        crush[row] = crush_of(ray.min_jacobian[i]);
+        compression[row] = compression_of(ray.min_jacobian[i]);
         largest = std::max(largest, std::hypot(ray.force[3 * i], ray.force[3 * i + 1], ray.force[3 * i + 2]));
       }
     predictors.largest_N.push_back(largest > 0 ? largest : 1);
@@ -172,21 +170,21 @@ BoundPredictors bound_predictors(const Model& model, const Database& database) {
 
 Model add_bounds(Model model, const BoundPredictors& predictors, const std::vector<BoundState>& states,
                  std::int64_t n_rays, double coverage) {
-  if (states.size() < fewest_states)
+  if (states.size() < min_states)
     throw input_error("there are too few states inside the trained range to calibrate bounds",
                       std::to_string(states.size()) + " states", "use more --rays; 1000 rays give about 3000 states");
   std::set<std::int32_t> nodes;
   for (const auto& state : states) nodes.insert(state.node);
   const std::size_t n_nodes = nodes.size();
   const Eigen::Vector4d fitted = shrinkage * fit(model, predictors, states);
-  const auto at_rest = forces_at_rest(model);
-  // A sample of nodes is a sample of clusters: the next node adds one to their number.
+  const auto rest_force = forces_at_rest(model);
+  // The clusters of the sample are the nodes, or the rays if every node is sampled.
   const auto n = static_cast<double>(n_nodes < model.nodes.size() ? n_nodes : static_cast<std::size_t>(n_rays));
   double best = -1;
   for (const double power : added_depth_powers) {
     Eigen::Vector4d coefficients = fitted;
     coefficients[3] += shrinkage * power;
-    const auto scores = scores_of(model, predictors, states, at_rest, coefficients);
+    const auto scores = scores_of(model, predictors, states, rest_force, coefficients);
     auto ascending = scores;
     std::ranges::sort(ascending);
     const double factor = quantile(ascending, coverage * (1 + 1 / n));
@@ -195,7 +193,7 @@ Model add_bounds(Model model, const BoundPredictors& predictors, const std::vect
     best = least;
     for (std::size_t i = 0; i < model.nodes.size(); ++i)
       model.nodes[i].bounds = {table_of(model, i, predictors, coefficients, factor)};
-    if (least >= coverage - nearly) break;
+    if (least >= coverage - thirds_tolerance) break;
   }
   model.bounds = {{coverage, static_cast<std::int32_t>(n_rays), static_cast<std::int32_t>(n_nodes)}};
   return model;

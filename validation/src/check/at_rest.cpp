@@ -16,8 +16,8 @@
 namespace phynness {
 namespace {
 
-/// With edges of half the length on the surface of the scene, and not on that of its mesh. Without nodes where these
-/// surfaces are the same, as of a block and of a file's tetrahedra.
+/// A mesh with edges of half the length on the surface of the scene instead of the surface of its mesh. It is empty if
+/// these surfaces are the same, as for a block and for tetrahedra from a file.
 VariantBody body_of_true_shape(const VariantBody& own) {
   VariantBody finer{own.scene, {}, {}};
   auto& spec = finer.scene.mesh;
@@ -39,77 +39,79 @@ double available_memory_bytes() {
   std::string key, unit;
   for (double kB = 0; file >> key >> kB; std::getline(file, unit))
     if (key == "MemAvailable:") return 1024 * kB;
-  return std::numeric_limits<double>::infinity();  // another system
+  return std::numeric_limits<double>::infinity();
 }
 
 double factor_bytes(double unknowns) { return 350 * std::pow(unknowns, 4.0 / 3); }
 
-std::string why_no_memory(double unknowns, const DiscretizationOptions& options) {
-  constexpr double at_start = 1.5e8;
-  const double needed = at_start + factor_bytes(unknowns), available = options.available_bytes();
+std::string memory_shortage(double unknowns, const DiscretizationOptions& options) {
+  constexpr double startup_bytes = 1.5e8;
+  const double needed = startup_bytes + factor_bytes(unknowns), available = options.available_bytes();
   if (needed <= available) return "";
   return fmt::format("{:.2f} GB of memory are needed, {:.2f} GB are available", needed / 1e9, available / 1e9);
 }
 
 ComparisonAtRest compare_at_rest(const VariantBody& own, Variant reference, std::vector<PlaceAtRest> places,
-                                 const DiscretizationOptions& options, const std::function<double()>& left_s,
+                                 const DiscretizationOptions& options, const std::function<double()>& remaining_s,
                                  const ShouldStop& stop) {
   ComparisonAtRest result{std::move(places), ""};
-  std::vector<Eigen::Matrix3d> first, base, last;
-  double last_s = 0, last_unknowns = 1;
-  const auto step = [&](const char* what, const VariantBody& body, double PlaceAtRest::*part) {
+  std::vector<Eigen::Matrix3d> scene_stiffness, reference_stiffness, finest_stiffness;
+  double previous_s = 0, previous_unknowns = 1;
+  const auto compare_body = [&](const char* what, const VariantBody& body, double PlaceAtRest::*part) {
     const double unknowns =
         unknowns_of(body.scene.solver.element, body.mesh.n_nodes(), static_cast<double>(mesh_edges(body.mesh).size()));
-    const double expected_s = last_s * std::pow(unknowns / last_unknowns, cost_exponent);
-    auto why_not = why_no_memory(unknowns, options);
-    // The exponent is that of large bodies, so that the time may be some times too long.
-    if (why_not.empty() && expected_s > 5 * left_s()) why_not = fmt::format("up to {:.0f} s are needed", expected_s);
-    std::vector<Eigen::Matrix3d> next;
-    if (why_not.empty()) try {
+    const double expected_s = previous_s * std::pow(unknowns / previous_unknowns, cost_exponent);
+    auto skipped_reason = memory_shortage(unknowns, options);
+    // The exponent holds for large bodies, so that the prediction may be several times too long.
+    if (skipped_reason.empty() && expected_s > 5 * remaining_s())
+      skipped_reason = fmt::format("up to {:.0f} s are needed", expected_s);
+    std::vector<Eigen::Matrix3d> stiffness;
+    if (skipped_reason.empty()) try {
         const std::clock_t before = std::clock();
         ProbeSolver solver(body.scene, body.mesh, {body.sets.fixed, {}, {}});
-        solver.set_stop([&] { return (stop && stop()) || !(left_s() > 0); }, 0);
+        solver.set_stop([&] { return (stop && stop()) || !(remaining_s() > 0); }, 0);
         for (const auto& place : result.places) try {
             const Eigen::RowVector3d x = own.mesh.nodes.row(place.node);
             const auto point = nearest_on_surface(body.mesh.nodes, body.mesh.surface, {x[0], x[1], x[2]});
-            next.emplace_back(solver.alone_at_rest(point).stiffness_N_per_m);
-          } catch (const Error&) {  // it cannot be touched on this mesh
+            stiffness.emplace_back(solver.single_tool_at_rest(point).stiffness_N_per_m);
+          } catch (const Error&) {  // the place cannot be touched on this mesh
             solver.recover();
-            next.push_back(Eigen::Matrix3d::Constant(undefined));
+            stiffness.push_back(Eigen::Matrix3d::Constant(undefined));
           }
-        last_s = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
-        last_unknowns = unknowns;
+        previous_s = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+        previous_unknowns = unknowns;
       } catch (const Interrupted&) {
-        why_not = "the time is over";
+        skipped_reason = "the time is over";
       }
-    if (!why_not.empty()) {
-      result.why_not = fmt::format("{}: {}", what, why_not);
+    if (!skipped_reason.empty()) {
+      result.skipped_reason = fmt::format("{}: {}", what, skipped_reason);
       return false;
     }
-    for (std::size_t i = 0; part != nullptr && i < next.size(); ++i)
-      result.places[i].*part = (last[i] - next[i]).norm() / next[i].norm();
-    last = std::move(next);
+    for (std::size_t i = 0; part != nullptr && i < stiffness.size(); ++i)
+      result.places[i].*part = (finest_stiffness[i] - stiffness[i]).norm() / stiffness[i].norm();
+    finest_stiffness = std::move(stiffness);
     return true;
   };
-  if (!step("the scene", own, nullptr)) return result;
-  first = last;
+  if (!compare_body("the scene", own, nullptr)) return result;
+  scene_stiffness = finest_stiffness;
   VariantBody finer = own;
   if (reference == Variant::taylor_hood) {
     finer = variant_body(reference, finer);
-    if (!step("taylor-hood elements", finer, &PlaceAtRest::element)) return result;
-    base = last;
+    if (!compare_body("taylor-hood elements", finer, &PlaceAtRest::element)) return result;
+    reference_stiffness = finest_stiffness;
   }
-  if (!step("cells of half the size", variant_body(Variant::half_size, finer), &PlaceAtRest::cells)) return result;
-  if (base.empty()) base = last;
+  if (!compare_body("cells of half the size", variant_body(Variant::half_size, finer), &PlaceAtRest::cells))
+    return result;
+  if (reference_stiffness.empty()) reference_stiffness = finest_stiffness;
   try {
     const auto true_shape = body_of_true_shape(finer);
-    if (true_shape.mesh.n_nodes() > 0) step("shape", true_shape, &PlaceAtRest::shape);
+    if (true_shape.mesh.n_nodes() > 0) compare_body("shape", true_shape, &PlaceAtRest::shape);
   } catch (const Error& error) {
-    result.why_not = fmt::format("shape: {}", error.what());
+    result.skipped_reason = fmt::format("shape: {}", error.what());
   }
-  for (std::size_t i = 0; i < base.size(); ++i) {
-    result.places[i].all = (first[i] - last[i]).norm() / last[i].norm();
-    result.places[i].finest_over_reference = last[i] * base[i].inverse();
+  for (std::size_t i = 0; i < reference_stiffness.size(); ++i) {
+    result.places[i].all = (scene_stiffness[i] - finest_stiffness[i]).norm() / finest_stiffness[i].norm();
+    result.places[i].finest_over_reference = finest_stiffness[i] * reference_stiffness[i].inverse();
   }
   return result;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -24,8 +23,8 @@ namespace phynness {
 
 const char* name(Variant v) { return reference_names[static_cast<std::size_t>(v)]; }
 
-std::optional<Variant> variant_named(std::string_view given) {
-  const auto found = std::ranges::find(reference_names, given);
+std::optional<Variant> variant_named(std::string_view name) {
+  const auto found = std::ranges::find(reference_names, name);
   if (found == reference_names.end()) return std::nullopt;
   return static_cast<Variant>(found - reference_names.begin());
 }
@@ -67,11 +66,11 @@ RatioStatistics DiscretizationReport::ratios(std::size_t depth) const {
 }
 
 FinerDistance DiscretizationReport::distance(const Scene& scene) const {
-  std::vector<double> near, elsewhere, better;
+  std::vector<double> near, elsewhere, reference_errors;
   for (const auto& probe : probes)
     if (const auto error = probe.error()) {
       (probe.near_fixed ? near : elsewhere).push_back(*error);
-      better.push_back(*probe.error_of(probe.finer));
+      reference_errors.push_back(*probe.error_of(probe.finer));
     }
   auto both = near;
   both.insert(both.end(), elsewhere.begin(), elsewhere.end());
@@ -103,7 +102,7 @@ FinerDistance DiscretizationReport::distance(const Scene& scene) const {
                          .cells_at_rest = at_rest_part(&PlaceAtRest::cells),
                          .shape_at_rest = at_rest_part(&PlaceAtRest::shape),
                          .unknowns_factor = unknowns_factor};
-  if (distance.cells_at_rest.places > 0) distance.of_reference = part(better);
+  if (distance.cells_at_rest.places > 0) distance.of_reference = part(reference_errors);
   return distance;
 }
 
@@ -114,8 +113,8 @@ double surface_edge_m(const Mesh& mesh, const NodeSets& sets) {
   return std::accumulate(edges.begin(), edges.end(), 0.0) / static_cast<double>(edges.size());
 }
 
-/// Why a scene has no such variant; empty: it has.
-std::string why_no_taylor_hood(const Scene& scene) {
+/// Why the scene has no Taylor-Hood variant; empty if it has one.
+std::string taylor_hood_obstacle(const Scene& scene) {
   if (scene.solver.element->is_shell) return "a shell has one element only";
   if (scene.solver.element == element_named("taylor-hood")) return "it is the element of the scene";
   const bool positive = std::ranges::all_of(materials(scene), [](const auto* m) { return m->lame_lambda_Pa > 0; });
@@ -125,11 +124,11 @@ std::string why_no_taylor_hood(const Scene& scene) {
 }  // namespace
 
 Variant finer_reference(const Scene& scene) {
-  return why_no_taylor_hood(scene).empty() ? Variant::taylor_hood : Variant::half_size;
+  return taylor_hood_obstacle(scene).empty() ? Variant::taylor_hood : Variant::half_size;
 }
 
 void require_variant(const Scene& scene, Variant v) {
-  if (const auto why = v == Variant::taylor_hood ? why_no_taylor_hood(scene) : ""; !why.empty())
+  if (const auto why = v == Variant::taylor_hood ? taylor_hood_obstacle(scene) : ""; !why.empty())
     throw input_error("there is no such reference for this scene: " + why, fmt::format("--reference {}", name(v)),
                       "give --reference half-size");
 }
@@ -159,9 +158,9 @@ double patch_radius_for_node(double edge_m, double max_displacement_m) {
 }
 
 Scene compared_scene(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
-  constexpr int most_increments = 6;  // more do not change the comparison
+  constexpr int max_increments = 6;  // more increments do not change the comparison
   Scene common = scene;
-  common.probe.increments = std::min(scene.probe.increments, most_increments);
+  common.probe.increments = std::min(scene.probe.increments, max_increments);
   common.database.tangents = false;
   common.database.fields.clear();
   if (scene.probe.kind == ProbeKind::node) {
@@ -194,40 +193,43 @@ CheckedRays choose_checked_rays(const DatabaseHeader& header, const std::vector<
   for (Eigen::Index t = 0; t < mesh.surface.rows(); ++t)
     for (const auto node : mesh.surface.row(t))
       area[node] += normal_of(corners_of(mesh.nodes, mesh.surface, t)).norm() / 6;
-  Eigen::Index along = 0;
-  (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).maxCoeff(&along);
-  std::vector<std::tuple<bool, double, std::size_t>> order;  // near fixed nodes, coordinate, index of the active node
+  Eigen::Index axis = 0;
+  (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).maxCoeff(&axis);
+  std::vector<std::tuple<bool, double, std::size_t>>
+      order;  // (near fixed nodes, coordinate along the longest axis, index of the active node)
   for (std::size_t a = 0; a < sets.active.size(); ++a) {
     const auto first = requested.begin() + static_cast<std::ptrdiff_t>(a * n_directions);
     if (std::count(first, first + static_cast<std::ptrdiff_t>(n_directions), char{1}) == 0) continue;
     const Eigen::RowVector3d x = mesh.nodes.row(sets.active[a]);
     const bool near = std::ranges::any_of(
         sets.fixed, [&, &nodes = mesh.nodes](std::int32_t node) { return (nodes.row(node) - x).norm() < radius_m; });
-    order.emplace_back(near, x[along], a);
+    order.emplace_back(near, x[axis], a);
   }
   std::ranges::sort(order);
-  std::vector<double> area_to;
+  std::vector<double> cumulative_area;
   CheckedRays chosen;
   for (const auto& [near, x, a] : order) {
-    area_to.push_back((area_to.empty() ? 0 : area_to.back()) + area[sets.active[a]]);
+    cumulative_area.push_back((cumulative_area.empty() ? 0 : cumulative_area.back()) + area[sets.active[a]]);
     chosen.near_share += near ? area[sets.active[a]] : 0;
   }
-  if (!order.empty()) chosen.near_share /= area_to.back();
+  if (!order.empty()) chosen.near_share /= cumulative_area.back();
   const Points normals = node_normals(mesh);
-  std::vector<char> taken(order.size(), 0);
+  std::vector<char> is_chosen(order.size(), 0);
   while (chosen.rays.size() < std::min(wanted, order.size())) {
-    double whole = 0;
-    const double at = std::modf((static_cast<double>(chosen.rays.size()) + 0.5) * std::numbers::phi, &whole);
-    auto i = static_cast<std::size_t>(std::ranges::lower_bound(area_to, at * area_to.back()) - area_to.begin());
-    while (taken[i % order.size()]) ++i;
-    taken[i % order.size()] = 1;
+    double integer_part = 0;
+    const double position =
+        std::modf((static_cast<double>(chosen.rays.size()) + 0.5) * std::numbers::phi, &integer_part);
+    auto i = static_cast<std::size_t>(std::ranges::lower_bound(cumulative_area, position * cumulative_area.back()) -
+                                      cumulative_area.begin());
+    while (is_chosen[i % order.size()]) ++i;
+    is_chosen[i % order.size()] = 1;
     const auto& [near, x, a] = order[i % order.size()];
     std::size_t best = n_directions;
-    double least = std::numeric_limits<double>::infinity();
+    double smallest_deviation = std::numeric_limits<double>::infinity();
     for (std::size_t d = 0; d < n_directions; ++d) {
       const double inward = -normals.row(sets.active[a]).dot(to_eigen(header.directions[d]).transpose());
-      const double off = std::abs(inward - std::array{1.0, 0.0, -1.0}[chosen.rays.size() % 3]);
-      if (requested[a * n_directions + d] && off < least) least = off, best = d;
+      const double deviation = std::abs(inward - std::array{1.0, 0.0, -1.0}[chosen.rays.size() % 3]);
+      if (requested[a * n_directions + d] && deviation < smallest_deviation) smallest_deviation = deviation, best = d;
     }
     chosen.rays.push_back({static_cast<std::int32_t>(a), static_cast<std::int32_t>(best), near});
   }
@@ -236,35 +238,35 @@ CheckedRays choose_checked_rays(const DatabaseHeader& header, const std::vector<
 
 namespace {
 
-constexpr std::size_t most_at_rest = 24;  ///< places
+constexpr std::size_t max_places_at_rest = 24;
 
 void require_memory(double unknowns, const DiscretizationOptions& options) {
-  if (const auto why = why_no_memory(unknowns, options); !why.empty())
+  if (const auto why = memory_shortage(unknowns, options); !why.empty())
     throw input_error("the finer solution does not fit into the memory", why,
                       "use a coarser mesh, or a machine with more memory; with check_probes = 0 phynness run goes on "
                       "without it");
 }
 
-/// The solver of a variant, made at its first ray.
+/// The solver of a variant, which is created at its first ray.
 class VariantSolver {
  public:
-  /// @param spent_s  time since the start. @param end_s  when a ray is given up
-  VariantSolver(VariantBody body, double end_s, std::function<double()> spent_s, const ShouldStop& stop)
-      : _body(std::move(body)), _end_s(end_s), _spent_s(std::move(spent_s)), _stop(stop) {}
+  /// @param end_s  time since the start at which a ray is abandoned. @param elapsed_s  returns the time since the start
+  VariantSolver(VariantBody body, double end_s, std::function<double()> elapsed_s, const ShouldStop& stop)
+      : _body(std::move(body)), _end_s(end_s), _elapsed_s(std::move(elapsed_s)), _stop(stop) {}
 
   const VariantBody& body() const { return _body; }
   const DatabaseHeader& header() const { return *_header; }
-  bool was_asked_to_stop() const { return _asked; }
+  bool is_stopping() const { return _is_stopping; }
 
-  /// @return false: it was given up
+  /// @return false if the ray was abandoned
   bool solve(const CheckedRay& ray, VariantForces& forces) {
     if (!_solver) {
       _header = database_header(_body.scene, _body.mesh, _body.sets);
       _solver = std::make_unique<ProbeSolver>(_body.scene, _body.mesh, _body.sets);
     }
     const auto solved = solve_rays(*_solver, *_header, {{ray.active, ray.direction}}, {}, [&] {
-      _asked = _asked || (_stop && _stop());
-      return _asked || _spent_s() > _end_s;
+      _is_stopping = _is_stopping || (_stop && _stop());
+      return _is_stopping || _elapsed_s() > _end_s;
     });
     if (solved.interrupted || solved.rays.empty()) return false;
     const Ray& result = solved.rays.front();
@@ -277,61 +279,61 @@ class VariantSolver {
  private:
   VariantBody _body;
   double _end_s;
-  std::function<double()> _spent_s;
+  std::function<double()> _elapsed_s;
   const ShouldStop& _stop;
-  bool _asked = false;
+  bool _is_stopping = false;
   std::optional<DatabaseHeader> _header;
   std::unique_ptr<ProbeSolver> _solver;
 };
 
 }  // namespace
 
-DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, const NodeSets& given,
+DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, const NodeSets& own_sets,
                                           const DiscretizationOptions& options, const OnProgress& progress,
                                           const ShouldStop& stop) {
-  const std::function<double()> spent_s = [&options, start = options.clock()] { return options.clock() - start; };
+  const std::function<double()> elapsed_s = [&options, start = options.clock()] { return options.clock() - start; };
   require_variant(scene, options.reference);
   require_memory(variant_unknowns(options.reference, scene.solver.element, mesh), options);
-  const Scene common = compared_scene(scene, mesh, given);
-  const NodeSets sets{given.fixed, answered_nodes(scene, mesh, given), {}};
+  const Scene common = compared_scene(scene, mesh, own_sets);
+  const NodeSets sets{own_sets.fixed, answered_nodes(scene, mesh, own_sets), {}};
   const auto header = database_header(common, mesh, sets);
   DiscretizationReport report;
   report.reference = options.reference;
   report.mean_edge_m = measure_quality(mesh).mean_edge_m;
   report.patch_for_node = scene.probe.kind == ProbeKind::node;
   report.tool_radius_m = common.probe.tool_radius_m;
-  report.tool_edges = report.tool_radius_m / surface_edge_m(mesh, given);
+  report.tool_edges = report.tool_radius_m / surface_edge_m(mesh, own_sets);
   report.depth_m = header.magnitudes_m;
   const bool finer_mesh = options.reference == Variant::half_size;
   report.nodes = mesh.n_nodes() + (finer_mesh ? static_cast<std::int32_t>(mesh_edges(mesh).size()) : 0);
   report.unknowns_factor = variant_unknowns(options.reference, common.solver.element, mesh) /
                            variant_unknowns(Variant::scene, common.solver.element, mesh);
-  const auto most = static_cast<std::size_t>(options.probes);
+  const auto max_probes = static_cast<std::size_t>(options.probes);
   auto [rays, near_share] = choose_checked_rays(header, requested_rays(common, mesh, header), report.tool_radius_m,
-                                                std::max(most, most_at_rest));
+                                                std::max(max_probes, max_places_at_rest));
   report.near_share = near_share;
   if (rays.empty())
     throw input_error("the scene has no rays", scene.source_name, "check nodes.active and the directions");
   std::vector<PlaceAtRest> places;
   for (const auto& ray : rays)
     places.push_back({.node = sets.active[static_cast<std::size_t>(ray.active)], .near_fixed = ray.near_fixed});
-  if (rays.size() > most) rays.resize(most);
+  if (rays.size() > max_probes) rays.resize(max_probes);
 
   const VariantBody body{common, mesh, {sets.fixed, sets.active, {}}};
   if (mesh.cells.cols() == 4)
     report.at_rest = compare_at_rest(
-        body, options.reference, places, options, [&] { return options.seconds / 2 - spent_s(); }, stop);
+        body, options.reference, places, options, [&] { return options.seconds / 2 - elapsed_s(); }, stop);
 
-  VariantSolver own(body, options.seconds, spent_s, stop);
+  VariantSolver own(body, options.seconds, elapsed_s, stop);
   std::optional<VariantSolver> finer;
   const Points normals = node_normals(mesh);
-  double guess_s = 0;
+  double finer_ray_s = 0;
   std::int64_t compared = 0;
-  const double start_s = spent_s();
+  const double start_s = elapsed_s();
   for (const auto& ray : rays) {
     report.interrupted = stop && stop();
-    const double mean_s = compared > 0 ? (spent_s() - start_s) / static_cast<double>(compared) : 0;
-    if (report.interrupted || spent_s() + mean_s > options.seconds) break;
+    const double mean_s = compared > 0 ? (elapsed_s() - start_s) / static_cast<double>(compared) : 0;
+    if (report.interrupted || elapsed_s() + mean_s > options.seconds) break;
     CheckedProbe probe;
     probe.node = places[report.probes.size()].node;
     probe.near_fixed = ray.near_fixed;
@@ -344,23 +346,23 @@ DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, 
     if (!own.solve(ray, probe.own)) break;
     report.probes.push_back(probe);
     if (progress) progress(2 * compared + 1, 2 * std::ssize(rays));
-    if (!finer) {  // a finer mesh is made only if it is affordable; the guess may be ten times too large
-      guess_s = (spent_s() - start_s) * std::pow(report.unknowns_factor, cost_exponent);
-      if (guess_s > 10 * (options.seconds - spent_s())) break;
-      finer.emplace(variant_body(options.reference, own.body()), options.seconds, spent_s, stop);
+    if (!finer) {  // the estimate may be ten times too large
+      finer_ray_s = (elapsed_s() - start_s) * std::pow(report.unknowns_factor, cost_exponent);
+      if (finer_ray_s > 10 * (options.seconds - elapsed_s())) break;
+      finer.emplace(variant_body(options.reference, own.body()), options.seconds, elapsed_s, stop);
     }
     if (!finer->solve(ray, report.probes.back().finer)) break;
     ++compared;
     if (progress) progress(2 * compared, 2 * std::ssize(rays));
     if (is_known(report.probes, near_share)) break;
   }
-  report.interrupted = report.interrupted || own.was_asked_to_stop() || (finer && finer->was_asked_to_stop());
+  report.interrupted = report.interrupted || own.is_stopping() || (finer && finer->is_stopping());
   const bool is_done = report.interrupted || is_known(report.probes, near_share);
   report.left_out = is_done ? 0 : std::ssize(rays) - compared;
-  report.seconds = spent_s();
+  report.seconds = elapsed_s();
   report.sufficient_s = compared > 0 ? start_s + (report.seconds - start_s) / static_cast<double>(compared) *
                                                      static_cast<double>(is_done ? compared : std::ssize(rays))
-                                     : 2 * std::max(report.seconds, guess_s) * static_cast<double>(rays.size());
+                                     : 2 * std::max(report.seconds, finer_ray_s) * static_cast<double>(rays.size());
   return report;
 }
 

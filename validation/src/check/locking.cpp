@@ -11,9 +11,9 @@ namespace {
 std::string fixed(double value, int decimals) { return number_text(value, std::chars_format::fixed, decimals); }
 
 /// Logarithm of the ratio of a row, interpolated over the logarithm of |d|, without extrapolation.
-double log_ratio(const ForceRatio& row, ProbeKind kind, double probe) {
+double log_ratio(const ForceRatio& row, ProbeKind kind, double relative_depth) {
   if (kind == ProbeKind::node) return std::log(row.node);
-  const double t = std::log(probe / shallow_probe) / std::log(deep_probe / shallow_probe);
+  const double t = std::log(relative_depth / shallow_probe) / std::log(deep_probe / shallow_probe);
   return std::log(row.shallow) + std::clamp(t, 0.0, 1.0) * std::log(row.deep / row.shallow);
 }
 
@@ -66,9 +66,9 @@ std::vector<std::string> scene_warnings(const Scene& scene, double mean_edge_m) 
     warnings.push_back(text.str());
   }
   if (m.law->linear && (probe.directions != Directions::three || probe.increments != 1)) {
-    const auto asked = exploratory_directions(probe.directions).size() * static_cast<std::size_t>(probe.increments);
+    const auto n_solves = exploratory_directions(probe.directions).size() * static_cast<std::size_t>(probe.increments);
     warnings.push_back(probe.where.str() + ": the law is linear, so that three solves per node suffice instead of " +
-                       std::to_string(asked) +
+                       std::to_string(n_solves) +
                        "; directions = 3, increments = 1 and family = \"linear\" give an exact model");
   }
   return warnings;

@@ -18,12 +18,12 @@ namespace phynness {
 
 namespace {
 
-/// A displacement of the tool at a point of space.
+/// A direction of displacement of the tool at a point in space.
 struct TradePlace {
   Vec3 point_m{}, direction{};
 };
 
-/// Numbers of nodes over those of the scene's mesh.
+/// Ratios of the numbers of nodes to that of the scene's mesh.
 std::vector<double> sizes_of(const Scene& scene) {
   const bool is_made = (scene.mesh.target_nodes || scene.mesh.target_size_m) && scene.mesh.thickness_m == 0;
   return is_made ? std::vector<double>{0.5, 1, 2} : std::vector<double>{1};
@@ -42,13 +42,13 @@ class Trade {
   TradeReport run();
 
  private:
-  void add_rows(const Scene& sized, const Mesh& mesh, const NodeSets& sets, bool is_own);
+  void add_rows(const Scene& sized, const Mesh& mesh, const NodeSets& sets, bool is_scene_mesh);
   void solve(TradeRow& row);
   void compare(TradeRow& row);
   double elapsed() const { return _options.clock() - _start; }
   /// Expected time of all probes of a row.
   double expected_s(const TradeRow& row) const {
-    return _own_s * std::pow(row.unknowns / _own_unknowns, cost_exponent) * static_cast<double>(_places.size());
+    return _scene_ray_s * std::pow(row.unknowns / _scene_unknowns, cost_exponent) * static_cast<double>(_places.size());
   }
 
   const DiscretizationOptions& _options;
@@ -60,7 +60,7 @@ class Trade {
   TradeReport _report;
   std::vector<std::vector<VariantForces>> _forces;  ///< per row and place
   std::size_t _reference = 0;
-  double _own_s = 0, _own_unknowns = 0;  ///< time of a probe of the scene itself
+  double _scene_ray_s = 0, _scene_unknowns = 0;  ///< time of a probe of the scene itself
   std::int64_t _done = 0;
 };
 
@@ -93,22 +93,21 @@ Trade::Trade(const Scene& scene, const Mesh& mesh, const NodeSets& sets, const D
     } catch (const Error& error) {
       TradeRow& row = _report.rows.emplace_back();
       row.scene = sized;
-      const std::string why = error.what();
-      row.left_out = why.substr(0, why.find('\n'));
+      const std::string message = error.what();
+      row.left_out = message.substr(0, message.find('\n'));
     }
   }
   if (std::ranges::count_if(_report.rows, [](const TradeRow& row) { return row.body.has_value(); }) < 2)
     throw input_error("the scene has one element on one mesh, and nothing to trade", name(scene.solver.element),
                       "compare it with cells of half the size: --reference half-size");
   _forces.resize(_report.rows.size());
-  // The finest of the reference's element.
   const Element finest = element_named(finer_reference(scene) == Variant::taylor_hood ? "taylor-hood" : "P2");
   for (std::size_t i = 0; i < _report.rows.size(); ++i)
     if (_report.rows[i].body && _report.rows[i].scene.solver.element == finest) _reference = i;
   _report.rows[_reference].is_reference = true;
 }
 
-void Trade::add_rows(const Scene& sized, const Mesh& mesh, const NodeSets& sets, bool is_own) {
+void Trade::add_rows(const Scene& sized, const Mesh& mesh, const NodeSets& sets, bool is_scene_mesh) {
   const double edges = static_cast<double>(mesh_edges(mesh).size());
   for (const auto& element : elements()) {
     if (element.is_shell != sized.solver.element->is_shell) continue;
@@ -120,8 +119,8 @@ void Trade::add_rows(const Scene& sized, const Mesh& mesh, const NodeSets& sets,
     const auto requested = requested_rays(row.scene, mesh, *row.body);
     row.rays = std::count(requested.begin(), requested.end(), char{1});
     row.unknowns = unknowns_of(&element, mesh.n_nodes(), edges);
-    row.is_scene = is_own && sized.solver.element == &element;
-    if (row.is_scene) _own_unknowns = row.unknowns;
+    row.is_scene = is_scene_mesh && sized.solver.element == &element;
+    if (row.is_scene) _scene_unknowns = row.unknowns;
   }
 }
 
@@ -161,7 +160,7 @@ void Trade::compare(TradeRow& row) {
     if (const auto error = CheckedProbe{.own = own[p], .finer = finer[p]}.error()) errors.push_back(*error);
   }
   const auto statistics = ErrorStatistics::of(errors);
-  row.probes = row.is_reference || !(row.ray_s > 0) ? 0 : statistics.n;  // a row that was interrupted has no time
+  row.probes = row.is_reference || !(row.ray_s > 0) ? 0 : statistics.n;  // the time is 0 if the row was interrupted
   row.mean = statistics.mean;
   row.p95 = statistics.p95;
   if (row.probes == 0 && row.left_out.empty() && !row.is_reference && !_report.interrupted)
@@ -173,13 +172,13 @@ TradeReport Trade::run() {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (rows[i].body) order.push_back(i);
-  // The scene tells what the others take, of which the reference is needed.
+  // The first solve, of the scene, predicts the times of the others. The reference is second, because it is required.
   std::ranges::sort(
       order, {}, [&](std::size_t i) { return std::tuple(!rows[i].is_scene, !rows[i].is_reference, rows[i].unknowns); });
   for (const auto i : order) {
     if (_report.interrupted || (_stop && _stop())) break;
     TradeRow& row = rows[i];
-    const double expected = _own_s > 0 ? expected_s(row) : 0;
+    const double expected = _scene_ray_s > 0 ? expected_s(row) : 0;
     if (elapsed() + expected > _options.seconds) {
       if (row.is_reference)
         throw input_error(
@@ -191,7 +190,7 @@ TradeReport Trade::run() {
       continue;
     }
     solve(row);
-    if (row.is_scene) _own_s = row.ray_s;
+    if (row.is_scene) _scene_ray_s = row.ray_s;
   }
   for (auto& row : rows) compare(row);
   for (auto& row : rows)

@@ -12,39 +12,45 @@ namespace {
 
 VerdictLine of_model(const Validated& v) {
   const auto& e = v.report.to_range;
-  const auto wrong = [](const JudgedErrors& group) { return group.model.force.n > 0 ? group.model.wrong : undefined; };
-  const double all = wrong(e.all), quiet = wrong(e.unflagged), warned = wrong(e.flagged);
-  const auto& own = e.all.model.force;
+  const auto wrong_share = [](const ProbeStatistics& group) {
+    return group.model.force.n > 0 ? group.model.wrong : undefined;
+  };
+  const double wrong_of_all = wrong_share(e.all), wrong_without_warning = wrong_share(e.unflagged),
+               wrong_with_warning = wrong_share(e.flagged);
+  const auto& force = e.all.model.force;
   std::string text = "no force was compared";
-  if (own.n > 0)
+  if (force.n > 0)
     text = fmt::format(
         "{} % on average, below {} % in 95 of 100 probes; {} % of the forces are wrong by more than a "
         "tenth of their size",
-        in_percent(own.mean), in_percent(own.p95), in_percent(all));
-  if (!std::isnan(warned))
-    text +=
-        fmt::format(" ({}{} % of those with a warning)",
-                    std::isnan(quiet) ? "" : in_percent(quiet) + " % of those without a warning, ", in_percent(warned));
+        in_percent(force.mean), in_percent(force.p95), in_percent(wrong_of_all));
+  if (!std::isnan(wrong_with_warning))
+    text += fmt::format(
+        " ({}{} % of those with a warning)",
+        std::isnan(wrong_without_warning) ? "" : in_percent(wrong_without_warning) + " % of those without a warning, ",
+        in_percent(wrong_with_warning));
   if (const auto& linear = e.all.linear; linear.force.n > 0)
     text += fmt::format(" (linear predictor: {} %)", in_percent(linear.wrong));
   return {"off_by_a_tenth",
           "Force error of the model, compared with its own finite elements",
           text,
-          {{"share", all}, {"share_without_warning", quiet}, {"share_with_warning", warned}}};
+          {{"share", wrong_of_all},
+           {"share_without_warning", wrong_without_warning},
+           {"share_with_warning", wrong_with_warning}}};
 }
 
 VerdictLine of_finite_elements(const Validated& v) {
   const auto& finer = v.model.model().finer;
-  const auto& own = v.report.to_range.all.model.force;
+  const auto& model_error = v.report.to_range.all.model.force;
   const double ratio = expected_force_ratio(v.scene);
   std::string text = finer.is_measured ? finer.sentence()
                                        : fmt::format("not measured ({}); phynness check SCENE does it",
                                                      v.scene.validation.check_probes == 0 ? "check_probes = 0"
                                                                                           : "no check, or it failed");
-  if (finer.is_measured && finer.probes > 0 && own.n > 0)
-    text += finer.mean > own.mean && finer.p95 > own.p95
+  if (finer.is_measured && finer.probes > 0 && model_error.n > 0)
+    text += finer.mean > model_error.mean && finer.p95 > model_error.p95
                 ? ". This error is larger than that of the model and limits the accuracy"
-            : finer.mean < own.mean && finer.p95 < own.p95
+            : finer.mean < model_error.mean && finer.p95 < model_error.p95
                 ? ". The error of the model is larger and limits the accuracy"
                 : ". Both errors limit the accuracy";
   if (ratio > warned_force_ratio)
@@ -81,15 +87,16 @@ VerdictLine worst_node(const Validated& v) {
 VerdictLine not_covered(const Validated& v) {
   const auto share = trained_share(v.model.model());
   const auto& e = v.report.to_range;
-  std::string most;
-  const auto least = std::min_element(share.of_node.begin(), share.of_node.end());
-  if (least != share.of_node.end() && *least < 1)
-    most = fmt::format(" ({} % at node {})", in_percent(1 - *least),
-                       v.model.model().nodes[static_cast<std::size_t>(least - share.of_node.begin())].node);
-  const double beyond = std::max(0.0, 1 - share.all);
+  std::string worst_covered;
+  const auto least_covered = std::min_element(share.of_node.begin(), share.of_node.end());
+  if (least_covered != share.of_node.end() && *least_covered < 1)
+    worst_covered =
+        fmt::format(" ({} % at node {})", in_percent(1 - *least_covered),
+                    v.model.model().nodes[static_cast<std::size_t>(least_covered - share.of_node.begin())].node);
+  const double untrained = std::max(0.0, 1 - share.all);
   const std::size_t active = v.model.model().nodes.size(), probed = v.report.nodes.size();
-  std::string text = fmt::format("{} % of the displacements to {:.4g} mm{} are not trained", in_percent(beyond),
-                                 1e3 * e.range_m, most);
+  std::string text = fmt::format("{} % of the displacements to {:.4g} mm{} are not trained", in_percent(untrained),
+                                 1e3 * e.range_m, worst_covered);
   if (!e.unreached.empty())
     text += fmt::format("; {} of {} probes have no finite element solution, {} of them without a warning",
                         e.unreached.size(), e.all.probes,
@@ -103,7 +110,7 @@ VerdictLine not_covered(const Validated& v) {
   return {"not_covered",
           "Not covered",
           text,
-          {{"share_of_volume", beyond},
+          {{"share_of_volume", untrained},
            {"probes", static_cast<double>(e.unreached.size())},
            {"nodes", static_cast<double>(active - probed)},
            {"active_nodes", static_cast<double>(active)}}};
@@ -135,7 +142,7 @@ std::vector<std::vector<std::string>> summary_cells(const Validated& v) {
                                               {fmt::format("to {:.4g} mm, in %", 1e3 * e.range_m), "probes", "mean",
                                                "p95", "max", "10 %", "mean", "p95", "max", "force", "displ."}};
   const auto shown = [](const ErrorStatistics& s, double value) { return s.n > 0 ? in_percent(value) : "-"; };
-  const auto add = [&](const std::string& title, const JudgedErrors& errors, std::int64_t of_group = -1) {
+  const auto add = [&](const std::string& title, const ProbeStatistics& errors, std::int64_t of_group = -1) {
     if (errors.probes == 0 || errors.probes == of_group) return;
     const auto &f = errors.model.force, &u = errors.model.displacement;
     const auto &lf = errors.linear.force, &lu = errors.linear.displacement;
@@ -219,11 +226,13 @@ Json validation_figures(const Validated& v) {
 
 namespace {
 
-/// Directions that a scene does not ask for (hemisphere) have the depth 0, as those whose first increment failed.
-std::ptrdiff_t requested(const ActiveNodeModel& node, double range_m) {
+/// The number of requested directions. The depth is 0 for directions that are not requested (hemisphere) and for those
+/// whose first increment failed.
+std::ptrdiff_t n_requested(const ActiveNodeModel& node, double range_m) {
   const auto& depths = node.trained_depth_m;
-  const auto less = std::ranges::count_if(depths, [&](double depth) { return depth < range_m; });
-  return std::ssize(depths) - std::clamp(less - node.n_incomplete, std::ptrdiff_t{0}, std::ranges::count(depths, 0.0));
+  const auto n_short = std::ranges::count_if(depths, [&](double depth) { return depth < range_m; });
+  return std::ssize(depths) -
+         std::clamp(n_short - node.n_incomplete, std::ptrdiff_t{0}, std::ranges::count(depths, 0.0));
 }
 
 }  // namespace
@@ -234,7 +243,7 @@ TrainedShare trained_share(const Model& model) {
   for (const auto& node : model.nodes) {
     double sum = 0;
     for (const double depth : node.trained_depth_m) sum += part_of_volume(depth, model.max_displacement_m);
-    const auto n = static_cast<double>(requested(node, model.max_displacement_m));
+    const auto n = static_cast<double>(n_requested(node, model.max_displacement_m));
     share.of_node.push_back(n > 0 ? sum / n : 0);
     all += sum;
     rays += n;

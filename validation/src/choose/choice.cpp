@@ -9,7 +9,7 @@
 namespace phynness {
 namespace {
 
-/// Of the two limits.
+/// The quantities with the two limits: error and time.
 using Costs = std::array<double, 2>;
 
 Costs costs(const MeasuredModel& m) { return {m.error(), m.speed.deformation_us}; }
@@ -18,27 +18,28 @@ std::string text(std::size_t what, double value) {
   return what == 0 ? fmt::format("{:.3g} %", 100 * value) : fmt::format("{:.3g} us", value);
 }
 
-std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs& limit) {
+std::string unmet_limits(const std::vector<MeasuredModel>& models, const Costs& limit) {
   constexpr std::array what_of{"mean error", "time of a deformation"};
   if (std::ranges::none_of(models, [&](const auto& m) { return std::isfinite(m.error()); }))
     return "no probe inside the trained range was solved, so that the errors are unknown";
-  std::string said;
+  std::string unmet;
   for (std::size_t k = 0; k < 2; ++k) {
     const auto best = std::ranges::min_element(models, {}, [&](const auto& m) { return costs(m)[k]; });
     const double least = costs(*best)[k];
     if (least > limit[k])
-      said += fmt::format("{}{}: the smallest is {} ({}), {:.3g} times the limit of {}", said.empty() ? "" : "; ",
-                          what_of[k], text(k, least), best->candidate.name, least / limit[k], text(k, limit[k]));
+      unmet += fmt::format("{}{}: the smallest is {} ({}), {:.3g} times the limit of {}", unmet.empty() ? "" : "; ",
+                           what_of[k], text(k, least), best->candidate.name, least / limit[k], text(k, limit[k]));
   }
-  if (!said.empty()) return said;
+  if (!unmet.empty()) return unmet;
   // Each limit can be met by some model. The model with the smallest factor above its limits is reported.
   const auto nearest = std::ranges::min_element(
       models, {}, [&](const MeasuredModel& m) { return std::max(costs(m)[0] / limit[0], costs(m)[1] / limit[1]); });
   for (std::size_t k = 0; k < 2; ++k)
     if (const double cost = costs(*nearest)[k]; cost > limit[k])
-      said += fmt::format("{} {} {}, limit {}", said.empty() ? "" : ";", what_of[k], text(k, cost), text(k, limit[k]));
+      unmet +=
+          fmt::format("{} {} {}, limit {}", unmet.empty() ? "" : ";", what_of[k], text(k, cost), text(k, limit[k]));
   return fmt::format("each limit can be met, but not both by the same model; the nearest model is {}:{}",
-                     nearest->candidate.name, said);
+                     nearest->candidate.name, unmet);
 }
 
 }  // namespace
@@ -73,7 +74,7 @@ TuningChoice choose_model(const std::vector<MeasuredModel>& models, const Tuning
     if (!std::isfinite(c[0]) || !(c[0] <= limit[0] && c[1] <= limit[1])) continue;
     if (!choice.chosen || key(models[i]) < key(models[*choice.chosen])) choice.chosen = i;
   }
-  if (!choice.chosen) choice.missed = describe_miss(models, limit);
+  if (!choice.chosen) choice.missed = unmet_limits(models, limit);
   return choice;
 }
 

@@ -1,6 +1,5 @@
 #include <chrono>
 #include <phynness/formats/error.hpp>
-#include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/training/families.hpp>
 #include <phynness/validation/probed_states.hpp>

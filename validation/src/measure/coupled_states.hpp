@@ -10,38 +10,38 @@
 
 namespace phynness {
 
-/// States that were drawn, and those that the runtime flags, which have no bound.
+/// Numbers of drawn states, and of those that the runtime flags, which have no bound.
 struct DrawnStates {
   double all = 0, flagged = 0, unsettled = 0;
 };
 
 struct DrawnRay : ToolRay {
-  std::vector<CoupledState> states;  ///< of each part and tool, without the force of the finite elements
+  std::vector<CoupledState> states;  ///< states per fraction and tool, without the finite element forces
 };
 
 class CoupledRays {
  public:
-  /// @param body  whose flags and depth count, where the model is trained; null: those of the model
+  /// @param body  determines flags and depth where the model is trained; null: the model determines them
   CoupledRays(const NamedOrgan& model, const ProbeSpec& probe, const NamedOrgan* body = nullptr);
   /// Whether there are places for one tool between nodes, or for several.
-  bool possible(CoupledKind kind) const;
-  /// Draws rays until the runtime does not flag all states of one. The largest displacement of a state's tools has the
-  /// distribution that independent depths of the tools have; one state is in its lower half and one in its upper half,
-  /// because a part of the way costs little. Every second ray of several tools is at nodes, every third one of tools
-  /// near to its first one if half of the draws find such places, and half of them are of three tools.
-  /// @return the parts that are not flagged; none if none was found
+  bool is_possible(CoupledKind kind) const;
+  /// Draws rays until some state of a ray is not flagged. The largest displacement of a state has the distribution of
+  /// the maximum of independent depths; one state is in its lower half and one in its upper half. Of the rays of
+  /// several tools every second one is at nodes, every third one has tools near the first one if they are found, and
+  /// half have three tools.
+  /// @return the ray with the unflagged fractions; without fractions if none was found
   DrawnRay draw(std::mt19937_64& random, std::int32_t ray, CoupledKind kind, DrawnStates& drawn) const;
 
  private:
-  phn_tool random_tool(std::mt19937_64& random, bool at_node) const;
+  phn_tool draw_place(std::mt19937_64& random, bool at_node) const;
   double trained_depth(const phn_tool& tool, const Vec3& direction) const;
-  /// Draws a displacement inside the trained range. @return the part of the range; 0: nothing is trained there
-  double displace(std::mt19937_64& random, phn_tool& tool) const;
-  Eigen::RowVector3d place(const phn_tool& tool) const;
-  /// Fewer tools if there is no such place.
-  ToolRay draw_any(std::mt19937_64& random, std::int32_t n_tools, bool at_nodes, bool near) const;
-  /// The parts of a ray that the runtime does not flag.
-  DrawnRay unflagged(const ToolRay& ray, DrawnStates& drawn) const;
+  /// Draws a displacement inside the trained range. @return its fraction of the range; 0 if nothing is trained there
+  double draw_displacement(std::mt19937_64& random, phn_tool& tool) const;
+  Eigen::RowVector3d position_of(const phn_tool& tool) const;
+  /// Draws a ray with its flagged states; it has fewer tools if a place is not found.
+  ToolRay draw_candidate(std::mt19937_64& random, std::int32_t n_tools, bool at_nodes, bool near) const;
+  /// The ray without the fractions that the runtime flags.
+  DrawnRay without_flagged(const ToolRay& ray, DrawnStates& drawn) const;
 
   const NamedOrgan& _model;
   const NamedOrgan* _body;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <phynness/validation/model_figures.hpp>
 #include <phynness/validation/tools.hpp>
 #include <phynness/validation/validation.hpp>
 #include <string_view>

@@ -10,7 +10,7 @@
 
 namespace phynness {
 
-double JudgedProbe::depth_m() const { return std::hypot(displacement_m[0], displacement_m[1], displacement_m[2]); }
+double ProbeResult::depth_m() const { return std::hypot(displacement_m[0], displacement_m[1], displacement_m[2]); }
 
 std::string in_percent(double fraction) {
   if (std::isnan(fraction)) return "-";
@@ -25,11 +25,11 @@ bool is_flagged(int status) { return (status & ~PHN_WARNING_INCOMPLETE) != PHN_O
 
 namespace {
 
-PredictionErrors statistics(const std::vector<const JudgedProbe*>& probes, ProbeErrors JudgedProbe::*by) {
+PredictionErrors statistics(const std::vector<const ProbeResult*>& probes, ProbeErrors ProbeResult::*predictor) {
   std::vector<double> force, displacement;
   std::size_t wrong = 0;
   for (const auto* probe : probes) {
-    const ProbeErrors& errors = probe->*by;
+    const ProbeErrors& errors = probe->*predictor;
     displacement.insert(displacement.end(), errors.displacement.begin(), errors.displacement.end());
     if (std::isnan(errors.force)) continue;
     force.push_back(errors.force);
@@ -43,7 +43,7 @@ double mean_or_nan(const std::vector<double>& values) {
   return values.empty() ? std::numeric_limits<double>::quiet_NaN() : ErrorStatistics::of(values).mean;
 }
 
-ErrorsOfNode errors_of_node(std::int32_t node, const std::vector<const JudgedProbe*>& probes) {
+ErrorsOfNode errors_of_node(std::int32_t node, const std::vector<const ProbeResult*>& probes) {
   std::vector<double> force, displacement;
   for (const auto* probe : probes) {
     if (!probe->solved()) continue;
@@ -53,9 +53,9 @@ ErrorsOfNode errors_of_node(std::int32_t node, const std::vector<const JudgedPro
   return {node, mean_or_nan(force), mean_or_nan(displacement)};
 }
 
-std::optional<WorstNode> worst_node(const std::vector<JudgedProbe>& probes, bool flagged) {
-  const JudgedProbe* worst = nullptr;
-  const auto counts = [&](const JudgedProbe& p) { return p.solved() && p.flagged == flagged; };
+std::optional<WorstNode> worst_node(const std::vector<ProbeResult>& probes, bool flagged) {
+  const ProbeResult* worst = nullptr;
+  const auto counts = [&](const ProbeResult& p) { return p.solved() && p.flagged == flagged; };
   for (const auto& p : probes)
     if (counts(p) && (worst == nullptr || p.error_N > worst->error_N)) worst = &p;
   if (worst == nullptr) return std::nullopt;
@@ -65,25 +65,26 @@ std::optional<WorstNode> worst_node(const std::vector<JudgedProbe>& probes, bool
   return WorstNode{worst->node, worst->error_N, mean_or_nan(errors), worst->largest_N, flagged};
 }
 
-JudgedErrors judged(const std::vector<JudgedProbe>& probes, const std::function<bool(const JudgedProbe&)>& belongs) {
-  JudgedErrors out;
-  std::vector<const JudgedProbe*> solved;
+ProbeStatistics statistics_of(const std::vector<ProbeResult>& probes,
+                              const std::function<bool(const ProbeResult&)>& is_member) {
+  ProbeStatistics result;
+  std::vector<const ProbeResult*> solved;
   for (const auto& probe : probes) {
-    if (!belongs(probe)) continue;
-    ++out.probes;
+    if (!is_member(probe)) continue;
+    ++result.probes;
     if (probe.solved()) solved.push_back(&probe);
   }
-  out.solved = std::ssize(solved);
-  out.share = probes.empty() ? 0 : static_cast<double>(out.probes) / static_cast<double>(probes.size());
-  out.model = statistics(solved, &JudgedProbe::model);
-  out.linear = statistics(solved, &JudgedProbe::linear);
-  return out;
+  result.solved = std::ssize(solved);
+  result.share = probes.empty() ? 0 : static_cast<double>(result.probes) / static_cast<double>(probes.size());
+  result.model = statistics(solved, &ProbeResult::model);
+  result.linear = statistics(solved, &ProbeResult::linear);
+  return result;
 }
 
-std::optional<BoundCoverage> bounds_of(const std::vector<JudgedProbe>& to_R, double range_m) {
-  if (std::ranges::all_of(to_R, [](const auto& p) { return std::isnan(p.bound_N); })) return std::nullopt;
+std::optional<BoundCoverage> bounds_of(const std::vector<ProbeResult>& in_range, double range_m) {
+  if (std::ranges::all_of(in_range, [](const auto& p) { return std::isnan(p.bound_N); })) return std::nullopt;
   std::vector<BoundedError> errors;
-  for (const auto& p : to_R)
+  for (const auto& p : in_range)
     if (p.solved() && p.bound_N < std::numeric_limits<double>::infinity())
       errors.push_back({p.depth_m(), p.error_N, p.bound_N, p.weight});
   return coverage_of(errors, range_m);
@@ -91,29 +92,29 @@ std::optional<BoundCoverage> bounds_of(const std::vector<JudgedProbe>& to_R, dou
 
 }  // namespace
 
-ErrorsByWarning errors_by_warning(const std::vector<JudgedProbe>& probes) {
-  ErrorsByWarning out;
-  out.all = judged(probes, [](const JudgedProbe&) { return true; });
-  out.unflagged = judged(probes, [](const JudgedProbe& p) { return !p.flagged; });
-  out.flagged = judged(probes, [](const JudgedProbe& p) { return p.flagged; });
-  std::ranges::copy_if(probes, std::back_inserter(out.unreached), [](const JudgedProbe& p) { return !p.solved(); });
-  return out;
+ErrorsByWarning errors_by_warning(const std::vector<ProbeResult>& probes) {
+  ErrorsByWarning result;
+  result.all = statistics_of(probes, [](const ProbeResult&) { return true; });
+  result.unflagged = statistics_of(probes, [](const ProbeResult& p) { return !p.flagged; });
+  result.flagged = statistics_of(probes, [](const ProbeResult& p) { return p.flagged; });
+  std::ranges::copy_if(probes, std::back_inserter(result.unreached), [](const ProbeResult& p) { return !p.solved(); });
+  return result;
 }
 
-ErrorsToRange errors_to_range(const std::vector<JudgedProbe>& probes, double range_m) {
-  std::vector<JudgedProbe> to_R, beyond;
-  for (const auto& probe : probes) (probe.beyond ? beyond : to_R).push_back(probe);
-  ErrorsToRange out;
-  static_cast<ErrorsByWarning&>(out) = errors_by_warning(to_R);
-  out.range_m = range_m;
-  out.beyond = judged(beyond, [](const JudgedProbe&) { return true; });
-  std::map<std::int32_t, std::vector<const JudgedProbe*>> by_node;
-  for (const auto& probe : to_R) by_node[probe.node].push_back(&probe);
-  for (const auto& [node, of_node] : by_node) out.nodes.push_back(errors_of_node(node, of_node));
-  out.worst = worst_node(to_R, false);
-  if (!out.worst) out.worst = worst_node(to_R, true);
-  out.bounds = bounds_of(to_R, range_m);
-  return out;
+ErrorsToRange errors_to_range(const std::vector<ProbeResult>& probes, double range_m) {
+  std::vector<ProbeResult> in_range, beyond;
+  for (const auto& probe : probes) (probe.beyond ? beyond : in_range).push_back(probe);
+  ErrorsToRange result;
+  static_cast<ErrorsByWarning&>(result) = errors_by_warning(in_range);
+  result.range_m = range_m;
+  result.beyond = statistics_of(beyond, [](const ProbeResult&) { return true; });
+  std::map<std::int32_t, std::vector<const ProbeResult*>> by_node;
+  for (const auto& probe : in_range) by_node[probe.node].push_back(&probe);
+  for (const auto& [node, of_node] : by_node) result.nodes.push_back(errors_of_node(node, of_node));
+  result.worst = worst_node(in_range, false);
+  if (!result.worst) result.worst = worst_node(in_range, true);
+  result.bounds = bounds_of(in_range, range_m);
+  return result;
 }
 
 }  // namespace phynness

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <chrono>
-#include <phynness/formats/error.hpp>
 #include <phynness/validation/model_figures.hpp>
 
 namespace phynness {
@@ -13,8 +12,8 @@ double median_us(int batches, int calls, const Call& call) {
   for (int b = 0; b < batches; ++b) {
     const auto start = std::chrono::steady_clock::now();
     for (int i = 0; i < calls; ++i) call(i);
-    const std::chrono::duration<double, std::micro> spent = std::chrono::steady_clock::now() - start;
-    times.push_back(spent.count() / calls);
+    const std::chrono::duration<double, std::micro> elapsed = std::chrono::steady_clock::now() - start;
+    times.push_back(elapsed.count() / calls);
   }
   std::nth_element(times.begin(), times.begin() + batches / 2, times.end());
   return times[static_cast<std::size_t>(batches / 2)];
@@ -28,7 +27,7 @@ RuntimeSpeed measure_speed(const NamedOrgan& model) {
   Organ& organ = model.organ();
   const double depth = model.info().max_displacement_m;
   std::vector<double> u(3 * static_cast<std::size_t>(model.info().n_output));
-  double f[3], sink = 0;
+  double f[3], checksum = 0;
   // The displacement changes from call to call, as that of a moving hand.
   const auto displacement = [&](int i, Vec3& d) {
     for (int k = 0; k < 3; ++k) d[static_cast<std::size_t>(k)] = depth * 0.01 * ((i * (k + 3)) % 50);
@@ -38,7 +37,7 @@ RuntimeSpeed measure_speed(const NamedOrgan& model) {
     Vec3 d;
     displacement(i, d);
     organ.hold(tool_at(nodes[static_cast<std::size_t>(i) % nodes.size()], d), f).ignore();
-    sink += f[0];
+    checksum += f[0];
   });
   // A tool stays at a node for many frames, so that the preparation of the node is not measured.
   std::vector<double> times;
@@ -51,7 +50,7 @@ RuntimeSpeed measure_speed(const NamedOrgan& model) {
       displacement(i, d);
       tool = tool_at(node, d);
       phn_deform(organ.model(), organ.data(), &tool, u.data());
-      sink += u[0];
+      checksum += u[0];
     }));
   }
   std::nth_element(times.begin(), times.begin() + 3, times.end());
@@ -63,9 +62,9 @@ RuntimeSpeed measure_speed(const NamedOrgan& model) {
       displacement(i, d);
       const phn_tool tool = tool_at(nodes[static_cast<std::size_t>(i) % nodes.size()], d);
       phn_field(organ.model(), organ.data(), &tool, 0, u.data());
-      sink += u[0];
+      checksum += u[0];
     });
-  volatile double keep = sink;  // prevents the compiler from removing the calls
+  volatile double keep = checksum;  // prevents the compiler from removing the calls
   static_cast<void>(keep);
   return speed;
 }

@@ -12,8 +12,8 @@ namespace {
 
 Span<double> span(Points& points) { return {points.data(), static_cast<std::size_t>(points.size())}; }
 
-/// The fields of tools, averaged with the weights of equations (15)-(16), which are inverse distances in the undeformed
-/// state, here times the smallest one, so that every term is in [0, 1].
+/// Averages the fields of tools with the weights of equations (15)-(16). These are inverse distances in the undeformed
+/// state, multiplied by the smallest distance, so that every term is in [0, 1].
 Points blended(const Points& output, const std::vector<Eigen::RowVector3d>& tools, const std::vector<Points>& fields) {
   Points sum = Points::Zero(output.rows(), 3);
   std::vector<double> distance(tools.size()), weight(tools.size());
@@ -69,7 +69,7 @@ NamedOrgan NamedOrgan::body(std::string text, std::string name, std::int32_t ste
   return organ;
 }
 
-NamedOrgan NamedOrgan::body_beside(const std::filesystem::path& file, std::int32_t steps) const {
+NamedOrgan NamedOrgan::body_on_same_mesh(const std::filesystem::path& file, std::int32_t steps) const {
   auto made = body(file, steps);
   require_same("the body " + made.name(), made.body_info().mesh_hash, info().provenance.physics_hash);
   return made;

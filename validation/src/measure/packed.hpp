@@ -1,4 +1,4 @@
-// Records as rows of numbers, which ranks can exchange.
+// Serialization of records as numbers, which ranks exchange.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 namespace phynness {
 
-/// A record is one of: what can be copied as bytes; a vector of records; rows of points; a struct with
-/// members(record, each), which calls each(member, ...) with all of them.
+/// Appends a record. A record is a trivially copyable value, a vector of records, Points, or a struct with
+/// members(record, each), which calls each(member, ...) with all members.
 template <class T>
 void pack(std::vector<double>& rows, const T& record) {
   if constexpr (requires { T::members(record, [](auto&&...) {}); }) {
@@ -31,7 +31,7 @@ void pack(std::vector<double>& rows, const T& record) {
   }
 }
 
-/// Reads a record. @param at  is moved to the next one
+/// Reads a record. @param at  is advanced to the next record
 template <class T>
 void unpack(const double*& at, T& record) {
   if constexpr (requires { T::members(record, [](auto&&...) {}); }) {
@@ -58,7 +58,7 @@ std::vector<T> unpacked(const std::vector<double>& rows) {
   return records;
 }
 
-/// Records of all ranks in an order.
+/// Records that are gathered from all ranks in a given order.
 template <class T>
 class OrderedRows {
  public:
@@ -68,7 +68,7 @@ class OrderedRows {
     pack(_rows, order);
     pack(_rows, record);
   }
-  /// On rank 0 those of all ranks, by their order; empty on other ranks. Collective.
+  /// The sorted records of all ranks on rank 0; empty on other ranks. Collective.
   std::vector<T> gathered(const SolverSession& session) const {
     const auto rows = session.gather(_rows);
     std::vector<std::pair<Order, T>> all;

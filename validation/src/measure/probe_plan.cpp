@@ -13,13 +13,13 @@ namespace phynness {
 
 double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
-Vec3 on_sphere(std::mt19937_64& random) {
+Vec3 random_direction(std::mt19937_64& random) {
   const double z = 2 * uniform(random) - 1, angle = 2 * std::numbers::pi * uniform(random);
   const double r = std::sqrt(std::max(0.0, 1 - z * z));
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-std::array<double, 3> point_of_triangle(std::mt19937_64& random) {
+std::array<double, 3> random_barycentric(std::mt19937_64& random) {
   const double s = std::sqrt(uniform(random)), q = uniform(random);
   return {1 - s, s * (1 - q), s * q};
 }
@@ -58,47 +58,50 @@ std::vector<NodePlan> choose_nodes(const NamedOrgan& model, std::int64_t wanted,
   for (const auto node : active) by_distance.emplace_back(distance_to_fixed(model, node), node);
   std::sort(by_distance.begin(), by_distance.end());
 
-  const auto n_beside = static_cast<std::size_t>((wanted + 4) / 5);
-  std::vector<std::int32_t> beside;
-  for (std::size_t i = 0; i < std::max(n_beside, active.size() / 20) && i < by_distance.size(); ++i)
-    beside.push_back(by_distance[i].second);
-  const std::set<std::int32_t> nearest(beside.begin(), beside.end());
-  shuffle(beside, random);
-  beside.resize(std::min(beside.size(), n_beside));
-  // Probabilities that a node is chosen; a node beside fixed ones has two chances.
-  const auto share = [](auto part, auto all) {
+  const auto n_nearest = static_cast<std::size_t>((wanted + 4) / 5);
+  std::vector<std::int32_t> nearest_to_fixed;
+  for (std::size_t i = 0; i < std::max(n_nearest, active.size() / 20) && i < by_distance.size(); ++i)
+    nearest_to_fixed.push_back(by_distance[i].second);
+  const std::set<std::int32_t> nearest_set(nearest_to_fixed.begin(), nearest_to_fixed.end());
+  shuffle(nearest_to_fixed, random);
+  nearest_to_fixed.resize(std::min(nearest_to_fixed.size(), n_nearest));
+  // The probabilities that a node is chosen. A node near fixed nodes has two chances.
+  const auto probability = [](auto part, auto all) {
     return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 1;
   };
-  const double first = share(beside.size(), nearest.size()),
-               second = share(static_cast<std::size_t>(wanted) - beside.size(), active.size() - beside.size());
+  const double first = probability(nearest_to_fixed.size(), nearest_set.size()),
+               second = probability(static_cast<std::size_t>(wanted) - nearest_to_fixed.size(),
+                                    active.size() - nearest_to_fixed.size());
   const auto weight = [&](std::int32_t node) {
-    return 1 / (nearest.contains(node) ? first + (1 - first) * second : second);
+    return 1 / (nearest_set.contains(node) ? first + (1 - first) * second : second);
   };
 
   std::vector<NodePlan> plan;
-  for (const auto node : beside) plan.push_back({node, true, distance_to_fixed(model, node), weight(node), {}});
+  for (const auto node : nearest_to_fixed)
+    plan.push_back({node, true, distance_to_fixed(model, node), weight(node), {}});
   shuffle(active, random);
   for (const auto node : active) {
     if (static_cast<std::int64_t>(plan.size()) >= wanted) break;
-    if (std::find(beside.begin(), beside.end(), node) == beside.end())
+    if (std::find(nearest_to_fixed.begin(), nearest_to_fixed.end(), node) == nearest_to_fixed.end())
       plan.push_back({node, false, distance_to_fixed(model, node), weight(node), {}});
   }
   return plan;
 }
 
-/// A ray in `direction` with probes at the fractions `in` of the depth, and `beyond` of what follows it.
 struct DrawnDepths {
-  double in = 0, beyond = 0;  ///< in (0, 1]; beyond: 0 if there is no such probe
-  double inside(double depth) const { return depth * in; }
-  double outside(double depth) const { return beyond > 0 ? depth * (1 + (outside_factor - 1) * beyond) : 0; }
+  double inside_fraction = 0, outside_fraction = 0;  ///< in (0, 1]; outside 0 if there is no such probe
+  double inside(double depth) const { return depth * inside_fraction; }
+  double outside(double depth) const {
+    return outside_fraction > 0 ? depth * (1 + (outside_factor - 1) * outside_fraction) : 0;
+  }
 };
 
 /// @param depth  trained depth of the direction
 void set_range_probes(ProbePair& pair, const DrawnDepths& drawn, double depth, double range_m) {
-  // A model stores its depths as text; probes at the same depth must be the same state.
-  const bool whole = std::abs(depth - range_m) <= 1e-9 * range_m;
-  pair.to_range_m = whole ? pair.inside_m : drawn.inside(range_m);
-  pair.beyond_range_m = whole ? pair.outside_m : drawn.outside(range_m);
+  // The depths of a model are rounded by its text format; equal depths must give the same state.
+  const bool trained_to_range = std::abs(depth - range_m) <= 1e-9 * range_m;
+  pair.to_range_m = trained_to_range ? pair.inside_m : drawn.inside(range_m);
+  pair.beyond_range_m = trained_to_range ? pair.outside_m : drawn.outside(range_m);
 }
 
 }  // namespace
@@ -116,10 +119,10 @@ std::vector<NodePlan> plan_probes(const NamedOrgan& model, Directions directions
   for (std::int64_t i = 0; i < n_inside; ++i) {
     auto& entry = plan[static_cast<std::size_t>(i) % plan.size()];
     ProbePair pair;
-    std::optional<Vec3> first;  // direction, whatever was trained
+    std::optional<Vec3> first;  // first direction, with or without a trained depth
     double depth = 0;
     for (int attempt = 0; attempt < 1000 && depth <= 0; ++attempt) {
-      pair.direction = on_sphere(random);
+      pair.direction = random_direction(random);
       const auto n = normals.row(entry.node);
       const double inward = -(n[0] * pair.direction[0] + n[1] * pair.direction[1] + n[2] * pair.direction[2]);
       if (directions == Directions::hemisphere && inward <= 0) continue;
@@ -130,9 +133,9 @@ std::vector<NodePlan> plan_probes(const NamedOrgan& model, Directions directions
       throw input_error("a node of the model has no trained direction", "node " + std::to_string(entry.node),
                         "all of its probes failed; precompute it again");
     DrawnDepths drawn;
-    drawn.in = 1 - uniform(random);
+    drawn.inside_fraction = 1 - uniform(random);
     const double beyond = 1 - uniform(random);
-    drawn.beyond = i < n_outside ? beyond : 0;
+    drawn.outside_fraction = i < n_outside ? beyond : 0;
     if (depth > 0) {
       pair.inside_m = drawn.inside(depth);
       pair.outside_m = drawn.outside(depth);

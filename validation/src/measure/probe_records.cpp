@@ -12,22 +12,22 @@ namespace {
 double length_of(const Vec3& v) { return to_eigen(v).norm(); }
 double distance(const Vec3& a, const Vec3& b) { return (to_eigen(a) - to_eigen(b)).norm(); }
 
-bool counts_at(const std::vector<char>& counts, Eigen::Index i) {
+bool is_counted(const std::vector<char>& counts, Eigen::Index i) {
   return counts.empty() || counts[static_cast<std::size_t>(i)] != 0;
 }
 
 }  // namespace
 
-void LargestResponse::take(const Vec3& force, const Points& u, const std::vector<char>& counts, bool flagged) {
+void LargestResponse::add(const Vec3& force, const Points& u, const std::vector<char>& counts, bool flagged) {
   if (flagged && !_only_flagged) return;
   if (!flagged && _only_flagged) *this = {};
   _only_flagged = flagged;
   force_N = std::max(force_N, length_of(force));
   for (Eigen::Index i = 0; i < u.rows(); ++i)
-    if (counts_at(counts, i)) displacement_m = std::max(displacement_m, u.row(i).norm());
+    if (is_counted(counts, i)) displacement_m = std::max(displacement_m, u.row(i).norm());
 }
 
-ProbeErrors probe_errors(const Compared& c, const LargestResponse& largest, const std::vector<char>& counts) {
+ProbeErrors probe_errors(const ComparedState& c, const LargestResponse& largest, const std::vector<char>& counts) {
   ProbeErrors errors;
   errors.force = errors.force_own = std::numeric_limits<double>::quiet_NaN();
   if (largest.force_N > 0) {
@@ -35,15 +35,15 @@ ProbeErrors probe_errors(const Compared& c, const LargestResponse& largest, cons
     errors.force_own = distance(c.force, c.force_FE) / std::max(length_of(c.force_FE), force_floor * largest.force_N);
   }
   for (Eigen::Index i = 0; i < c.u.rows() && largest.displacement_m > 0; ++i)
-    if (counts_at(counts, i))
+    if (is_counted(counts, i))
       errors.displacement.push_back((c.u.row(i) - c.u_FE.row(i)).norm() / largest.displacement_m);
   return errors;
 }
 
-void add_errors(const std::vector<Compared>& compared, const std::vector<char>& counts,
+void add_errors(const std::vector<ComparedState>& compared, const std::vector<char>& counts,
                 GroupMeasures<std::vector<double>>& samples) {
   LargestResponse largest;
-  for (const auto& c : compared) largest.take(c.force_FE, c.u_FE, counts);
+  for (const auto& c : compared) largest.add(c.force_FE, c.u_FE, counts);
   for (const auto& c : compared) {
     const auto errors = probe_errors(c, largest, counts);
     if (largest.force_N > 0) samples.force.push_back(errors.force);
@@ -51,7 +51,7 @@ void add_errors(const std::vector<Compared>& compared, const std::vector<char>& 
     samples.displacement.insert(samples.displacement.end(), errors.displacement.begin(), errors.displacement.end());
     double error2 = 0, norm2 = 0;
     for (Eigen::Index i = 0; i < c.u.rows(); ++i) {
-      if (!counts_at(counts, i)) continue;
+      if (!is_counted(counts, i)) continue;
       const double size = c.u_FE.row(i).norm(), error = (c.u.row(i) - c.u_FE.row(i)).norm();
       norm2 += size * size;
       error2 += error * error;
@@ -89,62 +89,62 @@ void ProbeRecords::add_group(const NodeProbes& probes, std::size_t group) {
     return std::accumulate(errors.begin(), errors.end(), 0.0) / std::max(1.0, static_cast<double>(errors.size()));
   };
   LargestResponse largest;
-  for (const auto& state : probes.states[group]) largest.take(state.force_FE, state.u_FE, probes.counts);
+  for (const auto& state : probes.states[group]) largest.add(state.force_FE, state.u_FE, probes.counts);
   for (const auto& state : probes.states[group]) {
-    const auto said = _model.blend({probes.node}, {state.d});
-    auto model =
-        probe_errors({*said.force_N[0], state.force_FE, said.displacement_m, state.u_FE}, largest, probes.counts);
+    const auto response = _model.blend({probes.node}, {state.d});
+    auto model = probe_errors({*response.force_N[0], state.force_FE, response.displacement_m, state.u_FE}, largest,
+                              probes.counts);
     if (!(largest.force_N > 0)) model.force = 0;
     _records.add(
         {static_cast<double>(probes.node), group > 0 ? 1.0 : 0.0},
-        {probes.node, group > 0, state.d, state.force_FE, *said.force_N[0], model.force, mean(model.displacement)});
-    if (group > 0 || said.displacement_m.rows() == 0) continue;
+        {probes.node, group > 0, state.d, state.force_FE, *response.force_N[0], model.force, mean(model.displacement)});
+    if (group > 0 || response.displacement_m.rows() == 0) continue;
     auto error = model.displacement.begin();
     for (std::size_t o = 0; o < probes.counts.size() && error != model.displacement.end(); ++o) {
       if (!probes.counts[o]) continue;
       _error_sum[o] += *error++;
       _error_count[o] += 1;
     }
-    const auto after = std::ranges::upper_bound(_shown, model.force, std::greater{}, &ShownState::force_error);
-    _shown.insert(after, {probes.node, state.d, model.force, state.u_FE, said.displacement_m});
+    const auto position = std::ranges::upper_bound(_shown, model.force, std::greater{}, &ShownState::force_error);
+    _shown.insert(position, {probes.node, state.d, model.force, state.u_FE, response.displacement_m});
     if (_shown.size() > most_shown_states) _shown.pop_back();
   }
 }
 
 void ProbeRecords::add_to_range(double entry, double weight, const NodeProbes& probes) {
-  LargestResponse to_R, all;
+  LargestResponse in_range, all;
   for (const auto& probe : probes.range) {
     if (probe.status != Status::converged) continue;
     const auto& state = probes.state(probe);
-    all.take(state.force_FE, state.u_FE, probes.counts);
+    all.add(state.force_FE, state.u_FE, probes.counts);
     if (probe.beyond) continue;
     Vec3 force;
-    to_R.take(state.force_FE, state.u_FE, probes.counts,
-              is_flagged(int{_model.organ().hold(tool_at(probes.node, probe.d), force)}));
+    in_range.add(state.force_FE, state.u_FE, probes.counts,
+                 is_flagged(int{_model.organ().hold(tool_at(probes.node, probe.d), force)}));
   }
   for (const auto& probe : probes.range) {
-    JudgedProbe judged;
-    judged.node = probes.node;
-    judged.weight = weight;
-    judged.displacement_m = probe.d;
-    judged.beyond = probe.beyond;
-    judged.status = probe.status;
-    judged.reached_m = probe.reached_m;
-    const auto said = _model.blend({probes.node}, {probe.d});
-    judged.flagged = is_flagged(said.status);
+    ProbeResult result;
+    result.node = probes.node;
+    result.weight = weight;
+    result.displacement_m = probe.d;
+    result.beyond = probe.beyond;
+    result.status = probe.status;
+    result.reached_m = probe.reached_m;
+    const auto response = _model.blend({probes.node}, {probe.d});
+    result.flagged = is_flagged(response.status);
     if (_model.has_bounds())
-      judged.bound_N = _model.error_bound(probes.node, probe.d).value_or(std::numeric_limits<double>::infinity());
-    judged.largest_N = to_R.force_N;
-    if (judged.solved()) {
+      result.bound_N = _model.error_bound(probes.node, probe.d).value_or(std::numeric_limits<double>::infinity());
+    result.largest_N = in_range.force_N;
+    if (result.solved()) {
       const auto& state = probes.state(probe);
-      const auto& largest = probe.beyond ? all : to_R;
-      judged.error_N = distance(*said.force_N[0], state.force_FE);
-      judged.model =
-          probe_errors({*said.force_N[0], state.force_FE, said.displacement_m, state.u_FE}, largest, probes.counts);
-      judged.linear =
+      const auto& largest = probe.beyond ? all : in_range;
+      result.error_N = distance(*response.force_N[0], state.force_FE);
+      result.model = probe_errors({*response.force_N[0], state.force_FE, response.displacement_m, state.u_FE}, largest,
+                                  probes.counts);
+      result.linear =
           probe_errors({state.force_linear, state.force_FE, state.u_linear, state.u_FE}, largest, probes.counts);
     }
-    _judged.add({entry}, judged);
+    _results.add({entry}, result);
   }
 }
 
@@ -160,7 +160,7 @@ void ProbeRecords::finish(const SolverSession& session, double range_m, Validati
   report.records = _records.gathered(session);
   report.curves = _curves.gathered(session);
   report.shown = gathered_states(session);
-  report.to_range = errors_to_range(_judged.gathered(session), range_m);
+  report.to_range = errors_to_range(_results.gathered(session), range_m);
   const auto n = std::ssize(_error_sum);
   const auto of_ranks = [&](const std::vector<double>& own) -> Eigen::VectorXd {
     const auto all = session.gather(own);

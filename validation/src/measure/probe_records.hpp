@@ -1,4 +1,4 @@
-// Probes and their errors: computed on every rank, gathered at the end.
+// Results of probes, which ranks compute separately and gather at the end.
 #pragma once
 
 #include <phynness/precompute/probe_solver.hpp>
@@ -11,30 +11,30 @@
 
 namespace phynness {
 
-/// Judged probes; their order is the place in the plan.
-using JudgedRows = OrderedRows<JudgedProbe>;
+/// Results of probes in the order of the plan.
+using ProbeResultRows = OrderedRows<ProbeResult>;
 
-/// Largest finite element responses, by which errors are divided: of states without a warning, which include no crushed
-/// cells; of all of them if each has a warning.
+/// The largest finite element responses, by which errors are divided: over the states without a warning, or over all
+/// states if each has a warning.
 struct LargestResponse {
   double force_N = 0, displacement_m = 0;
-  /// @param counts  per output node: 0 if it does not count; empty: all count
-  void take(const Vec3& force, const Points& u, const std::vector<char>& counts, bool flagged = false);
+  /// @param counts  flags of counted output nodes; empty if all are counted
+  void add(const Vec3& force, const Points& u, const std::vector<char>& counts, bool flagged = false);
 
  private:
   bool _only_flagged = true;
 };
 
-/// A prediction and the finite element solution at one displacement. @param u  without rows: the predictor has forces
-/// only
-struct Compared {
+/// A prediction and the finite element solution at one displacement.
+struct ComparedState {
   Vec3 force{}, force_FE{};
-  Points u, u_FE;  ///< n_output x 3
+  Points u, u_FE;  ///< n_output x 3; u has no rows for a predictor of forces only
 };
-ProbeErrors probe_errors(const Compared& compared, const LargestResponse& largest, const std::vector<char>& counts);
+ProbeErrors probe_errors(const ComparedState& compared, const LargestResponse& largest,
+                         const std::vector<char>& counts);
 
-/// Adds the errors (17) of all displacements of one place.
-void add_errors(const std::vector<Compared>& compared, const std::vector<char>& counts,
+/// Appends the errors (17) of all displacements of one place to the samples.
+void add_errors(const std::vector<ComparedState>& compared, const std::vector<char>& counts,
                 GroupMeasures<std::vector<double>>& samples);
 
 template <template <class> class Measures, class A, class B, class Work>
@@ -45,7 +45,7 @@ void member_by_member(Measures<A>& a, const Measures<B>& b, const Work& work) {
   Measures<B>::describe(b, [&](const auto&, const B& value, const char* = nullptr) { work(**at++, value); });
 }
 
-/// Of the samples of all ranks, on rank 0. Collective.
+/// Statistics of the samples of all ranks, on rank 0. Collective.
 template <template <class> class Measures>
 Measures<ErrorStatistics> statistics(const SolverSession& session, const Measures<std::vector<double>>& samples) {
   Measures<ErrorStatistics> out;
@@ -60,17 +60,18 @@ Measures<ErrorStatistics> statistics(const Measures<std::vector<double>>& sample
   return out;
 }
 
-/// Forces of the undeformed body and displacements of its output nodes. @param d  of each tool that touches it
+/// Linear response of the undeformed body: forces, and displacements of output nodes. @param d  displacements of the
+/// tools
 std::pair<std::vector<std::optional<Vec3>>, Points> linear_response(const ProbeSolver& solver, const Model& model,
                                                                     const std::vector<Vec3>& d);
 
-/// Adds up those of all ranks, on every rank. Collective.
+/// Replaces the counts by their sums over all ranks. Collective.
 void add_ranks(const SolverSession& session, std::vector<std::int64_t*> counts, AnswerCounts& answers);
 
-/// What comparisons of tools with finite elements have in common.
+/// The base of comparisons of tools with finite elements.
 class ToolComparison {
  public:
-  /// @param body  null: none
+  /// @param body  may be null
   ToolComparison(const Scene& scene, const NamedOrgan& model, const NamedOrgan* body, const ShouldStop& stop)
       : _model(model),
         _increments(scene.probe.increments),
@@ -83,13 +84,13 @@ class ToolComparison {
   const NamedOrgan& _model;
   int _increments;
   ProbeSolver _solver;
-  std::optional<BodyPredictions> _body;
+  std::optional<BodyPredictor> _body;
 };
 
 class ProbeRecords {
  public:
   explicit ProbeRecords(const NamedOrgan& model);
-  /// @param entry  position in the plan. @param weight  of the node
+  /// @param entry  position in the plan. @param weight  weight of the node
   void add(std::size_t entry, double weight, const NodeProbes& probes);
   /// Fills `records`, `curves`, `shown`, `output_error` and `to_range` on rank 0. Collective.
   void finish(const SolverSession& session, double range_m, ValidationReport& report) const;
@@ -102,8 +103,8 @@ class ProbeRecords {
   const NamedOrgan& _model;
   OrderedRows<ProbeRecord> _records;
   OrderedRows<ForceCurve> _curves;
-  JudgedRows _judged;
-  std::vector<ShownState> _shown;                ///< by descending error
+  ProbeResultRows _results;
+  std::vector<ShownState> _shown;                ///< sorted by descending error
   std::vector<double> _error_sum, _error_count;  ///< per output node
 };
 

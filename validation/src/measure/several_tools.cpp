@@ -14,11 +14,11 @@
 namespace phynness {
 namespace {
 
-constexpr double part_of_depth = 0.5;
-constexpr int increments = 4, most_steps = 100, most_attempts = 1000;
-/// Newton iterations after which a state counts as not held. The states of the demo that converge take 34 in the mean
-/// and at most 81; the one that does not takes 460.
-constexpr int most_iterations = 200;
+constexpr double depth_fraction = 0.5;
+constexpr int increments = 4, max_steps = 100, max_attempts = 1000;
+/// Newton iterations after which a state counts as unsolved. Converged states of the demo need 34 iterations on average
+/// and at most 81.
+constexpr int max_iterations = 200;
 
 class RandomTools {
  public:
@@ -26,35 +26,35 @@ class RandomTools {
       : _nodes(header.mesh.nodes),
         _active(header.sets.active),
         _normals(node_normals(header.mesh)),
-        _inward(stored_scene(header).probe.directions == Directions::hemisphere),
-        _depth_m(part_of_depth * header.magnitudes_m.back()) {}
+        _only_inward(stored_scene(header).probe.directions == Directions::hemisphere),
+        _depth_m(depth_fraction * header.magnitudes_m.back()) {}
 
-  /// How much rarer tools at any points are at these places than those of which every second state is within a
+  /// The ratio of the uniform density at these places to the sampling density, in which every second state is within a
   /// distance.
   double weight(const std::vector<phn_tool>& tools, double within_m) const {
     const auto is_near = [&](std::int32_t node) {
       return (_nodes.row(node) - _nodes.row(tools[0].nodes[0])).norm() <= within_m;
     };
     double n = static_cast<double>(_active.size()), near = static_cast<double>(std::ranges::count_if(_active, is_near));
-    double ratio = 1;  // of the densities of such states and of any
+    double density_ratio = 1;  // ratio of the density of near states to the uniform density
     for (std::size_t t = 1; t < tools.size(); ++t) {
-      if (--near < 1) return 1;  // so near are too few, and any points were drawn
-      ratio *= is_near(tools[t].nodes[0]) ? --n / near : 0;
+      if (--near < 1) return 1;  // too few points are near, so that the places were uniform
+      density_ratio *= is_near(tools[t].nodes[0]) ? --n / near : 0;
     }
-    return 2 / (1 + ratio);
+    return 2 / (1 + density_ratio);
   }
 
-  /// @param within_m  from the first tool, unless no such point is found
+  /// @param within_m  largest distance from the first tool, unless no such point is found
   /// @pre there are so many active nodes
   std::vector<phn_tool> draw(std::size_t n_tools, double within_m, std::mt19937_64& random) const {
     std::vector<phn_tool> tools;
     for (int attempt = 0; tools.size() < n_tools; ++attempt) {
-      const auto node = _active[static_cast<std::size_t>(uniform(random) * static_cast<double>(_active.size()))];
+      const auto node = random_element(_active, random);
       if (std::ranges::any_of(tools, [&](const auto& tool) { return tool.nodes[0] == node; })) continue;
-      const bool is_far = !tools.empty() && (_nodes.row(node) - _nodes.row(tools[0].nodes[0])).norm() > within_m;
-      if (is_far && attempt < most_attempts) continue;
-      Eigen::Vector3d d = _depth_m * to_eigen(on_sphere(random));
-      if (_inward && _normals.row(node).dot(d) > 0) d = -d;
+      const bool is_too_far = !tools.empty() && (_nodes.row(node) - _nodes.row(tools[0].nodes[0])).norm() > within_m;
+      if (is_too_far && attempt < max_attempts) continue;
+      Eigen::Vector3d d = _depth_m * to_eigen(random_direction(random));
+      if (_only_inward && _normals.row(node).dot(d) > 0) d = -d;
       tools.push_back(tool_at(node, {d[0], d[1], d[2]}));
     }
     return tools;
@@ -64,11 +64,11 @@ class RandomTools {
   const Points& _nodes;
   const NodeList& _active;
   Points _normals;
-  bool _inward;
+  bool _only_inward;
   double _depth_m;
 };
 
-/// @return whether the finite elements hold these tools
+/// @return whether all increments converged
 bool solve(ProbeSolver& solver, SolvedTools& state) {
   std::vector<std::int32_t> nodes;
   std::vector<Vec3> d;
@@ -76,13 +76,13 @@ bool solve(ProbeSolver& solver, SolvedTools& state) {
     nodes.push_back(tool.nodes[0]);
     d.push_back({tool.displacement[0], tool.displacement[1], tool.displacement[2]});
   }
-  std::vector<double> parts;
-  for (int i = 1; i <= increments; ++i) parts.push_back(static_cast<double>(i) / increments);
+  std::vector<double> fractions;
+  for (int i = 1; i <= increments; ++i) fractions.push_back(static_cast<double>(i) / increments);
   int iterations = 0;
-  solver.set_stop([&] { return ++iterations > most_iterations; }, 0);
+  solver.set_stop([&] { return ++iterations > max_iterations; }, 0);
   try {
     solver.touch(nodes);
-    solver.follow(d, parts, false, [&](std::size_t, const Response& response) {
+    solver.follow(d, fractions, false, [&](std::size_t, const Response& response) {
       if (response.status != Status::converged) return false;
       state.force_N = response.force_N;
       state.displacement_m.push_back(response.displacement_m);
@@ -93,7 +93,7 @@ bool solve(ProbeSolver& solver, SolvedTools& state) {
   } catch (const Error&) {  // a tangent that is not factorized
     solver.recover();
   }
-  return state.displacement_m.size() == parts.size();
+  return state.displacement_m.size() == fractions.size();
 }
 
 }  // namespace
@@ -105,8 +105,8 @@ std::vector<SolvedTools> solve_several_tools(const SolverSession& session, const
     const RandomTools random_tools(header);
     ProbeSolver solver(stored_scene(header), header.mesh, header.sets);
     const auto n = draws.pairs + draws.triples;
-    share_out(session, n, progress, {}, [&](std::size_t turn) {
-      const auto i = static_cast<std::size_t>(n) - 1 - turn;  // three tools, which take longest, first
+    distribute(session, n, progress, {}, [&](std::size_t turn) {
+      const auto i = static_cast<std::size_t>(n) - 1 - turn;  // states of three tools, which take longest, come first
       const std::size_t n_tools = static_cast<std::int64_t>(i) < draws.pairs ? 2 : 3;
       if (header.sets.active.size() < n_tools) return;
       const double within_m = i % 2 == 1 && draws.half_within_m > 0 ? draws.half_within_m : HUGE_VAL;
@@ -148,7 +148,7 @@ ErrorStatistics weighted_statistics(std::vector<std::pair<double, double>> error
 }
 
 ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& solved) {
-  const auto loaded = NamedOrgan::body(write_body_text(body), "body", most_steps);
+  const auto loaded = NamedOrgan::body(write_body_text(body), "body", max_steps);
   const auto place = [&](const phn_tool& tool) {
     return body.points.row(std::ranges::lower_bound(body.nodes, tool.nodes[0]) - body.nodes.begin());
   };
@@ -159,22 +159,23 @@ ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& 
   const auto begin = std::chrono::steady_clock::now();
   for (const auto& state : solved) {
     if (schema::least_body_modes(static_cast<std::int32_t>(state.tools.size())) > n_modes) continue;
-    OrganResponse said;
+    OrganResponse response;
     loaded.organ().reset().ignore();
     for (int i = 1; i <= increments; ++i) {
-      said = loaded.hold(tools_at({state.tools, {}}, static_cast<double>(i) / increments));
-      steps += said.report.steps;
+      response = loaded.hold(tools_at({state.tools, {}}, static_cast<double>(i) / increments));
+      steps += response.report.steps;
     }
-    double largest = 0, off = 0, apart_m = HUGE_VAL;
+    double largest = 0, largest_error = 0, smallest_distance_m = HUGE_VAL;
     for (std::size_t t = 0; t < state.tools.size(); ++t) {
       largest = std::max(largest, to_eigen(state.force_N[t]).norm());
-      off = std::max(off, (to_eigen(*said.force_N[t]) - to_eigen(state.force_N[t])).norm());
+      largest_error = std::max(largest_error, (to_eigen(*response.force_N[t]) - to_eigen(state.force_N[t])).norm());
       for (std::size_t s = 0; s < t; ++s)
-        apart_m = std::min(apart_m, (place(state.tools[t]) - place(state.tools[s])).norm());
+        smallest_distance_m = std::min(smallest_distance_m, (place(state.tools[t]) - place(state.tools[s])).norm());
     }
-    const bool is_near = apart_m < schema::near_part * body.tool_radius_m || (said.status & PHN_WARNING_NEAR) != 0;
-    (is_near ? near : errors[state.tools.size() > 2]).emplace_back(off / largest, state.weight);
-    out.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
+    const bool is_near =
+        smallest_distance_m < schema::near_part * body.tool_radius_m || (response.status & PHN_WARNING_NEAR) != 0;
+    (is_near ? near : errors[state.tools.size() > 2]).emplace_back(largest_error / largest, state.weight);
+    out.unsettled += (response.status & PHN_WARNING_UNSETTLED) != 0;
   }
   out.step_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() /
                static_cast<double>(std::max<std::int64_t>(1, steps));

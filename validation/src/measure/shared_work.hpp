@@ -1,4 +1,4 @@
-// Distribution of items of work over ranks, which can be ended early.
+// Distribution of work over ranks, with an early end.
 #pragma once
 
 #include <algorithm>
@@ -9,14 +9,13 @@
 
 namespace phynness {
 
-/// Distributes the items 0 ... n - 1 to the ranks of a session in turn, so that the items finished before an early end
-/// are an even sample of all. Each turn begins with the next rank, so that items of which every second one takes longer
-/// are shared evenly. `stop` is called after each item. An item that throws Interrupted is the last one and not
-/// finished.
+/// Distributes the items 0 ... n - 1 to the ranks round robin, so that the finished items after an early end are an
+/// even sample. Each turn begins with the next rank, so that alternating costs are balanced. `stop` is called after
+/// each item. An item that throws Interrupted is the last one and does not count as finished.
 /// @param progress  receives the finished items of all ranks, as estimated by rank 0, and n
-/// @return number of items that this rank finished
-inline std::int64_t share_out(const SolverSession& session, std::int64_t n, const OnProgress& progress,
-                              const ShouldStop& stop, const std::function<void(std::size_t)>& work) {
+/// @return number of items that this rank has finished
+inline std::int64_t distribute(const SolverSession& session, std::int64_t n, const OnProgress& progress,
+                               const ShouldStop& stop, const std::function<void(std::size_t)>& work) {
   std::int64_t finished = 0;
   const std::int64_t ranks = session.size();
   for (std::int64_t turn = 0; turn * ranks < n; ++turn) {

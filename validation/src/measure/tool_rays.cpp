@@ -13,10 +13,10 @@ bool same_place(const phn_tool& a, const phn_tool& b) {
 
 }  // namespace
 
-std::vector<phn_tool> tools_at(const ToolRay& ray, double part) {
+std::vector<phn_tool> tools_at(const ToolRay& ray, double fraction) {
   auto tools = ray.tools;
   for (auto& tool : tools)
-    for (double& x : tool.displacement) x *= part;
+    for (double& x : tool.displacement) x *= fraction;
   return tools;
 }
 
@@ -27,7 +27,7 @@ RayForces::RayForces(const DatabaseHeader& header, Variant reference, ShouldStop
   _solver.set_stop(std::move(stop));
 }
 
-/// On a finer mesh the triangle of a point between nodes is another one.
+/// Finds the place of a tool on the mesh of the variant, whose triangles may be smaller.
 SurfacePoint RayForces::point_of(const phn_tool& tool) const {
   SurfacePoint point;
   Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
@@ -41,29 +41,29 @@ SurfacePoint RayForces::point_of(const phn_tool& tool) const {
 }
 
 std::vector<Vec3> RayForces::solve(const ToolRay& ray) {
-  std::vector<Vec3> forces, d;
+  std::vector<Vec3> forces, displacements;
   std::vector<SurfacePoint> points;
   for (const auto& tool : ray.tools) {
     points.push_back(point_of(tool));
-    d.push_back({tool.displacement[0], tool.displacement[1], tool.displacement[2]});
+    displacements.push_back({tool.displacement[0], tool.displacement[1], tool.displacement[2]});
   }
   try {
-    if (!std::ranges::equal(ray.tools, _touched, same_place)) {
-      _touched.clear();
+    if (!std::ranges::equal(ray.tools, _touched_tools, same_place)) {
+      _touched_tools.clear();
       _solver.touch_points(points);
-      _touched = ray.tools;
+      _touched_tools = ray.tools;
     }
-    if (ray.parts.empty())
+    if (ray.fractions.empty())
       for (const auto& column : _solver.rest().stiffness_N_per_m.colwise())
         forces.push_back({column[0], column[1], column[2]});
-    _solver.follow(d, ray.parts, false, [&](std::size_t, const Response& response) {
+    _solver.follow(displacements, ray.fractions, false, [&](std::size_t, const Response& response) {
       if (response.status != Status::converged) return false;
       forces.insert(forces.end(), response.force_N.begin(), response.force_N.end());
       return true;
     });
-  } catch (const Error&) {  // also of tools at one place, or if a tangent is not factorized
+  } catch (const Error&) {  // tools are at one place, or a tangent is singular
     _solver.recover();
-    _touched.clear();
+    _touched_tools.clear();
   }
   return forces;
 }

@@ -5,27 +5,26 @@
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/coupled_bounds.hpp>
 #include <phynness/validation/discretization.hpp>
-#include <string>
 #include <vector>
 
 namespace phynness {
 
-/// Tools at places of the surface, which move to these parts of their displacements.
+/// Tools on the surface that move to fractions of their displacements.
 struct ToolRay {
   std::vector<phn_tool> tools;
-  std::vector<double> parts;  ///< ascending, in (0, 1]; none: the forces at rest of 1 m in x, y and z, of one tool
+  std::vector<double> fractions;  ///< ascending, in (0, 1]; empty: the stiffness of one tool at rest
 };
 
-/// The tools of a ray at one of its parts.
-std::vector<phn_tool> tools_at(const ToolRay& ray, double part);
+/// The tools of a ray at a fraction of their displacements.
+std::vector<phn_tool> tools_at(const ToolRay& ray, double fraction);
 
-/// Solves rays on this rank.
+/// The finite element forces of rays on this rank.
 class RayForces {
  public:
-  /// @param reference  the finite elements that solve; places are those of the database's mesh
+  /// @param reference  the variant that is solved; places refer to the database's mesh
   RayForces(const DatabaseHeader& header, Variant reference, ShouldStop stop);
 
-  /// Forces [N] of the finite elements, for each part those of all tools; fewer if the ray ends early.
+  /// Forces [N] of all tools for each fraction, or the columns of the stiffness [N/m]; fewer if the ray ends early.
   /// @throws Interrupted
   std::vector<Vec3> solve(const ToolRay& ray);
 
@@ -35,7 +34,7 @@ class RayForces {
   const DatabaseHeader& _header;
   VariantBody _body;
   ProbeSolver _solver;
-  std::vector<phn_tool> _touched;  ///< whose places the solver touches
+  std::vector<phn_tool> _touched_tools;  ///< the tools that the solver touches
 };
 
 }  // namespace phynness

@@ -19,7 +19,7 @@ struct GroupSamples : GroupMeasures<std::vector<double>> {
 };
 using Samples = std::array<GroupSamples, 2>;  ///< by Group
 
-/// Prediction for a probe; `u` and `fields` are empty if the predictor has forces only.
+/// The prediction for a probe; `u` and `fields` are empty for a predictor of forces only.
 struct Prediction {
   Vec3 force{};
   Points u;
@@ -29,8 +29,8 @@ using Predict = std::function<Prediction(std::int32_t node, const ProbedState&)>
 
 Predict by_model(const NamedOrgan& model) {
   return [&model](std::int32_t node, const ProbedState& state) {
-    auto said = model.blend({node}, {state.d});
-    return Prediction{*said.force_N[0], std::move(said.displacement_m), std::move(said.fields)};
+    auto response = model.blend({node}, {state.d});
+    return Prediction{*response.force_N[0], std::move(response.displacement_m), std::move(response.fields)};
   };
 }
 Prediction by_linear(std::int32_t, const ProbedState& state) {
@@ -48,8 +48,8 @@ void check_same_scene(const Scene& scene, const NamedOrgan& model) {
                       "validate with the scene of the model's database, or precompute and train again");
 }
 
-/// Normalized errors of fields. @param said  response of the predictor for each state
-void collect_fields(const std::vector<ProbedState>& states, const std::vector<Eigen::MatrixXd>& said,
+/// Appends normalized errors of fields. @param predicted  fields of the predictor for each state
+void collect_fields(const std::vector<ProbedState>& states, const std::vector<Eigen::MatrixXd>& predicted,
                     GroupSamples& samples) {
   const Eigen::Index n_fields = states.empty() ? 0 : states.front().fields_FE.cols();
   samples.fields.resize(std::max(samples.fields.size(), static_cast<std::size_t>(n_fields)));
@@ -57,8 +57,8 @@ void collect_fields(const std::vector<ProbedState>& states, const std::vector<Ei
     double largest = 0;
     for (const auto& state : states) largest = std::max(largest, state.fields_FE.col(f).cwiseAbs().maxCoeff());
     for (std::size_t s = 0; s < states.size(); ++s) {
-      if (said[s].size() == 0) continue;  // the node has forces only
-      const Eigen::VectorXd FE = states[s].fields_FE.col(f), error = said[s].col(f) - FE;
+      if (predicted[s].size() == 0) continue;  // the node has forces only
+      const Eigen::VectorXd FE = states[s].fields_FE.col(f), error = predicted[s].col(f) - FE;
       auto& out = samples.fields[static_cast<std::size_t>(f)];
       for (Eigen::Index i = 0; largest > 0 && i < error.size(); ++i) out.nodal.push_back(std::abs(error[i]) / largest);
       if (FE.norm() > 0) out.l2.push_back(error.norm() / FE.norm());
@@ -66,27 +66,27 @@ void collect_fields(const std::vector<ProbedState>& states, const std::vector<Ei
   }
 }
 
-/// Converts the probes of one active node and group to samples of (17).
+/// Appends the errors (17) of the probes of one active node and group to the samples.
 void collect(const Predict& predict, const NodeProbes& probes, Group group, Samples& samples) {
-  std::vector<Compared> compared;
-  std::vector<Eigen::MatrixXd> fields_said;
+  std::vector<ComparedState> compared;
+  std::vector<Eigen::MatrixXd> predicted_fields;
   for (const auto& state : probes.states[group]) {
-    auto said = predict(probes.node, state);
-    compared.push_back({said.force, state.force_FE, std::move(said.u), state.u_FE});
-    fields_said.push_back(std::move(said.fields));
+    auto response = predict(probes.node, state);
+    compared.push_back({response.force, state.force_FE, std::move(response.u), state.u_FE});
+    predicted_fields.push_back(std::move(response.fields));
   }
   add_errors(compared, probes.counts, samples[group]);
-  collect_fields(probes.states[group], fields_said, samples[group]);
+  collect_fields(probes.states[group], predicted_fields, samples[group]);
 }
 
 /// The samples of all ranks, on rank 0. Collective.
 void gather(const SolverSession& session, GroupSamples& samples) {
-  const auto of_all = [&](const auto&, auto& list, const char* = nullptr) { list = session.gather(list); };
-  GroupMeasures<std::vector<double>>::describe(samples, of_all);
-  for (auto& field : samples.fields) FieldMeasures<std::vector<double>>::describe(field, of_all);
+  const auto gather_list = [&](const auto&, auto& list, const char* = nullptr) { list = session.gather(list); };
+  GroupMeasures<std::vector<double>>::describe(samples, gather_list);
+  for (auto& field : samples.fields) FieldMeasures<std::vector<double>>::describe(field, gather_list);
 }
 
-/// @param fields  of the model; empty: without their errors
+/// @param fields  fields of the model; empty to omit their errors
 PredictorErrors statistics(const Samples& samples, const std::vector<FieldModes>& fields = {}) {
   const auto of = [&](const GroupSamples& group) {
     GroupErrors errors{statistics(group), {}};

@@ -16,56 +16,56 @@ namespace {
 
 constexpr double common_depth_m = 0.005, least_Hz = 0.1, most_Hz = 5;
 constexpr int depths_of_ray = 24;
-constexpr std::size_t n_values = 6;  ///< that ranks exchange of a motion: its number, and Judged
+constexpr std::size_t n_values = 6;  ///< numbers that ranks exchange for a motion: its index, and MotionResult
 
-/// A part of the depth and of a slide, over time.
+/// The fractions of the depth and of the slide over time.
 struct Motion {
   const char* name;
-  std::vector<double> time_s{}, part{}, slid{};
-  void go(double seconds, double to, int steps, double slide = 0) {
-    const double t = time_s.empty() ? 0 : time_s.back(), from = part.empty() ? 0 : part.back(),
-                 at = slid.empty() ? 0 : slid.back();
+  std::vector<double> time_s{}, depth_fraction{}, slide{};
+  void add_segment(double seconds, double to, int steps, double slide_by = 0) {
+    const double t = time_s.empty() ? 0 : time_s.back(), from = depth_fraction.empty() ? 0 : depth_fraction.back(),
+                 at = slide.empty() ? 0 : slide.back();
     for (int i = 1; i <= steps; ++i) {
       time_s.push_back(t + seconds * i / steps);
-      part.push_back(from + (to - from) * i / steps);
-      slid.push_back(at + slide * i / steps);
+      depth_fraction.push_back(from + (to - from) * i / steps);
+      slide.push_back(at + slide_by * i / steps);
     }
   }
 };
 
 std::vector<Motion> motions_of(double frequency_Hz, double slowest_s, bool several_tools) {
   Motion step{"step and hold"}, ramp{"ramp"}, sine{"sine"}, palpation{"palpation"}, slide{"slide"};
-  step.go(0.06, 1, 6);
+  step.add_segment(0.06, 1, 6);
   for (int i = 0; i < 20; ++i)
-    step.go(0.02 * std::pow(3 * slowest_s / 0.02, (i + 1) / 20.0) - step.time_s.back() + 0.08, 1, 1);
-  ramp.go(2, 1, 24);
+    step.add_segment(0.02 * std::pow(3 * slowest_s / 0.02, (i + 1) / 20.0) - step.time_s.back() + 0.08, 1, 1);
+  ramp.add_segment(2, 1, 24);
   for (int i = 1; i <= 2 * depths_of_ray; ++i) {
     const double turn = static_cast<double>(i) / depths_of_ray;
-    sine.go(1 / (depths_of_ray * frequency_Hz), (1 - std::cos(2 * std::numbers::pi * turn)) / 2, 1);
+    sine.add_segment(1 / (depths_of_ray * frequency_Hz), (1 - std::cos(2 * std::numbers::pi * turn)) / 2, 1);
   }
-  palpation.go(0.3, 1, 8);
-  palpation.go(1, 1, 6);
-  palpation.go(0.3, 0, 8);
-  palpation.go(1, 0, 4);
-  slide.go(0.3, 1, 8);
-  slide.go(1, 1, 10, 1);
+  palpation.add_segment(0.3, 1, 8);
+  palpation.add_segment(1, 1, 6);
+  palpation.add_segment(0.3, 0, 8);
+  palpation.add_segment(1, 0, 4);
+  slide.add_segment(0.3, 1, 8);
+  slide.add_segment(1, 1, 10, 1);
   if (several_tools) return {sine, palpation};
   return {step, ramp, sine, palpation, slide};
 }
 
-/// What a motion at a place gives; negative values are not defined.
-struct Judged {
+/// The errors of a motion at a place; negative values are undefined.
+struct MotionResult {
   double model = -1, convolved = -1, elastic = -1, area = -1, warned = 0;
 };
 
-/// Forces of all tools, one row for each step.
+/// Forces of all tools, one row per time step.
 using Forces = Eigen::MatrixXd;
 
-double mean_error(const Forces& of, const Forces& truth) {
-  return (of - truth).rowwise().norm().mean() / truth.rowwise().norm().maxCoeff();
+double mean_error(const Forces& of, const Forces& solved) {
+  return (of - solved).rowwise().norm().mean() / solved.rowwise().norm().maxCoeff();
 }
-/// Work of the last cycle. @param d  as the forces
-double area(const Forces& forces, const Eigen::MatrixXd& d) {
+/// Work of the last cycle. @param d  displacements, in the layout of the forces
+double loop_work(const Forces& forces, const Eigen::MatrixXd& d) {
   double work = 0;
   for (Eigen::Index i = forces.rows() - depths_of_ray; i < forces.rows(); ++i)
     work += (forces.row(i) + forces.row(i - 1)).dot(d.row(i) - d.row(i - 1)) / 2;
@@ -85,34 +85,34 @@ class MotionComparison {
   Eigen::Vector3d direction(std::int32_t node, std::mt19937_64& random) const {
     constexpr double widest = 0.5;  // tangent of the angle
     const Eigen::Vector3d normal = _normals.row(node);
-    return (widest * uniform(random) * normal.cross(to_eigen(on_sphere(random))) - normal).normalized();
+    return (widest * uniform(random) * normal.cross(to_eigen(random_direction(random))) - normal).normalized();
   }
 
   /// Elastic forces of the finite elements at rest and at 1 ... 24 parts of the depth; empty if one is not solved.
   Forces ray(const std::vector<std::int32_t>& nodes, const std::vector<Vec3>& depth_m) {
     _solver.touch(nodes);
     Forces rows = Forces::Zero(depths_of_ray + 1, static_cast<Eigen::Index>(3 * nodes.size()));
-    std::vector<double> parts;
-    for (int i = 1; i <= depths_of_ray; ++i) parts.push_back(static_cast<double>(i) / depths_of_ray);
+    std::vector<double> fractions;
+    for (int i = 1; i <= depths_of_ray; ++i) fractions.push_back(static_cast<double>(i) / depths_of_ray);
     std::size_t solved = 0;
-    _solver.follow(depth_m, parts, false, [&](std::size_t i, const Response& response) {
+    _solver.follow(depth_m, fractions, false, [&](std::size_t i, const Response& response) {
       if (response.status != Status::converged) return false;
-      put(response.force_N, rows.row(static_cast<Eigen::Index>(i) + 1));
-      return ++solved < parts.size();
+      copy_to_row(response.force_N, rows.row(static_cast<Eigen::Index>(i) + 1));
+      return ++solved < fractions.size();
     });
-    return solved == parts.size() ? rows : Forces{};
+    return solved == fractions.size() ? rows : Forces{};
   }
 
-  /// @param ray  of this place. @return values of -1 if the finite elements do not follow
-  Judged judge(const Motion& motion, const NamedOrgan& organ, const std::vector<std::int32_t>& nodes,
-               const std::vector<Vec3>& depth_m, const Forces& ray) {
+  /// @param elastic_ray  result of ray(). @return values of -1 if the finite elements do not converge
+  MotionResult evaluate(const Motion& motion, const NamedOrgan& organ, const std::vector<std::int32_t>& nodes,
+                        const std::vector<Vec3>& depth_m, const Forces& elastic_ray) {
     const auto n = static_cast<Eigen::Index>(motion.time_s.size()), width = static_cast<Eigen::Index>(3 * nodes.size());
-    Forces truth(n, width), relaxing(n, width), elastic(n, width), convolved(n, width), d(n, width);
+    Forces solved(n, width), relaxing(n, width), elastic(n, width), convolved(n, width), d(n, width);
     std::vector<phn_relaxing> history(nodes.size());
     const phn_relaxation& terms = organ.organ().relaxation();
     const Eigen::Vector3d tangent = to_eigen(depth_m[0]).unitOrthogonal();
-    const bool slides = motion.slid.back() > 0;
-    Judged judged;
+    const bool slides = motion.slide.back() > 0;
+    MotionResult result;
     organ.organ().reset().ignore();
     _solver.touch(nodes);
     _solver.begin_motion(_scene.relaxation);
@@ -121,12 +121,12 @@ class MotionComparison {
       std::vector<phn_tool> tools;
       TimeStep step{motion.time_s[at], {}};
       for (std::size_t t = 0; t < nodes.size(); ++t) {
-        step.displacement_m.push_back(to_array(motion.part[at] * to_eigen(depth_m[t])));
+        step.displacement_m.push_back(to_array(motion.depth_fraction[at] * to_eigen(depth_m[t])));
         tools.push_back(tool_at(nodes[t], step.displacement_m.back()));
         if (!slides) continue;
         const Eigen::RowVector3d point =
             _model.mesh().nodes.row(nodes[t]) +
-            motion.slid[at] * std::max(_scene.probe.tool_radius_m, common_depth_m) * tangent.transpose();
+            motion.slide[at] * std::max(_scene.probe.tool_radius_m, common_depth_m) * tangent.transpose();
         if (!organ.organ().nearest(Vec3{point[0], point[1], point[2]}, tools.back()).ok()) return {};
         std::ranges::copy(step.displacement_m.back(), tools.back().displacement);
         SurfacePoint place;
@@ -138,33 +138,34 @@ class MotionComparison {
       }
       std::vector<Vec3> forces;
       if (_solver.move(step, forces) != Status::converged) return {};
-      put(forces, truth.row(i));
-      put(step.displacement_m, d.row(i));
-      const auto said = organ.hold(tools);
-      Eigen::VectorXd both(width);
+      copy_to_row(forces, solved.row(i));
+      copy_to_row(step.displacement_m, d.row(i));
+      const auto response = organ.hold(tools);
+      Eigen::VectorXd force(width);
       for (std::size_t t = 0; t < nodes.size(); ++t)
-        both.segment<3>(static_cast<Eigen::Index>(3 * t)) = to_eigen(*said.force_N[t]);
-      elastic.row(i) = both;
+        force.segment<3>(static_cast<Eigen::Index>(3 * t)) = to_eigen(*response.force_N[t]);
+      elastic.row(i) = force;
       const double dt_s = motion.time_s[at] - (at > 0 ? motion.time_s[at - 1] : 0);
-      const Organ::Status status = organ.organ().relax(tools, dt_s, {both.data(), static_cast<std::size_t>(width)});
-      judged.warned += status.relaxation() ? 1.0 / static_cast<double>(n) : 0;
-      relaxing.row(i) = both;
-      if (ray.size() == 0) continue;
-      const double x = motion.part[at] * depths_of_ray;
+      const Organ::Status status = organ.organ().relax(tools, dt_s, {force.data(), static_cast<std::size_t>(width)});
+      result.warned += status.relaxation() ? 1.0 / static_cast<double>(n) : 0;
+      relaxing.row(i) = force;
+      if (elastic_ray.size() == 0) continue;
+      const double x = motion.depth_fraction[at] * depths_of_ray;
       const auto below = std::min(static_cast<Eigen::Index>(x), Eigen::Index{depths_of_ray} - 1);
-      Eigen::VectorXd own = ray.row(below) + (x - static_cast<double>(below)) * (ray.row(below + 1) - ray.row(below));
+      Eigen::VectorXd interpolated = elastic_ray.row(below) + (x - static_cast<double>(below)) *
+                                                                  (elastic_ray.row(below + 1) - elastic_ray.row(below));
       for (std::size_t t = 0; t < nodes.size(); ++t)
-        phn_relax(&terms, &history[t], own.data() + 3 * t, nullptr, dt_s, own.data() + 3 * t);
-      convolved.row(i) = own;
+        phn_relax(&terms, &history[t], interpolated.data() + 3 * t, nullptr, dt_s, interpolated.data() + 3 * t);
+      convolved.row(i) = interpolated;
     }
-    judged.model = mean_error(relaxing, truth);
-    judged.elastic = mean_error(elastic, truth);
-    if (ray.size() > 0 && !slides) judged.convolved = mean_error(convolved, truth);
+    result.model = mean_error(relaxing, solved);
+    result.elastic = mean_error(elastic, solved);
+    if (elastic_ray.size() > 0 && !slides) result.convolved = mean_error(convolved, solved);
     if (motion.name == std::string_view("sine")) {
-      const double right = area(truth, d);
-      judged.area = std::abs(area(relaxing, d) - right) / std::abs(right);
+      const double solved_work = loop_work(solved, d);
+      result.area = std::abs(loop_work(relaxing, d) - solved_work) / std::abs(solved_work);
     }
-    return judged;
+    return result;
   }
 
  private:
@@ -173,7 +174,7 @@ class MotionComparison {
     return {nodes.begin(), nodes.end()};
   }
   static Vec3 to_array(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
-  static void put(const std::vector<Vec3>& vectors, Forces::RowXpr row) {
+  static void copy_to_row(const std::vector<Vec3>& vectors, Forces::RowXpr row) {
     for (std::size_t t = 0; t < vectors.size(); ++t)
       for (std::size_t k = 0; k < 3; ++k) row[static_cast<Eigen::Index>(3 * t + k)] = vectors[t][k];
   }
@@ -184,7 +185,7 @@ class MotionComparison {
   Points _normals;
 };
 
-/// @param relaxation  of a model or a body, which must be that of the scene
+/// @throws Error (input) unless the relaxation of a model or a body is that of the scene
 void require_terms(const Scene& scene, const phn_relaxation& relaxation, const std::string& name, const char* remedy) {
   const auto& terms = scene.relaxation.terms;
   bool same = relaxation.n_terms == terms.rows();
@@ -226,22 +227,19 @@ MotionReport validate_motions(const SolverSession& session, const Scene& scene, 
   comparison.solver().set_stop(stop);
   comparison.solver().begin_motion(scene.relaxation);  // refuses other elements
   std::vector<double> values;
-  const auto finished = share_out(session, places, progress, stop, [&](std::size_t place) {
+  const auto finished = distribute(session, places, progress, stop, [&](std::size_t place) {
     std::mt19937_64 random(seed * 1'000'003 + place);
     const auto active = model.active_nodes();
-    const auto draw = [&] {
-      return active[static_cast<std::size_t>(uniform(random) * static_cast<double>(active.size()))];
-    };
-    std::vector<std::int32_t> nodes{draw()};
+    std::vector<std::int32_t> nodes{random_element(active, random)};
     const double frequency_Hz =
         least_Hz *
         std::pow(most_Hz / least_Hz, static_cast<double>(place) / std::max(1.0, static_cast<double>(places - 1)));
-    std::vector<double> of_place;
+    std::vector<double> place_values;
     double number = 0;
     for (const int n_tools : {1, 2}) {
       if (n_tools == 2 && !body) break;
       while (std::ssize(nodes) < n_tools) {
-        const auto other = draw();
+        const auto other = random_element(active, random);
         if (other != nodes[0]) nodes.push_back(other);
       }
       std::vector<Eigen::Vector3d> directions;
@@ -249,7 +247,7 @@ MotionReport validate_motions(const SolverSession& session, const Scene& scene, 
       for (const double depth : depths) {
         std::vector<Vec3> depth_m;
         for (const auto& e : directions) depth_m.push_back({depth * e[0], depth * e[1], depth * e[2]});
-        const auto try_to = [&](auto&& work) {
+        const auto or_empty = [&](auto&& work) {
           try {
             return work();
           } catch (const Interrupted&) {
@@ -259,15 +257,15 @@ MotionReport validate_motions(const SolverSession& session, const Scene& scene, 
             return decltype(work()){};
           }
         };
-        const Forces ray = try_to([&] { return comparison.ray(nodes, depth_m); });
+        const Forces ray = or_empty([&] { return comparison.ray(nodes, depth_m); });
         for (const auto& motion : motions_of(frequency_Hz, slowest_s, n_tools > 1)) {
-          const Judged j =
-              try_to([&] { return comparison.judge(motion, n_tools > 1 ? *body : model, nodes, depth_m, ray); });
-          of_place.insert(of_place.end(), {number++, j.model, j.convolved, j.elastic, j.area, j.warned});
+          const MotionResult j =
+              or_empty([&] { return comparison.evaluate(motion, n_tools > 1 ? *body : model, nodes, depth_m, ray); });
+          place_values.insert(place_values.end(), {number++, j.model, j.convolved, j.elastic, j.area, j.warned});
         }
       }
     }
-    values.insert(values.end(), of_place.begin(), of_place.end());
+    values.insert(values.end(), place_values.begin(), place_values.end());
   });
   report.finished = session.total(finished);
   const auto all = session.gather(values);

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/probe_plan.hpp>
@@ -38,12 +37,12 @@ std::vector<Place> choose_places(const Scene& scene, const NamedOrgan& model, Su
   std::mt19937_64 random(seed);
   std::vector<Place> places(static_cast<std::size_t>(points));
   for (auto& place : places) {
-    const auto t = triangles[static_cast<std::size_t>(uniform(random) * static_cast<double>(triangles.size()))];
-    place.weights = point_of_triangle(random);
+    const auto t = random_element(triangles, random);
+    place.weights = random_barycentric(random);
     for (int k = 0; k < 3; ++k) place.nodes[static_cast<std::size_t>(k)] = surface(t, k);
     const Eigen::Vector3d normal = normals.row(place.nearest_corner()).transpose();
     for (int attempt = 0; attempt < 1000 && std::ssize(place.displacements) < displacements; ++attempt) {
-      const Vec3 e = on_sphere(random);
+      const Vec3 e = random_direction(random);
       if (scene.probe.directions == Directions::hemisphere && normal.dot(Eigen::Vector3d(e[0], e[1], e[2])) >= 0)
         continue;
       const double d = scene.probe.max_displacement_m * (1 - uniform(random));
@@ -59,12 +58,12 @@ class PointComparison : public ToolComparison {
  public:
   using ToolComparison::ToolComparison;
 
-  /// A place that the solver refuses counts as not solved.
-  void try_at(std::size_t point, const Place& place, PointReport& report) {
+  /// Evaluates a place. A place that the solver refuses counts as unsolved.
+  void evaluate_or_refuse(std::size_t point, const Place& place, PointReport& report) {
     try {
-      at(point, place, report);
+      evaluate(point, place, report);
     } catch (const Error& refused) {
-      for (const auto& d : place.displacements) _rows.add({static_cast<double>(point)}, probe(point, place, d));
+      for (const auto& d : place.displacements) _results.add({static_cast<double>(point)}, probe(point, place, d));
       report.failed += std::ssize(place.displacements);
       ++_refused;
       if (!_first_refusal) _first_refusal = refused;
@@ -81,76 +80,77 @@ class PointComparison : public ToolComparison {
   }
 
  private:
-  /// Without errors, not solved.
-  JudgedProbe probe(std::size_t point, const Place& place, const Vec3& d) const {
-    JudgedProbe made;
-    made.node = static_cast<std::int32_t>(point);
-    made.displacement_m = d;
-    made.flagged = is_flagged(_model.hold({tool_at(place, d)}).status);
-    made.reached_m = -1;
-    return made;
+  /// The result of an unsolved probe.
+  ProbeResult probe(std::size_t point, const Place& place, const Vec3& d) const {
+    ProbeResult result;
+    result.node = static_cast<std::int32_t>(point);
+    result.displacement_m = d;
+    result.flagged = is_flagged(_model.hold({tool_at(place, d)}).status);
+    result.reached_m = -1;
+    return result;
   }
 
-  void at(std::size_t point, const Place& place, PointReport& report) {
-    std::vector<Compared> coupled, linear, of_body;
-    std::vector<JudgedProbe> probes;
+  void evaluate(std::size_t point, const Place& place, PointReport& report) {
+    std::vector<ComparedState> coupled, linear, of_body;
+    std::vector<ProbeResult> probes;
     _solver.touch_points({place});
     for (const auto& d : place.displacements) {
-      const auto truth = _solver.solve({d}, _increments);
+      const auto solution = _solver.solve({d}, _increments);
       probes.push_back(probe(point, place, d));
-      probes.back().status = truth.status;
-      if (truth.status != Status::converged) {
+      probes.back().status = solution.status;
+      if (solution.status != Status::converged) {
         ++report.failed;
         continue;
       }
-      const Points u = truth.displacement_m(_model.model().output, Eigen::all);
-      const auto said = _model.hold({tool_at(place, d)});
-      report.answers.take(said, truth.force_N);
-      coupled.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m, u});
+      const Points u = solution.displacement_m(_model.model().output, Eigen::all);
+      const auto response = _model.hold({tool_at(place, d)});
+      report.answers.add(response, solution.force_N);
+      coupled.push_back({*response.force_N[0], solution.force_N[0], response.displacement_m, u});
       auto [linear_force, linear_u] = linear_response(_solver, _model.model(), {d});
-      linear.push_back({*linear_force[0], truth.force_N[0], std::move(linear_u), u});
+      linear.push_back({*linear_force[0], solution.force_N[0], std::move(linear_u), u});
       if (!_body) continue;
       auto answer = _body->at({tool_at(place, d)});
-      report.body_answers.take(answer, truth.force_N);
-      of_body.push_back({*answer.force_N[0], truth.force_N[0], std::move(answer.displacement_m), _body->shared(u)});
+      report.body_answers.add(answer, solution.force_N);
+      of_body.push_back(
+          {*answer.force_N[0], solution.force_N[0], std::move(answer.displacement_m), _body->common_rows(u)});
     }
-    judge(point, probes, coupled, linear);
-    add_errors(coupled, {}, _coupled);
-    add_errors(linear, {}, _linear);
-    add_errors(of_body, {}, _of_body);
+    add_errors_of_probes(point, probes, coupled, linear);
+    add_errors(coupled, {}, _model_samples);
+    add_errors(linear, {}, _linear_samples);
+    add_errors(of_body, {}, _body_samples);
   }
 
-  /// @param coupled, linear  of the solved probes
-  void judge(std::size_t point, std::vector<JudgedProbe>& probes, const std::vector<Compared>& coupled,
-             const std::vector<Compared>& linear) {
+  /// @param coupled, linear  predictions for the solved probes
+  void add_errors_of_probes(std::size_t point, std::vector<ProbeResult>& probes,
+                            const std::vector<ComparedState>& coupled, const std::vector<ComparedState>& linear) {
     LargestResponse largest;
-    std::size_t at = 0;
-    for (const auto& judged : probes)
-      if (judged.solved()) largest.take(coupled[at].force_FE, coupled[at].u_FE, {}, judged.flagged), ++at;
-    at = 0;
-    for (auto& judged : probes) {
-      if (judged.solved()) {
-        judged.model = probe_errors(coupled[at], largest, {});
-        judged.linear = probe_errors(linear[at], largest, {});
-        ++at;
+    std::size_t next = 0;
+    for (const auto& result : probes)
+      if (result.solved()) largest.add(coupled[next].force_FE, coupled[next].u_FE, {}, result.flagged), ++next;
+    next = 0;
+    for (auto& result : probes) {
+      if (result.solved()) {
+        result.model = probe_errors(coupled[next], largest, {});
+        result.linear = probe_errors(linear[next], largest, {});
+        ++next;
       }
-      _rows.add({static_cast<double>(point)}, judged);
+      _results.add({static_cast<double>(point)}, result);
     }
   }
 
  public:
   void finish(const SolverSession& session, PointReport& report) const {
-    static_cast<ErrorsByWarning&>(report) = errors_by_warning(_rows.gathered(session));
-    report.coupled = statistics(session, _coupled);
-    report.linear = statistics(session, _linear);
-    if (_body) report.body = statistics(session, _of_body);
+    static_cast<ErrorsByWarning&>(report) = errors_by_warning(_results.gathered(session));
+    report.coupled = statistics(session, _model_samples);
+    report.linear = statistics(session, _linear_samples);
+    if (_body) report.body = statistics(session, _body_samples);
     add_ranks(session, {&report.finished, &report.failed}, report.answers);
     add_ranks(session, {}, report.body_answers);
   }
 
  private:
-  PointSamples _coupled, _linear, _of_body;
-  JudgedRows _rows;
+  PointSamples _model_samples, _linear_samples, _body_samples;
+  ProbeResultRows _results;
   std::int64_t _refused = 0;
   std::optional<Error> _first_refusal;
 };
@@ -168,8 +168,8 @@ PointReport validate_points(const SolverSession& session, const Scene& scene, co
     const auto places = choose_places(scene, model, part, points, displacements, seed);
     report.points = std::ssize(places);
     comparison.emplace(scene, model, body, stop);
-    report.finished = share_out(session, report.points, progress, stop,
-                                [&](std::size_t i) { comparison->try_at(i, places[i], report); });
+    report.finished = distribute(session, report.points, progress, stop,
+                                 [&](std::size_t i) { comparison->evaluate_or_refuse(i, places[i], report); });
   });
   comparison->require_some(session, report.finished);
   comparison->finish(session, report);

@@ -42,24 +42,25 @@ class Surface {
     constexpr double degree = std::numbers::pi / 180;
     _view = (Turn(-58 * degree, Eigen::Vector3d::UnitX()) * Turn(-25 * degree, Eigen::Vector3d::UnitZ()))
                 .toRotationMatrix();
-    const Points seen = _points * _view.transpose();
-    _low = seen.colwise().minCoeff();
-    _size = seen.colwise().maxCoeff() - _low;
+    const Points projected = _points * _view.transpose();
+    _low = projected.colwise().minCoeff();
+    _size = projected.colwise().maxCoeff() - _low;
   }
 
   /// @param values  of the output nodes; NaN: not known. @param moved  output nodes, n x 3 [m]; no rows: at rest
   /// @param touched  an output node with a tool, or -1
-  std::string svg(const std::vector<double>& values, double high, const Points& moved = Points(0, 3),
-                  Eigen::Index touched = -1) const {
+  std::string svg(const std::vector<double>& values, double largest, const Points& moved = Points(0, 3),
+                  Eigen::Index touched_row = -1) const {
     Points points = _points;
     points.topRows(moved.rows()) += moved;
     const double margin = 0.1 * width, scale = 0.8 * width / std::max(_size[0], 1e-300);
-    const Points seen = points * _view.transpose();
-    const auto x = [&](Eigen::Index i) { return margin + scale * (seen(i, 0) - _low[0]); };
-    const auto y = [&](Eigen::Index i) { return margin + scale * (_low[1] + _size[1] - seen(i, 1)); };
-    std::vector<std::pair<double, std::string>> drawn;  // by their distance, the farthest first
+    const Points projected = points * _view.transpose();
+    const auto x = [&](Eigen::Index i) { return margin + scale * (projected(i, 0) - _low[0]); };
+    const auto y = [&](Eigen::Index i) { return margin + scale * (_low[1] + _size[1] - projected(i, 1)); };
+    std::vector<std::pair<double, std::string>> triangles_by_depth;  // by their distance, the farthest first
     for (const auto& [a, b, c] : _triangles) {
-      const Eigen::RowVector3d normal = (seen.row(b) - seen.row(a)).cross(seen.row(c) - seen.row(a));
+      const Eigen::RowVector3d normal =
+          (projected.row(b) - projected.row(a)).cross(projected.row(c) - projected.row(a));
       const double facing = normal[2] / std::max(normal.norm(), 1e-300);
       if (_is_closed && facing <= 0) continue;
       double sum = 0, n = 0;
@@ -69,16 +70,19 @@ class Surface {
       const bool is_fixed = std::min({a, b, c}) >= _n_output;
       const auto fill = is_fixed ? "#70757c"
                         : n == 0 ? "#b8bcc2"
-                                 : colour(sum / n / high, 0.7 + 0.3 * std::abs(facing));
-      drawn.emplace_back(seen(a, 2) + seen(b, 2) + seen(c, 2),
-                         fmt::format(R"(<path d="M{:.1f} {:.1f}L{:.1f} {:.1f} {:.1f} {:.1f}z" fill="{}" stroke="{}"/>)",
-                                     x(a), y(a), x(b), y(b), x(c), y(c), fill, fill));
+                                 : colour(sum / n / largest, 0.7 + 0.3 * std::abs(facing));
+      triangles_by_depth.emplace_back(
+          projected(a, 2) + projected(b, 2) + projected(c, 2),
+          fmt::format(R"(<path d="M{:.1f} {:.1f}L{:.1f} {:.1f} {:.1f} {:.1f}z" fill="{}" stroke="{}"/>)", x(a), y(a),
+                      x(b), y(b), x(c), y(c), fill, fill));
     }
-    std::stable_sort(drawn.begin(), drawn.end(), [](const auto& p, const auto& q) { return p.first < q.first; });
+    std::stable_sort(triangles_by_depth.begin(), triangles_by_depth.end(),
+                     [](const auto& p, const auto& q) { return p.first < q.first; });
     std::string all =
         fmt::format(R"(<svg class="body" viewBox="0 0 {} {:.0f}" role="img">)", width, 2 * margin + scale * _size[1]);
-    for (const auto& [depth, path] : drawn) all += path;
-    if (touched >= 0) all += fmt::format(R"(<circle cx="{:.1f}" cy="{:.1f}" r="6"/>)", x(touched), y(touched));
+    for (const auto& [depth, path] : triangles_by_depth) all += path;
+    if (touched_row >= 0)
+      all += fmt::format(R"(<circle cx="{:.1f}" cy="{:.1f}" r="6"/>)", x(touched_row), y(touched_row));
     return all + "</svg>";
   }
 

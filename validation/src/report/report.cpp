@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <phynness/formats/error.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/meshes/probe_points.hpp>
 #include <phynness/pages/report.hpp>
 #include <phynness/validation/force_unit.hpp>
-#include <phynness/validation/locking.hpp>
 #include <phynness/validation/report.hpp>
 
 #include "blocks.hpp"
@@ -136,38 +134,39 @@ Json curves(const Validated& in) {
   std::vector<const ForceCurve*> shown;
   for (std::size_t i = 0; i < std::min(most_curves, chosen.size()); ++i)
     shown.push_back(chosen[i * chosen.size() / std::min(most_curves, chosen.size())]);
-  const ForceUnit newton = unit_of(in);
-  std::vector<Json> drawn;
+  const ForceUnit unit = unit_of(in);
+  std::vector<Json> charts_of_nodes;
   for (const auto* curve : shown) {
-    const auto along = [&](const Vec3& f) {
-      return newton.per_N * (f[0] * curve->direction[0] + f[1] * curve->direction[1] + f[2] * curve->direction[2]);
+    const auto component = [&](const Vec3& f) {
+      return unit.per_N * (f[0] * curve->direction[0] + f[1] * curve->direction[1] + f[2] * curve->direction[2]);
     };
-    Curve model{"model", "line", 0, {}}, solves{"finite elements", "points", 2, {}},
-        straight{"straight line", "dashes", 1, {}};
+    Curve model{"model", "line", 0, {}}, solutions{"finite elements", "points", 2, {}},
+        initial_slope{"straight line", "dashes", 1, {}};
     const double deepest = curve->depth_m.back();
     constexpr int n = 120;
-    const auto said = [&](double s) {
+    const auto model_force = [&](double s) {
       const auto& e = curve->direction;
-      return along(in.model.force(curve->node, {s * e[0], s * e[1], s * e[2]}));
+      return component(in.model.force(curve->node, {s * e[0], s * e[1], s * e[2]}));
     };
-    for (int i = 0; i <= n; ++i) model.at.emplace_back(1e3 * deepest * i / n, said(deepest * i / n));
+    for (int i = 0; i <= n; ++i) model.at.emplace_back(1e3 * deepest * i / n, model_force(deepest * i / n));
     for (std::size_t i = 0; i < curve->depth_m.size(); ++i) {
       const double s = curve->depth_m[i];
-      solves.at.emplace_back(1e3 * s, along(curve->force_N[i]));
+      solutions.at.emplace_back(1e3 * s, component(curve->force_N[i]));
     }
-    const double slope = along(curve->force_N[0]) / curve->depth_m[0];
-    straight.at = {{0, 0}, {1e3 * deepest, slope * deepest}};
-    drawn.push_back(chart(fmt::format("Node {}", curve->node), "depth, mm", fmt::format("force, {}", newton.name),
-                          {straight, model, solves},
-                          {{"caption", fmt::format("Direction {}; trained to {:.3g} mm",
-                                                   vector(curve->direction, 1, "({:.2f} {:.2f} {:.2f})"),
-                                                   1e3 * in.model.trained_depth(curve->node, curve->direction))}}));
+    const double slope = component(curve->force_N[0]) / curve->depth_m[0];
+    initial_slope.at = {{0, 0}, {1e3 * deepest, slope * deepest}};
+    charts_of_nodes.push_back(
+        chart(fmt::format("Node {}", curve->node), "depth, mm", fmt::format("force, {}", unit.name),
+              {initial_slope, model, solutions},
+              {{"caption",
+                fmt::format("Direction {}; trained to {:.3g} mm", vector(curve->direction, 1, "({:.2f} {:.2f} {:.2f})"),
+                            1e3 * in.model.trained_depth(curve->node, curve->direction))}}));
   }
   return section(
       "Force against depth",
       {text("The component of the force along the first random ray of a node, against depth. Solid: the model; dots: "
             "finite elements; dashed: the straight line through the first dot."),
-       charts(drawn)});
+       charts(charts_of_nodes)});
 }
 
 Json cost(const Validated& in) {

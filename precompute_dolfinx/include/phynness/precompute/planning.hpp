@@ -1,13 +1,9 @@
-// A few rays that represent all rays of a scene, and what their costs say about a run: mean, spread, wall time. And the
-// sizes of the model.
+// A sample of rays that represents all rays of a scene, and the prediction of the cost of a run from this sample.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <phynness/formats/database.hpp>
-#include <phynness/formats/described.hpp>
-#include <phynness/formats/model.hpp>
-#include <phynness/formats/scene.hpp>
 #include <vector>
 
 namespace phynness {
@@ -30,9 +26,9 @@ std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fi
                                    std::uint64_t seed);
 
 struct RayCosts {
-  double mean_s = 0, longest_s = 0;  ///< weighted; of one ray
-  /// Standard error of the mean over the mean, with nodes as independent draws. It is too small if the sample contains
-  /// none of some rare long rays. Empty for fewer than `fewest_nodes` nodes.
+  double mean_s = 0, longest_s = 0;  ///< weighted mean, and maximum, over the rays
+  /// Relative standard error of the mean, with nodes as independent draws. It is underestimated if the sample misses
+  /// rare long rays. Empty for fewer than `fewest_nodes` nodes.
   std::optional<double> relative_error;
   /// The standard error of n draws has itself a relative uncertainty of about 1 / sqrt(2 (n - 1)): 19 % with 15 nodes,
   /// which are 30 rays because rays are selected in pairs; 71 % with two nodes.
@@ -41,22 +37,21 @@ struct RayCosts {
 /// @param seconds  CPU time of each ray [s]. @pre there is a ray
 RayCosts costs_of(const std::vector<RayChoice>& rays, const std::vector<double>& seconds);
 
-/// CPU times.
+/// CPU times of the parts of a run.
 struct RunCosts {
-  double start_s = 0;    ///< of each rank: scene, mesh, discretization
-  double ray_s = 0;      ///< mean
-  double longest_s = 0;  ///< of a ray
-  double setup_s = 0;    ///< each time that a rank begins with a node
-  double packing_s = 0;  ///< of all nodes; ranks share them
+  double start_s = 0;    ///< start of each rank: scene, mesh, discretization
+  double ray_s = 0;      ///< mean time of a ray
+  double longest_s = 0;  ///< time of the longest ray
+  double setup_s = 0;    ///< preparation of a node by a rank
+  double packing_s = 0;  ///< packing of all nodes, which the ranks share
   std::int64_t rays = 0, nodes = 0;
 };
 
-/// start + max((rays ray + (nodes + ranks - 1) setup) / ranks, longest + setup) + packing / min(ranks, nodes): ranks
-/// take small tasks until the end, where they share nodes and may wait for one long ray; then each packs some nodes.
-/// Reading, writing and launching are not in it.
+/// The predicted wall time, start + max((rays ray + (nodes + ranks - 1) setup) / ranks, longest + setup) + packing /
+/// min(ranks, nodes), without reading, writing and launching. At the end ranks share nodes and may wait for a long ray.
 double wall_seconds(const RunCosts& costs, int ranks);
 
-/// The largest number of ranks, at most one per ray, that spend at least half of their time as usefully as one rank.
-int ranks_of_use(const RunCosts& costs);
+/// The largest number of ranks, at most one per ray, with a parallel efficiency of at least one half.
+int max_useful_ranks(const RunCosts& costs);
 
 }  // namespace phynness

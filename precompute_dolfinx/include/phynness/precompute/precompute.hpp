@@ -8,7 +8,6 @@
 #include <phynness/formats/database.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <string>
-#include <vector>
 
 namespace phynness {
 
@@ -18,34 +17,35 @@ struct RayPart {
   std::string str() const { return std::to_string(index) + "/" + std::to_string(count); }
 };
 
-/// Output of the responses.
+/// The database that receives the responses.
 struct PrecomputeTarget {
   std::filesystem::path file;
   bool resume = false;
-  std::optional<RayPart> part;  ///< solve only these rays, and leave them in logs for a run without a part
-  std::filesystem::path from;   ///< database of Coverage::part, finished or not, whose rays are taken; may be empty
+  std::optional<RayPart> part;  ///< only these rays are solved; a run without a part packs their logs
+  std::filesystem::path from;   ///< database of Coverage::part whose rays are copied, finished or not; may be empty
 };
 
-/// Sums over rays: of one rank or of all, of this run or of the whole database. `failed` includes after_failure.
+/// Sums over rays of one rank or of all ranks, of this run or of the whole database. `failed` includes after_failure.
 struct RayCounts {
-  std::int64_t rays = 0, rays_solved = 0;                       ///< all; without directions that are not requested
-  std::int64_t increments = 0, after_end = 0;                   ///< tried; not tried
-  std::int64_t failed = 0, iterations = 0, library_errors = 0;  ///< the last: rays with Status::library_error
+  std::int64_t rays = 0, rays_solved = 0;      ///< all rays, and requested rays
+  std::int64_t increments = 0, after_end = 0;  ///< attempted increments, and those beyond the end of their ray
+  std::int64_t failed = 0, iterations = 0,
+               library_errors = 0;  ///< library_errors counts increments with Status::library_error
 };
 
 /// Rays and library errors are those of this run. Increments and iterations are those of the whole database or, for a
 /// part or an interrupted run, of this run; after_end is 0 there.
 struct PrecomputeReport : RayCounts {
-  std::int64_t rays_resumed = 0;                                  ///< found in the logs
-  std::int64_t rays_taken = 0;                                    ///< copied from another database in this run
-  std::int64_t increments_of_run = 0;                             ///< increments that this run solved
-  double wall_seconds = 0, core_seconds = 0;                      ///< of this run; core_seconds summed over ranks
+  std::int64_t rays_resumed = 0;              ///< rays found in the logs
+  std::int64_t rays_taken = 0;                ///< rays copied from another database in this run
+  std::int64_t increments_of_run = 0;         ///< increments solved by this run
+  double wall_seconds = 0, core_seconds = 0;  ///< times of this run; core_seconds is the sum over ranks
   double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;  ///< parts of wall_seconds
-  double at_rest_seconds = 0;                                     ///< of pack_seconds: responses at rest, by rank 0
-  double idle_share = 0;         ///< of the wall time of solving, on all ranks: waiting for the last ray
-  double peak_memory_bytes = 0;  ///< of the largest rank
-  bool interrupted = false;      ///< finished rays are kept; --resume continues
-  std::int64_t rays_found() const { return rays_resumed + rays_taken; }  ///< that this run did not solve
+  double at_rest_seconds = 0;    ///< part of pack_seconds in which rank 0 computes responses at rest
+  double idle_share = 0;         ///< share of the solve time in which ranks wait for the last ray
+  double peak_memory_bytes = 0;  ///< largest value of a rank
+  bool interrupted = false;      ///< the run was stopped; --resume continues with the finished rays
+  std::int64_t rays_found() const { return rays_resumed + rays_taken; }  ///< rays that this run did not solve
 };
 
 /// Called on rank 0 with the number of finished rays of all ranks and the total number. It is called often and should

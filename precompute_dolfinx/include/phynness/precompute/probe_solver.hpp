@@ -6,7 +6,6 @@
 #include <exception>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
@@ -17,7 +16,7 @@ namespace phynness {
 /// One equilibrium state.
 struct Response {
   Status status = Status::converged;
-  std::vector<Vec3> force_N;  ///< per tool: force that must be applied to hold the displacement
+  std::vector<Vec3> force_N;  ///< per tool: the force that holds the displacement
   double energy_J = 0;
   Points displacement_m;            ///< n_nodes x 3, all nodes of the mesh
   Eigen::MatrixXd fields;           ///< n_nodes x n_fields: fields of the scene's [database], in their units
@@ -38,29 +37,29 @@ struct RestResponse {
   Eigen::MatrixXd sensitivity;        ///< (3 n_nodes) x (3 n_tools): du/dd, row 3 i + k is component k at node i
 };
 
-/// Where ProbeSolver::follow() ends a ray. Without limits it goes on to the last value of s.
+/// The limits at which ProbeSolver::follow() ends a ray. By default it ends at the last value of s.
 struct RayLimits {
-  bool find_folds = false;   ///< compare the work of the force with the change of the stored energy
-  bool stop_at_fold = true;  ///< false: the first fold is recorded, and the ray goes on
+  bool find_folds = false;   ///< compares the work of the force with the change of the stored energy
+  bool stop_at_fold = true;  ///< false: the first fold is recorded, and the ray continues
   double resolution = 0;     ///< interval of s to which a fold is located
-  double min_jacobian = 0;   ///< a smaller J ends the ray; laws in which J has no meaning have no such end
-  double max_force_N = 0;    ///< the first value of s with a larger force is the last one; 0: no limit
+  double min_jacobian = 0;   ///< a smaller J ends the ray, except for linear laws
+  double max_force_N = 0;    ///< the ray ends at the first larger force; 0: no limit
 };
 
-/// What touch(), follow() and solve() throw if the user wants an end (ProbeSolver::set_stop). The solver can be
-/// used again afterwards.
+/// The exception of touch(), follow() and solve() after a stop request (ProbeSolver::set_stop). The solver remains
+/// usable.
 struct Interrupted : std::exception {
   const char* what() const noexcept override { return "interrupted"; }
 };
 
-/// Displacements of the touched tools at a time.
+/// The displacements of the touched tools at one time.
 struct TimeStep {
   double time_s = 0;
   std::vector<Vec3> displacement_m;
-  std::vector<SurfacePoint> places{};  ///< of the tools; empty: as before
+  std::vector<SurfacePoint> places{};  ///< places of the tools; empty if they are unchanged
 };
 
-/// The discretized body of this process. Ranks share nothing.
+/// The solver of this process. Ranks share no data.
 /// @pre a SolverSession exists during the lifetime of every ProbeSolver
 class ProbeSolver {
  public:
@@ -70,30 +69,29 @@ class ProbeSolver {
   ~ProbeSolver();
   ProbeSolver(ProbeSolver&&) noexcept;
 
-  /// @throws Error (input) unless the node is of the surface and free
+  /// @throws Error (input) if the node is not on the surface, or if it is fixed
   void check_touched(std::int32_t node) const;
   /// Puts tools at nodes and computes their stiffness at rest, which later solves use.
   /// @throws Error if a node is not on the surface or is fixed, if tools are at one place, or if the tangent at rest
   /// could not be factorized; a later call may succeed
   void touch(const std::vector<std::int32_t>& nodes);
-  /// The same at any points of the surface; of the corners of a triangle some may be fixed.
+  /// Puts tools at any points of the surface. Some corners of their triangles may be fixed.
   void touch_points(const std::vector<SurfacePoint>& points);
   const RestResponse& rest() const;
-  /// What touch_points() of one point and rest() give, of round tools. One factorization serves all calls until the
-  /// next touch(), and each takes three substitutions. Afterwards nothing is touched.
+  /// The response at rest to a single round tool, as after touch_points(). All calls until the next touch() share one
+  /// factorization, and each needs three substitutions. Afterwards nothing is touched.
   /// @throws Error as touch()
-  RestResponse alone_at_rest(const SurfacePoint& point);
-  RestResponse alone_at_rest(std::int32_t node) { return alone_at_rest(at_node(node)); }
+  RestResponse single_tool_at_rest(const SurfacePoint& point);
+  RestResponse single_tool_at_rest(std::int32_t node) { return single_tool_at_rest(at_node(node)); }
   /// Scalar fields of a displacement by linear theory, n_nodes x n_fields, in their units. They are computed from the
   /// sensitivities at rest at a very small displacement and scaled by the power with which each field grows.
   /// @pre as many displacements [m] as touched tools, not all zero
   Eigen::MatrixXd linear_fields(const std::vector<Vec3>& displacement_m) const;
-  /// Moves tool t along displacement_m[t] * s for the ascending values of s, starting at rest. Calls `take` with the
-  /// response for every value in order, until it returns false. Values beyond the end of the ray are not solved and
-  /// have Status::after_end.
+  /// Moves tool t along displacement_m[t] * s for the ascending values of s, starting at rest. Calls `on_response` for
+  /// every value in order, until it returns false. Values beyond the end of the ray have Status::after_end.
   /// @return end of the ray; its depths are values of s
   RayEnd follow(const std::vector<Vec3>& displacement_m, const std::vector<double>& s_values, bool tangents,
-                const std::function<bool(std::size_t, const Response&)>& take, const RayLimits& limits = {});
+                const std::function<bool(std::size_t, const Response&)>& on_response, const RayLimits& limits = {});
 
   /// The limits of the scene's [probe], for values of s in metres.
   RayLimits limits_of_rays() const;
@@ -104,18 +102,17 @@ class ProbeSolver {
   /// Begins a motion of the touched tools in time, from rest, of a body that relaxes.
   /// @throws Error (input) if the element is not P1, p1-p1 or es-p1-p1
   void begin_motion(const Relaxation& relaxation);
-  /// A step of the motion, linear in time; parts of it that are longer than an increment of the scene, or that do not
-  /// converge, are halved. Tools whose place changes hold the body where they come to.
-  /// @param force_N  of each tool, if the status is Status::converged; otherwise the step was not made
-  /// @throws Error (input) if its time is not later than that of the step before
+  /// Advances the motion by a step that is linear in time. Substeps that exceed an increment of the scene, or that do
+  /// not converge, are halved. A tool whose place changes holds the body at the new place.
+  /// @param force_N  receives the force of each tool. @return Status::converged, or another status without a step
+  /// @throws Error (input) if the time is not later than that of the previous step
   Status move(const TimeStep& step, std::vector<Vec3>& force_N);
 
-  /// Must be called after an exception of follow() or solve() before the next call. Recreates the state that libraries
-  /// keep between calls.
+  /// Must be called after an exception of follow() or solve(). Recreates the state of the libraries.
   void recover();
 
-  /// `stop` is asked between two iterations. A solve that is still at work `patience_s` seconds after it first said
-  /// true throws Interrupted: by default most rays under way are finished, and none keeps a person waiting.
+  /// Polls `stop` between iterations. A solve that continues for `patience_s` seconds after the first true throws
+  /// Interrupted. The default lets most rays finish.
   void set_stop(std::function<bool()> stop, double patience_s = 2);
 
   int n_dofs() const;

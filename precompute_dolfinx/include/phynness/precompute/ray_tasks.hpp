@@ -1,4 +1,4 @@
-// The rays that are left, and their division into tasks, which the ranks of precompute() fetch one after the other.
+// The remaining rays of a database, and their division into tasks, which the ranks of precompute() fetch.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,15 @@ struct RayIndex {
   std::int32_t active = 0, direction = 0;
 };
 
-/// The rays of a database that are not yet logged, node by node: first those near fixed nodes, which take longest, so
-/// that no rank begins a long ray when the others end.
+/// The rays that are not yet logged, grouped by node. Nodes near fixed nodes come first, because their rays take
+/// longest.
 /// @param logged  n_active x n_directions flags
-std::vector<RayIndex> rays_left(const DatabaseHeader& header, const std::vector<char>& logged);
+std::vector<RayIndex> remaining_rays(const DatabaseHeader& header, const std::vector<char>& logged);
 
-/// First ray of each task, followed by rays.size(). A task belongs to one node, because each change of the node costs a
-/// factorization. While many rays are left a task has all rays of the node, later a share of the remaining rays, at the
-/// end a single ray, so that all ranks end at about the same time (guided self-scheduling: Polychronopoulos & Kuck
-/// 1987, doi 10.1109/TC.1987.5009495).
-/// @param rays  node by node
+/// The first ray of each task, followed by rays.size(). A task has rays of one node, because each change of the node
+/// costs a factorization. The size of the tasks decreases from all rays of a node to a single ray, so that all ranks
+/// end at about the same time (guided self-scheduling: Polychronopoulos & Kuck 1987, doi 10.1109/TC.1987.5009495).
+/// @param rays  grouped by node
 /// @pre n_ranks > 0
 std::vector<std::int64_t> ray_tasks(const std::vector<RayIndex>& rays, int n_ranks);
 

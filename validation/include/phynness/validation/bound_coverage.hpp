@@ -1,4 +1,4 @@
-// How bounds of the force's error hold for solved displacements.
+// The share of force errors at solved displacements that their bounds cover.
 #pragma once
 
 #include <array>
@@ -8,17 +8,22 @@
 
 namespace phynness {
 
+/// The share of covered errors in each third of the depth may be smaller than that of all errors by this.
+inline constexpr double thirds_tolerance = 0.04;
+/// The fit of the logarithms of errors replaces smaller errors by this part of the largest force.
+inline constexpr double smallest_error = 1e-5;
+
 /// A solved displacement inside the trained range.
 struct BoundedError {
   double depth_m = 0, error_N = 0, bound_N = 0;
-  double weight = 1;  ///< number of nodes for which the node stands
+  double weight = 1;  ///< number of nodes that the sampled node represents
 };
 
-/// Shares of the displacements whose error is at most the bound, by weight.
+/// The weighted shares of displacements whose error is at most the bound.
 struct BoundCoverage {
   std::int64_t states = 0;
   double all = 0;
-  std::array<double, 3> thirds{};  ///< of the depth; nan without states
+  std::array<double, 3> thirds{};  ///< the shares in each third of the depth; nan without states
   static void describe(const auto& c, auto&& see) {
     see("states", c.states);
     see("coverage", c.states > 0 ? c.all : undefined);
@@ -26,13 +31,13 @@ struct BoundCoverage {
   }
 };
 
-/// @param range_m  length of which thirds are taken
+/// @param range_m  the depth that is divided into thirds
 BoundCoverage coverage_of(const std::vector<BoundedError>& errors, double range_m);
 
-/// The share of fresh errors below a bound that 19 calibrations of 20 reach or exceed. The bound is the k-th smallest
-/// of n independent errors over their prediction, k = ceil(coverage (n + 1)), and the share of fresh ones below has the
-/// distribution Beta(k, n + 1 - k) (Vovk 2012, arXiv:1209.2673). Errors of one place count as one, because they are
-/// alike.
+/// The share of new errors below a bound that 19 calibrations of 20 reach or exceed. The bound is the k-th smallest of
+/// n independent ratios of error and prediction, k = ceil(coverage (n + 1)), and the share of new errors below it has
+/// the distribution Beta(k, n + 1 - k) (Vovk 2012, arXiv:1209.2673). Errors at one place count once, because they are
+/// correlated.
 /// @param n  number of places, or of rays. @return 0 if n is too small for a bound
 double promised_coverage(std::int64_t n, double coverage);
 

@@ -9,26 +9,25 @@
 
 namespace phynness {
 
-enum class CoupledKind : std::int32_t { one, several };  ///< tools
+enum class CoupledKind : std::int32_t { one, several };  ///< the number of tools
 
-/// A tool in a solved state of a random ray.
+/// One tool in a solved state of a random ray.
 struct CoupledState {
-  std::int32_t ray = 0;  ///< its number among those of the same kind
+  std::int32_t ray = 0;  ///< number of the ray among those of the same kind
   CoupledKind kind = CoupledKind::one;
-  std::int32_t n_tools = 1;  ///< of its state
+  std::int32_t n_tools = 1;  ///< number of tools of the state
   phn_tool tool{};
-  Vec3 force_N{};                 ///< of the finite elements
-  Vec3 said_N{};                  ///< of a body
-  std::array<double, 3> terms{};  ///< of a body: x, y and z of formats/body.md, Bounds
+  Vec3 force_N{};                 ///< force of the finite elements
+  Vec3 predicted_N{};             ///< force that the body predicts
+  std::array<double, 3> terms{};  ///< x, y and z of formats/body.md (Bounds), for a body
 };
 
-/// How the bounds of one kind hold at rays that are left out, a fifth of them at a time.
+/// Five-fold cross-validation of the bounds of one kind over the rays.
 struct CoupledCoverage {
   std::int64_t rays = 0;
   BoundCoverage all;
-  /// Share of fresh errors below the bound that so many rays promise (promised_coverage), of each number of tools.
-  double promised = 0;
-  double flagged = 0;  ///< share of the drawn states that the runtime flags and that therefore have no bound
+  double promised = 0;  ///< smallest promised_coverage() over the numbers of tools
+  double flagged = 0;   ///< share of drawn states without a bound, because the runtime flags them
   static void describe(const auto& c, auto&& see) {
     see("rays", c.rays);
     see("promised", c.promised);
@@ -37,12 +36,11 @@ struct CoupledCoverage {
   }
 };
 
-/// Sets the coefficients of the bound of one tool between nodes; with fewer than 20 rays it stays unknown.
-/// @param model   with bounds at nodes
-/// @param mesh    of the model
-/// @param found   receives all but `flagged`
+/// Sets the coefficients of the bound of one tool between nodes, if there are at least 20 rays.
+/// @param model   has bounds at its nodes
+/// @param found   receives all members except `flagged`
 void add_bound_between(Model& model, const Mesh& mesh, const std::vector<CoupledState>& states, CoupledCoverage& found);
-/// Sets those of a body, of one tool and of several, at every place; a kind with fewer than 20 rays has none.
+/// Sets the coefficients of the bounds of a body for one tool and for several; a kind needs at least 20 rays.
 void add_coupled_bounds(ReducedBody& body, double coverage, const std::vector<CoupledState>& states,
                         std::array<CoupledCoverage, 2>& found);
 

@@ -1,9 +1,8 @@
-// Effect of element and cell size on the forces of a scene: a few probes compared with a finer solution. And what
-// accuracy costs: the elements and meshes of a scene, each with its distance to a finer solution and its time.
+// Discretization error of a scene: a few probes are compared with a finer solution. A second function compares the
+// error and the time of all elements and mesh sizes.
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -20,14 +19,14 @@
 
 namespace phynness {
 
-/// The scene and the variants with which it is compared, as reference_names.
+/// The scene and the variants with which it is compared.
 enum class Variant : std::size_t { scene, taylor_hood, half_size };
-const char* name(Variant);  ///< of reference_names
+const char* name(Variant);  ///< from reference_names
 std::optional<Variant> variant_named(std::string_view name);
 
 struct VariantForces {
-  std::vector<Status> status;  ///< per depth; empty: not solved
-  std::vector<Vec3> force_N;   ///< per depth, if it converged
+  std::vector<Status> status;  ///< per depth; empty if the variant was not solved
+  std::vector<Vec3> force_N;   ///< per depth; valid if it converged
   bool converged(std::size_t depth) const { return depth < status.size() && status[depth] == Status::converged; }
   static void describe(const auto& forces, auto&& see) {
     std::vector<const char*> names;
@@ -41,44 +40,44 @@ struct VariantForces {
   }
 };
 
-/// What finer bodies do to the stiffness of a round tool at rest. Distances are Frobenius norms of differences over
-/// those of the finer one; undefined: not compared.
+/// The stiffness of a round tool at rest on successively finer bodies. Each distance is the Frobenius norm of the
+/// difference over that of the finer stiffness; it is undefined if the bodies were not compared.
 struct PlaceAtRest {
   std::int32_t node = 0;
   bool near_fixed = false;
-  double element = undefined;  ///< of the scene's element from Taylor-Hood on the same mesh
-  double cells = undefined;    ///< of these from cells of half the size, whose surface is that of the mesh
-  double shape = undefined;    ///< of these from a mesh of about the same size, whose surface is that of the scene
-  double all = undefined;      ///< of the scene from the finest of these bodies
-  /// Stiffness of the finest one times the inverse of that of the reference.
+  double element = undefined;  ///< from the scene's element to Taylor-Hood on the same mesh
+  double cells = undefined;    ///< from there to cells of half the size with the same surface
+  double shape = undefined;    ///< from there to a mesh of about this size on the surface of the scene
+  double all = undefined;      ///< from the scene to the finest of these bodies
+  /// Stiffness of the finest body times the inverse stiffness of the reference.
   Eigen::Matrix3d finest_over_reference = Eigen::Matrix3d::Identity();
   PHYNNESS_FIGURES(node, near_fixed, element, cells, shape, all)
 };
 
 struct ComparisonAtRest {
   std::vector<PlaceAtRest> places;
-  std::string why_not;  ///< what is left out, with the reason
+  std::string skipped_reason;  ///< what was not compared, and why
   static void describe(const auto& result, auto&& see) {
     PHYNNESS_SEE(places);
-    see("left_out", result.why_not.empty() ? std::nullopt : std::optional(result.why_not));
+    see("left_out", result.skipped_reason.empty() ? std::nullopt : std::optional(result.skipped_reason));
   }
 };
 
 struct CheckedProbe {
   std::int32_t node = 0;
-  bool near_fixed = false;  ///< nearer than the radius of the tool to a fixed node
+  bool near_fixed = false;  ///< a fixed node is nearer than the radius of the tool
   Vec3 direction{};
   double inward = 0;  ///< cosine between the direction and the inward normal
   VariantForces own, finer;
-  /// As of PlaceAtRest.
+  /// See PlaceAtRest.
   Eigen::Matrix3d finest_over_reference = Eigen::Matrix3d::Identity();
-  /// The force of the finer solution, changed as finer bodies change the stiffness at rest.
+  /// The force of the finer solution, corrected by the change of the stiffness at rest on the finest body.
   Eigen::Vector3d finest_N(std::size_t depth) const { return finest_over_reference * to_eigen(finer.force_N[depth]); }
-  /// Size of the scene's force over that of the finest one; empty unless both converged.
+  /// Magnitude of the scene's force over that of the finest force; empty unless both converged.
   std::optional<double> ratio(std::size_t depth) const;
-  /// As FinerDistance: the relative error of the scene's force at the largest displacement that both solve.
+  /// Relative error of the scene's force at the largest displacement that both solve, as in FinerDistance.
   std::optional<double> error() const { return error_of(own); }
-  /// The same of `own` or `finer`.
+  /// The same error for `own` or `finer`.
   std::optional<double> error_of(const VariantForces& forces) const;
   static void describe(const auto& result, auto&& see) {
     PHYNNESS_SEE(node, near_fixed, direction, inward);
@@ -107,19 +106,19 @@ struct RatioStatistics {
 
 struct DiscretizationReport {
   Variant reference = Variant::taylor_hood;
-  std::int32_t nodes = 0;  ///< of the mesh of the reference
+  std::int32_t nodes = 0;  ///< number of nodes of the reference's mesh
   double tool_radius_m = 0;
-  bool patch_for_node = false;  ///< the scene displaces nodes, and patches of tool_radius_m were solved instead
-  double mean_edge_m = 0;       ///< of all edges of the mesh
+  bool patch_for_node = false;  ///< patches of tool_radius_m replace the nodes that the scene displaces
+  double mean_edge_m = 0;       ///< mean over all edges of the mesh
   double tool_edges = 0;        ///< tool_radius_m in mean surface edges at the active nodes (surface_edges_at)
   std::vector<double> depth_m;  ///< ascending; the last one is the largest displacement of the scene
   std::vector<CheckedProbe> probes;
   ComparisonAtRest at_rest;
-  double near_share = 0;       ///< of the answered surface: nearer than the tool's radius to a fixed node
+  double near_share = 0;       ///< share of the touched surface that is nearer than the tool's radius to a fixed node
   double unknowns_factor = 0;  ///< unknowns of the reference over those of the scene
-  std::int64_t left_out = 0;   ///< probes that the time does not allow
+  std::int64_t left_out = 0;   ///< probes that exceed the time limit
   double seconds = 0;
-  double sufficient_s = 0;  ///< about what all probes need
+  double sufficient_s = 0;  ///< estimated time of all probes
   bool interrupted = false;
 
   RatioStatistics ratios(std::size_t depth) const;
@@ -135,13 +134,13 @@ struct DiscretizationReport {
   }
 };
 
-/// Memory that a process can still take, by /proc/meminfo; infinite where there is none.
+/// The available memory according to /proc/meminfo; infinite on systems without this file.
 double available_memory_bytes();
 
 struct DiscretizationOptions {
-  int probes = 12;                           ///< at most; the check ends earlier when is_known()
-  Variant reference = Variant::taylor_hood;  ///< of a check
-  /// No probe is begun whose predicted end is later, and one that is at work then is given up at its next iteration.
+  int probes = 12;                           ///< upper limit; the check ends earlier when is_known()
+  Variant reference = Variant::taylor_hood;  ///< reference of a check
+  /// A probe is not started if its predicted end is later. A running probe is then abandoned at its next iteration.
   double seconds = 60;
   /// Time in seconds, from any origin.
   std::function<double()> clock = [] {
@@ -150,8 +149,8 @@ struct DiscretizationOptions {
   std::function<double()> available_bytes = available_memory_bytes;
 };
 
-/// The finer solution that is named with a model: Taylor-Hood on the same mesh, which does not lock, or cells of half
-/// the size where the scene has no such variant.
+/// The default finer solution: Taylor-Hood on the same mesh, which does not lock, or cells of half the size if the
+/// scene has no such variant.
 Variant finer_reference(const Scene& scene);
 
 /// @throws Error (input) if the scene has no such variant
@@ -162,45 +161,45 @@ struct VariantBody {
   Mesh mesh;
   NodeSets sets;
 };
-/// The body of a variant. The nodes that the mesh has keep their numbers.
+/// The body of a variant. Existing nodes of the mesh keep their numbers.
 VariantBody variant_body(Variant v, VariantBody body);
-/// Its unknowns; it need not be made for that.
+/// The number of unknowns of a variant, without making its mesh.
 double variant_unknowns(Variant v, Element element, const Mesh& mesh);
 
-/// Time [s] of the check in `phynness run`: a quarter of that of the database, so at most a fifth of all, but a second.
+/// Time limit [s] of the check in `phynness run`: a quarter of the time of the database, and at least one second.
 /// @param solve_s  CPU time of the solves of the database
 inline double check_limit_s(double solve_s, int ranks) { return std::max(1.0, solve_s / ranks / 4); }
 
 /// Radius of the patch that replaces a node in a check. The force at a node depends on the element even without
 /// locking: P1 moves a node, P2 also the midpoints of its edges (docs/theory.md, What a probe is).
-/// @param edge_m  mean length of the surface's edges at the active nodes
+/// @param edge_m  mean length of surface edges at the active nodes
 double patch_radius_for_node(double edge_m, double max_displacement_m);
 
-/// A ray of a check, by the indices of an active node and a direction.
+/// The indices of the active node and the direction of a ray.
 struct CheckedRay {
   std::int32_t active = 0, direction = 0;
   bool near_fixed = false;
 };
-/// Rays in an order of which each beginning represents the surface of the active nodes: places follow the sequence of
-/// the golden ratio over the area, counted along the body and then along its part near fixed nodes. Their directions
-/// are in turn the most inward, the most tangential and the most outward one that the scene requests.
+/// Rays in an order in which every prefix represents the surface of the active nodes. The nodes follow the golden-ratio
+/// sequence over the cumulative area, first away from fixed nodes and then near them. The directions alternate between
+/// the most inward, the most tangential and the most outward requested direction.
 struct CheckedRays {
   std::vector<CheckedRay> rays;
-  double near_share = 0;  ///< of the area
+  double near_share = 0;  ///< share of the area near fixed nodes
 };
-/// @param radius_m  nodes nearer than this to a fixed node are near to it
+/// @param radius_m  distance from a fixed node below which a node is near it
 CheckedRays choose_checked_rays(const DatabaseHeader& header, const std::vector<char>& requested, double radius_m,
                                 std::size_t wanted);
 
-/// The scene's nodes at which a check may place its tools: those that active nodes answer, also between them.
+/// The nodes at which a check may place tools: the active nodes, and the nodes between them that a model covers.
 NodeList answered_nodes(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 
-/// Whether the mean error of a check is known well enough: from four places on, of which two are in each part with at
-/// least a sixth of the area, when its standard error is at most a third of the mean or 1 %.
+/// Whether the mean error is known well enough: there are at least four probes, at least two in each part (near and far
+/// from fixed nodes) with a sixth of the area, and the standard error is at most a third of the mean, or 1 %.
 bool is_known(const std::vector<CheckedProbe>& probes, double near_share);
 
-/// Solves each probe with the scene and the reference until the time is over. Must run as one process.
-/// @param progress  finished rays and their largest possible number
+/// Solves each probe with the scene and the reference within the time limit. Must run as one process.
+/// @param progress  receives the numbers of finished and of planned rays
 /// @throws Error if the scene has no such reference or cannot be solved
 DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, const NodeSets& sets,
                                           const DiscretizationOptions& options, const OnProgress& progress = {},
@@ -208,17 +207,17 @@ DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, 
 
 /// One element on one mesh.
 struct TradeRow {
-  Scene scene;                         ///< with this element and this size of the mesh
-  std::optional<DatabaseHeader> body;  ///< empty if there is no such body
+  Scene scene;                         ///< has the element and the mesh size of the row
+  std::optional<DatabaseHeader> body;  ///< empty if the mesh could not be made
   double unknowns = 0;
-  std::string left_out;      ///< reason why it was not compared; empty: it was
-  std::int64_t probes = 0;   ///< that both this row and the reference solve
-  double mean = 0, p95 = 0;  ///< relative error of the force there
-  double ray_s = 0;          ///< CPU time of a ray with the preparation of its place, mean
-  std::int64_t rays = 0;     ///< that a database of this row would solve
-  bool is_scene = false;     ///< as the scene has it
+  std::string left_out;      ///< why the row was not compared; empty if it was
+  std::int64_t probes = 0;   ///< number of probes that both this row and the reference solve
+  double mean = 0, p95 = 0;  ///< relative error of their forces
+  double ray_s = 0;          ///< mean CPU time of a ray, with the preparation of its node
+  std::int64_t rays = 0;     ///< number of rays of a database of this row
+  bool is_scene = false;     ///< the scene has this element and this mesh
   bool is_reference = false;
-  bool on_front = false;  ///< no other row is better in error and time
+  bool on_front = false;  ///< Pareto front: no other row is better in error and time
 
   double core_hours() const { return ray_s * static_cast<double>(rays) / 3600; }
   static void describe(const auto& row, auto&& see) {
@@ -248,12 +247,12 @@ struct TradeReport {
   PHYNNESS_FIGURES(tool_radius_m, probes, rows, seconds, interrupted)
 };
 
-/// Compares all elements that the scene can have, on its mesh and, where phynness makes it, on meshes of half and twice
-/// as many nodes, with Taylor-Hood elements (P2 if lambda is not positive) on the finest of them. All touch the body at
-/// the same points of space, with round tools of the same radius. Must run as one process.
-/// @param options  its `reference` is not used
-/// @throws Error (input) if there is one body only, as of shells, and if the reference needs more than
-/// options.seconds, before it is solved
+/// Compares all possible elements, on the scene's mesh and on meshes of half and twice as many nodes if phynness
+/// generates the mesh. The reference has Taylor-Hood elements (P2 if lambda is not positive) on the finest mesh. The
+/// tools are round and touch the same points in space with the same radius. Must run as one process.
+/// @param options  `reference` is not used
+/// @throws Error (input) if there is only one row, as for a shell, or if the reference is predicted to need more than
+/// options.seconds
 TradeReport compare_discretizations(const Scene& scene, const Mesh& mesh, const NodeSets& sets,
                                     const DiscretizationOptions& options, const OnProgress& progress = {},
                                     const ShouldStop& stop = {});

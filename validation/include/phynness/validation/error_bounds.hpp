@@ -15,20 +15,21 @@ struct BoundState {
   double depth_m = 0, error_N = 0, force_N = 0;
 };
 
-/// Properties of the trained states of a model's nodes that predict errors.
+/// Predictors of errors, from the trained states of each node.
 struct BoundPredictors {
-  std::vector<double> largest_N;           ///< of each node: force of its trained states
-  std::vector<std::vector<double>> crush;  ///< of each node and displacement: log(-log J), J of the most crushed cell
+  std::vector<double> largest_N;  ///< largest force of the trained states of each node
+  std::vector<std::vector<double>>
+      compression;  ///< log(-log J) for each node and displacement, with the smallest J of all cells
 };
 /// @throws Error (input) if the model was not trained on this database
 BoundPredictors bound_predictors(const Model& model, const Database& database);
 
-/// The model with bounds that hold for the share `coverage` of states like these.
+/// Adds bounds that cover the share `coverage` of similar states.
 /// @throws Error (input) if there are too few states
 Model add_bounds(Model model, const BoundPredictors& predictors, const std::vector<BoundState>& states,
                  std::int64_t n_rays, double coverage);
 
-/// The bounds of a model at given states.
+/// The errors of given states with the bounds of a model.
 std::vector<BoundedError> bounded_errors(const NamedOrgan& bounded, const std::vector<BoundState>& states);
 
 }  // namespace phynness

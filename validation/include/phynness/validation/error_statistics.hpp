@@ -8,7 +8,7 @@
 
 namespace phynness {
 
-/// Fractions. Without samples all members are 0.
+/// Statistics of fractions. All members are 0 without samples.
 struct ErrorStatistics {
   double mean = 0, median = 0, p95 = 0, max = 0;
   std::int64_t n = 0;
@@ -23,10 +23,10 @@ struct ErrorStatistics {
   }
 };
 
-/// The smallest of the values that the share is not above: nearest rank. @pre they ascend, and there are some
+/// The quantile by nearest rank. @pre the values ascend, and there is at least one
 double quantile(const std::vector<double>& ascending, double share);
 
-/// The statistics of a result that tables show, with their titles.
+/// The titled statistics of a result, for tables.
 template <Described T>
 ByName<ErrorStatistics> titled(const T& result) {
   ByName<ErrorStatistics> rows;

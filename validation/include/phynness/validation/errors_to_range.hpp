@@ -1,8 +1,7 @@
-// Errors over probes that are drawn up to the largest displacement R of the scene, whatever the model trained, split by
-// the warnings of the runtime.
+// Errors of probes up to the largest displacement R of the scene, independent of the trained range, by the warnings of
+// the runtime.
 #pragma once
 
-#include <array>
 #include <limits>
 #include <optional>
 #include <phynness/formats/database.hpp>
@@ -13,12 +12,12 @@
 
 namespace phynness {
 
-/// A force is called wrong if it is off by more than this fraction of its own size.
+/// A force is wrong if its error is larger than this fraction of its magnitude.
 inline constexpr double wrong_fraction = 0.1;
-/// The size of a force is taken as at least this fraction of the largest one of the node.
+/// The magnitude by which an error is divided is at least this fraction of the node's largest force.
 inline constexpr double force_floor = 0.01;
 
-/// Errors of one prediction. Not a number: not defined, because all finite element forces of the node are 0.
+/// Errors of one prediction. They are nan if all finite element forces of the node are 0.
 struct ProbeErrors {
   double force = 0;                  ///< |f - f_FE| / largest |f_FE| of the node
   double force_own = 0;              ///< |f - f_FE| / max(|f_FE|, force_floor * largest |f_FE| of the node)
@@ -26,17 +25,17 @@ struct ProbeErrors {
   static void members(auto& e, auto&& each) { each(e.force, e.force_own, e.displacement); }
 };
 
-/// A drawn probe, solved or not.
-struct JudgedProbe {
-  std::int32_t node = 0;  ///< or the number of a point between nodes, or of a pair of tools
+/// A probe with its errors if it was solved.
+struct ProbeResult {
+  std::int32_t node = 0;  ///< the node, or the number of a point between nodes or of a pair of tools
   Vec3 displacement_m{};
-  bool beyond = false;   ///< deeper than R, to outside_factor R
+  bool beyond = false;   ///< the depth is in (R, outside_factor R]
   bool flagged = false;  ///< the runtime warns of this state (is_flagged)
   Status status = Status::not_solved;
-  double reached_m = 0;  ///< deepest converged depth of the ray if the probe was not solved; negative: not known
-  double error_N = 0, largest_N = 0;  ///< |f - f_FE|, and largest |f_FE| of the node; of solved probes
-  double weight = 1;                  ///< NodePlan::weight, for the shares of errors below their bound
-  /// Bound of error_N; infinite outside of the trained range. Not a number: the model has no bounds.
+  double reached_m = 0;               ///< deepest converged depth of the ray of an unsolved probe; negative if unknown
+  double error_N = 0, largest_N = 0;  ///< |f - f_FE|, and largest |f_FE| of the node; valid for solved probes
+  double weight = 1;                  ///< NodePlan::weight, for the coverage of bounds
+  /// Bound of error_N; infinite outside the trained range, nan if the model has no bounds.
   double bound_N = std::numeric_limits<double>::quiet_NaN();
   ProbeErrors model, linear;
   bool solved() const { return status == Status::converged; }
@@ -44,7 +43,7 @@ struct JudgedProbe {
     each(p.node, p.displacement_m, p.beyond, p.flagged, p.status, p.reached_m, p.error_N, p.largest_N, p.weight,
          p.bound_N, p.model, p.linear);
   }
-  /// Of probes that are not solved.
+  /// Describes an unsolved probe.
   static void describe(const auto& result, auto&& see) {
     see("node", result.node);
     see("displacement", result.displacement_m);
@@ -56,13 +55,13 @@ struct JudgedProbe {
   double depth_m() const;
 };
 
-/// Whether a status of the runtime warns of a state. PHN_WARNING_INCOMPLETE alone does not: it is a property of a node,
-/// and is returned for all of its states.
+/// Whether a status of the runtime contains another warning than PHN_WARNING_INCOMPLETE, which a node has in all
+/// states.
 bool is_flagged(int status);
 
 struct PredictionErrors {
   ErrorStatistics force, displacement;
-  double wrong = 0;  ///< share of the forces that are off by more than wrong_fraction of their own size
+  double wrong = 0;  ///< share of forces with an error above wrong_fraction
   static void describe(const auto& e, auto&& see) {
     see("force", e.force);
     see("wrong", e.force.n > 0 ? e.wrong : undefined);
@@ -70,10 +69,10 @@ struct PredictionErrors {
   }
 };
 
-/// Statistics of some probes. Shares refer to drawn probes, errors to solved ones.
-struct JudgedErrors {
+/// Statistics of a group of probes. Shares refer to all probes, errors to solved ones.
+struct ProbeStatistics {
   std::int64_t probes = 0, solved = 0;
-  double share = 0;  ///< of this group in all drawn probes
+  double share = 0;  ///< share of this group in all probes
   PredictionErrors model, linear;
   static void describe(const auto& result, auto&& see) {
     PHYNNESS_SEE(probes, solved, share);
@@ -82,7 +81,7 @@ struct JudgedErrors {
   }
 };
 
-/// Model errors of one node over its solved probes up to R: means, undefined (nan) if nothing was solved.
+/// Mean errors of the model over the solved probes of a node up to R; nan if none was solved.
 struct ErrorsOfNode {
   std::int32_t node = 0;
   double force = 0, displacement = 0;
@@ -93,8 +92,8 @@ struct ErrorsOfNode {
   }
 };
 
-/// The node with the largest error of the force among solved probes to R without a warning, or, if there are none, with
-/// one.
+/// The node with the largest force error of the solved probes up to R without a warning, or with a warning if there are
+/// no others.
 struct WorstNode {
   std::int32_t node = 0;
   double error_N = 0, mean_error_N = 0, largest_N = 0;
@@ -102,20 +101,20 @@ struct WorstNode {
 };
 
 struct ErrorsByWarning {
-  JudgedErrors all, unflagged, flagged;
-  std::vector<JudgedProbe> unreached;  ///< probes that the finite elements do not reach, without errors
+  ProbeStatistics all, unflagged, flagged;
+  std::vector<ProbeResult> unreached;  ///< probes without a finite element solution
   PHYNNESS_FIGURES(all, unflagged, flagged, unreached)
 };
-ErrorsByWarning errors_by_warning(const std::vector<JudgedProbe>& probes);
+ErrorsByWarning errors_by_warning(const std::vector<ProbeResult>& probes);
 
 struct ErrorsToRange : ErrorsByWarning {  ///< depth in (0, R]
   double range_m = 0;                     ///< R of the scene
-  JudgedErrors beyond;                    ///< depth in (R, outside_factor R]
+  ProbeStatistics beyond;                 ///< depth in (R, outside_factor R]
   std::vector<ErrorsOfNode> nodes;        ///< ascending
   std::optional<WorstNode> worst;         ///< empty if nothing was solved
-  std::optional<BoundCoverage> bounds;    ///< of a model that has bounds: solved probes up to R that have one
+  std::optional<BoundCoverage> bounds;    ///< coverage of solved probes up to R; empty without bounds
 };
-ErrorsToRange errors_to_range(const std::vector<JudgedProbe>& probes, double range_m);
+ErrorsToRange errors_to_range(const std::vector<ProbeResult>& probes, double range_m);
 
 /// A fraction in percent without the sign, for tables and sentences: at most five characters; "-" if it is undefined.
 std::string in_percent(double fraction);

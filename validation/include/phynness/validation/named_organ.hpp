@@ -1,4 +1,4 @@
-// A model's folder, or a body's file, in the runtime (phynness.hpp), with errors that name the file.
+// A model or a body in the runtime (phynness.hpp), with errors that contain the file name.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,17 +16,16 @@ namespace phynness {
 
 struct OrganResponse {
   std::vector<std::optional<Vec3>> force_N;  ///< per tool; empty if the method defines no force
-  std::optional<double>
-      energy_J;            ///< stored energy; in family rbfn the work of the force along the straight path from rest
-  Points displacement_m;   ///< of the model's output nodes or the body's nodes; empty if the model has forces only
-  Eigen::MatrixXd fields;  ///< n_output x n_fields, in their units; empty for a model without fields or several tools
-  int status = PHN_OK;     ///< status of the runtime: PHN_OK or warnings
-  OrganReport report;      ///< of tools that are held
-  /// Bounds of the errors of held tools' forces, where there is one; without elements if there are none.
+  std::optional<double> energy_J;  ///< stored energy; in family rbfn the work along the straight path from rest
+  Points displacement_m;   ///< at the model's output nodes or the body's nodes; empty for a model of forces only
+  Eigen::MatrixXd fields;  ///< n_output x n_fields, in their units; empty without fields or for several tools
+  int status = PHN_OK;     ///< PHN_OK or warnings
+  OrganReport report;      ///< report of the solve
+  /// Bound of each force error, if it is known; without elements if there are no bounds.
   std::vector<std::optional<double>> bound_N;
 };
 
-/// What to do for several round tools.
+/// The remedy for several round tools.
 inline constexpr const char* several_round_tools =
     "give --body the reduced body that phynness run makes of a scene with tools = 2 to 8 in [probe], of the elements "
     "p1-p1 and es-p1-p1";
@@ -42,13 +41,13 @@ class NamedOrgan {
   /// Loads a model directory. Until model() is called, only the runtime parses the text.
   /// @throws Error (input) if a file is missing or invalid, or if mesh.txt does not belong to model.txt
   explicit NamedOrgan(const std::filesystem::path& dir);
-  /// Loads a model that is not in files. @param name  for messages
+  /// Loads a model from memory. @param name  name in messages
   NamedOrgan(Model model, Mesh mesh, const std::string& name);
-  /// Loads a body.txt, or its text. @param steps  of Newton's method, at most, in each increment
+  /// Loads a body.txt, or its text. @param steps  upper limit of Newton steps in each increment
   static NamedOrgan body(const std::filesystem::path& file, std::int32_t steps = 600);
   static NamedOrgan body(std::string text, std::string name, std::int32_t steps = 600);
-  /// Loads a body.txt that must have the mesh of this model; it may have been made of other physics.
-  NamedOrgan body_beside(const std::filesystem::path& file, std::int32_t steps = 600) const;
+  /// Loads a body.txt with the mesh of this model.
+  NamedOrgan body_on_same_mesh(const std::filesystem::path& file, std::int32_t steps = 600) const;
 
   Organ& organ() const { return _organ; }
   const phn_info& info() const { return _organ.info(); }
@@ -57,7 +56,7 @@ class NamedOrgan {
   const std::string& name() const { return _name; }
   /// Its content.
   const std::string& text() const { return _text; }
-  /// The checksum in its last line: results of validations hold it.
+  /// The checksum in its last line, which results of validations contain.
   std::string hash() const;
   /// The coefficients of a model, parsed from its text at the first call.
   const Model& model() const;
@@ -69,9 +68,9 @@ class NamedOrgan {
   /// @param what  "the body FILE". @throws Error (input) with both names if the model has another mesh or physics
   void require_same(const std::string& what, const std::string& mesh_hash, const std::string& physics_hash,
                     const char* remedy = "make it with phynness reduce of the database of this model") const;
-  /// Whether `phynness calibrate` has added bounds, and the full level is set, of which they are.
+  /// Whether the model has bounds, and the full level is set, for which they hold.
   bool has_bounds() const;
-  /// Whether tools of the model are round: it answers one tool.
+  /// Whether the model has round tools; it then answers one tool.
   bool has_round_tools() const { return !model().nodes.empty() && model().nodes.front().moves_mean; }
   /// Sets the level of later calls; initially the full level. @throws Error (input) if the model has no such level
   void set_level(std::int32_t level);
@@ -82,23 +81,24 @@ class NamedOrgan {
   Vec3 force(std::int32_t node, const Vec3& displacement_m) const;
   /// Depth [m] of the trained range in the direction of `displacement_m` (formats/model.md, Range).
   double trained_depth(std::int32_t node, const Vec3& displacement_m) const;
-  /// Bound [N] of the error of the force; none outside of the trained range or if the model has no bounds.
+  /// Bound [N] of the force error; empty outside the trained range or if the model has no bounds.
   std::optional<double> error_bound(std::int32_t node, const Vec3& displacement_m) const;
-  /// Response to tools anywhere on the surface; of a body from its present state.
+  /// Response to tools anywhere on the surface. A body starts from its present state.
   /// @throws Error (input) if a node of a tool is neither active nor fixed, if the model has forces only, or if there
   /// are several round tools
   OrganResponse hold(const std::vector<phn_tool>& tools) const;
-  /// The same from rest to `tools` in equal increments of the displacement.
+  /// Response to `tools` after equal increments of the displacement from rest.
   OrganResponse hold_from_rest(const std::vector<phn_tool>& tools, int increments) const;
-  /// Response of a model to tools at nodes, of several the paper's: their fields averaged with the weights (15)-(16),
-  /// for comparison, without forces. @pre there is a tool. @throws Error (input) for several round tools
+  /// Response of a model to tools at nodes. For several tools this is the method of the paper, without forces: their
+  /// fields are averaged with the weights (15)-(16). @pre there is a tool. @throws Error (input) for several round
+  /// tools
   OrganResponse blend(const std::vector<std::int32_t>& nodes, const std::vector<Vec3>& displacement_m) const;
 
  private:
   NamedOrgan(std::string name, std::string text) : _name(std::move(name)), _text(std::move(text)) {}
   void load(std::int32_t steps);
   void check(int status, std::int32_t node) const;
-  /// Throws the error of tools that the runtime refuses.
+  /// Throws the error of a status of several tools.
   void check(int status, const std::vector<phn_tool>& tools) const;
 
   std::string _name, _text;

@@ -1,5 +1,4 @@
-// The figures of a validation for machines, and a report for persons: scene, solves, errors, worst cases, curves,
-// distribution of the error on the body, size and time.
+// The results of a validation as JSON, text and HTML.
 #pragma once
 
 #include <phynness/formats/error.hpp>
@@ -12,20 +11,20 @@
 
 namespace phynness {
 
-/// How much of the probes up to R of a scene a model has trained.
+/// The share of the displacements up to R that a model has trained.
 struct TrainedShare {
   double all = 0;               ///< mean over all requested rays; 1 - EndSummary::share_of_volume() of the database
   std::vector<double> of_node;  ///< in the order of Model::nodes: mean over its rays of part_of_volume()
 };
 TrainedShare trained_share(const Model& model);
-/// What a validation says first: figures by which a model is accepted or refused, once for text, HTML and JSON.
+/// One line of the summary of a validation, by which a model is accepted or refused.
 struct VerdictLine {
-  std::string key;  ///< of its figures in the JSON
+  std::string key;  ///< JSON key of the figures
   std::string title, sentence;
   ByName<double> figures;
 };
 
-/// A validation with its parts; points and pairs that were not requested have finished = 0.
+/// A validation with all parts; finished = 0 if a part was not requested.
 struct Validated {
   Scene scene;
   NamedOrgan model;
@@ -34,8 +33,8 @@ struct Validated {
   PointReport points{}, rim{};  ///< tools between probed nodes, and at the rim of the probed part
   PairReport pairs{};
   MotionReport motions{};
-  std::optional<NamedOrgan> body{};              ///< with which points and pairs are compared, too
-  std::optional<Error> no_points{}, no_pairs{};  ///< why this requested part was not done
+  std::optional<NamedOrgan> body{};              ///< reduced body that is also compared at points and pairs
+  std::optional<Error> no_points{}, no_pairs{};  ///< why a requested part was not done
   bool interrupted() const {
     return report.interrupted() || points.interrupted() || rim.interrupted() || pairs.interrupted() ||
            motions.interrupted();
@@ -46,15 +45,15 @@ struct Validated {
 
 std::vector<VerdictLine> verdict(const Validated& validated);
 
-/// Of the probes at nodes, of points and of pairs.
+/// Comparisons for probes at nodes, for points and for pairs.
 std::vector<WorseThanLinear> worse_than_linear(const Validated& validated);
 
-/// The table below the verdict, in percent: two rows of headings, and rows that differ from each other.
+/// The table below the verdict, in percent, with two rows of headings.
 std::vector<std::vector<std::string>> summary_cells(const Validated& validated);
 
 /// The command that repeats the probes of a validation, with the words SCENE and MODEL_DIR for its inputs.
 std::string validate_again(const Validated& validated);
-/// The command that repeats the comparison with a finer solution; a sentence if there was none.
+/// The command that repeats the comparison with a finer solution; a sentence if there was no comparison.
 std::string check_again(const FinerDistance& finer);
 
 /// formats/validation.md

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <phynness/phynness.h>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <phynness/formats/described.hpp>
@@ -12,32 +11,33 @@
 
 namespace phynness {
 
-/// How often answers to solved displacements have a warning, and how their bounds hold.
+/// Counts of warnings and of covered bounds in the answers to solved displacements.
 struct AnswerCounts {
   std::int64_t unsettled = 0, outside = 0, near = 0;  ///< answers with this warning
-  std::int64_t bounded = 0, covered = 0;  ///< forces with a bound; of these, with an error that is not above it
-  /// @param truth  [N] of the finite elements
-  void take(const OrganResponse& said, const std::vector<Vec3>& truth) {
-    unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
-    outside += (said.status & PHN_WARNING_OUTSIDE) != 0;
-    near += (said.status & PHN_WARNING_NEAR) != 0;
-    for (std::size_t t = 0; t < said.bound_N.size(); ++t) {
-      if (!said.bound_N[t]) continue;
-      const Vec3 own = *said.force_N[t], &right = truth[t];
+  std::int64_t bounded = 0, covered = 0;              ///< forces with a bound, and those with an error up to the bound
+  /// @param solved_force_N  finite element forces
+  void add(const OrganResponse& response, const std::vector<Vec3>& solved_force_N) {
+    unsettled += (response.status & PHN_WARNING_UNSETTLED) != 0;
+    outside += (response.status & PHN_WARNING_OUTSIDE) != 0;
+    near += (response.status & PHN_WARNING_NEAR) != 0;
+    for (std::size_t t = 0; t < response.bound_N.size(); ++t) {
+      if (!response.bound_N[t]) continue;
+      const Vec3 predicted = *response.force_N[t], &solved = solved_force_N[t];
       ++bounded;
-      covered += std::hypot(own[0] - right[0], own[1] - right[1], own[2] - right[2]) <= *said.bound_N[t];
+      covered += std::hypot(predicted[0] - solved[0], predicted[1] - solved[1], predicted[2] - solved[2]) <=
+                 *response.bound_N[t];
     }
   }
   PHYNNESS_FIGURES(unsettled, outside, near, bounded, covered)
 };
 
-/// (17) over the largest finite element response to the displacements of the same point.
+/// The errors (17), relative to the largest finite element response of the same point.
 using PointErrors = GroupMeasures<ErrorStatistics>;
 
-struct PointReport : ErrorsByWarning {  ///< the model, by warnings of phn_couple; its nodes are points, by number
-  std::int64_t points = 0, displacements = 0;  ///< requested points, and displacements of each
+struct PointReport : ErrorsByWarning {         ///< errors of the model; `node` is the number of a point
+  std::int64_t points = 0, displacements = 0;  ///< requested points, and displacements per point
   std::int64_t finished = 0;                   ///< finished points; fewer than `points` if it was interrupted
-  std::int64_t failed = 0;                     ///< displacements that the finite elements did not solve, or refused to
+  std::int64_t failed = 0;                     ///< displacements without a finite element solution
   PointErrors coupled;                         ///< the model at the points
   PointErrors linear;                          ///< unit responses of the undeformed body at the points
   std::optional<PointErrors> body;             ///< a reduced body at the points; empty without one
@@ -52,10 +52,10 @@ struct PointReport : ErrorsByWarning {  ///< the model, by warnings of phn_coupl
   }
 };
 
-/// For tools between nodes.
+/// Comparisons for tools between nodes.
 std::vector<WorseThanLinear> worse_than_linear(const PointReport& report);
 
-/// Triangles whose corners are all probed; or at the rim of these, where one or two are.
+/// The triangles with three probed corners, or those at their rim, with one or two.
 enum class SurfacePart { probed, rim };
 
 /// Random points are distributed uniformly in such triangles; each of them has the same probability. Directions are
@@ -69,9 +69,9 @@ PointReport validate_points(const SolverSession& session, const Scene& scene, co
                             const NamedOrgan* body, SurfacePart part, std::int64_t points, std::int64_t displacements,
                             std::uint64_t seed, const OnProgress& progress = {}, const ShouldStop& stop = {});
 
-/// Pairs that a reduced body answers, or else a model of node probes, by warnings of their status. Errors of force are
-/// those of the worse tool, over the larger one of the two finite element forces, or as force_own over its own. Errors
-/// of displacements are means over the nodes that count in (17), of a body those that it has.
+/// Errors for pairs of tools, of a reduced body or of a model of node probes. The force error is that of the worse
+/// tool, relative to the larger finite element force; force_own is relative to the force of the tool. Displacement
+/// errors are means over the counted nodes of (17), which a body may have only in part.
 struct PairReport : ErrorsByWarning {
   std::int64_t pairs = 0;     ///< requested
   std::int64_t finished = 0;  ///< fewer than `pairs` if it was interrupted
@@ -87,7 +87,7 @@ struct PairReport : ErrorsByWarning {
   }
 };
 
-/// For two tools of a model, over all pairs.
+/// Comparisons for pairs of tools of a model.
 std::vector<WorseThanLinear> worse_than_linear(const PairReport& report);
 
 /// Default depth of both tools as a fraction of the trained depth: 12 mm of the paper's 28.

@@ -22,7 +22,7 @@ struct Candidate {
 std::vector<Candidate> tuning_candidates(const Scene& scene);
 
 struct MeasuredModel {
-  Candidate candidate;  ///< its name describes the trained sizes
+  Candidate candidate;  ///< the name contains the trained sizes
   PredictorErrors errors;
   RuntimeSpeed speed;
   double memory_bytes = 0, text_bytes = 0, training_s = 0;
@@ -35,15 +35,15 @@ struct MeasuredModel {
 };
 void mark_front(std::vector<MeasuredModel>& models);
 
-/// Upper limits; empty: no limit.
+/// Upper limits; an empty value is no limit.
 struct TuningLimits {
-  std::optional<double> error = {};           ///< of MeasuredModel::error(), a fraction
+  std::optional<double> error = {};           ///< limit of MeasuredModel::error()
   std::optional<double> deformation_us = {};  ///< time of one deformation of all output nodes
 };
 
 struct TuningChoice {
   std::optional<std::size_t> chosen;  ///< empty: no model meets the limits
-  std::string missed;  ///< the limits that no model meets, with the smallest values; empty if one is chosen
+  std::string missed;                 ///< the unmet limits with the smallest values; empty if a model is chosen
 };
 /// Of the models that meet both limits: with a limit of the error the fastest (of equally fast models the smallest),
 /// without it the most accurate. @pre models is not empty
@@ -58,7 +58,7 @@ struct TuningReport {
   double seconds = 0;
 };
 
-/// Called with a description of the present work, the finished and the total number.
+/// Receives a description of the present work, and the finished and the total number of its parts.
 using TuningProgress = std::function<void(const std::string&, std::int64_t, std::int64_t)>;
 
 /// Trains each candidate on the whole database and measures it by `probes` new solves with random directions and

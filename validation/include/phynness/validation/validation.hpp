@@ -1,9 +1,8 @@
-// Comparison of a model with dolfinx: new probes, the error measure (17) and stricter measures, with the trivial
-// predictors for comparison.
+// Comparison of a model, and of trivial predictors, with new finite element solutions by the error measure (17) and
+// stricter measures.
 #pragma once
 
 #include <array>
-#include <optional>
 #include <phynness/formats/progress.hpp>
 #include <phynness/validation/errors_to_range.hpp>
 #include <phynness/validation/model_figures.hpp>
@@ -12,7 +11,7 @@
 
 namespace phynness {
 
-/// Errors of one scalar field at all output nodes, including those that the tool holds: samples, or their statistics.
+/// Errors of one scalar field at all output nodes, including prescribed ones; samples, or their statistics.
 template <class Errors>
 struct FieldMeasures {
   Errors nodal;  ///< (17): |prediction - FE| over the largest FE value of the active node and group
@@ -33,12 +32,12 @@ struct GroupMeasures {
   }
 };
 struct GroupErrors : GroupMeasures<ErrorStatistics> {
-  ByName<FieldMeasures<ErrorStatistics>> fields;  ///< one for each of Model::fields
+  ByName<FieldMeasures<ErrorStatistics>> fields;  ///< errors of each of Model::fields
   static void describe(const auto& e, auto&& see) {
     GroupMeasures::describe(e, see);
     if (!e.fields.empty()) see("fields", e.fields);
   }
-  /// What tables show, with titles.
+  /// The titled rows of tables.
   ByName<ErrorStatistics> rows() const;
 };
 
@@ -51,8 +50,8 @@ enum class Predictor { model, linear, zero };
 inline constexpr std::array<Predictor, 3> predictors{Predictor::model, Predictor::linear, Predictor::zero};
 const char* name(Predictor);
 
-/// A solved probe and its errors. Errors of displacement are means over the output nodes that count in (17); 0 if the
-/// model has forces only.
+/// A solved probe and its errors. The displacement error is the mean over the counted nodes of (17); 0 for a model of
+/// forces only.
 struct ProbeRecord {
   std::int32_t node = 0;
   bool outside = false;
@@ -82,19 +81,19 @@ struct ForceCurve {
 };
 
 struct ValidationReport {
-  std::int64_t probes = 0;  ///< requested, inside and outside together
+  std::int64_t probes = 0;  ///< requested probes, inside and outside
   std::int64_t failed = 0;  ///< probes that the finite elements did not solve
   std::int64_t solved_inside = 0, solved_outside = 0;
   std::int64_t rays = 0, rays_finished = 0;  ///< planned; fewer if interrupted
   std::vector<std::int32_t> nodes;           ///< probed active nodes
-  std::vector<double> fixed_distance_m;      ///< of each of them, to the nearest fixed node
+  std::vector<double> fixed_distance_m;      ///< distance of each to the nearest fixed node
   double outside_factor = 0;                 ///< outside: R < |d| <= this * R
   std::array<PredictorErrors, 3> errors;     ///< by Predictor
-  ErrorsToRange to_range;                    ///< the same directions, depths up to the scene's R
-  std::vector<ProbeRecord> records;          ///< by node; inside before outside
-  std::vector<ForceCurve> curves;            ///< of the first ray of each node
-  std::vector<ShownState> shown;             ///< the largest errors of force inside; empty if the model has forces only
-  std::vector<double> output_error;          ///< per output node: mean error (17) of its displacement, probes inside
+  ErrorsToRange to_range;                    ///< errors in the same directions at depths up to the scene's R
+  std::vector<ProbeRecord> records;          ///< sorted by node; inside before outside
+  std::vector<ForceCurve> curves;            ///< forces along the first ray of each node
+  std::vector<ShownState> shown;     ///< states with the largest force errors inside; empty for a model of forces only
+  std::vector<double> output_error;  ///< per output node: mean displacement error (17) of the probes inside
   RuntimeSpeed speed;
   double seconds = 0;  ///< wall time
   /// CPU time of the rays of this validation, without preparation of body and nodes.
@@ -116,7 +115,8 @@ struct ValidationReport {
   }
 };
 
-/// Where the model's mean error (17) is larger than that of the linear predictor, and not negligible.
+/// A group of probes in which the model's mean error (17) is not negligible and larger than that of the linear
+/// predictor.
 struct WorseThanLinear {
   const char* what;  ///< "force" or "displacement"
   const char*
