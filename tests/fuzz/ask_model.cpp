@@ -29,14 +29,14 @@ class Asker {
         _script(script),
         _trained(trained),
         _max_tools(1 + script.below(script.below(4) == 0 ? 9 : 3)),
-        _used(data_bytes(), script.below(16)),
-        _fresh(data_bytes(), script.below(16)),
+        _used(data_bytes(), script.below(64)),
+        _fresh(data_bytes(), script.below(64)),
         _n_output(static_cast<std::size_t>(info_of(model).n_output)) {
     require(phn_data_init(_used.data(), _used.size(), _model, _max_tools, &_data) == PHN_OK,
             "data of the size asked for");
     phn_data* none = _data;
-    require(phn_data_init(_fresh.data(), _fresh.size() / 2, _model, _max_tools, &none) == PHN_ERROR_BUFFER && !none,
-            "half the memory is refused");
+    require(phn_data_init(_fresh.data(), _fresh.size() - 1, _model, _max_tools, &none) == PHN_ERROR_BUFFER && !none,
+            "a byte less is refused");
   }
 
   void call() {
@@ -351,10 +351,10 @@ LoadedText::LoadedText(const char* text, std::size_t length, std::size_t shift) 
   require(status == PHN_OK || status == PHN_ERROR_RANGE, "what size accepts, init accepts or finds out of range");
   require((model != nullptr) == (status == PHN_OK), "a model or none");
   if (status != PHN_OK) return;
-  const Memory less(bytes / 2, 0);
+  const Memory less(bytes - 1, 0);
   const phn_model* none = nullptr;
-  require(phn_model_init(less.data(), bytes / 2, text, length, &none, nullptr) == PHN_ERROR_BUFFER && none == nullptr,
-          "half the memory is refused");
+  require(phn_model_init(less.data(), bytes - 1, text, length, &none, nullptr) == PHN_ERROR_BUFFER && none == nullptr,
+          "a byte less is refused");
 }
 
 std::uint64_t LoadedText::hash() const {

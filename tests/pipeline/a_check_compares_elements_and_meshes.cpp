@@ -157,10 +157,8 @@ TEST_F(Check, NamesSolvesThatFail) {
 TEST_F(Check, KeepsWhatIsFinishedWhenInterrupted) {
   const auto many = with_active(scene("p1-p1"), active_top);
   write_file(folder / "scene.toml", changed(many, "increments = 2", "increments = 6"));
-  const auto stopped = shell(
-      "PHYNNESS_PROGRESS=1 \"$PHYNNESS\" check scene.toml --probes 1000 --seconds 1000 --json part.json "
-      "2>progress.txt & pid=$!; for i in $(seq 3000); do grep -qE '[4-9]/[0-9]+ rays' progress.txt && break; "
-      "sleep 0.01; done; kill -INT $pid; wait $pid; status=$?; cat progress.txt >&2; exit $status");
+  const auto stopped =
+      interrupted("check scene.toml --probes 1000 --seconds 1000 --json part.json", "[4-9]/[0-9]+ rays");
   EXPECT_EQ(stopped.exit_status, 1);
   EXPECT_NE(stopped.err.find("interrupted"), std::string::npos) << stopped.err;
   const auto part = json("part.json");

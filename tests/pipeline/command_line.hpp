@@ -100,6 +100,24 @@ class CommandLine : public ::testing::Test {
               lines + " && mv \"$made.new\" \"$made\" && cd \"$here\"; fi && cp -r \"$made/.\" .");
     ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
   }
+  /// Runs `signal` with the process of a command line in $pid as soon as the shell finds `ready`; then as the command.
+  Outcome signalled(const std::string& line, const std::string& ready, const std::string& signal) const {
+    return shell("PHYNNESS_PROGRESS=1 " + line + " 2>progress.txt & pid=$!; for i in $(seq 6000); do " + ready +
+                 " && break; sleep 0.01; done; " + signal +
+                 "; wait $pid; status=$?; cat progress.txt >&2; exit $status");
+  }
+  /// The command, with a signal when its progress has these words.
+  Outcome interrupted(const std::string& arguments, const std::string& words, const std::string& name = "INT") const {
+    return signalled("\"$PHYNNESS\" " + arguments, "grep -qE '" + words + "' progress.txt", "kill -" + name + " $pid");
+  }
+  /// The command, killed when the logs of its rays have more than 40 kB.
+  Outcome killed(const std::string& arguments, const std::string& logs, const std::string& name = "KILL") const {
+    const auto outcome =
+        signalled("\"$PHYNNESS\" " + arguments, "[ \"$(cat " + logs + " 2>/dev/null | wc -c)\" -gt 40000 ]",
+                  "kill -" + name + " $pid");
+    EXPECT_NE(outcome.exit_status, 0) << "it finished before the signal came: the scene is too small for this test";
+    return outcome;
+  }
   Outcome on_two_ranks(const std::string& arguments) const {
     auto outcome = shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" " + arguments);
     EXPECT_EQ(outcome.exit_status, 0) << arguments << "\n" << outcome.err;

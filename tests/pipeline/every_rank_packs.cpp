@@ -75,19 +75,12 @@ TEST_F(EveryRankPacks, what_another_rank_finds_damaged_is_solved_again) {
   expect_same_results(folder / "damaged.h5", folder / "whole.h5");
 }
 
-/// Starts two ranks, and runs `kill` with the process of mpirun in $pid as soon as rays are logged.
-std::string two_ranks_and(const std::string& kill) {
-  return "mpirun --oversubscribe -n 2 \"$PHYNNESS\" precompute scene.toml -o killed.h5 & pid=$!; "
-         "for i in $(seq 3000); do size=$(cat killed.h5.log/rank-* 2>/dev/null | wc -c); "
-         "[ \"$size\" -gt 20000 ] && break; sleep 0.01; done; " +
-         kill + "; wait $pid";
-}
-
 TEST_F(EveryRankPacks, what_ends_a_run_is_said) {
   for (const char* kill : {"kill -INT $pid", "kill -9 $(pgrep -P $pid phynness | tail -n 1)"}) {
     fs::remove(folder / "killed.h5");
     fs::remove_all(folder / "killed.h5.log");
-    const auto outcome = shell(two_ranks_and(kill));
+    const auto outcome = signalled("mpirun --oversubscribe -n 2 \"$PHYNNESS\" precompute scene.toml -o killed.h5",
+                                   "[ \"$(cat killed.h5.log/rank-* 2>/dev/null | wc -c)\" -gt 20000 ]", kill);
     EXPECT_NE(outcome.exit_status, 0) << kill << ": it finished before: the scene is too small for this test";
     expect_names(outcome.err, {"finished rays are kept", "--resume"});
   }

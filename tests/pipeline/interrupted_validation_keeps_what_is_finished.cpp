@@ -15,12 +15,8 @@ class InterruptedValidation : public CommandLine {
 
   /// More probes than a minute solves; SIGINT when the progress has counted to `count` in `unit`.
   Outcome interrupted(const std::string& unit, const std::string& options) const {
-    return shell("PHYNNESS_PROGRESS=1 \"$PHYNNESS\" validate scene.toml out/model --json part.json " + options +
-                 " 2>progress.txt & pid=$!; for i in $(seq 3000); do "
-                 "grep -qE '[1-9][0-9]/[0-9]+ " +
-                 unit +
-                 "' progress.txt && break; sleep 0.01; done; kill -INT $pid; wait $pid; status=$?; "
-                 "cat progress.txt >&2; exit $status");
+    return CommandLine::interrupted("validate scene.toml out/model --json part.json " + options,
+                                    "[1-9][0-9]/[0-9]+ " + unit);
   }
 };
 

@@ -10,7 +10,7 @@ using Parts = CommandLine;
 
 TEST_F(Parts, OfProcessesAndRanksMakeTheDatabaseOfOneRun) {
   write_file(folder / "scene.toml", small_scene());
-  succeed("precompute scene.toml -o whole.h5");
+  make_once({"precompute scene.toml -o whole.h5"});
   const auto parts = shell(
       "\"$PHYNNESS\" precompute scene.toml -o database.h5 --part 0/3 --json 0.json & first=$!; "
       "mpirun --oversubscribe -n 2 \"$PHYNNESS\" precompute scene.toml -o database.h5 --part 2/3 --json 2.json; "
@@ -32,7 +32,7 @@ TEST_F(Parts, OfProcessesAndRanksMakeTheDatabaseOfOneRun) {
 
 TEST_F(Parts, ContinueAFinishedDatabase) {
   write_file(folder / "scene.toml", small_scene());
-  succeed("precompute scene.toml -o whole.h5");
+  make_once({"precompute scene.toml -o whole.h5"});
   write_file(folder / "fewer.toml", changed(small_scene(), "directions = 26", "directions = 14"));
   succeed("precompute fewer.toml -o database.h5");
   for (const char* part : {"0/2", "1/2"}) {

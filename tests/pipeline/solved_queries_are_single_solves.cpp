@@ -120,9 +120,8 @@ TEST_F(SolvedQueries, InterruptedKeepTheirRowsUnderAnotherName) {
   std::string csv = head;
   for (int i = 0; i < 100'000; ++i) csv += nodes[0] + ",0.0001,0," + std::to_string(-1e-8 * i) + "\n";
   write_file(folder / "queries.csv", csv);
-  const auto outcome = shell(
-      "\"$PHYNNESS\" solve scene.toml --queries queries.csv -o t.csv & pid=$!; "
-      "while kill -0 $pid && ! [ -s t.csv.part ]; do sleep 0.05; done; kill -TERM $pid; wait $pid");
+  const auto outcome =
+      signalled("\"$PHYNNESS\" solve scene.toml --queries queries.csv -o t.csv", "[ -s t.csv.part ]", "kill $pid");
   EXPECT_EQ(outcome.exit_status, 1) << outcome.err;
   expect_names(outcome.err, {"solve was interrupted", "of 100000 rows", "t.csv.part"});
   EXPECT_FALSE(std::filesystem::exists(folder / "t.csv"));
