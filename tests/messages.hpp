@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <phynness/formats/error.hpp>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,30 @@ inline void expect_names(const std::string& message, const std::vector<std::stri
 inline void expect_error(const std::string& message, const std::vector<std::string>& parts) {
   expect_names(message, parts);
   expect_names(message, {"\n  remedy: "});
+}
+
+/// The message of the Error that `action` throws; empty if it throws none.
+template <class Action>
+std::string error_of(Action&& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// The same, of this kind; fails the test if none is thrown.
+template <class Action>
+std::string message_of(Action&& action, Error::Kind kind = Error::Kind::input) {
+  try {
+    action();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), kind) << error.what();
+    return error.what();
+  }
+  ADD_FAILURE() << "no error";
+  return "";
 }
 
 }  // namespace phynness::test

@@ -29,14 +29,8 @@ inline Scene parsed(const std::string& text) { return parse_scene(text, "body.to
 
 /// The message of the refusal; fails the test if there is none.
 inline std::string refusal(const std::string& text) {
-  try {
-    parsed(text);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), Error::Kind::input);
-    return error.what();
-  }
-  ADD_FAILURE() << "accepted:\n" << text;
-  return "";
+  SCOPED_TRACE(text);
+  return message_of([&] { parsed(text); });
 }
 
 }  // namespace phynness::test

@@ -16,29 +16,29 @@ class StrangeFile : public DatabaseTest {
   std::string path(const char* name) const { return (folder() / name).string(); }
   std::string refused(const fs::path& file, std::uint64_t most_bytes = 100, bool is_text = true) {
     const auto message = refusal([&] { read_input_file(file, {"the thing", "look elsewhere", most_bytes, is_text}); });
-    expect_contains(message, {file.c_str(), "the thing"});
+    expect_names(message, {file.c_str(), "the thing"});
     return message;
   }
 };
 
 TEST_F(StrangeFile, is_called_what_it_is) {
-  expect_contains(refused(path("nowhere")), {"does not exist"});
-  expect_contains(refused(folder()), {"folder"});
+  expect_names(refused(path("nowhere")), {"does not exist"});
+  expect_names(refused(folder()), {"folder"});
   ASSERT_EQ(mkfifo(path("pipe").c_str(), 0644), 0);
-  expect_contains(refused(path("pipe")), {"pipe"});
-  expect_contains(refused("/dev/null"), {"device"});
+  expect_names(refused(path("pipe")), {"pipe"});
+  expect_names(refused("/dev/null"), {"device"});
   std::ofstream(path("large")) << std::string(101, 'a');
-  expect_contains(refused(path("large")), {"101"});
+  expect_names(refused(path("large")), {"101"});
   std::ofstream(path("closed")) << "a";
   fs::permissions(path("closed"), fs::perms::none);
   fs::permissions(folder(), fs::perms::owner_all | fs::perms::others_exec);
   const AsNobody as_nobody;
-  expect_contains(refused(path("closed")), {"ermission"});
+  expect_names(refused(path("closed")), {"ermission"});
 }
 
 TEST_F(StrangeFile, with_a_zero_in_its_text_says_where) {
   std::ofstream(path("text")) << std::string("a\nb\0c", 5);
-  expect_contains(refused(path("text")), {"text:2", "byte 3"});
+  expect_names(refused(path("text")), {"text:2", "byte 3"});
   EXPECT_EQ(read_input_file(path("text"), {"", "", 100, false}), std::string("a\nb\0c", 5));
 }
 
@@ -52,7 +52,7 @@ TEST(ControlCharacters, in_a_message_are_escaped_and_cut_nothing_off) {
 TEST(ControlCharacters, and_long_values_leave_room_for_the_remedy) {
   const std::string text = input_error("what", std::string(1'000'000, 'x'), "the remedy").what();
   EXPECT_LT(text.size(), 10'000u);
-  expect_contains(text, {"1000000 bytes", "the remedy"});
+  expect_names(text, {"1000000 bytes", "the remedy"});
   EXPECT_EQ(shortened("\xC3\xA9\xC3\xA9", 3), "\xC3\xA9 ... (4 bytes)");
 }
 

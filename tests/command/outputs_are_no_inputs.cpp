@@ -28,18 +28,6 @@ class Files : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder); }
 
-  template <class Work>
-  static std::string refused(const Work& work) {
-    try {
-      work();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), Error::Kind::input);
-      return error.what();
-    }
-    ADD_FAILURE() << "not refused";
-    return "";
-  }
-
   fs::path folder;
 };
 
@@ -49,24 +37,24 @@ TEST_F(Files, of_outputs_are_no_inputs) {
   fs::create_symlink("d.h5", folder / "link");
   fs::create_directory_symlink(".", folder / "around");
   for (const char* same : {"d.h5", "./model/../d.h5", "link", "around/d.h5"})
-    expect_names(refused([&] { cli::declare_output("--json", folder / same); }),
+    expect_names(message_of([&] { cli::declare_output("--json", folder / same); }),
                  {"would overwrite an input", "--json", same, "DATABASE"});
-  refused([&] { cli::declare_output("--json", folder / "model/model.txt"); });
-  refused([&] { cli::declare_output("--output", folder / "d.h5", PathKind::database); });
+  message_of([&] { cli::declare_output("--json", folder / "model/model.txt"); });
+  message_of([&] { cli::declare_output("--output", folder / "d.h5", PathKind::database); });
   cli::declare_output("--json", folder / "d.json");
 }
 
 TEST_F(Files, of_outputs_are_not_those_of_another_output) {
   cli::declare_output("--output", folder / "new", PathKind::model);
   for (const char* same : {"new", "new/model.txt", "model/../new/mesh.txt"})
-    expect_names(refused([&] { cli::declare_output("--json", folder / same); }), {"another output", "--output"});
+    expect_names(message_of([&] { cli::declare_output("--json", folder / same); }), {"another output", "--output"});
   cli::declare_output("--report", "/dev/null");
   cli::declare_output("--surface", "/dev/null");
 }
 
 TEST_F(Files, that_cannot_be_written_are_refused) {
   const auto place = [&](const char* path, PathKind kind = PathKind::file) {
-    return refused([&] { cli::check_place("--json", folder / path, kind); });
+    return message_of([&] { cli::check_place("--json", folder / path, kind); });
   };
   expect_names(place("nowhere/x.json"), {"--json", "nowhere", "make the folder"});
   expect_names(place("model"), {"this is a folder"});

@@ -3,13 +3,7 @@
 # array is the file; wrong usage and input exit with 2 and say what to do, and leave nothing behind.
 # Usage: export_keeps_its_contract.sh PHYNNESS WRITE_MODELS CC INCLUDE_DIR LIBRARY LIBRARY_OF_FLOATS WORK_DIR
 set -euo pipefail
-phynness=$1
-write_models=$2
-cc=$3
-include=$4
-doubles=$5
-floats=$6
-work=$7
+phynness=$1 write_models=$2 cc=$3 include=$4 doubles=$5 floats=$6 work=$7
 rm -rf "$work"
 "$write_models" "$work/models"
 fail() { echo "FAILED: $*"; exit 1; }

@@ -5,11 +5,7 @@
 # places and bounds 14.5 kB and 3 kB of stack; a walk to the next place takes less than 5,000 instructions.
 # Usage: firmware_agrees_with_the_host.sh CMAKE FIRMWARE_SOURCE PHYNNESS WRITE_MODELS WORK_DIR     (77: tools are absent)
 set -euo pipefail
-cmake=$1
-source=$2
-phynness=$3
-write_models=$4
-work=$5
+cmake=$1 source=$2 phynness=$3 write_models=$4 work=$5
 for tool in arm-none-eabi-g++ arm-none-eabi-nm qemu-system-arm; do
   command -v "$tool" > /dev/null || { echo "skipped: no $tool; tools/install-deps --devices installs it"; exit 77; }
 done

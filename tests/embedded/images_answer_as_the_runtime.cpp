@@ -12,6 +12,7 @@
 #include <phynness/formats/image.hpp>
 #include <phynness/image_layout.hpp>
 
+#include "../messages.hpp"
 #include "../runtime/loaded_model.hpp"
 #include "../runtime/small_model.hpp"
 #include "opened_image.hpp"
@@ -259,12 +260,7 @@ TEST(ModelImage, HoldsTheFullLevel) {
 
 /// Why an image cannot be made; empty if it can.
 std::string refusal(const Model& model, bool floats) {
-  try {
-    model_image(model, {false, floats});
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return error_of([&] { model_image(model, {false, floats}); });
 }
 
 /// Claim: what a float or an image cannot hold is refused in words that can be read, not cut.

@@ -5,10 +5,7 @@
 # phynness::image is this file: the other tests here, under QEMU too, check its answers.
 # Usage: pair_stands_alone.sh CC CXX FOLDER_OF_PAIR WORK_DIR
 set -euo pipefail
-cc=$1
-cxx=$2
-pair=$3
-work=$4
+cc=$1 cxx=$2 pair=$3 work=$4
 rm -rf "$work"
 mkdir -p "$work"
 cp "$pair"/phynness_image.{h,cpp} "$work"

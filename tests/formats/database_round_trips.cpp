@@ -294,8 +294,8 @@ TEST_F(RoundTrip, refuses_an_active_node_it_does_not_have) {
   write_logs(header);
   DatabaseWriter::pack(file, header);
   const Database database = Database::open(file);
-  expect_contains(refusal([&] { database.rays(3); }), {"3", "0 to 2"});
-  expect_contains(refusal([&] { database.rays(-1); }), {"-1"});
+  expect_names(refusal([&] { database.rays(3); }), {"3", "0 to 2"});
+  expect_names(refusal([&] { database.rays(-1); }), {"-1"});
 }
 
 }  // namespace

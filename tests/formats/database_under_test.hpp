@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "../messages.hpp"
+
 namespace phynness::test {
 
 namespace fs = std::filesystem;
@@ -150,15 +152,9 @@ class DatabaseTest : public testing::Test {
   /// The message of the Error that `work` throws; fails the test if it throws none.
   template <class Work>
   static std::string refusal(Work&& work, Error::Kind kind = Error::Kind::input) {
-    try {
-      work();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), kind) << error.what();
-      EXPECT_NE(std::string(error.what()).find("remedy: "), std::string::npos) << error.what();
-      return error.what();
-    }
-    ADD_FAILURE() << "no error";
-    return "";
+    const auto message = message_of(work, kind);
+    expect_names(message, {"remedy: "});
+    return message;
   }
 
   fs::path file, log;
@@ -166,9 +162,5 @@ class DatabaseTest : public testing::Test {
  private:
   fs::path _folder;
 };
-
-inline void expect_contains(const std::string& text, std::initializer_list<const char*> parts) {
-  for (const char* part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
-}
 
 }  // namespace phynness::test

@@ -65,7 +65,7 @@ struct Imports : DatabaseTest {
     change(given);
     write(given);
     const auto said = refusal([&] { import_responses(given_file(), file, tools_of); });
-    expect_contains(said, {"remedy: "});
+    expect_names(said, {"remedy: "});
     EXPECT_FALSE(fs::exists(file) || fs::exists(log));
     return said;
   }
@@ -103,7 +103,7 @@ TEST_F(Imports, are_stored_as_given) {
   EXPECT_EQ(stored_scene(header).title, "given.h5");
   // Another scene's responses are not those of imported ones.
   EXPECT_EQ(coverage(header, small_header(false)), Coverage::other);
-  expect_contains(refusal([&] { import_responses(given_file(), file, tools_of); }), {"exists", "choose another name"});
+  expect_names(refusal([&] { import_responses(given_file(), file, tools_of); }), {"exists", "choose another name"});
 }
 
 TEST_F(Imports, leave_nothing_on_a_full_disk) {
@@ -111,7 +111,7 @@ TEST_F(Imports, leave_nothing_on_a_full_disk) {
   for (const rlim_t bytes : {100, 4000, 12000}) {
     const FileSizeLimit full(bytes);
     const auto said = refusal([&] { import_responses(given_file(), file, tools_of); }, Error::Kind::failure);
-    expect_contains(said, {"cannot write", "import again"});
+    expect_names(said, {"cannot write", "import again"});
     EXPECT_EQ(std::distance(fs::directory_iterator(folder()), fs::directory_iterator()), 1) << bytes;  // what is given
   }
 }
@@ -139,7 +139,7 @@ TEST_F(Imports, of_round_tools_whose_mean_is_elsewhere_are_refused) {
     g = given;
     for (std::size_t i = 0; i < g.displacements.size(); i += 3) std::swap(g.displacements[i], g.displacements[i + 1]);
   };
-  expect_contains(refused(swapped), {"the mean under the round tool", "order of the axes"});
+  expect_names(refused(swapped), {"the mean under the round tool", "order of the axes"});
   write(given);
   EXPECT_EQ(import_responses(given_file(), file, tools_of).rays, 8);
   // Beside fixed nodes weights have a sum below 1, and another program's may not.
@@ -155,7 +155,7 @@ TEST_F(Imports, of_round_tools_whose_mean_is_elsewhere_are_refused) {
 
 TEST_F(Imports, are_refused_in_words) {
   const auto says = [&](const char* words, const std::function<void(Given&)>& change) {
-    expect_contains(refused(change), {words});
+    expect_names(refused(change), {words});
   };
   says("/forces is missing", [](Given& g) { g.forces.clear(); });
   says("/forces has the wrong shape: [1, 4, 3, 3] instead of [2, 4, 3, 3]", [](Given& g) { g.forces.resize(36); });

@@ -177,25 +177,25 @@ TEST_F(OtherDatabases, are_refused_with_what_differs) {
     now.physics_hash = physics_hash(stored_scene(now));
     return now;
   };
-  expect_contains(refused(then, scene("100e3", "200e3")), {"does not have all rays", "material.lame_lambda_Pa: 99666"});
+  expect_names(refused(then, scene("100e3", "200e3")), {"does not have all rays", "material.lame_lambda_Pa: 99666"});
   auto deeper = scene("0.02", "0.04");
   deeper.magnitudes_m = {0.01 / 3, 0.02 / 3, 0.021, 0.04};
-  expect_contains(refused(then, deeper), {"probe.max_displacement_m", "3 to 0.02 m in the file, 4 to 0.04 m now"});
-  expect_contains(refused(then, scene("\"P1\"", "\"P2\"")), {"solver.element: P1 in the file, P2 now"});
+  expect_names(refused(then, deeper), {"probe.max_displacement_m", "3 to 0.02 m in the file, 4 to 0.04 m now"});
+  expect_names(refused(then, scene("\"P1\"", "\"P2\"")), {"solver.element: P1 in the file, P2 now"});
   auto moved = then;
   moved.mesh.nodes(5, 0) += 1e-9;
-  expect_contains(refused(then, moved), {"another mesh"});
+  expect_names(refused(then, moved), {"another mesh"});
   auto held = then;
   held.sets.fixed = {0, 5};
-  expect_contains(refused(then, held), {"other fixed nodes"});
+  expect_names(refused(then, held), {"other fixed nodes"});
   auto stored = then;
   stored.float64 = true;
   stored.tangents = false;
-  expect_contains(refused(then, stored), {"tangents", "displacement_precision"});
+  expect_names(refused(then, stored), {"tangents", "displacement_precision"});
   auto rounded = then;
   rounded.field_bits = 12;
-  expect_contains(refused(rounded, then), {"field_tolerance", "12 bits in the file, every bit now"});
-  expect_contains(refused(then, study({1}, {1, 4}, 0, 7)), {"other output nodes: 3 in the file, 2 now"});
+  expect_names(refused(rounded, then), {"field_tolerance", "12 bits in the file, every bit now"});
+  expect_names(refused(then, study({1}, {1, 4}, 0, 7)), {"other output nodes: 3 in the file, 2 now"});
 }
 
 TEST_F(OtherDatabases, cover_what_a_study_wants) {
@@ -208,10 +208,10 @@ TEST_F(OtherDatabases, cover_what_a_study_wants) {
   EXPECT_EQ(coverage(then, study({2, 3}, {1, 2, 3}, 0, 7)), Coverage::other);
   EXPECT_EQ(coverage(then, study({1, 2}, {1, 2, 3}, 0, 6)), Coverage::other) << "would lose directions";
   EXPECT_EQ(coverage(then, study({1, 2}, {1, 2, 3}, 0, 8)), Coverage::part);
-  expect_contains(refusal([&] {
-                    DatabaseWriter::create(whole("then.h5", then), study({2, 3}, {1, 2, 3}, 0, 7), true);
-                  }),
-                  {"other active nodes", "would be lost"});
+  expect_names(refusal([&] {
+                 DatabaseWriter::create(whole("then.h5", then), study({2, 3}, {1, 2, 3}, 0, 7), true);
+               }),
+               {"other active nodes", "would be lost"});
   auto stored = then;
   stored.tangents = false;
   EXPECT_EQ(coverage(then, stored), Coverage::other);

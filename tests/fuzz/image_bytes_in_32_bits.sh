@@ -3,11 +3,7 @@
 # sanitizers of addresses and undefined behaviour, and runs changed images of all families.
 # Usage: image_bytes_in_32_bits.sh CXX SOURCE PHYNNESS WRITE_MODELS WORK_DIR     (77: there is no 32-bit C++ library)
 set -euo pipefail
-cxx=$1
-source=$2
-phynness=$3
-write_models=$4
-work=$5
+cxx=$1 source=$2 phynness=$3 write_models=$4 work=$5
 rm -rf "$work"
 mkdir -p "$work"
 cd "$work"

@@ -12,6 +12,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "../messages.hpp"
+
 #define SKIP_WITHOUT_GMSH() \
   if (!PHYNNESS_TEST_GMSH) GTEST_SKIP() << "built without gmsh"
 
@@ -50,17 +52,6 @@ inline MeshResult import_file(const std::filesystem::path& file, double scale_to
 inline MeshResult import_bytes(const std::string& bytes, const std::string& extension, bool repair = false) {
   const TemporaryFile file(bytes, extension);
   return import_file(file.path, 1, repair);
-}
-
-/// The message of the Error that `work` throws; empty if it throws none.
-template <class Work>
-std::string error_of(Work work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }

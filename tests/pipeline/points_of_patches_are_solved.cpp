@@ -55,6 +55,13 @@ TEST_F(PointsOfPatches, AreSolvedAndValidated) {
   const auto rim = json("v.json").at("rim");
   EXPECT_EQ(rim.at("finished"), 2);
   EXPECT_EQ(rim.at("flagged").at("probes"), rim.at("all").at("probes"));
+  // A point far from the surface is refused with the nearest one. The block's box has a diagonal of 0.137 m.
+  for (const std::string command : {"eval out/model", "solve out/database.h5"}) {
+    succeed(command + " --point 0.05,0.04,0.056" + d);
+    expect_error(be_refused(command + " --point 0.05,0.04,0.146" + d).err,
+                 {"0.05,0.04,0.146", "0.096 m", "metres", "0.05,0.04,0.05"});
+    expect_error(be_refused(command + " --point 50,40,51" + d).err, {"metres"});
+  }
 }
 
 TEST_F(PointsOfPatches, MayOverlapInSolves) {

@@ -4,10 +4,7 @@
 # that is overlooked does not compile. Every header that is installed compiles alone: none includes one that is not.
 # Usage: builds_alone_and_installs.sh CMAKE RUNTIME_SOURCE CONSUMER_SOURCE WORK_DIR
 set -euo pipefail
-cmake=$1
-runtime=$2
-consumer=$3
-work=$4
+cmake=$1 runtime=$2 consumer=$3 work=$4
 command -v make > /dev/null || export CMAKE_GENERATOR=Ninja
 # Without optimization: what is claimed does not depend on it, and the compilation takes a third of the time.
 export CMAKE_BUILD_TYPE=None

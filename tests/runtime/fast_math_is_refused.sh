@@ -6,7 +6,8 @@
 set -euo pipefail
 compiler=$1 cmake=$2 runtime=$3 work=$4
 message="phynness: .*-fno-fast-math"
-check=(-std=c++17 -fsyntax-only -DPHYNNESS_VERSION='"x"' "-I$runtime/include" "-I$runtime/src")
+# At the first error, which is the refusal.
+check=(-std=c++17 -fsyntax-only -Wfatal-errors -DPHYNNESS_VERSION='"x"' "-I$runtime/include" "-I$runtime/src")
 fail() { echo "$*" >&2; exit 1; }
 
 rm -rf "$work"

@@ -5,10 +5,7 @@
 # budget and needs no library but C's.
 # Usage: no_forbidden_symbols.sh NM LIBRARY HEADERS_FOLDER PREFIX [HEADER ...]     (default: those of the runtime)
 set -euo pipefail
-nm=$1
-library=$2
-headers=$3
-prefix=$4
+nm=$1 library=$2 headers=$3 prefix=$4
 shift 4
 [ $# -gt 0 ] || set -- phynness.h phynness_tools.h phynness_surface.h phynness_contact.h phynness_body.h
 fail() { echo "$library: $*"; exit 1; }

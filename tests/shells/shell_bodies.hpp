@@ -35,6 +35,22 @@ inline Mesh strip(double length, double width, std::array<int, 2> n) {
   return shell_mesh(n, [&](double s, double t) { return Vector3(length * s, width * t, 0); });
 }
 
+/// A quarter of a cylinder of radius 1 and length 1.
+inline Mesh arch(int n) {
+  return shell_mesh({n, n}, [](double s, double t) -> Vector3 {
+    const double angle = s * std::numbers::pi / 2;
+    return {std::cos(angle), std::sin(angle), t};
+  });
+}
+
+/// That have a shell.
+inline std::vector<Law> shell_laws() {
+  std::vector<Law> result;
+  for (const auto& law : laws())
+    if (law.has_shell) result.push_back(&law);
+  return result;
+}
+
 /// Dofs of displacements and directors at places X, chosen component by component.
 template <class Chosen>
 std::vector<std::int32_t> shell_dofs(const Discretization& body, Chosen&& chosen, bool displacements = true,

@@ -1,6 +1,7 @@
-// Claims about the forms of the shell: rigid motions have no energy, residual and tangent are derivatives, the stress
-// across the shell is condensed according to the law, bending agrees with plate theory down to thickness over length
-// 1/1000, and a slit tube of the paper's drain is as stiff as a solid of Taylor-Hood tetrahedra.
+// Claims about the forms of the shell: rigid motions have no energy, the stress across the shell is condensed according
+// to the law, bending agrees with plate theory down to thickness over length 1/1000, and a slit tube of the paper's
+// drain is as stiff as a solid of Taylor-Hood tetrahedra. That residual and tangent are derivatives is a claim of
+// derivative/forms_are_derivatives.cpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,13 +14,6 @@
 namespace phynness::test {
 namespace {
 
-/// That have a shell.
-std::vector<Law> shell_laws() {
-  std::vector<Law> result;
-  for (const auto& law : laws())
-    if (law.has_shell) result.push_back(&law);
-  return result;
-}
 std::vector<Law> finite_shell_laws() {
   auto result = shell_laws();
   std::erase_if(result, [](Law law) { return law->linear; });
@@ -28,14 +22,6 @@ std::vector<Law> finite_shell_laws() {
 
 std::string law_name(const ::testing::TestParamInfo<Law>& info) {
   return case_name({{info.param, element_named("shell")}, 0});
-}
-
-/// A quarter of a cylinder of radius 1 and length 1.
-Mesh arch(int n) {
-  return shell_mesh({n, n}, [](double s, double t) -> Vector3 {
-    const double angle = s * std::numbers::pi / 2;
-    return {std::cos(angle), std::sin(angle), t};
-  });
 }
 
 /// Displacement R X - X of the middle surface, and directors turned with it.
@@ -71,48 +57,9 @@ std::vector<double> mean_normals(const Discretization& body, const Mesh& mesh) {
 
 class ShellForms : public ::testing::TestWithParam<Law> {
  protected:
-  ShellForms() : _mesh(arch(3)), _body(_mesh, form_set(unit_material(GetParam(), 50), element_named("shell"), 1, 0.1)) {
-    _state.resize(_body.n_dofs());
-    for (auto& value : _state) value = 0.02 * _random();
-    _direction.resize(_body.n_dofs());
-    for (auto& value : _direction) value = _random();
-    _direction.normalize();
-  }
-
-  std::vector<double> moved(double t) const {
-    auto state = _state;
-    for (int i = 0; i < _body.n_dofs(); ++i) state[i] += t * _direction[i];
-    return state;
-  }
-
-  Random _random{29};
-  Mesh _mesh;
-  Discretization _body;
-  std::vector<double> _state;
-  Eigen::VectorXd _direction;
+  Mesh _mesh = arch(3);
+  Discretization _body{_mesh, form_set(unit_material(GetParam(), 50), element_named("shell"), 1, 0.1)};
 };
-
-// Central differences of fourth order with step 1e-3: error of the order of step^4 and of rounding over the
-// step.
-constexpr double step = 1e-3, tolerance = 1e-8;
-template <class F>
-auto derivative_at_zero(F&& f) -> decltype(f(0.0)) {
-  return (8 * (f(step) - f(-step)) - (f(2 * step) - f(-2 * step))) / (12 * step);
-}
-
-TEST_P(ShellForms, ResidualIsTheDerivativeOfTheEnergy) {
-  const double expected = derivative_at_zero([&](double t) { return _body.energy(moved(t)); });
-  const auto r = residual(_body, _state);
-  EXPECT_NEAR(r.dot(_direction), expected, tolerance * r.norm());
-}
-
-TEST_P(ShellForms, TangentIsTheDerivativeOfTheResidualAndSymmetric) {
-  const Eigen::VectorXd expected =
-      derivative_at_zero([&](double t) -> Eigen::VectorXd { return residual(_body, moved(t)); });
-  const auto K = dense_tangent(_body, _state);
-  EXPECT_LT((K * _direction - expected).norm(), tolerance * expected.norm());
-  EXPECT_LT((K - K.transpose()).norm(), 1e-12 * K.norm());
-}
 
 TEST_P(ShellForms, RestIsAtRestAndStable) {
   const std::vector<double> zero(_body.n_dofs(), 0.0);

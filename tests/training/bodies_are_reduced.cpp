@@ -8,6 +8,7 @@
 #include <set>
 
 #include "../block_mesh.hpp"
+#include "../messages.hpp"
 #include "../runtime/loaded_body.hpp"
 
 namespace phynness::test {
@@ -85,14 +86,7 @@ class ReducedBodies : public testing::Test {
 
   void expect_refused(const std::string& words, const std::string& text,
                       const std::function<void(DatabaseHeader&)>& change = {}, Status status = Status::converged) {
-    try {
-      const auto database = written(text, change, status);
-      reduced(database, {});
-      ADD_FAILURE() << "accepted: " << words;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), Error::Kind::input);
-      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
-    }
+    expect_names(message_of([&] { reduced(written(text, change, status), {}); }), {words});
   }
 
   std::vector<Eigen::Matrix3d> at_rest;  ///< of sets.linear
