@@ -27,6 +27,9 @@ endfunction()
 # is optimized as before. Not tests that compute much themselves.
 option(PHYNNESS_PLAIN_TESTS "Compile the tests themselves without optimization" OFF)
 
+# Of some hundred cases, most take less time than the start and the end of a process with sanitizers.
+option(PHYNNESS_WHOLE_TESTS "Run all cases of a test program in one process" OFF)
+
 # phynness_library(NAME sources...): static library phynness_NAME with alias phynness::NAME, C++20, public headers in include/
 function(phynness_library name)
   add_library(phynness_${name} STATIC ${ARGN})
@@ -74,6 +77,12 @@ function(phynness_discover_tests name)
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
-  gtest_discover_tests(test_${name} TEST_PREFIX ${arg_PREFIX} DISCOVERY_TIMEOUT 60
-    PROPERTIES TIMEOUT ${arg_TIMEOUT} ${arg_LABELS} ENVIRONMENT "OMP_NUM_THREADS=1;OPENBLAS_NUM_THREADS=1;${arg_ENVIRONMENT}")
+  set(environment "OMP_NUM_THREADS=1;OPENBLAS_NUM_THREADS=1;${arg_ENVIRONMENT}")
+  if(PHYNNESS_WHOLE_TESTS)
+    add_test(NAME ${name} COMMAND test_${name})
+    set_tests_properties(${name} PROPERTIES TIMEOUT 1500 ${arg_LABELS} ENVIRONMENT "${environment}")
+  else()
+    gtest_discover_tests(test_${name} TEST_PREFIX ${arg_PREFIX} DISCOVERY_TIMEOUT 60
+      PROPERTIES TIMEOUT ${arg_TIMEOUT} ${arg_LABELS} ENVIRONMENT "${environment}")
+  endif()
 endfunction()

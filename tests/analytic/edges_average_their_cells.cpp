@@ -11,7 +11,7 @@
 namespace phynness::test {
 namespace {
 
-constexpr double rounding = 1e-12;
+constexpr double rounding_of_sums = 1e-12;
 
 struct Sum {
   double volume = 0;
@@ -59,15 +59,15 @@ TEST(Edges, HaveTheMeanGradientAndASixthOfTheVolumeOfTheirCells) {
     const auto [first, last] = by_dofs.equal_range(std::set<std::int32_t>(dofs.begin(), dofs.end()));
     const auto found = std::find_if(first, last, [&](const auto& entry) {
       const Eigen::Matrix3d F = Eigen::Matrix3d::Identity() + entry.second.gradient / entry.second.volume;
-      return std::abs(edges.volume(i) - entry.second.volume) < rounding * entry.second.volume &&
-             (edges.gradient(i, state) - F).norm() < rounding * F.norm();
+      return std::abs(edges.volume(i) - entry.second.volume) < rounding_of_sums * entry.second.volume &&
+             (edges.gradient(i, state) - F).norm() < rounding_of_sums * F.norm();
     });
     ASSERT_NE(found, last) << "edge " << i;
     by_dofs.erase(found);
     total += edges.volume(i);
   }
-  EXPECT_NEAR(total, 1 * 1.2 * 0.9, rounding);
-  EXPECT_NEAR(body.energy(state), energy, rounding * energy);
+  EXPECT_NEAR(total, 1 * 1.2 * 0.9, rounding_of_sums);
+  EXPECT_NEAR(body.energy(state), energy, rounding_of_sums * energy);
 }
 
 // Claim: laws with a bulk modulus, whose shape does not see changes of volume, have mu/3 (J - 1)^2 of their volumetric
@@ -79,7 +79,7 @@ TEST(Edges, SeeChangesOfVolumeInEveryLaw) {
                         form_set(unit_material(law_named(law), 10), element_named("es-p1-p1"), 1));
     const auto state = state_of(body, [](const Vector3& X) { return Vector3(0.1 * X); });
     const double g = std::pow(1.1, 3) - 1;
-    EXPECT_NEAR(body.energy(state), size.prod() / 3 * g * g, rounding) << law;
+    EXPECT_NEAR(body.energy(state), size.prod() / 3 * g * g, rounding_of_sums) << law;
   }
 }
 

@@ -11,7 +11,7 @@
 namespace phynness {
 namespace {
 
-constexpr double tolerance = 1e-15;
+constexpr double same = 1e-15;
 
 /// Two output nodes, of which the tool holds the first. The predictor is off by `force_off` along x and by
 /// `u_off` along y at the second.
@@ -39,16 +39,16 @@ NodeProbes probes() {
 TEST(Errors, AreThoseOfEquation17) {
   const auto errors = linear_errors({probes()});
   EXPECT_EQ(errors.inside.force.n, 3);
-  EXPECT_NEAR(errors.inside.force.mean, (0.1 + 0.05 + 0) / 3, tolerance);
-  EXPECT_NEAR(errors.inside.force.max, 0.1, tolerance);
-  EXPECT_NEAR(errors.inside.force.p95, 0.1, tolerance);  // third of three: ceil(0.95 3) = 3
+  EXPECT_NEAR(errors.inside.force.mean, (0.1 + 0.05 + 0) / 3, same);
+  EXPECT_NEAR(errors.inside.force.max, 0.1, same);
+  EXPECT_NEAR(errors.inside.force.p95, 0.1, same);  // third of three: ceil(0.95 3) = 3
   EXPECT_EQ(errors.inside.displacement.n, 3);
-  EXPECT_NEAR(errors.inside.displacement.mean, (0.125 + 0.125 + 0.25) / 3, tolerance);
-  EXPECT_NEAR(errors.inside.field_l2.max, 0.5, tolerance);
-  EXPECT_NEAR(errors.inside.field_l2.mean, (0.5 + 0.25 + 0.25) / 3, tolerance);
+  EXPECT_NEAR(errors.inside.displacement.mean, (0.125 + 0.125 + 0.25) / 3, same);
+  EXPECT_NEAR(errors.inside.field_l2.max, 0.5, same);
+  EXPECT_NEAR(errors.inside.field_l2.mean, (0.5 + 0.25 + 0.25) / 3, same);
   // A group of its own: its forces divide by its own largest.
-  EXPECT_NEAR(errors.outside.force.mean, 0.5, tolerance);
-  EXPECT_NEAR(errors.outside.displacement.mean, 0.1, tolerance);
+  EXPECT_NEAR(errors.outside.force.mean, 0.5, same);
+  EXPECT_NEAR(errors.outside.displacement.mean, 0.1, same);
 }
 
 TEST(Errors, OfNodesDivideByTheirOwn) {
@@ -61,7 +61,7 @@ TEST(Errors, OfNodesDivideByTheirOwn) {
   }
   const auto errors = linear_errors({probes(), soft});
   EXPECT_EQ(errors.inside.force.n, 6);
-  EXPECT_NEAR(errors.inside.force.mean, (0.1 + 0.05) / 3, tolerance);
+  EXPECT_NEAR(errors.inside.force.mean, (0.1 + 0.05) / 3, same);
 }
 
 TEST(Errors, P95IsTheNearestRank) {
@@ -82,7 +82,7 @@ TEST(Errors, WeightsAreNumbersOfSamples) {
   }
   const auto some = weighted_statistics(weighted), all = ErrorStatistics::of(samples);
   EXPECT_EQ(some.n, 40);
-  EXPECT_NEAR(some.mean, all.mean, tolerance * all.mean);
+  EXPECT_NEAR(some.mean, all.mean, same * all.mean);
   EXPECT_EQ(some.median, all.median);
   EXPECT_EQ(some.p95, all.p95);
   EXPECT_EQ(some.max, all.max);

@@ -14,7 +14,7 @@
 namespace phynness::test {
 namespace {
 
-constexpr double h = 0.5, tolerance = 1e-13;
+constexpr double h = 0.5, rounding = 1e-13;
 
 const Eigen::Matrix3d rotation = Eigen::AngleAxisd(1.9, Vector3(1, -2, 0.5).normalized()).toRotationMatrix();
 
@@ -29,9 +29,9 @@ TEST_P(Objectivity, RigidMotionCostsNeitherEnergyNorForce) {
   auto body = irregular_cube(GetParam(), random);
   const auto state =
       state_of(body, [](const Vector3& X) -> Vector3 { return rotation * X - X + Vector3(0.3, -0.2, 0.7); });
-  EXPECT_LT(residual(body, state).lpNorm<Eigen::Infinity>(), tolerance * h * h);
-  EXPECT_NEAR(body.energy(state), 0, tolerance);
-  EXPECT_NEAR(body.min_jacobian(state), 1, tolerance);
+  EXPECT_LT(residual(body, state).lpNorm<Eigen::Infinity>(), rounding * h * h);
+  EXPECT_NEAR(body.energy(state), 0, rounding);
+  EXPECT_NEAR(body.min_jacobian(state), 1, rounding);
 }
 
 TEST_P(Objectivity, RotationOfADeformedStateTurnsTheForces) {
@@ -49,14 +49,14 @@ TEST_P(Objectivity, RotationOfADeformedStateTurnsTheForces) {
     for (int k = 0; k < 3; ++k) rotated[body.dofs(p)[k]] = u[k];
   }
   EXPECT_GT(std::abs(body.energy(deformed)), 0.01);  // negative where the pressure is rough: a saddle point
-  EXPECT_NEAR(body.energy(rotated), body.energy(deformed), tolerance);
+  EXPECT_NEAR(body.energy(rotated), body.energy(deformed), rounding);
 
   std::vector<double> before(body.n_dofs()), after(body.n_dofs());
   body.residual(deformed, before);
   body.residual(rotated, after);
   for (int p = 0; p < body.n_points(); ++p)
-    EXPECT_LT((value_at(body, after, p) - rotation * value_at(body, before, p)).norm(), 10 * tolerance * h * h);
-  for (const auto dof : body.pressure_dofs()) EXPECT_NEAR(after[dof], before[dof], tolerance);
+    EXPECT_LT((value_at(body, after, p) - rotation * value_at(body, before, p)).norm(), 10 * rounding * h * h);
+  for (const auto dof : body.pressure_dofs()) EXPECT_NEAR(after[dof], before[dof], rounding);
 }
 
 INSTANTIATE_TEST_SUITE_P(Laws, Objectivity, ::testing::ValuesIn(nonlinear_cases()), case_name);
@@ -71,8 +71,8 @@ TEST_P(LinearLaw, TakesARotationForAStrain) {
   const auto turned = state_of(body, [](const Vector3& X) -> Vector3 { return rotation * X - X; });
   EXPECT_GT(body.energy(turned), 1);
   const auto shifted = state_of(body, [](const Vector3&) { return Vector3(0.3, -0.2, 0.7); });
-  EXPECT_NEAR(body.energy(shifted), 0, tolerance);
-  EXPECT_LT(residual(body, shifted).lpNorm<Eigen::Infinity>(), tolerance * h * h);
+  EXPECT_NEAR(body.energy(shifted), 0, rounding);
+  EXPECT_LT(residual(body, shifted).lpNorm<Eigen::Infinity>(), rounding * h * h);
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, LinearLaw, ::testing::ValuesIn(every_element), element_name);

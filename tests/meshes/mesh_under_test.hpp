@@ -54,6 +54,11 @@ inline MeshResult import_bytes(const std::string& bytes, const std::string& exte
   return import_file(file.path, 1, repair);
 }
 
+/// The message with which such a file is refused; empty if it is not.
+inline std::string import_error(const std::string& bytes, const std::string& extension) {
+  return error_of([&] { import_bytes(bytes, extension); });
+}
+
 inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 inline std::string joined(const std::vector<std::string>& lines) {

@@ -86,19 +86,17 @@ TEST(Shells, TrianglesAgainstTheirNeighboursAreTurned) {
 }
 
 TEST(Shells, EdgesOfThreeTrianglesAreRefused) {
-  const auto message = refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n");
-  EXPECT_TRUE(contains(message, "1 non-manifold edge")) << message;
+  expect_names(refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n"),
+               {"1 non-manifold edge"});
 }
 
 TEST(Shells, TouchingInOneNodeAreRefused) {
-  const auto message = refusal("v 0 0 0\nv 1 0 0\nv 1 1 0\nv -1 0 0\nv -1 1 0\nf 1 2 3\nf 1 4 5\n");
-  EXPECT_TRUE(contains(message, "1 pinched vertex")) << message;
+  expect_names(refusal("v 0 0 0\nv 1 0 0\nv 1 1 0\nv -1 0 0\nv -1 1 0\nf 1 2 3\nf 1 4 5\n"), {"1 pinched vertex"});
 }
 
 TEST(Shells, InSeveralPiecesAreRefusedOrReduced) {
   const auto pieces = obj(2, 2, flat) + "v 5 0 0\nv 6 0 0\nv 5 1 0\nf 10 11 12\n";
-  const auto message = refusal(pieces);
-  EXPECT_TRUE(contains(message, "2 components of 8 and 1 triangles")) << message;
+  expect_names(refusal(pieces), {"2 components of 8 and 1 triangles"});
   const auto kept = shell_of(pieces, 0.01, true);
   EXPECT_EQ(kept.mesh.n_cells(), 8);
   EXPECT_TRUE(contains(joined(kept.notes), "kept the largest")) << joined(kept.notes);
@@ -119,21 +117,19 @@ TEST(Shells, OfOneSideAreRefused) {
     text += "f " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\nf " + std::to_string(b) +
             " " + std::to_string(d) + " " + std::to_string(c) + "\n";
   }
-  const auto message = refusal(text);
-  EXPECT_TRUE(contains(message, "remedy")) << message;
+  expect_names(refusal(text), {"remedy"});
 }
 
 TEST(Shells, TrianglesWithoutAreaAreRefusedOrDropped) {
-  const auto message = refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.5 0 0\nf 1 2 3\nf 1 4 2\n");
-  EXPECT_TRUE(contains(message, "1 triangle: 1")) << message;
+  expect_names(refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.5 0 0\nf 1 2 3\nf 1 4 2\n"), {"1 triangle: 1"});
   const auto result = shell_of(obj(2, 2, flat) + "f 1 1 2\n", 0.01);
   EXPECT_TRUE(contains(joined(result.notes), "dropped 1 triangle with two equal corners")) << joined(result.notes);
   EXPECT_EQ(result.mesh.n_cells(), 8);
 }
 
 TEST(Shells, FoldedBackAreRefused) {
-  const auto message = refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.1 0.9 0.1\nf 1 2 3\nf 1 4 2\n");
-  EXPECT_TRUE(contains(message, "folded back") && contains(message, "nodes 0 and 1")) << message;
+  expect_names(refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.1 0.9 0.1\nf 1 2 3\nf 1 4 2\n"),
+               {"folded back", "nodes 0 and 1"});
 }
 
 TEST(Shells, CoordinatesThatAreNotFiniteAreRefused) {
@@ -143,16 +139,14 @@ TEST(Shells, CoordinatesThatAreNotFiniteAreRefused) {
 
 TEST(Shells, WallsTooThickForTheirBendsAreRefused) {
   EXPECT_TRUE(contains(error_of([] { shell_of(tube(), 5, true); }), "thicker than it is long"));
-  const auto message = error_of([] { shell_of(tube(), 2.1, true); });
-  EXPECT_TRUE(contains(message, "2.1 m") && contains(message, "thickness_m")) << message;
+  expect_names(error_of([] { shell_of(tube(), 2.1, true); }), {"2.1 m", "thickness_m"});
   EXPECT_TRUE(contains(joined(shell_of(tube(), 0.7, true).warnings), "half the radius of a bend"));
   EXPECT_FALSE(contains(joined(shell_of(tube(), 0.3, true).warnings), "bend"));
   EXPECT_TRUE(shell_of(obj(2, 2, flat), 0.9).warnings.empty()) << "nothing bends here";
 }
 
 TEST(Shells, OfTetrahedraAreRefused) {
-  const auto message = error_of([] { shell_of(msh_2(two_cells, 2), 0.01, false, ".msh"); });
-  EXPECT_TRUE(contains(message, "remove mesh.thickness_m")) << message;
+  expect_names(error_of([] { shell_of(msh_2(two_cells, 2), 0.01, false, ".msh"); }), {"remove mesh.thickness_m"});
 }
 
 TEST(Shells, AnEdgeOfFixedNodesHoldsThem) {

@@ -15,11 +15,9 @@ TEST_F(Interrupted, KilledRunResumesToTheSameDatabase) {
   make_once({"precompute scene.toml -o whole.h5"});
   killed("precompute scene.toml -o database.h5", "database.h5.log/*");
   EXPECT_FALSE(Database::is_complete(folder / "database.h5"));
-  const auto info = succeed("info database.h5");
-  EXPECT_NE(info.out.find("unfinished"), std::string::npos) << info.out;
+  expect_names(succeed("info database.h5").out, {"unfinished"});
   // Not finished: training refuses and names the remedy.
-  const auto train = be_refused("train scene.toml database.h5 -o model");
-  EXPECT_NE(train.err.find("--resume"), std::string::npos) << train.err;
+  expect_names(be_refused("train scene.toml database.h5 -o model").err, {"--resume"});
   // Starting over by accident is refused as well.
   be_refused("precompute scene.toml -o database.h5");
 

@@ -103,10 +103,8 @@ TEST_F(SolvedQueries, WithABadRowAreRefusedBeforeAnySolve) {
   expect_refused(head + good + "100000,0,0,0\n", {"bad.csv, line 3", "node 100000", "no such node"});
   expect_refused(head + nodes[0] + ",1e-300,0,0\n", {"bad.csv, line 2", "too small"});
   write_file(folder / "queries.csv", head + good);
-  for (const char* more : {"--node 1 --displacement 0,0,0", "--json a.json", "--deformation a.csv", "--tangent"}) {
-    const auto outcome = be_refused(std::string("solve scene.toml --queries queries.csv ") + more);
-    EXPECT_NE(outcome.err.find("--queries"), std::string::npos) << outcome.err;
-  }
+  for (const char* more : {"--node 1 --displacement 0,0,0", "--json a.json", "--deformation a.csv", "--tangent"})
+    expect_names(be_refused(std::string("solve scene.toml --queries queries.csv ") + more).err, {"--queries"});
   const auto ranks = shell("mpirun -n 2 --oversubscribe \"$PHYNNESS\" solve scene.toml --queries queries.csv");
   EXPECT_EQ(ranks.exit_status, 2) << ranks.err;
   EXPECT_NE(ranks.err.find("without mpirun"), std::string::npos) << ranks.err;

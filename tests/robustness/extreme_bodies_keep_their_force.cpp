@@ -11,7 +11,7 @@
 namespace phynness::test {
 namespace {
 
-constexpr double depth_m = 0.006;
+constexpr double push_m = 0.006;
 
 /// A patch of two edges: the force at a node has no limit under refinement.
 ProbeBlock pressed(Element element, double bulk_to_shear, Law law = law_named("neo-hookean")) {
@@ -23,7 +23,7 @@ ProbeBlock pressed(Element element, double bulk_to_shear, Law law = law_named("n
 
 /// Of the push by `depth_m`, along it.
 double push_N(const ProbeBlock& block) {
-  const auto r = block.touched().solve({{0, 0, -depth_m}}, 2);
+  const auto r = block.touched().solve({{0, 0, -push_m}}, 2);
   EXPECT_EQ(r.status, Status::converged);
   EXPECT_GT(r.min_jacobian, 0);
   return -r.force_N[0][2];

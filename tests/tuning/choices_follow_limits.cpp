@@ -4,8 +4,12 @@
 
 #include <phynness/validation/tuning.hpp>
 
+#include "../messages.hpp"
+
 namespace phynness {
 namespace {
+
+using test::expect_names;
 
 MeasuredModel measured(const std::string& name, double error, double us, double megabytes) {
   MeasuredModel m;
@@ -55,16 +59,13 @@ TEST(Choice, CountsTheWorseOfForceAndDisplacement) {
 TEST(Choice, SaysWhichLimitIsMissed) {
   const auto one = choose_model(some(), {.error = 0.001});
   EXPECT_FALSE(one.chosen);
-  for (const char* part : {"0.5 %", "large", "5 times", "0.1 %"})
-    EXPECT_NE(one.missed.find(part), std::string::npos) << one.missed;
+  expect_names(one.missed, {"0.5 %", "large", "5 times", "0.1 %"});
   const auto two = choose_model(some(), {.error = 0.001, .deformation_us = 0.5});
   EXPECT_NE(two.missed.find("0.5 %"), std::string::npos) << two.missed;
-  for (const char* part : {"deformation", "1 us", "small", "2 times"})
-    EXPECT_NE(two.missed.find(part), std::string::npos) << two.missed;
+  expect_names(two.missed, {"deformation", "1 us", "small", "2 times"});
   const auto together = choose_model(some(), {.error = 0.01, .deformation_us = 2});
   EXPECT_FALSE(together.chosen);
-  for (const char* part : {"middle", "2 %", "1 %", "deformation"})
-    EXPECT_NE(together.missed.find(part), std::string::npos) << together.missed;
+  expect_names(together.missed, {"middle", "2 %", "1 %", "deformation"});
 }
 
 TEST(Choice, IsNoneWhereNoErrorIsKnown) {
