@@ -22,6 +22,10 @@ TEST_F(WrongOption, IsNamedAsItWasWritten) {
   expect_wrong("validate a b --max-error 2", {"--max-error 2", "phynness validate --help"});
   expect_wrong("validate a b c d", {"c d"});
   expect_wrong("plan s --ranks 64x", {"--ranks", "64x", "1000000", "phynness plan --help"});
+  for (const auto& [option, value] : {std::pair{"--seed", "-1"}, {"--ranks", "nan"}, {"--rays", "1s"}})
+    expect_wrong(std::string("plan s ") + option + " " + value, {option, value});
+  expect_wrong("mesh s -o ''", {"--output"});
+  expect_wrong("prcompute s -o d.h5", {"prcompute"});
   expect_wrong("train a b -o c --family x", {"--family", "x", "modal"});
   expect_wrong("eval m --node", {"--node"});
   expect_wrong("eval m --node x", {"--node", "x"});

@@ -101,7 +101,6 @@ TEST_F(Contract, WrongUsageExitsWith2AndSaysWhy) {
            Case{"train scene.toml scene.toml -o m", "scene.toml"},
            Case{"validate scene.toml . --probes 0", "--probes"},
            Case{"validate scene.toml . --seed -1", "--seed"},
-           Case{"prcompute scene.toml -o d.h5", "prcompute"},
            Case{"solve scene.toml --node 3 --displacement 0,0,-1e9", "'0,0,-1e9'"},
            Case{"train scene.toml d.h5 -o m --set deformation_spread=nan", "spread"},
        }) {
@@ -109,18 +108,6 @@ TEST_F(Contract, WrongUsageExitsWith2AndSaysWhy) {
     SCOPED_TRACE(arguments);
     expect_names(outcome.err + outcome.out, {says});
   }
-  for (const char* command : {"", "mesh", "precompute", "train", "validate", "eval", "solve", "info", "run"})
-    succeed(std::string(command) + " --help");
-}
-
-TEST_F(Contract, SolveThatCannotConvergeExitsWith1) {
-  write_file(folder / "scene.toml", small_scene());
-  const auto node = active_of("scene.toml").at(0);
-  // Pushed through the fixed bottom: every path inverts a cell.
-  const auto outcome =
-      phynness("solve scene.toml --node " + std::to_string(node) + " --displacement 0,0,-0.2 --increments 2");
-  EXPECT_EQ(outcome.exit_status, 1) << outcome.out;
-  EXPECT_NE(outcome.err.find("converge"), std::string::npos) << outcome.err;
 }
 
 }  // namespace

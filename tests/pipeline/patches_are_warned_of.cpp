@@ -34,12 +34,6 @@ class Patches : public CommandLine {
 const std::string unresolved = "not resolved";
 bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-TEST_F(Patches, AreSilentWhereTheyAreResolved) {
-  const auto words = warnings(scene("0.07", "0.04"));
-  EXPECT_FALSE(holds(words, unresolved)) << words;
-  EXPECT_FALSE(holds(warnings(small_scene()), unresolved));  // a node probe
-}
-
 TEST_F(Patches, OfFewEdgesAreNamedByEveryCommandThatReadsThem) {
   write_file(folder / "scene.toml", scene("0.03", "0.008"));
   succeed("precompute scene.toml -o d.h5");
@@ -54,6 +48,7 @@ TEST_F(Patches, AreResolvedAsRecommended) {
   const auto words = warnings(scene("0.03", "0.008"));
   const auto radius = recommended("tool_radius_m", words);
   EXPECT_FALSE(holds(warnings(scene(radius.substr(radius.find("= ") + 2), "0.008")), unresolved)) << words;
+  EXPECT_FALSE(holds(warnings(small_scene()), unresolved)) << "a node probe";
   // A liver, as a block has a whole number of cells along each edge.
   const auto liver = [](const std::string& size) {
     const auto text =
