@@ -21,7 +21,13 @@ Model model_of(Family family) {
                 : family == Family::modal ? small_modal_model(6, n_force, 12, 20)
                                           : small_model(40, n_force);
   const auto n_known = model.displacements.rows();
-  model.directions = exploratory_directions(Directions::twenty_six);
+  model.directions.clear();
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z) {
+        const double size = std::sqrt(static_cast<double>(x * x + y * y + z * z));
+        if (size > 0) model.directions.push_back({x / size, y / size, z / size});
+      }
   const auto n_directions = static_cast<Eigen::Index>(model.directions.size());
   model.displacements.conservativeResize(2 * n_directions, 3);
   for (Eigen::Index i = n_known; i < 2 * n_directions; ++i)

@@ -150,7 +150,7 @@ TEST(ModalFields, ThatAreNotFiniteAreRefused) {
     return rays;
   };
   TrainingReport report;
-  expect_names(message_of([&] { train(source, modal_spec(), report); }), {"field that is not finite"});
+  expect_names(error_of([&] { train(source, modal_spec(), report); }), {"field that is not finite"});
 }
 
 }  // namespace
