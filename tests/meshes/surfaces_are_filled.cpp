@@ -56,7 +56,7 @@ TEST(Surfaces, AHoleIsCounted) {
 std::string another_cube(double size, double at) {
   std::string text;
   for (int i = 0; i < 8; ++i) {
-    const double x = (i + 1) / 2 % 2, y = i / 2 % 2, z = i / 4;
+    const int x = (i + 1) / 2 % 2, y = i / 2 % 2, z = i / 4;
     text +=
         "v " + std::to_string(at + size * x) + " " + std::to_string(size * y) + " " + std::to_string(size * z) + "\n";
   }
