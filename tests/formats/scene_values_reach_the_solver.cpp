@@ -301,7 +301,14 @@ TEST(Notes, tell_that_a_node_has_no_limit_unless_the_scene_asks_for_one) {
   expect_names(notes[0], {"body.toml:13", "mesh refinement", "patch", "tool_radius_m"});
   const std::string key = "increments = 4";
   EXPECT_TRUE(scene_notes(parsed(with(good_scene, key, key + "\nkind = \"node\""))).empty());
-  EXPECT_TRUE(scene_notes(parsed(with(good_scene, key, key + "\nkind = \"patch\"\ntool_radius_m = 0.01"))).empty());
+  EXPECT_TRUE(scene_notes(parsed(with(good_scene, key, key + "\nkind = \"patch\"\ntool_radius_m = 0.02"))).empty());
+}
+
+TEST(Notes, name_a_depth_beyond_the_radius_of_the_tool) {
+  const std::string key = "increments = 4";
+  const auto notes = scene_notes(parsed(with(good_scene, key, key + "\nkind = \"patch\"\ntool_radius_m = 0.0199")));
+  ASSERT_EQ(notes.size(), 1u);
+  expect_names(notes[0], {"body.toml:13", "max_displacement_m = 0.02 ", "tool_radius_m = 0.0199", "crushed"});
 }
 
 TEST(Notes, ask_about_moduli_that_are_often_meant_otherwise) {

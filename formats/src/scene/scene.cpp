@@ -124,6 +124,12 @@ std::vector<std::string> scene_notes(const Scene& scene) {
                     "single node does "
                     "not converge under mesh refinement; with kind = \"patch\" and tool_radius_m it does");
   const auto short_text = [](double value) { return number_text(value, std::chars_format::general, 3); };
+  if (scene.probe.kind == ProbeKind::patch && scene.probe.max_displacement_m > scene.probe.tool_radius_m)
+    notes.push_back(
+        scene.probe.where.str() + ": max_displacement_m = " + short_text(scene.probe.max_displacement_m) +
+        " is more than the radius of the tool, tool_radius_m = " + short_text(scene.probe.tool_radius_m) +
+        ". Deeper than half of the radius the surface under the tool is crushed on thin bodies: give a smaller "
+        "depth or a larger radius");
   if (scene.probe.directions == Directions::three && scene.material.law != law_named("linear"))
     notes.push_back(scene.probe.where.str() +
                     ": directions = 3 solves +x, +y and +z only. Forces in all other directions are extrapolated, and "
