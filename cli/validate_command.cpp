@@ -141,7 +141,7 @@ void print_cells(const std::vector<std::vector<std::string>>& rows) {
 /// Prints the verdict, the omitted parts and the tables.
 void print(const Validated& v) {
   for (const auto& line : verdict(v)) print_result("{}: {}.\n", line.title, line.sentence);
-  for (const auto& worse : worse_than_linear(v)) print_result("warning: {}\n", worse.sentence());
+  for (const auto& warning : warnings(v)) print_result("warning: {}\n", warning);
   for (const auto& part : v.not_done()) print_result("{}\n", part);
   print_cells(summary_cells(v));
   if (v.motions.finished > 0) print_cells(v.motions.cells());

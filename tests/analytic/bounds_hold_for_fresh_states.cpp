@@ -123,6 +123,27 @@ TEST(ErrorBounds, TooFewStatesAreRefused) {
   EXPECT_THROW(add_bounds(model, body.predictors(), body.states(model, random, 100, 0), 40, 0.95), Error);
 }
 
+// Claim: what was measured of a bound is said beside what was promised; it is a breach only beyond two standard errors
+// of the share, which few errors do not show and one heavy error among light ones does not, either.
+TEST(ErrorBounds, AreBrokenOnlyBeyondTheSamplingError) {
+  const auto measured = [](int held, int missed, double weight_of_missed = 1) {
+    std::vector<BoundedError> errors(static_cast<std::size_t>(held), {0.001, 1, 2, 1});
+    errors.insert(errors.end(), static_cast<std::size_t>(missed), {0.009, 3, 2, weight_of_missed});
+    return coverage_of(errors, 0.01);
+  };
+  EXPECT_EQ(held_in_words(measured(91, 9), 0.93),
+            "held for 91 % of 100 errors, for 0 % of those in the deepest third; calibration promised 93 %");
+  EXPECT_EQ(held_in_words(measured(1, 0), 0), "held for 100 % of 1 error");
+  // 0.93 - 2 sqrt(0.93 0.07 / 100) = 0.879
+  EXPECT_FALSE(is_below_promise(measured(88, 12), 0.93));
+  EXPECT_TRUE(is_below_promise(measured(87, 13), 0.93));
+  EXPECT_FALSE(is_below_promise(measured(9, 2), 0.93));
+  // A share of 0.86 of weights that scatter as 37 equal ones: the limit is 0.846, of 94 equal ones 0.877.
+  EXPECT_NEAR(measured(93, 1, 15).of_equal_weight, 108.0 * 108 / (93 + 225), 1e-12);
+  EXPECT_FALSE(is_below_promise(measured(93, 1, 15), 0.93));
+  EXPECT_FALSE(is_below_promise(coverage_of({}, 0.01), 0.93));
+}
+
 // Claim: the force of networks at rest is part of their bounds, and does not widen them at depth: the errors are that
 // force at rest, fall to the first displacement and are small from there on.
 TEST(ErrorBounds, HoldForTheForceOfNetworksAtRest) {

@@ -51,12 +51,15 @@ TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
   for (auto& node : bounded.nodes) node.bounds.clear();
   EXPECT_EQ(write_model_text(bounded), write_model_text(plain));
 
-  succeed("validate scene.toml b --probes 200 --json v.json --report r.html");
+  const auto validated = succeed("validate scene.toml b --probes 200 --json v.json --report r.html");
   const auto bounds = json("v.json").at("bounds");
   EXPECT_EQ(bounds.at("states"), 100);
   EXPECT_NEAR(bounds.at("coverage").get<double>(), 0.95,
               0.09);  // 100 states scatter by 0.022, the calibration by 0.015
-  expect_names(read_file(folder / "r.html"), {" of 100 errors of the force up to R are below their bound"});
+  const auto promised =
+      "; calibration promised " + std::to_string(std::lround(100 * c.at("promised").get<double>())) + " %.";
+  expect_names(unbroken(validated.out), {"Bound of the model's force error: held for ", " % of 100 errors", promised});
+  expect_names(read_file(folder / "r.html"), {" % of 100 errors", promised});
 
   const auto node = std::to_string(plain.nodes[0].node);
   expect_names(phynness("info b").out, {"bounds    of the force's error, for 95 % of random displacements"});

@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,18 +11,19 @@ BoundCoverage coverage_of(const std::vector<BoundedError>& errors, double range_
   BoundCoverage out;
   out.states = std::ssize(errors);
   std::array<double, 3> covered_of{}, total_of{};  // weights in each third
-  double covered = 0, total = 0;
+  double covered = 0, total = 0, squares = 0;
   for (const auto& e : errors) {
     const auto third = std::min<std::size_t>(2, static_cast<std::size_t>(3 * e.depth_m / range_m));
     const double covered_weight = e.error_N <= e.bound_N ? e.weight : 0;
     total += e.weight;
+    squares += e.weight * e.weight;
     covered += covered_weight;
     total_of[third] += e.weight;
     covered_of[third] += covered_weight;
   }
   for (std::size_t k = 0; k < 3; ++k)
     out.thirds[k] = total_of[k] > 0 ? covered_of[k] / total_of[k] : std::numeric_limits<double>::quiet_NaN();
-  if (total > 0) out.all = covered / total;
+  if (total > 0) out.all = covered / total, out.of_equal_weight = total * total / squares;
   return out;
 }
 
@@ -37,6 +40,21 @@ double promised_coverage(std::int64_t n, double coverage) {
     (cumulative < risk ? low : high) = x;
   }
   return low;
+}
+
+std::string held_in_words(const BoundCoverage& measured, double promised) {
+  std::string text = fmt::format("held for {:.0f} % of {} error{}", 100 * measured.all, measured.states,
+                                 measured.states == 1 ? "" : "s");
+  if (const double deepest = measured.thirds.back(); !std::isnan(deepest))
+    text += fmt::format(", for {:.0f} % of those in the deepest third", 100 * deepest);
+  return promised > 0 ? fmt::format("{}; calibration promised {:.0f} %", text, 100 * promised) : text;
+}
+
+bool is_below_promise(const BoundCoverage& measured, double promised) {
+  // Of the binomial distribution; a bound that just keeps its promise falls below in about one validation of 40.
+  constexpr double standard_errors = 2;
+  if (measured.states == 0) return false;
+  return measured.all < promised - standard_errors * std::sqrt(promised * (1 - promised) / measured.of_equal_weight);
 }
 
 }  // namespace phynness

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/database.hpp>
+#include <phynness/validation/bound_coverage.hpp>
 #include <phynness/validation/force_unit.hpp>
 #include <phynness/validation/locking.hpp>
 #include <phynness/validation/report.hpp>
@@ -84,6 +85,21 @@ VerdictLine worst_node(const Validated& v) {
   return line;
 }
 
+/// What calibration promised of the bounds; 0 if it had too few places.
+double promised(const Model& model) {
+  const auto& bound = model.bounds.at(0);
+  const bool all_nodes = static_cast<std::size_t>(bound.n_nodes) == model.nodes.size();
+  return promised_coverage(all_nodes ? bound.n_rays : bound.n_nodes, bound.coverage);
+}
+
+/// @return null without a bound of the distance from the model's own elements, with which validate compares
+const BoundCoverage* measured_bound(const Validated& v) {
+  const auto& model = v.model.model();
+  const auto& measured = v.report.to_range.bounds;
+  const bool own = !model.bounds.empty() && model.bounds[0].reference == 0;
+  return own && measured && measured->states > 0 ? &*measured : nullptr;
+}
+
 VerdictLine not_covered(const Validated& v) {
   const auto share = trained_share(v.model.model());
   const auto& e = v.report.to_range;
@@ -126,13 +142,29 @@ std::vector<std::string> Validated::not_done() const {
 }
 
 std::vector<VerdictLine> verdict(const Validated& v) {
-  return {of_model(v), of_finite_elements(v), worst_node(v), not_covered(v)};
+  std::vector<VerdictLine> lines{of_model(v), of_finite_elements(v), worst_node(v)};
+  if (const auto* measured = measured_bound(v))
+    lines.push_back(
+        {"bounds", "Bound of the model's force error", held_in_words(*measured, promised(v.model.model())), {}});
+  lines.push_back(not_covered(v));
+  return lines;
 }
 
 std::vector<WorseThanLinear> worse_than_linear(const Validated& v) {
   auto all = worse_than_linear(v.report);
   for (const auto& part : {worse_than_linear(v.points), worse_than_linear(v.pairs)})
     all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+std::vector<std::string> warnings(const Validated& v) {
+  std::vector<std::string> all;
+  for (const auto& worse : worse_than_linear(v)) all.push_back(worse.sentence());
+  if (const auto* measured = measured_bound(v); measured && is_below_promise(*measured, promised(v.model.model())))
+    all.push_back(fmt::format(
+        "the bound of the model's force error held for {:.0f} % of the errors, less than the {:.0f} % that calibration "
+        "promised; more calibration_rays in [validation] make it safer",
+        100 * measured->all, 100 * promised(v.model.model())));
   return all;
 }
 

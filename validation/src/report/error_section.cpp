@@ -56,9 +56,6 @@ Json error_section(const Validated& in) {
   Rows rows{{"error in %", "model: mean", "median", "p95", "max", "linear: mean", "p95", "max", "zero: mean"}};
   for (const bool outside : {false, true}) add_rows(in, outside, rows);
   std::vector<Json> blocks{folded("Errors inside and outside the trained range", rows)};
-  if (const auto& bounds = in.report.to_range.bounds)
-    blocks.push_back(text(fmt::format("{:.1f} % of {} errors of the force up to R are below their bound.",
-                                      100 * bounds->all, bounds->states)));
   if (in.points.finished > 0) {
     blocks.push_back(points_table(in.points));
     add_counts("The model between nodes", in.points.answers, blocks);

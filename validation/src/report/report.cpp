@@ -37,7 +37,7 @@ Json verdict_first(const Validated& in) {
   Json lines = Json::array();
   for (const auto& line : verdict(in)) lines.push_back({line.title, line.sentence + "."});
   std::vector<Json> blocks{{{"list", lines}}};
-  for (const auto& worse : worse_than_linear(in)) blocks.push_back(warning(worse.sentence() + "."));
+  for (const auto& sentence : warnings(in)) blocks.push_back(warning(sentence + "."));
   auto cells = summary_cells(in);
   for (std::size_t i = 0; i < cells[0].size(); ++i)
     cells[1][i] = cells[0][i].empty() ? cells[1][i] : cells[0][i] + " " + cells[1][i];

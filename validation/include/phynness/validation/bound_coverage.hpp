@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <phynness/formats/described.hpp>
+#include <string>
 #include <vector>
 
 namespace phynness {
@@ -24,6 +25,7 @@ struct BoundCoverage {
   std::int64_t states = 0;
   double all = 0;
   std::array<double, 3> thirds{};  ///< the shares in each third of the depth; nan without states
+  double of_equal_weight = 0;      ///< errors of equal weight whose share scatters alike: (sum of w)^2 / sum of w^2
   static void describe(const auto& c, auto&& see) {
     see("states", c.states);
     see("coverage", c.states > 0 ? c.all : undefined);
@@ -40,5 +42,11 @@ BoundCoverage coverage_of(const std::vector<BoundedError>& errors, double range_
 /// correlated.
 /// @param n  number of places, or of rays. @return 0 if n is too small for a bound
 double promised_coverage(std::int64_t n, double coverage);
+
+/// "held for 91 % of 100 errors, for 77 % of those in the deepest third; calibration promised 93 %"
+/// @param measured  of at least one error. @param promised  0: nothing was
+std::string held_in_words(const BoundCoverage& measured, double promised);
+/// Whether the bound held less often than promised, by more than the sampling error of so many errors.
+bool is_below_promise(const BoundCoverage& measured, double promised);
 
 }  // namespace phynness

@@ -47,6 +47,8 @@ std::vector<VerdictLine> verdict(const Validated& validated);
 
 /// Comparisons for probes at nodes, for points and for pairs.
 std::vector<WorseThanLinear> worse_than_linear(const Validated& validated);
+/// Sentences: where the model is worse than linear, and a bound that held less often than promised.
+std::vector<std::string> warnings(const Validated& validated);
 
 /// The table below the verdict, in percent, with two rows of headings.
 std::vector<std::vector<std::string>> summary_cells(const Validated& validated);
