@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <phynness/meshes/patch_warnings.hpp>
 
+#include "../block_mesh.hpp"
 #include "mesh_under_test.hpp"
 
 namespace phynness::test {
@@ -159,12 +160,34 @@ TEST(Selections, ThatAreSpreadButNotCoveredGetAWarning) {
   EXPECT_TRUE(contains(text, "no triangle between the 2 points") && contains(text, "\"auto\"")) << text;
   text = warning("{ count = 9 }", 1.5);
   EXPECT_TRUE(contains(text, "triangles between the points have edges longer than the radius")) << text;
+  EXPECT_TRUE(contains(text, "spacing = \"auto\" covers the surface")) << text;
+}
+
+// Claim: spacing = "auto" that probes every node is named where many are probed, and with a spacing that follows the
+// tool already, triangles that are too long ask for a finer mesh.
+TEST(Selections, ThatAreSpreadByTheToolAskForWhatHelps) {
+  const auto warnings = [](const Mesh& mesh, double radius) {
+    const Scene scene = spread("{ spacing = \"auto\" }", radius);
+    std::string all;
+    for (const auto& one : patch_warnings(scene, mesh, resolve_selections(scene, mesh))) all += one + "\n";
+    return all;
+  };
+  EXPECT_FALSE(contains(warnings(grid(), 3), "nodes are probed"));  // 17 of 17
+  // Edges of 2 m: of 125 nodes 27 are inside and 4 are fixed.
+  const auto text = warnings(block_mesh({4, 4, 4}, {8, 8, 8}), 6);
+  EXPECT_TRUE(contains(text, "94 of 94 nodes are probed; give a smaller part in `within`")) << text;
+  const auto gaps = warnings(grid(), 1.2);  // the diagonals have 1.41 m
+  EXPECT_TRUE(contains(gaps, "edges of at most the radius, tool_radius_m = 1.2") &&
+              contains(gaps, "smaller target_size_m"))
+      << gaps;
+  EXPECT_FALSE(contains(gaps, "covers the surface")) << gaps;
 }
 
 TEST(Selections, OfNoNodeNameTheNearestOfTheSurfaceAndItsDistance) {
   const auto message = [](const std::string& output) { return error_of([&] { selected(output); }); };
   auto text = message("{ sphere = { center_m = [2, 2, 4], radius_m = 0.5 } }");
   EXPECT_TRUE(contains(text, "26 at (2, 2, 2) m, 1.5 m")) << text;
+  EXPECT_TRUE(contains(text, "the body measures (2, 2, 2) m") && contains(text, "scale_to_m in [mesh]")) << text;
   text = message("{ box = { min_fraction = [1.5, 2.5, 0], max_fraction = [3, 3, 0] } }");
   EXPECT_TRUE(contains(text, "8 at (1, 1, 0)") && contains(text, "3.16228 m")) << text;
   text = message("{ plane = { point_m = [-3, 0, 0], normal = [1, 0, 0], tolerance_m = 0.5 } }");
@@ -179,6 +202,7 @@ TEST(Selections, OfNoNodeNameTheNearestOfTheSurfaceAndItsDistance) {
   EXPECT_TRUE(contains(text, "(2 nodes)") && contains(text, "(9 nodes)")) << text;
   text = message("{ not = \"all\" }");
   EXPECT_TRUE(contains(text, "scene.toml:6") && contains(text, "selects no node")) << text;
+  EXPECT_FALSE(contains(text, "scale_to_m")) << text;
   text = message("{ difference = [\"all\", { sphere = { center_m = [2, 2, 4], radius_m = 0.5 } }] }");
   EXPECT_TRUE(contains(text, "scene.toml:6") && contains(text, "26 at (2, 2, 2) m, 1.5 m")) << text;
 }

@@ -112,6 +112,12 @@ std::string warn_of_fixed(const Scene& scene, const Mesh& mesh, const NodeSets& 
                     three_digits(radius) + " } }] }, where SELECTION is that of now");
 }
 
+/// Spread by the radius of the tool, spacing = "auto".
+bool is_automatic(const Selector& s) { return s.kind == SelectorKind::spread && !(s.length_m > 0) && s.count == 0; }
+
+/// As many points as a larger organ has with spacing = "auto": of fewer, leaving some out saves little.
+constexpr std::ptrdiff_t fewest_worth_a_choice = 50;
+
 /// A spacing with which every node of the part is probed.
 std::string warn_of_choice(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   meshes::SelectableBody body(mesh);
@@ -121,7 +127,8 @@ std::string warn_of_choice(const Scene& scene, const Mesh& mesh, const NodeSets&
     if (s.kind != SelectorKind::spread) continue;
     const auto nodes = meshes::nodes_to_spread_over(s, body, {"active nodes", ""});
     const auto n = std::ranges::count_if(nodes, [&](auto i) { return std::ranges::binary_search(sets.active, i); });
-    const bool automatic = !(s.length_m > 0);
+    const bool automatic = is_automatic(s);
+    if (automatic && n < fewest_worth_a_choice) continue;
     if (static_cast<double>(n) < (automatic ? 0.8 : 1.0) * static_cast<double>(nodes.size())) continue;
     return s.where.str() + ": " +
            (automatic ? "spacing = \"auto\" follows the radius of the tool, few edges of the mesh"
@@ -154,7 +161,9 @@ std::string warn_of_gaps(const Scene& scene, const Mesh& mesh, const NodeSets& s
                  : std::to_string(all - n) + " of " + std::to_string(all) + " triangles between the points") +
          (n == 0 ? " has edges of at most the radius" : " have edges longer than the radius") +
          ", tool_radius_m = " + three_digits(radius) + ", so that the tool is not answered " +
-         (n == 0 ? "between them" : "in these") + "; spacing = \"auto\" covers the surface";
+         (n == 0 ? "between them" : "in these") +
+         (std::ranges::any_of(scene.active, is_automatic) ? "; give a finer mesh, such as a smaller target_size_m"
+                                                          : "; spacing = \"auto\" covers the surface");
 }
 
 }  // namespace

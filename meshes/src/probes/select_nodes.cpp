@@ -181,6 +181,13 @@ std::string nearest_of_surface(const Selector& s, const SelectableBody& body) {
          " outside of it: move or widen it so far" + (body.in_cell ? ", or give smaller cells" : "");
 }
 
+/// A part is often missed because the unit of a mesh file is not that of the scene.
+std::string size_text(const SelectableBody& body) {
+  const Vector size = body.high - body.low;
+  return ", so that the body measures " + shown_text({size(0), size(1), size(2)}) +
+         " m; if that is not its size, correct scale_to_m in [mesh]";
+}
+
 /// What to do if a selector selects no node of this body.
 std::string remedy_if_empty(const Selector& s, const SelectableBody& body, const Wanted& wanted) {
   if (is_region(s)) return nearest_of_surface(s, body);
@@ -236,7 +243,7 @@ NodeList select_nodes(const Selection& selection, const SelectableBody& body, co
           own.place + "a selector of the " + own.nodes + " selects no " + (body.in_cell ? "cell" : "node"),
           s.description,
           remedy + "; the mesh reaches from " + shown_text({body.low(0), body.low(1), body.low(2)}) + " to " +
-              shown_text({body.high(0), body.high(1), body.high(2)}) + " m");
+              shown_text({body.high(0), body.high(1), body.high(2)}) + " m" + (is_region(s) ? size_text(body) : ""));
     }
     nodes.insert(nodes.end(), more.begin(), more.end());
   }
