@@ -3,6 +3,7 @@
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/discretization.hpp>
 #include <phynness/validation/locking.hpp>
+#include <phynness/validation/trade_choice.hpp>
 
 #include "commands.hpp"
 
@@ -130,19 +131,11 @@ void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* 
                chosen != nullptr ? "; > chosen" : "", duration(report.seconds));
 }
 
-/// The row within the limit whose database needs the least time; null if there is none.
-const TradeRow* choose(const TradeReport& report, double error) {
-  const TradeRow* best = nullptr;
-  for (const auto& row : report.rows)
-    if (row.probes > 0 && row.mean <= error && (best == nullptr || row.core_hours() < best->core_hours())) best = &row;
-  return best;
-}
-
 void run_trade(const Options& options, const LoadedScene& loaded) {
   const auto error = limit_of(options.max_error, "--max-error", {{"%", 0.01}, {"", 1}}, "5%");
   const auto report = compare_discretizations(loaded.scene, loaded.mesh, loaded.sets, options.check,
                                               Progress("check", "rays").counter(), stop_requested);
-  const TradeRow* chosen = error ? choose(report, *error) : nullptr;
+  const TradeRow* chosen = error ? chosen_row(report, *error) : nullptr;
   print_trade(loaded.scene, report, chosen);
   if (chosen != nullptr) print_result("> {}\n", scene_keys_of(*chosen));
   json out = figures(report);
@@ -154,6 +147,9 @@ void run_trade(const Options& options, const LoadedScene& loaded) {
         fmt::format("{} of {} rows", std::ranges::count_if(report.rows, [](const auto& row) { return row.probes > 0; }),
                     report.rows.size()),
         "run it again");
+  if (error && is_alone(report))
+    throw failure("nothing is chosen, because no row was compared beside the scene's own",
+                  fmt::format("--seconds {:g}", options.check.seconds), "allow more --seconds, or use a coarser mesh");
   if (error && chosen == nullptr)
     throw failure("no element and mesh of the table meets the limit", "--max-error " + *options.max_error,
                   "more nodes have a smaller error; or relax the limit");

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/discretization.hpp>
+#include <phynness/validation/trade_choice.hpp>
 
 #include "messages.hpp"
 #include "probe_block.hpp"
@@ -82,6 +83,39 @@ TEST(Check, EndsWhenItsMeanIsKnown) {
   EXPECT_TRUE(is_known(probes({0.05, 0.05, 0.05, 0.05}, 1), 0.1));
   EXPECT_FALSE(is_known(probes({0, 0, 0, 0.2}), 0)) << "the standard error is the mean";
   EXPECT_TRUE(is_known(probes({0, 0, 0, 0.03}), 0)) << "but below 1 %";
+}
+
+// Claim: rows that cost less than the scene are solved before the finer solution, for which time is kept; where only
+// the scene was compared none is chosen.
+TEST(Check, TradesCheapRowsFirst) {
+  const auto block = two_places();
+  DiscretizationOptions options;
+  options.probes = 1;
+  options.seconds = 1e6;
+  options.clock = [] { return 0.0; };
+  std::int64_t solved = 0;
+  const auto count = [&](std::int64_t done, std::int64_t) { solved = done; };
+  const auto two =
+      compare_discretizations(block.scene, block.mesh, block.sets, options, count, [&] { return solved >= 2; });
+  const auto& own = *std::ranges::find_if(two.rows, &TradeRow::is_scene);
+  EXPECT_GT(own.ray_s, 0);
+  EXPECT_EQ(std::ranges::count_if(two.rows, [](const auto& row) { return row.ray_s > 0; }), 2);
+  EXPECT_EQ(
+      std::ranges::count_if(two.rows, [&](const auto& row) { return row.ray_s > 0 && row.unknowns < own.unknowns; }),
+      1);
+  EXPECT_EQ(chosen_row(two, 1), nullptr);
+
+  TradeReport report;
+  report.rows.resize(2);
+  report.rows[0].is_scene = true;
+  for (auto& row : report.rows) row.mean = 0.01, row.ray_s = 1, row.rays = 1;
+  report.rows[0].probes = 1;
+  EXPECT_TRUE(is_alone(report));
+  EXPECT_EQ(chosen_row(report, 0.05), nullptr);
+  report.rows[1].probes = 1;
+  report.rows[1].ray_s = 0.5;
+  EXPECT_EQ(chosen_row(report, 0.05), &report.rows[1]);
+  EXPECT_EQ(chosen_row(report, 0.001), nullptr);
 }
 
 TEST(Check, OneLongSolveDoesNotTakeAllTime) {

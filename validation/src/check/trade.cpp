@@ -10,6 +10,7 @@
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/validation/discretization.hpp>
 #include <phynness/validation/error_statistics.hpp>
+#include <phynness/validation/trade_choice.hpp>
 #include <tuple>
 
 #include "compared_scene.hpp"
@@ -45,6 +46,8 @@ class Trade {
   void add_rows(const Scene& sized, const Mesh& mesh, const NodeSets& sets, bool is_scene_mesh);
   void solve(TradeRow& row);
   void compare(TradeRow& row);
+  /// @throws Error (input)
+  void require_time_for(const TradeRow& reference) const;
   double elapsed() const { return _options.clock() - _start; }
   /// Expected time of all probes of a row.
   double expected_s(const TradeRow& row) const {
@@ -167,30 +170,43 @@ void Trade::compare(TradeRow& row) {
     row.left_out = "no probe was solved";
 }
 
+void Trade::require_time_for(const TradeRow& reference) const {
+  const double expected = expected_s(reference);
+  if (elapsed() + expected <= _options.seconds) return;
+  throw input_error(
+      "the finer solution needs more time than it may take",
+      fmt::format("{} s are expected for {} probes of {} on {} nodes", std::lround(expected), _places.size(),
+                  name(reference.scene.solver.element), reference.body->mesh.n_nodes()),
+      fmt::format("give --seconds {}, fewer --probes, or a coarser mesh", std::lround(4 * expected + 60)));
+}
+
 TradeReport Trade::run() {
   auto& rows = _report.rows;
+  const TradeRow& finest = rows[_reference];
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (rows[i].body) order.push_back(i);
-  // The first solve, of the scene, predicts the times of the others. The reference is second, because it is required.
-  std::ranges::sort(
-      order, {}, [&](std::size_t i) { return std::tuple(!rows[i].is_scene, !rows[i].is_reference, rows[i].unknowns); });
+  // The first solve, of the scene, predicts the times of the others. Cheaper ones are next, then the required
+  // reference.
+  std::ranges::sort(order, {}, [&](std::size_t i) {
+    const TradeRow& row = rows[i];
+    const bool is_costly = row.unknowns > _scene_unknowns;
+    return std::tuple(!row.is_scene, row.is_reference ? 1 : is_costly ? 2 : 0, row.unknowns);
+  });
   for (const auto i : order) {
     if (_report.interrupted || (_stop && _stop())) break;
     TradeRow& row = rows[i];
-    const double expected = _scene_ray_s > 0 ? expected_s(row) : 0;
-    if (elapsed() + expected > _options.seconds) {
-      if (row.is_reference)
-        throw input_error(
-            "the finer solution needs more time than it may take",
-            fmt::format("{} s are expected for {} probes of {} on {} nodes", std::lround(expected), _places.size(),
-                        name(row.scene.solver.element), row.body->mesh.n_nodes()),
-            fmt::format("give --seconds {}, fewer --probes, or a coarser mesh", std::lround(4 * expected + 60)));
-      row.left_out = fmt::format("time: about {} s", std::lround(expected));
-      continue;
+    if (!row.is_scene && !row.is_reference) {
+      const double expected = expected_s(row), reserved = finest.ray_s > 0 ? 0 : expected_s(finest);
+      if (elapsed() + expected + reserved > _options.seconds) {
+        row.left_out = fmt::format("time: about {} s", std::lround(expected));
+        continue;
+      }
     }
     solve(row);
-    if (row.is_scene) _scene_ray_s = row.ray_s;
+    if (!row.is_scene) continue;
+    _scene_ray_s = row.ray_s;
+    if (!row.is_reference && !_report.interrupted) require_time_for(finest);
   }
   for (auto& row : rows) compare(row);
   for (auto& row : rows)
@@ -203,6 +219,18 @@ TradeReport Trade::run() {
 }
 
 }  // namespace
+
+bool is_alone(const TradeReport& report) {
+  return std::ranges::all_of(report.rows, [](const TradeRow& row) { return row.probes == 0 || row.is_scene; });
+}
+
+const TradeRow* chosen_row(const TradeReport& report, double error) {
+  if (is_alone(report)) return nullptr;
+  const TradeRow* best = nullptr;
+  for (const auto& row : report.rows)
+    if (row.probes > 0 && row.mean <= error && (best == nullptr || row.core_hours() < best->core_hours())) best = &row;
+  return best;
+}
 
 TradeReport compare_discretizations(const Scene& scene, const Mesh& mesh, const NodeSets& sets,
                                     const DiscretizationOptions& options, const OnProgress& progress,
