@@ -177,7 +177,7 @@ std::string accuracy_text(const Plan& plan) {
   return fmt::format("standard error {:.0f} %", 100 * *plan.measured.relative_standard_error);
 }
 
-void print_plan(const Options& options, const Plan& plan) {
+void print_plan(const Options& options, const Plan& plan, bool several_tools) {
   const auto& m = plan.measured;
   print_result("time      {} on {} rank{}{}\n", duration(plan.wall_seconds), plan.ranks, plan.ranks == 1 ? "" : "s",
                options.ranks ? "" : ", the processor cores of this machine");
@@ -189,6 +189,10 @@ void print_plan(const Options& options, const Plan& plan) {
   print_result("then      {}validate {} probes in phynness run: about {} more\n",
                plan.calibration_rays > 0 ? fmt::format("calibrate {} rays and ", plan.calibration_rays) : "",
                plan.probes, duration(plan.calibrate_seconds + plan.validate_seconds));
+  if (several_tools)
+    print_result(
+        "without   reduce and calibrate body, which phynness run does for tools > 1; they can take longer than all "
+        "above\n");
   print_result("rays      {}, {} solved at {} node{}: {:.2g} s each ({}), at most {:.2g} s\n", plan.rays_requested,
                m.rays, m.nodes, m.nodes == 1 ? "" : "s", m.seconds_per_ray, accuracy_text(plan), m.seconds_longest_ray);
   if (plan.points_at_rest > 0)
@@ -206,7 +210,7 @@ void run(const Options& options) {
   const auto loaded = load_scene(options.scene);
   install_stop_handler();  // a signal before ends the program: there is nothing to keep
   const Plan plan = make_plan(options, loaded);
-  print_plan(options, plan);
+  print_plan(options, plan, loaded.scene.probe.tools > 1);
   if (plan.ranks * plan.memory_bytes_per_rank > plan.machine_memory_bytes)
     message("warning: {} ranks do not fit into the memory of this machine, but {} ranks do\n", plan.ranks,
             std::floor(plan.machine_memory_bytes / plan.memory_bytes_per_rank));

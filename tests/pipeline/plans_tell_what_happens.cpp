@@ -53,6 +53,17 @@ TEST_F(Plans, sizes_are_those_of_the_run) {
   EXPECT_EQ(json("validate.json").at("probes"), 50);
 }
 
+TEST_F(Plans, name_the_stages_that_they_leave_out) {
+  const auto several = [](int tools) {
+    return changed(changed(small_scene("p1-p1"), "[nodes]\n", "[nodes]\noutput = \"free\"\n"), "[probe]\n",
+                   "[probe]\nkind = \"patch\"\ntool_radius_m = 0.06\ntools = " + std::to_string(tools) + "\n");
+  };
+  write_file(folder / "scene.toml", several(2));
+  expect_names(unbroken(succeed("plan scene.toml --rays 2").out), {"without   reduce and calibrate body"});
+  write_file(folder / "scene.toml", several(1));
+  EXPECT_EQ(succeed("plan scene.toml --rays 2").out.find("reduce"), std::string::npos);
+}
+
 TEST_F(Plans, hemispheres_count_what_is_asked_for) {
   write_file(folder / "scene.toml", changed(small_scene(), "directions = 26", "directions = \"hemisphere\""));
   succeed("plan scene.toml --rays 8 --json plan.json");
