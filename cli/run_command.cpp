@@ -1,5 +1,7 @@
 // Runs mesh, precompute, check, train, calibrate, of several tools reduce, validate and view. Each is a separate
 // process, so that the parallel stages run under mpirun and training uses threads.
+#include <unistd.h>
+
 #include <chrono>
 #include <fstream>
 #include <phynness/pages/pages.hpp>
@@ -33,7 +35,10 @@ Stage stage(const char* title, const std::filesystem::path& written, std::vector
   const auto start = std::chrono::steady_clock::now();
   message("== {}\n", title);
   run_child(title, std::move(arguments), ranks, title != std::string_view("validate"));
-  return {title, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), written};
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  // A terminal has shown the progress.
+  if (isatty(STDERR_FILENO) == 0) message("== {}: {}\n", title, duration(seconds));
+  return {title, seconds, written};
 }
 
 double size_of(const std::filesystem::path& what) {

@@ -108,6 +108,8 @@ std::string FinerDistance::sentence() const {
                      (probes < fewest_for_p95 ? "at most " + percent(p95) : "below " + percent(p95) + " in 95 of 100") +
                      ", at " + std::to_string(probes) + (probes == 1 ? " probe" : " probes") + " of a round tool of " +
                      fixed(1e3 * tool_radius_m, 1) + " mm radius";
+  constexpr int fewest_for_mean = 4;  // with which a check may end (is_known)
+  if (probes < fewest_for_mean) text += " (fewer than " + std::to_string(fewest_for_mean) + " are too few for a mean)";
   const auto at = [&](const DistancePart& part) { return percent(part.mean) + " at " + std::to_string(part.places); };
   if (has_parts) {
     if (near_fixed.places == 0)
