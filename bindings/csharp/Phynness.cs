@@ -285,11 +285,12 @@ public sealed class Organ : IDisposable {
     return Leave(status);
   }
 
-  /// Bounds [N] of the errors of the forces of the last Hold; +infinity where nothing is known.
+  /// Bounds [N] of the errors of the forces of the last Hold; +infinity where nothing is known, and after an error.
   public Status Bound(double[] bounds) {
     int n = last == Last.OfTool ? 1 : last == Last.OfTools ? nTools : 0;
     RequireLengths(n, bounds.Length, bounds.Length);
     Enter();
+    for (int i = 0; i < bounds.Length; ++i) bounds[i] = double.PositiveInfinity;  // also where the call is refused
     int status = (int)Status.ErrorUndefined;
     if (last == Last.OfTool) status = Native.phn_bound(files.Model.Object, ref tool, bounds);
     else if (n > 0 && files.Body != null) status = Native.phn_body_bound(files.Body.Object, state.Object, n, bounds);

@@ -258,7 +258,7 @@ TYPED_TEST(BetweenNodes, RefuseBadQuestions) {
     EXPECT_EQ(Image<Real>::force(image, &tool, force), status);
     EXPECT_EQ(Image<Real>::bound(image, &tool, &bound), status);
     EXPECT_EQ(force[0], 0);
-    EXPECT_EQ(bound, 0);
+    EXPECT_EQ(bound, Real(PHN_IMAGE_NO_BOUND));
   };
   for (const std::int32_t triangle : {-1, 1000, std::numeric_limits<std::int32_t>::max()})
     refused(body.image, at(triangle, 1, 0, 0), PHN_ERROR_ARGUMENT);

@@ -75,7 +75,7 @@ class Asker {
 
   /// call(data, out) -> status, of used and of fresh scratch.
   template <class Call>
-  int answer(std::size_t n, std::vector<double>& out, int allowed_warnings, Call call) {
+  int answer(std::size_t n, std::vector<double>& out, int allowed_warnings, Call call, double refused = 0) {
     out.assign(n, nan);
     std::vector<double> again(n, nan);
     const int status = call(_data, out.data());
@@ -86,7 +86,8 @@ class Asker {
     require(call(fresh, again.data()) == status, "the status does not depend on earlier calls");
     require(n == 0 || std::memcmp(out.data(), again.data(), 8 * n) == 0, "the answer does not depend on earlier calls");
     require(status <= 0 || (status & ~allowed_warnings) == 0, "only documented warnings");
-    require(status >= 0 ? finite(out.data(), n) : zero(out.data(), n), "finite, or zeros where refused");
+    require(finite(out.data(), n), "finite");
+    for (std::size_t i = 0; i < n && status < 0; ++i) require(out[i] == refused, "zeros, or no bound, where refused");
     return status;
   }
   /// Of one node and displacement: which refusals are right. @return whether it was answered
@@ -239,7 +240,8 @@ class Asker {
     // Between nodes, node probes have a force but no depth.
     require(trained == PHN_ERROR_UNDEFINED || (trained < 0 ? trained == status : status >= 0),
             "a depth where answered");
-    answer(1, _out, warnings, [&](phn_data*, double* out) { return phn_bound(_model, &tool, out); });
+    answer(
+        1, _out, warnings, [&](phn_data*, double* out) { return phn_bound(_model, &tool, out); }, PHN_NO_BOUND);
     require(_out[0] >= 0, "a bound");
   }
   void field() {
@@ -276,8 +278,8 @@ class Asker {
     right(status, node, d, false);
     require(_out[0] >= 0, "a depth");
     const int warned = status;
-    const int bounded = answer(1, _out, PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE,
-                               [&](phn_data*, double* out) { return phn_bound(_model, AtNode(node, d), out); });
+    const auto bound = [&](phn_data*, double* out) { return phn_bound(_model, AtNode(node, d), out); };
+    const int bounded = answer(1, _out, PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE, bound, PHN_NO_BOUND);
     if (!right(bounded, node, d, true)) return;
     require((bounded & PHN_WARNING_OUTSIDE) == (warned & PHN_WARNING_OUTSIDE), "the same range");
     require((_out[0] == PHN_NO_BOUND) == ((bounded & PHN_WARNING_OUTSIDE) != 0), "a bound inside of the range only");

@@ -47,14 +47,15 @@ void open_and_ask(const std::vector<std::uint64_t>& words, std::size_t bytes, Sc
   require(n_scratch <= bytes, "no more working memory than the image describes");
   std::vector<Real> scratch(n_scratch), out;
   using Tool = typename Image<Real>::Tool;
-  const auto check = [&](int told, std::size_t n) {
+  const auto check = [&](int told, std::size_t n, Real refused = 0) {
     require(told <= 3 && (told >= 0 || (told <= PHN_ERROR_ARGUMENT && told >= PHN_ERROR_UNDEFINED)),
             "a documented status");
-    for (std::size_t k = 0; k < n; ++k) require(told >= 0 ? std::isfinite(out[k]) : out[k] == 0, "finite, or zeros");
+    for (std::size_t k = 0; k < n; ++k)
+      require(told >= 0 ? std::isfinite(out[k]) : out[k] == refused, "finite, or zeros");
   };
-  const auto ask = [&](auto function, const Tool& tool, std::size_t n) {
+  const auto ask = [&](auto function, const Tool& tool, std::size_t n, Real refused = 0) {
     out.assign(n, 1);
-    check(function(image, &tool, out.data()), n);
+    check(function(image, &tool, out.data()), n, refused);
   };
   for (int i = 0; i < 12; ++i) {
     const bool any = contents.n_active == 0 || script.below(8) == 0;
@@ -78,7 +79,7 @@ void open_and_ask(const std::vector<std::uint64_t>& words, std::size_t bytes, Sc
       ask(Image<Real>::stiffness, tool, 9);
       require(out[1] == out[3] && out[2] == out[6] && out[5] == out[7], "a symmetric stiffness");
       ask(Image<Real>::depth, tool, 1);
-      ask(Image<Real>::bound, tool, 1);
+      ask(Image<Real>::bound, tool, 1, PHN_IMAGE_NO_BOUND);
       out.assign(3 * static_cast<std::size_t>(contents.n_output), 1);
       std::fill(scratch.begin(), scratch.end(), std::numeric_limits<Real>::quiet_NaN());
       check(Image<Real>::deform(image, scratch.data(), &tool, out.data()), out.size());

@@ -125,6 +125,9 @@ TEST(Bodies, HaveTheBoundsOfThePage) {
   ASSERT_EQ(loaded.status, PHN_OK);
   double bounds[] = {-1, -1};
   EXPECT_EQ(phn_body_bound(loaded.body, loaded.state, 0, bounds), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(phn_body_bound(loaded.body, nullptr, 2, bounds), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(bounds[0], PHN_NO_BOUND);
+  EXPECT_EQ(bounds[1], PHN_NO_BOUND);
   const Eigen::MatrixXd stiffness = stiffness_of_shape(block), modes = block.body.modes.values();
   for (const std::size_t n : {1, 2}) {
     auto tools = two_tools(block.mesh, 1), small = two_tools(block.mesh, 1e-4);
@@ -134,7 +137,9 @@ TEST(Bodies, HaveTheBoundsOfThePage) {
     const auto linear = loaded.force;
     ASSERT_EQ(loaded.press(tools), PHN_OK);
     const auto n_tools = static_cast<std::int32_t>(n);
+    bounds[0] = 0;
     EXPECT_EQ(phn_body_bound(loaded.body, loaded.state, 3 - n_tools, bounds), PHN_ERROR_ARGUMENT);
+    EXPECT_EQ(bounds[0], PHN_NO_BOUND);
     ASSERT_EQ(phn_body_bound(loaded.body, loaded.state, n_tools, bounds), PHN_OK);
     const Eigen::VectorXd q = modes.colPivHouseholderQr().solve(loaded.deformation());
     const Eigen::Index half = q.size() - q.size() / 2;
@@ -157,7 +162,9 @@ TEST(Bodies, HaveTheBoundsOfThePage) {
   }
   LoadedBody without(write_body_text(Block().body));
   ASSERT_EQ(without.press(two_tools(block.mesh, 1)), PHN_OK);
+  bounds[1] = 0;
   EXPECT_EQ(phn_body_bound(without.body, without.state, 2, bounds), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(bounds[1], PHN_NO_BOUND);
 }
 
 // Claim: tables of the energy at rest make a body whose cells have wrong weights the one with right ones where it is

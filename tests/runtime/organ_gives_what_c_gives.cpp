@@ -125,7 +125,8 @@ TEST_P(OrganOfAModel, HoldsPlacesAndSeveralToolsAsC) {
   EXPECT_EQ(field, expected_field);
   double bounds[2] = {1, 1};
   EXPECT_EQ(organ.bound(bounds), PHN_ERROR_UNDEFINED) << "a model has none of coupled tools";
-  EXPECT_EQ(bounds[1], 0);
+  EXPECT_EQ(bounds[0], PHN_NO_BOUND);
+  EXPECT_EQ(bounds[1], PHN_NO_BOUND);
 
   // A model of node probes couples one tool between nodes, too.
   for (const phn_tool& tool : tools) {
@@ -189,6 +190,8 @@ TEST_F(OrganOfABody, HoldsAsC) {
   EXPECT_NE(forces[0], 0);
   EXPECT_GE(phn_body_force(organ.body(), organ.state(), 1, tools, 5, expected, nullptr), PHN_OK);  // another user
   EXPECT_EQ(organ.bound(bounds), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(bounds[0], PHN_NO_BOUND);
+  EXPECT_EQ(bounds[1], PHN_NO_BOUND);
   EXPECT_GE(organ.hold(tools, forces), PHN_OK);
   EXPECT_GE(phn_body_force(body, state, 1, tools, 5, expected, nullptr), PHN_OK);
   EXPECT_GE(phn_body_force(body, state, 2, tools, 5, expected, nullptr), PHN_OK);
@@ -286,6 +289,7 @@ TEST_F(OrganOfABody, OfAModelAloneTouchesAsC) {
     EXPECT_EQ(field, expected_field);
     double bound = 1;
     EXPECT_EQ(organ.bound({&bound, 1}), PHN_ERROR_UNDEFINED);
+    EXPECT_EQ(bound, PHN_NO_BOUND);
   }
   EXPECT_NE(Eigen::Map<const Eigen::VectorXd>(field.data(), std::ssize(field)).norm(), 0);
   EXPECT_EQ(organ.reset(), PHN_OK);
@@ -401,6 +405,7 @@ TEST_F(OrganOfABody, MisuseHasAStatus) {
       EXPECT_EQ(any->touch(sphere, state), PHN_ERROR_ARGUMENT);
       EXPECT_EQ(any->deform({force, 3}), PHN_ERROR_ARGUMENT);
       EXPECT_LT(any->bound({force, 3}), 0);
+      EXPECT_EQ(force[2], PHN_NO_BOUND);
       EXPECT_EQ(any->depth(tools[0], number), PHN_ERROR_ARGUMENT);
       EXPECT_EQ(any->nearest(force, found), PHN_ERROR_ARGUMENT);
       EXPECT_EQ(any->reset(), PHN_ERROR_ARGUMENT);

@@ -328,8 +328,8 @@ TEST_P(RoundTools, HaveTheLeastDepthOfTheirNodes) {
   EXPECT_EQ(said, depth);
   const int bounded = phn_bound(loaded.model, &without, &bound);
   EXPECT_EQ(bounded < 0, GetParam() == Family::linear);
+  EXPECT_EQ(bound == PHN_NO_BOUND, GetParam() == Family::linear);
   if (GetParam() == Family::linear) return;
-  EXPECT_LT(bound, PHN_NO_BOUND);
   EXPECT_GT(phn_bound(loaded.model, &held, &bound), 0);
   EXPECT_EQ(bound, PHN_NO_BOUND);
 }
@@ -346,7 +346,7 @@ TEST_P(RoundTools, AreOutsideBesideFixedNodes) {
     EXPECT_EQ(said == 0, flagged);
     EXPECT_EQ((at(held).status & PHN_WARNING_OUTSIDE) != 0, flagged);
     const bool bounded = phn_bound(loaded.model, &held, &bound) >= 0;
-    EXPECT_EQ(bound == PHN_NO_BOUND, flagged && bounded);
+    EXPECT_EQ(bound == PHN_NO_BOUND, flagged || !bounded);
   }
 }
 

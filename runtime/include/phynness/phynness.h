@@ -19,9 +19,10 @@
  * the object to hold a displacement; a haptic device renders its negative.
  *
  * Functions that return int return a status. 0: success. > 0: a sum of PHN_WARNING_*; the outputs are defined, but the
- * model is used outside of its range. < 0: PHN_ERROR_*; the call is refused and the outputs are zeros. No output is
- * ever NaN or infinite. An output may overlap an input in memory. Two outputs must not overlap, nor may an object
- * overlap the memory from which it is made. Equation numbers are those of the paper.
+ * model is used outside of its range. < 0: PHN_ERROR_*; the call is refused and the outputs are zeros, but bounds of
+ * errors are PHN_NO_BOUND, because 0 would say that the force is exact. No output is ever NaN or infinite. An output
+ * may overlap an input in memory. Two outputs must not overlap, nor may an object overlap the memory from which it is
+ * made. Equation numbers are those of the paper.
  *
  * Cost [us], medians on one core of an AMD EPYC, demo: modal model of 47 points, body of 160 modes and 400 cells
  *   phn_force at a node; with energy and stiffness                   0.12; 0.23
@@ -222,8 +223,9 @@ PHN_API int phn_depth(const phn_model* model, const phn_tool* tool, double* dept
  * places, the error is below the bound with the probability that formats/model.md calls coverage (0.95). A single
  * place, or a hand that chooses its path, may do worse: the bound is a statistical one and no guarantee. Outside of the
  * trained range (PHN_WARNING_OUTSIDE), and between nodes where calibration had too few tools there, nothing is known,
- * and the bound is PHN_NO_BOUND. PHN_ERROR_UNDEFINED: the model has no bounds. At rest the bound at a node is the size
- * of phn_force there: 0 in family modal, whose force is exact at rest; in family rbfn the networks have a small force.
+ * and the bound is PHN_NO_BOUND; so it is after every error. PHN_ERROR_UNDEFINED: the model has no bounds. At rest the
+ * bound at a node is the size of phn_force there: 0 in family modal, whose force is exact at rest; in family rbfn the
+ * networks have a small force.
  */
 #define PHN_NO_BOUND 1e300
 PHN_API int phn_bound(const phn_model* model, const phn_tool* tool, double* bound);

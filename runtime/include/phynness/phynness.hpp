@@ -266,15 +266,17 @@ class Organ {
     return 3 * static_cast<std::size_t>(_data != nullptr ? info().n_output : body_info().n_nodes);
   }
 
-  /// Bounds [N] of the errors of the forces of the last hold, one for each of its tools. PHN_ERROR_UNDEFINED: there are
-  /// none, or the last call was not hold. PHN_ERROR_ARGUMENT: state() was since pressed by another number of tools.
+  /// Bounds [N] of the errors of the forces of the last hold, one for each of its tools; after an error PHN_NO_BOUND in
+  /// all of `bounds`. PHN_ERROR_UNDEFINED: there are none, or the last call was not hold. PHN_ERROR_ARGUMENT: state()
+  /// was since pressed by another number of tools.
   Status bound(Span<double> bounds) noexcept {
     const std::size_t n = _last == LastCall::of_tool ? 1 : _last == LastCall::of_tools ? _n_tools : 0;
+    std::fill_n(bounds.data(), bounds.size(), PHN_NO_BOUND);
     if (n == 0) return PHN_ERROR_UNDEFINED;
     if (bounds.size() < n) return PHN_ERROR_BUFFER;
     return bounds_of(bounds.data());
   }
-  /// Of one tool that the model may hold; PHN_NO_BOUND outside of the trained range.
+  /// Of one tool that the model may hold; PHN_NO_BOUND outside of the trained range and after an error.
   Status bound(const phn_tool& tool, double& bound) const noexcept { return phn_bound(model(), &tool, &bound); }
   /// Depth [m] of the trained range, of the model where there is one, at the place of a tool in the direction of its
   /// displacement; at rest the smallest.
@@ -499,7 +501,6 @@ class Organ {
   Status bounds_of(double* bounds) const noexcept {
     if (_last == LastCall::of_tool) return phn_bound(model(), &_tool, bounds);
     if (_state != nullptr) return phn_body_bound(body(), _state, static_cast<std::int32_t>(_n_tools), bounds);
-    std::fill_n(bounds, _n_tools, 0.0);
     return PHN_ERROR_UNDEFINED;
   }
 

@@ -81,8 +81,9 @@ PHN_API int phn_body_force(const phn_body* body, phn_body_state* state, int32_t 
                            int32_t steps, double* forces, phn_body_report* report);
 
 /* Bounds [N] of the errors of the forces of the last phn_body_force, one for each of its n_tools, from the finite
- * elements of the body (formats/body.md, Bounds); PHN_NO_BOUND where that gave a warning. PHN_ERROR_ARGUMENT: it had
- * another number of tools. PHN_ERROR_UNDEFINED: a body without bounds (phynness calibrate --body), or no tool.
+ * elements of the body (formats/body.md, Bounds); PHN_NO_BOUND where that gave a warning, and after an error.
+ * PHN_ERROR_ARGUMENT: it had another number of tools. PHN_ERROR_UNDEFINED: a body without bounds (phynness calibrate
+ * --body), or no tool.
  * @return its status otherwise */
 PHN_API int phn_body_bound(const phn_body* body, const phn_body_state* state, int32_t n_tools, double* bounds);
 

@@ -8,10 +8,10 @@
  * The functions use no library; the only exception is sqrt of doubles on processors without double precision. The same
  * image gives bitwise the same results on every machine with IEEE 754 arithmetic. Layout: formats/image.md.
  *
- * Units, signs, frames and statuses are those of phynness.h: after a status < 0 outputs are zeros, a status > 0 is a
- * sum of PHN_WARNING_*, and no output of an opened image is ever NaN or infinite. Inputs are read before outputs are
- * written, so an output may overlap its tool. Only phynness.h has several tools, fields, and deformations between
- * nodes.
+ * Units, signs, frames and statuses are those of phynness.h: after a status < 0 outputs are zeros, but bounds
+ * PHN_IMAGE_NO_BOUND; a status > 0 is a sum of PHN_WARNING_*, and no output of an opened image is ever NaN or infinite.
+ * Inputs are read before outputs are written, so an output may overlap its tool. Only phynness.h has several tools,
+ * fields, and deformations between nodes.
  */
 #ifndef PHYNNESS_IMAGE_H
 #define PHYNNESS_IMAGE_H
@@ -109,8 +109,8 @@ PHN_API int phn_image_stiffness(const phn_image* image, const phn_image_tool* to
 PHN_API int phn_image_depth(const phn_image* image, const phn_image_tool* tool, phn_real* depth);
 
 /* The bound [N] of the error of the force, as phn_bound; PHN_IMAGE_NO_BOUND: nothing is known, above all with
- * PHN_WARNING_OUTSIDE. PHN_ERROR_UNDEFINED: has_bounds is 0. Cost: a force and a bound of each active node at the
- * place, mostly three. */
+ * PHN_WARNING_OUTSIDE and after an error. PHN_ERROR_UNDEFINED: has_bounds is 0. Cost: a force and a bound of each
+ * active node at the place, mostly three. */
 #define PHN_IMAGE_NO_BOUND 1e30f
 PHN_API int phn_image_bound(const phn_image* image, const phn_image_tool* tool, phn_real* bound);
 

@@ -471,17 +471,15 @@ int phn_body_bound_terms(const phn_body* body, const phn_body_state* state, int3
 }
 
 int phn_body_bound(const phn_body* body, const phn_body_state* state, int32_t n_tools, double* bounds) {
-  for (std::int32_t t = 0; t < n_tools && bounds != nullptr; ++t) bounds[t] = 0;
+  for (std::int32_t t = 0; t < n_tools && bounds != nullptr; ++t) bounds[t] = PHN_NO_BOUND;
   if (bounds == nullptr || n_tools > most_body_tools) return PHN_ERROR_ARGUMENT;
   double terms[3 * most_body_tools];
   const int status = phn_body_bound_terms(body, state, n_tools, terms);
   if (status < 0) return status;
   if (body->bounds == nullptr) return PHN_ERROR_UNDEFINED;
   const double* c = body->bounds + (n_tools > 1 ? phynness::schema::n_coupled_terms : 0);
-  for (std::int32_t t = 0; t < n_tools; ++t)
-    bounds[t] = (status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED | PHN_WARNING_NEAR)) != 0
-                    ? PHN_NO_BOUND
-                    : coupled_bound(c, terms + 3 * t, PHN_NO_BOUND);
+  if ((status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED | PHN_WARNING_NEAR)) != 0) return status;
+  for (std::int32_t t = 0; t < n_tools; ++t) bounds[t] = coupled_bound(c, terms + 3 * t, PHN_NO_BOUND);
   return status;
 }
 

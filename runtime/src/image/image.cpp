@@ -209,9 +209,8 @@ int phn_image_depth(const phn_image* opened, const phn_image_tool* tool, Real* o
   int status = check_query(opened, tool, out, query);
   const image::Surface* surface = status < 0 ? nullptr : surface_of(*header(opened));
   if (status >= 0 && (surface == nullptr || surface->bound.n == 0)) status = PHN_ERROR_UNDEFINED;
-  if (status < 0) return refuse(status, out, 1);
-  *out = PHN_IMAGE_NO_BOUND;
-  if ((status & PHN_WARNING_OUTSIDE) != 0) return status;
+  if (out != nullptr) *out = PHN_IMAGE_NO_BOUND;
+  if (status < 0 || (status & PHN_WARNING_OUTSIDE) != 0) return status;
   const Header& image = *header(opened);
   const Corners& corners = query.corners;
   Real force[image::most_corners][3] = {}, mean[3] = {0, 0, 0}, largest = 0, spread = 0;

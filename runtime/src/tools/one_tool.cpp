@@ -259,13 +259,13 @@ int phn_depth(const phn_model* model, const phn_tool* tool, double* depth) {
 
 int phn_bound(const phn_model* model, const phn_tool* tool, double* bound) {
   if (bound == nullptr) return PHN_ERROR_ARGUMENT;
-  double found = 0;
+  double found = PHN_NO_BOUND;
   ToolQuery query;
   int status = find_tool(model, tool, query);
   if (status == PHN_OK && query.active >= 0) {
     const ActiveNode& node = model->active[query.active];
     status = model->bound_between == nullptr ? PHN_ERROR_UNDEFINED : warnings(*model, node, query.d);
-    if (status >= 0) found = (status & PHN_WARNING_OUTSIDE) != 0 ? PHN_NO_BOUND : error_bound(*model, node, query.d);
+    if (status >= 0 && (status & PHN_WARNING_OUTSIDE) == 0) found = error_bound(*model, node, query.d);
   } else if (status == PHN_OK) {
     status = bound_between(*model, query, found);
   }
