@@ -112,6 +112,54 @@ TEST(Passivity, HoldsForAHandAtRest) {
   }
 }
 
+// Claim: two tools that hold one body, each behind a loop of its own, stay at rest and deliver nothing where the body
+// is far stiffer against their difference than against their sum: 10 N/m when both are pushed together and 1e2 to 1e4
+// N/m against one alone. Each loop knows the force and the displacement of its own tool only, from which it takes the
+// body for 10 N/m. Twice the exact force of the balance, 10 N/m x 10 mm of 410: what single cycles may differ by.
+TEST(Passivity, HoldsForTwoToolsNearEachOther) {
+  for (const double against_one : {1e2, 1e3, 1e4}) {
+    const double sum = 10, apart = 2 * against_one - sum;
+    const HandMotion presses = [](double t) { return Vector3{0, 0, -0.01 * std::min(1.0, t)}; };
+    // One of them trembles, so that there is a difference.
+    const HandMotion trembles = [&](double t) { return presses(t) + Vector3{0, 0, 1e-4 * std::sin(57 * t)}; };
+    std::vector<SimulatedDevice> devices = {{{}, presses}, {{}, trembles}};
+    phn_loop_settings settings = defaults();
+    settings.position_resolution_m = DeviceSettings{}.resolution_m;
+    std::vector<Loop> loops;
+    for (int t = 0; t < 2; ++t) loops.emplace_back(settings);
+    double largest = 0;
+    for (int cycle = 0; cycle < 3'000; ++cycle) {
+      double tool[2][3];
+      for (std::size_t t = 0; t < 2; ++t) {
+        SimulatedDevice::Sample sample;
+        const bool arrived = devices[t].read(sample);
+        phn_loop_read(loops[t], arrived ? sample.position : nullptr, sample.time_s, devices[t].now(), tool[t]);
+      }
+      for (std::size_t t = 0; t < 2; ++t) {
+        phn_loop_response response = {};
+        response.in_contact = 1;
+        response.energy = -1;
+        for (int k = 0; k < 3; ++k) {
+          const double mean = (tool[0][k] + tool[1][k]) / 2, off = tool[t][k] - mean;
+          response.displacement[k] = tool[t][k];
+          response.force[k] = sum * mean + apart * off;
+        }
+        double force[3];
+        phn_loop_hold(loops[t], &response, devices[t].now(), force);
+        devices[t].hold({force[0], force[1], force[2]});
+        if (cycle > 1'500) largest = std::max(largest, std::hypot(force[0], force[1], force[2]));
+      }
+    }
+    for (std::size_t t = 0; t < 2; ++t) {
+      EXPECT_EQ(loops[t].report().trip, PHN_TRIP_NONE) << against_one << ": " << loops[t].why();
+      EXPECT_LE(devices[t].energy().most_delivered, most_J) << against_one;
+    }
+    RecordProperty("largest_N", std::to_string(largest));
+    std::printf("against one %g N/m: largest force %g N\n", against_one, largest);
+    EXPECT_LT(largest, 0.2) << against_one;
+  }
+}
+
 // Claim: in the air nothing is felt, to the last bit.
 TEST(Passivity, NothingIsFeltInTheAir) {
   Body body(ball_of(12), 4, 0.004);

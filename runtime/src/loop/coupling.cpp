@@ -28,15 +28,17 @@ double softest(const double* K) {
 }
 
 /// Newton step of the balance of the coupling [N/m, body frame] with the body.
-Vector newton_step(const phn_loop_response& response, double coupling, Vector unbalanced) {
+Vector newton_step(phn_loop& loop, const phn_loop_response& response, double coupling, Vector unbalanced) {
   double K[9] = {};
   if (response.has_stiffness != 0) {
     for (int i = 0; i < 9; ++i) K[i] = response.stiffness[i];
   } else {
-    // The step finds the balance if the tangent is at most twice as stiff as this secant and the coupling together.
+    // The step finds the balance if the tangent and the coupling together are at most twice as stiff as this secant and
+    // the coupling together.
     const Vector d = vector_at(response.displacement);
     const double d2 = dot(d, d), secant = d2 > 0 ? std::fmax(0.0, dot(vector_at(response.force), d) / d2) : 0;
-    K[0] = K[4] = K[8] = secant;
+    loop.seen.see(vector_at(response.force), d, loop.settings.period_s, coupling, secant, unbalanced);
+    K[0] = K[4] = K[8] = std::fmax(secant, loop.seen.stiffness);
   }
   // Where the body softens more than half as fast as the coupling is stiff, the step is damped.
   const double damped = std::fmax(0.0, -0.5 * coupling - softest(K));
@@ -44,6 +46,20 @@ Vector newton_step(const phn_loop_response& response, double coupling, Vector un
 }
 
 }  // namespace
+
+void SeenStiffness::see(Vector new_force, Vector new_displacement, double period, double coupling, double secant,
+                        Vector unbalanced) {
+  constexpr double memory_s = 0.05;
+  stiffness *= std::fmax(0.0, 1 - period / memory_s);
+  const Vector change = new_force - force, moved = new_displacement - displacement;
+  // A body that could not follow gives the force of the cycle before, which belongs to the displacement of then.
+  if (has_last && dot(change, change) == 0) return;
+  const double square = has_last ? dot(moved, moved) : 0, along = square > 0 ? dot(change, moved) / square : 0;
+  if (dot(moved, unbalanced) < 0 && along > coupling + 2 * secant) stiffness = std::fmax(stiffness, along);
+  force = new_force;
+  displacement = new_displacement;
+  has_last = true;
+}
 
 void ToolPath::add(Vector tool) {
   for (int i = n_velocity; i > 0; --i) last[i] = last[i - 1];
@@ -83,13 +99,14 @@ Vector couple(phn_loop& loop, const phn_loop_response& response, double now, dou
   if (!loop.has_tool || response.in_contact == 0) {
     loop.tool = target;
     loop.has_tool = true;
+    loop.seen = {};
     loop.path.n = 0;
     loop.path.add(vector_to_device(loop, loop.tool));
     return {};
   }
   const double coupling = s.coupling_N_per_m / (s.force_scale * s.motion_scale);
   const Vector of_body = vector_at(response.force), displacement = vector_at(response.displacement);
-  Vector step = newton_step(response, coupling, coupling * (target - loop.tool) - of_body);
+  Vector step = newton_step(loop, response, coupling, coupling * (target - loop.tool) - of_body);
   if (s.reach_m > 0 && length(displacement + step) > s.reach_m)
     step = limited_length(displacement + step, s.reach_m) - displacement;
   if (!is_finite(step)) {

@@ -20,6 +20,17 @@ struct ToolPath {
   Vector velocity(double period) const;
 };
 
+/// The stiffness of the body along the motion of the tool [N/m], as its responses show it where a step went too far:
+/// against one of several near tools the body is stiffer than force and displacement of this tool tell.
+struct SeenStiffness {
+  Vector force = {}, displacement = {};  ///< of the last response
+  bool has_last = false;
+  double stiffness = 0;  ///< falls to 0 when steps no longer go too far
+  /// @param coupling, secant  stiffnesses with which the last step was made
+  /// @param unbalanced        force that moves the tool next
+  void see(Vector force, Vector displacement, double period, double coupling, double secant, Vector unbalanced);
+};
+
 }  // namespace phynness::loop
 
 struct phn_loop {
@@ -43,6 +54,7 @@ struct phn_loop {
   Vector tool = {};  ///< body frame
   bool has_tool = false;
   phynness::loop::ToolPath path;
+  phynness::loop::SeenStiffness seen;
   Vector force = {};    ///< for the device, as held
   double share = 1;     ///< factor of the passivity controller
   Vector change = {};   ///< of the force by the passivity controller in the last cycle
