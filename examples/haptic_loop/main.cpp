@@ -5,7 +5,8 @@
 //                                           pinch    the same, both push and move towards each other
 // --body FILE             a body.txt, which two round tools need
 // --sphere RADIUS         spheres, which find their place themselves, in place of held tools; --friction MU
-// --at X,Y,Z              the middle of the motion: the nearest point of the surface [highest]; --along X,Y,Z
+// --at X,Y,Z              the middle of the motion: the nearest point of the surface [above the middle of the probed
+//                         nodes; of a body alone the highest]; --along X,Y,Z
 // --depth, --reach, --speed     in metres, and at most in metres in a second
 // --device                a simulated device with phn_loop between hand and tool
 // --csv FILE              time, position, force, energy, status, and the tool that holds the body, which plot.py draws
@@ -97,6 +98,12 @@ struct Answer {
   bool in_contact = true;
 };
 
+double total_work_J(const std::vector<phn_loop_report>& reports) {
+  double sum = 0;
+  for (const phn_loop_report& report : reports) sum += report.work_J;
+  return sum;
+}
+
 int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool with_device, std::FILE* csv) {
   const auto n = static_cast<std::size_t>(hand.n_tools());
   // All memory is taken before the loop.
@@ -109,6 +116,7 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
   std::vector<double> forces(3 * n);
   std::vector<std::vector<std::byte>> memory(n);
   std::vector<phn_loop*> loop(n);
+  std::vector<phn_loop_report> told(n);
   phn_loop_settings settings;
   std::size_t bytes = 0;
   phn_loop_defaults(&settings);
@@ -122,7 +130,7 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
     phn_loop_engage(loop[t]);
   }
   double largest = 0, change = 0, settled_change = 0, taken = 0, given = 0;
-  long unsettled = 0, cycles = 0;
+  long unsettled = 0, outside = 0, cycles = 0;
   phynness::Organ::Status status, last;
   for (double now_s = period_s; now_s < hand.duration_s(); now_s += period_s, ++cycles, last = status) {
     for (std::size_t t = 0; t < n; ++t) {
@@ -155,6 +163,7 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
         std::copy_n(answer[t].force.data(), 3, response.force);
         std::copy_n(answer[t].displacement.data(), 3, response.displacement);
         phn_loop_hold(loop[t], &response, now_s, on_device.data());
+        phn_loop_info(loop[t], &told[t]);
       }
       device[t].apply(on_device, goal[t]);
       // What the hand feels.
@@ -162,9 +171,11 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
       largest = std::max(largest, norm(answer[t].force));
       change = std::max(change, jump);
       if (!status.unsettled() && !last.unsettled()) settled_change = std::max(settled_change, jump);
-      // A held tool works where its displacement changes, and not where its place does.
+      // What the hand gives is not what the tool does: the loop is between them, and its observer knows. Without it, a
+      // held tool works where its displacement changes, and not where its place does.
       const Vector moved = radius > 0 ? tip[t] - tip_before[t] : answer[t].displacement - before[t].displacement;
-      if (cycles > 0) taken += dot(0.5 * (answer[t].force + before[t].force), moved);
+      if (cycles > 0 && !with_device) taken += dot(0.5 * (answer[t].force + before[t].force), moved);
+      if (with_device) taken = total_work_J(told);
       before[t] = answer[t];
       tip_before[t] = tip[t];
       if (csv != nullptr)
@@ -178,6 +189,7 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
     }
     given = std::max(given, -taken);
     unsettled += status.unsettled();
+    outside += status.outside();
     if (status < 0) return status;
   }
   if (largest == 0) {
@@ -186,15 +198,32 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
   }
   std::printf("%ld cycles, largest force %.3g N, largest change in a cycle %.3g %% of it, settled %.3g %%\n", cycles,
               largest, 100 * change / largest, 100 * settled_change / largest);
-  std::printf("%ld cycles unsettled, energy taken from the hand %.3g mJ, at most given %.3g mJ\n", unsettled,
-              1e3 * taken, 1e3 * given);
+  std::printf("of %ld cycles, %ld unsettled and %ld outside of the probed part or of the trained depth: no bound\n",
+              cycles, unsettled, outside);
+  if (!with_device)
+    std::printf("energy taken from the hand %.3g mJ, at most given to it %.3g mJ\n", 1e3 * taken, 1e3 * given);
+  bool is_tripped = false;
   for (std::size_t t = 0; with_device && t < n; ++t) {
-    phn_loop_report report;
-    phn_loop_info(loop[t], &report);
-    std::printf("tool %zu: %s\n", t, phn_loop_trip_message(report.trip));
-    if (report.trip != PHN_TRIP_NONE) return 3;
+    const phn_loop_report& report = told[t];
+    std::printf("tool %zu: work_J %.3g mJ (positive: taken from the hand), at most given to it %.3g mJ. %s\n", t,
+                1e3 * report.work_J, 1e3 * report.most_delivered_J, phn_loop_trip_message(report.trip));
+    is_tripped |= report.trip != PHN_TRIP_NONE;
   }
-  return 0;
+  return is_tripped ? 3 : 0;
+}
+
+/// A point above the middle of the probed nodes, or of a body alone one above the highest.
+Vector find_middle(const phynness::Organ& organ) {
+  const phn_info& info = organ.info();
+  Vector sum{};
+  double top = -1;
+  for (int o = 0, a = 0; o < info.n_output && a < info.n_active; ++o) {
+    if (info.output_nodes[o] != info.active_nodes[a]) continue;
+    const double* point = info.output_points + 3 * o;
+    sum = sum + Vector{point[0], point[1], point[2]};
+    top = a++ == 0 ? point[2] : std::max(top, point[2]);
+  }
+  return info.n_active > 0 ? Vector{sum[0] / info.n_active, sum[1] / info.n_active, top} : Vector{0, 0, 1};
 }
 
 /// The outward normal, as a sphere that grasps the surface finds it.
@@ -216,8 +245,10 @@ int stop(int code, const char* what, const char* why) {
 
 int main(int argc, char** argv) {
   std::map<std::string, std::string> given;
+  const std::string known = " --body --sphere --friction --at --along --depth --reach --speed --device --csv ";
   for (int i = 3; i < argc; ++i) {
     const std::string name = argv[i];
+    if (known.find(" " + name + " ") == std::string::npos) return stop(2, argv[i], "is no option");
     if (name != "--device" && i + 1 == argc) return stop(2, argv[i], "has no value");
     given[name] = name == "--device" ? "1" : argv[++i];
   }
@@ -227,8 +258,10 @@ int main(int argc, char** argv) {
   };
   const auto vector = [&](const char* name, Vector otherwise) {
     const char* at = text(name);
-    if (at != nullptr) std::sscanf(at, "%lf,%lf,%lf", &otherwise[0], &otherwise[1], &otherwise[2]);
-    return otherwise;
+    if (at == nullptr) return otherwise;
+    Vector is{};
+    if (std::sscanf(at, "%lf,%lf,%lf", &is[0], &is[1], &is[2]) != 3) std::exit(stop(2, name, "is not X,Y,Z"));
+    return is;
   };
   const char* usage = "haptic_loop MODEL_DIR|- slide|closed|same|opposed|pinch [OPTIONS]";
   if (argc < 3 ||
@@ -242,7 +275,7 @@ int main(int argc, char** argv) {
       organ.body() != nullptr ? organ.body_info().max_displacement_m : organ.info().max_displacement_m;
   const double size = organ.body_info().tool_radius_m > 0 ? organ.body_info().tool_radius_m : 2 * trained;
   Hand hand{argv[2],
-            vector("--at", {0, 0, 1}),
+            vector("--at", find_middle(organ)),
             {},
             vector("--along", {1, 0.1, 0.01}),
             number("--depth", trained / 2),

@@ -15,7 +15,8 @@ within() {
   awk -v change="$1" -v unsettled="$2" -v given="$3" '
     { print }
     /largest change/ { force = $5; jump = $0; sub(/.*in a cycle /, "", jump); sub(/ .*/, "", jump) }
-    /unsettled/ { n = $1; most = $0; sub(/.*at most given /, "", most); sub(/ .*/, "", most) }
+    /unsettled/ { n = $4 }
+    /at most given/ { given_mJ = $0; sub(/.*at most given to it /, "", given_mJ); if (given_mJ + 0 > most) most = given_mJ + 0 }
     END { exit !(force > 0 && jump + 0 <= change && n <= unsettled && most + 0 <= given) }' ||
     { echo "expected at most $1 %, $2 cycles, $3 mJ"; exit 1; }
 }
@@ -31,6 +32,12 @@ within() {
 "$loop" - same --body block/body.txt --sphere 0.01 --friction 0.5 | within 2 1 1e-3
 # Behind the virtual coupling.
 for motion in closed slide; do "$loop" "$example" $motion --device | tee device.txt | within 3 0 0.2; grep -q 'has not tripped' device.txt; done
+# Two held tools, each behind its own loop, whose forces on the body may jump (100 %) until a loop has seen how stiff the
+# other tool makes the body; some cycles are unsettled then. Without that, 1500 and more are, and the loops trip.
+for held in same opposed pinch; do
+  "$loop" - $held --body block/body.txt --device > device.txt || { cat device.txt; exit 1; }
+  within 100 50 0.2 < device.txt
+done
 "$loop" - same --body block/body.txt --sphere 0.01 --device | tee device.txt
 [ "$(grep -c 'has not tripped' device.txt)" -eq 2 ]
 
@@ -50,6 +57,8 @@ refused() {
 }
 refused 2 'usage' "$example"
 refused 2 'no value' "$example" slide --csv
+refused 2 'spere: is no option' "$example" slide --spere 0.01
+refused 2 'X,Y,Z' "$example" slide --at 0.1
 refused 2 'slide|closed' "$example" jump
 refused 2 '\-\-speed' "$example" slide --speed 0
 refused 1 'not a phynness model' nowhere slide
