@@ -269,7 +269,7 @@ int main(int argc, char** argv) {
     return stop(2, "usage", usage);
   const bool no_model = std::string(argv[1]) == "-";
   phynness::Organ organ = phynness::Organ::read(no_model ? nullptr : argv[1], text("--body"), 2);
-  if (!organ) return stop(1, argv[1], organ.status().message());
+  if (!organ) return stop(1, "cannot load", organ.problem().c_str());
 
   const double trained =
       organ.body() != nullptr ? organ.body_info().max_displacement_m : organ.info().max_displacement_m;

@@ -61,6 +61,10 @@ refused 2 'spere: is no option' "$example" slide --spere 0.01
 refused 2 'X,Y,Z' "$example" slide --at 0.1
 refused 2 'slide|closed' "$example" jump
 refused 2 '\-\-speed' "$example" slide --speed 0
-refused 1 'not a phynness model' nowhere slide
+refused 1 'nowhere: neither a model.txt nor a folder with one' nowhere slide
+refused 1 'nobody.txt: no file' "$example" same --body nobody.txt
+refused 1 'body.txt: this is a body, and no model' block/body.txt slide
+refused 1 'model.txt: this is a model, and no body' - slide --body "$example/model.txt"
+refused 1 'body.txt: the body is of another mesh than .*model' "$example" same --body block/body.txt
 refused 1 'one tool' round same
 refused 1 'cannot be written' "$example" slide --csv nowhere/a.csv

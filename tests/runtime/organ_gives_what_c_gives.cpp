@@ -369,9 +369,24 @@ TEST_F(OrganOfABody, ReadsFiles) {
     EXPECT_TRUE(same(force, expected));
   }
   EXPECT_TRUE(Organ::read(nullptr, file.c_str()));
-  EXPECT_EQ(Organ::read("/no/such/folder").status(), PHN_ERROR_NOT_A_MODEL);
-  EXPECT_EQ(Organ::read(folder.c_str(), "/no/such/body.txt").status(), PHN_ERROR_NOT_A_MODEL);
-  EXPECT_EQ(Organ::read(nullptr).status(), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(Organ::read(folder.c_str()).problem(), "");
+  // Claim: a refusal names the file, and says what is wrong with it.
+  const std::string mesh = folder + "/mesh.txt", none = "/no/such/folder";
+  const auto refused = [](const char* model, const char* body, int status, const std::string& problem) {
+    const Organ organ = Organ::read(model, body);
+    EXPECT_EQ(organ.status(), status);
+    EXPECT_EQ(organ.problem().substr(0, problem.size()), problem);
+    EXPECT_EQ(organ.another().problem(), organ.problem());
+  };
+  refused(none.c_str(), nullptr, PHN_ERROR_NOT_A_MODEL, none + ": neither a model.txt nor a folder with one");
+  refused(folder.c_str(), none.c_str(), PHN_ERROR_NOT_A_MODEL, none + ": no file that can be read");
+  refused(folder.c_str(), folder.c_str(), PHN_ERROR_NOT_A_MODEL, folder + ": no file that can be read");
+  refused(file.c_str(), nullptr, PHN_ERROR_NOT_A_MODEL, file + ": this is a body, and no model");
+  refused(nullptr, (folder + "/model.txt").c_str(), PHN_ERROR_NOT_A_MODEL, folder + "/model.txt: this is a model");
+  refused(folder.c_str(), mesh.c_str(), PHN_ERROR_NOT_A_MODEL, mesh + ": this is not a phynness body, at byte 1");
+  refused(mesh.c_str(), nullptr, PHN_ERROR_NOT_A_MODEL,
+          mesh + ": " + phn_status_message(PHN_ERROR_NOT_A_MODEL) + ", at byte 1");
+  refused(nullptr, nullptr, PHN_ERROR_ARGUMENT, phn_status_message(PHN_ERROR_ARGUMENT));
   std::filesystem::remove_all(path);
 }
 
@@ -389,7 +404,9 @@ TEST_F(OrganOfABody, MisuseHasAStatus) {
   EXPECT_EQ(Organ(model_text, {}, 1, 0).status(), PHN_ERROR_ARGUMENT);
   Model other = springs_on(block);
   other.mesh_hash = "fedcba9876543210";
-  EXPECT_EQ(Organ(write_model_text(other), body_text).status(), PHN_ERROR_ARGUMENT) << "another mesh";
+  const Organ of_another(write_model_text(other), body_text);
+  EXPECT_EQ(of_another.status(), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(of_another.problem(), "the body: the body is of another mesh than the model");
 
   const phn_contact_tool sphere[1] = {{{0.08, 0.03, 0.1}, 0.005, 0, PHN_TOOL_PRESS}};
   phn_contact_state state[1];

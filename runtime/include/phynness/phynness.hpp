@@ -135,17 +135,26 @@ class Organ {
     _status = files->load(model_text, body_text, _wrong_byte);
     _files = std::move(files);
     if (_status.ok()) allocate();
+    explain("the model", "the body", model_text, body_text);
   }
   /// The same of files. @param model  a model's folder or its model.txt; null: a body alone
   static Organ read(const char* model, const char* body = nullptr, std::int32_t max_tools = 1, std::int32_t steps = 1) {
     std::vector<char> model_text, body_text;
-    const bool found = (model == nullptr || content(model, model_text) ||
-                        content((std::string(model) + "/model.txt").c_str(), model_text)) &&
-                       (body == nullptr || content(body, body_text));
-    if (found) return Organ(view(model_text), view(body_text), max_tools, steps);
+    std::string of_model = model != nullptr ? model : "";
     Organ none;
     none._status = PHN_ERROR_NOT_A_MODEL;
-    return none;
+    if (model != nullptr && !content(model, model_text)) {
+      of_model += "/model.txt";
+      none._problem = std::string(model) + ": neither a model.txt nor a folder with one, or it is empty";
+      if (!content(of_model.c_str(), model_text)) return none;
+    }
+    if (body != nullptr && !content(body, body_text)) {
+      none._problem = std::string(body) + ": no file that can be read, or it is empty";
+      return none;
+    }
+    Organ organ(view(model_text), view(body_text), max_tools, steps);
+    organ.explain(of_model, body != nullptr ? body : "", view(model_text), view(body_text));
+    return organ;
   }
   /// One of the same model and body, at rest, for another thread, with working memory of its own.
   Organ another() const {
@@ -154,6 +163,7 @@ class Organ {
     other._max_tools = _max_tools;
     other._steps = _steps;
     other._status = _status;
+    other._problem = _problem;
     if (_files != nullptr && _status.ok()) other.allocate();
     return other;
   }
@@ -167,6 +177,8 @@ class Organ {
   /// Of the construction. PHN_ERROR_NOT_A_MODEL: also of a file that cannot be read. PHN_ERROR_ARGUMENT: neither model
   /// nor body, max_tools or steps below 1, or a body of another mesh than the model.
   Status status() const noexcept { return _status; }
+  /// What is wrong after the construction, with the name of the file, in words; empty if nothing is.
+  const std::string& problem() const noexcept { return _problem; }
   /// Position of the first error in a refused text, counted from 1; it is the model's if there is no model(). 0: none.
   std::size_t wrong_byte() const noexcept { return _wrong_byte; }
 
@@ -340,8 +352,7 @@ class Organ {
       if (status < 0) return status;
       phn_body_info(body, &body_info);
       if (model == nullptr) return PHN_OK;
-      const std::string_view of_model = info.mesh_hash, of_body = body_info.mesh_hash;
-      if (!of_model.empty() && !of_body.empty() && of_model != of_body) return PHN_ERROR_ARGUMENT;
+      if (!is_of_one_mesh()) return PHN_ERROR_ARGUMENT;
       rows.resize(static_cast<std::size_t>(info.n_output));
       for (std::size_t o = 0; o < rows.size(); ++o) {
         const std::int32_t *end = body_info.nodes + body_info.n_nodes,
@@ -349,6 +360,10 @@ class Organ {
         rows[o] = at != end && *at == info.output_nodes[o] ? at - body_info.nodes : -1;
       }
       return PHN_OK;
+    }
+    bool is_of_one_mesh() const {
+      const std::string_view of_model = info.mesh_hash, of_body = body_info.mesh_hash;
+      return of_model.empty() || of_body.empty() || of_model == of_body;
     }
 
     Bytes model_memory, body_memory;
@@ -375,6 +390,33 @@ class Organ {
     }
     std::fclose(stream);
     return !text.empty();
+  }
+
+  /// Sets the words of a status. @param of_model, of_body  names of the texts
+  void explain(const std::string& of_model, const std::string& of_body, std::string_view model_text,
+               std::string_view body_text) {
+    _problem.clear();
+    if (_status.ok()) return;
+    const bool is_of_model = model() == nullptr && !model_text.empty();
+    const bool is_of_body = !is_of_model && body() == nullptr && !body_text.empty();
+    const auto begins = [&](std::string_view word) {
+      return (is_of_model ? model_text : body_text).substr(0, word.size()) == word;
+    };
+    if (is_of_model || is_of_body) {
+      _problem = (is_of_model ? of_model : of_body) + ": ";
+      if (is_of_model && begins("phynness-body ")) {
+        _problem += "this is a body, and no model";
+      } else if (is_of_body && begins("phynness-model ")) {
+        _problem += "this is a model, and no body";
+      } else {
+        _problem += _status == PHN_ERROR_NOT_A_MODEL && is_of_body ? "this is not a phynness body" : _status.message();
+        if (_wrong_byte > 0) _problem += ", at byte " + std::to_string(_wrong_byte);
+      }
+    } else if (model() != nullptr && body() != nullptr && !files().is_of_one_mesh()) {
+      _problem = of_body + ": the body is of another mesh than " + of_model;
+    } else {
+      _problem = _status.message();
+    }
   }
 
   const Files& files() const noexcept {
@@ -520,6 +562,7 @@ class Organ {
     std::swap(_max_tools, other._max_tools);
     std::swap(_steps, other._steps);
     std::swap(_wrong_byte, other._wrong_byte);
+    std::swap(_problem, other._problem);
     std::swap(_status, other._status);
     std::swap(_touch_status, other._touch_status);
   }
@@ -536,6 +579,7 @@ class Organ {
   LastCall _last = LastCall::none;
   std::int32_t _max_tools = 1, _steps = 1;
   std::size_t _wrong_byte = 0;
+  std::string _problem = phn_status_message(PHN_ERROR_ARGUMENT);
   Status _status = PHN_ERROR_ARGUMENT, _touch_status = PHN_ERROR_ARGUMENT;
 };
 
