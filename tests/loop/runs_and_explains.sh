@@ -16,7 +16,7 @@ within() {
     { print }
     /largest change/ { force = $5; jump = $0; sub(/.*in a cycle /, "", jump); sub(/ .*/, "", jump) }
     /unsettled/ { n = $4 }
-    /at most given/ { given_mJ = $0; sub(/.*at most given to it /, "", given_mJ); if (given_mJ + 0 > most) most = given_mJ + 0 }
+    /at most given/ { now = $0; sub(/.*at most given to it /, "", now); if (now + 0 > most) most = now + 0 }
     END { exit !(force > 0 && jump + 0 <= change && n <= unsettled && most + 0 <= given) }' ||
     { echo "expected at most $1 %, $2 cycles, $3 mJ"; exit 1; }
 }
@@ -32,8 +32,8 @@ within() {
 "$loop" - same --body block/body.txt --sphere 0.01 --friction 0.5 | within 2 1 1e-3
 # Behind the virtual coupling.
 for motion in closed slide; do "$loop" "$example" $motion --device | tee device.txt | within 3 0 0.2; grep -q 'has not tripped' device.txt; done
-# Two held tools, each behind its own loop, whose forces on the body may jump (100 %) until a loop has seen how stiff the
-# other tool makes the body; some cycles are unsettled then. Without that, 1500 and more are, and the loops trip.
+# Two held tools, each behind its own loop, whose forces on the body may jump (100 %) until a loop has seen how stiff
+# the other tool makes the body; some cycles are unsettled then. Without that, 1500 and more are, and the loops trip.
 for held in same opposed pinch; do
   "$loop" - $held --body block/body.txt --device > device.txt || { cat device.txt; exit 1; }
   within 100 50 0.2 < device.txt
