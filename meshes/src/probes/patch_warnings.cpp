@@ -124,7 +124,7 @@ std::string warn_of_choice(const Scene& scene, const Mesh& mesh, const NodeSets&
   body.fixed = sets.fixed;
   body.tool_radius_m = scene.probe.tool_radius_m;
   for (const auto& s : scene.active) {
-    if (s.kind != SelectorKind::spread) continue;
+    if (s.kind != SelectorKind::spread || s.count > 0) continue;
     const auto nodes = meshes::nodes_to_spread_over(s, body, {"active nodes", ""});
     const auto n = std::ranges::count_if(nodes, [&](auto i) { return std::ranges::binary_search(sets.active, i); });
     const bool automatic = is_automatic(s);
