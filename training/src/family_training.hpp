@@ -40,8 +40,8 @@ class FamilyTraining {
 };
 
 template <class Training>
-std::unique_ptr<FamilyTraining> made(const DatabaseHeader& header, const TrainingTables& tables,
-                                     const TrainingSpec& spec) {
+std::unique_ptr<FamilyTraining> make_training(const DatabaseHeader& header, const TrainingTables& tables,
+                                              const TrainingSpec& spec) {
   return std::make_unique<Training>(header, tables, spec);
 }
 

@@ -1,7 +1,6 @@
 #include "left_out.hpp"
 
-#include <Eigen/LU>
-
+#include "dense_products.hpp"
 #include "dense_solvers.hpp"
 
 namespace phynness {
@@ -31,12 +30,11 @@ MatrixXd left_out(const MatrixXd& kernel, const MatrixXd& tail, const MatrixXd& 
   system.topLeftCorner(n, n) = kernel;
   system.topRightCorner(n, m) = tail;
   system.bottomLeftCorner(m, n) = tail.transpose();
-  const MatrixXd inverse = Eigen::PartialPivLU<MatrixXd>(system).inverse();
-  const MatrixXd weights = inverse.leftCols(n).topRows(n) * values;
+  const MatrixXd inverse = inverse_of(system);
+  const MatrixXd weights = product(inverse.topLeftCorner(n, n), values);
   MatrixXd errors = MatrixXd::Zero(n, values.cols());
   for (const auto& group : groups) {
-    const MatrixXd block = inverse(group, group);
-    MatrixXd error = Eigen::FullPivLU<MatrixXd>(block).solve(weights(group, Eigen::all));
+    MatrixXd error = solve_full_pivoting(inverse(group, group), weights(group, Eigen::all));
     if (!error.allFinite()) error = values(group, Eigen::all);
     for (std::size_t i = 0; i < group.size(); ++i) errors.row(group[i]) = error.row(static_cast<Index>(i));
   }
@@ -55,18 +53,11 @@ MatrixXd left_out_of_projection(const Eigen::Ref<const MatrixXd, 0, Eigen::Outer
     const MatrixXd some = q(group, Eigen::all), left = rest(group, Eigen::all);
     // (I - Q Q^T)^-1 = I + Q (I - Q^T Q)^-1 Q^T; the smaller of the two matrices is inverted.
     const bool small_group = some.rows() <= some.cols();
-    const MatrixXd product = small_group ? MatrixXd(some * some.transpose()) : MatrixXd(some.transpose() * some);
-    Eigen::FullPivLU<MatrixXd> lu(MatrixXd::Identity(product.rows(), product.cols()) - product);
-    lu.setThreshold(undetermined);
+    const MatrixXd gram = small_group ? product_transposed(some, some) : transposed_product(some, some);
+    const auto solved = solve_if_invertible(MatrixXd::Identity(gram.rows(), gram.cols()) - gram,
+                                            small_group ? left : transposed_product(some, left), undetermined);
     MatrixXd error = values(group, Eigen::all);
-    if (lu.isInvertible()) {
-      error = left;
-      if (small_group) {
-        error = lu.solve(left);
-      } else {
-        error += some * lu.solve(some.transpose() * left);
-      }
-    }
+    if (solved) error = small_group ? *solved : MatrixXd(left + product(some, *solved));
     for (std::size_t i = 0; i < group.size(); ++i) errors.row(group[i]) = error.row(static_cast<Index>(i));
   }
   return errors;

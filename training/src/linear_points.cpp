@@ -19,9 +19,9 @@ constexpr double most_basis_bytes = 5e8;
 NodeModes unit_fields(const AtRest& response, std::int32_t n_output) {
   NodeModes fields;
   fields.modes = Eigen::Map<const Eigen::MatrixXd>(response.displacement.data(), 3 * Eigen::Index{n_output}, 3);
-  fields.size.setOnes(3);
-  fields.largest = 1;
-  fields.moved.assign(static_cast<std::size_t>(n_output), 0);
+  fields.singular_values.setOnes(3);
+  fields.largest_value = 1;
+  fields.prescribed.assign(static_cast<std::size_t>(n_output), 0);
   return fields;
 }
 

@@ -1,5 +1,3 @@
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
@@ -13,6 +11,8 @@
 #include <phynness/training/reduction.hpp>
 #include <utility>
 
+#include "dense_products.hpp"
+#include "dense_solvers.hpp"
 #include "reduced/elements.hpp"
 #include "reduced/parts.hpp"
 #include "sampling.hpp"
@@ -26,7 +26,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double lost_of_a_node = 1e-6;         ///< share of int |grad u|^2 that the modes of a node leave out
+constexpr double truncation_of_a_node = 1e-6;   ///< share of int |grad u|^2 that the modes of a node leave out
 constexpr std::size_t most_candidates = 8'000;  ///< points among which those with a weight are
 /// The forces and changes of volume of a state are so many random sums of all of them.
 constexpr int sums_of_a_state = 16;
@@ -38,7 +38,7 @@ constexpr double growth = 1.5;
 /// Modes are too stiff by what they leave out, of which the last ones are the nearest likeness. From this part of the
 /// modes on, they displace the surface more than they strain the cells, at the end by (1 - softest)^-1/2; less where
 /// they leave out less than this share of int |grad u|^2 of all fields (docs/decisions/reduced-body.md).
-constexpr double first_softened = 0.25, softest = 0.4, left_of_softest = 5e-4;
+constexpr double first_softened = 0.25, softest = 0.4, truncation_of_softest = 5e-4;
 
 /// The largest magnitude; 1 if there is none, as of pressures where all chosen points are edges.
 double scale_of(const MatrixXd& values) {
@@ -79,7 +79,7 @@ class Reduction {
         _progress(progress),
         _threads(threads),
         _elements(_header.mesh, _scene),
-        _rest(at_rest(_elements)) {}
+        _rest(derivatives_at_rest(_elements)) {}
 
   ReducedBody run(const IsEnough& is_enough) {
     draw_states();
@@ -91,7 +91,7 @@ class Reduction {
       _states.conservativeResize(Eigen::NoChange, drawn);
       if (_several.cols() > 0) add_several(fields);
       find(fields, modes, cells);
-      const MatrixXd inner = _modes.transpose() * laplace_of(of_database);
+      const MatrixXd inner = transposed_product(_modes, laplace_of(of_database));
       _report.captured = inner.squaredNorm() / _energy;
       auto out = body(surface_nodes(_header.mesh.surface));
       if (!_header.sets.linear.empty()) set_lacking(out);
@@ -168,7 +168,7 @@ class Reduction {
     std::vector<double> energies(modes.size());
     for_each_index(n_active(), _threads, [&](std::int32_t a) {
       const auto i = static_cast<std::size_t>(a);
-      modes[i] = scaled_modes(_metric, fields_of(a), lost_of_a_node, energies[i]);
+      modes[i] = scaled_modes(_metric, fields_of(a), truncation_of_a_node, energies[i]);
       step();
     });
     _energy = std::accumulate(energies.begin(), energies.end(), 0.0);
@@ -198,7 +198,7 @@ class Reduction {
     double captured = 0;
     _modes = leading_modes(_metric, fields, modes, _spec.seed, _threads, captured);
     const double all = fields.cwiseProduct(laplace_of(fields)).sum();
-    _softest = all > captured ? softest * std::min((1 - captured / all) / left_of_softest, 1.0) : 0;
+    _softest = all > captured ? softest * std::min((1 - captured / all) / truncation_of_softest, 1.0) : 0;
     _report.modes = _modes.cols();
     find_pressures(modes / 4);
     find_weights(cells);
@@ -211,8 +211,8 @@ class Reduction {
     const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> solver(soft);
     MatrixXd right = MatrixXd::Zero(soft.cols(), _states.cols());
     for_each_index(static_cast<std::int32_t>(_states.cols()), _threads, [&](std::int32_t s) {
-      if (const auto here = strained(_elements, _states.col(s)))
-        right.col(s) = _elements.middle.transpose() * _elements.bulk.cwiseProduct(here->g);
+      if (const auto here = energy_densities(_elements, _states.col(s)))
+        right.col(s) = transposed_applied(_elements.pressure_values, _elements.bulk.cwiseProduct(here->g));
     });
     double captured = 0;
     _pressures = leading_modes([&](const MatrixXd& p) { return MatrixXd(soft * p); }, solver.solve(right),
@@ -221,7 +221,7 @@ class Reduction {
   }
 
   /// Values at the points of a part of the body; 0 at the others.
-  VectorXd of_part(VectorXd values, std::size_t part) const {
+  VectorXd restricted_to_part(VectorXd values, std::size_t part) const {
     for (Index p = 0; p < values.size(); ++p)
       if (_elements.part_of[static_cast<std::size_t>(p)] != part) values[p] = 0;
     return values;
@@ -246,28 +246,29 @@ class Reduction {
     const Index n = _elements.n_nodes, m = _modes.cols();
     MatrixXd stiffness = MatrixXd::Zero(m, m), changes = MatrixXd::Zero(_pressures.cols(), m);
     for (std::size_t p = 0; p < _rest.size(); ++p) {
-      const VectorXd shear = of_part(_elements.shear, p);
+      const VectorXd shear = restricted_to_part(_elements.shear, p);
       for (Index i = 0; i < 3; ++i)
         for (Index k = 0; k < 3; ++k) {
           Sparse part(n, n);
           for (Index j = 0; j < 3; ++j)
             for (Index l = 0; l < 3; ++l)
               part += _rest[p].shape(3 * i + j, 3 * k + l) *
-                      Sparse(_elements.slope[static_cast<std::size_t>(j)].transpose() * shear.asDiagonal() *
-                             _elements.slope[static_cast<std::size_t>(l)]);
-          stiffness += _modes.middleRows(i * n, n).transpose() * (part * _modes.middleRows(k * n, n));
+                      Sparse(_elements.derivative[static_cast<std::size_t>(j)].transpose() * shear.asDiagonal() *
+                             _elements.derivative[static_cast<std::size_t>(l)]);
+          stiffness += transposed_product(_modes.middleRows(i * n, n), product(part, _modes.middleRows(k * n, n)));
         }
     }
     _shape_at_rest = stiffness;
     for (std::size_t p = 0; p < _rest.size(); ++p) {
-      const MatrixXd volumes = of_part(_elements.bulk, p).asDiagonal() * (_elements.middle * _pressures);
+      const MatrixXd volumes =
+          restricted_to_part(_elements.bulk, p).asDiagonal() * product(_elements.pressure_values, _pressures);
       for (Index k = 0; k < 9; ++k)
-        changes += _rest[p].g[k] *
-                   (_elements.slope[static_cast<std::size_t>(k % 3)].transpose() * volumes).transpose() *
-                   _modes.middleRows(k / 3 * n, n);
+        changes += scaled_transposed_product(
+            _rest[p].g[k], transposed_product(_elements.derivative[static_cast<std::size_t>(k % 3)], volumes),
+            _modes.middleRows(k / 3 * n, n));
     }
-    stiffness += changes.transpose() * changes;
-    return stiffness.llt().matrixL().solve(MatrixXd::Identity(m, m));
+    stiffness += transposed_product(changes, changes);
+    return inverse_cholesky_factor(stiffness);
   }
 
   /// Weights for the forces and changes of volume of the drawn states in the modes,
@@ -289,55 +290,56 @@ class Reduction {
       return out;
     };
     const auto candidates = this->candidates(random);
-    const auto slope = _elements.slope_at(candidates);
-    const Sparse middle = _elements.middle_at(candidates);
+    const auto slope = _elements.derivative_at(candidates);
+    const Sparse middle = _elements.pressure_values_at(candidates);
     const auto n = static_cast<Index>(candidates.size());
     const MatrixXd inverse = inverse_of_rest();
-    const MatrixXd states = (_modes.transpose() * laplace_of(_states)).eval();
+    const MatrixXd states = transposed_product(_modes, laplace_of(_states));
     std::vector<std::pair<MatrixXd, MatrixXd>> sums;
     for (Index s = 0; s < states.cols(); ++s) sums.emplace_back(signs(_modes.cols()), signs(_pressures.cols()));
 
     const auto n_totals = 2 * std::ssize(_rest);
-    Eigen::MatrixXf parts = Eigen::MatrixXf::Zero(sums_of_a_state * states.cols() + n_totals, n);
-    VectorXd wanted = VectorXd::Zero(parts.rows());
+    Eigen::MatrixXf contributions = Eigen::MatrixXf::Zero(sums_of_a_state * states.cols() + n_totals, n);
+    VectorXd wanted = VectorXd::Zero(contributions.rows());
     std::atomic<std::int64_t> fitted = 0;
     for_each_index(static_cast<std::int32_t>(states.cols()), _threads, [&](std::int32_t s) {
       step();
-      const auto here = strained(_elements, _modes * states.col(s));
+      const auto here = energy_densities(_elements, applied(_modes, states.col(s)));
       if (!here) return;
       ++fitted;
       const auto& [of_forces, of_volumes] = sums[static_cast<std::size_t>(s)];
-      const double size = inverse.transpose().triangularView<Eigen::Upper>().solve(states.col(s)).norm();
-      const MatrixXd tests = _modes * (inverse.transpose() * of_forces / size);
-      const MatrixXd test_pressures = _pressures * (of_volumes / size);
+      const double size = solve_lower_transposed(inverse, states.col(s)).norm();
+      const MatrixXd tests = product(_modes, transposed_product(inverse, of_forces) / size);
+      const MatrixXd test_pressures = product(_pressures, of_volumes / size);
       const VectorXd volumes = _elements.bulk.cwiseProduct(here->g);
+      const VectorXd nodal_volumes = transposed_applied(_elements.pressure_values, volumes);
       const VectorXd pressure =
-          _elements.middle * (_pressures * (_pressures.transpose() * (_elements.middle.transpose() * volumes)));
+          applied(_elements.pressure_values, applied(_pressures, transposed_applied(_pressures, nodal_volumes)));
       const AtPoints stress = here->shape_first * _elements.shear.asDiagonal() +
                               here->g_first * _elements.bulk.cwiseProduct(pressure).asDiagonal();
-      VectorXd nodal = test_pressures.transpose() * (_elements.middle.transpose() * volumes);
-      MatrixXd of_points = volumes(candidates).asDiagonal() * (middle * test_pressures);
+      VectorXd nodal = transposed_applied(test_pressures, nodal_volumes);
+      MatrixXd of_points = volumes(candidates).asDiagonal() * product(middle, test_pressures);
       const auto gradient = gradients(slope, tests);
       for (Index k = 0; k < 9; ++k) {
         const VectorXd component = stress.row(k).transpose();
-        const auto& d = _elements.slope[static_cast<std::size_t>(k % 3)];
-        nodal +=
-            tests.middleRows(k / 3 * _elements.n_nodes, _elements.n_nodes).transpose() * (d.transpose() * component);
+        const auto& d = _elements.derivative[static_cast<std::size_t>(k % 3)];
+        nodal += transposed_applied(tests.middleRows(k / 3 * _elements.n_nodes, _elements.n_nodes),
+                                    transposed_applied(d, component));
         of_points += component(candidates).asDiagonal() * gradient[static_cast<std::size_t>(k)];
       }
-      parts.middleRows(sums_of_a_state * s, sums_of_a_state) = of_points.transpose().cast<float>();
+      contributions.middleRows(sums_of_a_state * s, sums_of_a_state) = of_points.transpose().cast<float>();
       wanted.segment(sums_of_a_state * s, sums_of_a_state) = nodal;
     });
     // As heavy as all others together, the two totals of each part of the body are met.
     const double scale = wanted.norm();
-    for (Index row = parts.rows() - n_totals, p = 0; p < std::ssize(_rest); ++p)
+    for (Index row = contributions.rows() - n_totals, p = 0; p < std::ssize(_rest); ++p)
       for (const VectorXd* all : {&_elements.shear, &_elements.bulk}) {
-        const VectorXd size = of_part(*all, static_cast<std::size_t>(p));
-        parts.row(row) = (size(candidates) * (scale / size.sum())).cast<float>();
+        const VectorXd size = restricted_to_part(*all, static_cast<std::size_t>(p));
+        contributions.row(row) = (size(candidates) * (scale / size.sum())).cast<float>();
         wanted[row++] = scale;
       }
-    _cubature = nonnegative_weights(parts, wanted, cells, _threads, [this](Index n) { step(n); });
-    _report.residual = _cubature.left.head(parts.rows() - n_totals).norm() / scale;
+    _cubature = nonnegative_weights(contributions, wanted, cells, _threads, [this](Index n) { step(n); });
+    _report.residual = _cubature.residual.head(contributions.rows() - n_totals).norm() / scale;
     for (auto& point : _cubature.points) point = candidates[static_cast<std::size_t>(point)];
     _report.states = fitted;
   }
@@ -362,9 +364,9 @@ class Reduction {
 
   /// Scales modes so that their largest gradient is 1, and pressures so that the largest is 1.
   void set_cells(ReducedBody& out) {
-    const auto& [points, weights, left] = _cubature;
+    const auto& [points, weights, residual] = _cubature;
     const auto n = static_cast<Index>(points.size());
-    const auto gradient = gradients(_elements.slope_at(points), _modes);
+    const auto gradient = gradients(_elements.derivative_at(points), _modes);
     MatrixXd rows(9 * n, _modes.cols());
     for (Index k = 0; k < 9; ++k) rows(Eigen::seqN(k, n, 9), Eigen::all) = gradient[static_cast<std::size_t>(k)];
     VectorXd largest_of(_modes.cols());
@@ -380,14 +382,14 @@ class Reduction {
       MatrixXd of_cells = MatrixXd::Zero(_modes.cols(), _modes.cols());
       for (Index c = 0; c < n; ++c) {
         const MatrixXd cell = rows.middleRows(9 * c, 9);
-        of_cells +=
-            weights[c] * _elements.shear[points[static_cast<std::size_t>(c)]] * cell.transpose() *
-            (_rest[_elements.part_of[static_cast<std::size_t>(points[static_cast<std::size_t>(c)])]].shape * cell);
+        const auto point = static_cast<std::size_t>(points[static_cast<std::size_t>(c)]);
+        of_cells += scaled_transposed_product(weights[c] * _elements.shear[static_cast<Index>(point)], cell,
+                                              product(_rest[_elements.part_of[point]].shape, cell));
       }
       out.cells_at_rest = scaled_table(of_cells);
       out.lack_at_rest = scaled_table(scaled - of_cells);
     }
-    MatrixXd pressures = _elements.middle_at(points) * _pressures;
+    MatrixXd pressures = product(_elements.pressure_values_at(points), _pressures);
     const double largest = scale_of(pressures);
     out.pressures = scaled_table(pressures / largest);
     for (Index c = 0; c < n; ++c) {
@@ -442,9 +444,8 @@ class Reduction {
     for (std::size_t i = 0; i < sets.linear.size(); ++i) {
       const auto rest = _database.at_rest(static_cast<std::int32_t>(i));
       const Eigen::Matrix3d whole = Eigen::Matrix3d::Map(rest.stiffness_N_per_m.data()).inverse();
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(whole - stiffness[i].inverse());
-      const Eigen::Matrix3d root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
-                                   eigen.eigenvectors().transpose();
+      const auto eigen = symmetric_eigen3(whole - stiffness[i].inverse());
+      const Eigen::Matrix3d root = eigen.with_values(eigen.values.cwiseMax(0).cwiseSqrt());
       root_of.row(sets.linear[i]) << root(0, 0), root(0, 1), root(0, 2), root(1, 1), root(1, 2), root(2, 2);
     }
     const auto places =
@@ -468,7 +469,7 @@ class Reduction {
   const OnProgress& _progress;
   const int _threads;
   const Elements _elements;
-  const std::vector<Rest> _rest;  ///< of the parts of the body
+  const std::vector<RestDerivatives> _rest;  ///< of the parts of the body
   std::mutex _mutex;
   const Metric _metric = [this](const MatrixXd& u) { return laplace_of(u); };
   std::int64_t _done = 0, _steps = 0;

@@ -49,7 +49,7 @@ std::vector<TrainingFigure> figures_of_linear(const TrainingReport& report) {
 const FamilyOperations linear_operations = {Family::linear,
                                             "unit responses, for the linear law",
                                             [](const TrainingSpec&) {},
-                                            made<LinearFamilyTraining>,
+                                            make_training<LinearFamilyTraining>,
                                             {},
                                             {{}},
                                             [](const TrainingSpec&) { return std::string("linear"); },

@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 
+#include "dense_products.hpp"
 #include "dense_solvers.hpp"
 
 namespace phynness {
@@ -45,7 +46,7 @@ Eigen::MatrixXd pseudo_inverse(const std::vector<Increment>& increments, const T
     unit.row(i) = d.row(i).normalized();
   }
   // Squares of singular values suffice, because the smallest relevant one, 1e-4, is far above rounding.
-  const Eigen::VectorXd squares = symmetric_eigen(unit.transpose() * unit).values;
+  const Eigen::VectorXd squares = symmetric_eigen(transposed_product(unit, unit)).values;
   if (n < 3 || !(squares[0] > independence_threshold * independence_threshold * squares[2])) {
     std::set<std::int32_t> directions;
     for (const std::int32_t row : converged_increments(tables, rays)) directions.insert(row / tables.n_increments);

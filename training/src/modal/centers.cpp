@@ -1,10 +1,11 @@
 // Selection of the centers of the amplitudes, of the shape of their kernel, and of the centers of a force.
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
 
+#include "dense_products.hpp"
 #include "dense_solvers.hpp"
 #include "left_out.hpp"
 #include "modal_parts.hpp"
@@ -75,41 +76,44 @@ double left_out_error(const TrainingTables& tables, const NodeModes& node, doubl
   }
   const MatrixXd errors = left_out(phi, tail, values, groups_of_equal(directions, 1, 1));
   const double n_output = static_cast<double>(node.modes.rows()) / node.components;
-  return node.largest > 0 ? errors.bottomRows(n - 1).rowwise().norm().mean() / std::sqrt(n_output) / node.largest : 0;
+  return node.largest_value > 0
+             ? errors.bottomRows(n - 1).rowwise().norm().mean() / std::sqrt(n_output) / node.largest_value
+             : 0;
 }
 
 /// The data of one node in the selection of centers.
-struct Chooser {
-  MatrixXd columns,
-      rest;        ///< states x candidates, states x modes; orthogonal to the linear part and to selected columns
-  VectorXd first;  ///< initial squared lengths of the columns
+struct SelectionState {
+  MatrixXd columns;  ///< states x candidates, orthogonal to the linear part and to selected columns, as the residual is
+  MatrixXd residual;               ///< states x modes: amplitudes that are not yet explained
+  VectorXd initial_squared_norms;  ///< of the columns
 };
 
-Chooser chooser(const TrainingTables& tables, const NodeModes& node, const Eigen::MatrixX3d& candidates, double shape) {
-  Chooser c;
+SelectionState selection_of(const TrainingTables& tables, const NodeModes& node, const Eigen::MatrixX3d& candidates,
+                            double shape) {
+  SelectionState c;
   const MatrixXd f = features(scaled_rows(tables, node.row), candidates, shape);
   const MatrixXd linear = orthonormal(f.rightCols<3>());
   c.columns = f.leftCols(candidates.rows());
-  c.columns -= linear * (linear.transpose() * c.columns);
-  c.rest = node.amplitudes / std::max(node.largest, std::numeric_limits<double>::min());
-  c.rest -= linear * (linear.transpose() * c.rest);
-  c.first = c.columns.colwise().squaredNorm();
+  c.columns -= product(linear, transposed_product(linear, c.columns));
+  c.residual = node.amplitudes / std::max(node.largest_value, std::numeric_limits<double>::min());
+  c.residual -= product(linear, transposed_product(linear, c.residual));
+  c.initial_squared_norms = c.columns.colwise().squaredNorm();
   return c;
 }
 
 /// The squared amplitude that each candidate would explain; 0 where the remainder of a candidate is rounding.
-VectorXd explained(const Chooser& c) {
+VectorXd explained(const SelectionState& c) {
   const VectorXd left = c.columns.colwise().squaredNorm();
-  const VectorXd slope = (c.columns.transpose() * c.rest).rowwise().squaredNorm();
-  return (left.array() > 1e-10 * c.first.array()).select(slope.array() / left.array(), 0.0);
+  const VectorXd slope = transposed_product(c.columns, c.residual).rowwise().squaredNorm();
+  return (left.array() > 1e-10 * c.initial_squared_norms.array()).select(slope.array() / left.array(), 0.0);
 }
 
-void remove(Chooser& c, Index candidate) {
+void project_out(SelectionState& c, Index candidate) {
   const double size = c.columns.col(candidate).norm();
   if (!(size > 0)) return;
   const VectorXd direction = c.columns.col(candidate) / size;
-  c.columns -= direction * (direction.transpose() * c.columns);
-  c.rest -= direction * (direction.transpose() * c.rest);
+  for (MatrixXd* of_columns : {&c.columns, &c.residual})
+    *of_columns -= direction * transposed_applied(*of_columns, direction).transpose();
 }
 
 }  // namespace
@@ -145,20 +149,20 @@ AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const st
   // Candidates are the states of all nodes, because nodes with different normals have different states.
   const std::vector<std::int32_t> rows(every.begin(), every.end());
   const auto x = scaled_rows(tables, rows);
-  std::vector<Chooser> choosers;
+  std::vector<SelectionState> selections;
   for (const auto& node : nodes)
-    if (!node.row.empty()) choosers.push_back(chooser(tables, node, x, chosen.shape));
+    if (!node.row.empty()) selections.push_back(selection_of(tables, node, x, chosen.shape));
   std::vector<char> open(rows.size(), 1);
   while (!rows.empty() && static_cast<int>(chosen.row.size()) < max_centers) {
     VectorXd sum = VectorXd::Zero(x.rows());
-    for (const auto& c : choosers) sum += explained(c);
+    for (const auto& c : selections) sum += explained(c);
     for (Index i = 0; i < x.rows(); ++i)
       if (!open[static_cast<std::size_t>(i)]) sum[i] = 0;
     Index best = 0;
     if (!(sum.maxCoeff(&best) > 0)) break;
     open[static_cast<std::size_t>(best)] = 0;
     chosen.row.push_back(rows[static_cast<std::size_t>(best)]);
-    for (auto& c : choosers) remove(c, best);
+    for (auto& c : selections) project_out(c, best);
   }
   chosen.order = chosen.row;
   std::sort(chosen.row.begin(), chosen.row.end());
@@ -187,11 +191,11 @@ double cross_validation(const VectorXd& rest, Index n_unknowns) {
 std::vector<Index> choose_centers(Columns columns, VectorXd rest, int wanted) {
   const MatrixXd q = orthonormal(columns.stiffness);
   MatrixXd& w = columns.centers;
-  w.noalias() -= q * (q.transpose() * w);
-  rest -= q * (q.transpose() * rest);
+  subtract_product(w, q, transposed_product(q, w));
+  rest -= applied(q, transposed_applied(q, rest));
   const Index n = w.cols() / 3;
   std::vector<Matrix3d> gram;
-  VectorXd slope = w.transpose() * rest, first(n);
+  VectorXd slope = transposed_applied(w, rest), first(n);
   for (Index i = 0; i < n; ++i) {
     gram.push_back(w.middleCols<3>(3 * i).transpose() * w.middleCols<3>(3 * i));
     first[i] = gram.back().trace();
@@ -219,11 +223,11 @@ std::vector<Index> choose_centers(Columns columns, VectorXd rest, int wanted) {
     chosen.push_back(best);
     open[static_cast<std::size_t>(best)] = 0;
     const MatrixXd direction = orthonormal(w.middleCols<3>(3 * best));
-    const MatrixXd along = direction.transpose() * w;
-    w.noalias() -= direction * along;
-    const Vector3d step = direction.transpose() * rest;
-    rest -= direction * step;
-    slope.noalias() -= along.transpose() * step;
+    const MatrixXd along = transposed_product(direction, w);
+    subtract_product(w, direction, along);
+    const VectorXd step = transposed_applied(direction, rest);
+    rest -= applied(direction, step);
+    slope -= transposed_applied(along, step);
     for (Index i = 0; i < n; ++i)
       gram[static_cast<std::size_t>(i)] -= along.middleCols<3>(3 * i).transpose() * along.middleCols<3>(3 * i);
     const auto n_unknowns = columns.stiffness.cols() + 3 * static_cast<Index>(chosen.size());

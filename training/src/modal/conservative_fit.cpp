@@ -1,9 +1,10 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <phynness/training/conservative_fit.hpp>
 
+#include "dense_products.hpp"
 #include "dense_solvers.hpp"
 #include "left_out.hpp"
 #include "levels.hpp"
@@ -36,7 +37,7 @@ constexpr std::size_t max_fit_states = 400;
 
 /// Forces far above this fraction of the median have weights inverse to their size. Of fractions from 0.3 to 3, the
 /// smaller ones were better where a liver snaps through, and equal elsewhere.
-constexpr double usual_share = 0.3;
+constexpr double typical_force_share = 0.3;
 
 /// Phi(x - c) - Phi(x) - Phi(c) + Phi(0)
 Matrix3d anchored_kernel(const Vector3d& x, const Vector3d& c, double shape) {
@@ -97,7 +98,7 @@ VectorXd weights_of(const ForceStates& states) {
   const VectorXd size = states.force.rowwise().norm();
   VectorXd sorted = size;
   std::sort(sorted.data(), sorted.data() + sorted.size());
-  const double usual = usual_share * sorted[sorted.size() / 2];
+  const double usual = typical_force_share * sorted[sorted.size() / 2];
   return usual > 0 ? VectorXd(usual / (usual + size.array())) : VectorXd(VectorXd::Ones(size.size()));
 }
 
@@ -118,7 +119,7 @@ VectorXd row_weights(const ForceStates& states) {
 double largest_force(const ForceStates& states) { return std::sqrt(states.force.rowwise().squaredNorm().maxCoeff()); }
 
 /// Every `stride`-th state of each direction, including the deepest.
-ForceStates thinned(const ForceStates& states, std::size_t stride) {
+ForceStates every_nth_state(const ForceStates& states, std::size_t stride) {
   std::vector<Index> kept;
   for (std::size_t end = states.row.size(), i = end; i-- > 0;) {
     if (states.direction[i] != states.direction[end - 1]) end = i + 1;
@@ -186,16 +187,14 @@ Matrix3d symmetric(const Eigen::Matrix<double, 6, 1>& k) {
 /// states.
 double least_tail(const MatrixXd& stiffness_columns, const VectorXd& force) {
   const Matrix3d best = symmetric(damped_solution(stiffness_columns, force, 0));
-  return least_tail_share *
-         std::max(0.0, Eigen::SelfAdjointEigenSolver<Matrix3d>(best, Eigen::EigenvaluesOnly).eigenvalues()[0]);
+  return least_tail_share * std::max(0.0, symmetric_eigen3(best).values[0]);
 }
 
 /// The matrix with eigenvalues below `least` replaced by `least`; unchanged if there are none.
-Matrix3d at_least(const Matrix3d& k, double least) {
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(k);
-  if (eigen.eigenvalues()[0] >= least) return k;
-  const Matrix3d raised =
-      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(least).asDiagonal() * eigen.eigenvectors().transpose();
+Matrix3d with_eigenvalues_at_least(const Matrix3d& k, double least) {
+  const SymmetricEigen3 eigen = symmetric_eigen3(k);
+  if (eigen.values[0] >= least) return k;
+  const Matrix3d raised = eigen.with_values(eigen.values.cwiseMax(least));
   return (raised + raised.transpose()) / 2;
 }
 
@@ -220,12 +219,13 @@ ConservativeFit fit_centers(const Problem& problem, const std::vector<Index>& ch
   VectorXd solution = damped_solution(weighted, target, 3 * m);
   Index n_free = a.cols();
   // At large displacements only this stiffness remains; it must not push the tool away.
-  const Matrix3d tail = at_least(symmetric(solution.tail<6>()), least_tail(weighted.rightCols<6>(), target));
+  const Matrix3d tail =
+      with_eigenvalues_at_least(symmetric(solution.tail<6>()), least_tail(weighted.rightCols<6>(), target));
   if (tail != symmetric(solution.tail<6>())) {
     n_free = 3 * m;
     solution.tail<6>() << tail(0, 0), tail(0, 1), tail(0, 2), tail(1, 1), tail(1, 2), tail(2, 2);
-    solution.head(3 * m) =
-        damped_solution(weighted.leftCols(3 * m), target - weighted.rightCols<6>() * solution.tail<6>(), 3 * m);
+    solution.head(3 * m) = damped_solution(weighted.leftCols(3 * m),
+                                           residual_of(target, weighted.rightCols<6>(), solution.tail<6>()), 3 * m);
   }
 
   ConservativeFit fit;
@@ -243,15 +243,15 @@ ConservativeFit fit_centers(const Problem& problem, const std::vector<Index>& ch
   network.stiffness << k(0), k(1), k(2), k(1), k(3), k(4), k(2), k(4), k(5);
   const double largest = largest_force(states);
   if (largest > 0) {
-    fit.training_error = mean_length((a * solution - targets).head(n_forces)) / largest;
+    fit.training_error = mean_length((applied(a, solution) - targets).head(n_forces)) / largest;
     fit.cancellation = (a.topRows(n_forces).cwiseAbs() * solution.cwiseAbs()).maxCoeff() / largest;
   }
   if (largest > 0 && left_out_error) {
     const MatrixXd free = weighted.leftCols(n_free);
     auto groups = groups_of_equal(states.row, 3, 0);
     for (Index i = 0; i < states.energy.size(); ++i) groups[static_cast<std::size_t>(i)].push_back(n_forces + i);
-    const MatrixXd errors =
-        left_out_of_fit(damped_columns(free, column_sizes(free), 3 * m), target - weighted * solution, target, groups);
+    const MatrixXd errors = left_out_of_fit(damped_columns(free, column_sizes(free), 3 * m),
+                                            residual_of(target, weighted, solution), target, groups);
     *left_out_error = mean_length(errors.col(0).head(n_forces).cwiseQuotient(weights.head(n_forces))) / largest;
   }
   return fit;
@@ -286,7 +286,7 @@ struct ShapeChoice {
   double shape = 0, left_out_error = 0;
 };
 ShapeChoice choose_force_shape(const ForceStates& states) {
-  const ForceStates some = thinned(states, (states.row.size() + max_search_states - 1) / max_search_states);
+  const ForceStates some = every_nth_state(states, (states.row.size() + max_search_states - 1) / max_search_states);
   ShapeChoice best{shape_candidates.front(), std::numeric_limits<double>::infinity()};
   for (const double shape : shape_candidates) {
     const double error = largest_force(some) > 0 ? left_out_error(some, shape) : 0;
@@ -324,7 +324,7 @@ ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& r
 }
 
 ConservativeFit fit_conservative(const ForceStates& all, double max_displacement_m, int max_centers, int n_levels) {
-  const ForceStates states = thinned(all, (all.row.size() + max_fit_states - 1) / max_fit_states);
+  const ForceStates states = every_nth_state(all, (all.row.size() + max_fit_states - 1) / max_fit_states);
   auto [shape, left_out] = choose_force_shape(states);
   auto fit = fit_shape(states, max_displacement_m, max_centers, shape, n_levels);
   // Flat kernels cause cancellation; use the next sharper one.

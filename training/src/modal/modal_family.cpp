@@ -135,7 +135,7 @@ class ModalTraining : public FamilyTraining {
   /// Computes the shared modes of a field; its centers and kernel are those of the displacement.
   void share_field(Field field, const std::vector<NodeModes>& nodes) {
     FieldModes modes{name(field), unit(field), degree(field), 0, {}};
-    for (const auto& node : nodes) modes.scale = std::max(modes.scale, node.largest);
+    for (const auto& node : nodes) modes.scale = std::max(modes.scale, node.largest_value);
     if (!(modes.scale > 0)) modes.scale = 1;
     _fields.push_back(std::move(modes));
     _shared_of_field.push_back(
@@ -178,7 +178,7 @@ const FamilyOperations modal_operations = {
     Family::modal,
     "conservative forces and modes",
     check_modal,
-    made<ModalTraining>,
+    make_training<ModalTraining>,
     {{"modes", &TrainingSpec::modes},
      {"shared_modes", &TrainingSpec::shared_modes},
      {"near_nodes", &TrainingSpec::near_nodes},

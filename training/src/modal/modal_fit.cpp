@@ -1,10 +1,11 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <limits>
 #include <phynness/formats/error.hpp>
 #include <phynness/training/modal_fit.hpp>
 #include <string>
 
+#include "dense_products.hpp"
 #include "dense_solvers.hpp"
 #include "left_out.hpp"
 #include "modal_parts.hpp"
@@ -25,23 +26,23 @@ constexpr double smallest_mode = 1e-6;
 /// Damping of the least squares of amplitudes for columns scaled to unit length. Without it, where a body snaps
 /// through, large weights of opposite signs occur and errors outside of the trained range are larger by a quarter. Ten
 /// times more damping would reduce the accuracy inside.
-constexpr double damping = 1e-3;
+constexpr double amplitude_damping = 1e-3;
 
 /// Additional columns and rounds of the subspace iteration. The singular values decrease by half within a few modes, so
 /// that with 8 columns and 3 rounds the error of the subspace is below the resolution of 16 bits.
 constexpr int spare_columns = 8, rounds = 3;
 
 /// Mean of |displacement| (for a field |value|) / largest over rows and output nodes that the probe does not move.
-double mean_share(const MatrixXd& fields, const NodeModes& node) {
+double relative_error(const MatrixXd& fields, const NodeModes& node) {
   double sum = 0;
   Index n = 0;
   const Index k = node.components;
-  for (std::size_t o = 0; o < node.moved.size(); ++o) {
-    if (node.moved[o]) continue;
+  for (std::size_t o = 0; o < node.prescribed.size(); ++o) {
+    if (node.prescribed[o]) continue;
     for (Index i = 0; i < fields.rows(); ++i) sum += fields.row(i).segment(k * static_cast<Index>(o), k).norm();
     n += fields.rows();
   }
-  return n > 0 && node.largest > 0 ? sum / static_cast<double>(n) / node.largest : 0;
+  return n > 0 && node.largest_value > 0 ? sum / static_cast<double>(n) / node.largest_value : 0;
 }
 
 /// The damped least squares problem of the amplitudes, with features scaled to columns of unit length.
@@ -49,8 +50,8 @@ struct AmplitudeProblem {
   explicit AmplitudeProblem(const MatrixXd& f)
       : size(f.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min())),
         unit(f * size.cwiseInverse().asDiagonal()),
-        normal(unit.transpose() * unit) {
-    normal.diagonal().array() += damping * damping;
+        normal(transposed_product(unit, unit)) {
+    normal.diagonal().array() += amplitude_damping * amplitude_damping;
   }
   VectorXd size;
   MatrixXd unit, normal;
@@ -63,17 +64,18 @@ ModalFit::Level fit_level(const TrainingTables& tables, const AmplitudeLevel& le
   const AmplitudeProblem problem(
       features(scaled_rows(tables, node.row), scaled_rows(tables, level.centers), shape, degree));
   const MatrixXd wanted = node.amplitudes.leftCols(n_modes);
-  const MatrixXd weights = solve_positive_definite(problem.normal, problem.unit.transpose() * wanted);
+  const MatrixXd weights = solve_positive_definite(problem.normal, transposed_product(problem.unit, wanted));
   ModalFit::Level fit;
   fit.weights = scaled_table(problem.size.cwiseInverse().asDiagonal() * weights);
   MatrixXd damped = MatrixXd::Zero(problem.unit.rows() + problem.unit.cols(), problem.unit.cols());
   damped.topRows(problem.unit.rows()) = problem.unit;
-  damped.bottomRows(problem.unit.cols()).diagonal().setConstant(damping);
-  const MatrixXd errors =
-      left_out_of_fit(damped, wanted - problem.unit * weights, wanted, groups_of_equal(node.row, 1, 0));
-  fit.left_out_error = node.lost + mean_share((wanted - errors) * stored.leftCols(n_modes).transpose() -
-                                                  node.amplitudes * node.modes.transpose(),
-                                              node);
+  damped.bottomRows(problem.unit.cols()).diagonal().setConstant(amplitude_damping);
+  MatrixXd residual = wanted;
+  subtract_product(residual, problem.unit, weights);
+  const MatrixXd errors = left_out_of_fit(damped, residual, wanted, groups_of_equal(node.row, 1, 0));
+  MatrixXd difference = product_transposed(wanted - errors, stored.leftCols(n_modes));
+  subtract_product_transposed(difference, node.amplitudes, node.modes);
+  fit.left_out_error = node.truncation_error + relative_error(difference, node);
   return fit;
 }
 
@@ -85,7 +87,7 @@ NodeModes node_of(const TrainingTables& tables, const std::vector<Ray>& rays, in
   node.row = std::move(states.row);
   node.increments = std::move(states.increments);
   for (const auto row : node.row) node.direction.push_back(row / tables.n_increments);
-  node.moved.assign(tables.output.size(), 0);
+  node.prescribed.assign(tables.output.size(), 0);
   return node;
 }
 
@@ -112,26 +114,28 @@ MatrixXd states_of(const TrainingTables& tables, const std::vector<Ray>& rays, c
 void decompose(const MatrixXd& u, int max_modes, NodeModes& node) {
   const Index n = u.rows(), k = node.components;
   for (Index o = 0; o < u.cols() / k; ++o)
-    for (Index i = 0; i < n; ++i) node.largest = std::max(node.largest, u.row(i).segment(k * o, k).norm());
+    for (Index i = 0; i < n; ++i) node.largest_value = std::max(node.largest_value, u.row(i).segment(k * o, k).norm());
   if (n == 0) return;
   // There are fewer states than unknowns, so that the smaller Gram matrix is decomposed, which gives the same singular
   // values.
-  const SymmetricEigen eigen = symmetric_eigen(u * u.transpose());
+  const SymmetricEigen eigen = symmetric_eigen(product_transposed(u, u));
   const VectorXd squares = eigen.values.reverse().cwiseMax(0);
   Index m = 0;
   while (m < std::min<Index>(n, max_modes) && squares[m] > smallest_mode * smallest_mode * squares[0]) ++m;
   if (m == 0 && max_modes > 0) {
     // Only nodes that the probe itself moves have displacements: one mode of zeros.
-    node.size = VectorXd::Zero(1);
+    node.singular_values = VectorXd::Zero(1);
     node.modes = MatrixXd::Zero(u.cols(), 1);
     node.amplitudes = MatrixXd::Zero(n, 1);
     return;
   }
-  node.size = squares.head(m).cwiseSqrt();
+  node.singular_values = squares.head(m).cwiseSqrt();
   const MatrixXd left = eigen.vectors.rowwise().reverse().leftCols(m);
-  node.modes = u.transpose() * left * node.size.cwiseInverse().asDiagonal();
-  node.amplitudes = left * node.size.asDiagonal();
-  node.lost = mean_share(u - node.amplitudes * node.modes.transpose(), node);
+  node.modes = transposed_product(u, left) * node.singular_values.cwiseInverse().asDiagonal();
+  node.amplitudes = left * node.singular_values.asDiagonal();
+  MatrixXd rest = u;
+  subtract_product_transposed(rest, node.amplitudes, node.modes);
+  node.truncation_error = relative_error(rest, node);
 }
 
 }  // namespace
@@ -142,8 +146,8 @@ NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& tool, con
   MatrixXd u =
       states_of(tables, rays, node, [](const Ray& ray) -> const std::vector<double>& { return ray.displacement; });
   for (std::size_t o = 0; o < tables.output.size(); ++o) {
-    node.moved[o] = tool.holds(tables.output[o]);
-    if (node.moved[o]) u.middleCols<3>(3 * static_cast<Index>(o)).setZero();
+    node.prescribed[o] = tool.holds(tables.output[o]);
+    if (node.prescribed[o]) u.middleCols<3>(3 * static_cast<Index>(o)).setZero();
   }
   decompose(u, max_modes, node);
   return node;
@@ -169,8 +173,8 @@ MatrixXd shared_basis(const std::vector<NodeModes>& nodes, int n_shared, std::ui
   MatrixXf all(n_rows, n_columns);
   Index at = 0;
   for (const auto& node : nodes) {
-    const double weight = node.largest > 0 ? 1 / node.largest : 0;
-    all.middleCols(at, node.modes.cols()) = (node.modes * (weight * node.size).asDiagonal()).cast<float>();
+    const double weight = node.largest_value > 0 ? 1 / node.largest_value : 0;
+    all.middleCols(at, node.modes.cols()) = (node.modes * (weight * node.singular_values).asDiagonal()).cast<float>();
     at += node.modes.cols();
   }
   const Index width = std::min<Index>({wanted + spare_columns, n_rows, n_columns});
@@ -186,18 +190,18 @@ MatrixXd shared_basis(const std::vector<NodeModes>& nodes, int n_shared, std::ui
   basis = orthonormal(basis);
   inner.noalias() = all.transpose() * basis.cast<float>();
   const MatrixXd small = inner.cast<double>();
-  const SymmetricEigen eigen = symmetric_eigen(small.transpose() * small);
-  return basis * eigen.vectors.rowwise().reverse().leftCols(wanted);
+  const SymmetricEigen eigen = symmetric_eigen(transposed_product(small, small));
+  return product(basis, MatrixXd(eigen.vectors.rowwise().reverse().leftCols(wanted)));
 }
 
 MixedModes mix_modes(const MatrixXd& basis, const NodeModes& node, int n_near) {
   MixedModes mixed;
   const Index k = node.components, n_output = basis.rows() / k;
-  mixed.mixing = basis.transpose() * node.modes;
-  const MatrixXd missing = (node.modes - basis * mixed.mixing) * node.size.asDiagonal();
+  mixed.mixing = transposed_product(basis, node.modes);
+  const MatrixXd missing = (node.modes - product(basis, mixed.mixing)) * node.singular_values.asDiagonal();
   std::vector<std::pair<double, std::int32_t>> worst;
   for (Index o = 0; o < n_output; ++o)
-    if (!node.moved[static_cast<std::size_t>(o)])
+    if (!node.prescribed[static_cast<std::size_t>(o)])
       worst.emplace_back(-missing.middleRows(k * o, k).squaredNorm(), static_cast<std::int32_t>(o));
   std::sort(worst.begin(), worst.end());
   for (std::size_t i = 0; i < std::min<std::size_t>(worst.size(), static_cast<std::size_t>(n_near)); ++i)
@@ -213,8 +217,8 @@ MixedModes mix_modes(const MatrixXd& basis, const NodeModes& node, int n_near) {
   };
   for (const auto o : mixed.near) without(o);
   for (Index o = 0; o < n_output; ++o)
-    if (node.moved[static_cast<std::size_t>(o)]) without(o);
-  if (basis.cols() > 0) mixed.mixing = least_squares(far.transpose() * far, far.transpose() * target);
+    if (node.prescribed[static_cast<std::size_t>(o)]) without(o);
+  if (basis.cols() > 0) mixed.mixing = least_squares(transposed_product(far, far), transposed_product(far, target));
   return mixed;
 }
 
@@ -231,20 +235,22 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
   const MatrixXd f = features(x, scaled_rows(tables, shared.centers), shared.shape, degree);
   const AmplitudeProblem problem(f);
   const MatrixXd weights = problem.size.cwiseInverse().asDiagonal() *
-                           solve_positive_definite(problem.normal, problem.unit.transpose() * node.amplitudes);
+                           solve_positive_definite(problem.normal, transposed_product(problem.unit, node.amplitudes));
 
   modal.weights = scaled_table(weights);
   modal.mixing = scaled_table(mixed.mixing);
   modal.near_modes = scaled_table(mixed.near_modes);
 
-  MatrixXd stored = basis * modal.mixing.values();
+  MatrixXd stored = product(basis, modal.mixing.values());
   const MatrixXd stored_near = modal.near_modes.values();
   for (std::size_t i = 0; i < modal.near.size(); ++i)
     stored.middleRows(k * modal.near[i], k) = stored_near.middleRows(k * static_cast<Index>(i), k);
   for (Index o = 0; o < n_output; ++o)
-    if (node.moved[static_cast<std::size_t>(o)]) stored.middleRows(k * o, k).setZero();
-  fit.truncation_error = node.lost + mean_share(node.amplitudes * (stored - node.modes).transpose(), node);
-  fit.regression_error = mean_share((f * modal.weights.values() - node.amplitudes) * stored.transpose(), node);
+    if (node.prescribed[static_cast<std::size_t>(o)]) stored.middleRows(k * o, k).setZero();
+  fit.truncation_error =
+      node.truncation_error + relative_error(product_transposed(node.amplitudes, stored - node.modes), node);
+  fit.regression_error =
+      relative_error(product_transposed(product(f, modal.weights.values()) - node.amplitudes, stored), node);
   for (const auto& level : levels) fit.levels.push_back(fit_level(tables, level, shared.shape, degree, node, stored));
   return fit;
 }

@@ -3,6 +3,7 @@
 #include <numeric>
 #include <phynness/training/network_fit.hpp>
 
+#include "dense_solvers.hpp"
 #include "kernels.hpp"
 #include "left_out.hpp"
 #include "levels.hpp"
@@ -262,8 +263,8 @@ class NetworkBuilder {
 
   /// Weights of the first columns, starting with the bias; `_remainder` becomes the residual of the targets.
   Eigen::MatrixXd solve(int n_columns) {
-    const auto triangle = _qr.r().topLeftCorner(n_columns, n_columns).triangularView<Eigen::Upper>();
-    Eigen::MatrixXd solution = triangle.solve(_z.topRows(n_columns));
+    const auto triangle = _qr.r().topLeftCorner(n_columns, n_columns);
+    Eigen::MatrixXd solution = solve_upper(triangle, _z.topRows(n_columns));
     // Refinement with the basis itself instead of its factors removes the effect of Gram-Schmidt's rounding on the
     // weights.
     _remainder = _targets.rowwise() - solution.row(0);
@@ -280,7 +281,7 @@ class NetworkBuilder {
       kernels::update_residuals(_qr.column(k), c, _remainder.data(), _n, _error.data(), _n);
       correction.row(k) << c[0], c[1], c[2];
     }
-    solution += triangle.solve(correction);
+    solution += solve_upper(triangle, correction);
     return solution;
   }
 

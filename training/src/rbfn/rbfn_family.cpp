@@ -92,7 +92,7 @@ const FamilyOperations rbfn_operations = {
     Family::rbfn,
     "the paper's networks",
     check_rbfn,
-    made<RbfnTraining>,
+    make_training<RbfnTraining>,
     {{"deformation_neurons", &TrainingSpec::deformation_neurons}, {"force_neurons", &TrainingSpec::force_neurons}},
     // The paper's numbers of neurons, and half and twice of them.
     {{25, 25}, {50, 50}, {100, 100}, {200, 100}, {300, 100}, {400, 100}},

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "dense_products.hpp"
+#include "dense_solvers.hpp"
 #include "threads.hpp"
 
 namespace phynness::reduced {
@@ -18,29 +20,28 @@ namespace {
 
 /// The chosen points with their equations and weights. The Cholesky factor of the normal equations follows each change,
 /// so that a point costs squares of their number only.
-class Chosen {
+class WeightedPoints {
  public:
-  Chosen(const Eigen::MatrixXf& parts, const VectorXd& wanted, Index most)
-      : _parts(parts),
+  WeightedPoints(const Eigen::MatrixXf& contributions, const VectorXd& wanted, Index most)
+      : _contributions(contributions),
         _wanted(wanted),
-        _columns(parts.rows(), most),
+        _columns(contributions.rows(), most),
         _factor(most, most),
         _right(most),
         _weights(most),
-        _left(wanted) {}
+        _residual(wanted) {}
 
   Index size() const { return static_cast<Index>(_points.size()); }
   const std::vector<std::int32_t>& points() const { return _points; }
   auto weights() const { return _weights.head(size()); }
-  /// wanted - parts weights
-  const VectorXd& left() const { return _left; }
+  /// wanted - contributions weights
+  const VectorXd& residual() const { return _residual; }
 
   /// Adds a point, and removes those whose weights would not be positive.
   void add(std::int32_t point) {
     const Index n = size();
-    _columns.col(n) = _parts.col(point).cast<double>();
-    VectorXd row = _columns.leftCols(n).transpose() * _columns.col(n);
-    factor(n).triangularView<Eigen::Lower>().solveInPlace(row);
+    _columns.col(n) = _contributions.col(point).cast<double>();
+    const VectorXd row = solve_lower(factor(n), transposed_applied(_columns.leftCols(n), _columns.col(n)));
     const double square = _columns.col(n).squaredNorm();
     _factor.row(n).head(n) = row.transpose();
     _factor(n, n) = std::sqrt(std::max(square - row.squaredNorm(), ridge * square));
@@ -48,9 +49,7 @@ class Chosen {
     _weights[n] = 0;
     _points.push_back(point);
     for (;;) {
-      VectorXd solved = _right.head(size());
-      factor(size()).triangularView<Eigen::Lower>().solveInPlace(solved);
-      factor(size()).triangularView<Eigen::Lower>().transpose().solveInPlace(solved);
+      const VectorXd solved = solve_lower_transposed(factor(size()), solve_lower(factor(size()), _right.head(size())));
       double step = 1;
       Index last = -1;
       for (Index i = 0; i < size(); ++i) {
@@ -62,7 +61,7 @@ class Chosen {
       if (last < 0) break;
       remove(last);
     }
-    _left = _wanted - _columns.leftCols(size()) * weights();
+    _residual = residual_of(_wanted, _columns.leftCols(size()), weights());
   }
 
  private:
@@ -75,10 +74,10 @@ class Chosen {
     const Index behind = size() - 1 - i;
     // Without row i the square of the rows behind lacks that of column i (Golub and Van Loan, Matrix
     // computations, 6.5).
-    const VectorXd lacking = _factor.col(i).segment(i + 1, behind);
+    const VectorXd removed_column = _factor.col(i).segment(i + 1, behind);
     _factor.middleRows(i, behind).leftCols(i) = _factor.middleRows(i + 1, behind).leftCols(i).eval();
     MatrixXd corner = _factor.block(i + 1, i + 1, behind, behind).triangularView<Eigen::Lower>();
-    add_square(corner, lacking);
+    add_square(corner, removed_column);
     _factor.block(i, i, behind, behind) = corner;
     _columns.middleCols(i, behind) = _columns.middleCols(i + 1, behind).eval();
     _right.segment(i, behind) = _right.segment(i + 1, behind).eval();
@@ -99,27 +98,27 @@ class Chosen {
     }
   }
 
-  const Eigen::MatrixXf& _parts;
+  const Eigen::MatrixXf& _contributions;
   const VectorXd& _wanted;
   std::vector<std::int32_t> _points;
   MatrixXd _columns, _factor;  ///< of those, in their order; the lower triangle
-  VectorXd _right, _weights, _left;
+  VectorXd _right, _weights, _residual;
 };
 
 }  // namespace
 
-Cubature nonnegative_weights(const Eigen::MatrixXf& parts, const VectorXd& wanted, Index count, int threads,
-                             const std::function<void(Index)>& told) {
+Cubature nonnegative_weights(const Eigen::MatrixXf& contributions, const VectorXd& wanted, Index count, int threads,
+                             const std::function<void(Index)>& on_added) {
   constexpr Index block = 256;
-  const Index n = parts.cols();
-  Chosen chosen(parts, wanted, std::min(count, n) + 1);
+  const Index n = contributions.cols();
+  WeightedPoints chosen(contributions, wanted, std::min(count, n) + 1);
   std::vector<char> refused(static_cast<std::size_t>(n), 0);  // those without a weight by rounding
   Eigen::VectorXf gain(n);
   while (chosen.size() < count) {
-    const Eigen::VectorXf left = chosen.left().cast<float>();
+    const Eigen::VectorXf residual = chosen.residual().cast<float>();
     for_each_index(static_cast<std::int32_t>((n + block - 1) / block), threads, [&](std::int32_t job) {
       const Index from = job * block, size = std::min(block, n - from);
-      gain.segment(from, size).noalias() = parts.middleCols(from, size).transpose() * left;
+      gain.segment(from, size).noalias() = contributions.middleCols(from, size).transpose() * residual;
     });
     for (Index i = 0; i < n; ++i)
       if (refused[static_cast<std::size_t>(i)]) gain[i] = 0;
@@ -129,7 +128,7 @@ Cubature nonnegative_weights(const Eigen::MatrixXf& parts, const VectorXd& wante
     const auto point = static_cast<std::int32_t>(best);
     chosen.add(point);
     refused[static_cast<std::size_t>(best)] = std::ranges::find(chosen.points(), point) == chosen.points().end();
-    told(chosen.size());
+    on_added(chosen.size());
   }
   std::vector<std::size_t> order(chosen.points().size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -140,7 +139,7 @@ Cubature nonnegative_weights(const Eigen::MatrixXf& parts, const VectorXd& wante
     out.points.push_back(chosen.points()[order[k]]);
     out.weights[static_cast<Index>(k)] = chosen.weights()[static_cast<Index>(order[k])];
   }
-  out.left = chosen.left();
+  out.residual = chosen.residual();
   return out;
 }
 

@@ -4,16 +4,17 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/SparseCore>
 #include <array>
 #include <optional>
 #include <phynness/formats/law.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
+#include <vector>
+
+#include "sparse_products.hpp"
 
 namespace phynness::reduced {
 
-using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 /// dW/dF at each point, row by row of F.
 using AtPoints = Eigen::Matrix<double, 9, Eigen::Dynamic>;
 
@@ -32,35 +33,35 @@ struct Elements {
   std::vector<Part> parts;            ///< the body, then its regions
   std::vector<std::uint8_t> part_of;  ///< n_points: a number of `parts`
   Eigen::VectorXd shear, bulk;  ///< volumes [m^3] of the shape and of the pressure at the points; bulk is 0 at edges
-  std::array<Sparse, 3> slope;  ///< n_points x n_nodes [1/m]: d/dx, d/dy, d/dz of a field
-  Sparse middle;                ///< n_points x n_pressures: value in the middle of a cell; 0 at edges
-  Sparse laplace;               ///< n_nodes x n_nodes [m]
-  Sparse compressibility;       ///< n_pressures x n_pressures [m^3/Pa]: of 1/kappa and of the stabilization at rest
+  std::array<Sparse, 3> derivative;  ///< n_points x n_nodes [1/m]: d/dx, d/dy, d/dz of a field
+  Sparse pressure_values;            ///< n_points x n_pressures: value in the middle of a cell; 0 at edges
+  Sparse laplace;                    ///< n_nodes x n_nodes [m]
+  Sparse compressibility;  ///< n_pressures x n_pressures [m^3/Pa]: of 1/kappa and of the stabilization at rest
 
-  /// Rows of `slope` and `middle` for some points.
-  std::array<Sparse, 3> slope_at(const std::vector<std::int32_t>& points) const;
-  Sparse middle_at(const std::vector<std::int32_t>& points) const;
+  /// Rows of `derivative` and `pressure_values` for some points.
+  std::array<Sparse, 3> derivative_at(const std::vector<std::int32_t>& points) const;
+  Sparse pressure_values_at(const std::vector<std::int32_t>& points) const;
   /// laplace for each component. @param fields  3 n_nodes x any
   Eigen::MatrixXd laplace_of(const Eigen::MatrixXd& fields) const;
 };
 
 /// Rows of F, or of dF/dq, for points: row 3 i + j is d u_i / d X_j. @return 9 matrices, n_points x columns of fields
-std::array<Eigen::MatrixXd, 9> gradients(const std::array<Sparse, 3>& slope, const Eigen::MatrixXd& fields);
+std::array<Eigen::MatrixXd, 9> gradients(const std::array<Sparse, 3>& derivative, const Eigen::MatrixXd& fields);
 
 /// Energy densities at the points of a displacement.
-struct Strained {
+struct EnergyDensities {
   Eigen::VectorXd shape, g;       ///< n_points
   AtPoints shape_first, g_first;  ///< derivatives to F
 };
 /// @return nothing where the law is not defined at a point
-std::optional<Strained> strained(const Elements& elements, const Eigen::VectorXd& u);
+std::optional<EnergyDensities> energy_densities(const Elements& elements, const Eigen::VectorXd& u);
 
 /// The second derivative of the shape's density at rest, 9 x 9, and the first of g.
-struct Rest {
+struct RestDerivatives {
   Eigen::Matrix<double, 9, 9> shape;
   Eigen::Matrix<double, 9, 1> g;
 };
 /// Of each part.
-std::vector<Rest> at_rest(const Elements& elements);
+std::vector<RestDerivatives> derivatives_at_rest(const Elements& elements);
 
 }  // namespace phynness::reduced

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "dense_products.hpp"
 #include "dense_solvers.hpp"
 #include "sampling.hpp"
 #include "threads.hpp"
@@ -22,15 +23,13 @@ constexpr double rounding = 1e-13;
 constexpr Index rows_of_a_job = 256;  ///< of products on several threads
 
 /// a * b by blocks of rows, of a^T * b by blocks of columns of a.
-MatrixXd product(const MatrixXd& a, bool transposed, const MatrixXd& b, int threads) {
+MatrixXd parallel_product(const MatrixXd& a, bool transposed, const MatrixXd& b, int threads) {
   const Index n = transposed ? a.cols() : a.rows();
   MatrixXd out(n, b.cols());
   for_each_index(static_cast<std::int32_t>((n + rows_of_a_job - 1) / rows_of_a_job), threads, [&](std::int32_t job) {
     const Index from = job * rows_of_a_job, rows = std::min(rows_of_a_job, n - from);
-    if (transposed)
-      out.middleRows(from, rows).noalias() = a.middleCols(from, rows).transpose() * b;
-    else
-      out.middleRows(from, rows).noalias() = a.middleRows(from, rows) * b;
+    out.middleRows(from, rows) =
+        transposed ? transposed_product(a.middleCols(from, rows), b) : product(a.middleRows(from, rows), b);
   });
   return out;
 }
@@ -51,22 +50,23 @@ MatrixXd side_by_side(std::vector<MatrixXd> matrices, Index rows) {
 
 MatrixXd orthonormal_in(const Metric& metric, MatrixXd columns) {
   for (int round = 0; round < 2; ++round) {  // the second removes what rounding leaves in the first
-    const auto eigen = symmetric_eigen(columns.transpose() * metric(columns));
+    const auto eigen = symmetric_eigen(transposed_product(columns, metric(columns)));
     const Index n = eigen.values.size();
     Index kept = 0;
     while (kept < n && eigen.values[n - 1 - kept] > rounding * eigen.values[n - 1]) ++kept;
-    columns *= eigen.vectors.rightCols(kept) * eigen.values.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
+    const auto lengths = eigen.values.tail(kept).cwiseSqrt();
+    columns = product(columns, eigen.vectors.rightCols(kept) * lengths.cwiseInverse().asDiagonal());
   }
   return columns;
 }
 
 MatrixXd scaled_modes(const Metric& metric, const MatrixXd& columns, double lost, double& energy) {
-  const auto eigen = symmetric_eigen(columns.transpose() * metric(columns));
+  const auto eigen = symmetric_eigen(transposed_product(columns, metric(columns)));
   energy = eigen.values.sum();
   Index left_out = 0;
   for (double rest = 0; left_out < eigen.values.size(); ++left_out)
     if ((rest += eigen.values[left_out]) > lost * energy) break;
-  return columns * eigen.vectors.rightCols(eigen.values.size() - left_out);
+  return product(columns, eigen.vectors.rightCols(eigen.values.size() - left_out));
 }
 
 MatrixXd leading_modes(const Metric& metric, const MatrixXd& columns, Index count, std::uint64_t seed, int threads,
@@ -77,13 +77,13 @@ MatrixXd leading_modes(const Metric& metric, const MatrixXd& columns, Index coun
   MatrixXd basis;
   for (int round = 0; round <= power_iterations; ++round) {
     if (round > 0) inner = orthonormal(inner);
-    basis = orthonormal_in(metric, product(columns, false, inner, threads));
-    inner = product(columns, true, metric(basis), threads);
+    basis = orthonormal_in(metric, parallel_product(columns, false, inner, threads));
+    inner = parallel_product(columns, true, metric(basis), threads);
   }
-  const auto eigen = symmetric_eigen(inner.transpose() * inner);
+  const auto eigen = symmetric_eigen(transposed_product(inner, inner));
   const Index kept = std::min(count, eigen.values.size());
   captured = eigen.values.tail(kept).sum();
-  return basis * eigen.vectors.rightCols(kept).rowwise().reverse();
+  return product(basis, eigen.vectors.rightCols(kept).rowwise().reverse());
 }
 
 }  // namespace phynness::reduced

@@ -36,16 +36,16 @@ Eigen::MatrixXd leading_modes(const Metric& metric, const Eigen::MatrixXd& colum
 struct Cubature {
   std::vector<std::int32_t> points;  ///< ascending
   Eigen::VectorXd weights;           ///< positive
-  Eigen::VectorXd left;              ///< wanted - parts weights
+  Eigen::VectorXd residual;          ///< wanted - contributions weights
 };
 
-/// Nonnegative least squares, parts weights = wanted, by the active set method of Lawson and Hanson, which ends with
-/// `count` points. The choice of points is made in float, the weights are solved in double.
-/// @param parts   a column for each point
-/// @param chosen  called with the number of chosen points
-/// @param threads at least 1; the result is bitwise independent of it
-Cubature nonnegative_weights(const Eigen::MatrixXf& parts, const Eigen::VectorXd& wanted, Eigen::Index count,
-                             int threads, const std::function<void(Eigen::Index)>& chosen);
+/// Nonnegative least squares, contributions weights = wanted, by the active set method of Lawson and Hanson, which ends
+/// with `count` points. The choice of points is made in float, the weights are solved in double.
+/// @param contributions  a column for each point
+/// @param on_added       called with the number of chosen points
+/// @param threads        at least 1; the result is bitwise independent of it
+Cubature nonnegative_weights(const Eigen::MatrixXf& contributions, const Eigen::VectorXd& wanted, Eigen::Index count,
+                             int threads, const std::function<void(Eigen::Index)>& on_added);
 
 /// Stiffness at rest of a tool alone at each of some nodes [N/m]; the result is bitwise independent of `threads`.
 std::vector<Eigen::Matrix3d> stiffnesses_at_rest(const ReducedBody& body, const std::vector<std::int32_t>& nodes,

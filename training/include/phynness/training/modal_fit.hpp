@@ -19,10 +19,10 @@ struct NodeModes {
   std::vector<std::int32_t> increments;  ///< as TrainingStates::increments
   Eigen::MatrixXd modes;                 ///< components * n_output x n_modes, orthonormal columns
   Eigen::MatrixXd amplitudes;            ///< n states x n_modes
-  Eigen::VectorXd size;                  ///< n_modes: singular values
-  double lost = 0;          ///< mean error of the truncation over states and nodes, over the largest displacement
-  double largest = 0;       ///< largest displacement or value at a node that the probe itself does not move
-  std::vector<char> moved;  ///< n_output: flags of nodes that the probe itself moves
+  Eigen::VectorXd singular_values;       ///< n_modes
+  double truncation_error = 0;           ///< mean over states and nodes, over the largest displacement
+  double largest_value = 0;      ///< largest displacement or value at a node that the probe itself does not move
+  std::vector<char> prescribed;  ///< n_output: flags of nodes that the probe itself moves
 };
 /// @param max_modes  largest number of modes, which is also limited by the number of states
 /// @throws Error (failure) if a displacement of a converged increment is not finite
