@@ -37,10 +37,10 @@ inline Vector vector_at(const double* x) { return {{x[0], x[1], x[2]}}; }
 inline Vector unit_vector(int axis, double size = 1) {
   return {{axis == 0 ? size : 0, axis == 1 ? size : 0, axis == 2 ? size : 0}};
 }
-inline Vector operator+(Vector a, const Vector& b) { return a += b; }
-inline Vector operator-(Vector a, const Vector& b) { return a -= b; }
-inline Vector operator*(double factor, Vector a) { return a *= factor; }
-inline Vector operator/(Vector a, double divisor) { return a /= divisor; }
+inline Vector operator+(const Vector& a, const Vector& b) { return {{a[0] + b[0], a[1] + b[1], a[2] + b[2]}}; }
+inline Vector operator-(const Vector& a, const Vector& b) { return {{a[0] - b[0], a[1] - b[1], a[2] - b[2]}}; }
+inline Vector operator*(double factor, const Vector& a) { return {{a[0] * factor, a[1] * factor, a[2] * factor}}; }
+inline Vector operator/(const Vector& a, double divisor) { return {{a[0] / divisor, a[1] / divisor, a[2] / divisor}}; }
 inline double dot(const Vector& a, const Vector& b) { return dot(a.x, b.x); }
 inline Vector cross(const Vector& a, const Vector& b) {
   return {{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}};
