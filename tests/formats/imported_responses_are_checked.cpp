@@ -88,7 +88,7 @@ TEST_F(Imports, are_stored_as_given) {
   EXPECT_EQ(header.mesh.surface.rows(), 4);
   for (std::int32_t a = 0; a < 2; ++a)
     for (const auto& ray : database.rays(a)) {
-      const auto at = static_cast<std::size_t>(12 * a + 3 * ray.direction);
+      const auto at = 12 * static_cast<std::size_t>(a) + 3 * static_cast<std::size_t>(ray.direction);
       if (at == 3) {
         EXPECT_EQ(ray.status, std::vector<Status>(3, Status::not_requested));
         continue;

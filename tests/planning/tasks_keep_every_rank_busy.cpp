@@ -37,7 +37,8 @@ TEST(Tasks, CoverWhatIsLeftOnceNodeByNode) {
       EXPECT_EQ(rays[static_cast<std::size_t>(tasks[t])].active,
                 rays[static_cast<std::size_t>(tasks[t + 1] - 1)].active);
     }
-    for (const auto& ray : rays) ++logged[static_cast<std::size_t>(26 * ray.active + ray.direction)];
+    for (const auto& ray : rays)
+      ++logged[26 * static_cast<std::size_t>(ray.active) + static_cast<std::size_t>(ray.direction)];
     EXPECT_EQ(std::count(logged.begin(), logged.end(), char{1}), 62 * 26);
   }
 }

@@ -125,7 +125,7 @@ TEST_P(Asked, ResponsesAtRestAreThoseOfATouchedToolAndEndToo) {
   const auto file = std::filesystem::path(::testing::TempDir()) / ("at-rest-" + std::to_string(::getpid()) + ".h5");
   std::filesystem::remove(file);
   std::int64_t rays = 0, points = 0;
-  const auto run = [&](bool resume, std::int64_t most) {
+  const auto run = [&, &scene = scene, &mesh = mesh, &sets = sets](bool resume, std::int64_t most) {
     return precompute(
         solver_session(), scene, mesh, sets, {file, resume, {}, {}},
         [&](std::int64_t done, std::int64_t) { rays = done; }, [&] { return points >= most; }, {},

@@ -132,8 +132,8 @@ TEST_P(PlaneStress, IsThatOfTheLaw) {
   const double tolerance = exact ? 1e-7 : std::pow(bulk_to_shear, -5) + 1e-7;
   // St. Venant-Kirchhoff would turn the wall inside out at the largest.
   const double size = exact ? 0.3 : 1;
-  for (auto [s1, s2] : {std::pair{1.3, 1.0}, {1.5, 0.9}, {0.8, 0.9}, {1.2, 1.25}}) {
-    s1 = 1 + size * (s1 - 1), s2 = 1 + size * (s2 - 1);
+  for (const auto& stretches : {std::pair{1.3, 1.0}, {1.5, 0.9}, {0.8, 0.9}, {1.2, 1.25}}) {
+    const double s1 = 1 + size * (stretches.first - 1), s2 = 1 + size * (stretches.second - 1);
     const auto state = state_of(body, [&](const Vector3& X) { return Vector3((s1 - 1) * X[0], (s2 - 1) * X[1], 0); });
     const double expected = thickness * plane_stress_energy(material, s1, s2);
     EXPECT_NEAR(body.energy(state), expected, tolerance * expected) << s1 << " " << s2;

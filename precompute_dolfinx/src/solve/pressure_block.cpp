@@ -18,7 +18,7 @@ void PressureBlock::copy_from(Mat tangent) {
     Eigen::SparseMatrix<double> position(size, size);  // positions are exactly representable as doubles
     position.setFromTriplets(pattern.begin(), pattern.end());
     _position.assign(position.valuePtr(), position.valuePtr() + position.nonZeros());
-    _block = std::move(position);
+    _block = position;
   }
   const PetscScalar* values = nullptr;
   PHYNNESS_PETSC(MatSeqAIJGetArrayRead(tangent, &values));
