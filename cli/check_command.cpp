@@ -3,7 +3,6 @@
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/discretization.hpp>
 #include <phynness/validation/locking.hpp>
-#include <phynness/validation/trade_choice.hpp>
 
 #include "commands.hpp"
 

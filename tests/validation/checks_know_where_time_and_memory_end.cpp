@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/discretization.hpp>
-#include <phynness/validation/trade_choice.hpp>
 
 #include "messages.hpp"
 #include "probe_block.hpp"

@@ -37,8 +37,8 @@ Vector newton_step(phn_loop& loop, const phn_loop_response& response, double cou
     // the coupling together.
     const Vector d = vector_at(response.displacement);
     const double d2 = dot(d, d), secant = d2 > 0 ? std::fmax(0.0, dot(vector_at(response.force), d) / d2) : 0;
-    loop.seen.see(vector_at(response.force), d, loop.settings.period_s, coupling, secant, unbalanced);
-    K[0] = K[4] = K[8] = std::fmax(secant, loop.seen.stiffness);
+    loop.tangent.update(vector_at(response.force), d, loop.settings.period_s, coupling, secant, unbalanced);
+    K[0] = K[4] = K[8] = std::fmax(secant, loop.tangent.stiffness);
   }
   // Where the body softens more than half as fast as the coupling is stiff, the step is damped.
   const double damped = std::fmax(0.0, -0.5 * coupling - softest(K));
@@ -47,15 +47,15 @@ Vector newton_step(phn_loop& loop, const phn_loop_response& response, double cou
 
 }  // namespace
 
-void SeenStiffness::see(Vector new_force, Vector new_displacement, double period, double coupling, double secant,
-                        Vector unbalanced) {
+void TangentEstimate::update(Vector new_force, Vector new_displacement, double period, double coupling, double secant,
+                             Vector unbalanced) {
   constexpr double memory_s = 0.05;
   stiffness *= std::fmax(0.0, 1 - period / memory_s);
-  const Vector change = new_force - force, moved = new_displacement - displacement;
-  // A body that could not follow gives the force of the cycle before, which belongs to the displacement of then.
+  const Vector change = new_force - force, motion = new_displacement - displacement;
+  // Before a body has settled it returns the force of the cycle before, which belongs to an older displacement.
   if (has_last && dot(change, change) == 0) return;
-  const double square = has_last ? dot(moved, moved) : 0, along = square > 0 ? dot(change, moved) / square : 0;
-  if (dot(moved, unbalanced) < 0 && along > coupling + 2 * secant) stiffness = std::fmax(stiffness, along);
+  const double square = has_last ? dot(motion, motion) : 0, tangent = square > 0 ? dot(change, motion) / square : 0;
+  if (dot(motion, unbalanced) < 0 && tangent > coupling + 2 * secant) stiffness = std::fmax(stiffness, tangent);
   force = new_force;
   displacement = new_displacement;
   has_last = true;
@@ -99,7 +99,7 @@ Vector couple(phn_loop& loop, const phn_loop_response& response, double now, dou
   if (!loop.has_tool || response.in_contact == 0) {
     loop.tool = target;
     loop.has_tool = true;
-    loop.seen = {};
+    loop.tangent = {};
     loop.path.n = 0;
     loop.path.add(vector_to_device(loop, loop.tool));
     return {};

@@ -20,15 +20,15 @@ struct ToolPath {
   Vector velocity(double period) const;
 };
 
-/// The stiffness of the body along the motion of the tool [N/m], as its responses show it where a step went too far:
-/// against one of several near tools the body is stiffer than force and displacement of this tool tell.
-struct SeenStiffness {
+/// An estimate of the body's tangent stiffness along the motion of the tool, from the last two responses, after a step
+/// that overshot: against one of several near tools the body is stiffer than its force over its displacement.
+struct TangentEstimate {
   Vector force = {}, displacement = {};  ///< of the last response
   bool has_last = false;
-  double stiffness = 0;  ///< falls to 0 when steps no longer go too far
-  /// @param coupling, secant  stiffnesses with which the last step was made
-  /// @param unbalanced        force that moves the tool next
-  void see(Vector force, Vector displacement, double period, double coupling, double secant, Vector unbalanced);
+  double stiffness = 0;  ///< [N/m]; decays to 0 when steps no longer overshoot
+  /// @param coupling, secant  stiffnesses with which the last step was made [N/m]
+  /// @param unbalanced        force that moves the tool next [N]
+  void update(Vector force, Vector displacement, double period, double coupling, double secant, Vector unbalanced);
 };
 
 }  // namespace phynness::loop
@@ -54,7 +54,7 @@ struct phn_loop {
   Vector tool = {};  ///< body frame
   bool has_tool = false;
   phynness::loop::ToolPath path;
-  phynness::loop::SeenStiffness seen;
+  phynness::loop::TangentEstimate tangent;
   Vector force = {};    ///< for the device, as held
   double share = 1;     ///< factor of the passivity controller
   Vector change = {};   ///< of the force by the passivity controller in the last cycle

@@ -27,6 +27,10 @@ BoundCoverage coverage_of(const std::vector<BoundedError>& errors, double range_
   return out;
 }
 
+std::int64_t independent_errors(const Model& model, std::int64_t n_nodes, std::int64_t n_rays) {
+  return static_cast<std::size_t>(n_nodes) < model.nodes.size() ? n_nodes : n_rays;
+}
+
 double promised_coverage(std::int64_t n, double coverage) {
   constexpr double risk = 0.05;
   const auto all = static_cast<double>(n), k = std::ceil(coverage * (all + 1));
@@ -40,6 +44,11 @@ double promised_coverage(std::int64_t n, double coverage) {
     (cumulative < risk ? low : high) = x;
   }
   return low;
+}
+
+double promised_coverage(const Model& model) {
+  const auto& bound = model.bounds.at(0);
+  return promised_coverage(independent_errors(model, bound.n_nodes, bound.n_rays), bound.coverage);
 }
 
 std::string held_in_words(const BoundCoverage& measured, double promised) {

@@ -380,7 +380,7 @@ Model calibrate(const SolverSession& session, const Database& database, const Na
     const double range_m = bounded.max_displacement_m;
     report.left_out =
         coverage_of(cross_validated_errors(model, predictors, states, report.rays, spec.coverage), range_m);
-    report.promised = promised_coverage(report.all_nodes ? report.rays : report.nodes, spec.coverage);
+    report.promised = promised_coverage(bounded);
     add_bound_between(bounded, model.mesh(), coupled_states, report.coupled[0]);
     bounded.bounds[0].reference = static_cast<std::int32_t>(spec.reference);
     set_medians(NamedOrgan(bounded, model.mesh(), "model"), states, report);

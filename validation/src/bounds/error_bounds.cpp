@@ -179,7 +179,7 @@ Model add_bounds(Model model, const BoundPredictors& predictors, const std::vect
   const Eigen::Vector4d fitted = shrinkage * fit(model, predictors, states);
   const auto rest_force = forces_at_rest(model);
   // The clusters of the sample are the nodes, or the rays if every node is sampled.
-  const auto n = static_cast<double>(n_nodes < model.nodes.size() ? n_nodes : static_cast<std::size_t>(n_rays));
+  const auto n = static_cast<double>(independent_errors(model, std::ssize(nodes), n_rays));
   double best = -1;
   for (const double power : added_depth_powers) {
     Eigen::Vector4d coefficients = fitted;

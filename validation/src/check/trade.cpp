@@ -10,7 +10,6 @@
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/validation/discretization.hpp>
 #include <phynness/validation/error_statistics.hpp>
-#include <phynness/validation/trade_choice.hpp>
 #include <tuple>
 
 #include "compared_scene.hpp"

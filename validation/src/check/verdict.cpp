@@ -85,13 +85,6 @@ VerdictLine worst_node(const Validated& v) {
   return line;
 }
 
-/// What calibration promised of the bounds; 0 if it had too few places.
-double promised(const Model& model) {
-  const auto& bound = model.bounds.at(0);
-  const bool all_nodes = static_cast<std::size_t>(bound.n_nodes) == model.nodes.size();
-  return promised_coverage(all_nodes ? bound.n_rays : bound.n_nodes, bound.coverage);
-}
-
 /// @return null without a bound of the distance from the model's own elements, with which validate compares
 const BoundCoverage* measured_bound(const Validated& v) {
   const auto& model = v.model.model();
@@ -144,8 +137,10 @@ std::vector<std::string> Validated::not_done() const {
 std::vector<VerdictLine> verdict(const Validated& v) {
   std::vector<VerdictLine> lines{of_model(v), of_finite_elements(v), worst_node(v)};
   if (const auto* measured = measured_bound(v))
-    lines.push_back(
-        {"bounds", "Bound of the model's force error", held_in_words(*measured, promised(v.model.model())), {}});
+    lines.push_back({"bounds",
+                     "Bound of the model's force error",
+                     held_in_words(*measured, promised_coverage(v.model.model())),
+                     {}});
   lines.push_back(not_covered(v));
   return lines;
 }
@@ -160,11 +155,12 @@ std::vector<WorseThanLinear> worse_than_linear(const Validated& v) {
 std::vector<std::string> warnings(const Validated& v) {
   std::vector<std::string> all;
   for (const auto& worse : worse_than_linear(v)) all.push_back(worse.sentence());
-  if (const auto* measured = measured_bound(v); measured && is_below_promise(*measured, promised(v.model.model())))
+  if (const auto* measured = measured_bound(v);
+      measured && is_below_promise(*measured, promised_coverage(v.model.model())))
     all.push_back(fmt::format(
         "the bound of the model's force error held for {:.0f} % of the errors, less than the {:.0f} % that calibration "
         "promised; more calibration_rays in [validation] make it safer",
-        100 * measured->all, 100 * promised(v.model.model())));
+        100 * measured->all, 100 * promised_coverage(v.model.model())));
   return all;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <phynness/formats/described.hpp>
+#include <phynness/formats/model.hpp>
 #include <string>
 #include <vector>
 
@@ -36,12 +37,17 @@ struct BoundCoverage {
 /// @param range_m  the depth that is divided into thirds
 BoundCoverage coverage_of(const std::vector<BoundedError>& errors, double range_m);
 
+/// The number of independent errors of a calibration: of its nodes, or of its rays if every node of the model has rays.
+std::int64_t independent_errors(const Model& model, std::int64_t n_nodes, std::int64_t n_rays);
+
 /// The share of new errors below a bound that 19 calibrations of 20 reach or exceed. The bound is the k-th smallest of
 /// n independent ratios of error and prediction, k = ceil(coverage (n + 1)), and the share of new errors below it has
 /// the distribution Beta(k, n + 1 - k) (Vovk 2012, arXiv:1209.2673). Errors at one place count once, because they are
 /// correlated.
 /// @param n  number of places, or of rays. @return 0 if n is too small for a bound
 double promised_coverage(std::int64_t n, double coverage);
+/// The same for the bound of a model at its nodes.
+double promised_coverage(const Model& model);
 
 /// "held for 91 % of 100 errors, for 77 % of those in the deepest third; calibration promised 93 %"
 /// @param measured  of at least one error. @param promised  0: nothing was

@@ -257,4 +257,11 @@ TradeReport compare_discretizations(const Scene& scene, const Mesh& mesh, const 
                                     const DiscretizationOptions& options, const OnProgress& progress = {},
                                     const ShouldStop& stop = {});
 
+/// Whether only the scene itself was compared, beside which there is nothing to choose.
+bool is_alone(const TradeReport& report);
+
+/// Of the rows within the limit the one whose database needs the least time.
+/// @param error  largest mean error, as a fraction. @return null: there is none, or the scene is_alone()
+const TradeRow* chosen_row(const TradeReport& report, double error);
+
 }  // namespace phynness
