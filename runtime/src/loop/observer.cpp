@@ -45,7 +45,7 @@ bool Observer::sample(double time, Vector measured) {
     each_force(_samples[0].time, time,
                [&](const Held& held, double seconds) { impulse = impulse + seconds * held.force; });
     work -= dot(impulse, velocity);
-    largest_delivered = std::fmax(largest_delivered, -work);
+    if (-work > largest_delivered) largest_delivered = -work;  // not -0, which fmax may return
     if (duration > 1.5 * _period) {
       // It is not known during which of the forces of a gap the device moved. It may have moved during one of them
       // only.
