@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/coupled_bounds.hpp>
 #include <phynness/validation/error_bounds.hpp>
@@ -251,34 +252,47 @@ std::vector<CoupledState> of_several_tools(std::mt19937_64& random, std::int32_t
   return states;
 }
 
-// Claim: with 80 rays the bound of several tools holds for at least 95 % of errors of three tools alone in the mean
-// over calibrations, and in 19 of 20 for the promised share, though errors of three tools are twice those of two and
-// errors of a ray are alike. 300 calibrations: 19 of 20 are 285, of which 4 are the standard deviation.
-TEST(BoundOfSeveralTools, HoldsForThreeToolsAlone) {
+// Claim: with 80 rays the bounds of two and of three tools hold for 95 % of the errors of each alone in the mean over
+// calibrations, and for not much more, and in 19 of 20 for the promised share, though errors of three tools are twice
+// those of two and errors of a ray are alike. 300 calibrations: 19 of 20 are 285, of which 4 are the standard
+// deviation. The quantile of about 40 rays is at 0.95 (1 + 1/40) = 0.974, and thirds of the depth may raise it: 0.985.
+// States of near tools, which have infinite terms, change nothing.
+TEST(BoundOfSeveralTools, HoldsForEachNumberOfTools) {
   std::mt19937_64 random(7);
   const auto fresh = of_several_tools(random, 2000, 1);
-  double sum = 0;
-  int kept = 0;
+  double sum[2] = {};
+  int kept[2] = {};
   for (int calibration = 0; calibration < 300; ++calibration) {
     ReducedBody body;
     body.depth_m = 1;
     std::array<CoupledCoverage, 2> found;
-    add_coupled_bounds(body, 0.95, of_several_tools(random, 80, 1), found);
-    ASSERT_EQ(found[1].rays, 80);
-    const Eigen::Vector4d c = body.bounds.row(1).transpose();
-    double held = 0, all = 0;
-    for (const auto& state : fresh) {
-      if (state.n_tools < 3) continue;
-      const auto& [x, y, z] = state.terms;
-      const double bound = std::exp(c[0] + c[1] * std::log(x) + c[2] * std::log(y) + c[3] * std::log(z));
-      held += state.predicted_N[0] <= bound;
-      all += 1;
+    auto states = of_several_tools(random, 80, 1);
+    for (int i = 0; i < 40; ++i) {
+      auto& near = states.emplace_back(states[static_cast<std::size_t>(i)]);
+      near.terms[0] = std::numeric_limits<double>::infinity();
+      near.predicted_N[0] = 1e9;
     }
-    sum += held / all;
-    kept += held / all >= found[1].promised;
+    add_coupled_bounds(body, 0.95, states, found);
+    ASSERT_EQ(found[1].rays, 80);
+    for (const std::size_t more : {0, 1}) {
+      const Eigen::Vector4d c = body.bounds.row(static_cast<Eigen::Index>(more) + 1).transpose();
+      double held = 0, all = 0;
+      for (const auto& state : fresh) {
+        if (state.n_tools != static_cast<std::int32_t>(more) + 2) continue;
+        const auto& [x, y, z] = state.terms;
+        const double bound = std::exp(c[0] + c[1] * std::log(x) + c[2] * std::log(y) + c[3] * std::log(z));
+        held += state.predicted_N[0] <= bound;
+        all += 1;
+      }
+      sum[more] += held / all;
+      kept[more] += held / all >= found[1].promised;
+    }
   }
-  EXPECT_GE(sum / 300, 0.95);
-  EXPECT_GE(kept, 285 - 2 * 4);
+  for (const std::size_t more : {0, 1}) {
+    EXPECT_GE(sum[more] / 300, 0.95);
+    EXPECT_LE(sum[more] / 300, 0.985);
+    EXPECT_GE(kept[more], 285 - 2 * 4);
+  }
 }
 
 // Claim: the promised share is the 5 % quantile of Beta(k, n + 1 - k), which is the n-th root of 0.05 for k = n; fewer

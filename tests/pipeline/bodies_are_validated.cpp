@@ -96,7 +96,7 @@ TEST_F(Bodies, GetBounds) {
   const auto text = read_file(folder / "body.txt");
   auto body = read_body_text(text, "body.txt");
   EXPECT_EQ(write_body_text(body), text);
-  EXPECT_EQ(body.bounds.rows(), 2);
+  EXPECT_EQ(body.bounds.rows(), 3);
   EXPECT_EQ(body.coverage, 0.95);
   body.bounds.resize(0, 4);
   EXPECT_EQ(write_body_text(body), plain);
@@ -108,9 +108,9 @@ TEST_F(Bodies, GetBounds) {
   const auto v = json("v.json");
   for (const auto& [counts, forces] :
        {std::pair{v.at("points").at("body_answers"), 20}, {v.at("pairs").at("answers"), 80}}) {
-    // Springs carry a part of what near pairs prescribe; these have no bound.
+    // Springs join tools nearer than half a radius: these have no bound.
     EXPECT_LE(counts.at("near").get<int>(), forces / 20);
-    EXPECT_GE(counts.at("bounded").get<int>(), forces - 2 * counts.at("near").get<int>());
+    EXPECT_GE(counts.at("bounded").get<int>(), forces - forces / 20);
     EXPECT_GT(counts.at("covered").get<double>(), 0.85 * counts.at("bounded").get<double>());
   }
 
@@ -124,7 +124,7 @@ TEST_F(Bodies, GetBounds) {
     lines.replace(lines.rfind(from), from.size(), to);
     return lines + "checksum " + hash_of(lines) + "\n";
   };
-  for (const auto& [from, to, words] : {std::tuple{"\nbounds 2\n", "\nbounds 3\n", "bounds is out of range 2 ... 2"},
+  for (const auto& [from, to, words] : {std::tuple{"\nbounds 3\n", "\nbounds 2\n", "bounds is out of range 3 ... 3"},
                                         {"\nrays ", "\nrays -", "rays is out of range"}}) {
     write_file(folder / "bad.txt", damaged(from, to));
     expect_error(be_refused(calibrate + "bad.txt").err, {words, "bad.txt:"});
@@ -158,7 +158,7 @@ TEST_F(Bodies, AreMadeByARunOfSeveralTools) {
   write_file(folder / "scene.toml", scene);
   expect_names(succeed("run scene.toml -o out").out, {"reduce", "calibrate body", "two tools, reduced body"});
   const auto body = read_file(folder / "out/body.txt");
-  EXPECT_EQ(read_body_text(body, "body.txt").bounds.rows(), 2);
+  EXPECT_EQ(read_body_text(body, "body.txt").bounds.rows(), 3);
   EXPECT_EQ(json("out/validate.json").at("pairs").at("all").at("force").at("n"), 40);
   EXPECT_EQ(page_data("out/organ.html").at("body").get<std::string>(), read_file(folder / "out/body.txt"));
   const auto node = std::to_string(active_of("out/model").at(0));

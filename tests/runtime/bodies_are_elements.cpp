@@ -118,27 +118,32 @@ TEST(Bodies, HaveTheParametersOfTheirRegions) {
 // Claim: bounds are those of formats/body.md, and without them, or without tools, there are none.
 TEST(Bodies, HaveTheBoundsOfThePage) {
   Block block;
-  block.body.bounds = (Eigen::MatrixXd(2, 4) << -1, 0.2, 0.3, 0.4, -2, 0.1, 0.5, 0.3).finished();
+  block.body.bounds = (Eigen::MatrixXd(3, 4) << -1, 0.2, 0.3, 0.4, -2, 0.1, 0.5, 0.3, -3, 0.3, 0.2, 0.1).finished();
   block.body.coverage = 0.95;
   block.body.n_rays = 20;
   LoadedBody loaded(write_body_text(block.body));
   ASSERT_EQ(loaded.status, PHN_OK);
-  double bounds[] = {-1, -1};
+  double bounds[] = {-1, -1, -1};
   EXPECT_EQ(phn_body_bound(loaded.body, loaded.state, 0, bounds), PHN_ERROR_UNDEFINED);
   EXPECT_EQ(phn_body_bound(loaded.body, nullptr, 2, bounds), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(bounds[0], PHN_NO_BOUND);
   EXPECT_EQ(bounds[1], PHN_NO_BOUND);
   const Eigen::MatrixXd stiffness = stiffness_of_shape(block), modes = block.body.modes.values();
-  for (const std::size_t n : {1, 2}) {
+  const auto at_corner = [&](double scale) {
+    return tool_at(nearest_on_surface(block.mesh.nodes, block.mesh.surface, {0.03, 0.02, 0.03}),
+                   scale * depth * Eigen::Vector3d(0.1, 0.3, -0.2));
+  };
+  for (const std::size_t n : {1, 2, 3}) {
     auto tools = two_tools(block.mesh, 1), small = two_tools(block.mesh, 1e-4);
+    tools.push_back(at_corner(1));
     tools.resize(n);
-    small.resize(n);
+    small.resize(1);
     ASSERT_EQ(loaded.press(small), PHN_OK);
-    const auto linear = loaded.force;
+    const Eigen::Vector3d linear = n == 1 ? Eigen::Vector3d(1e4 * loaded.force[0]) : Eigen::Vector3d::Zero();
     ASSERT_EQ(loaded.press(tools), PHN_OK);
     const auto n_tools = static_cast<std::int32_t>(n);
     bounds[0] = 0;
-    EXPECT_EQ(phn_body_bound(loaded.body, loaded.state, 3 - n_tools, bounds), PHN_ERROR_ARGUMENT);
+    EXPECT_EQ(phn_body_bound(loaded.body, loaded.state, n_tools % 3 + 1, bounds), PHN_ERROR_ARGUMENT);
     EXPECT_EQ(bounds[0], PHN_NO_BOUND);
     ASSERT_EQ(phn_body_bound(loaded.body, loaded.state, n_tools, bounds), PHN_OK);
     const Eigen::VectorXd q = modes.colPivHouseholderQr().solve(loaded.deformation());
@@ -146,10 +151,10 @@ TEST(Bodies, HaveTheBoundsOfThePage) {
     double square = 0;
     for (const auto& tool : tools) square += Eigen::Map<const Eigen::Vector3d>(tool.displacement).squaredNorm();
     const double last = q.tail(half).dot(stiffness.bottomRightCorner(half, half) * q.tail(half)) / 2;
-    double terms[6];
+    double terms[9];
     ASSERT_EQ(phn_body_bound_terms(loaded.body, loaded.state, n_tools, terms), PHN_OK);
     for (std::size_t t = 0; t < n; ++t) {
-      const double expected[] = {last / std::sqrt(square), (loaded.force[t] - 1e4 * linear[t]).norm(),
+      const double expected[] = {last / std::sqrt(square), (loaded.force[t] - linear).norm(),
                                  loaded.pressed.energy / std::sqrt(square)};
       const auto c = block.body.bounds.row(static_cast<Eigen::Index>(n) - 1);
       double sum = c[0];
@@ -160,6 +165,15 @@ TEST(Bodies, HaveTheBoundsOfThePage) {
       EXPECT_NEAR(bounds[t], std::exp(sum), 1e-9 * bounds[t]);
     }
   }
+  // A spring joins the first two; the third has a bound.
+  auto tools = two_tools(block.mesh, 1);
+  tools[1] = tools[0];
+  tools.push_back(at_corner(1));
+  ASSERT_EQ(loaded.press(tools), PHN_OK);
+  ASSERT_EQ(phn_body_bound(loaded.body, loaded.state, 3, bounds), PHN_OK);
+  EXPECT_EQ(bounds[0], PHN_NO_BOUND);
+  EXPECT_EQ(bounds[1], PHN_NO_BOUND);
+  EXPECT_LT(bounds[2], PHN_NO_BOUND);
   LoadedBody without(write_body_text(Block().body));
   ASSERT_EQ(without.press(two_tools(block.mesh, 1)), PHN_OK);
   bounds[1] = 0;

@@ -81,14 +81,16 @@ PHN_API int phn_body_force(const phn_body* body, phn_body_state* state, int32_t 
                            int32_t steps, double* forces, phn_body_report* report);
 
 /* Bounds [N] of the errors of the forces of the last phn_body_force, one for each of its n_tools, from the finite
- * elements of the body (formats/body.md, Bounds); PHN_NO_BOUND where that gave a warning, and after an error.
+ * elements of the body (formats/body.md, Bounds); PHN_NO_BOUND where that gave a warning, of tools that a spring joins
+ * (docs/theory.md, Near tools), and after an error.
  * PHN_ERROR_ARGUMENT: it had another number of tools. PHN_ERROR_UNDEFINED: a body without bounds (phynness calibrate
  * --body), or no tool.
  * @return its status otherwise */
 PHN_API int phn_body_bound(const phn_body* body, const phn_body_state* state, int32_t n_tools, double* bounds);
 
 /* What these bounds are computed from, three numbers >= 0 [N] for each of the n_tools (x, y, z of formats/body.md,
- * Bounds), of a body with or without bounds: phynness calibrate fits them. @return as phn_body_bound */
+ * Bounds), of a body with or without bounds: phynness calibrate fits them. x is infinite for a tool that a spring joins
+ * to another. @return as phn_body_bound */
 PHN_API int phn_body_bound_terms(const phn_body* body, const phn_body_state* state, int32_t n_tools, double* terms);
 
 /* Displacements [m] of the surface's nodes, n_nodes x 3, after the last phn_body_force; zeros before. */

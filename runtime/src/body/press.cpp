@@ -452,19 +452,21 @@ int phn_body_bound_terms(const phn_body* body, const phn_body_state* state, int3
   const std::int32_t n = state->n_constraints;
   if (n_tools != n / 3) return PHN_ERROR_ARGUMENT;
   if (n == 0) return PHN_ERROR_UNDEFINED;
-  Compliance at_rest;
-  at_rest.set(*state, state->factor_at_rest);
-  double linear[3 * most_body_tools];
-  memcpy(linear, state->prescribed, sizeof linear);
-  at_rest.solve(n, linear);
+  double linear[3 * most_body_tools] = {};
+  if (n == 3) {
+    Compliance at_rest;
+    at_rest.set(*state, state->factor_at_rest);
+    memcpy(linear, state->prescribed, sizeof linear);
+    at_rest.solve(n, linear);
+  }
   const double displaced = std::sqrt(product(state->prescribed, state->prescribed, n));
   const auto per_displacement = [&](double energy) { return displaced > 0 ? std::fmax(energy, 0) / displaced : 0; };
   const double last = per_displacement(energy_of_last_modes(*state)), all = per_displacement(state->current.energy);
   for (std::int32_t r = 0; r < n; r += 3) {
-    double curved[3];
-    for (int k = 0; k < 3; ++k) curved[k] = state->force[r + k] - linear[r + k];
-    terms[r] = last;
-    terms[r + 1] = length(curved);
+    double nonlinear[3];
+    for (int k = 0; k < 3; ++k) nonlinear[k] = state->force[r + k] - linear[r + k];
+    terms[r] = state->near_spring_compliance[r][r] > 0 ? HUGE_VAL : last;
+    terms[r + 1] = length(nonlinear);
     terms[r + 2] = all;
   }
   return state->status;
@@ -477,7 +479,8 @@ int phn_body_bound(const phn_body* body, const phn_body_state* state, int32_t n_
   const int status = phn_body_bound_terms(body, state, n_tools, terms);
   if (status < 0) return status;
   if (body->bounds == nullptr) return PHN_ERROR_UNDEFINED;
-  const double* c = body->bounds + (n_tools > 1 ? phynness::schema::n_coupled_terms : 0);
+  constexpr std::int32_t last_row = phynness::schema::n_coupled_kinds - 1;
+  const double* c = body->bounds + phynness::schema::n_coupled_terms * (n_tools > last_row ? last_row : n_tools - 1);
   if ((status & (PHN_WARNING_OUTSIDE | PHN_WARNING_UNSETTLED | PHN_WARNING_NEAR)) != 0) return status;
   for (std::int32_t t = 0; t < n_tools; ++t) bounds[t] = coupled_bound(c, terms + 3 * t, PHN_NO_BOUND);
   return status;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <phynness/validation/coupled_bounds.hpp>
 #include <phynness/validation/error_statistics.hpp>
 #include <phynness/validation/named_organ.hpp>
@@ -15,8 +16,16 @@ constexpr std::int64_t min_rays = 20;
 /// The number of folds of the cross-validation that scores the predictions.
 constexpr int n_folds = 10;
 /// The largest number of tools of a state (CoupledRays).
-constexpr std::int32_t max_tools = 3;
+constexpr std::int32_t max_tools = schema::n_coupled_kinds;
 constexpr int n_coefficients = schema::n_coupled_terms;
+/// Coefficients of the bounds of one tool, of two and of three.
+using Rows = Eigen::Matrix<double, max_tools, n_coefficients>;
+
+Rows unknown_bounds() {
+  Rows rows = Rows::Zero();
+  rows.col(0).setConstant(schema::no_coupled_bound);
+  return rows;
+}
 /// Regularizes the logarithms of the terms [N] (formats/body.md, Bounds).
 constexpr double least_term = 1e-12;
 /// The index of the term that contains the spread of the nodes' forces, or the difference to the linear force.
@@ -28,6 +37,7 @@ struct Sample {
   std::array<double, n_coefficients> terms{};  ///< 1, then logarithms
 
   double log_bound(const Eigen::Vector4d& c) const { return Eigen::Map<const Eigen::Vector4d>(terms.data()).dot(c); }
+  double log_bound(const Rows& rows) const { return log_bound(Eigen::Vector4d(rows.row(n_tools - 1))); }
 };
 using Samples = std::vector<Sample>;
 
@@ -60,7 +70,7 @@ Samples samples_between(const Model& model, const Mesh& mesh, const std::vector<
 Samples samples_of(const std::vector<CoupledState>& states, CoupledKind kind) {
   Samples samples;
   for (const auto& state : states) {
-    if (state.kind != kind) continue;
+    if (state.kind != kind || !std::isfinite(state.terms[0])) continue;
     auto& sample = samples.emplace_back(sample_of(state, state.predicted_N));
     for (std::size_t i = 0; i < state.terms.size(); ++i) sample.terms[i + 1] = std::log(state.terms[i] + least_term);
   }
@@ -91,16 +101,14 @@ double conformal_shift(const Samples& samples, const std::vector<double>& scores
   return quantile(scores_of_members, coverage * (1 + 1 / static_cast<double>(rays.size())));
 }
 
-/// The shift with which the bound covers the share `coverage` of all samples and of those of each number of tools, with
-/// which errors grow, and nearly this share in each third of the depth.
-double conformal_shift(const Samples& samples, const std::vector<double>& scores, double coverage, double range_m) {
-  double shift = conformal_shift(samples, scores, coverage, [](const Sample&) { return true; });
-  for (std::int32_t n = 1; n <= max_tools; ++n)
-    shift =
-        std::max(shift, conformal_shift(samples, scores, coverage, [&](const Sample& s) { return s.n_tools == n; }));
+/// The shift with which the bound of n tools, with whose number errors grow, covers the share `coverage` of their
+/// samples, and nearly this share in each third of the depth; -infinity without samples.
+double conformal_shift(const Samples& samples, const std::vector<double>& scores, double coverage, double range_m,
+                       std::int32_t n) {
+  double shift = conformal_shift(samples, scores, coverage, [&](const Sample& s) { return s.n_tools == n; });
   for (int third = 0; third < 3; ++third)
     shift = std::max(shift, conformal_shift(samples, scores, coverage - thirds_tolerance, [&](const Sample& s) {
-                       return std::min(2, static_cast<int>(3 * s.depth_m / range_m)) == third;
+                       return s.n_tools == n && std::min(2, static_cast<int>(3 * s.depth_m / range_m)) == third;
                      }));
   return shift;
 }
@@ -124,28 +132,35 @@ Eigen::Vector4d regression(const Samples& samples, int held_out_fold) {
   return c;
 }
 
-/// Fits the coefficients of the logarithm of a bound that covers the share `coverage` of similar samples. Each sample
-/// is scored by a prediction without its fold (Barber et al. 2021, doi 10.1214/20-AOS1965). The exponent of the
-/// predicted error is the one with the narrowest bound that covers every third of the depth.
-Eigen::Vector4d fit(const Samples& samples, double coverage, double range_m) {
+/// Fits the coefficients of the logarithms of bounds that cover the share `coverage` of similar samples. Each sample is
+/// scored by a prediction without its fold (Barber et al. 2021, doi 10.1214/20-AOS1965). The exponent of the predicted
+/// error is the one with the narrowest bound in the mean; of several tools, whose errors extend over decades, the one
+/// with the least product of mean and median.
+Rows fit(const Samples& samples, double coverage, double range_m) {
   const Eigen::Vector4d all = regression(samples, n_folds);
   std::array<Eigen::Vector4d, n_folds> fold_regressions;
   for (int fold = 0; fold < n_folds; ++fold)
     fold_regressions[static_cast<std::size_t>(fold)] = regression(samples, fold);
-  Eigen::Vector4d best = all;
+  Rows best = unknown_bounds();
   double least = std::numeric_limits<double>::infinity();
   for (const double exponent : {0.4, 0.6, 0.8, 1.0}) {
     std::vector<double> scores;
     for (const auto& s : samples)
       scores.push_back(std::log(std::max(s.error_N, 1e-300)) -
                        exponent * s.log_bound(fold_regressions[static_cast<std::size_t>(s.ray % n_folds)]));
-    Eigen::Vector4d c = exponent * all;
-    c[0] += conformal_shift(samples, scores, coverage, range_m);
-    double sum = 0;
-    for (const auto& sample : samples) sum += std::exp(sample.log_bound(c));
-    if (sum >= least) continue;
-    best = c;
-    least = sum;
+    Rows rows = unknown_bounds();
+    for (std::int32_t n = 1; n <= max_tools; ++n) {
+      const double shift = conformal_shift(samples, scores, coverage, range_m, n);
+      if (std::isfinite(shift)) rows.row(n - 1) = (exponent * all + shift * Eigen::Vector4d::Unit(0)).transpose();
+    }
+    std::vector<double> bounds;
+    for (const auto& sample : samples) bounds.push_back(std::exp(sample.log_bound(rows)));
+    double width = std::accumulate(bounds.begin(), bounds.end(), 0.0);
+    std::sort(bounds.begin(), bounds.end());
+    if (samples[0].n_tools > 1) width *= quantile(bounds, 0.5);
+    if (width >= least) continue;
+    best = rows;
+    least = width;
   }
   return best;
 }
@@ -159,16 +174,15 @@ BoundCoverage cross_validated_coverage(const Samples& samples, double coverage, 
     std::ranges::copy_if(samples, std::back_inserter(training),
                          [&](const auto& s) { return s.ray % n_coverage_folds != fold; });
     if (training.empty()) continue;
-    const Eigen::Vector4d c = fit(training, coverage, range_m);
+    const Rows rows = fit(training, coverage, range_m);
     for (const auto& s : samples)
-      if (s.ray % n_coverage_folds == fold) errors.push_back({s.depth_m, s.error_N, std::exp(s.log_bound(c))});
+      if (s.ray % n_coverage_folds == fold) errors.push_back({s.depth_m, s.error_N, std::exp(s.log_bound(rows))});
   }
   return coverage_of(errors, range_m);
 }
 
 /// @return the coefficients; empty if the kind has too few rays
-std::optional<Eigen::Vector4d> fit_kind(const Samples& samples, double coverage, double range_m,
-                                        CoupledCoverage& found) {
+std::optional<Rows> fit_kind(const Samples& samples, double coverage, double range_m, CoupledCoverage& found) {
   found.rays = rays_of(samples);
   if (found.rays < min_rays) return std::nullopt;
   found.all = cross_validated_coverage(samples, coverage, range_m);
@@ -184,22 +198,18 @@ std::optional<Eigen::Vector4d> fit_kind(const Samples& samples, double coverage,
 void add_bound_between(Model& model, const Mesh& mesh, const std::vector<CoupledState>& states,
                        CoupledCoverage& found) {
   auto& bound = model.bounds.at(0);
-  const auto c = fit_kind(samples_between(model, mesh, states), bound.coverage, model.max_displacement_m, found);
-  if (c) bound.between = *c;
+  const auto rows = fit_kind(samples_between(model, mesh, states), bound.coverage, model.max_displacement_m, found);
+  if (rows) bound.between = rows->row(0);
 }
 
 void add_coupled_bounds(ReducedBody& body, double coverage, const std::vector<CoupledState>& states,
                         std::array<CoupledCoverage, 2>& found) {
   body.bounds.resize(0, n_coefficients);
   body.coverage = coverage;
-  Eigen::Matrix<double, schema::n_coupled_kinds, n_coefficients> rows;
-  rows.setZero();
-  rows.col(0).setConstant(schema::no_coupled_bound);
-  for (const auto kind : {CoupledKind::one, CoupledKind::several}) {
-    const auto at = static_cast<std::size_t>(kind);
-    const auto c = fit_kind(samples_of(states, kind), coverage, body.depth_m, found[at]);
-    if (c) rows.row(static_cast<Eigen::Index>(at)) = c->transpose();
-  }
+  const auto one = fit_kind(samples_of(states, CoupledKind::one), coverage, body.depth_m, found[0]);
+  const auto several = fit_kind(samples_of(states, CoupledKind::several), coverage, body.depth_m, found[1]);
+  Rows rows = several ? *several : unknown_bounds();
+  if (one) rows.row(0) = one->row(0);
   body.n_rays = static_cast<std::int32_t>(found[0].rays + found[1].rays);
   if ((rows.col(0).array() < schema::no_coupled_bound).any()) body.bounds = rows;
 }

@@ -40,7 +40,7 @@ struct ReducedBody {
   ScaledTable lacking;
   double coverage = 0;      ///< of the bounds
   std::int32_t n_rays = 0;  ///< from which they are
-  /// Empty, or schema::n_coupled_kinds rows of coefficients: one tool, several tools.
+  /// Empty, or schema::n_coupled_kinds rows of coefficients: one tool, two, three or more.
   Eigen::Matrix<double, Eigen::Dynamic, schema::n_coupled_terms> bounds{};
 };
 

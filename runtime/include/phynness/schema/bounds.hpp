@@ -23,9 +23,9 @@ inline constexpr int32_t largest_mode_count = 1024, largest_field_count = 8, lar
 inline constexpr int32_t largest_bound_count = 1;
 /// Finer solutions from which a bound may state the distance: taylor-hood, half-size.
 inline constexpr int32_t n_bound_references = 2;
-/// Coefficients of the bound of a tool between nodes (formats/model.md, Bounds); of one tool and of several on a body
-/// (formats/body.md, Bounds).
-inline constexpr int32_t n_coupled_kinds = 2, n_coupled_terms = 4;
+/// Coefficients of the bound of a tool between nodes (formats/model.md, Bounds); of one tool, of two, and of three or
+/// more on a body (formats/body.md, Bounds).
+inline constexpr int32_t n_coupled_kinds = 3, n_coupled_terms = 4;
 /// The first coefficient of a bound that is not known, with which it is PHN_NO_BOUND; the others are 0.
 inline constexpr double no_coupled_bound = 1e3;
 /// The weights of a covered node are integers, parts of this.
