@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <chrono>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/several_tools.hpp>
 
@@ -31,6 +32,7 @@ void print_size(const ReductionReport& report, const ToolErrors& errors) {
 
 std::optional<Reduced> reduced(const std::filesystem::path& database, const ReductionSpec& spec,
                                std::optional<double> target) {
+  const auto start = std::chrono::steady_clock::now();
   const SolverSession session;
   DatabaseHeader header;
   session.together([&] { reducible_scene(header = read_database_header(database)); });
@@ -82,7 +84,7 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
            error = target_error(tool_errors(best.body, compared));
            return false;
          });
-  best.report.seconds = report.seconds;
+  best.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (target && error > *target)
     message(
         "warning: the force error of two tools is {:.3g} % (the larger of p95 and a third of the maximum), and larger "
