@@ -36,7 +36,8 @@ public enum Status {
   ErrorOverlap = -16,
   ErrorTooLarge = -17,
   ErrorGeometry = -18,
-  ErrorTooManyTools = -19
+  ErrorTooManyTools = -19,
+  ErrorSetting = -100
 }
 
 /// A refused call. Its outputs are zeros.
@@ -96,12 +97,9 @@ public struct Touch {
 /// phn_contact_report, of all tools of a call.
 [StructLayout(LayoutKind.Sequential)]
 public struct Report {
-  /// [J]; 0 in family rbfn.
-  public double Energy;
-  /// The largest distance of a tool from the place that it holds [m].
-  public double Residual;
-  /// Of a body: the size of the next step over that of the deformation.
-  public double Unbalanced;
+  public double Energy;      // [J]; 0 in family rbfn
+  public double Residual;    // the largest distance of a tool from the place that it holds [m]
+  public double Unbalanced;  // of a body: the size of the next step over that of the deformation
   public int Steps;
   int reserved;
 }
@@ -170,7 +168,7 @@ public sealed class Organ : IDisposable {
   public int[] Triangles { get { return Native.Copy(files.Info.triangles, 3 * files.Info.n_triangles); } }
   public int MovingCount { get { return files.Info.n_output; } }
 
-  /// The place of the undeformed surface nearest to x [m] that can be held, with displacement 0, its point and distance.
+  /// The place of the undeformed surface nearest to x [m] that can be held, its point, and the distance, < 0 inside.
   public Status Nearest(Vec3 x, out Tool place, out Vec3 point, out double distance) {
     Enter();
     int status = files.Model != null
@@ -222,8 +220,8 @@ public sealed class Organ : IDisposable {
     int most = files.Model == null || last == Last.OfTools ? steps : Math.Max(steps, StepsToFollow);
     last = Last.OfTools;
     nTools = n;
-    Native.BodyReport made;
-    int status = Native.phn_body_force(files.Body.Object, state.Object, n, tools, most, forces, out made);
+    int status = Native.phn_body_force(files.Body.Object, state.Object, n, tools, most, forces,
+                                       out Native.BodyReport made);
     report = new Report { Energy = made.energy, Residual = made.residual_m, Unbalanced = made.unbalanced,
                           Steps = made.steps };
     return status;
@@ -387,7 +385,8 @@ public sealed class Loop : IDisposable {
     Native.RequireSize("phn_loop_report", typeof(LoopReport));
     Native.Require(Native.phn_loop_size(out UIntPtr bytes), "");
     block = new Block(bytes);
-    Native.Require(Native.phn_loop_init(block.Memory, bytes, ref settings, out block.Object), "settings of a loop: ");
+    int refused = Native.phn_loop_init(block.Memory, bytes, ref settings, out block.Object);
+    Native.Require(refused, Native.Text(Native.phn_loop_trip_message(refused)) + " ");
   }
   public void Engage() { Native.Require(Native.phn_loop_engage(block.Object), ""); }
   /// position: null if none arrived. tool: its position in the frame of the body.

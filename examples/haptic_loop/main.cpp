@@ -303,5 +303,6 @@ int main(int argc, char** argv) {
                  "node0,node1,node2,weight0,weight1,weight2,ux_m,uy_m,uz_m,scale,unbalanced_N\n");
   const int result = run(organ, hand, radius, friction, text("--device") != nullptr, csv);
   if (csv != nullptr) std::fclose(csv);
+  if (result <= PHN_ERROR_SETTING) return stop(1, argv[2], phn_loop_trip_message(result));
   return result < 0 ? stop(1, argv[2], phn_status_message(result)) : result;
 }

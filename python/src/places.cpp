@@ -95,7 +95,7 @@ void add_places(py::module_& module) {
       .def_property_readonly("nodes", [](const SurfacePoint& p) { return tuple_of(p.nodes()); })
       .def_property_readonly("weights", [](const SurfacePoint& p) { return tuple_of(p.weights()); })
       .def_readonly("position", &SurfacePoint::position, "Of nearest: of this place, undeformed, (3,) [m]; else None.")
-      .def_readonly("distance", &SurfacePoint::distance, "Of nearest: from this place to x [m]; else None.")
+      .def_readonly("distance", &SurfacePoint::distance, "Of nearest: from this place to x [m], < 0 inside; else None.")
       .def("__repr__", &SurfacePoint::text)
       .def("__reduce__", [](const py::object& self) {
         const auto& p = self.cast<const SurfacePoint&>();

@@ -2,7 +2,7 @@
 # Claims, on a Cortex-M4F and a Cortex-M7 in QEMU: every golden query has the bits that the same image has on the host and
 # is as near to the runtime's double as examples/firmware/main.c states; a force of 60 neurons at a node takes less than 5,000
 # instructions, the code that forces need less than 7.5 kB of flash, no RAM but the stack. With deformations it is 9.5 kB, with
-# places and bounds 14.5 kB and 3 kB of stack; a walk to the next place takes less than 5,000 instructions.
+# places and bounds 15.5 kB and 3 kB of stack; a walk to the next place takes less than 5,000 instructions.
 # Usage: firmware_agrees_with_the_host.sh CMAKE FIRMWARE_SOURCE PHYNNESS WRITE_MODELS WORK_DIR     (77: tools are absent)
 set -euo pipefail
 cmake=$1 source=$2 phynness=$3 write_models=$4 work=$5
@@ -39,7 +39,7 @@ try() {
     n = 0; for (i = 1; i <= length($2); ++i) n = 16 * n + index("0123456789abcdef", substr($2, i, 1)) - 1; sum += n } END {print sum}')
   ram=$(arm-none-eabi-size "$build/firmware.elf" | awk 'NR == 2 {print $2 + $3}')
   if [ "$family" = round ]; then
-    limit "bytes of code" "$code" 14848
+    limit "bytes of code" "$code" 15872
     for use in force_between bound_between walk; do limit "bytes of stack of $use" "$(figure ${use}_stack)" 3072; done
     limit "instructions of a walk" "$(figure walk_instructions_at_most)" 5000
   else

@@ -88,7 +88,7 @@ TYPED_TEST(BetweenNodes, AreTheRuntimes) {
       Real apart = 0;
       ASSERT_EQ(Image<Real>::nearest(body.image, -1, x.data(), &asked, nearest.data(), &apart), PHN_OK);
       EXPECT_EQ(std::count(asked.displacement, asked.displacement + 3, Real(0)), 3);
-      EXPECT_NEAR(double(apart), this->distance(x, nearest), 1e-7);
+      EXPECT_NEAR(std::abs(double(apart)), this->distance(x, nearest), 1e-7);
       for (int k = 0; k < 3; ++k) {
         asked.displacement[k] = Real(0.8 * body.model.max_displacement_m * numbers.next());
         tool.displacement[k] = double(asked.displacement[k]);
@@ -153,7 +153,7 @@ TYPED_TEST(BetweenNodes, AreTheNodesAtNodes) {
       typename TestFixture::Tool place;
       Real apart = 1;
       ASSERT_EQ(Image<Real>::nearest(body.image, -1, x, &place, nullptr, &apart), PHN_OK);
-      if (apart > 0) continue;  // in no triangle of which all corners can be touched
+      if (apart != 0) continue;  // in no triangle of which all corners can be touched
       ++n;
       for (const double share : {0.0, 0.1, 0.5, 1.2}) {
         const auto size = Real(share * body.model.max_displacement_m);
@@ -233,12 +233,41 @@ TYPED_TEST(BetweenNodes, SayHowFarThePointIs) {
     typename TestFixture::Point point;
     Real apart = 0;
     ASSERT_EQ(Image<Real>::nearest(body.image, -1, x.data(), &place, point.data(), &apart), PHN_OK);
-    EXPECT_GT(apart, Real(0.5));
+    EXPECT_GT(apart, Real(0.5));  // positive beyond the border
     EXPECT_TRUE(std::isfinite(apart));
     EXPECT_EQ(place.node, -1);
     EXPECT_EQ(place.weights[0] + place.weights[1] + place.weights[2], 1);
     for (const Real p : point) EXPECT_LT(std::abs(p), Real(1));
   }
+}
+
+// Claim: below the surface, where it has no border, the distance is negative, as that of phn_nearest; above it and at
+// its border it is positive. Points nearer than 1e-5 m have no side in float.
+TYPED_TEST(BetweenNodes, SayOnWhichSideThePointIs) {
+  using Real = TypeParam;
+  const typename TestFixture::Body body(sample_of_round_tools(0));
+  Numbers numbers;
+  int n_inside = 0, n_outside = 0;
+  for (int i = 0; i < 2000; ++i) {
+    auto x = body.point(numbers);
+    for (Real& of_point : x) of_point += Real(0.01 * numbers.next());
+    const double at[3] = {double(x[0]), double(x[1]), double(x[2])};
+    typename TestFixture::Tool place;
+    Real apart = 0;
+    phn_tool tool;
+    double expected = 0;
+    ASSERT_EQ(Image<Real>::nearest(body.image, -1, x.data(), &place, nullptr, &apart), PHN_OK);
+    ASSERT_EQ(phn_nearest(body.loaded.model, at, &tool, nullptr, &expected), PHN_OK);
+    if (std::abs(expected) < 1e-5 || std::abs(std::abs(apart) - std::abs(expected)) > 1e-6) continue;
+    const bool in_triangle = place.weights[0] > 0 && place.weights[1] > 0 && place.weights[2] > 0;
+    if (in_triangle || apart < 0) {
+      ASSERT_EQ(apart < 0, expected < 0) << i;
+    }
+    n_inside += apart < 0;
+    n_outside += expected > 0;
+  }
+  EXPECT_GT(n_inside, 100);
+  EXPECT_GT(n_outside, 100);
 }
 
 // Claim: bad questions, and questions to images without a surface, are refused with zeros.
@@ -314,7 +343,7 @@ TYPED_TEST(BetweenNodes, DeformAsOneNode) {
     double apart = 1;
     ASSERT_EQ(Image<Real>::nearest(opened.image, -1, x.data(), &tool, nullptr, nullptr), PHN_OK);
     ASSERT_EQ(phn_nearest(body.loaded.model, at, &asked, nullptr, &apart), PHN_OK);
-    if (apart > 1e-6) continue;
+    if (std::abs(apart) > 1e-6) continue;
     for (int k = 0; k < 3; ++k) {
       tool.displacement[k] = Real(0.5 * body.model.max_displacement_m * numbers.next());
       asked.displacement[k] = double(tool.displacement[k]);

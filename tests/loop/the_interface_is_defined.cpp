@@ -157,7 +157,8 @@ TEST(Limits, Hold) {
   EXPECT_LE(fastest, 0.5 * (1 + 1e-12));  // N per cycle
 }
 
-// Claim: settings that make no sense, null pointers and too little memory are refused with their status.
+// Claim: settings that make no sense, null pointers and too little memory are refused with their status, and every
+// setting by its name.
 TEST(Interface, RefusesWhatMakesNoSense) {
   std::size_t bytes = 0;
   ASSERT_EQ(phn_loop_size(&bytes), PHN_OK);
@@ -170,27 +171,67 @@ TEST(Interface, RefusesWhatMakesNoSense) {
   EXPECT_EQ(phn_loop_init(memory.data(), bytes / 2, &s, &loop), PHN_ERROR_BUFFER);
   EXPECT_EQ(loop, nullptr);
   EXPECT_EQ(phn_loop_init(memory.data() + 1, bytes, &s, &loop), PHN_OK);  // any alignment
-  const auto refused = [&](double phn_loop_settings::*member, double value, int status) {
-    phn_loop_settings wrong = defaults();
-    wrong.*member = value;
-    EXPECT_EQ(init(wrong), status);
+  const auto refused = [&](const phn_loop_settings& wrong, const std::string& name) {
+    const int status = init(wrong);
     EXPECT_EQ(loop, nullptr);
+    EXPECT_LE(status, PHN_ERROR_SETTING);
+    EXPECT_TRUE(std::string(phn_loop_trip_message(status)).starts_with("The setting " + name + " must be "))
+        << status << ": " << phn_loop_trip_message(status);
   };
-  for (const auto member :
-       {&phn_loop_settings::period_s, &phn_loop_settings::motion_scale, &phn_loop_settings::force_scale,
-        &phn_loop_settings::coupling_N_per_m, &phn_loop_settings::largest_force_N}) {
-    refused(member, 0, PHN_ERROR_ARGUMENT);
-    refused(member, std::numeric_limits<double>::infinity(), PHN_ERROR_NOT_FINITE);
-  }
-  refused(&phn_loop_settings::ramp_s, -1e-3, PHN_ERROR_ARGUMENT);
-  refused(&phn_loop_settings::trip_stale_s, std::numeric_limits<double>::quiet_NaN(), PHN_ERROR_NOT_FINITE);
+  const auto refused_values = [&](double phn_loop_settings::*member, const std::string& name, double smallest_good) {
+    const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+    for (const double value : {-1e-3, 2e9, nan, infinity, -infinity}) {
+      s = defaults();
+      s.*member = value;
+      refused(s, name);
+    }
+    s.*member = 0;
+    if (smallest_good > 0) refused(s, name);
+    s.*member = smallest_good;
+    EXPECT_EQ(init(s), PHN_OK) << name;
+  };
+#define POSITIVE(member) refused_values(&phn_loop_settings::member, #member, 1e-6)
+#define AT_LEAST_0(member) refused_values(&phn_loop_settings::member, #member, 0)
+  POSITIVE(period_s);
+  POSITIVE(motion_scale);
+  POSITIVE(force_scale);
+  POSITIVE(coupling_N_per_m);
+  POSITIVE(largest_force_N);
+  AT_LEAST_0(position_resolution_m);
+  AT_LEAST_0(coupling_damping_Ns_per_m);
+  AT_LEAST_0(device_damping_Ns_per_m);
+  AT_LEAST_0(reach_m);
+  AT_LEAST_0(largest_damping_Ns_per_m);
+  AT_LEAST_0(least_mass_kg);
+  AT_LEAST_0(allowance_J);
+  AT_LEAST_0(largest_reserve_J);
+  AT_LEAST_0(largest_slew_N_per_s);
+  AT_LEAST_0(ramp_s);
+  AT_LEAST_0(trip_energy_J);
+  AT_LEAST_0(trip_force_N);
+  AT_LEAST_0(trip_speed_m_per_s);
+  AT_LEAST_0(trip_jump_m);
+  AT_LEAST_0(trip_stale_s);
+  AT_LEAST_0(trip_frozen_s);
+  AT_LEAST_0(trip_overrun_s);
   for (const int entry : {0, 4, 8}) {  // a reflection, and a matrix that is no rotation
-    phn_loop_settings wrong = defaults();
-    wrong.rotation[entry] = -1;
-    EXPECT_EQ(init(wrong), PHN_ERROR_ARGUMENT);
-    wrong.rotation[entry] = 1.001;
-    EXPECT_EQ(init(wrong), PHN_ERROR_ARGUMENT);
+    s = defaults();
+    s.rotation[entry] = -1;
+    refused(s, "rotation");
+    s.rotation[entry] = 1.001;
+    refused(s, "rotation");
   }
+  s = defaults();
+  s.origin_m[2] = std::numeric_limits<double>::quiet_NaN();
+  refused(s, "origin_m");
+  // The page: member i of the struct has the status PHN_ERROR_SETTING - i, where an array is one member.
+  s = defaults();
+  s.period_s = 0;
+  EXPECT_EQ(init(s), PHN_ERROR_SETTING);
+  s = defaults();
+  s.trip_overrun_s = -1;
+  EXPECT_EQ(init(s), PHN_ERROR_SETTING - 23);
+  EXPECT_STREQ(phn_loop_trip_message(PHN_ERROR_SETTING - 24), "This is not a reason of a trip.");
   double three[3] = {1, 2, 3};
   EXPECT_EQ(phn_loop_read(nullptr, nullptr, 0, 0, three), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(three[0], 0);

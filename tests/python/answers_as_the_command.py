@@ -103,7 +103,7 @@ class Models(unittest.TestCase):
         corner = inner[0][0]
         point = model.nearest(model.output_points[corner])
         self.assertLess(np.abs(point.position - model.output_points[corner]).max(), 1e-15)  # rounding, of points of 0.1 m
-        self.assertLess(point.distance, 1e-15)
+        self.assertLess(abs(point.distance), 1e-15)
         self.assertEqual(point.nodes[int(np.argmax(point.weights))], model.output_nodes[corner])
 
     def test_places_are_one_or_many(self):
@@ -118,7 +118,7 @@ class Models(unittest.TestCase):
         for one, x in zip(points, above):
             alone = model.nearest(x)
             self.assertEqual((one.nodes, one.weights, one.distance), (alone.nodes, alone.weights, alone.distance))
-            self.assertLess(abs(np.linalg.norm(x - one.position) - one.distance), 1e-15)  # rounding, of 0.1 m
+            self.assertLess(abs(np.linalg.norm(x - one.position) - abs(one.distance)), 1e-15)  # rounding, of 0.1 m
         self.same(model.force(points, d[:4]), [model.force(point, x) for point, x in zip(points, d)])
         self.assertEqual(model.force([], np.zeros((0, 3))).shape, (0, 3))
         self.assertRaisesRegex(ValueError, "5 places, but 3", model.force, nodes, d[:3])

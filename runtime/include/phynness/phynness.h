@@ -43,30 +43,31 @@ typedef struct phn_data phn_data;
 
 enum {
   PHN_OK = 0,
-  PHN_WARNING_OUTSIDE = 1,       /* a displacement is larger than trained, or the place was not trained */
-  PHN_WARNING_INCOMPLETE = 2,    /* some direction of a touched node was not trained to the full depth */
-  PHN_WARNING_UNSETTLED = 4,     /* tools are not followed: too close together, or faster than the body settles */
-  PHN_WARNING_NEAR = 8,          /* springs between near tools of a body take more than a tenth of a displacement */
-  PHN_WARNING_RELAXATION = 16,   /* the place moves or the tool has left: a relaxing force is approximate */
-  PHN_ERROR_ARGUMENT = -1,       /* a null pointer, a number out of range, or data of another model */
-  PHN_ERROR_NOT_ACTIVE = -2,     /* the node, or all that the tool touches, cannot be touched */
-  PHN_ERROR_NOT_FINITE = -3,     /* a displacement, position or size is NaN or infinite */
-  PHN_ERROR_BUFFER = -4,         /* the memory is smaller than the _size function returned */
-  PHN_ERROR_TOOLS = -5,          /* more tools than the phn_data or phn_contact was made for (phynness_tools.h) */
-  PHN_ERROR_ROUND_TOOLS = -6,    /* two round tools on a model, which answers one; a body answers several */
-  PHN_ERROR_UNDEFINED = -7,      /* the model or the node has no such response, e.g. no energy or no deformation */
-  PHN_ERROR_CLOCK = -8,          /* the time of a step is not later than that of the step before (phynness_loop.h) */
-  PHN_ERROR_NOT_A_MODEL = -9,    /* the text is not a model.txt, or the bytes are not an image */
-  PHN_ERROR_VERSION = -10,       /* the model, or a struct with reserved words that are not 0, is of another version */
-  PHN_ERROR_TRUNCATED = -11,     /* the model is incomplete at its end */
-  PHN_ERROR_CHECKSUM = -12,      /* the checksum of the model is wrong: the model is damaged */
-  PHN_ERROR_SYNTAX = -13,        /* a number or word of the model is malformed */
-  PHN_ERROR_RANGE = -14,         /* a count, index or value of the model is out of range */
-  PHN_ERROR_FAMILY = -15,        /* this version does not know the model's family */
-  PHN_ERROR_OVERLAP = -16,       /* an output overlaps another output or a large input in memory */
-  PHN_ERROR_TOO_LARGE = -17,     /* the result has more bytes or numbers than size_t or int32_t can count */
-  PHN_ERROR_GEOMETRY = -18,      /* a triangle has equal corners, or coordinates are too large for contact */
-  PHN_ERROR_TOO_MANY_TOOLS = -19 /* more than PHN_MOST_COUPLED, or a body's n_modes / 9 */
+  PHN_WARNING_OUTSIDE = 1,        /* a displacement is larger than trained, or the place was not trained */
+  PHN_WARNING_INCOMPLETE = 2,     /* some direction of a touched node was not trained to the full depth */
+  PHN_WARNING_UNSETTLED = 4,      /* tools are not followed: too close together, or faster than the body settles */
+  PHN_WARNING_NEAR = 8,           /* springs between near tools of a body take more than a tenth of a displacement */
+  PHN_WARNING_RELAXATION = 16,    /* the place moves or the tool has left: a relaxing force is approximate */
+  PHN_ERROR_ARGUMENT = -1,        /* a null pointer, a number out of range, or data of another model */
+  PHN_ERROR_NOT_ACTIVE = -2,      /* the node, or all that the tool touches, cannot be touched */
+  PHN_ERROR_NOT_FINITE = -3,      /* a displacement, position or size is NaN or infinite */
+  PHN_ERROR_BUFFER = -4,          /* the memory is smaller than the _size function returned */
+  PHN_ERROR_TOOLS = -5,           /* more tools than the phn_data or phn_contact was made for (phynness_tools.h) */
+  PHN_ERROR_ROUND_TOOLS = -6,     /* two round tools on a model, which answers one; a body answers several */
+  PHN_ERROR_UNDEFINED = -7,       /* the model or the node has no such response, e.g. no energy or no deformation */
+  PHN_ERROR_CLOCK = -8,           /* the time of a step is not later than that of the step before (phynness_loop.h) */
+  PHN_ERROR_NOT_A_MODEL = -9,     /* the text is not a model.txt, or the bytes are not an image */
+  PHN_ERROR_VERSION = -10,        /* the model, or a struct with reserved words that are not 0, is of another version */
+  PHN_ERROR_TRUNCATED = -11,      /* the model is incomplete at its end */
+  PHN_ERROR_CHECKSUM = -12,       /* the checksum of the model is wrong: the model is damaged */
+  PHN_ERROR_SYNTAX = -13,         /* a number or word of the model is malformed */
+  PHN_ERROR_RANGE = -14,          /* a count, index or value of the model is out of range */
+  PHN_ERROR_FAMILY = -15,         /* this version does not know the model's family */
+  PHN_ERROR_OVERLAP = -16,        /* an output overlaps another output or a large input in memory */
+  PHN_ERROR_TOO_LARGE = -17,      /* the result has more bytes or numbers than size_t or int32_t can count */
+  PHN_ERROR_GEOMETRY = -18,       /* a triangle has equal corners, or coordinates are too large for contact */
+  PHN_ERROR_TOO_MANY_TOOLS = -19, /* more than PHN_MOST_COUPLED, or a body's n_modes / 9 */
+  PHN_ERROR_SETTING = -100        /* and below: of a loop, a setting is out of its range (phn_loop_init) */
 };
 enum { PHN_MOST_COUPLED = 8, PHN_MOST_FIELDS = 8, PHN_MOST_RELAXING = 8 };
 
@@ -166,9 +167,10 @@ static inline phn_tool phn_tool_at(int32_t node, const double d[3]) {
 }
 
 /* The tool, with displacement 0, at that place of the undeformed surface which is nearest to x [m] among those that
- * phn_force answers, its point and its distance from x [m]; both may be null. At a fixed edge the place is a twentieth
- * of a triangle away from it. Components of x are clamped to 1e60 m. PHN_ERROR_UNDEFINED: no triangle can be touched.
- */
+ * phn_force answers, its point, and the distance of x from it [m], which is negative for an x inside of the body; both
+ * may be null. (x - point) / distance is the outward normal, but of an x on the surface or beyond the border of the
+ * part that can be touched. At a fixed edge the place is a twentieth of a triangle away from it. Components of x are
+ * clamped to 1e60 m. PHN_ERROR_UNDEFINED: no triangle can be touched. */
 PHN_API int phn_nearest(const phn_model* model, const double x[3], phn_tool* tool, double point[3], double* distance);
 
 /* The force [N] that holds a tool, the stored energy [J], which is 0 at rest, and the stiffness [N/m], 3 x 3 and

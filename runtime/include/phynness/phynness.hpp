@@ -194,7 +194,8 @@ class Organ {
   phn_body_state* state() noexcept { return _state; }
   phn_contact* contact() noexcept { return _contact; }
 
-  /// The place of the undeformed surface nearest to x [m], with displacement 0, its point [m] and their distance [m].
+  /// The place of the undeformed surface nearest to x [m], with displacement 0, its point [m] and the distance [m],
+  /// which is negative for an x inside.
   Status nearest(In3 x, phn_tool& tool) const noexcept { return place(x.data(), tool, nullptr, nullptr); }
   Status nearest(In3 x, phn_tool& tool, Out3 point) const noexcept {
     return place(x.data(), tool, point.data(), nullptr);

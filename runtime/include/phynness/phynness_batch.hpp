@@ -52,7 +52,7 @@ class Batch {
   /// @param x         [m], tools.size() x 3
   /// @param tools     the places nearest to x, with displacement 0
   /// @param points    of these places, undeformed [m], tools.size() x 3
-  /// @param distances from x [m]
+  /// @param distances from x [m], negative for an x inside
   /// @return as hold
   Status nearest(Span<const double> x, Span<phn_tool> tools, Span<double> points, Span<double> distances,
                  Span<int> statuses) {

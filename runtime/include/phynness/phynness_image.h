@@ -87,10 +87,10 @@ static inline phn_image_tool phn_image_tool_at(int32_t node, const phn_real d[3]
 }
 
 /* As phn_nearest: the tool, with displacement 0, at the place nearest to x [m] on that part of the undeformed surface
- * where round tools can be, its point, and its distance from x [m], which is large for an x beyond the border of this
- * part; both may be null. Components of x are clamped to 1e12 m (doubles: 1e100 m). `from` < 0: all triangles are
- * searched. Otherwise a walk from triangle `from`, that of the tool before, over neighbouring triangles comes nearer to
- * x until none is nearer: it stays on its side of a thin body. It crosses 32 triangles at most, then
+ * where round tools can be, its point, and the distance of x [m], negative below the surface but not at its border,
+ * beyond which it is large; both may be null. Components of x are clamped to 1e12 m (doubles: 1e100 m). `from` < 0: all
+ * triangles are searched. Otherwise a walk from triangle `from`, that of the tool before, over neighbouring triangles
+ * comes nearer to x until none is nearer: it stays on its side of a thin body. It crosses 32 triangles at most, then
  * PHN_WARNING_UNSETTLED says that it must go on from the returned triangle. PHN_ERROR_UNDEFINED: the image has no
  * triangles. After an error the triangle is -1. */
 PHN_API int phn_image_nearest(const phn_image* image, int32_t from, const phn_real x[3], phn_image_tool* tool,

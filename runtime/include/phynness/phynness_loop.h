@@ -79,12 +79,12 @@ enum { /* phn_loop_report.trip */
        PHN_TRIP_CLOCK = 9,      /* now_s does not advance from cycle to cycle, or measured_s is later than now_s */
        PHN_TRIP_BODY = 10       /* the response of the body was refused: status < 0 in phn_loop_response */
 };
-/* The reason of a trip in one sentence; never null. */
+/* The reason of a trip, or the setting that phn_loop_init refused, in one sentence; never null. */
 PHN_API const char* phn_loop_trip_message(int trip);
 
 /* Memory of a loop [bytes], and a loop in this memory, which is switched off; again after a trip.
- * PHN_ERROR_ARGUMENT: a null pointer, a setting out of its range, a rotation that is not a proper rotation.
- * PHN_ERROR_NOT_FINITE: a setting is NaN or infinite. */
+ * PHN_ERROR_ARGUMENT: a null pointer. PHN_ERROR_SETTING - i: member i of the settings, from period_s = 0, is out of its
+ * range, NaN or infinite; phn_loop_trip_message(status) names it. */
 PHN_API int phn_loop_size(size_t* bytes);
 PHN_API int phn_loop_init(void* memory, size_t bytes, const phn_loop_settings* settings, phn_loop** loop);
 

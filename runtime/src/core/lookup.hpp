@@ -119,6 +119,51 @@ void nearest_weights(const Real* const corner[3], const Real* x, Real* w) {
   }
 }
 
+/// Angle between two vectors [rad] to 1e-4 (Abramowitz & Stegun 1964, 4.4.45), without a library. @pre they are not 0
+template <class Real>
+[[gnu::cold]] Real angle_between(const Real* a, const Real* b) {
+  const Real cosine = clamp(dot(a, b) / (square_root(dot(a, a)) * square_root(dot(b, b))), Real(1));
+  const Real x = cosine < 0 ? -cosine : cosine;
+  const Real angle =
+      square_root(1 - x) * (Real(1.5707288) + x * (Real(-0.2121144) + x * (Real(0.0742610) + x * Real(-0.0187293))));
+  return cosine < 0 ? Real(3.14159265358979) - angle : angle;
+}
+
+/// The component of `away` along the outward normal of a place: that of its triangle, the sum of both at an edge, and
+/// at a vertex the sum times the angles, with which the sign is right at sharp corners, too (Baerentzen & Aanaes 2005,
+/// doi 10.1109/TVCG.2005.49). 0 at the border of the surface.
+/// @param vertex_of  number of corner k of triangle t
+/// @param vertex, weight  of the place; only those with a weight count
+template <class Real, class Vertex, class VertexOf, class PointOf>
+[[gnu::cold]] Real height_above(uint32_t n_triangles, const VertexOf& vertex_of, const PointOf& point_of,
+                                const Vertex* vertex, const Real* weight, const Real* away) {
+  Real height = 0;
+  uint32_t open = 0;  // 0 if the vertices around the place are as often the next one as the last one
+  for (uint32_t t = 0; t < n_triangles; ++t) {
+    int n = 0, n_found = 0, at = 0;
+    for (int c = 0; c < 3 && n == n_found; ++c) {
+      if (!(weight[c] > 0)) continue;
+      ++n;
+      for (int k = 0; k < 3; ++k) {
+        if (vertex_of(t, k) != vertex[c]) continue;
+        at = k;
+        ++n_found;
+      }
+    }
+    if (n_found < n) continue;
+    const auto next = vertex_of(t, (at + 1) % 3), last = vertex_of(t, (at + 2) % 3);
+    const Real *corner = point_of(vertex_of(t, at)), *p = point_of(next), *q = point_of(last);
+    const Real a[3] = {p[0] - corner[0], p[1] - corner[1], p[2] - corner[2]};
+    const Real b[3] = {q[0] - corner[0], q[1] - corner[1], q[2] - corner[2]};
+    const Real normal[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    const Real area = square_root(dot(normal, normal));
+    if (area > 0) height += dot(normal, away) / area * (n == 1 ? angle_between(a, b) : 1);
+    if (n == 1) open += static_cast<uint32_t>(next) - static_cast<uint32_t>(last);
+    if (n == 2) open ^= 1;
+  }
+  return open == 0 ? height : 0;
+}
+
 /// Position of `node` in an ascending list of n, or -1.
 inline int32_t find_sorted(const int32_t* list, int32_t n, int32_t node) {
   // Binary search without branches, because the processor could not predict them.

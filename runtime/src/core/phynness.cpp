@@ -77,6 +77,7 @@ extern "C" {
 const char* phn_version(void) { return PHYNNESS_VERSION; }
 
 const char* phn_status_message(int status) {
+  if (status <= PHN_ERROR_SETTING) return "a setting of the loop is out of its range (phn_loop_trip_message)";
   if (status < first_message || status > all_warnings) return "unknown status";
   if (status == PHN_WARNING_NEAR)
     return "the tools are nearer to each other than half a radius: springs between them take a part of what is "

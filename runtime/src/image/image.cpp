@@ -142,6 +142,7 @@ int phn_image_info(const phn_image* opened, phn_image_contents* out) {
 int phn_image_nearest(const phn_image* opened, int32_t from, const Real* x, phn_image_tool* tool, Real* point,
                       Real* distance) {
   Nearest found = {image::none, {0, 0, 0}, {0, 0, 0}, 0};
+  Real signed_distance = 0;
   const Header* image = header(opened);
   const auto* surface = image != nullptr ? surface_of(*image) : nullptr;
   const uint32_t n_triangles = surface == nullptr ? 0 : surface->triangle.n / 6;
@@ -170,12 +171,16 @@ int phn_image_nearest(const phn_image* opened, int32_t from, const Real* x, phn_
       if (!search.walk(found)) status = PHN_WARNING_UNSETTLED;
     }
     search.leave_fixed_edge(at<image::VertexCorners>(*image, surface->vertex), found);
+    if (distance != nullptr) {
+      signed_distance = square_root(found.square);
+      if (search.is_inside(n_triangles, found)) signed_distance = -signed_distance;
+    }
   }
   const Real* w = found.weight;
   const int32_t triangle = status < 0 ? -1 : static_cast<int32_t>(found.triangle);
   if (tool != nullptr) *tool = {-1, triangle, {w[0], w[1], w[2]}, {0, 0, 0}, {0, 0}};
   for (int k = 0; k < 3 && point != nullptr; ++k) point[k] = found.point[k];
-  if (distance != nullptr) *distance = square_root(found.square);
+  if (distance != nullptr) *distance = signed_distance;
   return status;
 }
 

@@ -44,6 +44,15 @@ class Search {
     return found;
   }
 
+  /// Whether x is on the inner side of the surface.
+  [[gnu::cold]] bool is_inside(uint32_t n_triangles, const Nearest& found) const {
+    const uint16_t corners[3] = {vertex(found.triangle, 0), vertex(found.triangle, 1), vertex(found.triangle, 2)};
+    const Real away[3] = {_x[0] - found.point[0], _x[1] - found.point[1], _x[2] - found.point[2]};
+    const auto vertex_of = [this](uint32_t t, int k) { return vertex(t, k); };
+    const auto point_of = [this](uint16_t v) { return _point + 3 * static_cast<size_t>(v); };
+    return height_above(n_triangles, vertex_of, point_of, corners, found.weight, away) < 0;
+  }
+
   /// Moves a place away from a fixed edge. @param corners  of the vertices
   [[gnu::cold]] void leave_fixed_edge(const image::VertexCorners* corners, Nearest& found) const {
     bool moves[3];

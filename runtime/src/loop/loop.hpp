@@ -67,6 +67,8 @@ namespace phynness::loop {
 
 /// Checks the settings. @return PHN_OK or an error
 int status_of(const phn_loop_settings& settings);
+/// The range of the setting that this status names; null: it names none.
+const char* setting_message(int status);
 
 // Frames.
 Vector to_body(const phn_loop& loop, Vector device);         ///< positions

@@ -1,6 +1,9 @@
 // Defaults and ranges of the settings.
 #include <phynness/phynness.h>
 
+#include <cstddef>
+#include <iterator>
+
 #include "loop.hpp"
 
 using namespace phynness::loop;
@@ -19,43 +22,73 @@ bool proper_rotation(const double* R) {
   return determinant > 0;
 }
 
+enum class Range { positive, at_least_0, any, rotation };
+
+struct Setting {
+  std::size_t offset;
+  int n;
+  Range range;
+  const char* message;
+};
+
+constexpr double largest = 1e9;  // products of the settings stay finite
+#define SETTING(name, n, range, what) \
+  { offsetof(phn_loop_settings, name), n, range, "The setting " #name " must be " what }
+#define POSITIVE(name) SETTING(name, 1, Range::positive, "a number above 1e-9 and at most 1e9.")
+#define AT_LEAST_0(name) SETTING(name, 1, Range::at_least_0, "a number from 0 to 1e9.")
+
+/// In the order of the struct.
+constexpr Setting setting_rows[] = {POSITIVE(period_s),
+                                    AT_LEAST_0(position_resolution_m),
+                                    SETTING(rotation, 9, Range::rotation, "a proper rotation to 1e-9."),
+                                    SETTING(origin_m, 3, Range::any, "numbers from -1e9 to 1e9."),
+                                    POSITIVE(motion_scale),
+                                    POSITIVE(force_scale),
+                                    POSITIVE(coupling_N_per_m),
+                                    AT_LEAST_0(coupling_damping_Ns_per_m),
+                                    AT_LEAST_0(device_damping_Ns_per_m),
+                                    AT_LEAST_0(reach_m),
+                                    AT_LEAST_0(largest_damping_Ns_per_m),
+                                    AT_LEAST_0(least_mass_kg),
+                                    AT_LEAST_0(allowance_J),
+                                    AT_LEAST_0(largest_reserve_J),
+                                    POSITIVE(largest_force_N),
+                                    AT_LEAST_0(largest_slew_N_per_s),
+                                    AT_LEAST_0(ramp_s),
+                                    AT_LEAST_0(trip_energy_J),
+                                    AT_LEAST_0(trip_force_N),
+                                    AT_LEAST_0(trip_speed_m_per_s),
+                                    AT_LEAST_0(trip_jump_m),
+                                    AT_LEAST_0(trip_stale_s),
+                                    AT_LEAST_0(trip_frozen_s),
+                                    AT_LEAST_0(trip_overrun_s)};
+
+bool is_in_range(const phn_loop_settings& settings, const Setting& row) {
+  const auto* values = reinterpret_cast<const double*>(reinterpret_cast<const char*>(&settings) + row.offset);
+  for (int i = 0; i < row.n; ++i) {
+    const double v = values[i];
+    if (!(std::fabs(v) <= largest)) return false;  // or it is NaN
+    if (row.range == Range::positive && !(v > 1 / largest)) return false;
+    if (row.range == Range::at_least_0 && v < 0) return false;
+  }
+  return row.range != Range::rotation || proper_rotation(values);
+}
+
 }  // namespace
 
 int phynness::loop::status_of(const phn_loop_settings& s) {
   if ((s.reserved[0] | s.reserved[1]) != 0) return PHN_ERROR_VERSION;
-  const double positive[] = {s.period_s, s.motion_scale, s.force_scale, s.coupling_N_per_m, s.largest_force_N};
-  const double at_least_0[] = {s.position_resolution_m,
-                               s.coupling_damping_Ns_per_m,
-                               s.device_damping_Ns_per_m,
-                               s.reach_m,
-                               s.largest_damping_Ns_per_m,
-                               s.least_mass_kg,
-                               s.allowance_J,
-                               s.largest_reserve_J,
-                               s.largest_slew_N_per_s,
-                               s.ramp_s,
-                               s.trip_energy_J,
-                               s.trip_force_N,
-                               s.trip_speed_m_per_s,
-                               s.trip_jump_m,
-                               s.trip_stale_s,
-                               s.trip_frozen_s,
-                               s.trip_overrun_s};
-  constexpr double largest = 1e9;  // products of the settings stay finite
-  for (const double v : positive) {
-    if (!std::isfinite(v)) return PHN_ERROR_NOT_FINITE;
-    if (!(v > 1 / largest) || v > largest) return PHN_ERROR_ARGUMENT;
+  int status = PHN_ERROR_SETTING;
+  for (const Setting& row : setting_rows) {
+    if (!is_in_range(s, row)) return status;
+    --status;
   }
-  for (const double v : at_least_0) {
-    if (!std::isfinite(v)) return PHN_ERROR_NOT_FINITE;
-    if (v < 0 || v > largest) return PHN_ERROR_ARGUMENT;
-  }
-  if (!is_finite(vector_at(s.origin_m))) return PHN_ERROR_NOT_FINITE;
-  for (const double x : s.origin_m)
-    if (std::fabs(x) > largest) return PHN_ERROR_ARGUMENT;
-  for (const double v : s.rotation)
-    if (!std::isfinite(v)) return PHN_ERROR_NOT_FINITE;
-  return proper_rotation(s.rotation) ? PHN_OK : PHN_ERROR_ARGUMENT;
+  return PHN_OK;
+}
+
+const char* phynness::loop::setting_message(int status) {
+  const int row = PHN_ERROR_SETTING - status;
+  return row >= 0 && row < static_cast<int>(std::size(setting_rows)) ? setting_rows[row].message : nullptr;
 }
 
 extern "C" int phn_loop_defaults(phn_loop_settings* settings) {

@@ -59,6 +59,7 @@ const char* const messages[] = {
 }  // namespace
 
 extern "C" const char* phn_loop_trip_message(int trip) {
+  if (const char* refused = phynness::loop::setting_message(trip); refused != nullptr) return refused;
   const bool known = trip >= 0 && trip < static_cast<int>(sizeof messages / sizeof *messages);
   return known ? messages[trip] : "This is not a reason of a trip.";
 }

@@ -19,6 +19,7 @@ struct NearestPlace {
   std::int32_t vertex[3];
   bool moves[3];
   double weight[3], point[3], distance;  ///< distance < 0: there is none
+  bool is_inside;                        ///< whether the point that was given is inside of the body
 };
 
 /// Replaces `best` by the point of up to three vertices that is nearest to x, if that is nearer.
@@ -28,7 +29,7 @@ void keep_nearer(const double* x, const std::int32_t* vertex, const bool* moves,
   // A segment or a point is a triangle whose other corners are the first; nearest_weights gives these no weight.
   const double* corner[3];
   for (int k = 0; k < 3; ++k) corner[k] = point_of(vertex[k < n ? k : 0]);
-  NearestPlace found;
+  NearestPlace found = {};
   nearest_on_triangle(corner, x, found.weight, found.point, found.distance);
   if (best.distance >= 0 && found.distance >= best.distance) return;
   for (int k = 0; k < 3; ++k) {
@@ -61,14 +62,16 @@ inline bool is_farther(const double* const corner[3], const double* x, double di
 template <class PointOf, class KindOf>
 NearestPlace nearest_place(const std::int32_t* triangles, std::int32_t n_triangles, const double* x,
                            const PointOf& point_of, const KindOf& kind_of) {
-  NearestPlace best;
-  best.distance = -1;
+  NearestPlace best = {{-1, -1, -1}, {}, {}, {}, -1, false}, any = best;  // any: of the whole surface
   for (std::int32_t t = 0; t < n_triangles; ++t) {
     const std::int32_t* vertex = triangles + 3 * static_cast<std::size_t>(t);
     const double* const corner[3] = {point_of(vertex[0]), point_of(vertex[1]), point_of(vertex[2])};
     if (best.distance >= 0 && is_farther(corner, x, best.distance)) continue;
     double weight[3], nearest[3], distance = 0;
     nearest_on_triangle(corner, x, weight, nearest, distance);
+    if (any.distance < 0 || distance < any.distance)
+      any = {{vertex[0], vertex[1], vertex[2]},    {},       {weight[0], weight[1], weight[2]},
+             {nearest[0], nearest[1], nearest[2]}, distance, false};
     if (best.distance >= 0 && distance >= best.distance) continue;
     std::int32_t vertices[3];
     bool moves[3], has_movable = false;
@@ -85,11 +88,14 @@ NearestPlace nearest_place(const std::int32_t* triangles, std::int32_t n_triangl
     if (has_movable) keep_nearer(x, vertices, moves, n, point_of, best);
   }
   if (best.distance < 0) return best;
+  double difference[3] = {x[0] - any.point[0], x[1] - any.point[1], x[2] - any.point[2]};
+  const auto vertex_of = [&](std::uint32_t t, int k) { return triangles[3 * static_cast<std::size_t>(t) + k]; };
+  best.is_inside = height_above(static_cast<std::uint32_t>(n_triangles), vertex_of, point_of, any.vertex, any.weight,
+                                difference) < 0;
   int n = 0;
   double movable = 0;
   for (; n < 3 && best.vertex[n] >= 0; ++n) movable += best.moves[n] ? best.weight[n] : 0;
   if (!raise_movable_weight(best.moves, n, movable, best.weight)) return best;
-  double difference[3];
   for (int k = 0; k < 3; ++k) {
     best.point[k] = 0;
     for (int c = 0; c < n; ++c) best.point[k] += best.weight[c] * point_of(best.vertex[c])[k];
@@ -104,7 +110,7 @@ NearestPlace nearest_place(const std::int32_t* triangles, std::int32_t n_triangl
 template <class Find, class NodeOf>
 int answer_nearest(bool has_surface, const double* x, phn_tool* tool, double* point, double* distance, const Find& find,
                    const NodeOf& node_of) {
-  NearestPlace found = {{-1, -1, -1}, {}, {0, 0, 0}, {0, 0, 0}, -1};
+  NearestPlace found = {{-1, -1, -1}, {}, {0, 0, 0}, {0, 0, 0}, 0, false};
   int status = PHN_ERROR_ARGUMENT;
   if (has_surface && x != nullptr && tool != nullptr) {
     status = PHN_OK;
@@ -123,7 +129,7 @@ int answer_nearest(bool has_surface, const double* x, phn_tool* tool, double* po
   }
   // The outputs may overlap x.
   for (int k = 0; k < 3 && point != nullptr; ++k) point[k] = found.point[k];
-  if (distance != nullptr) *distance = status == PHN_OK ? found.distance : 0;
+  if (distance != nullptr) *distance = found.is_inside ? -found.distance : found.distance;
   if (tool == nullptr) return status;
   *tool = {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}, {0, 0}};
   for (int k = 0; k < 3 && found.vertex[k] >= 0; ++k) {

@@ -96,7 +96,7 @@ export class Session {
     if (this.probedOnly) return { place: placeAt(nearest(active)), part: 'nonlinear' };
     const { tool: { nodes, weights }, distance: gap } = runtime.model.nearest(x), place = { nodes, weights };
     // The nearest place that can be touched may be far away.
-    const node = nearest(rows.keys()), beside = parts[rows.get(node)!]!, isFar = (beside === 'fixed' || beside === 'untouchable') && gap > distance(node);
+    const node = nearest(rows.keys()), beside = parts[rows.get(node)!]!, isFar = (beside === 'fixed' || beside === 'untouchable') && Math.abs(gap) > distance(node);
     return { place, part: isFar ? beside : runtime.partAt(place) };
   }
   /** Holds a place. @param spared  tools that must stay */
