@@ -49,6 +49,7 @@ void print(const Scene& scene, const DiscretizationReport& report) {
         "note: the scene displaces single nodes, whose force depends on element and mesh even without locking; "
         "patches of {:.4g} mm are compared instead\n",
         1e3 * report.tool_radius_m);
+  print_result("  Forces over those of a finer solution at the same displacement (above 1: too stiff):\n");
   for (std::size_t i = 0; i < report.depth_m.size(); ++i) {
     const auto ratios = report.ratios(i);
     if (ratios.n == 0) continue;

@@ -131,6 +131,9 @@ void add_made_mesh(CLI::App& command, std::filesystem::path& file);
 /// Prints the worst cells of a mesh, one per line. @return their figures
 json print_worst_cells(const Mesh& mesh, const NodeList& fixed);
 
+/// Prints how many cells lie across the body below the active nodes; too few are a warning. @return the figures
+json print_cells_across(const LoadedScene& loaded);
+
 /// Prints patch_warnings() on stderr, as load_scene() does.
 void print_patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 

@@ -10,6 +10,7 @@
 #include <phynness/training/families.hpp>
 #include <phynness/validation/named_organ.hpp>
 #include <set>
+#include <sstream>
 
 #include "commands.hpp"
 
@@ -321,6 +322,15 @@ json about_body(const std::filesystem::path& file) {
                 state_bytes);
 }
 
+/// The lines of settings that a scene without any has not.
+std::string changed_lines(const std::string& settings, const std::string& defaults) {
+  std::string changed;
+  std::istringstream lines(settings);
+  for (std::string line; std::getline(lines, line);)
+    if (("\n" + defaults).find("\n" + line + "\n") == std::string::npos) changed += "  " + line + "\n";
+  return changed;
+}
+
 json about_scene(const std::filesystem::path& file) {
   const auto loaded = load_scene(file);
   print_result("scene     {}: {}\n", file.string(), loaded.scene.title);
@@ -339,8 +349,10 @@ json about_scene(const std::filesystem::path& file) {
   print_result("at rest   E {:.4g} Pa, nu {:.4g}, mu {:.4g} Pa, K {:.4g} Pa, K/mu {:.4g}\n", m.youngs_modulus_Pa(),
                m.poisson_ratio(), m.shear_modulus_Pa, m.bulk_modulus_Pa, m.bulk_to_shear());
   const json regions = print_regions(loaded.scene, loaded.mesh);
-  print_result("physics   {}\n{}", physics_hash(loaded.scene), physics_summary(loaded.scene));
-  print_result("not in the hash\n{}", other_settings(loaded.scene));
+  print_result("physics   {}, of these keys and of those that have their defaults\n{}", physics_hash(loaded.scene),
+               changed_lines(physics_summary(loaded.scene), physics_summary(Scene())));
+  print_result("others    that do not change a solve\n{}",
+               changed_lines(other_settings(loaded.scene), other_settings(Scene())));
   return record("kind", "scene", "mesh_hash", mesh_hash(loaded.mesh), "physics_hash", physics_hash(loaded.scene),
                 "youngs_modulus_Pa", m.youngs_modulus_Pa(), "poisson_ratio", m.poisson_ratio(), "bulk_to_shear",
                 m.bulk_to_shear(), "regions", regions, "nodes", loaded.mesh.n_nodes(), "worst_cells", worst, "active",

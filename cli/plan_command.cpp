@@ -6,11 +6,12 @@
 #include <phynness/precompute/planning.hpp>
 #include <phynness/precompute/ray_tasks.hpp>
 #include <phynness/precompute/sample_rays.hpp>
+#include <phynness/validation/calibrate.hpp>
 #include <phynness/validation/discretization.hpp>
 #include <phynness/validation/sizes.hpp>
 #include <thread>
 
-#include "commands.hpp"
+#include "reduce_command.hpp"
 
 namespace phynness::cli::plan_command {
 namespace {
@@ -47,11 +48,13 @@ struct Plan {
   double database_bytes = 0, log_bytes = 0;
   std::optional<double> check_seconds;  ///< limit of the check in run; empty if the scene sets the number of probes
   std::int64_t calibration_rays = 0, probes = 0;
-  double calibrate_seconds = 0, validate_seconds = 0;  ///< times in run
+  double calibrate_seconds = 0, validate_seconds = 0;            ///< times in run
+  std::optional<double> reduce_seconds, calibrate_body_seconds;  ///< of several tools
   int ranks_of_use = 1;
   PHYNNESS_FIGURES(rays, rays_requested, increments, points_at_rest, measured, ranks, wall_seconds, core_hours,
                    memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, check_seconds,
-                   calibration_rays, probes, calibrate_seconds, validate_seconds, ranks_of_use)
+                   calibration_rays, probes, calibrate_seconds, validate_seconds, reduce_seconds,
+                   calibrate_body_seconds, ranks_of_use)
 
   bool is_sample() const { return measured.rays < rays_requested; }
 };
@@ -114,7 +117,7 @@ void measure(const LoadedScene& loaded, const DatabaseHeader& header, const std:
   measured.at_rest_seconds = seconds_at_rest(solver, header.sets.linear);
 }
 
-/// Predicts the sizes and times of calibrate and validate in run.
+/// Predicts the sizes and times of calibrate, reduce and validate in run.
 void plan_checks(const LoadedScene& loaded, const DatabaseHeader& header, Plan& plan) {
   const bool bounded = !schema::traits(loaded.scene.training.family).proportional;
   const auto sizes = sizes_of_checks(loaded.scene, header, bounded);
@@ -126,6 +129,14 @@ void plan_checks(const LoadedScene& loaded, const DatabaseHeader& header, Plan& 
   plan.calibrate_seconds = seconds(sizes.calibration_increments);
   plan.probes = sizes.probes;
   plan.validate_seconds = seconds(sizes.validation_increments);
+  if (loaded.scene.probe.tools == 1) return;
+  const auto points =
+      loaded.mesh.n_cells() +
+      (loaded.scene.solver.element == element_named("es-p1-p1") ? std::ssize(mesh_edges(loaded.mesh)) : 0);
+  plan.reduce_seconds =
+      plan.measured.start_seconds +
+      reduction_s(plan.measured.seconds_per_ray / static_cast<double>(plan.increments), points, plan.ranks);
+  plan.calibrate_body_seconds = seconds(body_calibration_increments(sizes.calibration_rays));
 }
 
 Plan make_plan(const Options& options, const LoadedScene& loaded) {
@@ -177,7 +188,7 @@ std::string accuracy_text(const Plan& plan) {
   return fmt::format("standard error {:.0f} %", 100 * *plan.measured.relative_standard_error);
 }
 
-void print_plan(const Options& options, const Plan& plan, bool several_tools) {
+void print_plan(const Options& options, const Plan& plan) {
   const auto& m = plan.measured;
   print_result("time      {} on {} rank{}{}\n", duration(plan.wall_seconds), plan.ranks, plan.ranks == 1 ? "" : "s",
                options.ranks ? "" : ", the processor cores of this machine");
@@ -189,10 +200,11 @@ void print_plan(const Options& options, const Plan& plan, bool several_tools) {
   print_result("then      {}validate {} probes in phynness run: about {} more\n",
                plan.calibration_rays > 0 ? fmt::format("calibrate {} rays and ", plan.calibration_rays) : "",
                plan.probes, duration(plan.calibrate_seconds + plan.validate_seconds));
-  if (several_tools)
+  if (plan.reduce_seconds)
     print_result(
-        "without   reduce and calibrate body, which phynness run does for tools > 1; they can take longer than all "
-        "above\n");
+        "body      of several tools: reduce about {}, or several times that if its errors are large; calibrate body "
+        "about {}\n",
+        duration(*plan.reduce_seconds), duration(*plan.calibrate_body_seconds));
   print_result("rays      {}, {} solved at {} node{}: {:.2g} s each ({}), at most {:.2g} s\n", plan.rays_requested,
                m.rays, m.nodes, m.nodes == 1 ? "" : "s", m.seconds_per_ray, accuracy_text(plan), m.seconds_longest_ray);
   if (plan.points_at_rest > 0)
@@ -210,7 +222,8 @@ void run(const Options& options) {
   const auto loaded = load_scene(options.scene);
   install_stop_handler();  // a signal before ends the program: there is nothing to keep
   const Plan plan = make_plan(options, loaded);
-  print_plan(options, plan, loaded.scene.probe.tools > 1);
+  print_plan(options, plan);
+  print_cells_across(loaded);
   if (plan.ranks * plan.memory_bytes_per_rank > plan.machine_memory_bytes)
     message("warning: {} ranks do not fit into the memory of this machine, but {} ranks do\n", plan.ranks,
             std::floor(plan.machine_memory_bytes / plan.memory_bytes_per_rank));

@@ -20,4 +20,9 @@ struct Reduced {
 std::optional<Reduced> reduced(const std::filesystem::path& database, const ReductionSpec& spec,
                                std::optional<double> target);
 
+/// Time of the first body, to which larger ones add if its errors are too large.
+/// @param increment_s  of an increment of one tool
+/// @param points       cells, and edges of es-p1-p1
+double reduction_s(double increment_s, std::int64_t points, int ranks);
+
 }  // namespace phynness::cli

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "../block_mesh.hpp"
 #include "mesh_under_test.hpp"
 
 namespace phynness::test {
@@ -46,6 +47,20 @@ TEST(Refined, triangles_of_a_shell_are_the_same_surface) {
   scene.mesh.shape = Shape::drain;
   scene.mesh.thickness_m = 0.0005;
   expect_refined(make_mesh(scene).mesh);
+}
+
+// Claim: below a node of the surface so many cells lie across the body as its thickness there has mean edges. In a
+// block of 6 x 4 x 2 boxes the ways from a node of the middle of each side are 6, 4 and 2 boxes, up to rounding.
+TEST(CellsAcross, are_the_thickness_in_mean_edges) {
+  const Mesh block = block_mesh({6, 4, 2}, {0.06, 0.04, 0.02});
+  const auto number = [](int i, int j, int k) { return (k * 5 + j) * 7 + i; };
+  const std::int32_t top = number(3, 2, 2), end = number(6, 2, 1), side = number(3, 4, 1);
+  const double edge_m = measure_quality(block).mean_edge_m;
+  const auto across = cells_across(block, {top, end, side});
+  EXPECT_NEAR(across.least * edge_m, 0.02, 1e-12);
+  EXPECT_EQ(across.thinnest, top);
+  EXPECT_NEAR(across.median * edge_m, 0.04, 1e-12);
+  EXPECT_EQ(cells_across(block, {}).thinnest, -1);
 }
 
 TEST(Refined, sets_grow_by_the_middles_of_their_edges) {

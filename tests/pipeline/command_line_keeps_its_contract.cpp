@@ -85,6 +85,17 @@ TEST_F(Contract, PipelineFromSceneToForce) {
   EXPECT_NE(refused.err.find("another scene"), std::string::npos) << refused.err;
 }
 
+// Of a mesh for ParaView the numbers are those of the mesh to the last bit, so that it has the same hash.
+TEST_F(Contract, AMeshForParaViewIsTheMesh) {
+  write_file(folder / "scene.toml", small_scene());
+  const auto printed = succeed("mesh scene.toml -o mesh.msh --json mesh.json");
+  expect_names(printed.out, {"across ", " cells of the mean edge below an active node"});
+  succeed("mesh scene.toml -o mesh.vtu");
+  expect_names(succeed("info mesh.vtu").out, {json("mesh.json").at("mesh_hash").get<std::string>()});
+  for (const char* field : {"\"fixed\"", "\"active\"", "\"output\""})
+    EXPECT_NE(read_file(folder / "mesh.vtu").find(field), std::string::npos) << field;
+}
+
 TEST_F(Contract, WrongUsageExitsWith2AndSaysWhy) {
   write_file(folder / "scene.toml", small_scene());
   struct Case {

@@ -13,7 +13,7 @@ using Plans = CommandLine;
 TEST_F(Plans, sizes_are_those_of_the_run) {
   write_file(folder / "scene.toml", small_scene());
   const auto planned = succeed("plan scene.toml --ranks 3 --rays 16 --json plan.json");
-  EXPECT_EQ(std::count(planned.out.begin(), planned.out.end(), '\n'), 6) << planned.out;
+  EXPECT_EQ(std::count(planned.out.begin(), planned.out.end(), '\n'), 7) << planned.out;
   expect_names(planned.out, {"on 3 ranks", "memory", "database", "useful"});
   const auto plan = json("plan.json");
   succeed("precompute scene.toml -o database.h5 --json run.json");
@@ -53,13 +53,13 @@ TEST_F(Plans, sizes_are_those_of_the_run) {
   EXPECT_EQ(json("validate.json").at("probes"), 50);
 }
 
-TEST_F(Plans, name_the_stages_that_they_leave_out) {
+TEST_F(Plans, tell_the_times_of_a_body) {
   const auto several = [](int tools) {
     return changed(changed(small_scene("p1-p1"), "[nodes]\n", "[nodes]\noutput = \"free\"\n"), "[probe]\n",
                    "[probe]\nkind = \"patch\"\ntool_radius_m = 0.06\ntools = " + std::to_string(tools) + "\n");
   };
   write_file(folder / "scene.toml", several(2));
-  expect_names(unbroken(succeed("plan scene.toml --rays 2").out), {"without   reduce and calibrate body"});
+  expect_names(unbroken(succeed("plan scene.toml --rays 2").out), {"body      of several tools: reduce about "});
   write_file(folder / "scene.toml", several(1));
   EXPECT_EQ(succeed("plan scene.toml --rays 2").out.find("reduce"), std::string::npos);
 }

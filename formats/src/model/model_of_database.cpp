@@ -105,7 +105,7 @@ std::string FinerDistance::sentence() const {
   if (!corrected.empty()) finer += ", corrected at rest for " + corrected;
   constexpr int fewest_for_p95 = 20;
   std::string text = percent(mean) + " on average, " +
-                     (probes < fewest_for_p95 ? "at most " + percent(p95) : "below " + percent(p95) + " in 95 of 100") +
+                     (probes < fewest_for_p95 ? "at most " + percent(p95) : "below " + percent(p95) + " in 95 %") +
                      ", at " + std::to_string(probes) + (probes == 1 ? " probe" : " probes") + " of a round tool of " +
                      fixed(1e3 * tool_radius_m, 1) + " mm radius";
   constexpr int fewest_for_mean = 4;  // with which a check may end (is_known)

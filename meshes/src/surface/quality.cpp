@@ -60,6 +60,29 @@ QualityReport measure_quality(const Mesh& mesh) {
   return report;
 }
 
+CellsAcross cells_across(const Mesh& mesh, const std::vector<std::int32_t>& nodes) {
+  const Points normals = node_normals(mesh);
+  const double edge_m = measure_quality(mesh).mean_edge_m;
+  std::vector<std::pair<double, std::int32_t>> found;
+  for (const auto node : nodes) {
+    const Eigen::RowVector3d from = mesh.nodes.row(node), inward = -normals.row(node);
+    double way_m = std::numeric_limits<double>::infinity();
+    for (const auto& t : mesh.surface.rowwise()) {
+      if ((t.array() == node).any()) continue;
+      // The way meets a triangle where the three volumes with its edges have one sign.
+      const Eigen::RowVector3d a = mesh.nodes.row(t[0]) - from, b = mesh.nodes.row(t[1]) - from,
+                               c = mesh.nodes.row(t[2]) - from, normal = (b - a).cross(c - a);
+      const bool leaves = inward.dot(normal) > 0 && a.dot(normal) > 0 && inward.dot(a.cross(b)) >= 0 &&
+                          inward.dot(b.cross(c)) >= 0 && inward.dot(c.cross(a)) >= 0;
+      if (leaves) way_m = std::min(way_m, a.dot(normal) / inward.dot(normal));
+    }
+    if (std::isfinite(way_m)) found.emplace_back(way_m / edge_m, node);
+  }
+  if (found.empty()) return {};
+  std::ranges::sort(found);
+  return {found.front().first, found[found.size() / 2].first, found.front().second};
+}
+
 std::string CellQuality::str(double per_m, const char* unit) const {
   std::ostringstream text;
   text.precision(3);

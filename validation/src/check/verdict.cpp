@@ -22,9 +22,9 @@ VerdictLine of_model(const Validated& v) {
   std::string text = "no force was compared";
   if (force.n > 0)
     text = fmt::format(
-        "{} % on average, below {} % in 95 of 100 probes; {} % of the forces are wrong by more than a "
+        "{} % on average, below {} % in 95 % of {} probes; {} % of the forces are wrong by more than a "
         "tenth of their size",
-        in_percent(force.mean), in_percent(force.p95), in_percent(wrong_of_all));
+        in_percent(force.mean), in_percent(force.p95), force.n, in_percent(wrong_of_all));
   if (!std::isnan(wrong_with_warning))
     text += fmt::format(
         " ({}{} % of those with a warning)",
@@ -181,7 +181,7 @@ std::vector<std::vector<std::string>> summary_cells(const Validated& v) {
   add("all", e.all);
   add("without a warning", e.unflagged, e.all.probes);
   add("with a warning", e.flagged, e.all.probes);
-  add("beyond R, to 1.43 R", e.beyond);
+  add(fmt::format("deeper, to {:.3g} mm", 1e3 * v.report.outside_factor * e.range_m), e.beyond);
   const auto add_body = [&](const std::optional<PointErrors>& errors) {
     if (!errors) return;
     const auto &f = errors->force, &u = errors->displacement;

@@ -166,7 +166,7 @@ struct FinerDistance {
     PHYNNESS_SEE(element, reference, probes, tool_radius_m, mean, p95, nodes, solved, near_fixed, elsewhere);
     PHYNNESS_SEE(element_at_rest, cells_at_rest, shape_at_rest, of_reference, unknowns_factor);
   }
-  /// "4.1 % on average, below 9.3 % in 95 of 100, at 12 probes of a round tool of 30.0 mm radius. The finer ...".
+  /// "4.1 % on average, below 9.3 % in 95 %, at 20 probes of a round tool of 30.0 mm radius. The finer ...".
   std::string sentence() const;
 };
 

@@ -54,6 +54,16 @@ MeshResult make_shell(const std::filesystem::path& file);
 /// The checks of quality for any mesh.
 QualityReport measure_quality(const Mesh& mesh);
 
+/// How many cells lie across the body below nodes of its surface: the way along the inner normal through the body, over
+/// the mean edge.
+struct CellsAcross {
+  double least = 0, median = 0;  ///< 0: no way was found
+  std::int32_t thinnest = -1;    ///< the node of the least number
+  PHYNNESS_FIGURES(least, median, thinnest)
+};
+/// @pre the cells are tetrahedra
+CellsAcross cells_across(const Mesh& mesh, const std::vector<std::int32_t>& nodes);
+
 /// A cell, its quality (QualityReport::min_quality), and where it is.
 struct CellQuality {
   std::int32_t cell = -1;

@@ -47,6 +47,8 @@ struct BoundReport {
 
 /// The increments that the calibration of a model solves. @param between  whether it also solves tools between nodes
 double calibration_increments(std::int64_t rays, bool between);
+/// The same of a body.
+double body_calibration_increments(std::int64_t rays);
 
 /// The estimated cost of a calibration against a finer solution, from the times of the database.
 struct FinerCost {

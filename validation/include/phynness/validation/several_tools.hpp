@@ -29,6 +29,8 @@ struct ToolDraws {
   std::uint64_t seed = 1;    ///< states of different seeds are independent
   double half_within_m = 0;  ///< largest distance from the first tool in every second state, where possible
 };
+/// The increments of one tool that take as long.
+double increments_of(const ToolDraws& draws);
 /// Solves random states on all ranks. Collective.
 /// @return the solved states on rank 0, independent of the number of ranks
 std::vector<SolvedTools> solve_several_tools(const SolverSession& session, const DatabaseHeader& header,
