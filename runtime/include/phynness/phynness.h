@@ -167,10 +167,10 @@ static inline phn_tool phn_tool_at(int32_t node, const double d[3]) {
 }
 
 /* The tool, with displacement 0, at that place of the undeformed surface which is nearest to x [m] among those that
- * phn_force answers, its point, and the distance of x from it [m], which is negative for an x inside of the body; both
- * may be null. (x - point) / distance is the outward normal, but of an x on the surface or beyond the border of the
- * part that can be touched. At a fixed edge the place is a twentieth of a triangle away from it. Components of x are
- * clamped to 1e60 m. PHN_ERROR_UNDEFINED: no triangle can be touched. */
+ * phn_force answers (at a fixed edge a twentieth of a triangle away), its point, and the distance of x from it [m], < 0
+ * inside of the body; both may be null. (x - point) / distance is the outward normal, but on the surface and beyond the
+ * part that can be touched. Below the middle of a thin body the other side is nearest: keep the place that was touched
+ * first. Components of x are clamped to 1e60 m. PHN_ERROR_UNDEFINED: no triangle can be touched. */
 PHN_API int phn_nearest(const phn_model* model, const double x[3], phn_tool* tool, double point[3], double* distance);
 
 /* The force [N] that holds a tool, the stored energy [J], which is 0 at rest, and the stiffness [N/m], 3 x 3 and

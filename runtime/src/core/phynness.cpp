@@ -21,7 +21,7 @@ const char* const messages[] = {
     "a word or number of the model is malformed",
     "the model is damaged: its checksum is wrong",
     "the model is incomplete at its end",
-    "the model, or a struct whose reserved words are not 0, has another version; train or export the model again with "
+    "the model, or a struct whose reserved words are not 0, has another version; train, reduce or export it again with "
     "this "
     "version, or compile the program with its headers",
     "this is not a phynness model",
