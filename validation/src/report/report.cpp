@@ -190,10 +190,11 @@ Json cost(const Validated& in) {
 std::string html_report(const Validated& in, const std::string& software) {
   std::vector<Json> sections{verdict_first(in), error_section(in), worst(in), curves(in)};
   if (const auto pictures = body_pictures(in); !pictures.empty())
-    sections.push_back(section("Distribution of the error on the body",
-                               {Json{{"pictures", pictures}},
-                                text("Means over all probes up to the depth; of the displacements, over those inside the "
-                                     "trained range.")}));
+    sections.push_back(
+        section("Distribution of the error on the body",
+                {Json{{"pictures", pictures}},
+                 text("Means over all probes up to the depth; of the displacements, over those inside the "
+                      "trained range.")}));
   for (auto& last : {cost(in), conditions(in, software)}) sections.push_back(last);
   return page(in.scene.title.empty() ? "Model compared with finite elements" : in.scene.title, sections);
 }

@@ -147,7 +147,7 @@ export class Model extends Owner {
     return engine.real(args + at.out);
   }
 
-  /** The tool at the place, of those that can be touched, that is nearest to x [m], its point, and the distance [m], < 0 inside. */
+  /** The tool at the place, of those that can be touched, nearest to x [m], its point, and the distance [m], < 0 inside. */
   nearest(x: Vector): { tool: Tool; point: Float64Array; distance: number } {
     const { engine, args } = this;
     this.alive();
