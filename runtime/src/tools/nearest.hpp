@@ -89,9 +89,12 @@ NearestPlace nearest_place(const std::int32_t* triangles, std::int32_t n_triangl
   }
   if (best.distance < 0) return best;
   double difference[3] = {x[0] - any.point[0], x[1] - any.point[1], x[2] - any.point[2]};
-  const auto vertex_of = [&](std::uint32_t t, int k) { return triangles[3 * static_cast<std::size_t>(t) + k]; };
-  best.is_inside = height_above(static_cast<std::uint32_t>(n_triangles), vertex_of, point_of, any.vertex, any.weight,
-                                difference) < 0;
+  // Within a triangle its normal alone counts.
+  const bool within = any.weight[0] > 0 && any.weight[1] > 0 && any.weight[2] > 0;
+  const std::int32_t* const around = within ? any.vertex : triangles;
+  const auto vertex_of = [&](std::uint32_t t, int k) { return around[3 * static_cast<std::size_t>(t) + k]; };
+  best.is_inside = height_above(within ? 1 : static_cast<std::uint32_t>(n_triangles), vertex_of, point_of, any.vertex,
+                                any.weight, difference) < 0;
   int n = 0;
   double movable = 0;
   for (; n < 3 && best.vertex[n] >= 0; ++n) movable += best.moves[n] ? best.weight[n] : 0;
