@@ -20,7 +20,7 @@ void run(const Options& options) {
   const auto scene = options.scene ? std::optional(open_scene(*options.scene)) : std::nullopt;
   ReductionSpec spec;
   spec.modes = options.modes.value_or(spec.modes);
-  spec.cells = options.cells.value_or(spec.cells);
+  spec.cells = options.cells.value_or(0);
   // Nothing is written before all long work is done, so that a signal may end it at any time.
   end_at_signals("the reduction was interrupted\n  remedy: run the same command again; nothing was written\n");
   auto made = reduced(options.database, spec,
@@ -74,8 +74,8 @@ void add(CLI::App& app) {
   add_count(
       command, "--cells", options.cells, 1, 1'000'000,
       fmt::format("cells and edges with weights, of a body that does not grow; all of them, with weight 1, if there "
-                  "are not more (default: {} at first)",
-                  usual.cells))
+                  "are not more (default: {} at first, {} with regions)",
+                  usual_cells(false), usual_cells(true)))
       ->excludes(target);
   add_json(command, options.json_file);
 }

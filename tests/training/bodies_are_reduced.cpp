@@ -140,6 +140,43 @@ TEST_F(ReducedBodies, HaveFewPositiveWeights) {
   EXPECT_EQ(write_body_text(larger), write_body_text(reduce(database, fields, spec, report, {}, 1)));
 }
 
+// Claim: a body that has grown to all points is the one that is made with all of them.
+TEST_F(ReducedBodies, GrowToAllPoints) {
+  const auto database = written(scene("p1-p1"));
+  ReductionReport report;
+  int sizes = 0;
+  const auto grown = reduce(database, several(database), small, report, {}, 1, [&](const auto&, const auto&, auto&) {
+    ++sizes;
+    return false;
+  });
+  EXPECT_EQ(sizes, 4);
+  EXPECT_EQ(report.cells, 108);
+  EXPECT_EQ(grown.cells_at_rest.entries.size(), 0);
+  EXPECT_EQ(write_body_text(grown), write_body_text(reduced(database, {40, 135, 30, 1})));
+}
+
+// Claim: unless it is told, a body has at most 400 points, and one with regions has more of them.
+TEST_F(ReducedBodies, HaveMorePointsWithRegions) {
+  const auto finer = [](DatabaseHeader& header) {
+    header.mesh = block_mesh({5, 5, 4}, {0.09, 0.09, 0.06});
+    header.sets = {};
+    for (std::int32_t i = 0; i < header.mesh.n_nodes(); ++i)
+      (i < 36 ? header.sets.fixed : header.sets.output).push_back(i);
+    header.sets.active = {158, 165};
+    header.sets.tools = single_nodes(header.sets.active);
+    header.mesh_hash = mesh_hash(header.mesh);
+  };
+  const auto with_region = [&](DatabaseHeader& header) {
+    finer(header);
+    header.mesh.regions.assign(static_cast<std::size_t>(header.mesh.n_cells()), 0);
+    for (std::size_t c = 400; c < 440; ++c) header.mesh.regions[c] = 1;  // of 600
+  };
+  const std::string region = "[[region]]\nname = \"stiff\"\ncells = { group = \"stiff\" }\nc10_Pa = 2000.0\n";
+  const ReductionSpec few{12, 0, 30, 1};
+  EXPECT_EQ(reduced(written(scene(), finer), few).shear_m3.size(), 400u);
+  EXPECT_GT(reduced(written(scene() + region, with_region), few).shear_m3.size(), 400u);
+}
+
 // Claim: of a region come points with its parameters and its volume, however small it is. An edge between regions is a
 // point of each of them, and a node there has a pressure of each.
 TEST_F(ReducedBodies, KnowTheirRegions) {

@@ -27,7 +27,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double truncation_of_a_node = 1e-6;   ///< share of int |grad u|^2 that the modes of a node leave out
-constexpr std::size_t most_candidates = 8'000;  ///< points among which those with a weight are
+constexpr std::size_t most_candidates = 8'000;  ///< of a part, among which those with a weight are
 /// The forces and changes of volume of a state are so many random sums of all of them.
 constexpr int sums_of_a_state = 16;
 /// int |grad u|^2 of all fields of several tools over that of all fields of the database. 1, 2 and 4 differ less than
@@ -79,13 +79,14 @@ class Reduction {
         _progress(progress),
         _threads(threads),
         _elements(_header.mesh, _scene),
-        _rest(derivatives_at_rest(_elements)) {}
+        _rest(derivatives_at_rest(_elements)),
+        _first_cells(spec.cells > 0 ? spec.cells : usual_cells(_rest.size() > 1)) {}
 
   ReducedBody run(const IsEnough& is_enough) {
     draw_states();
     const Index drawn = _states.cols();
     const MatrixXd of_database = modes_of_nodes();
-    int modes = _spec.modes, cells = _spec.cells;
+    int modes = _spec.modes, cells = _first_cells;
     for (;;) {
       MatrixXd fields = of_database;
       _states.conservativeResize(Eigen::NoChange, drawn);
@@ -127,7 +128,7 @@ class Reduction {
     std::ranges::sort(_drawn);
     _states.setZero(3 * _elements.n_nodes, static_cast<Index>(_drawn.size()));
     _report.fields = static_cast<std::int64_t>(converged.size());
-    _steps = n_active() + steps_of(_spec.cells);
+    _steps = n_active() + steps_of(_first_cells);
   }
 
   /// The converged fields of a node, 3 n_nodes x any. Keeps those that are drawn.
@@ -227,14 +228,14 @@ class Reduction {
     return values;
   }
 
-  /// Points among which those with a weight are, ascending: as many of each part of the body, if it has them.
+  /// Points among which those with a weight are, ascending: of each part of the body at most most_candidates.
   std::vector<std::int32_t> candidates(SplitMix64& random) const {
     std::vector<std::int32_t> all;
     for (std::size_t p = 0; p < _rest.size(); ++p) {
       std::vector<std::int32_t> points;
       for (std::int32_t i = 0; i < _elements.n_points; ++i)
         if (_elements.part_of[static_cast<std::size_t>(i)] == p) points.push_back(i);
-      for (const auto i : draw_without_replacement(points.size(), most_candidates / _rest.size(), random))
+      for (const auto i : draw_without_replacement(points.size(), most_candidates, random))
         all.push_back(points[static_cast<std::size_t>(i)]);
     }
     std::ranges::sort(all);
@@ -280,6 +281,7 @@ class Reduction {
       _cubature.points.resize(static_cast<std::size_t>(n_points));
       std::iota(_cubature.points.begin(), _cubature.points.end(), 0);
       _cubature.weights = VectorXd::Ones(n_points);
+      _shape_at_rest.resize(0, 0);  // of a smaller body
       return;
     }
     SplitMix64 random(_spec.seed + 1);
@@ -470,6 +472,7 @@ class Reduction {
   const int _threads;
   const Elements _elements;
   const std::vector<RestDerivatives> _rest;  ///< of the parts of the body
+  const int _first_cells;                    ///< with weights, of the first body
   std::mutex _mutex;
   const Metric _metric = [this](const MatrixXd& u) { return laplace_of(u); };
   std::int64_t _done = 0, _steps = 0;

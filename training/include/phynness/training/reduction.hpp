@@ -14,10 +14,14 @@ namespace phynness {
 
 struct ReductionSpec {
   int modes = 160;   ///< of the displacement; there are a quarter as many of the pressure
-  int cells = 400;   ///< points of the sum, cells and edges. All of them, with weight 1, if there are not more.
+  int cells = 0;     ///< points of the sum, cells and edges. All of them, with weight 1, if there are not more.
+                     ///< 0: usual_cells(), by whether the body has regions
   int states = 300;  ///< random states of the database, and of several tools, from which pressures and weights follow
   std::uint64_t seed = 1;
 };
+
+/// A stiff region changes forces by less than 400 cells are off (docs/decisions/reduced-body.md, Cells).
+constexpr int usual_cells(bool has_regions) { return has_regions ? 1200 : 400; }
 
 struct ReductionReport {
   std::int64_t fields = 0;                ///< converged increments of the database
