@@ -108,6 +108,18 @@ TEST(Errors, WorseThanLinearAreNamedForPointsAndPairs) {
   ASSERT_EQ(worse_than_linear(pairs).size(), 1);
   EXPECT_NE(worse_than_linear(pairs)[0].sentence().find("for two tools: mean error of the displacement 10.00 %"),
             std::string::npos);
+  // A body's are its own.
+  points.coupled = points.linear;
+  points.body = points.linear;
+  points.body->force = constant(0.05);
+  ASSERT_EQ(worse_than_linear(points).size(), 1);
+  EXPECT_NE(
+      worse_than_linear(points)[0].sentence().find("the reduced body is worse than the linear predictor for tools"),
+      std::string::npos);
+  pairs.by_body = true;
+  ASSERT_EQ(worse_than_linear(pairs).size(), 1);
+  EXPECT_NE(worse_than_linear(pairs)[0].sentence().find("the reduced body is worse than the linear predictor for two"),
+            std::string::npos);
   EXPECT_TRUE(worse_than_linear(PointReport{}).empty());
   EXPECT_TRUE(worse_than_linear(PairReport{}).empty());
 }

@@ -39,14 +39,13 @@ ByName<ErrorStatistics> GroupErrors::rows() const {
 
 std::string WorseThanLinear::sentence() const {
   const std::string_view of = range;
-  const char* where = of == "inside"    ? "inside the trained range"
-                      : of == "outside" ? "beyond the trained range"
-                      : of == "points"  ? "for tools between nodes"
-                                        : "for two tools";
+  const char* where = of == "inside"           ? "inside the trained range"
+                      : of == "outside"        ? "beyond the trained range"
+                      : of.ends_with("points") ? "for tools between nodes"
+                                               : "for two tools";
   return fmt::format(
-      "the model is worse than the linear predictor {}: mean error of the {} {:.2f} %, of the linear predictor {:.2f} "
-      "%",
-      where, what, 100 * model, 100 * linear);
+      "the {} is worse than the linear predictor {}: mean error of the {} {:.2f} %, of the linear predictor {:.2f} %",
+      of.starts_with("body") ? "reduced body" : "model", where, what, 100 * model, 100 * linear);
 }
 
 namespace {
@@ -74,12 +73,13 @@ std::vector<WorseThanLinear> worse_than_linear(const ValidationReport& report) {
 }
 
 std::vector<WorseThanLinear> worse_than_linear(const PointReport& report) {
-  return worse_in("points", report.coupled, report.linear);
+  auto worse = worse_in("points", report.coupled, report.linear);
+  if (report.body) std::ranges::copy(worse_in("body_points", *report.body, report.linear), std::back_inserter(worse));
+  return worse;
 }
 
 std::vector<WorseThanLinear> worse_than_linear(const PairReport& report) {
-  if (report.by_body) return {};
-  return worse_in("pairs", report.all.model, report.all.linear);
+  return worse_in(report.by_body ? "body_pairs" : "pairs", report.all.model, report.all.linear);
 }
 
 }  // namespace phynness

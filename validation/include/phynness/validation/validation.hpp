@@ -118,9 +118,9 @@ struct ValidationReport {
 /// A group of probes in which the model's mean error (17) is not negligible and larger than that of the linear
 /// predictor.
 struct WorseThanLinear {
-  const char* what;  ///< "force" or "displacement"
-  const char*
-      range;  ///< "inside" or "outside" of the trained range, "points" (tools between nodes), "pairs" (two tools)
+  const char* what;   ///< "force" or "displacement"
+  const char* range;  ///< "inside" or "outside" of the trained range, "points" (tools between nodes), "pairs" (two
+                      ///< tools); of a reduced body "body_points", "body_pairs"
   double model = 0, linear = 0;
   /// One sentence, without a full stop.
   std::string sentence() const;
