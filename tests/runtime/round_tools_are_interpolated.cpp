@@ -190,7 +190,7 @@ Model grid_model(double (*stiffness_at)(double x, double y), int reach = 2) {
 }
 
 // Claim: a stiffness that is a quadratic function of the place is met between nodes whose neighbours are all active: of
-// the error of a linear interpolation less than a tenth remains, which the part across the surface explains (6 %).
+// the error of a linear interpolation less than a tenth remains, because the functions are not quadratic (6 %).
 TEST(RoundToolsBetween, MeetQuadraticStiffness) {
   const auto stiffness = [](double x, double y) { return 50 + 3 * x - y + 2 * x * x - x * y + 3 * y * y; };
   const LoadedModel loaded(write_model_text(grid_model(stiffness)));
@@ -209,9 +209,12 @@ TEST(RoundToolsBetween, MeetQuadraticStiffness) {
   }
 }
 
-/// The hexagon of reach 6 with round tools at nodes of a given spacing only.
-Model spread_model(double (*stiffness_at)(double x, double y), double spacing) {
+/// The hexagon of reach 6, bent to a paraboloid, with round tools at nodes of a given spacing only.
+Model spread_model(double (*stiffness_at)(double x, double y), double spacing, double curvature = 0) {
   Model model = grid_model(stiffness_at, 6);
+  const auto height = [&](double x, double y) { return -curvature / 2 * (x * x + y * y); };
+  for (auto x : model.output_points.rowwise()) x[2] = height(x[0], x[1]);
+  for (auto& node : model.nodes) node.point[2] = height(node.point[0], node.point[1]);
   Mesh mesh;
   mesh.nodes = model.output_points;
   mesh.surface = model.surface;
@@ -223,8 +226,39 @@ Model spread_model(double (*stiffness_at)(double x, double y), double spacing) {
   return model;
 }
 
+// Claim: between spread points, which have neighbours on one side only at the border, the largest error of a smooth
+// stiffness is less than half of that of a linear interpolation (found: 0.33 to 0.37; gradients of least squares leave
+// 0.7 to 0.9), also where the surface is not in the triangles of the points.
+TEST(RoundToolsBetween, MeetSmoothStiffness) {
+  const auto stiffness = [](double x, double y) { return 50 + 10 * std::sin(x / 2) * std::cos(y / 3); };
+  for (const double curvature : {0.0, 0.1})
+    for (const double spacing : {2.0, 3.0}) {
+      const Model model = spread_model(stiffness, spacing, curvature);
+      const LoadedModel loaded(write_model_text(model));
+      double largest = 0, largest_linear = 0;
+      for (const auto& row : model.covered.rowwise()) {
+        const auto x = model.output_points.row(row[0]);
+        // Beside its corners, which need not be probed, the hexagon reaches beyond the triangles of probed nodes.
+        if (std::hypot(x[0], x[1]) > 4.5) continue;
+        const double first = row[2] / 65535.0, second = row[3] / 65535.0;
+        const double weight[3] = {first, (1 - first) * second, (1 - first) * (1 - second)};
+        double linear = 0, force[3];
+        for (int k = 0; k < 3; ++k) {
+          const Vec3& at = model.nodes[static_cast<std::size_t>(model.probe_triangles(row[1], k))].point;
+          linear += weight[k] * stiffness(at[0], at[1]);
+        }
+        const phn_tool held = tool(row[0], -1, -1, 1, 0, 0, 0, 1);
+        EXPECT_EQ(phn_force(loaded.model, loaded.data, &held, force, nullptr, nullptr), PHN_OK);
+        const double wanted = stiffness(x[0], x[1]);
+        largest = std::max(largest, std::abs(force[2] - wanted));
+        largest_linear = std::max(largest_linear, std::abs(linear - wanted));
+      }
+      EXPECT_LT(largest, 0.5 * largest_linear);
+    }
+}
+
 // Claim: everywhere between the spread points a constant stiffness is met to rounding (the weights add up to 1, in
-// float to its seven digits) and a linear one up to what the part across the surface takes from the gradients: 3 % of
+// float to its seven digits) and a linear one up to what the width of the functions takes from the gradients: 3 % of
 // the change over a spacing. The answer changes little where a tool slides a little over an edge.
 TEST(RoundToolsBetween, SpreadPointsMeetLinearStiffness) {
   const auto constant = [](double, double) { return 50.0; };

@@ -1,10 +1,10 @@
 #include "image_surface.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <map>
 #include <phynness/formats/error.hpp>
+#include <phynness/schema/surface_gradient.hpp>
 
 namespace phynness {
 namespace {
@@ -95,52 +95,34 @@ std::vector<std::uint16_t> with_neighbours(const std::vector<Triangle>& triangle
   return all;
 }
 
-/// Halves of the least squares gradients of equation (x), as the parts of weights that neighbours take: mean_at in
+/// Halves of the gradients of equation (x), as the parts of weights that neighbours take: mean_at in
 /// runtime/src/tools/round_tool.cpp.
 void find_gradients(const Model& model, ImageSurface& surface) {
-  const std::size_t n_active = model.nodes.size();
-  std::vector<std::map<std::int32_t, int>> shared(n_active +
-                                                  model.linear_points.size());  // triangles with each neighbour
-  const auto is_linear = [&](std::int32_t i) { return static_cast<std::size_t>(i) >= n_active; };
-  const auto enter = [&](const std::array<std::int32_t, 3>& at, bool linear) {
-    for (std::size_t k = 0; k < 3; ++k)
-      for (std::size_t l = 1; l < 3; ++l) {
-        const std::int32_t own = at[k], other = at[(k + l) % 3];
-        if (own >= 0 && other >= 0 && own != other && is_linear(own) == linear && is_linear(other) == linear)
-          ++shared[static_cast<std::size_t>(own)][other];
-      }
-  };
+  const auto n_active = static_cast<std::int32_t>(model.nodes.size());
+  const std::size_t n_points = model.nodes.size() + model.linear_points.size();
   const bool spread = model.probe_triangles.rows() > 0;
-  for (const auto& row : (spread ? model.probe_triangles : model.surface).rowwise()) {
-    std::array<std::int32_t, 3> at{};
-    for (int k = 0; k < 3; ++k) at[static_cast<std::size_t>(k)] = spread ? row[k] : active_position(model, row[k]);
-    enter(at, false);
-  }
-  for (const auto& row : model.outer_triangles.rowwise()) enter({row[0], row[1], row[2]}, true);
-  const auto point = [&](std::size_t i) {
-    const Vec3& x = i < n_active ? model.nodes[i].point : model.linear_points[i - n_active].point;
-    return Eigen::Vector3d(Eigen::Vector3d::Map(x.data()));
+  const Triangles& inner = spread ? model.probe_triangles : model.surface;
+  const auto n_inner = static_cast<std::int32_t>(inner.rows());
+  const auto corner_of = [&](std::int32_t t, int k) {
+    if (t < n_inner) return spread ? inner(t, k) : active_position(model, inner(t, k));
+    const std::int32_t point = model.outer_triangles(t - n_inner, k);
+    return point < n_active ? -1 : point;
   };
-  std::vector<Eigen::Vector3d> slopes;
+  const auto point_of = [&](std::int32_t i) {
+    const auto at = static_cast<std::size_t>(i);
+    return i < n_active ? model.nodes[at].point.data() : model.linear_points[at - model.nodes.size()].point.data();
+  };
+  std::vector<schema::NearPoints> first(n_points);
+  std::vector<schema::Neighbours> neighbours(n_points);
+  schema::find_neighbours(static_cast<std::int32_t>(n_points), point_of,
+                          n_inner + static_cast<std::int32_t>(model.outer_triangles.rows()), corner_of, first.data(),
+                          neighbours.data());
+  std::vector<Eigen::RowVector3d> slopes;
   surface.begin.push_back(0);
-  for (std::size_t i = 0; i < shared.size(); ++i) {
-    Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
-    int n = 0;
-    const auto edge = [&](std::int32_t other) -> Eigen::Vector3d {
-      return point(static_cast<std::size_t>(other)) - point(i);
-    };
-    for (const auto& [other, times] : shared[i]) {
-      const Eigen::Vector3d e = edge(other);
-      moment += times * e * e.transpose();
-      n += times;
-    }
-    const double size = moment.trace();
-    moment.diagonal().array() += schema::gradient_across * size;
-    const bool few = n <= schema::most_neighbours && shared[i].size() <= image::most_neighbours;
-    for (const auto& [other, times] : shared[i]) {
-      if (!few || !(size > 0)) continue;
-      surface.neighbour.push_back(static_cast<std::uint16_t>(other));
-      slopes.emplace_back(0.5 * times * (moment.inverse() * edge(other)));
+  for (const auto& near : neighbours) {
+    for (std::int32_t i = 0; i < near.n; ++i) {
+      surface.neighbour.push_back(static_cast<std::uint16_t>(near.point[i]));
+      slopes.emplace_back(0.5 * Eigen::RowVector3d::Map(near.slope[i]));
     }
     surface.begin.push_back(static_cast<std::uint32_t>(slopes.size()));
   }

@@ -139,6 +139,7 @@ struct Weights {
 /// The active node of a tool, or the active nodes and linear points between which it is. The weights have the sum 1.
 struct Corners : Weights<image::most_corners> {
   Real fixed_weight = 0;
+  Real point[3];  ///< on the surface, between nodes; of fixed corners' weights the others take shares
 
   bool counts(uint32_t i) const { return weight[i] > Real(least_share); }
 };
@@ -152,6 +153,7 @@ struct Corners : Weights<image::most_corners> {
   if (triangle >= surface->triangle.n / 6) return PHN_ERROR_ARGUMENT;
   const auto* vertex = at<uint16_t>(image, surface->triangle) + 6 * static_cast<size_t>(triangle);
   Real sum = 0, movable = 0;
+  for (Real& x : corners.point) x = 0;
   for (int k = 0; k < 3; ++k) {
     const Real w = tool.weights[k];
     if (!(w >= 0 && w <= 1 + slack)) return PHN_ERROR_ARGUMENT;
@@ -159,18 +161,18 @@ struct Corners : Weights<image::most_corners> {
     const auto& corner = at<image::VertexCorners>(image, surface->vertex)[vertex[k]];
     if (w == 0 || corner.active[0] == image::none) continue;
     movable += w;
-    const Real first = corner.first, second = corner.second, rest = (whole - first) / whole;
-    const Real part[3] = {first / whole, rest * (second / whole), rest * ((whole - second) / whole)};
+    for (int i = 0; i < 3; ++i) corners.point[i] += w * at<Real>(image, surface->point)[3 * vertex[k] + i];
+    const Real first = w * (corner.first / whole), second = (w - first) * (corner.second / whole);
+    const Real part[3] = {first, second, w - first - second};
     for (int i = 0; i < 3; ++i) {
-      if (part[i] > 0) corners.add(corner.active[i], w * part[i]);
+      if (part[i] > 0) corners.add(corner.active[i], part[i]);
     }
   }
   if (!(sum >= 1 - slack && sum <= 1 + slack)) return PHN_ERROR_ARGUMENT;
   if (!(movable > slack)) return PHN_ERROR_NOT_ACTIVE;
   corners.fixed_weight = sum - movable;
-  sum = 0;
-  for (uint32_t i = 0; i < corners.n; ++i) sum += corners.weight[i];
-  for (uint32_t i = 0; i < corners.n; ++i) corners.weight[i] /= sum;
+  for (Real& x : corners.point) x /= movable;
+  for (uint32_t i = 0; i < corners.n; ++i) corners.weight[i] /= movable;
   return PHN_OK;
 }
 
@@ -191,19 +193,31 @@ using Neighbourhood = Weights<image::most_corners*(1 + image::most_neighbours)>;
 /// Sets the weights of (x) by the gradients of the energies over the surface, as mean_at in tools/round_tool.cpp.
 [[gnu::cold]] inline void find_neighbours(const Header& image, const Corners& corners, Neighbourhood& around) {
   const image::Surface& surface = *surface_of(image);
-  const auto point = [&](uint32_t i) {
-    const size_t n_active = image.active_nodes.n, own = corners.position[i];
-    return own < n_active ? at<Real>(image, image.active_points) + 3 * own
-                          : at<Real>(image, surface.rest_point) + 3 * (own - n_active);
-  };
-  Real x[3] = {0, 0, 0};
+  const Real* point[image::most_corners];
+  Real x[3] = {0, 0, 0}, away[3], squares = 0, square = 0;
+  around.n = corners.n;
   for (uint32_t i = 0; i < corners.n; ++i) {
-    around.add(corners.position[i], corners.weight[i]);
-    for (int k = 0; k < 3; ++k) x[k] += corners.weight[i] * point(i)[k];
+    const size_t n_active = image.active_nodes.n, own = corners.position[i];
+    point[i] = own < n_active ? at<Real>(image, image.active_points) + 3 * own
+                              : at<Real>(image, surface.rest_point) + 3 * (own - n_active);
+    around.position[i] = corners.position[i];
+    around.weight[i] = corners.weight[i];
+    for (int k = 0; k < 3; ++k) {
+      const Real from = corners.point[k] - point[i][k];
+      x[k] += corners.weight[i] * point[i][k];
+      squares += corners.weight[i] * from * from;
+    }
   }
+  for (int k = 0; k < 3; ++k) {
+    away[k] = corners.point[k] - x[k];
+    square += away[k] * away[k];
+  }
+  // The slopes have the factor 1/2.
+  const Real twice = squares > 0 ? 2 * (squares - square) / (squares + square) : 0;
+  for (int k = 0; k < 3; ++k) x[k] += twice * away[k];
   for (uint32_t i = 0; i < corners.n; ++i) {
     const uint32_t* begin = at<uint32_t>(image, surface.begin) + corners.position[i];
-    const Real away[3] = {x[0] - point(i)[0], x[1] - point(i)[1], x[2] - point(i)[2]};
+    for (int k = 0; k < 3; ++k) away[k] = x[k] - point[i][k];
     for (uint32_t m = begin[0]; m < begin[1]; ++m) {
       const Real part = corners.weight[i] * dot(away, at<Real>(image, surface.slope) + 3 * static_cast<size_t>(m));
       around.add(at<uint16_t>(image, surface.neighbour)[m], part);

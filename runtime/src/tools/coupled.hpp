@@ -50,7 +50,7 @@ struct Coupling {
   std::int32_t max_tools, n_tools;
   int warnings;            ///< of the nodes of the latest tools
   const phn_model* model;  ///< the level of the latest tools
-  Neighbours neighbours;
+  const schema::Neighbours* neighbours;
   std::int32_t n_corners;             ///< largest number of nodes of a point
   Constraint* point;                  ///< of each tool
   std::int32_t n_sets;                ///< number of partial fields, each of which is rotated before all are added
@@ -76,7 +76,7 @@ struct Coupling {
 };
 
 /// Whether the model answers one tool only: a round one, or one at a node.
-inline bool has_round_tools(const Coupling& coupling) { return coupling.neighbours.begin != nullptr; }
+inline bool has_round_tools(const Coupling& coupling) { return coupling.neighbours != nullptr; }
 
 struct CoupledResult {
   bool settled;     ///< whether all points follow their tools

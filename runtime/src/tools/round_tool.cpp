@@ -59,6 +59,7 @@ int find_place(const phn_model& model, const phn_tool& tool, Place& place) {
   if (!is_of_this_version(tool)) return PHN_ERROR_VERSION;
   if (!finite(tool.displacement)) return PHN_ERROR_NOT_FINITE;
   place.n_nodes = 0;
+  place.point = {};
   double sum = 0, movable = 0;
   for (int k = 0; k < 3; ++k) {
     const double w = tool.weights[k];
@@ -66,17 +67,19 @@ int find_place(const phn_model& model, const phn_tool& tool, Place& place) {
     sum += w;
     if (w == 0) continue;
     Corner corner[3];
-    const std::int32_t n = find_corners(model, tool.nodes[k], corner);
+    const std::int32_t n = find_corners(model, tool.nodes[k], corner), vertex = find_vertex(model, tool.nodes[k]);
     if (n == 0) {
-      if (w > negligible_weight && find_vertex(model, tool.nodes[k]) < model.n_output) return PHN_ERROR_NOT_ACTIVE;
+      if (w > negligible_weight && vertex < model.n_output) return PHN_ERROR_NOT_ACTIVE;
       continue;  // fixed
     }
     movable += w;
+    place.point += w * vector_at(vertex >= 0 ? vertex_point(model, vertex) : model.active[corner[0].active].point);
     for (std::int32_t i = 0; i < n; ++i)
       add(corner[i].active, w * corner[i].weight, place.n_nodes, place.active, place.weight);
   }
   if (!(sum >= 1 - weight_tolerance && sum <= 1 + weight_tolerance)) return PHN_ERROR_ARGUMENT;
   if (!(movable > weight_tolerance)) return PHN_ERROR_NOT_ACTIVE;
+  place.point /= movable;
   place.fixed_weight = sum - movable;
   place.least_weight = least_share * movable;
   return PHN_OK;
@@ -99,78 +102,57 @@ bool has_round_tools(const phn_model& model) {
   return i < model.n_active;
 }
 
-Neighbours find_neighbours(Arena& arena, const phn_model& model) {
-  if (!has_round_tools(model)) return {};
-  const std::int32_t n_points = model.n_active + model.n_linear, n_outer = model.n_outer_triangles;
+const schema::Neighbours* find_neighbours(Arena& arena, const phn_model& model) {
+  if (!has_round_tools(model)) return nullptr;
+  const std::int32_t n_points = model.n_active + model.n_linear;
   const bool spread = model.n_probe_triangles > 0;
   const std::int32_t n_inner = spread ? model.n_probe_triangles : model.n_triangles;
-  auto* begin = arena.take<std::int32_t>(static_cast<std::size_t>(n_points) + 1);
-  auto* active = arena.take<std::int32_t>(6, static_cast<std::size_t>(n_inner) + static_cast<std::size_t>(n_outer));
-  if (begin == nullptr || active == nullptr) return {};
-  // Counts the neighbours of each point, and then enters them from the end of its part.
-  for (std::int32_t i = 0; i <= n_points; ++i) begin[i] = 0;
-  for (int pass = 0; pass < 2; ++pass) {
-    const auto enter = [&](const std::int32_t* at, bool linear) {
-      for (int k = 0; k < 3; ++k) {
-        for (int l = 1; l < 3; ++l) {
-          const std::int32_t own = at[k], other = at[(k + l) % 3];
-          if (own < 0 || other < 0 || own == other) continue;
-          if ((own >= model.n_active) != linear || (other >= model.n_active) != linear) continue;
-          if (pass == 0) ++begin[own];
-          if (pass == 1) active[--begin[own]] = other;
-        }
-      }
-    };
-    for (std::int32_t t = 0; t < n_inner; ++t) {
-      std::int32_t at[3];
-      for (int k = 0; k < 3; ++k) {
-        const std::size_t corner = 3 * static_cast<std::size_t>(t) + static_cast<std::size_t>(k);
-        at[k] =
-            spread ? model.probe_triangles[corner] : find_active(model, vertex_node(model, model.triangles[corner]));
-      }
-      enter(at, false);
-    }
-    for (std::int32_t t = 0; t < n_outer; ++t) enter(model.outer_triangles + 3 * static_cast<std::size_t>(t), true);
-    for (std::int32_t i = 0; i < n_points && pass == 0; ++i) begin[i + 1] += begin[i];
-  }
-  return {begin, active};
+  auto* first = arena.take<schema::NearPoints>(static_cast<std::size_t>(n_points));
+  auto* neighbours = arena.take<schema::Neighbours>(static_cast<std::size_t>(n_points));
+  if (first == nullptr || neighbours == nullptr) return nullptr;
+  const auto corner_of = [&](std::int32_t t, int k) {
+    const std::size_t at = 3 * static_cast<std::size_t>(t < n_inner ? t : t - n_inner) + static_cast<std::size_t>(k);
+    if (t >= n_inner) return model.outer_triangles[at] < model.n_active ? -1 : model.outer_triangles[at];
+    return spread ? model.probe_triangles[at] : find_active(model, vertex_node(model, model.triangles[at]));
+  };
+  const auto point_of = [&](std::int32_t i) { return model.active[i].point; };
+  schema::find_neighbours(n_points, point_of, n_inner + model.n_outer_triangles, corner_of, first, neighbours);
+  return neighbours;
 }
 
 double lever_of(const phn_model& model, const Place& place) {
   return model.active[place.active[0]].moves_mean ? 1 : place.weight[0];
 }
 
-/// The weights of sum_k w_k [E_k + g_k . (x - x_k) / 2], which is exact for quadratic functions of the place x. The
-/// gradient g_k fits the differences to the neighbours by least squares.
-Mean mean_at(const phn_model& model, const Neighbours& neighbours, const Place& place) {
+/// The weights of equation (x).
+Mean mean_at(const phn_model& model, const schema::Neighbours* neighbours, const Place& place) {
   Mean mean;
   mean.n = place.n_nodes;
   mean.lever = lever_of(model, place);
   double sum = 0;
   for (std::int32_t k = 0; k < place.n_nodes; ++k) sum += place.weight[k];
-  Vector x = {};
+  Vector middle = {};
   for (std::int32_t k = 0; k < place.n_nodes; ++k) {
     mean.active[k] = place.active[k];
     mean.share[k] = mean.weight[k] = place.weight[k] / sum;
-    x += mean.weight[k] * vector_at(model.active[place.active[k]].point);
+    middle += mean.weight[k] * vector_at(model.active[place.active[k]].point);
   }
-  if (place.n_nodes == 1 || neighbours.begin == nullptr) return mean;
+  if (place.n_nodes == 1 || neighbours == nullptr) return mean;
+  Vector aside = place.point - middle;
+  double squares = 0;
   for (std::int32_t k = 0; k < place.n_nodes; ++k) {
-    const std::int32_t own = place.active[k], begin = neighbours.begin[own], n = neighbours.begin[own + 1] - begin;
-    if (n > most_neighbours) continue;
-    const Vector middle = vector_at(model.active[own].point);
-    Vector edge[most_neighbours];
-    Matrix moment = {};
-    for (std::int32_t i = 0; i < n; ++i) {
-      edge[i] = vector_at(model.active[neighbours.active[begin + i]].point) - middle;
-      moment += outer(edge[i], edge[i]);
-    }
-    moment += diagonal(schema::gradient_across * (moment(0, 0) + moment(1, 1) + moment(2, 2)));
-    const Vector half = 0.5 * mean.share[k] * (inverse_of(moment) * (x - middle));
-    for (std::int32_t i = 0; i < n; ++i) {
-      const double part = dot(half, edge[i]);
-      if (!std::isfinite(part)) continue;  // squares of coordinates overflow
-      add(neighbours.active[begin + i], part, mean.n, mean.active, mean.weight);
+    const Vector from = place.point - vector_at(model.active[place.active[k]].point);
+    squares += mean.share[k] * dot(from, from);
+  }
+  const double square = dot(aside, aside);
+  aside *= squares > 0 ? (squares - square) / (squares + square) : 0;
+  for (std::int32_t k = 0; k < place.n_nodes; ++k) {
+    const schema::Neighbours& near = neighbours[place.active[k]];
+    const Vector away = middle - vector_at(model.active[place.active[k]].point),
+                 along = mean.share[k] * (0.5 * away + aside);
+    for (std::int32_t i = 0; i < near.n; ++i) {
+      const double part = dot(along.x, near.slope[i]);
+      add(near.point[i], part, mean.n, mean.active, mean.weight);
       mean.weight[k] -= part;
     }
   }

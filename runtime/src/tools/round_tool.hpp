@@ -3,7 +3,7 @@
 
 #include <phynness/phynness.h>
 
-#include <phynness/schema/bounds.hpp>
+#include <phynness/schema/surface_gradient.hpp>
 
 #include "core/arena.hpp"
 #include "tools/vectors.hpp"
@@ -28,6 +28,7 @@ struct Place {
   std::int32_t n_nodes;
   std::int32_t active[most_corners];  ///< positions among the active nodes and linear points
   double weight[most_corners];        ///< parts of the barycentric weights of corners that are not fixed
+  Vector point;                       ///< on the surface; of fixed corners' weights the others take shares
   double fixed_weight;                ///< of the fixed corners
   double least_weight;                ///< see least_share
   bool counts(std::int32_t i) const { return weight[i] > least_weight; }
@@ -52,28 +53,22 @@ inline bool needs_no_coupling(const phn_model& model, const Place& place) {
 /// Whether a tool of the model is round; such a model answers one tool only.
 bool has_round_tools(const phn_model& model);
 
-/// Neighbours of each active node and each linear point, once for each triangle that they share. They are of the same
-/// kind, so that no linear point changes a trained response. Models without round tools have none.
-struct Neighbours {
-  const std::int32_t* begin;   ///< n_active + n_linear + 1 places in `active`
-  const std::int32_t* active;  ///< positions among the active nodes and linear points
-};
-Neighbours find_neighbours(Arena& arena, const phn_model& model);
-
-using schema::most_neighbours;
+/// Neighbours of each active node and each linear point. They are of the same kind, so that no linear point changes a
+/// trained response. Models without round tools have none.
+const schema::Neighbours* find_neighbours(Arena& arena, const phn_model& model);
 
 /// Weights of the energies of nodes in the energy of one tool: E(d) = sum_i w_i E_i(d / lever).
 struct Mean {
   std::int32_t n;
-  std::int32_t active[most_corners * (1 + most_neighbours)];
-  double weight[most_corners * (1 + most_neighbours)];
+  std::int32_t active[most_corners * (1 + schema::most_neighbours)];
+  double weight[most_corners * (1 + schema::most_neighbours)];
   double share[most_corners];  ///< of the nodes of the place, with the sum 1
   /// Displacement of the point over that of the node: below 1 for a single node beside fixed ones, 1 for round tools.
   double lever;
 };
 double lever_of(const phn_model& model, const Place& place);
 /// The nodes of the place come first. @pre needs_no_coupling(model, place)
-Mean mean_at(const phn_model& model, const Neighbours& neighbours, const Place& place);
+Mean mean_at(const phn_model& model, const schema::Neighbours* neighbours, const Place& place);
 
 /// Computes the energy E(d) of one tool, its gradient and its second derivative.
 /// @param energy, stiffness  may be null; if not, model.has_energy

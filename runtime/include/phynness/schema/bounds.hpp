@@ -30,13 +30,6 @@ inline constexpr int32_t n_coupled_kinds = 3, n_coupled_terms = 4;
 inline constexpr double no_coupled_bound = 1e3;
 /// The weights of a covered node are integers, parts of this.
 inline constexpr int32_t whole_weight = 65535;
-/// In equation (x) of docs/theory.md, added to the squares of the edges at a node, as a fraction of their sum: a
-/// gradient across the surface, in which direction there are hardly any differences, is small. Values from 0.003 to
-/// 0.03 give the same errors.
-inline constexpr double gradient_across = 0.03;
-/// The energies around a node with more neighbours than these, each counted once for each triangle that they share, get
-/// no gradient; a vertex of a surface has 12 on average.
-inline constexpr int32_t most_neighbours = 32;
 /// Terms of a Prony series.
 inline constexpr int32_t largest_relaxation_count = 8;
 /// Characters of the name or unit of a field.
