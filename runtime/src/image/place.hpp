@@ -48,9 +48,11 @@ class Search {
   [[gnu::cold]] bool is_inside(uint32_t n_triangles, const Nearest& found) const {
     const uint16_t corners[3] = {vertex(found.triangle, 0), vertex(found.triangle, 1), vertex(found.triangle, 2)};
     const Real away[3] = {_x[0] - found.point[0], _x[1] - found.point[1], _x[2] - found.point[2]};
-    const auto vertex_of = [this](uint32_t t, int k) { return vertex(t, k); };
+    // Within a triangle its normal alone counts, so that no other triangle is looked at after a walk.
+    const bool within = found.weight[0] > 0 && found.weight[1] > 0 && found.weight[2] > 0;
+    const auto vertex_of = [&](uint32_t t, int k) { return within ? corners[k] : vertex(t, k); };
     const auto point_of = [this](uint16_t v) { return _point + 3 * static_cast<size_t>(v); };
-    return height_above(n_triangles, vertex_of, point_of, corners, found.weight, away) < 0;
+    return height_above(within ? 1 : n_triangles, vertex_of, point_of, corners, found.weight, away) < 0;
   }
 
   /// Moves a place away from a fixed edge. @param corners  of the vertices
