@@ -44,14 +44,17 @@ def main() -> None:
         sys.exit(__doc__)
     organ = phynness.Organ(sys.argv[1])
     n = int(sys.argv[2]) if len(sys.argv) == 3 else 4096
-    # Places that are seen from points far outside, and balls 1 mm above them.
+    # Places that are seen from points far outside, and balls 1 mm above them; not those below the fixed part, where the
+    # way to the nearest place leads through the body.
     numbers = np.random.default_rng(1)
     middle, size = organ.points.mean(axis=0), np.ptp(organ.points, axis=0).max()
-    outside = numbers.normal(size=(n, 3))
+    outside = numbers.normal(size=(2 * n, 3))
     outside = middle + 2 * size * outside / np.linalg.norm(outside, axis=1)[:, None]
     places = organ.nearest_batch(outside)
     outward = (outside - places["position"]) / places["distance"][:, None]
     x, v = places["position"] + (RADIUS + 0.001) * outward, -SPEED * outward
+    above = np.flatnonzero(organ.nearest_batch(x)["distance"] > RADIUS)[:n]
+    x, v, n = x[above], v[above], len(above)
 
     contact = Contact(organ, n)
     largest, warned, touched = 0.0, np.zeros(n, bool), np.zeros(n, bool)
