@@ -99,9 +99,11 @@ TEST(Regions, SayWhichShareOfTheirVolumeIsOff) {
   EXPECT_NEAR(figures[1].volume_m3, 8.0 / 6, 1e-12);
   EXPECT_NEAR(figures[0].volume_m3 + figures[1].volume_m3, 8, 1e-12);
   EXPECT_NEAR(figures[1].off, off, 0.05);
+  EXPECT_NE(figures[1].str().find("smaller cells"), std::string::npos) << figures[1].str();
   EXPECT_EQ(figures[1].shear_modulus_Pa, 8);
   const auto exact = region_figures(scene_with({"{ box = { min_m = [0, 0, 1], max_m = [2, 2, 2] } }"}), grid());
   EXPECT_EQ(exact[1].off, 0);
+  EXPECT_EQ(exact[1].str().find("smaller cells"), std::string::npos) << exact[1].str();
 }
 
 TEST(Regions, StayWithTheirCellsWhereAMeshIsRefined) {

@@ -230,6 +230,10 @@ TEST(Selections, MistakesAreNamedWithTheirLine) {
   text = message(scene_with("\"all\"", "\"surface\""));
   EXPECT_TRUE(contains(text, "scene.toml:5: ") && contains(text, "active") && contains(text, "9 nodes: 0")) << text;
 
+  // "auto" belongs to another key.
+  text = error_of([] { scene_with("\"all\"", "{ spacing_m = \"auto\" }"); });
+  EXPECT_TRUE(contains(text, "scene.toml:5: ") && contains(text, "spacing = \"auto\"")) << text;
+
   // Remedies that leave something to touch.
   text = message(scene_with("\"all\"", "{ nodes = [0, 1] }"));
   EXPECT_TRUE(contains(text, "2 nodes: 0") && !contains(text, "difference") && contains(text, "free-surface")) << text;

@@ -169,6 +169,8 @@ void read_near(const SceneTable& table, std::string_view, Selector& s) {
 /// Nodes that are spread evenly over a part of the surface, at given distances, at those that the tool needs, or a
 /// given number of them.
 void read_spread(const SceneTable& table, std::string_view, Selector& s) {
+  if (const auto* given = table.find("spacing_m"); given && given->is_string())
+    table.reject("spacing_m", "must be a number", "write metres without quotes, or the other key: spacing = \"auto\"");
   s.length_m = table.number_or("spacing_m", 0, length);
   s.count = table.integer("count", 1, std::numeric_limits<std::int32_t>::max()).value_or(0);
   if (table.has("spacing")) table.choice("spacing", Words<int>{{"auto", 0}});

@@ -21,9 +21,9 @@ const char* const messages[] = {
     "a word or number of the model is malformed",
     "the model is damaged: its checksum is wrong",
     "the model is incomplete at its end",
+    // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): two lines of one text
     "the model, or a struct whose reserved words are not 0, has another version; train, reduce or export it again with "
-    "this "
-    "version, or compile the program with its headers",
+    "this version, or compile the program with its headers",
     "this is not a phynness model",
     "the time of a step is not later than that of the step before",
     "the model's family or the node has no such response, for example no energy or no deformation",
