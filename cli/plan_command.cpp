@@ -193,7 +193,8 @@ void print_plan(const Options& options, const Plan& plan) {
   print_result("time      {} on {} rank{}{}\n", duration(plan.wall_seconds), plan.ranks, plan.ranks == 1 ? "" : "s",
                options.ranks ? "" : ", the processor cores of this machine");
   if (!plan.check_seconds)
-    print_result("check     of validation.check_probes probes in phynness run, without a limit of time\n");
+    print_result(
+        "check     of validation.check_probes probes in phynness run; its time is not predicted and not limited\n");
   else if (*plan.check_seconds > 0)
     print_result("check     at most {} more in phynness run (validation.check_probes)\n",
                  duration(*plan.check_seconds));

@@ -131,7 +131,7 @@ std::string warn_of_choice(const Scene& scene, const Mesh& mesh, const NodeSets&
     if (automatic && n < fewest_worth_a_choice) continue;
     if (static_cast<double>(n) < (automatic ? 0.8 : 1.0) * static_cast<double>(nodes.size())) continue;
     return s.where.str() + ": " +
-           (automatic ? "spacing = \"auto\" follows the radius of the tool, few edges of the mesh"
+           (automatic ? "spacing = \"auto\", a third of the radius of the tool, is near the edges of the mesh"
                       : "spacing_m = " + number_text(s.length_m) + " is below the edges of the mesh") +
            ", so that " +
            (automatic ? std::to_string(n) + " of " + std::to_string(nodes.size()) + " nodes are"

@@ -143,7 +143,9 @@ std::string RegionFigures::str() const {
   text << name << ": " << meshes::counted(static_cast<std::size_t>(cells), "cell", "cells") << ", " << 1e6 * volume_m3
        << " mL";
   constexpr double much = 0.1;  // The text asks for smaller cells.
-  if (off > 0) text << " (" << 100 * off << " % of it off" << (off > much ? ": use smaller cells there)" : ")");
+  if (off > 0)
+    text << " (" << 100 * off << " % of that in cells of another part"
+         << (off > much ? ": use smaller cells there)" : ")");
   text << ", shear modulus " << shear_modulus_Pa << " Pa, K/mu " << bulk_to_shear;
   return text.str();
 }

@@ -111,7 +111,7 @@ VerdictLine not_covered(const Validated& v) {
                         e.unreached.size(), e.all.probes,
                         std::ranges::count_if(e.unreached, [](const auto& p) { return !p.flagged; }));
   if (probed < active)
-    text += fmt::format("; {} of {} active nodes were not compared (--nodes)", active - probed, active);
+    text += fmt::format("; {} of {} active nodes were not compared (validate --nodes)", active - probed, active);
   if (v.points.failed > 0) text += fmt::format("; {} displacements of points were not solved", v.points.failed);
   if (v.pairs.failed > 0) text += fmt::format("; {} pairs were not solved", v.pairs.failed);
   if (v.points.finished == 0) text += "; tools between nodes were not compared (--points)";

@@ -127,7 +127,7 @@ struct RegionFigures {
   double off = 0;  ///< volume of wrongly assigned parts of cells over that of the region, sampled at 64 points a cell
   double shear_modulus_Pa = 0, bulk_modulus_Pa = 0, bulk_to_shear = 0;
   PHYNNESS_FIGURES(name, cells, volume_m3, off, shear_modulus_Pa, bulk_modulus_Pa, bulk_to_shear)
-  /// "region nodule: 124 cells, 0.52 mL (1.3 % of it off), shear modulus 1.2e+04 Pa, K/mu 20"
+  /// "region nodule: 124 cells, 0.52 mL (1.3 % of that in cells of another part), shear modulus 1.2e+04 Pa, K/mu 20"
   std::string str() const;
 };
 /// Empty if the scene has no regions. @throws Error as cell_regions()
