@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <filesystem>
 #include <phynness/formats/error.hpp>
+#include <phynness/schema/body_grammar.hpp>
 #include <phynness/training/reduction.hpp>
 #include <set>
 
@@ -138,6 +139,25 @@ TEST_F(ReducedBodies, HaveFewPositiveWeights) {
   spec.modes = 27;
   spec.cells = 90;
   EXPECT_EQ(write_body_text(larger), write_body_text(reduce(database, fields, spec, report, {}, 1)));
+}
+
+// Claim: the other side of a body that is thinner than the tool's radius is not said to be probed.
+TEST_F(ReducedBodies, AreTouchedWhereTheyWereProbed) {
+  const auto body = reduced(written(scene(),
+                                    [](DatabaseHeader& header) {
+                                      header.mesh = block_mesh({3, 3, 2}, {0.09, 0.09, 0.03});
+                                      header.sets.fixed.clear(), header.sets.output.clear();
+                                      for (std::int32_t i = 0; i < header.mesh.n_nodes(); ++i)
+                                        (i % 4 == 0 ? header.sets.fixed : header.sets.output).push_back(i);
+                                      header.mesh_hash = mesh_hash(header.mesh);
+                                    }),
+                            {12, 0, 30, 1});
+  const auto kind_of = [&](std::int32_t node) {
+    return body.kinds[static_cast<std::size_t>(std::ranges::lower_bound(body.nodes, node) - body.nodes.begin())];
+  };
+  EXPECT_EQ(kind_of(37), schema::body_node_touchable);
+  EXPECT_EQ(kind_of(38), schema::body_node_touchable);  // beside the probed node 37
+  EXPECT_EQ(kind_of(5), schema::body_node_moves);       // below it, 30 mm away; the radius is 40 mm
 }
 
 // Claim: a body that has grown to all points is the one that is made with all of them.
