@@ -20,7 +20,7 @@ void run(const Options& options) {
   const auto scene = options.scene ? std::optional(open_scene(*options.scene)) : std::nullopt;
   ReductionSpec spec;
   spec.modes = options.modes.value_or(spec.modes);
-  spec.cells = options.cells.value_or(0);
+  spec.cells = options.cells.value_or(spec.cells);
   // Nothing is written before all long work is done, so that a signal may end it at any time.
   end_at_signals("the reduction was interrupted\n  remedy: run the same command again; nothing was written\n");
   auto made = reduced(options.database, spec,

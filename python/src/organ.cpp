@@ -266,7 +266,8 @@ void add_batches(py::class_<OrganObject>& organ) {
            R"(The places nearest to n points, found by all processors: an array of n rows.
 
 x: (n, 3) [m]. Its fields: nodes (3,), -1 where unused; weights (3,); position (3,) [m], undeformed; distance [m], < 0
-inside; status, below 0 and without nodes where x is not finite. Rows may be picked, copied and written by masks, as of any array.
+inside; status, below 0 and without nodes where x is not finite. Rows may be picked, copied and written by masks, as of
+any array.
 )")
       .def("hold_batch", &OrganObject::hold_batch, arg("at"), arg("d"),
            R"(Forces of n tools that do not act on each other, by the model on all processors: (forces, status).

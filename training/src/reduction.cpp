@@ -425,7 +425,7 @@ class Reduction {
       // The other side of a thin body is near, too, but no tool was solved there.
       const auto near = [&](std::int32_t a) {
         return (nodes.row(a) - nodes.row(node)).norm() <= out.tool_radius_m &&
-               (a == node || normals.row(a).dot(normals.row(node)) > 0);
+               normals.row(a).dot(normals.row(node)) > 0;
       };
       out.kinds.push_back(std::ranges::binary_search(fixed, node) ? schema::body_node_fixed
                           : std::ranges::any_of(active, near)     ? schema::body_node_touchable

@@ -119,7 +119,7 @@ struct VertexCorners {
 };
 inline constexpr uint16_t none = 0xffff;  ///< no triangle; the first active node of a fixed vertex
 /// Largest number of active nodes around a place, and of neighbours of each.
-inline constexpr uint32_t most_corners = 9, most_neighbours = 17;
+inline constexpr uint32_t most_corners = 9, most_neighbours = schema::most_neighbours;
 inline constexpr double largest_exponent = 1e3;  ///< of `between`
 
 /// Where the model comes from, as phn_provenance. Strings end in zeros. Numbers are the halves of doubles, low and

@@ -30,6 +30,8 @@ inline constexpr int32_t n_coupled_kinds = 3, n_coupled_terms = 4;
 inline constexpr double no_coupled_bound = 1e3;
 /// The weights of a covered node are integers, parts of this.
 inline constexpr int32_t whole_weight = 65535;
+/// Neighbours of a probed point in equation (x) of docs/theory.md; with fewer than enough it has those of them, too.
+inline constexpr int32_t most_neighbours = 7, enough_neighbours = 5;
 /// Terms of a Prony series.
 inline constexpr int32_t largest_relaxation_count = 8;
 /// Characters of the name or unit of a field.

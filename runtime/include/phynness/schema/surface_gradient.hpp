@@ -4,10 +4,9 @@
 
 #include <cmath>
 #include <cstdint>
+#include <phynness/schema/bounds.hpp>
 
 namespace phynness::schema {
-
-inline constexpr std::int32_t most_neighbours = 7, enough_neighbours = 5;
 
 /// The nearest neighbours of a point, ascending.
 struct NearPoints {
