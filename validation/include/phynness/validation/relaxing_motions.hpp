@@ -21,8 +21,10 @@ struct MotionErrors {
   double elastic = undefined;  ///< mean error of the model without relaxation
   /// Mean and maximum relative error of the area of the hysteresis loop in the second cycle of the sine.
   double area_mean = undefined, area_worst = undefined;
-  double warned = 0;  ///< share of time steps with a relaxation warning
-  PHYNNESS_FIGURES(places, failed, mean, worst, convolved_mean, convolved_worst, elastic, area_mean, area_worst, warned)
+  double convolved_area = undefined;  ///< mean error of the area of the convolved exact force
+  double warned = 0;                  ///< share of time steps with a relaxation warning
+  PHYNNESS_FIGURES(places, failed, mean, worst, convolved_mean, convolved_worst, elastic, area_mean, area_worst,
+                   convolved_area, warned)
 };
 
 struct MotionReport {
