@@ -348,7 +348,7 @@ json about_scene(const std::filesystem::path& file) {
   const Material& m = loaded.scene.material;
   print_result("at rest   E {:.4g} Pa, nu {:.4g}, mu {:.4g} Pa, K {:.4g} Pa, K/mu {:.4g}\n", m.youngs_modulus_Pa(),
                m.poisson_ratio(), m.shear_modulus_Pa, m.bulk_modulus_Pa, m.bulk_to_shear());
-  const json regions = print_regions(loaded.scene, loaded.mesh);
+  const json regions = figures(region_figures(loaded.scene, loaded.mesh));  // which the notes have said
   print_result("physics   {}, of these keys and of those that have their defaults\n{}", physics_hash(loaded.scene),
                changed_lines(physics_summary(loaded.scene), physics_summary(Scene())));
   print_result("others    that do not change a solve\n{}",
@@ -359,31 +359,50 @@ json about_scene(const std::filesystem::path& file) {
                 loaded.sets.active, "linear", loaded.sets.linear);
 }
 
-/// A mesh file is read as in a scene without selections. An open surface is the midsurface of a shell.
+/// Reads a mesh file as in a scene without selections. An open surface is the midsurface of a shell, with a note.
+MeshResult mesh_of_file(const std::filesystem::path& file, bool shell) {
+  Scene scene;
+  scene.mesh.file = file;
+  try {
+    return make_mesh(scene, true);
+  } catch (const Error& no_body) {
+    if (!shell) throw;
+    try {
+      MeshResult result = make_shell(file);
+      message("note: {}\n", no_body.what());
+      return result;
+    } catch (const Error&) {
+      throw Error(no_body);
+    }
+  }
+}
+
 json about_mesh(const std::filesystem::path& file) {
   const auto absolute = std::filesystem::absolute(file);
   const bool shell = holds_open_surface(absolute);
-  const auto result = shell ? make_shell(absolute) : [&] {
-    Scene scene;
-    scene.mesh.file = absolute;
-    return make_mesh(scene, true);
-  }();
+  const auto result = mesh_of_file(absolute, shell);
   for (const auto& note : result.notes) message("note: {}\n", note);
   for (const auto& warning : result.warnings) message("warning: {}\n", warning);
   const auto& q = result.quality;
   if (shell)
-    print_result("mesh      {} {}: {} nodes, {} triangles of an open surface; a shell needs [mesh] thickness_m\n",
-                 file.string(), mesh_hash(result.mesh), q.n_nodes, q.n_cells);
+    print_result("mesh      {} {}: {} nodes, {} triangles of an open surface\n", file.string(), mesh_hash(result.mesh),
+                 q.n_nodes, q.n_cells);
   else
     print_result("mesh      {} {}: {} nodes ({} on the surface), {} tetrahedra\n", file.string(),
                  mesh_hash(result.mesh), q.n_nodes, q.n_surface_nodes, q.n_cells);
   print_result("box       {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g} (file units)\n", q.min_m[0], q.min_m[1],
                q.min_m[2], q.max_m[0], q.max_m[1], q.max_m[2]);
+  const auto surface = measure_quality({result.mesh.nodes, result.mesh.surface, result.mesh.surface, {}});
+  print_result("size      {}area {:.4g}; edges of the surface {:.3g} to {:.3g}, mean {:.3g} (file units)\n",
+               shell ? "" : fmt::format("volume {:.4g}, ", q.volume_m3), surface.area_m2, surface.min_edge_m,
+               surface.max_edge_m, surface.mean_edge_m);
   print_result("quality   worst {:.3f}, {} slivers\n", q.min_quality, q.n_slivers);
   const auto worst = worst_cells(result.mesh, {});
   for (const auto& cell : worst) print_result("  {}\n", cell.str(1, " (file units)"));
   return record("kind", "mesh", "mesh_hash", mesh_hash(result.mesh), "nodes", q.n_nodes, "tetrahedra",
-                shell ? 0 : q.n_cells, "shell_triangles", shell ? q.n_cells : 0, "worst_cells", worst);
+                shell ? 0 : q.n_cells, "shell_triangles", shell ? q.n_cells : 0, "box", json::array({q.min_m, q.max_m}),
+                "volume", q.volume_m3, "area", surface.area_m2, "surface_edge", surface.mean_edge_m, "worst_cells",
+                worst);
 }
 
 void run(const Options& options) {

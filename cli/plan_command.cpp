@@ -190,8 +190,8 @@ std::string accuracy_text(const Plan& plan) {
 
 void print_plan(const Options& options, const Plan& plan) {
   const auto& m = plan.measured;
-  print_result("time      {} on {} rank{}{}\n", duration(plan.wall_seconds), plan.ranks, plan.ranks == 1 ? "" : "s",
-               options.ranks ? "" : ", the processor cores of this machine");
+  print_result("time      {} on {} rank{}{}, if the cores are idle\n", duration(plan.wall_seconds), plan.ranks,
+               plan.ranks == 1 ? "" : "s", options.ranks ? "" : ", the processor cores of this machine");
   if (!plan.check_seconds)
     print_result(
         "check     of validation.check_probes probes in phynness run; its time is not predicted and not limited\n");

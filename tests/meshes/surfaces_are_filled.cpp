@@ -48,7 +48,7 @@ TEST(Surfaces, AStrayTriangleIsTurnedWithANote) {
 TEST(Surfaces, AHoleIsCounted) {
   const std::string open = cube_obj.substr(0, cube_obj.rfind("f "));
   const std::string message = error_of([&] { fill_cube(open); });
-  EXPECT_TRUE(contains(message, "4 open edges")) << message;
+  EXPECT_TRUE(contains(message, "the surface is open") && contains(message, "4 open edges")) << message;
   EXPECT_TRUE(contains(message, "close the holes") && contains(message, "thickness_m")) << message;
 }
 

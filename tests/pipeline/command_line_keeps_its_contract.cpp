@@ -91,7 +91,10 @@ TEST_F(Contract, AMeshForParaViewIsTheMesh) {
   const auto printed = succeed("mesh scene.toml -o mesh.msh --json mesh.json");
   expect_names(printed.out, {"across ", " cells of the mean edge below an active node"});
   succeed("mesh scene.toml -o mesh.vtu");
-  expect_names(succeed("info mesh.vtu").out, {json("mesh.json").at("mesh_hash").get<std::string>()});
+  expect_names(succeed("info mesh.vtu --json info.json").out, {json("mesh.json").at("mesh_hash").get<std::string>(),
+                                                               "size      volume 0.0004, area 0.034; edges of "});
+  // A block of 0.1 x 0.08 x 0.05 m with cells of a quarter of its length.
+  EXPECT_NEAR(json("info.json").at("volume").get<double>(), 4e-4, 1e-12);
   for (const char* field : {"\"fixed\"", "\"active\"", "\"output\""})
     EXPECT_NE(read_file(folder / "mesh.vtu").find(field), std::string::npos) << field;
 }

@@ -58,6 +58,11 @@ TEST_F(Patches, AreResolvedAsRecommended) {
   };
   const auto of_liver = warnings(liver("target_size_m = 0.02"));
   EXPECT_TRUE(holds(of_liver, unresolved));
+  EXPECT_FALSE(holds(of_liver, "remesh")) << of_liver;
+  // Its tetrahedra in a file need another key, too.
+  std::filesystem::rename(folder / "mesh.msh", folder / "liver.msh");
+  const auto file = changed(liver("target_size_m = 0.02"), "shape = \"liver\"", "file = \"liver.msh\"");
+  EXPECT_TRUE(holds(warnings(file), "(of a file of tetrahedra: and remesh = true)"));
   EXPECT_FALSE(holds(warnings(liver(recommended("target_size_m", of_liver))), unresolved)) << of_liver;
 }
 

@@ -81,6 +81,9 @@ TEST_F(ReducedBodyCommand, StoresTheEnergyOfSolvedStatesOfRegions) {
   const auto half = json("i.json").at("regions").at(1);
   EXPECT_NEAR(half.at("shear_modulus_Pa").get<double>(), 16e3 / 2.9, 1e-6);
   EXPECT_NEAR(half.at("volume_m3").get<double>(), 2e-4, 0.2e-4);  // cells of a quarter of its length
+  const auto once = succeed("info regions.toml");
+  const std::string said = once.out + once.err, name = "region half: ";
+  EXPECT_TRUE(said.find(name) < said.size() && said.find(name) == said.rfind(name)) << said;
 }
 
 // Claim: a body of given size is compared with states of two tools, and one that misses its target says so.

@@ -43,6 +43,7 @@ TEST_F(Shells, GoThroughThePipeline) {
   // A file of an open surface can be that of a shell only.
   const auto file = succeed("info drain.msh --json file.json");
   EXPECT_NE(file.out.find("triangles of an open surface"), std::string::npos) << file.out;
+  expect_names(unbroken(file.err), {"the surface is open", " open edges (nodes ", "remedy: close the holes"});
   EXPECT_EQ(json("file.json").at("mesh_hash"), json("mesh.json").at("mesh_hash"));
 
   const auto precompute = succeed("precompute scene.toml -o d.h5");

@@ -101,6 +101,25 @@ TEST_P(OrganOfAModel, HoldsAsC) {
     }
 }
 
+TEST(OrganOfARelaxingModel, RelaxesOneToolAndSeveralAsC) {
+  Model model = small_model_of(Family::modal);
+  model.relaxation.terms = Eigen::RowVector2d(0.5, 0.1);
+  Organ organ(write_model_text(model), {}, 2);
+  ASSERT_TRUE(organ) << organ.problem();
+  const phn_tool tool = at_node(3, {0.001, -0.002, 0.003});
+  phn_relaxing history{};
+  for (int step = 0; step < 3; ++step) {
+    double force[3], expected[3];
+    ASSERT_EQ(organ.hold(tool, force), PHN_OK);
+    const int status = phn_relax(&organ.relaxation(), &history, force, nullptr, 0.01, expected);
+    if (step < 2)
+      EXPECT_EQ(organ.relax(tool, 0.01, force), status);
+    else
+      EXPECT_EQ(organ.relax({&tool, 1}, 0.01, force), status) << "the same history";
+    EXPECT_EQ(std::memcmp(force, expected, sizeof force), 0) << step;
+  }
+}
+
 TEST_P(OrganOfAModel, HoldsPlacesAndSeveralToolsAsC) {
   Organ organ(text, {}, 4);
   phn_tool tools[2], expected_tool;

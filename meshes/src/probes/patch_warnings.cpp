@@ -41,9 +41,11 @@ namespace {
 /// The key that reduces the edge length by this factor. Meshers meet a size within a tenth.
 std::string finer_mesh(const MeshSpec& mesh, double exact_factor, double mean_edge_m) {
   const double factor = 0.9 * exact_factor;
-  if (mesh.target_size_m) return "target_size_m = " + three_digits(*mesh.target_size_m * factor, Round::down);
+  const char* const needs =
+      mesh.shape == Shape::none && !mesh.remesh ? " (of a file of tetrahedra: and remesh = true)" : "";
+  if (mesh.target_size_m) return "target_size_m = " + three_digits(*mesh.target_size_m * factor, Round::down) + needs;
   if (mesh.target_nodes && mesh.thickness_m == 0)
-    return "target_nodes = " + three_digits(*mesh.target_nodes / (factor * factor * factor), Round::up);
+    return "target_nodes = " + three_digits(*mesh.target_nodes / (factor * factor * factor), Round::up) + needs;
   return "a mesh with edges of " + three_digits(mean_edge_m * factor, Round::down) + " m";
 }
 

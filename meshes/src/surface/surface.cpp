@@ -88,11 +88,15 @@ Surface checked_surface(RawMesh raw, double scale_to_m, bool repair, const std::
     const bool holes = !closed && topology.non_manifold_edges.empty() && topology.pinched_nodes.empty();
     std::string remedy = "close the holes and separate parts that touch in the program that made the file";
     if (closed) remedy = "keep one of them, or set mesh.repair = true to keep the largest";
-    if (holes && !pieces) remedy = "close the holes, or give mesh.thickness_m to simulate the surface as a shell";
+    if (holes && !pieces)
+      remedy =
+          "close the holes, as by Close Holes of MeshLab, or give mesh.thickness_m to simulate the surface as a shell";
+    if (!closed && !near.empty()) remedy = "set mesh.repair = true to merge the near nodes; if holes remain, " + remedy;
     if (!closed && pieces && !repair)
       remedy += "; mesh.repair = true keeps the largest component, if this component has no defects";
-    throw input_error(source + (closed ? ": the file holds several closed surfaces"
-                                       : ": the surface is not one closed manifold, so it has no inside to fill"),
+    throw input_error(source + (closed  ? ": the file holds several closed surfaces"
+                                : holes ? ": the surface is open, so it has no inside to fill"
+                                        : ": the surface is not one closed manifold, so it has no inside to fill"),
                       defects + (near.empty() || closed ? "" : "; " + near), remedy);
   }
 

@@ -227,8 +227,11 @@ class Organ {
     return hold_one(tools[0], forces.data(), has_energy ? &made.energy_J : nullptr, nullptr);
   }
 
-  /// Replaces the forces of a hold by those of the body that relaxes, dt_s after the relax before (phn_relax).
-  /// @param tools   of that hold, in the order of the relax before; histories of further tools begin anew
+  /// Replaces the force of a hold by that of the body that relaxes, dt_s after the relax before (phn_relax).
+  Status relax(const phn_tool& tool, double dt_s, Out3 force) noexcept {
+    return relax(Span<const phn_tool>(&tool, 1), dt_s, Span<double>(force.data(), 3));
+  }
+  /// Of several tools. @param tools  of that hold, in the order of the relax before; histories of others begin anew
   /// @param forces  3 tools.size() numbers, elastic ones at first
   Status relax(Span<const phn_tool> tools, double dt_s, Span<double> forces) noexcept {
     if (forces.size() < 3 * tools.size()) return PHN_ERROR_BUFFER;
