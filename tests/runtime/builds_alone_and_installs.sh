@@ -24,6 +24,13 @@ done
 "$work/consumer/c_consumer" "$runtime/../examples/model/model.txt"
 "$work/consumer/cpp_consumer"
 "$work/consumer/shared_consumer" "$runtime/../examples/model/model.txt"
+# The lines for CMake of docs/howto/embed.md, with the program of examples/minimal.
+mkdir "$work/page"
+cp "$runtime/../examples/minimal/main.c" "$work/page"
+sed -n '/^    cmake_minimum_required/,/^$/p' "$runtime/../docs/howto/embed.md" > "$work/page/CMakeLists.txt"
+"$cmake" -S "$work/page" -B "$work/page/build" -DCMAKE_PREFIX_PATH="$work/prefix" >> "$work.log"
+"$cmake" --build "$work/page/build" >> "$work.log"
+"$work/page/build/my_device" "$runtime/../examples/model/model.txt" 95 0 0 -0.01 > /dev/null
 # The example of a haptic loop, outside of the repository, against what is installed.
 cp -r "$runtime/../examples/haptic_loop" "$work/haptic_loop"
 "$cmake" -S "$work/haptic_loop" -B "$work/haptic_build" -DCMAKE_PREFIX_PATH="$work/prefix" >> "$work.log"
