@@ -66,6 +66,8 @@ std::string another_cube(double size, double at) {
 TEST(Surfaces, OfSeveralClosedPiecesAreCountedAndTheDroppedOnesToldBySize) {
   const std::string pieces = another_cube(0.5, -2) + another_cube(1, 0) + another_cube(0.1, 3);
   expect_names(import_error(pieces, ".obj"), {"several closed surfaces: 3 components of 12, 12 and 12"});
+  const std::string open = pieces.substr(0, pieces.rfind("f "));
+  expect_names(import_error(open, ".obj"), {"the surface is open", "4 open edges", "remedy: set mesh.repair = true"});
   SKIP_WITHOUT_GMSH();
   const MeshResult result = import_bytes(pieces, ".obj", true);
   EXPECT_NEAR(result.quality.volume_m3, 1, 1e-12);
@@ -79,7 +81,7 @@ TEST(Surfaces, WithVerticesThatAreNearlyEqualAreClosedOnRequest) {
   seam.replace(seam.find("f 2 3 7 6"), 9, "f 2 3 10 9");
   seam.insert(seam.find("vn"), "v 1.0000001 0 1\nv 1 1.0000001 1\n");
   seam.replace(seam.find("f -8 -4 -1 -5"), 13, "f 1 5 8 4");
-  expect_names(import_error(seam, ".obj"), {"2 nodes are within 1e-07 m"});
+  expect_names(import_error(seam, ".obj"), {"2 nodes are within 1e-07 m", "remedy: set mesh.repair = true to merge"});
   EXPECT_NEAR(import_bytes(seam, ".obj", true).quality.volume_m3, 1, 1e-6);
 }
 

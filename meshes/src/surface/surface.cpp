@@ -93,11 +93,12 @@ Surface checked_surface(RawMesh raw, double scale_to_m, bool repair, const std::
           "close the holes, as by Close Holes of MeshLab, or give mesh.thickness_m to simulate the surface as a shell";
     if (!closed && !near.empty()) remedy = "set mesh.repair = true to merge the near nodes; if holes remain, " + remedy;
     if (!closed && pieces && !repair)
-      remedy += "; mesh.repair = true keeps the largest component, if this component has no defects";
-    throw input_error(source + (closed  ? ": the file holds several closed surfaces"
-                                : holes ? ": the surface is open, so it has no inside to fill"
-                                        : ": the surface is not one closed manifold, so it has no inside to fill"),
-                      defects + (near.empty() || closed ? "" : "; " + near), remedy);
+      remedy = "set mesh.repair = true, which keeps the largest component if this has no defects; otherwise " + remedy;
+    const char* const what = closed ? ": the file holds several closed surfaces"
+                             : topology.open_edges.empty()
+                                 ? ": the surface is not one closed manifold, so it has no inside to fill"
+                                 : ": the surface is open, so it has no inside to fill";
+    throw input_error(source + what, defects + (near.empty() || closed ? "" : "; " + near), remedy);
   }
 
   raw.tetrahedra.clear();
