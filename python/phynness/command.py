@@ -55,7 +55,9 @@ def _run(*arguments: object, ranks: int = 1, progress: Optional[bool] = None) ->
         raise Error(f"ranks = {ranks}; at least 1")
     start = [] if ranks == 1 else ["mpirun", "-n", str(ranks), *(["--oversubscribe"] if ranks > (os.cpu_count() or 1) else [])]
     shown = sys.stderr.isatty() if progress is None else progress
-    environment = {**os.environ, "PHYNNESS_PROGRESS": "1"} if shown else None
+    # Open MPI requires both of root, as phynness run sets them.
+    as_root = ["OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"] if ranks > 1 and os.geteuid() == 0 else []
+    environment = {**dict.fromkeys(as_root, "1"), **os.environ, **({"PHYNNESS_PROGRESS": "1"} if shown else {})}
     # In a group of its own, so that Ctrl-C of a terminal reaches it once, from here.
     process = subprocess.Popen(
         [*start, _command(), *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
