@@ -338,12 +338,14 @@ json about_scene(const std::filesystem::path& file) {
   const json worst = print_worst_cells(loaded.mesh, loaded.sets.fixed);
   if (spreads(loaded.scene.active)) {
     const auto& sets = loaded.sets;
-    const bool round = loaded.scene.probe.kind == ProbeKind::patch;
-    print_points(loaded.mesh, sets.active, sets.fixed,
-                 round ? probe_coordinates(loaded.mesh.nodes, loaded.mesh.surface, sets.active, sets.fixed,
-                                           loaded.scene.probe.tool_radius_m)
-                             .covered
-                       : sets.active);
+    Model touched;  // as training covers its surface
+    touched.surface = loaded.mesh.surface;
+    touched.fixed = sets.fixed;
+    for (const auto node : sets.active) touched.nodes.emplace_back().node = node;
+    for (const auto node : sets.linear) touched.linear_points.emplace_back().node = node;
+    if (loaded.scene.probe.kind == ProbeKind::patch)
+      cover_surface(touched, loaded.mesh, loaded.scene.probe.tool_radius_m);
+    print_points(loaded.mesh, sets.active, sets.fixed, probed_nodes(touched));
   }
   const Material& m = loaded.scene.material;
   print_result("at rest   E {:.4g} Pa, nu {:.4g}, mu {:.4g} Pa, K {:.4g} Pa, K/mu {:.4g}\n", m.youngs_modulus_Pa(),

@@ -105,6 +105,13 @@ TEST_F(Elsewhere, ModelsAnswerThere) {
       EXPECT_LT(area, 0.5);
     } else {
       EXPECT_NEAR(area, 1, 1e-12);
+      const auto share = [](const std::string& text) {
+        const auto line = unbroken(text);
+        const auto at = line.find("a tool is between them on ");
+        return at < line.size() ? line.substr(at, line.find('%', at) - at) : "not said";
+      };
+      EXPECT_EQ(share(succeed("info scene.toml").out), share(said));
+      EXPECT_NE(share(said), "not said");
       const auto node = header.sets.linear[0];
       const auto expected = response("database.h5", 0).stiffness_N_per_m;
       const auto at = " --point " + point_of(header.mesh, node) + " --displacement 0,0,-0.001 --json eval.json";
