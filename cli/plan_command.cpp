@@ -134,8 +134,8 @@ void plan_checks(const LoadedScene& loaded, const DatabaseHeader& header, Plan& 
       loaded.mesh.n_cells() +
       (loaded.scene.solver.element == element_named("es-p1-p1") ? std::ssize(mesh_edges(loaded.mesh)) : 0);
   plan.reduce_seconds =
-      plan.measured.start_seconds +
-      reduction_s(plan.measured.seconds_per_ray / static_cast<double>(plan.increments), points, plan.ranks);
+      plan.measured.start_seconds + reduction_s(plan.measured.seconds_per_ray / static_cast<double>(plan.increments),
+                                                points, loaded.scene.probe.tools, plan.ranks);
   plan.calibrate_body_seconds = seconds(body_calibration_increments(sizes.calibration_rays));
 }
 

@@ -24,7 +24,8 @@ void run(const Options& options) {
   // Nothing is written before all long work is done, so that a signal may end it at any time.
   end_at_signals("the reduction was interrupted\n  remedy: run the same command again; nothing was written\n");
   auto made = reduced(options.database, spec,
-                      options.modes || options.cells ? std::nullopt : std::optional(target.value_or(usual_target)));
+                      options.modes || options.cells ? std::nullopt : std::optional(target.value_or(usual_target)),
+                      scene ? scene->probe.tools : 0);
   if (!made) return;
   if (scene) made->body.relaxation = carried_relaxation(*scene);
   const auto& [body, report, sizes] = *made;

@@ -12,6 +12,11 @@ namespace {
 /// The states that give modes, half of them with near tools, which have the largest errors, and the independent states
 /// with which bodies are compared (docs/decisions/reduced-body.md).
 constexpr ToolDraws mode_draws{80, 40, 58'001}, compared_draws{60, 12, 58'002};
+/// More states of three tools for a scene that has them.
+ToolDraws for_tools(ToolDraws draws, int tools) {
+  if (tools > 2) draws.triples *= 3;
+  return draws;
+}
 constexpr double near_radii = 1.5;
 /// The factor by which a larger body must reduce the error.
 constexpr double required_improvement = 0.9;
@@ -19,7 +24,12 @@ constexpr double required_improvement = 0.9;
 constexpr double max_over_p95 = 3;
 /// Of the modes and weights of the first body, by one core; measured: 14 s for 2,483 points, 17 s for 3,188.
 constexpr double reduction_s_per_point = 5.5e-3;
-double target_error(const ToolErrors& errors) { return std::max(errors.pairs.p95, errors.pairs.max / max_over_p95); }
+/// The error of three tools over that of two at the same target.
+constexpr double triples_over_pairs = 2;
+double target_error(const ToolErrors& errors, int tools) {
+  const double of_triples = tools > 2 ? errors.triples.p95 / triples_over_pairs : 0;
+  return std::max({errors.pairs.p95, errors.pairs.max / max_over_p95, of_triples});
+}
 
 std::string in_percent(const ErrorStatistics& errors) {
   return errors.n == 0 ? "-"
@@ -33,24 +43,25 @@ void print_size(const ReductionReport& report, const ToolErrors& errors) {
 
 }  // namespace
 
-double reduction_s(double increment_s, std::int64_t points, int ranks) {
-  const double solved = increments_of(mode_draws) + increments_of(compared_draws);
+double reduction_s(double increment_s, std::int64_t points, int tools, int ranks) {
+  const double solved = increments_of(for_tools(mode_draws, tools)) + increments_of(for_tools(compared_draws, tools));
   const int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   return solved * increment_s / ranks + reduction_s_per_point * static_cast<double>(points) / threads;
 }
 
 std::optional<Reduced> reduced(const std::filesystem::path& database, const ReductionSpec& spec,
-                               std::optional<double> target) {
+                               std::optional<double> target, int tools) {
   const auto start = std::chrono::steady_clock::now();
   const SolverSession session;
   DatabaseHeader header;
   session.together([&] { reducible_scene(header = read_database_header(database)); });
+  if (tools == 0) tools = stored_scene(header).probe.tools;
   const auto solve = [&](ToolDraws draws) {
     draws.half_within_m = near_radii * stored_scene(header).probe.tool_radius_m;
     return solve_several_tools(session, header, draws, Progress("reduce", "states of several tools").counter());
   };
-  ToolDraws draws = compared_draws;
-  const auto solved = solve(mode_draws);
+  ToolDraws draws = for_tools(compared_draws, tools);
+  const auto solved = solve(for_tools(mode_draws, tools));
   auto compared = solve(draws);
   const auto solve_more = [&] {
     ++draws.seed;
@@ -76,12 +87,12 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
          [&](const ReducedBody& body, const ReductionReport& current, Eigen::MatrixXd& fields) {
            const auto errors = tool_errors(body, compared);
            print_size(current, errors);
-           const bool is_better = best.sizes.empty() || target_error(errors) < required_improvement * error;
+           const bool is_better = best.sizes.empty() || target_error(errors, tools) < required_improvement * error;
            best.sizes.push_back(record("modes", current.modes, "cells", current.cells, "errors", errors));
            if (is_better) {
              best.body = body;
              best.report = current;
-             error = target_error(errors);
+             error = target_error(errors, tools);
            }
            if (!target || error <= *target || !is_better) return true;
            // The next body has modes of the states that this one has not met, too, and is compared with others.
@@ -90,15 +101,16 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
            fields.conservativeResize(Eigen::NoChange, fields.cols() + extra_fields.cols());
            fields.rightCols(extra_fields.cols()) = extra_fields;
            compared = solve_more();
-           error = target_error(tool_errors(best.body, compared));
+           error = target_error(tool_errors(best.body, compared), tools);
            return false;
          });
   best.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (target && error > *target)
     message(
-        "warning: the force error of two tools is {:.3g} % (the larger of p95 and a third of the maximum), and larger "
+        "warning: the force error of two tools is {:.3g} % (the larger of p95 and a third of the maximum{}), and "
+        "larger "
         "bodies are less than a tenth better; {:.3g} % were wanted\n",
-        100 * error, 100 * *target);
+        100 * error, tools > 2 ? ", and half of p95 of three tools" : "", 100 * *target);
   return best;
 }
 

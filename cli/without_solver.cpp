@@ -26,8 +26,8 @@ void add_refusal(CLI::App& app, const std::string& name) {
   void name##_command::add(CLI::App& app) { add_refusal(app, #name); }
 PHYNNESS_SOLVER_COMMANDS(PHYNNESS_REFUSE)
 
-std::optional<Reduced> reduced(const std::filesystem::path& database, const ReductionSpec& spec,
-                               std::optional<double>) {
+std::optional<Reduced> reduced(const std::filesystem::path& database, const ReductionSpec& spec, std::optional<double>,
+                               int) {
   message("note: without a finite element solver there are no modes of several tools, and errors are not known\n");
   Progress progress("reduce", "steps");
   Reduced made;
