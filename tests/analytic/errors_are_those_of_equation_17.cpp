@@ -96,11 +96,12 @@ TEST(Errors, WorseThanLinearAreNamedForPointsAndPairs) {
   points.linear.force = constant(0.02);
   points.coupled.displacement = constant(0.0009);
   points.linear.displacement = constant(0.0001);
-  ASSERT_EQ(worse_than_linear(points).size(), 1);
-  EXPECT_NE(worse_than_linear(points)[0].sentence().find("for tools between nodes: mean error of the force 9.00 %"),
+  ASSERT_EQ(worse_than_linear(points, SurfacePart::probed).size(), 1);
+  EXPECT_NE(worse_than_linear(points, SurfacePart::probed)[0].sentence().find(
+                "for tools between nodes: mean error of the force 9.00 %"),
             std::string::npos);
   PairReport pairs;
-  auto &model = pairs.all.model, &linear = pairs.all.linear;
+  auto &model = pairs.unflagged.model, &linear = pairs.unflagged.linear;
   model.force = constant(0.02);
   linear.force = constant(0.03);
   model.displacement = constant(0.1);
@@ -112,15 +113,17 @@ TEST(Errors, WorseThanLinearAreNamedForPointsAndPairs) {
   points.coupled = points.linear;
   points.body = points.linear;
   points.body->force = constant(0.05);
-  ASSERT_EQ(worse_than_linear(points).size(), 1);
-  EXPECT_NE(
-      worse_than_linear(points)[0].sentence().find("the reduced body is worse than the linear predictor for tools"),
-      std::string::npos);
+  ASSERT_EQ(worse_than_linear(points, SurfacePart::probed).size(), 1);
+  EXPECT_NE(worse_than_linear(points, SurfacePart::probed)[0].sentence().find(
+                "the reduced body is worse than the linear predictor for tools"),
+            std::string::npos);
   pairs.by_body = true;
   ASSERT_EQ(worse_than_linear(pairs).size(), 1);
   EXPECT_NE(worse_than_linear(pairs)[0].sentence().find("the reduced body is worse than the linear predictor for two"),
             std::string::npos);
-  EXPECT_TRUE(worse_than_linear(PointReport{}).empty());
+  EXPECT_NE(worse_than_linear(points, SurfacePart::rim)[0].sentence().find("at the rim of the probed part"),
+            std::string::npos);
+  EXPECT_TRUE(worse_than_linear(PointReport{}, SurfacePart::rim).empty());
   EXPECT_TRUE(worse_than_linear(PairReport{}).empty());
 }
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <phynness/formats/body.hpp>
 #include <phynness/formats/hash.hpp>
+#include <phynness/validation/probe_plan.hpp>
+#include <set>
 
 #include "command_line.hpp"
 
@@ -43,6 +45,8 @@ TEST_F(Bodies, AreComparedBesideTheModel) {
   succeed(points_only + "without.json");
   const auto done = succeed(validate + "with.json --body body.txt --report with.html");
   expect_names(done.out, {"two tools, reduced body"});
+  expect_names(unbroken(done.out), {"Force error of the reduced body with two tools, compared with finite elements: ",
+                                    " pairs (linear predictor: "});
   expect_names(read_file(folder / "with.html"),
                {"The reduced body between nodes: 0 unsettled, 0 outside", "The reduced body of 8 pairs"});
   auto with = figures("with.json"), without = figures("without.json");
@@ -53,8 +57,8 @@ TEST_F(Bodies, AreComparedBesideTheModel) {
   const auto all = with.at("pairs").at("all");
   EXPECT_EQ(all.at("force").at("n"), all.at("linear").at("force").at("n"));
   EXPECT_EQ(with.at("pairs").at("by_body"), true);  // the model answers one round tool
-  // Measured: forces of pairs to 0.8 %, of points to 0.5 %, displacements of pairs to 0.5 %.
-  EXPECT_LT(all.at("force").at("max"), 0.02);
+  // Measured: forces of pairs to 3.2 %, beyond the probed nodes, of points to 0.5 %.
+  EXPECT_LT(all.at("force").at("max"), 0.06);
   EXPECT_LT(all.at("displacement").at("max"), 0.02);
   EXPECT_LT(with.at("points").at("body").at("force").at("max"), 0.02);
   // Measured: 0.6 %, where the model is off by 8.7 %.
@@ -77,6 +81,33 @@ TEST_F(Bodies, AreComparedBesideTheModel) {
   write_file(folder / "body.txt", text);
   expect_error(be_refused(validate + "v.json --body body.txt").err, {"body.txt", "checksum"});
   expect_error(be_refused(validate + "v.json --body other.txt").err, {"another physics", "other.txt"});
+}
+
+// Claim: places of calibrate --body and of validate --pairs are all of those that a body answers without a warning,
+// also beyond the probed triangles, and no others.
+TEST_F(Bodies, AreTouchedWhereTheyAnswerWithoutAWarning) {
+  const NamedOrgan model(folder / "m"), body = NamedOrgan::body(folder / "body.txt");
+  const auto places = RandomPlaces::answered(model, &body);
+  const auto probed = probed_nodes(model.model());
+  const auto is_answered = [&](const SurfacePoint& place) {
+    return (body.hold_from_rest({tool_at(place, {})}, 1).status & PHN_WARNING_OUTSIDE) == 0;
+  };
+  const auto is_fixed = [&](std::int32_t n) { return std::ranges::binary_search(model.model().fixed, n); };
+  std::set<std::array<std::int32_t, 3>> drawn;
+  int beyond = 0;
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 3000; ++i) {
+    const auto place = places.draw(random);
+    drawn.insert(place.nodes);
+    beyond += !std::ranges::all_of(place.nodes, [&](auto n) { return std::ranges::binary_search(probed, n); });
+    EXPECT_TRUE(is_answered(place)) << i;
+  }
+  EXPECT_GT(beyond, 300);
+  for (const auto& corners : model.mesh().surface.rowwise()) {
+    const SurfacePoint middle{{corners[0], corners[1], corners[2]}, {0.25, 0.25, 0.5}};
+    if (std::ranges::any_of(middle.nodes, is_fixed)) continue;
+    EXPECT_EQ(is_answered(middle), drawn.contains(middle.nodes));
+  }
 }
 
 TEST_F(Bodies, GetBounds) {
@@ -108,9 +139,9 @@ TEST_F(Bodies, GetBounds) {
   const auto v = json("v.json");
   for (const auto& [counts, forces] :
        {std::pair{v.at("points").at("body_answers"), 20}, {v.at("pairs").at("answers"), 80}}) {
-    // Springs join tools nearer than half a radius: these have no bound.
+    // Springs join tools nearer than half a radius: these, measured 3 pairs of 40, have no bound.
     EXPECT_LE(counts.at("near").get<int>(), forces / 20);
-    EXPECT_GE(counts.at("bounded").get<int>(), forces - forces / 20);
+    EXPECT_GE(counts.at("bounded").get<int>(), forces - forces / 10);
     EXPECT_GT(counts.at("covered").get<double>(), 0.85 * counts.at("bounded").get<double>());
   }
 
@@ -130,6 +161,27 @@ TEST_F(Bodies, GetBounds) {
     expect_error(be_refused(calibrate + "bad.txt").err, {words, "bad.txt:"});
     expect_error(be_refused("validate scene.toml m --probes 2 --points 2 --body bad.txt").err, {words, "bad.txt:"});
   }
+}
+
+// Claim: a scene of three tools has modes of more states of three, and they are part of what its body has to reach.
+TEST_F(Bodies, OfThreeToolsReachTheirErrors) {
+  auto scene = round_tools();
+  write_file(folder / "three.toml", scene.insert(scene.find("directions = 26"), "tools = 3\n"));
+  const auto reduced = [&](const std::string& options) {
+    succeed("reduce d.h5 -o b.txt --modes 30 --json r.json" + options);
+    return json("r.json");
+  };
+  const auto compared = [](const nlohmann::json& r) {
+    const auto& errors = r.at("sizes").at(0).at("errors");
+    return errors.at("pairs").at("n").get<int>() + errors.at("triples").at("n").get<int>() +
+           errors.at("near").at("n").get<int>();
+  };
+  const auto two = reduced(""), three = reduced(" --scene three.toml");
+  EXPECT_LE(compared(two), 72);
+  EXPECT_GT(compared(three), 72);
+  EXPECT_GT(three.at("several_fields").get<int>(), 1.5 * two.at("several_fields").get<int>());
+  expect_names(unbroken(succeed("reduce d.h5 -o b.txt --target-error 1e-9 --scene three.toml").err),
+               {"half of p95 of three tools", "1e-07 % were wanted"});
 }
 
 /// A model and a body of one database, which models inner nodes, too.

@@ -11,6 +11,7 @@
 #include <phynness/validation/locking.hpp>
 #include <phynness/validation/probe_plan.hpp>
 #include <phynness/validation/sizes.hpp>
+#include <phynness/validation/tools.hpp>
 #include <set>
 
 #include "check/compared_scene.hpp"
@@ -287,7 +288,7 @@ std::vector<CoupledKind> unflagged_kinds(const CoupledRays& coupled, std::uint64
     note(fmt::format(
         "{} will have no bound: all random states are refused or have warnings ({} of {} are unsettled); {}",
         kind == CoupledKind::one ? "one tool" : "several tools", drawn.unsettled, drawn.all,
-        2 * drawn.unsettled >= drawn.all ? "reduce the database with more --modes and --cells"
+        2 * drawn.unsettled >= drawn.all ? larger_body
                                          : "probe a larger part of the surface, where tools can be apart"));
   }
   return kinds;

@@ -11,6 +11,9 @@
 namespace phynness {
 namespace {
 
+/// The 95th percentile of the errors of two tools from which on a body is not fit for them.
+constexpr double largest_p95 = 0.25;
+
 VerdictLine of_model(const Validated& v) {
   const auto& e = v.report.to_range;
   const auto wrong_share = [](const ProbeStatistics& group) {
@@ -85,6 +88,27 @@ VerdictLine worst_node(const Validated& v) {
   return line;
 }
 
+VerdictLine of_two_tools(const Validated& v) {
+  const auto &unflagged = v.pairs.unflagged, &flagged = v.pairs.flagged;
+  const auto &force = unflagged.model.force, &warned = flagged.model.force;
+  std::string text = "all pairs have a warning";
+  if (force.n > 0)
+    text = fmt::format("{} % on average, below {} % in 95 % of {} pairs (linear predictor: {} %)",
+                       in_percent(force.mean), in_percent(force.p95), force.n, in_percent(unflagged.linear.force.mean));
+  if (warned.n > 0)
+    text += fmt::format(", {} % in {} with a warning ({} %)", in_percent(warned.mean), warned.n,
+                        in_percent(flagged.linear.force.mean));
+  if (const auto& answers = v.pairs.answers; answers.bounded > 0)
+    text +=
+        fmt::format("; the bound held for {:.0f} % of {} forces",
+                    100 * static_cast<double>(answers.covered) / static_cast<double>(answers.bounded), answers.bounded);
+  return {"two_tools",
+          fmt::format("Force error of the {} with two tools, compared with finite elements",
+                      v.pairs.by_body ? "reduced body" : "model"),
+          text,
+          {}};
+}
+
 /// @return null without a bound of the distance from the model's own elements, with which validate compares
 const BoundCoverage* measured_bound(const Validated& v) {
   const auto& model = v.model.model();
@@ -142,13 +166,15 @@ std::vector<VerdictLine> verdict(const Validated& v) {
                      "Bound of the model's force error",
                      held_in_words(*measured, promised_coverage(v.model.model())),
                      {}});
+  if (v.pairs.finished > 0) lines.push_back(of_two_tools(v));
   lines.push_back(not_covered(v));
   return lines;
 }
 
 std::vector<WorseThanLinear> worse_than_linear(const Validated& v) {
   auto all = worse_than_linear(v.report);
-  for (const auto& part : {worse_than_linear(v.points), worse_than_linear(v.pairs)})
+  for (const auto& part : {worse_than_linear(v.points, SurfacePart::probed), worse_than_linear(v.rim, SurfacePart::rim),
+                           worse_than_linear(v.pairs)})
     all.insert(all.end(), part.begin(), part.end());
   return all;
 }
@@ -156,6 +182,10 @@ std::vector<WorseThanLinear> worse_than_linear(const Validated& v) {
 std::vector<std::string> warnings(const Validated& v) {
   std::vector<std::string> all;
   for (const auto& worse : worse_than_linear(v)) all.push_back(worse.sentence());
+  if (const double p95 = v.pairs.unflagged.model.force.p95; v.pairs.by_body && p95 > largest_p95)
+    all.push_back(
+        fmt::format("the force error of the reduced body with two tools is {} % or more in 5 % of the pairs; {}",
+                    in_percent(p95), larger_body));
   if (const auto* measured = measured_bound(v);
       measured && is_below_promise(*measured, promised_coverage(v.model.model())))
     all.push_back(fmt::format(

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/error.hpp>
-#include <phynness/validation/probe_plan.hpp>
 
 namespace phynness {
 namespace {
@@ -16,34 +15,10 @@ constexpr double near_radii = 2.5;
 }  // namespace
 
 CoupledRays::CoupledRays(const NamedOrgan& model, const ProbeSpec& probe, const NamedOrgan* body)
-    : _model(model),
-      _body(body),
-      _increments(probe.increments),
-      _triangles(triangles_by_corners(model)[3]),
-      _near_m(near_radii * probe.tool_radius_m) {}
+    : _model(model), _body(body), _places(RandomPlaces::answered(model, body)), _probe(probe) {}
 
 bool CoupledRays::is_possible(CoupledKind kind) const {
-  return kind == CoupledKind::one ? !_triangles.empty() : _model.model().nodes.size() > 1;
-}
-
-phn_tool CoupledRays::draw_place(std::mt19937_64& random, bool at_node) const {
-  if (at_node || _triangles.empty())
-    return {{random_element(_model.model().nodes, random).node, -1, -1}, {1, 0, 0}, {}};
-  phn_tool tool{};
-  const auto t = random_element(_triangles, random);
-  const auto weights = random_barycentric(random);
-  for (int k = 0; k < 3; ++k) {
-    tool.nodes[k] = _model.model().surface(t, k);
-    tool.weights[k] = weights[static_cast<std::size_t>(k)];
-  }
-  return tool;
-}
-
-Eigen::RowVector3d CoupledRays::position_of(const phn_tool& tool) const {
-  Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
-  for (int k = 0; k < 3; ++k)
-    if (tool.weights[k] > 0) x += tool.weights[k] * _model.mesh().nodes.row(tool.nodes[k]);
-  return x;
+  return kind == CoupledKind::one ? !_places.at_nodes() : _model.model().nodes.size() > 1;
 }
 
 double CoupledRays::trained_depth(const phn_tool& tool, const Vec3& e) const {
@@ -57,27 +32,31 @@ double CoupledRays::trained_depth(const phn_tool& tool, const Vec3& e) const {
   return depth;
 }
 
-double CoupledRays::draw_displacement(std::mt19937_64& random, phn_tool& tool) const {
+double CoupledRays::draw_displacement(std::mt19937_64& random, const SurfacePoint& place, phn_tool& tool) const {
   for (int attempt = 0; attempt < 1000; ++attempt) {
-    const Vec3 e = random_direction(random);
-    const double trained = trained_depth(tool, e), fraction = 1 - uniform(random);
-    const double depth = fraction * (_body && trained > 0 ? _model.model().max_displacement_m : trained);
-    for (std::size_t k = 0; k < 3; ++k) tool.displacement[k] = depth * e[k];
-    if (depth > 0) return fraction;
+    const Vec3 e = _body ? _places.draw_direction(random, _probe.directions, place) : random_direction(random);
+    const double range = _body ? _body->body_info().max_displacement_m : trained_depth(tool, e),
+                 fraction = 1 - uniform(random);
+    for (std::size_t k = 0; k < 3; ++k) tool.displacement[k] = fraction * range * e[k];
+    if (range > 0) return fraction;
   }
   return 0;
 }
 
-ToolRay CoupledRays::draw_candidate(std::mt19937_64& random, std::int32_t n_tools, bool at_nodes, bool near) const {
+ToolRay CoupledRays::draw_candidate(std::mt19937_64& random, std::int32_t n_tools, bool near) const {
   ToolRay ray;
+  std::vector<Eigen::Vector3d> points;
   double largest_fraction = 0;
   for (int attempt = 0; attempt < 1000 && std::ssize(ray.tools) < n_tools; ++attempt) {
-    phn_tool tool = draw_place(random, at_nodes);
-    const auto distance_to = [&](const phn_tool& other) { return (position_of(tool) - position_of(other)).norm(); };
-    if (std::ranges::any_of(ray.tools, [&](const auto& other) { return !(distance_to(other) > 0); })) continue;
-    if (near && !ray.tools.empty() && distance_to(ray.tools[0]) >= _near_m) continue;
-    const double fraction = draw_displacement(random, tool);
-    if (fraction > 0) ray.tools.push_back(tool);
+    const SurfacePoint place = _places.draw(random);
+    const Eigen::Vector3d x = to_eigen(place.point);
+    if (std::ranges::any_of(points, [&](const auto& other) { return x == other; })) continue;
+    if (near && !points.empty() && (x - points[0]).norm() >= near_radii * _probe.tool_radius_m) continue;
+    phn_tool tool = tool_at(place, {});
+    const double fraction = draw_displacement(random, place, tool);
+    if (!(fraction > 0)) continue;
+    ray.tools.push_back(tool);
+    points.push_back(x);
     largest_fraction = std::max(largest_fraction, fraction);
   }
   ray.tools = tools_at(ray, 1 / largest_fraction);
@@ -92,7 +71,8 @@ DrawnRay CoupledRays::without_flagged(const ToolRay& ray, DrawnStates& drawn) co
   double reached = 0;
   for (const double fraction : ray.fractions) {
     OrganResponse response;
-    const auto n = _body ? static_cast<int>(std::ceil(_increments * (fraction - reached) / ray.fractions.back())) : 1;
+    const auto n =
+        _body ? static_cast<int>(std::ceil(_probe.increments * (fraction - reached) / ray.fractions.back())) : 1;
     for (int i = 1; i <= n; ++i)
       response = (_body ? _body : &_model)->hold(tools_at(ray, reached + (fraction - reached) * i / n));
     reached = fraction;
@@ -113,10 +93,10 @@ DrawnRay CoupledRays::without_flagged(const ToolRay& ray, DrawnStates& drawn) co
 }
 
 DrawnRay CoupledRays::draw(std::mt19937_64& random, std::int32_t number, CoupledKind kind, DrawnStates& drawn) const {
-  const std::int32_t n_tools = kind == CoupledKind::one ? 1 : 2 + number / 6 % 2;  // 6: at nodes or not, near or not
-  const bool at_nodes = n_tools > 1 && number % 2 == 0, near = number % 3 == 0 && _near_m > 0;
+  const std::int32_t n_tools = kind == CoupledKind::one ? 1 : 2 + number / 3 % 2;
+  const bool near = number % 3 == 0 && _probe.tool_radius_m > 0;
   for (int attempt = 0; attempt < max_draws; ++attempt) {
-    const ToolRay ray = draw_candidate(random, n_tools, at_nodes, near && attempt < max_draws / 2);
+    const ToolRay ray = draw_candidate(random, n_tools, near && attempt < max_draws / 2);
     if (std::ssize(ray.tools) < n_tools) continue;
     try {
       auto unflagged = without_flagged(ray, drawn);

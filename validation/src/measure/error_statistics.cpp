@@ -39,13 +39,16 @@ ByName<ErrorStatistics> GroupErrors::rows() const {
 
 std::string WorseThanLinear::sentence() const {
   const std::string_view of = range;
+  const bool is_body = of.starts_with("body");
   const char* where = of == "inside"           ? "inside the trained range"
                       : of == "outside"        ? "beyond the trained range"
                       : of.ends_with("points") ? "for tools between nodes"
+                      : of.ends_with("rim")    ? "at the rim of the probed part"
                                                : "for two tools";
   return fmt::format(
-      "the {} is worse than the linear predictor {}: mean error of the {} {:.2f} %, of the linear predictor {:.2f} %",
-      of.starts_with("body") ? "reduced body" : "model", where, what, 100 * model, 100 * linear);
+      "the {} is worse than the linear predictor {}: mean error of the {} {:.2f} %, of the linear predictor {:.2f} %{}",
+      is_body ? "reduced body" : "model", where, what, 100 * model, 100 * linear,
+      is_body ? std::string("; ") + larger_body : "");
 }
 
 namespace {
@@ -72,14 +75,17 @@ std::vector<WorseThanLinear> worse_than_linear(const ValidationReport& report) {
   return worse;
 }
 
-std::vector<WorseThanLinear> worse_than_linear(const PointReport& report) {
-  auto worse = worse_in("points", report.coupled, report.linear);
-  if (report.body) std::ranges::copy(worse_in("body_points", *report.body, report.linear), std::back_inserter(worse));
+std::vector<WorseThanLinear> worse_than_linear(const PointReport& report, SurfacePart part) {
+  const bool is_rim = part == SurfacePart::rim;
+  auto worse = worse_in(is_rim ? "rim" : "points", report.coupled, report.linear);
+  if (report.body)
+    std::ranges::copy(worse_in(is_rim ? "body_rim" : "body_points", *report.body, report.linear),
+                      std::back_inserter(worse));
   return worse;
 }
 
 std::vector<WorseThanLinear> worse_than_linear(const PairReport& report) {
-  return worse_in(report.by_body ? "body_pairs" : "pairs", report.all.model, report.all.linear);
+  return worse_in(report.by_body ? "body_pairs" : "pairs", report.unflagged.model, report.unflagged.linear);
 }
 
 }  // namespace phynness

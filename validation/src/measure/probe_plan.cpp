@@ -3,7 +3,9 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <phynness/formats/body.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/schema/body_grammar.hpp>
 #include <phynness/validation/probe_plan.hpp>
 #include <phynness/validation/validation.hpp>
 #include <random>
@@ -17,6 +19,12 @@ Vec3 random_direction(std::mt19937_64& random) {
   const double z = 2 * uniform(random) - 1, angle = 2 * std::numbers::pi * uniform(random);
   const double r = std::sqrt(std::max(0.0, 1 - z * z));
   return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+Vec3 random_direction(std::mt19937_64& random, Directions directions, const Eigen::Vector3d& normal) {
+  const Vec3 e = random_direction(random);
+  const bool is_outward = directions == Directions::hemisphere && normal.dot(to_eigen(e)) > 0;
+  return is_outward ? Vec3{-e[0], -e[1], -e[2]} : e;
 }
 
 std::array<double, 3> random_barycentric(std::mt19937_64& random) {
@@ -33,6 +41,59 @@ std::array<std::vector<Eigen::Index>, 4> triangles_by_corners(const NamedOrgan& 
     triangles[static_cast<std::size_t>(known(surface(t, 0)) + known(surface(t, 1)) + known(surface(t, 2)))].push_back(
         t);
   return triangles;
+}
+
+RandomPlaces::RandomPlaces(const NamedOrgan& model, Triangles triangles, const NamedOrgan* body)
+    : _model(model), _body(body), _triangles(std::move(triangles)), _normals(node_normals(model.mesh())) {}
+
+RandomPlaces RandomPlaces::answered(const NamedOrgan& model, const NamedOrgan* body) {
+  if (!body) return {model, model.model().surface(triangles_by_corners(model)[3], Eigen::all)};
+  const auto read = read_body_text(body->text(), body->name());
+  std::vector<Eigen::Index> answered;
+  for (Eigen::Index t = 0; t < read.surface.rows(); ++t) {
+    std::array<int, schema::n_body_node_kinds> corners{};
+    for (const auto corner : read.surface.row(t))
+      ++corners[static_cast<std::size_t>(read.kinds[static_cast<std::size_t>(corner)])];
+    if (corners[schema::body_node_moves] == 0 && corners[schema::body_node_touchable] > 0) answered.push_back(t);
+  }
+  return {model, read.surface(answered, Eigen::all).unaryExpr([&](std::int32_t corner) {
+            return read.nodes[static_cast<std::size_t>(corner)];
+          }),
+          body};
+}
+
+/// Whether the body warns of a tool there, because it is too near to fixed nodes.
+bool RandomPlaces::is_beside_fixed(const SurfacePoint& place) const {
+  const auto& fixed = _model.model().fixed;
+  if (!_body || std::ranges::none_of(place.nodes, [&](auto n) { return std::ranges::binary_search(fixed, n); }))
+    return false;
+  Vec3 force;
+  _body->organ().reset().ignore();
+  const int status = _body->organ().hold(tool_at(place, {}), force);
+  return status < 0 || (status & PHN_WARNING_OUTSIDE) != 0;
+}
+
+SurfacePoint RandomPlaces::draw(std::mt19937_64& random) const {
+  SurfacePoint place;
+  if (at_nodes()) {
+    place = at_node(random_element(_model.model().nodes, random).node);
+  } else {
+    do {
+      const auto t = static_cast<Eigen::Index>(uniform(random) * static_cast<double>(_triangles.rows()));
+      std::ranges::copy(_triangles.row(t), place.nodes.begin());
+      place.weights = random_barycentric(random);
+    } while (is_beside_fixed(place));
+  }
+  Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
+  for (std::size_t k = 0; k < 3; ++k)
+    if (place.weights[k] > 0) x += place.weights[k] * _model.mesh().nodes.row(place.nodes[k]);
+  place.point = {x[0], x[1], x[2]};
+  return place;
+}
+
+Vec3 RandomPlaces::draw_direction(std::mt19937_64& random, Directions directions, const SurfacePoint& place) const {
+  const auto nearest = std::ranges::max_element(place.weights) - place.weights.begin();
+  return random_direction(random, directions, _normals.row(place.nodes[static_cast<std::size_t>(nearest)]).transpose());
 }
 
 namespace {

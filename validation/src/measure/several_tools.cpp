@@ -28,7 +28,7 @@ class RandomTools {
       : _nodes(header.mesh.nodes),
         _active(header.sets.active),
         _normals(node_normals(header.mesh)),
-        _only_inward(stored_scene(header).probe.directions == Directions::hemisphere),
+        _directions(stored_scene(header).probe.directions),
         _depth_m(depth_fraction * header.magnitudes_m.back()) {}
 
   /// The ratio of the uniform density at these places to the sampling density, in which every second state is within a
@@ -55,8 +55,8 @@ class RandomTools {
       if (std::ranges::any_of(tools, [&](const auto& tool) { return tool.nodes[0] == node; })) continue;
       const bool is_too_far = !tools.empty() && (_nodes.row(node) - _nodes.row(tools[0].nodes[0])).norm() > within_m;
       if (is_too_far && attempt < max_attempts) continue;
-      Eigen::Vector3d d = _depth_m * to_eigen(random_direction(random));
-      if (_only_inward && _normals.row(node).dot(d) > 0) d = -d;
+      const Eigen::Vector3d d =
+          _depth_m * to_eigen(random_direction(random, _directions, _normals.row(node).transpose()));
       tools.push_back(tool_at(node, {d[0], d[1], d[2]}));
     }
     return tools;
@@ -66,7 +66,7 @@ class RandomTools {
   const Points& _nodes;
   const NodeList& _active;
   Points _normals;
-  bool _only_inward;
+  Directions _directions;
   double _depth_m;
 };
 

@@ -15,37 +15,36 @@ namespace phynness {
 namespace {
 
 struct Pair {
-  std::vector<std::int32_t> nodes;
+  std::vector<SurfacePoint> places;
   std::vector<Vec3> displacement_m;
 };
 
-/// Whether a tool prescribes the displacement of a node that another tool touches. Round tools may overlap.
-bool prescribes(const ActiveNodeModel& tool, std::int32_t other) {
-  return !tool.moves_mean && std::find(tool.prescribed.begin(), tool.prescribed.end(), other) != tool.prescribed.end();
+/// Whether a tool at a node prescribes the displacement of a node that another tool touches. Round tools may overlap.
+bool prescribes(const Model& model, std::int32_t node, std::int32_t other) {
+  const auto& tool = *std::ranges::find(model.nodes, node, &ActiveNodeModel::node);
+  return !tool.moves_mean && std::ranges::find(tool.prescribed, other) != tool.prescribed.end();
 }
 
-std::vector<Pair> choose_pairs(const Scene& scene, const NamedOrgan& model, std::int64_t n, double depth_m,
-                               std::uint64_t seed) {
-  const auto& nodes = model.model().nodes;
-  const Points normals = node_normals(model.mesh());
+/// On a body wherever it answers without a warning, on a model of node probes at its nodes.
+std::vector<Pair> choose_pairs(const Scene& scene, const NamedOrgan& model, const NamedOrgan* body, std::int64_t n,
+                               double depth_m, std::uint64_t seed) {
+  const auto places = body ? RandomPlaces::answered(model, body) : RandomPlaces(model, {});
   std::mt19937_64 random(seed);
   std::vector<Pair> pairs(static_cast<std::size_t>(n));
   for (auto& pair : pairs) {
     bool is_valid = false;
-    for (int attempt = 0; attempt < 10000 && !is_valid && nodes.size() > 1; ++attempt) {
-      const auto &a = random_element(nodes, random), &b = random_element(nodes, random);
-      is_valid = a.node != b.node && !prescribes(a, b.node) && !prescribes(b, a.node);
-      pair.nodes = {a.node, b.node};
+    for (int attempt = 0; attempt < 10000 && !is_valid && model.model().nodes.size() > 1; ++attempt) {
+      pair.places = {places.draw(random), places.draw(random)};
+      const auto a = pair.places[0].nodes[0], b = pair.places[1].nodes[0];
+      is_valid = places.at_nodes() ? a != b && !prescribes(model.model(), a, b) && !prescribes(model.model(), b, a)
+                                   : pair.places[0].point != pair.places[1].point;
     }
     if (!is_valid)
       throw input_error("the model has no two nodes that tools can touch at the same time",
-                        std::to_string(nodes.size()) + " active nodes",
+                        std::to_string(model.model().nodes.size()) + " active nodes",
                         "make more nodes active or patches smaller, or omit --pairs");
-    for (const auto node : pair.nodes) {
-      Vec3 e = random_direction(random);
-      const Eigen::Vector3d normal = normals.row(node).transpose();
-      while (scene.probe.directions == Directions::hemisphere && normal.dot(to_eigen(e)) >= 0)
-        e = random_direction(random);
+    for (const auto& place : pair.places) {
+      const Vec3 e = places.draw_direction(random, scene.probe.directions, place);
       pair.displacement_m.push_back({depth_m * e[0], depth_m * e[1], depth_m * e[2]});
     }
   }
@@ -81,13 +80,13 @@ class PairComparison : public ToolComparison {
     result.displacement_m = pair.displacement_m[0];
     result.reached_m = -1;
     try {
-      _solver.touch(pair.nodes);
+      _solver.touch_points(pair.places);
     } catch (const Error&) {
       result.status = Status::factorization;
       return result;
     }
     std::vector<phn_tool> tools;
-    for (std::size_t t = 0; t < 2; ++t) tools.push_back(tool_at(at_node(pair.nodes[t]), pair.displacement_m[t]));
+    for (std::size_t t = 0; t < 2; ++t) tools.push_back(tool_at(pair.places[t], pair.displacement_m[t]));
     evaluate(_body ? _body->at(tools) : _model.hold(tools), pair, result, counts);
     return result;
   }
@@ -99,7 +98,10 @@ class PairComparison : public ToolComparison {
     result.status = solution.status;
     if (!result.solved()) return;
     const Points u_FE = solution.displacement_m(_model.model().output, Eigen::all);
-    const auto counts = counted_nodes(_model.model(), pair.nodes);
+    std::vector<std::int32_t> touched;
+    for (const auto& place : pair.places)
+      if (place.weights[0] == 1) touched.push_back(place.nodes[0]);
+    const auto counts = counted_nodes(_model.model(), touched);
     result.model = errors_of(response.force_N, response.displacement_m, solution.force_N,
                              _body ? _body->common_rows(u_FE) : u_FE, _body ? _body->common_rows(counts) : counts);
     const auto [linear_force, linear_u] = linear_response(_solver, _model.model(), pair.displacement_m);
@@ -122,7 +124,7 @@ PairReport validate_pairs(const SolverSession& session, const Scene& scene, cons
   session.together([&] {
     if (model.has_round_tools() && !body)
       throw input_error("a model of round tools answers one tool", "--pairs", several_round_tools);
-    const auto chosen = choose_pairs(scene, model, pairs, depth_m, seed);
+    const auto chosen = choose_pairs(scene, model, body, pairs, depth_m, seed);
     PairComparison comparison(scene, model, body, stop);
     report.finished = distribute(session, pairs, progress, stop, [&](std::size_t i) {
       rows.add({static_cast<double>(i)}, comparison.at(i, chosen[i], report.answers));

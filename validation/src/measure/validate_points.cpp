@@ -14,15 +14,10 @@ namespace {
 
 struct Place : SurfacePoint {
   std::vector<Vec3> displacements;
-
-  std::int32_t nearest_corner() const {
-    return nodes[static_cast<std::size_t>(std::max_element(weights.begin(), weights.end()) - weights.begin())];
-  }
 };
 
 std::vector<Place> choose_places(const Scene& scene, const NamedOrgan& model, SurfacePart where, std::int64_t points,
                                  std::int64_t displacements, std::uint64_t seed) {
-  const auto& surface = model.model().surface;
   auto by_corners = triangles_by_corners(model);
   auto& triangles = by_corners[where == SurfacePart::rim ? 2 : 3];
   if (where == SurfacePart::rim) {
@@ -33,18 +28,13 @@ std::vector<Place> choose_places(const Scene& scene, const NamedOrgan& model, Su
     throw input_error("no triangle of the surface has three active corners, or corners between active nodes",
                       std::to_string(model.model().nodes.size()) + " active nodes",
                       "probe a coherent part of the surface, or omit --points");
-  const Points normals = node_normals(model.mesh());
+  const RandomPlaces random_places(model, model.model().surface(triangles, Eigen::all));
   std::mt19937_64 random(seed);
   std::vector<Place> places(static_cast<std::size_t>(points));
   for (auto& place : places) {
-    const auto t = random_element(triangles, random);
-    place.weights = random_barycentric(random);
-    for (int k = 0; k < 3; ++k) place.nodes[static_cast<std::size_t>(k)] = surface(t, k);
-    const Eigen::Vector3d normal = normals.row(place.nearest_corner()).transpose();
-    for (int attempt = 0; attempt < 1000 && std::ssize(place.displacements) < displacements; ++attempt) {
-      const Vec3 e = random_direction(random);
-      if (scene.probe.directions == Directions::hemisphere && normal.dot(Eigen::Vector3d(e[0], e[1], e[2])) >= 0)
-        continue;
+    static_cast<SurfacePoint&>(place) = random_places.draw(random);
+    while (std::ssize(place.displacements) < displacements) {
+      const Vec3 e = random_places.draw_direction(random, scene.probe.directions, place);
       const double d = scene.probe.max_displacement_m * (1 - uniform(random));
       place.displacements.push_back({d * e[0], d * e[1], d * e[2]});
     }

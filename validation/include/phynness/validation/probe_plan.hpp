@@ -12,6 +12,8 @@ namespace phynness {
 double uniform(std::mt19937_64& random);
 /// A uniform direction on the unit sphere.
 Vec3 random_direction(std::mt19937_64& random);
+/// The same, for a hemisphere on the half that points into the body. @param normal  outward
+Vec3 random_direction(std::mt19937_64& random, Directions directions, const Eigen::Vector3d& normal);
 
 /// A uniformly random element of a list.
 template <class List>
@@ -23,6 +25,27 @@ const auto& random_element(const List& list, std::mt19937_64& random) {
 std::array<double, 3> random_barycentric(std::mt19937_64& random);
 /// The surface triangles with 0, 1, 2 and 3 corners that are probed_nodes().
 std::array<std::vector<Eigen::Index>, 4> triangles_by_corners(const NamedOrgan& model);
+
+/// Places of tools: uniform in triangles, each of which has the same probability, or nodes if there are no triangles.
+class RandomPlaces {
+ public:
+  /// @param body  null, or answers tools at these places, of which those with a warning are not drawn
+  RandomPlaces(const NamedOrgan& model, Triangles triangles, const NamedOrgan* body = nullptr);
+  /// The triangles with three corners that the model has probed; with a body those where it answers without a warning.
+  static RandomPlaces answered(const NamedOrgan& model, const NamedOrgan* body);
+
+  bool at_nodes() const { return _triangles.rows() == 0; }
+  SurfacePoint draw(std::mt19937_64& random) const;
+  Vec3 draw_direction(std::mt19937_64& random, Directions directions, const SurfacePoint& place) const;
+
+ private:
+  bool is_beside_fixed(const SurfacePoint& place) const;
+
+  const NamedOrgan& _model;
+  const NamedOrgan* _body;
+  Triangles _triangles;
+  Points _normals;
+};
 
 /// A ray with the depths of its probes; a depth of 0 means that there is no such probe.
 struct ProbePair {

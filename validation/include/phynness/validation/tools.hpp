@@ -11,6 +11,9 @@
 
 namespace phynness {
 
+/// The remedy for a reduced body with large errors.
+inline constexpr const char* larger_body = "reduce the database with more --modes and --cells";
+
 /// Counts of warnings and of covered bounds in the answers to solved displacements.
 struct AnswerCounts {
   std::int64_t unsettled = 0, outside = 0, near = 0;  ///< answers with this warning
@@ -52,11 +55,11 @@ struct PointReport : ErrorsByWarning {         ///< errors of the model; `node` 
   }
 };
 
-/// Comparisons for tools between nodes.
-std::vector<WorseThanLinear> worse_than_linear(const PointReport& report);
-
 /// The triangles with three probed corners, or those at their rim, with one or two.
 enum class SurfacePart { probed, rim };
+
+/// Comparisons for tools between nodes.
+std::vector<WorseThanLinear> worse_than_linear(const PointReport& report, SurfacePart part);
 
 /// Random points are distributed uniformly in such triangles; each of them has the same probability. Directions are
 /// uniform on the sphere, or in scenes with hemispheres on the inward half of it. Magnitudes are uniform up to the
@@ -87,15 +90,15 @@ struct PairReport : ErrorsByWarning {
   }
 };
 
-/// Comparisons for pairs of tools of a model.
+/// Comparisons for pairs of tools without a warning.
 std::vector<WorseThanLinear> worse_than_linear(const PairReport& report);
 
 /// Default depth of both tools as a fraction of the trained depth: 12 mm of the paper's 28.
 inline constexpr double pair_depth_fraction = 12.0 / 28;
 
-/// Random pairs of active nodes. Directions are uniform on the sphere,
-/// or in scenes with hemispheres on the inward half of it. Both tools have the depth `depth_m`. Collective; the result
-/// is the same for any number of ranks and complete on rank 0. If `stop` returns true, the function returns the
+/// Random pairs of places where the body answers without a warning, or of active nodes. Directions are uniform on the
+/// sphere, or in scenes with hemispheres on the inward half of it. Both tools have the depth `depth_m`. Collective; the
+/// result is the same for any number of ranks and complete on rank 0. If `stop` returns true, the function returns the
 /// finished pairs.
 /// @param body  of the same mesh and physics; null: none, if the model has node probes
 /// @throws Error (input) if the model has no two active nodes that can be touched at the same time, or if it has forces

@@ -119,8 +119,8 @@ struct ValidationReport {
 /// predictor.
 struct WorseThanLinear {
   const char* what;   ///< "force" or "displacement"
-  const char* range;  ///< "inside" or "outside" of the trained range, "points" (tools between nodes), "pairs" (two
-                      ///< tools); of a reduced body "body_points", "body_pairs"
+  const char* range;  ///< "inside" or "outside" of the trained range, "points" (tools between nodes), "rim" or "pairs"
+                      ///< (two tools without a warning); of a reduced body with "body_" before it
   double model = 0, linear = 0;
   /// One sentence, without a full stop.
   std::string sentence() const;
