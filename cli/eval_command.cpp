@@ -197,12 +197,9 @@ void run_single(const Options& options) {
                       "omit the output file, or train the model with [training] modes of 1 or more");
   if (response.status > 0) message("warning: {}\n", warning_of(model, body, response.status, places, displacements));
   json extra = record("status", response.status, "family", model.info().family, "level", model.level());
-  const bool single = !coupled && places.size() == 1, bounded = single && model.has_bounds();
+  const bool bounded = !coupled && places.size() == 1 && model.has_bounds();
   std::optional<double> bound_N;
-  if (single) {
-    const auto node = options.tool.nodes.front();
-    if (bounded) bound_N = model.error_bound(node, displacements.front());
-  }
+  if (bounded) bound_N = model.error_bound(options.tool.nodes.front(), displacements.front());
   if (options.body) extra["body"] = options.body->string();
   if (bounded) extra["bound_N"] = bound_N ? json(*bound_N) : json(nullptr);
   const auto& bounds = response.bound_N;

@@ -1,5 +1,4 @@
-// Structured blocks of tetrahedra, made so that a test knows every node; and the same with an irregular
-// interior.
+// Structured blocks of tetrahedra, made so that a test knows every node; and the same with an irregular interior.
 #pragma once
 
 #include <Eigen/Dense>
@@ -27,9 +26,8 @@ class Random {
   std::mt19937_64 _engine;
 };
 
-/// The block [0, size] cut into boxes, each box into the six tetrahedra of Kuhn along its main diagonal. Node
-/// (i, j, k) has number (k (n_y + 1) + j) (n_x + 1) + i. The mesh is its own image under inversion through
-/// the center.
+/// The block [0, size] cut into boxes, each box into the six tetrahedra of Kuhn along its main diagonal. Node (i, j, k)
+/// has number (k (n_y + 1) + j) (n_x + 1) + i. The mesh is its own image under inversion through the center.
 inline Mesh block_mesh(const std::array<int, 3>& boxes, const std::array<double, 3>& size) {
   const auto [nx, ny, nz] = boxes;
   const auto number = [nx = nx, ny = ny](const std::array<int, 3>& q) {
@@ -43,8 +41,7 @@ inline Mesh block_mesh(const std::array<int, 3>& boxes, const std::array<double,
       for (int i = 0; i <= nx; ++i)
         mesh.nodes.row(number({i, j, k})) << size[0] * i / nx, size[1] * j / ny, size[2] * k / nz;
 
-  // Each path from corner (0,0,0) to (1,1,1) along the axes is a tetrahedron; odd orders of axes are
-  // mirrored.
+  // Each path from corner (0,0,0) to (1,1,1) along the axes is a tetrahedron; odd orders of axes are mirrored.
   constexpr int axes[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
   Eigen::Index cell = 0;
   for (int k = 0; k < nz; ++k)
@@ -80,8 +77,7 @@ inline double volume(const Mesh& mesh) {
   return sum;
 }
 
-/// Moves the interior nodes by up to `distance` in each component, so that no symmetry of the mesh hides a
-/// mistake.
+/// Moves the interior nodes by up to `distance` in each component, so that no symmetry of the mesh hides a mistake.
 inline Mesh irregular(Mesh mesh, double distance, Random& random) {
   for (const auto node : interior_nodes(mesh))
     for (int k = 0; k < 3; ++k) mesh.nodes(node, k) += distance * random();

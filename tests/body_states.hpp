@@ -44,8 +44,7 @@ inline Vector3 value_at(const Discretization& body, const std::vector<double>& v
   return {values[dofs[0]], values[dofs[1]], values[dofs[2]]};
 }
 
-/// Boundary displaced by u = H X; the nine parameters are H row by row, so the conjugate force is volume
-/// times P.
+/// Boundary displaced by u = H X; the nine parameters are H row by row, so the conjugate force is volume times P.
 inline Constraint affine_boundary(const Discretization& body) {
   Constraint constraint;
   for (int p = 0; p < body.n_points(); ++p)

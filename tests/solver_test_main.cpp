@@ -37,8 +37,7 @@ class SolverEnvironment : public ::testing::Environment {
     const char* kernels = std::getenv("OPENBLAS_CORETYPE");
     if (kernels && std::strcmp(kernels, "SkylakeX") == 0 && !has_avx512())
       GTEST_SKIP() << "this processor has no AVX-512, which OpenBLAS's kernels for SkylakeX need";
-    // One process that talks to nobody: Open MPI need not look for networks, which takes longer than most
-    // tests.
+    // One process that talks to nobody: Open MPI need not look for networks, which takes longer than most tests.
     ::setenv("OMPI_MCA_pml", "ob1", 0);
     ::setenv("OMPI_MCA_btl", "self", 0);
     const NoLeakCheck starting;

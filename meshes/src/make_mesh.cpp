@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <phynness/formats/error.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <sstream>

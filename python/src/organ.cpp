@@ -3,7 +3,6 @@
 
 #include <phynness/phynness_batch.hpp>
 
-#include <cmath>
 #include <filesystem>
 #include <limits>
 

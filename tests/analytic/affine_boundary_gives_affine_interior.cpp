@@ -77,8 +77,7 @@ TEST_P(PatchTest, RestStiffnessIsHookesLaw) {
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> P = volume(mesh) * first_piola(hooke, F);
     expected.col(c) = Eigen::Map<const Eigen::VectorXd>(P.data(), 9);
   }
-  // One factorization and no iteration: what is left is rounding, 1e-16 times the condition number (some
-  // 1e3).
+  // One factorization and no iteration: what is left is rounding, 1e-16 times the condition number (some 1e3).
   EXPECT_LT((rays.rest().tangent - expected).norm(), 1e-12 * expected.norm());
   EXPECT_EQ(rays.rest().negative_pivots, 0);
 }

@@ -1,8 +1,7 @@
 // Claims: bounds that were calibrated on random states hold for the promised share of other states, at each third of
 // the depth for at least nine tenths, and are narrower than a constant bound; they do not depend on the order of the
 // states; too few states are refused. Bounds between nodes hold for the promised share in the mean over many
-// calibrations. The errors are made up: they grow with crushed cells and with the depth, and
-// their logarithms scatter.
+// calibrations. The errors are made up: they grow with crushed cells and with the depth, and their logarithms scatter.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -58,8 +58,7 @@ TEST_P(Fields, AreZeroAtRest) {
   const auto mesh = irregular_block(12);
   const Discretization body(mesh, form_set(material, GetParam().element, 1));
   const auto values = NodalFields(body, both).at_nodes(body, std::vector<double>(body.n_dofs(), 0.0));
-  // F = I holds in the arithmetic of most cells; its error, 1e-16 of strain, is all there is, times moduli up
-  // to 10.
+  // F = I holds in the arithmetic of most cells; its error, 1e-16 of strain, is all there is, times moduli up to 10.
   EXPECT_LT(values.cwiseAbs().maxCoeff(), 1e-13);
 }
 

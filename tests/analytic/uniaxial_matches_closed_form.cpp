@@ -83,9 +83,8 @@ INSTANTIATE_TEST_SUITE_P(Elements, UniaxialOfElement, ::testing::ValuesIn(every_
 class UniaxialOfMixedElement : public ::testing::TestWithParam<Element> {};
 
 TEST_P(UniaxialOfMixedElement, MooneyRivlinCubeReachesTheIncompressibleLimit) {
-  // c1 = c2 = 2.5, P = 13.125: u_x = 1, lateral 1/sqrt(2) - 1. With bulk modulus K the stretches deviate by a
-  // series in P/K whose first term two values of K cancel: 2 u(2K) - u(K) deviates by O((P/K)^2), here 1e-8
-  // of the strain.
+  // c1 = c2 = 2.5, P = 13.125: u_x = 1, lateral 1/sqrt(2) - 1. With bulk modulus K the stretches deviate by a series in
+  // P/K whose first term two values of K cancel: 2 u(2K) - u(K) deviates by O((P/K)^2), here 1e-8 of the strain.
   Random random(7);
   const auto mesh = irregular(block_mesh({2, 2, 2}, {1, 1, 1}), 0.1, random);
   std::vector<Vector3> corner;

@@ -1,6 +1,5 @@
 // Claims: a file that is missing, a folder, a pipe, unreadable, too large or with a zero is refused by name for what it
 // is; control characters of a file reach no terminal and cut no message short.
-#include <sys/stat.h>
 
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/printable.hpp>

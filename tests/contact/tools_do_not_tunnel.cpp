@@ -20,10 +20,9 @@ class AnySpeed : public testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(MetresPerTick, AnySpeed, testing::Values(1e-4, 1e-3, 1e-2, 1e-1, 1.0),
                          [](const auto& info) { return "um" + std::to_string(std::lround(1e6 * info.param)); });
 
-// Claim: a tool that flies through a plate of 2 mm, in any direction and at any speed up to a metre in a
-// tick, is caught on the side it came from and pushed back there for as long as it is behind. Seldom through
-// the rim. It sticks, so that it cannot slip round the plate; directions are within 60 degrees of the normal,
-// where sticking does not pull.
+// Claim: a tool that flies through a plate of 2 mm, in any direction and at any speed up to a metre in a tick, is
+// caught on the side it came from and pushed back there for as long as it is behind. Seldom through the rim. It sticks,
+// so that it cannot slip round the plate; directions are within 60 degrees of the normal, where sticking does not pull.
 TEST_P(AnySpeed, FlightsEndAtThePlate) {
   Touch touch(thin_plate());
   Numbers numbers;

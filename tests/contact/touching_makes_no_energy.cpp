@@ -9,8 +9,7 @@ struct Path {
   double work = 0, least = 0, stored = 0;
 };
 
-/// Work of the tool along straight legs between corners, from outside to outside: mean force times way, step
-/// by step.
+/// Work of the tool along straight legs between corners, from outside to outside: mean force times way, step by step.
 /// @param guarded  false: with the whole force, before the guard scaled it
 Path follow(const LoadedModel& loaded, const std::vector<Vector3d>& corners, double mu, bool guarded, double step) {
   Touch touch(loaded);
@@ -62,9 +61,8 @@ std::vector<Vector3d> round_trip(Numbers& numbers) {
   return corners;
 }
 
-// Claim: pressed, slid and brought back the way it came, a frictionless tool has done no work: its force
-// depends on where it is. Against what was stored: 1e-3, the tolerance of sliding and the corner at the touch
-// in steps of 0.05 mm.
+// Claim: pressed, slid and brought back the way it came, a frictionless tool has done no work: its force depends on
+// where it is. Against what was stored: 1e-3, the tolerance of sliding and the corner at the touch in steps of 0.05 mm.
 TEST(Energy, ThereAndBackWithoutFrictionIsNoWork) {
   Numbers numbers;
   for (const LoadedModel* loaded : {&linear_ball(), &bent_ball()}) {
@@ -76,8 +74,7 @@ TEST(Energy, ThereAndBackWithoutFrictionIsNoWork) {
   }
 }
 
-// Claim: a tool that sticks stores in the body what it does, and gets it back: to what the trapezoidal rule
-// leaves.
+// Claim: a tool that sticks stores in the body what it does, and gets it back: to what the trapezoidal rule leaves.
 TEST(Energy, PressAndReleaseReturnsWhatWasStored) {
   Numbers numbers;
   for (int i = 0; i < 20; ++i) {

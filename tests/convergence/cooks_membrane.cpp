@@ -71,8 +71,7 @@ FormSet cooks_law(Element element) {
 }
 
 TEST(CooksMembrane, BendsAsFarWithP2AsInTheLiterature) {
-  // P2 on 12 x 12 boxes lacks 0.25 % (8 x 8: 0.5 %, 16 x 16: 0.15 %), so half a per cent tells 14.74
-  // from 14.33.
+  // P2 on 12 x 12 boxes lacks 0.25 % (8 x 8: 0.5 %, 16 x 16: 0.15 %), so half a per cent tells 14.74 from 14.33.
   const double found = tip_deflection_mm(cooks_law(element_named("P2")), element_named("P2"), 12);
   std::printf("nu 0.3: P2 12 x 12: %.3f mm\n", found);
   EXPECT_NEAR(found, 14.74, 0.005 * 14.74);

@@ -13,8 +13,7 @@
 namespace phynness::test {
 namespace {
 
-/// The forms of manufactured.py for an element, in the places of a FormSet that hold a functional and a
-/// linear form.
+/// The forms of manufactured.py for an element, in the places of a FormSet that hold a functional and a linear form.
 struct ErrorForms {
   const ufcx_form *L2, *H1, *load;
 };
@@ -117,11 +116,10 @@ TEST_P(Orders, AreThoseOfTheElement) {
   }
 }
 
-// A structured mesh gives the displacement elements their orders within 0.1. Mixed elements start from the
-// larger error of their pressure, at K/mu = 10 that of kappa J, and come down on the displacement's own from
-// above: Taylor-Hood some tenths too fast, p1-p1, whose stabilization is of order between 1 and 2 in the
-// pressure, visibly so. Their L2 order still rises: at the interface 1.48 and 1.36 here, 1.67 and 1.56 from 8 boxes an
-// edge on.
+// A structured mesh gives the displacement elements their orders within 0.1. Mixed elements start from the larger error
+// of their pressure, at K/mu = 10 that of kappa J, and come down on the displacement's own from above: Taylor-Hood some
+// tenths too fast, p1-p1, whose stabilization is of order between 1 and 2 in the pressure, visibly so. Their L2 order
+// still rises: at the interface 1.48 and 1.36 here, 1.67 and 1.56 from 8 boxes an edge on.
 INSTANTIATE_TEST_SUITE_P(Elements, Orders,
                          ::testing::Values(Expected{element_named("P1"), 4, {0.9, 1.1}, {1.8, 2.1}},
                                            Expected{element_named("P2"), 4, {1.9, 2.1}, {2.8, 3.2}},

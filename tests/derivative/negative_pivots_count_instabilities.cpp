@@ -45,9 +45,8 @@ Eigen::MatrixXd stiffness_of_free_displacements(Discretization& body, const std:
 
 class Column : public ::testing::TestWithParam<Element> {
  protected:
-  /// A column eight times as tall as wide, clamped at both ends; the one parameter is how far the upper end
-  /// has come down. The mesh is its own image under inversion, so the straight column stays an equilibrium
-  /// beyond buckling.
+  /// A column eight times as tall as wide, clamped at both ends; the one parameter is how far the upper end has come
+  /// down. The mesh is its own image under inversion, so the straight column stays an equilibrium beyond buckling.
   void SetUp() override {
     _spec.element = GetParam();
     const auto mesh = block_mesh({1, 1, 8}, {1, 1, 8});

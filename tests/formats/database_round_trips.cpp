@@ -2,7 +2,6 @@
 // nearest). The distribution of rays over logs has no influence. The summary counts the contents. A log has the bytes
 // that formats/database.md describes.
 #include <algorithm>
-#include <cstring>
 
 #include "database_under_test.hpp"
 

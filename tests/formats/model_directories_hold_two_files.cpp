@@ -34,8 +34,7 @@ struct ModelFolder {
   Model model;
 };
 
-// Claim: a model directory holds exactly its two files, also when it replaces an older one, and reads back
-// equal.
+// Claim: a model directory holds exactly its two files, also when it replaces an older one, and reads back equal.
 TEST(ModelDirectory, HoldsExactlyTwoFiles) {
   ModelFolder folder;
   write_model_dir(folder.path, folder.model, folder.mesh);

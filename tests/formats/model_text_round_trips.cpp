@@ -6,7 +6,6 @@
 #include <locale>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/model.hpp>
-#include <tuple>
 
 #include "loaded_model.hpp"
 #include "model_numbers.hpp"

@@ -16,8 +16,7 @@ namespace {
 const std::string moduli = "shear_modulus_Pa = 500.0\nbulk_modulus_Pa = 5000.0";
 const std::string law_and_moduli = "law = \"neo-hookean\"\n" + moduli;
 
-// mu = 500 Pa and K = 5000 Pa in every pair; the conversions are a few operations, so rounding stays near
-// 1e-15.
+// mu = 500 Pa and K = 5000 Pa in every pair; the conversions are a few operations, so rounding stays near 1e-15.
 TEST(Material, is_the_same_in_every_pair_of_moduli) {
   const double mu = 500, bulk = 5000, lambda = bulk - 2 * mu / 3;
   const double young = 9 * bulk * mu / (3 * bulk + mu), poisson = (3 * bulk - 2 * mu) / (2 * (3 * bulk + mu));
@@ -206,9 +205,8 @@ TEST(Directions, finer_ones_hold_the_coarser_ones) {
 }
 
 TEST(Directions, leave_no_gap) {
-  // Farthest point of the sphere from the nearest direction, in degrees: the middle of a triangle of three,
-  // from its plane's normal. 14: axis, two corners. 26: axis, edge, corner. 98: the widest of the quarters of
-  // that.
+  // Farthest point of the sphere from the nearest direction, in degrees: the middle of a triangle of three, from its
+  // plane's normal. 14: axis, two corners. 26: axis, edge, corner. 98: the widest of the quarters of that.
   const std::pair<Directions, double> kinds[] = {
       {Directions::fourteen, 36.2}, {Directions::twenty_six, 27.6}, {Directions::ninety_eight, 14.3}};
   for (const auto& [kind, gap] : kinds) {

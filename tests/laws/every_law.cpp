@@ -1,6 +1,5 @@
-// Claims about every law of laws: the reference state has no energy and stress, the moduli at rest
-// are those of the file, rotations of body and space have no effect, and all parameters of a scene are part of its
-// hash.
+// Claims about every law of laws: the reference state has no energy and stress, the moduli at rest are those of the
+// file, rotations of body and space have no effect, and all parameters of a scene are part of its hash.
 #include <gtest/gtest.h>
 
 #include <cmath>

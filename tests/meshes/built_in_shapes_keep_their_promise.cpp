@@ -60,8 +60,7 @@ TEST(BuiltInShapes, BlockHasItsVolumeExactly) {
   EXPECT_NEAR(make_mesh(scene).quality.volume_m3, 6e-6, 1e-12 * 6e-6);  // plane faces: only rounding
 }
 
-// A circle cut into chords of length h loses the fraction (h / r)^2 / 6 of its area: second order, checked
-// both ways.
+// A circle cut into chords of length h loses the fraction (h / r)^2 / 6 of its area: second order, checked both ways.
 TEST(BuiltInShapes, CylinderVolumeConvergesToTheClosedFormInSecondOrder) {
   SKIP_WITHOUT_GMSH();
   Scene scene;

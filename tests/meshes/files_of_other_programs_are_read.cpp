@@ -1,7 +1,6 @@
 // Claim: a body and its surface in all encodings of VTK (ParaView, PyVista) and meshio are the same mesh: node numbers,
 // cells and coordinates, bit for bit, because these coordinates are exact in every format. Damaged and unsupported
 // files are refused with file and line. Declared sizes need no memory before the data are read.
-#include <cmath>
 #include <phynness/formats/vtk.hpp>
 #include <random>
 #include <set>

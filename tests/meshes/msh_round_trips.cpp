@@ -1,5 +1,4 @@
-// Claim: what write_msh writes comes back through make_mesh with the same node numbers, cells, groups and
-// hash.
+// Claim: what write_msh writes comes back through make_mesh with the same node numbers, cells, groups and hash.
 #include <cstdlib>
 #include <fstream>
 #include <sstream>

@@ -46,8 +46,7 @@ TEST_P(RealSurfaces, AreFilledAtTheWantedSize) {
   for (const double edge_m : {0.006, 0.01}) {
     scene.mesh.target_size_m = edge_m;
     const MeshResult result = make_mesh(scene);
-    // Inner edges of tetrahedra are longer than those of the surface: the mean of all lies somewhat above the
-    // target.
+    // Inner edges of tetrahedra are longer than those of the surface: the mean of all lies somewhat above the target.
     EXPECT_GT(result.quality.mean_edge_m, 0.9 * edge_m);
     EXPECT_LT(result.quality.mean_edge_m, 1.4 * edge_m);
     EXPECT_FALSE(contains(joined(result.warnings), "remeshing failed")) << joined(result.warnings);

@@ -2,7 +2,6 @@
 // line wider than 100 characters; no row repeats another; the rest is in the JSON and in the report. The
 // JSON holds the figures of the verdict, and the node named there is the worst of the drawn probes. A model of patches
 // says how far two tools are off.
-#include <cmath>
 
 #include "command_line.hpp"
 

@@ -2,10 +2,9 @@
 // that `validate` measures at other displacements are below the bound; the result depends on the seed but not on the
 // number of ranks; eval, info and validate show the bounds; a database of another scene, a linear model and too few
 // rays are refused. A calibration that is interrupted writes bounds from the finished nodes if these are at least 20,
-// says so, and fails; with fewer nodes it writes nothing. With --reference the bound is of the distance to a
-// finer solution: it holds for forces that `solve` finds with Taylor-Hood elements, where the bound from the model's
-// own elements does not; model, info and eval name the reference; references that are none are
-// refused.
+// says so, and fails; with fewer nodes it writes nothing. With --reference the bound is of the distance to a finer
+// solution: it holds for forces that `solve` finds with Taylor-Hood elements, where the bound from the model's own
+// elements does not; model, info and eval name the reference; references that are none are refused.
 #include <cmath>
 #include <phynness/formats/model.hpp>
 

@@ -27,8 +27,7 @@ TEST_F(Contract, PipelineFromSceneToForce) {
           EXPECT_TRUE(std::isfinite(block.at(group).at(what).at(figure).get<double>()));
   // What zero predicts is wrong by the whole of the largest response.
   EXPECT_NEAR(v.at("zero").at("inside").at("force").at("max").get<double>(), 1.0, 1e-12);
-  // The yardstick that must hold at depths of a third of an element: far better than zero, worse than
-  // nothing.
+  // The yardstick that must hold at depths of a third of an element: far better than zero, worse than nothing.
   EXPECT_LT(v.at("linear").at("inside").at("force").at("mean").get<double>(), 0.2);
   EXPECT_GT(v.at("linear").at("inside").at("force").at("mean").get<double>(), 0.0);
 

@@ -2,7 +2,6 @@
 // and outside of the trained depth: forces to 1e-8 (the solver's relative tolerance), displacements to 1e-6 (float32 in
 // the database, 6e-8, twice). So does the linear predictor. Scenes that cannot be trained are refused before anything
 // is solved.
-#include <cstdio>
 #include <phynness/formats/model.hpp>
 #include <phynness/formats/vtk.hpp>
 #include <sstream>

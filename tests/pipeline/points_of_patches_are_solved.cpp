@@ -1,9 +1,7 @@
 // Claims about tools between nodes in scenes of patches: phynness solve --point and validate --points answer; at a node
 // a patch around the point is the node's patch; patches may overlap. A part of a validation that cannot be done costs
 // no other part.
-#include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <phynness/formats/database.hpp>
 
 #include "command_line.hpp"

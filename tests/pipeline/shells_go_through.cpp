@@ -66,8 +66,7 @@ TEST_F(Shells, GoThroughThePipeline) {
     EXPECT_GT(mean(v.at("linear"), "force"), 0.02) << "a body this linear tells nothing";
     EXPECT_LT(mean(v, "force"), 0.3 * mean(v.at("linear"), "force")) << family;
     EXPECT_LT(mean(v, "displacement"), 0.6 * mean(v.at("zero"), "displacement")) << family;
-    // The paper's networks have 78 responses of a node to go by, and meet its displacement worse than linear
-    // theory.
+    // The paper's networks have 78 responses of a node to go by, and meet its displacement worse than linear theory.
     if (family == "modal") {
       EXPECT_LT(mean(v, "displacement"), 0.3 * mean(v.at("linear"), "displacement"));
     }
@@ -82,8 +81,7 @@ TEST_F(Shells, GoThroughThePipeline) {
   const double size = std::hypot(solved[0], solved[1], solved[2]);
   EXPECT_GT(size, 0);
   EXPECT_LT(std::hypot(modelled[0] - solved[0], modelled[1] - solved[1], modelled[2] - solved[2]), 0.02 * size);
-  // Energy is the work of the way: at most the final force along it where the wall stiffens, more where it
-  // softens.
+  // Energy is the work of the way: at most the final force along it where the wall stiffens, more where it softens.
   EXPECT_GT(json("s.json").at("energy").get<double>(), 0);
 
   const auto shown = succeed("show d.h5 --node " + node + " --direction 0 -o shown.pvd");
@@ -125,8 +123,7 @@ TEST_F(Shells, PatchesAndPairsOfToolsAreSolved) {
   };
   const double work = (1e-5 * force(1, 0) - 1e-5 * force(0, 1)) / 2;
   EXPECT_GT(work, 0);
-  // A hundredth of a millimetre: what is not linear is of the order of the displacement over the thickness, 2
-  // %.
+  // A hundredth of a millimetre: what is not linear is of the order of the displacement over the thickness, 2 %.
   EXPECT_NEAR(json("p.json").at("energy").get<double>(), work, 0.02 * work);
 }
 

@@ -3,7 +3,6 @@
 // all are solved. Spread points keep those that are there. A killed growth keeps the earlier database and goes on. A
 // scene with fewer nodes is refused.
 #include <algorithm>
-#include <cmath>
 #include <phynness/formats/database.hpp>
 
 #include "command_line.hpp"

@@ -77,8 +77,7 @@ TEST(RaySample, nodes_that_are_asked_for_nothing_take_no_part) {
 }
 
 TEST(RaySample, nodes_near_fixed_ones_come_more_often_and_weigh_less) {
-  // Distances 1 ... 400 from the only fixed point: the nearest tenth holds 4.28 / 6.57 of the sum of 1 /
-  // distance.
+  // Distances 1 ... 400 from the only fixed point: the nearest tenth holds 4.28 / 6.57 of the sum of 1 / distance.
   Points points = line_of_points(400);
   points.col(0).array() += 1;
   const auto rays = choose_rays(points, Points::Zero(1, 3), std::vector<char>(400 * 26, 1), 26, 96, 11);

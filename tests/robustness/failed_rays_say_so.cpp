@@ -49,8 +49,7 @@ TEST_P(DeepPush, OfStVenantKirchhoffEndsInvertedAndKeepsTheLastGoodIncrement) {
   EXPECT_NEAR(last_good.force_N[0][2], fresh.force_N[0][2], 1e-7 * std::abs(fresh.force_N[0][2]));
 }
 
-// P1-P1 and Taylor-Hood may stop with a line search that fails before the first cell turns: see the next
-// test.
+// P1-P1 and Taylor-Hood may stop with a line search that fails before the first cell turns: see the next test.
 INSTANTIATE_TEST_SUITE_P(Elements, DeepPush, ::testing::Values(element_named("P1"), element_named("P2")), element_name);
 
 class DeepPushOfMixed : public ::testing::TestWithParam<Element> {};

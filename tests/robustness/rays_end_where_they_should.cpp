@@ -3,7 +3,6 @@
 // ray without such an end is the same, bit for bit, with and without the search.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "probe_block.hpp"

@@ -37,9 +37,8 @@ TEST_P(Step, OfABillionthOfTheBodyGivesTheRestStiffness) {
 }
 
 TEST_P(Step, OfAMillionthConvergesAtPenroseDrainIncompressibility) {
-  // K/mu = 23000: rounding of the volumetric stress is that much worse than of the shear stress, and so is
-  // the nonlinearity: 23000 * 1e-6 of a strain of 1e-6 per body, some ten times that in the elements. Four
-  // digits are left.
+  // K/mu = 23000: rounding of the volumetric stress is that much worse than of the shear stress, and so is the
+  // nonlinearity: 23000 * 1e-6 of a strain of 1e-6 per body, some ten times that in the elements. Four digits are left.
   const auto block = probe_block(GetParam(), 23000, {4, 4, 3});
   auto solver = block.touched();
   const Vector3 d(0, 0, -1e-6 * block_size_m[0]);

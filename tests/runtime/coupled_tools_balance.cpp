@@ -187,10 +187,9 @@ TEST_P(CoupledToolsOf, AreTheSameInAnyOrder) {
   }
 }
 
-// Claim: the field has no jump where the others are just where the first tool has moved them, from whichever
-// side they come: what is left to them has no direction there. Networks, whose field for nothing is not
-// nothing, had one, of 1e-3 of the field. 1e-5: the field moves by some hundred times the 1e-9 m, and fields
-// of modes are floats.
+// Claim: the field has no jump where the others are just where the first tool has moved them, from whichever side they
+// come: what is left to them has no direction there. Networks, whose field for nothing is not nothing, had one, of 1e-3
+// of the field. 1e-5: the field moves by some hundred times the 1e-9 m, and fields of modes are floats.
 TEST_P(CoupledToolsOf, FieldsHaveNoJumpWhereNothingIsLeft) {
   const Model model = small_model_of(GetParam());
   const LoadedModel loaded(write_model_text(model));
@@ -303,10 +302,9 @@ TEST(CoupledTools, AreTurnedByEachOther) {
   }
 }
 
-// Claim: a second tool that goes just where the first one's field moves its point changes nothing: the first
-// feels what it felt, the second nothing. Both to a tenth of what is beyond linear at the first: the weight
-// of the order that does not say so is 0.05 of all tools' energies over the first one's, the second having
-// next to none.
+// Claim: a second tool that goes just where the first one's field moves its point changes nothing: the first feels what
+// it felt, the second nothing. Both to a tenth of what is beyond linear at the first: the weight of the order that does
+// not say so is 0.05 of all tools' energies over the first one's, the second having next to none.
 TEST(CoupledTools, ThatAreMovedAlongAreNotFelt) {
   const LinearBody body(7);
   Model model = bent(body);

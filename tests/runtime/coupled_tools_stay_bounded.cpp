@@ -19,9 +19,8 @@ class BoundedToolsOf : public testing::TestWithParam<Family> {};
 INSTANTIATE_TEST_SUITE_P(Families, BoundedToolsOf, testing::Values(Family::rbfn, Family::linear, Family::modal),
                          [](const auto& info) { return std::string(name(info.param)); });
 
-// Claim: tools too near each other to follow each other's contradictions say so, and give forces that a
-// device can render: opposed they may be 1 / (2 least_apart) = 10 times what linear tools would feel alone at
-// their displacements.
+// Claim: tools too near each other to follow each other's contradictions say so, and give forces that a device can
+// render: opposed they may be 1 / (2 least_apart) = 10 times what linear tools would feel alone at their displacements.
 TEST_P(BoundedToolsOf, ForcesAreBounded) {
   const LoadedModel loaded(write_model_text(small_model_of(GetParam())));
   int n_given_up = 0;
@@ -85,10 +84,9 @@ TEST(CoupledTools, MeetWithoutAJump) {
   }
 }
 
-// Claim: forces are continuous where a tool slides over an edge or a node, and the answer is the same
-// whatever was asked before. Both triangles see the edge's own problem, so that a step of 1e-9 changes the
-// force by some 1e-9 of it; substitution ends at 1e-9, too. The body is curved: the force differs from the
-// linear one by percents.
+// Claim: forces are continuous where a tool slides over an edge or a node, and the answer is the same whatever was
+// asked before. Both triangles see the edge's own problem, so that a step of 1e-9 changes the force by some 1e-9 of it;
+// substitution ends at 1e-9, too. The body is curved: the force differs from the linear one by percents.
 TEST(SlidingTools, KeepTheirForceOverEdges) {
   const LinearBody body(7);
   const LoadedModel loaded(write_model_text(bent(body))), linear(write_model_text(body.model));

@@ -53,8 +53,7 @@ TEST_P(DamagedText, EveryTruncationIsRefused) {
   }
 }
 
-// Claim: every damaged byte is refused. FNV-1a misses no single-byte change: each step is a bijection of the
-// state.
+// Claim: every damaged byte is refused. FNV-1a misses no single-byte change: each step is a bijection of the state.
 TEST_P(DamagedText, EveryDamagedByteIsRefused) {
   std::string text = small_text(GetParam());
   for (std::size_t at = 0; at < text.size(); ++at) {
@@ -142,9 +141,8 @@ TEST(DefectsOfText, OfLevelsAreTold) {
   refused(small_modal_model(3, 5, 6, 2), small_modal_model(3, 5, 6, 8));
 }
 
-// Claim: coordinates beyond 1e30 m are refused wherever they stand; with those at the bound, whatever their
-// signs, and a place from anywhere, everything stays finite. Found by fuzzing: two tools at +-1.8e308 m, a
-// triangle of 1e200 m.
+// Claim: coordinates beyond 1e30 m are refused wherever they stand; with those at the bound, whatever their signs, and
+// a place from anywhere, everything stays finite. Found by fuzzing: two tools at +-1.8e308 m, a triangle of 1e200 m.
 TEST(DefectsOfText, CoordinatesAreBounded) {
   const auto limit = std::string("1.93e5939a08ceap+99"),
              beyond = std::string("1.93e5939a08cebp+99");  // about 1e30

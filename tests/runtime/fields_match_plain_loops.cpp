@@ -43,9 +43,8 @@ Eigen::VectorXd plain(const Model& model, const ActiveNodeModel& node, std::size
 
 const Vector3d field_probes[] = {{0.004, -0.002, 0.001}, {0.01, 0, 0}, {-0.02, 0.03, 0.01}, {0, 0.005, 0}, {1, 1, -1}};
 
-// Claim: a field is the formulas of formats/model.md. Shared modes are summed as floats: 1e-6 of the sizes of
-// the terms is 16 roundings of 6e-8, of which 6 modes make. (Values at near nodes are sums in double, and of
-// that size.)
+// Claim: a field is the formulas of formats/model.md. Shared modes are summed as floats: 1e-6 of the sizes of the terms
+// is 16 roundings of 6e-8, of which 6 modes make. (Values at near nodes are sums in double, and of that size.)
 TEST(Fields, MatchPlainLoops) {
   const Model model = small_field_model();
   const LoadedModel loaded(write_model_text(model));

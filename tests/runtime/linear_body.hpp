@@ -66,8 +66,7 @@ Model modal_model_of(Model model, const Curve& curve) {
   return model;
 }
 
-/// A linear body of n free nodes given by its compliance, u = C f, and node n fixed; every node active and
-/// output.
+/// A linear body of n free nodes given by its compliance, u = C f, and node n fixed; every node active and output.
 struct LinearBody {
   Eigen::MatrixXd compliance;
   Model model;

@@ -78,8 +78,7 @@ Response plain(const Model& model, const ActiveNodeModel& node, const Vector3d& 
 const Vector3d probes[] = {{0, 0, 0},  {0.004, -0.002, 0.001}, {0.01, 0, 0}, {-0.02, 0.03, 0.01},
                            {1, 1, -1}, {0, 0.005, 0},          {1e-9, 0, 0}, {0.0099, -0.0001, 0.0005}};
 
-/// Models of every shape: no centers, no shared modes, one more than a pass takes, more output than a piece
-/// holds.
+/// Models of every shape: no centers, no shared modes, one more than a pass takes, more output than a piece holds.
 std::vector<Model> models() {
   std::vector<Model> all = {small_modal_model(), small_modal_model(1, 0, 1, 0), small_modal_model(2, 3, 0, 1),
                             small_modal_model(7, 30, 13, 8)};
@@ -93,9 +92,8 @@ std::vector<Model> models() {
   return all;
 }
 
-// Claim: force, energy and stiffness are the formulas of formats/model.md, to rounding: 1e-14 of the sizes of
-// the terms, which the runtime sums in another order; 1e-12 of the force itself, whose terms may be a hundred
-// times larger.
+// Claim: force, energy and stiffness are the formulas of formats/model.md, to rounding: 1e-14 of the sizes of the
+// terms, which the runtime sums in another order; 1e-12 of the force itself, whose terms may be a hundred times larger.
 TEST(ModalRuntime, ForceEnergyAndStiffnessAreTheFormulas) {
   for (const Model& model : models()) {
     const LoadedModel loaded(write_model_text(model));

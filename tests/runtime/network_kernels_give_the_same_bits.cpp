@@ -81,9 +81,8 @@ TEST(NetworkKernels, GiveTheSameBitsWithEverySetOfInstructions) {
   }
 }
 
-// Claim: within 6e-16 of the library's exp, itself exact to 2e-16, down to exp(-300); below that never more
-// than it, nor so little that a product of two and a weight leaves the normal numbers; exactly 1 at 0; never
-// negative or NaN.
+// Claim: within 6e-16 of the library's exp, itself exact to 2e-16, down to exp(-300); below that never more than it,
+// nor so little that a product of two and a weight leaves the normal numbers; exactly 1 at 0; never negative or NaN.
 TEST(Exponential, OfNegativeNumbersIsThatOfTheLibrary) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> between(0, 1);

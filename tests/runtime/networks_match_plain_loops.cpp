@@ -32,9 +32,8 @@ TEST(Runtime, ForceIsTheNetwork) {
   }
 }
 
-// Claim: deformation is (11)-(12) of displacement and coordinates at every output node that the probe does
-// not move; those it moves take their weight times the displacement, so the touched node follows exactly.
-// 1e-14 as above.
+// Claim: deformation is (11)-(12) of displacement and coordinates at every output node that the probe does not move;
+// those it moves take their weight times the displacement, so the touched node follows exactly. 1e-14 as above.
 TEST(Runtime, DeformationIsTheNetwork) {
   const Model model = small_model();
   const LoadedModel loaded(write_model_text(model));

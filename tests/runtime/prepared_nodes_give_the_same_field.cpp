@@ -10,8 +10,7 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-/// 400 output nodes are 38 blocks of rows: nodes become ready over several calls, and the last block is not
-/// full.
+/// 400 output nodes are 38 blocks of rows: nodes become ready over several calls, and the last block is not full.
 Model large_model(int n_modes = 5, int n_shared = 12) {
   Model model = small_modal_model(n_modes, 5, n_shared, 4);
   Numbers numbers;

@@ -63,8 +63,7 @@ inline RbfNetwork random_network(const Model& model, int n_neurons, bool deforms
   return net;
 }
 
-/// 20 mesh nodes; fixed 0, 1; output 2 ... 13; active 3, 5, 8 (a patch with 7 and 9) and 15, which is no
-/// output node.
+/// 20 mesh nodes; fixed 0, 1; output 2 ... 13; active 3, 5, 8 (a patch with 7 and 9) and 15, which is no output node.
 inline Model small_model(int n_deformation = 9, int n_force = 5) {
   Numbers numbers;
   Model model;
@@ -113,8 +112,7 @@ inline Model small_model(int n_deformation = 9, int n_force = 5) {
   return model;
 }
 
-/// The same nodes and probes with linear responses instead of networks; at prescribed nodes the response is
-/// the weight.
+/// The same nodes and probes with linear responses instead of networks; at prescribed nodes the response is the weight.
 inline Model small_linear_model() {
   Numbers numbers;
   Model model = small_model(0, 0);

@@ -2,7 +2,6 @@
 // 10.1016/j.finel.2003.11.001, within 1 % for thickness over length from 1/100 to 1/250: there is no locking by shear,
 // membrane or thickness. The reference values are converged values of fine meshes; with the meshes here the errors are
 // 0.1, 0.5 and 0.9 %.
-#include <algorithm>
 
 #include "shell_bodies.hpp"
 
@@ -45,9 +44,8 @@ TEST(ShellBenchmarks, CantileverUnderEndShear) {
 }
 
 TEST(ShellBenchmarks, CantileverUnderEndMoment) {
-  // L = 12, b = 1, t = 0.1, E = 1.2e6, nu = 0: under M = 2 pi E I / L it closes to a circle. The director of
-  // the end is turned; the moment is the work-conjugate of its angle. Exact: M = E I angle / L, and the end
-  // on a circle.
+  // L = 12, b = 1, t = 0.1, E = 1.2e6, nu = 0: under M = 2 pi E I / L it closes to a circle. The director of the end is
+  // turned; the moment is the work-conjugate of its angle. Exact: M = E I angle / L, and the end on a circle.
   const ThinShell law{1.2e6, 0, 0.1};
   const double L = 12, EI = 1.2e6 * 1e-3 / 12;
   const auto mesh = strip(L, 1, {24, 1});
@@ -83,9 +81,8 @@ TEST(ShellBenchmarks, CantileverUnderEndMoment) {
 }
 
 TEST(ShellBenchmarks, PinchedHemisphereWithAHole) {
-  // R = 10, t = 0.04, hole of 18 degrees, E = 6.825e7, nu = 0.3; four alternating loads of 400 at the
-  // equator; a quarter between symmetry planes carries half of two of them. (P / P_max, u_A outward, -u_B
-  // inward)
+  // R = 10, t = 0.04, hole of 18 degrees, E = 6.825e7, nu = 0.3; four alternating loads of 400 at the equator; a
+  // quarter between symmetry planes carries half of two of them. (P / P_max, u_A outward, -u_B inward)
   constexpr double reference[][3] = {
       {0.25, 2.596, 3.833}, {0.5, 3.406, 5.902}, {0.75, 3.816, 7.234}, {1.0, 4.067, 8.178}};
   const ThinShell law{6.825e7, 0.3, 0.04};

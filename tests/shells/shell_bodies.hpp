@@ -66,8 +66,7 @@ std::vector<std::int32_t> shell_dofs(const Discretization& body, Chosen&& chosen
   return dofs;
 }
 
-/// A shell of Hooke's moduli that is not stretched much: St. Venant-Kirchhoff with the shear modulus as the
-/// unit.
+/// A shell of Hooke's moduli that is not stretched much: St. Venant-Kirchhoff with the shear modulus as the unit.
 struct ThinShell {
   double youngs_modulus, poissons_ratio, thickness;
   double shear_modulus() const { return youngs_modulus / (2 * (1 + poissons_ratio)); }

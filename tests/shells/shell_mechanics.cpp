@@ -125,9 +125,8 @@ TEST_P(PlaneStress, IsThatOfTheLaw) {
   const auto mesh = strip(1, 1, {2, 2});
   constexpr double thickness = 0.01;
   Discretization body(mesh, form_set(material, element_named("shell"), 1, thickness));
-  // Exact for St. Venant-Kirchhoff. The others' last Newton step leaves a rest of fifth order in the volume
-  // strain: strains here are of order 1, so that it is below (mu/K)^5. Golden section finds the minimum to
-  // some 1e-8.
+  // Exact for St. Venant-Kirchhoff. The others' last Newton step leaves a rest of fifth order in the volume strain:
+  // strains here are of order 1, so that it is below (mu/K)^5. Golden section finds the minimum to some 1e-8.
   const bool exact = law->shell_from == 0;
   const double tolerance = exact ? 1e-7 : std::pow(bulk_to_shear, -5) + 1e-7;
   // St. Venant-Kirchhoff would turn the wall inside out at the largest.
@@ -177,10 +176,9 @@ TEST(Plates, ClampedSquareSagsAsInPlateTheory) {
 }
 
 TEST(SlitTube, IsAsStiffAsASolidOfTaylorHoodTetrahedra) {
-  // The drain's radius, length, wall and moduli, slit along its whole length and clamped at both ends; a dead
-  // load downward on the third of its length in the middle, where y > 0. The two agree to 6 % here and to 2 %
-  // with twice as many cells each way (docs/decisions/shell.md): the shell comes from below, the
-  // straight-edged solid from above.
+  // The drain's radius, length, wall and moduli, slit along its whole length and clamped at both ends; a dead load
+  // downward on the third of its length in the middle, where y > 0. The two agree to 6 % here and to 2 % with twice as
+  // many cells each way (docs/decisions/shell.md): the shell comes from below, the straight-edged solid from above.
   constexpr double R = 6.35, t = 0.5, L = 38, slit = 0.32;
   constexpr int around = 20, along = 12;
   const auto material = mooney_rivlin(2 / 4.4, 0.2 / 4.4, 100e3 / 4.4);
@@ -188,8 +186,7 @@ TEST(SlitTube, IsAsStiffAsASolidOfTaylorHoodTetrahedra) {
     const double angle = std::numbers::pi / 2 + slit + s * (2 * std::numbers::pi - 2 * slit);
     return {(R + height) * std::cos(angle), (R + height) * std::sin(angle), L * z};
   };
-  /// Mean displacement of the watched nodes under a load that is spread evenly over all the faces at the
-  /// given radii.
+  /// Mean displacement of the watched nodes under a load that is spread evenly over all the faces at the given radii.
   const auto sag = [&](Discretization& body, std::vector<std::int32_t> held, const Mesh& mesh,
                        const std::vector<double>& radii, const std::vector<Vector3>& watched) {
     SolverSpec spec = shell_solver();

@@ -15,8 +15,7 @@ namespace {
 
 constexpr int n_threads = 8, n_rounds = 60;
 
-/// Every function of phynness.h that takes scratch, at all active nodes, in an order that differs between
-/// threads.
+/// Every function of phynness.h that takes scratch, at all active nodes, in an order that differs between threads.
 std::vector<double> answers(const phn_model* model, const phn_surface* surface, int first) {
   std::size_t bytes = 0;
   LoadedModel::check(phn_data_size(model, 2, &bytes));

@@ -14,8 +14,7 @@
 namespace phynness::test {
 namespace {
 
-/// A norm and a quadratic form in d that depend on place and, a little, on the sign of d, as fields of a body
-/// do.
+/// A norm and a quadratic form in d that depend on place and, a little, on the sign of d, as fields of a body do.
 double value(const DatabaseHeader& header, int field, std::int32_t active, int o, const Eigen::Vector3d& d) {
   const Eigen::Vector3d touched = header.mesh.nodes.row(header.sets.active[static_cast<std::size_t>(active)]);
   const Eigen::Vector3d x = header.mesh.nodes.row(o).transpose() - touched;

@@ -68,8 +68,7 @@ double radical_inverse(int i, int base) {
   return value;
 }
 
-/// The first n Halton points of the unit square; outputs: Franke's function, its mirror image, and their
-/// product.
+/// The first n Halton points of the unit square; outputs: Franke's function, its mirror image, and their product.
 NetworkPoints franke_points(int n) {
   NetworkPoints points;
   points.displacements.resize(n, 2);
@@ -112,8 +111,7 @@ TEST(Growth, WeightsAreThoseOfDenseLeastSquares) {
   EXPECT_LT((coefficients(fit.network) - w).norm(), 1e-9 * w.norm());
 }
 
-// Claim: the recorded MSE (14) is that of the finished network; 1e-10 relative is rounding of two different
-// sums.
+// Claim: the recorded MSE (14) is that of the finished network; 1e-10 relative is rounding of two different sums.
 TEST(Growth, RecordedErrorIsThatOfTheNetwork) {
   const NetworkPoints points = small_deformation_points();
   const NetworkFit fit = fit_network(points, {60, 0.75, 0});
@@ -154,8 +152,7 @@ TEST(Growth, StopsAtTheTarget) {
   EXPECT_GT(fit.mse[fit.mse.size() - 2], target);
 }
 
-// Claim: inputs and outputs of the training data fill [-1, 1] in every column and leave it by no rounding
-// error.
+// Claim: inputs and outputs of the training data fill [-1, 1] in every column and leave it by no rounding error.
 TEST(Growth, ScaledDataLiesWithinOne) {
   const NetworkPoints points = small_deformation_points();
   const NetworkFit fit = fit_network(points, {1, 0.75, 0});
@@ -166,8 +163,7 @@ TEST(Growth, ScaledDataLiesWithinOne) {
   }
 }
 
-// Claim: a constant column (a planar set of directions, a force component that is always zero) is no division
-// by zero.
+// Claim: a constant column (a planar set of directions, a force component that is always zero) is no division by zero.
 TEST(Growth, ConstantColumnsAreDefined) {
   NetworkPoints points = small_deformation_points();
   points.displacements.col(2).setConstant(0.25);
@@ -179,10 +175,9 @@ TEST(Growth, ConstantColumnsAreDefined) {
   EXPECT_NEAR(evaluate(fit.network, x)[1], -3, 1e-12);
 }
 
-// Claim: whatever the spread, weights are finite and the basis that is kept has a condition number that
-// double precision can afford. Each column keeps at least dependence_threshold of its length after
-// orthogonalization; the condition number can exceed the inverse of that by a modest factor that grows with
-// the number of columns.
+// Claim: whatever the spread, weights are finite and the basis that is kept has a condition number that double
+// precision can afford. Each column keeps at least dependence_threshold of its length after orthogonalization; the
+// condition number can exceed the inverse of that by a modest factor that grows with the number of columns.
 TEST(Growth, ExtremeSpreadsStayFinite) {
   const NetworkPoints points = franke_points(289);
   for (double spread = 1e-3; spread < 2e3; spread *= 10) {

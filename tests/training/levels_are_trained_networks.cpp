@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <cmath>
 #include <phynness/training/conservative_fit.hpp>
 #include <phynness/training/network_fit.hpp>
 #include <random>
@@ -158,8 +157,7 @@ TEST(LeftOutOfFit, IsAFitWithoutTheGroup) {
   EXPECT_EQ(undamped.row(4), b.row(4));
 }
 
-/// Mean error of a level's force at 300 displacements that are none of the training's, over the largest
-/// force.
+/// Mean error of a level's force at 300 displacements that are none of the training's, over the largest force.
 double true_force_error(const Model& model, const ActiveNodeModel& node, std::size_t l, std::int32_t active) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-1, 1);

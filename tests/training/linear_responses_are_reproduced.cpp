@@ -12,8 +12,7 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-/// A linear body made up: at every active node a symmetric stiffness and unit responses, the node's own the
-/// identity.
+/// A linear body made up: at every active node a symmetric stiffness and unit responses, the node's own the identity.
 LinearResponse made_up(const DatabaseHeader& header, std::int32_t active) {
   std::mt19937_64 random(static_cast<std::uint64_t>(active) + 1);
   const auto number = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1; };
@@ -158,8 +157,7 @@ TEST(LinearTraining, NonlinearDataIsRefused) {
   EXPECT_NE(refusal(three, skewed).find("transpose"), std::string::npos) << refusal(three, skewed);
 }
 
-// Claim: a departure within the tolerance is accepted and reported at its size: the refusal is no hair
-// trigger.
+// Claim: a departure within the tolerance is accepted and reported at its size: the refusal is no hair trigger.
 TEST(LinearTraining, SmallResidualsAreAcceptedAndReported) {
   const DatabaseHeader header = linear_header(true);
   TrainingReport report;

@@ -4,7 +4,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <phynness/training/training.hpp>
 
@@ -111,8 +110,7 @@ TEST(ModalTraining, MoreModesLoseLess) {
 }
 
 TEST(ModalTraining, NearNodesAndSharedModesReplaceEachOther) {
-  // All nodes near: the shared modes are not needed; none near and as many shared modes as unknowns: nor are
-  // those.
+  // All nodes near: the shared modes are not needed; none near and as many shared modes as unknowns: nor are those.
   const auto header = small_header(8);
   auto all_near = modal_spec();
   all_near.near_nodes = n_nodes;

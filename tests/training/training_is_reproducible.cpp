@@ -57,9 +57,8 @@ TEST(Training, SeedDecides) {
   EXPECT_NE(one, text_of(source_of(header), spec, 1));
 }
 
-// Claim: what failed never enters. Two sources differ only in what stands in failed increments: zeros here,
-// NaN and huge numbers there; the models are equal to the last bit, and the counts and depths tell of the
-// failures.
+// Claim: what failed never enters. Two sources differ only in what stands in failed increments: zeros here, NaN and
+// huge numbers there; the models are equal to the last bit, and the counts and depths tell of the failures.
 TEST(Training, FailedIncrementsNeverEnter) {
   const DatabaseHeader header = small_header();
   const auto with = [&](double force, double displacement) {
@@ -91,8 +90,7 @@ TEST(Training, FailedIncrementsNeverEnter) {
   EXPECT_EQ(model.nodes[0].n_incomplete, 12);
 }
 
-// Claim: a value that is not finite in an increment marked converged is a damaged database, refused and not
-// trained on.
+// Claim: a value that is not finite in an increment marked converged is a damaged database, refused and not trained on.
 TEST(Training, RefusesValuesThatAreNotFinite) {
   const DatabaseHeader header = small_header();
   ResponseSource source = source_of(header);
@@ -105,8 +103,7 @@ TEST(Training, RefusesValuesThatAreNotFinite) {
   EXPECT_THROW(train(source, small_spec(), report), Error);
 }
 
-// Claim: a node without any converged increment is left out and counted; directions never asked for are no
-// failures.
+// Claim: a node without any converged increment is left out and counted; directions never asked for are no failures.
 TEST(Training, NodesWithoutResponsesAreSkippedAndCounted) {
   const DatabaseHeader header = small_header();
   ResponseSource source = source_of(header);

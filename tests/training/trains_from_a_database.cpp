@@ -103,8 +103,7 @@ TEST_F(FromDatabase, TheNodesOfAToolAreThoseOfTheDatabase) {
   }
 }
 
-// Claim: the linear family is refused on a database of another law by that law's name, before any ray is
-// read.
+// Claim: the linear family is refused on a database of another law by that law's name, before any ray is read.
 TEST_F(FromDatabase, LinearFamilyNeedsTheLinearLaw) {
   write("");
   const Database database = Database::open(file);

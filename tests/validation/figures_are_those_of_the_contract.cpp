@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <limits>
 #include <phynness/formats/scene.hpp>
 #include <phynness/validation/report.hpp>
 #include <regex>

@@ -272,8 +272,7 @@ class Reduction {
     return inverse_cholesky_factor(stiffness);
   }
 
-  /// Weights for the forces and changes of volume of the drawn states in the modes,
-  /// of which random sums are taken.
+  /// Weights for the forces and changes of volume of the drawn states in the modes, of which random sums are taken.
   void find_weights(int cells) {
     const Index n_points = _elements.n_points;
     _report.points = n_points;

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <phynness/formats/database.hpp>
-#include <string>
-#include <vector>
 
 #include "hdf5_file.hpp"
 #include "ray_columns.hpp"

@@ -7,11 +7,9 @@
 #include <cstring>
 #include <filesystem>
 #include <phynness/formats/database.hpp>
-#include <string>
 #include <vector>
 
 #include "ray_columns.hpp"
-#include "text/durable_file.hpp"
 
 namespace phynness::database_log {
 

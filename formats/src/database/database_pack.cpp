@@ -192,15 +192,6 @@ std::vector<dl::Entry> one_record_per_ray(const dl::Index& index, const Database
   return records;
 }
 
-std::vector<std::pair<std::int32_t, std::int32_t>> missing_rays(const std::vector<dl::Entry>& records,
-                                                                std::size_t n_directions) {
-  std::vector<std::pair<std::int32_t, std::int32_t>> missing;
-  for (std::size_t i = 0; i < records.size(); ++i)
-    if (is_missing(records[i]))
-      missing.emplace_back(static_cast<std::int32_t>(i / n_directions), static_cast<std::int32_t>(i % n_directions));
-  return missing;
-}
-
 void write_packed(const std::filesystem::path& file, const DatabaseHeader& header, const dl::Index& index,
                   const std::vector<dl::Entry>& records, const PackingRanks& ranks,
                   const std::function<AtRest(std::int32_t point)>& at_rest) {

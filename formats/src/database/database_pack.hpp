@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <phynness/formats/database.hpp>
-#include <utility>
 #include <vector>
 
 #include "database_scan.hpp"
@@ -14,11 +13,6 @@ inline bool is_missing(const database_log::Entry& entry) { return entry.log < 0;
 
 /// For each ray, [active][direction] flattened, its first complete record, or an entry that is_missing().
 std::vector<database_log::Entry> one_record_per_ray(const database_log::Index& index, const DatabaseHeader& header);
-
-/// (active, direction) of the rays that have no record, in the order of the database.
-/// @param records  from one_record_per_ray
-std::vector<std::pair<std::int32_t, std::int32_t>> missing_rays(const std::vector<database_log::Entry>& records,
-                                                                std::size_t n_directions);
 
 /// Writes FILE.packing, forces it to the disk and renames it to FILE. After a failure FILE.packing is removed. The
 /// bytes do not depend on the number of ranks. Each compresses its share of the chunks, and rank 0 writes them.

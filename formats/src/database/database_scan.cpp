@@ -88,9 +88,8 @@ std::vector<std::filesystem::path> logs_of(const std::filesystem::path& file) {
   return logs;
 }
 
-void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index& index, const PackingRanks& ranks) {
-  Index found;  // by this process; its numbers of logs are those of `index`
-  const auto first = index.logs.size();
+Index scan(const std::filesystem::path& file, const DatabaseHeader& header, const PackingRanks& ranks) {
+  Index index, found;  // of all processes; by this one, with the same numbers of logs
   std::vector<std::int64_t> names;
   ranks.together([&] {
     // One list for all: a network file system may show new files of others late.
@@ -108,21 +107,20 @@ void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index
     const auto opening = encode_opening(header);
     const Layout layout(header);
     const auto n_ranks = static_cast<std::size_t>(ranks.size);
-    for (auto i = first + static_cast<std::size_t>(ranks.rank); i < index.logs.size(); i += n_ranks)
+    for (auto i = static_cast<std::size_t>(ranks.rank); i < index.logs.size(); i += n_ranks)
       LogScan{index.logs[i], static_cast<std::int32_t>(i), opening, layout, found}.run();
   });
-  index.damage.insert(index.damage.end(), found.damage.begin(), found.damage.end());
+  index.damage = std::move(found.damage);
   std::vector<std::int64_t> numbers;
   for (const auto& entry : found.entries)
     numbers.insert(numbers.end(), {entry.active, entry.direction, entry.log, entry.offset});
   numbers = ranks.gathered(numbers);
-  const auto end = static_cast<std::ptrdiff_t>(index.entries.size());
   for (std::size_t i = 0; i < numbers.size(); i += 4) {
     const auto of_32_bits = [&](std::size_t k) { return static_cast<std::int32_t>(numbers[i + k]); };
     index.entries.push_back({of_32_bits(0), of_32_bits(1), of_32_bits(2), numbers[i + 3]});
   }
-  std::stable_sort(index.entries.begin() + end, index.entries.end(),
-                   [](const Entry& a, const Entry& b) { return a.log < b.log; });
+  std::ranges::stable_sort(index.entries, {}, &Entry::log);
+  return index;
 }
 
 Ray RayReader::read(const Entry& entry, std::optional<bool> of_output_nodes) {

@@ -19,7 +19,7 @@ struct Entry {
   std::int64_t offset;  ///< of the payload
 };
 struct Index {
-  std::vector<std::filesystem::path> logs;  ///< sorted by name within each database
+  std::vector<std::filesystem::path> logs;  ///< sorted by name
   std::vector<Entry> entries;               ///< in the order of the logs
   std::vector<LogDamage> damage;            ///< of the logs that this process has read
 };
@@ -27,17 +27,11 @@ struct Index {
 /// Sorted names of the logs in the folder of a database.
 std::vector<std::filesystem::path> logs_of(const std::filesystem::path& file);
 
-/// Checks every record of every log of the database `file` and adds it to `index`. Torn and corrupted records are
-/// skipped, and so are logs whose opening is damaged.
+/// Checks every record of every log of the database `file`. Torn and corrupted records are skipped, and so are logs
+/// whose opening is damaged.
 /// @param ranks  share the logs, and all get all entries
 /// @throws Error (input) if a log belongs to another physics or mesh than `header`
-void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index& index,
-          const PackingRanks& ranks = {});
-inline Index scan(const std::filesystem::path& file, const DatabaseHeader& header, const PackingRanks& ranks = {}) {
-  Index index;
-  scan(file, header, index, ranks);
-  return index;
-}
+Index scan(const std::filesystem::path& file, const DatabaseHeader& header, const PackingRanks& ranks = {});
 
 /// Reads rays from any number of logs and keeps only a few of them open.
 class RayReader {

@@ -8,6 +8,7 @@
 #include "database_pack.hpp"
 #include "database_scan.hpp"
 #include "database_study.hpp"
+#include "text/durable_file.hpp"
 
 namespace phynness {
 namespace fs = std::filesystem;
@@ -211,9 +212,9 @@ void DatabaseWriter::pack(const fs::path& file, const DatabaseHeader& given, con
     const auto index = dl::scan(file, header, ranks);
     const auto records = one_record_per_ray(index, header);
     ranks.together([&] {
-      if (const auto missing = missing_rays(records, header.directions.size()); !missing.empty())
+      if (const auto missing = std::ranges::count_if(records, is_missing); missing > 0)
         throw failure("the database " + file.string() + " cannot be packed: rays are missing",
-                      std::to_string(missing.size()) + " of " + std::to_string(records.size()),
+                      std::to_string(missing) + " of " + std::to_string(records.size()),
                       "solve them with: phynness precompute SCENE -o " + file.string() + " --resume");
     });
     write_packed(file, header, index, records, ranks, at_rest);
@@ -232,8 +233,7 @@ DatabaseProgress database_progress(const fs::path& file) {
   }
   auto index = dl::scan(file, header);
   const auto records = one_record_per_ray(index, header);
-  progress.rays_logged =
-      progress.rays_total - std::ranges::count_if(records, [](const auto& record) { return is_missing(record); });
+  progress.rays_logged = progress.rays_total - std::ranges::count_if(records, is_missing);
   progress.damage = std::move(index.damage);
   return progress;
 }

@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/hash.hpp>

@@ -50,8 +50,12 @@ std::vector<StoredColumn> columns_of(const DatabaseHeader& header) {
     columns.push_back(stored(column, header, "/responses/"));
     columns.back().float32 &= !header.float64;
   }
-  for (std::size_t i = 0; i < header.fields.size(); ++i)
-    columns.push_back(stored(field_column(header.fields[i], i), header, "/responses/fields/"));
+  for (std::size_t i = 0; i < header.fields.size(); ++i) {
+    const Field field = header.fields[i];
+    columns.push_back(stored({RayColumn::FieldIndex{i}, name(field), ColumnOf::output_node, Tensor::scalar, unit(field),
+                              description(field), false, true},
+                             header, "/responses/fields/"));
+  }
   return columns;
 }
 
@@ -65,17 +69,6 @@ std::string names(const std::vector<Field>& fields, const char* joint) {
   std::string text;
   for (const auto field : fields) text.append(text.empty() ? "" : joint).append(name(field));
   return text;
-}
-
-RayColumn field_column(Field field, std::size_t index) {
-  return {RayColumn::FieldIndex{index},
-          name(field),
-          ColumnOf::output_node,
-          Tensor::scalar,
-          unit(field),
-          description(field),
-          false,
-          true};
 }
 
 void resize_values(Ray& ray, const RayColumn& column, std::size_t count) {

@@ -21,9 +21,6 @@ std::vector<StoredColumn> columns_of(const DatabaseHeader& header);
 /// Those of them with one value for each `of`.
 std::vector<StoredColumn> columns_of(const DatabaseHeader& header, ColumnOf of);
 
-/// A column of Ray::fields.
-RayColumn field_column(Field field, std::size_t index);
-
 /// The names of fields, with `joint` between them.
 std::string names(const std::vector<Field>& fields, const char* joint);
 

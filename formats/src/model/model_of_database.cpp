@@ -1,5 +1,4 @@
 // The scene and the model of a database's header, and what a model says about its surface.
-#include <algorithm>
 #include <cmath>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>

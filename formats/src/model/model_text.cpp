@@ -1,5 +1,4 @@
 // Reading and writing of model.txt by the grammar of models (phynness/schema/model_grammar.hpp; formats/model.md).
-#include <algorithm>
 #include <cmath>
 #include <phynness/formats/model.hpp>
 

@@ -1,5 +1,4 @@
 // Geomview's object files as text: vertices and faces. Normals and colours are skipped.
-#include <algorithm>
 
 #include "raw_mesh.hpp"
 #include "scanner.hpp"

@@ -1,6 +1,5 @@
 // Stanford's polygon files: text and binary with both byte orders. Only vertices and faces are read.
 #include <bit>
-#include <optional>
 
 #include "raw_mesh.hpp"
 #include "scanner.hpp"

@@ -3,9 +3,7 @@
 #include <dlfcn.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <phynness/formats/error.hpp>
 
 #include "gmsh_module.hpp"

@@ -1,6 +1,5 @@
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <phynness/formats/error.hpp>
 #include <sstream>

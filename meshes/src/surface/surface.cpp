@@ -1,10 +1,7 @@
 #include "surface.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
 #include <phynness/formats/error.hpp>
-#include <set>
 
 #include "geometry.hpp"
 #include "read/file_mesh.hpp"

@@ -2,7 +2,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "changing_surface.hpp"
 #include "closest_point.hpp"

@@ -1,5 +1,4 @@
-// Contact with models and bodies: argument checks and memory. Geometry is in approach.cpp, forces
-// are in balance.cpp.
+// Contact with models and bodies: argument checks and memory. Geometry is in approach.cpp, forces are in balance.cpp.
 #include "contact/contact.hpp"
 
 #include "body/body.hpp"

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <phynness/formats/error.hpp>
 #include <phynness/training/node_training.hpp>
 

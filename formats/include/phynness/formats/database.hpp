@@ -7,7 +7,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <optional>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/ray.hpp>
 #include <phynness/formats/scene.hpp>
@@ -122,9 +121,9 @@ class Database {
 /// Reads all datasets except those of the output nodes.
 DatabaseSummary summarize(const Database& database);
 
-/// @param ends  of all rays, [active][direction] flattened
 /// Part of the probes of a direction up to `range_m` that lie before a depth: they fill a cone around it.
 double part_of_volume(double depth_m, double range_m);
+/// @param ends  of all rays, [active][direction] flattened
 EndSummary summarize_ends(const DatabaseHeader& header, const std::vector<RayEnd>& ends);
 EndSummary summarize_ends(const Database& database);
 
@@ -190,8 +189,7 @@ class DatabaseWriter {
   /// The part of check() that needs no header. @return whether FILE exists
   /// @throws Error (input) if FILE or its logs exist and `resume` is false
   static bool refuse_begun(const std::filesystem::path& file, bool resume);
-  /// Flags, n_active x n_directions, of the rays that are in the logs. Torn and corrupted
-  /// records are ignored.
+  /// Flags, n_active x n_directions, of the rays that are in the logs. Torn and corrupted records are ignored.
   static std::vector<char> logged(const std::filesystem::path& file, const DatabaseHeader& header,
                                   const PackingRanks& ranks = {});
 
@@ -205,8 +203,7 @@ class DatabaseWriter {
                            const std::filesystem::path& from, const std::vector<char>& missing, int log = 0,
                            int rank = 0, int n_ranks = 1);
 
-  /// Puts a finished database in the place of another one, at once, and removes the logs of that. @throws Error
-  /// (failure)
+  /// Puts a finished database in the place of another one, at once, and removes its logs. @throws Error (failure)
   static void replace(const std::filesystem::path& by, const std::filesystem::path& file);
 
   /// Creates the log of this process. It is always a new file, because a resumed run may have another number of ranks.
@@ -226,8 +223,7 @@ class DatabaseWriter {
   /// Packs all logs into a new file, renames it to FILE, and removes FILE.log. The bytes do not depend on the number of
   /// ranks. Must be called after all processes have closed their logs.
   /// @param at_rest  gives, on rank 0, the response at rest of each of sets.linear; what it throws ends the packing,
-  /// and
-  ///                 the logs remain
+  ///                 and the logs remain
   /// @throws Error (failure) if rays are missing
   static void pack(const std::filesystem::path& file, const DatabaseHeader& header, const PackingRanks& ranks = {},
                    const std::function<AtRest(std::int32_t point)>& at_rest = {});

@@ -3,7 +3,6 @@
 
 #include <concepts>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <phynness/formats/described.hpp>
 #include <ranges>
 

@@ -113,12 +113,12 @@ struct ModelLevel {
 };
 using schema::largest_level_count;
 
-/// How the bounds of the force's error were calibrated (formats/model.md, Bounds).
 /// The finite elements with which forces are compared, by ModelBound::reference: those of the training; Taylor-Hood
 /// elements on the same mesh; those of the training on cells of half the size.
 inline constexpr std::array reference_names{"scene", "taylor-hood", "half-size"};
 static_assert(reference_names.size() == schema::n_bound_references + 1);
 
+/// How the bounds of the force's error were calibrated (formats/model.md, Bounds).
 struct ModelBound {
   double coverage = 0;  ///< share of random displacements inside the range whose error is below the bound
   std::int32_t n_rays = 0, n_nodes = 0;  ///< of the calibration

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <phynness/formats/model.hpp>
-#include <string>
 #include <vector>
 
 namespace phynness {

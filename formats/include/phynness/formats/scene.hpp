@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -185,8 +184,7 @@ TrainingSpec changed_training(Scene scene, const std::string& keys, const std::s
 
 /// The material of the body, then those of its regions.
 std::vector<const Material*> materials(const Scene& scene);
-/// The largest ratio of shear moduli of two materials of a scene between which elements were measured
-/// (docs/theory.md).
+/// The largest ratio of shear moduli of two materials of a scene between which elements were measured (docs/theory.md).
 inline constexpr double largest_measured_ratio = 1000;
 
 /// Notes about the meaning of important defaults, one sentence each, with file and line.
@@ -198,8 +196,7 @@ std::vector<std::string> scene_keys();
 std::string scene_key_tables();
 
 /// Hash (16 hexadecimal digits) of all keys that affect a solve: material, regions, element, tolerances, selections,
-/// probe and mesh specification. Training, validation, title, comments and
-/// layout of the file have no effect on it.
+/// probe and mesh specification. Training, validation, title, comments and layout of the file have no effect on it.
 std::string physics_hash(const Scene& scene);
 /// The hashed text: every such key with its value, one "key = value" per line, for the comparison of two scenes.
 std::string physics_summary(const Scene& scene);

@@ -34,9 +34,7 @@ class GrowingTextFile {
   std::ofstream _out;
 };
 
-/// Writes a temporary file and renames it to `file`, so that a reader never sees an incomplete file. Symbolic links are
-/// followed. A file that is not regular (a pipe, /dev/stdout) is written directly.
-/// @throws Error (input) if the file cannot be created, (failure) if writing fails
+/// A GrowingTextFile at once. @throws Error (input) if the file cannot be created, (failure) if writing fails
 void write_text_file(const std::filesystem::path& file, const std::string& text);
 
 /// Several files that belong together: all of them are filled beside their places before the first is renamed, so that

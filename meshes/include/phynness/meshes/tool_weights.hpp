@@ -2,7 +2,6 @@
 // phynness/schema/round_tool.hpp.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <phynness/formats/mesh.hpp>

@@ -199,10 +199,9 @@ double integrals_at_fixed(const double* integrals, int n_functions, const IsFixe
 }
 
 /// Calls take(triangle, integrals) for the triangles under a round tool: those that are connected to its middle over
-/// edges within its radius (straight distance). The integrals, of n_functions as in round_tool::integrate, have
-/// the factor max(0, n . n_0) of the normals there and at the middle (docs/decisions/round-tool.md), so that a tool
-/// wider than the body is thick does not press the far side, and around a rim the pressure fades. They are not
-/// normalized.
+/// edges within its radius (straight distance). The integrals, of n_functions as in round_tool::integrate, have the
+/// factor max(0, n . n_0) of the normals there and at the middle (docs/decisions/round-tool.md), so that a tool wider
+/// than the body is thick does not press the far side, and around a rim the pressure fades. They are not normalized.
 /// @param corner, share  of the middle: up to three nodes of a triangle, and their weights, > 0 where they count
 /// @pre radius > 0
 template <int n_functions, class Take>

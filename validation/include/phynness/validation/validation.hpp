@@ -139,10 +139,9 @@ class SolverSession;
 /// Solves new probes on the mesh of the model. Directions are uniform on the sphere (in scenes with hemispheres on the
 /// inward half of it), magnitudes are uniform. Half of the probes are inside the trained range, half outside. As many
 /// are drawn up to the scene's R, and beyond it, for ErrorsToRange; where the trained range ends at R they are the same
-/// probes, and elsewhere they are further states of the same ray. At least
-/// ten active nodes are probed if the model has so many, two of ten beside the fixed nodes. Collective over the ranks
-/// of the session; the result is the same for any number of ranks and complete on rank 0. If `stop` returns true, the
-/// function returns the finished rays.
+/// probes, and elsewhere they are further states of the same ray. At least ten active nodes are probed if the model has
+/// so many, two of ten beside the fixed nodes. Collective over the ranks of the session; the result is the same for any
+/// number of ranks and complete on rank 0. If `stop` returns true, the function returns the finished rays.
 /// @param nodes  number of probed active nodes; 0: a twentieth of the probes, at least ten. (17) divides by the largest
 ///               response of the probes of a node, so that few probes per node result in large errors
 /// @throws Error (input) if physics or mesh of the scene differ from those of the model
