@@ -159,10 +159,9 @@ void run_single(const Options& options) {
         {name(field), unit(field), column(field), response.fields(output, std::ssize(result.fields))});
   json extra = record("newton_iterations", response.iterations, "cutbacks", response.cutbacks, "negative_pivots",
                       response.negative_pivots, "min_jacobian", response.min_jacobian);
-  if (options.tangent) {
+  if (options.tangent)
     for (const auto& row : response.tangent_N_per_m.rowwise())
       extra["tangent_N_per_m"].push_back(std::vector<double>(row.begin(), row.end()));
-  }
   report_tools(options.tool, places, displacements, loaded.mesh, result, extra);
 }
 

@@ -64,12 +64,11 @@ void print(const Scene& scene, const TuningReport& report, const TuningChoice& c
 
 json as_json(const TuningReport& report, const TuningChoice& choice) {
   json models = json::array();
-  for (const auto& m : report.models) {
+  for (const auto& m : report.models)
     models.push_back(record("name", m.candidate.name, "family", name(m.model.family), "inside",
                             figures(m.errors.inside), "outside", figures(m.errors.outside), "force_us",
                             m.speed.force_us, "deformation_us", m.speed.deformation_us, "memory_bytes", m.memory_bytes,
                             "model_text_bytes", m.text_bytes, "training_s", m.training_s, "on_front", m.on_front));
-  }
   json out = record("models", models, "chosen", nullptr, "missed", choice.missed, "probes", report.probes, "failed",
                     report.failed, "nodes", report.nodes, "linear", figures(report.linear));
   if (choice.chosen) out["chosen"] = report.models[*choice.chosen].candidate.name;

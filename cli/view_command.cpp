@@ -26,7 +26,7 @@ Vec3 rounded(const Vec3& v) { return {rounded(v[0]), rounded(v[1]), rounded(v[2]
 json rays_json(const Database& database) {
   const auto& header = database.header();
   json all = json::array();
-  for (std::size_t a = 0; a < header.sets.active.size(); ++a) {
+  for (std::size_t a = 0; a < header.sets.active.size(); ++a)
     for (const Ray& ray : database.rays(static_cast<std::int32_t>(a))) {
       std::vector<double> depth_m;
       std::vector<Vec3> force_N;
@@ -40,7 +40,6 @@ json rays_json(const Database& database) {
       all.push_back(record("node", header.sets.active[a], "direction", rounded(direction), "depth_m", depth_m,
                            "force_N", force_N));
     }
-  }
   return all;
 }
 

@@ -42,21 +42,18 @@ inline Model liver_sized_body(Family family, int n_moving = n_output) {
   model.family = family;
   model.title = "bench";
   model.max_displacement_m = 0.028;
-  for (int x = -1; x <= 1; ++x) {
-    for (int y = -1; y <= 1; ++y) {
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
       for (int z = -1; z <= 1; ++z) {
         const double size = std::sqrt(static_cast<double>(x * x + y * y + z * z));
         if (size > 0) model.directions.push_back({x / size, y / size, z / size});
       }
-    }
-  }
   constexpr int n_increments = 6;
   model.displacements.resize(static_cast<Eigen::Index>(model.directions.size()) * n_increments, 3);
-  for (Eigen::Index i = 0; i < model.displacements.rows(); ++i) {
+  for (Eigen::Index i = 0; i < model.displacements.rows(); ++i)
     for (int k = 0; k < 3; ++k)
       model.displacements(i, k) = model.directions[static_cast<std::size_t>(i / n_increments)][k] *
                                   model.max_displacement_m * static_cast<double>(i % n_increments + 1) / n_increments;
-  }
   model.n_mesh_nodes = n_output + n_fixed;
   model.output_points.resize(n_moving, 3);
   model.fixed_points.resize(n_output + n_fixed - n_moving, 3);

@@ -52,9 +52,8 @@ double textbook_training(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& t
     }
     q.push_back(std::move(h));
     mse = 0;
-    for (std::size_t p = 0; p < n; ++p) {
+    for (std::size_t p = 0; p < n; ++p)
       for (int k = 0; k < 3; ++k) mse += residual[p][k] * residual[p][k];
-    }
     mse /= 3.0 * static_cast<double>(n);
   }
   return mse;

@@ -124,9 +124,8 @@ TEST_F(Queries, WithAnInactiveNodeNameTheNearest) {
 TEST_F(Queries, AreNotMixedWithASingleOne) {
   write_file(folder / "queries.csv", "node,ux_m,uy_m,uz_m\n" + std::to_string(nodes[0]) + ",0,0,0\n");
   for (const std::string more :
-       {"--node 1 --displacement 0,0,0", "--json a.json", "--deformation a.csv", "--surface a.vtu", "--point 0,0,0"}) {
+       {"--node 1 --displacement 0,0,0", "--json a.json", "--deformation a.csv", "--surface a.vtu", "--point 0,0,0"})
     expect_names(be_refused("eval modal --queries queries.csv " + more).err, {"--queries"});
-  }
   be_refused("eval modal --queries missing.csv");
   be_refused("eval modal --queries modal");
 }

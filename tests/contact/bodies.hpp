@@ -36,14 +36,12 @@ inline Skin ball(int divisions = 3) {
     s.points.push_back(Vector3d::Unit(k));
     s.points.push_back(-Vector3d::Unit(k));
   }
-  for (int x = 0; x < 2; ++x) {
-    for (int y = 0; y < 2; ++y) {
+  for (int x = 0; x < 2; ++x)
+    for (int y = 0; y < 2; ++y)
       for (int z = 0; z < 2; ++z) {
         const bool even = (x + y + z) % 2 == 0;
         s.triangles.push_back({x, even ? 2 + y : 4 + z, even ? 4 + z : 2 + y});
       }
-    }
-  }
   for (int level = 0; level < divisions; ++level) {
     std::map<std::pair<int, int>, int> known;
     std::vector<std::array<int, 3>> finer;
@@ -63,22 +61,19 @@ inline Skin plate(double thickness) {
   Skin s;
   constexpr int n = 10;
   const auto at = [](int side, int x, int y) { return (side * (n + 1) + y) * (n + 1) + x; };
-  for (int side = 0; side < 2; ++side) {
-    for (int y = 0; y <= n; ++y) {
+  for (int side = 0; side < 2; ++side)
+    for (int y = 0; y <= n; ++y)
       for (int x = 0; x <= n; ++x)
         s.points.push_back({0.1 * x / n - 0.05, 0.1 * y / n - 0.05, (side - 0.5) * thickness});
-    }
-  }
   const auto square = [&](int a, int b, int c, int d) {
     s.triangles.push_back({a, b, c});
     s.triangles.push_back({a, c, d});
   };
-  for (int y = 0; y < n; ++y) {
+  for (int y = 0; y < n; ++y)
     for (int x = 0; x < n; ++x) {
       square(at(0, x, y), at(0, x, y + 1), at(0, x + 1, y + 1), at(0, x + 1, y));
       square(at(1, x, y), at(1, x + 1, y), at(1, x + 1, y + 1), at(1, x, y + 1));
     }
-  }
   for (int i = 0; i < n; ++i) {
     square(at(0, i, 0), at(0, i + 1, 0), at(1, i + 1, 0), at(1, i, 0));
     square(at(0, n, i), at(0, n, i + 1), at(1, n, i + 1), at(1, n, i));
@@ -92,11 +87,9 @@ inline Skin plate(double thickness) {
 inline Skin held_ball(int divisions = 3) {
   const Skin whole = ball(divisions);
   std::vector<int> order, place(whole.points.size());
-  for (int fixed = 0; fixed < 2; ++fixed) {
-    for (int i = 0; i < static_cast<int>(whole.points.size()); ++i) {
+  for (int fixed = 0; fixed < 2; ++fixed)
+    for (int i = 0; i < static_cast<int>(whole.points.size()); ++i)
       if ((whole.points[static_cast<std::size_t>(i)].z() < -0.035) == (fixed == 1)) order.push_back(i);
-    }
-  }
   Skin s;
   for (const int i : order) {
     place[static_cast<std::size_t>(i)] = static_cast<int>(s.points.size());

@@ -13,10 +13,9 @@ constexpr double inf = std::numeric_limits<double>::infinity(), nan = std::numer
 
 bool finite(const phn_contact_state& s) {
   bool all = std::isfinite(s.unbalanced) && std::isfinite(s.scale);
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < 3; ++k)
     for (const double x : {s.force[k], s.proxy[k], s.normal[k], s.held.weights[k], s.held.displacement[k]})
       all = all && std::isfinite(x);
-  }
   return all;
 }
 
@@ -69,7 +68,7 @@ TEST_P(EveryFamily, AnswersAreFinite) {
 // Claim: a tool of no size, of denormal size, and one larger than the body touch as any other; a coefficient
 // of 1e30 sticks.
 TEST(Contact, ExtremeToolsTouch) {
-  for (const double radius : {0.0, tiny, 1e-300, 1e-9, 0.3, 1e30}) {
+  for (const double radius : {0.0, tiny, 1e-300, 1e-9, 0.3, 1e30})
     for (const double mu : {0.0, tiny, 1e30}) {
       Touch touch(bent_ball());
       const double size = touch.contact == nullptr ? 0 : std::min(radius, 0.1 * std::sqrt(3.0));
@@ -79,7 +78,6 @@ TEST(Contact, ExtremeToolsTouch) {
       EXPECT_TRUE(finite(state));
       EXPECT_LT(state.force[2], -0.05);
     }
-  }
 }
 
 // Claim: ten thousand tools are refused, with zeros for every one of them; so is other misuse, by name.
@@ -136,9 +134,8 @@ TEST(Contact, AnySurfaceIsSearchedOrRefused) {
   bare.surface.resize(0, 3);
   Model far = linear_model(ball());
   far.output_points *= 1e31;  // as far as a model may be: 1e30 m
-  for (auto& node : far.nodes) {
+  for (auto& node : far.nodes)
     for (double& x : node.point) x *= 1e31;
-  }
   std::size_t bytes = 0;
   const LoadedModel without(write_model_text(bare)), wide(write_model_text(far));
   phn_contact* contact = nullptr;

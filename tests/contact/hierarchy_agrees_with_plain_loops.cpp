@@ -112,14 +112,13 @@ TEST(Hierarchy, OffsetsAreTheRadius) {
   const LoadedModel flat(write_model_text(linear_model(plate(0.01))));
   Touch on_plate(flat);
   const auto& p = on_plate.contact->surface;
-  for (int v = 0; v < p.n_vertices; ++v) {
+  for (int v = 0; v < p.n_vertices; ++v)
     for (int k = 0; k < 3; ++k) {
       const double x = p.rest[3 * v + k], half = k == 2 ? 0.005 : 0.05;
       if (std::abs(std::abs(x) - half) < 1e-9) {
         EXPECT_NEAR(p.offset[3 * v + k], x > 0 ? 1 : -1, 0.01);
       }
     }
-  }
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ Vector3d pressed_at(const Vector3d& from, const Vector3d& to, double time, doubl
 // both are far from linear.
 TEST(SeveralTools, StayWhereTheyTouch) {
   Numbers numbers;
-  for (const double friction : {0.0, 0.2}) {
+  for (const double friction : {0.0, 0.2})
     for (int path = 0; path < 5; ++path) {
       Touch touch(bent_ball());
       std::array<Vector3d, 4> end;
@@ -161,7 +161,6 @@ TEST(SeveralTools, StayWhereTheyTouch) {
         }
       }
     }
-  }
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ Largest slide(const LoadedModel& loaded, double mu, double beside, int n_steps) 
 // 1e-4 of 0.2 N, adds its part), and none is beyond some stiffnesses times the step. The touched point
 // follows the tool to the accuracy of floats.
 TEST(Sliding, JumpsShrinkWithTheStep) {
-  for (const double mu : {0.0, 0.3}) {
+  for (const double mu : {0.0, 0.3})
     for (const double beside : {0.0, 1e-7, 0.0021}) {
       const int n = 500;
       const Largest coarse = slide(bent_ball(), mu, beside, n), fine = slide(bent_ball(), mu, beside, 10 * n);
@@ -51,7 +51,6 @@ TEST(Sliding, JumpsShrinkWithTheStep) {
       EXPECT_LT(fine.proxy, coarse.proxy / 6) << mu << " " << beside;
       EXPECT_LT(coarse.field, 1e-8);
     }
-  }
 }
 
 // Claim: force is continuous where contact begins and ends: a touch a thousandth of a millimetre deep is felt

@@ -35,9 +35,8 @@ struct Touch {
     Points field(info_of(loaded.model).n_output, 3);
     EXPECT_GE(phn_contact_deform(contact, field.data()), 0);
     Vector3d u(0, 0, 0);
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k)
       if (held.nodes[k] < field.rows()) u += held.weights[k] * field.row(held.nodes[k]).transpose();
-    }
     return u;
   }
 

@@ -65,13 +65,12 @@ std::vector<Vector3d> round_trip(Numbers& numbers) {
 // where it is. Against what was stored: 1e-3, the tolerance of sliding and the corner at the touch in steps of 0.05 mm.
 TEST(Energy, ThereAndBackWithoutFrictionIsNoWork) {
   Numbers numbers;
-  for (const LoadedModel* loaded : {&linear_ball(), &bent_ball()}) {
+  for (const LoadedModel* loaded : {&linear_ball(), &bent_ball()})
     for (int i = 0; i < 8; ++i) {
       const Path path = follow(*loaded, there_and_back(numbers), 0, false, 5e-5);
       EXPECT_GT(path.stored, 1e-4);
       EXPECT_LT(std::abs(path.work), 1e-3 * path.stored) << i;
     }
-  }
 }
 
 // Claim: a tool that sticks stores in the body what it does, and gets it back: to what the trapezoidal rule leaves.

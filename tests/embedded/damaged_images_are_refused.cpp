@@ -45,13 +45,12 @@ class Damaged : public ::testing::TestWithParam<Family> {
 
 TEST_P(Damaged, BytesAreNoticed) {
   ASSERT_EQ(bytes.open(), PHN_OK);
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
+  for (std::size_t i = 0; i < bytes.size(); ++i)
     for (const unsigned flip : {0x01U, 0x80U}) {
       bytes.data()[i] ^= static_cast<unsigned char>(flip);
       ASSERT_LT(bytes.open(), 0) << "byte " << i;
       bytes.data()[i] ^= static_cast<unsigned char>(flip);
     }
-  }
   EXPECT_EQ(bytes.open(), PHN_OK);
 }
 
@@ -113,7 +112,7 @@ void words_never_harm(const Model& model) {
   const ModelImage made = model_image(model, {false, sizeof(Real) == 4});
   const OpenedImage<Real> good(made);
   const Real largest = image::Bounds<Real>::value;
-  for (std::size_t w = image::n_unchecked_words; w < made.bytes.size() / 4; ++w) {
+  for (std::size_t w = image::n_unchecked_words; w < made.bytes.size() / 4; ++w)
     for (const std::uint32_t value : {0U, 1U, 0x7fffffffU, 0xffffffffU, 0x7f800000U, 0x7ff00000U, 0x7f7fffffU,
                                       0xffefffffU, 0x00000100U, 0x5368d4a5U, 0x54b249acU}) {
       std::vector<std::uint64_t> words = good.words;
@@ -152,7 +151,6 @@ void words_never_harm(const Model& model) {
         }
       }
     }
-  }
 }
 TEST_P(Damaged, WordsNeverHarm) {
   words_never_harm<float>(small_model_of(GetParam()));

@@ -23,13 +23,12 @@ namespace {
 /// Inside and a little beyond what was trained.
 std::vector<Vec3> near_displacements() {
   std::vector<Vec3> all{{0, 0, 0}};
-  for (std::size_t k = 0; k < 3; ++k) {
+  for (std::size_t k = 0; k < 3; ++k)
     for (const double depth : {1e-12, -1e-12, 0.004, -0.007, 0.014, -0.02}) {
       Vec3 d{0, 0, 0};
       d[k] = depth;
       all.push_back(d);
     }
-  }
   Numbers numbers;
   for (int i = 0; i < 40; ++i) all.push_back({0.01 * numbers.next(), 0.01 * numbers.next(), 0.01 * numbers.next()});
   return all;

@@ -297,12 +297,11 @@ TYPED_TEST(BetweenNodes, RefuseBadQuestions) {
   wild.displacement[1] = nan;
   refused(body.image, wild, PHN_ERROR_NOT_FINITE);
   int n_fixed = 0;
-  for (std::int32_t t = 0; t < 4; ++t) {
+  for (std::int32_t t = 0; t < 4; ++t)
     for (std::size_t k = 0; k < 3; ++k) {
       const Tool corner = at(t, k == 0, k == 1, k == 2);
       n_fixed += Image<Real>::force(body.image, &corner, force) == PHN_ERROR_NOT_ACTIVE;
     }
-  }
   EXPECT_EQ(n_fixed, 3);  // one triangle has one fixed corner, another one two
 
   Tool place = good;

@@ -147,9 +147,8 @@ TEST(ModelText, RelaxationRoundTrips) {
 TEST(ModelText, TablesRoundToTheirColumns) {
   Numbers numbers;
   Eigen::MatrixXd values(50, 4);
-  for (Eigen::Index r = 0; r < 50; ++r) {
+  for (Eigen::Index r = 0; r < 50; ++r)
     for (Eigen::Index c = 0; c < 4; ++c) values(r, c) = std::pow(10, 3 * c - 6) * numbers.next();
-  }
   values.col(2).setZero();
   const ScaledTable table = scaled_table(values);
   for (Eigen::Index c = 0; c < 4; ++c) {

@@ -131,10 +131,9 @@ class Asker {
       return phn_force(_model, data, AtNode(node, d), nullptr, nullptr, out);
     });
     right(status, node, d, true);
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; ++i)
       for (int j = 0; j < i; ++j)
         require(std::memcmp(&_out[3 * i + j], &_out[3 * j + i], 8) == 0, "a symmetric stiffness");
-    }
   }
   void deform() {
     const std::int32_t node = any_node();

@@ -9,8 +9,8 @@ namespace phynness::fuzz {
 std::vector<Input> seeds() {
   using namespace phynness::test;
   std::vector<Input> all;
-  for (const bool floats : {false, true}) {
-    for (const bool force_only : {false, true}) {
+  for (const bool floats : {false, true})
+    for (const bool force_only : {false, true})
       for (const Model& model : {small_model(3, 2), small_linear_model(), small_modal_model(2, 2, 3, 2),
                                  small_round_model(Family::rbfn), small_round_model(Family::modal)}) {
         const ModelImage made = model_image(model, {force_only, floats});
@@ -19,8 +19,6 @@ std::vector<Input> seeds() {
         input.resize(16);
         append_text(input, {reinterpret_cast<const char*>(made.bytes.data()), made.bytes.size()});
       }
-    }
-  }
   all.push_back(all.front());
   all.back()[0] = 0;
   return all;

@@ -15,8 +15,8 @@ TEST(Passivity, HoldsForAHeldNode) {
   EveryFifth combinations;
   for (const Family family : {Family::linear, Family::modal, Family::rbfn}) {
     Body body(family == Family::linear ? spring(150) : small_model_of(family), 3);
-    for (const int latency : {0, 1, 2}) {
-      for (const double damping : {0.5, 2.0}) {
+    for (const int latency : {0, 1, 2})
+      for (const double damping : {0.5, 2.0})
         for (const double coupling : {100.0, 400.0, 1000.0, 2000.0}) {
           if (combinations.skips()) continue;
           DeviceSettings device;
@@ -34,8 +34,6 @@ TEST(Passivity, HoldsForAHeldNode) {
           EXPECT_EQ(rig.loop.report().trip, PHN_TRIP_NONE) << where;
           EXPECT_GT(rig.largest, 0.05) << where;
         }
-      }
-    }
   }
 }
 
@@ -60,7 +58,7 @@ TEST(Passivity, IsKeptByTheController) {
 }
 
 TEST(Passivity, HoldsForASphereThatTouches) {
-  for (const double friction : {0.0, 0.4}) {
+  for (const double friction : {0.0, 0.4})
     for (const double harder : {1.0, 12.0}) {
       Body body(ball_of(harder, Family::modal), 4, 0.004, friction);
       for (const int latency : {0, 2}) {
@@ -75,7 +73,6 @@ TEST(Passivity, HoldsForASphereThatTouches) {
         EXPECT_EQ(rig.loop.report().trip, PHN_TRIP_NONE);
       }
     }
-  }
 }
 
 // Claim: so it is if the loop is engaged deep inside a body and the hand does not move, where the motion stays within
@@ -85,9 +82,9 @@ TEST(Passivity, HoldsForAHandAtRest) {
   EveryFifth combinations;
   for (const double stiffness : {9.0, 460.0, 2000.0}) {
     Body body(spring(stiffness), 3);
-    for (const double coupling : {400.0, 2000.0}) {
-      for (const int latency : {0, 1, 2}) {
-        for (const double resolution : {0.0, 1e-5, 2e-5}) {
+    for (const double coupling : {400.0, 2000.0})
+      for (const int latency : {0, 1, 2})
+        for (const double resolution : {0.0, 1e-5, 2e-5})
           for (const bool presses : {false, true}) {
             if (combinations.skips()) continue;
             DeviceSettings device;
@@ -106,9 +103,6 @@ TEST(Passivity, HoldsForAHandAtRest) {
             EXPECT_EQ(rig.loop.report().trip, PHN_TRIP_NONE) << where;
             EXPECT_LE(rig.largest_difference, 1e-4 + 0.01 * rig.device.energy().gross) << where;
           }
-        }
-      }
-    }
   }
 }
 

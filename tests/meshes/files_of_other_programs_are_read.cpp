@@ -111,9 +111,8 @@ TEST(FilesOfOtherPrograms, GiveAnErrorOrASoundMeshWhenDamaged) {
 }
 
 TEST(FilesOfOtherPrograms, WithAnotherCompressorAreRefusedWithARemedy) {
-  for (const char* name : {"refused_lz4.vtu", "refused_lzma.vtu"}) {
+  for (const char* name : {"refused_lz4.vtu", "refused_lzma.vtu"})
     expect_names(error_of([&] { import_file(formats_folder / name); }), {std::string(name) + ":", "zlib"});
-  }
 }
 
 /// An ASCII grid of one tetrahedron with one text replaced.

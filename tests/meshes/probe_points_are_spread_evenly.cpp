@@ -112,9 +112,8 @@ TEST(SpreadNodes, HonourTheSpacing) {
 TEST(SpreadNodes, AreAsManyAsWanted) {
   const Mesh mesh = sphere(4);
   const auto part = where(mesh, above);
-  for (const std::size_t count : {1, 2, 16, 333}) {
+  for (const std::size_t count : {1, 2, 16, 333})
     EXPECT_EQ(spread_nodes(mesh.nodes, mesh.surface, part, 0, count).size(), count);
-  }
   EXPECT_EQ(spread_nodes(mesh.nodes, mesh.surface, part, 0.06, 0), part);
   EXPECT_EQ(spread_nodes(mesh.nodes, mesh.surface, part, 0, part.size()), part);
 }

@@ -36,13 +36,12 @@ TEST_F(LinearScenes, ModelRepeatsTheFiniteElements) {
     EXPECT_LT(json("out/train.json").at("linear").at("energy_residual"), 1e-6);
     const auto validate = json("out/validate.json");
     EXPECT_EQ(validate.at("failed"), 0);
-    for (const char* group : {"inside", "outside"}) {
+    for (const char* group : {"inside", "outside"})
       for (const auto& errors : {validate.at(group), validate.at("linear").at(group)}) {
         EXPECT_LT(errors.at("force").at("max"), 1e-8) << element;
         EXPECT_LT(errors.at("displacement").at("max"), 1e-6) << element;
         EXPECT_GT(errors.at("displacement").at("n"), 0) << element;
       }
-    }
   }
   const auto info = succeed("info out/model --json info.json");
   EXPECT_NE(info.out.find("exact beyond"), std::string::npos) << info.out;

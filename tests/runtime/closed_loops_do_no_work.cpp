@@ -38,7 +38,7 @@ TEST(ClosedLoops, DoNoWork) {
           EXPECT_GE(phn_force(loaded.model, loaded.data, AtNode(node.node, middle.data()), nullptr, &energy, nullptr),
                     0);
           stored = std::max(stored, energy);
-          for (int p = 0; p < 5; ++p) {
+          for (int p = 0; p < 5; ++p)
             for (const double t : {gauss_point[p], -gauss_point[p]}) {
               const Vector3d d = middle + t / 2 * step;
               Vector3d force;
@@ -46,7 +46,6 @@ TEST(ClosedLoops, DoNoWork) {
                   phn_force(loaded.model, loaded.data, AtNode(node.node, d.data()), force.data(), nullptr, nullptr), 0);
               work += gauss_weight[p] / 2 * force.dot(step);
             }
-          }
         }
       }
       EXPECT_LT(std::abs(work), 1e-12 * stored) << node.node << " " << loop;

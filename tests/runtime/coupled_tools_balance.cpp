@@ -35,9 +35,8 @@ TEST(CoupledTools, AreExactInLinearBodies) {
       const phn_tool& at = tools[static_cast<std::size_t>(t)];
       for (int k = 0; k < 3; ++k) {
         d[3 * t + k] = at.displacement[k];
-        for (int j = 0; j < 3; ++j) {
+        for (int j = 0; j < 3; ++j)
           if (at.nodes[j] >= 0 && at.nodes[j] < 7) B(3 * t + k, 3 * at.nodes[j] + k) += at.weights[j];
-        }
       }
     }
     const Eigen::VectorXd F = (B * body.compliance * B.transpose()).ldlt().solve(d);
@@ -97,15 +96,13 @@ Model loosely_tied_model_of(Family family, double share) {
 void expect_followed(const LoadedModel& loaded, const std::vector<phn_tool>& tools) {
   Points field(12, 3);
   EXPECT_GE(phn_coupled_deform(loaded.model, loaded.data, field.data()), 0);
-  for (const phn_tool& at : tools) {
+  for (const phn_tool& at : tools)
     for (int k = 0; k < 3; ++k) {
       double moved = 0;
-      for (int j = 0; j < 3; ++j) {
+      for (int j = 0; j < 3; ++j)
         if (at.nodes[j] > 1) moved += at.weights[j] * field(at.nodes[j] - 2, k);
-      }
       EXPECT_NEAR(moved, at.displacement[k], 1e-7);
     }
-  }
 }
 
 // Claim: the touched point goes exactly where its tool is, whether or not the responses agree with each

@@ -52,7 +52,7 @@ TEST(CoupledTools, ThatAgreeAreFeltAsOne) {
     node.modal.weights = scaled_table(weights);
   }
   const LoadedModel loaded(write_model_text(model));
-  for (const double apart : {1e-2, 1e-3, 1e-4, 1e-5, 1e-7, 1e-9, 0.0}) {
+  for (const double apart : {1e-2, 1e-3, 1e-4, 1e-5, 1e-7, 1e-9, 0.0})
     for (const double sign : {1.0, -1.0}) {
       const Eigen::Vector3d d(0.009 * sign, 0.007, -0.005 * sign);
       const phn_tool tools[2] = {tool(1, 2, 3, 0.4, 0.3, d[0], d[1], d[2]),
@@ -63,7 +63,6 @@ TEST(CoupledTools, ThatAgreeAreFeltAsOne) {
       ASSERT_GE(phn_couple(loaded.model, loaded.data, 2, tools, forces.data(), nullptr), 0);
       EXPECT_LT((forces.rowwise().sum() - one).norm(), (2 * apart + 1e-4) * one.norm()) << apart;
     }
-  }
 }
 
 // Claim: two tools that come together, meet and part feel no jump: a step of 1e-6 of the weights on the way
@@ -164,8 +163,8 @@ TEST(Nearest, IsTheNearestPlaceThatAnswers) {
   constexpr int n = 60;
   int n_compared = 0;
   std::vector<Eigen::Vector3d> grid;  // of what is answered
-  for (Eigen::Index t = 0; t < model.surface.rows(); ++t) {
-    for (int a = 0; a <= n; ++a) {
+  for (Eigen::Index t = 0; t < model.surface.rows(); ++t)
+    for (int a = 0; a <= n; ++a)
       for (int b = 0; b + a <= n; ++b) {
         const int w[3] = {a, b, n - a - b};
         phn_tool tool = {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}};
@@ -179,8 +178,6 @@ TEST(Nearest, IsTheNearestPlaceThatAnswers) {
         }
         if (phn_force(loaded.model, loaded.data, &tool, force, nullptr, nullptr) >= 0) grid.push_back(p);
       }
-    }
-  }
   Numbers numbers;
   for (int i = 0; i < 200; ++i) {
     const Eigen::Vector3d x(0.1 * numbers.next(), 0.1 * numbers.next(), 0.1 * numbers.next());

@@ -161,9 +161,8 @@ TEST(DefectsOfText, CoordinatesAreBounded) {
     for (Eigen::Index o = 0; o < 12; ++o) model.output_points.row(o).setConstant(o % 2 == 0 ? 1e30 : -1e30);
     model.nodes[0].point = {1e30, -1e30, 1e30};
     model.nodes[1].point = {-1e30, 1e30, -1e30};
-    for (auto& node : model.nodes) {
+    for (auto& node : model.nodes)
       if (family == Family::rbfn) fill_centers(model, node.deformation);
-    }
     const LoadedModel loaded(write_model_text(model));
     const double d[] = {0.001, 0, 0};
     Points u(12, 3);

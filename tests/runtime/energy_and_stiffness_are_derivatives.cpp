@@ -42,7 +42,7 @@ TEST_P(DerivativesOf, EqualFiniteDifferences) {
   const LoadedModel loaded(write_model_text(model));
   const double h = 1e-3 * model.max_displacement_m;
   Numbers numbers;
-  for (const ActiveNodeModel& node : model.nodes) {
+  for (const ActiveNodeModel& node : model.nodes)
     for (int trial = 0; trial < 20; ++trial) {
       Vector3d d;
       for (int k = 0; k < 3; ++k) d[k] = 1.5 * model.max_displacement_m * numbers.next();
@@ -56,7 +56,6 @@ TEST_P(DerivativesOf, EqualFiniteDifferences) {
       }
       EXPECT_EQ(at.stiffness, at.stiffness.transpose());
     }
-  }
 }
 
 // Claim: whatever is asked for together, force, energy and stiffness have the bits that they have when asked for alone.
@@ -64,7 +63,7 @@ TEST_P(DerivativesOf, HaveTheSameBitsInAnyCall) {
   const Model model = small_model_of(GetParam());
   const LoadedModel loaded(write_model_text(model));
   Numbers numbers;
-  for (const ActiveNodeModel& node : model.nodes) {
+  for (const ActiveNodeModel& node : model.nodes)
     for (int trial = 0; trial < 20; ++trial) {
       const Vector3d d = 1.5 * model.max_displacement_m * numbers.vector();
       const Derivatives alone = response(loaded, node.node, d);
@@ -79,7 +78,6 @@ TEST_P(DerivativesOf, HaveTheSameBitsInAnyCall) {
         EXPECT_EQ(r.stiffness, stiffness ? alone.stiffness : Matrix3d::Constant(-1)) << asked;
       }
     }
-  }
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ TEST(Fields, MatchPlainLoops) {
   const LoadedModel loaded(write_model_text(model));
   ASSERT_EQ(info_of(loaded.model).n_fields, 2);
   int positive = 0, cut = 0;
-  for (const ActiveNodeModel& node : model.nodes) {
+  for (const ActiveNodeModel& node : model.nodes)
     for (std::int32_t f = 0; f < 2; ++f) {
       if (node.fields[static_cast<std::size_t>(f)].weights.cols() == 0) continue;
       for (const Vector3d& d : field_probes) {
@@ -66,7 +66,6 @@ TEST(Fields, MatchPlainLoops) {
         cut += static_cast<int>((values.array() == 0).count());
       }
     }
-  }
   // Random tables: both signs occur, and negative values are cut to zero.
   EXPECT_GT(positive, 50);
   EXPECT_GT(cut, 50);

@@ -86,16 +86,14 @@ inline Body icosahedron() {
 /// An open sheet of n x n squares, each two triangles: interior vertices have six neighbours.
 inline Body sheet(int n) {
   Body body;
-  for (int y = 0; y <= n; ++y) {
+  for (int y = 0; y <= n; ++y)
     for (int x = 0; x <= n; ++x) body.points.push_back({x + 0.5 * y, 0.8 * y, 0});
-  }
-  for (int y = 0; y < n; ++y) {
+  for (int y = 0; y < n; ++y)
     for (int x = 0; x < n; ++x) {
       const int a = y * (n + 1) + x, b = a + 1, c = a + n + 1, d = c + 1;
       body.triangles.push_back({a, b, c});
       body.triangles.push_back({b, d, c});
     }
-  }
   return body;
 }
 

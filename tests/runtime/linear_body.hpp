@@ -54,9 +54,8 @@ Model modal_model_of(Model model, const Curve& curve) {
     weights.bottomRows<3>() = model.max_displacement_m * Eigen::Matrix3d::Identity();
     Eigen::MatrixXd modes(3 * node.linear.unit_responses.rows(), 3);
     for (Eigen::Index o = 0; o < node.linear.unit_responses.rows(); ++o) {
-      for (int k = 0; k < 3; ++k) {
+      for (int k = 0; k < 3; ++k)
         for (int axis = 0; axis < 3; ++axis) modes(3 * o + k, axis) = node.linear.unit_responses(o, 3 * axis + k);
-      }
       node.modal.near.push_back(static_cast<std::int32_t>(o));
     }
     node.modal.weights = scaled_table(weights);
@@ -75,13 +74,11 @@ struct LinearBody {
   explicit LinearBody(int n, bool coupled = true) {
     Numbers numbers;
     Eigen::MatrixXd A(3 * n, 3 * n);
-    for (int i = 0; i < 3 * n; ++i) {
+    for (int i = 0; i < 3 * n; ++i)
       for (int j = 0; j < 3 * n; ++j) A(i, j) = 0.3 * numbers.next();
-    }
     compliance = (A * A.transpose() + Eigen::MatrixXd::Identity(3 * n, 3 * n)) / 50;
-    for (int i = 0; i < 3 * n && !coupled; ++i) {
+    for (int i = 0; i < 3 * n && !coupled; ++i)
       for (int j = 0; j < 3 * n; ++j) compliance(i, j) *= i / 3 == j / 3;
-    }
     std::vector<Vec3> points(static_cast<std::size_t>(n));
     for (Vec3& point : points)
       for (double& x : point) x = 0.05 * numbers.next();
@@ -102,9 +99,8 @@ struct LinearBody {
       for (int o = 0; o < n; ++o) {
         const Eigen::Matrix3d U = o == i ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
                                          : Eigen::Matrix3d(compliance.block<3, 3>(3 * o, 3 * i) * K);
-        for (int axis = 0; axis < 3; ++axis) {
+        for (int axis = 0; axis < 3; ++axis)
           for (int k = 0; k < 3; ++k) node.linear.unit_responses(o, 3 * axis + k) = U(k, axis);
-        }
       }
     }
   }

@@ -27,7 +27,7 @@ Answer answer(const LoadedModel& loaded, std::int32_t node, const Eigen::Vector3
 TEST(LinearRuntime, EqualsHostEvaluation) {
   const Model model = small_linear_model();
   const LoadedModel loaded(write_model_text(model));
-  for (const ActiveNodeModel& node : model.nodes) {
+  for (const ActiveNodeModel& node : model.nodes)
     for (const Eigen::Vector3d& d :
          {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.004, -0.002, 0.001), Eigen::Vector3d(-30, 0.1, 7)}) {
       const Answer a = answer(loaded, node.node, d);
@@ -35,14 +35,12 @@ TEST(LinearRuntime, EqualsHostEvaluation) {
       for (Eigen::Index o = 0; o < a.u.rows(); ++o) {
         const Eigen::Matrix3d axes = Eigen::Map<const Eigen::Matrix3d>(node.linear.unit_responses.row(o).data());
         EXPECT_LE((a.u.row(o).transpose() - axes * d).norm(), 2e-15 * d.norm());
-        for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
+        for (std::size_t i = 0; i < node.prescribed.size(); ++i)
           if (node.prescribed[i] == model.output[static_cast<std::size_t>(o)]) {
             EXPECT_EQ(a.u.row(o).transpose(), node.prescribed_weight[i] * d);
           }
-        }
       }
     }
-  }
 }
 
 // Claim: a linear model has no outside: far beyond the trained depth nothing warns of it, whatever else is

@@ -66,12 +66,10 @@ Response plain(const Model& model, const ActiveNodeModel& node, const Vector3d& 
   for (Eigen::Index o = 0; o < r.u.rows(); ++o) r.u.row(o) = all.segment<3>(3 * o).transpose();
   for (std::size_t i = 0; i < node.modal.near.size(); ++i)
     r.u.row(node.modal.near[i]) = near.segment<3>(3 * static_cast<Eigen::Index>(i)).transpose();
-  for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
-    for (std::size_t o = 0; o < model.output.size(); ++o) {
+  for (std::size_t i = 0; i < node.prescribed.size(); ++i)
+    for (std::size_t o = 0; o < model.output.size(); ++o)
       if (model.output[o] == node.prescribed[i])
         r.u.row(static_cast<Eigen::Index>(o)) = node.prescribed_weight[i] * d.transpose();
-    }
-  }
   return r;
 }
 
@@ -97,7 +95,7 @@ std::vector<Model> models() {
 TEST(ModalRuntime, ForceEnergyAndStiffnessAreTheFormulas) {
   for (const Model& model : models()) {
     const LoadedModel loaded(write_model_text(model));
-    for (const ActiveNodeModel& node : model.nodes) {
+    for (const ActiveNodeModel& node : model.nodes)
       for (const Vector3d& d : probes) {
         const Response expected = plain(model, node, d);
         Vector3d force;
@@ -115,7 +113,6 @@ TEST(ModalRuntime, ForceEnergyAndStiffnessAreTheFormulas) {
         }
         EXPECT_EQ(stiffness, stiffness.transpose());
       }
-    }
   }
 }
 
@@ -135,13 +132,11 @@ TEST(ModalRuntime, DeformationIsTheSumOfModes) {
         EXPECT_LE((u - expected.u).cwiseAbs().maxCoeff(), 1e-5 * expected.u.cwiseAbs().maxCoeff());
         for (const std::int32_t near : node.modal.near)
           EXPECT_LE((u.row(near) - expected.u.row(near)).norm(), 1e-14 * (1 + 100 * d.norm()));
-        for (std::size_t o = 0; o < model.output.size(); ++o) {
-          for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
+        for (std::size_t o = 0; o < model.output.size(); ++o)
+          for (std::size_t i = 0; i < node.prescribed.size(); ++i)
             if (node.prescribed[i] == model.output[o]) {
               EXPECT_EQ(u.row(static_cast<Eigen::Index>(o)), node.prescribed_weight[i] * d.transpose());
             }
-          }
-        }
       }
     }
   }
@@ -151,7 +146,7 @@ TEST(ModalRuntime, DeformationIsTheSumOfModes) {
 TEST(ModalRuntime, NothingHappensAtRest) {
   for (const Model& model : models()) {
     const LoadedModel loaded(write_model_text(model));
-    for (const ActiveNodeModel& node : model.nodes) {
+    for (const ActiveNodeModel& node : model.nodes)
       for (const double zero : {0.0, -0.0}) {
         const double d[] = {zero, 0, zero};
         Vector3d force(1, 1, 1);
@@ -164,7 +159,6 @@ TEST(ModalRuntime, NothingHappensAtRest) {
         EXPECT_EQ(energy, 0);
         EXPECT_EQ(u.cwiseAbs().maxCoeff(), 0);
       }
-    }
   }
 }
 

@@ -23,13 +23,12 @@ const Eigen::Vector3d network_probes[] = {{0, 0, 0},  {0.004, -0.002, 0.001}, {0
 TEST(Runtime, ForceIsTheNetwork) {
   const Model model = small_model();
   const LoadedModel loaded(write_model_text(model));
-  for (const ActiveNodeModel& node : model.nodes) {
+  for (const ActiveNodeModel& node : model.nodes)
     for (const Eigen::Vector3d& d : network_probes) {
       Eigen::Vector3d force;
       ASSERT_GE(phn_force(loaded.model, loaded.data, AtNode(node.node, d.data()), force.data(), nullptr, nullptr), 0);
       EXPECT_LT((force - evaluate(node.force, d)).norm(), 1e-14 * scale_of(node.force));
     }
-  }
 }
 
 // Claim: deformation is (11)-(12) of displacement and coordinates at every output node that the probe does not move;
@@ -37,7 +36,7 @@ TEST(Runtime, ForceIsTheNetwork) {
 TEST(Runtime, DeformationIsTheNetwork) {
   const Model model = small_model();
   const LoadedModel loaded(write_model_text(model));
-  for (const ActiveNodeModel& node : model.nodes) {
+  for (const ActiveNodeModel& node : model.nodes)
     for (const Eigen::Vector3d& d : network_probes) {
       Points u(model.output_points.rows(), 3);
       ASSERT_GE(phn_deform(loaded.model, loaded.data, AtNode(node.node, d.data()), u.data()), 0);
@@ -46,16 +45,14 @@ TEST(Runtime, DeformationIsTheNetwork) {
         Eigen::VectorXd inputs(6);
         inputs << d, model.output_points.row(row).transpose();
         Eigen::Vector3d expected = evaluate(node.deformation, inputs);
-        for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
+        for (std::size_t i = 0; i < node.prescribed.size(); ++i)
           if (node.prescribed[i] == model.output[o]) expected = node.prescribed_weight[i] * d;
-        }
         EXPECT_LT((u.row(row).transpose() - expected).norm(), 1e-14 * scale_of(node.deformation));
         if (model.output[o] == node.node) {
           EXPECT_EQ(u.row(row).transpose(), d);
         }
       }
     }
-  }
 }
 
 // Claim: the lists and sizes are the model's.

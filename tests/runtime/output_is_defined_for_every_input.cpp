@@ -32,7 +32,7 @@ TEST(EveryInput, TheLargestModalModelStaysFinite) {
     node.conservative.stiffness.setConstant(1e100);
     node.conservative.shape = model.shared.shape = 1e-6;
     const LoadedModel loaded(write_model_text(model));
-    for (const double size : {0.0, 1e-3, 1.0, 1e6, 1e300}) {
+    for (const double size : {0.0, 1e-3, 1.0, 1e6, 1e300})
       for (const double sign : {1.0, -1.0}) {
         const double length = std::min(size * max_displacement, huge);
         const double d[] = {sign * length, length, sign * length};
@@ -50,13 +50,12 @@ TEST(EveryInput, TheLargestModalModelStaysFinite) {
           EXPECT_GT(u.cwiseAbs().maxCoeff(), 1e25);
         }
       }
-    }
   }
 }
 
 // Claim: networks with large displacements and forces, full ones and smaller levels, have finite answers.
 TEST(EveryInput, NetworksStayInTheRangeOfTheirNumbers) {
-  for (const bool smaller_level : {false, true}) {
+  for (const bool smaller_level : {false, true})
     for (const double reach : {1e35, 1e40}) {
       Model model = with_levels(small_model());
       ActiveNodeModel& node = model.nodes[0];
@@ -79,7 +78,6 @@ TEST(EveryInput, NetworksStayInTheRangeOfTheirNumbers) {
         }
       }
     }
-  }
 }
 
 // Claim: what a model does not define is refused with zeros: energy and stiffness of networks, the

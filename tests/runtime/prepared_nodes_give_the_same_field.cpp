@@ -44,7 +44,7 @@ Points fresh_field(const phn_model* model, std::int32_t max_tools, const AtNode&
 TEST(PreparedNodes, GiveTheSameFieldInAnyOrder) {
   auto all = prepared_models();
   all.push_back(small_model());  // of family rbfn
-  for (const Model& model : all) {
+  for (const Model& model : all)
     for (const std::int32_t max_tools : {1, 3}) {
       const LoadedModel loaded(write_model_text(model), max_tools);
       Numbers numbers;
@@ -62,7 +62,6 @@ TEST(PreparedNodes, GiveTheSameFieldInAnyOrder) {
         ASSERT_EQ(u, fresh_field(loaded.model, max_tools, tool));
       }
     }
-  }
 }
 
 /// Floats are summed in another order: 20 roundings of 6e-8 of the sizes of the terms, which are at most some
@@ -126,9 +125,8 @@ TEST(PreparedNodes, EveryInstructionSetGivesTheSameBits) {
     const phn_model& m = *loaded.model;
     expect_same_bits(loaded, m.shared, node, prepare(m, loaded.data->prepared, active));
     expect_same_bits(loaded, m.shared, node, nullptr);
-    for (std::int32_t f = 0; f < m.n_fields; ++f) {
+    for (std::int32_t f = 0; f < m.n_fields; ++f)
       if (node.fields[f].n_modes > 0) expect_same_bits(loaded, m.fields[f], node.fields[f], nullptr);
-    }
     const auto n = static_cast<std::size_t>(node.n_modes) * rows_per_block;
     std::vector<float> expected(n), block(n);
     modal_kernels(0)->sum_block(m.shared, node, m.shared.modes, expected.data());

@@ -356,9 +356,7 @@ TEST_P(RoundTools, HaveTheLeastDepthOfTheirNodes) {
   double said = 0;
   EXPECT_TRUE(phn_depth(loaded.model, &held, &said) & PHN_WARNING_OUTSIDE || GetParam() == Family::linear);
   double depth = 1, bound = 0;
-  for (const std::int32_t node : {3, 5, 8}) {
-    depth = std::min(depth, Trained(loaded.model, node, far).depth);
-  }
+  for (const std::int32_t node : {3, 5, 8}) depth = std::min(depth, Trained(loaded.model, node, far).depth);
   EXPECT_EQ(said, depth);
   const int bounded = phn_bound(loaded.model, &without, &bound);
   EXPECT_EQ(bounded < 0, GetParam() == Family::linear);

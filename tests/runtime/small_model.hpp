@@ -75,9 +75,8 @@ inline Model small_model(int n_deformation = 9, int n_force = 5) {
   model.directions = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-s, 0, -s}};
   model.max_displacement_m = 0.01;
   model.displacements.resize(8, 3);
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0; i < 8; ++i)
     for (int k = 0; k < 3; ++k) model.displacements(i, k) = (i % 2 == 0 ? 0.005 : 0.01) * model.directions[i / 2][k];
-  }
   model.n_mesh_nodes = 20;
   model.fixed = {0, 1};
   model.fixed_points.resize(2, 3);
@@ -92,9 +91,8 @@ inline Model small_model(int n_deformation = 9, int n_force = 5) {
   for (const std::int32_t number : {3, 5, 8, 15}) {
     ActiveNodeModel& node = model.nodes.emplace_back();
     node.node = number;
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k)
       node.point[k] = number < 14 ? model.output_points(number - 2, k) : 0.05 * numbers.next();
-    }
     node.prescribed = {number};
     node.prescribed_weight = {1};
     if (number == 8) {
@@ -120,9 +118,8 @@ inline Model small_linear_model() {
   for (ActiveNodeModel& node : model.nodes) {
     node.force = node.deformation = RbfNetwork();
     Eigen::Matrix3d& stiffness = node.linear.stiffness;
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; ++i)
       for (int j = i; j < 3; ++j) stiffness(i, j) = stiffness(j, i) = (i == j ? 60 : 0) + 20 * numbers.next();
-    }
     node.linear.unit_responses.resize(static_cast<Eigen::Index>(model.output.size()), 9);
     for (Eigen::Index o = 0; o < node.linear.unit_responses.rows(); ++o) {
       for (int i = 0; i < 9; ++i) node.linear.unit_responses(o, i) = 0.5 * numbers.next();
@@ -138,9 +135,8 @@ inline Model small_linear_model() {
 
 inline ScaledTable random_table(Eigen::Index n_rows, Eigen::Index n_columns, double size, Numbers& numbers) {
   Eigen::MatrixXd values(n_rows, n_columns);
-  for (Eigen::Index r = 0; r < n_rows; ++r) {
+  for (Eigen::Index r = 0; r < n_rows; ++r)
     for (Eigen::Index c = 0; c < n_columns; ++c) values(r, c) = size * numbers.next();
-  }
   return scaled_table(values);
 }
 
@@ -156,10 +152,9 @@ inline Model small_modal_model(int n_modes = 3, int n_force = 5, int n_shared = 
     node.force = node.deformation = RbfNetwork();
     ConservativeNetwork& force = node.conservative;
     force.shape = 0.3;
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; ++i)
       for (int j = i; j < 3; ++j)
         force.stiffness(i, j) = force.stiffness(j, i) = (i == j ? 60 : 0) + 20 * numbers.next();
-    }
     force.coefficients.resize(n_force, 3);
     for (int i = 0; i < n_force; ++i) {
       force.centers.push_back((3 * i + 2) % 8);
@@ -188,7 +183,7 @@ inline Model small_field_model() {
   const auto n_basis = static_cast<Eigen::Index>(model.shared.centers.size()) + 9;
   model.fields = {{"von-mises-stress", "Pa", 1, 1234.5, random_table(n_output, 4, 0.5, numbers)},
                   {"energy-density", "J/m^3", 2, 0.75, random_table(n_output, 6, 0.5, numbers)}};
-  for (ActiveNodeModel& node : model.nodes) {
+  for (ActiveNodeModel& node : model.nodes)
     for (const auto& field : model.fields) {
       const Eigen::Index n_modes = field.degree == 2 && node.node == 15 ? 0 : 5;
       ModalDeformation& of_node = node.fields.emplace_back();
@@ -197,7 +192,6 @@ inline Model small_field_model() {
       of_node.mixing = random_table(field.modes.cols(), n_modes, 1, numbers);
       of_node.near_modes = random_table(static_cast<Eigen::Index>(of_node.near.size()), n_modes, 1, numbers);
     }
-  }
   return model;
 }
 

@@ -23,14 +23,13 @@ struct NaiveSurface {
   void subdivide() {
     std::map<std::pair<int, int>, std::vector<int>> opposite;
     std::map<int, std::set<int>> neighbors, along_creases;
-    for (const Corners& t : triangles) {
+    for (const Corners& t : triangles)
       for (std::size_t k = 0; k < 3; ++k) {
         const int a = t[k], b = t[(k + 1) % 3];
         opposite[std::minmax(a, b)].push_back(t[(k + 2) % 3]);
         neighbors[a].insert(b);
         neighbors[b].insert(a);
       }
-    }
     for (const auto& [edge, others] : opposite) {
       if (others.size() == 2) continue;
       along_creases[edge.first].insert(edge.second);
@@ -93,14 +92,13 @@ TEST(Surfaces, AreThoseOfThePlainScheme) {
       ASSERT_EQ(fine.n_vertices, static_cast<int>(points.values.size()));
       ASSERT_EQ(fine.n_triangles, static_cast<int>(points.triangles.size()));
       const Points u = fine.deform(field);
-      for (int t = 0; t < fine.n_triangles; ++t) {
+      for (int t = 0; t < fine.n_triangles; ++t)
         for (int k = 0; k < 3; ++k) {
           const auto naive =
               static_cast<std::size_t>(points.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)]);
           ASSERT_LE((fine.point(fine.corner(t, k)) - points.values[naive]).norm(), 5 * subdivision_rounding);
           ASSERT_LE((u.row(fine.corner(t, k)) - moved.values[naive]).norm(), subdivision_rounding);
         }
-      }
       // Vertices of level 0 keep their numbers, those without triangles, too.
       for (std::size_t i = 0; i < body.points.size(); ++i)
         ASSERT_LE((u.row(static_cast<Eigen::Index>(i)) - moved.values[i]).norm(), subdivision_rounding);

@@ -69,7 +69,7 @@ TEST_P(Shared, ModelsAnswerAsToOneThread) {
   std::vector<std::vector<double>> first(n_threads);
   std::vector<int> differing(n_threads);
   std::vector<std::thread> threads;
-  for (int t = 0; t < n_threads; ++t) {
+  for (int t = 0; t < n_threads; ++t)
     threads.emplace_back([&, t] {
       ++ready;
       while (ready < n_threads) std::this_thread::yield();
@@ -77,7 +77,6 @@ TEST_P(Shared, ModelsAnswerAsToOneThread) {
       first[at] = answers(loaded.model, surface, t);
       for (int i = 1; i < n_rounds; ++i) differing[at] += answers(loaded.model, surface, t + i) != first[at];
     });
-  }
   for (auto& thread : threads) thread.join();
   const std::vector<double> alone = answers(loaded.model, surface, 0);
   for (int t = 0; t < n_threads; ++t) {
@@ -99,11 +98,10 @@ TEST_P(Shared, ImagesAnswerAsToOneThread) {
   const auto alone = ask();
   std::atomic<int> differing{0};
   std::vector<std::thread> threads;
-  for (int t = 0; t < n_threads; ++t) {
+  for (int t = 0; t < n_threads; ++t)
     threads.emplace_back([&] {
       for (int i = 0; i < n_rounds; ++i) differing += ask() != alone;
     });
-  }
   for (auto& thread : threads) thread.join();
   EXPECT_EQ(differing, 0);
 }

@@ -18,18 +18,16 @@ Eigen::MatrixXd scaled_inputs(const NetworkPoints& points, const RbfNetwork& net
   for (Eigen::Index p = 0; p < x.rows(); ++p) {
     x.row(p).head(points.displacements.cols()) = points.displacements.row(points.displacement[p]);
     if (!points.place.empty()) x.row(p).tail(points.places.cols()) = points.places.row(points.place[p]);
-    for (Eigen::Index k = 0; k < x.cols(); ++k) {
+    for (Eigen::Index k = 0; k < x.cols(); ++k)
       x(p, k) = (x(p, k) - network.input_center[k]) / network.input_half_range[k];
-    }
   }
   return x;
 }
 
 Eigen::MatrixXd scaled_outputs(const NetworkPoints& points, const RbfNetwork& network) {
   Eigen::MatrixXd y = points.outputs;
-  for (Eigen::Index k = 0; k < 3; ++k) {
+  for (Eigen::Index k = 0; k < 3; ++k)
     y.col(k) = (y.col(k).array() - network.output_center[k]) / network.output_half_range[k];
-  }
   return y;
 }
 
@@ -37,11 +35,9 @@ Eigen::MatrixXd scaled_outputs(const NetworkPoints& points, const RbfNetwork& ne
 Eigen::MatrixXd basis(const NetworkPoints& points, const RbfNetwork& network) {
   const Eigen::MatrixXd x = scaled_inputs(points, network);
   Eigen::MatrixXd h = Eigen::MatrixXd::Ones(x.rows(), 1 + network.centers.rows());
-  for (Eigen::Index i = 0; i < network.centers.rows(); ++i) {
-    for (Eigen::Index p = 0; p < x.rows(); ++p) {
+  for (Eigen::Index i = 0; i < network.centers.rows(); ++i)
+    for (Eigen::Index p = 0; p < x.rows(); ++p)
       h(p, 1 + i) = std::exp(-(x.row(p) - network.centers.row(i)).squaredNorm() / (network.spread * network.spread));
-    }
-  }
   return h;
 }
 
@@ -86,12 +82,11 @@ NetworkPoints franke_points(int n) {
 template <class Function>
 double grid_error(const Function& approximation) {
   double sum = 0;
-  for (int i = 0; i <= 40; ++i) {
+  for (int i = 0; i <= 40; ++i)
     for (int j = 0; j <= 40; ++j) {
       const double x = i / 40.0, y = j / 40.0;
       sum += std::pow(approximation(x, y) - franke(x, y), 2);
     }
-  }
   return std::sqrt(sum / (41 * 41));
 }
 

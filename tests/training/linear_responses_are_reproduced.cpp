@@ -17,13 +17,11 @@ LinearResponse made_up(const DatabaseHeader& header, std::int32_t active) {
   std::mt19937_64 random(static_cast<std::uint64_t>(active) + 1);
   const auto number = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1; };
   LinearResponse linear;
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i)
     for (int j = i; j < 3; ++j) linear.stiffness(i, j) = linear.stiffness(j, i) = (i == j ? 60 : 0) + 20 * number();
-  }
   linear.unit_responses.resize(n_nodes, 9);
-  for (Eigen::Index o = 0; o < n_nodes; ++o) {
+  for (Eigen::Index o = 0; o < n_nodes; ++o)
     for (int i = 0; i < 9; ++i) linear.unit_responses(o, i) = 0.5 * number();
-  }
   auto own = linear.unit_responses.row(header.sets.active[active]);
   own.setZero();
   own[0] = own[4] = own[8] = 1;
@@ -50,11 +48,9 @@ std::vector<Ray> linear_rays(const DatabaseHeader& header, std::int32_t active, 
       const Eigen::Vector3d force = more * (linear.stiffness * d);
       ray.force.insert(ray.force.end(), force.begin(), force.end());
       ray.energy.push_back((0.5 + bend * d.norm() / 3) * d.dot(linear.stiffness * d));
-      for (Eigen::Index o = 0; o < n_nodes; ++o) {
-        for (const double u : displacement(linear, o, d)) {
+      for (Eigen::Index o = 0; o < n_nodes; ++o)
+        for (const double u : displacement(linear, o, d))
           ray.displacement.push_back(header.float64 ? u : static_cast<double>(static_cast<float>(u)));
-        }
-      }
     }
     rays.push_back(std::move(ray));
   }
@@ -100,10 +96,9 @@ TEST(LinearTraining, ResponsesAreReproducedTenTimesDeeper) {
         Eigen::Vector3d d(uniform(random), uniform(random), uniform(random));
         d *= header.magnitudes_m.back();
         EXPECT_LT(((found.stiffness - truth.stiffness) * d).norm(), 1e-12 * (truth.stiffness * d).norm());
-        for (Eigen::Index o = 0; o < n_nodes; ++o) {
+        for (Eigen::Index o = 0; o < n_nodes; ++o)
           EXPECT_LT((displacement(found, o, d) - displacement(truth, o, d)).norm(),
                     (float64 ? 1e-12 : 1e-6) * d.norm());
-        }
         EXPECT_EQ(displacement(found, model.nodes[i].node, d), d) << "the touched node follows exactly";
       }
       EXPECT_EQ(model.nodes[i].trained_depth_m, std::vector<double>(26, header.magnitudes_m.back()));

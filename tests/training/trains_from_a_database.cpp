@@ -28,13 +28,10 @@ class FromDatabase : public testing::Test {
     for (int i = 0; i < n_nodes; ++i) header.mesh.cells(i / 4, i % 4) = i;
     for (Eigen::Index c = 0; c < header.mesh.cells.rows(); ++c) {
       Eigen::Matrix3d edges;
-      for (int k = 0; k < 3; ++k) {
+      for (int k = 0; k < 3; ++k)
         edges.col(k) =
             header.mesh.nodes.row(header.mesh.cells(c, k + 1)) - header.mesh.nodes.row(header.mesh.cells(c, 0));
-      }
-      if (edges.determinant() < 0) {
-        std::swap(header.mesh.cells(c, 2), header.mesh.cells(c, 3));
-      }
+      if (edges.determinant() < 0) std::swap(header.mesh.cells(c, 2), header.mesh.cells(c, 3));
     }
     header.mesh.surface = boundary_triangles(header.mesh.cells);
     header.mesh_hash = mesh_hash(header.mesh);
@@ -48,7 +45,7 @@ class FromDatabase : public testing::Test {
     DatabaseWriter::create(file, header, false);
     {
       DatabaseWriter writer(file, header, 0);
-      for (std::int32_t active = 0; active < static_cast<std::int32_t>(header.sets.active.size()); ++active) {
+      for (std::int32_t active = 0; active < static_cast<std::int32_t>(header.sets.active.size()); ++active)
         for (const Ray& small : small_rays(header, active)) {
           Ray ray = empty_ray(header, active, small.direction);
           ray.status = small.status;
@@ -56,7 +53,6 @@ class FromDatabase : public testing::Test {
           ray.displacement = small.displacement;
           writer.append(ray);
         }
-      }
     }
     DatabaseWriter::pack(file, header);
   }

@@ -68,12 +68,11 @@ class Training {
     for_each_index(n_active, threads, [&](std::int32_t active) {
       const SearchNode read_node = read(active);
       NodeOutcome& outcome = outcomes[active];
-      for (const Ray& ray : read_node.rays) {
+      for (const Ray& ray : read_node.rays)
         for (const Status status : ray.status) {
           outcome.used += status == Status::converged;
           outcome.failed += static_cast<int>(status) < 0;
         }
-      }
       outcome.fitted = std::ssize(training_states(_tables, read_node.rays).row);
       // Errors are estimated at nodes that are distributed evenly over the active nodes.
       const std::int32_t stride = std::max(1, n_active / n_error_nodes);
@@ -102,10 +101,9 @@ class Training {
       _training->add(report, outcome);
       model.nodes.push_back(std::move(outcome.model));
     }
-    if (model.nodes.empty()) {
+    if (model.nodes.empty())
       throw input_error("no active node has a converged increment", _header.scene_name,
                         "see the reasons with `phynness info`, and precompute with a smaller displacement");
-    }
     report.n_networks = static_cast<std::int32_t>(model.nodes.size());
     report.n_skipped = static_cast<std::int32_t>(report.skipped_nodes.size());
     for (std::size_t l = 0; _spec.levels > 1 && l < static_cast<std::size_t>(_spec.levels); ++l)
@@ -193,10 +191,9 @@ Model train(const Database& database, const TrainingSpec& spec, TrainingReport& 
             int threads) {
   const Law law = stored_scene(database.header()).material.law;
   // Whether imported responses are linear, their numbers tell.
-  if (schema::traits(spec.family).proportional && !law->linear && !database.header().imported) {
+  if (schema::traits(spec.family).proportional && !law->linear && !database.header().imported)
     throw input_error("family linear needs the linear law", std::string("law ") + name(law),
                       "use family modal or rbfn");
-  }
   return train(responses_of(database), spec, report, progress, threads);
 }
 

@@ -19,9 +19,8 @@ std::string read_file(const fs::path& file) {
 }  // namespace
 
 void write_model_dir(const fs::path& dir, const Model& model, const Mesh& mesh) {
-  if (mesh_hash(mesh) != model.mesh_hash) {
+  if (mesh_hash(mesh) != model.mesh_hash)
     throw failure("the model belongs to another mesh", model.mesh_hash, "write it with the mesh of its database");
-  }
   write_model_texts(dir, {write_model_text(model), write_mesh_text(mesh)});
 }
 

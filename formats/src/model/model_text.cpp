@@ -73,13 +73,12 @@ Model read_model_text(const std::string& text, const std::string& source_name) {
 void fill_centers(const Model& model, RbfNetwork& net) {
   const auto n = static_cast<Eigen::Index>(net.center_displacement.size());
   net.centers.resize(n, net.input_center.size());
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index k = 0; k < net.input_center.size(); ++k) {
       const double value =
           k < 3 ? model.displacements(net.center_displacement[i], k) : model.output_points(net.center_output[i], k - 3);
       net.centers(i, k) = (value - net.input_center[k]) / net.input_half_range[k];
     }
-  }
 }
 
 ScaledTable scaled_table(const Eigen::MatrixXd& values) {

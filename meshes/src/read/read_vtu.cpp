@@ -188,12 +188,11 @@ class VtkXml {
     }
     const auto parsed = _document.load_buffer_inplace(_text.data(), _text.size());
     const auto file = _document.child("VTKFile");
-    if (!file || !parsed || !whole) {
+    if (!file || !parsed || !whole)
       throw input_error(
           place(parsed.offset) + (file && parsed ? "the file is truncated: it does not end with </VTKFile>"
                                                  : "the file is not an XML file of VTK"),
           parsed ? "" : parsed.description(), again);
-    }
     _grid = file.child("UnstructuredGrid");
     if (!_grid)
       fail(file, "the file holds no UnstructuredGrid", file.attribute("type").value(),

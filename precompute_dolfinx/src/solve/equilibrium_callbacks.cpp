@@ -107,9 +107,8 @@ void Equilibrium::evaluate_residual() {
   _body.residual(_state, _residual);
   ++_counts.residuals;
   double reactions = 0;
-  for (int dof = 0; dof < _body.n_dofs(); ++dof) {
+  for (int dof = 0; dof < _body.n_dofs(); ++dof)
     if (!_is_free[dof]) reactions += _residual[dof] * _residual[dof];
-  }
   _reaction_norm = std::sqrt(reactions);
   _condensed = _residual;
   _constraint.condense(_condensed);

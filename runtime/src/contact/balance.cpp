@@ -175,9 +175,8 @@ class Balance {
     Vector(&force)[most_touching] = _predicted, open_gap[most_touching];
     for (Vector& f : force) f = {};
     const MatrixView<Matrix> compliance{blocks, _contact.n_response};
-    for (std::int32_t t = 0; t < _n; ++t) {
+    for (std::int32_t t = 0; t < _n; ++t)
       if (is_in_response(t)) force[index_of(t)] = _contact.response_force[index_of(t)];
-    }
     // The forces of a body that is far from equilibrium do not predict those of the next step.
     const bool is_known = _contact.has_response && _contact.n_response > 0 && _touched.compliance(compliance);
     bool slides = is_known;
@@ -287,9 +286,8 @@ class Balance {
       for (int l = 0; l < 2; ++l) m[l][j] = dot(axes[l], response);
       right[j] = -dot(axes[j], sideways);
     }
-    if (!solve_2x2(m, right, x)) {
+    if (!solve_2x2(m, right, x))
       for (int j = 0; j < 2; ++j) x[j] = -right[j];
-    }
     // In one step a proxy slides little farther than its tool moves.
     const Vector here = point_at(_surface, _surface.rest, tool.proxy, 0),
                  earlier = here - point_at(_surface, _surface.rest, tool.first_proxy, 0);
@@ -352,10 +350,9 @@ class Balance {
   /// Keeps one of several tools at the same point, because a field has one displacement there. @return a warning
   int remove_duplicates() {
     int warned = PHN_OK;
-    for (std::int32_t t = 0; t < _n; ++t) {
+    for (std::int32_t t = 0; t < _n; ++t)
       if (_contact.tool[t].active) set_displacement(t);
-    }
-    for (std::int32_t t = 0; t < _n; ++t) {
+    for (std::int32_t t = 0; t < _n; ++t)
       for (std::int32_t s = 0; s < t; ++s) {
         ToolContact &a = _contact.tool[s], &b = _contact.tool[t];
         if (!a.active || !b.active) continue;
@@ -370,7 +367,6 @@ class Balance {
         (a_stays ? b : a).active = false;
         if (a_grasps && b_grasps) warned = PHN_WARNING_UNSETTLED;
       }
-    }
     return warned;
   }
 
@@ -439,9 +435,8 @@ class Balance {
   Vector displacement_without(std::int32_t t) const {
     const ToolContact& tool = _contact.tool[t];
     double deepest = 0;
-    for (std::int32_t s = 0; s < _n; ++s) {
+    for (std::int32_t s = 0; s < _n; ++s)
       if (s != t && _contact.tool[s].active) deepest = std::fmax(deepest, norm(_contact.tool[s].displacement));
-    }
     const Vector moved = tool.displacement - inverse_of(stiffness_of(t)) * tool.force;
     const double size = norm(moved);
     return size > deepest ? deepest / size * moved : moved;

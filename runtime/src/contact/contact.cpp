@@ -64,9 +64,8 @@ void displace(phn_contact& contact, const double* field) {
   const double moved = place(field, surface);
   refit_volumes(surface, contact.volumes);
   contact.is_displaced = field != nullptr;
-  for (std::int32_t t = 0; t < contact.max_tools; ++t) {
+  for (std::int32_t t = 0; t < contact.max_tools; ++t)
     if (distance[t] >= 0 && distance[t] <= moved) advect(contact, beside[t], from[t], contact.tool[t]);
-  }
 }
 
 /// Moves the surface to where a tool that grasps left it in the last step. Other tools only push it inwards, where a

@@ -20,11 +20,9 @@ void cross_edge(const ContactSurface& s, SurfacePoint& point, int opposite, cons
   const std::int32_t next = s.neighbor[3 * point.triangle + opposite];
   const std::int32_t *from = s.triangle + 3 * point.triangle, *to = s.triangle + 3 * next;
   SurfacePoint next_point = {next, {0, 0, 0}};
-  for (int c = 0; c < 3; ++c) {
-    for (int d = 0; d < 3; ++d) {
+  for (int c = 0; c < 3; ++c)
+    for (int d = 0; d < 3; ++d)
       if (c != opposite && to[d] == from[c]) next_point.weight[d] = point.weight[c];
-    }
-  }
   const double* corner[3];
   Vector edge = vector_at(row(s.rest, from[(opposite + 2) % 3])) - vector_at(row(s.rest, from[(opposite + 1) % 3]));
   corners_of(s, s.rest, next, corner);

@@ -46,9 +46,8 @@ extern "C" {
 int32_t phn_abi_version(void) { return PHN_ABI_VERSION; }
 
 int32_t phn_sizeof(const char* struct_name) {
-  for (const Size& size : sizes) {
+  for (const Size& size : sizes)
     if (struct_name != nullptr && std::strcmp(struct_name, size.name) == 0) return size.bytes;
-  }
   return 0;
 }
 

@@ -96,9 +96,8 @@ void field_of_basis(const phn_model& model, const ActiveNode& node, const Prepar
                     const double* d, const double* basis, double* scratch, double* field) {
   with_response(model, node,
                 [&](const auto& response) { response_field(model, response, prepared, share, basis, scratch, field); });
-  for (std::int32_t p = 0; p < node.n_prescribed && !node.moves_mean; ++p) {
+  for (std::int32_t p = 0; p < node.n_prescribed && !node.moves_mean; ++p)
     for (int k = 0; k < 3; ++k) field[3 * node.prescribed[p] + k] = node.prescribed_weight[p] * d[k];
-  }
 }
 
 std::size_t prepared_rows(const phn_model& model) {

@@ -53,9 +53,8 @@ const Kernels* kernels_for(const Kernels* const (&of_sets)[n], int set) {
 }
 template <class Kernels, int n>
 const Kernels& best_of(const Kernels* const (&of_sets)[n]) {
-  for (int set = n - 1; set > 0; --set) {
+  for (int set = n - 1; set > 0; --set)
     if (const Kernels* kernels = kernels_for(of_sets, set)) return *kernels;
-  }
   return *of_sets[0];
 }
 

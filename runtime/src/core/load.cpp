@@ -195,11 +195,10 @@ void ModelLoader::respond(schema::ModalGrammar, NodeStore& node, ActiveNode& mad
     raise(_model.prepared_modes, full.n_modes);
     raise(_model.prepared_near, 3 * static_cast<std::size_t>(full.n_near) * n_modes);
   }
-  for (std::size_t f = 0; f < n_fields; ++f) {
+  for (std::size_t f = 0; f < n_fields; ++f)
     raise(_model.n_field_scratch, static_cast<std::size_t>(_model.shared.n_centers) + schema::n_field_terms +
                                       static_cast<std::size_t>(node.fields.part[f].n_modes) +
                                       static_cast<std::size_t>(_model.fields[f].n_modes));
-  }
   const auto place_at = [&](ModalResponse response, const ModalForce& force, const auto& field) {
     response.force = force;
     auto* fields = _arena.take<ModalTables>(n_fields);

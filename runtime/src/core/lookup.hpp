@@ -26,9 +26,8 @@ void multiply_symmetric(const Real* k, const Real* d, Real* product) {
 /// K as 3 x 3.
 template <class Real>
 void fill_symmetric(const Real* k, Real* matrix) {
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i)
     for (int j = i; j < 3; ++j) matrix[3 * i + j] = matrix[3 * j + i] = *k++;
-  }
 }
 
 /// A displacement counts as inside of the trained range up to this factor of the depth, so that the deepest increment

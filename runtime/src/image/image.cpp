@@ -40,9 +40,8 @@ struct ToolQuery {
   if (!is_unclamped && !finite(query.d)) return PHN_ERROR_NOT_FINITE;
   for (int k = 0; k < 3 && !is_unclamped; ++k) query.d[k] = clamp(query.d[k], largest);
   if (query.corners.fixed_weight > largest_fixed_weight<Real>) status = PHN_WARNING_OUTSIDE;
-  for (uint32_t i = 0; i < query.corners.n; ++i) {
+  for (uint32_t i = 0; i < query.corners.n; ++i)
     if (query.corners.counts(i)) status |= warnings(image, query.corners.position[i], is_unclamped, query.d);
-  }
   return status;
 }
 
@@ -256,9 +255,8 @@ int phn_image_deform(const phn_image* opened, Real* scratch, const phn_image_too
   if (!deforms) return refuse(PHN_ERROR_UNDEFINED, out, n);
   const auto* prescribed = at<uint16_t>(image, node->prescribed);
   const Real* weight = at<Real>(image, node->prescribed_weight);
-  for (uint32_t p = 0; p < node->prescribed.n; ++p) {
+  for (uint32_t p = 0; p < node->prescribed.n; ++p)
     for (uint32_t k = 0; k < 3; ++k) out[3 * prescribed[p] + k] = weight[p] * query.d[k];
-  }
   return status;
 }
 

@@ -22,9 +22,8 @@ inline void response_stiffness(const Header&, const LinearResponse& linear, cons
 
 inline bool response_field(const Header& image, const LinearResponse& linear, const Real* d, Real*, Real* field) {
   const Real* unit = at<Real>(image, linear.unit_responses);
-  for (uint32_t o = 0; o < image.output_nodes.n; ++o, unit += 9, field += 3) {
+  for (uint32_t o = 0; o < image.output_nodes.n; ++o, unit += 9, field += 3)
     for (int k = 0; k < 3; ++k) field[k] = d[0] * unit[k] + d[1] * unit[3 + k] + d[2] * unit[6 + k];
-  }
   return true;
 }
 

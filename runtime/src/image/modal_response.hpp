@@ -58,9 +58,8 @@ inline void response_stiffness(const Header& image, const ModalResponse& node, c
   for_each_center(image, node, x, [&](const Real* y, const Real* b) {
     const Real q = square_root(dot(y, y) + s2), n[3] = {y[0] / q, y[1] / q, y[2] / q}, along = dot(n, b);
     Real* at = sum;
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; ++i)
       for (int j = i; j < 3; ++j) *at++ += b[i] * n[j] + n[i] * b[j] + along * (Real(i == j) - n[i] * n[j]);
-    }
   });
   for (int i = 0; i < 6; ++i) sum[i] = node.stiffness[i] + sum[i] / image.max_displacement;
   fill_symmetric(sum, stiffness);
@@ -98,9 +97,8 @@ inline bool response_field(const Header& image, const ModalResponse& node, const
   for (int k = 0; k < 3; ++k) basis[n_centers + static_cast<uint32_t>(k)] = x[k];
   clear(amplitude, m);
   const auto* weight = at<int16_t>(image, node.weights.entry);
-  for (uint32_t r = 0; r < n_centers + 3; ++r, weight += m) {
+  for (uint32_t r = 0; r < n_centers + 3; ++r, weight += m)
     for (uint32_t j = 0; j < m; ++j) amplitude[j] += basis[r] * Real(weight[j]);
-  }
   scale_columns(image, node.weights, amplitude, amplitude);
   scale_columns(image, node.mixing, amplitude, scaled);
   multiply_rows(at<int16_t>(image, node.mixing.entry), n_shared, m, scaled, amount);

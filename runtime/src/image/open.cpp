@@ -152,9 +152,8 @@ class ImageCheck {
     for (uint32_t i = 0; i < 6 * n_triangles; ++i)
       require(i % 6 < 3 ? triangle[i] < n : triangle[i] < n_triangles || triangle[i] == image::none);
     const auto* vertex = at<image::VertexCorners>(_image, surface.vertex);
-    for (uint32_t v = 0; v < n; ++v) {
+    for (uint32_t v = 0; v < n; ++v)
       for (const uint16_t active : vertex[v].active) require(active < n_points || vertex[v].active[0] == image::none);
-    }
     const auto* begin = at<uint32_t>(_image, surface.begin);
     for (uint32_t i = 0; i < n_points; ++i)
       require(begin[i] <= begin[i + 1] && begin[i + 1] - begin[i] <= image::most_neighbours);

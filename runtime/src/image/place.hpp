@@ -28,9 +28,8 @@ class Search {
 
   /// @param best  where the walk starts, then ends. @return whether it arrived
   bool walk(Nearest& best) const {
-    for (uint32_t crossed = 0; crossed <= most_crossings; ++crossed) {
+    for (uint32_t crossed = 0; crossed <= most_crossings; ++crossed)
       if (!step(best)) return true;
-    }
     return false;
   }
 
@@ -92,9 +91,8 @@ class Search {
   /// that no triangle is entered twice. @return whether there was one
   bool step(Nearest& best) const {
     const Real* w = best.weight;
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k)
       if (w[k] == 1) return nearer_around(k, 1, best) || nearer_around(k, 2, best);
-    }
     for (int k = 0; k < 3; ++k) {
       const uint16_t next = across(best.triangle, k);
       if (w[k] == 0 && next != image::none && keep_nearer(next, best)) return true;
@@ -166,9 +164,8 @@ struct Corners : Weights<image::most_corners> {
     for (int i = 0; i < 3; ++i) corners.point[i] += w * at<Real>(image, surface->point)[3 * vertex[k] + i];
     const Real first = w * (corner.first / whole), second = (w - first) * (corner.second / whole);
     const Real part[3] = {first, second, w - first - second};
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; ++i)
       if (part[i] > 0) corners.add(corner.active[i], part[i]);
-    }
   }
   if (!(sum >= 1 - slack && sum <= 1 + slack)) return PHN_ERROR_ARGUMENT;
   if (!(movable > slack)) return PHN_ERROR_NOT_ACTIVE;
@@ -233,9 +230,8 @@ inline Real bound_at_node(const Header& image, const image::Surface& surface, ui
   const uint32_t n_rows = image.displacements.n / 3, n = n_rows / (image.directions.n / 3);
   const Real* directions = at<Real>(image, image.directions);
   uint32_t nearest = 0;
-  for (uint32_t i = 1; i < image.directions.n / 3; ++i) {
+  for (uint32_t i = 1; i < image.directions.n / 3; ++i)
     if (dot(d, directions + 3 * i) > dot(d, directions + 3 * nearest)) nearest = i;
-  }
   const size_t first = static_cast<size_t>(nearest) * n;
   const bool modal = traits(image).has_modes;
   const Real x[3] = {modal ? d[0] / image.max_displacement : d[0], modal ? d[1] / image.max_displacement : d[1],

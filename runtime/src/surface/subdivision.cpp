@@ -63,12 +63,11 @@ void vertex_rules(SurfaceLevel& level, VertexRule* rules, std::int32_t* neighbor
                   std::int32_t* creases) {
   const std::int32_t n = level.n_vertices;
   for (std::int32_t v = 0; v < n; ++v) valence[v] = creases[v] = 0;
-  for (std::int32_t e = 0; e < level.n_edges; ++e) {
+  for (std::int32_t e = 0; e < level.n_edges; ++e)
     for (const std::int32_t v : level.edges[e].end) {
       ++valence[v];
       creases[v] += is_crease(level.edges[e]);
     }
-  }
   std::int32_t first = 0;
   for (std::int32_t v = 0; v < n; ++v) {
     const bool smooth = valence[v] > 0 && creases[v] <= 1, along = creases[v] == 2;

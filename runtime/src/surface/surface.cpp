@@ -87,9 +87,8 @@ int check_field(const phn_surface& surface, const float* scratch, const double* 
   if (overlap(field, field_bytes, out, out_bytes(surface)) || overlap(scratch, scratch_bytes, field, field_bytes) ||
       overlap(scratch, scratch_bytes, out, out_bytes(surface)))
     return PHN_ERROR_OVERLAP;
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < n; ++i)
     if (!std::isfinite(field[i])) return PHN_ERROR_NOT_FINITE;
-  }
   return PHN_OK;
 }
 

@@ -88,7 +88,7 @@ void Constraints::prepare_rotation(std::int32_t t) {
   std::int32_t vertex[most_nodes];
   for (std::int32_t j = 0; j < point.n_nodes; ++j) vertex[j] = node(point, j).output;
   find_rotation(_model, point.n_nodes, vertex, point.weight, rotation);
-  for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+  for (std::int32_t s = 0; s < _c.n_tools; ++s)
     for (std::int32_t i = 0; i < _c.point[s].n_nodes; ++i) {
       const ActiveNode& by = node(_c.point[s], i);
       NodeField& local = _c.response(quantity(_c.n_tools + t), s, i);
@@ -97,7 +97,6 @@ void Constraints::prepare_rotation(std::int32_t t) {
       _c.rest_response(quantity(_c.n_tools + t), s, i) =
           rest_response(local, basis_size(_model, by), _c.rest_gradient(0, s, i));
     }
-  }
   point.rotation_area = rotation.area;
 }
 
@@ -124,14 +123,12 @@ void Constraints::set_rest_matrix() {
   const std::int32_t n = 3 * _c.n_tools;
   const MatrixView<double> rest{_c.rest_matrix, n};
   set_zero(_c.rest_matrix, 3 * static_cast<std::size_t>(n_quantities()) * static_cast<std::size_t>(n));
-  for (std::int32_t t = 0; t < n_quantities(); ++t) {
-    for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+  for (std::int32_t t = 0; t < n_quantities(); ++t)
+    for (std::int32_t s = 0; s < _c.n_tools; ++s)
       for (std::int32_t i = 0; i < _c.point[s].n_nodes; ++i) {
         const Matrix product = _c.rest_response(quantity(t), s, i) * _c.point[s].node_contribution[i];
         for (int k = 0; k < 9; ++k) rest(3 * t + k / 3, 3 * s + k % 3) += product.a[k];
       }
-    }
-  }
 }
 
 Matrix Constraints::rest_block(std::int32_t t, std::int32_t s) const {
@@ -199,13 +196,12 @@ void Constraints::add_derivatives(std::int32_t t, std::int32_t i) {
     const NodeField& local = _c.response(quantity(s), t, i);
     Matrix change = {};
     Vector value = local.constant;
-    for (int r = 0; r < 3; ++r) {
+    for (int r = 0; r < 3; ++r)
       for (std::int32_t j = 0; j < n; ++j) {
         const double weight = local.rows[r * n + j];
         value[r] += weight * _c.basis[j];
         for (int k = 0; k < 3; ++k) change(r, k) += weight * _c.gradient[k * n + j];
       }
-    }
     Matrix& sum = _c.derivative(quantity(s), t);
     sum += factor * (change * to_e) + outer(value, factor_gradient);
     sum += local.direct * to_q;
@@ -324,7 +320,7 @@ Coupling* make_coupling(Arena& arena, const phn_model& model, std::int32_t max_t
 
 void coupled_field(const phn_model& model, const Coupling& c, PreparedNodes& prepared, double* scratch, double* one,
                    double* field) {
-  for (std::int32_t set = 0; set < c.n_sets; ++set) {
+  for (std::int32_t set = 0; set < c.n_sets; ++set)
     for (std::int32_t s = 0; s < c.n_tools; ++s) {
       const Constraint& point = c.point[s];
       for (std::int32_t i = 0; i < point.n_nodes; ++i) {
@@ -337,7 +333,6 @@ void coupled_field(const phn_model& model, const Coupling& c, PreparedNodes& pre
         }
       }
     }
-  }
 }
 
 }  // namespace PHN_RUNTIME

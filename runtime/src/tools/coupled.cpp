@@ -58,9 +58,8 @@ class Solver : private Constraints {
     }
     // Displacements of the fields at the points that the forces do not include are corrected as in the undeformed body.
     constraint_residual();
-    if (solve_correction()) {
+    if (solve_correction())
       for (std::int32_t s = 0; s < n; ++s) add_at_rest(0, s, _c.correction[s], 1);
-    }
     result.residual = constraint_residual();
     result.settled = result.residual <= residual_tolerance * largest;
     if (!_model.has_energy) result.energy = 0;
@@ -176,9 +175,8 @@ class Solver : private Constraints {
     _sum = 0;
     for (std::int32_t i = 0; i < n; ++i) {
       _c.weight[i] = equal_part * std::fabs(all);
-      for (std::int32_t j = 0; j < n; ++j) {
+      for (std::int32_t j = 0; j < n; ++j)
         if (j != i) _c.weight[i] += dot(_c.multiplier(j, i), _c.point[i].compliance * _c.multiplier(j, i));
-      }
       _sum += _c.weight[i];
     }
     for (std::int32_t i = 0; i < n; ++i) _c.weight[i] = _sum > 0 ? _c.weight[i] / _sum : 1.0 / n;
@@ -289,15 +287,13 @@ class Solver : private Constraints {
   void find_stiffness() {
     const std::int32_t n = 3 * _c.n_tools;
     const MatrixView<double> work{_c.work, n};
-    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+    for (std::int32_t t = 0; t < _c.n_tools; ++t)
       for (std::int32_t s = 0; s < _c.n_tools; ++s) {
         const Matrix scaled = _c.point[t].stiffness_root * rest_block(t, s) * _c.point[s].compliance_root;
         for (int k = 0; k < 9; ++k) work(3 * t + k / 3, 3 * s + k % 3) = scaled.a[k];
       }
-    }
-    for (std::int32_t i = 0; i < n; ++i) {
+    for (std::int32_t i = 0; i < n; ++i)
       for (std::int32_t j = 0; j < i; ++j) work(i, j) = work(j, i) = (work(i, j) + work(j, i)) / 2;
-    }
     diagonalize(_c.work, n, _c.vectors);
     double least = work(0, 0);
     for (std::int32_t e = 1; e < n; ++e) least = std::fmin(least, work(e, e));

@@ -14,12 +14,11 @@ inline void response_gradient(const phn_model&, const Networks& nets, const doub
   const Network& net = nets.deformation;
   const std::int32_t n = net.n_neurons;
   best_network_kernels().of_inputs(net, 0, d, basis);
-  for (std::int32_t i = 0; i < n; ++i) {
+  for (std::int32_t i = 0; i < n; ++i)
     for (int k = 0; k < 3; ++k) {
       const double y = (d[k] - net.input_center[k]) / net.input_half_range[k] - net.center[k][i];
       gradient[k * n + i] = -2 * y * net.inverse_square_spread / net.input_half_range[k] * basis[i];
     }
-  }
 }
 inline void response_gradient(const phn_model&, const LinearResponse&, const double* d, double* basis, double* gradient,
                               double*) {

@@ -8,9 +8,8 @@ namespace PHN_RUNTIME {
 namespace {
 
 std::int32_t position_of(const std::int32_t* list, std::int32_t n, std::int32_t value) {
-  for (std::int32_t i = 0; i < n; ++i) {
+  for (std::int32_t i = 0; i < n; ++i)
     if (list[i] == value) return i;
-  }
   return -1;
 }
 

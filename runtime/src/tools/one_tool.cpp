@@ -58,9 +58,8 @@ int mean_response(const phn_model& model, const phn_data& data, const ToolQuery&
   for (int i = 0; i < 3 && force != nullptr; ++i) force[i] = f[i];
   for (int i = 0; i < 9 && stiffness != nullptr; ++i) stiffness[i] = k.a[i];
   int status = is_beside_fixed(model, query.place) ? PHN_WARNING_OUTSIDE : PHN_OK;
-  for (std::int32_t i = 0; i < query.place.n_nodes; ++i) {
+  for (std::int32_t i = 0; i < query.place.n_nodes; ++i)
     if (query.place.counts(i)) status |= warnings(model, model.active[query.place.active[i]], (d / mean.lever).x);
-  }
   return status;
 }
 

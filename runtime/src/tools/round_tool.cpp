@@ -49,9 +49,8 @@ std::int32_t find_corners(const phn_model& model, std::int32_t node, Corner corn
   const double first = covered[2], second = covered[3], whole = schema::whole_weight;
   const double weight[3] = {first / whole, (whole - first) / whole * (second / whole),
                             (whole - first) / whole * ((whole - second) / whole)};
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < 3; ++k)
     if (weight[k] > 0) corner[n++] = {probe_triangle(model, covered[1])[k], weight[k]};
-  }
   return n;
 }
 
@@ -86,9 +85,8 @@ int find_place(const phn_model& model, const phn_tool& tool, Place& place) {
 }
 
 bool is_round(const phn_model& model, const Place& place) {
-  for (std::int32_t i = 0; i < place.n_nodes; ++i) {
+  for (std::int32_t i = 0; i < place.n_nodes; ++i)
     if (!model.active[place.active[i]].moves_mean) return false;
-  }
   return true;
 }
 

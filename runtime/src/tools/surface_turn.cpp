@@ -42,9 +42,8 @@ void find_rotation(const phn_model& model, std::int32_t n_vertices, const std::i
   for (std::int32_t t = 0; t < model.n_triangles && rotation.n + 3 <= SurfaceRotation::most; ++t) {
     const std::int32_t* corner = model.triangles + 3 * static_cast<std::size_t>(t);
     double part = 0;
-    for (std::int32_t v = 0; v < n_vertices; ++v) {
+    for (std::int32_t v = 0; v < n_vertices; ++v)
       if (corner[0] == vertex[v] || corner[1] == vertex[v] || corner[2] == vertex[v]) part += weight[v];
-    }
     if (!(part > 0)) continue;
     const double area = triangle_rotation(model, corner, maps);
     rotation.area += part * area;

@@ -93,11 +93,9 @@ int couple_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, c
 
 int field_of_tools(const phn_model& model, phn_data& data, double* out) {
   const Coupling& c = *data.coupling;
-  for (std::int32_t t = 0; t < c.n_tools; ++t) {
-    for (std::int32_t i = 0; i < c.point[t].n_nodes; ++i) {
+  for (std::int32_t t = 0; t < c.n_tools; ++t)
+    for (std::int32_t i = 0; i < c.point[t].n_nodes; ++i)
       if (!has_deformation(model, model.active[c.point[t].active[i]])) return PHN_ERROR_UNDEFINED;
-    }
-  }
   coupled_field(*c.model, c, data.prepared, data.scratch, data.field, out);
   // Sums of the fields of several nodes overflow where a model has numbers near the largest.
   for (std::int32_t i = 0; i < 3 * model.n_output; ++i) out[i] = std::isfinite(out[i]) ? out[i] : 0;
@@ -120,9 +118,8 @@ int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const ph
     status = couple_tools(*model, *data, n_tools, tools, coupled);
   }
   // The tools have been read; the forces may overlap them.
-  for (std::int32_t t = 0; forces != nullptr && t < n_tools; ++t) {
+  for (std::int32_t t = 0; forces != nullptr && t < n_tools; ++t)
     for (int k = 0; k < 3; ++k) *forces++ = status < 0 ? 0 : data->coupling->point[t].force[k];
-  }
   if (result != nullptr) *result = coupled;
   return status;
 }

@@ -85,24 +85,21 @@ inline Vector transposed_times(const Matrix& m, const Vector& x) {
 }
 inline Matrix operator*(const Matrix& a, const Matrix& b) {
   Matrix c;
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) c(i, j) = a(i, 0) * b(0, j) + a(i, 1) * b(1, j) + a(i, 2) * b(2, j);
-  }
   return c;
 }
 /// a b^T
 inline Matrix outer(const Vector& a, const Vector& b) {
   Matrix c;
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) c(i, j) = a[i] * b[j];
-  }
   return c;
 }
 inline Matrix symmetric_part(const Matrix& m) {
   Matrix s;
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) s(i, j) = (m(i, j) + m(j, i)) / 2;
-  }
   return s;
 }
 /// Sum of products of corresponding entries.
@@ -118,16 +115,14 @@ inline Matrix inverse_of(const Matrix& matrix) {
   double size = 0;
   for (const double k : a.a) size = std::fmax(size, std::fabs(k));
   for (double shift = 1e-3;; shift *= 10) {
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
         const int p = (i + 1) % 3, q = (i + 2) % 3, r = (j + 1) % 3, s = (j + 2) % 3;
         inverse(j, i) = a(p, r) * a(q, s) - a(p, s) * a(q, r);
       }
-    }
     const double determinant = a(0, 0) * inverse(0, 0) + a(0, 1) * inverse(1, 0) + a(0, 2) * inverse(2, 0);
-    if (std::fabs(determinant) > 1e-9 * size * size * size || !(size > 0) || shift > 1e3) {
+    if (std::fabs(determinant) > 1e-9 * size * size * size || !(size > 0) || shift > 1e3)
       return (determinant != 0 ? 1 / determinant : 0) * inverse;
-    }
     for (int i = 0; i < 3; ++i) a(i, i) = matrix(i, i) + shift * size;
   }
 }
@@ -215,11 +210,9 @@ inline void diagonalize(double* a, std::int32_t n, double* vectors) {
       if (i % (n + 1) != 0) off_diagonal += square;
     }
     if (!(off_diagonal > 1e-34 * size)) return;
-    for (std::int32_t p = 0; p < n - 1; ++p) {
-      for (std::int32_t q = p + 1; q < n; ++q) {
+    for (std::int32_t p = 0; p < n - 1; ++p)
+      for (std::int32_t q = p + 1; q < n; ++q)
         if (a[p * n + q] != 0) rotate_pair({a, n}, p, q, {vectors, n});
-      }
-    }
   }
 }
 
@@ -227,11 +220,9 @@ inline void diagonalize(double* a, std::int32_t n, double* vectors) {
 inline Matrix inverse_of_stiffness(const Matrix& stiffness, double least) {
   Matrix a = stiffness, v, inverse = {};
   diagonalize(a.a, 3, v.a);
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
       for (int k = 0; k < 3; ++k) inverse(i, j) += v(i, k) * v(j, k) / std::fmax(a(k, k), least);
-    }
-  }
   return inverse;
 }
 
@@ -243,9 +234,8 @@ inline bool solve_dense(const MatrixView<double>& a, double* right) {
   for (std::int32_t i = 0; i < n * n; ++i) size = std::fmax(size, std::fabs(a.data[i]));
   for (std::int32_t k = 0; k < n; ++k) {
     std::int32_t pivot = k;
-    for (std::int32_t i = k + 1; i < n; ++i) {
+    for (std::int32_t i = k + 1; i < n; ++i)
       if (std::fabs(a(i, k)) > std::fabs(a(pivot, k))) pivot = i;
-    }
     if (!(std::fabs(a(pivot, k)) > 1e-13 * size)) return false;
     for (std::int32_t j = 0; j <= n && pivot != k; ++j) {
       double &one = j < n ? a(k, j) : right[k], &other = j < n ? a(pivot, j) : right[pivot];

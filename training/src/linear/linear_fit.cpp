@@ -72,10 +72,9 @@ LinearQuality quality_of(const std::vector<Increment>& increments, const LinearR
     const Eigen::Vector3d force = linear.stiffness * d;
     quality.force_residual =
         std::max(quality.force_residual, ratio((force - increment.force).norm(), increment.force.norm()));
-    if (increment.energy) {
+    if (increment.energy)
       quality.energy_residual = std::max(
           quality.energy_residual, ratio(std::abs(force.dot(d) / 2 - *increment.energy), std::abs(*increment.energy)));
-    }
   }
   return quality;
 }
@@ -86,14 +85,12 @@ void require_linear(const LinearQuality& quality, std::int32_t node) {
       {"displacements differ from the best unit responses by ", quality.displacement_residual},
       {"forces differ from the best stiffness by ", quality.force_residual},
       {"energies differ from d.K d / 2 by ", quality.energy_residual}};
-  for (const auto& [what, size] : checks) {
-    if (!(size <= linear_tolerance)) {
+  for (const auto& [what, size] : checks)
+    if (!(size <= linear_tolerance))
       throw input_error("the scene is not linear",
                         fmt::format("node {}: {}{:.2g} %, at most {:.2g} % is allowed", node, what, 100 * size,
                                     100 * linear_tolerance),
                         "use family rbfn; if the law is linear, tighten [solver] relative_tolerance");
-    }
-  }
 }
 
 }  // namespace
@@ -112,10 +109,9 @@ LinearTraining train_linear_node(const TrainingTables& tables, std::int32_t node
     linear.stiffness += increments[i].force * share.transpose();
     for (int axis = 0; axis < 3; ++axis) linear.unit_responses.middleCols<3>(3 * axis) += share[axis] * increments[i].u;
   }
-  if (!linear.stiffness.allFinite() || !linear.unit_responses.allFinite()) {
+  if (!linear.stiffness.allFinite() || !linear.unit_responses.allFinite())
     throw failure("the database has a value that is not finite in a converged increment",
                   "node " + std::to_string(node), "precompute this database again");
-  }
   const Eigen::Matrix3d skew = linear.stiffness - linear.stiffness.transpose();
   const double asymmetry = ratio(skew.norm(), linear.stiffness.norm());
   linear.stiffness = (linear.stiffness + linear.stiffness.transpose().eval()) / 2;

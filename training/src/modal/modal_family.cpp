@@ -19,11 +19,10 @@ constexpr std::int32_t n_center_nodes = 12;
 
 void check_modal(const TrainingSpec& spec) {
   if (spec.force_centers < 1 || spec.amplitude_centers < 0 || spec.modes < 0 || spec.shared_modes < 0 ||
-      spec.near_nodes < 0 || spec.modes > largest_mode_count || spec.shared_modes > largest_mode_count) {
+      spec.near_nodes < 0 || spec.modes > largest_mode_count || spec.shared_modes > largest_mode_count)
     throw input_error("a number of centers, modes or near nodes is impossible", "",
                       "use at least 1 for force_centers, at most " + std::to_string(largest_mode_count) +
                           " for modes and shared_modes, and no negative number");
-  }
 }
 
 class ModalTraining : public FamilyTraining {

@@ -159,12 +159,11 @@ class GrowingQr {
 std::int32_t worst_untried(const std::vector<double>& error, const std::vector<char>& tried) {
   std::int32_t worst = -1;
   double largest = -1;
-  for (std::size_t p = 0; p < error.size(); ++p) {
+  for (std::size_t p = 0; p < error.size(); ++p)
     if (error[p] > largest && !tried[p]) {
       largest = error[p];
       worst = static_cast<std::int32_t>(p);
     }
-  }
   return worst;
 }
 
@@ -246,9 +245,8 @@ class NetworkBuilder {
   Eigen::MatrixXd scaled_targets() const {
     const RbfNetwork& net = _fit.network;
     Eigen::MatrixXd targets(_n, 3);
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k)
       targets.col(k) = (_points.outputs.col(k).array() - net.output_center[k]) / net.output_half_range[k];
-    }
     return targets;
   }
 
@@ -301,9 +299,8 @@ void set_scaling(const NetworkPoints& points, RbfNetwork& net) {
   net.input_center.resize(points.n_inputs());
   net.input_half_range.resize(points.n_inputs());
   transform_of(points.displacements, points.displacement, 0, net.input_center, net.input_half_range);
-  if (!points.place.empty()) {
+  if (!points.place.empty())
     transform_of(points.places, points.place, points.displacements.cols(), net.input_center, net.input_half_range);
-  }
   net.output_center.resize(3);
   net.output_half_range.resize(3);
   std::vector<std::int32_t> all(points.size());

@@ -29,13 +29,10 @@ TrainingTables training_tables(const DatabaseHeader& header) {
 
 std::vector<std::int32_t> converged_increments(const TrainingTables& tables, const std::vector<Ray>& rays) {
   std::vector<std::int32_t> found;
-  for (std::size_t direction = 0; direction < rays.size(); ++direction) {
-    for (std::int32_t i = 0; i < tables.n_increments; ++i) {
-      if (rays[direction].status[i] == Status::converged) {
+  for (std::size_t direction = 0; direction < rays.size(); ++direction)
+    for (std::int32_t i = 0; i < tables.n_increments; ++i)
+      if (rays[direction].status[i] == Status::converged)
         found.push_back(static_cast<std::int32_t>(direction) * tables.n_increments + i);
-      }
-    }
-  }
   return found;
 }
 
@@ -101,11 +98,8 @@ NetworkPoints deformation_points(const TrainingTables& tables, const std::vector
                                  int n_held_out) {
   const std::vector<std::int32_t> increments = training_states(tables, rays).row;
   std::vector<std::int32_t> places;
-  for (std::size_t o = 0; o < tables.output.size(); ++o) {
-    if (!tool.holds(tables.output[o])) {
-      places.push_back(static_cast<std::int32_t>(o));
-    }
-  }
+  for (std::size_t o = 0; o < tables.output.size(); ++o)
+    if (!tool.holds(tables.output[o])) places.push_back(static_cast<std::int32_t>(o));
   const auto n_output = tables.output.size();
   const auto pick = [&](std::vector<std::int32_t> drawn) {
     // Sorted by displacement and then by place, so that tables of a basis column are read in order.
@@ -163,10 +157,9 @@ NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const V
   const NetworkPoints force = force_points(tables, rays);
   const NetworkPoints deformation = deformation_points(tables, rays, tool, node, spec.samples, spec.seed);
   const bool has_output = !tables.output.empty();
-  if (deformation.size() == 0 && has_output) {
+  if (deformation.size() == 0 && has_output)
     throw input_error("the probe moves all output nodes, so that none is left for training",
                       "node " + std::to_string(node), "select more output nodes");
-  }
   const auto options = [&](const NetworkPoints& points, int neurons, double spread) {
     FitOptions of_network{capped_neurons(neurons, points.size()), spread, spec.target_mse, spec.levels, {}};
     if (spec.levels > 1 && estimate_errors) of_network.group = points.displacement;

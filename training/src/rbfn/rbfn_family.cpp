@@ -18,10 +18,9 @@ void check_rbfn(const TrainingSpec& spec) {
   if (spec.samples < 1)
     throw input_error("samples must be at least 1", std::to_string(spec.samples),
                       "use for example 5000, as in the paper");
-  if (spec.deformation_neurons < 1 || spec.force_neurons < 1) {
+  if (spec.deformation_neurons < 1 || spec.force_neurons < 1)
     throw input_error("a network needs at least one neuron", "",
                       "use for example 200 for deformation and 60 for force, as in the paper");
-  }
   if (!(spec.target_mse >= 0))
     throw input_error("target_mse must not be negative", std::to_string(spec.target_mse), "use 0");
 }

@@ -158,9 +158,8 @@ void Trade::compare(TradeRow& row) {
   const auto& own = _forces[static_cast<std::size_t>(&row - _report.rows.data())];
   const auto& finer = _forces[_reference];
   std::vector<double> errors;
-  for (std::size_t p = 0; p < std::min(own.size(), finer.size()); ++p) {
+  for (std::size_t p = 0; p < std::min(own.size(), finer.size()); ++p)
     if (const auto error = CheckedProbe{.own = own[p], .finer = finer[p]}.error()) errors.push_back(*error);
-  }
   const auto statistics = ErrorStatistics::of(errors);
   row.probes = row.is_reference || !(row.ray_s > 0) ? 0 : statistics.n;  // the time is 0 if the row was interrupted
   row.mean = statistics.mean;

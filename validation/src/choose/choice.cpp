@@ -53,12 +53,11 @@ void mark_front(std::vector<MeasuredModel>& models) {
   const auto all = [](const MeasuredModel& m) {
     return std::array<double, 3>{m.error(), m.speed.deformation_us, m.memory_bytes};
   };
-  for (auto& m : models) {
+  for (auto& m : models)
     m.on_front = std::none_of(models.begin(), models.end(), [&](const MeasuredModel& other) {
       const auto a = all(other), b = all(m);
       return a != b && a[0] <= b[0] && a[1] <= b[1] && a[2] <= b[2];
     });
-  }
 }
 
 TuningChoice choose_model(const std::vector<MeasuredModel>& models, const TuningLimits& limits) {

@@ -100,9 +100,8 @@ void require_ascending(IO& io, int32_t value, int32_t& previous, const char* wha
 template <class IO, class Store>
 void stiffness_line(IO& io, Store& stiffness) {
   io.keyword("stiffness");
-  for (int32_t i = 0; i < 3; ++i) {
+  for (int32_t i = 0; i < 3; ++i)
     for (int32_t j = i; j < 3; ++j) number(io, "stiffness", stiffness, i, j, linear_entry);
-  }
   io.end();
 }
 

@@ -49,18 +49,16 @@ void set_slopes(std::int32_t own, const PointOf& point_of, Neighbours& near) {
   const auto function = [](double r) { return (1 - r) * (1 - r) * (1 - r) * (1 - r) * (1 + 4 * r); };
   const std::int32_t n = near.n;
   double edge[most_neighbours][3], system[most_neighbours][most_neighbours + 3], squares = 0;
-  for (std::int32_t i = 0; i < n; ++i) {
+  for (std::int32_t i = 0; i < n; ++i)
     for (int k = 0; k < 3; ++k) {
       edge[i][k] = point_of(near.point[i])[k] - point_of(own)[k];
       squares += edge[i][k] * edge[i][k];
       near.slope[i][k] = 0;
     }
-  }
   if (!(squares > 0)) return;
   const double unit = radius * std::sqrt(squares / n);
-  for (std::int32_t i = 0; i < n; ++i) {
+  for (std::int32_t i = 0; i < n; ++i)
     for (double& x : edge[i]) x /= unit;
-  }
   for (std::int32_t i = 0; i < n; ++i) {
     const double r = apart(edge[i], none);
     for (std::int32_t j = 0; j < n; ++j)
@@ -69,15 +67,13 @@ void set_slopes(std::int32_t own, const PointOf& point_of, Neighbours& near) {
     for (int k = 0; k < 3; ++k) system[i][n + k] = 20 * (1 - r) * (1 - r) * (1 - r) * edge[i][k] / unit;
   }
   // Gauss-Jordan elimination. The matrix is positive definite.
-  for (std::int32_t k = 0; k < n; ++k) {
+  for (std::int32_t k = 0; k < n; ++k)
     for (std::int32_t i = 0; i < n; ++i) {
       const double factor = i == k ? 0 : system[i][k] / system[k][k];
       for (std::int32_t j = k; j < n + 3; ++j) system[i][j] -= factor * system[k][j];
     }
-  }
-  for (std::int32_t i = 0; i < n; ++i) {
+  for (std::int32_t i = 0; i < n; ++i)
     for (int k = 0; k < 3; ++k) near.slope[i][k] = system[i][n + k] / system[i][i];
-  }
 }
 
 /// Finds the nearest neighbours of each point in triangles and sets the slopes. A point that has few, as at a border,

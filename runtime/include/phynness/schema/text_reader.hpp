@@ -101,10 +101,9 @@ int check_envelope(const char (&first_line)[size], const char* text, size_t& len
   if (memcmp(text + end, "checksum ", 9) != 0) return refuse(PHN_ERROR_TRUNCATED, length);
   uint64_t hash = 0xcbf29ce484222325ULL;
   for (size_t i = 0; i < end; ++i) hash = (hash ^ static_cast<unsigned char>(text[i])) * 0x100000001b3ULL;
-  for (int i = 0; i < 16; ++i) {
+  for (int i = 0; i < 16; ++i)
     if (text[end + 9 + static_cast<size_t>(i)] != "0123456789abcdef"[hash >> (60 - 4 * i) & 15])
       return refuse(PHN_ERROR_CHECKSUM, end + 9);
-  }
   wrong_byte = 0;
   length = end;
   return PHN_OK;

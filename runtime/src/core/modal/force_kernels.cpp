@@ -63,10 +63,9 @@ PHN_INLINE void sum_derivatives(const ForceTerms& terms, const double* x, double
   PHN_HIDE(zero);
   for (std::int32_t first = 0; first < block_size; first += lanes) {
     double sum[n][lanes];
-    for (std::int32_t k = 0; k < n; ++k) {
+    for (std::int32_t k = 0; k < n; ++k)
       for (std::int32_t i = 0; i < lanes; ++i) sum[k][i] = zero;
-    }
-    for (std::int32_t begin = 0; begin < terms.n; begin += block_size) {
+    for (std::int32_t begin = 0; begin < terms.n; begin += block_size)
       for (std::int32_t i = 0; i < lanes; ++i) {
         const std::int32_t j = begin + first + i;
         const double y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j], b0 = w0[j], b1 = w1[j], b2 = w2[j];
@@ -89,10 +88,8 @@ PHN_INLINE void sum_derivatives(const ForceTerms& terms, const double* x, double
           sum[along_row][i] += along;
         }
       }
-    }
-    for (std::int32_t k = 0; k < n; ++k) {
+    for (std::int32_t k = 0; k < n; ++k)
       for (std::int32_t i = 0; i < lanes; ++i) sums[k][first + i] = sum[k][i];
-    }
   }
 }
 

@@ -76,23 +76,20 @@ PHN_INLINE void sum_amplitudes(const ModalTables& tables, std::int32_t n_basis, 
     const std::int32_t size = m - begin < block_size ? m - begin : block_size;
     if (size == block_size) {
       // Constant loop bounds let compilers vectorize the sums.
-      for (std::int32_t r = 0; r < n_basis; ++r, weight += m) {
+      for (std::int32_t r = 0; r < n_basis; ++r, weight += m)
         for (std::int32_t j = 0; j < block_size; ++j) {
           const double w = weight[j];
           for (std::int32_t k = 0; k < n_rows; ++k) sum[k][j] += basis[k * n_basis + r] * w;
         }
-      }
     } else {
-      for (std::int32_t r = 0; r < n_basis; ++r, weight += m) {
+      for (std::int32_t r = 0; r < n_basis; ++r, weight += m)
         for (std::int32_t j = 0; j < size; ++j) {
           const double w = weight[j];
           for (std::int32_t k = 0; k < n_rows; ++k) sum[k][j] += basis[k * n_basis + r] * w;
         }
-      }
     }
-    for (std::int32_t k = 0; k < n_rows; ++k) {
+    for (std::int32_t k = 0; k < n_rows; ++k)
       for (std::int32_t j = 0; j < size; ++j) amplitude[k * m + begin + j] = sum[k][j] * scale[j];
-    }
   }
 }
 

@@ -10,9 +10,8 @@ namespace {
 void even_basis(const double* x, std::int32_t degree, double* e) {
   const double size = std::sqrt(dot(x, x));
   const double by = degree == 2 ? 1 : size > 0 ? 1 / size : 0;
-  for (int j = 0; j < 3; ++j) {
+  for (int j = 0; j < 3; ++j)
     for (int k = j; k < 3; ++k) *e++ = x[j] * x[k] * by;
-  }
 }
 
 }  // namespace
@@ -50,10 +49,9 @@ void prepare_response(const phn_model& model, const ModalResponse& node, Prepare
   for (std::size_t row = 0; row < prepared_rows(model); row += rows_per_block)
     kernels.sum_block(model.shared, node, model.shared.modes + row * n_shared, entry.modes + row * m);
   const std::size_t n_near = 3 * static_cast<std::size_t>(node.n_near);
-  for (std::size_t r = 0; r < n_near; ++r) {
+  for (std::size_t r = 0; r < n_near; ++r)
     for (std::size_t j = 0; j < m; ++j)
       entry.near_mode[j * n_near + r] = node.near_mode[r * m + j] * node.near_mode_scale[j];
-  }
 }
 
 void modal_field(const phn_model& model, const ModalResponse& node, std::int32_t field, const double* d,

@@ -80,14 +80,12 @@ PHN_INLINE void field_of_table(const Network& net, std::int32_t n_output, const 
   }
   const std::size_t rest = static_cast<std::size_t>(net.n_prepared - n) * nodes_per_block;
   double* __restrict amount = reinterpret_cast<double*>(scratch);
-  for (std::int32_t i = 0; i < n; ++i) {
+  for (std::int32_t i = 0; i < n; ++i)
     for (int k = 0; k < 3; ++k) amount[3 * i + k] = range[k] * net.weight[k][i] * factor[i];
-  }
   for (std::int32_t begin = 0; begin < n_output; begin += nodes_per_block) {
     double sum[3][nodes_per_block];
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k)
       for (std::int32_t o = 0; o < nodes_per_block; ++o) sum[k][o] = constant[k];
-    }
     for (std::int32_t i = 0; i < n; ++i, table += nodes_per_block) {
 #ifdef PHN_X86_64
       if constexpr (by_nodes) __asm__("" : "+r"(table));
@@ -99,9 +97,8 @@ PHN_INLINE void field_of_table(const Network& net, std::int32_t n_output, const 
     }
     table += rest;
     const std::int32_t size = smaller(nodes_per_block, n_output - begin);
-    for (std::int32_t o = 0; o < size; ++o) {
+    for (std::int32_t o = 0; o < size; ++o)
       for (int k = 0; k < 3; ++k) field[3 * (begin + o) + k] = sum[k][o];
-    }
   }
 }
 
