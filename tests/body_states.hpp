@@ -17,10 +17,6 @@ namespace phynness::test {
 
 using Vector3 = Eigen::Vector3d;
 
-inline Eigen::Map<const Eigen::VectorXd> as_vector(const std::vector<double>& values) {
-  return {values.data(), static_cast<Eigen::Index>(values.size())};
-}
-
 /// Displacement u(X) at every point; pressures zero.
 inline std::vector<double> state_of(const Discretization& body, const std::function<Vector3(const Vector3&)>& u) {
   std::vector<double> state(body.n_dofs(), 0.0);
@@ -92,11 +88,9 @@ inline std::vector<double> dead_traction(const Discretization& body, const Mesh&
 class DeadLoad : public BlockEnergy {
  public:
   /// @param load  n_dofs, dimensionless. @param factor  multiplies the load
-  explicit DeadLoad(const std::vector<double>& load, double factor = 1) : _load(factor * phynness::as_vector(load)) {}
-  double energy(std::span<const double> state) const override { return -_load.dot(phynness::as_vector(state)); }
-  void add_residual(std::span<const double>, std::span<double> out) const override {
-    phynness::as_vector(out) -= _load;
-  }
+  explicit DeadLoad(const std::vector<double>& load, double factor = 1) : _load(factor * as_vector(load)) {}
+  double energy(std::span<const double> state) const override { return -_load.dot(as_vector(state)); }
+  void add_residual(std::span<const double>, std::span<double> out) const override { as_vector(out) -= _load; }
   void add_tangent(std::int32_t, std::span<const double>, std::span<double>) const override {}
 
  private:

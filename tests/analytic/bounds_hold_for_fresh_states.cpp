@@ -35,12 +35,7 @@ double scatter(std::mt19937_64& random) {
 /// 60 nodes, 26 directions of 4 increments.
 Model many_nodes() {
   Model model = test::small_modal_model();
-  model.directions.clear();
-  for (int i = 0; i < 27; ++i) {
-    const int column = i / 9 - 1, row = i / 3 % 3 - 1, layer = i % 3 - 1;
-    const double x = column, y = row, z = layer, size = std::sqrt(x * x + y * y + z * z);
-    if (size > 0) model.directions.push_back({x / size, y / size, z / size});
-  }
+  model.directions = exploratory_directions(Directions::twenty_six);
   model.displacements.resize(104, 3);
   for (int i = 0; i < 104; ++i)
     for (int k = 0; k < 3; ++k)

@@ -11,8 +11,7 @@ class BadDatabase : public DatabaseTest {
  protected:
   void write_packed() {
     const auto header = small_header(true);
-    write_logs(header);
-    DatabaseWriter::pack(file, header);
+    write_database(header);
   }
   void write_packed_again() {
     if (_packed.empty()) {

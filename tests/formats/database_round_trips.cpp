@@ -41,8 +41,7 @@ void expect_round_trip(const fs::path& file, const DatabaseHeader& header) {
 
 TEST_F(RoundTrip, is_exact_with_float64) {
   const auto header = small_header(true);
-  write_logs(header);
-  DatabaseWriter::pack(file, header);
+  write_database(header);
   expect_round_trip(file, header);
   EXPECT_EQ(read_database_header(file).mesh.regions, header.mesh.regions);
   EXPECT_FALSE(fs::exists(log));
@@ -52,8 +51,7 @@ TEST_F(RoundTrip, is_exact_with_float64) {
 
 TEST_F(RoundTrip, rounds_displacements_once_with_float32) {
   const auto header = small_header(false);
-  write_logs(header);
-  DatabaseWriter::pack(file, header);
+  write_database(header);
   expect_round_trip(file, header);
 }
 
@@ -63,8 +61,7 @@ TEST_F(RoundTrip, rounds_displacements_within_the_tolerance_of_the_scene) {
         parse_scene(database_scene + "[database]\nfield_tolerance = " + std::to_string(tolerance) + "\n", "", ".");
     auto header = small_header(true);
     header.field_bits = database_header(scene, header.mesh, header.sets).field_bits;
-    write_logs(header);
-    DatabaseWriter::pack(file, header);
+    write_database(header);
     EXPECT_EQ(read_database_header(file).field_bits, header.field_bits);
     const Database database = Database::open(file);
     double largest = 0;  // share of the tolerance
@@ -111,8 +108,7 @@ TEST_F(RoundTrip, keeps_responses_at_rest) {
 TEST_F(RoundTrip, works_without_tangents) {
   auto header = small_header(true);
   header.tangents = false;
-  write_logs(header);
-  DatabaseWriter::pack(file, header);
+  write_database(header);
   expect_round_trip(file, header);
 }
 
@@ -155,8 +151,7 @@ TEST_F(RoundTrip, does_not_depend_on_the_number_of_logs) {
   const auto header = small_header(true);
   std::vector<std::vector<char>> files;
   for (int n_logs : {1, 2, 4}) {
-    write_logs(header, n_logs);
-    DatabaseWriter::pack(file, header);
+    write_database(header, n_logs);
     expect_round_trip(file, header);
     files.push_back(bytes_of(file));
     fs::remove(file);
@@ -205,15 +200,13 @@ TEST_F(RoundTrip, spans_many_chunks) {
   header.directions.assign(150, Vec3{1, 0, 0});
   header.magnitudes_m.clear();
   for (int i = 1; i <= 40; ++i) header.magnitudes_m.push_back(0.001 * i);
-  write_logs(header, 2);
-  DatabaseWriter::pack(file, header);
+  write_database(header, 2);
   expect_round_trip(file, header);
 }
 
 TEST_F(RoundTrip, statuses_and_summary_count_what_is_there) {
   const auto header = small_header(true);
-  write_logs(header);
-  DatabaseWriter::pack(file, header);
+  write_database(header);
   const Database database = Database::open(file);
   const auto statuses = database.statuses();
   DatabaseSummary expected;
@@ -244,8 +237,7 @@ TEST_F(RoundTrip, statuses_and_summary_count_what_is_there) {
 
 TEST_F(RoundTrip, ends_of_rays_are_summed_up_by_reason_and_node) {
   const auto header = small_header(true);
-  write_logs(header);
-  DatabaseWriter::pack(file, header);
+  write_database(header);
   const Database database = Database::open(file);
   const auto rays = all_rays(header);
   const auto ends = database.ends();
@@ -290,8 +282,7 @@ TEST_F(RoundTrip, knows_every_stored_code_by_name) {
 
 TEST_F(RoundTrip, refuses_an_active_node_it_does_not_have) {
   const auto header = small_header(true);
-  write_logs(header);
-  DatabaseWriter::pack(file, header);
+  write_database(header);
   const Database database = Database::open(file);
   expect_names(refusal([&] { database.rays(3); }), {"3", "0 to 2"});
   expect_names(refusal([&] { database.rays(-1); }), {"-1"});

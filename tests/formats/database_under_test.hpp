@@ -149,6 +149,11 @@ class DatabaseTest : public testing::Test {
     }
   }
 
+  void write_database(const DatabaseHeader& header, int n_logs = 1) {
+    write_logs(header, n_logs);
+    DatabaseWriter::pack(file, header);
+  }
+
   /// The message of the Error that `work` throws; fails the test if it throws none.
   template <class Work>
   static std::string refusal(Work&& work, Error::Kind kind = Error::Kind::input) {

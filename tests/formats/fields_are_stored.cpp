@@ -63,8 +63,7 @@ TEST_F(StoredFields, AreTheSameOnResume) {
 
 TEST_F(StoredFields, LeaveNoTraceWhereThereAreNone) {
   const auto header = header_with({});
-  write_logs(header);
-  DatabaseWriter::pack(file, header);
+  write_database(header);
   const auto bytes = bytes_of(file);
   const std::string text(bytes.begin(), bytes.end());
   EXPECT_EQ(text.find("von-mises"), std::string::npos);

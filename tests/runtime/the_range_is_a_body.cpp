@@ -17,12 +17,7 @@ using namespace phynness::test;
 /// ray, in direction 7.
 Model uneven_model() {
   Model model = small_modal_model();
-  model.directions.clear();
-  for (int i = 0; i < 27; ++i) {
-    const int a = i / 9 - 1, b = i / 3 % 3 - 1, c = i % 3 - 1;
-    const double x = a, y = b, z = c, size = std::sqrt(x * x + y * y + z * z);
-    if (size > 0) model.directions.push_back({x / size, y / size, z / size});
-  }
+  model.directions = exploratory_directions(Directions::twenty_six);
   model.displacements.resize(52, 3);
   for (int i = 0; i < 52; ++i)
     for (int k = 0; k < 3; ++k)

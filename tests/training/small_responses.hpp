@@ -21,12 +21,14 @@ inline DatabaseHeader small_header(int apart = 3) {
     header.sets.output.push_back(i);
     if (i % apart == 0) header.sets.active.push_back(i);
   }
-  for (int x = -1; x <= 1; ++x)
-    for (int y = -1; y <= 1; ++y)
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
       for (int z = -1; z <= 1; ++z) {
         const double size = std::sqrt(static_cast<double>(x * x + y * y + z * z));
         if (size > 0) header.directions.push_back({x / size, y / size, z / size});
       }
+    }
+  }
   for (int i = 1; i <= n_increments; ++i) header.magnitudes_m.push_back(0.003 * i);
   header.sets.tools = single_nodes(header.sets.active);
   header.mesh_hash = "0123456789abcdef";

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <limits>
 #include <phynness/formats/scene.hpp>
 #include <phynness/validation/report.hpp>
 #include <regex>
@@ -91,9 +92,10 @@ TEST(ValidationFigures, HaveTheKeysOfTheContract) {
   for (const auto& key : keys) EXPECT_TRUE(named.count(key)) << key << " is not in formats/validation.md";
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);)
-    if (line.rfind("| `", 0) == 0)
+    if (line.rfind("| `", 0) == 0) {
       for (const auto& key : words(line.substr(0, line.find('|', 1)), "`([a-zA-Z0-9_]+)`"))
         EXPECT_TRUE(keys.count(key)) << key << " of formats/validation.md is no key";
+    }
 }
 
 TEST(ValidationFigures, AreNullWhereNothingIsKnown) {

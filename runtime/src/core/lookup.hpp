@@ -120,7 +120,7 @@ void nearest_weights(const Real* const corner[3], const Real* x, Real* w) {
 
 /// Angle between two vectors [rad] to 1e-4 (Abramowitz & Stegun 1964, 4.4.45), without a library. @pre they are not 0
 template <class Real>
-[[gnu::cold]] Real angle_between(const Real* a, const Real* b) {
+[[gnu::cold]] Real approximate_angle(const Real* a, const Real* b) {
   const Real cosine = clamp(dot(a, b) / (square_root(dot(a, a)) * square_root(dot(b, b))), Real(1));
   const Real x = cosine < 0 ? -cosine : cosine;
   const Real angle =
@@ -156,7 +156,7 @@ template <class Real, class Vertex, class VertexOf, class PointOf>
     const Real b[3] = {q[0] - corner[0], q[1] - corner[1], q[2] - corner[2]};
     const Real normal[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
     const Real area = square_root(dot(normal, normal));
-    if (area > 0) height += dot(normal, away) / area * (n == 1 ? angle_between(a, b) : 1);
+    if (area > 0) height += dot(normal, away) / area * (n == 1 ? approximate_angle(a, b) : 1);
     if (n == 1) open += static_cast<uint32_t>(next) - static_cast<uint32_t>(last);
     if (n == 2) open ^= 1;
   }
