@@ -17,17 +17,6 @@ using enum SelectorKind;
 // Relative to the diagonal of the bounding box: a node on the face of a box, up to rounding, is in the box.
 constexpr double on_the_border = 1e-9;
 
-NodeList common(const NodeList& a, const NodeList& b) {
-  NodeList both;
-  std::ranges::set_intersection(a, b, std::back_inserter(both));
-  return both;
-}
-NodeList without(const NodeList& a, const NodeList& b) {
-  NodeList rest;
-  std::ranges::set_difference(a, b, std::back_inserter(rest));
-  return rest;
-}
-
 Vector place(const Selector& s, const SelectableBody& body, const Vec3& point) {
   const Vector x = to_eigen(point).transpose();
   return s.in_fractions ? Vector(body.low + x.cwiseProduct(body.high - body.low)) : x;
@@ -208,6 +197,17 @@ std::string remedy_if_empty(const Selector& s, const SelectableBody& body, const
 }
 
 }  // namespace
+
+NodeList common(const NodeList& a, const NodeList& b) {
+  NodeList both;
+  std::ranges::set_intersection(a, b, std::back_inserter(both));
+  return both;
+}
+NodeList without(const NodeList& a, const NodeList& b) {
+  NodeList rest;
+  std::ranges::set_difference(a, b, std::back_inserter(rest));
+  return rest;
+}
 
 SelectableBody::SelectableBody(const Mesh& of)
     : mesh(of),

@@ -27,6 +27,10 @@ struct SelectableBody {
   double slack_m;                ///< a node up to this far outside of a border counts as inside, because of rounding
 };
 
+/// Of ascending lists.
+NodeList common(const NodeList& a, const NodeList& b);
+NodeList without(const NodeList& a, const NodeList& b);
+
 /// For messages.
 struct Wanted {
   std::string nodes;  ///< "fixed nodes", "active nodes", "output nodes" or "cells of region 'nodule'"

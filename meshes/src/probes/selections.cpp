@@ -11,9 +11,7 @@
 namespace phynness {
 namespace {
 
-using Nodes = NodeList;
-
-std::string listed(const Nodes& nodes) {
+std::string listed(const NodeList& nodes) {
   return std::to_string(nodes.size()) + " nodes: " + meshes::first_few(nodes, 5);
 }
 
@@ -72,7 +70,7 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets, co
   };
   body.fixed = sets.fixed = held_nodes(scene, body);
   body.tool_radius_m = scene.probe.tool_radius_m;
-  if (std::includes(sets.fixed.begin(), sets.fixed.end(), body.surface.begin(), body.surface.end()))
+  if (std::ranges::includes(sets.fixed, body.surface))
     throw input_error(scene.fixed_where.prefix() + "every node of the surface is fixed, so that nothing can be touched",
                       std::to_string(sets.fixed.size()) + " of " + std::to_string(mesh.n_nodes()) + " nodes",
                       "fix a part of the body only");
@@ -80,26 +78,18 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets, co
   sets.active = nodes_of(scene.active, "active nodes", scene.active_where);
   body.probed.clear();
   sets.output = nodes_of(scene.output, "output nodes", scene.output_where);
-  Nodes known;
-  std::set_union(sets.fixed.begin(), sets.fixed.end(), sets.output.begin(), sets.output.end(),
-                 std::back_inserter(known));
-  if (scene.probe.tools > 1 && std::ssize(known) < mesh.n_nodes())
+  const auto unknown = meshes::without(meshes::without(body.every_node, sets.fixed), sets.output).size();
+  if (scene.probe.tools > 1 && unknown > 0)
     throw input_error(scene.output_where.prefix() + "[probe] tools needs the displacements of all nodes",
-                      std::to_string(mesh.n_nodes() - std::ssize(known)) + " nodes are neither output nodes nor fixed",
+                      std::to_string(unknown) + " nodes are neither output nodes nor fixed",
                       "write output = \"free\" in [nodes], or remove tools");
-  Nodes both;
-  std::set_intersection(sets.fixed.begin(), sets.fixed.end(), sets.active.begin(), sets.active.end(),
-                        std::back_inserter(both));
-  if (!both.empty())
+  if (const NodeList both = meshes::common(sets.fixed, sets.active); !both.empty())
     throw input_error(
         scene.active_where.prefix() + "active nodes that are also fixed cannot be displaced", listed(both),
         both.size() == sets.active.size()
             ? "they are all active nodes: select others, such as \"free-surface\", or fix fewer nodes"
             : "remove them by active = { difference = [ SELECTION, \"fixed\" ] }, or use \"free-surface\"");
-  Nodes inside;
-  std::set_difference(sets.active.begin(), sets.active.end(), body.surface.begin(), body.surface.end(),
-                      std::back_inserter(inside));
-  if (!inside.empty())
+  if (const NodeList inside = meshes::without(sets.active, body.surface); !inside.empty())
     throw input_error(scene.active_where.prefix() + "active nodes inside the body cannot be touched", listed(inside),
                       inside.size() == sets.active.size()
                           ? "they are all active nodes: select nodes of the surface, such as \"free-surface\""
@@ -112,11 +102,9 @@ void select_elsewhere(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
   sets.linear.clear();
   if (scene.probe.kind == ProbeKind::patch && scene.probe.elsewhere == Elsewhere::linear) {
     const double given_m = spacing_m(scene.active), radius_m = scene.probe.tool_radius_m;
-    Nodes free;
-    std::ranges::set_difference(surface_nodes(mesh.surface), sets.fixed, std::back_inserter(free));
-    const auto all = spread_nodes(mesh.nodes, mesh.surface, free,
+    const auto all = spread_nodes(mesh.nodes, mesh.surface, meshes::without(surface_nodes(mesh.surface), sets.fixed),
                                   given_m > 0 ? given_m : auto_spacing_of_radius * radius_m, 0, sets.active);
-    std::ranges::set_difference(all, sets.active, std::back_inserter(sets.linear));
+    sets.linear = meshes::without(all, sets.active);
   }
   sets.linear_tools = tools_of(mesh, sets.fixed, sets.linear, scene.probe.tool_radius_m);
 }
