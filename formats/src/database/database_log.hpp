@@ -53,7 +53,7 @@ std::vector<unsigned char> encode(const Ray& ray, const Layout& layout, const st
 std::uint64_t record_checksum(const std::vector<unsigned char>& opening, const unsigned char* bytes, std::size_t n);
 /// @param of_output_nodes  if given, the ray has these columns only, or all others
 /// @pre `payload` has layout.payload_bytes bytes
-Ray decode(const unsigned char* payload, const Layout& layout, std::optional<bool> of_output_nodes = {});
+Ray decode(const unsigned char* payload, const Layout& layout, std::optional<bool> of_output_nodes);
 
 }  // namespace phynness::database_log
 

@@ -1,15 +1,9 @@
 // C source of an image and of golden queries.
-#include <cctype>
 #include <phynness/formats/image.hpp>
 #include <phynness/formats/printable.hpp>
 
 namespace phynness {
 namespace {
-
-std::string upper(std::string name) {
-  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return name;
-}
 
 /// Text without sequences that end a comment or that begin another one, of which compilers warn.
 std::string harmless(std::string text) {

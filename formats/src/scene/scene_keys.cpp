@@ -5,6 +5,7 @@
 #include <cctype>
 #include <numeric>
 #include <phynness/formats/hash.hpp>
+#include <phynness/formats/printable.hpp>
 #include <phynness/formats/scene.hpp>
 
 #include "selectors.hpp"
@@ -65,12 +66,6 @@ std::string_view unit_of(std::string_view key) {
   for (auto unit : units)
     if (key.size() > unit.size() && key.ends_with(unit)) return unit;
   return {};
-}
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return result;
 }
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {

@@ -2,7 +2,6 @@
 #include "scene_sections.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <phynness/formats/mesh_files.hpp>
 #include <phynness/formats/printable.hpp>
 
@@ -57,10 +56,8 @@ void refuse_keys(const SceneTable& table, std::initializer_list<std::string_view
 }
 
 void check_file(const SceneTable& table, const std::filesystem::path& folder, MeshFile mesh_file, MeshSpec& spec) {
-  std::string extension = spec.file.extension().string();
+  const std::string extension = lower(spec.file.extension().string());
   spec.file = std::filesystem::absolute(folder / spec.file).lexically_normal();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (std::ranges::find(mesh_file_extensions, extension) == std::end(mesh_file_extensions))
     table.reject("file", "has an unknown format", mesh_file_kinds());
   std::error_code code;

@@ -69,7 +69,7 @@ Selector parse_selector(const toml::node& node, const SceneTable& nodes, std::st
   } else if (const auto* inner = node.as_table()) {
     const SceneTable table(*inner, "selector", nodes.file());
     parse_table(node, table, nodes, key, s);
-    s.surface_only = table.flag_or("surface_only", false);
+    s.surface_only = table.flag("surface_only");
     if (s.surface_only) s.text += " surface_only", s.description += ", surface nodes only";
   } else {
     refuse(nodes.where(node), nodes.label(key) + " must be text, a selector table or an array of them", shown(node),

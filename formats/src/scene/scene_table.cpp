@@ -217,9 +217,9 @@ std::optional<std::string> SceneTable::text(std::string_view key) const {
   return string->get();
 }
 
-bool SceneTable::flag_or(std::string_view key, bool otherwise) const {
+bool SceneTable::flag(std::string_view key) const {
   const auto* node = find(key);
-  if (!node) return otherwise;
+  if (!node) return false;
   const auto* flag = node->as_boolean();
   if (!flag) wrong_type(key, *node, "true or false", "write true or false, lower case and without quotes");
   return flag->get();

@@ -75,7 +75,7 @@ class SceneTable {
   double number_or(std::string_view key, double otherwise, Range range) const;
   std::optional<std::int64_t> integer(std::string_view key, std::int64_t low, std::int64_t high) const;
   std::optional<std::string> text(std::string_view key) const;
-  bool flag_or(std::string_view key, bool otherwise) const;
+  bool flag(std::string_view key) const;  ///< false without the key
   std::optional<Vec3> vector(std::string_view key, Range range) const;
 
   /// The value that belongs to the word of a key.

@@ -59,7 +59,7 @@ struct Integer : AnyValue {
 
 struct Flag : AnyValue {
   static constexpr const char* type = "boolean";
-  bool read(const SceneTable& table, std::string_view key) const { return table.flag_or(key, false); }
+  bool read(const SceneTable& table, std::string_view key) const { return table.flag(key); }
   std::string text(bool value) const { return value ? "true" : "false"; }
 };
 

@@ -25,7 +25,17 @@ std::size_t visible_bytes(std::string_view text) {
   return code < least[n] || code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF) ? 0 : n;
 }
 
+std::string shifted(std::string_view text, char first, char last, char to) {
+  std::string out(text);
+  for (char& c : out)
+    if (c >= first && c <= last) c = static_cast<char>(c - first + to);
+  return out;
+}
+
 }  // namespace
+
+std::string upper(std::string_view text) { return shifted(text, 'a', 'z', 'A'); }
+std::string lower(std::string_view text) { return shifted(text, 'A', 'Z', 'a'); }
 
 std::string printable(std::string_view text) {
   constexpr std::string_view digits = "0123456789abcdef";

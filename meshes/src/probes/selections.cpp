@@ -56,9 +56,9 @@ bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed) {
   return squares[1] > 1e-12 * extent.squaredNorm();
 }
 
-NodeSets resolve_selections(const Scene& scene, const Mesh& mesh, const NodeList& probed) {
+NodeSets resolve_selections(const Scene& scene, const Mesh& mesh) {
   NodeSets sets;
-  resolve_selections(scene, mesh, sets, probed);
+  resolve_selections(scene, mesh, sets);
   return sets;
 }
 

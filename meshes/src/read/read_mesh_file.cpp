@@ -27,9 +27,7 @@ Reader reader_of(const std::string& extension, std::string_view bytes) {
 }  // namespace
 
 RawMesh read_mesh_file(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const std::string extension = lower(file.extension().string());
   if (!reader_of(extension, {})) throw input_error("mesh file of an unknown kind", file.string(), mesh_file_kinds());
   // Ten million tetrahedra, a hundred times the number that can be solved, take about 600 MB as text.
   constexpr std::uint64_t most_bytes = 1 << 30;

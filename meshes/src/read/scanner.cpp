@@ -9,13 +9,6 @@ bool is_white(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' |
 
 }  // namespace
 
-std::string upper(std::string_view text) {
-  std::string result(text);
-  for (char& c : result)
-    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
-  return result;
-}
-
 void Scanner::fail(const std::string& what, std::string_view value, const std::string& remedy) const {
   const auto end = _bytes.begin() + static_cast<std::ptrdiff_t>(std::min(_position, _bytes.size()));
   const auto line = 1 + std::count(_bytes.begin(), end, '\n');

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/printable.hpp>
 #include <string>
 #include <string_view>
 
@@ -13,9 +14,6 @@ namespace phynness::meshes {
 
 /// The remedy for a damaged file.
 inline constexpr const char* again = "export the file again";
-
-/// The same text with its letters a to z as capitals.
-std::string upper(std::string_view text);
 
 class Scanner {
  public:

@@ -27,20 +27,18 @@ int Path::n_points(double s) const {
 
 Prediction Path::predict(int k, double s) const {
   const auto first = _points.size() - static_cast<std::size_t>(k);
-  const auto state = [&](int i) {
-    const auto& x = _points[first + static_cast<std::size_t>(i / 2)].state;
-    return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
-  };
-  const auto at = [&](int i) { return _points[first + static_cast<std::size_t>(i / 2)].s; };
+  const auto point = [&](int i) -> const PathPoint& { return _points[first + static_cast<std::size_t>(i / 2)]; };
+  const auto at = [&](int i) { return point(i).s; };
 
   // Newton's divided differences, computed in place: difference[i] becomes [z_0 ... z_i].
   const int n = 2 * k;
   std::vector<Eigen::VectorXd> difference;
-  for (int i = 0; i < n; ++i) difference.push_back(state(i));
+  for (int i = 0; i < n; ++i)
+    difference.push_back(Eigen::VectorXd::Map(point(i).state.data(), std::ssize(point(i).state)));
   for (int order = 1; order < n; ++order)
     for (int i = n - 1; i >= order; --i) {
       if (order == 1 && i % 2 == 1)
-        difference[i] = _points[first + static_cast<std::size_t>(i / 2)].velocity;
+        difference[i] = point(i).velocity;
       else
         difference[i] = (difference[i] - difference[i - 1]) / (at(i) - at(i - order));
     }

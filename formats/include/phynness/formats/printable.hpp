@@ -19,6 +19,10 @@ std::string escaped(std::string_view text);
 /// The beginning of a text that is too long for a message, with its length; a shorter text as it is.
 std::string shortened(std::string_view text, std::size_t most_bytes);
 
+/// The text with its letters a to z as capitals, and with A to Z as small letters.
+std::string upper(std::string_view text);
+std::string lower(std::string_view text);
+
 /// A number by std::to_chars, independent of the locale; without a format the shortest text that is read back as the
 /// same number.
 template <class Number, class... Format>

@@ -136,10 +136,10 @@ std::vector<RegionFigures> region_figures(const Scene& scene, const Mesh& mesh);
 /// Resolves the selections of the scene on a mesh.
 /// @throws Error (with file:line) if a selection is empty, an active node is also fixed, no node is fixed, a group is
 ///   unknown (the message lists the existing ones), or a node number is out of range
+NodeSets resolve_selections(const Scene& scene, const Mesh& mesh);
+/// The same with output `sets`, which after an error contains the selections that were made before it.
 /// @param probed  active nodes of a database of the mesh: spread points keep those that are in their part of the
 /// surface
-NodeSets resolve_selections(const Scene& scene, const Mesh& mesh, const NodeList& probed = {});
-/// The same with output `sets`, which after an error contains the selections that were made before it.
 void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets, const NodeList& probed = {});
 /// Sets the points of the free surface beside the active nodes, so that both together have one spacing, and their
 /// tools.
