@@ -102,7 +102,7 @@ TouchedNodes SurfaceTools::touched_nodes(std::span<const std::int32_t> fixed, co
   const auto is_fixed = [&](std::int32_t node) { return std::binary_search(fixed.begin(), fixed.end(), node); };
   if (radius > 0)
     press(center, radius, false, [&](Eigen::Index t, std::span<const double> integrals) {
-      at_fixed += schema::integrals_at_fixed(integrals.data(), 3, [&](int k) { return is_fixed(_surface(t, k)); });
+      at_fixed += schema::integrals_at_fixed(integrals.data(), [&](int k) { return is_fixed(_surface(t, k)); });
       for (std::size_t k = 0; k < 3; ++k)
         if (integrals[k] > 0) weight[_surface(t, static_cast<Eigen::Index>(k))] += integrals[k];
     });

@@ -43,8 +43,7 @@ std::vector<double> mean_weights(const Discretization& body, const SurfacePoint&
             weights[midpoint_of.at(std::minmax({a, b}))] += integrals[static_cast<std::size_t>(k) + 3];
         }
         if (midpoint_of.empty())
-          fixed_integral +=
-              schema::integrals_at_fixed(integrals.data(), 3, [&](int k) { return fixed[corner[k]] != 0; });
+          fixed_integral += schema::integrals_at_fixed(integrals.data(), [&](int k) { return fixed[corner[k]] != 0; });
       });
   double sum = 0;
   for (int p = 0; p < body.n_points(); ++p) {

@@ -52,7 +52,7 @@ int tool_weights(const phn_body& body, const phn_tool& tool, ToolScratch& scratc
                                   body.info.tool_radius_m, [&](std::int32_t t, const double* integrals) {
                                     const std::int32_t* node = body.info.triangles + 3 * t;
                                     for (int k = 0; k < 3; ++k) all.add(node[k], integrals[k]);
-                                    at_fixed += schema::integrals_at_fixed(integrals, 3, [&](int k) {
+                                    at_fixed += schema::integrals_at_fixed(integrals, [&](int k) {
                                       return body.node_kinds[node[k]] == schema::body_node_fixed;
                                     });
                                   });

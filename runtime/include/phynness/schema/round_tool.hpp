@@ -184,17 +184,16 @@ void integrate(const Vector (&corner)[3], const Vector& x, double radius, const 
 /// @param moving, fixed  these two sums
 inline double weight_divisor(double moving, double fixed) { return std::fmin(moving + 0.8 * fixed, 2 * moving); }
 
-/// The part of `fixed` from one triangle. @param is_fixed  of its points: is_fixed(k)
+/// The part of `fixed` from one triangle. @param is_fixed  of its corners: is_fixed(k)
 template <class IsFixed>
-double integrals_at_fixed(const double* integrals, int n_functions, const IsFixed& is_fixed) {
+double integrals_at_fixed(const double* integrals, const IsFixed& is_fixed) {
   double sum = 0;
   bool moves = false;
-  for (int k = 0; k < n_functions; ++k) {
+  for (int k = 0; k < 3; ++k)
     if (is_fixed(k))
       sum += integrals[k];
     else
       moves = true;
-  }
   return moves ? sum : 0;
 }
 

@@ -70,7 +70,7 @@ struct NodeTraining {
 /// @param spec   with both spreads > 0
 /// @param estimate_errors  estimate the errors of levels, which takes about as long as the training itself
 NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const Vec3& point, const TouchedNodes& tool,
-                        const std::vector<Ray>& rays, const TrainingSpec& spec, bool estimate_errors = true);
+                        const std::vector<Ray>& rays, const TrainingSpec& spec, bool estimate_errors);
 
 /// Candidates in scaled inputs, with ratios of sqrt(2).
 std::vector<double> deformation_spread_candidates();
