@@ -69,7 +69,7 @@ void add(CLI::App& app) {
                          fmt::format("error of the force of two tools that 95 % of random states have at most, and "
                                      "none three times; bodies grow up to it (default: {:.3g} %)",
                                      100 * usual_target));
-  add_count(command, "--modes", options.modes, 1, schema::most_body_modes,
+  add_count(command, "--modes", options.modes, schema::least_body_modes(1), schema::most_body_modes,
             fmt::format("modes of the displacement, of a body that does not grow (default: {} at first)", usual.modes))
       ->excludes(target);
   add_count(

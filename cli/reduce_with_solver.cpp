@@ -100,8 +100,11 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
            const auto extra_fields = fields_of(compared);
            fields.conservativeResize(Eigen::NoChange, fields.cols() + extra_fields.cols());
            fields.rightCols(extra_fields.cols()) = extra_fields;
-           compared = solve_more();
+           // The best one is judged by all states that it has not met.
+           auto others = solve_more();
+           compared.insert(compared.end(), others.begin(), others.end());
            error = target_error(tool_errors(best.body, compared), tools);
+           compared = std::move(others);
            return false;
          });
   best.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

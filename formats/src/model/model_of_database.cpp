@@ -97,7 +97,9 @@ std::string ModelBound::from() const {
 std::string FinerDistance::sentence() const {
   const auto percent = [](double error) { return fixed(100 * error, error < 0.0995 ? 1 : 0) + " %"; };
   std::string finer = in_words(reference, element), corrected;
-  if (probes == 0) return "nothing to compare with, because no probe has a finer solution (" + finer + ")";
+  if (probes == 0)
+    return "nothing to compare with, because no probe has a finer solution (" + finer +
+           ") in the time of the check (phynness check SCENE, with more --seconds) or at all";
   if (cells_at_rest.places > 0 && reference != reference_names[2]) corrected = "cells of half the size";
   if (shape_at_rest.places > 0)
     corrected += (corrected.empty() ? "" : " and ") + std::string("the shape of the surface");
@@ -118,15 +120,21 @@ std::string FinerDistance::sentence() const {
     else
       text += ": " + at(near_fixed) + " nearer than that to fixed nodes, " + at(elsewhere) + " elsewhere";
   }
-  text += ". The finer solution has " + finer;
-  std::string parts;
+  // An image does not record what its finer solution has.
+  if (has_parts) text += ". The finer solution has " + finer;
+  std::string parts, left_out;
   for (const auto& [what, part] : {std::pair{"the element", &element_at_rest},
                                    {"the size of the cells", &cells_at_rest},
                                    {"the shape of the surface", &shape_at_rest}})
     if (part->places > 0)
-      parts += (parts.empty() ? ". Of the stiffness at rest " : ", ") + std::string(what) +
-               (parts.empty() ? " causes " : " ") + percent(part->mean);
+      parts += (parts.empty() ? ". At rest " : ", ") + std::string(what) +
+               (parts.empty() ? " alone changes the stiffness by " : " by ") + percent(part->mean);
+    else if (has_parts && part != &element_at_rest && !(part == &cells_at_rest && reference == reference_names[2]))
+      left_out += (left_out.empty() ? "" : " and ") + std::string(what);
   text += parts;
+  if (!left_out.empty())
+    text += ". Not compared: " + left_out + (shape_at_rest.places == 0 ? ", where the mesh only approximates it" : "") +
+            " (phynness check SCENE, with more --seconds, does it)";
   if (of_reference.places > 0 && of_reference.mean < mean)
     text += ". With " + in_words(reference, element) + " the error would be " + percent(of_reference.mean) + ", at " +
             fixed(unknowns_factor, unknowns_factor < 9.95 ? 1 : 0) + " times the unknowns";

@@ -3,7 +3,7 @@
 // Status. Meaning, cost, units and errors are described in phynness.h, phynness_body.h and phynness_contact.h.
 //
 //   phynness::Organ organ = phynness::Organ::read("out/demo/model", "out/demo/body.txt", 2);
-//   if (!organ) return std::puts(organ.status().message());
+//   if (!organ) return std::puts(organ.problem().c_str());
 //   phn_tool tool;
 //   double force[3];
 //   const auto found = organ.nearest({{0.03, 0.01, 0.05}}, tool);
