@@ -101,7 +101,8 @@ NodeList spread_points(const Selector& s, const SelectableBody& body, const Want
                       length_text(spacing) + ", of " + std::to_string(nodes.size()) + " nodes " +
                           std::to_string(chosen.size()) + " chosen",
                       "give a smaller spacing, such as " + length_text(spacing / 4) +
-                          ", or count = " + std::to_string(chosen.size()) + " if so few points are meant");
+                          ", or count = " + std::to_string(std::max<std::size_t>(chosen.size(), 1)) +
+                          " if so few points are meant; is mesh.scale_to_m right?");
   return chosen;
 }
 

@@ -34,7 +34,7 @@ VerdictLine of_model(const Validated& v) {
         std::isnan(wrong_without_warning) ? "" : in_percent(wrong_without_warning) + " % of those without a warning, ",
         in_percent(wrong_with_warning));
   if (const auto& linear = e.all.linear; linear.force.n > 0)
-    text += fmt::format(" (linear predictor: {} %)", in_percent(linear.wrong));
+    text += fmt::format(" (linear predictor's: {} %)", in_percent(linear.wrong));
   return {"off_by_a_tenth",
           "Force error of the model, compared with its own finite elements",
           text,
@@ -93,8 +93,9 @@ VerdictLine of_two_tools(const Validated& v) {
   const auto &force = unflagged.model.force, &warned = flagged.model.force;
   std::string text = "all pairs have a warning";
   if (force.n > 0)
-    text = fmt::format("{} % on average, below {} % in 95 % of {} pairs (linear predictor: {} %)",
-                       in_percent(force.mean), in_percent(force.p95), force.n, in_percent(unflagged.linear.force.mean));
+    text = fmt::format("{} % on average, below {} % in 95 % of {} pairs (linear predictor: {} %, below {} %)",
+                       in_percent(force.mean), in_percent(force.p95), force.n, in_percent(unflagged.linear.force.mean),
+                       in_percent(unflagged.linear.force.p95));
   if (warned.n > 0)
     text += fmt::format(", {} % in {} with a warning ({} %)", in_percent(warned.mean), warned.n,
                         in_percent(flagged.linear.force.mean));
@@ -103,8 +104,8 @@ VerdictLine of_two_tools(const Validated& v) {
         fmt::format("; the bound held for {:.0f} % of {} forces",
                     100 * static_cast<double>(answers.covered) / static_cast<double>(answers.bounded), answers.bounded);
   return {"two_tools",
-          fmt::format("Force error of the {} with two tools, compared with finite elements",
-                      v.pairs.by_body ? "reduced body" : "model"),
+          fmt::format("Force error of the {} with two tools, both {:.3g} mm deep, compared with finite elements",
+                      v.pairs.by_body ? "reduced body" : "model", 1e3 * v.pairs.depth_m),
           text,
           {}};
 }
