@@ -338,7 +338,8 @@ json about_scene(const std::filesystem::path& file) {
   const json worst = print_worst_cells(loaded.mesh, loaded.sets.fixed);
   if (spreads(loaded.scene.active)) {
     const auto& sets = loaded.sets;
-    Model touched;  // as training covers its surface
+    // The covered part is that of the trained model.
+    Model touched;
     touched.surface = loaded.mesh.surface;
     touched.fixed = sets.fixed;
     for (const auto node : sets.active) touched.nodes.emplace_back().node = node;
@@ -350,7 +351,8 @@ json about_scene(const std::filesystem::path& file) {
   const Material& m = loaded.scene.material;
   print_result("at rest   E {:.4g} Pa, nu {:.4g}, mu {:.4g} Pa, K {:.4g} Pa, K/mu {:.4g}\n", m.youngs_modulus_Pa(),
                m.poisson_ratio(), m.shear_modulus_Pa, m.bulk_modulus_Pa, m.bulk_to_shear());
-  const json regions = figures(region_figures(loaded.scene, loaded.mesh));  // which the notes have said
+  // The notes of the mesh have printed the regions.
+  const json regions = figures(region_figures(loaded.scene, loaded.mesh));
   print_result("physics   {}, of these keys and of those that have their defaults\n{}", physics_hash(loaded.scene),
                changed_lines(physics_summary(loaded.scene), physics_summary(Scene())));
   print_result("others    that do not change a solve\n{}",

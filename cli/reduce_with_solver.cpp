@@ -12,7 +12,7 @@ namespace {
 /// The states that give modes, half of them with near tools, which have the largest errors, and the independent states
 /// with which bodies are compared (docs/decisions/reduced-body.md).
 constexpr ToolDraws mode_draws{80, 40, 58'001}, compared_draws{60, 12, 58'002};
-/// More states of three tools for a scene that has them.
+/// A scene of three tools or more has three times as many states of three.
 ToolDraws for_tools(ToolDraws draws, int tools) {
   if (tools > 2) draws.triples *= 3;
   return draws;
@@ -100,7 +100,7 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
            const auto extra_fields = fields_of(compared);
            fields.conservativeResize(Eigen::NoChange, fields.cols() + extra_fields.cols());
            fields.rightCols(extra_fields.cols()) = extra_fields;
-           // The best one is judged by all states that it has not met.
+           // The kept body is compared with all states that have given it no modes.
            auto others = solve_more();
            compared.insert(compared.end(), others.begin(), others.end());
            error = target_error(tool_errors(best.body, compared), tools);

@@ -104,8 +104,8 @@ bool is_checked(const std::filesystem::path& file, const Scene& scene) {
   return check.is_object() && check["interrupted"] == false && check["physics_hash"] == physics_hash(scene);
 }
 
-/// Compares the finite elements with a finer solution in the time of check_limit_s. A failure is a
-/// warning. @return whether check.json is complete
+/// Compares the finite elements with a finer solution within check_limit_s. A failure is a warning.
+/// @return whether check.json is complete
 bool check(const Options& options, const Scene& scene, const std::string& self, std::vector<Stage>& stages,
            RunStages& run_stages) {
   const auto file = options.output / "check.json", database = options.output / "database.h5";

@@ -102,7 +102,7 @@ TEST_F(Bodies, AreTouchedWhereTheyAnswerWithoutAWarning) {
     beyond += !std::ranges::all_of(place.nodes, [&](auto n) { return std::ranges::binary_search(probed, n); });
     EXPECT_TRUE(is_answered(place)) << i;
   }
-  EXPECT_GT(beyond, 300);
+  EXPECT_GT(beyond, 300) << "less than a tenth: the test would show little";
   for (const auto& corners : model.mesh().surface.rowwise()) {
     const SurfacePoint middle{{corners[0], corners[1], corners[2]}, {0.25, 0.25, 0.5}};
     if (std::ranges::any_of(middle.nodes, is_fixed)) continue;

@@ -223,8 +223,8 @@ Keys validation_keys() {
       validation("seed", &ValidationSpec::seed, seed, not_hashed, "seed of their nodes, directions and depths"),
       validation("check_probes", &ValidationSpec::check_probes, Integer{0, 10'000}, not_hashed,
                  "probes at which `phynness run` compares the finite elements with a finer solution "
-                 "([check](../docs/commands.md#check)); 0: none. Absent: at most 12, in a quarter of the "
-                 "time of `precompute`, but 30 s")};
+                 "([check](../docs/commands.md#check)); 0: none. Absent: at most 12, in the time that "
+                 "`run` gives it")};
 }
 
 }  // namespace

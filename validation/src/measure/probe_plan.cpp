@@ -78,11 +78,13 @@ SurfacePoint RandomPlaces::draw(std::mt19937_64& random) const {
   if (at_nodes()) {
     place = at_node(random_element(_model.model().nodes, random).node);
   } else {
-    do {
+    // If all places are beside fixed nodes, the last one is returned; callers look at its warning.
+    for (int attempt = 0; attempt < 1000; ++attempt) {
       const auto t = static_cast<Eigen::Index>(uniform(random) * static_cast<double>(_triangles.rows()));
       std::ranges::copy(_triangles.row(t), place.nodes.begin());
       place.weights = random_barycentric(random);
-    } while (is_beside_fixed(place));
+      if (!is_beside_fixed(place)) break;
+    }
   }
   Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
   for (std::size_t k = 0; k < 3; ++k)

@@ -10,9 +10,11 @@
 
 namespace phynness {
 
-/// Energy [J] of a state q: sum_c shear_c (shape(F_c) + bulk/2 g(F_c)^2) r + b . b / 2, r = 1 + q . lack_at_rest q / q
-/// . cells_at_rest q, b = sum_c bulk_c g(F_c) pressures_c, F_c = I + gradients_c q. shape is that of the law file, and
-/// g its of_pressure or, without one, its volumetric (laws/tables/law.py).
+/// Energy [J] of a state q:
+///     sum_c shear_c (shape(F_c) + bulk/2 g(F_c)^2) r + b . b / 2
+///     r = 1 + (q . lack_at_rest q) / (q . cells_at_rest q),  b = sum_c bulk_c g(F_c) pressures_c
+///     F_c = I + gradients_c q
+/// shape is that of the law file, and g its of_pressure or, without one, its volumetric (laws/tables/law.py).
 struct ReducedBody {
   std::string mesh_hash, physics_hash, law;
   std::vector<double> parameters;  ///< of the law, in the order of its file [Pa or 1]
