@@ -34,7 +34,8 @@ class GrowingTextFile {
   std::ofstream _out;
 };
 
-/// Writes a GrowingTextFile that is complete at once. @throws Error (input) if the file cannot be created, (failure) if writing fails
+/// Writes a GrowingTextFile that is complete at once. @throws Error (input) if the file cannot be created, (failure) if
+/// writing fails
 void write_text_file(const std::filesystem::path& file, const std::string& text);
 
 /// Several files that belong together: all of them are filled beside their places before the first is renamed, so that
