@@ -1,7 +1,11 @@
 // Claims: a closed surface is filled exactly; sharp edges survive remeshing; open, inside-out and
 // self-crossing surfaces are refused or repaired by name.
+#include <cmath>
+#include <numbers>
+
 #include "mesh_under_test.hpp"
 #include "small_files.hpp"
+#include "surface/surface.hpp"
 
 namespace phynness::test {
 namespace {
@@ -96,6 +100,45 @@ TEST(Surfaces, AnInsideThatCannotBeFilledIsAnErrorOfTheInput) {
   std::string sheet = cube_obj;
   for (std::size_t at = 0; (at = sheet.find(" 1\n", at)) != std::string::npos;) sheet.replace(at, 3, " 1e-9\n");
   expect_names(message_of([&] { fill_cube(sheet); }), {"the inside of the surface cannot be filled"});
+}
+
+/// A prism with regular ends of n corners.
+std::string prism_obj(int n, double radius, double length) {
+  std::string text, bottom = "f", top = "f", sides;
+  for (int i = 0; i < 2 * n; ++i) {
+    const double angle = 2 * std::numbers::pi * i / n;
+    text += "v " + std::to_string(radius * std::cos(angle)) + " " + std::to_string(radius * std::sin(angle)) + " " +
+            std::to_string(i < n ? 0 : length) + "\n";
+  }
+  for (int i = 0; i < n; ++i) {
+    const int next = (i + 1) % n;
+    bottom += " " + std::to_string(n - i), top += " " + std::to_string(n + i + 1);
+    for (const int node : {i, next, n + next, n + i}) sides += (node == i ? "f " : " ") + std::to_string(node + 1);
+    sides += "\n";
+  }
+  return text + bottom + "\n" + top + "\n" + sides;
+}
+
+// Triangles in a plane have signed volumes of rounding errors, which are no intersections: nothing is smoothed.
+TEST(Surfaces, OfFlatFacesDoNotIntersectThemselves) {
+  SKIP_WITHOUT_GMSH();
+  for (const int n : {8, 12})
+    for (const double edge_m : {0.007, 0.006, 0.005}) {
+      const MeshResult result = fill_cube(prism_obj(n, 0.025, 0.1), edge_m);
+      EXPECT_FALSE(contains(joined(result.notes), "intersected itself")) << n << " " << edge_m << joined(result.notes);
+    }
+}
+
+TEST(Surfaces, ThatIntersectAreFound) {
+  // A thin spike through a triangle, and the same spike that ends a thousandth of its length before it.
+  meshes::Surface surface;
+  surface.nodes.resize(6, 3);
+  surface.triangles.resize(2, 3);
+  surface.triangles << 0, 1, 2, 3, 4, 5;
+  for (const double tip : {-0.001, 0.001}) {
+    surface.nodes << -1, -1, 0, 1, -1, 0, 0, 1, 0, 0, 0, tip, 0.001, 0, 1, 0, 0.001, 1;
+    EXPECT_EQ(meshes::crossing_triangles(surface).size(), tip < 0 ? 1u : 0u) << tip;
+  }
 }
 
 TEST(Surfaces, OversizedWishesAreRefusedAtOnce) {

@@ -1,5 +1,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <phynness/formats/error.hpp>
 #include <sstream>
@@ -12,6 +13,8 @@ namespace {
 
 using Vector = Eigen::RowVector3d;
 constexpr int most_rounds = 60, rounds_per_ring = 4;
+// Volumes over the cube of the longest edge. Coplanar triangles have volumes of rounding errors, with any sign.
+constexpr double coplanar = 1e-9;
 
 double orientation(const Vector& a, const Vector& b, const Vector& c, const Vector& d) {
   return (b - a).cross(c - a).dot(d - a);
@@ -23,8 +26,10 @@ bool segment_crosses(const Surface& s, std::int32_t p, std::int32_t q, std::int3
   const auto [a, b, c] = corners_of(s.nodes, s.triangles, triangle);
   const Vector x = s.nodes.row(p), y = s.nodes.row(q);
   if (orientation(a, b, c, x) * orientation(a, b, c, y) > 0) return false;
+  const double least =
+      coplanar * std::pow(std::max({(y - x).norm(), (b - a).norm(), (c - b).norm(), (a - c).norm()}), 3);
   const double u = orientation(x, y, a, b), v = orientation(x, y, b, c), w = orientation(x, y, c, a);
-  return (u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0);
+  return std::min({u, v, w}) > least || std::max({u, v, w}) < -least;
 }
 
 bool cross(const Surface& s, std::int32_t first, std::int32_t second) {
