@@ -59,10 +59,16 @@ TEST_F(Patches, AreResolvedAsRecommended) {
   const auto of_liver = warnings(liver("target_size_m = 0.02"));
   EXPECT_TRUE(holds(of_liver, unresolved));
   EXPECT_FALSE(holds(of_liver, "remesh")) << of_liver;
-  // Its tetrahedra in a file need another key, too.
+  // Its tetrahedra in a file need another key, too. A size that has no effect is not what the new one is scaled from.
   std::filesystem::rename(folder / "mesh.msh", folder / "liver.msh");
-  const auto file = changed(liver("target_size_m = 0.02"), "shape = \"liver\"", "file = \"liver.msh\"");
-  EXPECT_TRUE(holds(warnings(file), "(of a file of tetrahedra: and remesh = true)"));
+  const auto file = [&](const std::string& size) {
+    return changed(liver(size), "shape = \"liver\"", "file = \"liver.msh\"");
+  };
+  const auto of_file = warnings(file("target_size_m = 0.1"));
+  EXPECT_TRUE(holds(of_file, "have no effect without remesh = true")) << of_file;
+  EXPECT_TRUE(holds(of_file, "(of a file of tetrahedra: and remesh = true)")) << of_file;
+  const auto remeshed = warnings(file(recommended("target_size_m", of_file) + "\nremesh = true"));
+  EXPECT_FALSE(holds(remeshed, unresolved)) << of_file << remeshed;
   EXPECT_FALSE(holds(warnings(liver(recommended("target_size_m", of_liver))), unresolved)) << of_liver;
 }
 

@@ -38,15 +38,22 @@ std::vector<double> surface_edges_at(const std::vector<std::int32_t>& nodes, con
 
 namespace {
 
+/// Tetrahedra of a file have a size only with remesh = true.
+const char* also_remesh(const MeshSpec& mesh) {
+  return mesh.shape == Shape::none && !mesh.remesh ? " (of a file of tetrahedra: and remesh = true)" : "";
+}
+
 /// The key that reduces the edge length by this factor. Meshers meet a size within a tenth.
 std::string finer_mesh(const MeshSpec& mesh, double exact_factor, double mean_edge_m) {
   const double factor = 0.9 * exact_factor;
-  const char* const needs =
-      mesh.shape == Shape::none && !mesh.remesh ? " (of a file of tetrahedra: and remesh = true)" : "";
-  if (mesh.target_size_m) return "target_size_m = " + three_digits(*mesh.target_size_m * factor, Round::down) + needs;
-  if (mesh.target_nodes && mesh.thickness_m == 0)
-    return "target_nodes = " + three_digits(*mesh.target_nodes / (factor * factor * factor), Round::up) + needs;
-  return "a mesh with edges of " + three_digits(mean_edge_m * factor, Round::down) + " m";
+  const bool of_shape = mesh.shape != Shape::none;  // The edges of a file need not be those of its keys.
+  if (mesh.target_nodes && of_shape && mesh.thickness_m == 0)
+    return "target_nodes = " + three_digits(*mesh.target_nodes / (factor * factor * factor), Round::up);
+  if (mesh.thickness_m > 0 && !of_shape)
+    return "a mesh with edges of " + three_digits(mean_edge_m * factor, Round::down) + " m";
+  const double size_m = mesh.target_size_m && of_shape ? *mesh.target_size_m : mean_edge_m;
+  return "target_size_m = " + three_digits(size_m * factor, Round::down) +
+         (mesh.target_nodes ? " in place of target_nodes" : "") + also_remesh(mesh);
 }
 
 std::string warn_of_edges(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
@@ -164,8 +171,9 @@ std::string warn_of_gaps(const Scene& scene, const Mesh& mesh, const NodeSets& s
          (n == 0 ? " has edges of at most the radius" : " have edges longer than the radius") +
          ", tool_radius_m = " + three_digits(radius) + ", so that the tool is not answered " +
          (n == 0 ? "between them" : "in these") +
-         (std::ranges::any_of(scene.active, is_automatic) ? "; give a finer mesh, such as a smaller target_size_m"
-                                                          : "; spacing = \"auto\" covers the surface");
+         (std::ranges::any_of(scene.active, is_automatic)
+              ? std::string("; give a finer mesh, such as a smaller target_size_m") + also_remesh(scene.mesh)
+              : "; spacing = \"auto\" covers the surface");
 }
 
 }  // namespace
