@@ -27,8 +27,8 @@ std::string promised_text(double share) {
 void print_coupled(const BoundReport& report, const char* name, const CoupledCoverage& kind) {
   const auto flagged = fmt::format("{:.0f} % of the states drawn are flagged and have none", 100 * kind.flagged);
   if (kind.all.states > 0)
-    print_result("{}: {:.1f} % of {} errors of rays left out are below their bound{}; {}\n", name, 100 * kind.all.all,
-                 kind.all.states, promised_text(kind.promised), flagged);
+    print_result("{}: {} of rays left out are below their bound{}; {}\n", name, held_of_errors(kind.all),
+                 promised_text(kind.promised), flagged);
   else if (report.planned_coupled_rays > 0)
     print_result("{}: no bound, because only {} of their rays were solved; {}\n", name, kind.rays, flagged);
 }

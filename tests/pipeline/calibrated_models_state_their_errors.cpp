@@ -57,7 +57,12 @@ TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
               0.09);  // 100 states scatter by 0.022, the calibration by 0.015
   const auto promised =
       "; calibration promised " + std::to_string(std::lround(100 * c.at("promised").get<double>())) + " %.";
-  expect_names(unbroken(validated.out), {"Bound of the model's force error: held for ", " % of 100 errors", promised});
+  expect_names(unbroken(validated.out), {"Bound of the model's force error: ", "N in the median, ",
+                                         " % of the median force; it held for ", " % of 100 errors", promised});
+  const auto sizes = json("v.json").at("verdict").at("bounds");
+  // The probes of validate are other ones.
+  EXPECT_NEAR(sizes.at("median_bound_N").get<double>() / c.at("median_bound_N").get<double>(), 1, 0.5);
+  EXPECT_GT(sizes.at("median_force_N").get<double>(), sizes.at("median_bound_N").get<double>());
   expect_names(read_file(folder / "r.html"), {" % of 100 errors", promised});
 
   const auto node = std::to_string(plain.nodes[0].node);

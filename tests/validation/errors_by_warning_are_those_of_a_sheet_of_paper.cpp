@@ -123,7 +123,7 @@ TEST(ErrorsToRange, AWarningOfTheNodeIsNotOneOfTheState) {
 }
 
 // Claim: the shares of errors below their bound, also by thirds of the depth, are those of this table; only solved
-// probes with a bound count.
+// probes with a bound count, also in the medians of bound and force.
 TEST(BoundCoverage, IsThatOfASheetOfPaper) {
   const std::vector<BoundedError> errors{{0.1, 0.1, 0.2}, {0.5, 0.2, 0.2}, {0.2, 0.3, 0.2},
                                          {0.9, 0.1, 0.4}, {1.0, 0.5, 0.9}, {0.6, 0.8, 0.8}};
@@ -145,10 +145,14 @@ TEST(BoundCoverage, IsThatOfASheetOfPaper) {
     p.displacement_m = {0.5, 0, 0};
     p.error_N = 0.01;
     p.bound_N = 0.03;
+    p.force_N = 2;
   }
   probes[1].bound_N = std::numeric_limits<double>::infinity();
   probes[2].beyond = true;
-  EXPECT_EQ(errors_to_range(probes, 1).bounds.value().states, 1);
+  const auto errors_of_range = errors_to_range(probes, 1);
+  EXPECT_EQ(errors_of_range.bounds.value().states, 1);
+  EXPECT_EQ(errors_of_range.median_bound_N, 0.03);
+  EXPECT_EQ(errors_of_range.median_force_N, 2);
   for (auto& p : probes) p.bound_N = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(errors_to_range(probes, 1).bounds);
 }

@@ -14,7 +14,9 @@ BoundCoverage coverage_of(const std::vector<BoundedError>& errors, double range_
   double covered = 0, total = 0, squares = 0;
   for (const auto& e : errors) {
     const auto third = std::min<std::size_t>(2, static_cast<std::size_t>(3 * e.depth_m / range_m));
-    const double covered_weight = e.error_N <= e.bound_N ? e.weight : 0;
+    const bool holds = e.error_N <= e.bound_N;
+    const double covered_weight = holds ? e.weight : 0;
+    out.held += holds;
     total += e.weight;
     squares += e.weight * e.weight;
     covered += covered_weight;
@@ -51,10 +53,21 @@ double promised_coverage(const Model& model) {
   return promised_coverage(independent_errors(model, bound.n_nodes, bound.n_rays), bound.coverage);
 }
 
+namespace {
+
+constexpr std::int64_t few = 20;  // One error of more is at most the 5 % that a bound leaves.
+
+}  // namespace
+
+std::string held_of_errors(const BoundCoverage& measured) {
+  return measured.states < few
+             ? fmt::format("{} of {} error{}", measured.held, measured.states, measured.states == 1 ? "" : "s")
+             : fmt::format("{:.0f} % of {} errors", 100 * measured.all, measured.states);
+}
+
 std::string held_in_words(const BoundCoverage& measured, double promised) {
-  std::string text = fmt::format("held for {:.0f} % of {} error{}", 100 * measured.all, measured.states,
-                                 measured.states == 1 ? "" : "s");
-  if (const double deepest = measured.thirds.back(); !std::isnan(deepest))
+  std::string text = "held for " + held_of_errors(measured);
+  if (const double deepest = measured.thirds.back(); measured.states >= few && !std::isnan(deepest))
     text += fmt::format(", for {:.0f} % of those in the deepest third", 100 * deepest);
   return promised > 0 ? fmt::format("{}; calibration promised {:.0f} %", text, 100 * promised) : text;
 }

@@ -110,6 +110,18 @@ VerdictLine of_two_tools(const Validated& v) {
           {}};
 }
 
+VerdictLine of_bound(const Validated& v, const BoundCoverage& measured) {
+  const auto& e = v.report.to_range;
+  const ForceUnit unit = force_unit(e.median_bound_N);
+  std::string text = fmt::format("{:.3g} {} in the median", unit.per_N * e.median_bound_N, unit.name);
+  if (e.median_force_N > 0)
+    text += fmt::format(", {} % of the median force", in_percent(e.median_bound_N / e.median_force_N));
+  return {"bounds",
+          "Bound of the model's force error",
+          text + "; it " + held_in_words(measured, promised_coverage(v.model.model())),
+          {{"median_bound_N", e.median_bound_N}, {"median_force_N", e.median_force_N}}};
+}
+
 /// @return null without a bound of the distance from the model's own elements, with which validate compares
 const BoundCoverage* measured_bound(const Validated& v) {
   const auto& model = v.model.model();
@@ -162,11 +174,7 @@ std::vector<std::string> Validated::not_done() const {
 
 std::vector<VerdictLine> verdict(const Validated& v) {
   std::vector<VerdictLine> lines{of_model(v), of_finite_elements(v), worst_node(v)};
-  if (const auto* measured = measured_bound(v))
-    lines.push_back({"bounds",
-                     "Bound of the model's force error",
-                     held_in_words(*measured, promised_coverage(v.model.model())),
-                     {}});
+  if (const auto* measured = measured_bound(v)) lines.push_back(of_bound(v, *measured));
   if (v.pairs.finished > 0) lines.push_back(of_two_tools(v));
   lines.push_back(not_covered(v));
   return lines;

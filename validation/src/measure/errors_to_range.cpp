@@ -81,13 +81,19 @@ ProbeStatistics statistics_of(const std::vector<ProbeResult>& probes,
   return result;
 }
 
-std::optional<BoundCoverage> bounds_of(const std::vector<ProbeResult>& in_range, double range_m) {
-  if (std::ranges::all_of(in_range, [](const auto& p) { return std::isnan(p.bound_N); })) return std::nullopt;
+void add_bounds(const std::vector<ProbeResult>& in_range, ErrorsToRange& result) {
+  if (std::ranges::all_of(in_range, [](const auto& p) { return std::isnan(p.bound_N); })) return;
   std::vector<BoundedError> errors;
+  std::vector<double> bounds, forces;
   for (const auto& p : in_range)
-    if (p.solved() && p.bound_N < std::numeric_limits<double>::infinity())
+    if (p.solved() && p.bound_N < std::numeric_limits<double>::infinity()) {
       errors.push_back({p.depth_m(), p.error_N, p.bound_N, p.weight});
-  return coverage_of(errors, range_m);
+      bounds.push_back(p.bound_N);
+      forces.push_back(p.force_N);
+    }
+  result.bounds = coverage_of(errors, result.range_m);
+  result.median_bound_N = ErrorStatistics::of(std::move(bounds)).median;
+  result.median_force_N = ErrorStatistics::of(std::move(forces)).median;
 }
 
 }  // namespace
@@ -113,7 +119,7 @@ ErrorsToRange errors_to_range(const std::vector<ProbeResult>& probes, double ran
   for (const auto& [node, of_node] : by_node) result.nodes.push_back(errors_of_node(node, of_node));
   result.worst = worst_node(in_range, false);
   if (!result.worst) result.worst = worst_node(in_range, true);
-  result.bounds = bounds_of(in_range, range_m);
+  add_bounds(in_range, result);
   return result;
 }
 

@@ -139,6 +139,7 @@ void ProbeRecords::add_to_range(double entry, double weight, const NodeProbes& p
       const auto& state = probes.state(probe);
       const auto& largest = probe.beyond ? all : in_range;
       result.error_N = distance(*response.force_N[0], state.force_FE);
+      result.force_N = length_of(state.force_FE);
       result.model = probe_errors({*response.force_N[0], state.force_FE, response.displacement_m, state.u_FE}, largest,
                                   probes.counts);
       result.linear =

@@ -23,7 +23,7 @@ struct BoundedError {
 
 /// The weighted shares of displacements whose error is at most the bound.
 struct BoundCoverage {
-  std::int64_t states = 0;
+  std::int64_t states = 0, held = 0;  ///< number of errors, and of those at most their bound
   double all = 0;
   std::array<double, 3> thirds{};  ///< the shares in each third of the depth; nan without states
   double of_equal_weight = 0;      ///< errors of equal weight whose share scatters alike: (sum of w)^2 / sum of w^2
@@ -49,6 +49,8 @@ double promised_coverage(std::int64_t n, double coverage);
 /// The same for the bound of a model at its nodes.
 double promised_coverage(const Model& model);
 
+/// "91 % of 100 errors"; of few, of which weights make a share that looks wrong, "4 of 5 errors"
+std::string held_of_errors(const BoundCoverage& measured);
 /// "held for 91 % of 100 errors, for 77 % of those in the deepest third; calibration promised 93 %"
 /// @param measured  of at least one error. @param promised  0: nothing was
 std::string held_in_words(const BoundCoverage& measured, double promised);

@@ -32,16 +32,16 @@ struct ProbeResult {
   bool beyond = false;   ///< the depth is in (R, outside_factor R]
   bool flagged = false;  ///< the runtime warns of this state (is_flagged)
   Status status = Status::not_solved;
-  double reached_m = 0;               ///< deepest converged depth of the ray of an unsolved probe; negative if unknown
-  double error_N = 0, largest_N = 0;  ///< |f - f_FE|, and largest |f_FE| of the node; valid for solved probes
-  double weight = 1;                  ///< NodePlan::weight, for the coverage of bounds
+  double reached_m = 0;  ///< deepest converged depth of the ray of an unsolved probe; negative if unknown
+  double error_N = 0, force_N = 0, largest_N = 0;  ///< of solved probes: |f - f_FE|, |f_FE|, largest |f_FE| of the node
+  double weight = 1;                               ///< NodePlan::weight, for the coverage of bounds
   /// Bound of error_N; infinite outside the trained range, nan if the model has no bounds.
   double bound_N = std::numeric_limits<double>::quiet_NaN();
   ProbeErrors model, linear;
   bool solved() const { return status == Status::converged; }
   static void members(auto& p, auto&& each) {
-    each(p.node, p.displacement_m, p.beyond, p.flagged, p.status, p.reached_m, p.error_N, p.largest_N, p.weight,
-         p.bound_N, p.model, p.linear);
+    each(p.node, p.displacement_m, p.beyond, p.flagged, p.status, p.reached_m, p.error_N, p.force_N, p.largest_N,
+         p.weight, p.bound_N, p.model, p.linear);
   }
   /// Describes an unsolved probe.
   static void describe(const auto& result, auto&& see) {
@@ -107,12 +107,13 @@ struct ErrorsByWarning {
 };
 ErrorsByWarning errors_by_warning(const std::vector<ProbeResult>& probes);
 
-struct ErrorsToRange : ErrorsByWarning {  ///< depth in (0, R]
-  double range_m = 0;                     ///< R of the scene
-  ProbeStatistics beyond;                 ///< depth in (R, outside_factor R]
-  std::vector<ErrorsOfNode> nodes;        ///< ascending
-  std::optional<WorstNode> worst;         ///< empty if nothing was solved
-  std::optional<BoundCoverage> bounds;    ///< coverage of solved probes up to R; empty without bounds
+struct ErrorsToRange : ErrorsByWarning {          ///< depth in (0, R]
+  double range_m = 0;                             ///< R of the scene
+  ProbeStatistics beyond;                         ///< depth in (R, outside_factor R]
+  std::vector<ErrorsOfNode> nodes;                ///< ascending
+  std::optional<WorstNode> worst;                 ///< empty if nothing was solved
+  std::optional<BoundCoverage> bounds;            ///< coverage of solved probes up to R; empty without bounds
+  double median_bound_N = 0, median_force_N = 0;  ///< of the states of `bounds`
 };
 ErrorsToRange errors_to_range(const std::vector<ProbeResult>& probes, double range_m);
 
