@@ -31,6 +31,16 @@ sed -n '/^    cmake_minimum_required/,/^$/p' "$runtime/../docs/howto/embed.md" >
 "$cmake" -S "$work/page" -B "$work/page/build" -DCMAKE_PREFIX_PATH="$work/prefix" >> "$work.log"
 "$cmake" --build "$work/page/build" >> "$work.log"
 "$work/page/build/my_device" "$runtime/../examples/model/model.txt" 95 0 0 -0.01 > /dev/null
+# The programs of that page: its C finds the sample model, its C++ says which file it lacks.
+page_program() { sed -n "/^    #include <phynness\/phynness.$1>/,/^    }$/p" "$runtime/../docs/howto/embed.md"; }
+page_program h > "$work/page/page.c"
+page_program hpp > "$work/page/page.cpp"
+library=("-I$work/prefix/include" "$(find "$work/prefix" -name libphynness_runtime.a)")
+"${CC:-cc}" -std=c99 -Wall -Wextra -Wpedantic -Werror "$work/page/page.c" "${library[@]}" -lm -o "$work/page/c"
+"${CXX:-c++}" -std=c++17 -fno-exceptions -Wall -Wextra -Werror "$work/page/page.cpp" "${library[@]}" -o "$work/page/cpp"
+said=$("$work/page/c" "$runtime/../examples/model/model.txt")
+[[ $said == *"N: success"*"at most "*" N off" ]]
+said=$(cd "$work/page" && ./cpp) || [[ $said == "out/demo/model: "* ]]
 # The example of a haptic loop, outside of the repository, against what is installed.
 cp -r "$runtime/../examples/haptic_loop" "$work/haptic_loop"
 "$cmake" -S "$work/haptic_loop" -B "$work/haptic_build" -DCMAKE_PREFIX_PATH="$work/prefix" >> "$work.log"
