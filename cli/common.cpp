@@ -185,6 +185,11 @@ void print_patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& 
   for (const auto& warning : patch_warnings(scene, mesh, sets)) message("warning: {}\n", warning);
 }
 
+void print_choice_warning(const LoadedScene& loaded) {
+  if (const auto warning = choice_warning(loaded.scene, loaded.mesh, loaded.sets); !warning.empty())
+    message("warning: {}\n", warning);
+}
+
 void check_mesh(const Scene& scene, const std::string& hash, const std::string& where) {
   if (scene.mesh.shape != Shape::none || !std::filesystem::exists(scene.mesh.file)) return;
   const auto scene_hash = mesh_hash(make_mesh(scene).mesh);

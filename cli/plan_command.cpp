@@ -206,8 +206,9 @@ void print_plan(const Options& options, const Plan& plan) {
         "body      of several tools: reduce about {}, or several times that if its errors are large; calibrate body "
         "about {}\n",
         duration(*plan.reduce_seconds), duration(*plan.calibrate_body_seconds));
-  print_result("rays      {}, {} solved at {} node{}: {:.2g} s each ({}), at most {:.2g} s\n", plan.rays_requested,
-               m.rays, m.nodes, m.nodes == 1 ? "" : "s", m.seconds_per_ray, accuracy_text(plan), m.seconds_longest_ray);
+  print_result("rays      {} to solve, {:.2g} s each: the mean of {} at {} node{} ({}), at most {:.2g} s\n",
+               plan.rays_requested, m.seconds_per_ray, m.rays, m.nodes, m.nodes == 1 ? "" : "s", accuracy_text(plan),
+               m.seconds_longest_ray);
   if (plan.points_at_rest > 0)
     print_result("elsewhere {} points with the linear response at rest: {}, by one rank\n", plan.points_at_rest,
                  duration(m.at_rest_seconds));
@@ -221,6 +222,7 @@ void print_plan(const Options& options, const Plan& plan) {
 void run(const Options& options) {
   const SolverSession session;
   const auto loaded = load_scene(options.scene);
+  print_choice_warning(loaded);
   install_stop_handler();  // a signal before ends the program: there is nothing to keep
   const Plan plan = make_plan(options, loaded);
   print_plan(options, plan);

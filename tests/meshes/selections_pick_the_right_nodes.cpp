@@ -147,8 +147,10 @@ TEST(Selections, ThatCannotBeSpreadAreRefused) {
 TEST(Selections, ThatAreSpreadButNotCoveredGetAWarning) {
   const auto warning = [](const std::string& active, double radius) {
     const Scene scene = spread(active, radius);
-    const auto all = patch_warnings(scene, grid(), resolve_selections(scene, grid()));
-    return all.empty() ? "" : all.front();
+    const auto sets = resolve_selections(scene, grid());
+    const auto choice = choice_warning(scene, grid(), sets);
+    const auto all = patch_warnings(scene, grid(), sets);
+    return !choice.empty() ? choice : all.empty() ? "" : all.front();
   };
   auto text = warning("{ spacing_m = 0.5 }", 3);
   EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "each of the 17 nodes")) << text;
@@ -168,8 +170,9 @@ TEST(Selections, ThatAreSpreadButNotCoveredGetAWarning) {
 TEST(Selections, ThatAreSpreadByTheToolAskForWhatHelps) {
   const auto warnings = [](const Mesh& mesh, double radius) {
     const Scene scene = spread("{ spacing = \"auto\" }", radius);
-    std::string all;
-    for (const auto& one : patch_warnings(scene, mesh, resolve_selections(scene, mesh))) all += one + "\n";
+    const auto sets = resolve_selections(scene, mesh);
+    std::string all = choice_warning(scene, mesh, sets) + "\n";
+    for (const auto& one : patch_warnings(scene, mesh, sets)) all += one + "\n";
     return all;
   };
   EXPECT_FALSE(contains(warnings(grid(), 3), "nodes are probed"));  // 17 of 17

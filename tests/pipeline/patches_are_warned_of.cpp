@@ -1,6 +1,7 @@
 // Claims: for a patch that its mesh does not resolve mesh, info, plan and train print a warning with file and line. The
 // recommended change removes the warning. Other scenes have no such warning. The same holds for patches that lose a
-// part to fixed nodes, and the shift that the warning states is that of the centroid of half a disk.
+// part to fixed nodes, and the shift that the warning states is that of the centroid of half a disk. Commands that do
+// not choose places do not repeat the warning that each node is probed.
 #include <regex>
 
 #include "command_line.hpp"
@@ -42,6 +43,19 @@ TEST_F(Patches, OfFewEdgesAreNamedByEveryCommandThatReadsThem) {
     EXPECT_TRUE(holds(outcome.err, "warning: ") && holds(outcome.err, unresolved)) << line << "\n" << outcome.err;
     EXPECT_TRUE(holds(outcome.err, "scene.toml:")) << line << "\n" << outcome.err;
   }
+}
+
+TEST_F(Patches, OfEveryNodeAreNamedOnlyWherePlacesAreChosen) {
+  const auto dense = with_active(scene("0.06", "0.008"),
+                                 "active = { spacing_m = 0.001, within = { sphere = { center_fraction = [0.5, 0.5, 1], "
+                                 "radius_m = 0.03 }, surface_only = true } }\n");
+  write_file(folder / "scene.toml", changed(dense, "directions = 26", "directions = 3"));
+  for (const char* line :
+       {"precompute scene.toml -o d.h5", "mesh scene.toml -o mesh.msh", "info scene.toml", "plan scene.toml --rays 2"})
+    EXPECT_TRUE(holds(unbroken(succeed(line).err), "nodes is probed")) << line;
+  for (const char* line : {"check scene.toml --probes 1", "info d.h5", "precompute scene.toml --mesh mesh.msh -o e.h5",
+                           "solve scene.toml --point 0.05,0.04,0.05 --displacement 0,0,-0.001"})
+    EXPECT_FALSE(holds(unbroken(succeed(line).err), "nodes is probed")) << line;
 }
 
 TEST_F(Patches, AreResolvedAsRecommended) {

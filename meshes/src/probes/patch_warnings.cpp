@@ -127,8 +127,9 @@ bool is_automatic(const Selector& s) { return s.kind == SelectorKind::spread && 
 /// As many points as a larger organ has with spacing = "auto": of fewer, leaving some out saves little.
 constexpr std::ptrdiff_t fewest_worth_a_choice = 50;
 
-/// A spacing with which every node of the part is probed.
-std::string warn_of_choice(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+}  // namespace
+
+std::string choice_warning(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   meshes::SelectableBody body(mesh);
   body.fixed = sets.fixed;
   body.tool_radius_m = scene.probe.tool_radius_m;
@@ -151,6 +152,8 @@ std::string warn_of_choice(const Scene& scene, const Mesh& mesh, const NodeSets&
   }
   return "";
 }
+
+namespace {
 
 /// Spread points between which a tool is not answered.
 std::string warn_of_gaps(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
@@ -183,8 +186,7 @@ std::vector<std::string> patch_warnings(const Scene& scene, const Mesh& mesh, co
   const auto add = [&](std::string text) {
     if (!text.empty()) warnings.push_back(std::move(text));
   };
-  if (spreads(scene.active))
-    for (auto* const warn : {warn_of_choice, warn_of_gaps}) add(warn(scene, mesh, sets));
+  if (spreads(scene.active)) add(warn_of_gaps(scene, mesh, sets));
   if (scene.probe.kind == ProbeKind::patch)
     for (auto* const warn : {warn_of_edges, warn_of_fixed}) add(warn(scene, mesh, sets));
   return warnings;
