@@ -93,6 +93,7 @@ TEST_F(ReducedBodyCommand, WritesABodyAndItsFigures) {
   EXPECT_EQ(json("r.json").at("cells"), 50);
   EXPECT_EQ(json("r.json").at("body_bytes"), read_file(folder / "body.txt").size());
   EXPECT_NE(outcome.out.find("-> body.txt"), std::string::npos) << outcome.out;
+  EXPECT_NE(unbroken(outcome.out).find("states at probed points (validate --pairs "), std::string::npos) << outcome.out;
   ASSERT_EQ(json("r.json").at("sizes").size(), 1u);
   const auto errors = json("r.json").at("sizes")[0].at("errors");
   EXPECT_GT(errors.at("pairs").at("n").get<int>() + errors.at("near").at("n").get<int>(), 50);
