@@ -245,6 +245,19 @@ class OrganObject {
 
 py::object bytes_or_none(const std::string& text) { return text.empty() ? py::none() : py::object(py::bytes(text)); }
 
+/// With four digits, in one line.
+std::string in_words(const py::array& numbers) {
+  const py::dict format(arg("float_kind") = py::str("{:.4g}").attr("format"));
+  const auto lines =
+      py::module_::import("numpy").attr("array2string")(numbers, arg("separator") = ", ", arg("formatter") = format);
+  return py::str(" ").attr("join")(lines.attr("split")()).cast<std::string>();
+}
+
+template <class Result>
+std::string energy_and_status(const Result& r) {
+  return py::str(", energy={:.4g} J, status={})").format(r.report.energy_J, r.status).template cast<std::string>();
+}
+
 template <class Result>
 void add_report(py::class_<Result>& result) {
   result
@@ -285,13 +298,19 @@ single tool. Other threads of Python run meanwhile. Error without a model.
 
 void add_organ(py::module_& module) {
   py::class_<Held> held(module, "Held", "What Organ.hold answers.");
-  held.def_readonly("forces", &Held::forces, "(n, 3), or of one tool (3,) [N].");
+  held.def_readonly("forces", &Held::forces, "(n, 3), or of one tool (3,) [N].").def("__repr__", [](const Held& h) {
+    return "Held(forces=" + in_words(h.forces) + " N" + energy_and_status(h);
+  });
   add_report(held);
   py::class_<Touched> touched(module, "Touched", "What Organ.touch answers, for each sphere.");
   touched.def_readonly("forces", &Touched::forces, "On the body, (n, 3) [N]; zeros without contact.")
       .def_readonly("proxies", &Touched::proxies, "Centres on the undeformed surface, (n, 3) [m].")
       .def_readonly("normals", &Touched::normals, "Outward, (n, 3); zeros without contact.")
-      .def_readonly("in_contact", &Touched::in_contact, "(n,), bool.");
+      .def_readonly("in_contact", &Touched::in_contact, "(n,), bool.")
+      .def("__repr__", [](const Touched& t) {
+        return "Touched(forces=" + in_words(t.forces) + " N, in_contact=" + in_words(t.in_contact) +
+               energy_and_status(t);
+      });
   add_report(touched);
 
   py::class_<OrganObject> organ(module, "Organ",

@@ -210,6 +210,10 @@ class Models(unittest.TestCase):
         one = organ.hold(NODE, d[0])
         self.same(one.forces, model.force(NODE, d[0]))
         self.assertEqual(one.energy, model.energy(NODE, d[0]))
+        numbers = [*one.forces, one.energy]
+        said = re.fullmatch(r"Held\(forces=\[ *(\S+), +(\S+), +(\S+)\] N, energy=(\S+) J, status=0\)", repr(one))
+        np.testing.assert_allclose([float(word) for word in said.groups()], numbers, rtol=5e-4)  # four digits
+        self.assertRegex(repr(pair), r"^Held\(forces=\[\[.*\], \[.*\]\] N, energy=")
         self.same(organ.deform(), model.deform(NODE, d[0]))
         self.same(organ.bound(), [model.bound(NODE, d[0])])
         self.same(organ.points, model.output_points)
@@ -224,6 +228,7 @@ class Models(unittest.TestCase):
             for depth in np.linspace(0.02, -0.009, 30):
                 touched = organ.touch([place.position + [0, 0, depth]], 0.005)
         self.assertTrue(touched.in_contact[0] and touched.forces[0, 2] < 0 and touched.energy > 0)
+        self.assertRegex(repr(touched), r"^Touched\(forces=\[\[.*\]\] N, in_contact=\[ ?True\], energy=.* J, status=\d\)$")
         self.assertLess(organ.deform()[:, 2].min(), -0.003)
         organ.reset()
         self.same(organ.deform(), np.zeros_like(model.output_points))
