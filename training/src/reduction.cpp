@@ -30,6 +30,9 @@ constexpr double truncation_of_a_node = 1e-6;   ///< share of int |grad u|^2 tha
 constexpr std::size_t most_candidates = 8'000;  ///< of a part, among which those with a weight are
 /// The forces and changes of volume of a state are so many random sums of all of them.
 constexpr int sums_of_a_state = 16;
+/// Of a body with regions the first sum is the work of a tool that goes on along the state, so many times as heavy as
+/// the others: the force of a tool follows from it. With 4, 8 and 16 errors of forces differ less than they do without.
+constexpr double weight_of_work = 8;
 /// int |grad u|^2 of all fields of several tools over that of all fields of the database. 1, 2 and 4 differ less than
 /// choices of cells do: pairs of a liver with K/mu 200 were off by 10 to 13 % (p95) with 300 cells.
 constexpr double weight_of_several = 2;
@@ -308,14 +311,19 @@ class Reduction {
       const auto here = energy_densities(_elements, applied(_modes, states.col(s)));
       if (!here) return;
       ++fitted;
-      const auto& [of_forces, of_volumes] = sums[static_cast<std::size_t>(s)];
-      const double size = solve_lower_transposed(inverse, states.col(s)).norm();
-      const MatrixXd tests = product(_modes, transposed_product(inverse, of_forces) / size);
-      const MatrixXd test_pressures = product(_pressures, of_volumes / size);
+      auto& [of_forces, of_volumes] = sums[static_cast<std::size_t>(s)];
+      const VectorXd direction = solve_lower_transposed(inverse, states.col(s));
+      const double size = direction.norm();
       const VectorXd volumes = _elements.bulk.cwiseProduct(here->g);
       const VectorXd nodal_volumes = transposed_applied(_elements.pressure_values, volumes);
-      const VectorXd pressure =
-          applied(_elements.pressure_values, applied(_pressures, transposed_applied(_pressures, nodal_volumes)));
+      const VectorXd pressures = transposed_applied(_pressures, nodal_volumes);
+      if (_rest.size() > 1) {
+        of_forces.col(0) = weight_of_work / size * direction;
+        of_volumes.col(0) = weight_of_work / size * pressures;
+      }
+      const MatrixXd tests = product(_modes, transposed_product(inverse, of_forces) / size);
+      const MatrixXd test_pressures = product(_pressures, of_volumes / size);
+      const VectorXd pressure = applied(_elements.pressure_values, applied(_pressures, pressures));
       const AtPoints stress = here->shape_first * _elements.shear.asDiagonal() +
                               here->g_first * _elements.bulk.cwiseProduct(pressure).asDiagonal();
       VectorXd nodal = transposed_applied(test_pressures, nodal_volumes);
@@ -340,7 +348,13 @@ class Reduction {
         wanted[row++] = scale;
       }
     _cubature = nonnegative_weights(contributions, wanted, cells, _threads, [this](Index n) { step(n); });
-    _report.residual = _cubature.residual.head(contributions.rows() - n_totals).norm() / scale;
+    const auto random_sums = [&](const VectorXd& values) {
+      return values.head(sums_of_a_state * states.cols())
+          .reshaped(sums_of_a_state, states.cols())
+          .bottomRows(sums_of_a_state - (_rest.size() > 1 ? 1 : 0))
+          .norm();
+    };
+    _report.residual = random_sums(_cubature.residual) / random_sums(wanted);
     for (auto& point : _cubature.points) point = candidates[static_cast<std::size_t>(point)];
     _report.states = fitted;
   }
