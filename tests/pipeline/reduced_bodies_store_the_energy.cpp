@@ -1,11 +1,10 @@
 // Claim: a reduced body with all modes and all cells stores the energy of the solved states. Its pressure has ln J and
 // the stabilization at rest, the solved one J e^(-p/lambda) and that of the deformed body: the energies differ by a few
 // tenths of a percent on real meshes (docs/decisions/reduced-body.md), and by up to 2 % on a block of a few cells.
-#include <Eigen/Dense>
-#include <phynness/formats/body.hpp>
 #include <phynness/formats/database.hpp>
 #include <phynness/training/reduction.hpp>
 
+#include "../body_energy.hpp"
 #include "command_line.hpp"
 
 namespace phynness::test {
@@ -27,26 +26,6 @@ class ReducedBodyCommand : public CommandLine {
     return text.replace(text.find("active = "), 0, "output = \"free\"\n");
   }
 };
-
-/// The energy of a neo-Hookean body (formats/body.md).
-double energy(const ReducedBody& body, const Eigen::VectorXd& q) {
-  const auto mu = [&](std::size_t c) {
-    const auto region = body.region_of_cell.empty() ? 0 : body.region_of_cell[c];
-    return region > 0 ? body.regions(region - 1, 0) : body.parameters.at(0);
-  };
-  const Eigen::VectorXd F = body.gradients.values() * q;
-  const Eigen::MatrixXd pressures = body.pressures.values();
-  Eigen::VectorXd b = Eigen::VectorXd::Zero(pressures.cols());
-  double sum = 0;
-  for (Eigen::Index c = 0; c < pressures.rows(); ++c) {
-    const Eigen::Matrix3d f = Eigen::Matrix3d::Identity() + Eigen::Map<const Eigen::Matrix3d>(F.data() + 9 * c);
-    const double J = f.determinant();
-    sum += body.shear_m3[static_cast<std::size_t>(c)] * mu(static_cast<std::size_t>(c)) *
-           ((f.squaredNorm() - 3) / 2 - std::log(J));
-    b += body.bulk_rJ[static_cast<std::size_t>(c)] * (J - 1) * pressures.row(c).transpose();
-  }
-  return sum + b.squaredNorm() / 2;
-}
 
 void expect_the_energy_of_solved_states(const std::filesystem::path& file) {
   const auto database = Database::open(file);

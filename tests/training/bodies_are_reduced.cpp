@@ -9,6 +9,7 @@
 #include <set>
 
 #include "../block_mesh.hpp"
+#include "../body_energy.hpp"
 #include "../messages.hpp"
 #include "../runtime/loaded_body.hpp"
 
@@ -234,6 +235,37 @@ TEST_F(ReducedBodies, KnowTheirRegions) {
   EXPECT_EQ(whole.shear_m3.size(), static_cast<std::size_t>(mesh.n_cells()) + edges[0].size() + edges[1].size());
   EXPECT_GT(whole.shear_m3.size(), plain.shear_m3.size());
   EXPECT_NEAR(std::accumulate(whole.shear_m3.begin(), whole.shear_m3.end(), 0.0), volume(mesh), 1e-12);
+}
+
+// Claim: with regions 40 points have the energy of the drawn states to 0.13 % in the mean, since their work is among
+// the equations; without it, to 0.5 %.
+TEST_F(ReducedBodies, FitTheWorkOfTheirStatesWithRegions) {
+  const auto database =
+      written(scene() + "[[region]]\nname = \"stiff\"\ncells = { group = \"stiff\" }\nc10_Pa = 2000.0\n",
+              [](DatabaseHeader& header) {
+                header.mesh.regions.assign(static_cast<std::size_t>(header.mesh.n_cells()), 0);
+                std::fill_n(header.mesh.regions.begin() + 48, 12, 1);  // of 108
+              });
+  const auto few = reduced(database, {12, 40, 100, 1}), all = reduced(database, {12, 100'000, 100, 1});
+  double off = 0;
+  const auto& header = database.header();
+  for (const auto& ray : database.rays(0)) {
+    double energies[2];
+    for (const auto* body : {&few, &all}) {
+      const Eigen::MatrixXd modes = body->modes.values();
+      Eigen::VectorXd u = Eigen::VectorXd::Zero(modes.rows());
+      for (std::size_t i = 0; i < body->nodes.size(); ++i) {
+        const auto place = std::ranges::lower_bound(header.sets.output, body->nodes[i]) - header.sets.output.begin();
+        for (Eigen::Index k = 0; k < 3 && body->nodes[i] >= 16; ++k)
+          u[3 * static_cast<Eigen::Index>(i) + k] =
+              ray.displacement[3 * (header.sets.output.size() + static_cast<std::size_t>(place)) +
+                               static_cast<std::size_t>(k)];
+      }
+      energies[body == &all] = energy(*body, modes.completeOrthogonalDecomposition().solve(u));
+    }
+    off += std::abs(energies[0] / energies[1] - 1);
+  }
+  EXPECT_LT(off / 14, 0.0025);
 }
 
 // Claim: with all points the volumes are those of the body, and with all modes the surface's displacements of a stored

@@ -30,8 +30,8 @@ constexpr double truncation_of_a_node = 1e-6;   ///< share of int |grad u|^2 tha
 constexpr std::size_t most_candidates = 8'000;  ///< of a part, among which those with a weight are
 /// The forces and changes of volume of a state are so many random sums of all of them.
 constexpr int sums_of_a_state = 16;
-/// Of a body with regions the first sum is the work of a tool that goes on along the state, so many times as heavy as
-/// the others: the force of a tool follows from it. With 4, 8 and 16 errors of forces differ less than they do without.
+/// With regions the first sum of a state is its work, on which forces of tools depend, so many times as heavy as
+/// others.
 constexpr double weight_of_work = 8;
 /// int |grad u|^2 of all fields of several tools over that of all fields of the database. 1, 2 and 4 differ less than
 /// choices of cells do: pairs of a liver with K/mu 200 were off by 10 to 13 % (p95) with 300 cells.
