@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <cmath>
 #include <phynness/formats/body.hpp>
 
 namespace phynness::test {
