@@ -340,7 +340,11 @@ class Reduction {
       wanted.segment(sums_of_a_state * s, sums_of_a_state) = nodal;
     });
     // As heavy as all others together, the two totals of each part of the body are met.
-    const double scale = wanted.norm();
+    const auto random_sums = [&](VectorXd values) {
+      if (_rest.size() > 1) values(Eigen::seqN(0, states.cols(), sums_of_a_state)).setZero();
+      return values;
+    };
+    const double scale = wanted.norm(), random_scale = random_sums(wanted).norm();
     for (Index row = contributions.rows() - n_totals, p = 0; p < std::ssize(_rest); ++p)
       for (const VectorXd* all : {&_elements.shear, &_elements.bulk}) {
         const VectorXd size = restricted_to_part(*all, static_cast<std::size_t>(p));
@@ -348,13 +352,7 @@ class Reduction {
         wanted[row++] = scale;
       }
     _cubature = nonnegative_weights(contributions, wanted, cells, _threads, [this](Index n) { step(n); });
-    const auto random_sums = [&](const VectorXd& values) {
-      return values.head(sums_of_a_state * states.cols())
-          .reshaped(sums_of_a_state, states.cols())
-          .bottomRows(sums_of_a_state - (_rest.size() > 1 ? 1 : 0))
-          .norm();
-    };
-    _report.residual = random_sums(_cubature.residual) / random_sums(wanted);
+    _report.residual = random_sums(_cubature.residual.head(contributions.rows() - n_totals)).norm() / random_scale;
     for (auto& point : _cubature.points) point = candidates[static_cast<std::size_t>(point)];
     _report.states = fitted;
   }
