@@ -54,7 +54,7 @@ with tempfile.TemporaryDirectory() as folder:
     with h5py.File(path) as f:
         attributes = dict(f.attrs)
         assert attributes["format"] == "phynness database", attributes
-        assert attributes["complete"] == 1 and attributes["format_version"] == 4
+        assert attributes["complete"] == 1 and attributes["format_version"] == 5
         assert re.fullmatch("[0-9a-f]{16}", attributes["physics_hash"])
         assert re.fullmatch("[0-9a-f]{16}", attributes["mesh_hash"])
         assert "c10_Pa" in f["scene"].asstr()[()]

@@ -190,7 +190,7 @@ TEST_F(RoundTrip, logs_hold_the_columns_in_the_order_of_the_page) {
   const auto found = bytes_of(log / "rank-0000");
   constexpr std::size_t opening = 72, prefix = 8, checksum = 8;
   ASSERT_EQ(found.size(), opening + prefix + payload.size() + checksum);
-  EXPECT_EQ(std::string(found.data(), 8), "PHYNLOG4");
+  EXPECT_EQ(std::string(found.data(), 8), "PHYNLOG5");
   EXPECT_TRUE(std::equal(payload.begin(), payload.end(), found.begin() + opening + prefix));
 }
 

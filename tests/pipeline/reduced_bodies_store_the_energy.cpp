@@ -68,7 +68,7 @@ TEST_F(ReducedBodyCommand, StoresTheEnergyOfSolvedStatesOfRegions) {
 // Claim: a body of given size is compared with states of two tools, and one that misses its target says so.
 TEST_F(ReducedBodyCommand, WritesABodyAndItsFigures) {
   const auto outcome = succeed("reduce d.h5 -o body.txt --modes 20 --cells 50 --json r.json");
-  EXPECT_TRUE(read_file(folder / "body.txt").starts_with("phynness-body 4\nmesh "));
+  EXPECT_TRUE(read_file(folder / "body.txt").starts_with("phynness-body 5\nmesh "));
   EXPECT_EQ(json("r.json").at("cells"), 50);
   EXPECT_EQ(json("r.json").at("body_bytes"), read_file(folder / "body.txt").size());
   EXPECT_NE(outcome.out.find("-> body.txt"), std::string::npos) << outcome.out;

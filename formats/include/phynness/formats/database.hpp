@@ -16,7 +16,7 @@
 namespace phynness {
 
 /// Of a database and its logs. A change of an element's equations that changes forces raises it, too.
-inline constexpr std::int32_t format_version = 4;
+inline constexpr std::int32_t format_version = 5;
 
 /// The search for a fold halves an increment this often: a fold is located to a sixteenth of an increment, whatever the
 /// full depth is, so that the rays of a shallower scene are the first increments of those of a deeper one.

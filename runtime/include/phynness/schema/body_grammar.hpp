@@ -6,7 +6,7 @@
 
 namespace phynness::schema {
 
-inline constexpr char body_first_line[] = "phynness-body 4\n";
+inline constexpr char body_first_line[] = "phynness-body 5\n";
 inline constexpr int32_t largest_parameter_count = 8, most_body_modes = 1024;
 /// Modes that n tools need. Of two tools at random places the largest forces of a body of 6, 9, 12, 18, 24 and 40 modes
 /// are 3e9, 3e4, 35, 4.6, 4.7 and 4.3 N (demo, displacements up to 10 mm).

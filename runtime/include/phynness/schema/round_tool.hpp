@@ -178,11 +178,11 @@ void integrate(const Vector (&corner)[3], const Vector& x, double radius, const 
 }  // namespace round_tool
 
 /// Divisor of the integrals of linear functions with the pressure, which makes them weights of a round tool: their sum
-/// over points that move, and a share of the sum over fixed points of triangles of which a point moves. The surface
-/// rises there from the fixed points faster than linear functions, so that the share is below 1
-/// (docs/decisions/element.md). The weights of a tool over few points that move have at least the sum 1/2.
-/// @param moving, fixed  these two sums
-inline double weight_divisor(double moving, double fixed) { return std::fmin(moving + 0.8 * fixed, 2 * moving); }
+/// over points that move, and a part of the sum over fixed points of triangles of which a point moves. The surface
+/// rises there from the fixed points faster than linear functions, the more so, the more of the tool is beside them
+/// (docs/decisions/element.md). The weights have at least the sum 3/5.
+/// @param moving, fixed  these two sums; moving > 0
+inline double weight_divisor(double moving, double fixed) { return moving + moving * fixed / (moving + 1.5 * fixed); }
 
 /// The part of `fixed` from one triangle. @param is_fixed  of its corners: is_fixed(k)
 template <class IsFixed>
