@@ -361,6 +361,21 @@ TEST(Bodies, WarnOfWhatTheyDoNotKnow) {
   EXPECT_EQ(unknown.press(two_tools(block.mesh, 0.5)), PHN_WARNING_OUTSIDE);
 }
 
+// Claim: a state is unsettled, however small the next step, where the stiffness is not positive definite. The elements
+// at rest have 0.3 times the stiffness of the cells here, so that cells that soften by more than that are enough.
+TEST(Bodies, AreUnsettledWhereTheStiffnessIsIndefinite) {
+  Block block;
+  const Eigen::MatrixXd K = stiffness_of_shape(block);
+  block.body.cells_at_rest = scaled_table(K);
+  block.body.lack_at_rest = scaled_table(-0.7 * K);
+  LoadedBody loaded(write_body_text(block.body));
+  EXPECT_EQ(loaded.press(two_tools(block.mesh, 0.1)), PHN_OK);
+  loaded.rest();
+  EXPECT_EQ(loaded.press(two_tools(block.mesh, 0.5)), PHN_WARNING_UNSETTLED);
+  EXPECT_LT(loaded.pressed.unbalanced, 0.01);
+  EXPECT_LT(loaded.pressed.residual_m, 0.01 * depth);
+}
+
 // Claim: wrong calls are refused, with forces of zero.
 TEST(Bodies, RefuseWrongCalls) {
   const Block block;

@@ -183,7 +183,7 @@ PHN_API int phn_nearest(const phn_model* model, const double x[3], phn_tool* too
  * A round tool between nodes has a mean of the energies of the tools at the nodes around it for the same displacement
  * (docs/theory.md, (x)); force and stiffness are its derivatives. Family rbfn has the same mean of the forces. They are
  * continuous where the tool slides over edges and nodes. Fixed nodes of the triangle do not count; where their weights
- * exceed 0.3, the tool is PHN_WARNING_OUTSIDE at any displacement. So it is, but in family linear, where points have a
+ * exceed 1e-5, the tool is PHN_WARNING_OUTSIDE at any displacement. So it is, but in family linear, where points have a
  * part that were not probed and answer as the body at rest. A warning of any active node of the triangle, or around its
  * covered nodes, with more than 1e-5 of the weight is one of the tool. Cost: about 12 forces.
  * Node probes between nodes are coupled, as by phn_couple of one tool (phynness_tools.h); they have no stiffness

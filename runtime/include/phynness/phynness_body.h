@@ -68,8 +68,9 @@ typedef struct phn_body_report {
  * max_displacement_m. Unlike those of a model, forces depend on the motion before. _OUTSIDE: a displacement is larger
  * than trained, or no probed point is within a radius of the tool; all of the surface that is not fixed answers then,
  * with the stiffness at rest of the elements if the database had it (docs/theory.md, Elsewhere; else the body is too
- * stiff there, and neither phn_body_nearest nor contact finds places there). _UNSETTLED: `unbalanced` is above 0.01 or
- * a tool is ahead; call again with the same tools to come closer. Where `unbalanced` is above 0.1 the forces are those
+ * stiff there, and neither phn_body_nearest nor contact finds places there). _UNSETTLED: `unbalanced` is above 0.01,
+ * a tool is ahead, or the stiffness with held tools is not positive definite, so that the body may leave this state;
+ * call again with the same tools to come closer. Where `unbalanced` is above 0.1 the forces are those
  * of the call before, or 0 for a tool that was not there; after 20 such steps the body starts again from rest, with
  * smaller motions in a step. _NEAR: tools nearer than half of their radius act through springs between them
  * (docs/theory.md, Near tools), which take more than a tenth of a displacement; two with equal displacements at one

@@ -167,6 +167,7 @@ struct phn_body_state {
   double spring_compliance[3 * PHN_MOST_COUPLED][3 * PHN_MOST_COUPLED];
   double near_spring_compliance[3 * PHN_MOST_COUPLED][3 * PHN_MOST_COUPLED];
   bool has_springs;
+  bool is_definite;                                 ///< whether K + R^T H R had a factor as it was
   PHN_RUNTIME::BodyPlace places[PHN_MOST_COUPLED];  ///< of the tools
   double near_m;                                    ///< near_distance
   double penalty[3 * PHN_MOST_COUPLED];             ///< H: the factor is that of K + R^T H R [N/m]

@@ -116,6 +116,7 @@ bool factorize(phn_body_state& state) {
       float& diagonal = state.factor[static_cast<std::int64_t>(i) * (stride + 1)];
       diagonal += shift * (diagonal > 0 ? diagonal : -diagonal);
     }
+    state.is_definite = shift == 0;
     if (state.kernels->factorize(state.factor, n, stride)) return true;
   }
   return false;

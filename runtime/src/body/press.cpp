@@ -331,7 +331,8 @@ int PHN_RUNTIME::solve_body(phn_body_state& state, std::int32_t n_held, std::int
     set_zero(state.newton_force, 3 * most_body_tools);
     report.unbalanced = 1;
   }
-  if (report.unbalanced > unsettled || !(report.residual_m <= unsettled * depth)) status |= PHN_WARNING_UNSETTLED;
+  if (!state.is_definite || report.unbalanced > unsettled || !(report.residual_m <= unsettled * depth))
+    status |= PHN_WARNING_UNSETTLED;
   // Far from balance the linearized problem does not predict the forces. The last ones are then returned.
   const bool is_far = report.unbalanced > far_from_balance;
   if (is_far) memcpy(forces, state.force, sizeof state.force);

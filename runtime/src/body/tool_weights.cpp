@@ -9,6 +9,8 @@ namespace {
 
 /// Tolerance of the sum of barycentric weights, and the weight up to which a corner does not count.
 constexpr double weight_tolerance = 1e-6, negligible_weight = 1e-12;
+/// Largest weight of the fixed corners of a triangle for which a tool has no warning.
+constexpr double largest_weight_at_fixed = 0.3;
 
 /// Sums of weights at the nodes that can move.
 struct Sum {
@@ -65,7 +67,7 @@ int tool_weights(const phn_body& body, const phn_tool& tool, ToolScratch& scratc
   if (!(total > 0)) return PHN_ERROR_NOT_ACTIVE;
   const double divisor = schema::weight_divisor(total, at_fixed);
   for (std::int32_t i = 0; i < n; ++i) scratch.weight[scratch.weighted_nodes[i]] /= divisor;
-  return is_trained && fixed <= largest_fixed_weight<double> ? PHN_OK : PHN_WARNING_OUTSIDE;
+  return is_trained && fixed <= largest_weight_at_fixed ? PHN_OK : PHN_WARNING_OUTSIDE;
 }
 
 }  // namespace

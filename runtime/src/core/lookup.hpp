@@ -36,11 +36,6 @@ template <class Real>
 inline constexpr Real depth_slack = sizeof(Real) == sizeof(float) ? static_cast<Real>(1 + 1e-6f)
                                                                   : static_cast<Real>(1 + 1e-9);
 
-/// Largest weight of the fixed corners of a triangle for which the responses of the free ones are those of a round tool
-/// (docs/decisions/between-points.md).
-template <class Real>
-inline constexpr Real largest_fixed_weight = static_cast<Real>(0.3);
-
 /// Smallest sum of the weights of moving corners in a place. The stiffness of a point grows without bound towards a
 /// fixed edge.
 template <class Real>

@@ -39,7 +39,7 @@ struct ToolQuery {
   }
   if (!is_unclamped && !finite(query.d)) return PHN_ERROR_NOT_FINITE;
   for (int k = 0; k < 3 && !is_unclamped; ++k) query.d[k] = clamp(query.d[k], largest);
-  if (query.corners.fixed_weight > largest_fixed_weight<Real>) status = PHN_WARNING_OUTSIDE;
+  if (query.corners.fixed_weight > Real(least_share)) status = PHN_WARNING_OUTSIDE;
   for (uint32_t i = 0; i < query.corners.n; ++i)
     if (query.corners.counts(i)) status |= warnings(image, query.corners.position[i], is_unclamped, query.d);
   return status;
@@ -203,7 +203,7 @@ int phn_image_depth(const phn_image* opened, const phn_image_tool* tool, Real* o
     const Real of_corner = corners.counts(i) ? trained_depth(*header(opened), corners.position[i], query.d) : depth;
     depth = of_corner < depth ? of_corner : depth;
   }
-  *out = corners.fixed_weight > largest_fixed_weight<Real> ? 0 : depth;
+  *out = corners.fixed_weight > Real(least_share) ? 0 : depth;
   return status & PHN_WARNING_OUTSIDE;
 }
 

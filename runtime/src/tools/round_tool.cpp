@@ -91,7 +91,7 @@ bool is_round(const phn_model& model, const Place& place) {
 }
 
 bool is_beside_fixed(const phn_model& model, const Place& place) {
-  return place.fixed_weight > largest_fixed_weight<double> && is_round(model, place);
+  return place.fixed_weight > least_share && is_round(model, place);
 }
 
 bool has_round_tools(const phn_model& model) {
