@@ -98,10 +98,12 @@ TEST_F(Check, CountsSmallerCellsAsTheStiffnessAtRest) {
   }
   const auto& distance = check.at("distance");
   EXPECT_GT(distance.at("element_at_rest").at("mean"), distance.at("cells_at_rest").at("mean"));
-  EXPECT_EQ(distance.at("shape_at_rest").at("places"), 0) << "the surface of a block is that of its mesh";
+  EXPECT_EQ(distance.at("shape_at_rest").at("places"), distance.at("cells_at_rest").at("places"));
+  EXPECT_EQ(distance.at("shape_at_rest").at("mean"), 0) << "the surface of a block is that of its mesh";
   EXPECT_LT(distance.at("of_reference").at("mean"), distance.at("mean"));
   expect_names(unbroken(done.out), {"corrected at rest for cells of half the size",
                                     "With taylor-hood elements on the same mesh the error would"});
+  EXPECT_EQ(unbroken(done.out).find("shape of the surface"), std::string::npos) << done.out;
 }
 
 // The inside of a cylinder that is meshed with coarse edges is smaller than the cylinder: its shape is a part.

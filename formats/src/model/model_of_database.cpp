@@ -101,8 +101,8 @@ std::string FinerDistance::sentence() const {
     return "nothing to compare with, because no probe has a finer solution (" + finer +
            ") in the time of the check (phynness check SCENE, with more --seconds) or at all";
   if (cells_at_rest.places > 0 && reference != reference_names[2]) corrected = "cells of half the size";
-  if (shape_at_rest.places > 0)
-    corrected += (corrected.empty() ? "" : " and ") + std::string("the shape of the surface");
+  const bool has_shape_step = shape_at_rest.places > 0 && shape_at_rest.mean > 0;
+  if (has_shape_step) corrected += (corrected.empty() ? "" : " and ") + std::string("the shape of the surface");
   if (!corrected.empty()) finer += ", corrected at rest for " + corrected;
   constexpr int fewest_for_p95 = 20;
   std::string text = percent(mean) + " on average, " +
@@ -126,15 +126,15 @@ std::string FinerDistance::sentence() const {
   for (const auto& [what, part] : {std::pair{"the element", &element_at_rest},
                                    {"the size of the cells", &cells_at_rest},
                                    {"the shape of the surface", &shape_at_rest}})
-    if (part->places > 0)
+    if (part->places > 0 && (part != &shape_at_rest || has_shape_step))
       parts += (parts.empty() ? ". At rest " : ", ") + std::string(what) +
                (parts.empty() ? " alone changes the stiffness by " : " by ") + percent(part->mean);
-    else if (has_parts && part != &element_at_rest && !(part == &cells_at_rest && reference == reference_names[2]))
+    else if (part->places == 0 && has_parts && part != &element_at_rest &&
+             !(part == &cells_at_rest && reference == reference_names[2]))
       left_out += (left_out.empty() ? "" : " and ") + std::string(what);
   text += parts;
   if (!left_out.empty())
-    text += ". Not compared: " + left_out + (shape_at_rest.places == 0 ? ", where the mesh only approximates it" : "") +
-            " (phynness check SCENE, with more --seconds, does it)";
+    text += ". Not compared: " + left_out + " (phynness check SCENE, with more --seconds, does it)";
   if (of_reference.places > 0 && of_reference.mean < mean)
     text += ". With " + in_words(reference, element) + " the error would be " + percent(of_reference.mean) + ", at " +
             fixed(unknowns_factor, unknowns_factor < 9.95 ? 1 : 0) + " times the unknowns";

@@ -158,7 +158,7 @@ struct FinerDistance {
   bool has_parts = false;                  ///< the following are recorded
   DistancePart near_fixed{}, elsewhere{};  ///< probes nearer than the tool's radius to a fixed node, and the others
   /// Steps of the stiffness at rest, if they are compared: to Taylor-Hood on the same mesh, to cells of half the size,
-  /// to the scene's own surface.
+  /// to the scene's own surface (0 if it is that of the mesh).
   DistancePart element_at_rest{}, cells_at_rest{}, shape_at_rest{};
   DistancePart of_reference{};  ///< what the error of the reference itself is, if cells are compared
   double unknowns_factor = 0;   ///< unknowns of the reference over those of the scene

@@ -47,8 +47,9 @@ struct PlaceAtRest {
   bool near_fixed = false;
   double element = undefined;  ///< from the scene's element to Taylor-Hood on the same mesh
   double cells = undefined;    ///< from there to cells of half the size with the same surface
-  double shape = undefined;    ///< from there to a mesh of about this size on the surface of the scene
-  double all = undefined;      ///< from the scene to the finest of these bodies
+  double shape =
+      undefined;  ///< from there to a mesh of about this size on the surface of the scene; 0 if it is the mesh's
+  double all = undefined;  ///< from the scene to the finest of these bodies
   /// Stiffness of the finest body times the inverse stiffness of the reference.
   Eigen::Matrix3d finest_over_reference = Eigen::Matrix3d::Identity();
   PHYNNESS_FIGURES(node, near_fixed, element, cells, shape, all)
