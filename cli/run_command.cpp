@@ -85,6 +85,17 @@ Coverage check_existing_files(const Options& options) {
   return database_coverage;
 }
 
+/// Prints the size of the body, and how long its steps took in reduce.
+void print_body(const std::filesystem::path& figures_of_reduce) {
+  std::ifstream in(figures_of_reduce);
+  const auto made = json::parse(in, nullptr, false);
+  if (!made.is_object() || !made.contains("sizes")) return;
+  for (const auto& size : made["sizes"])
+    if (size["modes"] == made["modes"] && size["cells"] == made["cells"])
+      print_result("body.txt       {} modes, {} cells; one of Newton's steps takes {:.2g} ms\n",
+                   made["modes"].get<int>(), made["cells"].get<int>(), 1e3 * size["errors"]["step_s"].get<double>());
+}
+
 /// Writes the figures of all stages, also of an earlier run, to one file.
 void write_figures(const Options& options) {
   if (!options.json_file) return;
@@ -242,6 +253,7 @@ void run(const Options& options) {
   for (const auto& s : stages)
     print_result("{:<14} {:>12} {:>10}  {}\n", s.title, duration(s.seconds), bytes(size_of(s.written)),
                  s.written.string());
+  if (has_body) print_body(path_of("reduce.json"));
   write_figures(options);
 }
 

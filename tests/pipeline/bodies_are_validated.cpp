@@ -202,13 +202,20 @@ class BodiesBesideModels : public Bodies {
   std::vector<int> nodes;
 };
 
+TEST_F(Bodies, NameALargerOneWhereTwoToolsAreFarOff) {
+  succeed("reduce d.h5 -o few.txt --modes 18 --cells 6");
+  const auto done = succeed("validate scene.toml m --probes 2 --points 1 --pairs 12 --body few.txt");
+  expect_names(unbroken(done.out), {"its 18 modes and 6 cells may be too few", "--modes 24 --cells 8, whose steps"});
+}
+
 TEST_F(Bodies, AreMadeByARunOfSeveralTools) {
   auto scene = round_tools();
   scene.insert(scene.find("directions = 26"), "tools = 2\n");
   write_file(folder / "surface.toml", changed(scene, "output = \"free\"", "output = \"free-surface\""));
   expect_error(be_refused("run surface.toml -o surface").err, {"surface.toml:", "tools", "output = \"free\""});
   write_file(folder / "scene.toml", scene);
-  expect_names(succeed("run scene.toml -o out").out, {"reduce", "calibrate body", "two tools, reduced body"});
+  expect_names(succeed("run scene.toml -o out").out,
+               {"reduce", "calibrate body", "two tools, reduced body", " cells; one of Newton's steps takes "});
   const auto body = read_file(folder / "out/body.txt");
   EXPECT_EQ(read_body_text(body, "body.txt").bounds.rows(), 3);
   EXPECT_EQ(json("out/validate.json").at("pairs").at("all").at("force").at("n"), 40);

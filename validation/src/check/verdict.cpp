@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/database.hpp>
+#include <phynness/schema/body_grammar.hpp>
 #include <phynness/validation/bound_coverage.hpp>
 #include <phynness/validation/force_unit.hpp>
 #include <phynness/validation/locking.hpp>
@@ -191,10 +192,15 @@ std::vector<WorseThanLinear> worse_than_linear(const Validated& v) {
 std::vector<std::string> warnings(const Validated& v) {
   std::vector<std::string> all;
   for (const auto& worse : worse_than_linear(v)) all.push_back(worse.sentence());
-  if (const double p95 = v.pairs.unflagged.model.force.p95; v.pairs.by_body && p95 > largest_p95)
-    all.push_back(
-        fmt::format("the force error of the reduced body with two tools is {} % or more in 5 % of the pairs; {}",
-                    in_percent(p95), larger_body));
+  if (const double p95 = v.pairs.unflagged.model.force.p95; v.body && v.pairs.by_body && p95 > largest_p95) {
+    const auto& size = v.body->body_info();
+    all.push_back(fmt::format(
+        "the force error of the reduced body with two tools is {} % or more in 5 % of the pairs; its {} modes and {} "
+        "cells may be too few: try phynness reduce DATABASE --modes {} --cells {}, whose steps take about twice as "
+        "long",
+        in_percent(p95), size.n_modes, size.n_cells, std::min(schema::most_body_modes, 4 * size.n_modes / 3),
+        4 * size.n_cells / 3));
+  }
   if (const auto* measured = measured_bound(v);
       measured && is_below_promise(*measured, promised_coverage(v.model.model())))
     all.push_back(fmt::format(
