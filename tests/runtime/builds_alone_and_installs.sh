@@ -40,6 +40,7 @@ library=("-I$work/prefix/include" "$(find "$work/prefix" -name libphynness_runti
 "${CXX:-c++}" -std=c++17 -fno-exceptions -Wall -Wextra -Werror "$work/page/page.cpp" "${library[@]}" -o "$work/page/cpp"
 said=$("$work/page/c" "$runtime/../examples/model/model.txt")
 [[ $said == *"N: success"*"at most "*" N off" ]]
+said=$("$work/page/c" "$runtime/../LICENSE") || [[ $said == "byte 1: this is not a phynness model"* ]]
 said=$(cd "$work/page" && ./cpp) || [[ $said == "out/demo/model: "* ]]
 # The example of a haptic loop, outside of the repository, against what is installed.
 cp -r "$runtime/../examples/haptic_loop" "$work/haptic_loop"
