@@ -5,6 +5,7 @@
 // single solves, and chooses the fastest row within a limit. The tolerance of solves is 1e-8 of the reactions, so that
 // forces agree to 1e-5.
 #include <cmath>
+#include <phynness/formats/model.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <regex>
 
@@ -125,6 +126,15 @@ TEST_F(Check, CountsTheShapeThatCoarseEdgesCutOff) {
   write_file(folder / "scene.toml", round);
   expect_names(unbroken(succeed("check scene.toml --probes 1 --seconds 300").out),
                {"not compared at rest: shape: ", "fixed nodes of one mesh cannot be found on another one"});
+}
+
+// Only solids are compared at rest.
+TEST_F(Check, AsksForNoComparisonAtRestOfShells) {
+  FinerDistance distance{.is_measured = true, .element = "shell", .reference = "half-size", .probes = 4};
+  distance.has_parts = true;
+  EXPECT_EQ(distance.sentence().find("Not compared"), std::string::npos) << distance.sentence();
+  distance.element = "p1-p1";
+  EXPECT_NE(distance.sentence().find("Not compared: the shape of the surface"), std::string::npos);
 }
 
 TEST_F(Check, OfNodeProbesHoldsPatchesAndSaysSo) {

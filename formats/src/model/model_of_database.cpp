@@ -129,8 +129,8 @@ std::string FinerDistance::sentence() const {
     if (part->places > 0 && (part != &shape_at_rest || has_shape_step))
       parts += (parts.empty() ? ". At rest " : ", ") + std::string(what) +
                (parts.empty() ? " alone changes the stiffness by " : " by ") + percent(part->mean);
-    else if (part->places == 0 && has_parts && part != &element_at_rest &&
-             !(part == &cells_at_rest && reference == reference_names[2]))
+    else if (part->places == 0 && has_parts && element != "shell" && part != &element_at_rest &&
+             !(part == &cells_at_rest && reference == reference_names[2]))  // shells are not compared at rest
       left_out += (left_out.empty() ? "" : " and ") + std::string(what);
   text += parts;
   if (!left_out.empty())
