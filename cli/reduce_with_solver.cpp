@@ -18,18 +18,8 @@ ToolDraws for_tools(ToolDraws draws, int tools) {
   return draws;
 }
 constexpr double near_radii = 1.5;
-/// The factor by which a larger body must reduce the error.
-constexpr double required_improvement = 0.9;
-/// The largest error of a compared state over the target; it limits rare errors that the 95th percentile misses.
-constexpr double max_over_p95 = 3;
 /// Of the modes and weights of the first body, by one core; measured: 14 s for 2,483 points, 17 s for 3,188.
 constexpr double reduction_s_per_point = 5.5e-3;
-/// The error of three tools over that of two at the same target.
-constexpr double triples_over_pairs = 2;
-double target_error(const ToolErrors& errors, int tools) {
-  const double of_triples = tools > 2 ? errors.triples.p95 / triples_over_pairs : 0;
-  return std::max({errors.pairs.p95, errors.pairs.max / max_over_p95, of_triples});
-}
 
 std::string in_percent(const ErrorStatistics& errors) {
   return errors.n == 0 ? "-"
@@ -88,19 +78,14 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
          [&](const ReducedBody& made, const ReductionReport& current, Eigen::MatrixXd& fields) {
            auto body = made;
            auto errors = tool_errors(body, compared);
-           if (target && target_error(errors, tools) > *target) {
-             // The ratio of the energies at rest is wrong where parts turn far: their energy at rest is not that of
-             // their state.
-             body.cells_at_rest = body.lack_at_rest = {};
-             const auto without = tool_errors(body, compared);
-             if (target_error(without, tools) < required_improvement * target_error(errors, tools))
-               errors = without;
-             else
-               body = made;
-           }
+           const double with_rest = target_error(errors, tools);
+           const bool has_lost = target && leave_out_at_rest(body, errors, compared, *target, tools);
            print_size(current, errors);
+           if (has_lost)
+             print_result("these without the tables at rest, with which the error is {:.3g} %\n", 100 * with_rest);
            const bool is_better = best.sizes.empty() || target_error(errors, tools) < required_improvement * error;
-           best.sizes.push_back(record("modes", current.modes, "cells", current.cells, "errors", errors));
+           best.sizes.push_back(record("modes", current.modes, "cells", current.cells, "has_tables_at_rest",
+                                       body.cells_at_rest.entries.size() > 0, "errors", errors));
            if (is_better) {
              best.body = body;
              best.report = current;

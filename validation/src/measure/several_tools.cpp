@@ -21,6 +21,10 @@ constexpr int increments = 4, max_steps = 100, max_attempts = 1000;
 constexpr int max_iterations = 200;
 /// Newton iterations of an increment of several tools, 34 / 4, over those of one tool, 23551 / 4883; of the demo.
 constexpr double iterations_over_one_tool = 1.8;
+/// The largest error of a state over the target; it limits rare errors that the 95th percentile misses.
+constexpr double max_over_p95 = 3;
+/// The error of three tools over that of two at the same target.
+constexpr double triples_over_pairs = 2;
 
 class RandomTools {
  public:
@@ -189,6 +193,23 @@ ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& 
   out.triples = weighted_statistics(errors[1]);
   out.near = weighted_statistics(near);
   return out;
+}
+
+double target_error(const ToolErrors& errors, int tools) {
+  const double of_triples = tools > 2 ? errors.triples.p95 / triples_over_pairs : 0;
+  return std::max({errors.pairs.p95, errors.pairs.max / max_over_p95, of_triples});
+}
+
+bool leave_out_at_rest(ReducedBody& body, ToolErrors& errors, const std::vector<SolvedTools>& solved, double target,
+                       int tools) {
+  if (target_error(errors, tools) <= target || body.cells_at_rest.entries.size() == 0) return false;
+  ReducedBody other = body;
+  other.cells_at_rest = other.lack_at_rest = {};
+  const auto without = tool_errors(other, solved);
+  if (target_error(without, tools) >= required_improvement * target_error(errors, tools)) return false;
+  body = std::move(other);
+  errors = without;
+  return true;
 }
 
 }  // namespace phynness

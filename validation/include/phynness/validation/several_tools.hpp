@@ -51,4 +51,16 @@ struct ToolErrors {
 };
 ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& solved);
 
+/// What has to reach a target: the larger of p95 and a third of the maximum of two tools, and half of p95 of three if
+/// the scene has as many.
+double target_error(const ToolErrors& errors, int tools);
+/// The factor by which another body must reduce this error.
+inline constexpr double required_improvement = 0.9;
+/// Leaves out the tables at rest of a body that misses the target if it is better without them: the energy at rest of
+/// parts that turn far is not that of their state (docs/decisions/reduced-body.md).
+/// @param errors  of the body, before and after
+/// @return whether they were left out
+bool leave_out_at_rest(ReducedBody& body, ToolErrors& errors, const std::vector<SolvedTools>& solved, double target,
+                       int tools);
+
 }  // namespace phynness
