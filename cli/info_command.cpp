@@ -295,11 +295,13 @@ json about_body(const std::filesystem::path& file) {
   const auto body = NamedOrgan::body(file);
   const auto& info = body.body_info();
   const auto text = read_body_text(body.text(), file.string());
+  const bool has_tables = text.cells_at_rest.entries.size() > 0;
   std::size_t state_bytes = 0;
   phn_body_state_size(body.organ().body(), 2, &state_bytes);
-  print_result("body      {}: law {}, {} modes, {} cells, {} pressures{}\n", file.string(), info.law, info.n_modes,
+  print_result("body      {}: law {}, {} modes, {} cells, {} pressures{}{}\n", file.string(), info.law, info.n_modes,
                info.n_cells, info.n_pressures,
-               text.regions.rows() > 0 ? fmt::format(", regions: {}", text.regions.rows()) : "");
+               text.regions.rows() > 0 ? fmt::format(", regions: {}", text.regions.rows()) : "",
+               has_tables ? "" : ", without tables at rest");
   print_result("mesh      {}, physics {}: {} nodes and {} triangles of the surface\n", info.mesh_hash,
                info.physics_hash, info.n_nodes, info.n_triangles);
   print_result("tools     {}, to {:.4g} m in training{}\n",
@@ -316,10 +318,10 @@ json about_body(const std::filesystem::path& file) {
   const json bounds = body.has_bounds() ? record("coverage", text.coverage, "rays", text.n_rays) : json(nullptr);
   return record("kind", "body", "relaxation", relaxation, "mesh_hash", info.mesh_hash, "physics_hash",
                 info.physics_hash, "law", info.law, "nodes", info.n_nodes, "triangles", info.n_triangles, "modes",
-                info.n_modes, "cells", info.n_cells, "pressures", info.n_pressures, "regions", text.regions.rows(),
-                "tool_radius_m", info.tool_radius_m, "max_displacement_m", info.max_displacement_m, "bounds", bounds,
-                "body_bytes", body.text().size(), "memory_bytes", body.organ().constant_bytes(), "state_bytes",
-                state_bytes);
+                info.n_modes, "cells", info.n_cells, "pressures", info.n_pressures, "has_tables_at_rest", has_tables,
+                "regions", text.regions.rows(), "tool_radius_m", info.tool_radius_m, "max_displacement_m",
+                info.max_displacement_m, "bounds", bounds, "body_bytes", body.text().size(), "memory_bytes",
+                body.organ().constant_bytes(), "state_bytes", state_bytes);
 }
 
 /// The lines of settings that a scene without any has not.
