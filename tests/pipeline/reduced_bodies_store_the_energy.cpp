@@ -75,6 +75,9 @@ TEST_F(ReducedBodyCommand, WritesABodyAndItsFigures) {
   EXPECT_NE(unbroken(outcome.out).find("states at probed points (validate --pairs "), std::string::npos) << outcome.out;
   ASSERT_EQ(json("r.json").at("sizes").size(), 1u);
   const auto errors = json("r.json").at("sizes")[0].at("errors");
+  succeed("info body.txt --json i.json");
+  EXPECT_EQ(json("i.json").at("has_tables_at_rest"), true);
+  EXPECT_EQ(json("r.json").at("sizes")[0].at("has_tables_at_rest"), true);
   EXPECT_GT(errors.at("pairs").at("n").get<int>() + errors.at("near").at("n").get<int>(), 50);
   EXPECT_NE(unbroken(succeed("reduce d.h5 -o b.txt --target-error 1e-9").err).find("1e-07 % were wanted"),
             std::string::npos);
