@@ -69,9 +69,8 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
   Reduced best;
   double error = 0;
   print_result(
-      "errors of forces, mean/p95/largest in %, of {} states at probed points (validate --pairs draws places between "
-      "points, too)\nmodes  cells          two tools       three tools "
-      "       near tools  a step\n",
+      "errors of forces, mean/p95/largest in %, of {} states where the body answers without a warning\n"
+      "modes  cells          two tools       three tools        near tools  a step\n",
       compared.size());
   ReductionReport report;
   reduce(Database::open(database), fields_of(solved), spec, report, progress.counter(), 0,

@@ -72,7 +72,8 @@ TEST_F(ReducedBodyCommand, WritesABodyAndItsFigures) {
   EXPECT_EQ(json("r.json").at("cells"), 50);
   EXPECT_EQ(json("r.json").at("body_bytes"), read_file(folder / "body.txt").size());
   EXPECT_NE(outcome.out.find("-> body.txt"), std::string::npos) << outcome.out;
-  EXPECT_NE(unbroken(outcome.out).find("states at probed points (validate --pairs "), std::string::npos) << outcome.out;
+  EXPECT_NE(unbroken(outcome.out).find("states where the body answers without a warning"), std::string::npos)
+      << outcome.out;
   ASSERT_EQ(json("r.json").at("sizes").size(), 1u);
   const auto errors = json("r.json").at("sizes")[0].at("errors");
   succeed("info body.txt --json i.json");

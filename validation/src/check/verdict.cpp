@@ -36,8 +36,12 @@ VerdictLine of_model(const Validated& v) {
         in_percent(wrong_with_warning));
   if (const auto& linear = e.all.linear; linear.force.n > 0)
     text += fmt::format(" (linear predictor's: {} %)", in_percent(linear.wrong));
+  if (const auto& between = v.points.all; between.model.force.n > 0)
+    text += fmt::format(". Between probed points: {} % on average, below {} % in 95 % of {} (linear predictor: {} %)",
+                        in_percent(between.model.force.mean), in_percent(between.model.force.p95),
+                        between.model.force.n, in_percent(between.linear.force.mean));
   return {"off_by_a_tenth",
-          "Force error of the model, compared with its own finite elements",
+          "Force error of the model where it was probed, compared with its own finite elements",
           text,
           {{"share", wrong_of_all},
            {"share_without_warning", wrong_without_warning},
@@ -117,9 +121,18 @@ VerdictLine of_bound(const Validated& v, const BoundCoverage& measured) {
   std::string text = fmt::format("{:.3g} {} in the median", unit.per_N * e.median_bound_N, unit.name);
   if (e.median_force_N > 0)
     text += fmt::format(", {} % of the median force", in_percent(e.median_bound_N / e.median_force_N));
+  std::string between;
+  if (const auto& answers = v.points.answers; answers.bounded > 0) {
+    const double bound_N = ErrorStatistics::of(answers.bounds_N).median;
+    const ForceUnit unit_between = force_unit(bound_N);
+    between =
+        fmt::format(". Between probed points: {:.3g} {}, {} %, held for {:.0f} % of {}", unit_between.per_N * bound_N,
+                    unit_between.name, in_percent(bound_N / ErrorStatistics::of(answers.forces_N).median),
+                    100 * static_cast<double>(answers.covered) / static_cast<double>(answers.bounded), answers.bounded);
+  }
   return {"bounds",
           "Bound of the model's force error",
-          text + "; it " + held_in_words(measured, promised_coverage(v.model.model())),
+          text + "; it " + held_in_words(measured, promised_coverage(v.model.model())) + between,
           {{"median_bound_N", e.median_bound_N}, {"median_force_N", e.median_force_N}}};
 }
 

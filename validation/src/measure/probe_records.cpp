@@ -73,6 +73,7 @@ void add_ranks(const SolverSession& session, std::vector<std::int64_t*> counts, 
   counts.insert(counts.end(),
                 {&answers.unsettled, &answers.outside, &answers.near, &answers.bounded, &answers.covered});
   for (auto* count : counts) *count = session.total(*count);
+  for (auto* values : {&answers.bounds_N, &answers.forces_N}) *values = session.gather(*values);
 }
 
 ProbeRecords::ProbeRecords(const NamedOrgan& model)

@@ -26,12 +26,29 @@ constexpr double max_over_p95 = 3;
 /// The error of three tools over that of two at the same target.
 constexpr double triples_over_pairs = 2;
 
+/// Where a body answers without a warning: the probed nodes, and of round tools those within the radius of one on its
+/// side of the body.
+NodeList touchable(const DatabaseHeader& header, const Points& normals) {
+  const auto& nodes = header.mesh.nodes;
+  const auto& active = header.sets.active;
+  const auto& probe = stored_scene(header).probe;
+  if (probe.kind != ProbeKind::patch) return active;
+  NodeList found = surface_nodes(header.mesh.surface);
+  std::erase_if(found, [&](std::int32_t node) {
+    return std::ranges::binary_search(header.sets.fixed, node) || std::ranges::none_of(active, [&](std::int32_t a) {
+             return (nodes.row(a) - nodes.row(node)).norm() <= probe.tool_radius_m &&
+                    normals.row(a).dot(normals.row(node)) > 0;
+           });
+  });
+  return found;
+}
+
 class RandomTools {
  public:
   explicit RandomTools(const DatabaseHeader& header)
       : _nodes(header.mesh.nodes),
-        _active(header.sets.active),
         _normals(node_normals(header.mesh)),
+        _touchable(touchable(header, _normals)),
         _directions(stored_scene(header).probe.directions),
         _depth_m(depth_fraction * header.magnitudes_m.back()) {}
 
@@ -41,7 +58,8 @@ class RandomTools {
     const auto is_near = [&](std::int32_t node) {
       return (_nodes.row(node) - _nodes.row(tools[0].nodes[0])).norm() <= within_m;
     };
-    double n = static_cast<double>(_active.size()), near = static_cast<double>(std::ranges::count_if(_active, is_near));
+    double n = static_cast<double>(_touchable.size()),
+           near = static_cast<double>(std::ranges::count_if(_touchable, is_near));
     double density_ratio = 1;  // ratio of the density of near states to the uniform density
     for (std::size_t t = 1; t < tools.size(); ++t) {
       if (--near < 1) return 1;  // too few points are near, so that the places were uniform
@@ -55,7 +73,7 @@ class RandomTools {
   std::vector<phn_tool> draw(std::size_t n_tools, double within_m, std::mt19937_64& random) const {
     std::vector<phn_tool> tools;
     for (int attempt = 0; tools.size() < n_tools; ++attempt) {
-      const auto node = random_element(_active, random);
+      const auto node = random_element(_touchable, random);
       if (std::ranges::any_of(tools, [&](const auto& tool) { return tool.nodes[0] == node; })) continue;
       const bool is_too_far = !tools.empty() && (_nodes.row(node) - _nodes.row(tools[0].nodes[0])).norm() > within_m;
       if (is_too_far && attempt < max_attempts) continue;
@@ -68,8 +86,8 @@ class RandomTools {
 
  private:
   const Points& _nodes;
-  const NodeList& _active;
   Points _normals;
+  NodeList _touchable;
   Directions _directions;
   double _depth_m;
 };

@@ -22,8 +22,8 @@ struct SolvedTools {
   static void members(auto& s, auto&& each) { each(s.tools, s.force_N, s.displacement_m, s.weight); }
 };
 
-/// Random states of two and of three tools at different probed points, to half of the depth in random directions
-/// (inward ones for a hemisphere).
+/// Random states of two and of three tools at different nodes where a body answers without a warning, to half of the
+/// depth in random directions (inward ones for a hemisphere).
 struct ToolDraws {
   std::int64_t pairs = 0, triples = 0;
   std::uint64_t seed = 1;    ///< states of different seeds are independent

@@ -18,6 +18,7 @@ inline constexpr const char* larger_body = "reduce the database with more --mode
 struct AnswerCounts {
   std::int64_t unsettled = 0, outside = 0, near = 0;  ///< answers with this warning
   std::int64_t bounded = 0, covered = 0;              ///< forces with a bound, and those with an error up to the bound
+  std::vector<double> bounds_N, forces_N;             ///< of the bounded ones, the bound and the finite element force
   /// @param solved_force_N  finite element forces
   void add(const OrganResponse& response, const std::vector<Vec3>& solved_force_N) {
     unsettled += (response.status & PHN_WARNING_UNSETTLED) != 0;
@@ -27,6 +28,8 @@ struct AnswerCounts {
       if (!response.bound_N[t]) continue;
       const Vec3 predicted = *response.force_N[t], &solved = solved_force_N[t];
       ++bounded;
+      bounds_N.push_back(*response.bound_N[t]);
+      forces_N.push_back(std::hypot(solved[0], solved[1], solved[2]));
       covered += std::hypot(predicted[0] - solved[0], predicted[1] - solved[1], predicted[2] - solved[2]) <=
                  *response.bound_N[t];
     }
