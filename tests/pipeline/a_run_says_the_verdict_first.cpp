@@ -47,7 +47,9 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   expect_narrow(run.out);
   const auto lines = lines_of(run.out);
   ASSERT_FALSE(lines.empty());
-  EXPECT_EQ(lines.front().rfind("Force error of the model where it was probed, compared with its own finite elements: ", 0), 0U)
+  EXPECT_EQ(
+      lines.front().rfind("Force error of the model where it was probed, compared with its own finite elements: ", 0),
+      0U)
       << lines.front();
   for (const char* begin : {"Force error of these finite elements, compared with finer ones: ",
                             "Largest force error of the model: ", "Not covered: "})
