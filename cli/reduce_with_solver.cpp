@@ -51,7 +51,9 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
     return solve_several_tools(session, header, draws, Progress("reduce", "states of several tools").counter());
   };
   ToolDraws draws = for_tools(compared_draws, tools);
-  const auto solved = solve(for_tools(mode_draws, tools));
+  ToolDraws of_modes = for_tools(mode_draws, tools);
+  of_modes.half_at_probed = true;
+  const auto solved = solve(of_modes);
   auto compared = solve(draws);
   const auto solve_more = [&] {
     ++draws.seed;
@@ -106,9 +108,9 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
   best.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (target && error > *target)
     message(
-        "warning: the force error of two tools is {:.3g} % (the larger of p95 and a third of the maximum{}), and "
-        "larger "
-        "bodies are less than a tenth better; {:.3g} % were wanted\n",
+        "warning: the force error of two tools is {:.3g} % (the largest of p95, a third of the maximum and 2.5 times "
+        "the "
+        "mean{}), and larger bodies are less than a tenth better; {:.3g} % were wanted\n",
         100 * error, tools > 2 ? ", and half of p95 of three tools" : "", 100 * *target);
   return best;
 }

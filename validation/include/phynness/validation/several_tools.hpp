@@ -26,8 +26,9 @@ struct SolvedTools {
 /// depth in random directions (inward ones for a hemisphere).
 struct ToolDraws {
   std::int64_t pairs = 0, triples = 0;
-  std::uint64_t seed = 1;    ///< states of different seeds are independent
-  double half_within_m = 0;  ///< largest distance from the first tool in every second state, where possible
+  std::uint64_t seed = 1;       ///< states of different seeds are independent
+  double half_within_m = 0;     ///< largest distance from the first tool in every second state, where possible
+  bool half_at_probed = false;  ///< two of four states have all tools at probed nodes
 };
 /// The increments of one tool that take as long.
 double increments_of(const ToolDraws& draws);
