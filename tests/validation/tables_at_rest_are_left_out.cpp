@@ -61,8 +61,8 @@ TEST(TablesAtRest, AreLeftOutOfBodiesThatAreBetterWithoutThem) {
   EXPECT_LT(errors.pairs.max, 1e-3);
 }
 
-// Claim: a target is missed by p95 of two tools, by a maximum of three times the target, by a mean above 0.4 of it, and in
-// a scene of three tools by p95 of three above twice the target.
+// Claim: a target is missed by p95 of two tools, by a maximum of three times the target, by a mean above 0.4 of it, and
+// in a scene of three tools by p95 of three above twice the target.
 TEST(TablesAtRest, AreJudgedByTheTarget) {
   ToolErrors errors;
   errors.pairs.p95 = 0.1;
