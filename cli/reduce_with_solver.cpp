@@ -11,7 +11,8 @@ namespace {
 
 /// The states that give modes, half of them with near tools, which have the largest errors, and the independent states
 /// with which bodies are compared (docs/decisions/reduced-body.md).
-constexpr ToolDraws mode_draws{80, 40, 58'001}, compared_draws{60, 12, 58'002};
+constexpr ToolDraws mode_draws{.pairs = 80, .triples = 40, .seed = 58'001, .half_at_probed = true},
+    compared_draws{.pairs = 60, .triples = 12, .seed = 58'002};
 /// A scene of three tools or more has three times as many states of three.
 ToolDraws for_tools(ToolDraws draws, int tools) {
   if (tools > 2) draws.triples *= 3;
@@ -51,9 +52,7 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
     return solve_several_tools(session, header, draws, Progress("reduce", "states of several tools").counter());
   };
   ToolDraws draws = for_tools(compared_draws, tools);
-  ToolDraws of_modes = for_tools(mode_draws, tools);
-  of_modes.half_at_probed = true;
-  const auto solved = solve(of_modes);
+  const auto solved = solve(for_tools(mode_draws, tools));
   auto compared = solve(draws);
   const auto solve_more = [&] {
     ++draws.seed;

@@ -5,10 +5,12 @@
 // middle would have; integrals of linear and quadratic functions are those of a midpoint rule on small parts.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 #include <phynness/formats/error.hpp>
+#include <phynness/meshes/probe_points.hpp>
 #include <phynness/meshes/tool_weights.hpp>
 #include <phynness/schema/round_tool.hpp>
 
@@ -26,6 +28,25 @@ struct Slab {
     (mesh.nodes.rowwise() - wanted).rowwise().squaredNorm().minCoeff(&middle);
   }
 };
+
+// Claim: a body is touched within the radius of a probed node, on its side, where it is not fixed; one of node probes
+// at probed nodes alone.
+TEST(TouchableNodes, AreThoseNearAProbedNodeOnItsSide) {
+  const Slab slab;
+  const std::int32_t fixed = 0, probed = slab.middle;
+  const NodeSets sets{{fixed}, {probed}, {}};
+  constexpr double radius = 0.0201;  // of two edges; the bottom is one away
+  std::vector<std::int32_t> expected;
+  for (std::int32_t i = 0; i < slab.mesh.n_nodes(); ++i)
+    if (slab.mesh.nodes(i, 2) > 0.005 && (slab.mesh.nodes.row(i) - slab.mesh.nodes.row(probed)).norm() < radius)
+      expected.push_back(i);
+  EXPECT_EQ(expected.size(), 13U);  // of a square lattice within two edges
+  EXPECT_EQ(touchable_nodes(slab.mesh, sets, radius), expected);
+  EXPECT_EQ(touchable_nodes(slab.mesh, sets, 0), sets.active);
+  const auto all = touchable_nodes(slab.mesh, sets, 1);
+  EXPECT_FALSE(std::ranges::binary_search(all, fixed));
+  EXPECT_GT(all.size(), 80U);  // the 81 nodes of the top, but perhaps a corner
+}
 
 TEST(RoundTool, TouchesTheNearSideOfAThinBodyOnly) {
   const Slab slab;

@@ -425,22 +425,15 @@ class Reduction {
   }
 
   void set_surface(ReducedBody& out) const {
-    const NodeList &fixed = _header.sets.fixed, &active = _header.sets.active;
-    const auto& nodes = _header.mesh.nodes;
-    const Points normals = node_normals(_header.mesh);
+    const NodeList touchable = touchable_nodes(_header.mesh, _header.sets, out.tool_radius_m);
     const auto n = static_cast<Index>(out.nodes.size());
-    out.points = nodes(out.nodes, Eigen::all);
+    out.points = _header.mesh.nodes(out.nodes, Eigen::all);
     MatrixXd modes(3 * n, _modes.cols());
     for (Index i = 0; i < n; ++i) {
       const std::int32_t node = out.nodes[static_cast<std::size_t>(i)];
-      // The other side of a thin body is near, too, but no tool was solved there.
-      const auto near = [&](std::int32_t a) {
-        return (nodes.row(a) - nodes.row(node)).norm() <= out.tool_radius_m &&
-               normals.row(a).dot(normals.row(node)) > 0;
-      };
-      out.kinds.push_back(std::ranges::binary_search(fixed, node) ? schema::body_node_fixed
-                          : std::ranges::any_of(active, near)     ? schema::body_node_touchable
-                                                                  : schema::body_node_moves);
+      out.kinds.push_back(std::ranges::binary_search(_header.sets.fixed, node) ? schema::body_node_fixed
+                          : std::ranges::binary_search(touchable, node)        ? schema::body_node_touchable
+                                                                               : schema::body_node_moves);
       for (Index k = 0; k < 3; ++k) modes.row(3 * i + k) = _modes.row(k * _elements.n_nodes + node);
     }
     for (Index m = 0; m < modes.cols(); ++m) {

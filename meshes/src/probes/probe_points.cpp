@@ -417,6 +417,20 @@ double covered_share(const Points& nodes, const Triangles& surface, const NodeLi
 
 }  // namespace
 
+NodeList touchable_nodes(const Mesh& mesh, const NodeSets& sets, double tool_radius_m) {
+  const Points normals = node_normals(mesh);
+  NodeList found = surface_nodes(mesh.surface);
+  std::erase_if(found, [&](std::int32_t node) {
+    // The other side of a thin body is near, too, but no tool was solved there.
+    const auto near = [&](std::int32_t a) {
+      return (mesh.nodes.row(a) - mesh.nodes.row(node)).norm() <= tool_radius_m &&
+             normals.row(a).dot(normals.row(node)) > 0;
+    };
+    return std::ranges::binary_search(sets.fixed, node) || std::ranges::none_of(sets.active, near);
+  });
+  return found;
+}
+
 ProbeSpread probe_spread(const Points& nodes, const Triangles& surface, const NodeList& probed, const NodeList& fixed,
                          const NodeList& covered) {
   const SurfaceWays ways(nodes, surface);

@@ -22,7 +22,7 @@ bool has_true_shape(const MeshSpec& spec) {
 }
 
 /// A mesh with edges of half the length on the surface of the scene instead of the surface of its mesh. It is empty if
-/// these surfaces are the same.
+/// the scene's file has the tetrahedra of the mesh.
 VariantBody body_of_true_shape(const VariantBody& own) {
   VariantBody finer{own.scene, {}, {}};
   auto& spec = finer.scene.mesh;

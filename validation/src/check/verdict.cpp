@@ -117,22 +117,21 @@ VerdictLine of_two_tools(const Validated& v) {
 
 VerdictLine of_bound(const Validated& v, const BoundCoverage& measured) {
   const auto& e = v.report.to_range;
-  const ForceUnit unit = force_unit(e.median_bound_N);
-  std::string text = fmt::format("{:.3g} {} in the median", unit.per_N * e.median_bound_N, unit.name);
-  if (e.median_force_N > 0)
-    text += fmt::format(", {} % of the median force", in_percent(e.median_bound_N / e.median_force_N));
+  const auto size = [](double bound_N, double force_N) {
+    const ForceUnit unit = force_unit(bound_N);
+    std::string text = fmt::format("{:.3g} {} in the median", unit.per_N * bound_N, unit.name);
+    return force_N > 0 ? fmt::format("{}, {} % of the median force", text, in_percent(bound_N / force_N)) : text;
+  };
   std::string between;
-  if (const auto& answers = v.points.answers; answers.bounded > 0) {
-    const double bound_N = ErrorStatistics::of(answers.bounds_N).median;
-    const ForceUnit unit_between = force_unit(bound_N);
+  if (const auto& answers = v.points.answers; answers.bounded > 0)
     between =
-        fmt::format(". Between probed points: {:.3g} {}, {} %, held for {:.0f} % of {}", unit_between.per_N * bound_N,
-                    unit_between.name, in_percent(bound_N / ErrorStatistics::of(answers.forces_N).median),
+        fmt::format(". Between probed points: {}; it held for {:.0f} % of {}",
+                    size(ErrorStatistics::of(answers.bounds_N).median, ErrorStatistics::of(answers.forces_N).median),
                     100 * static_cast<double>(answers.covered) / static_cast<double>(answers.bounded), answers.bounded);
-  }
   return {"bounds",
           "Bound of the model's force error",
-          text + "; it " + held_in_words(measured, promised_coverage(v.model.model())) + between,
+          size(e.median_bound_N, e.median_force_N) + "; it " +
+              held_in_words(measured, promised_coverage(v.model.model())) + between,
           {{"median_bound_N", e.median_bound_N}, {"median_force_N", e.median_force_N}}};
 }
 

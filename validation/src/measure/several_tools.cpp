@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <phynness/formats/error.hpp>
+#include <phynness/meshes/probe_points.hpp>
 #include <phynness/schema/body_grammar.hpp>
 #include <phynness/validation/named_organ.hpp>
 #include <phynness/validation/probe_plan.hpp>
@@ -28,29 +29,12 @@ constexpr double p95_over_mean = 2.5;
 /// The error of three tools over that of two at the same target.
 constexpr double triples_over_pairs = 2;
 
-/// Where a body answers without a warning: the probed nodes, and of round tools those within the radius of one on its
-/// side of the body.
-NodeList touchable_nodes(const DatabaseHeader& header, const Points& normals) {
-  const auto& nodes = header.mesh.nodes;
-  const auto& active = header.sets.active;
-  const auto& probe = stored_scene(header).probe;
-  if (probe.kind != ProbeKind::patch) return active;
-  NodeList found = surface_nodes(header.mesh.surface);
-  std::erase_if(found, [&](std::int32_t node) {
-    return std::ranges::binary_search(header.sets.fixed, node) || std::ranges::none_of(active, [&](std::int32_t a) {
-             return (nodes.row(a) - nodes.row(node)).norm() <= probe.tool_radius_m &&
-                    normals.row(a).dot(normals.row(node)) > 0;
-           });
-  });
-  return found;
-}
-
 class RandomTools {
  public:
   explicit RandomTools(const DatabaseHeader& header)
       : _nodes(header.mesh.nodes),
         _normals(node_normals(header.mesh)),
-        _touchable(touchable_nodes(header, _normals)),
+        _touchable(touchable_nodes(header.mesh, header.sets, stored_scene(header).probe.tool_radius_m)),
         _directions(stored_scene(header).probe.directions),
         _depth_m(depth_fraction * header.magnitudes_m.back()) {}
 
@@ -71,7 +55,7 @@ class RandomTools {
   }
 
   /// @param within_m  largest distance from the first tool, unless no such point is found
-  /// @pre there are so many active nodes
+  /// @pre there are so many nodes
   std::vector<phn_tool> draw(const NodeList& nodes, std::size_t n_tools, double within_m,
                              std::mt19937_64& random) const {
     std::vector<phn_tool> tools;
@@ -145,10 +129,9 @@ std::vector<SolvedTools> solve_several_tools(const SolverSession& session, const
       const double within_m = i % 2 == 1 && draws.half_within_m > 0 ? draws.half_within_m : HUGE_VAL;
       const bool at_probed = draws.half_at_probed && i % 4 < 2;
       std::mt19937_64 random(draws.seed * 1000003 + i);
-      SolvedTools state{
-          random_tools.draw(at_probed ? header.sets.active : random_tools.touchable(), n_tools, within_m, random),
-          {},
-          {}};
+      SolvedTools state;
+      state.tools =
+          random_tools.draw(at_probed ? header.sets.active : random_tools.touchable(), n_tools, within_m, random);
       if (draws.half_within_m > 0) state.weight = random_tools.weight(state.tools, draws.half_within_m);
       if (solve(solver, state)) rows.add({static_cast<double>(i)}, state);
     });

@@ -63,6 +63,10 @@ struct TouchedArea {
 };
 TouchedArea touched_area(const Model& model, const Mesh& mesh);
 
+/// Where a reduced body answers without a warning, ascending: active nodes, and of round tools those within the radius
+/// of one on its side of the body. @param tool_radius_m  0: of node probes
+NodeList touchable_nodes(const Mesh& mesh, const NodeSets& sets, double tool_radius_m);
+
 /// How far apart probed nodes are, and how much of the surface they answer for.
 struct ProbeSpread {
   double median_m = 0, largest_m = 0;  ///< distance of a node from its nearest neighbour along the surface

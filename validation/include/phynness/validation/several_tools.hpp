@@ -52,8 +52,8 @@ struct ToolErrors {
 };
 ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& solved);
 
-/// What has to reach a target: the larger of p95 and a third of the maximum of two tools, and half of p95 of three if
-/// the scene has as many.
+/// What has to reach a target: the largest of p95, a third of the maximum and 2.5 times the mean of two tools, and half
+/// of p95 of three if the scene has as many.
 double target_error(const ToolErrors& errors, int tools);
 /// The factor by which another body must reduce this error.
 inline constexpr double required_improvement = 0.9;
