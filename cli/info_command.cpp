@@ -8,6 +8,7 @@
 #include <phynness/meshes/probe_points.hpp>
 #include <phynness/schema/body_grammar.hpp>
 #include <phynness/training/families.hpp>
+#include <phynness/validation/force_unit.hpp>
 #include <phynness/validation/named_organ.hpp>
 #include <set>
 #include <sstream>
@@ -238,6 +239,18 @@ json about_image(const std::filesystem::path& file) {
                 image.floats ? 4 : 8, "active", image.n_active, "output", image.n_output, "provenance", provenance);
 }
 
+/// Median over the imposed displacements of all active nodes.
+double median_bound_N(const Model& model, std::size_t bound) {
+  std::vector<double> all;
+  for (const auto& node : model.nodes) {
+    const Eigen::MatrixXd values = node.bounds[bound].values();
+    all.insert(all.end(), values.data(), values.data() + values.size());
+  }
+  const auto median = all.begin() + std::ssize(all) / 2;
+  std::ranges::nth_element(all, median);
+  return *median;
+}
+
 json about_model(const std::filesystem::path& dir) {
   const NamedOrgan model(dir);
   const auto& m = model.model();
@@ -265,10 +278,15 @@ json about_model(const std::filesystem::path& dir) {
       record("nonlinear", area.nonlinear, "linear", area.linear, "linear_points", m.linear_points.size());
   json bounds = json::array();
   for (const auto& bound : m.bounds) {
-    print_result("bounds    of the force's error{}, for {:g} % of random displacements; from {} rays at {} nodes\n",
-                 bound.from(), 100 * bound.coverage, bound.n_rays, bound.n_nodes);
-    bounds.push_back(record("coverage", bound.coverage, "rays", bound.n_rays, "nodes", bound.n_nodes, "reference",
-                            reference_names.at(static_cast<std::size_t>(bound.reference))));
+    const double median_N = median_bound_N(m, bounds.size());
+    const ForceUnit unit = force_unit(median_N);
+    print_result(
+        "bounds    of the force's error{}, for {:g} % of random displacements, {:.3g} {} in the median; from {} rays "
+        "at "
+        "{} nodes\n",
+        bound.from(), 100 * bound.coverage, unit.per_N * median_N, unit.name, bound.n_rays, bound.n_nodes);
+    bounds.push_back(record("coverage", bound.coverage, "median_N", median_N, "rays", bound.n_rays, "nodes",
+                            bound.n_nodes, "reference", reference_names.at(static_cast<std::size_t>(bound.reference))));
   }
   const json provenance = print_provenance(model.info().provenance, &m.finer),
              relaxation = print_relaxation(model.info().relaxation);

@@ -8,7 +8,9 @@
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/validation/calibrate.hpp>
 #include <phynness/validation/discretization.hpp>
+#include <phynness/validation/several_tools.hpp>
 #include <phynness/validation/sizes.hpp>
+#include <phynness/validation/tools.hpp>
 #include <thread>
 
 #include "reduce_command.hpp"
@@ -130,6 +132,7 @@ void plan_checks(const LoadedScene& loaded, const DatabaseHeader& header, Plan& 
   plan.probes = sizes.probes;
   plan.validate_seconds = seconds(sizes.validation_increments);
   if (loaded.scene.probe.tools == 1) return;
+  plan.validate_seconds += seconds(increments_of({.pairs = pairs_in_run}));
   const auto points =
       loaded.mesh.n_cells() +
       (loaded.scene.solver.element == element_named("es-p1-p1") ? std::ssize(mesh_edges(loaded.mesh)) : 0);
@@ -203,8 +206,8 @@ void print_plan(const Options& options, const Plan& plan) {
                plan.probes, duration(plan.calibrate_seconds + plan.validate_seconds));
   if (plan.reduce_seconds)
     print_result(
-        "body      of several tools: reduce about {}, or several times that if its errors are large; calibrate body "
-        "about {}\n",
+        "body      of several tools: reduce about {}; if its errors are large, larger bodies follow, each in as long "
+        "as all before; calibrate body about {}\n",
         duration(*plan.reduce_seconds), duration(*plan.calibrate_body_seconds));
   print_result("rays      {} to solve, {:.2g} s each: the mean of {} at {} node{} ({}), at most {:.2g} s\n",
                plan.rays_requested, m.seconds_per_ray, m.rays, m.nodes, m.nodes == 1 ? "" : "s", accuracy_text(plan),

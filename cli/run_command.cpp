@@ -8,14 +8,13 @@
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/validation/calibrate.hpp>
 #include <phynness/validation/discretization.hpp>
+#include <phynness/validation/tools.hpp>
 
 #include "commands.hpp"
 #include "run_stages.hpp"
 
 namespace phynness::cli::run_command {
 namespace {
-
-constexpr const char* pairs = "40";  ///< pairs of tools with which the body is compared
 
 struct Options {
   std::filesystem::path scene, output;
@@ -230,7 +229,7 @@ void run(const Options& options) {
       return true;
     });
     run_unless_finished("calibrate body", [&] { return calibrate(options, self, true, stages); });
-    validate.insert(validate.end(), {"--pairs", pairs, "--body", path_of("body.txt")});
+    validate.insert(validate.end(), {"--pairs", std::to_string(pairs_in_run), "--body", path_of("body.txt")});
     view.insert(view.end(), {"--body", path_of("body.txt")});
   } else if (std::filesystem::exists(path_of("body.txt"))) {
     run_stages.invalidate("reduce");

@@ -52,6 +52,7 @@ void write_all(const std::filesystem::path& folder) {
   Model measured = with_bounds(networks);
   measured.finer = {true, "p1-p1", "taylor-hood", 12, 0.03, 0.25, 0.5, 300, 13};
   measured.finer.has_parts = true;
+  measured.finer.force_ratio = 0.875;
   measured.finer.shape_at_rest = {24, 0.125, 0.5};
   measured.solved = {true, "p1-p1", 500.5};
   measured.relaxation.terms.resize(2, 2);

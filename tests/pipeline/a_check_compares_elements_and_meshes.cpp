@@ -102,8 +102,12 @@ TEST_F(Check, CountsSmallerCellsAsTheStiffnessAtRest) {
   EXPECT_EQ(distance.at("shape_at_rest").at("places"), distance.at("cells_at_rest").at("places"));
   EXPECT_EQ(distance.at("shape_at_rest").at("mean"), 0) << "the surface of a block is that of its mesh";
   EXPECT_LT(distance.at("of_reference").at("mean"), distance.at("mean"));
-  expect_names(unbroken(done.out), {"corrected at rest for cells of half the size",
-                                    "With taylor-hood elements on the same mesh the error would"});
+  // The sizes of two forces differ by at most their difference.
+  EXPECT_NE(distance.at("force_ratio").get<double>(), 1);
+  EXPECT_LE(std::abs(distance.at("force_ratio").get<double>() - 1), distance.at("mean").get<double>());
+  expect_names(unbroken(done.out),
+               {"corrected at rest for cells of half the size",
+                "With taylor-hood elements on the same mesh, which answer one tool only, the error would"});
   EXPECT_EQ(unbroken(done.out).find("shape of the surface"), std::string::npos) << done.out;
 }
 
@@ -135,6 +139,10 @@ TEST_F(Check, AsksForNoComparisonAtRestOfShells) {
   EXPECT_EQ(distance.sentence().find("Not compared"), std::string::npos) << distance.sentence();
   distance.element = "p1-p1";
   EXPECT_NE(distance.sentence().find("Not compared: the shape of the surface"), std::string::npos);
+  for (const auto& [ratio, sign] : {std::pair{0.875, "(forces 13 % too small)"}, {1.02, "(forces 2.0 % too large)"}}) {
+    distance.force_ratio = ratio;
+    EXPECT_NE(distance.sentence().find(sign), std::string::npos) << distance.sentence();
+  }
 }
 
 TEST_F(Check, OfNodeProbesHoldsPatchesAndSaysSo) {

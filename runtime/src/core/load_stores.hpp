@@ -334,8 +334,9 @@ struct FinerDistance {
   std::int32_t &probes = made.finer_probes, &nodes = made.finer_nodes;
   double &tool_radius_m = made.finer_tool_radius_m, &mean = made.finer_mean, &p95 = made.finer_p95;
   bool has_parts = false;
-  DistancePart near_fixed{}, elsewhere{}, element_at_rest{}, cells_at_rest{}, shape_at_rest{}, of_reference{};
-  double unknowns_factor = 0;
+  DistancePart skipped{};
+  DistancePart& part(std::int32_t) { return skipped; }
+  double unknowns_factor = 0, force_ratio = 0;
 };
 
 struct LevelStore {

@@ -274,8 +274,8 @@ std::vector<CoupledState> solve_coupled(const SolverSession& session, const Coup
 }
 
 /// Draws a ray of each kind before the solves. @return the kinds of which some states are not flagged
-std::vector<CoupledKind> unflagged_kinds(const CoupledRays& coupled, std::uint64_t seed, const OnNote& note,
-                                         BoundReport& report) {
+std::vector<CoupledKind> unflagged_kinds(const CoupledRays& coupled, std::uint64_t seed, const ReducedBody& body,
+                                         const OnNote& note, BoundReport& report) {
   std::vector<CoupledKind> kinds;
   for (const auto kind : {CoupledKind::one, CoupledKind::several}) {
     DrawnStates drawn;
@@ -288,7 +288,7 @@ std::vector<CoupledKind> unflagged_kinds(const CoupledRays& coupled, std::uint64
     note(fmt::format(
         "{} will have no bound: all random states are refused or have warnings ({} of {} are unsettled); {}",
         kind == CoupledKind::one ? "one tool" : "several tools", drawn.unsettled, drawn.all,
-        2 * drawn.unsettled >= drawn.all ? larger_body
+        2 * drawn.unsettled >= drawn.all ? larger_body(body.modes.cols(), std::ssize(body.shear_m3))
                                          : "probe a larger part of the surface, where tools can be apart"));
   }
   return kinds;
@@ -309,7 +309,7 @@ void calibrate(const SolverSession& session, const Database& database, const Nam
   const ProbeSpec probe = stored_scene(header).probe;
   RayForces rays(header, Variant::scene, stop);
   const CoupledRays coupled(model, probe, &*loaded);
-  const auto kinds = unflagged_kinds(coupled, spec.seed, note, report);  // the same on every rank
+  const auto kinds = unflagged_kinds(coupled, spec.seed, body, note, report);  // the same on every rank
   const auto planned = planned_rays(coupled, spec.rays, kinds);
   const auto states = solve_coupled(session, coupled, planned, spec.seed * 1000003, progress, stop, rays, report);
   session.together([&] {

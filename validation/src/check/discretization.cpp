@@ -34,10 +34,16 @@ std::optional<double> CheckedProbe::ratio(std::size_t depth) const {
   return to_eigen(own.force_N[depth]).norm() / finest_N(depth).norm();
 }
 
-std::optional<double> CheckedProbe::error_of(const VariantForces& forces) const {
+std::optional<std::size_t> CheckedProbe::deepest() const {
   for (std::size_t depth = own.status.size(); depth-- > 0;)
-    if (ratio(depth)) return (to_eigen(forces.force_N[depth]) - finest_N(depth)).norm() / finest_N(depth).norm();
+    if (ratio(depth)) return depth;
   return {};
+}
+
+std::optional<double> CheckedProbe::error_of(const VariantForces& forces) const {
+  const auto depth = deepest();
+  if (!depth) return {};
+  return (to_eigen(forces.force_N[*depth]) - finest_N(*depth)).norm() / finest_N(*depth).norm();
 }
 
 bool is_known(const std::vector<CheckedProbe>& probes, double near_share) {
@@ -67,8 +73,10 @@ RatioStatistics DiscretizationReport::ratios(std::size_t depth) const {
 
 FinerDistance DiscretizationReport::distance(const Scene& scene) const {
   std::vector<double> near, elsewhere, reference_errors;
+  double sum_of_ratios = 0;
   for (const auto& probe : probes)
     if (const auto error = probe.error()) {
+      sum_of_ratios += *probe.ratio(*probe.deepest());
       (probe.near_fixed ? near : elsewhere).push_back(*error);
       reference_errors.push_back(*probe.error_of(probe.finer));
     }
@@ -101,7 +109,8 @@ FinerDistance DiscretizationReport::distance(const Scene& scene) const {
                          .element_at_rest = at_rest_part(&PlaceAtRest::element),
                          .cells_at_rest = at_rest_part(&PlaceAtRest::cells),
                          .shape_at_rest = at_rest_part(&PlaceAtRest::shape),
-                         .unknowns_factor = unknowns_factor};
+                         .unknowns_factor = unknowns_factor,
+                         .force_ratio = all.places > 0 ? sum_of_ratios / all.places : 0};
   if (distance.cells_at_rest.places > 0) distance.of_reference = part(reference_errors);
   return distance;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/database.hpp>
-#include <phynness/schema/body_grammar.hpp>
 #include <phynness/validation/bound_coverage.hpp>
 #include <phynness/validation/force_unit.hpp>
 #include <phynness/validation/locking.hpp>
@@ -26,16 +25,17 @@ VerdictLine of_model(const Validated& v) {
   std::string text = "no force was compared";
   if (force.n > 0)
     text = fmt::format(
-        "{} % on average, below {} % in 95 % of {} probes; {} % of the forces are wrong by more than a "
-        "tenth of their size",
-        in_percent(force.mean), in_percent(force.p95), force.n, in_percent(wrong_of_all));
+        "{} % on average, below {} % in 95 % of {} probes (linear predictor: {} %); {} % of the forces are wrong by "
+        "more than a tenth of their size",
+        in_percent(force.mean), in_percent(force.p95), force.n, in_percent(e.all.linear.force.mean),
+        in_percent(wrong_of_all));
   if (!std::isnan(wrong_with_warning))
     text += fmt::format(
         " ({}{} % of those with a warning)",
         std::isnan(wrong_without_warning) ? "" : in_percent(wrong_without_warning) + " % of those without a warning, ",
         in_percent(wrong_with_warning));
   if (const auto& linear = e.all.linear; linear.force.n > 0)
-    text += fmt::format(" (linear predictor's: {} %)", in_percent(linear.wrong));
+    text += fmt::format(" (linear predictor: {} %)", in_percent(linear.wrong));
   if (const auto& between = v.points.all; between.model.force.n > 0)
     text += fmt::format(". Between probed points: {} % on average, below {} % in 95 % of {} (linear predictor: {} %)",
                         in_percent(between.model.force.mean), in_percent(between.model.force.p95),
@@ -108,11 +108,13 @@ VerdictLine of_two_tools(const Validated& v) {
     text +=
         fmt::format("; the bound held for {:.0f} % of {} forces",
                     100 * static_cast<double>(answers.covered) / static_cast<double>(answers.bounded), answers.bounded);
-  return {"two_tools",
-          fmt::format("Force error of the {} with two tools, both {:.3g} mm deep, compared with finite elements",
-                      v.pairs.by_body ? "reduced body" : "model", 1e3 * v.pairs.depth_m),
-          text,
-          {}};
+  return {
+      "two_tools",
+      fmt::format("Force error of the {} with two tools, both {:.3g} mm deep (3/7 of the trained depth), compared with "
+                  "finite elements",
+                  v.pairs.by_body ? "reduced body" : "model", 1e3 * v.pairs.depth_m),
+      text,
+      {}};
 }
 
 VerdictLine of_bound(const Validated& v, const BoundCoverage& measured) {
@@ -203,15 +205,15 @@ std::vector<WorseThanLinear> worse_than_linear(const Validated& v) {
 
 std::vector<std::string> warnings(const Validated& v) {
   std::vector<std::string> all;
-  for (const auto& worse : worse_than_linear(v)) all.push_back(worse.sentence());
+  const auto remedy = [&] { return larger_body(v.body->body_info().n_modes, v.body->body_info().n_cells); };
+  for (const auto& worse : worse_than_linear(v))
+    all.push_back(worse.sentence() + (worse.is_of_body() ? "; " + remedy() : ""));
   if (const double p95 = v.pairs.unflagged.model.force.p95; v.body && v.pairs.by_body && p95 > largest_p95) {
     const auto& size = v.body->body_info();
-    all.push_back(fmt::format(
-        "the force error of the reduced body with two tools is {} % or more in 5 % of the pairs; its {} modes and {} "
-        "cells may be too few: try phynness reduce DATABASE --modes {} --cells {}, whose steps take about twice as "
-        "long",
-        in_percent(p95), size.n_modes, size.n_cells, std::min(schema::most_body_modes, 4 * size.n_modes / 3),
-        4 * size.n_cells / 3));
+    all.push_back(
+        fmt::format("the force error of the reduced body with two tools is {} % or more in 5 % of the pairs; its {} "
+                    "modes and {} cells may be too few: {}",
+                    in_percent(p95), size.n_modes, size.n_cells, remedy()));
   }
   if (const auto* measured = measured_bound(v);
       measured && is_below_promise(*measured, promised_coverage(v.model.model())))

@@ -39,16 +39,14 @@ ByName<ErrorStatistics> GroupErrors::rows() const {
 
 std::string WorseThanLinear::sentence() const {
   const std::string_view of = range;
-  const bool is_body = of.starts_with("body");
   const char* where = of == "inside"           ? "inside the trained range"
                       : of == "outside"        ? "beyond the trained range"
                       : of.ends_with("points") ? "for tools between nodes"
                       : of.ends_with("rim")    ? "at the rim of the probed part"
                                                : "for two tools";
   return fmt::format(
-      "the {} is worse than the linear predictor {}: mean error of the {} {:.2f} %, of the linear predictor {:.2f} %{}",
-      is_body ? "reduced body" : "model", where, what, 100 * model, 100 * linear,
-      is_body ? std::string("; ") + larger_body : "");
+      "the {} is worse than the linear predictor {}: mean error of the {} {:.2f} %, of the linear predictor {:.2f} %",
+      is_of_body() ? "reduced body" : "model", where, what, 100 * model, 100 * linear);
 }
 
 namespace {

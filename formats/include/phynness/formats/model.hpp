@@ -162,12 +162,21 @@ struct FinerDistance {
   DistancePart element_at_rest{}, cells_at_rest{}, shape_at_rest{};
   DistancePart of_reference{};  ///< what the error of the reference itself is, if cells are compared
   double unknowns_factor = 0;   ///< unknowns of the reference over those of the scene
+  double force_ratio = 0;       ///< mean size of the probes' forces over that of the finer ones; 0: not recorded
+  /// The parts in the order of the file.
+  const DistancePart& part(std::int32_t i) const { return this->*parts[i]; }
+  DistancePart& part(std::int32_t i) { return this->*parts[i]; }
   static void describe(auto& result, auto&& see) {
     PHYNNESS_SEE(element, reference, probes, tool_radius_m, mean, p95, nodes, solved, near_fixed, elsewhere);
-    PHYNNESS_SEE(element_at_rest, cells_at_rest, shape_at_rest, of_reference, unknowns_factor);
+    PHYNNESS_SEE(element_at_rest, cells_at_rest, shape_at_rest, of_reference, unknowns_factor, force_ratio);
   }
   /// "4.1 % on average, below 9.3 % in 95 %, at 20 probes of a round tool of 30.0 mm radius. The finer ...".
   std::string sentence() const;
+
+ private:
+  static constexpr DistancePart FinerDistance::*parts[] = {
+      &FinerDistance::near_fixed,    &FinerDistance::elsewhere,     &FinerDistance::element_at_rest,
+      &FinerDistance::cells_at_rest, &FinerDistance::shape_at_rest, &FinerDistance::of_reference};
 };
 
 using schema::largest_coordinate;

@@ -118,6 +118,7 @@ void solved(IO& io, Solved& body) {
   io.end();
 }
 
+inline constexpr int32_t n_distance_parts = 6;
 /// Distance of the finite elements from a finer solution.
 template <class IO, class Distance>
 void finer(IO& io, Distance& distance) {
@@ -137,17 +138,16 @@ void finer(IO& io, Distance& distance) {
   const bool with_parts = io.optional("parts", distance.has_parts);
   store_flag(distance.has_parts, with_parts);
   if (!with_parts) return;
-  io.keyword("parts");
-  io.real("unknowns factor", distance.unknowns_factor, not_negative);
-  io.end();
-  decltype(&distance.near_fixed) parts[] = {&distance.near_fixed,    &distance.elsewhere,     &distance.element_at_rest,
-                                            &distance.cells_at_rest, &distance.shape_at_rest, &distance.of_reference};
-  for (auto* part : parts) {
-    io.integer("places", part->places, 0, largest_integer);
-    io.real("mean", part->mean, not_negative);
-    io.real("p95", part->p95, not_negative);
+  real_line(io, "parts", distance.unknowns_factor, not_negative);
+  for (int32_t i = 0; i < n_distance_parts; ++i) {
+    auto& part = distance.part(i);
+    io.integer("places", part.places, 0, largest_integer);
+    io.real("mean", part.mean, not_negative);
+    io.real("p95", part.p95, not_negative);
     io.end();
   }
+  if (io.optional("force_ratio", distance.force_ratio > 0))
+    real_line(io, "force_ratio", distance.force_ratio, positive);
 }
 
 template <class IO, class Model, class Node>

@@ -76,6 +76,8 @@ struct CheckedProbe {
   Eigen::Vector3d finest_N(std::size_t depth) const { return finest_over_reference * to_eigen(finer.force_N[depth]); }
   /// Magnitude of the scene's force over that of the finest force; empty unless both converged.
   std::optional<double> ratio(std::size_t depth) const;
+  /// The last of the depths with a ratio.
+  std::optional<std::size_t> deepest() const;
   /// Relative error of the scene's force at the largest displacement that both solve, as in FinerDistance.
   std::optional<double> error() const { return error_of(own); }
   /// The same error for `own` or `finer`.

@@ -122,6 +122,7 @@ struct WorseThanLinear {
   const char* range;  ///< "inside" or "outside" of the trained range, "points" (tools between nodes), "rim" or "pairs"
                       ///< (two tools without a warning); of a reduced body with "body_" before it
   double model = 0, linear = 0;
+  bool is_of_body() const { return std::string_view(range).starts_with("body"); }
   /// One sentence, without a full stop.
   std::string sentence() const;
   static void describe(const auto& result, auto&& see) {
