@@ -45,8 +45,9 @@ TEST_F(Bodies, AreComparedBesideTheModel) {
   succeed(points_only + "without.json");
   const auto done = succeed(validate + "with.json --body body.txt --report with.html");
   expect_names(done.out, {"two tools, reduced body"});
-  expect_names(unbroken(done.out), {"Force error of the reduced body with two tools, both ",
-                                    " mm deep, compared with finite elements: ", " pairs (linear predictor: "});
+  expect_names(unbroken(done.out),
+               {"Force error of the reduced body with two tools, both ",
+                " mm deep (3/7 of the trained depth), compared with finite elements: ", " pairs (linear predictor: "});
   expect_names(read_file(folder / "with.html"),
                {"The reduced body between nodes: 0 unsettled, 0 outside", "The reduced body of 8 pairs"});
   auto with = figures("with.json"), without = figures("without.json");
