@@ -1,8 +1,8 @@
-"""The map of stiffness above a nodule, with it and without, at rest and at 5 mm: of a model and of a reduced body beside
-solves of the same finite elements.
+"""The map of stiffness above a nodule, with it and without, at rest and at 5 mm: of a model and of a reduced body
+beside solves of the same finite elements, at nodes and at centres of triangles.
 
-Usage: lab/study nodule FOLDER [--scene FILE] [--places N] [--centres] [--ranks N]. Databases, models and bodies in FOLDER
-are used again; a model without a body is enough. It writes FOLDER/nodule.csv and, where matplotlib is installed, FOLDER/nodule.png.
+Usage: lab/study nodule FOLDER [--scene FILE] [--places N] [--ranks N]. Databases, models and bodies in FOLDER are used
+again; a model without a body is enough. It writes FOLDER/nodule.csv and, where matplotlib is installed, nodule.png.
 """
 
 import argparse
@@ -22,9 +22,8 @@ def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--scene", type=pathlib.Path, default=SOURCE / "scenes/liver_nodule.toml")
-    parser.add_argument("--places", type=int, default=44, help="most nodes that the model answers, the nearest to the nodule")
-    parser.add_argument("--centres", action="store_true",
-                        help="places at the centres of the surface's triangles, by single solves, instead of nodes")
+    parser.add_argument("--places", type=int, default=44, help="most nodes, and most centres of triangles, that the "
+                        "model answers, the nearest to the nodule")
     parser.add_argument("--ranks", type=int, default=1)
     return parser.parse_args()
 
@@ -55,44 +54,47 @@ def is_answered(model, place, d):
     return found is not None and found["status"] == 0
 
 
-def places_of(folder, count, centres):
-    """Nodes of the probed part of the surface, those that are probed and those between them, or centres of triangles,
-    and their inward normals."""
+def places_of(folder, count):
+    """The nodes and the centres of triangles nearest to the nodule that the model answers, as numbers and as points; of
+    all of them the inward normals, whether they are probed, and x; and the middle of the nodule."""
     with h5py.File(folder / "database.h5") as f:
         x, faces, active = f["mesh/nodes"][:], f["mesh/surface"][:], f["sets/active"][:]
         regions, cells, fixed = f["mesh/regions"][:], f["mesh/cells"][:], f["sets/fixed"][:]
     nodule = x[cells[regions == 1]].mean(axis=(0, 1))
     area = np.cross(x[faces[:, 2]] - x[faces[:, 0]], x[faces[:, 1]] - x[faces[:, 0]])
-    if centres:
-        at, places, inward, probed = x[faces].mean(axis=1), range(len(faces)), area, np.zeros(len(faces), bool)
-    else:
-        at, inward, probed = x, np.zeros_like(x), np.isin(np.arange(len(x)), active)
-        for k in range(3):
-            np.add.at(inward, faces[:, k], area)
-        places = np.setdiff1d(np.unique(faces), fixed)
-    inward /= np.maximum(np.linalg.norm(inward, axis=1, keepdims=True), 1e-300)
-    far = np.linalg.norm(at - nodule, axis=1)
+    of_nodes = np.zeros_like(x)
+    for k in range(3):
+        np.add.at(of_nodes, faces[:, k], area)
     farthest = np.linalg.norm(x[active] - nodule, axis=1).max()
-    near = []
-    for n in sorted((n for n in places if far[n] <= farthest), key=lambda n: far[n]):
-        if len(near) < count and is_answered(folder / "model", at[n] if centres else n, DEPTH_M * inward[n]):
-            near.append(n)
-    return at[near] if centres else np.array(near), inward[near], probed[near], at[near], nodule
+    places, inward, at = [], [], []
+    for of, candidates, normals in ((x, np.setdiff1d(np.unique(faces), fixed), of_nodes),
+                                    (x[faces].mean(axis=1), range(len(faces)), area)):
+        far, near = np.linalg.norm(of - nodule, axis=1), []
+        for n in sorted((n for n in candidates if far[n] <= farthest), key=lambda n: far[n]):
+            place, normal = n if of is x else of[n], normals[n] / np.linalg.norm(normals[n])
+            if len(near) < count and is_answered(folder / "model", place, DEPTH_M * normal):
+                near.append(n)
+                inward.append(normal)
+        places.append(np.array(near) if of is x else of[near])
+        at.append(of[near])
+    probed = np.concatenate([np.isin(places[0], active), np.zeros(len(places[1]), bool)])
+    return places, np.array(inward), probed, np.concatenate(at), nodule
 
 
 def forces_along(command, places, inward, steps, folder):
     """Forces in the direction of pushes of these lengths, a row for each place; NaN without an equilibrium."""
-    if np.ndim(places[0]) > 0:
-        found = [[answer(*command, *where(p), "--displacement", vector(step * d)) for step in steps]
-                 for p, d in zip(places, inward)]
-        return np.array([[d @ f["tools"][0]["force"] if f else np.nan for f in row] for row, d in zip(found, inward)])
+    nodes, points = places
     queries = folder / "queries.csv"
     queries.write_text("node,ux_m,uy_m,uz_m\n" + "".join(
-        "%d,%.17g,%.17g,%.17g\n" % (node, *(step * d)) for node, d in zip(places, inward) for step in steps))
+        "%d,%.17g,%.17g,%.17g\n" % (node, *(step * d)) for node, d in zip(nodes, inward) for step in steps))
     table = np.genfromtxt(run(*command, "--queries", queries).splitlines(), delimiter=",", names=True, dtype=None,
                           encoding=None)
     force = np.column_stack([table[k].astype(float) for k in ("fx_N", "fy_N", "fz_N")])
-    return (force.reshape(len(places), len(steps), 3) * inward[:, None, :]).sum(axis=2)
+    single = [[answer(*command, *where(p), "--displacement", vector(step * d)) for step in steps]
+              for p, d in zip(points, inward[len(nodes):])]
+    force = np.concatenate([force.reshape(len(nodes), len(steps), 3),
+                            [[f["tools"][0]["force"] if f else 3 * [np.nan] for f in row] for row in single]])
+    return (force * inward[:, None, :]).sum(axis=2)
 
 
 def stiffnesses(command, places, inward, folder):
@@ -128,7 +130,7 @@ def main():
         scene.write_text(scene_text)
         folder = made(scene, options.folder / name, options.ranks)
         if not found:
-            places, inward, probed, x, nodule = places_of(folder, options.places, options.centres)
+            places, inward, probed, x, nodule = places_of(folder, options.places)
         found[name] = {who: stiffnesses(command, places, inward, options.folder) for who, command in (
             ("dolfinx", ("solve", folder / "database.h5")), ("model", ("eval", folder / "model")),
             ("body", ("eval", folder / "model", "--body", folder / "body.txt"))) if who != "body" or
@@ -138,7 +140,7 @@ def main():
     values = [found[name][who][:, k] for name in found for k in range(len(KINDS)) for who in rises]
     np.savetxt(options.folder / "nodule.csv", np.column_stack([x, probed, *values]), delimiter=",", comments="",
                fmt="%.9g", header=",".join(["x_m", "y_m", "z_m", "is_probed", *columns]))
-    print(f"{len(places)} places, {probed.sum()} of them probed; stiffness in N/m")
+    print(f"{len(x)} places, {probed.sum()} of them probed; stiffness in N/m; errors: largest and mean")
     for k, kind in enumerate(KINDS):
         top = np.nanmax(rises["dolfinx"][:, k])
         base = found["without"]["dolfinx"][:, k]
@@ -147,8 +149,8 @@ def main():
             off = 100 * np.abs(rises[who][:, k] - rises["dolfinx"][:, k]) / top
             for part, of in (("at points", probed), ("between them", ~probed)):
                 if of.any():
-                    print(f"  {who:6} rise off by {np.nanmax(off[of]):.2f} % of the largest {part}, "
-                          f"{np.isnan(off[of]).sum()} of {of.sum()} without an answer")
+                    print(f"  {who:6} rise off by {np.nanmax(off[of]):.2f}, {np.nanmean(off[of]):.2f} % of the largest "
+                          f"{part}, {np.isnan(off[of]).sum()} of {of.sum()} without an answer")
     try:
         draw(x, nodule, rises, options.folder / "nodule.png")
     except ImportError:

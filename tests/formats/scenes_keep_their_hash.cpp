@@ -72,7 +72,7 @@ TEST(ShippedScenes, keep_hash_element_and_family) {
            Shipped{"liver_case1.toml", "49294041b950946e", "P1", "linear"},
            Shipped{"liver_case2.toml", "377e6cc4e6fd3f68", "P1", "rbfn"},
            Shipped{"liver_case3.toml", "55603a113c26bb8e", "P1", "rbfn"},
-           Shipped{"liver_nodule.toml", "86a168d6e2edae5a", "es-p1-p1", "modal"},
+           Shipped{"liver_nodule.toml", "ffd328fcdf03dfc1", "es-p1-p1", "modal"},
            Shipped{"penrose_case4.toml", "7fc0c8a253bf11dd", "shell", "rbfn"},
        }) {
     const Scene scene = read_scene(std::filesystem::path(PHYNNESS_SOURCE_DIR "/scenes") / file);
