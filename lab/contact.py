@@ -6,20 +6,20 @@ build/release/tests/loop/example/haptic_loop, or $HAPTIC_LOOP.
 
 Every hundredth cycle is solved from rest. Errors are those of all components of the force of the worse sphere, over the
 larger force; beside them stands linear theory, from displacements a thousand times smaller. Left out are spheres nearer
-than half of the tool's radius: between them are springs, which finite elements do not have (docs/decisions/near-tools.md).
+than half of the tool's radius: between them are springs, which finite elements do not have
+(docs/decisions/near-tools.md).
 The last line has the largest change of a force between two settled cycles, over the largest force of all, and that of
 the finite elements between the same states.
 """
 
 import os
-import re
 import subprocess
 import sys
 import tempfile
 
 import h5py
 import numpy as np
-from commands import SOURCE, answer, text, vector
+from commands import SOURCE, answer, vector
 
 
 def rows(body, radius, options):
@@ -70,8 +70,7 @@ def largest_change(cycles, nodes, database):
 
 def main(database, body, radius, *options):
     with h5py.File(database) as file:
-        nodes, scene = file["mesh/nodes"][()], text(file["scene"][()])
-    near_m = float(re.search(r"tool_radius_m *= *([0-9.e-]+)", scene).group(1)) / 2
+        nodes = file["mesh/nodes"][()]
     errors, left_out = {1: [], 2: []}, {"near": 0, "unsettled": 0, "without an equilibrium": 0}
     cycles = rows(body, radius, options)
     for cycle in cycles[::100]:
@@ -81,7 +80,7 @@ def main(database, body, radius, *options):
         forces = None
         if int(held[0]["status"]) & 4:
             reason = "unsettled"
-        elif len(held) == 2 and np.linalg.norm(points[0] - points[1]) < near_m:
+        elif int(held[0]["status"]) & 8:
             reason = "near"
         else:
             reason, forces = "without an equilibrium", solved(database, points, displacements)

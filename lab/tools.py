@@ -4,9 +4,9 @@ Usage: lab/study tools DATABASE MODEL BODY [--tools 3] [--states 50] [--seed 1] 
 
 MODEL is of the same mesh. Tools are between probed points, in a third of the states within 2.5 radii, and each has a
 random direction and length up to the scene's depth, as in `phynness calibrate`. With --nodes they are at probed nodes,
-each displaced by half of the depth. States of which the body warns are counted and left out, and those with tools
-nearer than half a radius, between which it has springs. The error of a state is that of the worst tool, over the
-largest force; with --linear the linear predictor stands beside it, from displacements a thousand times smaller.
+each displaced by half of the depth. States of which the body warns are counted and left out. The error of a state is
+that of the worst tool, over the largest force; with --linear the linear predictor stands beside it, from displacements
+a thousand times smaller.
 """
 
 import argparse
@@ -65,15 +65,12 @@ def main():
                          for key in ("tool_radius_m", "max_displacement_m"))
     surface = surface[np.isin(surface, trained_nodes(options.body)).all(axis=1)]
     random, errors, linear, held = np.random.default_rng(options.seed), [], [], []
-    left_out = {"near": 0, "warned of": 0, "without an equilibrium": 0}
+    left_out = {"warned of": 0, "without an equilibrium": 0}
     for state in range(options.states):
         within_m = 2.5 * radius_m if not options.nodes and state % 3 == 0 else np.inf
         x = random_places(random, nodes, surface, active, options.tools, options.nodes, within_m)
         d = random.normal(size=x.shape)
         d *= depth_m * (0.5 if options.nodes else random.random((len(x), 1))) / np.linalg.norm(d, axis=1)[:, None]
-        if any(np.linalg.norm(p - q) < radius_m / 2 for i, p in enumerate(x) for q in x[:i]):
-            left_out["near"] += 1
-            continue
         said, true = answer("eval", options.model, "--body", options.body, *words(x, d)), None
         if said["status"] == 0:
             true = forces(answer("solve", options.database, *words(x, d)))

@@ -130,7 +130,7 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
     phn_loop_engage(loop[t]);
   }
   double largest = 0, change = 0, settled_change = 0, taken = 0, given = 0;
-  long unsettled = 0, outside = 0, cycles = 0;
+  long unsettled = 0, outside = 0, near = 0, cycles = 0;
   phynness::Organ::Status status, last;
   for (double now_s = period_s; now_s < hand.duration_s(); now_s += period_s, ++cycles, last = status) {
     for (std::size_t t = 0; t < n; ++t) {
@@ -190,6 +190,7 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
     given = std::max(given, -taken);
     unsettled += status.unsettled();
     outside += status.outside();
+    near += status.are_near();
     if (status < 0) return status;
   }
   if (largest == 0) {
@@ -198,8 +199,8 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
   }
   std::printf("%ld cycles, largest force %.3g N, largest change in a cycle %.3g %% of it, settled %.3g %%\n", cycles,
               largest, 100 * change / largest, 100 * settled_change / largest);
-  std::printf("of %ld cycles, %ld unsettled and %ld outside of the probed part or of the trained depth: no bound\n",
-              cycles, unsettled, outside);
+  std::printf("of %ld cycles, %ld unsettled, %ld of near tools, %ld outside of the probed part or depth: no bound\n",
+              cycles, unsettled, near, outside);
   if (!with_device)
     std::printf("energy taken from the hand %.3g mJ, at most given to it %.3g mJ\n", 1e3 * taken, 1e3 * given);
   bool is_tripped = false;

@@ -140,11 +140,14 @@ TEST_F(Bodies, GetBounds) {
   const auto v = json("v.json");
   for (const auto& [counts, forces] :
        {std::pair{v.at("points").at("body_answers"), 20}, {v.at("pairs").at("answers"), 80}}) {
-    // Springs join tools nearer than half a radius: these, measured 3 pairs of 40, have no bound.
+    // Springs join tools nearer than half a radius: measured 3 pairs of 40.
     EXPECT_LE(counts.at("near").get<int>(), forces / 20);
     EXPECT_GE(counts.at("bounded").get<int>(), forces - forces / 10);
     EXPECT_GT(counts.at("covered").get<double>(), 0.85 * counts.at("bounded").get<double>());
   }
+  const auto pairs = v.at("pairs");
+  EXPECT_EQ(pairs.at("answers").at("bounded").get<int>(), 2 * pairs.at("unflagged").at("solved").get<int>())
+      << "a force without a warning has a bound";
 
   succeed("reduce d.h5 -o few.txt --modes 9");
   expect_names(succeed(calibrate + "few.txt").err, {"several tools will have no bound", "--modes "});

@@ -46,7 +46,7 @@ enum {
   PHN_WARNING_OUTSIDE = 1,        /* a displacement is larger than trained, or the place was not trained */
   PHN_WARNING_INCOMPLETE = 2,     /* some direction of a touched node was not trained to the full depth */
   PHN_WARNING_UNSETTLED = 4,      /* tools are not followed: too close together, or faster than the body settles */
-  PHN_WARNING_NEAR = 8,           /* springs between near tools of a body take more than a tenth of a displacement */
+  PHN_WARNING_NEAR = 8,           /* springs join near tools of a body: their forces may be off by a third and more */
   PHN_WARNING_RELAXATION = 16,    /* the place moves or the tool has left: a relaxing force is approximate */
   PHN_ERROR_ARGUMENT = -1,        /* a null pointer, a number out of range, or data of another model */
   PHN_ERROR_NOT_ACTIVE = -2,      /* the node, or all that the tool touches, cannot be touched */

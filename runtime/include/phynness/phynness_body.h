@@ -73,7 +73,7 @@ typedef struct phn_body_report {
  * call again with the same tools to come closer. Where `unbalanced` is above 0.1 the forces are those
  * of the call before, or 0 for a tool that was not there; after 20 such steps the body starts again from rest, with
  * smaller motions in a step. _NEAR: tools nearer than half of their radius act through springs between them
- * (docs/theory.md, Near tools), which take more than a tenth of a displacement; two with equal displacements at one
+ * (docs/theory.md, Near tools), and their forces may be off by a third and more; two with equal displacements at one
  * place share the force of one, opposed ones have five times that of each alone. PHN_ERROR_NOT_ACTIVE: all that the
  * tool touches is fixed. PHN_ERROR_TOO_MANY_TOOLS: also of fewer than 9 modes for each of several tools. With 0 tools
  * the body is at rest. `report` may be null.
@@ -82,16 +82,14 @@ PHN_API int phn_body_force(const phn_body* body, phn_body_state* state, int32_t 
                            int32_t steps, double* forces, phn_body_report* report);
 
 /* Bounds [N] of the errors of the forces of the last phn_body_force, one for each of its n_tools, from the finite
- * elements of the body (formats/body.md, Bounds); PHN_NO_BOUND where that gave a warning, of tools that a spring joins
- * (docs/theory.md, Near tools), and after an error.
+ * elements of the body (formats/body.md, Bounds); PHN_NO_BOUND where that gave a warning, and after an error.
  * PHN_ERROR_ARGUMENT: it had another number of tools. PHN_ERROR_UNDEFINED: a body without bounds (phynness calibrate
  * --body), or no tool.
  * @return its status otherwise */
 PHN_API int phn_body_bound(const phn_body* body, const phn_body_state* state, int32_t n_tools, double* bounds);
 
 /* What these bounds are computed from, three numbers >= 0 [N] for each of the n_tools (x, y, z of formats/body.md,
- * Bounds), of a body with or without bounds: phynness calibrate fits them. x is infinite for a tool that a spring joins
- * to another. @return as phn_body_bound */
+ * Bounds), of a body with or without bounds: phynness calibrate fits them. @return as phn_body_bound */
 PHN_API int phn_body_bound_terms(const phn_body* body, const phn_body_state* state, int32_t n_tools, double* terms);
 
 /* Displacements [m] of the surface's nodes, n_nodes x 3, after the last phn_body_force; zeros before. */

@@ -163,10 +163,10 @@ struct phn_body_state {
   double *cells_gradient, *lack_gradient;  ///< products of cells_at_rest and lack_at_rest with q
   float *factor, *factor_at_rest;          ///< Cholesky factors of the stiffness
   float* pressure_jacobian;                ///< db/dq where the factor was made, n_pressures rows
-  /// S, the displacement of each row by unit forces of all [m/N], and the part of it between near tools.
+  /// S, the displacement of each row by unit forces of all [m/N].
   double spring_compliance[3 * PHN_MOST_COUPLED][3 * PHN_MOST_COUPLED];
-  double near_spring_compliance[3 * PHN_MOST_COUPLED][3 * PHN_MOST_COUPLED];
-  bool has_springs;
+  bool has_springs;                                 ///< whether S is not 0
+  bool has_spring[PHN_MOST_COUPLED];                ///< whether one joins the tool to a near one
   bool is_definite;                                 ///< whether K + R^T H R had a factor as it was
   PHN_RUNTIME::BodyPlace places[PHN_MOST_COUPLED];  ///< of the tools
   double near_m;                                    ///< near_distance

@@ -25,8 +25,6 @@ constexpr double sufficient_decrease = 1e-4;
 /// A step that does not decrease the energy enough is divided by `backtracking` and tried again, in the next call if
 /// need be. After a step that does, the factor grows.
 constexpr double backtracking = 4, growth = 2, smallest_step = 1e-6;
-/// Part of a displacement that springs may take without a warning.
-constexpr double largest_extension = 0.1;
 /// Largest motion of a tool in a step, in depths.
 constexpr double largest_increment = 0.5;
 /// After so many steps far from balance the body starts from rest again, with smaller increments and more steps.
@@ -314,17 +312,16 @@ int PHN_RUNTIME::solve_body(phn_body_state& state, std::int32_t n_held, std::int
   memcpy(state.newton_force, forces, sizeof state.newton_force);
   report.energy = state.current.energy;
   for (std::int32_t t = 0; t < n_held; ++t) {
-    double residual[3], extension[3], near_extension[3];
+    double residual[3], extension[3];
     for (int k = 0; k < 3; ++k) {
       const std::int32_t r = 3 * t + k;
       extension[k] = spring_extension(state, r, forces);
-      near_extension[k] = product(state.near_spring_compliance[r], forces, state.n_constraints);
       residual[k] =
           state.prescribed[r] - product(state.constraint_row(r), state.current.q, body.info.n_modes) - extension[k];
       report.energy += forces[r] * extension[k] / 2;
     }
     report.residual_m = std::fmax(report.residual_m, length(residual));
-    if (length(near_extension) > largest_extension * length(state.prescribed + 3 * t)) status |= PHN_WARNING_NEAR;
+    if (state.has_spring[t]) status |= PHN_WARNING_NEAR;
   }
   if (!all_finite(forces, 3 * most_body_tools) || !all_finite(&report.unbalanced, 1)) {
     set_zero(forces, 3 * most_body_tools);
@@ -466,7 +463,7 @@ int phn_body_bound_terms(const phn_body* body, const phn_body_state* state, int3
   for (std::int32_t r = 0; r < n; r += 3) {
     double nonlinear[3];
     for (int k = 0; k < 3; ++k) nonlinear[k] = state->force[r + k] - linear[r + k];
-    terms[r] = state->near_spring_compliance[r][r] > 0 ? HUGE_VAL : last;
+    terms[r] = last;
     terms[r + 1] = length(nonlinear);
     terms[r + 2] = all;
   }

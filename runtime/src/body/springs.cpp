@@ -100,14 +100,15 @@ double near_distance(const phn_body& body) {
 void set_springs(phn_body_state& state, std::int32_t n_tools, const phn_tool* tools, const double* heights) {
   const phn_body& body = *state.body;
   state.has_springs = false;
-  for (auto& row : state.near_spring_compliance) set_zero(row, 3 * most_body_tools);
+  for (auto& row : state.spring_compliance) set_zero(row, 3 * most_body_tools);
+  for (bool& has_spring : state.has_spring) has_spring = false;
   for (std::int32_t a = 0; a < n_tools; ++a) state.places[a] = place_of(body, tools[a]);
   for (std::int32_t a = 0; a < n_tools; ++a)
     for (std::int32_t b = 0; b < a; ++b) {
       const double part = spring_fraction(state.near_m, state.places[a], state.places[b],
                                           heights != nullptr ? heights[a] + heights[b] : 0);
       if (!(part > 0)) continue;
-      state.has_springs = true;
+      state.has_springs = state.has_spring[a] = state.has_spring[b] = true;
       const std::int32_t pair[] = {a, b};
       for (const std::int32_t t : pair) {
         double compliance[3][3];
@@ -116,14 +117,13 @@ void set_springs(phn_body_state& state, std::int32_t n_tools, const phn_tool* to
         for (int i = 0; i < 3; ++i)
           for (int k = 0; k < 3; ++k) {
             const double half = part / 2 * compliance[i][k];
-            state.near_spring_compliance[3 * a + i][3 * a + k] += half;
-            state.near_spring_compliance[3 * b + i][3 * b + k] += half;
-            state.near_spring_compliance[3 * a + i][3 * b + k] -= half;
-            state.near_spring_compliance[3 * b + i][3 * a + k] -= half;
+            state.spring_compliance[3 * a + i][3 * a + k] += half;
+            state.spring_compliance[3 * b + i][3 * b + k] += half;
+            state.spring_compliance[3 * a + i][3 * b + k] -= half;
+            state.spring_compliance[3 * b + i][3 * a + k] -= half;
           }
       }
     }
-  memcpy(state.spring_compliance, state.near_spring_compliance, sizeof state.spring_compliance);
   for (std::int32_t a = 0; a < n_tools; ++a)
     for (std::int32_t b = 0; b < n_tools; ++b) {
       if (!state.places[a].has_residual_compliance || !state.places[b].has_residual_compliance) continue;

@@ -80,8 +80,8 @@ const char* phn_status_message(int status) {
   if (status <= PHN_ERROR_SETTING) return "a setting of the loop is out of its range (phn_loop_trip_message)";
   if (status < first_message || status > all_warnings) return "unknown status";
   if (status == PHN_WARNING_NEAR)
-    return "the tools are nearer to each other than half a radius: springs between them take a part of what is "
-           "prescribed";
+    return "the tools are nearer to each other than half a radius: springs join them, and their forces may be off "
+           "by a third and more";
   if (status == PHN_WARNING_RELAXATION)
     return "the relaxing force is approximate: the place moves, or the tool has left the body";
   if (status > PHN_WARNING_RELAXATION)

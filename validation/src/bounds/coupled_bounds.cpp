@@ -70,7 +70,7 @@ Samples samples_between(const Model& model, const Mesh& mesh, const std::vector<
 Samples samples_of(const std::vector<CoupledState>& states, CoupledKind kind) {
   Samples samples;
   for (const auto& state : states) {
-    if (state.kind != kind || !std::isfinite(state.terms[0])) continue;
+    if (state.kind != kind) continue;
     auto& sample = samples.emplace_back(sample_of(state, state.predicted_N));
     for (std::size_t i = 0; i < state.terms.size(); ++i) sample.terms[i + 1] = std::log(state.terms[i] + least_term);
   }

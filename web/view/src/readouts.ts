@@ -33,7 +33,7 @@ export function statesOf({ answer, tools, mode, limit, runtime, sphere }: Sessio
   if (warnings.includes('unsettled'))
     states.push(['beyond', 'unsettled', 'The tools move faster than the body settles, or are too close together: not every place is held exactly.']);
   if (warnings.includes('near'))
-    states.push(['beyond', 'too near', 'The tools are nearer than half a radius and act through springs between them.']);
+    states.push(['beyond', 'too near', 'The tools are nearer than half a radius: springs join them, and their forces may be off by a third and more.']);
   if (alone && runtime.partAt(first!.place!) === 'linear')
     states.push(['fair', 'linear', 'This place was not trained itself: the force is linear in the displacement, wholly or in part, and its error has no bound.']);
   else if (warnings.includes('outside'))

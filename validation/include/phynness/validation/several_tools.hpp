@@ -45,7 +45,7 @@ ErrorStatistics weighted_statistics(std::vector<std::pair<double, double>> error
 
 /// Force errors of a body: the largest error of a tool over the largest force of the state.
 struct ToolErrors {
-  ErrorStatistics pairs, triples, near;  ///< near: two tools are coupled by springs (docs/theory.md)
+  ErrorStatistics pairs, triples, near;  ///< near: two tools are nearer than half a radius
   std::int64_t unsettled = 0;            ///< states with this warning, which are included above
   double step_s = 0;                     ///< mean time of a step of Newton's method
   PHYNNESS_FIGURES(pairs, triples, near, unsettled, step_s)
