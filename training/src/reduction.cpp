@@ -40,7 +40,8 @@ constexpr double weight_of_several = 2;
 constexpr double growth = 1.5;
 /// Modes are too stiff by what they leave out, of which the last ones are the nearest likeness. From this part of the
 /// modes on, they displace the surface more than they strain the cells, at the end by (1 - softest)^-1/2; less where
-/// they leave out less than this share of int |grad u|^2 of all fields (docs/decisions/reduced-body.md).
+/// they leave out less than this share of int |grad u|^2 of all fields. Not with regions, where it makes tools at
+/// probed nodes too soft (docs/decisions/reduced-body.md).
 constexpr double first_softened = 0.25, softest = 0.4, truncation_of_softest = 5e-4;
 
 /// The largest magnitude; 1 if there is none, as of pressures where all chosen points are edges.
@@ -202,7 +203,8 @@ class Reduction {
     double captured = 0;
     _modes = leading_modes(_metric, fields, modes, _spec.seed, _threads, captured);
     const double all = fields.cwiseProduct(laplace_of(fields)).sum();
-    _softest = all > captured ? softest * std::min((1 - captured / all) / truncation_of_softest, 1.0) : 0;
+    _softest =
+        _rest.size() == 1 && all > captured ? softest * std::min((1 - captured / all) / truncation_of_softest, 1.0) : 0;
     _report.modes = _modes.cols();
     find_pressures(modes / 4);
     find_weights(cells);
