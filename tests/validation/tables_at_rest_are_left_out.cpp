@@ -61,6 +61,29 @@ TEST(TablesAtRest, AreLeftOutOfBodiesThatAreBetterWithoutThem) {
   EXPECT_LT(errors.pairs.max, 1e-3);
 }
 
+// Claim: the displacements under tools are those of a body that has come from rest to half of their way, and to its
+// end.
+TEST(TablesAtRest, DisplacementsAreThoseUnderTheTools) {
+  const Block block;
+  auto states = solved_by(block.body);
+  states.erase(states.begin());
+  const auto found = displacements_under(block.body, states);
+  ASSERT_EQ(found.cols(), 4);
+  for (Eigen::Index s = 0; s < 2; ++s) {
+    LoadedBody loaded(write_body_text(block.body));
+    for (int quarter = 1; quarter <= 4; ++quarter) {
+      auto tools = states[static_cast<std::size_t>(s)].tools;
+      for (auto& tool : tools)
+        for (auto& d : tool.displacement) d *= quarter / 4.0;
+      loaded.press(tools);
+      if (quarter % 2 == 0) {  // steps of Newton's method end below a nanometre
+        EXPECT_LT((found.col(2 * s + quarter / 2 - 1) - loaded.deformation()).cwiseAbs().maxCoeff(), 1e-9);
+      }
+    }
+    EXPECT_GT(found.col(2 * s).norm(), 0.2 * found.col(2 * s + 1).norm());
+  }
+}
+
 // Claim: a target is missed by p95 of two tools, by a maximum of three times the target, by a mean above 0.4 of it, and
 // in a scene of three tools by p95 of three above twice the target.
 TEST(TablesAtRest, AreJudgedByTheTarget) {

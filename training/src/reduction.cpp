@@ -73,7 +73,7 @@ namespace {
 class Reduction {
  public:
   Reduction(const Database& database, MatrixXd several, const ReductionSpec& spec, ReductionReport& report,
-            const OnProgress& progress, int threads)
+            const OnProgress& progress, int threads, const OwnStates& own_states)
       : _database(database),
         _header(database.header()),
         _scene(reducible_scene(_header)),
@@ -82,6 +82,7 @@ class Reduction {
         _report(report),
         _progress(progress),
         _threads(threads),
+        _own_states(own_states),
         _elements(_header.mesh, _scene),
         _rest(derivatives_at_rest(_elements)),
         _first_cells(spec.cells > 0 ? spec.cells : usual_cells(_rest.size() > 1)) {}
@@ -95,10 +96,10 @@ class Reduction {
       MatrixXd fields = of_database;
       _states.conservativeResize(Eigen::NoChange, drawn);
       if (_several.cols() > 0) add_several(fields);
-      find(fields, modes, cells);
+      find_modes(fields, modes);
       const MatrixXd inner = transposed_product(_modes, laplace_of(of_database));
       _report.captured = inner.squaredNorm() / _energy;
-      auto out = body(surface_nodes(_header.mesh.surface));
+      auto out = _own_states ? body_of_own_states(modes, cells) : weighted_body(modes, cells);
       if (!_header.sets.linear.empty()) set_lacking(out);
       const bool is_largest = _modes.cols() < modes && cells >= _elements.n_points;
       if (!is_enough || is_enough(out, _report, _several) || is_largest || modes == schema::most_body_modes) return out;
@@ -166,6 +167,10 @@ class Reduction {
   }
 
   MatrixXd laplace_of(const MatrixXd& fields) const { return _elements.laplace_of(fields); }
+  /// int |grad u|^2 of each field.
+  VectorXd energies_of(const MatrixXd& fields) const {
+    return fields.cwiseProduct(laplace_of(fields)).colwise().sum().transpose();
+  }
 
   /// Hierarchical: modes of the modes of each node (Himpe, Leibner, Rave 2018, doi 10.1137/16M1085413).
   MatrixXd modes_of_nodes() {
@@ -185,7 +190,13 @@ class Reduction {
     const double energy = _several.cwiseProduct(laplace_of(_several)).sum();
     if (!(energy > 0)) return;
     fields.conservativeResize(Eigen::NoChange, fields.cols() + _several.cols());
-    fields.rightCols(_several.cols()) = std::sqrt(weight_of_several * _energy / energy) * _several;
+    if (_own_states)
+      // A tenth of the states of near tools has half of the energy, and would have the modes.
+      fields.rightCols(_several.cols()) =
+          std::sqrt(weight_of_several * _energy / static_cast<double>(_several.cols())) * _several *
+          energies_of(_several).cwiseMax(1e-300).cwiseSqrt().cwiseInverse().asDiagonal();
+    else
+      fields.rightCols(_several.cols()) = std::sqrt(weight_of_several * _energy / energy) * _several;
     _report.several_fields = _several.cols();
     // The weights fit some of them, too.
     SplitMix64 random(_spec.seed + 7);
@@ -197,18 +208,37 @@ class Reduction {
     _steps += _states.cols() - before;
   }
 
-  /// @param modes, cells  at most
-  void find(const MatrixXd& fields, int modes, int cells) {
-    const auto before = _done;
+  void find_modes(const MatrixXd& fields, int modes) {
     double captured = 0;
     _modes = leading_modes(_metric, fields, modes, _spec.seed, _threads, captured);
     const double all = fields.cwiseProduct(laplace_of(fields)).sum();
     _softest =
         _rest.size() == 1 && all > captured ? softest * std::min((1 - captured / all) / truncation_of_softest, 1.0) : 0;
     _report.modes = _modes.cols();
+  }
+
+  /// @param modes, cells  at most
+  ReducedBody weighted_body(int modes, int cells) {
+    const auto before = _done;
     find_pressures(modes / 4);
     find_weights(cells);
     _done = before + steps_of(cells);
+    return body(surface_nodes(_header.mesh.surface));
+  }
+
+  ReducedBody body_of_own_states(int modes, int cells) {
+    const MatrixXd orthonormal_modes = _modes;
+    const auto first = weighted_body(modes, cells);
+    if (_cubature.residual.size() == 0) return first;  // it has all cells
+    auto without_tables = first;
+    without_tables.cells_at_rest = without_tables.lack_at_rest = {};
+    const MatrixXd own = product(_modes, least_squares(first.modes.values(), _own_states(without_tables)));
+    _modes = orthonormal_modes;
+    const Index before = _states.cols();
+    _states.conservativeResize(Eigen::NoChange, before + own.cols());
+    _states.rightCols(own.cols()) = own;
+    _steps += steps_of(cells);
+    return weighted_body(modes, cells);
   }
 
   /// Of the pressures C^-1 b of the drawn states, b = int g(F) N dV.
@@ -285,6 +315,7 @@ class Reduction {
       _cubature.points.resize(static_cast<std::size_t>(n_points));
       std::iota(_cubature.points.begin(), _cubature.points.end(), 0);
       _cubature.weights = VectorXd::Ones(n_points);
+      _cubature.residual.resize(0);
       _shape_at_rest.resize(0, 0);  // of a smaller body
       return;
     }
@@ -337,6 +368,12 @@ class Reduction {
         nodal += transposed_applied(tests.middleRows(k / 3 * _elements.n_nodes, _elements.n_nodes),
                                     transposed_applied(d, component));
         of_points += component(candidates).asDiagonal() * gradient[static_cast<std::size_t>(k)];
+      }
+      if (_own_states) {
+        // Where parts turn, the energy at rest in `size` is large, so that these states would count too little.
+        const double norm = nodal.norm();
+        nodal /= norm;
+        of_points /= norm;
       }
       contributions.middleRows(sums_of_a_state * s, sums_of_a_state) = of_points.transpose().cast<float>();
       wanted.segment(sums_of_a_state * s, sums_of_a_state) = nodal;
@@ -481,6 +518,7 @@ class Reduction {
   ReductionReport& _report;
   const OnProgress& _progress;
   const int _threads;
+  const OwnStates& _own_states;
   const Elements _elements;
   const std::vector<RestDerivatives> _rest;  ///< of the parts of the body
   const int _first_cells;                    ///< with weights, of the first body
@@ -499,11 +537,12 @@ class Reduction {
 }  // namespace
 
 ReducedBody reduce(const Database& database, MatrixXd several, const ReductionSpec& spec, ReductionReport& report,
-                   const OnProgress& progress, int threads, const IsEnough& is_enough) {
+                   const OnProgress& progress, int threads, const IsEnough& is_enough, const OwnStates& own_states) {
   const auto start = std::chrono::steady_clock::now();
   report = {};
   if (threads <= 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  ReducedBody body = Reduction(database, std::move(several), spec, report, progress, threads).run(is_enough);
+  ReducedBody body =
+      Reduction(database, std::move(several), spec, report, progress, threads, own_states).run(is_enough);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return body;
 }

@@ -205,6 +205,21 @@ ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& 
   return out;
 }
 
+Eigen::MatrixXd displacements_under(const ReducedBody& body, const std::vector<SolvedTools>& solved) {
+  const auto loaded = NamedOrgan::body(write_body_text(body), "body", max_steps);
+  Eigen::MatrixXd out(body.modes.rows(), 2 * std::ssize(solved));
+  for (Eigen::Index s = 0; s < std::ssize(solved); ++s) {
+    loaded.organ().reset().ignore();
+    for (int i = 1; i <= increments; ++i) {
+      const auto response =
+          loaded.hold(tools_at({solved[static_cast<std::size_t>(s)].tools, {}}, static_cast<double>(i) / increments));
+      if (2 * i % increments == 0)
+        out.col(2 * s + 2 * i / increments - 1) = response.displacement_m.reshaped<Eigen::RowMajor>();
+    }
+  }
+  return out;
+}
+
 double target_error(const ToolErrors& errors, int tools) {
   const double of_triples = tools > 2 ? errors.triples.p95 / triples_over_pairs : 0;
   return std::max({errors.pairs.p95, errors.pairs.max / max_over_p95, p95_over_mean * errors.pairs.mean, of_triples});

@@ -39,6 +39,10 @@ struct ReductionReport {
 /// @param several  fields of several tools, to which columns may be added for the next body
 using IsEnough = std::function<bool(const ReducedBody&, const ReductionReport&, Eigen::MatrixXd& several)>;
 
+/// Displacements of a body, its rows of modes x any, in states that it takes without tables at rest. There it is often
+/// too soft, which solved states do not show (docs/decisions/reduced-body.md).
+using OwnStates = std::function<Eigen::MatrixXd(const ReducedBody&)>;
+
 /// The scene of a database that can be reduced. @throws Error (input) if the responses are imported, of another element
 ///   than p1-p1 and es-p1-p1 or of earlier equations, of a tool that is no longer solved, or without the displacements
 ///   inside of the body (output = "free")
@@ -50,10 +54,12 @@ Scene reducible_scene(const DatabaseHeader& header);
 /// @param progress   called with what is done and of how much, never concurrently
 /// @param threads    0: the number of cores; the result is bitwise independent of it
 /// @param is_enough  asked for each size; empty: the first is the last. It ends with all fields' modes and all cells.
+/// @param own_states  of a body with weights; new ones fit these states, too. All states and all fields of several
+///   tools then count alike. Empty: neither
 /// @throws Error (input) as reducible_scene(), or without a converged increment; (failure) if the database has values
 ///   that are not finite
 ReducedBody reduce(const Database& database, Eigen::MatrixXd several, const ReductionSpec& spec,
                    ReductionReport& report, const OnProgress& progress = {}, int threads = 0,
-                   const IsEnough& is_enough = {});
+                   const IsEnough& is_enough = {}, const OwnStates& own_states = {});
 
 }  // namespace phynness

@@ -52,6 +52,9 @@ struct ToolErrors {
 };
 ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& solved);
 
+/// Displacements of a body under these tools, at half and at the end of their way: its rows of modes x 2 states.
+Eigen::MatrixXd displacements_under(const ReducedBody& body, const std::vector<SolvedTools>& solved);
+
 /// What has to reach a target: the largest of p95, a third of the maximum and 2.5 times the mean of two tools, and half
 /// of p95 of three if the scene has as many.
 double target_error(const ToolErrors& errors, int tools);
