@@ -206,8 +206,15 @@ std::vector<WorseThanLinear> worse_than_linear(const Validated& v) {
 std::vector<std::string> warnings(const Validated& v) {
   std::vector<std::string> all;
   const auto remedy = [&] { return larger_body(v.body->body_info().n_modes, v.body->body_info().n_cells); };
-  for (const auto& worse : worse_than_linear(v))
-    all.push_back(worse.sentence() + (worse.is_of_body() ? "; " + remedy() : ""));
+  for (const auto& worse : worse_than_linear(v)) {
+    std::string text = worse.sentence();
+    if (worse.is_of_body())
+      text += "; " + remedy();
+    else if (worse.range == std::string_view("rim"))
+      text += std::string("; the runtime warns there: probe more of the surface") +
+              (v.body ? ", or use the reduced body" : "");
+    all.push_back(text);
+  }
   if (const double p95 = v.pairs.unflagged.model.force.p95; v.body && v.pairs.by_body && p95 > largest_p95) {
     const auto& size = v.body->body_info();
     all.push_back(
