@@ -221,6 +221,29 @@ TEST(ProbeCoordinates, AreExactInThePlaneAndEndAtFixedNodes) {
   EXPECT_EQ(probe_coordinates(mesh.nodes, mesh.surface, probed, fixed, 1).triangles.rows(), 0);
 }
 
+// Claim: a part of the surface that lies over the probed part and faces the same way, but is far from it along the
+// surface, has no coordinates between probed nodes. The sheet is folded into three layers, of which the lowest is
+// probed; the third one has the same normals.
+TEST(ProbeCoordinates, EndWhereTheSurfaceIsFar) {
+  Mesh mesh = grid(24);
+  for (auto x : mesh.nodes.rowwise()) {
+    const double u = x[0];
+    x = Eigen::RowVector3d(u > 16 ? u - 16 : u > 8 ? 16 - u : u, x[1], u > 16 ? 8 : u > 8 ? 4 : 0);
+  }
+  const auto lowest = where(mesh, [](const Eigen::RowVector3d&x) { return x[2] == 0; }),
+             others = where(mesh, [](const Eigen::RowVector3d&x) { return x[2] > 0; });
+  const auto probed = spread_nodes(mesh.nodes, mesh.surface, lowest, 3, 0);
+  const auto own = probe_coordinates(mesh.nodes, mesh.surface, probed, {}, 20);
+  // Normals at the edge of the fold, x = 8, are those of two layers.
+  EXPECT_GE(std::ssize(own.covered), std::ssize(lowest) - 25);
+  const auto joined = probe_coordinates(mesh.nodes, mesh.surface, probed, {}, 20, others);
+  for (const auto* made : {&own, &joined})
+    for (std::size_t i = 0; i < made->covered.size(); ++i)
+      if (made->triangle[i] < own.triangles.rows()) {
+        EXPECT_LT(mesh.nodes(made->covered[i], 2), 8);
+      }
+}
+
 /// A model of round tools at the given nodes of a mesh whose other nodes are free.
 Model model_of(const Mesh& mesh, const NodeList& probed) {
   Model model;

@@ -105,9 +105,19 @@ std::string FinerDistance::sentence() const {
   if (has_shape_step) corrected += (corrected.empty() ? "" : " and ") + std::string("the shape of the surface");
   if (!corrected.empty()) finer += ", corrected at rest for " + corrected;
   constexpr int fewest_for_p95 = 20;
+  std::string parts, left_out;
+  for (const auto& [what, part] : {std::pair{"the element", &element_at_rest},
+                                   {"the size of the cells", &cells_at_rest},
+                                   {"the shape of the surface", &shape_at_rest}})
+    if (part->places > 0 && (part != &shape_at_rest || has_shape_step))
+      parts += (parts.empty() ? ". At rest " : ", ") + std::string(what) +
+               (parts.empty() ? " alone changes the stiffness by " : " by ") + percent(part->mean);
+    else if (part->places == 0 && has_parts && element != "shell" && part != &element_at_rest &&
+             !(part == &cells_at_rest && reference == reference_names[2]))  // shells are not compared at rest
+      left_out += (left_out.empty() ? "" : " and ") + std::string(what);
   const double bias = force_ratio > 0 ? force_ratio - 1 : 0;
   constexpr double least_bias = 5e-4;  // fewer are printed as 0.0 %
-  std::string text = percent(mean) + " on average" +
+  std::string text = (left_out.empty() ? "" : "without " + left_out + " ") + percent(mean) + " on average" +
                      (std::abs(bias) < least_bias
                           ? ""
                           : " (forces " + percent(std::abs(bias)) + " too " + (bias < 0 ? "small" : "large") + ")") +
@@ -128,16 +138,6 @@ std::string FinerDistance::sentence() const {
   }
   // An image does not record what its finer solution has.
   if (has_parts) text += ". The finer solution has " + finer;
-  std::string parts, left_out;
-  for (const auto& [what, part] : {std::pair{"the element", &element_at_rest},
-                                   {"the size of the cells", &cells_at_rest},
-                                   {"the shape of the surface", &shape_at_rest}})
-    if (part->places > 0 && (part != &shape_at_rest || has_shape_step))
-      parts += (parts.empty() ? ". At rest " : ", ") + std::string(what) +
-               (parts.empty() ? " alone changes the stiffness by " : " by ") + percent(part->mean);
-    else if (part->places == 0 && has_parts && element != "shell" && part != &element_at_rest &&
-             !(part == &cells_at_rest && reference == reference_names[2]))  // shells are not compared at rest
-      left_out += (left_out.empty() ? "" : " and ") + std::string(what);
   text += parts;
   if (!left_out.empty())
     text += ". Not compared: " + left_out + " (phynness check SCENE, with more --seconds, does it)";

@@ -201,26 +201,34 @@ struct DualCells {
     return corner;
   }
 
+  /// How far a cell belongs to its point. Cells of the outermost probed nodes extend over all that is not probed, also
+  /// around the body. A node of the probed part is within 3/4 of the spacing of a probed node, which is less than the
+  /// median distance of neighbours. @return 0 for a node without a point
+  double reach(std::int32_t node) const {
+    const auto source = nearest.source[static_cast<std::size_t>(node)];
+    return source >= 0 ? std::max(median, neighbour[static_cast<std::size_t>(source)]) : 0;
+  }
+  /// Whether the corners of a triangle of the surface are within the largest reach of their cells.
+  bool is_near_its_points(Eigen::Index t) const {
+    const Eigen::RowVector3<std::int32_t> corner = surface.row(t);
+    const double largest = std::max({reach(corner[0]), reach(corner[1]), reach(corner[2])});
+    return std::ranges::all_of(corner, [&](std::int32_t node) {
+      const auto at = static_cast<std::size_t>(node);
+      return nearest.source[at] >= 0 && nearest.distance[at] <= largest;
+    });
+  }
+
   /// Adds the dual triangles that are not there.
   void add_triangles(double longest_m, DualTriangles& triangles) const {
     std::set<std::array<std::int32_t, 3>> known;
     for (const auto& corners : triangles) known.insert(sorted(corners));
     for (Eigen::Index t = 0; t < surface.rows(); ++t) {
       const auto corner = of_corners(t);
-      bool all = std::ranges::all_of(corner, [](std::int32_t node) { return node >= 0; });
-      double reach = median;
-      for (Eigen::Index k = 0; k < 3 && all; ++k)
-        reach = std::max(reach,
-                         neighbour[static_cast<std::size_t>(nearest.source[static_cast<std::size_t>(surface(t, k))])]);
+      bool all = is_near_its_points(t);
       for (std::size_t k = 0; k < 3 && all; ++k) {
         const auto a = corner[k], b = corner[(k + 1) % 3];
         all = a != b && (nodes.row(a) - nodes.row(b)).norm() <= longest_m;
       }
-      // Cells of the outermost probed nodes extend over all that is not probed, also around the body. A node of the
-      // probed part is within 3/4 of the spacing of a probed node, which is less than the median distance of
-      // neighbours.
-      for (Eigen::Index k = 0; k < 3 && all; ++k)
-        all = nearest.distance[static_cast<std::size_t>(surface(t, k))] <= reach;
       if (all) {
         const Triangles made_of = Eigen::RowVector3<std::int32_t>(corner[0], corner[1], corner[2]);
         all = normal_of(corners_of(nodes, made_of, 0)).dot(normal_of(corners_of(nodes, surface, t))) > 0;
@@ -252,7 +260,8 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
   std::vector<Eigen::RowVector3d> weights;
   for (const auto node : surface_nodes(surface)) {
     const auto source = nearest.source[static_cast<std::size_t>(node)];
-    if (source < 0) continue;
+    const bool whole = most_beyond == infinity;
+    if (source < 0 || (!whole && nearest.distance[static_cast<std::size_t>(node)] > reach(node))) continue;
     const Eigen::Vector3d x = nodes.row(node).transpose();
     double least = infinity;
     Eigen::Index best = -1;
@@ -268,7 +277,6 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
         }
     if (best < 0) continue;
     // Beyond an edge of one triangle only a strip is covered, and nothing on the other side of the body.
-    const bool whole = most_beyond == infinity;
     if (!(normal_of(corners_of(nodes, made.triangles, best)).dot(normals.row(node)) > 0)) {
       if (!whole) continue;
       const auto own = points[static_cast<std::size_t>(source)];
@@ -320,7 +328,7 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
   std::set<std::array<std::int32_t, 3>> known;
   for (const auto& corners : triangles) known.insert(sorted(corners));
   for (Eigen::Index t = 0; t < surface.rows(); ++t)
-    if (known.contains(sorted(cells.of_corners(t))))
+    if (cells.is_near_its_points(t) && known.contains(sorted(cells.of_corners(t))))
       for (const auto node : surface.row(t)) keep(node);
   for (std::size_t i = 0; i < own.covered.size(); ++i)
     if (!own.is_beyond[i]) keep(own.covered[i]);

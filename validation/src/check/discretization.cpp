@@ -331,7 +331,7 @@ DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, 
   const VariantBody body{common, mesh, {sets.fixed, sets.active, {}}};
   if (mesh.cells.cols() == 4)
     report.at_rest = compare_at_rest(
-        body, options.reference, places, options, [&] { return options.seconds / 2 - elapsed_s(); }, stop);
+        body, options.reference, places, options, [&] { return 0.7 * options.seconds - elapsed_s(); }, stop);
 
   VariantSolver own(body, options.seconds, elapsed_s, stop);
   std::optional<VariantSolver> finer;

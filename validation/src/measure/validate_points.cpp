@@ -129,8 +129,12 @@ class PointComparison : public ToolComparison {
   }
 
  public:
-  void finish(const SolverSession& session, PointReport& report) const {
-    static_cast<ErrorsByWarning&>(report) = errors_by_warning(_results.gathered(session));
+  void finish(const SolverSession& session, const std::vector<Place>& places, PointReport& report) const {
+    const auto results = _results.gathered(session);
+    static_cast<ErrorsByWarning&>(report) = errors_by_warning(results);
+    for (const auto& result : results)
+      if (result.solved() && !(report.worst && report.worst->error >= result.model.force))
+        report.worst = {position(places[static_cast<std::size_t>(result.node)]), result.model.force};
     report.coupled = statistics(session, _model_samples);
     report.linear = statistics(session, _linear_samples);
     if (_body) report.body = statistics(session, _body_samples);
@@ -139,6 +143,12 @@ class PointComparison : public ToolComparison {
   }
 
  private:
+  Eigen::Vector3d position(const Place& place) const {
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < 3; ++k) at += place.weights[k] * _model.mesh().nodes.row(place.nodes[k]).transpose();
+    return at;
+  }
+
   PointSamples _model_samples, _linear_samples, _body_samples;
   ProbeResultRows _results;
   std::int64_t _refused = 0;
@@ -154,15 +164,16 @@ PointReport validate_points(const SolverSession& session, const Scene& scene, co
   PointReport report;
   report.displacements = displacements;
   std::optional<PointComparison> comparison;
+  std::vector<Place> places;
   session.together([&] {
-    const auto places = choose_places(scene, model, part, points, displacements, seed);
+    places = choose_places(scene, model, part, points, displacements, seed);
     report.points = std::ssize(places);
     comparison.emplace(scene, model, body, stop);
     report.finished = distribute(session, report.points, progress, stop,
                                  [&](std::size_t i) { comparison->evaluate_or_refuse(i, places[i], report); });
   });
   comparison->require_some(session, report.finished);
-  comparison->finish(session, report);
+  comparison->finish(session, places, report);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
 }

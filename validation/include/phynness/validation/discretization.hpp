@@ -172,7 +172,7 @@ double variant_unknowns(Variant v, Element element, const Mesh& mesh);
 /// Time limit [s] of the check in `phynness run`: a quarter of the time of the database, and at least 30 s, in which a
 /// body of 400 nodes is also compared at rest with its surface's own shape.
 /// @param solve_s  CPU time of the solves of the database
-inline double check_limit_s(double solve_s, int ranks) { return std::max(30.0, solve_s / ranks / 4); }
+inline double check_limit_s(double solve_s, int ranks) { return std::max(60.0, solve_s / ranks / 4); }
 
 /// Radius of the patch that replaces a node in a check. The force at a node depends on the element even without
 /// locking: P1 moves a node, P2 also the midpoints of its edges (docs/theory.md, What a probe is).

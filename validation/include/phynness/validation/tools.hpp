@@ -2,8 +2,11 @@
 #pragma once
 
 #include <phynness/phynness.h>
+#include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <phynness/formats/described.hpp>
 #include <phynness/schema/body_grammar.hpp>
 #include <phynness/validation/named_organ.hpp>
@@ -47,6 +50,12 @@ struct AnswerCounts {
 /// The errors (17), relative to the largest finite element response of the same point.
 using PointErrors = GroupMeasures<ErrorStatistics>;
 
+/// The point with the largest force error of the model, over the largest force of the point.
+struct WorstPoint {
+  Eigen::Vector3d at_m{0, 0, 0};
+  double error = 0;
+};
+
 struct PointReport : ErrorsByWarning {         ///< errors of the model; `node` is the number of a point
   std::int64_t points = 0, displacements = 0;  ///< requested points, and displacements per point
   std::int64_t finished = 0;                   ///< finished points; fewer than `points` if it was interrupted
@@ -54,6 +63,7 @@ struct PointReport : ErrorsByWarning {         ///< errors of the model; `node` 
   PointErrors coupled;                         ///< the model at the points
   PointErrors linear;                          ///< unit responses of the undeformed body at the points
   std::optional<PointErrors> body;             ///< a reduced body at the points; empty without one
+  std::optional<WorstPoint> worst;             ///< empty if nothing was solved
   AnswerCounts answers, body_answers;
   double seconds = 0;
   bool interrupted() const { return finished < points; }
