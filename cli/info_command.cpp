@@ -55,8 +55,8 @@ struct ShortRay {
   PHYNNESS_FIGURES(node, direction, vector, reached_m, failed_at_m, reason)
 };
 
-/// Rays that the solver could not follow.
-std::vector<ShortRay> failed_rays(const Database& database) {
+/// Rays that the solver could not follow. @param with_ends  also those that end early, for example at a crushed cell
+std::vector<ShortRay> failed_rays(const Database& database, bool with_ends) {
   const auto& h = database.header();
   const auto statuses = database.statuses();
   const std::size_t n = h.magnitudes_m.size(), n_directions = h.directions.size();
@@ -64,7 +64,8 @@ std::vector<ShortRay> failed_rays(const Database& database) {
   for (std::size_t ray = 0; ray * n < statuses.size(); ++ray) {
     const auto first = statuses.begin() + static_cast<std::ptrdiff_t>(ray * n),
                last = first + static_cast<std::ptrdiff_t>(n);
-    const auto failed = std::find_if(first, last, [](Status s) { return static_cast<int>(s) < 0; });
+    const auto failed = std::find_if(
+        first, last, [&](Status s) { return static_cast<int>(s) < 0 || (with_ends && s == Status::after_end); });
     if (failed == last) continue;
     const auto i = static_cast<std::size_t>(failed - first), direction = ray % n_directions;
     rays.push_back({h.sets.active[ray / n_directions], direction, h.directions[direction],
@@ -180,7 +181,7 @@ json about_database(const std::filesystem::path& file, bool failed) {
     print_result("  {:<16} {:<9} {}\n", name(status), count, meaning(status));
     states[name(status)] = count;
   }
-  const auto rays = failed_rays(database);
+  const auto rays = failed_rays(database, failed);
   print_failed_rays(rays, h.sets.active.size(), failed);
   const json ends = print_ends(h, summarize_ends(database));
   if (!h.imported) {

@@ -1,5 +1,5 @@
 /* A minimal program that evaluates force and deformation of a trained model.
- * Usage: minimal MODEL_DIR/model.txt NODE DX DY DZ      (metres; `phynness info MODEL_DIR` lists the active
+ * Usage: minimal MODEL_DIR/model.txt NODE DX DY DZ      (metres; `phynness info MODEL_DIR --json FILE` lists the active
  * nodes)
  */
 #include <math.h>

@@ -175,7 +175,8 @@ std::string warn_of_gaps(const Scene& scene, const Mesh& mesh, const NodeSets& s
          ", tool_radius_m = " + three_digits(radius) + ", so that the tool is not answered " +
          (n == 0 ? "between them" : "in these") +
          (std::ranges::any_of(scene.active, is_automatic)
-              ? std::string("; give a finer mesh, such as a smaller target_size_m") + also_remesh(scene.mesh)
+              ? std::string("; give a finer mesh, such as a smaller target_size_m") + also_remesh(scene.mesh) +
+                    ", or a part without nodes far from the others"
               : "; spacing = \"auto\" covers the surface");
 }
 

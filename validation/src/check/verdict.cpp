@@ -107,7 +107,7 @@ VerdictLine of_two_tools(const Validated& v) {
                        in_percent(force.mean), in_percent(force.p95), force.n, in_percent(unflagged.linear.force.mean),
                        in_percent(unflagged.linear.force.p95));
   if (warned.n > 0)
-    text += fmt::format(", {} % in {} with a warning ({} %)", in_percent(warned.mean), warned.n,
+    text += fmt::format(", {} % in {} with a warning (linear predictor: {} %)", in_percent(warned.mean), warned.n,
                         in_percent(flagged.linear.force.mean));
   if (const auto& answers = v.pairs.answers; answers.bounded > 0)
     text +=
@@ -217,7 +217,7 @@ std::vector<std::string> warnings(const Validated& v) {
       text += "; " + remedy();
     else if (worse.range == std::string_view("rim"))
       text += std::string("; the runtime warns there: probe more of the surface") +
-              (v.body ? ", or use the reduced body" : "");
+              (v.rim.body && v.rim.body->force.mean < worse.linear ? ", or use the reduced body" : "");
     all.push_back(text);
   }
   if (const double p95 = v.pairs.unflagged.model.force.p95; v.body && v.pairs.by_body && p95 > largest_p95) {
