@@ -83,10 +83,11 @@ VerdictLine worst_node(const Validated& v) {
       unit.per_N * worst->error_N, unit.name, worst->node, 1e3 * at[0], 1e3 * at[1], 1e3 * at[2],
       unit.per_N * worst->mean_error_N, unit.name, unit.per_N * worst->largest_N, unit.name,
       worst->flagged ? " (the runtime warns of all probes)" : "");
-  for (const auto& [where, points] : {std::pair{"between probed points", &v.points}, {"at the rim", &v.rim}})
+  for (const auto& [where, points] :
+       {std::pair{"; between probed points {} % of the largest force there, at ({:.1f}, {:.1f}, {:.1f}) mm", &v.points},
+        {"; at the rim {} %, at ({:.1f}, {:.1f}, {:.1f}) mm", &v.rim}})
     if (points->worst)
-      line.sentence += fmt::format("; {} {} % of the largest force there, at ({:.1f}, {:.1f}, {:.1f}) mm", where,
-                                   in_percent(points->worst->error), 1e3 * points->worst->at_m[0],
+      line.sentence += fmt::format(fmt::runtime(where), in_percent(points->worst->error), 1e3 * points->worst->at_m[0],
                                    1e3 * points->worst->at_m[1], 1e3 * points->worst->at_m[2]);
   line.figures = {{"node", worst->node},
                   {"x_m", at[0]},
