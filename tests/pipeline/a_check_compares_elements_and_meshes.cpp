@@ -139,7 +139,7 @@ TEST_F(Check, AsksForNoComparisonAtRestOfShells) {
   EXPECT_EQ(distance.sentence().find("Not compared"), std::string::npos) << distance.sentence();
   distance.element = "p1-p1";
   EXPECT_NE(distance.sentence().find("Not compared: the shape of the surface"), std::string::npos);
-  for (const auto& [ratio, sign] : {std::pair{0.875, "(forces 13 % too small)"}, {1.02, "(forces 2.0 % too large)"}}) {
+  for (const auto& [ratio, sign] : {std::pair{0.87, "(forces 13 % too small)"}, {1.02, "(forces 2.0 % too large)"}}) {
     distance.force_ratio = ratio;
     EXPECT_NE(distance.sentence().find(sign), std::string::npos) << distance.sentence();
   }
