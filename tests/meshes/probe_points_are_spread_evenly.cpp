@@ -244,6 +244,26 @@ TEST(ProbeCoordinates, EndWhereTheSurfaceIsFar) {
       }
 }
 
+// Claim: there are no holes between probed nodes that are spread unevenly.
+TEST(ProbeCoordinates, HaveNoHolesBetweenUnevenNodes) {
+  const Mesh mesh = grid(24);
+  const auto probed = where(mesh, [](const Eigen::RowVector3d& x) {
+    const int i = static_cast<int>(x[0]), j = static_cast<int>(x[1]);
+    return (i <= 4 && i % 2 == 0 && j % 2 == 0) || (i >= 12 && i % 8 == 4 && j % 8 == 0);
+  });
+  const auto made = probe_coordinates(mesh.nodes, mesh.surface, probed, {}, 20);
+  std::vector<char> is_covered(static_cast<std::size_t>(mesh.n_nodes()), 0);
+  for (const auto node : made.covered) is_covered[static_cast<std::size_t>(node)] = 1;
+  for (Eigen::Index t = 0; t < made.triangles.rows(); ++t) {
+    const Eigen::RowVector3d middle = (mesh.nodes.row(made.triangles(t, 0)) + mesh.nodes.row(made.triangles(t, 1)) +
+                                       mesh.nodes.row(made.triangles(t, 2))) /
+                                      3;
+    Eigen::Index nearest = 0;
+    (mesh.nodes.rowwise() - middle).rowwise().squaredNorm().minCoeff(&nearest);
+    EXPECT_TRUE(is_covered[static_cast<std::size_t>(nearest)]) << mesh.nodes.row(nearest);
+  }
+}
+
 /// A model of round tools at the given nodes of a mesh whose other nodes are free.
 Model model_of(const Mesh& mesh, const NodeList& probed) {
   Model model;

@@ -253,6 +253,15 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
       made.triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = triangles[t][k];
       around[static_cast<std::size_t>(triangles[t][k])].push_back(static_cast<Eigen::Index>(t));
     }
+  // Where probed nodes are spread unevenly, a cell reaches as far as those beside it.
+  std::vector<double> reach_beside(static_cast<std::size_t>(nodes.rows()), 0);
+  for (const auto& corners : triangles) {
+    const double largest = std::max({reach(corners[0]), reach(corners[1]), reach(corners[2])});
+    for (const auto corner : corners) {
+      auto& of_corner = reach_beside[static_cast<std::size_t>(corner)];
+      of_corner = std::max(of_corner, largest);
+    }
+  }
   std::set<std::int32_t> outermost;
   for (const auto& [edge, n] : n_triangles)
     if (n == 1) outermost.insert({edge.first, edge.second});
@@ -261,13 +270,16 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
   for (const auto node : surface_nodes(surface)) {
     const auto source = nearest.source[static_cast<std::size_t>(node)];
     const bool whole = most_beyond == infinity;
-    if (source < 0 || (!whole && nearest.distance[static_cast<std::size_t>(node)] > reach(node))) continue;
+    if (source < 0) continue;
+    const auto own = points[static_cast<std::size_t>(source)];
+    if (!whole && nearest.distance[static_cast<std::size_t>(node)] > reach_beside[static_cast<std::size_t>(own)])
+      continue;
     const Eigen::Vector3d x = nodes.row(node).transpose();
     double least = infinity;
     Eigen::Index best = -1;
     Eigen::Vector3d best_weights;
     // The triangle may be one beside those of the nearest probed node.
-    for (const auto beside : around[static_cast<std::size_t>(points[static_cast<std::size_t>(source)])])
+    for (const auto beside : around[static_cast<std::size_t>(own)])
       for (int k = 0; k < 3; ++k)
         for (const auto t : around[static_cast<std::size_t>(made.triangles(beside, k))]) {
           const auto corners = corners_of(nodes, made.triangles, t);
@@ -279,7 +291,6 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
     // Beyond an edge of one triangle only a strip is covered, and nothing on the other side of the body.
     if (!(normal_of(corners_of(nodes, made.triangles, best)).dot(normals.row(node)) > 0)) {
       if (!whole) continue;
-      const auto own = points[static_cast<std::size_t>(source)];
       best = around[static_cast<std::size_t>(own)].front();
       for (int k = 0; k < 3; ++k) best_weights[k] = made.triangles(best, k) == own ? 1 : 0;
     }
