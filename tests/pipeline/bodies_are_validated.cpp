@@ -146,7 +146,7 @@ TEST_F(Bodies, GetBounds) {
     EXPECT_GE(counts.at("bounded").get<int>(), forces - forces / 10);
     EXPECT_GT(counts.at("covered").get<double>(), 0.85 * counts.at("bounded").get<double>());
   }
-  const auto pairs = v.at("pairs");
+  const auto& pairs = v.at("pairs");
   EXPECT_EQ(pairs.at("answers").at("bounded").get<int>(), 2 * pairs.at("unflagged").at("solved").get<int>())
       << "a force without a warning has a bound";
 
