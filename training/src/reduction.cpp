@@ -232,7 +232,9 @@ class Reduction {
     if (_cubature.residual.size() == 0) return first;  // it has all cells
     auto without_tables = first;
     without_tables.cells_at_rest = without_tables.lack_at_rest = {};
-    const MatrixXd own = product(_modes, least_squares(first.modes.values(), _own_states(without_tables)));
+    const MatrixXd shapes = _own_states(without_tables);
+    if (shapes.cols() == 0) return first;
+    const MatrixXd own = product(_modes, least_squares(first.modes.values(), shapes));
     _modes = orthonormal_modes;
     const Index before = _states.cols();
     _states.conservativeResize(Eigen::NoChange, before + own.cols());

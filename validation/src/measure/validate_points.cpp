@@ -133,7 +133,7 @@ class PointComparison : public ToolComparison {
     const auto results = _results.gathered(session);
     static_cast<ErrorsByWarning&>(report) = errors_by_warning(results);
     for (const auto& result : results)
-      if (result.solved() && !(report.worst && report.worst->error >= result.model.force))
+      if (result.solved() && result.model.force > (report.worst ? report.worst->error : -1))
         report.worst = {position(places[static_cast<std::size_t>(result.node)]), result.model.force};
     report.coupled = statistics(session, _model_samples);
     report.linear = statistics(session, _linear_samples);
