@@ -247,6 +247,7 @@ double median_bound_N(const Model& model, std::size_t bound) {
     const Eigen::MatrixXd values = node.bounds[bound].values();
     all.insert(all.end(), values.data(), values.data() + values.size());
   }
+  if (all.empty()) return 0;
   const auto median = all.begin() + std::ssize(all) / 2;
   std::ranges::nth_element(all, median);
   return *median;
@@ -282,9 +283,8 @@ json about_model(const std::filesystem::path& dir) {
     const double median_N = median_bound_N(m, bounds.size());
     const ForceUnit unit = force_unit(median_N);
     print_result(
-        "bounds    of the force's error{}, for {:g} % of random displacements, {:.3g} {} in the median; from {} rays "
-        "at "
-        "{} nodes\n",
+        "bounds    of the force's error{}, for {:g} % of random displacements, {:.3g} {} in the median; "
+        "from {} rays at {} nodes\n",
         bound.from(), 100 * bound.coverage, unit.per_N * median_N, unit.name, bound.n_rays, bound.n_nodes);
     bounds.push_back(record("coverage", bound.coverage, "median_N", median_N, "rays", bound.n_rays, "nodes",
                             bound.n_nodes, "reference", reference_names.at(static_cast<std::size_t>(bound.reference))));

@@ -180,9 +180,10 @@ void add(CLI::App& app) {
       "also compare tools at this number of random points between nodes, and round tools at half as many where only\n"
       "one or two corners of a triangle were probed (default: a twelfth of the probes and one for round tools, "
       "otherwise none)");
-  add_count(command, "--pairs", options.pairs, 1, 1'000'000,
-            "also compare two tools at this number of random pairs of nodes, by solves with both tools, each as deep\n"
-            "as 3/7 of the scene's max_displacement_m (12 mm of 28 mm in the paper)");
+  add_count(
+      command, "--pairs", options.pairs, 1, 1'000'000,
+      "also compare two tools at this number of random pairs of nodes, by solves with both tools, each as deep\nas " +
+          std::string(pair_depth_in_words) + " of the scene's max_displacement_m (12 mm of 28 mm in the paper)");
   add_count(command, "--relaxation", options.motions, 1, 1'000'000,
             "also compare relaxing forces at this number of random places with solves in time: step and hold, ramp,\n"
             "sine, palpation and slide, to 5 mm and to the full depth; with --body two tools, too");

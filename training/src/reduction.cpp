@@ -36,8 +36,6 @@ constexpr double weight_of_work = 8;
 /// int |grad u|^2 of all fields of several tools over that of all fields of the database. 1, 2 and 4 differ less than
 /// choices of cells do: pairs of a liver with K/mu 200 were off by 10 to 13 % (p95) with 300 cells.
 constexpr double weight_of_several = 2;
-/// Of modes and cells, from one size to the next.
-constexpr double growth = 1.5;
 /// Modes are too stiff by what they leave out, of which the last ones are the nearest likeness. From this part of the
 /// modes on, they displace the surface more than they strain the cells, at the end by (1 - softest)^-1/2; less where
 /// they leave out less than this share of int |grad u|^2 of all fields. Not with regions, where it makes tools at
@@ -103,8 +101,8 @@ class Reduction {
       if (!_header.sets.linear.empty()) set_lacking(out);
       const bool is_largest = _modes.cols() < modes && cells >= _elements.n_points;
       if (!is_enough || is_enough(out, _report, _several) || is_largest || modes == schema::most_body_modes) return out;
-      modes = std::min(static_cast<int>(growth * modes), static_cast<int>(schema::most_body_modes));
-      cells = static_cast<int>(growth * cells);
+      modes = std::min(static_cast<int>(grown(modes)), static_cast<int>(schema::most_body_modes));
+      cells = static_cast<int>(grown(cells));
       _steps += drawn + cells;
     }
   }

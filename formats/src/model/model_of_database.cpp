@@ -116,7 +116,7 @@ std::string FinerDistance::sentence() const {
              !(part == &cells_at_rest && reference == reference_names[2]))  // shells are not compared at rest
       left_out += (left_out.empty() ? "" : " and ") + std::string(what);
   const double bias = force_ratio > 0 ? force_ratio - 1 : 0;
-  constexpr double least_bias = 5e-4;  // fewer are printed as 0.0 %
+  constexpr double least_bias = 5e-4;  // a smaller one is printed as 0.0 %
   std::string text = (left_out.empty() ? "" : "without " + left_out + " ") + percent(mean) + " on average" +
                      (std::abs(bias) < least_bias
                           ? ""

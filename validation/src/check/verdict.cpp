@@ -116,9 +116,9 @@ VerdictLine of_two_tools(const Validated& v) {
                     100 * static_cast<double>(answers.covered) / static_cast<double>(answers.bounded), answers.bounded);
   return {
       "two_tools",
-      fmt::format("Force error of the {} with two tools, both {:.3g} mm deep (3/7 of the trained depth), compared with "
+      fmt::format("Force error of the {} with two tools, both {:.3g} mm deep ({} of the trained depth), compared with "
                   "finite elements",
-                  v.pairs.by_body ? "reduced body" : "model", 1e3 * v.pairs.depth_m),
+                  v.pairs.by_body ? "reduced body" : "model", 1e3 * v.pairs.depth_m, pair_depth_in_words),
       text,
       {}};
 }
@@ -216,9 +216,13 @@ std::vector<std::string> warnings(const Validated& v) {
     std::string text = worse.sentence();
     if (worse.is_of_body())
       text += "; " + remedy();
-    else if (worse.range == std::string_view("rim"))
-      text += std::string("; the runtime warns there: probe more of the surface") +
-              (v.rim.body && v.rim.body->force.mean < worse.linear ? ", or use the reduced body" : "");
+    else if (worse.range == std::string_view("rim")) {
+      const auto& body = v.rim.body;
+      const bool is_of_force = worse.what == std::string_view("force");
+      const bool body_is_better = body && (is_of_force ? body->force : body->displacement).mean < worse.linear;
+      text += "; the runtime warns there: probe more of the surface";
+      if (body_is_better) text += ", or use the reduced body";
+    }
     all.push_back(text);
   }
   if (const double p95 = v.pairs.unflagged.model.force.p95; v.body && v.pairs.by_body && p95 > largest_p95) {

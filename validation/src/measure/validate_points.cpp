@@ -134,7 +134,7 @@ class PointComparison : public ToolComparison {
     static_cast<ErrorsByWarning&>(report) = errors_by_warning(results);
     for (const auto& result : results)
       if (result.solved() && result.model.force > (report.worst ? report.worst->error : -1))
-        report.worst = {position(places[static_cast<std::size_t>(result.node)]), result.model.force};
+        report.worst = {places[static_cast<std::size_t>(result.node)].point, result.model.force};
     report.coupled = statistics(session, _model_samples);
     report.linear = statistics(session, _linear_samples);
     if (_body) report.body = statistics(session, _body_samples);
@@ -143,12 +143,6 @@ class PointComparison : public ToolComparison {
   }
 
  private:
-  Eigen::Vector3d position(const Place& place) const {
-    Eigen::Vector3d at = Eigen::Vector3d::Zero();
-    for (std::size_t k = 0; k < 3; ++k) at += place.weights[k] * _model.mesh().nodes.row(place.nodes[k]).transpose();
-    return at;
-  }
-
   PointSamples _model_samples, _linear_samples, _body_samples;
   ProbeResultRows _results;
   std::int64_t _refused = 0;

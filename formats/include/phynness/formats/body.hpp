@@ -50,6 +50,9 @@ struct ReducedBody {
 /// % in four, 0.8 % in eight and in 32.
 inline constexpr int increments_from_rest = 8;
 
+/// Modes or cells of the next larger body that `reduce` tries.
+inline std::int64_t grown(std::int64_t n) { return 3 * n / 2; }
+
 /// The content of a body.txt, not checked. @throws Error (input), as read_input_file()
 std::string read_body_file(const std::filesystem::path& file);
 /// The text of a body.txt. @throws Error (failure) if a number is out of the range of the format

@@ -35,7 +35,7 @@ struct ReductionReport {
   PHYNNESS_FIGURES(fields, several_fields, states, modes, pressures, points, cells, captured, residual, seconds)
 };
 
-/// Whether a body is good enough; if not, one with half as many modes and cells more follows.
+/// Whether a body is good enough; if not, one with grown() modes and cells follows.
 /// @param several  fields of several tools, to which columns may be added for the next body
 using IsEnough = std::function<bool(const ReducedBody&, const ReductionReport&, Eigen::MatrixXd& several)>;
 

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <phynness/phynness.h>
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <phynness/formats/body.hpp>
 #include <phynness/formats/described.hpp>
 #include <phynness/schema/body_grammar.hpp>
 #include <phynness/validation/named_organ.hpp>
@@ -16,12 +16,12 @@
 
 namespace phynness {
 
-/// The remedy for a reduced body with large errors. Measured: a step of the demo takes 2.3 times as long with half more
-/// modes and cells.
+/// The remedy for a reduced body with large errors, which is what `reduce` would try next. Measured: a step of the demo
+/// then takes 2.3 times as long.
 inline std::string larger_body(std::int64_t modes, std::int64_t cells) {
   return "try phynness reduce DATABASE --modes " +
-         std::to_string(std::min<std::int64_t>(schema::most_body_modes, 3 * modes / 2)) + " --cells " +
-         std::to_string(3 * cells / 2) + ", whose steps take about twice as long";
+         std::to_string(std::min<std::int64_t>(schema::most_body_modes, grown(modes))) + " --cells " +
+         std::to_string(grown(cells)) + ", whose steps take about twice as long";
 }
 
 /// Counts of warnings and of covered bounds in the answers to solved displacements.
@@ -52,7 +52,7 @@ using PointErrors = GroupMeasures<ErrorStatistics>;
 
 /// The point with the largest force error of the model, over the largest force of the point.
 struct WorstPoint {
-  Eigen::Vector3d at_m{0, 0, 0};
+  Vec3 at_m{};
   double error = 0;
 };
 
@@ -114,7 +114,8 @@ struct PairReport : ErrorsByWarning {
 std::vector<WorseThanLinear> worse_than_linear(const PairReport& report);
 
 /// Default depth of both tools as a fraction of the trained depth: 12 mm of the paper's 28.
-inline constexpr double pair_depth_fraction = 12.0 / 28;
+inline constexpr double pair_depth_fraction = 3.0 / 7;
+inline constexpr char pair_depth_in_words[] = "3/7";
 /// Pairs that `phynness run` compares: with 40 of them the 95th percentile scatters by a factor of two.
 inline constexpr int pairs_in_run = 100;
 
