@@ -370,4 +370,51 @@ TEST(ProbeCoordinates, CoverTheFreeSurfaceWithLinearPoints) {
   }
 }
 
+/// The surface of n x n cubes of edge 1, flattened to a plate with side faces of two rows.
+Mesh plate(int n) {
+  std::map<std::array<int, 3>, int> numbers;
+  std::vector<Eigen::RowVector3i> triangles;
+  const auto add_square = [&](const std::array<std::array<int, 3>, 4>& corners) {
+    std::array<int, 4> c{};
+    for (std::size_t k = 0; k < 4; ++k)
+      c[k] = numbers.emplace(corners[k], static_cast<int>(numbers.size())).first->second;
+    triangles.emplace_back(c[0], c[1], c[2]);
+    triangles.emplace_back(c[0], c[2], c[3]);
+  };
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      add_square({{{i, j, 2}, {i + 1, j, 2}, {i + 1, j + 1, 2}, {i, j + 1, 2}}});
+      add_square({{{i, j, 0}, {i, j + 1, 0}, {i + 1, j + 1, 0}, {i + 1, j, 0}}});
+      if (j > 1) continue;
+      add_square({{{i, 0, j}, {i + 1, 0, j}, {i + 1, 0, j + 1}, {i, 0, j + 1}}});
+      add_square({{{i, n, j}, {i, n, j + 1}, {i + 1, n, j + 1}, {i + 1, n, j}}});
+      add_square({{{0, i, j}, {0, i, j + 1}, {0, i + 1, j + 1}, {0, i + 1, j}}});
+      add_square({{{n, i, j}, {n, i + 1, j}, {n, i + 1, j + 1}, {n, i, j + 1}}});
+    }
+  Mesh mesh;
+  mesh.nodes.resize(std::ssize(numbers), 3);
+  for (const auto& [x, i] : numbers) mesh.nodes.row(i) << x[0], x[1], 0.25 * x[2];
+  mesh.surface.resize(std::ssize(triangles), 3);
+  for (std::size_t t = 0; t < triangles.size(); ++t) mesh.surface.row(static_cast<Eigen::Index>(t)) = triangles[t];
+  return mesh;
+}
+
+// Claim: of a thin plate whose upper face is probed, probed nodes alone answer on this face only, although side faces
+// and the lower face are nearer to them than they are to each other.
+TEST(ProbeCoordinates, EndAtTheEdgesOfAThinPlate) {
+  const Mesh mesh = plate(30);
+  const auto upper = where(mesh, [](const Eigen::RowVector3d& x) { return x[2] == 0.5; });
+  const auto all = where(mesh, everywhere);
+  for (const double spacing : {3, 5, 8, 10}) {
+    const auto probed = spread_nodes(mesh.nodes, mesh.surface, upper, spacing, 0);
+    Model model = model_of(mesh, probed);
+    for (const auto node : spread_nodes(mesh.nodes, mesh.surface, all, spacing, 0, probed))
+      if (!std::ranges::binary_search(probed, node)) model.linear_points.emplace_back().node = node;
+    cover_surface(model, mesh, 2 * spacing);
+    const auto answered = probed_nodes(model);
+    EXPECT_TRUE(std::ranges::includes(upper, answered)) << spacing;
+    EXPECT_GE(std::ssize(answered), std::ssize(upper) - 40) << spacing;
+  }
+}
+
 }  // namespace

@@ -167,6 +167,10 @@ namespace {
 /// Corners of triangles that are dual to cells.
 using DualTriangles = std::vector<std::array<std::int32_t, 3>>;
 
+/// Whether two parts of the surface face the same way. Narrow side faces of a plate are perpendicular to it, so that
+/// the sign of the product alone would hang on rounding.
+bool face_alike(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.dot(b) > 0.25 * a.norm() * b.norm(); }
+
 std::array<std::int32_t, 3> sorted(std::array<std::int32_t, 3> corners) {
   std::sort(corners.begin(), corners.end());
   return corners;
@@ -177,6 +181,7 @@ struct DualCells {
   const Points& nodes;
   const Triangles& surface;
   const NodeList& points;
+  Points normals;
   NearestProbes nearest;
   std::vector<double> neighbour;
   double median = 0;
@@ -185,6 +190,7 @@ struct DualCells {
       : nodes(of_nodes),
         surface(of_surface),
         points(of),
+        normals(node_normals(nodes, surface)),
         nearest(ways, static_cast<std::size_t>(nodes.rows()), points),
         neighbour(nearest_neighbours(ways, nearest, surface, points.size())) {
     const auto all = known_distances(neighbour);
@@ -231,7 +237,10 @@ struct DualCells {
       }
       if (all) {
         const Triangles made_of = Eigen::RowVector3<std::int32_t>(corner[0], corner[1], corner[2]);
-        all = normal_of(corners_of(nodes, made_of, 0)).dot(normal_of(corners_of(nodes, surface, t))) > 0;
+        const Eigen::Vector3d normal = normal_of(corners_of(nodes, made_of, 0));
+        // Cells also meet on the other side of a thin body, where the triangle would face away from its own corners.
+        all = face_alike(normal, normal_of(corners_of(nodes, surface, t))) &&
+              face_alike(normal, normals.row(corner[0]) + normals.row(corner[1]) + normals.row(corner[2]));
       }
       if (all && known.insert(sorted(corner)).second) triangles.push_back(corner);
     }
@@ -265,7 +274,6 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
   std::set<std::int32_t> outermost;
   for (const auto& [edge, n] : n_triangles)
     if (n == 1) outermost.insert({edge.first, edge.second});
-  const Points normals = node_normals(nodes, surface);
   std::vector<Eigen::RowVector3d> weights;
   for (const auto node : surface_nodes(surface)) {
     const auto source = nearest.source[static_cast<std::size_t>(node)];
@@ -289,7 +297,7 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
         }
     if (best < 0) continue;
     // Beyond an edge of one triangle only a strip is covered, and nothing on the other side of the body.
-    if (!(normal_of(corners_of(nodes, made.triangles, best)).dot(normals.row(node)) > 0)) {
+    if (!face_alike(normal_of(corners_of(nodes, made.triangles, best)), normals.row(node))) {
       if (!whole) continue;
       best = around[static_cast<std::size_t>(own)].front();
       for (int k = 0; k < 3; ++k) best_weights[k] = made.triangles(best, k) == own ? 1 : 0;
@@ -385,26 +393,24 @@ void cover_surface(Model& model, const Mesh& mesh, double longest_m, bool spread
     rows[from.covered[i]] = {from.triangle[i], part(w[0], 1), part(w[1], w[1] + w[2])};
   };
   std::set<std::int32_t> beside_linear;
-  for (std::size_t i = 0; i < made.covered.size(); ++i) {
-    enter(made, i);
+  for (std::size_t i = 0; i < made.covered.size(); ++i)
     for (int k = 0; k < 3; ++k)
       if (made.weights(static_cast<Eigen::Index>(i), k) > 0 &&
           corners(made.triangle[i], k) >= static_cast<std::int32_t>(active.size()))
         beside_linear.insert(made.covered[i]);
-  }
   // What probed nodes alone answer is the same without linear points.
+  for (std::size_t i = 0; i < made.covered.size(); ++i)
+    if (beside_linear.contains(made.covered[i]) || position.contains(made.covered[i])) enter(made, i);
   for (std::size_t i = 0; i < inner.covered.size(); ++i)
     if (!beside_linear.contains(inner.covered[i])) enter(inner, i);
   std::map<std::int32_t, std::int32_t> alone;  // triangle of a single point
-  NodeList points;
-  std::ranges::set_union(active, linear, std::back_inserter(points));
-  const Points places = mesh.nodes(points, Eigen::all);
+  const Points places = mesh.nodes(linear, Eigen::all);
   for (const auto node : surface_nodes(model.surface)) {
     if (linear.empty() || rows.contains(node) || std::ranges::binary_search(model.fixed, node)) continue;
     Eigen::Index nearest = 0;
     (places.rowwise() - mesh.nodes.row(node)).rowwise().squaredNorm().minCoeff(&nearest);
     const auto next = static_cast<std::int32_t>(corners.rows() + std::ssize(alone));
-    const auto point = position.at(points[static_cast<std::size_t>(nearest)]);
+    const auto point = position.at(linear[static_cast<std::size_t>(nearest)]);
     rows[node] = {alone.try_emplace(point, next).first->second, schema::whole_weight, 0};
   }
   model.outer_triangles.resize(corners.rows() - n_inner + std::ssize(alone), 3);

@@ -50,8 +50,8 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
                                    const NodeList& fixed, double longest_m, const NodeList& linear = {});
 
 /// Sets the coordinates of a model's surface nodes between its active nodes, which are the middles of round tools. If
-/// it has linear points, all other free nodes are between these, too; those that no triangle is near have the
-/// coordinates of the nearest point, whose triangle is three times this point.
+/// it has linear points, all other free nodes are between these, too; those without a part of one have the
+/// coordinates of the nearest linear point, whose triangle is three times this point.
 /// @param longest_m  edge of a triangle between active nodes
 /// @param spread     the active nodes have coordinates between them; if not, they are all nodes of a part
 void cover_surface(Model& model, const Mesh& mesh, double longest_m, bool spread = true);
