@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <map>
 
 namespace phynness::meshes {
 namespace {
@@ -15,7 +16,7 @@ bool turned_over(const Eigen::RowVector3d& before, const Eigen::RowVector3d& aft
 
 }  // namespace
 
-ChangingSurface::ChangingSurface(const Surface& surface, double sharp_cosine)
+ChangingSurface::ChangingSurface(const Surface& surface, double sharp_cosine, double least_extent)
     : _at(static_cast<std::size_t>(surface.nodes.rows())), _feature_degree(_at.size(), 0) {
   for (Eigen::Index i = 0; i < surface.nodes.rows(); ++i) _x.push_back(surface.nodes.row(i));
   for (std::int32_t t = 0; t < surface.triangles.rows(); ++t) {
@@ -26,6 +27,29 @@ ChangingSurface::ChangingSurface(const Surface& surface, double sharp_cosine)
     const auto pair = triangles_of(edge);
     const Vector a = area_vector((*pair)[0]), b = area_vector((*pair)[1]);
     if (a.dot(b) < sharp_cosine * a.norm() * b.norm()) set_feature(edge, true);
+  }
+  remove_small_features(least_extent);
+}
+
+void ChangingSurface::remove_small_features(double least_extent) {
+  std::map<std::int32_t, std::vector<std::int32_t>> joined;
+  for (const Edge& edge : _features)
+    for (int k = 0; k < 2; ++k) joined[edge[k]].push_back(edge[1 - k]);
+  while (!joined.empty()) {
+    std::vector<std::int32_t> nodes = {joined.begin()->first};
+    std::vector<Edge> edges;
+    Eigen::AlignedBox3d extent;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      extent.extend(_x[nodes[i]].transpose());
+      const auto entry = joined.extract(nodes[i]);
+      if (entry.empty()) continue;
+      for (const auto other : entry.mapped()) {
+        edges.push_back({nodes[i], other});
+        nodes.push_back(other);
+      }
+    }
+    if (extent.diagonal().norm() >= least_extent) continue;
+    for (const Edge& edge : edges) set_feature(edge, false);
   }
 }
 

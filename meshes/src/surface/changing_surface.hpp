@@ -16,8 +16,10 @@ namespace phynness::meshes {
 class ChangingSurface {
  public:
   using Vector = Eigen::RowVector3d;
-  /// Edges are features if the cosine of the angle between the normals of their triangles is below `sharp_cosine`.
-  ChangingSurface(const Surface& surface, double sharp_cosine);
+  /// Edges are features if the cosine of the angle between the normals of their triangles is below `sharp_cosine`, and
+  /// if the edges that join them have an extent of at least `least_extent`. Segmented organs have smaller ones by
+  /// chance.
+  ChangingSurface(const Surface& surface, double sharp_cosine, double least_extent);
 
   std::vector<Edge> edges() const;
   /// The two triangles of an edge; empty if the edge no longer exists.
@@ -62,6 +64,7 @@ class ChangingSurface {
   bool can_collapse(std::int32_t gone, std::int32_t kept) const;
   void replace(std::int32_t triangle, std::int32_t old_node, std::int32_t new_node);
   void set_feature(Edge edge, bool on);
+  void remove_small_features(double least_extent);
 
   std::vector<Vector> _x;
   std::vector<Triangle> _triangles;  // a removed triangle has node -1
