@@ -136,8 +136,8 @@ json print_cells_across(const LoadedScene& loaded);
 
 /// Prints patch_warnings() on stderr, as load_scene() does.
 void print_patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
-/// Prints choice_warning() on stderr.
-void print_choice_warning(const LoadedScene& loaded);
+/// Prints choice_note() on stderr.
+void print_choice_note(const LoadedScene& loaded);
 
 /// Checks by its hash that a mesh file belongs to the scene. Built-in shapes are covered by the physics hash, because
 /// their meshes depend on the version of gmsh.

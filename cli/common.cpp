@@ -185,9 +185,8 @@ void print_patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& 
   for (const auto& warning : patch_warnings(scene, mesh, sets)) message("warning: {}\n", warning);
 }
 
-void print_choice_warning(const LoadedScene& loaded) {
-  if (const auto warning = choice_warning(loaded.scene, loaded.mesh, loaded.sets); !warning.empty())
-    message("warning: {}\n", warning);
+void print_choice_note(const LoadedScene& loaded) {
+  if (const auto note = choice_note(loaded.scene, loaded.mesh, loaded.sets); !note.empty()) message("note: {}\n", note);
 }
 
 void check_mesh(const Scene& scene, const std::string& hash, const std::string& where) {

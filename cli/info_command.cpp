@@ -354,7 +354,7 @@ std::string changed_lines(const std::string& settings, const std::string& defaul
 
 json about_scene(const std::filesystem::path& file) {
   const auto loaded = load_scene(file);
-  print_choice_warning(loaded);
+  print_choice_note(loaded);
   print_result("scene     {}: {}\n", file.string(), loaded.scene.title);
   print_mesh(loaded.mesh, loaded.sets);
   const json worst = print_worst_cells(loaded.mesh, loaded.sets.fixed);

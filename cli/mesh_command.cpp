@@ -40,7 +40,7 @@ void run(const Options& options) {
     message("note: {} is written to look at, with the groups of the node sets selected so far\n",
             options.output.string());
   });
-  print_choice_warning(loaded);
+  print_choice_note(loaded);
   const auto q = measure_quality(loaded.mesh);
   const auto& s = loaded.sets;
   const bool shell = loaded.mesh.cells.cols() == 3;

@@ -193,8 +193,9 @@ std::string accuracy_text(const Plan& plan) {
 
 void print_plan(const Options& options, const Plan& plan) {
   const auto& m = plan.measured;
-  print_result("time      {} on {} rank{}{}, if the cores are idle\n", duration(plan.wall_seconds), plan.ranks,
-               plan.ranks == 1 ? "" : "s", options.ranks ? "" : ", the processor cores of this machine");
+  print_result("time      {} on {} rank{}{}; all times here are of idle cores, shared ones take longer\n",
+               duration(plan.wall_seconds), plan.ranks, plan.ranks == 1 ? "" : "s",
+               options.ranks ? "" : ", the processor cores of this machine");
   if (!plan.check_seconds)
     print_result(
         "check     of validation.check_probes probes in phynness run; its time is not predicted and not limited\n");
@@ -225,7 +226,7 @@ void print_plan(const Options& options, const Plan& plan) {
 void run(const Options& options) {
   const SolverSession session;
   const auto loaded = load_scene(options.scene);
-  print_choice_warning(loaded);
+  print_choice_note(loaded);
   install_stop_handler();  // a signal before ends the program: there is nothing to keep
   const Plan plan = make_plan(options, loaded);
   print_plan(options, plan);

@@ -135,7 +135,7 @@ void run(const Options& options) {
   session.together([&] {
     loaded = load_scene(options.scene, !rank_zero, {}, target.resume ? options.output : std::filesystem::path(),
                         options.mesh);
-    if (rank_zero && options.mesh.empty()) print_choice_warning(loaded);
+    if (rank_zero && options.mesh.empty()) print_choice_note(loaded);
     redirect_growth(target, loaded);
     if (rank_zero && target.resume && target.from.empty()) print_kept_relaxation(target.file, loaded.scene);
     if (rank_zero) locks = acquire_locks(target, loaded);

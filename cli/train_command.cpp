@@ -62,6 +62,9 @@ FinerDistance distance_of(const std::filesystem::path& file, const Scene& scene,
     const auto read_members = [&](const json& object, auto& members, const auto& recurse) -> void {
       members.describe(members, [&]<class Value>(const char* key, Value& value) {
         if constexpr (Described<Value>) return recurse(object.at(key), value, recurse);
+        if (&value == static_cast<void*>(&distance.force_ratio) && !object.contains(key)) return;  // an older check
+        if constexpr (std::is_same_v<Value, double>)
+          if (object.at(key).is_null()) return;  // of no place
         if constexpr (std::is_same_v<Value, std::int32_t>)
           if (!object.at(key).is_number_integer()) throw refuse("a count is no integer");
         if constexpr (std::is_arithmetic_v<Value>)

@@ -37,6 +37,8 @@ public enum Status {
   ErrorTooLarge = -17,
   ErrorGeometry = -18,
   ErrorTooManyTools = -19,
+  ErrorImageOfFloats = -20,
+  ErrorImageOfDoubles = -21,
   ErrorSetting = -100
 }
 

@@ -61,7 +61,9 @@ TEST_P(Damaged, EndsAreNoticed) {
 
 TEST_P(Damaged, KindsAreTold) {
   const Image<double>::Type* other = nullptr;
-  EXPECT_EQ(Image<double>::open(bytes.data(), bytes.size(), &other), PHN_ERROR_VERSION);
+  EXPECT_EQ(Image<double>::open(bytes.data(), bytes.size(), &other), PHN_ERROR_IMAGE_OF_FLOATS);
+  Bytes of_doubles(model_image(small_model_of(GetParam()), {}));
+  EXPECT_EQ(of_doubles.open(), PHN_ERROR_IMAGE_OF_DOUBLES);
   const phn_imagef* image = nullptr;
   EXPECT_EQ(phn_imagef_open(bytes.data() + 2, bytes.size() - 2, &image), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_imagef_open(nullptr, 0, &image), PHN_ERROR_ARGUMENT);

@@ -148,14 +148,14 @@ TEST(Selections, ThatAreSpreadButNotCoveredGetAWarning) {
   const auto warning = [](const std::string& active, double radius) {
     const Scene scene = spread(active, radius);
     const auto sets = resolve_selections(scene, grid());
-    const auto choice = choice_warning(scene, grid(), sets);
+    const auto choice = choice_note(scene, grid(), sets);
     const auto all = patch_warnings(scene, grid(), sets);
     return !choice.empty() ? choice : all.empty() ? "" : all.front();
   };
   auto text = warning("{ spacing_m = 0.5 }", 3);
-  EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "each of the 17 nodes")) << text;
+  EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "17 of the 17 nodes")) << text;
   text = warning("{ spacing_m = 1, within = { spacing = \"auto\" } }", 6);
-  EXPECT_TRUE(contains(text, "each of the 5 nodes")) << text;
+  EXPECT_TRUE(contains(text, "5 of the 5 nodes")) << text;
   text = warning("{ count = 9 }", 0);
   EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "only at the 9 points")) << text;
   text = warning("{ count = 2 }", 3);
@@ -171,14 +171,16 @@ TEST(Selections, ThatAreSpreadByTheToolAskForWhatHelps) {
   const auto warnings = [](const Mesh& mesh, double radius) {
     const Scene scene = spread("{ spacing = \"auto\" }", radius);
     const auto sets = resolve_selections(scene, mesh);
-    std::string all = choice_warning(scene, mesh, sets) + "\n";
+    std::string all = choice_note(scene, mesh, sets) + "\n";
     for (const auto& one : patch_warnings(scene, mesh, sets)) all += one + "\n";
     return all;
   };
-  EXPECT_FALSE(contains(warnings(grid(), 3), "nodes are probed"));  // 17 of 17
+  EXPECT_FALSE(contains(warnings(grid(), 3), "are probed"));  // 17 of 17
   // Edges of 2 m: of 125 nodes 27 are inside and 4 are fixed.
   const auto text = warnings(block_mesh({4, 4, 4}, {8, 8, 8}), 6);
-  EXPECT_TRUE(contains(text, "94 of 94 nodes are probed; give a smaller part in `within`")) << text;
+  EXPECT_TRUE(contains(text, "chose 2e+03 mm between points, a third of the radius") &&
+              contains(text, "94 of the 94 nodes of the part are probed"))
+      << text;
   const auto gaps = warnings(grid(), 1.2);  // the diagonals have 1.41 m
   EXPECT_TRUE(contains(gaps, "edges of at most the radius, tool_radius_m = 1.2") &&
               contains(gaps, "smaller target_size_m"))

@@ -180,6 +180,17 @@ TEST_F(Verdict, KnowsItsProvenance) {
   for (const char* key : {"mean", "p95", "probes", "tool_radius_m"})
     EXPECT_EQ(said.at(std::string("finer_") + key), json("check.json").at("distance").at(key)) << key;
 
+  // What was not compared is null, and what an older check has not is not recorded.
+  auto check = json("check.json");
+  for (const char* key :
+       {"near_fixed", "elsewhere", "element_at_rest", "cells_at_rest", "shape_at_rest", "of_reference"})
+    EXPECT_EQ(check.at("distance").at(key).at("mean").is_null(), check.at("distance").at(key).at("places") == 0) << key;
+  check.at("distance").at("shape_at_rest") = {{"places", 0}, {"mean", nullptr}, {"p95", nullptr}};
+  check.at("distance").erase("force_ratio");
+  write_file(folder / "older.json", check.dump());
+  succeed("train scene.toml d.h5 -o older --check older.json");
+  EXPECT_EQ(read_file(folder / "older/model.txt").find("force_ratio"), std::string::npos);
+
   write_file(folder / "image/model.bin", read_file(folder / "image/model.bin").substr(0, 500));
   expect_names(be_refused("info image/model.bin").err, {"image is refused", "phynness export"});
 

@@ -14,7 +14,7 @@ TEST_F(Plans, sizes_are_those_of_the_run) {
   write_file(folder / "scene.toml", small_scene());
   const auto planned = succeed("plan scene.toml --ranks 3 --rays 16 --json plan.json");
   EXPECT_EQ(std::count(planned.out.begin(), planned.out.end(), '\n'), 7) << planned.out;
-  expect_names(planned.out, {"on 3 ranks, if the cores are idle", "memory", "database", "useful"});
+  expect_names(planned.out, {"on 3 ranks; all times here are of idle cores", "memory", "database", "useful"});
   const auto plan = json("plan.json");
   succeed("precompute scene.toml -o database.h5 --json run.json");
   const auto run = json("run.json");

@@ -352,7 +352,7 @@ ImageContents read_image(const std::vector<std::uint64_t>& words, std::size_t by
     return status;
   };
   int status = read(double{});
-  if (status == PHN_ERROR_VERSION) status = read(float{});
+  if (status == PHN_ERROR_IMAGE_OF_FLOATS) status = read(float{});
   if (status != PHN_OK)
     throw input_error("the image is refused: " + std::string(phn_status_message(status)), source,
                       "write it again with phynness export");

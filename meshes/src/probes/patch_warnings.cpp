@@ -129,26 +129,27 @@ constexpr std::ptrdiff_t fewest_worth_a_choice = 50;
 
 }  // namespace
 
-std::string choice_warning(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+std::string choice_note(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   meshes::SelectableBody body(mesh);
   body.fixed = sets.fixed;
   body.tool_radius_m = scene.probe.tool_radius_m;
   for (const auto& s : scene.active) {
     if (s.kind != SelectorKind::spread || s.count > 0) continue;
-    const auto nodes = meshes::nodes_to_spread_over(s, body, {"active nodes", ""});
-    const auto n = std::ranges::count_if(nodes, [&](auto i) { return std::ranges::binary_search(sets.active, i); });
+    const auto part = meshes::nodes_to_spread_over(s, body, {"active nodes", ""});
+    const auto n = std::ranges::count_if(part, [&](auto i) { return std::ranges::binary_search(sets.active, i); });
     const bool automatic = is_automatic(s);
     if (automatic && n < fewest_worth_a_choice) continue;
-    if (static_cast<double>(n) < (automatic ? 0.8 : 1.0) * static_cast<double>(nodes.size())) continue;
+    if (static_cast<double>(n) < (automatic ? 0.8 : 1.0) * static_cast<double>(part.size())) continue;
+    const std::string nodes = std::to_string(n) + " of the " + std::to_string(part.size()) + " nodes of the part";
     return s.where.str() + ": " +
-           (automatic ? "spacing = \"auto\", a third of the radius of the tool, is near the edges of the mesh"
-                      : "spacing_m = " + number_text(s.length_m) + " is below the edges of the mesh") +
-           ", so that " +
-           (automatic ? std::to_string(n) + " of " + std::to_string(nodes.size()) + " nodes are"
-                      : "each of the " + std::to_string(nodes.size()) + " nodes is") +
-           " probed; give a " +
-           (automatic ? "smaller part in `within`, or see the cost with phynness plan"
-                      : "larger spacing, or spacing = \"auto\"");
+           (automatic ? "spacing = \"auto\" chose " + three_digits(1e3 * body.tool_radius_m / 3) +
+                            " mm between points, a third of the radius of the tool; edges of the mesh are about as "
+                            "long, so that " +
+                            nodes +
+                            " are probed; phynness plan tells the cost, and a smaller part in "
+                            "`within` reduces it"
+                      : "spacing_m = " + number_text(s.length_m) + " is shorter than the edges of the mesh, so that " +
+                            nodes + " are probed; a larger spacing, or spacing = \"auto\", reduces the cost");
   }
   return "";
 }

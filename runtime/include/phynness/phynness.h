@@ -67,7 +67,9 @@ enum {
   PHN_ERROR_TOO_LARGE = -17,      /* the result has more bytes or numbers than size_t or int32_t can count */
   PHN_ERROR_GEOMETRY = -18,       /* a triangle has equal corners, or coordinates are too large for contact */
   PHN_ERROR_TOO_MANY_TOOLS = -19, /* more than PHN_MOST_COUPLED, or a body's n_modes / 9 */
-  PHN_ERROR_SETTING = -100        /* and below: of a loop, a setting is out of its range (phn_loop_init) */
+  PHN_ERROR_IMAGE_OF_FLOATS = -20,  /* but the code is for images of doubles: export without --float */
+  PHN_ERROR_IMAGE_OF_DOUBLES = -21, /* but the code is for images of floats: phynness export --float */
+  PHN_ERROR_SETTING = -100          /* and below: of a loop, a setting is out of its range (phn_loop_init) */
 };
 enum { PHN_MOST_COUPLED = 8, PHN_MOST_FIELDS = 8, PHN_MOST_RELAXING = 8 };
 

@@ -46,11 +46,10 @@ typedef struct phn_image phn_image;
 /* Checks the `bytes` bytes at `memory` and gives the image. The alignment is 8, for images of floats 4. Further bytes
  * may follow. Every byte is read once, which takes about ten instructions for four bytes. The memory must not change
  * while the image is used. PHN_ERROR_NOT_A_MODEL: not an image, or one of the other byte order. PHN_ERROR_VERSION:
- * another version, or the other kind of number. PHN_ERROR_TRUNCATED, PHN_ERROR_CHECKSUM: the image is damaged.
- * PHN_ERROR_FAMILY, PHN_ERROR_RANGE: sizes or indices are inconsistent, or a number is NaN, infinite, too large or a
- * negative depth.
- * PHN_ERROR_ARGUMENT: a null pointer, or wrong alignment. PHN_ERROR_OVERLAP: `image` itself lies in the bytes. On
- * failure *image is null. */
+ * another version. PHN_ERROR_IMAGE_OF_FLOATS, PHN_ERROR_IMAGE_OF_DOUBLES: this code is for the other.
+ * PHN_ERROR_TRUNCATED, PHN_ERROR_CHECKSUM: the image is damaged. PHN_ERROR_FAMILY, PHN_ERROR_RANGE: sizes or indices
+ * are inconsistent, or a number is NaN, infinite, too large or a negative depth. PHN_ERROR_ARGUMENT: a null pointer, or
+ * wrong alignment. PHN_ERROR_OVERLAP: `image` itself lies in the bytes. On failure *image is null. */
 PHN_API int phn_image_open(const void* memory, size_t bytes, const phn_image** image);
 
 /* The arrays and strings belong to the image. Nodes are numbers in the mesh, in ascending order; points are n x 3,

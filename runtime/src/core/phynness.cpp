@@ -12,6 +12,8 @@ namespace {
 
 /// In the order of their numbers, up to 5: _UNSETTLED with another warning.
 const char* const messages[] = {
+    "the image holds doubles, but this code is for images of floats: phynness export --float",
+    "the image holds floats, but this code is for images of doubles: phynness export without --float",
     "more than 8 tools in one call, or fewer than 9 modes of the body for each of them",
     "the surface has a triangle with equal corners, or coordinates that are too large for contact",
     "the result has more bytes or numbers than this machine can address",
@@ -44,7 +46,7 @@ const char* const messages[] = {
     "tools are not followed, and a displacement is outside of the trained range or a node was not "
     "trained to the full depth in all directions",
 };
-constexpr int first_message = PHN_ERROR_TOO_MANY_TOOLS, last_message = PHN_WARNING_UNSETTLED + 1;
+constexpr int first_message = PHN_ERROR_IMAGE_OF_DOUBLES, last_message = PHN_WARNING_UNSETTLED + 1;
 constexpr int all_warnings =
     PHN_WARNING_RELAXATION | PHN_WARNING_NEAR | PHN_WARNING_UNSETTLED | PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE;
 static_assert(sizeof messages / sizeof *messages == last_message - first_message + 1);

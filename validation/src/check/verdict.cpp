@@ -158,12 +158,14 @@ VerdictLine not_covered(const Validated& v) {
   const auto least_covered = std::min_element(share.of_node.begin(), share.of_node.end());
   if (least_covered != share.of_node.end() && *least_covered < 1)
     worst_covered =
-        fmt::format(" ({} % at node {})", in_percent(1 - *least_covered),
-                    v.model.model().nodes[static_cast<std::size_t>(least_covered - share.of_node.begin())].node);
+        fmt::format(", at node {} {} %",
+                    v.model.model().nodes[static_cast<std::size_t>(least_covered - share.of_node.begin())].node,
+                    in_percent(1 - *least_covered));
   const double untrained = std::max(0.0, 1 - share.all);
   const std::size_t active = v.model.model().nodes.size(), probed = v.report.nodes.size();
-  std::string text = fmt::format("{} % of the displacements to {:.4g} mm{} are not trained", in_percent(untrained),
-                                 1e3 * e.range_m, worst_covered);
+  std::string text =
+      fmt::format("{} % of the displacements to {:.4g} mm have no training data, so that the runtime warns{}",
+                  in_percent(untrained), 1e3 * e.range_m, worst_covered);
   if (!e.unreached.empty())
     text += fmt::format("; {} of {} probes have no finite element solution, {} of them without a warning",
                         e.unreached.size(), e.all.probes,

@@ -12,6 +12,7 @@ export const noBound = 1e300;
 const errorNames = [
   'ARGUMENT', 'NOT_ACTIVE', 'NOT_FINITE', 'BUFFER', 'TOOLS', 'ROUND_TOOLS', 'UNDEFINED', 'CLOCK', 'NOT_A_MODEL', 'VERSION', 'TRUNCATED',
   'CHECKSUM', 'SYNTAX', 'RANGE', 'FAMILY', 'OVERLAP', 'TOO_LARGE', 'GEOMETRY', 'TOO_MANY_TOOLS',
+  'IMAGE_OF_FLOATS', 'IMAGE_OF_DOUBLES',
 ];
 
 /** A refused call of the runtime. */

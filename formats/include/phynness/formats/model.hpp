@@ -137,11 +137,19 @@ struct SolvedBody {
   static void describe(auto& result, auto&& see) { PHYNNESS_SEE(element, shear_modulus_Pa); }
 };
 
+/// A figure that is undefined unless it is known; one that is read is written in any case.
+inline double if_known(bool known, const double& value) { return known ? value : undefined; }
+inline double& if_known(bool, double& value) { return value; }
+
 /// Errors at some of the places of a check.
 struct DistancePart {
-  std::int32_t places = 0;  ///< without any the errors are 0
+  std::int32_t places = 0;  ///< without any the errors are 0, in JSON null
   double mean = 0, p95 = 0;
-  static void describe(auto& result, auto&& see) { PHYNNESS_SEE(places, mean, p95); }
+  static void describe(auto& result, auto&& see) {
+    PHYNNESS_SEE(places);
+    see("mean", if_known(result.places > 0, result.mean));
+    see("p95", if_known(result.places > 0, result.p95));
+  }
 };
 
 /// Distance of the scene's finite elements from a finer solution (`phynness check`). Errors of a probe: the difference
@@ -150,7 +158,7 @@ struct DistancePart {
 struct FinerDistance {
   bool is_measured = false;
   std::string element, reference;          ///< names: of the scene's element; of reference_names
-  std::int32_t probes = 0;                 ///< that both have solved; without any the errors are 0
+  std::int32_t probes = 0;                 ///< that both have solved; without any the errors are 0, in JSON null
   double tool_radius_m = 0;                ///< of the round tool of these probes, which may stand for single nodes
   double mean = 0, p95 = 0;                ///< of the errors
   std::int32_t nodes = 0;                  ///< of the mesh of the finer solution; 0: not recorded, nor is `solved`
@@ -167,8 +175,12 @@ struct FinerDistance {
   const DistancePart& part(std::int32_t i) const { return this->*parts[i]; }
   DistancePart& part(std::int32_t i) { return this->*parts[i]; }
   static void describe(auto& result, auto&& see) {
-    PHYNNESS_SEE(element, reference, probes, tool_radius_m, mean, p95, nodes, solved, near_fixed, elsewhere);
-    PHYNNESS_SEE(element_at_rest, cells_at_rest, shape_at_rest, of_reference, unknowns_factor, force_ratio);
+    PHYNNESS_SEE(element, reference, probes, tool_radius_m);
+    see("mean", if_known(result.probes > 0, result.mean));
+    see("p95", if_known(result.probes > 0, result.p95));
+    PHYNNESS_SEE(nodes, solved, near_fixed, elsewhere, element_at_rest, cells_at_rest, shape_at_rest, of_reference);
+    PHYNNESS_SEE(unknowns_factor);
+    see("force_ratio", if_known(result.force_ratio > 0, result.force_ratio));
   }
   /// "4.1 % on average, below 9.3 % in 95 %, at 20 probes of a round tool of 30.0 mm radius. The finer ...".
   std::string sentence() const;

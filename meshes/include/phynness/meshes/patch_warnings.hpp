@@ -18,8 +18,7 @@ inline constexpr double fewest_edges_of_a_patch = 2;
 /// Warnings about the tools of a scene, one sentence each, with file and line and what would do: patches that the mesh
 /// does not resolve or that lose a part to fixed nodes, and spread points between which the tool is not answered.
 std::vector<std::string> patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
-/// The same about a spacing with which every node of the part is probed; empty if there is none. It concerns who
-/// chooses places, not who uses them.
-std::string choice_warning(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
+/// Of a spacing with which nearly every node of the part is probed: what it chose, why, and the cost. Otherwise empty.
+std::string choice_note(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 
 }  // namespace phynness
