@@ -19,10 +19,9 @@ struct Options {
   OptionalPath json_file;
 };
 
-/// The limit that --seconds needs for all probes, rounded up to two digits.
-std::string sufficient_limit(const DiscretizationReport& report) {
-  const double seconds = std::max(1.0, 1.1 * report.sufficient_s),
-               unit = std::pow(10, std::floor(std::log10(seconds)) - 1);
+/// The option with this limit and a tenth more, rounded up to two digits.
+std::string sufficient_limit(double sufficient_s) {
+  const double seconds = std::max(1.0, 1.1 * sufficient_s), unit = std::pow(10, std::floor(std::log10(seconds)) - 1);
   return fmt::format("--seconds {:.0f}", std::ceil(unit * std::ceil(seconds / unit)));
 }
 
@@ -49,7 +48,9 @@ void print(const Scene& scene, const DiscretizationReport& report) {
         "note: the scene displaces single nodes, whose force depends on element and mesh even without locking; "
         "patches of {:.4g} mm are compared instead\n",
         1e3 * report.tool_radius_m);
-  print_result("  Forces over those of a finer solution at the same displacement (above 1: too stiff):\n");
+  const auto distance = report.distance(scene);
+  if (distance.probes > 0)
+    print_result("  Forces over those of a finer solution at the same displacement (above 1: too stiff):\n");
   for (std::size_t i = 0; i < report.depth_m.size(); ++i) {
     const auto ratios = report.ratios(i);
     if (ratios.n == 0) continue;
@@ -57,15 +58,17 @@ void print(const Scene& scene, const DiscretizationReport& report) {
                  1e3 * report.depth_m[i], ratio_in_words(ratios.median), ratios.median, ratios.n,
                  ratios.n == 1 ? "" : "s", ratios.min, ratios.max);
   }
-  if (const auto distance = report.distance(scene); distance.probes > 0)
-    print_result("  force error: {}\n", distance.sentence());
+  if (distance.probes > 0) print_result("  force error: {}\n", distance.sentence());
   if (!report.at_rest.skipped_reason.empty())
-    print_result("  not compared at rest: {}\n", report.at_rest.skipped_reason);
+    print_result("  not compared at rest: {}{}\n", report.at_rest.skipped_reason,
+                 report.at_rest.sufficient_s > 0
+                     ? fmt::format("; {} would be enough", sufficient_limit(report.at_rest.sufficient_s))
+                     : "");
   print_failed(report, "scene", &CheckedProbe::own);
   print_failed(report, "finer solution", &CheckedProbe::finer);
   if (report.left_out > 0)
     print_result("  {} probes were left out for their time; {} would be enough for all\n", report.left_out,
-                 sufficient_limit(report));
+                 sufficient_limit(report.sufficient_s));
   print_result("{}\n", duration(report.seconds));
 }
 
@@ -90,7 +93,8 @@ void require_figures(const Options& options, const Scene& scene, const Discretiz
   if (report.left_out == 0)
     throw failure("nothing could be compared", "all solves failed", "reduce max_displacement_m");
   throw failure("nothing could be compared in the given time", fmt::format("--seconds {:g}", options.check.seconds),
-                fmt::format("allow {}, or use a coarser mesh", sufficient_limit(report)));
+                fmt::format("allow {}, or use a coarser mesh",
+                            sufficient_limit(std::max(report.sufficient_s, report.at_rest.sufficient_s))));
 }
 
 /// The keys of the scene that make this row: the element, "target_nodes = 160" and the like.

@@ -171,9 +171,8 @@ json print_cells_across(const LoadedScene& loaded) {
   // The slab and the tube of docs/decisions/element.md, which are 0.8 and 0.4 thick, had the largest errors.
   constexpr double fewest = 1;
   const auto across = cells_across(loaded.mesh, loaded.sets.active);
-  print_result(
-      "across    {:.1f} cells of the mean edge below an active node in the median, {:.1f} at least (node {})\n",
-      across.median, across.least, across.thinnest);
+  print_result("thickness {:.1f} mean cell edges below active nodes in the median, {:.1f} at least (node {})\n",
+               across.median, across.least, across.thinnest);
   if (across.median < fewest)
     message(
         "warning: below most active nodes the body is less than one cell thick, so that forces may be far off: use "

@@ -106,7 +106,7 @@ TEST_F(Check, CountsSmallerCellsAsTheStiffnessAtRest) {
   EXPECT_NE(distance.at("force_ratio").get<double>(), 1);
   EXPECT_LE(std::abs(distance.at("force_ratio").get<double>() - 1), distance.at("mean").get<double>());
   expect_names(unbroken(done.out),
-               {"corrected at rest for cells of half the size",
+               {"corrected by what cells of half the size change at rest",
                 "With taylor-hood elements on the same mesh, which answer one tool only, the error would"});
   EXPECT_EQ(unbroken(done.out).find("shape of the surface"), std::string::npos) << done.out;
 }
@@ -193,6 +193,9 @@ TEST_F(Check, SaysWhatTheTimeDoesNotAllow) {
   EXPECT_GT(json("check.json").at("left_out"), 0);
   EXPECT_GT(json("check.json").at("sufficient_seconds").get<double>(), 1);
   EXPECT_TRUE(std::regex_search(outcome.out + outcome.err, std::regex("--seconds [1-9]"))) << outcome.out;
+  EXPECT_TRUE(std::regex_search(unbroken(outcome.out),
+                                std::regex("not compared at rest: the size of the cells .*; --seconds [1-9]")))
+      << outcome.out;
   // Without mpirun and in one process, like plan.
   be_refused("check scene.toml --probes 0");
   be_refused("check scene.toml --seconds nan");

@@ -88,7 +88,7 @@ TEST_F(Contract, PipelineFromSceneToForce) {
 TEST_F(Contract, AMeshForParaViewIsTheMesh) {
   write_file(folder / "scene.toml", small_scene());
   const auto printed = succeed("mesh scene.toml -o mesh.msh --json mesh.json");
-  expect_names(printed.out, {"across ", " cells of the mean edge below an active node"});
+  expect_names(printed.out, {"thickness ", " mean cell edges below active nodes in the median"});
   succeed("mesh scene.toml -o mesh.vtu");
   expect_names(succeed("info mesh.vtu --json info.json").out, {json("mesh.json").at("mesh_hash").get<std::string>(),
                                                                "size      volume 0.0004, area 0.034; edges of "});

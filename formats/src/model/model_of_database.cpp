@@ -103,7 +103,7 @@ std::string FinerDistance::sentence() const {
   if (cells_at_rest.places > 0 && reference != reference_names[2]) corrected = "cells of half the size";
   const bool has_shape_step = shape_at_rest.places > 0 && shape_at_rest.mean > 0;
   if (has_shape_step) corrected += (corrected.empty() ? "" : " and ") + std::string("the shape of the surface");
-  if (!corrected.empty()) finer += ", corrected at rest for " + corrected;
+  if (!corrected.empty()) finer += ", corrected by what " + corrected + " change at rest";
   constexpr int fewest_for_p95 = 20;
   std::string parts, left_out;
   for (const auto& [what, part] : {std::pair{"the element", &element_at_rest},
@@ -130,11 +130,11 @@ std::string FinerDistance::sentence() const {
   const auto at = [&](const DistancePart& part) { return percent(part.mean) + " at " + std::to_string(part.places); };
   if (has_parts) {
     if (near_fixed.places == 0)
-      text += ", none of them nearer than that to fixed nodes";
+      text += ", none of them within this radius of fixed nodes";
     else if (elsewhere.places == 0)
-      text += ", all of them nearer than that to fixed nodes";
+      text += ", all of them within this radius of fixed nodes";
     else
-      text += ": " + at(near_fixed) + " nearer than that to fixed nodes, " + at(elsewhere) + " elsewhere";
+      text += ": " + at(near_fixed) + " within this radius of fixed nodes, " + at(elsewhere) + " elsewhere";
   }
   // An image does not record what its finer solution has.
   if (has_parts) text += ". The finer solution has " + finer;

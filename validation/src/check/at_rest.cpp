@@ -56,13 +56,23 @@ std::string memory_shortage(double unknowns, const DiscretizationOptions& option
 }
 
 ComparisonAtRest compare_at_rest(const VariantBody& own, Variant reference, std::vector<PlaceAtRest> places,
-                                 const DiscretizationOptions& options, const std::function<double()>& remaining_s,
+                                 const DiscretizationOptions& options, const std::function<double()>& elapsed_s,
                                  const ShouldStop& stop) {
-  ComparisonAtRest result{std::move(places), ""};
+  const auto remaining_s = [&] { return part_of_time_at_rest * options.seconds - elapsed_s(); };
+  ComparisonAtRest result{std::move(places), "", 0};
   const bool is_true_shape = has_true_shape(own.scene.mesh);
   for (auto& place : result.places)
     if (is_true_shape) place.shape = 0;
   std::vector<Eigen::Matrix3d> scene_stiffness, reference_stiffness, finest_stiffness;
+  // What is still to be compared, with the unknowns of its body; the true shape has about those of the smaller cells.
+  std::vector<std::pair<std::string, double>> missing;
+  const Element element = own.scene.solver.element;
+  if (reference == Variant::taylor_hood)
+    missing.emplace_back("the element", variant_unknowns(reference, element, own.mesh));
+  const double most_unknowns = variant_unknowns(
+      Variant::half_size, reference == Variant::taylor_hood ? element_named("taylor-hood") : element, own.mesh);
+  missing.emplace_back("the size of the cells", most_unknowns);
+  if (!is_true_shape) missing.emplace_back("the shape of the surface", most_unknowns);
   double previous_s = 0, previous_unknowns = 1;
   const auto compare_body = [&](const char* what, const VariantBody& body, double PlaceAtRest::*part) {
     const double unknowns =
@@ -70,11 +80,12 @@ ComparisonAtRest compare_at_rest(const VariantBody& own, Variant reference, std:
     const double expected_s = previous_s * std::pow(unknowns / previous_unknowns, cost_exponent);
     auto skipped_reason = memory_shortage(unknowns, options);
     // The exponent holds for large bodies, so that the prediction may be several times too long.
-    if (skipped_reason.empty() && expected_s > 5 * remaining_s())
-      skipped_reason = fmt::format("up to {:.0f} s are needed", expected_s);
+    bool is_late = skipped_reason.empty() && expected_s > 5 * remaining_s();
+    if (is_late) skipped_reason = fmt::format("up to {:.0f} s are needed", expected_s);
     std::vector<Eigen::Matrix3d> stiffness;
+    const std::clock_t before = std::clock();
+    const auto spent_s = [&] { return static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC; };
     if (skipped_reason.empty()) try {
-        const std::clock_t before = std::clock();
         ProbeSolver solver(body.scene, body.mesh, {body.sets.fixed, {}, {}});
         solver.set_stop([&] { return (stop && stop()) || !(remaining_s() > 0); }, 0);
         for (const auto& place : result.places) try {
@@ -85,15 +96,26 @@ ComparisonAtRest compare_at_rest(const VariantBody& own, Variant reference, std:
             solver.recover();
             stiffness.push_back(Eigen::Matrix3d::Constant(undefined));
           }
-        previous_s = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+        previous_s = spent_s();
         previous_unknowns = unknowns;
       } catch (const Interrupted&) {
         skipped_reason = "the time is over";
+        is_late = true;
+        previous_s = 2 * spent_s();
+        previous_unknowns = unknowns;
       }
     if (!skipped_reason.empty()) {
-      result.skipped_reason = fmt::format("{}: {}", what, skipped_reason);
+      std::string parts;
+      double needed_s = elapsed_s();
+      for (const auto& [part, part_unknowns] : missing) {
+        parts += (parts.empty() ? "" : ", ") + part;
+        needed_s += previous_s * std::pow(part_unknowns / previous_unknowns, cost_exponent);
+      }
+      result.skipped_reason = fmt::format("{} ({}: {})", parts, what, skipped_reason);
+      if (is_late) result.sufficient_s = needed_s / part_of_time_at_rest;
       return false;
     }
+    if (part != nullptr) missing.erase(missing.begin());
     for (std::size_t i = 0; part != nullptr && i < stiffness.size(); ++i)
       result.places[i].*part = (finest_stiffness[i] - stiffness[i]).norm() / stiffness[i].norm();
     finest_stiffness = std::move(stiffness);

@@ -22,13 +22,16 @@ double factor_bytes(double unknowns);
 /// "9.10 GB of memory are needed, 2.00 GB are available" for the factors of a solid; empty if there is enough memory.
 std::string memory_shortage(double unknowns, const DiscretizationOptions& options);
 
+/// Of the time of a check, what the comparison at rest may take.
+inline constexpr double part_of_time_at_rest = 0.7;
+
 /// Compares stiffnesses of round tools at rest with one factorization for each body. The comparison ends with
 /// `skipped_reason` at a body that exceeds the memory or the time.
 /// @param own     the scene with round tools
 /// @param places  nodes of its mesh; the result contains them with their distances
-/// @param remaining_s  returns the remaining time
+/// @param elapsed_s  returns the time since the start of the check
 ComparisonAtRest compare_at_rest(const VariantBody& own, Variant reference, std::vector<PlaceAtRest> places,
-                                 const DiscretizationOptions& options, const std::function<double()>& remaining_s,
+                                 const DiscretizationOptions& options, const std::function<double()>& elapsed_s,
                                  const ShouldStop& stop);
 
 }  // namespace phynness

@@ -330,8 +330,7 @@ DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, 
 
   const VariantBody body{common, mesh, {sets.fixed, sets.active, {}}};
   if (mesh.cells.cols() == 4)
-    report.at_rest = compare_at_rest(
-        body, options.reference, places, options, [&] { return 0.7 * options.seconds - elapsed_s(); }, stop);
+    report.at_rest = compare_at_rest(body, options.reference, places, options, elapsed_s, stop);
 
   VariantSolver own(body, options.seconds, elapsed_s, stop);
   std::optional<VariantSolver> finer;

@@ -25,7 +25,8 @@ VerdictLine of_model(const Validated& v) {
   std::string text = "no force was compared";
   if (force.n > 0)
     text = fmt::format(
-        "{} % on average, below {} % in 95 % of {} probes (linear predictor: {} %); {} % of the forces are wrong by "
+        "{} % of the node's largest force on average, below {} % in 95 % of {} probes (linear predictor: {} %); {} % "
+        "of the forces are wrong by "
         "more than a tenth of their size",
         in_percent(force.mean), in_percent(force.p95), force.n, in_percent(e.all.linear.force.mean),
         in_percent(wrong_of_all));
@@ -85,7 +86,7 @@ VerdictLine worst_node(const Validated& v) {
       worst->flagged ? " (the runtime warns of all probes)" : "");
   for (const auto& [where, points] :
        {std::pair{"; between probed points {} % of the largest force there, at ({:.1f}, {:.1f}, {:.1f}) mm", &v.points},
-        {"; at the rim {} %, at ({:.1f}, {:.1f}, {:.1f}) mm", &v.rim}})
+        {"; at the rim of the probed part {} %, at ({:.1f}, {:.1f}, {:.1f}) mm", &v.rim}})
     if (points->worst)
       line.sentence += fmt::format(fmt::runtime(where), in_percent(points->worst->error), 1e3 * points->worst->at_m[0],
                                    1e3 * points->worst->at_m[1], 1e3 * points->worst->at_m[2]);
@@ -108,8 +109,8 @@ VerdictLine of_two_tools(const Validated& v) {
                        in_percent(force.mean), in_percent(force.p95), force.n, in_percent(unflagged.linear.force.mean),
                        in_percent(unflagged.linear.force.p95));
   if (warned.n > 0)
-    text += fmt::format(", {} % in {} with a warning (linear predictor: {} %)", in_percent(warned.mean), warned.n,
-                        in_percent(flagged.linear.force.mean));
+    text += fmt::format("; {} % on average in {} pairs with a warning (linear predictor: {} %)",
+                        in_percent(warned.mean), warned.n, in_percent(flagged.linear.force.mean));
   if (const auto& answers = v.pairs.answers; answers.bounded > 0)
     text +=
         fmt::format("; the bound held for {:.0f} % of {} forces",
@@ -158,13 +159,12 @@ VerdictLine not_covered(const Validated& v) {
   const auto least_covered = std::min_element(share.of_node.begin(), share.of_node.end());
   if (least_covered != share.of_node.end() && *least_covered < 1)
     worst_covered =
-        fmt::format(", at node {} {} %",
-                    v.model.model().nodes[static_cast<std::size_t>(least_covered - share.of_node.begin())].node,
-                    in_percent(1 - *least_covered));
+        fmt::format(" ({} % at node {}, the worst)", in_percent(1 - *least_covered),
+                    v.model.model().nodes[static_cast<std::size_t>(least_covered - share.of_node.begin())].node);
   const double untrained = std::max(0.0, 1 - share.all);
   const std::size_t active = v.model.model().nodes.size(), probed = v.report.nodes.size();
   std::string text =
-      fmt::format("{} % of the displacements to {:.4g} mm have no training data, so that the runtime warns{}",
+      fmt::format("{} % of the displacements to {:.4g} mm{}, which have no training data and give a warning",
                   in_percent(untrained), 1e3 * e.range_m, worst_covered);
   if (!e.unreached.empty())
     text += fmt::format("; {} of {} probes have no finite element solution, {} of them without a warning",

@@ -58,6 +58,7 @@ struct PlaceAtRest {
 struct ComparisonAtRest {
   std::vector<PlaceAtRest> places;
   std::string skipped_reason;  ///< what was not compared, and why
+  double sufficient_s = 0;     ///< estimated time limit of a check that also compares this; 0: time is not the reason
   static void describe(const auto& result, auto&& see) {
     PHYNNESS_SEE(places);
     see("left_out", result.skipped_reason.empty() ? std::nullopt : std::optional(result.skipped_reason));
