@@ -137,7 +137,7 @@ TEST(ErrorBounds, AreBrokenOnlyBeyondTheSamplingError) {
   EXPECT_TRUE(is_below_promise(measured(87, 13), 0.93));
   EXPECT_FALSE(is_below_promise(measured(9, 2), 0.93));
   // A share of 0.86 of weights that scatter as 37 equal ones: the limit is 0.846, of 94 equal ones 0.877.
-  EXPECT_NEAR(measured(93, 1, 15).of_equal_weight, 108.0 * 108 / (93 + 225), 1e-12);
+  EXPECT_NEAR(measured(93, 1, 15).effective_states, 108.0 * 108 / (93 + 225), 1e-12);
   EXPECT_FALSE(is_below_promise(measured(93, 1, 15), 0.93));
   EXPECT_FALSE(is_below_promise(coverage_of({}, 0.01), 0.93));
 }

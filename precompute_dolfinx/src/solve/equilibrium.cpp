@@ -70,7 +70,7 @@ SNESConvergedReason Equilibrium::iterate(bool from_convex, int most_iterations, 
   copy_unknowns(_x);
   _needs_tangent = true;
   _convex = from_convex;
-  _strictly_convex = false;
+  _needs_strict_convexity = false;
   _factorization_failed = false;
   _callback_exception = nullptr;
   const auto code = SNESSolve(_snes, nullptr, _x);

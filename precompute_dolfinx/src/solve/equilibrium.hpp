@@ -127,7 +127,7 @@ class Equilibrium {
   void evaluate_residual();
   double free_residual_norm() const;
   Convexity convexity() const {
-    return !_convex ? Convexity::none : _strictly_convex ? Convexity::strictly : Convexity::nearly;
+    return !_convex ? Convexity::none : _needs_strict_convexity ? Convexity::strictly : Convexity::nearly;
   }
   /// The merit function of the line search at `state`: the stored energy with equilibrated pressures.
   /// @pre `residual` belongs to `state`
@@ -167,19 +167,19 @@ class Equilibrium {
   double _reaction_norm = 0;       ///< of the latest residual
   double _rounding_residual = 0;   ///< norm of the residual that rounding causes
   SolverCounts _counts;
-  PressureBlock _pressures;            ///< of the latest tangent
-  QuasiNewton _quasi_newton;           ///< corrections since the latest factorization
-  bool _needs_tangent = true;          ///< assemble and factorize in the next iteration
-  bool _factors_are_current = false;   ///< the factors belong to the state from which the step starts
-  bool _convex = false;                ///< make element tangents positive semidefinite
-  bool _strictly_convex = false;       ///< in this solve, nearly convex element tangents did not suffice
-  bool _factors_are_convex = false;    ///< the latest factorization is of a convex tangent
-  bool _is_usable = true;              ///< false during recover()
-  PetscInt _most_iterations = 0;       ///< of Newton's method, including PETSC_OPTIONS
-  bool _met_instability = false;       ///< a tangent of the latest solve had negative pivots
-  bool _factorization_failed = false;  ///< in the latest solve there were no factors, or no finite solution
-  std::function<bool()> _stop;         ///< says that the user wants an end
-  double _patience_s = 0;              ///< a solve may go on for so long
+  PressureBlock _pressures;              ///< of the latest tangent
+  QuasiNewton _quasi_newton;             ///< corrections since the latest factorization
+  bool _needs_tangent = true;            ///< assemble and factorize in the next iteration
+  bool _factors_are_current = false;     ///< the factors belong to the state from which the step starts
+  bool _convex = false;                  ///< make element tangents positive semidefinite
+  bool _needs_strict_convexity = false;  ///< nearly convex element tangents did not suffice in this solve
+  bool _factors_are_convex = false;      ///< the latest factorization is of a convex tangent
+  bool _is_usable = true;                ///< false during recover()
+  PetscInt _most_iterations = 0;         ///< of Newton's method, including PETSC_OPTIONS
+  bool _met_instability = false;         ///< a tangent of the latest solve had negative pivots
+  bool _factorization_failed = false;    ///< in the latest solve there were no factors, or no finite solution
+  std::function<bool()> _stop;           ///< says that the user wants an end
+  double _patience_s = 0;                ///< a solve may go on for so long
   std::optional<std::chrono::steady_clock::time_point> _stop_requested_at;
   std::exception_ptr _callback_exception;  ///< exception of a callback, because exceptions must not pass through PETSc
   PetscVec _x, _r;

@@ -113,8 +113,8 @@ class Equilibrium::Step {
       return request_convex_tangent();
     }
     bool negative_curvature = false;
-    if (_solver._convex && !_solver._strictly_convex && _solver.negative_pivots() > 0) {
-      _solver._strictly_convex = _solver._needs_tangent = true;
+    if (_solver._convex && !_solver._needs_strict_convexity && _solver.negative_pivots() > 0) {
+      _solver._needs_strict_convexity = _solver._needs_tangent = true;
       return 0;
     }
     if (_solver._convex) {

@@ -10,7 +10,7 @@ constexpr int longest_history = 3;
 }  // namespace
 
 void Path::append(PathPoint point) {
-  if (point.jumped) _points.clear();
+  if (point.has_buckled) _points.clear();
   _points.push_back(std::move(point));
   if (_points.size() > longest_history) _points.pop_front();
 }

@@ -19,7 +19,7 @@ struct PathPoint {
   bool exact_stiffness = true;  ///< false: it is estimated from the velocity
   int negative_pivots = 0;
   bool met_instability = false;  ///< at this or an earlier point
-  bool jumped = false;           ///< the body has buckled, so that the state is far from the previous points
+  bool has_buckled = false;      ///< so that the state is far from the previous points
 };
 
 /// The extrapolation to s of the polynomial through states and velocities of a few points.

@@ -52,7 +52,7 @@ struct ProbeSolver::Impl {
   RaySolver rays;
   NodalFields fields;
   std::size_t n_tools = 0;
-  bool is_free_at_rest = false;  ///< the factors are those of the untouched body at rest
+  bool has_factors_at_rest = false;  ///< the factors are those of the untouched body at rest
   RaySolver::Rest rest;
   RestResponse rest_SI;
   struct Motion {
@@ -78,7 +78,7 @@ struct ProbeSolver::Impl {
 
   /// Prescribes the tools and computes their responses at rest.
   void touch(const std::vector<SurfacePoint>& tools) {
-    is_free_at_rest = false;
+    has_factors_at_rest = false;
     equilibrium.prescribe(tool_constraint(body, tools, radius(), fixed));
     n_tools = tools.size();
     rest = rays.rest();
@@ -94,11 +94,11 @@ struct ProbeSolver::Impl {
 
   RestResponse single_tool_at_rest(const SurfacePoint& point) {
     check_touched(point);
-    if (!is_free_at_rest) {
+    if (!has_factors_at_rest) {
       equilibrium.prescribe({});
       n_tools = 0;
       rest = rays.rest();
-      is_free_at_rest = true;
+      has_factors_at_rest = true;
     }
     const auto weights = mean_weights(body, point, radius(), fixed);
     Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(body.n_dofs(), 3);
@@ -159,7 +159,7 @@ ProbeSolver::ProbeSolver(ProbeSolver&&) noexcept = default;
 
 int ProbeSolver::n_dofs() const { return _impl->body.n_dofs(); }
 void ProbeSolver::recover() {
-  _impl->is_free_at_rest = false;
+  _impl->has_factors_at_rest = false;
   _impl->equilibrium.recover();
 }
 void ProbeSolver::set_stop(std::function<bool()> stop, double patience_s) {

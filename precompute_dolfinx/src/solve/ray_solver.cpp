@@ -48,7 +48,7 @@ Prediction RaySolver::predict(const Path& path, double s, PathPoint& to) {
 }
 
 Status RaySolver::linearize(const Prediction& predicted, bool all_tangents, PathPoint& to) {
-  if (all_tangents || to.jumped) {
+  if (all_tangents || to.has_buckled) {
     const auto n_parameters = _direction.size();
     const auto linear = _equilibrium.linearize(to.state, Eigen::MatrixXd::Identity(n_parameters, n_parameters));
     if (linear.status != Status::converged || !linear.sensitivity.allFinite()) return Status::factorization;
@@ -70,7 +70,7 @@ Status RaySolver::linearize(const Prediction& predicted, bool all_tangents, Path
   }
   // Fewer negative pivots than pressures: for J > e a coupling of p and J is no longer concave in p, and the continuous
   // body does not have this equilibrium. Without tangents the count may belong to an earlier state.
-  if (to.negative_pivots < 0 && !all_tangents && !to.jumped) {
+  if (to.negative_pivots < 0 && !all_tangents && !to.has_buckled) {
     const auto again = _equilibrium.linearize(to.state, Eigen::MatrixXd(_direction.size(), 0));
     if (again.status != Status::converged) return Status::factorization;
     to.negative_pivots = again.negative_pivots;
@@ -93,7 +93,7 @@ PathStep RaySolver::advance(const Path& path, double s, bool all_tangents, PathP
     return step;
   }
   to.met_instability = path.last().met_instability || outcome.met_instability;
-  to.jumped = outcome.has_left_saddle;
+  to.has_buckled = outcome.has_left_saddle;
   step.status = linearize(predicted, all_tangents, to);
   if (step.status != Status::converged) return step;
   to.energy = _body.energy(to.state);

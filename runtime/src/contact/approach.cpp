@@ -13,7 +13,7 @@ void free_on_surface(const phn_contact& contact, double radius, ToolContact& too
 }
 
 /// Whether a larger radius has moved the offset surface past a tool that was outside of it.
-bool is_overtaken(const phn_contact& contact, double radius, const ToolContact& tool, SurfacePoint& point) {
+bool surface_has_passed(const phn_contact& contact, double radius, const ToolContact& tool, SurfacePoint& point) {
   if (!(radius > tool.radius)) return false;
   nearest(contact.surface, contact.volumes, tool.radius, tool.position.x, point);
   const Vector normal = normal_at(contact.surface, point);
@@ -42,7 +42,7 @@ void approach(const phn_contact& contact, const ToolInput& input, ToolContact& t
     SurfacePoint point;
     double part = -1;
     if (tool.has_position) {
-      part = is_overtaken(contact, input.radius, tool, point)
+      part = surface_has_passed(contact, input.radius, tool, point)
                  ? 0
                  : sweep(surface, contact.volumes, input.radius, tool.position.x, center.x, slack_of(contact), point);
       tool.has_proxy = part >= 0;

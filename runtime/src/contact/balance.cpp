@@ -12,11 +12,11 @@ constexpr double cone_tolerance = 1e-4;            ///< of the force
 /// Longest slide in a step: on a model in displacements of the touched point; on a body in motions of the tool, and in
 /// addition a part of the distance at which tools are near.
 constexpr double longest_slide = 2, slide_of_near_tools = 0.02;
-constexpr double same_place = 1e-4;  ///< Tools closer than this, in sizes of the body, are at one point.
+constexpr double coincidence_distance = 1e-4;  ///< Tools closer than this, in sizes of the body, are at one point.
 /// A slide after which the cone is exceeded by more is cut so often, each time by this factor.
 constexpr int most_cuts = 3;
 constexpr double cut_factor = 0.3;
-constexpr double largest_return = 3;             ///< of a surface that is released, over the displacement of the tool
+constexpr double largest_release_ratio = 3;      ///< of a surface that is released, over the displacement of the tool
 constexpr int most_friction_iterations = 20;     ///< for the size of the friction along a slide
 constexpr int most_projections = 3;              ///< responses in a step after projections of a proxy
 constexpr int most_projection_steps = 12;        ///< of a projection
@@ -237,7 +237,7 @@ class Balance {
     if (_inputs[t].mode != PHN_TOOL_PRESS) {
       force = before + inverse_of(compliance) * gap;
     } else if (length((compliance * before).x) >
-               largest_return * std::fmax(norm(tool.displacement), _touched.max_displacement_m)) {
+               largest_release_ratio * std::fmax(norm(tool.displacement), _touched.max_displacement_m)) {
       // The body is nearly unstable, so that forces without the tool are not known.
       const Vector stuck = before + inverse_of(compliance) * gap;
       const double push = std::fmax(-dot(stuck, normal), 0);
@@ -359,7 +359,8 @@ class Balance {
         const Vector difference =
             point_at(_surface, _surface.rest, a.proxy, 0) - point_at(_surface, _surface.rest, b.proxy, 0);
         const std::int32_t node = only_node(a.proxy);
-        if (norm(difference) > same_place * _surface.size && (node < 0 || node != only_node(b.proxy))) continue;
+        if (norm(difference) > coincidence_distance * _surface.size && (node < 0 || node != only_node(b.proxy)))
+          continue;
         const bool a_grasps = _inputs[s].mode == PHN_TOOL_GRASP, b_grasps = _inputs[t].mode == PHN_TOOL_GRASP;
         const bool a_stays = a_grasps != b_grasps
                                  ? a_grasps

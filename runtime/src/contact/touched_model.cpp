@@ -28,7 +28,7 @@ class TouchedModel final : public Touched {
     Matrix sum = {};
     for (std::int32_t n = 0; n < mean.n; ++n) {
       const Matrix stiffness = stiffness_at_rest(_model, _model.active[mean.active[n]]);
-      for (int k = 0; k < 9; ++k) sum.a[k] += mean.weight[n] * stiffness.a[k] / (mean.lever * mean.lever);
+      for (int k = 0; k < 9; ++k) sum.a[k] += mean.weight[n] * stiffness.a[k] / (mean.transmission * mean.transmission);
     }
     return sum;
   }

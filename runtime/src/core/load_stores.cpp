@@ -14,7 +14,7 @@ double* blocks(Load& load, std::int64_t n) {
 }
 
 /// Whether a row of the displacements is within largest_center. Without memory the result is true.
-bool near_enough(const phn_model& model, std::int32_t row) {
+bool is_in_center_range(const phn_model& model, std::int32_t row) {
   bool near = true;
   for (int k = 0; k < 3 && model.displacements; ++k)
     near = near && std::fabs(model.displacements[3 * static_cast<std::size_t>(row) + k]) <= largest_center;
@@ -70,7 +70,7 @@ void AmplitudeCenters::shape(Load& load, std::int64_t rows, std::int64_t) {
 }
 
 void AmplitudeCenters::set(Load& load, std::int64_t i, std::int64_t, std::int32_t row) {
-  load.require(near_enough(load.model, row));
+  load.require(is_in_center_range(load.model, row));
   for (int k = 0; k < 3 && load.has_memory(); ++k)
     data[k][i] = load.model.displacements[3 * static_cast<std::size_t>(row) + k];
 }
@@ -93,7 +93,7 @@ void ForceCenters::shape(Load& load, std::int64_t rows, std::int64_t) {
 }
 
 void ForceCenters::set(Load& load, std::int64_t i, std::int64_t, std::int32_t row) {
-  load.require(near_enough(load.model, row));
+  load.require(is_in_center_range(load.model, row));
   for (int k = 0; k < 3 && load.has_memory(); ++k)
     terms[k * n_whole + i] = load.model.displacements[3 * static_cast<std::size_t>(row) + k];
 }

@@ -19,7 +19,7 @@ constexpr double least_determinant = 0.01;
 
 /// Adds a multiple of the identity to a symmetric matrix until it is positive definite. Near a snap-through fits at
 /// rest are not, and the response of a point between such nodes would be a difference of large numbers.
-void stiffen(Matrix& stiffness) {
+void make_positive_definite(Matrix& stiffness) {
   double* k = stiffness.a;
   const double mean = (std::fabs(k[0]) + std::fabs(k[4]) + std::fabs(k[8])) / 3, shift = mean / 16;
   const double d[3] = {k[0], k[4], k[8]};
@@ -119,7 +119,7 @@ Matrix stiffness_at_rest(const phn_model& model, const ActiveNode& node) {
     for (int i = 0; i < 3; ++i) secant(i, k) = (f[i] - g[i]) / (2 * h);
   }
   Matrix stiffness = symmetric_part(secant);
-  stiffen(stiffness);
+  make_positive_definite(stiffness);
   return stiffness;
 }
 

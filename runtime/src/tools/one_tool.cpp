@@ -59,7 +59,8 @@ int mean_response(const phn_model& model, const phn_data& data, const ToolQuery&
   for (int i = 0; i < 9 && stiffness != nullptr; ++i) stiffness[i] = k.a[i];
   int status = is_beside_fixed(model, query.place) ? PHN_WARNING_OUTSIDE : PHN_OK;
   for (std::int32_t i = 0; i < query.place.n_nodes; ++i)
-    if (query.place.counts(i)) status |= warnings(model, model.active[query.place.active[i]], (d / mean.lever).x);
+    if (query.place.counts(i))
+      status |= warnings(model, model.active[query.place.active[i]], (d / mean.transmission).x);
   return status;
 }
 
@@ -78,9 +79,9 @@ int coupled_response(const phn_model& model, phn_data& data, const phn_tool& too
 int bound_between(const phn_model& model, const ToolQuery& query, double& bound) {
   const Place& place = query.place;
   if (model.bound_between == nullptr) return PHN_ERROR_UNDEFINED;
-  const double lever = place.n_nodes == 1 ? lever_of(model, place) : 1;
+  const double transmission = place.n_nodes == 1 ? transmission_of(model, place) : 1;
   Vector d, force[most_corners], mean = {};
-  clamp(query.d, lever, PHN_NO_BOUND, d.x);
+  clamp(query.d, transmission, PHN_NO_BOUND, d.x);
   int status = is_beside_fixed(model, place) ? PHN_WARNING_OUTSIDE : PHN_OK;
   double sum = 0, largest = 0, spread = 0;
   for (std::int32_t i = 0; i < place.n_nodes; ++i) sum += place.weight[i];
@@ -90,10 +91,10 @@ int bound_between(const phn_model& model, const ToolQuery& query, double& bound)
       const int warned = warnings(model, node, d.x);
       const double of_node = (warned & PHN_WARNING_OUTSIDE) != 0 ? PHN_NO_BOUND : error_bound(model, node, d.x);
       status |= warned;
-      largest = std::fmin(PHN_NO_BOUND, std::fmax(largest, of_node / lever));
+      largest = std::fmin(PHN_NO_BOUND, std::fmax(largest, of_node / transmission));
     }
     evaluate_force(model, node, d.x, force[i].x);
-    force[i] /= lever;
+    force[i] /= transmission;
     mean += (place.weight[i] / sum) * force[i];
   }
   for (std::int32_t i = 0; i < place.n_nodes; ++i) spread += place.weight[i] / sum * length((force[i] - mean).x);
@@ -109,7 +110,7 @@ int depth_between(const phn_model& model, const ToolQuery& query, double& depth)
   const Place& place = query.place;
   if (!needs_no_coupling(model, place)) return PHN_ERROR_UNDEFINED;
   Vector d;
-  clamp(query.d, lever_of(model, place), PHN_NO_BOUND, d.x);
+  clamp(query.d, transmission_of(model, place), PHN_NO_BOUND, d.x);
   int status = PHN_OK;
   depth = PHN_NO_BOUND;
   for (std::int32_t i = 0; i < place.n_nodes; ++i) {

@@ -118,7 +118,7 @@ const schema::Neighbours* find_neighbours(Arena& arena, const phn_model& model) 
   return neighbours;
 }
 
-double lever_of(const phn_model& model, const Place& place) {
+double transmission_of(const phn_model& model, const Place& place) {
   return model.active[place.active[0]].moves_mean ? 1 : place.weight[0];
 }
 
@@ -126,7 +126,7 @@ double lever_of(const phn_model& model, const Place& place) {
 Mean mean_at(const phn_model& model, const schema::Neighbours* neighbours, const Place& place) {
   Mean mean;
   mean.n = place.n_nodes;
-  mean.lever = lever_of(model, place);
+  mean.transmission = transmission_of(model, place);
   double sum = 0;
   for (std::int32_t k = 0; k < place.n_nodes; ++k) sum += place.weight[k];
   Vector middle = {};
@@ -159,7 +159,7 @@ Mean mean_at(const phn_model& model, const schema::Neighbours* neighbours, const
 
 void respond_as_mean(const phn_model& model, const Mean& mean, const Vector& d, Vector& force, double* energy,
                      Matrix* stiffness) {
-  const Vector at = d / mean.lever;
+  const Vector at = d / mean.transmission;
   // -0 + x has the sign of x also if x is zero: one node keeps its bits.
   force = {{-0.0, -0.0, -0.0}};
   if (energy) *energy = -0.0;
@@ -169,9 +169,9 @@ void respond_as_mean(const phn_model& model, const Mean& mean, const Vector& d, 
     double e = 0;
     Matrix k = {};
     evaluate_force(model, model.active[mean.active[i]], at.x, f.x, energy ? &e : nullptr, stiffness ? k.a : nullptr);
-    force += mean.weight[i] * f / mean.lever;
+    force += mean.weight[i] * f / mean.transmission;
     if (energy) *energy += mean.weight[i] * e;
-    if (stiffness) *stiffness += mean.weight[i] / (mean.lever * mean.lever) * k;
+    if (stiffness) *stiffness += mean.weight[i] / (mean.transmission * mean.transmission) * k;
   }
   // Sums of the largest numbers that a model may hold overflow.
   if (!is_finite(force)) force = {};

@@ -57,16 +57,16 @@ bool has_round_tools(const phn_model& model);
 /// trained response. Models without round tools have none.
 const schema::Neighbours* find_neighbours(Arena& arena, const phn_model& model);
 
-/// Weights of the energies of nodes in the energy of one tool: E(d) = sum_i w_i E_i(d / lever).
+/// Weights of the energies of nodes in the energy of one tool: E(d) = sum_i w_i E_i(d / transmission).
 struct Mean {
   std::int32_t n;
   std::int32_t active[most_corners * (1 + schema::most_neighbours)];
   double weight[most_corners * (1 + schema::most_neighbours)];
   double share[most_corners];  ///< of the nodes of the place, with the sum 1
   /// Displacement of the point over that of the node: below 1 for a single node beside fixed ones, 1 for round tools.
-  double lever;
+  double transmission;
 };
-double lever_of(const phn_model& model, const Place& place);
+double transmission_of(const phn_model& model, const Place& place);
 /// The nodes of the place come first. @pre needs_no_coupling(model, place)
 Mean mean_at(const phn_model& model, const schema::Neighbours* neighbours, const Place& place);
 

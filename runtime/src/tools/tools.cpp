@@ -21,11 +21,12 @@ CoupledResult solve_single(const phn_model& model, Coupling& c, const Vector& ta
   point.displacement = target;
   double energy = 0;
   respond_as_mean(model, mean, target, point.force, model.has_energy ? &energy : nullptr, nullptr);
-  const Vector d = target / mean.lever;
+  const Vector d = target / mean.transmission;
   for (std::int32_t i = 0; i < point.n_nodes; ++i) {
     const ActiveNode& node = model.active[point.active[i]];
     c.field(0, 0, i) = {mean.share[i], d};
-    if (point.counts(i)) c.warnings |= warnings_at(*model.full, point.active[i], diagonal(1 / mean.lever) * target);
+    if (point.counts(i))
+      c.warnings |= warnings_at(*model.full, point.active[i], diagonal(1 / mean.transmission) * target);
     if (!has_deformation(model, node)) continue;
     double* basis = c.field_basis(0, 0, i);
     basis_of(model, node, d.x, basis, c.kernel_scratch);

@@ -25,7 +25,7 @@ BoundCoverage coverage_of(const std::vector<BoundedError>& errors, double range_
   }
   for (std::size_t k = 0; k < 3; ++k)
     out.thirds[k] = total_of[k] > 0 ? covered_of[k] / total_of[k] : std::numeric_limits<double>::quiet_NaN();
-  if (total > 0) out.all = covered / total, out.of_equal_weight = total * total / squares;
+  if (total > 0) out.all = covered / total, out.effective_states = total * total / squares;
   return out;
 }
 
@@ -76,7 +76,7 @@ bool is_below_promise(const BoundCoverage& measured, double promised) {
   // Of the binomial distribution; a bound that just keeps its promise falls below in about one validation of 40.
   constexpr double standard_errors = 2;
   if (measured.states == 0) return false;
-  return measured.all < promised - standard_errors * std::sqrt(promised * (1 - promised) / measured.of_equal_weight);
+  return measured.all < promised - standard_errors * std::sqrt(promised * (1 - promised) / measured.effective_states);
 }
 
 }  // namespace phynness

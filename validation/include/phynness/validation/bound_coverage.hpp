@@ -26,7 +26,7 @@ struct BoundCoverage {
   std::int64_t states = 0, held = 0;  ///< number of errors, and of those at most their bound
   double all = 0;
   std::array<double, 3> thirds{};  ///< the shares in each third of the depth; nan without states
-  double of_equal_weight = 0;      ///< errors of equal weight whose share scatters alike: (sum of w)^2 / sum of w^2
+  double effective_states = 0;     ///< the effective sample size (sum of w)^2 / sum of w^2
   static void describe(const auto& c, auto&& see) {
     see("states", c.states);
     see("coverage", c.states > 0 ? c.all : undefined);
