@@ -172,8 +172,8 @@ void add(CLI::App& app) {
   add_path(command, "--scene", options.scene, PathKind::input,
            "scene with the keys of [validation], if not that of the database");
   add_count(command, "--rays", options.rays, 100, 1'000'000,
-            "random rays, five at each of a fifth as many nodes, but at least 20 (default: validation.calibration_rays "
-            "of the scene; 100 with another --reference)");
+            "number of random rays, five at each node of a sample (default: validation.calibration_rays of the scene; "
+            "100 with another --reference)");
   command
       .add_option("--reference", options.reference,
                   "the solution from which bounds state the distance of forces: the scene's own finite elements, or a "

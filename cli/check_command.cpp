@@ -177,14 +177,14 @@ void run(const Options& given_options) {
 }  // namespace
 
 void add(CLI::App& app) {
-  auto [command, options] =
-      add_command(app, "check", "Compare element and mesh of a scene with better ones at a few probes", run);
+  auto [command, options] = add_command(
+      app, "check", "Estimate the force error of a scene's finite elements by finer ones at a few probes", run);
   add_scene(command, options.scene);
   add_made_mesh(command, options.mesh);
   add_count(command, "--probes", options.check.probes, 1, 10'000,
-            "most probes, each at another place; fewer if these agree")
+            "largest number of probes, each at another place; fewer if their errors agree")
       ->capture_default_str();
-  add_number(command, "--seconds", options.seconds, 1, 1e7, "time for all (default: 60; with --trade 900)");
+  add_number(command, "--seconds", options.seconds, 1, 1e7, "time limit (default: 60; with --trade 900)");
   auto* reference = command
                         .add_option("--reference", options.reference,
                                     "the finer solution (default: taylor-hood where the scene allows it)")

@@ -66,29 +66,6 @@ void check_distance(const std::string& text, const SurfacePoint& place, const Me
       fmt::format("points are in metres; the nearest one of the surface is {:.6g},{:.6g},{:.6g}", p[0], p[1], p[2]));
 }
 
-}  // namespace
-
-std::vector<std::string_view> fields_of(std::string_view row) {
-  std::vector<std::string_view> fields;
-  for (std::size_t at = 0; at <= row.size();) {
-    const auto end = std::min(row.find(',', at), row.size());
-    auto field = row.substr(at, end - at);
-    field.remove_prefix(std::min(field.find_first_not_of(' '), field.size()));
-    field.remove_suffix(field.size() - (field.find_last_not_of(' ') + 1));
-    fields.push_back(field);
-    at = end + 1;
-  }
-  return fields;
-}
-
-Scene open_scene(const std::filesystem::path& file) {
-  auto scene = read_scene(file);
-  if (scene.mesh.shape == Shape::none) declare_input("the mesh of " + file.string() + ",", scene.mesh.file);
-  return scene;
-}
-
-namespace {
-
 void select(const std::filesystem::path& continued, LoadedScene& loaded) {
   NodeList probed;
   if (std::filesystem::exists(continued)) {
@@ -118,7 +95,42 @@ MeshResult read_written_mesh(Scene scene, const std::filesystem::path& file) {
   return made;
 }
 
+void write_deformation(const ToolOptions& options, const Mesh& mesh, const ToolResult& result) {
+  if (!options.deformation_csv) return;
+  std::string csv = "node,x,y,z,ux,uy,uz";
+  for (const auto& field : result.fields) csv += "," + field.heading;
+  csv += "\n";
+  for (std::size_t i = 0; i < result.nodes.size(); ++i) {
+    const auto x = mesh.nodes.row(result.nodes[i]);
+    const auto u = result.displacement_m.row(static_cast<Eigen::Index>(i));
+    csv += fmt::format("{},{},{},{},{},{},{}", result.nodes[i], x[0], x[1], x[2], u[0], u[1], u[2]);
+    for (const auto& field : result.fields) csv += fmt::format(",{}", field.values[static_cast<Eigen::Index>(i)]);
+    csv += "\n";
+  }
+  write_text_file(*options.deformation_csv, csv);
+  message("deformation of {} nodes: {}\n", result.nodes.size(), options.deformation_csv->string());
+}
+
 }  // namespace
+
+std::vector<std::string_view> fields_of(std::string_view row) {
+  std::vector<std::string_view> fields;
+  for (std::size_t at = 0; at <= row.size();) {
+    const auto end = std::min(row.find(',', at), row.size());
+    auto field = row.substr(at, end - at);
+    field.remove_prefix(std::min(field.find_first_not_of(' '), field.size()));
+    field.remove_suffix(field.size() - (field.find_last_not_of(' ') + 1));
+    fields.push_back(field);
+    at = end + 1;
+  }
+  return fields;
+}
+
+Scene open_scene(const std::filesystem::path& file) {
+  auto scene = read_scene(file);
+  if (scene.mesh.shape == Shape::none) declare_input("the mesh of " + file.string() + ",", scene.mesh.file);
+  return scene;
+}
 
 LoadedScene load_scene(const std::filesystem::path& file, bool quiet,
                        const std::function<void(const LoadedScene&)>& refused, const std::filesystem::path& continued,
@@ -305,26 +317,6 @@ std::vector<SurfacePoint> ToolOptions::places(const Mesh& mesh) const {
   }
   return places;
 }
-
-namespace {
-
-void write_deformation(const ToolOptions& options, const Mesh& mesh, const ToolResult& result) {
-  if (!options.deformation_csv) return;
-  std::string csv = "node,x,y,z,ux,uy,uz";
-  for (const auto& field : result.fields) csv += "," + field.heading;
-  csv += "\n";
-  for (std::size_t i = 0; i < result.nodes.size(); ++i) {
-    const auto x = mesh.nodes.row(result.nodes[i]);
-    const auto u = result.displacement_m.row(static_cast<Eigen::Index>(i));
-    csv += fmt::format("{},{},{},{},{},{},{}", result.nodes[i], x[0], x[1], x[2], u[0], u[1], u[2]);
-    for (const auto& field : result.fields) csv += fmt::format(",{}", field.values[static_cast<Eigen::Index>(i)]);
-    csv += "\n";
-  }
-  write_text_file(*options.deformation_csv, csv);
-  message("deformation of {} nodes: {}\n", result.nodes.size(), options.deformation_csv->string());
-}
-
-}  // namespace
 
 void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& places,
                   const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result, json extra,

@@ -45,6 +45,7 @@ void Progress::update(std::int64_t done, std::int64_t total) {
 }
 
 namespace {
+
 std::atomic<bool> is_stop_requested{false};
 std::atomic<bool> second_signal_kills_process{true};
 const char* signal_message = nullptr;
@@ -81,37 +82,6 @@ void handle_signals(void (*handler)(int), const char* message) {
   struct sigaction hangup {};
   if (sigaction(SIGHUP, nullptr, &hangup) == 0 && hangup.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
 }
-}  // namespace
-
-bool stop_requested() { return is_stop_requested.load(std::memory_order_relaxed); }
-
-void install_stop_handler(bool second_signal_kills, const char* message) {
-  second_signal_kills_process = second_signal_kills;
-  handle_signals(on_signal, message);
-}
-
-void end_at_signals(const char* message) { handle_signals(exit_on_signal, message); }
-
-std::string duration(double seconds) {
-  if (seconds < 10) return fmt::format("{:.1f} s", seconds);
-  const auto s = std::llround(seconds);
-  if (s < 60) return fmt::format("{} s", s);
-  if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
-  return fmt::format("{} h {:02} min", s / 3600, s / 60 % 60);
-}
-
-double machine_memory_bytes() {
-  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
-}
-
-std::string bytes(double n) {
-  if (n < 1e3) return fmt::format("{:.0f} B", n);
-  if (n < 1e6) return fmt::format("{:.1f} kB", n / 1e3);
-  if (n < 1e9) return fmt::format("{:.1f} MB", n / 1e6);
-  return fmt::format("{:.2f} GB", n / 1e9);
-}
-
-namespace {
 
 /// Where print_result() writes.
 int results = STDOUT_FILENO;
@@ -154,6 +124,34 @@ std::string wrapped(std::string text) {
 }
 
 }  // namespace
+
+bool stop_requested() { return is_stop_requested.load(std::memory_order_relaxed); }
+
+void install_stop_handler(bool second_signal_kills, const char* message) {
+  second_signal_kills_process = second_signal_kills;
+  handle_signals(on_signal, message);
+}
+
+void end_at_signals(const char* message) { handle_signals(exit_on_signal, message); }
+
+std::string duration(double seconds) {
+  if (seconds < 10) return fmt::format("{:.1f} s", seconds);
+  const auto s = std::llround(seconds);
+  if (s < 60) return fmt::format("{} s", s);
+  if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
+  return fmt::format("{} h {:02} min", s / 3600, s / 60 % 60);
+}
+
+double machine_memory_bytes() {
+  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+}
+
+std::string bytes(double n) {
+  if (n < 1e3) return fmt::format("{:.0f} B", n);
+  if (n < 1e6) return fmt::format("{:.1f} kB", n / 1e3);
+  if (n < 1e9) return fmt::format("{:.1f} MB", n / 1e6);
+  return fmt::format("{:.2f} GB", n / 1e9);
+}
 
 void prepare_streams() {
   // open() returns the lowest free number. It opens for reading only, so that writing fails as on a closed descriptor.

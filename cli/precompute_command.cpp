@@ -196,8 +196,8 @@ void add(CLI::App& app) {
   add_made_mesh(command, options.mesh);
   add_output(command, options.output, PathKind::database, "database to write (formats/database.md)");
   command.add_flag("--resume", options.resume,
-                   "continue a database, finished or not: that of the scene, or one of the same\nphysics with some of "
-                   "its active nodes, directions and increments, which the\nnew one replaces at the end");
+                   "continue the database OUTPUT, finished or not; it may have fewer active nodes,\ndirections and "
+                   "increments than the scene");
   command.add_option("--part", options.part,
                      "i/n: solve only part i = 0 ... n-1 of n, as a task of a job array; a run with\n--resume alone "
                      "then solves what is missing and packs all parts");

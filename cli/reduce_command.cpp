@@ -66,17 +66,16 @@ void add(CLI::App& app) {
   const ReductionSpec usual;
   auto* target =
       command.add_option("--target-error", options.target_error,
-                         fmt::format("error of the force of two tools that 95 % of random states have at most, and "
-                                     "none three times; bodies grow up to it (default: {:.3g} %)",
+                         fmt::format("make larger bodies until the force error of two tools is at most this in 95 % of "
+                                     "random states, and three times this in all (default: {:.3g} %)",
                                      100 * usual_target));
   add_count(command, "--modes", options.modes, schema::least_body_modes(1), schema::most_body_modes,
-            fmt::format("modes of the displacement, of a body that does not grow (default: {} at first)", usual.modes))
+            fmt::format("make one body with this number of displacement modes (default: {} at first)", usual.modes))
       ->excludes(target);
-  add_count(
-      command, "--cells", options.cells, 1, 1'000'000,
-      fmt::format("cells and edges with weights, of a body that does not grow; all of them, with weight 1, if there "
-                  "are not more (default: {} at first, {} with regions)",
-                  usual_cells(false), usual_cells(true)))
+  add_count(command, "--cells", options.cells, 1, 1'000'000,
+            fmt::format("make one body with this number of weighted cells and edges, or with all if there are fewer "
+                        "(default: {} at first, {} with regions)",
+                        usual_cells(false), usual_cells(true)))
       ->excludes(target);
   add_json(command, options.json_file);
 }

@@ -61,6 +61,35 @@ std::string hash_of_file(const std::filesystem::path& file) {
   return hash_of(std::string(std::istreambuf_iterator<char>(in), {}));
 }
 
+constexpr int exec_failed = 127;  // the exit status of a shell in this case
+
+/// @return the exit status
+int execute(const std::string& title, const std::vector<std::string>& arguments, bool quiet) {
+  std::vector<char*> argv;
+  for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+  argv.push_back(nullptr);
+  const pid_t parent = getpid(), child = fork();
+  if (child < 0) return exec_failed;
+  if (child == 0) {
+    // The kernel ends the stage in an orderly way when this process ends, also after kill -9.
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != parent) _exit(1);
+    if (const int null_device = quiet ? open("/dev/null", O_WRONLY) : -1; null_device >= 0)
+      dup2(null_device, STDOUT_FILENO);
+    else if (results_are_on_stderr())
+      dup2(STDERR_FILENO, STDOUT_FILENO);
+    execvp(argv[0], argv.data());
+    _exit(exec_failed);
+  }
+  int status = 0;
+  // Each signal is passed on: the first one requests an orderly end, the second one kills the child.
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR)
+    if (stop_requested()) kill(child, SIGTERM);
+  if (WIFEXITED(status)) return WEXITSTATUS(status);
+  if (!stop_requested()) message("error: {} was ended by signal {}\n", title, WTERMSIG(status));
+  return 1;
+}
+
 }  // namespace
 
 RunStages::RunStages(const std::filesystem::path& folder, const Scene& scene, bool same_rays) : _folder(folder) {
@@ -109,39 +138,6 @@ void RunStages::write() const {
   write_text_file(_folder / "stages.json",
                   record("stages", _finished, "model", hash_of_file(_folder / "model/model.txt")).dump(2) + "\n");
 }
-
-namespace {
-
-constexpr int exec_failed = 127;  // the exit status of a shell in this case
-
-/// @return the exit status
-int execute(const std::string& title, const std::vector<std::string>& arguments, bool quiet) {
-  std::vector<char*> argv;
-  for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-  argv.push_back(nullptr);
-  const pid_t parent = getpid(), child = fork();
-  if (child < 0) return exec_failed;
-  if (child == 0) {
-    // The kernel ends the stage in an orderly way when this process ends, also after kill -9.
-    prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (getppid() != parent) _exit(1);
-    if (const int null_device = quiet ? open("/dev/null", O_WRONLY) : -1; null_device >= 0)
-      dup2(null_device, STDOUT_FILENO);
-    else if (results_are_on_stderr())
-      dup2(STDERR_FILENO, STDOUT_FILENO);
-    execvp(argv[0], argv.data());
-    _exit(exec_failed);
-  }
-  int status = 0;
-  // Each signal is passed on: the first one requests an orderly end, the second one kills the child.
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR)
-    if (stop_requested()) kill(child, SIGTERM);
-  if (WIFEXITED(status)) return WEXITSTATUS(status);
-  if (!stop_requested()) message("error: {} was ended by signal {}\n", title, WTERMSIG(status));
-  return 1;
-}
-
-}  // namespace
 
 void exec_solver_program(char**) {}  // it is this program
 

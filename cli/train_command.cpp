@@ -174,10 +174,9 @@ void run(const Options& options) {
 void add(CLI::App& app) {
   auto [command, options] =
       add_command(app, "train", "Train a model on a database -> MODEL_DIR (model.txt, mesh.txt)", run);
-  add_scene(
-      command, options.scene,
-      "scene from which the database was made, or one that takes some of its active or output nodes; without one, "
-      "the database, with the scene that it holds");
+  add_scene(command, options.scene,
+            "scene from which the database was made, or one with some of its active or output nodes; or the database "
+            "alone, which holds its scene");
   add_path(command, "DATABASE", options.database, PathKind::input, "database.h5 of phynness precompute or import");
   add_output(command, options.output, PathKind::model, "model directory to write (formats/model.md)");
   std::string family_descriptions;
@@ -190,7 +189,7 @@ void add(CLI::App& app) {
   command.add_option("--family", options.family, family_descriptions)->check(CLI::IsMember(words));
   command
       .add_option("--set", options.settings,
-                  "KEY=VALUE of [training] in place of that of the scene, as modes=8; repeat for several")
+                  "KEY=VALUE that replaces a key of [training] of the scene, such as modes=8; may be repeated")
       ->allow_extra_args(false);
   add_path(command, "--check", options.check_file, PathKind::input,
            "file of check --json: the model then holds the distance of its finite elements from a finer solution");

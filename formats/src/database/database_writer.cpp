@@ -32,6 +32,46 @@ bool is_complete(const fs::path& file, const PackingRanks& ranks) {
   return ranks.gathered(complete).front() != 0;
 }
 
+/// Rounds displacements as the header asks for.
+Ray rounded(Ray ray, const std::vector<double>& magnitudes_m, int bits) {
+  const std::size_t n = ray.displacement.size() / magnitudes_m.size();
+  for (std::size_t i = 0; i < ray.displacement.size(); ++i) {
+    const double step = std::ldexp(1.0, std::ilogb(magnitudes_m[i / n]) - bits);
+    ray.displacement[i] = step * std::round(ray.displacement[i] / step);
+  }
+  return ray;
+}
+
+/// The rays of a database, finished or not, of every n-th node from `first` on.
+void for_each_ray(const fs::path& file, const DatabaseHeader& header, std::int32_t first, std::int32_t n,
+                  const std::function<void(Ray)>& use) {
+  const auto n_active = static_cast<std::int32_t>(header.sets.active.size());
+  if (Database::is_complete(file)) {
+    const auto database = Database::open(file);
+    for (auto active = first; active < n_active; active += n)
+      for (auto& ray : database.rays(active)) use(std::move(ray));
+    return;
+  }
+  const auto index = dl::scan(file, header);
+  dl::RayReader reader(index, header);
+  for (const auto& record : one_record_per_ray(index, header))
+    if (!is_missing(record) && record.active % n == first) use(reader.read(record));
+}
+
+/// Adds the increments that a ray to a smaller depth does not have. @return false if they have to be solved
+bool extend(Ray& ray, const DatabaseHeader& header) {
+  const auto n = ray.status.size();
+  for (const auto& column : columns_of(header))
+    if (column.of != ColumnOf::ray) resize_values(ray, column, column.count);
+  if (n == ray.status.size()) return true;
+  const auto last = ray.status[n - 1];
+  // A field may be infinite and the ray go on.
+  if (last == Status::converged || last == Status::not_finite) return false;
+  std::fill(ray.status.begin() + static_cast<std::ptrdiff_t>(n), ray.status.end(),
+            static_cast<int>(last) < 0 ? Status::after_failure : last);
+  return true;
+}
+
 }  // namespace
 
 bool DatabaseWriter::refuse_begun(const fs::path& file, bool resume) {
@@ -94,20 +134,6 @@ std::vector<char> DatabaseWriter::logged(const fs::path& file, const DatabaseHea
   return flags;
 }
 
-namespace {
-
-/// Rounds displacements as the header asks for.
-Ray rounded(Ray ray, const std::vector<double>& magnitudes_m, int bits) {
-  const std::size_t n = ray.displacement.size() / magnitudes_m.size();
-  for (std::size_t i = 0; i < ray.displacement.size(); ++i) {
-    const double step = std::ldexp(1.0, std::ilogb(magnitudes_m[i / n]) - bits);
-    ray.displacement[i] = step * std::round(ray.displacement[i] / step);
-  }
-  return ray;
-}
-
-}  // namespace
-
 struct DatabaseWriter::Impl {
   AppendFile log;
   dl::Layout sizes;
@@ -138,40 +164,6 @@ void DatabaseWriter::append(const Ray& ray) {
   _impl->log.append(record.data(), record.size());
 }
 void DatabaseWriter::close() { _impl->log.close(); }
-
-namespace {
-
-/// The rays of a database, finished or not, of every n-th node from `first` on.
-void for_each_ray(const fs::path& file, const DatabaseHeader& header, std::int32_t first, std::int32_t n,
-                  const std::function<void(Ray)>& use) {
-  const auto n_active = static_cast<std::int32_t>(header.sets.active.size());
-  if (Database::is_complete(file)) {
-    const auto database = Database::open(file);
-    for (auto active = first; active < n_active; active += n)
-      for (auto& ray : database.rays(active)) use(std::move(ray));
-    return;
-  }
-  const auto index = dl::scan(file, header);
-  dl::RayReader reader(index, header);
-  for (const auto& record : one_record_per_ray(index, header))
-    if (!is_missing(record) && record.active % n == first) use(reader.read(record));
-}
-
-/// Adds the increments that a ray to a smaller depth does not have. @return false if they have to be solved
-bool extend(Ray& ray, const DatabaseHeader& header) {
-  const auto n = ray.status.size();
-  for (const auto& column : columns_of(header))
-    if (column.of != ColumnOf::ray) resize_values(ray, column, column.count);
-  if (n == ray.status.size()) return true;
-  const auto last = ray.status[n - 1];
-  // A field may be infinite and the ray go on.
-  if (last == Status::converged || last == Status::not_finite) return false;
-  std::fill(ray.status.begin() + static_cast<std::ptrdiff_t>(n), ray.status.end(),
-            static_cast<int>(last) < 0 ? Status::after_failure : last);
-  return true;
-}
-
-}  // namespace
 
 std::int64_t DatabaseWriter::take(const fs::path& file, const DatabaseHeader& given, const fs::path& from,
                                   const std::vector<char>& missing, int log_number, int rank, int n_ranks) {

@@ -20,24 +20,6 @@ std::string three_digits(double value, Round round = Round::nearest) {
   return number_text(rounded * unit, std::chars_format::general, 3);
 }
 
-}  // namespace
-
-std::vector<double> surface_edges_at(const std::vector<std::int32_t>& nodes, const Mesh& mesh) {
-  std::vector<double> sum(static_cast<std::size_t>(mesh.n_nodes()), 0), n(sum);
-  for (Eigen::Index t = 0; t < mesh.surface.rows(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const auto a = mesh.surface(t, k), b = mesh.surface(t, (k + 1) % 3);
-      const double length = (mesh.nodes.row(a) - mesh.nodes.row(b)).norm();
-      for (const auto i : {a, b}) sum[static_cast<std::size_t>(i)] += length, n[static_cast<std::size_t>(i)] += 1;
-    }
-  std::vector<double> means;
-  for (const auto node : nodes)
-    if (const auto i = static_cast<std::size_t>(node); n[i] > 0) means.push_back(sum[i] / n[i]);
-  return means;
-}
-
-namespace {
-
 /// Tetrahedra of a file have a size only with remesh = true.
 const char* also_remesh(const MeshSpec& mesh) {
   return mesh.shape == Shape::none && !mesh.remesh ? " (of a file of tetrahedra: and remesh = true)" : "";
@@ -127,35 +109,6 @@ bool is_automatic(const Selector& s) { return s.kind == SelectorKind::spread && 
 /// As many points as a larger organ has with spacing = "auto": of fewer, leaving some out saves little.
 constexpr std::ptrdiff_t fewest_worth_a_choice = 50;
 
-}  // namespace
-
-std::string choice_note(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
-  meshes::SelectableBody body(mesh);
-  body.fixed = sets.fixed;
-  body.tool_radius_m = scene.probe.tool_radius_m;
-  for (const auto& s : scene.active) {
-    if (s.kind != SelectorKind::spread || s.count > 0) continue;
-    const auto part = meshes::nodes_to_spread_over(s, body, {"active nodes", ""});
-    const auto n = std::ranges::count_if(part, [&](auto i) { return std::ranges::binary_search(sets.active, i); });
-    const bool automatic = is_automatic(s);
-    if (automatic && n < fewest_worth_a_choice) continue;
-    if (static_cast<double>(n) < (automatic ? 0.8 : 1.0) * static_cast<double>(part.size())) continue;
-    const std::string nodes = std::to_string(n) + " of the " + std::to_string(part.size()) + " nodes of the part";
-    return s.where.str() + ": " +
-           (automatic ? "spacing = \"auto\" chose " + three_digits(1e3 * body.tool_radius_m / 3) +
-                            " mm between points, a third of the radius of the tool; edges of the mesh are about as "
-                            "long, so that " +
-                            nodes +
-                            " are probed; phynness plan tells the cost, and a smaller part in "
-                            "`within` reduces it"
-                      : "spacing_m = " + number_text(s.length_m) + " is shorter than the edges of the mesh, so that " +
-                            nodes + " are probed; a larger spacing, or spacing = \"auto\", reduces the cost");
-  }
-  return "";
-}
-
-namespace {
-
 /// Spread points between which a tool is not answered.
 std::string warn_of_gaps(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   const std::string place = scene.active_where.str() + ": ";
@@ -182,6 +135,45 @@ std::string warn_of_gaps(const Scene& scene, const Mesh& mesh, const NodeSets& s
 }
 
 }  // namespace
+
+std::vector<double> surface_edges_at(const std::vector<std::int32_t>& nodes, const Mesh& mesh) {
+  std::vector<double> sum(static_cast<std::size_t>(mesh.n_nodes()), 0), n(sum);
+  for (Eigen::Index t = 0; t < mesh.surface.rows(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const auto a = mesh.surface(t, k), b = mesh.surface(t, (k + 1) % 3);
+      const double length = (mesh.nodes.row(a) - mesh.nodes.row(b)).norm();
+      for (const auto i : {a, b}) sum[static_cast<std::size_t>(i)] += length, n[static_cast<std::size_t>(i)] += 1;
+    }
+  std::vector<double> means;
+  for (const auto node : nodes)
+    if (const auto i = static_cast<std::size_t>(node); n[i] > 0) means.push_back(sum[i] / n[i]);
+  return means;
+}
+
+std::string choice_note(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  meshes::SelectableBody body(mesh);
+  body.fixed = sets.fixed;
+  body.tool_radius_m = scene.probe.tool_radius_m;
+  for (const auto& s : scene.active) {
+    if (s.kind != SelectorKind::spread || s.count > 0) continue;
+    const auto part = meshes::nodes_to_spread_over(s, body, {"active nodes", ""});
+    const auto n = std::ranges::count_if(part, [&](auto i) { return std::ranges::binary_search(sets.active, i); });
+    const bool automatic = is_automatic(s);
+    if (automatic && n < fewest_worth_a_choice) continue;
+    if (static_cast<double>(n) < (automatic ? 0.8 : 1.0) * static_cast<double>(part.size())) continue;
+    const std::string nodes = std::to_string(n) + " of the " + std::to_string(part.size()) + " nodes of the part";
+    return s.where.str() + ": " +
+           (automatic ? "spacing = \"auto\" chose " + three_digits(1e3 * body.tool_radius_m / 3) +
+                            " mm between points, a third of the radius of the tool; edges of the mesh are about as "
+                            "long, so that " +
+                            nodes +
+                            " are probed; phynness plan tells the cost, and a smaller part in "
+                            "`within` reduces it"
+                      : "spacing_m = " + number_text(s.length_m) + " is shorter than the edges of the mesh, so that " +
+                            nodes + " are probed; a larger spacing, or spacing = \"auto\", reduces the cost");
+  }
+  return "";
+}
 
 std::vector<std::string> patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   std::vector<std::string> warnings;

@@ -1,7 +1,5 @@
 #include "path.hpp"
 
-#include <algorithm>
-
 namespace phynness {
 namespace {
 

@@ -21,32 +21,6 @@ using Eigen::VectorXd;
 /// Number of products of two components of a displacement.
 constexpr int n_even = 6;
 
-}  // namespace
-
-Eigen::MatrixX3d scaled_rows(const TrainingTables& tables, const std::vector<std::int32_t>& rows) {
-  Eigen::MatrixX3d x(static_cast<Index>(rows.size()), 3);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    x.row(static_cast<Index>(i)) = tables.displacements.row(rows[i]) / tables.magnitudes_m.back();
-  return x;
-}
-
-MatrixXd features(const Eigen::MatrixX3d& x, const Eigen::MatrixX3d& centers, double shape, int degree) {
-  const Index n_centers = centers.rows();
-  const auto anchored = [shape](const Vector3d& at, const Vector3d& c) {
-    return multiquadric(at - c, shape) - multiquadric(at, shape) - multiquadric(c, shape) + shape;
-  };
-  MatrixXd f(x.rows(), n_centers + 3 + (degree > 0 ? n_even : 0));
-  for (Index i = 0; i < x.rows(); ++i)
-    for (Index j = 0; j < n_centers; ++j) f(i, j) = anchored(x.row(i).transpose(), centers.row(j).transpose());
-  f.middleCols<3>(n_centers) = x;
-  if (degree > 0)
-    for (Index i = 0; i < x.rows(); ++i)
-      f.row(i).tail<n_even>() = even_features(x.row(i).transpose(), degree).transpose();
-  return f;
-}
-
-namespace {
-
 /// Error of the amplitudes at left-out directions: mean over the states of the root mean square over nodes, over the
 /// largest displacement of a node. (Modes are orthonormal, so that the norm of the amplitudes is that of the field.)
 double left_out_error(const TrainingTables& tables, const NodeModes& node, double shape) {
@@ -116,7 +90,44 @@ void project_out(SelectionState& c, Index candidate) {
     *of_columns -= direction * transposed_applied(*of_columns, direction).transpose();
 }
 
+using Eigen::Matrix3d;
+
+/// Cost of an unknown in cross-validation. It exceeds 1 because the positions of centers are also selected from the
+/// data (Friedman 1991, doi 10.1214/aos/1176347963). On the paper's liver (P1, K/mu = 200) costs of 1, 1.3, 1.6 and 1.9
+/// give errors of 0.71, 0.70, 0.70 and 0.72 % inside the trained range; all centers give 0.99 %.
+constexpr double unknown_cost = 1.5;
+
+/// Generalized cross-validation: an estimate, up to a factor, of the squared error between the states.
+/// @param rest        residuals of all forces
+/// @param n_unknowns  number of fitted unknowns
+double cross_validation(const VectorXd& rest, Index n_unknowns) {
+  const double left = static_cast<double>(rest.size()) - unknown_cost * static_cast<double>(n_unknowns);
+  return left > 0 ? rest.squaredNorm() / (left * left) : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
+
+Eigen::MatrixX3d scaled_rows(const TrainingTables& tables, const std::vector<std::int32_t>& rows) {
+  Eigen::MatrixX3d x(static_cast<Index>(rows.size()), 3);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    x.row(static_cast<Index>(i)) = tables.displacements.row(rows[i]) / tables.magnitudes_m.back();
+  return x;
+}
+
+MatrixXd features(const Eigen::MatrixX3d& x, const Eigen::MatrixX3d& centers, double shape, int degree) {
+  const Index n_centers = centers.rows();
+  const auto anchored = [shape](const Vector3d& at, const Vector3d& c) {
+    return multiquadric(at - c, shape) - multiquadric(at, shape) - multiquadric(c, shape) + shape;
+  };
+  MatrixXd f(x.rows(), n_centers + 3 + (degree > 0 ? n_even : 0));
+  for (Index i = 0; i < x.rows(); ++i)
+    for (Index j = 0; j < n_centers; ++j) f(i, j) = anchored(x.row(i).transpose(), centers.row(j).transpose());
+  f.middleCols<3>(n_centers) = x;
+  if (degree > 0)
+    for (Index i = 0; i < x.rows(); ++i)
+      f.row(i).tail<n_even>() = even_features(x.row(i).transpose(), degree).transpose();
+  return f;
+}
 
 Eigen::Matrix<double, 6, 1> even_features(const Vector3d& x, int degree) {
   const double size = x.norm();
@@ -168,25 +179,6 @@ AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const st
   std::sort(chosen.row.begin(), chosen.row.end());
   return chosen;
 }
-
-namespace {
-
-using Eigen::Matrix3d;
-
-/// Cost of an unknown in cross-validation. It exceeds 1 because the positions of centers are also selected from the
-/// data (Friedman 1991, doi 10.1214/aos/1176347963). On the paper's liver (P1, K/mu = 200) costs of 1, 1.3, 1.6 and 1.9
-/// give errors of 0.71, 0.70, 0.70 and 0.72 % inside the trained range; all centers give 0.99 %.
-constexpr double unknown_cost = 1.5;
-
-/// Generalized cross-validation: an estimate, up to a factor, of the squared error between the states.
-/// @param rest        residuals of all forces
-/// @param n_unknowns  number of fitted unknowns
-double cross_validation(const VectorXd& rest, Index n_unknowns) {
-  const double left = static_cast<double>(rest.size()) - unknown_cost * static_cast<double>(n_unknowns);
-  return left > 0 ? rest.squaredNorm() / (left * left) : std::numeric_limits<double>::infinity();
-}
-
-}  // namespace
 
 std::vector<Index> choose_centers(Columns columns, VectorXd rest, int wanted) {
   const MatrixXd q = orthonormal(columns.stiffness);

@@ -14,6 +14,21 @@ void require_finite(const double* vector, const char* what) {
                   "precompute this database again");
 }
 
+/// The deformation where nothing is known of it.
+NetworkFit without_neurons(int n_levels) {
+  NetworkFit fit;
+  fit.network.input_center = Eigen::VectorXd::Zero(6);
+  fit.network.input_half_range = Eigen::VectorXd::Ones(6);
+  fit.network.output_center = Eigen::VectorXd::Zero(3);
+  fit.network.output_half_range = Eigen::VectorXd::Ones(3);
+  fit.network.centers.resize(0, 6);
+  fit.network.weights.resize(0, 3);
+  fit.mse = {0};
+  if (n_levels > 1) fit.levels.resize(static_cast<std::size_t>(n_levels));
+  for (auto& level : fit.levels) level.neurons.weights.resize(0, 3);
+  return fit;
+}
+
 }  // namespace
 
 TrainingTables training_tables(const DatabaseHeader& header) {
@@ -127,25 +142,6 @@ NetworkPoints deformation_points(const TrainingTables& tables, const std::vector
   if (held_out) *held_out = pick({split, drawn.end()});
   return pick({drawn.begin(), split});
 }
-
-namespace {
-
-/// The deformation where nothing is known of it.
-NetworkFit without_neurons(int n_levels) {
-  NetworkFit fit;
-  fit.network.input_center = Eigen::VectorXd::Zero(6);
-  fit.network.input_half_range = Eigen::VectorXd::Ones(6);
-  fit.network.output_center = Eigen::VectorXd::Zero(3);
-  fit.network.output_half_range = Eigen::VectorXd::Ones(3);
-  fit.network.centers.resize(0, 6);
-  fit.network.weights.resize(0, 3);
-  fit.mse = {0};
-  if (n_levels > 1) fit.levels.resize(static_cast<std::size_t>(n_levels));
-  for (auto& level : fit.levels) level.neurons.weights.resize(0, 3);
-  return fit;
-}
-
-}  // namespace
 
 int capped_neurons(int wanted, std::size_t n_points) {
   return std::min(wanted, static_cast<int>(largest_neuron_share * static_cast<double>(n_points)));

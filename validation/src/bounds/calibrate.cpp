@@ -183,47 +183,6 @@ void set_medians(const NamedOrgan& bounded, const std::vector<BoundState>& state
   report.median_share = median(shares);
 }
 
-}  // namespace
-
-FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSpec& spec, int ranks) {
-  const auto& header = database.header();
-  if (scene.probe.kind == ProbeKind::node)
-    throw input_error("the force at a single node has no limit on finer meshes, and no finer solution tells its error",
-                      "probe.kind = \"node\"", "give the scene a round tool: kind = \"patch\", tool_radius_m");
-  require_variant(scene, spec.reference);
-  const double edge_m = measure_quality(header.mesh).mean_edge_m;
-  const double locked = expected_force_ratio(scene, edge_m / 2);
-  if (spec.reference == Variant::half_size && locked > warned_force_ratio)
-    throw input_error("cells of half the size lock, too, and tell no error",
-                      fmt::format("element {}, K/mu = {:.4g}: forces about {}", name(scene.solver.element),
-                                  most_locked(scene).bulk_to_shear(), ratio_in_words(locked)),
-                      "give --reference taylor-hood");
-  const auto summary = summarize(database);
-  double increments = 0;
-  for (const auto& [status, count] : summary.states)
-    if (status == Status::converged) increments += static_cast<double>(count);
-  const double unknowns = variant_unknowns(spec.reference, scene.solver.element, header.mesh);
-  const double finer = unknowns / variant_unknowns(Variant::scene, scene.solver.element, header.mesh);
-  const auto at_rest =
-      static_cast<double>(header.sets.active.size());  // the stiffness at a node costs as much as an increment
-  Scene sized = scene;
-  sized.validation.calibration_rays = spec.rays;
-  return {(sizes_of_checks(sized, header, true).calibration_increments + at_rest) * summary.seconds /
-              std::max(1.0, increments) * std::pow(finer, cost_exponent) / ranks,
-          factor_bytes(unknowns) * ranks};
-}
-
-double calibration_increments(std::int64_t rays, bool between) {
-  return static_cast<double>(states_per_ray) * static_cast<double>(rays) +
-         (between ? increments_per_coupled * static_cast<double>(coupled_rays_per_kind(rays)) : 0);
-}
-
-double body_calibration_increments(std::int64_t rays) {
-  return 2 * increments_per_body_ray * static_cast<double>(coupled_rays_per_kind(rays));
-}
-
-namespace {
-
 using PlannedRay = std::pair<std::int32_t, CoupledKind>;  ///< number of the ray among those of its kind
 
 /// Alternates the kinds, because their costs differ.
@@ -295,6 +254,43 @@ std::vector<CoupledKind> unflagged_kinds(const CoupledRays& coupled, std::uint64
 }
 
 }  // namespace
+
+FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSpec& spec, int ranks) {
+  const auto& header = database.header();
+  if (scene.probe.kind == ProbeKind::node)
+    throw input_error("the force at a single node has no limit on finer meshes, and no finer solution tells its error",
+                      "probe.kind = \"node\"", "give the scene a round tool: kind = \"patch\", tool_radius_m");
+  require_variant(scene, spec.reference);
+  const double edge_m = measure_quality(header.mesh).mean_edge_m;
+  const double locked = expected_force_ratio(scene, edge_m / 2);
+  if (spec.reference == Variant::half_size && locked > warned_force_ratio)
+    throw input_error("cells of half the size lock, too, and tell no error",
+                      fmt::format("element {}, K/mu = {:.4g}: forces about {}", name(scene.solver.element),
+                                  most_locked(scene).bulk_to_shear(), ratio_in_words(locked)),
+                      "give --reference taylor-hood");
+  const auto summary = summarize(database);
+  double increments = 0;
+  for (const auto& [status, count] : summary.states)
+    if (status == Status::converged) increments += static_cast<double>(count);
+  const double unknowns = variant_unknowns(spec.reference, scene.solver.element, header.mesh);
+  const double finer = unknowns / variant_unknowns(Variant::scene, scene.solver.element, header.mesh);
+  const auto at_rest =
+      static_cast<double>(header.sets.active.size());  // the stiffness at a node costs as much as an increment
+  Scene sized = scene;
+  sized.validation.calibration_rays = spec.rays;
+  return {(sizes_of_checks(sized, header, true).calibration_increments + at_rest) * summary.seconds /
+              std::max(1.0, increments) * std::pow(finer, cost_exponent) / ranks,
+          factor_bytes(unknowns) * ranks};
+}
+
+double calibration_increments(std::int64_t rays, bool between) {
+  return static_cast<double>(states_per_ray) * static_cast<double>(rays) +
+         (between ? increments_per_coupled * static_cast<double>(coupled_rays_per_kind(rays)) : 0);
+}
+
+double body_calibration_increments(std::int64_t rays) {
+  return 2 * increments_per_body_ray * static_cast<double>(coupled_rays_per_kind(rays));
+}
 
 void calibrate(const SolverSession& session, const Database& database, const NamedOrgan& model, ReducedBody& body,
                const BoundSpec& spec, const OnNote& note, const OnProgress& progress, const ShouldStop& stop,

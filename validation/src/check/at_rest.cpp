@@ -86,6 +86,7 @@ ComparisonAtRest compare_at_rest(const VariantBody& own, Variant reference, std:
     const std::clock_t before = std::clock();
     const auto spent_s = [&] { return static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC; };
     if (skipped_reason.empty()) try {
+        previous_unknowns = unknowns;
         ProbeSolver solver(body.scene, body.mesh, {body.sets.fixed, {}, {}});
         solver.set_stop([&] { return (stop && stop()) || !(remaining_s() > 0); }, 0);
         for (const auto& place : result.places) try {
@@ -97,19 +98,17 @@ ComparisonAtRest compare_at_rest(const VariantBody& own, Variant reference, std:
             stiffness.push_back(Eigen::Matrix3d::Constant(undefined));
           }
         previous_s = spent_s();
-        previous_unknowns = unknowns;
       } catch (const Interrupted&) {
         skipped_reason = "the time is over";
         is_late = true;
         previous_s = 2 * spent_s();
-        previous_unknowns = unknowns;
       }
     if (!skipped_reason.empty()) {
       std::string parts;
       double needed_s = elapsed_s();
-      for (const auto& [part, part_unknowns] : missing) {
-        parts += (parts.empty() ? "" : ", ") + part;
-        needed_s += previous_s * std::pow(part_unknowns / previous_unknowns, cost_exponent);
+      for (const auto& [name_of_part, its_unknowns] : missing) {
+        parts += (parts.empty() ? "" : ", ") + name_of_part;
+        needed_s += previous_s * std::pow(its_unknowns / previous_unknowns, cost_exponent);
       }
       result.skipped_reason = fmt::format("{} ({}: {})", parts, what, skipped_reason);
       if (is_late) result.sufficient_s = needed_s / part_of_time_at_rest;

@@ -130,6 +130,54 @@ std::string taylor_hood_obstacle(const Scene& scene) {
   return positive ? "" : "it needs materials with lambda > 0";
 }
 
+constexpr std::size_t max_places_at_rest = 24;
+
+void require_memory(double unknowns, const DiscretizationOptions& options) {
+  if (const auto why = memory_shortage(unknowns, options); !why.empty())
+    throw input_error("the finer solution does not fit into the memory", why,
+                      "use a coarser mesh, or a machine with more memory; with check_probes = 0 phynness run goes on "
+                      "without it");
+}
+
+/// The solver of a variant, which is created at its first ray.
+class VariantSolver {
+ public:
+  /// @param end_s  time since the start at which a ray is abandoned. @param elapsed_s  returns the time since the start
+  VariantSolver(VariantBody body, double end_s, std::function<double()> elapsed_s, const ShouldStop& stop)
+      : _body(std::move(body)), _end_s(end_s), _elapsed_s(std::move(elapsed_s)), _stop(stop) {}
+
+  const VariantBody& body() const { return _body; }
+  const DatabaseHeader& header() const { return *_header; }
+  bool is_stopping() const { return _is_stopping; }
+
+  /// @return false if the ray was abandoned
+  bool solve(const CheckedRay& ray, VariantForces& forces) {
+    if (!_solver) {
+      _header = database_header(_body.scene, _body.mesh, _body.sets);
+      _solver = std::make_unique<ProbeSolver>(_body.scene, _body.mesh, _body.sets);
+    }
+    const auto solved = solve_rays(*_solver, *_header, {{ray.active, ray.direction}}, {}, [&] {
+      _is_stopping = _is_stopping || (_stop && _stop());
+      return _is_stopping || _elapsed_s() > _end_s;
+    });
+    if (solved.interrupted || solved.rays.empty()) return false;
+    const Ray& result = solved.rays.front();
+    forces.status = result.status;
+    for (std::size_t i = 0; i < result.status.size(); ++i)
+      forces.force_N.push_back({result.force[3 * i], result.force[3 * i + 1], result.force[3 * i + 2]});
+    return true;
+  }
+
+ private:
+  VariantBody _body;
+  double _end_s;
+  std::function<double()> _elapsed_s;
+  const ShouldStop& _stop;
+  bool _is_stopping = false;
+  std::optional<DatabaseHeader> _header;
+  std::unique_ptr<ProbeSolver> _solver;
+};
+
 }  // namespace
 
 Variant finer_reference(const Scene& scene) {
@@ -244,58 +292,6 @@ CheckedRays choose_checked_rays(const DatabaseHeader& header, const std::vector<
   }
   return chosen;
 }
-
-namespace {
-
-constexpr std::size_t max_places_at_rest = 24;
-
-void require_memory(double unknowns, const DiscretizationOptions& options) {
-  if (const auto why = memory_shortage(unknowns, options); !why.empty())
-    throw input_error("the finer solution does not fit into the memory", why,
-                      "use a coarser mesh, or a machine with more memory; with check_probes = 0 phynness run goes on "
-                      "without it");
-}
-
-/// The solver of a variant, which is created at its first ray.
-class VariantSolver {
- public:
-  /// @param end_s  time since the start at which a ray is abandoned. @param elapsed_s  returns the time since the start
-  VariantSolver(VariantBody body, double end_s, std::function<double()> elapsed_s, const ShouldStop& stop)
-      : _body(std::move(body)), _end_s(end_s), _elapsed_s(std::move(elapsed_s)), _stop(stop) {}
-
-  const VariantBody& body() const { return _body; }
-  const DatabaseHeader& header() const { return *_header; }
-  bool is_stopping() const { return _is_stopping; }
-
-  /// @return false if the ray was abandoned
-  bool solve(const CheckedRay& ray, VariantForces& forces) {
-    if (!_solver) {
-      _header = database_header(_body.scene, _body.mesh, _body.sets);
-      _solver = std::make_unique<ProbeSolver>(_body.scene, _body.mesh, _body.sets);
-    }
-    const auto solved = solve_rays(*_solver, *_header, {{ray.active, ray.direction}}, {}, [&] {
-      _is_stopping = _is_stopping || (_stop && _stop());
-      return _is_stopping || _elapsed_s() > _end_s;
-    });
-    if (solved.interrupted || solved.rays.empty()) return false;
-    const Ray& result = solved.rays.front();
-    forces.status = result.status;
-    for (std::size_t i = 0; i < result.status.size(); ++i)
-      forces.force_N.push_back({result.force[3 * i], result.force[3 * i + 1], result.force[3 * i + 2]});
-    return true;
-  }
-
- private:
-  VariantBody _body;
-  double _end_s;
-  std::function<double()> _elapsed_s;
-  const ShouldStop& _stop;
-  bool _is_stopping = false;
-  std::optional<DatabaseHeader> _header;
-  std::unique_ptr<ProbeSolver> _solver;
-};
-
-}  // namespace
 
 DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, const NodeSets& own_sets,
                                           const DiscretizationOptions& options, const OnProgress& progress,

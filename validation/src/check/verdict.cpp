@@ -186,6 +186,29 @@ VerdictLine not_covered(const Validated& v) {
            {"active_nodes", static_cast<double>(active)}}};
 }
 
+Json conditions(const Validated& v) {
+  const Scene& scene = v.scene;
+  return {{"law", name(scene.material.law)},
+          {"element", name(scene.solver.element)},
+          {"bulk_to_shear", scene.material.bulk_to_shear()},
+          {"probe", name(scene.probe.kind)},
+          {"max_displacement_m", scene.probe.max_displacement_m},
+          {"outside_factor", v.report.outside_factor},
+          {"nodes", v.report.nodes},
+          {"fixed_distances_m", v.report.fixed_distance_m},
+          {"level", v.model.level()},
+          {"seed", v.seed}};
+}
+
+/// The number of requested directions. The depth is 0 for directions that are not requested (hemisphere) and for those
+/// whose first increment failed.
+std::ptrdiff_t n_requested(const ActiveNodeModel& node, double range_m) {
+  const auto& depths = node.trained_depth_m;
+  const auto n_short = std::ranges::count_if(depths, [&](double depth) { return depth < range_m; });
+  return std::ssize(depths) -
+         std::clamp(n_short - node.n_incomplete, std::ptrdiff_t{0}, std::ranges::count(depths, 0.0));
+}
+
 }  // namespace
 
 std::vector<std::string> Validated::not_done() const {
@@ -276,24 +299,6 @@ std::vector<std::vector<std::string>> summary_cells(const Validated& v) {
   return cells;
 }
 
-namespace {
-
-Json conditions(const Validated& v) {
-  const Scene& scene = v.scene;
-  return {{"law", name(scene.material.law)},
-          {"element", name(scene.solver.element)},
-          {"bulk_to_shear", scene.material.bulk_to_shear()},
-          {"probe", name(scene.probe.kind)},
-          {"max_displacement_m", scene.probe.max_displacement_m},
-          {"outside_factor", v.report.outside_factor},
-          {"nodes", v.report.nodes},
-          {"fixed_distances_m", v.report.fixed_distance_m},
-          {"level", v.model.level()},
-          {"seed", v.seed}};
-}
-
-}  // namespace
-
 std::string validate_again(const Validated& in) {
   std::string line = fmt::format("phynness validate SCENE MODEL_DIR --probes {} --nodes {} --seed {}", in.report.probes,
                                  in.report.nodes.size(), in.seed);
@@ -330,19 +335,6 @@ Json validation_figures(const Validated& v) {
   if (v.no_pairs) out["pairs"] = {{"not_done", v.no_pairs->what()}};
   return out;
 }
-
-namespace {
-
-/// The number of requested directions. The depth is 0 for directions that are not requested (hemisphere) and for those
-/// whose first increment failed.
-std::ptrdiff_t n_requested(const ActiveNodeModel& node, double range_m) {
-  const auto& depths = node.trained_depth_m;
-  const auto n_short = std::ranges::count_if(depths, [&](double depth) { return depth < range_m; });
-  return std::ssize(depths) -
-         std::clamp(n_short - node.n_incomplete, std::ptrdiff_t{0}, std::ranges::count(depths, 0.0));
-}
-
-}  // namespace
 
 TrainedShare trained_share(const Model& model) {
   TrainedShare share;

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <chrono>
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/probe_solver.hpp>
