@@ -13,9 +13,10 @@ namespace {
 /// with which bodies are compared (docs/decisions/reduced-body.md).
 constexpr ToolDraws mode_draws{.pairs = 80, .triples = 40, .seed = 58'001, .half_at_probed = true},
     compared_draws{.pairs = 60, .triples = 12, .seed = 58'002};
-/// A scene of three tools or more has three times as many states of three.
+/// Scenes of three tools or more have more states of three.
+constexpr int more_triples_for_modes = 3, more_triples_compared = 8;
 ToolDraws for_tools(ToolDraws draws, int tools) {
-  if (tools > 2) draws.triples *= 3;
+  if (tools > 2) draws.triples *= draws.half_at_probed ? more_triples_for_modes : more_triples_compared;
   return draws;
 }
 constexpr double near_radii = 1.5;
@@ -51,7 +52,8 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
   session.together([&] { reducible_scene(header = read_database_header(database)); });
   if (tools == 0) tools = stored_scene(header).probe.tools;
   const auto solve = [&](ToolDraws draws) {
-    draws.half_within_m = near_radii * stored_scene(header).probe.tool_radius_m;
+    // Near triples have so small a weight that half of the compared states would say nothing.
+    if (tools <= 2 || draws.half_at_probed) draws.half_within_m = near_radii * stored_scene(header).probe.tool_radius_m;
     return solve_several_tools(session, header, draws, Progress("reduce", "states of several tools").counter());
   };
   ToolDraws draws = for_tools(compared_draws, tools);

@@ -168,7 +168,8 @@ TEST_F(Bodies, GetBounds) {
   }
 }
 
-// Claim: a scene of three tools has modes of more states of three, and they are part of what its body has to reach.
+// Claim: a scene of three tools has modes of more states of three, more are compared, and they are part of what its
+// body has to reach. Of 156 drawn states few have no solution.
 TEST_F(Bodies, OfThreeToolsReachTheirErrors) {
   auto scene = round_tools();
   write_file(folder / "three.toml", scene.insert(scene.find("directions = 26"), "tools = 3\n"));
@@ -183,7 +184,8 @@ TEST_F(Bodies, OfThreeToolsReachTheirErrors) {
   };
   const auto two = reduced(""), three = reduced(" --scene three.toml");
   EXPECT_LE(compared(two), 72);
-  EXPECT_GT(compared(three), 72);
+  EXPECT_GT(compared(three), 120);
+  EXPECT_LE(compared(three), 156);
   EXPECT_GT(three.at("several_fields").get<int>(), 1.5 * two.at("several_fields").get<int>());
   expect_names(unbroken(succeed("reduce d.h5 -o b.txt --target-error 1e-9 --scene three.toml").err),
                {"half of p95 of three tools", "1e-07 % were wanted"});
