@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <phynness/formats/error.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <sstream>
@@ -18,49 +17,19 @@ using namespace meshes;
 
 std::string place(const MeshSpec& spec) { return spec.where.prefix() + "mesh"; }
 
-/// Edges of a surface far below the median make slivers. Remeshing keeps them where they are folded.
-/// @return the shortest edge within a distance of a place, and the remedy; empty unless it is far below
-std::string short_edges(const Surface& surface, const Eigen::RowVector3d& place, double distance_m,
-                        bool in_file_units) {
-  constexpr double far_below = 0.1;
-  constexpr double to_merge = 0.2;  // clears slivers of clumps of up to 1 mm in surfaces of 2.6 and 5.5 mm
-  std::vector<double> lengths;
-  double shortest = std::numeric_limits<double>::infinity();
-  Eigen::RowVector3d where = place;
-  for (const auto& triangle : surface.triangles.rowwise())
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::RowVector3d a = surface.nodes.row(triangle[k]), b = surface.nodes.row(triangle[(k + 1) % 3]);
-      lengths.push_back((b - a).norm());
-      if (lengths.back() < shortest && (a - place).norm() <= distance_m) shortest = lengths.back(), where = a;
-    }
-  const auto middle = lengths.begin() + std::ssize(lengths) / 2;
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  if (shortest >= far_below * *middle) return "";
-  const double per_m = in_file_units ? 1 : 1000;
-  const char *const unit = in_file_units ? "" : " mm", *const unit_of_places = in_file_units ? " (file units)" : unit;
-  where *= per_m;
-  std::ostringstream text;
-  text.precision(3);
-  text << "the surface has edges of " << per_m * shortest << unit << " at (" << where[0] << ", " << where[1] << ", "
-       << where[2] << ")" << unit_of_places << ", while its median edge is " << per_m * *middle << unit
-       << "; merge nodes that are nearer to each other than " << to_merge * per_m * *middle << unit
-       << " in the program that made it (in MeshLab: Merge Close Vertices)";
-  return text.str();
-}
-
-/// Adds place, reason and remedy of flat cells of a mesh that was made here.
-/// @param given  the surface of a file; may be null
-void warn_of_slivers(MeshResult& result, const Surface* given, bool in_file_units) {
-  if (result.quality.n_slivers == 0) return;
+/// Reason and place of flat cells of a mesh that was made here, and the remedy.
+std::string reason_of_slivers(const MeshResult& result, const MeshSpec& spec, bool in_file_units) {
   const auto worst = cell_quality(result.mesh, result.quality.worst_cell, {});
-  std::string reason =
-      given ? short_edges(*given, to_eigen(worst.center_m).transpose(), result.quality.mean_edge_m, in_file_units) : "";
-  if (reason.empty())
-    reason =
-        "the body is thinner there, or its surface is more sharply folded, than its edges are long; use a smaller "
-        "mesh.target_size_m or a smoother surface";
-  result.warnings.push_back("the worst of these is " + (in_file_units ? worst.str(1, " (file units)") : worst.str()) +
-                            ": " + reason);
+  const std::string of_files_triangles =
+      "the file's triangles have short edges there, or the body is thin or sharply folded; mesh.target_size_m makes "
+      "new "
+      "triangles with edges of one length";
+  const std::string of_new_triangles =
+      "the body is thinner there, or its surface is more sharply folded, than its edges are long; use a smaller "
+      "mesh.target_size_m or a smoother surface";
+  return "the worst of these is " + (in_file_units ? worst.str(1, " (file units)") : worst.str()) + ": " +
+         (spec.shape == Shape::none && !spec.target_size_m && !spec.target_nodes ? of_files_triangles
+                                                                                 : of_new_triangles);
 }
 
 /// A defect of a mesh that was made here is a failure and not an error of the input; another size may work.
@@ -157,7 +126,7 @@ void warn_of_volume(MeshResult& result, double given_m3) {
 
 /// @param notes  about the surface
 MeshResult filled(const MeshSpec& spec, Surface surface, const Regions& regions, const std::string& source,
-                  std::vector<std::string> notes, bool in_file_units) {
+                  std::vector<std::string> notes) {
   require_gmsh();  // otherwise the surface would be blamed
   untangle(surface, notes);
   const Extent extent{enclosed_volume(surface.nodes, surface.triangles), area(surface.nodes, surface.triangles)};
@@ -167,11 +136,8 @@ MeshResult filled(const MeshSpec& spec, Surface surface, const Regions& regions,
     try {
       return generated_body(fill(surface, inclusions(regions, surface, given_edge_m)), source);
     } catch (const Error& error) {
-      const std::string edges =
-          short_edges(surface, surface.nodes.row(0), std::numeric_limits<double>::infinity(), in_file_units);
       throw input_error(source + ": the inside of the surface cannot be filled with tetrahedra", error.what(),
-                        "repair the surface in the program that made it, where its sides touch or nearly touch" +
-                            (edges.empty() ? "" : "; " + edges));
+                        "repair the surface in the program that made it, where its sides touch or nearly touch");
     }
   };
   MeshResult result;
@@ -194,18 +160,16 @@ MeshResult filled(const MeshSpec& spec, Surface surface, const Regions& regions,
     }
   }
   result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
-  warn_of_slivers(result, &surface, in_file_units);
   return result;
 }
 
-MeshResult from_surface(const MeshSpec& spec, const Regions& regions, const RawMesh& raw, const std::string& source,
-                        bool in_file_units) {
+MeshResult from_surface(const MeshSpec& spec, const Regions& regions, const RawMesh& raw, const std::string& source) {
   if (spec.remesh)
     throw input_error(place(spec) + ": remesh = true makes new tetrahedra within a body, but the file holds a surface",
                       source, "remove mesh.remesh: a closed surface is filled with tetrahedra without it");
   std::vector<std::string> notes;
   Surface surface = checked_surface(raw, spec.scale_to_m, spec.repair, source, notes);
-  return filled(spec, std::move(surface), regions, source, std::move(notes), in_file_units);
+  return filled(spec, std::move(surface), regions, source, std::move(notes));
 }
 
 std::string summary(const QualityReport& quality) {
@@ -218,14 +182,14 @@ std::string summary(const QualityReport& quality) {
 
 /// New tetrahedra within the surface of a body.
 MeshResult remeshed_body(const MeshSpec& spec, const Regions& regions, const MeshResult& body,
-                         const std::string& source, bool in_file_units) {
+                         const std::string& source) {
   const Mesh& old = body.mesh;
   if (const std::string defects = describe_defects(surface_topology(old.surface), true); !defects.empty())
     throw input_error(
         place(spec) + ": remesh = true keeps neither cavities of the body nor places where it touches itself",
         source + ", whose surface has " + defects,
         "remove mesh.remesh, and mesh the body again in the program that made it");
-  MeshResult result = filled(spec, surface_of(old), regions, source, body.notes, in_file_units);
+  MeshResult result = filled(spec, surface_of(old), regions, source, body.notes);
   std::ostringstream text;
   text.precision(2);
   text << "replaced " << summary(body.quality) << " of the file by " << summary(result.quality)
@@ -265,14 +229,14 @@ void require_size(const RawMesh& raw, const MeshSpec& spec, const std::string& s
                     "correct mesh.scale_to_m, the length of the file's unit in metres");
 }
 
-MeshResult from_file(const MeshSpec& spec, const Regions& regions, bool in_file_units) {
+MeshResult from_file(const MeshSpec& spec, const Regions& regions) {
   const std::string source = spec.file.filename().string();
   RawMesh raw = read_mesh_file(spec.file);
   require_size(raw, spec, source);
   if (spec.thickness_m > 0) return shell_from_file(spec, raw, source);
-  if (raw.tetrahedra.empty()) return from_surface(spec, regions, raw, source, in_file_units);
+  if (raw.tetrahedra.empty()) return from_surface(spec, regions, raw, source);
   MeshResult result = checked_body(raw, spec.scale_to_m, spec.repair, source);
-  if (spec.remesh) return remeshed_body(spec, regions, result, source, in_file_units);
+  if (spec.remesh) return remeshed_body(spec, regions, result, source);
   if (spec.target_nodes || spec.target_size_m)
     result.warnings.push_back(
         "the file holds tetrahedra, which are not changed: mesh.target_nodes and mesh.target_size_m "
@@ -294,9 +258,9 @@ MeshResult make_shell(const std::filesystem::path& file) {
 MeshResult make_mesh(const Scene& scene, bool in_file_units) {
   const MeshSpec spec = with_standard_sizes(scene.mesh);
   try {
-    const bool of_file = spec.shape == Shape::none;
-    MeshResult result = of_file ? from_file(spec, scene.regions, in_file_units) : from_shape(spec, scene.regions);
-    if (!of_file && result.made_here) warn_of_slivers(result, nullptr, in_file_units);
+    MeshResult result = spec.shape == Shape::none ? from_file(spec, scene.regions) : from_shape(spec, scene.regions);
+    if (result.made_here && result.quality.n_slivers > 0)
+      result.warnings.push_back(reason_of_slivers(result, spec, in_file_units));
     if (!in_file_units) warn_of_size(result, spec.scale_to_m);
     result.mesh.regions = cell_regions(scene, result.mesh);
     for (std::size_t r = 0; r < scene.regions.size(); ++r)
