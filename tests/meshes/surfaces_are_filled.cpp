@@ -32,6 +32,7 @@ TEST(Surfaces, RemeshingKeepsSharpEdges) {
   EXPECT_NEAR(result.quality.volume_m3, 1,
               1e-6);  // nothing is cut off the edges; only flat cells may be peeled
   EXPECT_NEAR(result.quality.mean_edge_m, 0.2, 0.06);
+  EXPECT_NEAR(fill_cube(cube_obj, 1).quality.volume_m3, 1, 1e-6);
 }
 
 // Claim: sharp edges of an extent below the edge length, as a pyramid of 1/100 on a face of the cube, do not survive.

@@ -83,7 +83,9 @@ void smooth(ChangingSurface& surface, const ClosestPoint& closest) {
 
 Surface remeshed(const Surface& original, double edge_m) {
   const ClosestPoint closest(original);
-  ChangingSurface surface(original, sharp_cosine, 2 * edge_m);
+  // Smaller features are noise, unless the body is small.
+  const double size = (original.nodes.colwise().maxCoeff() - original.nodes.colwise().minCoeff()).norm();
+  ChangingSurface surface(original, sharp_cosine, std::min(2 * edge_m, size / 4));
   // With 4/3 and 4/5 neither a split nor a collapse makes an edge that is changed back immediately.
   const double longest = 4.0 / 3.0 * edge_m, shortest = 4.0 / 5.0 * edge_m;
   int good_rounds = 0;
