@@ -59,9 +59,19 @@ MeshResult generated_body(RawMesh raw, const std::string& source) {
 using Regions = std::vector<Region>;
 
 MeshResult filled_at(const Surface& surface, double edge_m, const Regions& regions, const std::string& source) {
+  constexpr int most_tries = 6;
   std::vector<std::string> notes;
   Surface wanted = remeshed(surface, edge_m);
-  untangle(wanted, notes);
+  for (int n = 1;; ++n) try {
+      untangle(wanted, notes);
+      break;
+    } catch (const Error& error) {
+      if (n == most_tries)
+        throw failure("the surface with new triangles intersects itself", error.what(),
+                      "try another mesh.target_size_m or mesh.target_nodes");
+      edge_m *= 0.98;  // a slightly finer surface has different triangles
+      wanted = remeshed(surface, edge_m);
+    }
   MeshResult result = generated_body(fill(wanted, inclusions(regions, wanted, edge_m)), source);
   result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
   return result;

@@ -392,17 +392,16 @@ void cover_surface(Model& model, const Mesh& mesh, double longest_m, bool spread
     };
     rows[from.covered[i]] = {from.triangle[i], part(w[0], 1), part(w[1], w[1] + w[2])};
   };
-  std::set<std::int32_t> beside_linear;
-  for (std::size_t i = 0; i < made.covered.size(); ++i)
+  for (std::size_t i = 0; i < made.covered.size(); ++i) {
+    bool enters = position.contains(made.covered[i]);
     for (int k = 0; k < 3; ++k)
-      if (made.weights(static_cast<Eigen::Index>(i), k) > 0 &&
-          corners(made.triangle[i], k) >= static_cast<std::int32_t>(active.size()))
-        beside_linear.insert(made.covered[i]);
+      enters = enters || (made.weights(static_cast<Eigen::Index>(i), k) > 0 &&
+                          corners(made.triangle[i], k) >= static_cast<std::int32_t>(active.size()));
+    if (enters) enter(made, i);
+  }
   // What probed nodes alone answer is the same without linear points.
-  for (std::size_t i = 0; i < made.covered.size(); ++i)
-    if (beside_linear.contains(made.covered[i]) || position.contains(made.covered[i])) enter(made, i);
   for (std::size_t i = 0; i < inner.covered.size(); ++i)
-    if (!beside_linear.contains(inner.covered[i])) enter(inner, i);
+    if (!rows.contains(inner.covered[i])) enter(inner, i);
   std::map<std::int32_t, std::int32_t> alone;  // triangle of a single point
   const Points places = mesh.nodes(linear, Eigen::all);
   for (const auto node : surface_nodes(model.surface)) {
