@@ -1,15 +1,19 @@
 #include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <phynness/formats/error.hpp>
 #include <phynness/meshes/probe_points.hpp>
 #include <phynness/schema/body_grammar.hpp>
 #include <phynness/training/reduction.hpp>
 #include <utility>
+#include <vector>
 
 #include "dense_products.hpp"
 #include "dense_solvers.hpp"
@@ -30,9 +34,12 @@ constexpr double truncation_of_a_node = 1e-6;   ///< share of int |grad u|^2 tha
 constexpr std::size_t most_candidates = 8'000;  ///< of a part, among which those with a weight are
 /// The forces and changes of volume of a state are so many random sums of all of them.
 constexpr int sums_of_a_state = 16;
-/// With regions the first sum of a state is its work, on which forces of tools depend, so many times as heavy as
-/// others.
+/// With regions a state has fewer, and the works of about so many states of one tool are met, too, so many times as
+/// heavy as sums: forces of tools depend on them.
+constexpr int sums_with_regions = 8, most_works = 4'000;
 constexpr double weight_of_work = 8;
+/// Of the smallest increment, for which works at rest are met.
+constexpr double part_at_rest = 1e-3;
 /// int |grad u|^2 of all fields of several tools over that of all fields of the database. 1, 2 and 4 differ less than
 /// choices of cells do: pairs of a liver with K/mu 200 were off by 10 to 13 % (p95) with 300 cells.
 constexpr double weight_of_several = 2;
@@ -135,7 +142,8 @@ class Reduction {
   }
 
   /// The converged fields of a node, 3 n_nodes x any. Keeps those that are drawn.
-  MatrixXd fields_of(std::int32_t active) {
+  /// @param forces, is_first  outputs, if given: 3 x fields [N]; whether it is of the smallest increment
+  MatrixXd fields_of(std::int32_t active, Eigen::Matrix3Xd* forces = nullptr, std::vector<char>* is_first = nullptr) {
     std::vector<Ray> rays;
     {
       const std::lock_guard lock(_mutex);
@@ -144,10 +152,13 @@ class Reduction {
     const auto& output = _header.sets.output;
     const std::size_t n = _header.magnitudes_m.size();
     MatrixXd fields = MatrixXd::Zero(3 * _elements.n_nodes, static_cast<Index>(rays.size() * n));
+    if (forces) forces->resize(3, fields.cols());
     Index count = 0;
     for (std::size_t r = 0; r < rays.size(); ++r)
       for (std::size_t k = 0; k < n; ++k) {
         if (rays[r].status[k] != Status::converged) continue;
+        if (forces) forces->col(count) = Eigen::Vector3d::Map(&rays[r].force[3 * k]);
+        if (is_first) is_first->push_back(k == 0);
         auto u = fields.col(count++);
         const double* values = &rays[r].displacement[3 * k * output.size()];
         for (std::size_t o = 0; o < output.size(); ++o)
@@ -307,6 +318,99 @@ class Reduction {
     return inverse_cholesky_factor(stiffness);
   }
 
+  /// What is summed over the points of a state: its stress and its changes of volume.
+  struct Integrands {
+    VectorXd volumes, nodal_volumes, pressures;
+    AtPoints stress;
+  };
+  /// @return nothing where the law is not defined at a point
+  std::optional<Integrands> integrands(const VectorXd& amplitudes) const {
+    const auto here = energy_densities(_elements, applied(_modes, amplitudes));
+    if (!here) return std::nullopt;
+    Integrands out;
+    out.volumes = _elements.bulk.cwiseProduct(here->g);
+    out.nodal_volumes = transposed_applied(_elements.pressure_values, out.volumes);
+    out.pressures = transposed_applied(_pressures, out.nodal_volumes);
+    const VectorXd pressure = applied(_elements.pressure_values, applied(_pressures, out.pressures));
+    out.stress = here->shape_first * _elements.shear.asDiagonal() +
+                 here->g_first * _elements.bulk.cwiseProduct(pressure).asDiagonal();
+    return out;
+  }
+
+  /// Sums of stresses over the gradients of some displacements, and of changes of volume over pressures.
+  struct Sums {
+    VectorXd all;            ///< over all points
+    MatrixXd of_candidates;  ///< what each candidate adds, a column for each sum
+  };
+  struct Candidates {
+    std::vector<std::int32_t> points;
+    std::array<Sparse, 3> slope;
+    Sparse pressure_values;
+  };
+  /// @param tests, test_pressures  amplitudes of modes, a column for each sum
+  Sums sums_of(const Integrands& state, const Candidates& candidates, const MatrixXd& tests,
+               const MatrixXd& test_pressures) const {
+    const MatrixXd displacements = product(_modes, tests), pressures = product(_pressures, test_pressures);
+    Sums out{transposed_applied(pressures, state.nodal_volumes),
+             state.volumes(candidates.points).asDiagonal() * product(candidates.pressure_values, pressures)};
+    const auto gradient = gradients(candidates.slope, displacements);
+    for (Index k = 0; k < 9; ++k) {
+      const VectorXd component = state.stress.row(k).transpose();
+      const auto& d = _elements.derivative[static_cast<std::size_t>(k % 3)];
+      out.all += transposed_applied(displacements.middleRows(k / 3 * _elements.n_nodes, _elements.n_nodes),
+                                    transposed_applied(d, component));
+      out.of_candidates += component(candidates.points).asDiagonal() * gradient[static_cast<std::size_t>(k)];
+    }
+    return out;
+  }
+
+  /// States of one tool, and the work that the tool's force does in each.
+  struct Works {
+    MatrixXd states;  ///< in the modes
+    VectorXd work;    ///< [J]; NaN: that of all points
+  };
+  /// Those of most_works converged states, and for the smallest increments those at rest.
+  Works drawn_works() {
+    std::vector<MatrixXd> states(static_cast<std::size_t>(n_active()));
+    std::vector<VectorXd> works(states.size());
+    const double share = std::min(1.0, most_works / static_cast<double>(_report.fields));
+    for_each_index(n_active(), _threads, [&](std::int32_t a) {
+      const auto i = static_cast<std::size_t>(a);
+      SplitMix64 random(_spec.seed + 100 + i);
+      Eigen::Matrix3Xd forces;
+      std::vector<char> is_first;
+      const MatrixXd all = transposed_product(_modes, laplace_of(fields_of(a, &forces, &is_first)));
+      const TouchedNodes& tool = _header.sets.tools[i];
+      MatrixXd mean = MatrixXd::Zero(3, _modes.cols());
+      for (std::size_t t = 0; t < tool.nodes.size(); ++t)
+        for (Index k = 0; k < 3; ++k)
+          mean.row(k) += tool.weights[t] * _modes.row(k * _elements.n_nodes + tool.nodes[t]);
+      states[i].resize(all.rows(), 2 * all.cols());
+      works[i].resize(2 * all.cols());
+      Index n = 0;
+      for (Index c = 0; c < all.cols(); ++c) {
+        const double lot = static_cast<double>(random.next() >> 11) * 0x1p-53;
+        if (is_first[static_cast<std::size_t>(c)]) {
+          states[i].col(n) = part_at_rest * all.col(c);
+          works[i][n++] = std::nan("");
+        }
+        if (lot >= share) continue;
+        states[i].col(n) = all.col(c);
+        works[i][n++] = forces.col(c).dot(mean * all.col(c));
+      }
+      states[i].conservativeResize(Eigen::NoChange, n);
+      works[i].conservativeResize(n);
+    });
+    Works out;
+    for (const auto& w : works) {
+      const Index before = out.work.size();
+      out.work.conservativeResize(before + w.size());
+      out.work.tail(w.size()) = w;
+    }
+    out.states = side_by_side(std::move(states), _modes.cols());
+    return out;
+  }
+
   /// Weights for the forces and changes of volume of the drawn states in the modes, of which random sums are taken.
   void find_weights(int cells) {
     const Index n_points = _elements.n_points;
@@ -319,80 +423,72 @@ class Reduction {
       _shape_at_rest.resize(0, 0);  // of a smaller body
       return;
     }
+    const bool has_regions = _rest.size() > 1;
+    const int n_sums = has_regions ? sums_with_regions : sums_of_a_state;
     SplitMix64 random(_spec.seed + 1);
     const auto signs = [&](Index rows) {
-      MatrixXd out(rows, sums_of_a_state);
-      for (Index i = 0; i < out.size(); ++i)
-        out.data()[i] = (random.next() >> 63 ? 1 : -1) / std::sqrt(sums_of_a_state);
+      MatrixXd out(rows, n_sums);
+      for (Index i = 0; i < out.size(); ++i) out.data()[i] = (random.next() >> 63 ? 1 : -1) / std::sqrt(n_sums);
       return out;
     };
-    const auto candidates = this->candidates(random);
-    const auto slope = _elements.derivative_at(candidates);
-    const Sparse middle = _elements.pressure_values_at(candidates);
-    const auto n = static_cast<Index>(candidates.size());
+    Candidates candidates{this->candidates(random), {}, {}};
+    candidates.slope = _elements.derivative_at(candidates.points);
+    candidates.pressure_values = _elements.pressure_values_at(candidates.points);
+    const auto n = std::ssize(candidates.points);
     const MatrixXd inverse = inverse_of_rest();
     const MatrixXd states = transposed_product(_modes, laplace_of(_states));
-    std::vector<std::pair<MatrixXd, MatrixXd>> sums;
-    for (Index s = 0; s < states.cols(); ++s) sums.emplace_back(signs(_modes.cols()), signs(_pressures.cols()));
+    std::vector<std::pair<MatrixXd, MatrixXd>> tests;
+    for (Index s = 0; s < states.cols(); ++s) tests.emplace_back(signs(_modes.cols()), signs(_pressures.cols()));
+    const Works works = has_regions ? drawn_works() : Works{};
+    const Index n_works = works.work.size();
 
-    const auto n_totals = 2 * std::ssize(_rest);
-    Eigen::MatrixXf contributions = Eigen::MatrixXf::Zero(sums_of_a_state * states.cols() + n_totals, n);
+    const Index n_random = n_sums * states.cols(), n_totals = 2 * std::ssize(_rest);
+    Eigen::MatrixXf contributions = Eigen::MatrixXf::Zero(n_random + n_works + n_totals, n);
     VectorXd wanted = VectorXd::Zero(contributions.rows());
     std::atomic<std::int64_t> fitted = 0;
     for_each_index(static_cast<std::int32_t>(states.cols()), _threads, [&](std::int32_t s) {
       step();
-      const auto here = energy_densities(_elements, applied(_modes, states.col(s)));
-      if (!here) return;
+      const auto state = integrands(states.col(s));
+      if (!state) return;
       ++fitted;
-      auto& [of_forces, of_volumes] = sums[static_cast<std::size_t>(s)];
-      const VectorXd direction = solve_lower_transposed(inverse, states.col(s));
-      const double size = direction.norm();
-      const VectorXd volumes = _elements.bulk.cwiseProduct(here->g);
-      const VectorXd nodal_volumes = transposed_applied(_elements.pressure_values, volumes);
-      const VectorXd pressures = transposed_applied(_pressures, nodal_volumes);
-      if (_rest.size() > 1) {
-        of_forces.col(0) = weight_of_work / size * direction;
-        of_volumes.col(0) = weight_of_work / size * pressures;
-      }
-      const MatrixXd tests = product(_modes, transposed_product(inverse, of_forces) / size);
-      const MatrixXd test_pressures = product(_pressures, of_volumes / size);
-      const VectorXd pressure = applied(_elements.pressure_values, applied(_pressures, pressures));
-      const AtPoints stress = here->shape_first * _elements.shear.asDiagonal() +
-                              here->g_first * _elements.bulk.cwiseProduct(pressure).asDiagonal();
-      VectorXd nodal = transposed_applied(test_pressures, nodal_volumes);
-      MatrixXd of_points = volumes(candidates).asDiagonal() * product(middle, test_pressures);
-      const auto gradient = gradients(slope, tests);
-      for (Index k = 0; k < 9; ++k) {
-        const VectorXd component = stress.row(k).transpose();
-        const auto& d = _elements.derivative[static_cast<std::size_t>(k % 3)];
-        nodal += transposed_applied(tests.middleRows(k / 3 * _elements.n_nodes, _elements.n_nodes),
-                                    transposed_applied(d, component));
-        of_points += component(candidates).asDiagonal() * gradient[static_cast<std::size_t>(k)];
-      }
+      const auto& [of_forces, of_volumes] = tests[static_cast<std::size_t>(s)];
+      const double size = solve_lower_transposed(inverse, states.col(s)).norm();
+      auto [all, of_candidates] =
+          sums_of(*state, candidates, transposed_product(inverse, of_forces) / size, of_volumes / size);
       if (_own_states) {
         // Where parts turn, the energy at rest in `size` is large, so that these states would count too little.
-        const double norm = nodal.norm();
-        nodal /= norm;
-        of_points /= norm;
+        const double norm = all.norm();
+        all /= norm;
+        of_candidates /= norm;
       }
-      contributions.middleRows(sums_of_a_state * s, sums_of_a_state) = of_points.transpose().cast<float>();
-      wanted.segment(sums_of_a_state * s, sums_of_a_state) = nodal;
+      contributions.middleRows(n_sums * s, n_sums) = of_candidates.transpose().cast<float>();
+      wanted.segment(n_sums * s, n_sums) = all;
+    });
+    const double random_scale = wanted.norm();
+    for_each_index(static_cast<std::int32_t>(n_works), _threads, [&](std::int32_t w) {
+      const VectorXd direction = works.states.col(w);
+      const auto state = integrands(direction);
+      if (!state) return;
+      const double factor = weight_of_work / solve_lower_transposed(inverse, direction).squaredNorm();
+      // Changes of volume are in the pressures, too, so that errors of their weights count twice.
+      auto [all, of_candidates] = sums_of(*state, candidates, factor * direction, factor * state->pressures);
+      if (std::isfinite(works.work[w])) all[0] = factor * (works.work[w] + state->pressures.squaredNorm());
+      contributions.row(n_random + w) = of_candidates.transpose().cast<float>();
+      wanted[n_random + w] = all[0];
     });
     // As heavy as all others together, the two totals of each part of the body are met.
-    const auto random_sums = [&](VectorXd values) {
-      if (_rest.size() > 1) values(Eigen::seqN(0, states.cols(), sums_of_a_state)).setZero();
-      return values;
-    };
-    const double scale = wanted.norm(), random_scale = random_sums(wanted).norm();
+    const double scale = wanted.norm();
     for (Index row = contributions.rows() - n_totals, p = 0; p < std::ssize(_rest); ++p)
       for (const VectorXd* all : {&_elements.shear, &_elements.bulk}) {
         const VectorXd size = restricted_to_part(*all, static_cast<std::size_t>(p));
-        contributions.row(row) = (size(candidates) * (scale / size.sum())).cast<float>();
+        contributions.row(row) = (size(candidates.points) * (scale / size.sum())).cast<float>();
         wanted[row++] = scale;
       }
     _cubature = nonnegative_weights(contributions, wanted, cells, _threads, [this](Index n) { step(n); });
-    _report.residual = random_sums(_cubature.residual.head(contributions.rows() - n_totals)).norm() / random_scale;
-    for (auto& point : _cubature.points) point = candidates[static_cast<std::size_t>(point)];
+    _report.residual = _cubature.residual.head(n_random).norm() / random_scale;
+    // Errors of shape and of volume cancel in the works, which a correction of the shape alone would undo.
+    if (has_regions) _shape_at_rest.resize(0, 0);
+    for (auto& point : _cubature.points) point = candidates.points[static_cast<std::size_t>(point)];
     _report.states = fitted;
   }
 

@@ -21,7 +21,7 @@ struct ReductionSpec {
 };
 
 /// A stiff region changes forces by less than 400 cells are off (docs/decisions/reduced-body.md, Cells).
-constexpr int usual_cells(bool has_regions) { return has_regions ? 1200 : 400; }
+constexpr int usual_cells(bool has_regions) { return has_regions ? 1600 : 400; }
 
 struct ReductionReport {
   std::int64_t fields = 0;                ///< converged increments of the database
