@@ -92,9 +92,11 @@ void require_figures(const Options& options, const Scene& scene, const Discretiz
   if (report.distance(scene).probes > 0) return;
   if (report.left_out == 0)
     throw failure("nothing could be compared", "all solves failed", "reduce max_displacement_m");
-  throw failure("nothing could be compared in the given time", fmt::format("--seconds {:g}", options.check.seconds),
-                fmt::format("allow {}, or use a coarser mesh",
-                            sufficient_limit(std::max(report.sufficient_s, report.at_rest.sufficient_s))));
+  throw failure(
+      "nothing could be compared in the given time", fmt::format("--seconds {:g}", options.check.seconds),
+      fmt::format("phynness check SCENE {} compares all {} probes, with fewer --probes it needs less; in phynness "
+                  "run, which limits the time, set validation.check_probes; or use a coarser mesh",
+                  sufficient_limit(std::max(report.sufficient_s, report.at_rest.sufficient_s)), options.check.probes));
 }
 
 /// The keys of the scene that make this row: the element, "target_nodes = 160" and the like.

@@ -35,7 +35,8 @@ TEST(Surfaces, RemeshingKeepsSharpEdges) {
   EXPECT_NEAR(fill_cube(cube_obj, 1).quality.volume_m3, 1, 1e-6);
 }
 
-// Claim: sharp edges of an extent below the edge length, as a pyramid of 1/100 on a face of the cube, do not survive.
+// Claim: sharp edges of an extent below the edge length, as those of a flat pyramid of 1/100 on a face of the cube, do
+// not survive.
 TEST(Surfaces, RemeshingRemovesSmallBumps) {
   SKIP_WITHOUT_GMSH();
   const MeshResult result = fill_cube(R"(v 0 0 0
@@ -50,7 +51,7 @@ v 0.5 0.5 1
 v 0.51 0.5 1
 v 0.51 0.51 1
 v 0.5 0.51 1
-v 0.505 0.505 1.01
+v 0.505 0.505 1.005
 f 1 4 3 2
 f 1 2 6 5
 f 2 3 7 6

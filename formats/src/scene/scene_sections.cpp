@@ -138,11 +138,12 @@ void check_solver(const SceneTable& table, Scene& scene) {
     table.reject("element", "is an element for shells, but [mesh] has no thickness_m", "add thickness_m to [mesh]");
   for (const Material* material : materials(scene))
     if (spec.element->mixed && !(material->lame_lambda_Pa > 0))
-      refuse(table.where("element"),
-             std::string("element ") + phynness::name(spec.element) + " needs a positive Lame parameter lambda",
-             "lambda = " + shortest(material->lame_lambda_Pa) + " Pa of the material at line " +
-                 std::to_string(material->where.line),
-             "use element = \"P1\" or \"P2\", which do not lock with such a compressible material");
+      refuse(
+          table.where("element"),
+          std::string("element ") + phynness::name(spec.element) + " needs a positive Lame parameter lambda",
+          "lambda = K - 2 mu / 3 = " + shortest(material->lame_lambda_Pa) + " Pa of the material at line " +
+              std::to_string(material->where.line),
+          "check the moduli; for so compressible a material use element = \"P1\" or \"P2\", which do not lock there");
 }
 
 void check_region(const SceneTable& table, const Scene& scene) {

@@ -169,7 +169,7 @@ using DualTriangles = std::vector<std::array<std::int32_t, 3>>;
 
 /// Whether two parts of the surface face the same way. Narrow side faces of a plate are perpendicular to it, so that
 /// the sign of the product alone would hang on rounding.
-bool face_alike(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.dot(b) > 0.25 * a.norm() * b.norm(); }
+bool face_alike(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.dot(b) > 0.1 * a.norm() * b.norm(); }
 
 std::array<std::int32_t, 3> sorted(std::array<std::int32_t, 3> corners) {
   std::sort(corners.begin(), corners.end());
@@ -283,6 +283,7 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
     if (!whole && nearest.distance[static_cast<std::size_t>(node)] > reach_beside[static_cast<std::size_t>(own)])
       continue;
     const Eigen::Vector3d x = nodes.row(node).transpose();
+    bool is_single = false;
     double least = infinity;
     Eigen::Index best = -1;
     Eigen::Vector3d best_weights;
@@ -299,6 +300,7 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
     // Beyond an edge of one triangle only a strip is covered, and nothing on the other side of the body.
     if (!face_alike(normal_of(corners_of(nodes, made.triangles, best)), normals.row(node))) {
       if (!whole) continue;
+      is_single = true;
       best = around[static_cast<std::size_t>(own)].front();
       for (int k = 0; k < 3; ++k) best_weights[k] = made.triangles(best, k) == own ? 1 : 0;
     }
@@ -315,7 +317,7 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
     if (at_border && apart > most_beyond * longest) continue;
     made.covered.push_back(node);
     made.triangle.push_back(static_cast<std::int32_t>(best));
-    made.is_beyond.push_back(at_border && apart > 0);
+    made.is_beyond.push_back(apart > 0 && (at_border || is_single));
     weights.emplace_back(best_weights.transpose());
   }
   made.weights.resize(static_cast<Eigen::Index>(weights.size()), 3);
@@ -393,7 +395,7 @@ void cover_surface(Model& model, const Mesh& mesh, double longest_m, bool spread
     rows[from.covered[i]] = {from.triangle[i], part(w[0], 1), part(w[1], w[1] + w[2])};
   };
   for (std::size_t i = 0; i < made.covered.size(); ++i) {
-    bool enters = position.contains(made.covered[i]);
+    bool enters = !made.is_beyond[i];
     for (int k = 0; k < 3; ++k)
       enters = enters || (made.weights(static_cast<Eigen::Index>(i), k) > 0 &&
                           corners(made.triangle[i], k) >= static_cast<std::int32_t>(active.size()));

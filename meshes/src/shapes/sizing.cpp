@@ -11,7 +11,7 @@
 namespace phynness::meshes {
 namespace {
 
-constexpr double most_nodes = 5e6;
+constexpr double most_nodes = 1e6;
 constexpr int most_meshings = 10;
 constexpr double least_step = 2e-4;  // of the logarithm of the edge length
 constexpr double good_enough = 0.005, far_off = 0.05;
@@ -44,7 +44,7 @@ void require_affordable(const Extent& extent, double edge_m, const std::string& 
   const double n = expected_nodes(extent, edge_m);
   if (n <= most_nodes) return;
   std::ostringstream value, remedy;
-  value << "edge length " << edge_m << " m gives about " << n << " nodes";
+  value << "edge length " << edge_m << " m gives about " << n << " nodes in " << extent.volume_m3 << " m^3";
   remedy << "use at most " << most_nodes << " nodes, which means an edge length above " << edge_for(extent, most_nodes)
          << " m, or check mesh.scale_to_m";
   throw input_error(place + ": the mesh would be too large", value.str(), remedy.str());

@@ -36,19 +36,22 @@ void ChangingSurface::remove_small_features(double least_extent) {
   for (const Edge& edge : _features)
     for (int k = 0; k < 2; ++k) joined[edge[k]].push_back(edge[1 - k]);
   while (!joined.empty()) {
-    std::vector<std::int32_t> nodes = {joined.begin()->first};
-    std::vector<Edge> edges;
+    std::vector<std::int32_t> reached = {joined.begin()->first};
+    std::vector<Edge> edges;  // each twice
+    std::size_t n_nodes = 0;
     Eigen::AlignedBox3d extent;
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      extent.extend(_x[nodes[i]].transpose());
-      const auto entry = joined.extract(nodes[i]);
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+      const auto entry = joined.extract(reached[i]);
       if (entry.empty()) continue;
+      ++n_nodes;
+      extent.extend(_x[entry.key()].transpose());
       for (const auto other : entry.mapped()) {
-        edges.push_back({nodes[i], other});
-        nodes.push_back(other);
+        edges.push_back({entry.key(), other});
+        reached.push_back(other);
       }
     }
-    if (extent.diagonal().norm() >= least_extent) continue;
+    const bool has_loop = edges.size() / 2 >= n_nodes && n_nodes > 3;
+    if (has_loop || extent.diagonal().norm() >= least_extent) continue;
     for (const Edge& edge : edges) set_feature(edge, false);
   }
 }

@@ -16,9 +16,9 @@ namespace phynness::meshes {
 class ChangingSurface {
  public:
   using Vector = Eigen::RowVector3d;
-  /// Edges are features if the cosine of the angle between the normals of their triangles is below `sharp_cosine`, and
-  /// if the edges that join them have an extent of at least `least_extent`. Segmented organs have smaller ones by
-  /// chance.
+  /// Edges are features if the cosine of the angle between the normals of their triangles is below `sharp_cosine`, but
+  /// not those of an extent below `least_extent` that join no loop around more than one triangle: segmented organs have
+  /// such ones by chance, while the ends of a pin or of a hole are loops.
   ChangingSurface(const Surface& surface, double sharp_cosine, double least_extent);
 
   std::vector<Edge> edges() const;

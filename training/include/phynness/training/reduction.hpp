@@ -20,7 +20,7 @@ struct ReductionSpec {
   std::uint64_t seed = 1;
 };
 
-/// A stiff region changes forces by less than 400 cells are off (docs/decisions/reduced-body.md, Cells).
+/// A stiff region changes forces by less than 400 cells are off (docs/decisions/reduced-body.md, Regions).
 constexpr int usual_cells(bool has_regions) { return has_regions ? 1600 : 400; }
 
 struct ReductionReport {
