@@ -38,7 +38,9 @@ void open_and_ask(const std::vector<std::uint64_t>& words, std::size_t bytes, Sc
   const int status = Image<Real>::open(words.data(), bytes, &image);
   require((image != nullptr) == (status == PHN_OK), "an image or none");
   if (status != PHN_OK) {
-    require(status <= PHN_ERROR_NOT_A_MODEL && status >= PHN_ERROR_FAMILY, "a documented refusal");
+    require((status <= PHN_ERROR_NOT_A_MODEL && status >= PHN_ERROR_FAMILY) || status == PHN_ERROR_IMAGE_OF_FLOATS ||
+                status == PHN_ERROR_IMAGE_OF_DOUBLES,
+            "a documented refusal");
     return;
   }
   typename Image<Real>::Contents contents;

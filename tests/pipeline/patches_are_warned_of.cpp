@@ -52,10 +52,10 @@ TEST_F(Patches, OfEveryNodeAreNamedOnlyWherePlacesAreChosen) {
   write_file(folder / "scene.toml", changed(dense, "directions = 26", "directions = 3"));
   for (const char* line :
        {"precompute scene.toml -o d.h5", "mesh scene.toml -o mesh.msh", "info scene.toml", "plan scene.toml --rays 2"})
-    EXPECT_TRUE(holds(unbroken(succeed(line).err), "nodes is probed")) << line;
+    EXPECT_TRUE(holds(unbroken(succeed(line).err), "nodes of the part are probed")) << line;
   for (const char* line : {"check scene.toml --probes 1", "info d.h5", "precompute scene.toml --mesh mesh.msh -o e.h5",
                            "solve scene.toml --point 0.05,0.04,0.05 --displacement 0,0,-0.001"})
-    EXPECT_FALSE(holds(unbroken(succeed(line).err), "nodes is probed")) << line;
+    EXPECT_FALSE(holds(unbroken(succeed(line).err), "nodes of the part are probed")) << line;
 }
 
 TEST_F(Patches, AreResolvedAsRecommended) {
