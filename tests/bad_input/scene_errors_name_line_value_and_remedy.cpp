@@ -96,7 +96,7 @@ TEST(RegionsOfAScene, RefuseWhatIsWrong) {
 TEST(RegionsOfAScene, AreSolvedByAnElementThatServesEachOfThem) {
   const auto text = with(with(good_scene, "element = \"P1\"", "element = \"p1-p1\""), "[solver]", region + "[solver]");
   const auto message = refusal(with(text, "shear_modulus_Pa = 8.0", "shear_modulus_Pa = 9000.0"));
-  expect_error(message, {"p1-p1 needs a positive Lame parameter", "lambda = -1000 Pa", "line 8", "P1"});
+  expect_error(message, {"p1-p1 needs a positive Lame parameter", "2 mu / 3 = -1000 Pa", "line 8", "P1"});
   EXPECT_TRUE(scene_notes(parsed(text)).size() < 2);
   const auto notes = scene_notes(parsed(with(text, "shear_modulus_Pa = 8.0", "shear_modulus_Pa = 0.4")));
   ASSERT_FALSE(notes.empty());
