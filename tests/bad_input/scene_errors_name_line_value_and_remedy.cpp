@@ -274,7 +274,7 @@ linear_family_of_a_nonlinear_law | family = "rbfn" | family = "linear"
 no_depth_given | depth | | [probe] | max_displacement_m is missing ; 0.028
 mixed_without_lambda | law = "neo-hookean"\nshear_modulus_Pa = 500.0\nbulk_modulus_Pa = 5000.0\n[solver]\nelement = "P1"
     | law = "linear"\nyoungs_modulus_Pa = 2e4\npoisson_ratio = 0\n[solver]\nelement = "p1-p1" | element
-    | lambda = 0 Pa ; P1 ; P2
+    | 2 mu / 3 = 0 Pa ; P1 ; P2
 )")),
                          [](const auto& info) { return info.param.name; });
 
