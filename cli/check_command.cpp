@@ -19,9 +19,10 @@ struct Options {
   OptionalPath json_file;
 };
 
-/// The option with this limit and a tenth more, rounded up to two digits.
-std::string sufficient_limit(double sufficient_s) {
-  const double seconds = std::max(1.0, 1.1 * sufficient_s), unit = std::pow(10, std::floor(std::log10(seconds)) - 1);
+/// The option with the time of all comparisons and a tenth more, rounded up to two digits.
+std::string sufficient_limit(const DiscretizationReport& report) {
+  const double seconds = std::max(1.0, 1.1 * std::max(report.sufficient_s, report.at_rest.sufficient_s)),
+               unit = std::pow(10, std::floor(std::log10(seconds)) - 1);
   return fmt::format("--seconds {:.0f}", std::ceil(unit * std::ceil(seconds / unit)));
 }
 
@@ -60,15 +61,12 @@ void print(const Scene& scene, const DiscretizationReport& report) {
   }
   if (distance.probes > 0) print_result("  force error: {}\n", distance.sentence());
   if (!report.at_rest.skipped_reason.empty())
-    print_result("  not compared at rest: {}{}\n", report.at_rest.skipped_reason,
-                 report.at_rest.sufficient_s > 0
-                     ? fmt::format("; {} would be enough", sufficient_limit(report.at_rest.sufficient_s))
-                     : "");
+    print_result("  not compared at rest: {}\n", report.at_rest.skipped_reason);
   print_failed(report, "scene", &CheckedProbe::own);
   print_failed(report, "finer solution", &CheckedProbe::finer);
-  if (report.left_out > 0)
-    print_result("  {} probes were left out for their time; {} would be enough for all\n", report.left_out,
-                 sufficient_limit(report.sufficient_s));
+  if (report.left_out > 0) print_result("  {} probes were left out for their time\n", report.left_out);
+  if (report.left_out > 0 || report.at_rest.sufficient_s > 0)
+    print_result("  {} would be enough for all\n", sufficient_limit(report));
   print_result("{}\n", duration(report.seconds));
 }
 
@@ -96,7 +94,7 @@ void require_figures(const Options& options, const Scene& scene, const Discretiz
       "nothing could be compared in the given time", fmt::format("--seconds {:g}", options.check.seconds),
       fmt::format("phynness check SCENE {} compares all {} probes, with fewer --probes it needs less; in phynness "
                   "run, which limits the time, set validation.check_probes; or use a coarser mesh",
-                  sufficient_limit(std::max(report.sufficient_s, report.at_rest.sufficient_s)), options.check.probes));
+                  sufficient_limit(report), options.check.probes));
 }
 
 /// The keys of the scene that make this row: the element, "target_nodes = 160" and the like.

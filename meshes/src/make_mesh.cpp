@@ -59,19 +59,14 @@ MeshResult generated_body(RawMesh raw, const std::string& source) {
 using Regions = std::vector<Region>;
 
 MeshResult filled_at(const Surface& surface, double edge_m, const Regions& regions, const std::string& source) {
-  constexpr int most_tries = 6;
   std::vector<std::string> notes;
   Surface wanted = remeshed(surface, edge_m);
-  for (int n = 1;; ++n) try {
-      untangle(wanted, notes);
-      break;
-    } catch (const Error& error) {
-      if (n == most_tries)
-        throw failure("the surface with new triangles intersects itself", error.what(),
-                      "try another mesh.target_size_m or mesh.target_nodes");
-      edge_m *= 0.98;  // a slightly finer surface has different triangles
-      wanted = remeshed(surface, edge_m);
-    }
+  try {
+    untangle(wanted, notes);
+  } catch (const Error& error) {
+    throw failure("the surface with new triangles intersects itself", error.what(),
+                  "try another mesh.target_size_m or mesh.target_nodes");
+  }
   MeshResult result = generated_body(fill(wanted, inclusions(regions, wanted, edge_m)), source);
   result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
   return result;
@@ -83,8 +78,15 @@ MeshResult sized(const MeshSpec& spec, const Extent& extent, const std::function
     require_affordable(extent, edge_m, place(spec));
     return mesh_at(edge_m);
   };
-  return spec.target_nodes ? meet_node_target(*spec.target_nodes, extent, place(spec), affordable)
-                           : affordable(*spec.target_size_m);
+  if (spec.target_nodes) return meet_node_target(*spec.target_nodes, extent, place(spec), affordable);
+  constexpr int most_tries = 6;
+  double edge_m = *spec.target_size_m;
+  for (int n = 1;; ++n) try {
+      return affordable(edge_m);
+    } catch (const Error& error) {
+      if (error.kind() == Error::Kind::input || n == most_tries) throw;
+      edge_m *= slightly_finer;
+    }
 }
 
 /// The surface of a body with its own nodes only.

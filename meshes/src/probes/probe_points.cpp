@@ -167,8 +167,8 @@ namespace {
 /// Corners of triangles that are dual to cells.
 using DualTriangles = std::vector<std::array<std::int32_t, 3>>;
 
-/// Whether two parts of the surface face the same way. Narrow side faces of a plate are perpendicular to it, so that
-/// the sign of the product alone would hang on rounding.
+/// Whether the angle between two normals is below 84 degrees. Side faces of a plate are perpendicular to it, so that
+/// the sign of the product would be that of rounding.
 bool face_alike(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.dot(b) > 0.1 * a.norm() * b.norm(); }
 
 std::array<std::int32_t, 3> sorted(std::array<std::int32_t, 3> corners) {
@@ -283,7 +283,6 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
     if (!whole && nearest.distance[static_cast<std::size_t>(node)] > reach_beside[static_cast<std::size_t>(own)])
       continue;
     const Eigen::Vector3d x = nodes.row(node).transpose();
-    bool is_single = false;
     double least = infinity;
     Eigen::Index best = -1;
     Eigen::Vector3d best_weights;
@@ -297,16 +296,16 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
           if (away < least || (away == least && t < best)) least = away, best = t, best_weights = found;
         }
     if (best < 0) continue;
+    bool at_border = false;
     // Beyond an edge of one triangle only a strip is covered, and nothing on the other side of the body.
     if (!face_alike(normal_of(corners_of(nodes, made.triangles, best)), normals.row(node))) {
       if (!whole) continue;
-      is_single = true;
+      at_border = true;
       best = around[static_cast<std::size_t>(own)].front();
       for (int k = 0; k < 3; ++k) best_weights[k] = made.triangles(best, k) == own ? 1 : 0;
     }
     const auto corners = corners_of(nodes, made.triangles, best);
     const double apart = (x - corners * best_weights).norm();
-    bool at_border = false;
     double longest = 0;
     for (int k = 0; k < 3; ++k) {
       const auto a = made.triangles(best, (k + 1) % 3), b = made.triangles(best, (k + 2) % 3);
@@ -317,7 +316,7 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
     if (at_border && apart > most_beyond * longest) continue;
     made.covered.push_back(node);
     made.triangle.push_back(static_cast<std::int32_t>(best));
-    made.is_beyond.push_back(apart > 0 && (at_border || is_single));
+    made.is_beyond.push_back(at_border && apart > 0);
     weights.emplace_back(best_weights.transpose());
   }
   made.weights.resize(static_cast<Eigen::Index>(weights.size()), 3);

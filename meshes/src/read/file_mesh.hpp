@@ -81,6 +81,9 @@ Extent extent_of_shape(const MeshSpec& shape);
 /// @throws Error if a mesh of this edge length would be so large that it is probably a mistake
 void require_affordable(const Extent& extent, double edge_m, const std::string& place);
 
+/// Where meshing fails at an edge length, this part of it is tried, which gives a surface of different triangles.
+inline constexpr double slightly_finer = 0.98;
+
 /// Makes several meshes (secant method on the logarithms of size and number) and returns the mesh whose number of nodes
 /// is nearest to the target; a note states the result. It is deterministic if `mesh_at` is.
 /// @throws Error as `mesh_at`, if no size worked

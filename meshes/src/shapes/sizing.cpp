@@ -81,7 +81,7 @@ MeshResult meet_node_target(int target, const Extent& extent, const std::string&
     } catch (const Error& error) {
       if (error.kind() == Error::Kind::input) throw;
       last_error = error;
-      log_edge -= 0.02;  // a slightly finer surface has different triangles
+      log_edge += std::log(slightly_finer);
     }
   }
   if (!best) throw *last_error;

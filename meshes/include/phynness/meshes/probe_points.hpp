@@ -37,7 +37,7 @@ struct ProbeCoordinates {
   NodeList covered;                    ///< the nodes that have coordinates, ascending, with the probed ones
   std::vector<std::int32_t> triangle;  ///< of each covered node, a row of `triangles`
   Points weights;                      ///< n_covered x 3 barycentric weights in it, >= 0 and of sum 1
-  std::vector<char> is_beyond;         ///< of each covered node: it is beyond the outermost triangles
+  std::vector<char> is_beyond;  ///< of each covered node: beyond the outermost triangles, or it faces another way
 };
 /// Only nodes in triangles with edges of at most `longest_m` are covered, and beside the outermost ones nodes up to a
 /// quarter of an edge beyond. Triangles end at the probed part: nodes between three cells are no farther from the
@@ -50,8 +50,8 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
                                    const NodeList& fixed, double longest_m, const NodeList& linear = {});
 
 /// Sets the coordinates of a model's surface nodes between its active nodes, which are the middles of round tools. If
-/// it has linear points, all other free nodes are between these, too; those without a part of one have the
-/// coordinates of the nearest linear point, whose triangle is three times this point.
+/// it has linear points, all other free nodes are between these, too. Nodes that are beyond triangles of active nodes
+/// alone have the coordinates of the nearest linear point, whose triangle is three times this point.
 /// @param longest_m  edge of a triangle between active nodes
 /// @param spread     the active nodes have coordinates between them; if not, they are all nodes of a part
 void cover_surface(Model& model, const Mesh& mesh, double longest_m, bool spread = true);
