@@ -40,10 +40,10 @@ void print_failed(const DiscretizationReport& report, const char* solution, Vari
 }
 
 void print(const Scene& scene, const DiscretizationReport& report) {
-  print_result("{} ({}), {}, K/mu = {:.4g}: {} probes, patch radius {:.4g} mm ({:.1f} edges), |d| to {:.4g} mm\n",
+  print_result("{} ({}), {}, K/mu = {:.4g}: {} probe{}, patch radius {:.4g} mm ({:.1f} edges), |d| to {:.4g} mm\n",
                scene.title.empty() ? "scene" : scene.title, name(scene.material.law), name(scene.solver.element),
-               scene.material.bulk_to_shear(), report.probes.size(), 1e3 * report.tool_radius_m, report.tool_edges,
-               1e3 * scene.probe.max_displacement_m);
+               scene.material.bulk_to_shear(), report.probes.size(), report.probes.size() == 1 ? "" : "s",
+               1e3 * report.tool_radius_m, report.tool_edges, 1e3 * scene.probe.max_displacement_m);
   if (report.patch_for_node)
     message(
         "note: the scene displaces single nodes, whose force depends on element and mesh even without locking; "

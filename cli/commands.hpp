@@ -39,6 +39,9 @@ json record(const char* key, const Value& value, const More&... more) {
   return out;
 }
 
+/// The message of a JSON error without the name of the exception in front of it.
+std::string problem_of(const json::exception& error);
+
 // Each command is a file NAME_command.cpp with a namespace of that name. The first list has the order of --help. The
 // commands of the second list need dolfinx and are in the program with the solver.
 #define PHYNNESS_COMMANDS(each)                                                                                  \

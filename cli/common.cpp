@@ -10,6 +10,11 @@
 
 namespace phynness::cli {
 
+std::string problem_of(const json::exception& error) {
+  const std::string text = error.what();  // "[json.exception.type_error.302] type must be ..."
+  return text.substr(text.starts_with('[') ? text.find("] ") + 2 : 0);
+}
+
 namespace {
 
 /// @throws Error (input) unless `text` is three finite numbers, separated by commas, of a length of at most

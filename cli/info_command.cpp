@@ -76,7 +76,10 @@ std::vector<ShortRay> failed_rays(const Database& database, bool with_ends) {
 
 /// Prints how many rays failed, and which with `all`.
 void print_failed_rays(const std::vector<ShortRay>& failed, std::size_t n_active, bool all) {
-  if (failed.empty()) return;
+  if (failed.empty()) {
+    if (all) print_result("failed    no ray stops short\n");
+    return;
+  }
   std::set<std::int32_t> nodes;
   for (const auto& ray : failed) nodes.insert(ray.node);
   print_result("failed    {} rays stop short, at {} of {} active nodes{}\n", failed.size(), nodes.size(), n_active,

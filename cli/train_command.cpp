@@ -74,9 +74,11 @@ FinerDistance distance_of(const std::filesystem::path& file, const Scene& scene,
     };
     read_members(distance_json, distance, read_members);
     if (distance.nodes < 1) throw refuse("nodes is out of range");
+    if (distance.probes > 0 && (distance_json.at("mean").is_null() || distance_json.at("p95").is_null()))
+      throw refuse("probes were compared, but mean or p95 is null");
     distance.has_parts = distance.probes > 0;
   } catch (const nlohmann::json::exception& error) {
-    throw refuse(error.what());
+    throw refuse(problem_of(error));
   }
   if (distance.element != name(scene.solver.element) ||
       std::count(reference_names.begin() + 1, reference_names.end(), distance.reference) == 0)

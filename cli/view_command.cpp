@@ -81,7 +81,7 @@ json errors_json(const std::filesystem::path& file, const NamedOrgan& loaded) {
         mean_errors[key].push_back(by_node->at(key).at(i).get<double>());
     }
   } catch (const json::exception& error) {
-    throw error_of_file(file, error.what());
+    throw error_of_file(file, problem_of(error));
   }
   return mean_errors;
 }

@@ -64,6 +64,9 @@ TEST_P(Damaged, KindsAreTold) {
   EXPECT_EQ(Image<double>::open(bytes.data(), bytes.size(), &other), PHN_ERROR_IMAGE_OF_FLOATS);
   Bytes of_doubles(model_image(small_model_of(GetParam()), {}));
   EXPECT_EQ(of_doubles.open(), PHN_ERROR_IMAGE_OF_DOUBLES);
+  bytes.header().real_bytes ^= 1U;  // of no kind
+  EXPECT_EQ(bytes.open(), PHN_ERROR_CHECKSUM);
+  bytes.header().real_bytes ^= 1U;
   const phn_imagef* image = nullptr;
   EXPECT_EQ(phn_imagef_open(bytes.data() + 2, bytes.size() - 2, &image), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_imagef_open(nullptr, 0, &image), PHN_ERROR_ARGUMENT);

@@ -315,6 +315,9 @@ TEST(Notes, ask_about_moduli_that_are_often_meant_otherwise) {
   const auto exchanged = scene_notes(parsed(with(known, moduli, "shear_modulus_Pa = 5000.0\nbulk_modulus_Pa = 500.0")));
   ASSERT_EQ(exchanged.size(), 1u);
   expect_names(exchanged[0], {"body.toml:4", "K/mu = 0.1", "nu = -0.65", "exchanged"});
+  const auto kilopascals = scene_notes(parsed(with(known, moduli, "shear_modulus_Pa = 0.5\nbulk_modulus_Pa = 25e3")));
+  ASSERT_EQ(kilopascals.size(), 1u);
+  expect_names(kilopascals[0], {"body.toml:4", "K/mu = 5e+04", "in Pa"});
   const auto d1 = scene_notes(parsed(with(known, moduli, "shear_modulus_Pa = 500\nd1_per_Pa = 2e-4")));
   ASSERT_EQ(d1.size(), 1u);
   expect_names(d1[0], {"K = 1/D1", "2/D1", "Abaqus", "bulk_modulus_Pa"});

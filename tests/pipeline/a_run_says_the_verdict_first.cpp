@@ -191,6 +191,15 @@ TEST_F(Verdict, KnowsItsProvenance) {
   succeed("train scene.toml d.h5 -o older --check older.json");
   EXPECT_EQ(read_file(folder / "older/model.txt").find("force_ratio"), std::string::npos);
 
+  check.at("distance").at("mean") = nullptr;
+  write_file(folder / "null.json", check.dump());
+  expect_names(be_refused("train scene.toml d.h5 -o refused --check null.json").err,
+               {"null.json", "mean or p95 is null"});
+  check.at("distance").erase("probes");
+  write_file(folder / "lacking.json", check.dump());
+  const auto lacking = be_refused("train scene.toml d.h5 -o refused --check lacking.json").err;
+  expect_names(lacking, {"lacking.json: key 'probes' not found"});
+
   write_file(folder / "image/model.bin", read_file(folder / "image/model.bin").substr(0, 500));
   expect_names(be_refused("info image/model.bin").err, {"image is refused", "phynness export"});
 

@@ -19,6 +19,9 @@ Scene read_scene(const std::filesystem::path& file) {
 
 namespace {
 
+/// Above this K/mu moduli are probably given in different units: from 1,000 on forces hardly change (docs/extremes.md).
+constexpr double largest_usual_bulk_to_shear = 1e4;
+
 sd::SceneTable section_of(const sd::SceneTable& top, const char* name, const std::string& source_name) {
   const auto* node = top.find(name);
   if (!node) return {name, source_name};
@@ -141,6 +144,9 @@ std::vector<std::string> scene_notes(const Scene& scene) {
     if (m->bulk_modulus_Pa < m->shear_modulus_Pa)
       notes.push_back(m->where.str() + ": K/mu = " + short_text(m->bulk_to_shear()) + " is below 1, nu = " +
                       number_text(m->poisson_ratio(), std::chars_format::fixed, 2) + ": are K and mu exchanged?");
+    if (m->bulk_to_shear() > largest_usual_bulk_to_shear)
+      notes.push_back(m->where.str() + ": K/mu = " + short_text(m->bulk_to_shear()) +
+                      ", but from 1,000 on forces hardly depend on K: are both moduli in Pa?");
   }
   const auto all = materials(scene);
   for (const auto& [what, modulus] :

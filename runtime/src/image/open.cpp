@@ -225,8 +225,10 @@ int check(const void* memory, size_t bytes) {
   if (bytes < sizeof(uint32_t) || image.magic != image::magic) return PHN_ERROR_NOT_A_MODEL;
   if (bytes < sizeof(image)) return PHN_ERROR_TRUNCATED;
   if (image.version != image::version) return PHN_ERROR_VERSION;
-  if (image.real_bytes != sizeof(Real))
+  constexpr size_t other_real_bytes = sizeof(float) + sizeof(double) - sizeof(Real);
+  if (image.real_bytes == other_real_bytes)
     return sizeof(Real) == sizeof(float) ? PHN_ERROR_IMAGE_OF_DOUBLES : PHN_ERROR_IMAGE_OF_FLOATS;
+  if (image.real_bytes != sizeof(Real)) return PHN_ERROR_CHECKSUM;
   if (image.bytes > bytes || image.bytes < sizeof(image) || image.bytes % 4 != 0 || image.bytes > image::largest_table)
     return PHN_ERROR_TRUNCATED;
   const auto* word = static_cast<const uint32_t*>(memory) + image::n_unchecked_words;

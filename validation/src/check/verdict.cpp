@@ -64,8 +64,9 @@ VerdictLine of_finite_elements(const Validated& v) {
                 ? ". The error of the model is larger and limits the accuracy"
                 : ". Both errors limit the accuracy";
   if (ratio > warned_force_ratio)
-    text += fmt::format(". {} locks at K/mu = {:.3g}: forces are estimated to be {}", name(v.scene.solver.element),
-                        most_locked(v.scene).bulk_to_shear(), ratio_in_words(ratio));
+    text += fmt::format(
+        ". {} locks at K/mu = {:.3g}{}", name(v.scene.solver.element), most_locked(v.scene).bulk_to_shear(),
+        finer.is_measured && finer.probes > 0 ? "" : ": forces are estimated to be " + ratio_in_words(ratio));
   return {"mesh_and_element",
           "Force error of these finite elements, compared with finer ones",
           text,
