@@ -132,7 +132,8 @@ void warn_of_volume(MeshResult& result, double given_m3) {
   std::ostringstream text;
   text << "remeshing changed the volume of the body by " << std::showpos << std::round(100 * change) << std::noshowpos
        << " %, from " << given_m3 << " to " << result.quality.volume_m3
-       << " m^3: its edges are too long for the shape of the body; give a smaller mesh.target_size_m";
+       << " m^3: its edges are too long for the shape of the body; give a smaller mesh.target_size_m or more "
+          "mesh.target_nodes";
   result.warnings.push_back(text.str());
 }
 
