@@ -180,6 +180,8 @@ TEST_F(Verdict, KnowsItsProvenance) {
   for (const char* key : {"mean", "p95", "probes", "tool_radius_m"})
     EXPECT_EQ(said.at(std::string("finer_") + key), json("check.json").at("distance").at(key)) << key;
 
+  expect_names(succeed("info d.h5 --failed").out, {"no ray stops short"});
+
   // What was not compared is null, and what an older check has not is not recorded.
   auto check = json("check.json");
   for (const char* key :
