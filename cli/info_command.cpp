@@ -364,14 +364,10 @@ json about_scene(const std::filesystem::path& file) {
   if (spreads(loaded.scene.active)) {
     const auto& sets = loaded.sets;
     // The covered part is that of the trained model.
-    Model touched;
-    touched.surface = loaded.mesh.surface;
-    touched.fixed = sets.fixed;
-    for (const auto node : sets.active) touched.nodes.emplace_back().node = node;
-    for (const auto node : sets.linear) touched.linear_points.emplace_back().node = node;
-    if (loaded.scene.probe.kind == ProbeKind::patch)
-      cover_surface(touched, loaded.mesh, loaded.scene.probe.tool_radius_m);
-    print_points(loaded.mesh, sets.active, sets.fixed, probed_nodes(touched));
+    const bool is_round = loaded.scene.probe.kind == ProbeKind::patch;
+    const auto touched =
+        is_round ? probed_nodes(touched_surface(loaded.mesh, sets, loaded.scene.probe.tool_radius_m)) : sets.active;
+    print_points(loaded.mesh, sets.active, sets.fixed, touched);
   }
   const Material& m = loaded.scene.material;
   print_result("at rest   E {:.4g} Pa, nu {:.4g}, mu {:.4g} Pa, K {:.4g} Pa, K/mu {:.4g}\n", m.youngs_modulus_Pa(),

@@ -8,6 +8,7 @@
 #include <map>
 #include <phynness/formats/model.hpp>
 #include <phynness/meshes/probe_points.hpp>
+#include <phynness/meshes/tool_weights.hpp>
 
 namespace {
 
@@ -234,8 +235,8 @@ TEST(ProbeCoordinates, EndWhereTheSurfaceIsFar) {
              others = where(mesh, [](const Eigen::RowVector3d&x) { return x[2] > 0; });
   const auto probed = spread_nodes(mesh.nodes, mesh.surface, lowest, 3, 0);
   const auto own = probe_coordinates(mesh.nodes, mesh.surface, probed, {}, 20);
-  // Normals at the edge of the fold, x = 8, are those of two layers.
-  EXPECT_GE(std::ssize(own.covered), std::ssize(lowest) - 25);
+  // Tools at the edge of the fold, x = 8, and beside it touch two layers.
+  EXPECT_GE(std::ssize(own.covered), std::ssize(lowest) - 50);
   const auto joined = probe_coordinates(mesh.nodes, mesh.surface, probed, {}, 20, others);
   for (const auto* made : {&own, &joined})
     for (std::size_t i = 0; i < made->covered.size(); ++i)
@@ -414,6 +415,44 @@ TEST(ProbeCoordinates, EndAtTheEdgesOfAThinPlate) {
     const auto answered = probed_nodes(model);
     EXPECT_TRUE(std::ranges::includes(upper, answered)) << spacing;
     EXPECT_GE(std::ssize(answered), std::ssize(upper) - 40) << spacing;
+  }
+}
+
+// Claim: where the whole surface of a thin plate is probed, a node that probed points alone answer has a tool of which
+// three fifths are those of the points around it: nodes in the middle of side faces are answered by linear points, and
+// nodes of the upper and lower face that are farther than a radius from the edges by probed ones.
+TEST(ProbeCoordinates, EndWhereToolsHaveLittleInCommon) {
+  const Mesh mesh = plate(30);
+  const auto all = where(mesh, everywhere),
+             sides = where(mesh, [](const Eigen::RowVector3d&x) { return x[2] == 0.25; }),
+             inside = where(mesh, [](const Eigen::RowVector3d&x) {
+               return x.head<2>().minCoeff() > 10 && x.head<2>().maxCoeff() < 20;
+             });
+  const double spacing = 5, radius = 2 * spacing, whole = schema::whole_weight;
+  const auto probed = spread_nodes(mesh.nodes, mesh.surface, all, spacing, 0);
+  Model model = model_of(mesh, probed);
+  for (const auto node : sides)
+    if (!std::ranges::binary_search(probed, node)) model.linear_points.emplace_back().node = node;
+  cover_surface(model, mesh, radius);
+  const auto answered = probed_nodes(model);
+  const auto is_answered = [&](std::int32_t node) { return std::ranges::binary_search(answered, node); };
+  EXPECT_TRUE(std::ranges::includes(answered, inside));
+  EXPECT_LE(4 * std::ranges::count_if(sides, is_answered), std::ssize(sides));
+  const auto tools = tools_of(mesh, {}, all, radius);
+  const auto weights_at = [&](std::int32_t node) {
+    const TouchedNodes& tool = tools[static_cast<std::size_t>(node)];
+    Eigen::VectorXd weights = Eigen::VectorXd::Zero(mesh.n_nodes());
+    for (std::size_t i = 0; i < tool.nodes.size(); ++i) weights[tool.nodes[i]] = tool.weights[i];
+    return weights;
+  };
+  for (const auto& row : model.covered.rowwise()) {
+    if (row[1] >= model.probe_triangles.rows()) continue;
+    const double first = row[2] / whole, second = (1 - first) * (row[3] / whole);
+    const double parts[] = {first, second, 1 - first - second};
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(mesh.n_nodes());
+    for (int k = 0; k < 3; ++k)
+      mean += parts[k] * weights_at(probed[static_cast<std::size_t>(model.probe_triangles(row[1], k))]);
+    EXPECT_GE(weights_at(row[0]).cwiseMin(mean).sum(), 0.6 - 1e-4);  // Weights in the model have 16 bits.
   }
 }
 

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <phynness/formats/printable.hpp>
 #include <phynness/meshes/patch_warnings.hpp>
 #include <phynness/meshes/probe_points.hpp>
@@ -117,10 +116,8 @@ std::string warn_of_gaps(const Scene& scene, const Mesh& mesh, const NodeSets& s
     return place + "node probes are answered only at the " + n_points +
            " points; a round tool, kind = \"patch\" with tool_radius_m, is answered between them, too";
   const double radius = scene.probe.tool_radius_m;
-  const auto n_triangles = [&](double longest) {
-    return probe_coordinates(mesh.nodes, mesh.surface, sets.active, sets.fixed, longest).triangles.rows();
-  };
-  const auto n = n_triangles(radius), all = n_triangles(std::numeric_limits<double>::infinity());
+  const auto made = probe_coordinates(mesh.nodes, mesh.surface, sets.active, sets.fixed, radius);
+  const auto n = made.triangles.rows(), all = n + made.n_too_long;
   if (n > 0 && n == all) return "";
   return place +
          (n == 0 ? "no triangle between the " + n_points + " points"

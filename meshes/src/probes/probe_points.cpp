@@ -19,6 +19,10 @@ constexpr double border_first = 1.5;
 
 constexpr double beyond = 0.25;  ///< of the longest edge: how far coordinates reach beyond the outermost triangles
 
+/// What tools need in common to be answered by each other: any two at the corners of a triangle, and the one at a node
+/// with the mean of those at the corners around it. Below, at sharp edges, errors of the interpolation grow sixfold.
+constexpr double least_common_of_corners = 0.05, least_common = 0.6;
+
 /// Ways along the surface: its edges, and straight lines over an edge between the corners opposite to it, so that
 /// lengths of ways are at most 4 % too long on regular triangles.
 class SurfaceWays {
@@ -171,6 +175,38 @@ using DualTriangles = std::vector<std::array<std::int32_t, 3>>;
 /// the sign of the product would be that of rounding.
 bool face_alike(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.dot(b) > 0.1 * a.norm() * b.norm(); }
 
+/// Round tools at the nodes of a surface, found when they are needed.
+class RoundTools {
+ public:
+  RoundTools(const Points& nodes, const Triangles& surface, double radius)
+      : _tools(nodes, surface), _radius(radius), _at(static_cast<std::size_t>(nodes.rows())) {}
+
+  /// The sum of the lesser of both weights of each node. 1: the tool at the node is the mean of tools at other nodes;
+  /// 0: they touch different nodes.
+  double common(std::int32_t node, const Eigen::RowVector3<std::int32_t>& others, const Eigen::Vector3d& weights) {
+    std::map<std::int32_t, double> mean;
+    for (int k = 0; k < 3; ++k)
+      for (const auto& [i, w] : at(others[k])) mean[i] += weights[k] * w;
+    double sum = 0;
+    for (const auto& [i, w] : at(node))
+      if (const auto found = mean.find(i); found != mean.end()) sum += std::min(w, found->second);
+    return sum;
+  }
+
+ private:
+  const std::map<std::int32_t, double>& at(std::int32_t node) {
+    auto& weights = _at[static_cast<std::size_t>(node)];
+    if (!weights.empty()) return weights;
+    const auto touched = _tools.touched_nodes({}, at_node(node), _radius);
+    for (std::size_t i = 0; i < touched.nodes.size(); ++i) weights[touched.nodes[i]] = touched.weights[i];
+    return weights;
+  }
+
+  SurfaceTools _tools;
+  double _radius;
+  std::vector<std::map<std::int32_t, double>> _at;
+};
+
 std::array<std::int32_t, 3> sorted(std::array<std::int32_t, 3> corners) {
   std::sort(corners.begin(), corners.end());
   return corners;
@@ -185,6 +221,10 @@ struct DualCells {
   NearestProbes nearest;
   std::vector<double> neighbour;
   double median = 0;
+  RoundTools* tools = nullptr;            ///< of probed points alone,
+  NodeList* unlike = nullptr;             ///< and output: nodes whose tools have too little in common with these
+  const NodeList* linear = nullptr;       ///< of probed points joined to linear ones: these,
+  const ProbeCoordinates* own = nullptr;  ///< and the coordinates between the probed points, which remain
 
   DualCells(const Points& of_nodes, const Triangles& of_surface, const SurfaceWays& ways, const NodeList& of)
       : nodes(of_nodes),
@@ -224,16 +264,20 @@ struct DualCells {
     });
   }
 
-  /// Adds the dual triangles that are not there.
-  void add_triangles(double longest_m, DualTriangles& triangles) const {
-    std::set<std::array<std::int32_t, 3>> known;
+  /// Adds the dual triangles that are not there; of probed points joined to others, those with one of these.
+  /// @return number of triangles that are left out because of a longer edge
+  std::ptrdiff_t add_triangles(double longest_m, DualTriangles& triangles) const {
+    std::set<std::array<std::int32_t, 3>> known, too_long;
     for (const auto& corners : triangles) known.insert(sorted(corners));
     for (Eigen::Index t = 0; t < surface.rows(); ++t) {
       const auto corner = of_corners(t);
-      bool all = is_near_its_points(t);
+      bool all = is_near_its_points(t), is_short = true, is_alike = true;
+      if (linear != nullptr)
+        all = all && std::ranges::any_of(corner, [&](auto i) { return std::ranges::binary_search(*linear, i); });
       for (std::size_t k = 0; k < 3 && all; ++k) {
         const auto a = corner[k], b = corner[(k + 1) % 3];
-        all = a != b && (nodes.row(a) - nodes.row(b)).norm() <= longest_m;
+        all = a != b;
+        is_short = is_short && (nodes.row(a) - nodes.row(b)).norm() <= longest_m;
       }
       if (all) {
         const Triangles made_of = Eigen::RowVector3<std::int32_t>(corner[0], corner[1], corner[2]);
@@ -242,16 +286,22 @@ struct DualCells {
         all = face_alike(normal, normal_of(corners_of(nodes, surface, t))) &&
               face_alike(normal, normals.row(corner[0]) + normals.row(corner[1]) + normals.row(corner[2]));
       }
-      if (all && known.insert(sorted(corner)).second) triangles.push_back(corner);
+      if (all && !is_short) too_long.insert(sorted(corner));
+      for (std::size_t k = 0; k < 3 && all && is_short && tools != nullptr; ++k) {
+        const auto next = corner[(k + 1) % 3];
+        is_alike = is_alike && tools->common(corner[k], {next, next, next}, {1, 0, 0}) >= least_common_of_corners;
+      }
+      if (all && is_short && is_alike && known.insert(sorted(corner)).second) triangles.push_back(corner);
     }
+    return std::ssize(too_long);
   }
 
-  /// Triangles and coordinates. @param most_beyond  how far they reach beyond the outermost triangles, in edges;
-  /// infinity: each node that belongs to the point of a triangle has some
-  ProbeCoordinates coordinates(const DualTriangles& triangles, double most_beyond) const;
+  /// Triangles and coordinates. Of probed points alone they reach a part of an edge beyond the outermost triangles; if
+  /// these are joined to others, each node that belongs to the point of a triangle has some.
+  ProbeCoordinates coordinates(const DualTriangles& triangles) const;
 };
 
-ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double most_beyond) const {
+ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles) const {
   ProbeCoordinates made;
   std::map<std::pair<std::int32_t, std::int32_t>, int> n_triangles;
   made.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
@@ -277,19 +327,20 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
   std::vector<Eigen::RowVector3d> weights;
   for (const auto node : surface_nodes(surface)) {
     const auto source = nearest.source[static_cast<std::size_t>(node)];
-    const bool whole = most_beyond == infinity;
+    const bool whole = own != nullptr, only_joined = whole && !std::ranges::binary_search(own->covered, node);
     if (source < 0) continue;
-    const auto own = points[static_cast<std::size_t>(source)];
-    if (!whole && nearest.distance[static_cast<std::size_t>(node)] > reach_beside[static_cast<std::size_t>(own)])
+    const auto point = points[static_cast<std::size_t>(source)];
+    if (!whole && nearest.distance[static_cast<std::size_t>(node)] > reach_beside[static_cast<std::size_t>(point)])
       continue;
     const Eigen::Vector3d x = nodes.row(node).transpose();
     double least = infinity;
     Eigen::Index best = -1;
     Eigen::Vector3d best_weights;
     // The triangle may be one beside those of the nearest probed node.
-    for (const auto beside : around[static_cast<std::size_t>(own)])
+    for (const auto beside : around[static_cast<std::size_t>(point)])
       for (int k = 0; k < 3; ++k)
         for (const auto t : around[static_cast<std::size_t>(made.triangles(beside, k))]) {
+          if (only_joined && t < own->triangles.rows()) continue;
           const auto corners = corners_of(nodes, made.triangles, t);
           const auto found = nearest_in_triangle(corners, x);
           const double away = (corners * found - x).norm();
@@ -301,8 +352,8 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
     if (!face_alike(normal_of(corners_of(nodes, made.triangles, best)), normals.row(node))) {
       if (!whole) continue;
       at_border = true;
-      best = around[static_cast<std::size_t>(own)].front();
-      for (int k = 0; k < 3; ++k) best_weights[k] = made.triangles(best, k) == own ? 1 : 0;
+      best = around[static_cast<std::size_t>(point)].front();
+      for (int k = 0; k < 3; ++k) best_weights[k] = made.triangles(best, k) == point ? 1 : 0;
     }
     const auto corners = corners_of(nodes, made.triangles, best);
     const double apart = (x - corners * best_weights).norm();
@@ -313,10 +364,19 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
       at_border = at_border || (!(best_weights[k] > 0) && n_triangles[std::minmax(a, b)] == 1) ||
                   (best_weights[k] == 1 && outermost.contains(made.triangles(best, k)));
     }
-    if (at_border && apart > most_beyond * longest) continue;
+    if (!whole && at_border && apart > beyond * longest) continue;
+    if (tools != nullptr && tools->common(node, made.triangles.row(best), best_weights) < least_common) {
+      unlike->push_back(node);
+      continue;
+    }
     made.covered.push_back(node);
     made.triangle.push_back(static_cast<std::int32_t>(best));
-    made.is_beyond.push_back(at_border && apart > 0);
+    bool is_beyond = at_border && apart > 0;
+    if (only_joined)
+      is_beyond = is_beyond || std::ranges::none_of(std::array{0, 1, 2}, [&](int k) {
+                    return best_weights[k] > 0 && std::ranges::binary_search(*linear, made.triangles(best, k));
+                  });
+    made.is_beyond.push_back(is_beyond);
     weights.emplace_back(best_weights.transpose());
   }
   made.weights.resize(static_cast<Eigen::Index>(weights.size()), 3);
@@ -327,19 +387,27 @@ ProbeCoordinates DualCells::coordinates(const DualTriangles& triangles, double m
 }  // namespace
 
 ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface, const NodeList& probed,
-                                   const NodeList& fixed, double longest_m, const NodeList& linear) {
+                                   const NodeList& fixed, double radius_m, const NodeList& linear) {
   const SurfaceWays ways(nodes, surface, fixed);
-  const DualCells cells(nodes, surface, ways, probed);
+  DualCells cells(nodes, surface, ways, probed);
+  RoundTools tools(nodes, surface, radius_m);
+  NodeList unlike;
+  cells.tools = &tools;
+  cells.unlike = &unlike;
   DualTriangles triangles;
-  cells.add_triangles(longest_m, triangles);
-  auto own = cells.coordinates(triangles, beyond);
+  const auto n_too_long = cells.add_triangles(radius_m, triangles);
+  auto own = cells.coordinates(triangles);
+  own.n_too_long = n_too_long;
   if (linear.empty()) return own;
 
   NodeList points;
   std::ranges::set_union(probed, linear, std::back_inserter(points));
   DualCells joined(nodes, surface, ways, points);
+  joined.linear = &linear;
+  joined.own = &own;
   // Where there are triangles of probed nodes, the cells are those of these.
   const auto keep = [&](std::int32_t node) {
+    if (std::ranges::binary_search(unlike, node)) return;
     const auto at = static_cast<std::size_t>(node);
     const auto probe = probed[static_cast<std::size_t>(cells.nearest.source[at])];
     joined.nearest.source[at] = static_cast<std::int32_t>(std::ranges::lower_bound(points, probe) - points.begin());
@@ -353,7 +421,7 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
   for (std::size_t i = 0; i < own.covered.size(); ++i)
     if (!own.is_beyond[i]) keep(own.covered[i]);
   joined.add_triangles(infinity, triangles);
-  auto made = joined.coordinates(triangles, infinity);
+  auto made = joined.coordinates(triangles);
   for (std::size_t i = 0; i < own.covered.size(); ++i) {
     const auto at = std::ranges::lower_bound(made.covered, own.covered[i]) - made.covered.begin();
     if (own.is_beyond[i] || at == std::ssize(made.covered) ||
@@ -366,7 +434,7 @@ ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface
   return made;
 }
 
-void cover_surface(Model& model, const Mesh& mesh, double longest_m, bool spread) {
+void cover_surface(Model& model, const Mesh& mesh, double radius_m, bool spread) {
   NodeList active, linear;
   std::map<std::int32_t, std::int32_t> position;  // of a node among the active nodes, then the linear points
   const auto add = [&](std::int32_t node, NodeList& list) {
@@ -375,14 +443,14 @@ void cover_surface(Model& model, const Mesh& mesh, double longest_m, bool spread
   };
   for (const auto& node : model.nodes) add(node.node, active);
   for (const auto& point : model.linear_points) add(point.node, linear);
-  auto inner = probe_coordinates(mesh.nodes, model.surface, active, model.fixed, longest_m);
+  auto inner = probe_coordinates(mesh.nodes, model.surface, active, model.fixed, radius_m);
   const bool dense = !spread || (inner.covered.size() <= active.size() && std::ranges::includes(active, inner.covered));
   if (dense && linear.empty()) return;
   // Without triangles of their own, active nodes have those of the surface.
   if (dense) inner = {};
   const Eigen::Index n_inner = inner.triangles.rows();
   const auto made =
-      linear.empty() ? inner : probe_coordinates(mesh.nodes, model.surface, active, model.fixed, longest_m, linear);
+      linear.empty() ? inner : probe_coordinates(mesh.nodes, model.surface, active, model.fixed, radius_m, linear);
   const Triangles corners = made.triangles.unaryExpr([&](std::int32_t node) { return position.at(node); });
   model.probe_triangles = corners.topRows(n_inner);
   std::map<std::int32_t, std::array<std::int32_t, 3>> rows;
@@ -419,6 +487,30 @@ void cover_surface(Model& model, const Mesh& mesh, double longest_m, bool spread
   model.covered.resize(std::ssize(rows), 4);
   Eigen::Index at = 0;
   for (const auto& [node, row] : rows) model.covered.row(at++) << node, row[0], row[1], row[2];
+}
+
+Model touched_surface(const Mesh& mesh, const NodeSets& sets, double radius_m) {
+  Model model;
+  model.surface = mesh.surface;
+  model.fixed = sets.fixed;
+  for (const auto node : sets.active) model.nodes.emplace_back().node = node;
+  for (const auto node : sets.linear) model.linear_points.emplace_back().node = node;
+  cover_surface(model, mesh, radius_m);
+  return model;
+}
+
+NodeList without_coordinates(const Mesh& mesh, const NodeSets& sets, double radius_m) {
+  const Model model = touched_surface(mesh, sets, radius_m);
+  const auto n_inner = model.probe_triangles.rows();
+  NodeList answered = model.fixed;
+  for (const auto& node : model.nodes) answered.push_back(node.node);
+  for (const auto& row : model.covered.rowwise())
+    if (row[1] < n_inner || model.outer_triangles(row[1] - n_inner, 0) != model.outer_triangles(row[1] - n_inner, 1))
+      answered.push_back(row[0]);
+  std::ranges::sort(answered);
+  NodeList others;
+  std::ranges::set_difference(surface_nodes(model.surface), answered, std::back_inserter(others));
+  return others;
 }
 
 namespace {

@@ -102,9 +102,18 @@ void select_elsewhere(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
   sets.linear.clear();
   if (scene.probe.kind == ProbeKind::patch && scene.probe.elsewhere == Elsewhere::linear) {
     const double given_m = spacing_m(scene.active), radius_m = scene.probe.tool_radius_m;
-    const auto all = spread_nodes(mesh.nodes, mesh.surface, meshes::without(surface_nodes(mesh.surface), sets.fixed),
-                                  given_m > 0 ? given_m : auto_spacing_of_radius * radius_m, 0, sets.active);
-    sets.linear = meshes::without(all, sets.active);
+    const auto spread_over = [&](const NodeList& part, const NodeList& kept) {
+      return spread_nodes(mesh.nodes, mesh.surface, part, given_m > 0 ? given_m : auto_spacing_of_radius * radius_m, 0,
+                          kept);
+    };
+    const NodeList free = meshes::without(surface_nodes(mesh.surface), sets.fixed);
+    sets.linear = meshes::without(spread_over(free, sets.active), sets.active);
+    // Over sharp edges tools are not answered by the points around them, however near these are.
+    if (spreads(scene.active)) {
+      const auto more = spread_over(without_coordinates(mesh, sets, radius_m), {});
+      sets.linear.insert(sets.linear.end(), more.begin(), more.end());
+      std::ranges::sort(sets.linear);
+    }
   }
   sets.linear_tools = tools_of(mesh, sets.fixed, sets.linear, scene.probe.tool_radius_m);
 }

@@ -37,24 +37,32 @@ struct ProbeCoordinates {
   NodeList covered;                    ///< the nodes that have coordinates, ascending, with the probed ones
   std::vector<std::int32_t> triangle;  ///< of each covered node, a row of `triangles`
   Points weights;                      ///< n_covered x 3 barycentric weights in it, >= 0 and of sum 1
-  std::vector<char> is_beyond;  ///< of each covered node: beyond the outermost triangles, or it faces another way
+  std::vector<char> is_beyond;    ///< of each covered node: beyond the outermost triangles, or it faces another way
+  std::ptrdiff_t n_too_long = 0;  ///< triangles that are left out because of their edges
 };
-/// Only nodes in triangles with edges of at most `longest_m` are covered, and beside the outermost ones nodes up to a
-/// quarter of an edge beyond. Triangles end at the probed part: nodes between three cells are no farther from the
+/// Only nodes in triangles with edges of at most the tool's radius are covered, and beside the outermost ones nodes up
+/// to a quarter of an edge beyond. Triangles end at the probed part: nodes between three cells are no farther from the
 /// probed nodes of these than neighbouring probed nodes are from each other, and triangles face as the surface does.
+/// Over sharp edges a tool at a node may have little in common with those at the probed nodes; it has no coordinates.
 /// @param probed, fixed  ascending; nothing reaches across fixed nodes, which have no coordinates
 /// @param linear  ascending, other points (NodeSets::linear), to which the probed nodes are joined. The triangles of
 ///   probed nodes come first and are those without them, and so are the coordinates of the nodes in them; all others
 ///   follow, with edges of any length, and cover all nodes near them.
 ProbeCoordinates probe_coordinates(const Points& nodes, const Triangles& surface, const NodeList& probed,
-                                   const NodeList& fixed, double longest_m, const NodeList& linear = {});
+                                   const NodeList& fixed, double radius_m, const NodeList& linear = {});
 
 /// Sets the coordinates of a model's surface nodes between its active nodes, which are the middles of round tools. If
 /// it has linear points, all other free nodes are between these, too. Nodes that are beyond triangles of active nodes
 /// alone have the coordinates of the nearest linear point, whose triangle is three times this point.
-/// @param longest_m  edge of a triangle between active nodes
-/// @param spread     the active nodes have coordinates between them; if not, they are all nodes of a part
-void cover_surface(Model& model, const Mesh& mesh, double longest_m, bool spread = true);
+/// @param radius_m  of the tool
+/// @param spread    the active nodes have coordinates between them; if not, they are all nodes of a part
+void cover_surface(Model& model, const Mesh& mesh, double radius_m, bool spread = true);
+
+/// A model of no responses, with these coordinates.
+Model touched_surface(const Mesh& mesh, const NodeSets& sets, double radius_m);
+
+/// Free nodes of the surface without coordinates, or with those of the nearest linear point.
+NodeList without_coordinates(const Mesh& mesh, const NodeSets& sets, double radius_m);
 
 /// Shares of the area that can move where a tool is answered by active nodes alone, and where linear points have a
 /// part.
