@@ -85,8 +85,8 @@ json as_json(const LoadedScene& loaded, const DiscretizationReport& report) {
 /// @throws Error (failure) if some requested figures are missing
 void require_figures(const Options& options, const Scene& scene, const DiscretizationReport& report) {
   if (report.interrupted)
-    throw failure("check was interrupted; the figures above are those of the finished part",
-                  fmt::format("{} of {} probes", report.probes.size(), options.check.probes), "run it again");
+    throw failure("check was interrupted; its figures are those of the finished part",
+                  fmt::format("{} of {} probes", report.distance(scene).probes, options.check.probes), "run it again");
   if (report.distance(scene).probes > 0) return;
   if (report.left_out == 0)
     throw failure("nothing could be compared", "all solves failed", "reduce max_displacement_m");
@@ -131,8 +131,9 @@ void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* 
                  : row.is_scene   ? "  this scene"
                                   : "");
   }
-  print_result("\n* no other row is better in error (mean) and core-hours{}; {}\n",
-               chosen != nullptr ? "; > chosen" : "", duration(report.seconds));
+  if (std::ranges::any_of(report.rows, &TradeRow::on_front))
+    print_result("\n* no other row is better in error (mean) and core-hours{}", chosen != nullptr ? "; > chosen" : "");
+  print_result("\n{}\n", duration(report.seconds));
 }
 
 void run_trade(const Options& options, const LoadedScene& loaded) {
@@ -184,7 +185,8 @@ void add(CLI::App& app) {
   add_count(command, "--probes", options.check.probes, 1, 10'000,
             "largest number of probes, each at another place; fewer if their errors agree")
       ->capture_default_str();
-  add_number(command, "--seconds", options.seconds, 1, 1e7, "time limit (default: 60; with --trade 900)");
+  add_number(command, "--seconds", options.seconds, 1, 1e7,
+             "time limit, between solves (default: 60; with --trade 900)");
   auto* reference = command
                         .add_option("--reference", options.reference,
                                     "the finer solution (default: taylor-hood where the scene allows it)")

@@ -179,6 +179,7 @@ std::optional<double> limit_of(const std::optional<std::string>& text, const cha
 
 json print_worst_cells(const Mesh& mesh, const NodeList& fixed) {
   const auto worst = worst_cells(mesh, fixed);
+  if (!worst.empty()) print_result("worst cells\n");
   for (const auto& cell : worst) print_result("  {}\n", cell.str());
   return figures(worst);
 }

@@ -87,8 +87,9 @@ std::string warning_of(const NamedOrgan& model, const std::optional<NamedOrgan>&
       if (places[t].weights[k] == 0 || std::find(active.begin(), active.end(), node) == active.end()) continue;
       const double trained_m = model.trained_depth(node, d);
       if (length_m > trained_m)
-        exceeded +=
-            fmt::format("\n  {:.4g} m at node {}, trained to {:.4g} m in its direction", length_m, node, trained_m);
+        exceeded += trained_m > 0 ? fmt::format("\n  {:.4g} m at node {}, trained to {:.4g} m in its direction",
+                                                length_m, node, trained_m)
+                                  : fmt::format("\n  at node {} its direction was not trained", node);
     }
   }
   if (status != PHN_WARNING_OUTSIDE || !exceeded.empty()) return phn_status_message(status) + exceeded;

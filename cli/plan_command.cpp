@@ -187,7 +187,7 @@ Plan make_plan(const Options& options, const LoadedScene& loaded) {
 /// A text about the accuracy of the mean.
 std::string accuracy_text(const Plan& plan) {
   if (!plan.is_sample()) return "all rays were solved";
-  if (!plan.measured.relative_standard_error) return "a guess";  // fewer than RayCosts::fewest_nodes
+  if (!plan.measured.relative_standard_error) return "too few for an error";  // fewer than RayCosts::fewest_nodes
   return fmt::format("standard error {:.0f} %", 100 * *plan.measured.relative_standard_error);
 }
 
@@ -216,8 +216,9 @@ void print_plan(const Options& options, const Plan& plan) {
   if (plan.points_at_rest > 0)
     print_result("elsewhere {} points with the linear response at rest: {}, by one rank\n", plan.points_at_rest,
                  duration(m.at_rest_seconds));
-  print_result("memory    {} per rank, {} in all; this machine has {}\n", bytes(plan.memory_bytes_per_rank),
-               bytes(plan.ranks * plan.memory_bytes_per_rank), bytes(plan.machine_memory_bytes));
+  print_result("memory    {} per rank of precompute, {} in all; this machine has {}\n",
+               bytes(plan.memory_bytes_per_rank), bytes(plan.ranks * plan.memory_bytes_per_rank),
+               bytes(plan.machine_memory_bytes));
   print_result("database  {} before compression, and {} of logs until it is packed\n", bytes(plan.database_bytes),
                bytes(plan.log_bytes));
   print_result("useful    up to {} ranks; of more, over half of the time is lost\n", plan.ranks_of_use);

@@ -201,6 +201,8 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
               largest, 100 * change / largest, 100 * settled_change / largest);
   std::printf("of %ld cycles, %ld unsettled, %ld of near tools, %ld outside of the probed part or depth: no bound\n",
               cycles, unsettled, near, outside);
+  if (2 * outside > cycles)
+    std::printf("--at X,Y,Z moves the tools to another place, such as the middle of the probed part\n");
   if (!with_device)
     std::printf("energy taken from the hand %.3g mJ, at most given to it %.3g mJ\n", 1e3 * taken, 1e3 * given);
   bool is_tripped = false;
@@ -286,10 +288,13 @@ int main(int argc, char** argv) {
   const double radius = number("--sphere", 0), friction = number("--friction", 0);
   for (const char* name : {"--depth", "--reach", "--speed", "--sphere"}) {
     if (text(name) != nullptr && !(number(name, 0) > 0)) return stop(2, name, "is no number above 0");
+    if (name != std::string("--speed") && number(name, 0) > 1) return stop(2, name, "is more than 1 m: give metres");
   }
   phn_tool tool;
-  auto status = organ.nearest(hand.at, tool, hand.at);
+  double distance = 0;
+  auto status = organ.nearest(hand.at, tool, hand.at, distance);
   if (!status.ok()) return stop(1, "--at", status.message());
+  if (distance > 1) return stop(2, "--at", "is more than 1 m from the surface: give metres");
   if (!find_normal(organ, hand)) return stop(1, "--at", "the surface cannot be touched there");
   hand.along = unit(hand.along);
   if (radius > 0) {

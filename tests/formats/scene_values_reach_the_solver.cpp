@@ -318,6 +318,9 @@ TEST(Notes, ask_about_moduli_that_are_often_meant_otherwise) {
   const auto kilopascals = scene_notes(parsed(with(known, moduli, "shear_modulus_Pa = 0.5\nbulk_modulus_Pa = 25e3")));
   ASSERT_EQ(kilopascals.size(), 1u);
   expect_names(kilopascals[0], {"body.toml:4", "K/mu = 5e+04", "in Pa"});
+  const auto both = scene_notes(parsed(with(known, moduli, "shear_modulus_Pa = 3\nbulk_modulus_Pa = 300")));
+  ASSERT_EQ(both.size(), 1u);
+  expect_names(both[0], {"body.toml:4", "mu = 3 Pa", "kPa"});
   const auto d1 = scene_notes(parsed(with(known, moduli, "shear_modulus_Pa = 500\nd1_per_Pa = 2e-4")));
   ASSERT_EQ(d1.size(), 1u);
   expect_names(d1[0], {"K = 1/D1", "2/D1", "Abaqus", "bulk_modulus_Pa"});

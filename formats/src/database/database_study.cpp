@@ -64,7 +64,8 @@ std::string differing_keys(const DatabaseHeader& on_disk, const DatabaseHeader& 
   keys.insert(now.begin(), now.end());
   std::string text;
   for (const auto& [key, ignored] : keys) {
-    for (auto* values : {&then, &now}) values->try_emplace(key, "absent");
+    for (auto* values : {&then, &now})
+      if ((*values)[key].empty()) (*values)[key] = "absent";
     if (then[key] != now[key] && (selections || !is_selection(key)))
       text += "\n  " + key + ": " + then[key] + " in the file, " + now[key] + " now";
   }

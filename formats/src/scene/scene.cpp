@@ -21,6 +21,8 @@ namespace {
 
 /// Above this K/mu moduli are probably given in different units: from 1,000 on forces hardly change (docs/extremes.md).
 constexpr double largest_usual_bulk_to_shear = 1e4;
+/// The shear modulus of organs is above this one, and their number of kPa below.
+constexpr double softest_usual_Pa = 20;
 
 sd::SceneTable section_of(const sd::SceneTable& top, const char* name, const std::string& source_name) {
   const auto* node = top.find(name);
@@ -147,6 +149,9 @@ std::vector<std::string> scene_notes(const Scene& scene) {
     if (m->bulk_to_shear() > largest_usual_bulk_to_shear)
       notes.push_back(m->where.str() + ": K/mu = " + short_text(m->bulk_to_shear()) +
                       ", but from 1,000 on forces hardly depend on K: are both moduli in Pa?");
+    else if (m->shear_modulus_Pa < softest_usual_Pa)
+      notes.push_back(m->where.str() + ": mu = " + short_text(m->shear_modulus_Pa) +
+                      " Pa is softer than organs: are the moduli in Pa, not in kPa?");
   }
   const auto all = materials(scene);
   for (const auto& [what, modulus] :

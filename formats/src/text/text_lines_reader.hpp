@@ -26,7 +26,7 @@ std::string_view checked_lines(const char (&first_line)[size], std::string_view 
     throw input_error(source + ": " + what, std::move(value), remedy);
   };
   if (status == PHN_ERROR_NOT_A_MODEL)
-    refuse("not a phynness " + kind, std::string(text.substr(0, 20)),
+    refuse("not a phynness " + kind, std::string(text.substr(0, std::min(text.find('\n'), std::size_t{20}))),
            "give a " + kind + ".txt" + (is_body ? " of phynness reduce" : " or a model directory"));
   if (status == PHN_ERROR_VERSION) {
     const std::string line(text.substr(0, std::min(text.find('\n'), std::size_t{40})));

@@ -26,7 +26,7 @@ const char* const messages[] = {
     // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): two lines of one text
     "the model, or a struct whose reserved words are not 0, has another version; train, reduce or export it again with "
     "this version, or compile the program with its headers",
-    "this is not a phynness model",
+    "this is not a phynness model (or body, where one is read)",
     "the time of a step is not later than that of the step before",
     "the model's family or the node has no such response, for example no energy or no deformation",
     // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): two lines of one text

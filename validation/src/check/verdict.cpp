@@ -77,6 +77,7 @@ VerdictLine worst_node(const Validated& v) {
   VerdictLine line{"worst_node", "Largest force error of the model", "no probe was solved", {}};
   const auto& worst = v.report.to_range.worst;
   if (!worst) return line;
+  if (!worst->flagged && v.report.to_range.flagged.model.force.n > 0) line.title += " without a warning";
   const auto at = v.model.mesh().nodes.row(worst->node);
   const ForceUnit unit = worst->largest_N >= 1 ? ForceUnit{1, "N"} : force_unit(worst->largest_N);
   line.sentence = fmt::format(
@@ -165,8 +166,9 @@ VerdictLine not_covered(const Validated& v) {
   const double untrained = std::max(0.0, 1 - share.all);
   const std::size_t active = v.model.model().nodes.size(), probed = v.report.nodes.size();
   std::string text =
-      fmt::format("{} % of the displacements to {:.4g} mm{}, which have no training data and give a warning",
-                  in_percent(untrained), 1e3 * e.range_m, worst_covered);
+      fmt::format("{} % of the displacements to {:.4g} mm{}{}, which have no training data and give a warning",
+                  in_percent(untrained), 1e3 * e.range_m, worst_covered,
+                  v.scene.probe.directions == Directions::hemisphere ? ", and those of the outer hemisphere" : "");
   if (!e.unreached.empty())
     text += fmt::format("; {} of {} probes have no finite element solution, {} of them without a warning",
                         e.unreached.size(), e.all.probes,

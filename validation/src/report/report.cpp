@@ -72,7 +72,7 @@ Json conditions(const Validated& in, const std::string& software) {
        {"area nonlinear, linear", fmt::format("{:.1f} %, {:.1f} %", 100 * area.nonlinear, 100 * area.linear)},
        {"probe", name(scene.probe.kind)},
        {"trained range R", fmt::format("{:.4g} mm", 1e3 * scene.probe.max_displacement_m)},
-       {"directions, increments", fmt::format("{}, {}", model.directions.size(), scene.probe.increments)},
+       {"directions, increments", fmt::format("{}, {}", name(scene.probe.directions), scene.probe.increments)},
        {"family of the model", name(model.family)},
        {"probes", fmt::format("{} at {} nodes, {:.3g} to {:.3g} mm from the nearest fixed node; {} solved inside the "
                               "trained range, {} outside to {:.2f} of it",
