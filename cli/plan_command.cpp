@@ -187,7 +187,7 @@ Plan make_plan(const Options& options, const LoadedScene& loaded) {
 /// A text about the accuracy of the mean.
 std::string accuracy_text(const Plan& plan) {
   if (!plan.is_sample()) return "all rays were solved";
-  if (!plan.measured.relative_standard_error) return "too few for an error";  // fewer than RayCosts::fewest_nodes
+  if (!plan.measured.relative_standard_error) return "imprecise";  // fewer than RayCosts::fewest_nodes
   return fmt::format("standard error {:.0f} %", 100 * *plan.measured.relative_standard_error);
 }
 

@@ -149,7 +149,7 @@ std::vector<std::string> scene_notes(const Scene& scene) {
     if (m->bulk_to_shear() > largest_usual_bulk_to_shear)
       notes.push_back(m->where.str() + ": K/mu = " + short_text(m->bulk_to_shear()) +
                       ", but from 1,000 on forces hardly depend on K: are both moduli in Pa?");
-    else if (m->shear_modulus_Pa < softest_usual_Pa)
+    else if (m == &scene.material && m->shear_modulus_Pa < softest_usual_Pa)
       notes.push_back(m->where.str() + ": mu = " + short_text(m->shear_modulus_Pa) +
                       " Pa is softer than organs: are the moduli in Pa, not in kPa?");
   }
