@@ -131,9 +131,10 @@ void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* 
                  : row.is_scene   ? "  this scene"
                                   : "");
   }
-  if (std::ranges::any_of(report.rows, &TradeRow::on_front))
-    print_result("\n* no other row is better in error (mean) and core-hours{}", chosen != nullptr ? "; > chosen" : "");
-  print_result("\n{}\n", duration(report.seconds));
+  const char* legend = !std::ranges::any_of(report.rows, &TradeRow::on_front) ? ""
+                       : chosen == nullptr ? "* no other row is better in error (mean) and core-hours; "
+                                           : "* no other row is better in error (mean) and core-hours; > chosen; ";
+  print_result("\n{}{}\n", legend, duration(report.seconds));
 }
 
 void run_trade(const Options& options, const LoadedScene& loaded) {
@@ -186,7 +187,7 @@ void add(CLI::App& app) {
             "largest number of probes, each at another place; fewer if their errors agree")
       ->capture_default_str();
   add_number(command, "--seconds", options.seconds, 1, 1e7,
-             "time limit, between solves (default: 60; with --trade 900)");
+             "time limit; a solve that has begun is finished (default: 60; with --trade 900)");
   auto* reference = command
                         .add_option("--reference", options.reference,
                                     "the finer solution (default: taylor-hood where the scene allows it)")

@@ -57,6 +57,8 @@ refused() {
 }
 refused 2 'usage' "$example"
 refused 2 'no value' "$example" slide --csv
+refused 2 'at: is more than 1 m from the surface' "$example" slide --at 25,0,0
+refused 2 'depth: is more than 1 m' "$example" slide --depth 5
 refused 2 'spere: is no option' "$example" slide --spere 0.01
 refused 2 'X,Y,Z' "$example" slide --at 0.1
 refused 2 'slide|closed' "$example" jump

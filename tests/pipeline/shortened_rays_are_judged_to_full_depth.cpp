@@ -92,6 +92,8 @@ TEST_F(ShortenedRays, HaveOneShareOfTheProbeVolume) {
     succeed("precompute scene.toml -o d.h5");
     succeed("train scene.toml d.h5 -o m --family modal");
     const double judged = validated("m --probes 4").at("verdict").at("not_covered").at("share_of_volume");
+    EXPECT_EQ(holds(unbroken(read_file(folder / "stdout.txt")), ", and all that point outward, which have no training"),
+              directions[0] == '"');
     succeed("info d.h5 --json i.json");
     EXPECT_GT(judged, 0.01);
     EXPECT_NEAR(json("i.json").at("ends").at("share_of_volume").get<double>(), judged, 1e-12) << directions;

@@ -168,7 +168,7 @@ VerdictLine not_covered(const Validated& v) {
   std::string text =
       fmt::format("{} % of the displacements to {:.4g} mm{}{}, which have no training data and give a warning",
                   in_percent(untrained), 1e3 * e.range_m, worst_covered,
-                  v.scene.probe.directions == Directions::hemisphere ? ", and those of the outer hemisphere" : "");
+                  v.scene.probe.directions == Directions::hemisphere ? ", and all that point outward" : "");
   if (!e.unreached.empty())
     text += fmt::format("; {} of {} probes have no finite element solution, {} of them without a warning",
                         e.unreached.size(), e.all.probes,

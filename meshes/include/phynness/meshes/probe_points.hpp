@@ -39,6 +39,7 @@ struct ProbeCoordinates {
   Points weights;                      ///< n_covered x 3 barycentric weights in it, >= 0 and of sum 1
   std::vector<char> is_beyond;    ///< of each covered node: beyond the outermost triangles, or it faces another way
   std::ptrdiff_t n_too_long = 0;  ///< triangles that are left out because of their edges
+  NodeList unlike;                ///< ascending; without coordinates because tools there have too little in common
 };
 /// Only nodes in triangles with edges of at most the tool's radius are covered, and beside the outermost ones nodes up
 /// to a quarter of an edge beyond. Triangles end at the probed part: nodes between three cells are no farther from the
