@@ -37,8 +37,8 @@ void print(const BoundReport& report, const Model& model, const Options& options
   const auto& c = report.left_out;
   const ForceUnit unit = force_unit(report.median_bound_N);
   print_result(
-      "median bound of the force's error{}: {:.3g} {}, {:.3g} % of the force; {:.1f} % of the errors of {} left out of "
-      "the calibration are below their bound{}\n",
+      "median, over all solved states, of the bound of the force's error{}: {:.3g} {}, {:.3g} % of the force; {:.1f} % "
+      "of the errors of {} left out of the calibration are below their bound{}\n",
       model.bounds.at(0).from(), unit.per_N * report.median_bound_N, unit.name, 100 * report.median_share, 100 * c.all,
       report.all_nodes ? "rays" : "nodes", promised_text(report.promised));
   print_result("{} random rays at {} nodes, {} states inside the trained range, {} rays ended early; {}\n", report.rays,

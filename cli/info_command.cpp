@@ -243,7 +243,7 @@ json about_image(const std::filesystem::path& file) {
                 image.floats ? 4 : 8, "active", image.n_active, "output", image.n_output, "provenance", provenance);
 }
 
-/// Median over the imposed displacements of all active nodes.
+/// Median over the database's displacements of all active nodes.
 double median_bound_N(const Model& model, std::size_t bound) {
   std::vector<double> all;
   for (const auto& node : model.nodes) {
@@ -286,8 +286,8 @@ json about_model(const std::filesystem::path& dir) {
     const double median_N = median_bound_N(m, bounds.size());
     const ForceUnit unit = force_unit(median_N);
     print_result(
-        "bounds    of the force's error{}, for {:g} % of random displacements, {:.3g} {} in the median; "
-        "from {} rays at {} nodes\n",
+        "bounds    of the force's error{}, for {:g} % of random displacements, {:.3g} {} in the median over the "
+        "database's displacements of all nodes; from {} rays at {} nodes\n",
         bound.from(), 100 * bound.coverage, unit.per_N * median_N, unit.name, bound.n_rays, bound.n_nodes);
     bounds.push_back(record("coverage", bound.coverage, "median_N", median_N, "rays", bound.n_rays, "nodes",
                             bound.n_nodes, "reference", reference_names.at(static_cast<std::size_t>(bound.reference))));

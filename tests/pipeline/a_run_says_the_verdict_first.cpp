@@ -128,7 +128,8 @@ TEST_F(Verdict, IsFirstAndNarrow) {
 
   const auto calibrated = succeed("calibrate out/model out/database.h5 -o bounded --rays 200");
   expect_narrow(calibrated.out);
-  EXPECT_EQ(calibrated.out.rfind("median bound of the force's error: ", 0), 0U) << calibrated.out;
+  EXPECT_EQ(calibrated.out.rfind("median, over all solved states, of the bound of the force's error: ", 0), 0U)
+      << calibrated.out;
   const auto checked = std::filesystem::last_write_time(folder / "out/check.json");
   for (const char* other :
        {"run scene.toml -o out --resume", "check scene.toml --probes 2 --reference taylor-hood", "info scene.toml",

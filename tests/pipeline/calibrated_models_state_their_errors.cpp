@@ -57,7 +57,7 @@ TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
               0.09);  // 100 states scatter by 0.022, the calibration by 0.015
   const auto promised =
       "; calibration promised " + std::to_string(std::lround(100 * c.at("promised").get<double>())) + " %.";
-  expect_names(unbroken(validated.out), {"Bound of the model's force error: ", "N in the median, ",
+  expect_names(unbroken(validated.out), {"Bound of the model's force error: ", "N in the median over these probes, ",
                                          " % of the median force; it held for ", " % of 100 errors", promised});
   const auto sizes = json("v.json").at("verdict").at("bounds");
   // The probes of validate are other ones.
@@ -66,7 +66,8 @@ TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
   expect_names(read_file(folder / "r.html"), {" % of 100 errors", promised});
 
   const auto node = std::to_string(plain.nodes[0].node);
-  expect_names(phynness("info b").out, {"bounds    of the force's error, for 95 % of random displacements"});
+  expect_names(unbroken(phynness("info b").out), {"bounds    of the force's error, for 95 % of random displacements",
+                                                  "N in the median over the database's displacements of all nodes;"});
   expect_names(phynness("eval b --node " + node + " --displacement 0,0,-0.004 --json e.json").out,
                {"error of the force: at most", "for 95 % of random displacements"});
   EXPECT_GT(json("e.json").at("bound_N").get<double>(), 0);

@@ -167,20 +167,14 @@ std::vector<BoundedError> cross_validated_errors(const NamedOrgan& model, const 
   return errors;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 void set_medians(const NamedOrgan& bounded, const std::vector<BoundState>& states, BoundReport& report) {
   std::vector<double> bounds, shares;
   for (const auto& error : bounded_errors(bounded, states)) {
     shares.push_back(error.bound_N / std::max(states[bounds.size()].force_N, 1e-300));
     bounds.push_back(error.bound_N);
   }
-  report.median_bound_N = median(bounds);
-  report.median_share = median(shares);
+  report.median_bound_N = ErrorStatistics::of(bounds).median;
+  report.median_share = ErrorStatistics::of(shares).median;
 }
 
 using PlannedRay = std::pair<std::int32_t, CoupledKind>;  ///< number of the ray among those of its kind

@@ -128,9 +128,9 @@ VerdictLine of_two_tools(const Validated& v) {
 
 VerdictLine of_bound(const Validated& v, const BoundCoverage& measured) {
   const auto& e = v.report.to_range;
-  const auto size = [](double bound_N, double force_N) {
+  const auto size = [](double bound_N, double force_N, const char* over = "") {
     const ForceUnit unit = force_unit(bound_N);
-    std::string text = fmt::format("{:.3g} {} in the median", unit.per_N * bound_N, unit.name);
+    std::string text = fmt::format("{:.3g} {} in the median{}", unit.per_N * bound_N, unit.name, over);
     return force_N > 0 ? fmt::format("{}, {} % of the median force", text, in_percent(bound_N / force_N)) : text;
   };
   std::string between;
@@ -141,7 +141,7 @@ VerdictLine of_bound(const Validated& v, const BoundCoverage& measured) {
                     100 * static_cast<double>(answers.covered) / static_cast<double>(answers.bounded), answers.bounded);
   return {"bounds",
           "Bound of the model's force error",
-          size(e.median_bound_N, e.median_force_N) + "; it " +
+          size(e.median_bound_N, e.median_force_N, " over these probes") + "; it " +
               held_in_words(measured, promised_coverage(v.model.model())) + between,
           {{"median_bound_N", e.median_bound_N}, {"median_force_N", e.median_force_N}}};
 }
