@@ -14,6 +14,16 @@ namespace {
 /// The 95th percentile of the errors of two tools from which on a body is not fit for them.
 constexpr double largest_p95 = 0.25;
 
+/// Of fewer than 20 errors p95 is the largest.
+bool has_p95(const ErrorStatistics& errors) { return errors.p95 < errors.max; }
+
+/// "0.20 % on average, below 0.80 % in 95 % of 100"; of few errors "at most 0.80 % in all 2".
+std::string in_words(const ErrorStatistics& errors, const char* of = "") {
+  return fmt::format("{} %{} on average, {} {} % in {} {}", in_percent(errors.mean), of,
+                     has_p95(errors) ? "below" : "at most", in_percent(errors.p95),
+                     has_p95(errors) ? "95 % of" : "all", errors.n);
+}
+
 VerdictLine of_model(const Validated& v) {
   const auto& e = v.report.to_range;
   const auto wrong_share = [](const ProbeStatistics& group) {
@@ -25,11 +35,8 @@ VerdictLine of_model(const Validated& v) {
   std::string text = "no force was compared";
   if (force.n > 0)
     text = fmt::format(
-        "{} % of the node's largest force on average, below {} % in 95 % of {} probes (linear predictor: {} %); {} % "
-        "of the forces are wrong by "
-        "more than a tenth of their size",
-        in_percent(force.mean), in_percent(force.p95), force.n, in_percent(e.all.linear.force.mean),
-        in_percent(wrong_of_all));
+        "{} probes (linear predictor: {} %); {} % of the forces are wrong by more than a tenth of their size",
+        in_words(force, " of the node's largest force"), in_percent(e.all.linear.force.mean), in_percent(wrong_of_all));
   if (!std::isnan(wrong_with_warning))
     text += fmt::format(
         " ({}{} % of those with a warning)",
@@ -38,9 +45,8 @@ VerdictLine of_model(const Validated& v) {
   if (const auto& linear = e.all.linear; linear.force.n > 0)
     text += fmt::format(" (linear predictor: {} %)", in_percent(linear.wrong));
   if (const auto& between = v.points.all; between.model.force.n > 0)
-    text += fmt::format(". Between probed points: {} % on average, below {} % in 95 % of {} (linear predictor: {} %)",
-                        in_percent(between.model.force.mean), in_percent(between.model.force.p95),
-                        between.model.force.n, in_percent(between.linear.force.mean));
+    text += fmt::format(". Between probed points: {} (linear predictor: {} %)", in_words(between.model.force),
+                        in_percent(between.linear.force.mean));
   return {"off_by_a_tenth",
           "Force error of the model where it was probed, compared with its own finite elements",
           text,
@@ -104,12 +110,11 @@ VerdictLine worst_node(const Validated& v) {
 
 VerdictLine of_two_tools(const Validated& v) {
   const auto &unflagged = v.pairs.unflagged, &flagged = v.pairs.flagged;
-  const auto &force = unflagged.model.force, &warned = flagged.model.force;
+  const auto &force = unflagged.model.force, &linear = unflagged.linear.force, &warned = flagged.model.force;
   std::string text = "all pairs have a warning";
   if (force.n > 0)
-    text = fmt::format("{} % on average, below {} % in 95 % of {} pairs (linear predictor: {} %, below {} %)",
-                       in_percent(force.mean), in_percent(force.p95), force.n, in_percent(unflagged.linear.force.mean),
-                       in_percent(unflagged.linear.force.p95));
+    text = fmt::format("{} pairs (linear predictor: {} %, {} {} %)", in_words(force), in_percent(linear.mean),
+                       has_p95(linear) ? "below" : "at most", in_percent(linear.p95));
   if (warned.n > 0)
     text += fmt::format("; {} % on average in {} pairs with a warning (linear predictor: {} %)",
                         in_percent(warned.mean), warned.n, in_percent(flagged.linear.force.mean));
@@ -253,12 +258,13 @@ std::vector<std::string> warnings(const Validated& v) {
     }
     all.push_back(text);
   }
-  if (const double p95 = v.pairs.unflagged.model.force.p95; v.body && v.pairs.by_body && p95 > largest_p95) {
+  if (const auto& force = v.pairs.unflagged.model.force; v.body && v.pairs.by_body && force.p95 > largest_p95) {
     const auto& size = v.body->body_info();
     all.push_back(
-        fmt::format("the force error of the reduced body with two tools is {} % or more in 5 % of the pairs; its {} "
-                    "modes and {} cells may be too few: {}",
-                    in_percent(p95), size.n_modes, size.n_cells, remedy()));
+        fmt::format("the force error of the reduced body with two tools is {} % {}; its {} modes and {} cells may be "
+                    "too few: {}",
+                    in_percent(force.p95), has_p95(force) ? "or more in 5 % of the pairs" : "in the worst pair",
+                    size.n_modes, size.n_cells, remedy()));
   }
   if (const auto* measured = measured_bound(v);
       measured && is_below_promise(*measured, promised_coverage(v.model.model())))
