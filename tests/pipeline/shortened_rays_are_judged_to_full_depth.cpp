@@ -54,6 +54,10 @@ TEST_F(ShortenedRays, AreJudgedToFullDepth) {
     for (const char* of : {"mean", "median", "p95", "max"})
       EXPECT_GT(cut.at("all").at(what).at(of).get<double>(), whole.at("all").at(what).at(of).get<double>() - 1e-6)
           << what << " " << of;
+  EXPECT_TRUE(
+      std::regex_search(said(), std::regex("size \\([0-9.]+ % of those without a warning, [0-9.]+ % of those with a "
+                                           "warning; linear predictor: [0-9.]+ %\\)")))
+      << said();
   const long flagged = cut.at("flagged").at("probes"), unflagged = cut.at("unflagged").at("probes");
   EXPECT_EQ(flagged + unflagged, 20);
   EXPECT_GT(flagged, 3);  // half of the directions lost three quarters of their depth

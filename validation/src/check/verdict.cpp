@@ -20,8 +20,8 @@ bool has_p95(const ErrorStatistics& errors) { return errors.p95 < errors.max; }
 /// "0.20 % on average, below 0.80 % in 95 % of 100"; of few errors "at most 0.80 % in all 2".
 std::string in_words(const ErrorStatistics& errors, const char* of = "") {
   return fmt::format("{} %{} on average, {} {} % in {} {}", in_percent(errors.mean), of,
-                     has_p95(errors) ? "below" : "at most", in_percent(errors.p95),
-                     has_p95(errors) ? "95 % of" : "all", errors.n);
+                     has_p95(errors) ? "below" : "at most", in_percent(errors.p95), has_p95(errors) ? "95 % of" : "all",
+                     errors.n);
 }
 
 VerdictLine of_model(const Validated& v) {
@@ -32,18 +32,16 @@ VerdictLine of_model(const Validated& v) {
   const double wrong_of_all = wrong_share(e.all), wrong_without_warning = wrong_share(e.unflagged),
                wrong_with_warning = wrong_share(e.flagged);
   const auto& force = e.all.model.force;
-  std::string text = "no force was compared";
-  if (force.n > 0)
+  std::string text = "no force was compared", by_warning;
+  if (!std::isnan(wrong_without_warning) && !std::isnan(wrong_with_warning))
+    by_warning = in_percent(wrong_without_warning) + " % of those without a warning, ";
+  if (!std::isnan(wrong_with_warning)) by_warning += in_percent(wrong_with_warning) + " % of those with a warning; ";
+  if (const auto& linear = e.all.linear; force.n > 0)
     text = fmt::format(
-        "{} probes (linear predictor: {} %); {} % of the forces are wrong by more than a tenth of their size",
-        in_words(force, " of the node's largest force"), in_percent(e.all.linear.force.mean), in_percent(wrong_of_all));
-  if (!std::isnan(wrong_with_warning))
-    text += fmt::format(
-        " ({}{} % of those with a warning)",
-        std::isnan(wrong_without_warning) ? "" : in_percent(wrong_without_warning) + " % of those without a warning, ",
-        in_percent(wrong_with_warning));
-  if (const auto& linear = e.all.linear; linear.force.n > 0)
-    text += fmt::format(" (linear predictor: {} %)", in_percent(linear.wrong));
+        "{} probes (linear predictor: {} %); {} % of the forces are wrong by more than a tenth of their size "
+        "({}linear predictor: {} %)",
+        in_words(force, " of the node's largest force"), in_percent(linear.force.mean), in_percent(wrong_of_all),
+        by_warning, in_percent(linear.wrong));
   if (const auto& between = v.points.all; between.model.force.n > 0)
     text += fmt::format(". Between probed points: {} (linear predictor: {} %)", in_words(between.model.force),
                         in_percent(between.linear.force.mean));
