@@ -210,6 +210,11 @@ void print_plan(const Options& options, const Plan& plan) {
         "body      of several tools: reduce about {}; if its errors are large, larger bodies follow, each in as long "
         "as all before; calibrate body about {}\n",
         duration(*plan.reduce_seconds), duration(*plan.calibrate_body_seconds));
+  print_result(
+      "all       about {} in phynness run, without train{}\n",
+      duration(plan.wall_seconds + plan.check_seconds.value_or(0) + plan.calibrate_seconds + plan.validate_seconds +
+               plan.reduce_seconds.value_or(0) + plan.calibrate_body_seconds.value_or(0)),
+      plan.check_seconds ? "" : " and check");
   print_result("rays      {} to solve, {:.2g} s each: the mean of {} at {} node{} ({}), at most {:.2g} s\n",
                plan.rays_requested, m.seconds_per_ray, m.rays, m.nodes, m.nodes == 1 ? "" : "s", accuracy_text(plan),
                m.seconds_longest_ray);
