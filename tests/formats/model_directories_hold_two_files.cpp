@@ -61,4 +61,11 @@ TEST(ModelDirectory, RefusesAnotherMesh) {
   EXPECT_THROW(read_model_dir(folder.path), Error);
 }
 
+// Claim: the folder of a run, given instead of the model in it, is refused with the name of the model.
+TEST(ModelDirectory, IsNamedInTheFolderOfARun) {
+  ModelFolder folder;
+  write_model_dir(folder.path / "model", folder.model, folder.mesh);
+  expect_names(message_of([&] { read_model_dir(folder.path); }), {"give " + (folder.path / "model").string()});
+}
+
 }  // namespace

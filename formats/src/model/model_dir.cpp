@@ -35,7 +35,12 @@ void write_model_texts(const fs::path& dir, const ModelTexts& texts) {
   write_text_files({{dir / "mesh.txt", texts.mesh}, {dir / "model.txt", texts.model}});
 }
 
-ModelTexts read_model_texts(const fs::path& dir) { return {read_file(dir / "model.txt"), read_file(dir / "mesh.txt")}; }
+ModelTexts read_model_texts(const fs::path& dir) {
+  if (std::error_code code; !fs::exists(dir / "model.txt", code) && fs::exists(dir / "model/model.txt", code))
+    throw input_error("this folder is no model directory, but it contains one", dir.string(),
+                      "give " + (dir / "model").string());
+  return {read_file(dir / "model.txt"), read_file(dir / "mesh.txt")};
+}
 
 void require_mesh(const Mesh& mesh, const std::string& hash) {
   if (mesh_hash(mesh) != hash)
