@@ -85,9 +85,10 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
       Database::open(database), fields_of(solved), spec, report, progress.counter(), 0,
       [&](const ReducedBody& made, const ReductionReport& current, Eigen::MatrixXd& fields) {
         auto body = made;
-        auto errors = tool_errors(body, compared);
+        auto errors = tool_errors(body, compared, Progress("reduce", "compared states").counter());
         const double with_rest = target_error(errors, tools);
-        const bool has_lost = target && leave_out_at_rest(body, errors, compared, *target, tools);
+        const bool has_lost = target && leave_out_at_rest(body, errors, compared, *target, tools,
+                                                          Progress("reduce", "compared states").counter());
         print_size(current, errors);
         if (has_lost)
           print_result("these without the tables at rest, with which the error is {:.3g} %\n", 100 * with_rest);
@@ -109,7 +110,7 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
         const auto n_met = std::ssize(compared);
         auto others = solve_more();
         compared.insert(compared.end(), others.begin(), others.end());
-        error = target_error(tool_errors(best.body, compared), tools);
+        error = target_error(tool_errors(best.body, compared, Progress("reduce", "compared states").counter()), tools);
         solved.insert(solved.end(), compared.begin(), compared.begin() + n_met);
         compared = std::move(others);
         return false;

@@ -67,7 +67,10 @@ TEST_F(ReducedBodyCommand, StoresTheEnergyOfSolvedStatesOfRegions) {
 
 // Claim: a body of given size is compared with states of two tools, and one that misses its target says so.
 TEST_F(ReducedBodyCommand, WritesABodyAndItsFigures) {
-  const auto outcome = succeed("reduce d.h5 -o body.txt --modes 20 --cells 50 --json r.json");
+  const auto outcome =
+      shell("PHYNNESS_PROGRESS=1 \"$PHYNNESS\" reduce d.h5 -o body.txt --modes 20 --cells 50 --json r.json");
+  for (const char* unit : {" states of several tools", " steps", " compared states"})
+    EXPECT_NE(outcome.err.find(unit), std::string::npos) << unit << outcome.err;
   EXPECT_TRUE(read_file(folder / "body.txt").starts_with("phynness-body 5\nmesh "));
   EXPECT_EQ(json("r.json").at("cells"), 50);
   EXPECT_EQ(json("r.json").at("body_bytes"), read_file(folder / "body.txt").size());

@@ -110,7 +110,7 @@ class Reduction {
       if (!is_enough || is_enough(out, _report, _several) || is_largest || modes == schema::most_body_modes) return out;
       modes = std::min(static_cast<int>(grown(modes)), static_cast<int>(schema::most_body_modes));
       cells = static_cast<int>(grown(cells));
-      _steps += drawn + cells;
+      _steps += drawn + cells + std::ssize(_header.sets.linear);
     }
   }
 
@@ -138,7 +138,7 @@ class Reduction {
     std::ranges::sort(_drawn);
     _states.setZero(3 * _elements.n_nodes, static_cast<Index>(_drawn.size()));
     _report.fields = static_cast<std::int64_t>(converged.size());
-    _steps = n_active() + steps_of(_first_cells);
+    _steps = n_active() + steps_of(_first_cells) + std::ssize(_header.sets.linear);
   }
 
   /// The converged fields of a node, 3 n_nodes x any. Keeps those that are drawn.
@@ -585,7 +585,7 @@ class Reduction {
   /// them by the coordinates of the nodes. Roots of matrices are interpolated, so that the sum is semidefinite.
   void set_lacking(ReducedBody& out) {
     const auto& [mesh, sets] = std::tie(_header.mesh, _header.sets);
-    const auto stiffness = stiffnesses_at_rest(out, sets.linear, _threads);
+    const auto stiffness = stiffnesses_at_rest(out, sets.linear, _threads, [this] { step(); });
     Eigen::MatrixXd root_of = Eigen::MatrixXd::Zero(mesh.n_nodes(), schema::n_of_root);
     for (std::size_t i = 0; i < sets.linear.size(); ++i) {
       const auto rest = _database.at_rest(static_cast<std::int32_t>(i));

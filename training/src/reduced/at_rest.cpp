@@ -42,13 +42,15 @@ Eigen::Matrix3d stiffness_at_rest(Organ& organ, std::int32_t node, double small_
 }  // namespace
 
 std::vector<Eigen::Matrix3d> stiffnesses_at_rest(const ReducedBody& body, const std::vector<std::int32_t>& nodes,
-                                                 int threads) {
+                                                 int threads, const std::function<void()>& on_node) {
   const Organ of_threads({}, write_body_text(body), 1, most_steps);
   std::vector<Eigen::Matrix3d> all(nodes.size());
   for_each_index(threads, threads, [&](std::int32_t first) {
     Organ organ = of_threads.another();
-    for (auto i = static_cast<std::size_t>(first); i < nodes.size(); i += static_cast<std::size_t>(threads))
+    for (auto i = static_cast<std::size_t>(first); i < nodes.size(); i += static_cast<std::size_t>(threads)) {
       all[i] = stiffness_at_rest(organ, nodes[i], small_part_of_depth * body.depth_m);
+      on_node();
+    }
   });
   return all;
 }

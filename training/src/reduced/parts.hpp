@@ -47,8 +47,9 @@ struct Cubature {
 Cubature nonnegative_weights(const Eigen::MatrixXf& contributions, const Eigen::VectorXd& wanted, Eigen::Index count,
                              int threads, const std::function<void(Eigen::Index)>& on_added);
 
-/// Stiffness at rest of a tool alone at each of some nodes [N/m]; the result is bitwise independent of `threads`.
+/// Stiffness at rest of a tool alone at each of some nodes [N/m]; the result is bitwise independent of `threads`, which
+/// call `on_node` after each node.
 std::vector<Eigen::Matrix3d> stiffnesses_at_rest(const ReducedBody& body, const std::vector<std::int32_t>& nodes,
-                                                 int threads);
+                                                 int threads, const std::function<void()>& on_node);
 
 }  // namespace phynness::reduced

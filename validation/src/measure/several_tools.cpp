@@ -167,7 +167,7 @@ ErrorStatistics weighted_statistics(std::vector<std::pair<double, double>> error
   return s;
 }
 
-ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& solved) {
+ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& solved, const OnProgress& progress) {
   const auto loaded = NamedOrgan::body(write_body_text(body), "body", max_steps);
   const auto place = [&](const phn_tool& tool) {
     return body.points.row(std::ranges::lower_bound(body.nodes, tool.nodes[0]) - body.nodes.begin());
@@ -178,6 +178,7 @@ ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& 
   std::int64_t steps = 0;
   const auto begin = std::chrono::steady_clock::now();
   for (const auto& state : solved) {
+    if (progress) progress(&state - solved.data(), std::ssize(solved));
     if (schema::least_body_modes(static_cast<std::int32_t>(state.tools.size())) > n_modes) continue;
     OrganResponse response;
     loaded.organ().reset().ignore();
@@ -226,11 +227,11 @@ double target_error(const ToolErrors& errors, int tools) {
 }
 
 bool leave_out_at_rest(ReducedBody& body, ToolErrors& errors, const std::vector<SolvedTools>& solved, double target,
-                       int tools) {
+                       int tools, const OnProgress& progress) {
   if (target_error(errors, tools) <= target || body.cells_at_rest.entries.size() == 0) return false;
   ReducedBody other = body;
   other.cells_at_rest = other.lack_at_rest = {};
-  const auto without = tool_errors(other, solved);
+  const auto without = tool_errors(other, solved, progress);
   if (target_error(without, tools) >= required_improvement * target_error(errors, tools)) return false;
   body = std::move(other);
   errors = without;

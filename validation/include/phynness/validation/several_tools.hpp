@@ -50,7 +50,8 @@ struct ToolErrors {
   double step_s = 0;                     ///< mean time of a step of Newton's method
   PHYNNESS_FIGURES(pairs, triples, near, unsettled, step_s)
 };
-ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& solved);
+ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& solved,
+                       const OnProgress& progress = {});
 
 /// Displacements of a body under these tools, at half and at the end of their way: its rows of modes x 2 states.
 Eigen::MatrixXd displacements_under(const ReducedBody& body, const std::vector<SolvedTools>& solved);
@@ -65,6 +66,6 @@ inline constexpr double required_improvement = 0.9;
 /// @param errors  of the body, before and after
 /// @return whether they were left out
 bool leave_out_at_rest(ReducedBody& body, ToolErrors& errors, const std::vector<SolvedTools>& solved, double target,
-                       int tools);
+                       int tools, const OnProgress& progress = {});
 
 }  // namespace phynness
