@@ -49,13 +49,14 @@ struct Plan {
   double wall_seconds = 0, core_hours = 0, memory_bytes_per_rank = 0, machine_memory_bytes = 0;
   double database_bytes = 0, log_bytes = 0;
   std::optional<double> check_seconds;  ///< limit of the check in run; empty if the scene sets the number of probes
+  double check_memory_bytes = 0;        ///< without a check, and of a shell, 0
   std::int64_t calibration_rays = 0, probes = 0;
   double calibrate_seconds = 0, validate_seconds = 0;            ///< times in run
   std::optional<double> reduce_seconds, calibrate_body_seconds;  ///< of several tools
   int ranks_of_use = 1;
   PHYNNESS_FIGURES(rays, rays_requested, increments, points_at_rest, measured, ranks, wall_seconds, core_hours,
                    memory_bytes_per_rank, machine_memory_bytes, database_bytes, log_bytes, check_seconds,
-                   calibration_rays, probes, calibrate_seconds, validate_seconds, reduce_seconds,
+                   check_memory_bytes, calibration_rays, probes, calibrate_seconds, validate_seconds, reduce_seconds,
                    calibrate_body_seconds, ranks_of_use)
 
   bool is_sample() const { return measured.rays < rays_requested; }
@@ -176,6 +177,8 @@ Plan make_plan(const Options& options, const LoadedScene& loaded) {
   if (const auto probes = loaded.scene.validation.check_probes; probes.value_or(0) == 0)
     plan.check_seconds =
         probes ? 0 : check_limit_s(plan.measured.seconds_per_ray * static_cast<double>(costs.rays), plan.ranks);
+  if (plan.check_seconds != 0 && loaded.mesh.cells.cols() == 4)
+    plan.check_memory_bytes = check_memory_bytes(loaded.scene, loaded.mesh);
   plan_checks(loaded, header, plan);
   plan.core_hours = plan.wall_seconds * plan.ranks / 3600;
   plan.ranks_of_use = max_useful_ranks(costs);
@@ -221,8 +224,9 @@ void print_plan(const Options& options, const Plan& plan) {
   if (plan.points_at_rest > 0)
     print_result("elsewhere {} points with the linear response at rest: {}, by one rank\n", plan.points_at_rest,
                  duration(m.at_rest_seconds));
-  print_result("memory    {} per rank of precompute, {} in all; this machine has {}\n",
+  print_result("memory    {} per rank of precompute, {} in all{}; this machine has {}\n",
                bytes(plan.memory_bytes_per_rank), bytes(plan.ranks * plan.memory_bytes_per_rank),
+               plan.check_memory_bytes > 0 ? fmt::format("; about {} for check", bytes(plan.check_memory_bytes)) : "",
                bytes(plan.machine_memory_bytes));
   print_result("database  {} before compression, and {} of logs until it is packed\n", bytes(plan.database_bytes),
                bytes(plan.log_bytes));

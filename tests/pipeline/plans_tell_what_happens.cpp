@@ -32,6 +32,7 @@ TEST_F(Plans, sizes_are_those_of_the_run) {
   EXPECT_GT(plan["memory_bytes_per_rank"].get<double>(), 1e7);
   EXPECT_GE(plan["ranks_of_use"].get<int>(), 1);
   EXPECT_EQ(plan["check_seconds"], 0);
+  EXPECT_EQ(plan["check_memory_bytes"], 0);
   EXPECT_EQ(plan["probes"], 8);
   EXPECT_EQ(plan["calibration_rays"], 100);
   // Without a request the ranks are those of this machine, run compares with a finer solution, and calibrate and
@@ -41,7 +42,7 @@ TEST_F(Plans, sizes_are_those_of_the_run) {
   const auto all = succeed("plan scene.toml --rays 2 --json plan.json");
   expect_names(unbroken(all.out),
                {"processor cores of this machine", "check     at most 1 min 00 s more in phynness run",
-                "calibrate 100 rays and validate 50 probes in phynness run"});
+                "calibrate 100 rays and validate 50 probes in phynness run", " for check; this machine has "});
   // The sum has the check, whose limit is a minute.
   EXPECT_TRUE(
       std::regex_search(all.out, std::regex("\nall       about [0-9]+ min [0-9]+ s in phynness run, without train\n")))

@@ -48,8 +48,15 @@ double available_memory_bytes() {
 
 double factor_bytes(double unknowns) { return 350 * std::pow(unknowns, 4.0 / 3); }
 
+constexpr double startup_bytes = 1.5e8;
+
+double check_memory_bytes(const Scene& scene, const Mesh& mesh) {
+  const bool of_rays = finer_reference(scene) == Variant::half_size;  // they need more than the stiffness at rest
+  const Element element = of_rays ? scene.solver.element : element_named("taylor-hood");
+  return startup_bytes + (of_rays ? 1.6 : 1) * factor_bytes(variant_unknowns(Variant::half_size, element, mesh));
+}
+
 std::string memory_shortage(double unknowns, const DiscretizationOptions& options) {
-  constexpr double startup_bytes = 1.5e8;
   const double needed = startup_bytes + factor_bytes(unknowns), available = options.available_bytes();
   if (needed <= available) return "";
   return fmt::format("{:.2f} GB of memory are needed, {:.2f} GB are available", needed / 1e9, available / 1e9);

@@ -132,13 +132,6 @@ std::string taylor_hood_obstacle(const Scene& scene) {
 
 constexpr std::size_t max_places_at_rest = 24;
 
-void require_memory(double unknowns, const DiscretizationOptions& options) {
-  if (const auto why = memory_shortage(unknowns, options); !why.empty())
-    throw input_error("the finer solution does not fit into the memory", why,
-                      "use a coarser mesh, or a machine with more memory; with check_probes = 0 phynness run goes on "
-                      "without it");
-}
-
 /// The solver of a variant, which is created at its first ray.
 class VariantSolver {
  public:
@@ -298,7 +291,11 @@ DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, 
                                           const ShouldStop& stop) {
   const std::function<double()> elapsed_s = [&options, start = options.clock()] { return options.clock() - start; };
   require_variant(scene, options.reference);
-  require_memory(variant_unknowns(options.reference, scene.solver.element, mesh), options);
+  const double finer_unknowns = variant_unknowns(options.reference, scene.solver.element, mesh);
+  if (const auto why = memory_shortage(finer_unknowns, options); !why.empty())
+    throw input_error("the finer solution does not fit into the memory", why,
+                      "use a coarser mesh, or a machine with more memory; with check_probes = 0 phynness run goes on "
+                      "without it");
   const Scene common = compared_scene(scene, mesh, own_sets);
   const NodeSets sets{own_sets.fixed, answered_nodes(scene, mesh, own_sets), {}};
   const auto header = database_header(common, mesh, sets);
@@ -311,8 +308,7 @@ DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, 
   report.depth_m = header.magnitudes_m;
   const bool finer_mesh = options.reference == Variant::half_size;
   report.nodes = mesh.n_nodes() + (finer_mesh ? static_cast<std::int32_t>(mesh_edges(mesh).size()) : 0);
-  report.unknowns_factor = variant_unknowns(options.reference, common.solver.element, mesh) /
-                           variant_unknowns(Variant::scene, common.solver.element, mesh);
+  report.unknowns_factor = finer_unknowns / variant_unknowns(Variant::scene, common.solver.element, mesh);
   const auto max_probes = static_cast<std::size_t>(options.probes);
   auto [rays, near_share] = choose_checked_rays(header, requested_rays(common, mesh, header), report.tool_radius_m,
                                                 std::max(max_probes, max_places_at_rest));

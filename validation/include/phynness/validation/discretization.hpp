@@ -170,6 +170,10 @@ VariantBody variant_body(Variant v, VariantBody body);
 /// The number of unknowns of a variant, without making its mesh.
 double variant_unknowns(Variant v, Element element, const Mesh& mesh);
 
+/// About the memory of all comparisons of a check of a solid; measured: 0.61 GB for es-p1-p1 on 320 nodes, 0.98 and
+/// 4.8 GB for taylor-hood on 320 and 1,097.
+double check_memory_bytes(const Scene& scene, const Mesh& mesh);
+
 /// Time limit [s] of the check in `phynness run`: a quarter of the time of the database, and at least 30 s, in which a
 /// body of 400 nodes is also compared at rest with its surface's own shape.
 /// @param solve_s  CPU time of the solves of the database
