@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <phynness/formats/model.hpp>
 #include <phynness/meshes/probe_points.hpp>
 #include <phynness/meshes/tool_weights.hpp>
@@ -244,6 +245,34 @@ TEST(ProbeCoordinates, EndWhereTheSurfaceIsFar) {
       if (made->triangle[i] < own.triangles.rows()) {
         EXPECT_LT(mesh.nodes(made->covered[i], 2), 8);
       }
+}
+
+// Claim: nothing on one side of a sharp fold is answered by probed nodes on the other, unless all are beside it. At a
+// gentle bend it is.
+TEST(ProbeCoordinates, EndInFolds) {
+  for (const double degrees : {20, 90}) {
+    Mesh mesh = grid(24);
+    const auto along_x = mesh.nodes.col(0).eval();
+    for (Eigen::Index i = 0; i < mesh.nodes.rows(); ++i) {
+      const double past = std::max(along_x[i] - 12, 0.0), angle = degrees * std::numbers::pi / 180;
+      mesh.nodes.row(i) << std::min(along_x[i], 12.0) + past * std::cos(angle), mesh.nodes(i, 1),
+          past * std::sin(angle);
+    }
+    const auto all = where(mesh, [](const Eigen::RowVector3d&) { return true; });
+    const auto probed = spread_nodes(mesh.nodes, mesh.surface, all, 4, 0);
+    const auto made = probe_coordinates(mesh.nodes, mesh.surface, probed, {}, 20);
+    std::ptrdiff_t over = 0;
+    for (std::size_t i = 0; i < made.covered.size(); ++i) {
+      const double of_node = along_x[made.covered[i]] - 12;
+      for (int k = 0; k < 3; ++k) {
+        const double of_corner = along_x[made.triangles(made.triangle[i], k)] - 12;
+        over += made.weights(static_cast<Eigen::Index>(i), k) > 0 && of_node * of_corner < 0 &&
+                std::max(std::abs(of_node), std::abs(of_corner)) > 2;
+      }
+    }
+    EXPECT_EQ(over > 0, degrees < 45) << over;
+    EXPECT_GE(std::ssize(made.covered), degrees < 45 ? std::ssize(all) * 95 / 100 : std::ssize(all) * 3 / 4);
+  }
 }
 
 // Claim: there are no holes between probed nodes that are spread unevenly.

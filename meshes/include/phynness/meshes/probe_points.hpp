@@ -39,12 +39,13 @@ struct ProbeCoordinates {
   Points weights;                      ///< n_covered x 3 barycentric weights in it, >= 0 and of sum 1
   std::vector<char> is_beyond;    ///< of each covered node: beyond the outermost triangles, or it faces another way
   std::ptrdiff_t n_too_long = 0;  ///< triangles that are left out because of their edges
-  NodeList unlike;                ///< ascending; without coordinates because tools there have too little in common
+  NodeList unlike;                ///< ascending; without coordinates because of sharp edges or folds
 };
 /// Only nodes in triangles with edges of at most the tool's radius are covered, and beside the outermost ones nodes up
 /// to a quarter of an edge beyond. Triangles end at the probed part: nodes between three cells are no farther from the
 /// probed nodes of these than neighbouring probed nodes are from each other, and triangles face as the surface does.
-/// Over sharp edges a tool at a node may have little in common with those at the probed nodes; it has no coordinates.
+/// A node has none where its tool has little in common with those at the probed nodes, as over sharp edges, nor in a
+/// fold, where its stiffness differs from theirs.
 /// @param probed, fixed  ascending; nothing reaches across fixed nodes, which have no coordinates
 /// @param linear  ascending, other points (NodeSets::linear), to which the probed nodes are joined. The triangles of
 ///   probed nodes come first and are those without them, and so are the coordinates of the nodes in them; all others
