@@ -1,6 +1,6 @@
 // Camera, colour map and numbers, which the pages share.
 import { describe, expect, test } from 'vitest';
-import { acrossScreen, frameOf, framing, outsideOf, project, rayThrough, turned, type Camera } from '../shared/src/camera.js';
+import { acrossScreen, facing, frameOf, framing, outsideOf, project, rayThrough, turned, type Camera } from '../shared/src/camera.js';
 import { cssOf, encoded, linearColour } from '../shared/src/colour_maps.js';
 import { plain, roundedDown, significant, ticks } from '../shared/src/numbers.js';
 import { add, cross, dot, norm, scale, sub, type V3 } from '../shared/src/vectors.js';
@@ -28,6 +28,18 @@ describe('camera', () => {
     expect(to.x - from.x).toBeCloseTo(37, 3);
     expect(to.y - from.y).toBeCloseTo(-21, 3);
   });
+  test('the probed part is seen from its own side, and a probed body from the front', () => {
+    const corners: V3[] = [-1, 1].flatMap((x) => [-1, 1].flatMap((y) => [-1, 1].map((z): V3 => [x, y, z])));
+    const seen = (points: V3[]) => frameOf({ target: [0, 0, 0], distance: 1, ...facing(corners.flat(), points) }).eye;
+    const front = seen(corners);
+    for (let axis = 0; axis < 3; ++axis)
+      for (const sign of [-1, 1]) {
+        const side = corners.filter((x) => x[axis] === sign), eye = seen(side);
+        expect(sign * eye[axis]!).toBeGreaterThan(0.3);
+        if (sign * front[axis]! > 0) expect(eye).toEqual(front);
+      }
+  });
+
   test('framing shows the whole body, on a phone, too', () => {
     const points = Float64Array.from([0, 0, 0, 0.2, 0, 0, 0.2, 0.14, 0, 0, 0.14, 0.05]);
     for (const screen of [size, { width: 360, height: 640 }]) {

@@ -127,6 +127,14 @@ export function outsideOf(camera: Camera, points: ArrayLike<number>, least: numb
 
 const fromFront = { azimuth: (-65 * Math.PI) / 180, elevation: (32 * Math.PI) / 180 };
 
+/** From where most of some points are seen: the front and above, unless they lie on the other side of the body. */
+export function facing(body: ArrayLike<number>, points: readonly V3[]): { azimuth: number; elevation: number } {
+  const { center, radius } = boundsOf(body), sum = points.reduce((a, b) => add(a, sub(b, center)), zero);
+  const [x, y, z] = scale(1 / (points.length * radius), sum);
+  if (!(dot([x, y, z], frameOf({ target: zero, distance: 1, ...fromFront }).eye) < -0.1)) return fromFront;
+  return { azimuth: Math.atan2(y, x), elevation: Math.atan2(z, Math.hypot(x, y)) };
+}
+
 /** The whole body, from the front and above or from where another camera is, as large as the picture allows with a margin for
  * legends. */
 export function framing(points: ArrayLike<number>, size: Size, { azimuth, elevation }: { azimuth: number; elevation: number } = fromFront): Camera {

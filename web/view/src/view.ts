@@ -1,7 +1,7 @@
 // The page at work: draws a session when something changed.
 import type { Place } from '../../runtime/src/index.js';
 import { BodyPicture, unknown } from '../../shared/src/body_picture.js';
-import { framing, outsideOf, project, type Camera, type Size } from '../../shared/src/camera.js';
+import { facing, framing, outsideOf, project, type Camera, type Size } from '../../shared/src/camera.js';
 import { coloursOf } from '../../shared/src/colour_maps.js';
 import { Legend } from '../../shared/src/legend.js';
 import { significant } from '../../shared/src/numbers.js';
@@ -50,7 +50,7 @@ export class View {
     this.moved = new Float32Array(this.surface.points.length);
     this.picture.setSurface(this.surface.nVertices, this.surface.triangles);
     this.picture.resize(this.stage.clientWidth, this.stage.clientHeight);
-    this.camera = framing(this.rest, this.size);
+    this.camera = framing(this.rest, this.size, facing(this.rest, [...runtime.active].map((node) => runtime.point(node))));
     this.marks = new Marks(this.picture.objects, session.bounds.radius, runtime.active.size);
     this.parts = partsLegend(runtime);
     this.partColours = partColours(this.surface, runtime);
