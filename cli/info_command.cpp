@@ -262,7 +262,7 @@ json about_model(const std::filesystem::path& dir) {
   std::vector<std::int32_t> active;
   for (const auto& node : m.nodes) active.push_back(node.node);
   const auto sizes = sizes_of(m);
-  print_result("model     {}: family {}, {} \n", dir.string(), name(m.family), m.software_version);
+  print_result("model     {}: family {}, {}\n", dir.string(), name(m.family), m.software_version);
   print_result("scene     {}, physics {}\n", m.title, m.physics_hash);
   print_mesh(model.mesh(), {m.fixed, active, m.output});
   print_result("responses {}\n", operations(m.family).describe(m));

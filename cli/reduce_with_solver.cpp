@@ -120,7 +120,7 @@ std::optional<Reduced> reduced(const std::filesystem::path& database, const Redu
   if (target && error > *target)
     message(
         "warning: the force error of two tools is {:.3g} % (the largest of p95, a third of the maximum and 2.5 times "
-        "the mean{}), and larger bodies are less than a tenth better; {:.3g} % were wanted\n",
+        "the mean{}), and larger bodies are less than a tenth better; {:.3g} % were wanted (--target-error)\n",
         100 * error, tools > 2 ? ", and half of p95 of three tools" : "", 100 * *target);
   return best;
 }

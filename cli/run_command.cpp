@@ -94,7 +94,7 @@ void print_body(const std::filesystem::path& figures_of_reduce) {
       const double step_ms = 1e3 * size["errors"]["step_s"].get<double>();
       print_result("body.txt       {} modes, {} cells; one of Newton's steps takes {:.2g} ms{}\n",
                    made["modes"].get<int>(), made["cells"].get<int>(), step_ms,
-                   step_ms > 1 ? ", longer than a cycle of 1 kHz (reduce --modes makes smaller bodies)" : "");
+                   step_ms > 0.5 ? " of a cycle of 1 ms (phynness reduce --modes makes smaller bodies)" : "");
     }
 }
 

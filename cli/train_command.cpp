@@ -142,6 +142,7 @@ void print(const Trained& t, const std::filesystem::path& output) {
     message("warning: {} active nodes have no converged increment and are omitted from the model\n", report.n_skipped);
   print_result("model.txt {}, mesh.txt {} -> {}\n", bytes(t.loaded->text().size()), bytes(t.loaded->mesh_text_bytes()),
                output.string());
+  print_result("it has no bounds of its errors; phynness calibrate adds them\n");
 }
 
 json to_json(const Trained& t) {

@@ -5,7 +5,7 @@
 //                                           pinch    the same, both push and move towards each other
 // --body FILE             a body.txt, which two round tools need
 // --sphere RADIUS         spheres, which find their place themselves, in place of held tools; --friction MU
-// --at X,Y,Z              the middle of the motion: the nearest point of the surface [above the middle of the probed
+// --at X,Y,Z              the middle of the motion: the nearest point of the surface [the middle of the probed
 //                         nodes; of a body alone the highest]; --along X,Y,Z
 // --depth, --reach, --speed     in metres, and at most in metres in a second
 // --device                a simulated device with phn_loop between hand and tool
@@ -208,25 +208,34 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
   bool is_tripped = false;
   for (std::size_t t = 0; with_device && t < n; ++t) {
     const phn_loop_report& report = told[t];
-    std::printf("tool %zu: work_J %.3g mJ (positive: taken from the hand), at most given to it %.3g mJ. %s\n", t,
+    std::printf("tool %zu: work %.3g mJ (positive: taken from the hand), at most given to it %.3g mJ. %s\n", t,
                 1e3 * report.work_J, 1e3 * report.most_delivered_J, phn_loop_trip_message(report.trip));
     is_tripped |= report.trip != PHN_TRIP_NONE;
   }
   return is_tripped ? 3 : 0;
 }
 
-/// A point above the middle of the probed nodes, or of a body alone one above the highest.
+/// The place of the surface above the middle of the probed nodes, or, if it is more than twice as far from the middle
+/// as the nearest of these, this node; of a body alone a point above the highest.
 Vector find_middle(const phynness::Organ& organ) {
   const phn_info& info = organ.info();
-  Vector sum{};
-  double top = -1;
+  std::vector<Vector> probed;
+  Vector middle{}, above{0, 0, 1};
   for (int o = 0, a = 0; o < info.n_output && a < info.n_active; ++o) {
     if (info.output_nodes[o] != info.active_nodes[a]) continue;
-    const double* point = info.output_points + 3 * o;
-    sum = sum + Vector{point[0], point[1], point[2]};
-    top = a++ == 0 ? point[2] : std::max(top, point[2]);
+    const double* x = info.output_points + 3 * o;
+    probed.push_back({x[0], x[1], x[2]});
+    ++a;
   }
-  return info.n_active > 0 ? Vector{sum[0] / info.n_active, sum[1] / info.n_active, top} : Vector{0, 0, 1};
+  if (probed.empty()) return above;
+  for (const Vector& x : probed) middle = middle + (1.0 / info.n_active) * x;
+  const auto is_nearer = [&](const Vector& a, const Vector& b) { return norm(a - middle) < norm(b - middle); };
+  const auto node = *std::min_element(probed.begin(), probed.end(), is_nearer);
+  above = middle;
+  for (const Vector& x : probed) above[2] = std::max(above[2], x[2]);
+  phn_tool tool;
+  if (Vector at{}; organ.nearest(above, tool, at).ok()) above = at;
+  return norm(above - middle) > 2 * norm(node - middle) ? node : above;
 }
 
 /// The outward normal, as a sphere that grasps the surface finds it.

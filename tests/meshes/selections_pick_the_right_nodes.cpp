@@ -161,15 +161,17 @@ TEST(Selections, ThatAreSpreadButNotCoveredGetAWarning) {
   text = warning("{ count = 2 }", 3);
   EXPECT_TRUE(contains(text, "no triangle between the 2 points") && contains(text, "\"auto\"")) << text;
   text = warning("{ count = 9 }", 1.5);
-  EXPECT_TRUE(contains(text, "triangles between the points have edges longer than the radius")) << text;
+  EXPECT_TRUE(contains(text, "triangles between the points, such as at node ") &&
+              contains(text, ", have edges longer than the radius"))
+      << text;
   EXPECT_TRUE(contains(text, "spacing = \"auto\" covers the surface")) << text;
 }
 
 // Claim: spacing = "auto" that probes every node is named where many are probed, and with a spacing that follows the
 // tool already, triangles that are too long ask for a finer mesh.
 TEST(Selections, ThatAreSpreadByTheToolAskForWhatHelps) {
-  const auto warnings = [](const Mesh& mesh, double radius) {
-    const Scene scene = spread("{ spacing = \"auto\" }", radius);
+  const auto warnings = [](const Mesh& mesh, double radius, const char* active = "{ spacing = \"auto\" }") {
+    const Scene scene = spread(active, radius);
     const auto sets = resolve_selections(scene, mesh);
     std::string all = choice_note(scene, mesh, sets) + "\n";
     for (const auto& one : patch_warnings(scene, mesh, sets)) all += one + "\n";
@@ -186,6 +188,7 @@ TEST(Selections, ThatAreSpreadByTheToolAskForWhatHelps) {
               contains(gaps, "smaller target_size_m"))
       << gaps;
   EXPECT_FALSE(contains(gaps, "covers the surface")) << gaps;
+  EXPECT_EQ(warnings(grid(), 1.2, "{ difference = [{ spacing = \"auto\" }, \"fixed\"] }"), gaps);
 }
 
 TEST(Selections, OfNoNodeNameTheNearestOfTheSurfaceAndItsDistance) {

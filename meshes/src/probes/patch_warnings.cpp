@@ -97,13 +97,18 @@ std::string warn_of_fixed(const Scene& scene, const Mesh& mesh, const NodeSets& 
          three_digits(largest * radius) + " m beside the node (" + three_digits(largest) + " of the radius, at node " +
          std::to_string(where) + "), and the force is that of this part; " +
          (spreads(scene.active)
-              ? "without these nodes: add from_fixed_m = " + three_digits(radius) + " to active"
+              ? "without these nodes: add from_fixed_m = " + three_digits(radius) +
+                    " to the selection with spacing or count"
               : "without these nodes: active = { difference = [SELECTION, { near = { to = \"fixed\", distance_m = " +
                     three_digits(radius) + " } }] }, where SELECTION is that of now");
 }
 
 /// Spread by the radius of the tool, spacing = "auto".
 bool is_automatic(const Selector& s) { return s.kind == SelectorKind::spread && !(s.length_m > 0) && s.count == 0; }
+bool holds_automatic(const Selection& selection) {
+  return std::ranges::any_of(
+      selection, [](const Selector& s) { return is_automatic(s) || std::ranges::any_of(s.of, holds_automatic); });
+}
 
 /// As many points as a larger organ has with spacing = "auto": of fewer, leaving some out saves little.
 constexpr std::ptrdiff_t fewest_worth_a_choice = 50;
@@ -117,18 +122,19 @@ std::string warn_of_gaps(const Scene& scene, const Mesh& mesh, const NodeSets& s
            " points; a round tool, kind = \"patch\" with tool_radius_m, is answered between them, too";
   const double radius = scene.probe.tool_radius_m;
   const auto made = probe_coordinates(mesh.nodes, mesh.surface, sets.active, sets.fixed, radius);
-  const auto n = made.triangles.rows(), all = n + made.n_too_long;
+  const auto n = made.triangles.rows(), all = n + std::ssize(made.too_long);
   if (n > 0 && n == all) return "";
   return place +
-         (n == 0 ? "no triangle between the " + n_points + " points"
-                 : std::to_string(all - n) + " of " + std::to_string(all) + " triangles between the points") +
+         (n == 0
+              ? "no triangle between the " + n_points + " points"
+              : std::to_string(all - n) + " of " + std::to_string(all) +
+                    " triangles between the points, such as at node " + std::to_string(made.too_long.front()) + ",") +
          (n == 0 ? " has edges of at most the radius" : " have edges longer than the radius") +
          ", tool_radius_m = " + three_digits(radius) + ", so that the tool is not answered " +
          (n == 0 ? "between them" : "in these") +
-         (std::ranges::any_of(scene.active, is_automatic)
-              ? std::string("; give a finer mesh, such as a smaller target_size_m") + also_remesh(scene.mesh) +
-                    ", or a part without nodes far from the others"
-              : "; spacing = \"auto\" covers the surface");
+         (holds_automatic(scene.active) ? std::string("; give a finer mesh, such as a smaller target_size_m") +
+                                              also_remesh(scene.mesh) + ", or a part without nodes far from the others"
+                                        : "; spacing = \"auto\" covers the surface");
 }
 
 }  // namespace
@@ -161,8 +167,8 @@ std::string choice_note(const Scene& scene, const Mesh& mesh, const NodeSets& se
     const std::string nodes = std::to_string(n) + " of the " + std::to_string(part.size()) + " nodes of the part";
     return s.where.str() + ": " +
            (automatic ? "spacing = \"auto\" chose " + three_digits(1e3 * body.tool_radius_m / 3) +
-                            " mm between points, a third of the radius of the tool; edges of the mesh are about as "
-                            "long, so that " +
+                            " mm between points, a third of the radius of the tool; most edges of the mesh are not "
+                            "shorter, so that " +
                             nodes +
                             " are probed; phynness plan tells the cost, and a smaller part in "
                             "`within` reduces it"

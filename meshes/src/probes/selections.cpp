@@ -87,12 +87,12 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets, co
     throw input_error(
         scene.active_where.prefix() + "active nodes that are also fixed cannot be displaced", listed(both),
         both.size() == sets.active.size()
-            ? "they are all active nodes: select others, such as \"free-surface\", or fix fewer nodes"
+            ? "every active node is fixed: select others, such as \"free-surface\", or fix fewer nodes"
             : "remove them by active = { difference = [ SELECTION, \"fixed\" ] }, or use \"free-surface\"");
   if (const NodeList inside = meshes::without(sets.active, body.surface); !inside.empty())
     throw input_error(scene.active_where.prefix() + "active nodes inside the body cannot be touched", listed(inside),
                       inside.size() == sets.active.size()
-                          ? "they are all active nodes: select nodes of the surface, such as \"free-surface\""
+                          ? "no active node is on the surface: select nodes of it, such as \"free-surface\""
                           : "add surface_only = true to the selector, or use \"free-surface\"");
   sets.tools = tools_of(mesh, sets.fixed, sets.active, scene.probe.tool_radius_m);
   select_elsewhere(scene, mesh, sets);

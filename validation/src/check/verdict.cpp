@@ -38,7 +38,7 @@ VerdictLine of_model(const Validated& v) {
   if (!std::isnan(wrong_with_warning)) by_warning += in_percent(wrong_with_warning) + " % of those with a warning; ";
   if (const auto& linear = e.all.linear; force.n > 0)
     text = fmt::format(
-        "{} probes (linear predictor: {} %); {} % of the forces are wrong by more than a tenth of their size "
+        "{} probes (linear predictor: {} %); {} % of the forces are wrong by more than a tenth of their own size "
         "({}linear predictor: {} %)",
         in_words(force, " of the node's largest force"), in_percent(linear.force.mean), in_percent(wrong_of_all),
         by_warning, in_percent(linear.wrong));
@@ -114,7 +114,7 @@ VerdictLine of_two_tools(const Validated& v) {
     text = fmt::format("{} pairs (linear predictor: {} %, {} {} %)", in_words(force), in_percent(linear.mean),
                        has_p95(linear) ? "below" : "at most", in_percent(linear.p95));
   if (warned.n > 0)
-    text += fmt::format("; {} % on average in {} pairs with a warning (linear predictor: {} %)",
+    text += fmt::format("; {} % on average in {} pairs with a warning, such as near tools (linear predictor: {} %)",
                         in_percent(warned.mean), warned.n, in_percent(flagged.linear.force.mean));
   if (const auto& answers = v.pairs.answers; answers.bounded > 0)
     text +=

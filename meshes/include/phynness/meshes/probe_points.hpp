@@ -37,9 +37,9 @@ struct ProbeCoordinates {
   NodeList covered;                    ///< the nodes that have coordinates, ascending, with the probed ones
   std::vector<std::int32_t> triangle;  ///< of each covered node, a row of `triangles`
   Points weights;                      ///< n_covered x 3 barycentric weights in it, >= 0 and of sum 1
-  std::vector<char> is_beyond;    ///< of each covered node: beyond the outermost triangles, or it faces another way
-  std::ptrdiff_t n_too_long = 0;  ///< triangles that are left out because of their edges
-  NodeList unlike;                ///< ascending; without coordinates because of sharp edges or folds
+  std::vector<char> is_beyond;  ///< of each covered node: beyond the outermost triangles, or it faces another way
+  NodeList too_long;            ///< a corner of each triangle that is left out because of its edges
+  NodeList unlike;              ///< ascending; without coordinates because of sharp edges or folds
 };
 /// Only nodes in triangles with edges of at most the tool's radius are covered, and beside the outermost ones nodes up
 /// to a quarter of an edge beyond. Triangles end at the probed part: nodes between three cells are no farther from the
