@@ -103,7 +103,8 @@ TEST_F(ShortenedRays, HaveOneShareOfTheProbeVolume) {
     succeed("precompute scene.toml -o d.h5");
     succeed("train scene.toml d.h5 -o m --family modal");
     const double judged = validated("m --probes 4").at("verdict").at("not_covered").at("share_of_volume");
-    EXPECT_EQ(holds(unbroken(read_file(folder / "stdout.txt")), ", and all that point outward, which have no training"),
+    const auto verdict = unbroken(read_file(folder / "stdout.txt"));
+    EXPECT_EQ(verdict.find(", and all that point outward, which have no training") != std::string::npos,
               directions[0] == '"');
     succeed("info d.h5 --json i.json");
     EXPECT_GT(judged, 0.01);
