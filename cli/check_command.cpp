@@ -131,9 +131,9 @@ void print_trade(const Scene& scene, const TradeReport& report, const TradeRow* 
                  : row.is_scene   ? "  this scene"
                                   : "");
   }
-  const char* legend = !std::ranges::any_of(report.rows, &TradeRow::on_front) ? ""
-                       : chosen == nullptr ? "* no other row is better in error (mean) and core-hours; "
-                                           : "* no other row is better in error (mean) and core-hours; > chosen; ";
+  std::string legend;
+  if (std::ranges::any_of(report.rows, &TradeRow::on_front))
+    legend = fmt::format("* no other row is better in error (mean) and core-hours{}; ", chosen ? "; > chosen" : "");
   print_result("\n{}{}\n", legend, duration(report.seconds));
 }
 

@@ -58,7 +58,7 @@ TEST_F(Verdict, IsFirstAndNarrow) {
                {"at 2 probes of a round tool", " mm radius (fewer than 4 are too few for a mean)",
                 "has taylor-hood elements on the same mesh, corrected by what cells of half the size change at rest. "
                 "At rest the element alone changes the stiffness by ",
-                "; smaller cells lessen the last. ", "limits the accuracy"});
+                "; smaller cells reduce the last. ", "limits the accuracy"});
   EXPECT_EQ(run.out.find("Not compared"), std::string::npos) << "a block has no other shape than its mesh";
   const auto table = table_of(lines);
   EXPECT_GE(table.size(), 4U) << run.out;

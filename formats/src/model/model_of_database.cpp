@@ -140,7 +140,7 @@ std::string FinerDistance::sentence() const {
   if (has_parts) text += ". The finer solution has " + finer;
   text += parts;
   if (cells_at_rest.places > 0 && !parts.empty())
-    text += std::string("; smaller cells lessen the last") + (has_shape_step ? " two" : "");
+    text += std::string("; smaller cells reduce the last") + (has_shape_step ? " two" : "");
   if (!left_out.empty())
     text += ". Not compared: " + left_out + " (phynness check SCENE, with more --seconds, does it)";
   if (of_reference.places > 0 && of_reference.mean < mean) {

@@ -23,9 +23,9 @@ constexpr double beyond = 0.25;  ///< of the longest edge: how far coordinates r
 /// edges, the mean error of the interpolation on a liver was 14.6 %, above 0.9 it was 0.7 %.
 constexpr double least_common = 0.6;
 
-/// The sine of the angle at which a tool may see a probed point that answers it above its tangent plane. Above, in a
-/// fold, the stiffness changes several times between them: on a block with a sharp inner edge errors were up to 97 %
-/// of it, and are at most 35 %. Of six organs a heart has two such places.
+/// The sine of the largest angle between the tangent plane at a node and the line to another above it, if one answers
+/// for the other. Where it is larger, in a fold, the stiffness changes several times between them: on a block with a
+/// sharp inner edge errors were up to 97 % without this limit, and are at most 35 % with it.
 constexpr double most_elevation = 0.5;
 
 /// Ways along the surface: its edges, and straight lines over an edge between the corners opposite to it, so that

@@ -178,7 +178,7 @@ ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& 
   std::int64_t steps = 0;
   const auto begin = std::chrono::steady_clock::now();
   for (const auto& state : solved) {
-    if (progress) progress(&state - solved.data(), std::ssize(solved));
+    if (progress) progress(&state - solved.data() + 1, std::ssize(solved));
     if (schema::least_body_modes(static_cast<std::int32_t>(state.tools.size())) > n_modes) continue;
     OrganResponse response;
     loaded.organ().reset().ignore();
