@@ -55,6 +55,8 @@ void check_sizes(const Scene& scene, const QualityReport& q, bool quiet) {
     throw input_error(scene.probe.where.str() + ": the tool is larger than the body",
                       fmt::format("tool_radius_m = {:g}, the body is {:.3g} m long", radius, *longest),
                       "give radii in metres, and check mesh.scale_to_m");
+  if (2 * radius > *longest && !quiet)
+    message("warning: the tool, tool_radius_m = {:g}, is wider than the body is long, {:.3g} m\n", radius, *longest);
 }
 
 /// Largest distance of a --point from the surface, as a fraction of the diagonal of the bounding box.
@@ -276,8 +278,8 @@ void ToolOptions::add_to(CLI::App& command) {
       ->allow_extra_args(false);
   command
       .add_option("--point", points,
-                  "touched point x,y,z [m] instead of a node; the nearest point of the undeformed surface is used; "
-                  "repeat for several tools")
+                  "touched point x,y,z [m] instead of a node; the nearest point of the undeformed surface is used, not "
+                  "farther than a twentieth of the body's diagonal; repeat for several tools")
       ->allow_extra_args(false);
   command
       .add_option("--displacement", displacements,

@@ -9,7 +9,8 @@ namespace {
 TEST_F(BadDatabase, that_does_not_exist) { expect_names(open_error(), {"does not exist", file.c_str(), "precompute"}); }
 
 TEST_F(BadDatabase, that_is_a_folder) {
-  expect_names(refusal([&] { Database::open(folder()); }), {"is a folder", folder().c_str()});
+  expect_names(refusal([&] { Database::open(folder()); }),
+               {"is a folder", folder().c_str(), "give the name of a file in it"});
 }
 
 TEST_F(BadDatabase, that_is_no_hdf5) {

@@ -106,7 +106,7 @@ TEST_F(Check, CountsSmallerCellsAsTheStiffnessAtRest) {
   EXPECT_NE(distance.at("force_ratio").get<double>(), 1);
   EXPECT_LE(std::abs(distance.at("force_ratio").get<double>() - 1), distance.at("mean").get<double>());
   expect_names(unbroken(done.out),
-               {"corrected by what cells of half the size change at rest",
+               {"multiplied by the factor by which cells of half the size change the stiffness at rest",
                 "With taylor-hood elements on the same mesh, which answer one tool only, the error would"});
   EXPECT_EQ(unbroken(done.out).find("shape of the surface"), std::string::npos) << done.out;
 }

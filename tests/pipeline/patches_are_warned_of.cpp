@@ -63,6 +63,8 @@ TEST_F(Patches, AreResolvedAsRecommended) {
   const auto radius = recommended("tool_radius_m", words);
   EXPECT_FALSE(holds(warnings(scene(radius.substr(radius.find("= ") + 2), "0.008")), unresolved)) << words;
   EXPECT_FALSE(holds(warnings(small_scene()), unresolved)) << "a node probe";
+  EXPECT_TRUE(holds(warnings(scene("0.06", "0.008")), "is wider than the body is long, 0.1 m"));
+  EXPECT_FALSE(holds(warnings(scene("0.049", "0.008")), "is wider"));
   // A liver, as a block has a whole number of cells along each edge.
   const auto liver = [](const std::string& size) {
     const auto text =

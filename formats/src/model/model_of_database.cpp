@@ -103,7 +103,8 @@ std::string FinerDistance::sentence() const {
   if (cells_at_rest.places > 0 && reference != reference_names[2]) corrected = "cells of half the size";
   const bool has_shape_step = shape_at_rest.places > 0 && shape_at_rest.mean > 0;
   if (has_shape_step) corrected += (corrected.empty() ? "" : " and ") + std::string("the shape of the surface");
-  if (!corrected.empty()) finer += ", corrected by what " + corrected + " change at rest";
+  if (!corrected.empty())
+    finer += "; its force is multiplied by the factor by which " + corrected + " change the stiffness at rest";
   constexpr int fewest_for_p95 = 20;
   std::string parts, left_out;
   for (const auto& [what, part] : {std::pair{"the element", &element_at_rest},

@@ -19,7 +19,8 @@ void require_input_file(const fs::path& file, const InputFile& about) {
     throw input_error(
         about.what + " cannot be opened: " + (code ? code.message() : std::generic_category().message(errno)),
         file.string(), "check its permissions");
-  if (fs::is_directory(status)) throw input_error(about.what + " is a folder", file.string(), about.remedy);
+  if (fs::is_directory(status))
+    throw input_error(about.what + " is a folder", file.string(), "give the name of a file in it");
   if (!fs::is_regular_file(status))
     throw input_error(about.what + " is a pipe or a device, not a file", file.string(),
                       "write what comes out of it into a file first");

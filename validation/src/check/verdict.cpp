@@ -38,10 +38,11 @@ VerdictLine of_model(const Validated& v) {
   if (!std::isnan(wrong_with_warning)) by_warning += in_percent(wrong_with_warning) + " % of those with a warning; ";
   if (const auto& linear = e.all.linear; force.n > 0)
     text = fmt::format(
-        "{} probes (linear predictor: {} %); {} % of the forces are wrong by more than a tenth of their own size "
-        "({}linear predictor: {} %)",
-        in_words(force, " of the node's largest force"), in_percent(linear.force.mean), in_percent(wrong_of_all),
-        by_warning, in_percent(linear.wrong));
+        "{} probes at {} of {} active nodes (linear predictor: {} %); {} % of the forces are wrong by more than a "
+        "tenth "
+        "of their own size ({}linear predictor: {} %)",
+        in_words(force, " of the node's largest force"), v.report.nodes.size(), v.model.model().nodes.size(),
+        in_percent(linear.force.mean), in_percent(wrong_of_all), by_warning, in_percent(linear.wrong));
   if (const auto& between = v.points.all; between.model.force.n > 0)
     text += fmt::format(". Between probed points: {} (linear predictor: {} %)", in_words(between.model.force),
                         in_percent(between.linear.force.mean));
@@ -176,8 +177,6 @@ VerdictLine not_covered(const Validated& v) {
     text += fmt::format("; {} of {} probes have no finite element solution, {} of them without a warning",
                         e.unreached.size(), e.all.probes,
                         std::ranges::count_if(e.unreached, [](const auto& p) { return !p.flagged; }));
-  if (probed < active)
-    text += fmt::format("; {} of {} active nodes were not compared (validate --nodes)", active - probed, active);
   if (v.points.failed > 0) text += fmt::format("; {} displacements of points were not solved", v.points.failed);
   if (v.pairs.failed > 0) text += fmt::format("; {} pairs were not solved", v.pairs.failed);
   if (v.points.finished == 0) text += "; tools between nodes were not compared (--points)";
